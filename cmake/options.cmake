@@ -1,0 +1,26 @@
+# Every target of ours links `seaway_options`.
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+if(NOT CMAKE_BUILD_TYPE)
+  set(CMAKE_BUILD_TYPE RelWithDebInfo CACHE STRING "" FORCE)
+endif()
+# Line tables are enough for stack traces and build far faster than full debug information.
+set(CMAKE_CXX_FLAGS_RELWITHDEBINFO "-O2 -g1")
+set(CMAKE_CXX_FLAGS_RELEASE "-O2")
+
+add_library(seaway_options INTERFACE)
+target_include_directories(seaway_options INTERFACE ${PROJECT_SOURCE_DIR} ${PROJECT_BINARY_DIR}/generated)
+# Contraction off: the realised sea and the codec are the same bits with every compiler and level.
+target_compile_options(seaway_options INTERFACE -ffp-contract=off -Wall -Wextra -Wpedantic -Wshadow
+  -Wnon-virtual-dtor -Wcast-align -Wold-style-cast -Woverloaded-virtual -Werror)
+target_compile_definitions(seaway_options INTERFACE SEAWAY_VERSION="${PROJECT_VERSION}")
+if(SEAWAY_SANITIZE)
+  target_compile_options(seaway_options INTERFACE -fsanitize=${SEAWAY_SANITIZE} -fno-omit-frame-pointer
+    -fno-sanitize-recover=all)
+  target_link_options(seaway_options INTERFACE -fsanitize=${SEAWAY_SANITIZE})
+endif()
+if(SEAWAY_FUZZ)
+  target_compile_options(seaway_options INTERFACE -fsanitize=fuzzer-no-link)
+endif()

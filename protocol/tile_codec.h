@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// Tile codec v1: one square or rectangular part of a float map to bytes and back, with a promised
+// bound on the largest error. Quantise to twice the bound, predict (2-D Lorenzo on integers),
+// zigzag, byte planes, zstd level 3. Integer exact: the same bytes on every platform. The byte
+// layout is in docs/protocol.md.
+//
+// |decoded - original| <= error for every sample; `error` = 0 is lossless. NaN and infinities are
+// refused. Thread-safe: pure functions.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "base/result.h"
+
+namespace seaway::protocol {
+
+struct TileShape {
+    int width;  ///< 1 .. limits::tile_side_max
+    int height; ///< 1 .. limits::tile_side_max
+};
+
+/// Encodes `height` rows of `width` samples; row r starts at samples[r * row_stride].
+/// error: in the unit of the samples, >= 0 and finite. About 400 MB/s a core.
+Result<std::vector<std::uint8_t>> encode_tile(std::span<const float> samples, TileShape shape,
+                                              std::size_t row_stride, float error);
+
+/// Decodes into `height` rows of `width` samples; row r starts at samples[r * row_stride]. Safe on
+/// hostile bytes: returns an error, never reads or writes out of bounds, allocates no more than the
+/// shape asks for. About 900 MB/s a core.
+Result<void> decode_tile(std::span<const std::uint8_t> bytes, TileShape shape,
+                         std::size_t row_stride, std::span<float> samples);
+
+} // namespace seaway::protocol

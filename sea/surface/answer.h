@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// What one asks of the sea at a point, and what one gets.
+#pragma once
+
+#include <cstdint>
+
+#include "sea/time.h"
+
+namespace seaway::sea {
+
+/// A place in the world (not displaced) and a sea time.
+struct QueryPoint {
+    double x_m; ///< east
+    double y_m; ///< north
+    TimeUs time_us;
+};
+
+/// Bits of Answer::flags.
+enum AnswerFlag : std::uint32_t {
+    answer_folded = 1u << 0,        ///< the surface folds here (J <= 0 nearby); the highest sheet
+    answer_not_converged = 1u << 1, ///< residual above tolerance; `error_m` covers it
+    answer_extrapolated = 1u << 2,  ///< outside the keyframes held; `error_m` is not a bound
+    answer_invalid = 1u << 3,       ///< the point was not a number; the rest is NaN
+    answer_exact = 1u << 4,         ///< direct sum in double precision
+};
+
+/// The surface above a world point.
+struct Answer {
+    double height_m = 0;
+    double normal[3] = {0, 0, 1};       ///< unit length, z up
+    double velocity_mps[3] = {0, 0, 0}; ///< of the water particle at the surface
+    double error_m = 0;                 ///< bound on |height_m - truth|
+    std::uint32_t flags = 0;            ///< AnswerFlag
+};
+
+} // namespace seaway::sea

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+// Host: all that server/net knows of the simulation, and all that the simulation knows of the net.
+// server/net never includes server/simulation; the two meet here, in values and callbacks
+// (docs/architecture.md). A gateway would be server/net with another Host.
+//
+// Host is called from the net thread and must return at once; its callbacks may come on any thread.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "sea/field.h"
+#include "sea/surface/answer.h"
+#include "sea/surface/keyframe.h"
+
+namespace seaway::server {
+
+/// Immutable bytes of one complete wire message, shared by all sessions that send it.
+using SharedBytes = std::shared_ptr<const std::vector<std::uint8_t>>;
+
+using SessionId = std::uint64_t;
+
+/// What a subscriber wants, and what it is granted: the same shape, two different values.
+struct TileDemand {
+    std::uint32_t cascades = 0; ///< bit c
+    sea::FieldSet fields;
+    float error_m = 0; ///< bound on height, all parts together; 0: the server chooses
+};
+
+/// One keyframe to be encoded and sent. `codec_error` is the bound for each contained field in
+/// table order, in the field's unit.
+struct KeyframeTiles {
+    sea::KeyframePtr keyframe;
+    std::vector<float> codec_error;
+};
+
+struct QueryBatch {
+    bool exact = false;
+    std::vector<sea::QueryPoint> points;
+};
+
+struct QueryAnswers {
+    std::uint32_t epoch = 0;
+    std::vector<sea::Answer> answers; ///< one a point, in order; empty with `error` set
+    std::string error;
+};
+
+struct FetchRequest {
+    std::vector<sea::TimeUs> times_us;
+    TileDemand demand;
+};
+
+class Host {
+  public:
+    virtual ~Host() = default;
+
+    virtual sea::TimeUs sea_time_us() const = 0;
+
+    /// Wire message SeaState of the sea that runs (and of the next one, if announced).
+    virtual std::vector<SharedBytes> sea_state_messages() const = 0;
+
+    /// Says what the session will get; from now on its keyframes come through the publisher. The
+    /// grant has no fields if nothing that was asked for is offered. Replaces an earlier demand.
+    virtual TileDemand subscribe(SessionId session, const TileDemand& demand) = 0;
+    virtual void unsubscribe(SessionId session) = 0;
+
+    /// Keyframes that a new subscriber needs at once (around now), encoded by the caller.
+    virtual void fetch(FetchRequest request,
+                       std::function<void(std::vector<KeyframeTiles>, std::string error)> done) = 0;
+
+    virtual void query(QueryBatch batch, std::function<void(QueryAnswers)> done) = 0;
+
+    /// Bodies of /v1/state and /v1/plan (JSON) and the simulation's part of /metrics (Prometheus).
+    virtual std::string state_json() const = 0;
+    virtual std::string plan_json() const = 0;
+    virtual std::string metrics_text() const = 0;
+    virtual bool healthy() const = 0;
+};
+
+} // namespace seaway::server
