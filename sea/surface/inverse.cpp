@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sea/surface/inverse.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace seaway::sea {
+
+namespace {
+
+constexpr int newton_steps_max = 12;
+constexpr int halvings_max = 4;
+constexpr int scan_points = 33;
+/// Below this Jacobian on the way, other sheets are looked for. A single trochoid that folds shows
+/// J < 0.4 on all its sheets; an unfolded sea rarely comes here.
+constexpr double fold_suspected_below = 0.4;
+
+struct Vec2 {
+    double x;
+    double y;
+};
+
+struct Sheet {
+    Vec2 lagrangian;
+    LagrangianPoint point;
+    Vec2 residual;
+    double residual_m;
+};
+
+class Solver {
+  public:
+    Solver(Vec2 target, const InverseOptions& options, const LagrangianField& field)
+        : target_(target), options_(options), field_(field) {}
+
+    Sheet evaluate(Vec2 lagrangian) {
+        const LagrangianPoint point = field_(lagrangian.x, lagrangian.y);
+        const Vec2 residual{lagrangian.x + options_.choppiness.x * point.displacement_x - target_.x,
+                            lagrangian.y + options_.choppiness.y * point.displacement_y -
+                                target_.y};
+        jacobian_min_ = std::min(jacobian_min_, jacobian(point, options_.choppiness));
+        return {lagrangian, point, residual, std::hypot(residual.x, residual.y)};
+    }
+
+    /// Damped Newton; ends at the tolerance or at the best point it could reach.
+    Sheet solve(Vec2 start) {
+        Sheet sheet = evaluate(start);
+        for (int step = 0; step < newton_steps_max && sheet.residual_m > options_.tolerance_m;
+             ++step) {
+            const Vec2 delta = newton_step(sheet);
+            Sheet next = sheet;
+            double length = 1.0;
+            for (int halving = 0; halving <= halvings_max; ++halving, length *= 0.5) {
+                next = evaluate(
+                    {sheet.lagrangian.x + length * delta.x, sheet.lagrangian.y + length * delta.y});
+                if (next.residual_m < sheet.residual_m)
+                    break;
+            }
+            if (!(next.residual_m < sheet.residual_m))
+                break;
+            sheet = next;
+        }
+        return sheet;
+    }
+
+    double jacobian_min() const { return jacobian_min_; }
+
+  private:
+    /// -(I + lambda grad D)^-1 residual; where the matrix is close to singular, the plain
+    /// fixed-point step. Never longer than the reach (D4).
+    Vec2 newton_step(const Sheet& sheet) const {
+        const double a = 1.0 + options_.choppiness.x * sheet.point.strain_xx;
+        const double b = options_.choppiness.x * sheet.point.strain_xy;
+        const double c = options_.choppiness.y * sheet.point.strain_xy;
+        const double d = 1.0 + options_.choppiness.y * sheet.point.strain_yy;
+        const double det = a * d - b * c;
+        Vec2 step{-sheet.residual.x, -sheet.residual.y};
+        if (std::abs(det) > 1e-3)
+            step = {-(d * sheet.residual.x - b * sheet.residual.y) / det,
+                    -(a * sheet.residual.y - c * sheet.residual.x) / det};
+        const double length = std::hypot(step.x, step.y);
+        const double limit = std::max(options_.fold_reach_m, sheet.residual_m);
+        if (length > limit)
+            step = {step.x * limit / length, step.y * limit / length};
+        return step;
+    }
+
+    Vec2 target_;
+    const InverseOptions& options_;
+    const LagrangianField& field_;
+    double jacobian_min_ = std::numeric_limits<double>::infinity();
+};
+
+/// Unit vector along which the surface is compressed most: eigenvector of the smaller eigenvalue of
+/// the symmetric gradient of D.
+Vec2 compression_axis(const LagrangianPoint& point) {
+    const double half_difference = 0.5 * (point.strain_xx - point.strain_yy);
+    const double angle = 0.5 * std::atan2(point.strain_xy, half_difference);
+    return {-std::sin(angle), std::cos(angle)};
+}
+
+/// Every further sheet on the line through `found`; returns the highest of all.
+Sheet highest_sheet(Solver& solver, const Sheet& found, const InverseOptions& options,
+                    bool& folded) {
+    const Vec2 axis = compression_axis(found.point);
+    Sheet best = found;
+    double before = 0.0;
+    for (int i = 0; i < scan_points; ++i) {
+        const double s = options.fold_reach_m * (2.0 * i / (scan_points - 1) - 1.0);
+        const Sheet probe =
+            solver.evaluate({found.lagrangian.x + s * axis.x, found.lagrangian.y + s * axis.y});
+        const double along = probe.residual.x * axis.x + probe.residual.y * axis.y;
+        if (i > 0 && (along > 0) != (before > 0)) {
+            const Sheet sheet = solver.solve(probe.lagrangian);
+            const double apart = std::hypot(sheet.lagrangian.x - found.lagrangian.x,
+                                            sheet.lagrangian.y - found.lagrangian.y);
+            if (sheet.residual_m <= options.tolerance_m && apart > 100 * options.tolerance_m) {
+                folded = true;
+                if (sheet.point.height > best.point.height || best.residual_m > options.tolerance_m)
+                    best = sheet;
+            }
+        }
+        before = along;
+    }
+    return best;
+}
+
+Answer invalid_answer() {
+    constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+    return {nan, {nan, nan, nan}, {nan, nan, nan}, nan, answer_invalid};
+}
+
+} // namespace
+
+double jacobian(const LagrangianPoint& point, const Choppiness& choppiness) {
+    return (1.0 + choppiness.x * point.strain_xx) * (1.0 + choppiness.y * point.strain_yy) -
+           choppiness.x * choppiness.y * point.strain_xy * point.strain_xy;
+}
+
+double surface_slope(const Answer& answer) {
+    constexpr double slope_max = 10.0;
+    const double horizontal = std::hypot(answer.normal[0], answer.normal[1]);
+    return horizontal < slope_max * answer.normal[2] ? horizontal / answer.normal[2] : slope_max;
+}
+
+Answer surface_at(const QueryPoint& point, const InverseOptions& options, LagrangianField field) {
+    if (!std::isfinite(point.x_m) || !std::isfinite(point.y_m))
+        return invalid_answer();
+    Solver solver({point.x_m, point.y_m}, options, field);
+    Sheet sheet = solver.solve({point.x_m, point.y_m});
+    bool folded = false;
+    if (solver.jacobian_min() < fold_suspected_below || sheet.residual_m > options.tolerance_m)
+        sheet = highest_sheet(solver, sheet, options, folded);
+
+    const LagrangianPoint& p = sheet.point;
+    const double lx = options.choppiness.x;
+    const double ly = options.choppiness.y;
+    const double j = jacobian(p, options.choppiness);
+    // Tangent d/dX x tangent d/dY; on the underside of a fold it points down and is turned up.
+    double normal[3] = {ly * p.strain_xy * p.slope_y - (1.0 + ly * p.strain_yy) * p.slope_x,
+                        lx * p.strain_xy * p.slope_x - (1.0 + lx * p.strain_xx) * p.slope_y, j};
+    const double length = std::hypot(normal[0], normal[1], normal[2]);
+    const double scale = length > 0 ? (j < 0 ? -1.0 : 1.0) / length : 0.0;
+
+    Answer answer;
+    answer.height_m = p.height;
+    if (length > 0)
+        for (int i = 0; i < 3; ++i)
+            answer.normal[i] = normal[i] * scale;
+    answer.velocity_mps[0] = lx * p.displacement_x_rate;
+    answer.velocity_mps[1] = ly * p.displacement_y_rate;
+    answer.velocity_mps[2] = p.height_rate;
+    if (folded || j <= 0)
+        answer.flags |= answer_folded;
+    if (sheet.residual_m > options.tolerance_m)
+        answer.flags |= answer_not_converged;
+    answer.error_m = sheet.residual_m * surface_slope(answer);
+    return answer;
+}
+
+} // namespace seaway::sea
