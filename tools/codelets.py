@@ -1,0 +1,228 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""FFT codelets: the one place where butterflies are written.
+
+A codelet is the straight-line inverse DFT of 2, 4, 8, 16 or 32 complex numbers,
+
+    X[k] = sum_n x[n] exp(+2 pi i n k / N),      unnormalised, natural order in and out,
+
+as a list of statements on reals (conjugate-pair split radix; constants folded, common terms shared).
+The same list is printed as GLSL, for the kernels of shaders/generate.py, or as C++, for the native
+synthesizer. Every value is of one type V that stands for one line of data or for several lines side
+by side: float, vec2, vec4 in GLSL; float or any SIMD type in C++.
+
+From Python (GLSL, inlined into a kernel):
+
+    import codelets
+    text = codelets.dft(8).glsl("vec2", inputs=[("r0", "i0"), ...], outputs=[("a0", "b0"), ...])
+
+From CMake (C++, one header with namespace seaway::codelets):
+
+    codelets.py cpp OUT.h           # radices 2 4 8 16 32
+    codelets.py cpp OUT.h 4 8       # these only
+
+    template <class V> struct Complex { V re, im; };
+    template <class V, class S = float> inline void dft8(Complex<V> (&z)[8]);      // in place
+    template <class V, class S = float> void dft(Complex<V> (&z)[N]);              // by the extent
+
+V needs V + V, V - V, -V and V * S (S is the type of the constants): float, double with S = double,
+GCC vector types (typedef float F8 __attribute__((vector_size(32)))), and wrapper classes all do.
+Multiply-add is left to the compiler: -ffp-contract=fast on the file that includes the header turns
+most products into FMA. Keep z in a local array: its indices are constants, so it lives in registers
+as far as they reach (radix 16 needs 32 of them).
+
+    codelets.py check               # every radix against the sum above; prints the operation counts
+"""
+import math
+import sys
+
+RADICES = (2, 4, 8, 16, 32)
+
+
+class Codelet:
+    """Statements on reals. A value is (sign, id); ids below 2 N are the inputs (re, im of x[n])."""
+
+    def __init__(self, n):
+        self.n = n
+        self.statements = []  # (id, op, a, b): op '+', '-': ids a, b; op '*': id a, float b
+        self.known = {}
+        z = [((1, 2 * i), (1, 2 * i + 1)) for i in range(n)]
+        self.outputs = self._dft(z)
+
+    def _emit(self, op, a, b):
+        key = (op, a, b)
+        if key not in self.known:
+            self.known[key] = 2 * self.n + len(self.statements)
+            self.statements.append((self.known[key], op, a, b))
+        return self.known[key]
+
+    def _add(self, a, b):
+        if a[0] > 0 and b[0] > 0:
+            return 1, self._emit("+", min(a[1], b[1]), max(a[1], b[1]))
+        if a[0] > 0 or b[0] > 0:
+            left, right = (a[1], b[1]) if a[0] > 0 else (b[1], a[1])
+            if ("-", right, left) in self.known:
+                return -1, self.known[("-", right, left)]
+            return 1, self._emit("-", left, right)
+        return -1, self._emit("+", min(a[1], b[1]), max(a[1], b[1]))
+
+    def _sub(self, a, b):
+        return self._add(a, (-b[0], b[1]))
+
+    def _scale(self, a, factor):
+        if abs(factor) == 1.0:
+            return (a[0] if factor > 0 else -a[0]), a[1]
+        sign = a[0] if factor > 0 else -a[0]
+        return sign, self._emit("*", a[1], abs(factor))
+
+    def _cadd(self, a, b):
+        return self._add(a[0], b[0]), self._add(a[1], b[1])
+
+    def _csub(self, a, b):
+        return self._sub(a[0], b[0]), self._sub(a[1], b[1])
+
+    def _twiddle(self, z, k, n):
+        """z * exp(+2 pi i k / n), 0 <= k < n/4 or its negative."""
+        if k == 0:
+            return z
+        c, s = math.cos(2 * math.pi * k / n), math.sin(2 * math.pi * k / n)
+        re, im = z
+        if 8 * abs(k) == n:  # (1 +- i) / sqrt 2
+            c = math.sqrt(0.5)
+            plus, minus = self._add(re, im), self._sub(re, im)
+            if k > 0:
+                return self._scale(minus, c), self._scale(plus, c)
+            return self._scale(plus, c), self._scale(self._sub(im, re), c)
+        return (self._sub(self._scale(re, c), self._scale(im, s)),
+                self._add(self._scale(re, s), self._scale(im, c)))
+
+    def _dft(self, x):
+        n = len(x)
+        if n == 1:
+            return x
+        if n == 2:
+            return [self._cadd(x[0], x[1]), self._csub(x[0], x[1])]
+        even = self._dft(x[0::2])
+        up = self._dft([x[(4 * m + 1) % n] for m in range(n // 4)])
+        down = self._dft([x[(4 * m - 1) % n] for m in range(n // 4)])
+        out = [None] * n
+        for k in range(n // 4):
+            a, b = self._twiddle(up[k], k, n), self._twiddle(down[k], -k, n)
+            total, (dre, dim) = self._cadd(a, b), self._csub(a, b)
+            turned = ((-dim[0], dim[1]), dre)  # i (a - b)
+            out[k] = self._cadd(even[k], total)
+            out[k + n // 2] = self._csub(even[k], total)
+            out[k + n // 4] = self._cadd(even[k + n // 4], turned)
+            out[k + 3 * n // 4] = self._csub(even[k + n // 4], turned)
+        return out
+
+    def counts(self):
+        """(additions, multiplications)"""
+        products = sum(1 for s in self.statements if s[1] == "*")
+        return len(self.statements) - products, products
+
+    def lines(self, declare, names, outputs, prefix, constant):
+        """Statements as text. `names`: text of each input id; `outputs`: assignments' left sides."""
+        names = dict(enumerate(names))
+        text = []
+        for ident, op, a, b in self.statements:
+            names[ident] = f"{prefix}{ident - 2 * self.n}"
+            right = constant(b) if op == "*" else names[b]
+            text.append(f"{declare} {names[ident]} = {names[a]} {op} {right};")
+        for (sign, ident), left in zip((v for z in self.outputs for v in z), outputs):
+            text.append(f"{left} = {'-' if sign < 0 else ''}{names[ident]};")
+        return text
+
+    def glsl(self, kind, inputs, outputs, prefix="t", indent="    "):
+        """GLSL text. inputs: n pairs (re, im) of expressions without side effects; outputs: n pairs
+        of names, declared here with type `kind`."""
+        flat = [name for pair in inputs for name in pair]
+        left = [f"{kind} {name}" for pair in outputs for name in pair]
+        body = self.lines(kind, flat, left, prefix, lambda c: f"{c:.9g}" if c != int(c) else f"{c:.1f}")
+        return "".join(f"{indent}{line}\n" for line in body)
+
+    def cpp(self):
+        """A C++ function template dftN."""
+        flat = [f"z[{i}].{part}" for i in range(self.n) for part in ("re", "im")]
+        loads = [f"const V x{i} = {name};" for i, name in enumerate(flat)]
+        body = self.lines("const V", [f"x{i}" for i in range(2 * self.n)], flat, "t",
+                          lambda c: f"S({c!r})")
+        adds, products = self.counts()
+        text = "".join(f"    {line}\n" for line in loads + body)
+        return (f"/// {adds} additions, {products} multiplications.\n"
+                f"template <class V, class S = float>\n"
+                f"SEAWAY_CODELET void dft{self.n}(Complex<V> (&z)[{self.n}]) {{\n{text}}}\n")
+
+    def run(self, x):
+        """Evaluates the statements on Python complex numbers."""
+        value = [part for z in x for part in (z.real, z.imag)] + [0.0] * len(self.statements)
+        for ident, op, a, b in self.statements:
+            value[ident] = {"+": lambda: value[a] + value[b], "-": lambda: value[a] - value[b],
+                            "*": lambda: value[a] * b}[op]()
+        return [complex(re[0] * value[re[1]], im[0] * value[im[1]]) for re, im in self.outputs]
+
+
+_made = {}
+
+
+def dft(n):
+    """The codelet of radix n."""
+    if n not in RADICES:
+        raise ValueError(f"no codelet of radix {n}: have {RADICES}")
+    if n not in _made:
+        _made[n] = Codelet(n)
+    return _made[n]
+
+
+def cpp_header(radices):
+    parts = ["// SPDX-License-Identifier: Apache-2.0\n"
+             "// Written by tools/codelets.py; see there. Inverse DFT, unnormalised, natural order.\n"
+             "#pragma once\n\n"
+             "#if defined(__GNUC__)\n"
+             "#define SEAWAY_CODELET [[gnu::always_inline]] inline\n"
+             "#else\n"
+             "#define SEAWAY_CODELET inline\n"
+             "#endif\n\n"
+             "namespace seaway::codelets {\n\n"
+             "template <class V>\nstruct Complex {\n    V re, im;\n};\n"]
+    for n in radices:
+        parts.append("\n" + dft(n).cpp())
+    parts.append("\n/// By the extent of the array.\n"
+                 "template <class V, class S = float, int n>\n"
+                 "SEAWAY_CODELET void dft(Complex<V> (&z)[n]) {\n")
+    for i, n in enumerate(radices):
+        parts.append(f"    {'else ' if i else ''}if constexpr (n == {n})\n        dft{n}<V, S>(z);\n")
+    parts.append("    else\n        static_assert(n == 0, \"no codelet of this radix\");\n}\n")
+    parts.append("\n} // namespace seaway::codelets\n\n#undef SEAWAY_CODELET\n")
+    return "".join(parts)
+
+
+def check():
+    import cmath
+    import random
+    random.seed(1)
+    for n in RADICES:
+        x = [complex(random.gauss(0, 1), random.gauss(0, 1)) for _ in range(n)]
+        truth = [sum(x[m] * cmath.exp(2j * math.pi * m * k / n) for m in range(n)) for k in range(n)]
+        worst = max(abs(a - b) for a, b in zip(dft(n).run(x), truth))
+        adds, products = dft(n).counts()
+        print(f"radix {n:2}: {adds:3} additions, {products:3} multiplications, error {worst:.1e}")
+        if worst > 1e-13 * n:
+            return 1
+    return 0
+
+
+def main(arguments):
+    if arguments[:1] == ["check"]:
+        return check()
+    if len(arguments) >= 2 and arguments[0] == "cpp":
+        radices = [int(a) for a in arguments[2:]] or RADICES
+        with open(arguments[1], "w", encoding="utf-8") as out:
+            out.write(cpp_header(radices))
+        return 0
+    print(__doc__, file=sys.stderr)
+    return 2
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
