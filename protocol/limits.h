@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+// Every limit of the wire, by name, with its reason. docs/protocol.md lists them for client
+// writers; Welcome tells a client those that it has to respect. Constants only.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace seaway::protocol::limits {
+
+// ---- bytes ---------------------------------------------------------------------------------
+
+/// A message from a client. The largest is a Query of `points_per_query_max` points: 96 KiB and its
+/// frame. Known before a byte is buffered, so a hostile length costs nothing.
+inline constexpr std::size_t client_message_bytes_max = 128 * 1024;
+
+/// A message from the server. The largest is an incompressible tile part (256 KiB and its frame); a
+/// reply to 4096 points is 160 KiB.
+inline constexpr std::size_t server_message_bytes_max = 512 * 1024;
+
+/// Name and token of a client.
+inline constexpr std::size_t hello_text_bytes_max = 1024;
+
+/// The effective scene that SeaState carries: an ordinary scene is 2 KB, measured ones name a file.
+inline constexpr std::size_t scene_bytes_max = 128 * 1024;
+
+// ---- FlatBuffers verifier ------------------------------------------------------------------
+
+/// Message, its body, and nothing nested deeper: 2 tables. Room for growth.
+inline constexpr std::size_t verifier_depth_max = 8;
+inline constexpr std::size_t verifier_tables_max = 32;
+
+// ---- tiles ---------------------------------------------------------------------------------
+
+/// Side of a tile part: 64 Ki samples decode in 0.3 ms, and a reply never waits long behind one.
+inline constexpr int tile_side_max = 256;
+
+/// Side of a whole map (sea/cascade.h).
+inline constexpr int map_side_max = 2048;
+
+/// Parts of one field of a keyframe: (2048 / 256)^2.
+inline constexpr int parts_max = 64;
+
+/// Cascades of one sea: the demand is a 32-bit set, and a scene has 3 to 5.
+inline constexpr int cascades_max = 16;
+
+// ---- requests ------------------------------------------------------------------------------
+
+/// Points a Query: the reply stays under one tile in size; batching, not transport, decides
+/// throughput, and above 1024 points a batch there is nothing left to win.
+inline constexpr std::uint32_t points_per_query_max = 4096;
+
+/// Points of an exact Query: each costs a direct sum over up to 200 000 modes (about a
+/// millisecond), so a full batch holds a core for a quarter of a second.
+inline constexpr std::uint32_t exact_points_per_query_max = 256;
+
+/// Times a Fetch: two keyframes of every cascade for each.
+inline constexpr std::uint32_t times_per_fetch_max = 8;
+
+/// Queries of one session that the simulation has not answered: enough to hide the round trip.
+inline constexpr int queries_in_flight_max = 16;
+
+/// Fetches (and starts of subscriptions) of one session whose tiles are not all sent: what they
+/// hold is the largest thing a session can make the server keep.
+inline constexpr int fetches_in_flight_max = 1;
+
+/// Protocol versions that a Hello may list.
+inline constexpr std::size_t versions_per_hello_max = 16;
+
+// ---- sending -------------------------------------------------------------------------------
+
+/// Streamed keyframes that a session may leave unacknowledged: 1 is for the newest picture, 2 hides
+/// the round trip, 8 is for long fat links with many cascades.
+inline constexpr int credit_min = 1;
+inline constexpr int credit_default = 2;
+inline constexpr int credit_max = 8;
+
+/// Replies that wait for a session. At half of it the session is no longer read from.
+inline constexpr std::size_t replies_waiting_max = 64;
+
+/// Durable messages (sea states) that wait for a session; one more closes it as too slow.
+inline constexpr std::size_t durable_waiting_max = 16;
+
+/// Messages of one fetch: 8 times x 2 keyframes x 5 cascades x 13 fields x 4 parts.
+inline constexpr std::size_t fetch_messages_max = 4160;
+
+/// Bytes of one fetch that wait for a session.
+inline constexpr std::size_t fetch_bytes_max = 64u * 1024 * 1024;
+
+} // namespace seaway::protocol::limits

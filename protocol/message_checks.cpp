@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+// Ranges of the values in a verified message (protocol/messages.h). Only the shape of a message is
+// proven by the verifier; a cascade number, a size or a count can still be anything.
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "protocol/limits.h"
+#include "protocol/messages.h"
+
+namespace seaway::protocol {
+namespace {
+
+template <class T>
+Result<void> in_range(std::string_view field, T value, T lo, T hi) {
+    if (value >= lo && value <= hi) // false for NaN
+        return {};
+    return Error{fmt::format("{} is {}, allowed are {} to {}", field, value, lo, hi)};
+}
+
+template <class Vector>
+std::size_t count(const Vector* list) {
+    return list == nullptr ? 0 : list->size();
+}
+
+Result<void> text_fits(std::string_view field, const flatbuffers::String* text,
+                       std::size_t bytes_max) {
+    return in_range<std::size_t>(fmt::format("length of {}", field), count(text), 0, bytes_max);
+}
+
+/// The first failure of several checks.
+template <class... Checks>
+Result<void> all_of(Checks&&... checks) {
+    Result<void> first;
+    (void)((first = std::forward<Checks>(checks), first.has_value()) && ...);
+    return first;
+}
+
+Result<void> check_fields(std::uint32_t bits) {
+    return bits != 0 ? Result<void>() : Error{"fields is empty: nothing is asked for"};
+}
+
+} // namespace
+
+Result<void> check(const wire::Hello& hello) {
+    return all_of(in_range<std::size_t>("count of versions", count(hello.versions()), 1,
+                                        limits::versions_per_hello_max),
+                  text_fits("client", hello.client(), limits::hello_text_bytes_max),
+                  text_fits("token", hello.token(), limits::hello_text_bytes_max));
+}
+
+Result<void> check(const wire::Subscribe& subscribe) {
+    return all_of(
+        check_fields(subscribe.fields()), in_range("error_m", subscribe.error_m(), 0.0f, 1e6f),
+        in_range<int>("credit", subscribe.credit(), limits::credit_min, limits::credit_max));
+}
+
+Result<void> check(const wire::Fetch& fetch) {
+    return all_of(check_fields(fetch.fields()), in_range("error_m", fetch.error_m(), 0.0f, 1e6f),
+                  in_range<std::size_t>("count of times_us", count(fetch.times_us()), 1,
+                                        limits::times_per_fetch_max));
+}
+
+Result<void> check(const wire::Query& query) {
+    const std::size_t points_max =
+        query.exact() ? limits::exact_points_per_query_max : limits::points_per_query_max;
+    return in_range<std::size_t>("count of points", count(query.points()), 0, points_max);
+}
+
+Result<void> check(const wire::Welcome& welcome) {
+    return in_range<int>("version", welcome.version(), version, version);
+}
+
+Result<void> check(const wire::SeaState& state) {
+    Result<void> fine =
+        all_of(in_range<std::size_t>("count of cascades", count(state.cascades()), 0,
+                                     limits::cascades_max),
+               in_range("choppiness_x", state.choppiness_x(), -10.0, 10.0),
+               in_range("choppiness_y", state.choppiness_y(), -10.0, 10.0),
+               in_range("height_error_m", state.height_error_m(), 0.0, 1e6),
+               in_range("interpolation_error_m", state.interpolation_error_m(), 0.0, 1e6),
+               in_range("rms_slope", state.rms_slope(), 0.0, 1e6));
+    if (!fine || state.cascades() == nullptr)
+        return fine;
+    for (const wire::CascadeInfo* cascade : *state.cascades()) {
+        fine = all_of(in_range("length_m", cascade->length_m(), 1e-3, 1e9),
+                      in_range<std::uint32_t>("size", cascade->size(), 1, limits::map_side_max),
+                      in_range<std::int64_t>("interval_us", cascade->interval_us(), 1,
+                                             std::int64_t{3600} * 1'000'000),
+                      in_range("k_lo_radpm", cascade->k_lo_radpm(), 0.0, 1e9),
+                      in_range("k_hi_radpm", cascade->k_hi_radpm(), 0.0, 1e9));
+        if (!fine)
+            break;
+    }
+    return fine;
+}
+
+Result<void> check(const wire::Subscribed& subscribed) {
+    return all_of(
+        in_range("error_m", subscribed.error_m(), 0.0f, 1e6f),
+        in_range<int>("credit", subscribed.credit(), limits::credit_min, limits::credit_max));
+}
+
+Result<void> check(const wire::Tile& tile) {
+    const int size = tile.size();
+    return all_of(in_range<int>("cascade", tile.cascade(), 0, limits::cascades_max - 1),
+                  in_range<int>("field", tile.field(), 0, sea::field_count - 1),
+                  in_range<int>("size", size, 1, limits::map_side_max),
+                  in_range<int>("width", tile.width(), 1, limits::tile_side_max),
+                  in_range<int>("height", tile.height(), 1, limits::tile_side_max),
+                  in_range<int>("x0", tile.x0(), 0, size - tile.width()),
+                  in_range<int>("y0", tile.y0(), 0, size - tile.height()),
+                  in_range<int>("parts", tile.parts(), 1, limits::parts_max),
+                  in_range<int>("part", tile.part(), 0, tile.parts() - 1),
+                  in_range("error", tile.error(), 0.0f, 1e6f),
+                  in_range<std::size_t>("count of payload bytes", count(tile.payload()), 1,
+                                        limits::server_message_bytes_max));
+}
+
+Result<void> check(const wire::QueryReply& reply) {
+    return in_range<std::size_t>("count of answers", count(reply.answers()), 0,
+                                 limits::points_per_query_max);
+}
+
+} // namespace seaway::protocol

@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "protocol/messages.h"
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "protocol/limits.h"
+
+namespace seaway::protocol {
+namespace {
+
+using flatbuffers::FlatBufferBuilder;
+using flatbuffers::Offset;
+
+/// force_defaults: every scalar has its place in the message, so that it can be patched in a copy
+/// and so that equal values are equal bytes.
+FlatBufferBuilder builder(std::size_t bytes_expected) {
+    FlatBufferBuilder built(bytes_expected);
+    built.ForceDefaults(true);
+    return built;
+}
+
+template <class T>
+Bytes finish(FlatBufferBuilder& built, Offset<T> body) {
+    const auto message = wire::CreateMessage(built, wire::BodyTraits<T>::enum_value, body.Union());
+    built.Finish(message, wire::MessageIdentifier());
+    return {built.GetBufferPointer(), built.GetBufferPointer() + built.GetSize()};
+}
+
+template <class T>
+Offset<flatbuffers::Vector<T>> vector_of(FlatBufferBuilder& built, std::span<const T> values) {
+    return built.CreateVector(values.data(), values.size());
+}
+
+Offset<flatbuffers::String> string_of(FlatBufferBuilder& built, std::string_view text) {
+    return built.CreateString(text.data(), text.size());
+}
+
+bool sent_by_client(wire::Body kind) {
+    return kind >= wire::Body::Hello && kind <= wire::Body::Ping;
+}
+
+/// A bound may be widened on its way into a float, never narrowed.
+float bound_to_float(double bound) {
+    const auto nearest = static_cast<float>(bound);
+    return static_cast<double>(nearest) < bound
+               ? std::nextafter(nearest, std::numeric_limits<float>::infinity())
+               : nearest;
+}
+
+} // namespace
+
+Result<const wire::Message*> MessageReader::read(std::span<const std::uint8_t> bytes) {
+    const std::size_t bytes_max = sender_ == Sender::client ? limits::client_message_bytes_max
+                                                            : limits::server_message_bytes_max;
+    // 8: root offset and identifier, which the verifier reads without asking for the latter.
+    if (bytes.size() < 8 || bytes.size() > bytes_max)
+        return Error{
+            fmt::format("message of {} bytes, 8 to {} are allowed", bytes.size(), bytes_max)};
+    if (reinterpret_cast<std::uintptr_t>(bytes.data()) % alignof(std::uint64_t) != 0) {
+        aligned_.resize((bytes.size() + 7) / 8);
+        std::memcpy(aligned_.data(), bytes.data(), bytes.size());
+        bytes = {reinterpret_cast<const std::uint8_t*>(aligned_.data()), bytes.size()};
+    }
+    flatbuffers::Verifier verifier(bytes.data(), bytes.size(), limits::verifier_depth_max,
+                                   limits::verifier_tables_max);
+    if (!wire::VerifyMessageBuffer(verifier))
+        return Error{fmt::format("{} bytes that are not a seaway message", bytes.size())};
+    const wire::Message* message = wire::GetMessage(bytes.data());
+    const wire::Body kind = message->body_type();
+    if (kind == wire::Body::NONE)
+        return Error{"message without a body"};
+    const bool known = kind <= wire::Body::MAX;
+    if (sender_ == Sender::client && !(known && sent_by_client(kind)))
+        return Error{
+            fmt::format("message kind {} does not come from a client", static_cast<int>(kind))};
+    if (sender_ == Sender::server && known && sent_by_client(kind))
+        return Error{
+            fmt::format("message kind {} does not come from a server", static_cast<int>(kind))};
+    return message;
+}
+
+// ---- client to server ----------------------------------------------------------------------
+
+Bytes hello(std::string_view client, std::string_view token,
+            std::span<const std::uint16_t> versions) {
+    FlatBufferBuilder built = builder(256);
+    const auto list = vector_of(built, versions);
+    const auto name = string_of(built, client);
+    const auto secret = string_of(built, token);
+    return finish(built, wire::CreateHello(built, list, name, secret));
+}
+
+Bytes subscribe(std::uint32_t request_id, const TileWish& wish, int credit) {
+    FlatBufferBuilder built = builder(128);
+    return finish(built, wire::CreateSubscribe(built, request_id, wish.cascades, wish.fields.bits(),
+                                               wish.error_m, static_cast<std::uint8_t>(credit)));
+}
+
+Bytes unsubscribe() {
+    FlatBufferBuilder built = builder(64);
+    return finish(built, wire::CreateUnsubscribe(built));
+}
+
+Bytes ack(std::uint64_t keyframe) {
+    FlatBufferBuilder built = builder(64);
+    return finish(built, wire::CreateAck(built, keyframe));
+}
+
+Bytes fetch(std::uint32_t request_id, std::span<const sea::TimeUs> times_us, const TileWish& wish) {
+    FlatBufferBuilder built = builder(256);
+    const auto times = vector_of(built, times_us);
+    return finish(built, wire::CreateFetch(built, request_id, times, wish.cascades,
+                                           wish.fields.bits(), wish.error_m));
+}
+
+Bytes query(std::uint32_t request_id, std::span<const sea::QueryPoint> points, bool exact) {
+    FlatBufferBuilder built = builder(128 + points.size() * sizeof(wire::Point));
+    wire::Point* list = nullptr;
+    const auto offset = built.CreateUninitializedVectorOfStructs(points.size(), &list);
+    for (std::size_t i = 0; i < points.size(); ++i)
+        list[i] = wire::Point(points[i].x_m, points[i].y_m, points[i].time_us);
+    return finish(built, wire::CreateQuery(built, request_id, exact, offset));
+}
+
+Bytes ping(std::uint32_t request_id, std::int64_t client_time_us) {
+    FlatBufferBuilder built = builder(64);
+    return finish(built, wire::CreatePing(built, request_id, client_time_us));
+}
+
+// ---- server to client ----------------------------------------------------------------------
+
+Bytes welcome(std::uint64_t session, std::string_view server, sea::TimeUs sea_time_us) {
+    FlatBufferBuilder built = builder(256);
+    const auto name = string_of(built, server);
+    return finish(
+        built, wire::CreateWelcome(built, version, session, name, sea_time_us,
+                                   limits::points_per_query_max, limits::exact_points_per_query_max,
+                                   limits::times_per_fetch_max, limits::client_message_bytes_max));
+}
+
+Bytes subscribed(std::uint32_t request_id, const TileWish& grant, int credit) {
+    FlatBufferBuilder built = builder(128);
+    return finish(built,
+                  wire::CreateSubscribed(built, request_id, grant.cascades, grant.fields.bits(),
+                                         grant.error_m, static_cast<std::uint8_t>(credit)));
+}
+
+Bytes tile(const TileHeader& header, std::span<const std::uint8_t> payload) {
+    FlatBufferBuilder built = builder(192 + payload.size());
+    const auto bytes = vector_of(built, payload);
+    return finish(
+        built,
+        wire::CreateTile(
+            built, header.keyframe, header.request_id, header.epoch,
+            static_cast<std::uint8_t>(header.cascade), static_cast<std::uint8_t>(header.field),
+            header.time_us, static_cast<std::uint16_t>(header.size),
+            static_cast<std::uint16_t>(header.x0), static_cast<std::uint16_t>(header.y0),
+            static_cast<std::uint16_t>(header.width), static_cast<std::uint16_t>(header.height),
+            static_cast<std::uint16_t>(header.part), static_cast<std::uint16_t>(header.parts),
+            header.error, bytes));
+}
+
+TileHeader header(const wire::Tile& tile) {
+    return {.keyframe = tile.keyframe(),
+            .request_id = tile.request_id(),
+            .epoch = tile.epoch(),
+            .cascade = tile.cascade(),
+            .field = static_cast<sea::Field>(tile.field()),
+            .time_us = tile.time_us(),
+            .size = tile.size(),
+            .x0 = tile.x0(),
+            .y0 = tile.y0(),
+            .width = tile.width(),
+            .height = tile.height(),
+            .part = tile.part(),
+            .parts = tile.parts(),
+            .error = tile.error()};
+}
+
+Bytes tile_for_request(std::span<const std::uint8_t> tile_bytes, std::uint32_t request_id) {
+    Bytes copy(tile_bytes.begin(), tile_bytes.end());
+    const wire::Tile* original = wire::GetMessage(copy.data())->body_as_Tile();
+    SEAWAY_CHECK(original != nullptr, "tile_for_request of another message");
+    auto* patched = const_cast<wire::Tile*>(original);
+    const bool done = patched->mutate_keyframe(0) && patched->mutate_request_id(request_id);
+    SEAWAY_CHECK(done, "tile() leaves no default out");
+    return copy;
+}
+
+Bytes query_reply(std::uint32_t request_id, std::uint32_t epoch,
+                  std::span<const sea::Answer> answers) {
+    FlatBufferBuilder built = builder(128 + answers.size() * sizeof(wire::PointAnswer));
+    wire::PointAnswer* list = nullptr;
+    const auto offset = built.CreateUninitializedVectorOfStructs(answers.size(), &list);
+    for (std::size_t i = 0; i < answers.size(); ++i) {
+        const sea::Answer& a = answers[i];
+        list[i] = wire::PointAnswer(
+            a.height_m, static_cast<float>(a.normal[0]), static_cast<float>(a.normal[1]),
+            static_cast<float>(a.normal[2]), static_cast<float>(a.velocity_mps[0]),
+            static_cast<float>(a.velocity_mps[1]), static_cast<float>(a.velocity_mps[2]),
+            bound_to_float(a.error_m), a.flags);
+    }
+    return finish(built, wire::CreateQueryReply(built, request_id, epoch, offset));
+}
+
+sea::Answer answer(const wire::PointAnswer& a) {
+    return {.height_m = a.height_m(),
+            .normal = {a.normal_x(), a.normal_y(), a.normal_z()},
+            .velocity_mps = {a.velocity_x_mps(), a.velocity_y_mps(), a.velocity_z_mps()},
+            .error_m = a.error_m(),
+            .flags = a.flags()};
+}
+
+Bytes fetch_done(std::uint32_t request_id, std::uint32_t keyframes, sea::FieldSet fields) {
+    FlatBufferBuilder built = builder(64);
+    return finish(built, wire::CreateFetchDone(built, request_id, keyframes, fields.bits()));
+}
+
+Bytes pong(std::uint32_t request_id, std::int64_t client_time_us, sea::TimeUs sea_time_us) {
+    FlatBufferBuilder built = builder(96);
+    return finish(built, wire::CreatePong(built, request_id, client_time_us, sea_time_us));
+}
+
+Bytes refused(std::uint32_t request_id, wire::ErrorCode code, std::string_view message) {
+    FlatBufferBuilder built = builder(256);
+    const auto text = string_of(built, message);
+    return finish(built, wire::CreateRefused(built, request_id, code, text));
+}
+
+Bytes go_away(wire::ErrorCode code, std::string_view message) {
+    FlatBufferBuilder built = builder(256);
+    const auto text = string_of(built, message);
+    return finish(built, wire::CreateGoAway(built, code, text));
+}
+
+std::string_view name(wire::ErrorCode code) {
+    const std::string_view known = wire::EnumNameErrorCode(code);
+    return known.empty() ? "unknown" : known;
+}
+
+std::uint16_t close_code(wire::ErrorCode code) {
+    return code == wire::ErrorCode::none
+               ? std::uint16_t{1000}
+               : static_cast<std::uint16_t>(4000 + static_cast<unsigned>(code));
+}
+
+} // namespace seaway::protocol

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+// SeaState to bytes and back (protocol/messages.h).
+#include "protocol/limits.h"
+#include "protocol/messages.h"
+
+namespace seaway::protocol {
+namespace {
+
+wire::SeaNumbers to_wire(const SeaNumbers& n) {
+    return {n.hs_m, n.tp_s, n.tz_s, n.tm01_s, n.mean_from_deg, n.spread_deg, n.mss};
+}
+
+SeaNumbers from_wire(const wire::SeaNumbers* n) {
+    if (n == nullptr)
+        return {};
+    return {n->hs_m(),          n->tp_s(),       n->tz_s(), n->tm01_s(),
+            n->mean_from_deg(), n->spread_deg(), n->mss()};
+}
+
+} // namespace
+
+Bytes sea_state(const SeaStateValues& state) {
+    SEAWAY_CHECK(state.scene.size() <= limits::scene_bytes_max, "scene too long for the wire");
+    flatbuffers::FlatBufferBuilder built(1024 + state.scene.size());
+    built.ForceDefaults(true);
+    std::vector<wire::CascadeInfo> cascades;
+    for (const CascadeInfo& c : state.cascades)
+        cascades.emplace_back(c.length_m, c.k_lo_radpm, c.k_hi_radpm, c.interval_us,
+                              static_cast<std::uint32_t>(c.size), 0u);
+    const auto cascade_list = built.CreateVectorOfStructs(cascades);
+    const auto scene = built.CreateString(state.scene);
+    const auto warnings = built.CreateVectorOfStrings(state.warnings);
+    const wire::SeaNumbers requested = to_wire(state.requested);
+    const wire::SeaNumbers realised = to_wire(state.realised);
+    const auto body = wire::CreateSeaState(
+        built, state.epoch, state.start_time_us, cascade_list, state.choppiness_x,
+        state.choppiness_y, state.height_error_m, &requested, &realised,
+        state.interpolation_error_m, state.rms_slope, scene, warnings);
+    built.Finish(wire::CreateMessage(built, wire::Body::SeaState, body.Union()),
+                 wire::MessageIdentifier());
+    return {built.GetBufferPointer(), built.GetBufferPointer() + built.GetSize()};
+}
+
+SeaStateValues values(const wire::SeaState& state) {
+    SeaStateValues out{.epoch = state.epoch(),
+                       .start_time_us = state.start_time_us(),
+                       .cascades = {},
+                       .choppiness_x = state.choppiness_x(),
+                       .choppiness_y = state.choppiness_y(),
+                       .height_error_m = state.height_error_m(),
+                       .requested = from_wire(state.requested()),
+                       .realised = from_wire(state.realised()),
+                       .interpolation_error_m = state.interpolation_error_m(),
+                       .rms_slope = state.rms_slope(),
+                       .scene = state.scene() ? state.scene()->str() : std::string(),
+                       .warnings = {}};
+    if (const auto* cascades = state.cascades())
+        for (const wire::CascadeInfo* c : *cascades)
+            out.cascades.push_back({.length_m = c->length_m(),
+                                    .size = static_cast<int>(c->size()),
+                                    .k_lo_radpm = c->k_lo_radpm(),
+                                    .k_hi_radpm = c->k_hi_radpm(),
+                                    .interval_us = c->interval_us()});
+    if (const auto* warnings = state.warnings())
+        for (const flatbuffers::String* warning : *warnings)
+            out.warnings.push_back(warning->str());
+    return out;
+}
+
+} // namespace seaway::protocol
