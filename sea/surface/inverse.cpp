@@ -100,28 +100,52 @@ Vec2 compression_axis(const LagrangianPoint& point) {
     return {-std::sin(angle), std::cos(angle)};
 }
 
-/// Every further sheet on the line through `found`; returns the highest of all.
-Sheet highest_sheet(Solver& solver, const Sheet& found, const InverseOptions& options,
+/// The line through `origin` along which further sheets are looked for.
+struct ScanLine {
+    Vec2 origin;
+    Vec2 axis;
+    Vec2 at(double s) const { return {origin.x + s * axis.x, origin.y + s * axis.y}; }
+    double along(const Sheet& sheet) const {
+        return sheet.residual.x * axis.x + sheet.residual.y * axis.y;
+    }
+};
+
+/// A start for Newton from a sign change of the residual between `low` and `high`.
+Vec2 bisect(Solver& solver, const ScanLine& line, double low, double high, bool positive_low) {
+    constexpr int steps = 10;
+    for (int i = 0; i < steps; ++i) {
+        const double middle = 0.5 * (low + high);
+        const bool positive = line.along(solver.evaluate(line.at(middle))) > 0;
+        (positive == positive_low ? low : high) = middle;
+    }
+    return line.at(0.5 * (low + high));
+}
+
+/// Looks for every sheet within reach of the target on the line of strongest compression; returns
+/// the highest one that solves the equation, or `found` if none does.
+Sheet highest_sheet(Solver& solver, const Sheet& found, Vec2 target, const InverseOptions& options,
                     bool& folded) {
-    const Vec2 axis = compression_axis(found.point);
+    const ScanLine line{found.lagrangian, compression_axis(found.point)};
+    const double centre =
+        (target.x - line.origin.x) * line.axis.x + (target.y - line.origin.y) * line.axis.y;
+    const double spacing = 2.0 * options.fold_reach_m / (scan_points - 1);
     Sheet best = found;
-    double before = 0.0;
+    bool before = false;
     for (int i = 0; i < scan_points; ++i) {
-        const double s = options.fold_reach_m * (2.0 * i / (scan_points - 1) - 1.0);
-        const Sheet probe =
-            solver.evaluate({found.lagrangian.x + s * axis.x, found.lagrangian.y + s * axis.y});
-        const double along = probe.residual.x * axis.x + probe.residual.y * axis.y;
-        if (i > 0 && (along > 0) != (before > 0)) {
-            const Sheet sheet = solver.solve(probe.lagrangian);
-            const double apart = std::hypot(sheet.lagrangian.x - found.lagrangian.x,
-                                            sheet.lagrangian.y - found.lagrangian.y);
-            if (sheet.residual_m <= options.tolerance_m && apart > 100 * options.tolerance_m) {
-                folded = true;
-                if (sheet.point.height > best.point.height || best.residual_m > options.tolerance_m)
+        const double s = centre - options.fold_reach_m + i * spacing;
+        const bool positive = line.along(solver.evaluate(line.at(s))) > 0;
+        if (i > 0 && positive != before) {
+            const Sheet sheet = solver.solve(bisect(solver, line, s - spacing, s, before));
+            if (sheet.residual_m <= options.tolerance_m) {
+                const bool best_solves = best.residual_m <= options.tolerance_m;
+                const double apart = std::hypot(sheet.lagrangian.x - best.lagrangian.x,
+                                                sheet.lagrangian.y - best.lagrangian.y);
+                folded |= best_solves && apart > 100 * options.tolerance_m;
+                if (!best_solves || sheet.point.height > best.point.height)
                     best = sheet;
             }
         }
-        before = along;
+        before = positive;
     }
     return best;
 }
@@ -151,7 +175,7 @@ Answer surface_at(const QueryPoint& point, const InverseOptions& options, Lagran
     Sheet sheet = solver.solve({point.x_m, point.y_m});
     bool folded = false;
     if (solver.jacobian_min() < fold_suspected_below || sheet.residual_m > options.tolerance_m)
-        sheet = highest_sheet(solver, sheet, options, folded);
+        sheet = highest_sheet(solver, sheet, {point.x_m, point.y_m}, options, folded);
 
     const LagrangianPoint& p = sheet.point;
     const double lx = options.choppiness.x;

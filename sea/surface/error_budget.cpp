@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sea/surface/error_budget.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace seaway::sea {
+
+namespace {
+
+constexpr double bound_sigmas = 6.0;
+
+/// Largest gain of two-dimensional cubic spline interpolation on bounded errors at the grid points
+/// (Lebesgue constant 1.549 a dimension).
+constexpr double spline_gain = 1.549 * 1.549;
+
+/// How a height tile's budget is split between values and time rates.
+constexpr double value_share = 0.6;
+
+/// Bounds for maps that no height depends on: fine enough for shading and foam.
+constexpr float slope_error = 0.002f;
+constexpr float jacobian_error = 0.004f;
+
+/// Variance of a cascade by frequency, and what the grid spacing costs.
+struct BandStatistics {
+    static constexpr int bins = 512;
+    std::array<double, bins> variance_m2{};
+    double omega_max_radps = 0;
+    double space_variance_m2 = 0;
+    double slope_variance = 0;
+    double height_variance_m2 = 0;
+};
+
+BandStatistics statistics(const CascadeModes& modes) {
+    BandStatistics s;
+    for (const Rate rate : modes.rate)
+        s.omega_max_radps = std::max(s.omega_max_radps, omega_from_rate(rate));
+    const int size = modes.spec.size;
+    const double dk = modes.spec.wavenumber_step_radpm();
+    const double dx = modes.spec.spacing_m();
+    for (int iy = 0; iy < size; ++iy)
+        for (int ix = 0; ix < size; ++ix) {
+            const auto i = static_cast<std::size_t>(iy) * static_cast<std::size_t>(size) +
+                           static_cast<std::size_t>(ix);
+            const double variance = 2.0 * std::norm(modes.h0[i]);
+            if (variance == 0)
+                continue;
+            const double kx = dk * signed_index(ix, size);
+            const double ky = dk * signed_index(iy, size);
+            const double share = omega_from_rate(modes.rate[i]) / s.omega_max_radps;
+            const int bin =
+                std::min(static_cast<int>(share * BandStatistics::bins), BandStatistics::bins - 1);
+            s.variance_m2[static_cast<std::size_t>(bin)] += variance;
+            const double missed = spline_error(std::abs(kx) * dx) + spline_error(std::abs(ky) * dx);
+            s.space_variance_m2 += variance * missed * missed;
+            s.slope_variance += variance * (kx * kx + ky * ky);
+            s.height_variance_m2 += variance;
+        }
+    return s;
+}
+
+double time_rms(const BandStatistics& s, TimeUs interval_us) {
+    double sum = 0;
+    for (int bin = 0; bin < BandStatistics::bins; ++bin) {
+        const double omega = s.omega_max_radps * (bin + 1) / BandStatistics::bins;
+        const double missed = hermite_error(omega * seconds_from_us(interval_us));
+        sum += s.variance_m2[static_cast<std::size_t>(bin)] * missed * missed;
+    }
+    return std::sqrt(sum);
+}
+
+/// How much a codec error of every map counts against the height at typical steep places.
+double displacement_weight(const ErrorBudget& budget) {
+    const double sideways = std::max(budget.choppiness.x, budget.choppiness.y);
+    return std::numbers::sqrt2 * sideways * std::min(1.0, 3.0 * budget.rms_slope);
+}
+
+/// Error of a sampled value of one cascade when the tiles may cost `codec_error_m` of height.
+double sampled_error(const ErrorBudget& budget, double codec_error_m) {
+    return codec_error_m / static_cast<double>(budget.cascades.size()) /
+           (1.0 + displacement_weight(budget));
+}
+
+} // namespace
+
+double hermite_error(double u) {
+    return std::abs(1.0 - std::cos(0.5 * u) - 0.25 * u * std::sin(0.5 * u));
+}
+
+double spline_error(double q) {
+    double aliases = 0;
+    for (int j = 1; j <= 8; ++j) {
+        const double shift = 2.0 * std::numbers::pi * j;
+        aliases += std::pow(q / (q + shift), 4) + std::pow(q / (q - shift), 4);
+    }
+    return 2.0 * aliases / (1.0 + aliases);
+}
+
+ErrorBudget plan_budget(const Realization& sea, double height_error_m) {
+    ErrorBudget budget;
+    budget.height_error_m = height_error_m;
+    budget.choppiness = sea.choppiness;
+    const double time_share_m =
+        budget.shares.time * height_error_m /
+        std::sqrt(static_cast<double>(std::max<std::size_t>(sea.cascades.size(), 1)));
+    double missed_variance = 0;
+    double slope_variance = 0;
+    double height_variance = 0;
+    for (const CascadeModes& modes : sea.cascades) {
+        const BandStatistics s = statistics(modes);
+        CascadeBudget cascade;
+        for (const TimeUs interval_us : keyframe_intervals_us) {
+            cascade.interval_us = interval_us;
+            cascade.time_rms_m = time_rms(s, interval_us);
+            if (bound_sigmas * cascade.time_rms_m <= time_share_m)
+                break;
+        }
+        cascade.space_rms_m = std::sqrt(s.space_variance_m2);
+        missed_variance += cascade.time_rms_m * cascade.time_rms_m + s.space_variance_m2;
+        slope_variance += s.slope_variance;
+        height_variance += s.height_variance_m2;
+        budget.cascades.push_back(cascade);
+    }
+    budget.interpolation_m = bound_sigmas * std::sqrt(missed_variance);
+    budget.rms_slope = std::sqrt(slope_variance);
+    budget.displacement_reach_m =
+        bound_sigmas * std::sqrt(height_variance) * std::max(sea.choppiness.x, sea.choppiness.y);
+    return budget;
+}
+
+std::vector<float> codec_bounds(const ErrorBudget& budget, FieldSet fields, int cascade,
+                                double codec_error_m) {
+    // Spent so that sampled_codec_error() gives the sampled error back.
+    const double e = sampled_error(budget, codec_error_m) / spline_gain;
+    const double interval_s =
+        seconds_from_us(budget.cascades[static_cast<std::size_t>(cascade)].interval_us);
+    std::vector<float> bounds;
+    for (const Field field : fields) {
+        const FieldInfo& row = info(field);
+        if (surface_fields.contains(field))
+            bounds.push_back(static_cast<float>(
+                row.time_rate ? (1.0 - value_share) * e * 4.0 / interval_s : value_share * e));
+        else
+            bounds.push_back(is_linear(field) ? slope_error : jacobian_error);
+    }
+    return bounds;
+}
+
+double sampled_codec_error(double value_error, double rate_error, double interval_s) {
+    // Hermite weights: the two values add up to one, the two rates to interval / 4 at most.
+    return spline_gain * (value_error + 0.25 * interval_s * rate_error);
+}
+
+MapError map_error(const ErrorBudget& budget, double codec_error_m) {
+    const double per_map =
+        codec_error_m > 0 && !budget.cascades.empty()
+            ? sampled_error(budget, codec_error_m) * static_cast<double>(budget.cascades.size())
+            : 0.0;
+    return {budget.interpolation_m, per_map,
+            per_map * std::numbers::sqrt2 * std::max(budget.choppiness.x, budget.choppiness.y)};
+}
+
+} // namespace seaway::sea

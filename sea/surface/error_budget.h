@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+// One budget for the height, shared by all that costs accuracy: `accuracy.height_error_m` of a
+// scene is divided among interpolation in time, interpolation in space, the codec and the inverse
+// displacement. From it follow the keyframe interval of each cascade and the codec's bounds.
+//
+// Laws (reference: docs/physics.md, "Interpolation"): a wave of phase step u = omega * interval
+// between keyframes is missed by |1 - cos(u/2) - (u/4) sin(u/2)| ~ u^4/384 of its amplitude; one of
+// q = k dx between grid points by 2 r / (1 + r), r = sum_{j != 0} (q / (q + 2 pi j))^4. Random
+// waves add in the square; the stated bound is six standard deviations of the sum, which one point
+// in 5e8 exceeds. The codec's bound is hard.
+//
+// Pure functions; thread-safe. Cost: a few milliseconds a cascade.
+#pragma once
+
+#include <vector>
+
+#include "sea/field.h"
+#include "sea/realization.h"
+#include "sea/surface/surface.h"
+
+namespace seaway::sea {
+
+/// Shares of the height budget; they add up to one.
+struct BudgetShares {
+    double time = 0.25;
+    double space = 0.20;
+    double codec = 0.45;
+    double query = 0.10;
+};
+
+/// Keyframe intervals to choose from, longest first; each divides 2 s.
+inline constexpr TimeUs keyframe_intervals_us[] = {2'000'000, 1'000'000, 500'000, 250'000, 200'000,
+                                                   125'000,   100'000,   62'500,  50'000,  40'000,
+                                                   25'000,    20'000,    12'500,  10'000};
+
+/// What the keyframes of one cascade cost in accuracy.
+struct CascadeBudget {
+    TimeUs interval_us = 0;
+    double time_rms_m = 0;  ///< at the worst moment between two keyframes
+    double space_rms_m = 0; ///< at the worst place between grid points
+};
+
+struct ErrorBudget {
+    double height_error_m = 0;
+    BudgetShares shares;
+    std::vector<CascadeBudget> cascades;
+    double interpolation_m = 0;      ///< bound: six standard deviations of time and space together
+    double rms_slope = 0;            ///< of the realised sea, 1
+    double displacement_reach_m = 0; ///< lambda |D| stays below this (six standard deviations)
+    Choppiness choppiness;
+};
+
+ErrorBudget plan_budget(const Realization& sea, double height_error_m);
+
+/// Amplitude share that cubic Hermite in time misses at phase step u = omega * interval.
+double hermite_error(double u);
+
+/// Amplitude share that a cubic spline misses at phase step q = k dx, 0 .. pi.
+double spline_error(double q);
+
+/// Bounds for the codec, one a field of `fields` in table order, in the field's unit, such that
+/// tiles of all `cascade_count` cascades together cost at most `codec_error_m` of height. Fields
+/// that no height depends on (slopes, strains, Jacobian, foam) get a fixed bound.
+std::vector<float> codec_bounds(const ErrorBudget& budget, FieldSet fields, int cascade,
+                                double codec_error_m);
+
+/// The error of heights sampled from maps that were coded with `codec_error_m` (0: not coded).
+MapError map_error(const ErrorBudget& budget, double codec_error_m);
+
+/// Largest error of a value sampled between two coded keyframes of one cascade, in the unit of the
+/// value, when the values carry errors up to `value_error` and their time rates up to `rate_error`.
+/// What a client adds up over cascades from the bounds that its tiles state.
+double sampled_codec_error(double value_error, double rate_error, double interval_s);
+
+} // namespace seaway::sea

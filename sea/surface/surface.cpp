@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sea/surface/surface.h"
+
+#include <algorithm>
+
+namespace seaway::sea {
+
+namespace {
+
+constexpr double residual_tolerance_m = 1e-4;
+
+/// Weights of value and rate at both ends, and those of the time derivative.
+struct Hermite {
+    double value[4];
+    double rate[4];
+};
+
+Hermite hermite(TimeUs before_us, TimeUs after_us, TimeUs time_us) {
+    const double span_s = seconds_from_us(after_us - before_us);
+    if (span_s <= 0) // one map: value and rate as they are, height carried on by its rate
+        return {{1, seconds_from_us(time_us - before_us), 0, 0}, {0, 1, 0, 0}};
+    const double s = seconds_from_us(time_us - before_us) / span_s;
+    const double r = 1 - s;
+    return {{r * r * (1 + 2 * s), s * r * r * span_s, s * s * (1 + 2 * r), -s * s * r * span_s},
+            {-6 * s * r / span_s, r * (1 - 3 * s), 6 * s * r / span_s, s * (1 - 3 * r)}};
+}
+
+constexpr int rates = 4; // channel offset of the time rates in SplineSample
+
+void add(LagrangianPoint& sum, const Hermite& weights, const SplineSample& a,
+         const SplineSample& b) {
+    const auto mix = [](const double(&w)[4], const float(&pa)[8], const float(&pb)[8], int c) {
+        return w[0] * static_cast<double>(pa[c]) + w[1] * static_cast<double>(pa[c + rates]) +
+               w[2] * static_cast<double>(pb[c]) + w[3] * static_cast<double>(pb[c + rates]);
+    };
+    sum.height += mix(weights.value, a.value, b.value, 0);
+    sum.displacement_x += mix(weights.value, a.value, b.value, 1);
+    sum.displacement_y += mix(weights.value, a.value, b.value, 2);
+    sum.height_rate += mix(weights.rate, a.value, b.value, 0);
+    sum.displacement_x_rate += mix(weights.rate, a.value, b.value, 1);
+    sum.displacement_y_rate += mix(weights.rate, a.value, b.value, 2);
+    sum.slope_x += mix(weights.value, a.d_dx, b.d_dx, 0);
+    sum.slope_y += mix(weights.value, a.d_dy, b.d_dy, 0);
+    sum.strain_xx += mix(weights.value, a.d_dx, b.d_dx, 1);
+    sum.strain_yy += mix(weights.value, a.d_dy, b.d_dy, 2);
+    sum.strain_xy +=
+        0.5 * (mix(weights.value, a.d_dy, b.d_dy, 1) + mix(weights.value, a.d_dx, b.d_dx, 2));
+}
+
+} // namespace
+
+Surface::Surface(std::vector<SplinePair> pairs, Choppiness choppiness, double displacement_reach_m,
+                 MapError error)
+    : pairs_(std::move(pairs)), choppiness_(choppiness),
+      displacement_reach_m_(displacement_reach_m), error_(error) {
+    for (const SplinePair& pair : pairs_)
+        SEAWAY_CHECK(pair.before && pair.after, "a surface needs both maps of every cascade");
+}
+
+LagrangianPoint Surface::at(double x_m, double y_m, TimeUs time_us) const {
+    LagrangianPoint sum;
+    for (const SplinePair& pair : pairs_) {
+        const Hermite weights = hermite(pair.before->time_us(), pair.after->time_us(), time_us);
+        const SplineSample before = pair.before->sample(x_m, y_m);
+        const bool single = pair.before == pair.after;
+        add(sum, weights, before, single ? before : pair.after->sample(x_m, y_m));
+    }
+    return sum;
+}
+
+bool Surface::covers(TimeUs time_us) const {
+    return std::all_of(pairs_.begin(), pairs_.end(), [&](const SplinePair& pair) {
+        return pair.before->time_us() <= time_us && time_us <= pair.after->time_us();
+    });
+}
+
+Answer Surface::answer(const QueryPoint& point) const {
+    const InverseOptions options{choppiness_, residual_tolerance_m,
+                                 std::max(displacement_reach_m_, 1e-3)};
+    const auto field = [&](double x_m, double y_m) { return at(x_m, y_m, point.time_us); };
+    Answer answer = surface_at(point, options, field);
+    if (answer.flags & answer_invalid)
+        return answer;
+    const double sideways = std::max(choppiness_.x, choppiness_.y);
+    answer.error_m +=
+        error_.interpolation_m + error_.codec_height_m +
+        surface_slope(answer) * (sideways * error_.interpolation_m + error_.codec_displacement_m);
+    if (!covers(point.time_us))
+        answer.flags |= answer_extrapolated;
+    return answer;
+}
+
+void Surface::answer(std::span<const QueryPoint> points, std::span<Answer> answers) const {
+    SEAWAY_CHECK(points.size() == answers.size(), "one answer a point");
+    for (std::size_t i = 0; i < points.size(); ++i)
+        answers[i] = answer(points[i]);
+}
+
+} // namespace seaway::sea

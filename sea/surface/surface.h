@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+// Surface: the sea at any point in a span of time, from two keyframes a cascade.
+//
+// Bicubic splines in space, cubic Hermite in time (maps carry their time rates), all cascades
+// summed before the displacement is inverted (hard case D6). The server's answers, a client's own
+// answers and the height of a rendered vertex all come from here.
+//
+// Immutable; thread-safe; allocates nothing after construction. About 0.5 us a point with three
+// cascades.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "sea/realization.h"
+#include "sea/surface/answer.h"
+#include "sea/surface/inverse.h"
+#include "sea/surface/spline_map.h"
+
+namespace seaway::sea {
+
+/// The two keyframes of one cascade that a time lies between; they may be the same map.
+struct SplinePair {
+    SplineMapPtr before;
+    SplineMapPtr after;
+};
+
+/// What the maps themselves add to the error of a height (sea/surface/error_budget.h).
+struct MapError {
+    double interpolation_m = 0;      ///< space and time, height and each displacement
+    double codec_height_m = 0;       ///< summed over cascades
+    double codec_displacement_m = 0; ///< of x = X + lambda D, summed over cascades
+};
+
+class Surface {
+  public:
+    /// `pairs` may be any subset of the cascades. `displacement_reach_m`: how far points move
+    /// sideways at most, for the search of folds (error_budget.h gives it).
+    Surface(std::vector<SplinePair> pairs, Choppiness choppiness, double displacement_reach_m,
+            MapError error);
+
+    /// The undisplaced sea. A time outside a pair's span extrapolates its cubic.
+    LagrangianPoint at(double x_m, double y_m, TimeUs time_us) const;
+
+    /// Height, normal, velocity above a world point, with a bound on the error of the height. A
+    /// time outside the span of a pair is flagged answer_extrapolated.
+    Answer answer(const QueryPoint& point) const;
+
+    void answer(std::span<const QueryPoint> points, std::span<Answer> answers) const;
+
+    const Choppiness& choppiness() const { return choppiness_; }
+
+  private:
+    bool covers(TimeUs time_us) const;
+
+    std::vector<SplinePair> pairs_;
+    Choppiness choppiness_;
+    double displacement_reach_m_;
+    MapError error_;
+};
+
+} // namespace seaway::sea
