@@ -28,13 +28,18 @@ struct TileDemand {
     std::uint32_t cascades = 0; ///< bit c
     sea::FieldSet fields;
     float error_m = 0; ///< bound on height, all parts together; 0: the server chooses
+    /// Granted only: the quality rung of the session. It is sent the published KeyframeTiles of the
+    /// same rung, of its cascades, and of those the fields that it was granted.
+    std::uint8_t quality = 0;
 };
 
 /// One keyframe to be encoded and sent. `codec_error` is the bound for each contained field in
-/// table order, in the field's unit.
+/// table order, in the field's unit; 0 is lossless. A keyframe wanted at several qualities is
+/// published once for each.
 struct KeyframeTiles {
     sea::KeyframePtr keyframe;
     std::vector<float> codec_error;
+    std::uint8_t quality = 0;
 };
 
 struct QueryBatch {
