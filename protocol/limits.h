@@ -62,7 +62,7 @@ inline constexpr int queries_in_flight_max = 16;
 
 /// Fetches (and starts of subscriptions) of one session whose tiles are not all sent: what they
 /// hold is the largest thing a session can make the server keep.
-inline constexpr int fetches_in_flight_max = 1;
+inline constexpr int fetches_in_flight_max = 2;
 
 /// Protocol versions that a Hello may list.
 inline constexpr std::size_t versions_per_hello_max = 16;
@@ -75,8 +75,10 @@ inline constexpr int credit_min = 1;
 inline constexpr int credit_default = 2;
 inline constexpr int credit_max = 8;
 
-/// Replies that wait for a session. At half of it the session is no longer read from.
+/// Replies that wait for a session, by count and by bytes. From there on the session is not read
+/// from, so that only the queries already in flight can add to them.
 inline constexpr std::size_t replies_waiting_max = 64;
+inline constexpr std::size_t replies_bytes_max = 1024 * 1024;
 
 /// Durable messages (sea states) that wait for a session; one more closes it as too slow.
 inline constexpr std::size_t durable_waiting_max = 16;
@@ -84,7 +86,7 @@ inline constexpr std::size_t durable_waiting_max = 16;
 /// Messages of one fetch: 8 times x 2 keyframes x 5 cascades x 13 fields x 4 parts.
 inline constexpr std::size_t fetch_messages_max = 4160;
 
-/// Bytes of one fetch that wait for a session.
-inline constexpr std::size_t fetch_bytes_max = 64u * 1024 * 1024;
+/// Bytes of fetched tiles that wait for a session; a fetch that does not fit is refused.
+inline constexpr std::size_t fetch_bytes_max = 32u * 1024 * 1024;
 
 } // namespace seaway::protocol::limits

@@ -15,8 +15,7 @@ namespace {
 using flatbuffers::FlatBufferBuilder;
 using flatbuffers::Offset;
 
-/// force_defaults: every scalar has its place in the message, so that it can be patched in a copy
-/// and so that equal values are equal bytes.
+/// force_defaults: every scalar has its place in the message: equal shapes are equal layouts.
 FlatBufferBuilder builder(std::size_t bytes_expected) {
     FlatBufferBuilder built(bytes_expected);
     built.ForceDefaults(true);
@@ -155,18 +154,16 @@ Bytes tile(const TileHeader& header, std::span<const std::uint8_t> payload) {
     return finish(
         built,
         wire::CreateTile(
-            built, header.keyframe, header.request_id, header.epoch,
-            static_cast<std::uint8_t>(header.cascade), static_cast<std::uint8_t>(header.field),
-            header.time_us, static_cast<std::uint16_t>(header.size),
-            static_cast<std::uint16_t>(header.x0), static_cast<std::uint16_t>(header.y0),
-            static_cast<std::uint16_t>(header.width), static_cast<std::uint16_t>(header.height),
-            static_cast<std::uint16_t>(header.part), static_cast<std::uint16_t>(header.parts),
-            header.error, bytes));
+            built, header.keyframe, header.epoch, static_cast<std::uint8_t>(header.cascade),
+            static_cast<std::uint8_t>(header.field), header.time_us,
+            static_cast<std::uint16_t>(header.size), static_cast<std::uint16_t>(header.x0),
+            static_cast<std::uint16_t>(header.y0), static_cast<std::uint16_t>(header.width),
+            static_cast<std::uint16_t>(header.height), static_cast<std::uint16_t>(header.part),
+            static_cast<std::uint16_t>(header.parts), header.error, bytes));
 }
 
 TileHeader header(const wire::Tile& tile) {
     return {.keyframe = tile.keyframe(),
-            .request_id = tile.request_id(),
             .epoch = tile.epoch(),
             .cascade = tile.cascade(),
             .field = static_cast<sea::Field>(tile.field()),
@@ -179,16 +176,6 @@ TileHeader header(const wire::Tile& tile) {
             .part = tile.part(),
             .parts = tile.parts(),
             .error = tile.error()};
-}
-
-Bytes tile_for_request(std::span<const std::uint8_t> tile_bytes, std::uint32_t request_id) {
-    Bytes copy(tile_bytes.begin(), tile_bytes.end());
-    const wire::Tile* original = wire::GetMessage(copy.data())->body_as_Tile();
-    SEAWAY_CHECK(original != nullptr, "tile_for_request of another message");
-    auto* patched = const_cast<wire::Tile*>(original);
-    const bool done = patched->mutate_keyframe(0) && patched->mutate_request_id(request_id);
-    SEAWAY_CHECK(done, "tile() leaves no default out");
-    return copy;
 }
 
 Bytes query_reply(std::uint32_t request_id, std::uint32_t epoch,

@@ -15,6 +15,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
@@ -35,6 +36,8 @@ inline constexpr std::string_view stream_path = "/v1/stream";
 
 /// One complete wire message.
 using Bytes = std::vector<std::uint8_t>;
+/// Immutable, shared by all sessions that send it.
+using SharedBytes = std::shared_ptr<const Bytes>;
 
 // ---- reading -------------------------------------------------------------------------------
 
@@ -134,8 +137,7 @@ Bytes subscribed(std::uint32_t request_id, const TileWish& grant, int credit);
 
 /// Everything of a Tile message but its payload.
 struct TileHeader {
-    std::uint64_t keyframe = 0;   ///< to acknowledge; 0: not streamed
-    std::uint32_t request_id = 0; ///< of the Fetch or Subscribe answered; 0: streamed
+    std::uint64_t keyframe = 0; ///< to acknowledge; one number space for all sessions
     std::uint32_t epoch = 0;
     int cascade = 0;
     sea::Field field = sea::Field::height;
@@ -152,9 +154,6 @@ struct TileHeader {
 Bytes tile(const TileHeader& header, std::span<const std::uint8_t> payload);
 /// The inverse; `tile` must have passed check().
 TileHeader header(const wire::Tile& tile);
-/// The same Tile message as an answer to a request: not to be acknowledged. `tile_bytes` must be
-/// what tile() made.
-Bytes tile_for_request(std::span<const std::uint8_t> tile_bytes, std::uint32_t request_id);
 
 Bytes query_reply(std::uint32_t request_id, std::uint32_t epoch,
                   std::span<const sea::Answer> answers);

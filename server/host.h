@@ -53,6 +53,8 @@ struct QueryAnswers {
     std::string error;
 };
 
+/// The two keyframes of each cascade around each time; without times: what a new subscriber needs,
+/// from the keyframe before now to the newest published one.
 struct FetchRequest {
     std::vector<sea::TimeUs> times_us;
     TileDemand demand;
@@ -72,7 +74,7 @@ class Host {
     virtual TileDemand subscribe(SessionId session, const TileDemand& demand) = 0;
     virtual void unsubscribe(SessionId session) = 0;
 
-    /// Keyframes that a new subscriber needs at once (around now), encoded by the caller.
+    /// Keyframes for the caller to encode.
     virtual void fetch(FetchRequest request,
                        std::function<void(std::vector<KeyframeTiles>, std::string error)> done) = 0;
 
