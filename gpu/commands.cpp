@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gpu/commands.h"
+
+#include "base/check.h"
+#include "gpu/call.h"
+
+namespace seaway::gpu {
+
+namespace {
+
+struct Scope {
+    VkPipelineStageFlags2 stage;
+    VkAccessFlags2 access;
+};
+
+Scope scope(Stage stage) {
+    switch (stage) {
+    case Stage::compute:
+        return {VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
+                VK_ACCESS_2_SHADER_READ_BIT | VK_ACCESS_2_SHADER_WRITE_BIT};
+    case Stage::copy:
+        return {VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT,
+                VK_ACCESS_2_TRANSFER_READ_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT};
+    case Stage::host:
+        return {VK_PIPELINE_STAGE_2_HOST_BIT,
+                VK_ACCESS_2_HOST_READ_BIT | VK_ACCESS_2_HOST_WRITE_BIT};
+    case Stage::graphics:
+        break;
+    }
+    return {VK_PIPELINE_STAGE_2_ALL_GRAPHICS_BIT,
+            VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT};
+}
+
+} // namespace
+
+Result<Commands> Commands::create(Device& device) {
+    Commands made;
+    const VkCommandPoolCreateInfo pool_info{.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
+                                            .flags =
+                                                VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT,
+                                            .queueFamilyIndex = device.queue_family()};
+    VkCommandPool pool = VK_NULL_HANDLE;
+    if (Result<void> created = call("vkCreateCommandPool", vkCreateCommandPool, device.get(),
+                                    &pool_info, nullptr, &pool);
+        !created)
+        return created.error();
+    made.pool_ = OwnedCommandPool(device.get(), pool);
+    const VkCommandBufferAllocateInfo buffer_info{
+        .sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
+        .commandPool = pool,
+        .level = VK_COMMAND_BUFFER_LEVEL_PRIMARY,
+        .commandBufferCount = 1};
+    if (Result<void> allocated = call("vkAllocateCommandBuffers", vkAllocateCommandBuffers,
+                                      device.get(), &buffer_info, &made.buffer_);
+        !allocated)
+        return allocated.error();
+    return made;
+}
+
+Result<void> Commands::begin() {
+    const VkCommandBufferBeginInfo info{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
+    return call("vkBeginCommandBuffer", vkBeginCommandBuffer, buffer_, &info);
+}
+
+Result<void> Commands::end() {
+    return call("vkEndCommandBuffer", vkEndCommandBuffer, buffer_);
+}
+
+void Commands::barrier(Stage from, Stage to) {
+    const Scope source = scope(from);
+    const Scope target = scope(to);
+    const VkMemoryBarrier2 memory{.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
+                                  .srcStageMask = source.stage,
+                                  .srcAccessMask = source.access,
+                                  .dstStageMask = target.stage,
+                                  .dstAccessMask = target.access};
+    const VkDependencyInfo info{.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
+                                .memoryBarrierCount = 1,
+                                .pMemoryBarriers = &memory};
+    vkCmdPipelineBarrier2(buffer_, &info);
+}
+
+void Commands::copy(const Buffer& source, const Buffer& target, std::size_t bytes,
+                    std::size_t source_offset, std::size_t target_offset) {
+    const VkBufferCopy region{source_offset, target_offset, bytes};
+    vkCmdCopyBuffer(buffer_, source.get(), target.get(), 1, &region);
+}
+
+void Commands::dispatch(const Kernel& kernel, const Bindings& bindings,
+                        std::span<const std::byte> push, std::uint32_t groups_x,
+                        std::uint32_t groups_y, std::uint32_t groups_z) {
+    SEAWAY_CHECK(push.size() == kernel.push_constant_bytes(), "push constants of another kernel");
+    vkCmdBindPipeline(buffer_, VK_PIPELINE_BIND_POINT_COMPUTE, kernel.get());
+    const VkDescriptorSet set = bindings.get();
+    vkCmdBindDescriptorSets(buffer_, VK_PIPELINE_BIND_POINT_COMPUTE, kernel.layout(), 0, 1, &set, 0,
+                            nullptr);
+    if (!push.empty())
+        vkCmdPushConstants(buffer_, kernel.layout(), VK_SHADER_STAGE_COMPUTE_BIT, 0,
+                           static_cast<std::uint32_t>(push.size()), push.data());
+    vkCmdDispatch(buffer_, groups_x, groups_y, groups_z);
+}
+
+Result<void> run_once(Device& device, const std::function<void(Commands&)>& record) {
+    Result<Commands> commands = Commands::create(device);
+    if (!commands)
+        return commands.error();
+    if (Result<void> begun = commands->begin(); !begun)
+        return begun;
+    record(*commands);
+    if (Result<void> ended = commands->end(); !ended)
+        return ended;
+    return device.submit_and_wait(*commands);
+}
+
+} // namespace seaway::gpu

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// Commands: one command buffer. Record, then Device::submit; a recording may be submitted again and
+// again. Not thread-safe.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <span>
+
+#include "base/result.h"
+#include "gpu/buffer.h"
+#include "gpu/device.h"
+#include "gpu/kernel.h"
+
+namespace seaway::gpu {
+
+/// Who writes or reads on either side of a barrier.
+enum class Stage { compute, copy, host, graphics };
+
+class Commands {
+  public:
+    Commands() = default;
+    static Result<Commands> create(Device& device);
+
+    /// Starts anew; whatever was recorded must have finished.
+    Result<void> begin();
+    Result<void> end();
+
+    /// All writes of `from` are seen by `to`.
+    void barrier(Stage from, Stage to);
+    void copy(const Buffer& source, const Buffer& target, std::size_t bytes,
+              std::size_t source_offset = 0, std::size_t target_offset = 0);
+    /// Groups, not invocations. `push` must be as long as the kernel's push constants.
+    void dispatch(const Kernel& kernel, const Bindings& bindings, std::span<const std::byte> push,
+                  std::uint32_t groups_x, std::uint32_t groups_y = 1, std::uint32_t groups_z = 1);
+
+    /// For what this class does not do: drawing, image copies.
+    VkCommandBuffer get() const { return buffer_; }
+
+  private:
+    OwnedCommandPool pool_;
+    VkCommandBuffer buffer_ = VK_NULL_HANDLE; // owned by the pool
+};
+
+/// Records, submits and waits.
+Result<void> run_once(Device& device, const std::function<void(Commands&)>& record);
+
+} // namespace seaway::gpu

@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gpu/device.h"
+
+#include <bit>
+
+#include "gpu/call.h"
+#include "gpu/commands.h"
+
+namespace seaway::gpu {
+
+namespace {
+
+constexpr VkMemoryPropertyFlags unified_flags =
+    VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT | VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT |
+    VK_MEMORY_PROPERTY_HOST_COHERENT_BIT | VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
+
+} // namespace
+
+Result<std::unique_ptr<Device>> Device::create(const DeviceOptions& options) {
+    std::unique_ptr<Device> made(new Device);
+    Result<std::unique_ptr<Instance>> instance =
+        Instance::create(options.validation, options.instance_extensions);
+    if (!instance)
+        return instance.error();
+    made->instance_ = std::move(*instance);
+    if (Result<void> picked = made->pick(options.pick); !picked)
+        return picked.error();
+    if (Result<void> created = made->create_device(options); !created)
+        return Error{made->info_.name + ": " + created.error().message};
+    if (Result<void> created = made->create_timeline(); !created)
+        return Error{made->info_.name + ": " + created.error().message};
+    return made;
+}
+
+Result<void> Device::pick(const std::string& wish) {
+    Result<std::vector<VkPhysicalDevice>> physical = instance_->physical_devices();
+    if (!physical)
+        return physical.error();
+    std::vector<DeviceInfo> infos;
+    for (VkPhysicalDevice device : *physical)
+        infos.push_back(describe(device, static_cast<int>(infos.size())));
+    const Result<int> index = pick_device(infos, wish);
+    if (!index)
+        return index.error();
+    physical_ = (*physical)[static_cast<std::size_t>(*index)];
+    info_ = infos[static_cast<std::size_t>(*index)];
+    queue_family_ = static_cast<std::uint32_t>(pick_queue_family(physical_));
+
+    VkPhysicalDeviceProperties properties;
+    vkGetPhysicalDeviceProperties(physical_, &properties);
+    limits_ = properties.limits;
+    vkGetPhysicalDeviceMemoryProperties(physical_, &memory_);
+    // Unified: the biggest device-local heap itself can be mapped and cached.
+    for (std::uint32_t i = 0; i < memory_.memoryTypeCount; ++i) {
+        const VkMemoryType& type = memory_.memoryTypes[i];
+        if ((type.propertyFlags & unified_flags) == unified_flags &&
+            memory_.memoryHeaps[type.heapIndex].size == info_.memory_bytes)
+            unified_memory_ = true;
+    }
+    return {};
+}
+
+Result<void> Device::create_device(const DeviceOptions& options) {
+    VkPhysicalDeviceFeatures available;
+    vkGetPhysicalDeviceFeatures(physical_, &available);
+    features_.samplerAnisotropy = available.samplerAnisotropy;
+    features_.fillModeNonSolid = available.fillModeNonSolid;
+    features_.independentBlend = available.independentBlend;
+
+    VkPhysicalDeviceVulkan13Features v13{.sType =
+                                             VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES,
+                                         .subgroupSizeControl = VK_TRUE,
+                                         .computeFullSubgroups = VK_TRUE,
+                                         .synchronization2 = VK_TRUE,
+                                         .dynamicRendering = VK_TRUE,
+                                         .maintenance4 = VK_TRUE};
+    VkPhysicalDeviceVulkan12Features v12{.sType =
+                                             VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES,
+                                         .pNext = &v13,
+                                         .timelineSemaphore = VK_TRUE};
+    const VkPhysicalDeviceFeatures2 features{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2,
+                                             .pNext = &v12,
+                                             .features = features_};
+
+    const float priority = 1;
+    const VkDeviceQueueCreateInfo queue{.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
+                                        .queueFamilyIndex = queue_family_,
+                                        .queueCount = 1,
+                                        .pQueuePriorities = &priority};
+    std::vector<const char*> extensions;
+    for (const std::string& extension : options.device_extensions)
+        extensions.push_back(extension.c_str());
+    const VkDeviceCreateInfo info{.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
+                                  .pNext = &features,
+                                  .queueCreateInfoCount = 1,
+                                  .pQueueCreateInfos = &queue,
+                                  .enabledExtensionCount =
+                                      static_cast<std::uint32_t>(extensions.size()),
+                                  .ppEnabledExtensionNames = extensions.data()};
+    if (Result<void> created =
+            call("vkCreateDevice", vkCreateDevice, physical_, &info, nullptr, &device_);
+        !created)
+        return created;
+    vkGetDeviceQueue(device_, queue_family_, 0, &queue_);
+    return {};
+}
+
+Result<void> Device::create_timeline() {
+    const VkSemaphoreTypeCreateInfo type{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_TYPE_CREATE_INFO,
+                                         .semaphoreType = VK_SEMAPHORE_TYPE_TIMELINE,
+                                         .initialValue = 0};
+    const VkSemaphoreCreateInfo info{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO,
+                                     .pNext = &type};
+    VkSemaphore semaphore = VK_NULL_HANDLE;
+    if (Result<void> created =
+            call("vkCreateSemaphore", vkCreateSemaphore, device_, &info, nullptr, &semaphore);
+        !created)
+        return created;
+    timeline_ = OwnedSemaphore(device_, semaphore);
+    return {};
+}
+
+Device::~Device() {
+    if (device_ == VK_NULL_HANDLE)
+        return;
+    vkDeviceWaitIdle(device_);
+    timeline_.reset();
+    vkDestroyDevice(device_, nullptr);
+}
+
+int Device::memory_type(std::uint32_t bits, VkMemoryPropertyFlags required,
+                        VkMemoryPropertyFlags preferred) const {
+    int best = -1;
+    int best_score = -1;
+    for (std::uint32_t i = 0; i < memory_.memoryTypeCount; ++i) {
+        const VkMemoryPropertyFlags flags = memory_.memoryTypes[i].propertyFlags;
+        if (!(bits & (1u << i)) || (flags & required) != required)
+            continue;
+        if (const int score = std::popcount(flags & preferred); score > best_score) {
+            best = static_cast<int>(i);
+            best_score = score;
+        }
+    }
+    return best;
+}
+
+Result<std::uint64_t> Device::submit(const Commands& commands) {
+    const std::lock_guard lock(submit_mutex_);
+    const std::uint64_t ticket = last_ticket_ + 1;
+    const VkCommandBufferSubmitInfo buffer{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO,
+                                           .commandBuffer = commands.get()};
+    const VkSemaphoreSubmitInfo signal{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO,
+                                       .semaphore = timeline_.get(),
+                                       .value = ticket,
+                                       .stageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT};
+    const VkSubmitInfo2 info{.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2,
+                             .commandBufferInfoCount = 1,
+                             .pCommandBufferInfos = &buffer,
+                             .signalSemaphoreInfoCount = 1,
+                             .pSignalSemaphoreInfos = &signal};
+    if (Result<void> sent =
+            call("vkQueueSubmit2", vkQueueSubmit2, queue_, 1u, &info, VkFence(VK_NULL_HANDLE));
+        !sent)
+        return sent.error();
+    last_ticket_ = ticket;
+    return ticket;
+}
+
+Result<void> Device::wait(std::uint64_t ticket, double timeout_s) {
+    const VkSemaphore semaphore = timeline_.get();
+    const VkSemaphoreWaitInfo info{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_WAIT_INFO,
+                                   .semaphoreCount = 1,
+                                   .pSemaphores = &semaphore,
+                                   .pValues = &ticket};
+    Result<void> waited = call("vkWaitSemaphores", vkWaitSemaphores, device_, &info,
+                               static_cast<std::uint64_t>(timeout_s * 1e9));
+    if (!waited) {
+        // The caller will free what the device may still be using.
+        const std::lock_guard lock(submit_mutex_);
+        vkDeviceWaitIdle(device_);
+    }
+    return waited;
+}
+
+Result<void> Device::submit_and_wait(const Commands& commands) {
+    const Result<std::uint64_t> ticket = submit(commands);
+    if (!ticket)
+        return ticket.error();
+    return wait(*ticket);
+}
+
+} // namespace seaway::gpu

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+// Device: one logical device with one queue that computes, copies and (where it can) draws.
+//
+//     Result<std::unique_ptr<Device>> device = Device::create({.pick = "auto"});
+//     ... record Commands ...
+//     Result<void> done = (*device)->submit_and_wait(commands);
+//
+// Everything made from a device must be gone before it. submit and wait are thread-safe; the rest
+// is read-only after creation.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+#include "gpu/device_info.h"
+#include "gpu/instance.h"
+#include "gpu/vulkan.h"
+
+namespace seaway::gpu {
+
+class Commands;
+
+struct DeviceOptions {
+    std::string pick = "auto";                    ///< see pick_device()
+    bool validation = false;                      ///< Khronos validation layer; for tests
+    std::vector<std::string> instance_extensions; ///< of a window system
+    std::vector<std::string> device_extensions;   ///< VK_KHR_swapchain
+};
+
+class Device {
+  public:
+    /// An error names what is missing and lists the devices that there are.
+    static Result<std::unique_ptr<Device>> create(const DeviceOptions& options);
+    Device(const Device&) = delete;
+    Device& operator=(const Device&) = delete;
+    ~Device();
+
+    VkDevice get() const { return device_; }
+    VkPhysicalDevice physical() const { return physical_; }
+    VkInstance instance() const { return instance_->get(); }
+    VkQueue queue() const { return queue_; }
+    std::uint32_t queue_family() const { return queue_family_; }
+    const DeviceInfo& info() const { return info_; }
+    const VkPhysicalDeviceLimits& limits() const { return limits_; }
+    const VkPhysicalDeviceFeatures& features() const { return features_; }
+
+    /// True where device memory can be read and written in place by the CPU at full speed
+    /// (lavapipe, most integrated GPUs): device buffers are mapped and need no copies.
+    bool unified_memory() const { return unified_memory_; }
+
+    /// Memory type for `bits` that has all of `required` and as many of `preferred` as there are;
+    /// -1: none.
+    int memory_type(std::uint32_t bits, VkMemoryPropertyFlags required,
+                    VkMemoryPropertyFlags preferred) const;
+
+    /// Queues recorded commands; the ticket is for wait(). Tickets grow.
+    Result<std::uint64_t> submit(const Commands& commands);
+    /// Until that ticket's work is done; an error after `timeout_s` or if the device is lost. After
+    /// an error nothing of this device runs any more.
+    Result<void> wait(std::uint64_t ticket, double timeout_s = 60);
+    Result<void> submit_and_wait(const Commands& commands);
+
+    const Instance& validation() const { return *instance_; }
+
+  private:
+    Device() = default;
+    Result<void> pick(const std::string& wish);
+    Result<void> create_device(const DeviceOptions& options);
+    Result<void> create_timeline();
+
+    // Order of members is order of construction; the destructor goes backwards.
+    std::unique_ptr<Instance> instance_;
+    VkPhysicalDevice physical_ = VK_NULL_HANDLE;
+    DeviceInfo info_;
+    VkPhysicalDeviceLimits limits_{};
+    VkPhysicalDeviceFeatures features_{};
+    VkPhysicalDeviceMemoryProperties memory_{};
+    bool unified_memory_ = false;
+    VkDevice device_ = VK_NULL_HANDLE;
+    VkQueue queue_ = VK_NULL_HANDLE;
+    std::uint32_t queue_family_ = 0;
+    OwnedSemaphore timeline_;
+    std::mutex submit_mutex_; // guards the queue and last_ticket_
+    std::uint64_t last_ticket_ = 0;
+};
+
+} // namespace seaway::gpu

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// What Vulkan devices there are, in words and numbers, and which of them a user means.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/result.h"
+#include "gpu/vulkan.h"
+
+namespace seaway::gpu {
+
+struct DeviceInfo {
+    int index = 0;      ///< position in list_devices()
+    std::string name;   ///< "lavapipe (llvmpipe (LLVM 15.0.6, 256 bits))", "NVIDIA L4"
+    std::string driver; ///< "Mesa 22.3.6", "NVIDIA 550.54"
+    VkPhysicalDeviceType type = VK_PHYSICAL_DEVICE_TYPE_OTHER;
+    std::uint32_t api_version = 0;
+    std::uint32_t subgroup_size = 0;
+    bool subgroup_shuffle = false;       ///< shuffles in compute shaders
+    std::uint32_t subgroup_size_min = 0; ///< sizes that a kernel may require; 0: no choice
+    std::uint32_t subgroup_size_max = 0;
+    std::uint64_t memory_bytes = 0; ///< largest device-local heap
+    bool graphics = false;          ///< its queue can draw
+    std::string unusable;           ///< empty, or why Seaway cannot run on it
+
+    bool is_cpu() const { return type == VK_PHYSICAL_DEVICE_TYPE_CPU; }
+    bool is_usable() const { return unusable.empty(); }
+};
+
+/// Every device of this machine, usable or not. An error: no Vulkan loader, no driver.
+Result<std::vector<DeviceInfo>> list_devices();
+
+DeviceInfo describe(VkPhysicalDevice physical, int index);
+
+/// Queue family for everything: graphics and compute if there is one, else compute; -1: none.
+int pick_queue_family(VkPhysicalDevice physical);
+
+/// `wish`: "auto" (discrete, integrated, virtual, then CPU), an index, or part of a name, case
+/// ignored. Returns the index; the error lists what there is.
+Result<int> pick_device(std::span<const DeviceInfo> devices, std::string_view wish);
+
+} // namespace seaway::gpu

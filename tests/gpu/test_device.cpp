@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <vector>
+
+#include "gpu/buffer.h"
+#include "gpu/call.h"
+#include "gpu/commands.h"
+#include "gpu/timer.h"
+#include "tests/gpu/device_for_tests.h"
+
+namespace seaway::gpu {
+namespace {
+
+using testing::HasSubstr;
+
+DeviceInfo named(int index, const char* name, VkPhysicalDeviceType type) {
+    DeviceInfo info;
+    info.index = index;
+    info.name = name;
+    info.type = type;
+    return info;
+}
+
+const std::vector<DeviceInfo> three_devices{
+    named(0, "lavapipe (llvmpipe)", VK_PHYSICAL_DEVICE_TYPE_CPU),
+    named(1, "Intel UHD 770", VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU),
+    named(2, "NVIDIA L4", VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU)};
+
+TEST(PickDevice, auto_takes_the_discrete_device_and_never_an_unusable_one) {
+    EXPECT_EQ(*pick_device(three_devices, "auto"), 2);
+    std::vector<DeviceInfo> devices = three_devices;
+    devices[2].unusable = "Vulkan 1.1, 1.3 needed";
+    EXPECT_EQ(*pick_device(devices, "auto"), 1);
+    EXPECT_THAT(pick_device(devices, "2").error().message, HasSubstr("1.3 needed"));
+}
+
+TEST(PickDevice, an_index_or_a_part_of_a_name_picks) {
+    EXPECT_EQ(*pick_device(three_devices, "1"), 1);
+    EXPECT_EQ(*pick_device(three_devices, "LAVApipe"), 0);
+    EXPECT_EQ(*pick_device(three_devices, "uhd 7"), 1);
+}
+
+TEST(PickDevice, an_unknown_wish_lists_what_there_is) {
+    EXPECT_THAT(pick_device(three_devices, "radeon").error().message, HasSubstr("2 = NVIDIA L4"));
+    EXPECT_FALSE(pick_device(three_devices, "7"));
+    EXPECT_FALSE(pick_device(three_devices, ""));
+    EXPECT_FALSE(pick_device({}, "auto"));
+}
+
+TEST(ListDevices, finds_one_that_can_be_used) {
+    const Result<std::vector<DeviceInfo>> devices = list_devices();
+    ASSERT_TRUE(devices) << devices.error().message;
+    EXPECT_TRUE(pick_device(*devices, "auto"));
+}
+
+TEST_F(DeviceTest, bytes_go_to_the_device_and_come_back) {
+    std::vector<std::byte> sent(100'003);
+    for (std::size_t i = 0; i < sent.size(); ++i)
+        sent[i] = static_cast<std::byte>(i * 7);
+    for (const BufferKind kind : {BufferKind::device, BufferKind::upload, BufferKind::readback}) {
+        Result<Buffer> buffer = Buffer::create(*device_, "there", sent.size(), kind);
+        ASSERT_TRUE(buffer) << buffer.error().message;
+        ASSERT_TRUE(upload(*device_, *buffer, sent));
+        std::vector<std::byte> back(sent.size());
+        ASSERT_TRUE(download(*device_, *buffer, back));
+        EXPECT_EQ(back, sent);
+    }
+}
+
+TEST_F(DeviceTest, copies_obey_offsets_and_the_timer_counts_forward) {
+    Result<Buffer> from = Buffer::create(*device_, "from", 64, BufferKind::upload);
+    Result<Buffer> to = Buffer::create(*device_, "to", 64, BufferKind::readback);
+    ASSERT_TRUE(from && to);
+    std::memset(from->mapped().data(), 5, 64);
+    std::memset(to->mapped().data(), 0, 64);
+    Result<Timer> timer = Timer::create(*device_, 2);
+    ASSERT_TRUE(timer);
+    ASSERT_TRUE(run_once(*device_, [&](Commands& commands) {
+        timer->reset(commands);
+        timer->stamp(commands);
+        commands.copy(*from, *to, 8, 0, 16);
+        commands.barrier(Stage::copy, Stage::host);
+        timer->stamp(commands);
+    }));
+    EXPECT_EQ(to->mapped()[15], std::byte{0});
+    EXPECT_EQ(to->mapped()[16], std::byte{5});
+    EXPECT_EQ(to->mapped()[23], std::byte{5});
+    EXPECT_EQ(to->mapped()[24], std::byte{0});
+    const Result<std::vector<double>> seconds = timer->read(*device_);
+    ASSERT_TRUE(seconds);
+    ASSERT_EQ(seconds->size(), 1u);
+    EXPECT_GE((*seconds)[0], 0);
+}
+
+TEST_F(DeviceTest, a_buffer_larger_than_memory_is_an_error_that_names_it) {
+    const Result<Buffer> buffer =
+        Buffer::create(*device_, "whole world", std::size_t{1} << 46, BufferKind::device);
+    ASSERT_FALSE(buffer);
+    EXPECT_THAT(buffer.error().message, HasSubstr("whole world"));
+}
+
+} // namespace
+} // namespace seaway::gpu

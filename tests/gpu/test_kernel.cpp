@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "gpu/buffer.h"
+#include "gpu/commands.h"
+#include "gpu/kernel.h"
+#include "gpu/spirv.h"
+#include "scale_comp.h"
+#include "tests/gpu/device_for_tests.h"
+
+namespace seaway::gpu {
+namespace {
+
+using testing::HasSubstr;
+
+struct Push {
+    float offset[4];
+    float factor;
+    std::uint32_t count;
+};
+
+KernelExpectation scale_expectation() {
+    return {.bindings = {{"source", VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER},
+                         {"Result", VK_DESCRIPTOR_TYPE_STORAGE_BUFFER}},
+            .push_constant_bytes = sizeof(Push),
+            .local_size = {64, 1, 1}};
+}
+
+TEST(Spirv, bindings_push_constants_and_workgroup_are_read_from_the_module) {
+    const Result<ShaderInterface> shader = reflect(scale_comp);
+    ASSERT_TRUE(shader) << shader.error().message;
+    EXPECT_EQ(shader->entry_point, "main");
+    EXPECT_EQ(shader->stage, VK_SHADER_STAGE_COMPUTE_BIT);
+    ASSERT_EQ(shader->bindings.size(), 2u);
+    EXPECT_EQ(shader->bindings[0].name, "source");
+    EXPECT_EQ(shader->bindings[0].type, VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER);
+    EXPECT_EQ(shader->bindings[1].name, "Result");
+    EXPECT_EQ(shader->bindings[1].type, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER);
+    EXPECT_EQ(shader->push_constant_bytes, sizeof(Push));
+    EXPECT_EQ(shader->local_size, (std::array<std::uint32_t, 3>{64, 1, 1}));
+}
+
+TEST(Spirv, a_module_cut_off_anywhere_is_an_error_or_a_smaller_module) {
+    const std::vector<std::uint32_t> words(std::begin(scale_comp), std::end(scale_comp));
+    for (std::size_t length = 0; length < words.size(); ++length) {
+        const std::vector<std::uint32_t> cut(words.begin(),
+                                             words.begin() + static_cast<std::ptrdiff_t>(length));
+        const Result<ShaderInterface> shader = reflect(cut);
+        EXPECT_TRUE(length >= 5 || !shader) << "no header is shorter than 5 words";
+    }
+}
+
+TEST_F(DeviceTest, a_kernel_computes_from_texels_into_storage) {
+    constexpr std::uint32_t count = 1000;
+    Result<Buffer> source = Buffer::create(*device_, "source", count * 16, BufferKind::device);
+    Result<Buffer> result = Buffer::create(*device_, "result", count * 16, BufferKind::device);
+    ASSERT_TRUE(source && result);
+    std::vector<float> values(count * 4);
+    for (std::size_t i = 0; i < values.size(); ++i)
+        values[i] = static_cast<float>(i);
+    ASSERT_TRUE(upload(*device_, *source, std::as_bytes(std::span(values))));
+    Result<TexelView> view =
+        TexelView::create(*device_, *source, VK_FORMAT_R32G32B32A32_SFLOAT, 16, 0, count * 16);
+    ASSERT_TRUE(view) << view.error().message;
+    Result<Kernel> kernel = Kernel::create(*device_, "scale", scale_comp, scale_expectation());
+    ASSERT_TRUE(kernel) << kernel.error().message;
+    Result<Bindings> bindings = kernel->bind(*device_, {texels(*view), whole(*result)});
+    ASSERT_TRUE(bindings) << bindings.error().message;
+
+    const Push push{{1, 2, 3, 4}, 2, count};
+    ASSERT_TRUE(run_once(*device_, [&](Commands& commands) {
+        commands.dispatch(*kernel, *bindings, std::as_bytes(std::span(&push, 1)),
+                          (count + 63) / 64);
+        commands.barrier(Stage::compute, Stage::copy);
+        commands.barrier(Stage::compute, Stage::host);
+    }));
+    std::vector<float> back(values.size());
+    ASSERT_TRUE(download(*device_, *result, std::as_writable_bytes(std::span(back))));
+    for (std::size_t i = 0; i < back.size(); ++i) // exact: small integers
+        ASSERT_EQ(back[i], 2 * values[i] + push.offset[i % 4]) << i;
+}
+
+TEST_F(DeviceTest, a_kernel_that_differs_from_its_program_is_refused_with_both_names) {
+    KernelExpectation expected = scale_expectation();
+    expected.bindings[1].name = "maps";
+    Result<Kernel> kernel = Kernel::create(*device_, "scale", scale_comp, expected);
+    ASSERT_FALSE(kernel);
+    EXPECT_THAT(kernel.error().message, HasSubstr("\"scale\""));
+    EXPECT_THAT(kernel.error().message, HasSubstr("\"Result\""));
+    EXPECT_THAT(kernel.error().message, HasSubstr("\"maps\""));
+
+    expected = scale_expectation();
+    expected.push_constant_bytes = 16;
+    EXPECT_THAT(Kernel::create(*device_, "scale", scale_comp, expected).error().message,
+                HasSubstr("24 bytes in the shader and 16"));
+    expected = scale_expectation();
+    expected.local_size = {32, 1, 1};
+    EXPECT_THAT(Kernel::create(*device_, "scale", scale_comp, expected).error().message,
+                HasSubstr("64x1x1 in the shader and 32x1x1"));
+    expected = scale_expectation();
+    expected.bindings.pop_back();
+    EXPECT_FALSE(Kernel::create(*device_, "scale", scale_comp, expected));
+}
+
+} // namespace
+} // namespace seaway::gpu
