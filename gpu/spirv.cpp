@@ -29,6 +29,7 @@ enum Op : std::uint32_t {
     op_variable = 59,
     op_decorate = 71,
     op_member_decorate = 72,
+    op_execution_mode_id = 331,
 };
 enum Decoration : std::uint32_t {
     decoration_buffer_block = 3,
@@ -45,6 +46,7 @@ enum Storage : std::uint32_t {
     storage_buffer = 12,
 };
 constexpr std::uint32_t mode_local_size = 17;
+constexpr std::uint32_t mode_local_size_id = 38;
 constexpr std::uint32_t dim_buffer = 5;
 
 using Words = std::span<const std::uint32_t>;
@@ -94,6 +96,7 @@ class Module {
     std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> decorations_;
     std::map<std::array<std::uint32_t, 3>, std::uint32_t> member_decorations_;
     std::vector<Variable> variables_;
+    std::array<std::uint32_t, 3> local_size_ids_{}; // ids of constants; 0: given as numbers
     ShaderInterface out_;
 };
 
@@ -124,6 +127,8 @@ void Module::take(std::uint32_t op, Words operands) {
                                                      : VK_SHADER_STAGE_COMPUTE_BIT;
     } else if (op == op_execution_mode && n >= 5 && operands[1] == mode_local_size) {
         out_.local_size = {operands[2], operands[3], operands[4]};
+    } else if (op == op_execution_mode_id && n >= 5 && operands[1] == mode_local_size_id) {
+        local_size_ids_ = {operands[2], operands[3], operands[4]};
     } else if (op == op_decorate && n >= 2) {
         decorations_[{operands[0], operands[1]}] = n >= 3 ? operands[2] : 1;
     } else if (op == op_member_decorate && n >= 4) {
@@ -204,6 +209,9 @@ VkDescriptorType Module::descriptor_type(std::uint32_t storage, std::uint32_t ty
 
 ShaderInterface Module::interface() const {
     ShaderInterface out = out_;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        if (const auto size = constants_.find(local_size_ids_[axis]); size != constants_.end())
+            out.local_size[axis] = size->second;
     for (const Variable& variable : variables_) {
         const Words* pointer = type(variable.pointer_type);
         if (pointer == nullptr || pointer->size() < 2)
