@@ -56,6 +56,9 @@ struct QueryAnswers {
 /// The two keyframes of each cascade around each time; without times: what a new subscriber needs,
 /// from the keyframe before now to the newest published one.
 struct FetchRequest {
+    /// The two keyframes of each cascade around each time. Empty: what a new subscriber needs, from
+    /// the keyframe before now to the newest published one, so that the stream continues it without
+    /// a gap (subscribe first, then fetch this).
     std::vector<sea::TimeUs> times_us;
     TileDemand demand;
 };
