@@ -81,9 +81,13 @@ float* SplineMap::texel(int x, int y) {
 SplineMap::SplineMap(const Keyframe& keyframe)
     : size_(keyframe.size), length_m_(keyframe.length_m), time_us_(keyframe.time_us),
       epoch_(keyframe.epoch) {
+    SEAWAY_CHECK(keyframe.fields.contains(FieldSet{Field::height, Field::height_rate}),
+                 "a sampler needs height and its rate");
     const auto pitch = static_cast<std::size_t>(size_ + border);
     coefficients_.assign(pitch * pitch * channels, 0.0f);
     for (std::size_t f = 0; f < channel_fields.size(); ++f) {
+        if (!keyframe.fields.contains(channel_fields[f]))
+            continue;
         const float* value = keyframe.plane(channel_fields[f]).data();
         for (int y = 0; y < size_; ++y)
             for (int x = 0; x < size_; ++x)

@@ -19,7 +19,7 @@
 
 namespace seaway::sea {
 
-/// Values and world derivatives of the six surface fields at one point.
+/// Values and horizontal derivatives of the six surface fields at one point.
 struct SplineSample {
     // [field]: height, displacement_x, displacement_y, then their time rates; 3 and 7 are unused.
     float value[8];
@@ -29,11 +29,12 @@ struct SplineSample {
 
 class SplineMap {
   public:
-    /// The keyframe must hold surface_fields (sea/field.h).
+    /// The keyframe must hold height and height_rate; displacements that it does not hold are zero.
     explicit SplineMap(const Keyframe& keyframe);
 
     TimeUs time_us() const { return time_us_; }
     std::uint32_t epoch() const { return epoch_; }
+    std::size_t bytes() const { return coefficients_.size() * sizeof(float); }
 
     /// Undisplaced coordinates, any finite value; reduced modulo the tile in double precision.
     SplineSample sample(double x_m, double y_m) const;

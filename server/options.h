@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+// The command line of seaway-server. The sea is in the scene file; these are the process.
+#pragma once
+
+#include <string>
+#include <variant>
+
+namespace seaway::server {
+
+struct Options {
+    std::string scene;
+    std::string listen = "127.0.0.1:7447"; ///< ADDR:PORT; port 0 picks a free one
+    std::string device = "auto";           ///< auto | list | name part | index
+    std::string tls_cert;                  ///< PEM files; both or none
+    std::string tls_key;
+    std::string admin_token_file;  ///< /metrics and /v1/plan need this bearer token if given
+    std::string client_token_file; ///< Hello needs this token if given
+    bool validation = false;       ///< Vulkan validation layers; their messages are errors
+};
+
+/// Exit codes of seaway-server: the public contract.
+enum ExitCode : int {
+    exit_stopped = 0,
+    exit_usage = 2,
+    exit_no_device = 3,
+    exit_cannot_listen = 4
+};
+
+/// The options, or the exit code after --help, --version (0) or a usage error (2), which has been
+/// printed.
+std::variant<Options, int> read_options(int argc, char** argv);
+
+} // namespace seaway::server

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// Quality rungs: the few codec bounds that tiles are encoded at, so that every keyframe is encoded
+// once a rung and shared by all its subscribers. Pure functions; thread-safe.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "sea/surface/error_budget.h"
+
+namespace seaway::server {
+
+/// Codec error of each rung, in shares of the scene's codec budget. Rung 0 keeps the scene's
+/// `height_error_m`; each further one saves about two bits a sample.
+inline constexpr std::array<double, 3> quality_rungs{1.0, 4.0, 16.0};
+
+/// What tiles of this rung may cost of a height, m.
+inline double codec_error_m(const sea::ErrorBudget& budget, std::uint8_t quality) {
+    return quality_rungs[quality] * budget.shares.codec * budget.height_error_m;
+}
+
+/// Bound on a height from tiles of this rung, all parts together, at ordinary slopes, m.
+inline double height_error_m(const sea::ErrorBudget& budget, std::uint8_t quality) {
+    return budget.interpolation_m + codec_error_m(budget, quality) +
+           budget.shares.query * budget.height_error_m;
+}
+
+/// The cheapest rung that keeps the wanted bound; the best one if none does or 0 was asked.
+inline std::uint8_t quality_for(const sea::ErrorBudget& budget, double wanted_error_m) {
+    std::uint8_t quality = 0;
+    for (std::uint8_t rung = 1; rung < quality_rungs.size(); ++rung)
+        if (height_error_m(budget, rung) <= wanted_error_m)
+            quality = rung;
+    return quality;
+}
+
+} // namespace seaway::server

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/simulation/effect_plan.h"
+
+#include <algorithm>
+
+namespace seaway::server {
+
+using sea::Field;
+using sea::FieldSet;
+
+namespace {
+
+constexpr EffectInfo effects[] = {
+    {"height", {Field::height, Field::height_rate}},
+    {"choppy",
+     {Field::displacement_x, Field::displacement_y, Field::displacement_x_rate,
+      Field::displacement_y_rate}},
+    {"slopes", {Field::slope_x, Field::slope_y}},
+    {"gradient", {Field::strain_xx, Field::strain_yy, Field::strain_xy, Field::jacobian}},
+};
+
+} // namespace
+
+std::span<const EffectInfo> effect_table() {
+    return effects;
+}
+
+FieldSet offered_fields(const sea::Effects& allowed) {
+    FieldSet offered = effects[0].fields;
+    if (allowed.choppy)
+        offered |= effects[1].fields | effects[3].fields;
+    if (allowed.slopes)
+        offered |= effects[2].fields;
+    return offered;
+}
+
+bool EffectPlan::idle() const {
+    return std::all_of(cascades.begin(), cascades.end(),
+                       [](const CascadePlan& cascade) { return cascade.fields.empty(); });
+}
+
+int transforms_for(FieldSet fields) {
+    if (fields.contains(Field::jacobian))
+        fields |= FieldSet{Field::strain_xx, Field::strain_yy, Field::strain_xy};
+    int linear = 0;
+    for (const Field field : fields)
+        linear += sea::is_linear(field);
+    return (linear + 1) / 2;
+}
+
+EffectPlan plan_effects(FieldSet offered, std::span<const Demand> demands,
+                        const sea::ErrorBudget& budget) {
+    EffectPlan plan;
+    for (std::size_t c = 0; c < budget.cascades.size(); ++c) {
+        CascadePlan cascade{{}, budget.cascades[c].interval_us, 0};
+        for (const Demand& demand : demands)
+            if ((demand.cascades >> c) & 1u)
+                cascade.fields |= FieldSet::from_bits(demand.fields.bits() & offered.bits());
+        cascade.transforms = transforms_for(cascade.fields);
+        plan.cascades.push_back(cascade);
+    }
+    return plan;
+}
+
+} // namespace seaway::server

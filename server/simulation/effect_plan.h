@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+// Effect plan: what is computed, decided by a pure function from what the scene allows and what
+// someone asks for now. No demand, no dispatch.
+//
+// Effects are sets of fields; a field that stands on others (the Jacobian on three strains) brings
+// them along. Thread-safe: values and pure functions.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "sea/field.h"
+#include "sea/scene.h"
+#include "sea/surface/error_budget.h"
+
+namespace seaway::server {
+
+/// One row an effect: the fields that it stands for.
+struct EffectInfo {
+    std::string_view name;
+    sea::FieldSet fields;
+};
+
+/// Names as in /v1/plan and /metrics.
+std::span<const EffectInfo> effect_table();
+
+/// Fields that the scene lets anyone have. Time rates of what is displaced always belong to it:
+/// keyframes are joined by them.
+sea::FieldSet offered_fields(const sea::Effects& effects);
+
+/// What one subscriber or query wants.
+struct Demand {
+    std::uint32_t cascades = 0; ///< bit c
+    sea::FieldSet fields;
+};
+
+struct CascadePlan {
+    sea::FieldSet fields;    ///< union of all demand, within what is offered; empty: idle
+    sea::TimeUs interval_us; ///< between keyframes
+    int transforms = 0;      ///< complex 2-D transforms a keyframe
+};
+
+struct EffectPlan {
+    std::vector<CascadePlan> cascades;
+    bool idle() const;
+};
+
+EffectPlan plan_effects(sea::FieldSet offered, std::span<const Demand> demands,
+                        const sea::ErrorBudget& budget);
+
+/// Complex transforms that a set of fields takes: two linear fields share one.
+int transforms_for(sea::FieldSet fields);
+
+} // namespace seaway::server

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+// Keyframe store: a bounded cache of keyframes and of their splines, oldest use first out.
+//
+// Thread-safe. What is handed out stays valid after it has been dropped here.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <list>
+#include <map>
+#include <mutex>
+#include <utility>
+
+#include "sea/surface/keyframe.h"
+#include "sea/surface/spline_map.h"
+
+namespace seaway::server {
+
+/// Enough for some 60 keyframes of 256 x 256 with their splines: a few seconds of three cascades.
+inline constexpr std::size_t keyframe_store_bytes_max = 256u * 1024 * 1024;
+
+struct StoreCounters {
+    std::size_t keyframes = 0;
+    std::size_t bytes = 0;
+    std::uint64_t hits = 0;
+    std::uint64_t misses = 0;
+};
+
+class KeyframeStore {
+  public:
+    explicit KeyframeStore(std::size_t bytes_max = keyframe_store_bytes_max)
+        : bytes_max_(bytes_max) {}
+
+    /// The keyframe if it is held with at least these fields, else null.
+    sea::KeyframePtr find(int cascade, sea::TimeUs time_us, sea::FieldSet fields);
+
+    /// Fields with which a keyframe is held; empty if it is not.
+    sea::FieldSet held(int cascade, sea::TimeUs time_us) const;
+
+    /// Replaces a keyframe of the same cascade and time.
+    void insert(sea::KeyframePtr keyframe);
+
+    /// The keyframe's spline; kept beside it for as long as the keyframe is held.
+    sea::SplineMapPtr spline(const sea::KeyframePtr& keyframe);
+
+    /// Forgets everything: the sea has changed.
+    void clear();
+
+    StoreCounters counters() const;
+
+  private:
+    using Key = std::pair<int, sea::TimeUs>;
+    struct Entry {
+        sea::KeyframePtr keyframe;
+        sea::SplineMapPtr spline;
+        std::list<Key>::iterator recency;
+    };
+
+    void touch(Entry& entry);
+    void shrink();
+    static std::size_t bytes(const Entry& entry);
+
+    const std::size_t bytes_max_;
+    mutable std::mutex mutex_;
+    std::map<Key, Entry> entries_;
+    std::list<Key> by_recency_; ///< most recent first
+    StoreCounters counters_;
+};
+
+} // namespace seaway::server

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/simulation/running_sea.h"
+
+#include "sea/realize.h"
+#include "server/simulation/effect_plan.h"
+
+namespace seaway::server {
+
+Result<RunningSeaPtr> make_running_sea(const sea::Scene& scene, std::uint32_t epoch) {
+    Result<sea::Realization> realized = sea::realize(scene);
+    if (!realized)
+        return realized.error();
+    auto realization = std::make_shared<const sea::Realization>(std::move(realized).value());
+    return std::make_shared<const RunningSea>(RunningSea{
+        epoch, scene, realization, sea::plan_budget(*realization, scene.accuracy.height_error_m),
+        offered_fields(scene.effects), sea::summarize(scene.sea, *realization),
+        sea::DirectSum(realization)});
+}
+
+} // namespace seaway::server

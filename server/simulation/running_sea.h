@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+// RunningSea: one sea state with everything that is derived from it once: the realised modes, the
+// error budget, what may be asked for, and the exact sum. Immutable; share it by pointer.
+#pragma once
+
+#include <memory>
+
+#include "base/result.h"
+#include "sea/field.h"
+#include "sea/moments.h"
+#include "sea/realization.h"
+#include "sea/reference.h"
+#include "sea/scene.h"
+#include "sea/surface/error_budget.h"
+
+namespace seaway::server {
+
+struct RunningSea {
+    std::uint32_t epoch;
+    sea::Scene scene;
+    sea::RealizationPtr realization;
+    sea::ErrorBudget budget;
+    sea::FieldSet offered;
+    sea::SeaSummary summary;
+    sea::DirectSum truth;
+
+    /// What a sampler needs of a keyframe of this sea.
+    sea::FieldSet sampler_fields() const {
+        return sea::FieldSet::from_bits(sea::surface_fields.bits() & offered.bits());
+    }
+};
+
+using RunningSeaPtr = std::shared_ptr<const RunningSea>;
+
+/// Realises the scene. An error is one line that names what in the scene cannot be had.
+Result<RunningSeaPtr> make_running_sea(const sea::Scene& scene, std::uint32_t epoch);
+
+} // namespace seaway::server

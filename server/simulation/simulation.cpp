@@ -1,0 +1,370 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/simulation/simulation.h"
+
+#include <algorithm>
+#include <chrono>
+#include <limits>
+#include <numeric>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace seaway::server {
+
+using sea::TimeUs;
+
+namespace {
+
+/// Start of the keyframe interval that holds the time; also for times before the epoch.
+TimeUs interval_start(TimeUs time_us, TimeUs interval_us) {
+    const TimeUs rest = time_us % interval_us;
+    return time_us - (rest < 0 ? rest + interval_us : rest);
+}
+
+} // namespace
+
+Result<std::unique_ptr<Simulation>> Simulation::start(RunningSeaPtr sea, SynthesizerFactory factory,
+                                                      std::function<TimeUs()> now,
+                                                      SimulationEvents events) {
+    std::unique_ptr<Simulation> simulation(
+        new Simulation(std::move(sea), std::move(factory), std::move(now), std::move(events)));
+    if (Result<void> built = simulation->rebuild_device(); !built)
+        return built.error();
+    simulation->thread_ = std::thread([self = simulation.get()] { self->run(); });
+    return simulation;
+}
+
+Simulation::Simulation(RunningSeaPtr sea, SynthesizerFactory factory, std::function<TimeUs()> now,
+                       SimulationEvents events)
+    : sea_(std::move(sea)), factory_(std::move(factory)), now_(std::move(now)),
+      events_(std::move(events)), next_keyframe_us_(sea_->budget.cascades.size()),
+      streaming_(sea_->budget.cascades.size()),
+      plan_(plan_effects(sea_->offered, {}, sea_->budget)) {}
+
+Simulation::~Simulation() {
+    {
+        const std::scoped_lock lock(mutex_);
+        stopping_ = true;
+    }
+    wake_.notify_all();
+    if (thread_.joinable())
+        thread_.join();
+}
+
+void Simulation::set_demand(std::uint64_t who, Demand demand) {
+    {
+        const std::scoped_lock lock(mutex_);
+        if (demand.fields.empty() || demand.cascades == 0)
+            demands_.erase(who);
+        else
+            demands_[who] = demand;
+        std::vector<Demand> all;
+        for (const auto& [id, one] : demands_)
+            all.push_back(one);
+        plan_ = plan_effects(sea_->offered, all, sea_->budget);
+    }
+    wake_.notify_all();
+}
+
+void Simulation::ask(Question question) {
+    {
+        const std::scoped_lock lock(mutex_);
+        ++counters_.questions;
+        questions_.push_back(std::move(question));
+    }
+    wake_.notify_all();
+}
+
+void Simulation::run() {
+    while (!failed_) {
+        if (publish_due())
+            continue;
+        Question question;
+        {
+            std::unique_lock lock(mutex_);
+            if (stopping_)
+                return;
+            if (questions_.empty()) {
+                if (plan_.idle())
+                    wake_.wait(lock);
+                else
+                    wake_.wait_for(lock, std::chrono::microseconds(
+                                             std::max<TimeUs>(next_due_us() - now_(), 1)));
+                continue;
+            }
+            question = std::move(questions_.front());
+            questions_.pop_front();
+        }
+        // Unfinished ones go to the end: a large one delays small ones by a slice at a time.
+        if (!question()) {
+            const std::scoped_lock lock(mutex_);
+            questions_.push_back(std::move(question));
+        }
+    }
+    const std::scoped_lock lock(mutex_);
+    questions_.clear();
+}
+
+TimeUs Simulation::lead_us(std::size_t cascade) const {
+    return sea_->budget.cascades[cascade].interval_us + publish_lead_us;
+}
+
+TimeUs Simulation::next_due_us() const {
+    TimeUs next = std::numeric_limits<TimeUs>::max();
+    for (std::size_t c = 0; c < plan_.cascades.size(); ++c)
+        if (!plan_.cascades[c].fields.empty())
+            next = std::min(next, next_keyframe_us_[c] - lead_us(c));
+    return next;
+}
+
+bool Simulation::publish_due() {
+    const EffectPlan plan = this->plan();
+    const TimeUs now_us = now_();
+    std::vector<Wanted> due;
+    std::uint64_t skipped = 0;
+    for (std::size_t c = 0; c < plan.cascades.size(); ++c) {
+        const auto& [fields, interval_us, transforms] = plan.cascades[c];
+        const bool wanted = !fields.empty();
+        TimeUs& next_us = next_keyframe_us_[c];
+        if (wanted && !streaming_[c]) // the first subscriber fetches up to here for itself
+            next_us = interval_start(now_us + lead_us(c), interval_us);
+        streaming_[c] = wanted;
+        if (!wanted || now_us < next_us - lead_us(c))
+            continue;
+        const TimeUs oldest_us = now_us - catch_up_us;
+        if (next_us < oldest_us) {
+            const TimeUs resumed_us = interval_start(now_us, interval_us);
+            skipped += static_cast<std::uint64_t>((resumed_us - next_us) / interval_us);
+            next_us = resumed_us;
+        }
+        due.push_back({static_cast<int>(c), next_us, fields});
+        next_us += interval_us;
+    }
+    if (due.empty())
+        return false;
+    const std::vector<sea::KeyframePtr> made = keyframes(due);
+    for (const sea::KeyframePtr& keyframe : made)
+        if (events_.on_keyframe)
+            events_.on_keyframe(keyframe);
+    const std::scoped_lock lock(mutex_);
+    counters_.keyframes_published += made.size();
+    counters_.keyframes_skipped += skipped;
+    return true;
+}
+
+RunningSeaPtr Simulation::sea() const {
+    return sea_;
+}
+
+EffectPlan Simulation::plan() const {
+    const std::scoped_lock lock(mutex_);
+    return plan_;
+}
+
+std::string Simulation::device() const {
+    const std::scoped_lock lock(mutex_);
+    return device_;
+}
+
+SimulationCounters Simulation::counters() const {
+    const std::scoped_lock lock(mutex_);
+    SimulationCounters counters = counters_;
+    counters.store = store_.counters();
+    return counters;
+}
+
+// ---- keyframes -----------------------------------------------------------------------------
+
+Result<void> Simulation::rebuild_device() {
+    synthesizer_.reset();
+    Result<std::unique_ptr<Synthesizer>> made = factory_();
+    if (!made)
+        return made.error();
+    if (Result<void> ready = (*made)->set_sea(sea_->realization, sea_->epoch); !ready)
+        return ready.error();
+    synthesizer_ = std::move(made).value();
+    const std::scoped_lock lock(mutex_);
+    device_ = synthesizer_->description();
+    before_rebuild_ = counters_.synthesis;
+    return {};
+}
+
+Result<std::vector<sea::KeyframePtr>>
+Simulation::synthesize(std::span<const KeyframeRequest> requests) {
+    Result<std::vector<sea::KeyframePtr>> made = Error{"the device is gone"};
+    for (int attempt = 0; attempt <= device_rebuilds_max; ++attempt) {
+        if (synthesizer_)
+            made = synthesizer_->synthesize(requests);
+        if (made) {
+            count_synthesis();
+            return made;
+        }
+        if (attempt == device_rebuilds_max)
+            break;
+        if (events_.on_warning)
+            events_.on_warning(fmt::format("device failed, rebuilding it ({} of {}): {}",
+                                           attempt + 1, device_rebuilds_max, made.error().message));
+        if (Result<void> rebuilt = rebuild_device(); !rebuilt)
+            made = rebuilt.error();
+        const std::scoped_lock lock(mutex_);
+        ++counters_.device_rebuilds;
+    }
+    return made;
+}
+
+void Simulation::count_synthesis() {
+    const SynthesisCounters now = synthesizer_->counters();
+    const std::scoped_lock lock(mutex_);
+    counters_.synthesis = {before_rebuild_.dispatches + now.dispatches,
+                           before_rebuild_.transforms + now.transforms,
+                           before_rebuild_.keyframes + now.keyframes,
+                           before_rebuild_.device_seconds + now.device_seconds};
+}
+
+std::vector<sea::KeyframePtr> Simulation::keyframes(std::span<const Wanted> wanted) {
+    std::vector<sea::KeyframePtr> found(wanted.size());
+    std::vector<KeyframeRequest> missing;
+    std::vector<std::size_t> place;
+    for (std::size_t i = 0; i < wanted.size(); ++i) {
+        const auto& [cascade, time_us, fields] = wanted[i];
+        found[i] = store_.find(cascade, time_us, fields);
+        if (found[i])
+            continue;
+        missing.push_back({cascade, time_us, fields | store_.held(cascade, time_us)});
+        place.push_back(i);
+    }
+    if (missing.empty())
+        return found;
+    Result<std::vector<sea::KeyframePtr>> made = synthesize(missing);
+    if (!made) {
+        failed_ = true;
+        if (events_.on_failure)
+            events_.on_failure(made.error().message);
+        return {};
+    }
+    for (std::size_t i = 0; i < made->size(); ++i) {
+        store_.insert((*made)[i]);
+        found[place[i]] = std::move((*made)[i]);
+    }
+    return found;
+}
+
+std::vector<Simulation::Wanted> Simulation::around(TimeUs time_us, const Demand& demand) const {
+    std::vector<Wanted> wanted;
+    for (std::size_t c = 0; c < sea_->budget.cascades.size(); ++c) {
+        if (!((demand.cascades >> c) & 1u))
+            continue;
+        const TimeUs interval_us = sea_->budget.cascades[c].interval_us;
+        const TimeUs start_us = interval_start(time_us, interval_us);
+        wanted.push_back({static_cast<int>(c), start_us, demand.fields});
+        wanted.push_back({static_cast<int>(c), start_us + interval_us, demand.fields});
+    }
+    return wanted;
+}
+
+void Simulation::fetch(std::vector<TimeUs> times_us, Demand demand, Fetched done) {
+    ask([this, times_us = std::move(times_us), demand, done = std::move(done)] {
+        std::vector<Wanted> wanted;
+        for (const TimeUs time_us : times_us)
+            for (const Wanted& one : around(time_us, demand))
+                wanted.push_back(one);
+        done(keyframes(wanted));
+        return true;
+    });
+}
+
+void Simulation::fetch_current(Demand demand, Fetched done) {
+    ask([this, demand, done = std::move(done)] {
+        const TimeUs now_us = now_();
+        std::vector<Wanted> wanted;
+        for (std::size_t c = 0; c < sea_->budget.cascades.size(); ++c) {
+            if (!((demand.cascades >> c) & 1u))
+                continue;
+            const TimeUs interval_us = sea_->budget.cascades[c].interval_us;
+            // As far as the stream has come, or will start from.
+            const TimeUs end_us = streaming_[c] ? next_keyframe_us_[c]
+                                                : interval_start(now_us + lead_us(c), interval_us);
+            for (TimeUs t = interval_start(now_us, interval_us); t < end_us; t += interval_us)
+                wanted.push_back({static_cast<int>(c), t, demand.fields});
+        }
+        done(keyframes(wanted));
+        return true;
+    });
+}
+
+// ---- questions -----------------------------------------------------------------------------
+
+struct Simulation::Batch {
+    std::vector<sea::QueryPoint> points;
+    std::vector<std::size_t> order; ///< by time: points that share keyframes stand together
+    std::vector<sea::Answer> answers;
+    std::size_t done_count = 0;                   ///< of `order`
+    std::optional<sea::DirectSum::Moment> moment; ///< exact: the sea at moment_us
+    TimeUs moment_us = 0;
+    Answered done;
+
+    bool complete() const { return done_count == order.size(); }
+    const sea::QueryPoint& next() const { return points[order[done_count]]; }
+    void put(const sea::Answer& answer) { answers[order[done_count++]] = answer; }
+};
+
+void Simulation::answer(std::vector<sea::QueryPoint> points, bool exact, Answered done) {
+    auto batch = std::make_shared<Batch>();
+    batch->points = std::move(points);
+    batch->answers.resize(batch->points.size());
+    batch->done = std::move(done);
+    batch->order.resize(batch->points.size());
+    std::iota(batch->order.begin(), batch->order.end(), std::size_t{0});
+    std::stable_sort(batch->order.begin(), batch->order.end(), [&](std::size_t a, std::size_t b) {
+        return batch->points[a].time_us < batch->points[b].time_us;
+    });
+    ask([this, batch, exact] {
+        if (!(exact ? exact_slice(*batch) : answer_slice(*batch)))
+            return false;
+        batch->done(std::move(batch->answers));
+        return true;
+    });
+}
+
+bool Simulation::exact_slice(Batch& batch) const {
+    constexpr double tolerance_m = 1e-9;
+    const sea::InverseOptions options{sea_->realization->choppiness, tolerance_m,
+                                      std::max(sea_->budget.displacement_reach_m, 1e-3)};
+    for (std::size_t i = 0; i < exact_points_per_slice && !batch.complete(); ++i) {
+        const sea::QueryPoint& point = batch.next();
+        if (!batch.moment || batch.moment_us != point.time_us) {
+            batch.moment = sea_->truth.at_time(point.time_us);
+            batch.moment_us = point.time_us;
+        }
+        sea::Answer answer = sea::surface_at(point, options, *batch.moment);
+        answer.error_m += tolerance_m;
+        answer.flags |= sea::answer_exact;
+        batch.put(answer);
+    }
+    return batch.complete();
+}
+
+bool Simulation::answer_slice(Batch& batch) {
+    if (batch.complete())
+        return true;
+    const std::vector<Wanted> wanted = around(batch.next().time_us, {~0u, sea_->sampler_fields()});
+    const std::vector<sea::KeyframePtr> held = keyframes(wanted);
+    if (held.size() != wanted.size()) { // the device is gone for good
+        batch.answers.clear();
+        return true;
+    }
+    std::vector<sea::SplinePair> pairs;
+    TimeUs end_us = std::numeric_limits<TimeUs>::max();
+    for (std::size_t i = 0; i < wanted.size(); i += 2) {
+        pairs.push_back({store_.spline(held[i]), store_.spline(held[i + 1])});
+        end_us = std::min(end_us, wanted[i + 1].time_us);
+    }
+    const sea::Surface surface(std::move(pairs), sea_->realization->choppiness,
+                               sea_->budget.displacement_reach_m, map_error(sea_->budget, 0.0));
+    while (!batch.complete() && batch.next().time_us < end_us)
+        batch.put(surface.answer(batch.next()));
+    return batch.complete();
+}
+
+} // namespace seaway::server

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+// Simulation: one thread that owns the synthesizer, computes the keyframes that the effect plan
+// calls for ahead of time, and answers questions about any time from keyframes around it.
+//
+// Order of work: keyframes that are due, then one slice of what was asked. Without demand and
+// without questions the thread sleeps and nothing is dispatched. A device that fails is rebuilt
+// from (sea, time) a bounded number of times; after that on_failure is called and the simulation
+// is over.
+//
+// All public functions may be called from any thread and return at once; callbacks come on the
+// simulation thread and must not block.
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <deque>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "base/result.h"
+#include "sea/surface/answer.h"
+#include "sea/surface/surface.h"
+#include "server/simulation/effect_plan.h"
+#include "server/simulation/keyframe_store.h"
+#include "server/simulation/running_sea.h"
+#include "server/simulation/synthesizer.h"
+
+namespace seaway::server {
+
+using SynthesizerFactory = std::function<Result<std::unique_ptr<Synthesizer>>()>;
+
+/// A keyframe is published this long before its interval begins, so that it is decoded in time.
+inline constexpr sea::TimeUs publish_lead_us = 250'000;
+/// A keyframe that is later than this is skipped for a newer one.
+inline constexpr sea::TimeUs catch_up_us = 500'000;
+inline constexpr int device_rebuilds_max = 3;
+/// Questions that wait at most; more are refused.
+inline constexpr std::size_t questions_waiting_max = 1024;
+/// Exact sums between two looks at what else is due.
+inline constexpr std::size_t exact_points_per_slice = 8;
+
+struct SimulationEvents {
+    std::function<void(const sea::KeyframePtr&)> on_keyframe; ///< a planned one, once
+    std::function<void(const std::string& why)> on_warning;
+    std::function<void(const std::string& why)> on_failure; ///< the simulation has ended
+};
+
+struct SimulationCounters {
+    SynthesisCounters synthesis;
+    StoreCounters store;
+    std::uint64_t keyframes_published = 0;
+    std::uint64_t keyframes_skipped = 0; ///< too late to be of use
+    std::uint64_t questions = 0;
+    std::uint64_t device_rebuilds = 0;
+};
+
+class Simulation {
+  public:
+    using Answered = std::function<void(std::vector<sea::Answer>)>;
+    using Fetched = std::function<void(std::vector<sea::KeyframePtr>)>;
+
+    /// Makes the device, warms it up and starts the thread. `now` is the sea's clock.
+    static Result<std::unique_ptr<Simulation>> start(RunningSeaPtr sea, SynthesizerFactory factory,
+                                                     std::function<sea::TimeUs()> now,
+                                                     SimulationEvents events);
+    ~Simulation();
+    Simulation(const Simulation&) = delete;
+    Simulation& operator=(const Simulation&) = delete;
+
+    /// Sets or replaces what `who` wants streamed; an empty demand takes it away. Takes effect with
+    /// the next keyframes.
+    void set_demand(std::uint64_t who, Demand demand);
+
+    /// The two keyframes of each wanted cascade around each time.
+    void fetch(std::vector<sea::TimeUs> times_us, Demand demand, Fetched done);
+
+    /// What a new subscriber needs: from the keyframe before now to the newest published one.
+    void fetch_current(Demand demand, Fetched done);
+
+    /// One answer a point, in order, each at its own time, past or future.
+    void answer(std::vector<sea::QueryPoint> points, bool exact, Answered done);
+
+    RunningSeaPtr sea() const;
+    EffectPlan plan() const;
+    SimulationCounters counters() const;
+    std::string device() const;
+    bool healthy() const { return !failed_; }
+
+  private:
+    /// Something asked: called slice by slice until it returns true.
+    using Question = std::function<bool()>;
+
+    Simulation(RunningSeaPtr sea, SynthesizerFactory factory, std::function<sea::TimeUs()> now,
+               SimulationEvents events);
+
+    void run();
+    bool publish_due();
+    void ask(Question question);
+    sea::TimeUs next_due_us() const;
+    sea::TimeUs lead_us(std::size_t cascade) const;
+
+    struct Wanted {
+        int cascade;
+        sea::TimeUs time_us;
+        sea::FieldSet fields;
+    };
+    /// From the store, or computed; null when the device has failed for good.
+    std::vector<sea::KeyframePtr> keyframes(std::span<const Wanted> wanted);
+    Result<std::vector<sea::KeyframePtr>> synthesize(std::span<const KeyframeRequest> requests);
+    Result<void> rebuild_device();
+    std::vector<Wanted> around(sea::TimeUs time_us, const Demand& demand) const;
+    struct Batch;
+    bool answer_slice(Batch& batch);
+    bool exact_slice(Batch& batch) const;
+    void count_synthesis();
+
+    const RunningSeaPtr sea_;
+    const SynthesizerFactory factory_;
+    const std::function<sea::TimeUs()> now_;
+    const SimulationEvents events_;
+
+    // Of the simulation thread alone.
+    std::unique_ptr<Synthesizer> synthesizer_;
+    std::vector<sea::TimeUs> next_keyframe_us_; ///< a cascade; the next to publish
+    std::vector<bool> streaming_;
+
+    KeyframeStore store_;
+    std::atomic<bool> failed_ = false;
+
+    mutable std::mutex mutex_;
+    std::condition_variable wake_;
+    bool stopping_ = false;
+    std::map<std::uint64_t, Demand> demands_;
+    EffectPlan plan_;
+    std::deque<Question> questions_;
+    SimulationCounters counters_;
+    SynthesisCounters before_rebuild_; ///< of devices that are gone
+    std::string device_;
+
+    std::thread thread_;
+};
+
+} // namespace seaway::server

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/world.h"
+
+#include <utility>
+
+#include "server/world_reports.h"
+
+namespace seaway::server {
+
+World::World(RunningSeaPtr sea, std::vector<std::string> warnings, std::function<sea::TimeUs()> now)
+    : sea_(std::move(sea)), warnings_(std::move(warnings)), now_(std::move(now)),
+      sea_state_(std::make_shared<const std::vector<std::uint8_t>>(
+          protocol::sea_state(sea_state_values(*sea_, warnings_)))) {}
+
+void World::attach(Simulation& simulation, Publish publish) {
+    simulation_ = &simulation;
+    publish_ = std::move(publish);
+}
+
+KeyframeTiles World::tiles(sea::KeyframePtr keyframe, std::uint8_t quality) const {
+    std::vector<float> bounds = sea::codec_bounds(sea_->budget, keyframe->fields, keyframe->cascade,
+                                                  codec_error_m(sea_->budget, quality));
+    return {std::move(keyframe), std::move(bounds), quality};
+}
+
+void World::on_keyframe(const sea::KeyframePtr& keyframe) {
+    std::array<bool, quality_rungs.size()> wanted{};
+    {
+        const std::scoped_lock lock(mutex_);
+        for (const auto& [session, demand] : granted_)
+            if ((demand.cascades >> keyframe->cascade) & 1u)
+                wanted[demand.quality] = true;
+    }
+    for (std::uint8_t quality = 0; quality < wanted.size(); ++quality)
+        if (wanted[quality])
+            publish_(std::make_shared<const KeyframeTiles>(tiles(keyframe, quality)));
+}
+
+TileDemand World::grant(const TileDemand& wish) const {
+    TileDemand granted;
+    granted.cascades = wish.cascades & ((1u << sea_->budget.cascades.size()) - 1u);
+    granted.fields = sea::FieldSet::from_bits(wish.fields.bits() & sea_->offered.bits());
+    granted.quality = quality_for(sea_->budget, static_cast<double>(wish.error_m));
+    granted.error_m = static_cast<float>(height_error_m(sea_->budget, granted.quality));
+    if (granted.cascades == 0)
+        granted.fields = {};
+    return granted;
+}
+
+TileDemand World::subscribe(SessionId session, const TileDemand& demand) {
+    const TileDemand granted = grant(demand);
+    {
+        const std::scoped_lock lock(mutex_);
+        if (granted.fields.empty())
+            granted_.erase(session);
+        else
+            granted_[session] = granted;
+    }
+    simulation_->set_demand(session, {granted.cascades, granted.fields});
+    return granted;
+}
+
+void World::unsubscribe(SessionId session) {
+    {
+        const std::scoped_lock lock(mutex_);
+        granted_.erase(session);
+    }
+    simulation_->set_demand(session, {});
+}
+
+void World::fetch(FetchRequest request,
+                  std::function<void(std::vector<KeyframeTiles>, std::string error)> done) {
+    const TileDemand granted = grant(request.demand);
+    if (granted.fields.empty())
+        return done({}, "nothing of what was asked for is offered by this scene");
+    auto encoded = [this, quality = granted.quality,
+                    done = std::move(done)](std::vector<sea::KeyframePtr> keyframes) {
+        std::vector<KeyframeTiles> all;
+        for (sea::KeyframePtr& keyframe : keyframes)
+            all.push_back(tiles(std::move(keyframe), quality));
+        const bool failed = all.empty();
+        done(std::move(all), failed ? "the device has failed" : "");
+    };
+    const Demand demand{granted.cascades, granted.fields};
+    if (request.times_us.empty())
+        simulation_->fetch_current(demand, std::move(encoded));
+    else
+        simulation_->fetch(std::move(request.times_us), demand, std::move(encoded));
+}
+
+void World::query(QueryBatch batch, std::function<void(QueryAnswers)> done) {
+    const std::size_t count = batch.points.size();
+    simulation_->answer(
+        std::move(batch.points), batch.exact,
+        [epoch = sea_->epoch, count, done = std::move(done)](std::vector<sea::Answer> answers) {
+            const bool failed = answers.size() != count;
+            done({epoch, std::move(answers), failed ? "the device has failed" : ""});
+        });
+}
+
+std::string World::state_json() const {
+    return server::state_json(*sea_, warnings_, simulation_->device(), now_());
+}
+
+std::string World::plan_json() const {
+    return server::plan_json(*sea_, simulation_->plan(), simulation_->counters(),
+                             simulation_->device());
+}
+
+std::string World::metrics_text() const {
+    return server::metrics_text(simulation_->plan(), simulation_->counters(), now_());
+}
+
+} // namespace seaway::server

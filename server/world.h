@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// World: the Host that server/net talks to, made of a Simulation. Translates between what the wire
+// knows (sessions, bounds, messages) and what the simulation knows (fields, keyframes).
+//
+// Thread-safe.
+#pragma once
+
+#include <array>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "server/host.h"
+#include "server/quality.h"
+#include "server/simulation/simulation.h"
+
+namespace seaway::server {
+
+class World final : public Host {
+  public:
+    using Publish = std::function<void(std::shared_ptr<const KeyframeTiles>)>;
+
+    World(RunningSeaPtr sea, std::vector<std::string> warnings, std::function<sea::TimeUs()> now);
+
+    /// The simulation must outlive every later call; keyframes it makes go to on_keyframe().
+    void attach(Simulation& simulation, Publish publish);
+    void on_keyframe(const sea::KeyframePtr& keyframe);
+
+    sea::TimeUs sea_time_us() const override { return now_(); }
+    std::vector<SharedBytes> sea_state_messages() const override { return {sea_state_}; }
+    TileDemand subscribe(SessionId session, const TileDemand& demand) override;
+    void unsubscribe(SessionId session) override;
+    void fetch(FetchRequest request,
+               std::function<void(std::vector<KeyframeTiles>, std::string error)> done) override;
+    void query(QueryBatch batch, std::function<void(QueryAnswers)> done) override;
+    std::string state_json() const override;
+    std::string plan_json() const override;
+    std::string metrics_text() const override;
+    bool healthy() const override { return simulation_ && simulation_->healthy(); }
+
+  private:
+    KeyframeTiles tiles(sea::KeyframePtr keyframe, std::uint8_t quality) const;
+    TileDemand grant(const TileDemand& wish) const;
+
+    const RunningSeaPtr sea_;
+    const std::vector<std::string> warnings_;
+    const std::function<sea::TimeUs()> now_;
+    const SharedBytes sea_state_;
+    Simulation* simulation_ = nullptr;
+    Publish publish_;
+
+    mutable std::mutex mutex_;
+    std::map<SessionId, TileDemand> granted_;
+};
+
+} // namespace seaway::server

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/world_reports.h"
+
+#include <cmath>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace seaway::server {
+
+using nlohmann::ordered_json;
+
+namespace {
+
+/// Bearing that waves come from, degrees clockwise from north, 0 .. 360.
+double from_deg(double towards_rad) {
+    const double deg = 270.0 - towards_rad * 180.0 / sea::pi;
+    return deg - 360.0 * std::floor(deg / 360.0);
+}
+
+protocol::SeaNumbers numbers(const sea::SeaStatistics& statistics) {
+    return {statistics.significant_height_m,       statistics.peak_period_s,
+            statistics.zero_crossing_period_s,     statistics.mean_period_s,
+            from_deg(statistics.mean_towards_rad), statistics.spread_rad * 180.0 / sea::pi,
+            statistics.mean_square_slope};
+}
+
+ordered_json to_json(const protocol::SeaNumbers& n) {
+    return {{"hs_m", n.hs_m},
+            {"tp_s", n.tp_s},
+            {"tz_s", n.tz_s},
+            {"tm01_s", n.tm01_s},
+            {"mean_from_deg", n.mean_from_deg},
+            {"spread_deg", n.spread_deg},
+            {"mss", n.mss}};
+}
+
+std::vector<std::string> names(sea::FieldSet fields) {
+    std::vector<std::string> all;
+    for (const sea::Field field : fields)
+        all.emplace_back(sea::info(field).name);
+    return all;
+}
+
+ordered_json counters_json(const SimulationCounters& c) {
+    return {{"dispatches", c.synthesis.dispatches},
+            {"transforms", c.synthesis.transforms},
+            {"keyframes", c.synthesis.keyframes},
+            {"device_seconds", c.synthesis.device_seconds}};
+}
+
+} // namespace
+
+protocol::SeaStateValues sea_state_values(const RunningSea& sea,
+                                          const std::vector<std::string>& warnings) {
+    protocol::SeaStateValues state;
+    state.epoch = sea.epoch;
+    for (std::size_t c = 0; c < sea.realization->cascades.size(); ++c) {
+        const sea::CascadeModes& modes = sea.realization->cascades[c];
+        state.cascades.push_back({modes.spec.length_m, modes.spec.size, modes.band.k_lo_radpm,
+                                  modes.band.k_hi_radpm, sea.budget.cascades[c].interval_us});
+    }
+    state.choppiness_x = sea.realization->choppiness.x;
+    state.choppiness_y = sea.realization->choppiness.y;
+    state.height_error_m = sea.budget.height_error_m;
+    state.requested = numbers(sea.summary.requested);
+    state.realised = numbers(sea.summary.realised);
+    state.interpolation_error_m = sea.budget.interpolation_m;
+    state.rms_slope = sea.budget.rms_slope;
+    state.scene = sea::to_toml(sea.scene);
+    state.warnings = warnings;
+    return state;
+}
+
+std::string state_json(const RunningSea& sea, const std::vector<std::string>& warnings,
+                       const std::string& device, sea::TimeUs now_us) {
+    const protocol::SeaStateValues state = sea_state_values(sea, warnings);
+    ordered_json cascades = ordered_json::array();
+    for (std::size_t c = 0; c < state.cascades.size(); ++c) {
+        const sea::CascadeBudget& budget = sea.budget.cascades[c];
+        cascades.push_back({{"length_m", state.cascades[c].length_m},
+                            {"size", state.cascades[c].size},
+                            {"k_lo_radpm", state.cascades[c].k_lo_radpm},
+                            {"k_hi_radpm", state.cascades[c].k_hi_radpm},
+                            {"keyframe_interval_s", sea::seconds_from_us(budget.interval_us)},
+                            {"time_interpolation_rms_m", budget.time_rms_m},
+                            {"space_interpolation_rms_m", budget.space_rms_m},
+                            {"requested_m2", sea.summary.cascades[c].requested_m2},
+                            {"realised_m2", sea.summary.cascades[c].realised_m2}});
+    }
+    const sea::BudgetShares& shares = sea.budget.shares;
+    const ordered_json json{{"epoch", sea.epoch},
+                            {"sea_time_s", sea::seconds_from_us(now_us)},
+                            {"device", device},
+                            {"scene", sea.scene.source},
+                            {"requested", to_json(state.requested)},
+                            {"realised", to_json(state.realised)},
+                            {"cascades", cascades},
+                            {"offered_fields", names(sea.offered)},
+                            {"height_error_m", sea.budget.height_error_m},
+                            {"error_budget",
+                             {{"time", shares.time},
+                              {"space", shares.space},
+                              {"codec", shares.codec},
+                              {"query", shares.query},
+                              {"interpolation_m", sea.budget.interpolation_m}}},
+                            {"warnings", warnings}};
+    return json.dump(2) + "\n";
+}
+
+std::string plan_json(const RunningSea& sea, const EffectPlan& plan,
+                      const SimulationCounters& counters, const std::string& device) {
+    ordered_json cascades = ordered_json::array();
+    for (std::size_t c = 0; c < plan.cascades.size(); ++c) {
+        const CascadePlan& cascade = plan.cascades[c];
+        const double rate_hz = 1.0 / sea::seconds_from_us(cascade.interval_us);
+        ordered_json effects = ordered_json::array();
+        for (const EffectInfo& effect : effect_table())
+            if (cascade.fields.bits() & effect.fields.bits())
+                effects.push_back(effect.name);
+        cascades.push_back({{"length_m", sea.scene.cascades[c].length_m},
+                            {"size", sea.scene.cascades[c].size},
+                            {"effects", effects},
+                            {"fields", names(cascade.fields)},
+                            {"keyframes_per_s", cascade.fields.empty() ? 0.0 : rate_hz},
+                            {"transforms_per_keyframe", cascade.transforms}});
+    }
+    const ordered_json json{{"device", device},
+                            {"idle", plan.idle()},
+                            {"cascades", cascades},
+                            {"done", counters_json(counters)}};
+    return json.dump(2) + "\n";
+}
+
+std::string metrics_text(const EffectPlan& plan, const SimulationCounters& counters,
+                         sea::TimeUs now_us) {
+    std::string text;
+    const auto add = [&](std::string_view name, std::string_view type, std::string_view help,
+                         double value) {
+        text += fmt::format("# HELP seaway_{0} {2}\n# TYPE seaway_{0} {1}\nseaway_{0} {3}\n", name,
+                            type, help, value);
+    };
+    const auto whole = [](std::uint64_t value) { return static_cast<double>(value); };
+    add("sea_time_seconds", "gauge", "Sea time.", sea::seconds_from_us(now_us));
+    add("plan_idle", "gauge", "1 while nobody asks for anything.", plan.idle());
+    add("dispatches_total", "counter", "Kernels started.", whole(counters.synthesis.dispatches));
+    add("transforms_total", "counter", "Complex 2-D transforms.",
+        whole(counters.synthesis.transforms));
+    add("keyframes_total", "counter", "Keyframes computed.", whole(counters.synthesis.keyframes));
+    add("device_seconds_total", "counter", "Time by the device's clock.",
+        counters.synthesis.device_seconds);
+    add("keyframes_published_total", "counter", "Keyframes handed to the publisher.",
+        whole(counters.keyframes_published));
+    add("keyframes_skipped_total", "counter", "Keyframes too late to be of use.",
+        whole(counters.keyframes_skipped));
+    add("questions_total", "counter", "Queries and fetches taken.", whole(counters.questions));
+    add("device_rebuilds_total", "counter", "Times a failed device was rebuilt.",
+        whole(counters.device_rebuilds));
+    add("keyframe_store_bytes", "gauge", "Memory of the keyframe cache.",
+        static_cast<double>(counters.store.bytes));
+    add("keyframe_store_hits_total", "counter", "Keyframes found in the cache.",
+        whole(counters.store.hits));
+    add("keyframe_store_misses_total", "counter", "Keyframes that had to be computed.",
+        whole(counters.store.misses));
+    return text;
+}
+
+} // namespace seaway::server

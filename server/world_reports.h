@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a running sea says about itself: the SeaState message, /v1/state, /v1/plan, /metrics.
+// Pure functions of what they are given; thread-safe.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "protocol/messages.h"
+#include "server/simulation/simulation.h"
+
+namespace seaway::server {
+
+protocol::SeaStateValues sea_state_values(const RunningSea& sea,
+                                          const std::vector<std::string>& warnings);
+
+std::string state_json(const RunningSea& sea, const std::vector<std::string>& warnings,
+                       const std::string& device, sea::TimeUs now_us);
+std::string plan_json(const RunningSea& sea, const EffectPlan& plan,
+                      const SimulationCounters& counters, const std::string& device);
+std::string metrics_text(const EffectPlan& plan, const SimulationCounters& counters,
+                         sea::TimeUs now_us);
+
+} // namespace seaway::server
