@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+// Words and bearings of scene files: shared by the reader and the writer.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <string_view>
+#include <utility>
+
+#include "sea/constants.h"
+#include "sea/spreading.h"
+
+namespace seaway::sea {
+
+inline constexpr std::array<std::pair<std::string_view, SpreadingKind>, 5> spreading_names{
+    {{"cos2", SpreadingKind::cos2},
+     {"cos2s", SpreadingKind::cos2s},
+     {"mitsuyasu", SpreadingKind::mitsuyasu},
+     {"hasselmann", SpreadingKind::hasselmann},
+     {"donelan_banner", SpreadingKind::donelan_banner}}};
+
+/// Where waves from this bearing (degrees, clockwise from north) go: rad anticlockwise from east,
+/// in (-pi, pi].
+inline double towards_from_bearing(double from_deg) {
+    const double towards_deg = std::remainder(270.0 - from_deg, 360.0);
+    return (towards_deg <= -180.0 ? 180.0 : towards_deg) * (pi / 180.0);
+}
+
+/// The bearing in [0, 360) that reads back as exactly this direction.
+double bearing_from_towards(double towards_rad);
+
+} // namespace seaway::sea

@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: Apache-2.0
+#define TOML_IMPLEMENTATION
+#include "sea/scene_toml.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace seaway::sea {
+
+namespace {
+
+std::string shown(const toml::node& node) {
+    if (const auto* value = node.as_string())
+        return '"' + value->get() + '"';
+    if (const auto* value = node.as_integer())
+        return fmt::format("{}", value->get());
+    if (const auto* value = node.as_floating_point())
+        return fmt::format("{}", value->get());
+    if (const auto* value = node.as_boolean())
+        return value->get() ? "true" : "false";
+    return node.is_table() ? "a table" : node.is_array() ? "an array" : "a date";
+}
+
+/// Integers are fine where a number is asked for.
+std::optional<double> as_number(const toml::node& node) {
+    if (const auto* value = node.as_integer())
+        return static_cast<double>(value->get());
+    if (const auto* value = node.as_floating_point())
+        return value->get();
+    return std::nullopt;
+}
+
+} // namespace
+
+void TomlErrors::add(const toml::source_region& where, const std::string& what) {
+    if (!first_)
+        first_ = Error{fmt::format("{}:{}: {}", document_, where.begin.line, what)};
+}
+
+std::string TomlTable::path(std::string_view key) const {
+    return name_.empty() ? std::string(key) : fmt::format("{}.{}", name_, key);
+}
+
+const toml::node* TomlTable::find(std::string_view key) {
+    asked_.emplace_back(key);
+    return table_.get(key);
+}
+
+void TomlTable::bad_value(std::string_view key, const std::string& value,
+                          const std::string& allowed) {
+    fail(key, fmt::format("{} is not allowed; allowed: {}", value, allowed));
+}
+
+void TomlTable::fail(std::string_view key, const std::string& what) {
+    const toml::node* node = table_.get(key);
+    errors_.add(node != nullptr ? node->source() : table_.source(),
+                fmt::format("{}: {}", path(key), what));
+}
+
+void TomlTable::require(std::string_view key) {
+    if (!has(key))
+        fail(key, "missing");
+}
+
+bool TomlTable::number(std::string_view key, double& out, Range range) {
+    const toml::node* node = find(key);
+    if (node == nullptr)
+        return false;
+    const std::optional<double> value = as_number(*node);
+    if (!value || !range.contains(*value)) {
+        bad_value(key, shown(*node), fmt::format("a number {} .. {}", range.lo, range.hi));
+        return false;
+    }
+    // -0 and denormals are 0: nothing behind the reader meets them (hard case A21).
+    out = std::fpclassify(*value) == FP_SUBNORMAL || *value == 0.0 ? 0.0 : *value;
+    return true;
+}
+
+bool TomlTable::integer(std::string_view key, std::int64_t& out, std::int64_t lo, std::int64_t hi) {
+    const toml::node* node = find(key);
+    if (node == nullptr)
+        return false;
+    const auto* value = node->as_integer();
+    if (value == nullptr || value->get() < lo || value->get() > hi) {
+        bad_value(key, shown(*node), fmt::format("a whole number {} .. {}", lo, hi));
+        return false;
+    }
+    out = value->get();
+    return true;
+}
+
+bool TomlTable::flag(std::string_view key, bool& out) {
+    const toml::node* node = find(key);
+    if (node == nullptr)
+        return false;
+    if (const auto* value = node->as_boolean())
+        out = value->get();
+    else
+        bad_value(key, shown(*node), "true | false");
+    return node->is_boolean();
+}
+
+bool TomlTable::text(std::string_view key, std::string& out) {
+    const toml::node* node = find(key);
+    if (node == nullptr)
+        return false;
+    if (const auto* value = node->as_string())
+        out = value->get();
+    else
+        bad_value(key, shown(*node), "a string");
+    return node->is_string();
+}
+
+bool TomlTable::number_or_pair(std::string_view key, double& x, double& y, Range range) {
+    const toml::node* node = table_.get(key);
+    const toml::array* pair = node != nullptr ? node->as_array() : nullptr;
+    if (pair == nullptr) {
+        if (!number(key, x, range))
+            return false;
+        y = x;
+        return true;
+    }
+    asked_.emplace_back(key);
+    const auto component = [&](std::size_t i) {
+        return pair->size() == 2 ? as_number(*pair->get(i)) : std::nullopt;
+    };
+    const std::optional<double> east = component(0);
+    const std::optional<double> north = component(1);
+    if (!east || !north || !range.contains(*east) || !range.contains(*north)) {
+        bad_value(key, "the array",
+                  fmt::format("a number {0} .. {1}, or [x, y] of such", range.lo, range.hi));
+        return false;
+    }
+    x = *east;
+    y = *north;
+    return true;
+}
+
+std::optional<TomlTable> TomlTable::table(std::string_view key) {
+    const toml::node* node = find(key);
+    if (node == nullptr)
+        return std::nullopt;
+    if (const toml::table* sub = node->as_table())
+        return TomlTable(*sub, path(key), errors_);
+    bad_value(key, shown(*node), fmt::format("a table, [{}]", path(key)));
+    return std::nullopt;
+}
+
+std::vector<TomlTable> TomlTable::tables(std::string_view key, int count_max) {
+    std::vector<TomlTable> subs;
+    const toml::node* node = find(key);
+    if (node == nullptr)
+        return subs;
+    const toml::array* array = node->as_array();
+    if (array == nullptr || (!array->empty() && !array->is_array_of_tables())) {
+        bad_value(key, shown(*node), fmt::format("tables, each [[{}]]", path(key)));
+        return subs;
+    }
+    if (array->size() > static_cast<std::size_t>(count_max)) {
+        bad_value(key, fmt::format("{} of them", array->size()),
+                  fmt::format("at most {}", count_max));
+        return subs;
+    }
+    for (std::size_t i = 0; i < array->size(); ++i)
+        subs.emplace_back(*array->get(i)->as_table(), fmt::format("{}[{}]", path(key), i + 1),
+                          errors_);
+    return subs;
+}
+
+void TomlTable::finish() {
+    for (const auto& [key, node] : table_)
+        if (std::find(asked_.begin(), asked_.end(), key.str()) == asked_.end())
+            errors_.add(key.source().begin ? key.source() : node.source(),
+                        fmt::format("{}: unknown key", path(key.str())));
+}
+
+} // namespace seaway::sea

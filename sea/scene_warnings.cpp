@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "sea/directional_spectrum.h"
+#include "sea/moments.h"
+#include "sea/scene.h"
+
+namespace seaway::sea {
+
+namespace {
+
+constexpr double tile_wavelengths_min = 8.0;
+constexpr double breaking_height_over_depth = 0.6;
+constexpr double lost_share_reported = 0.01;
+
+void warn_of_systems(const Scene& scene, std::vector<std::string>& warnings) {
+    for (std::size_t i = 0; i < scene.sea.systems.size(); ++i) {
+        const DirectionalSpectrum spectrum(scene.sea.systems[i], scene.sea);
+        if (spectrum.growth_clamped())
+            warnings.push_back(fmt::format(
+                "sea.system[{}]: the fetch is longer than this wind needs; growth is clamped at "
+                "full development, peak period {:.3g} s",
+                i + 1, two_pi / spectrum.peak_omega_radps()));
+    }
+}
+
+} // namespace
+
+std::vector<std::string> scene_warnings(const Scene& scene) {
+    std::vector<std::string> warnings;
+    const Result<Realization> realization = realize(scene);
+    if (!realization)
+        return {realization.error().message};
+    const SeaSummary summary = summarize(scene.sea, *realization);
+    const double height = summary.requested.significant_height_m;
+    warn_of_systems(scene, warnings);
+    if (!(height > 0.0))
+        return warnings;
+    const double variance = height * height / 16.0;
+    const double tile = scene.cascades.front().length_m;
+    const double peak = summary.longest_peak_wavelength_m;
+    if (tile < tile_wavelengths_min * peak)
+        warnings.push_back(fmt::format(
+            "the largest cascade ({:g} m) holds {:.1f} peak wavelengths of {:.0f} m, fewer than "
+            "{:g}: Hs of one seed scatters by {:.0f} %",
+            tile, tile / peak, peak, tile_wavelengths_min,
+            100.0 * summary.cascades.front().expected_scatter));
+    if (height > breaking_height_over_depth * scene.sea.depth_m)
+        warnings.push_back(fmt::format(
+            "Hs {:.2f} m is above {:g} of the depth, {:g} m: such waves break, outside the model",
+            height, breaking_height_over_depth, scene.sea.depth_m));
+    const auto lost = [&](double lost_m2, const char* what) {
+        if (lost_m2 > lost_share_reported * variance)
+            warnings.push_back(
+                fmt::format("{:.1f} % of the energy is {}", 100.0 * lost_m2 / variance, what));
+    };
+    lost(summary.lost_below_m2, "in waves longer than the largest cascade can hold");
+    lost(summary.lost_above_m2, "in waves shorter than the finest cascade resolves");
+    lost(summary.lost_fade_m2, "taken by the short-wave fade and the cut-offs");
+    return warnings;
+}
+
+} // namespace seaway::sea

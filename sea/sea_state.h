@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+// The sea as a value: what blows, what rolls in, over what depth. SI units and radians; directions
+// are where waves go, anticlockwise from east. Made by the scene reader, consumed by realize().
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <variant>
+#include <vector>
+
+#include "sea/constants.h"
+#include "sea/dispersion.h"
+#include "sea/realization.h"
+#include "sea/spreading.h"
+
+namespace seaway::sea {
+
+enum class SpectrumKind : std::uint8_t { jonswap, tma, pierson_moskowitz, phillips, bretschneider };
+
+/// Waves raised by a wind over a fetch.
+struct WindSea {
+    SpectrumKind spectrum = SpectrumKind::jonswap; ///< not bretschneider, which has no wind
+    double wind_speed_10m_mps = 0.0;               ///< 0 .. 100; 0 is a calm
+    double towards_rad = 0.0;
+    double fetch_m = std::numeric_limits<double>::infinity(); ///< jonswap, tma; infinite: grown
+    double gamma = 3.3;                                       ///< peak enhancement, 1 .. 20
+    /// phillips: its constant A, 1; pierson_moskowitz and others take none.
+    double phillips_constant = 8.1e-3;
+    SpreadingModel spreading;
+};
+
+/// Waves given by height and period, whatever raised them.
+struct Swell {
+    SpectrumKind spectrum = SpectrumKind::jonswap; ///< jonswap | tma | bretschneider
+    double significant_height_m = 0.0;             ///< before the depth factor of tma
+    double peak_period_s = 10.0;
+    double towards_rad = 0.0;
+    double gamma = 3.3;
+    SpreadingModel spreading;
+};
+
+using WaveSystem = std::variant<WindSea, Swell>;
+
+struct SeaState {
+    std::uint64_t seed = 0;
+    double depth_m = deep_water_m;
+    Choppiness choppiness;
+    double gravity_mps2 = gravity_default_mps2;
+    bool surface_tension = true;
+    double loop_period_s = 0.0;     ///< 0: never repeats
+    double height_scale = 1.0;      ///< factor on all amplitudes of all systems, 0 .. 10
+    double short_wave_fade_m = 0.0; ///< l: Psi is multiplied by exp(-(k l)^2)
+    double wavenumber_min_radpm = 0.0;
+    double wavenumber_max_radpm = std::numeric_limits<double>::infinity();
+    std::vector<WaveSystem> systems; ///< their energies add
+
+    Dispersion dispersion() const {
+        return {gravity_mps2, surface_tension ? surface_tension_default_m3ps2 : 0.0, depth_m};
+    }
+};
+
+} // namespace seaway::sea
