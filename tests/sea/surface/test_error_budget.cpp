@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "sea/surface/error_budget.h"
+#include "sea/surface/surface.h"
+#include "tests/support/explicit_sea.h"
+
+namespace seaway::sea {
+namespace {
+
+RealizationPtr some_sea() {
+    return tests::make_sea({tests::random_cascade(300.0, 64, 12, 300, 0.004, 11),
+                            tests::random_cascade(41.0, 64, 15, 300, 0.004, 12)});
+}
+
+TEST(ErrorBudget, shares_add_up_to_one) {
+    const BudgetShares shares;
+    EXPECT_DOUBLE_EQ(shares.time + shares.space + shares.codec + shares.query, 1.0);
+}
+
+TEST(ErrorBudget, hermite_and_spline_laws_match_their_leading_order) {
+    // u^4/384 to 2 % at u = 0.5 (the next term is u^6/7680); 2 (q/2pi)^4 pi^4/45 likewise.
+    EXPECT_NEAR(hermite_error(0.5) / (std::pow(0.5, 4) / 384), 1.0, 0.02);
+    const double leading = 4.0 * std::pow(0.3 / two_pi, 4) * std::pow(pi, 4) / 90.0;
+    EXPECT_NEAR(spline_error(0.3) / leading, 1.0, 0.06);
+}
+
+TEST(ErrorBudget, a_tighter_budget_never_gets_longer_intervals) {
+    const RealizationPtr sea = some_sea();
+    TimeUs before[2] = {keyframe_intervals_us[0], keyframe_intervals_us[0]};
+    for (const double error_m : {1.0, 0.1, 0.03, 0.01, 0.003, 0.001, 1e-4}) {
+        const ErrorBudget budget = plan_budget(*sea, error_m);
+        for (std::size_t c = 0; c < 2; ++c) {
+            EXPECT_LE(budget.cascades[c].interval_us, before[c]);
+            before[c] = budget.cascades[c].interval_us;
+        }
+    }
+    EXPECT_LT(before[1], keyframe_intervals_us[0]);
+}
+
+TEST(ErrorBudget, realised_error_stays_inside_the_stated_bound) {
+    const RealizationPtr sea = some_sea();
+    const ErrorBudget budget = plan_budget(*sea, 0.01);
+    const DirectSum sum(sea);
+    std::vector<SplinePair> pairs;
+    TimeUs shortest = keyframe_intervals_us[0];
+    for (int c = 0; c < 2; ++c) {
+        const TimeUs interval = budget.cascades[static_cast<std::size_t>(c)].interval_us;
+        shortest = std::min(shortest, interval);
+        pairs.push_back({std::make_shared<SplineMap>(*tests::exact_keyframe(sea, c, 0)),
+                         std::make_shared<SplineMap>(*tests::exact_keyframe(sea, c, interval))});
+    }
+    const Surface surface(std::move(pairs), sea->choppiness, budget.displacement_reach_m,
+                          map_error(budget, 0.0));
+    std::mt19937 random(2);
+    std::uniform_real_distribution<double> place(-1e6, 1e6);
+    double worst_share = 0;
+    for (int i = 0; i < 1000; ++i) {
+        const TimeUs t = shortest * (i % 8) / 8;
+        const QueryPoint point{place(random), place(random), t};
+        const Answer answer = surface.answer(point);
+        const Answer truth = surface_at(point, {sea->choppiness, 1e-9, 5.0}, sum.at_time(t));
+        const double error = std::abs(answer.height_m - truth.height_m);
+        EXPECT_LE(error, answer.error_m);
+        worst_share = std::max(worst_share, error / answer.error_m);
+    }
+    EXPECT_GT(worst_share, 0.05) << "a bound that nothing ever comes near says nothing";
+}
+
+TEST(ErrorBudget, codec_bounds_spend_exactly_what_they_were_given) {
+    const RealizationPtr sea = some_sea();
+    const ErrorBudget budget = plan_budget(*sea, 0.01);
+    const double codec_m = 0.0045;
+    double height = 0;
+    for (int c = 0; c < 2; ++c) {
+        const std::vector<float> bounds = codec_bounds(budget, surface_fields, c, codec_m);
+        ASSERT_EQ(bounds.size(), 6u);
+        height += sampled_codec_error(
+            static_cast<double>(bounds[0]), static_cast<double>(bounds[3]),
+            seconds_from_us(budget.cascades[static_cast<std::size_t>(c)].interval_us));
+    }
+    const MapError error = map_error(budget, codec_m);
+    EXPECT_NEAR(height, error.codec_height_m, 1e-3 * height);
+    // Height plus the displacement's part at three times the typical slope is the whole share.
+    const double steep = std::min(1.0, 3 * budget.rms_slope);
+    EXPECT_NEAR(error.codec_height_m + steep * error.codec_displacement_m, codec_m, 1e-12);
+}
+
+} // namespace
+} // namespace seaway::sea

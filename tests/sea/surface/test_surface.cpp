@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "sea/surface/error_budget.h"
+#include "sea/surface/surface.h"
+#include "tests/support/explicit_sea.h"
+
+namespace seaway::sea {
+namespace {
+
+constexpr TimeUs interval_us = 200'000;
+
+Surface surface_of(const RealizationPtr& sea, MapError error = {}) {
+    std::vector<SplinePair> pairs;
+    for (int c = 0; c < static_cast<int>(sea->cascades.size()); ++c)
+        pairs.push_back({std::make_shared<SplineMap>(*tests::exact_keyframe(sea, c, 0)),
+                         std::make_shared<SplineMap>(*tests::exact_keyframe(sea, c, interval_us))});
+    return Surface(std::move(pairs), sea->choppiness, 5.0, error);
+}
+
+RealizationPtr two_cascades() {
+    return tests::make_sea({tests::random_cascade(200.0, 64, 8, 30, 0.02, 1),
+                            tests::random_cascade(37.3, 64, 10, 30, 0.02, 2)});
+}
+
+TEST(Surface, passes_through_every_grid_value) {
+    const RealizationPtr sea = two_cascades();
+    const KeyframePtr keyframe = tests::exact_keyframe(sea, 0, 0);
+    const SplineMap map(*keyframe);
+    for (int y = 0; y < 64; y += 7)
+        for (int x = 0; x < 64; ++x) {
+            const float value = map.sample(x * 200.0 / 64, y * 200.0 / 64).value[0];
+            // Single precision through a filter of gain 36.
+            EXPECT_NEAR(value, keyframe->plane(Field::height)[static_cast<std::size_t>(y * 64 + x)],
+                        3e-6);
+        }
+}
+
+TEST(Surface, every_value_agrees_with_the_direct_sum_between_grid_points_and_keyframes) {
+    const RealizationPtr sea = two_cascades();
+    const Surface surface = surface_of(sea);
+    const DirectSum sum(sea);
+    // The laws of error_budget.h for these modes, added up without mercy: 60 waves, each missing at
+    // most spline_error(q) + hermite_error(u) of its amplitude.
+    double bound = 0;
+    for (const CascadeModes& modes : sea->cascades)
+        for (std::size_t i = 0; i < modes.h0.size(); ++i) {
+            const int nx = signed_index(static_cast<int>(i % 64), 64);
+            const int ny = signed_index(static_cast<int>(i / 64), 64);
+            const double q = two_pi / 64;
+            bound += 2 * std::abs(modes.h0[i]) *
+                     (spline_error(q * std::abs(nx)) + spline_error(q * std::abs(ny)) +
+                      hermite_error(omega_from_rate(modes.rate[i]) * 0.2));
+        }
+    std::mt19937 random(5);
+    std::uniform_real_distribution<double> place(-1e4, 1e4);
+    std::uniform_int_distribution<TimeUs> time(0, interval_us);
+    for (int i = 0; i < 1000; ++i) {
+        const double x = place(random);
+        const double y = place(random);
+        const TimeUs t = time(random);
+        const LagrangianPoint truth = sum.at(x, y, t);
+        const LagrangianPoint p = surface.at(x, y, t);
+        EXPECT_NEAR(p.height, truth.height, bound);
+        EXPECT_NEAR(p.displacement_x, truth.displacement_x, bound);
+        EXPECT_NEAR(p.displacement_y, truth.displacement_y, bound);
+        // Derivatives lose one order of q or u: 30 times the error of the value at these grids.
+        EXPECT_NEAR(p.height_rate, truth.height_rate, 30 * bound);
+        EXPECT_NEAR(p.displacement_x_rate, truth.displacement_x_rate, 30 * bound);
+        EXPECT_NEAR(p.displacement_y_rate, truth.displacement_y_rate, 30 * bound);
+        EXPECT_NEAR(p.slope_x, truth.slope_x, 30 * bound);
+        EXPECT_NEAR(p.slope_y, truth.slope_y, 30 * bound);
+        EXPECT_NEAR(p.strain_xx, truth.strain_xx, 30 * bound);
+        EXPECT_NEAR(p.strain_yy, truth.strain_yy, 30 * bound);
+        EXPECT_NEAR(p.strain_xy, truth.strain_xy, 30 * bound);
+    }
+    EXPECT_LT(bound, 2e-3) << "the bound of this test must mean something";
+}
+
+// D6: inverting cascade by cascade misses |D1| |grad eta2|, centimetres here.
+TEST(Surface, d6_the_summed_displacement_is_inverted) {
+    const RealizationPtr sea = two_cascades();
+    const Surface surface = surface_of(sea);
+    const DirectSum sum(sea);
+    const DirectSum::Moment moment = sum.at_time(0);
+    for (int i = 0; i < 200; ++i) {
+        const QueryPoint point{13.7 * i - 900.0, -7.1 * i, 0};
+        const Answer exact = surface_at(point, {sea->choppiness, 1e-9, 5.0}, moment);
+        EXPECT_NEAR(surface.answer(point).height_m, exact.height_m, 2e-3);
+    }
+}
+
+// G1: at 1e7 m a float coordinate is a staircase of 1 m.
+TEST(Surface, g1_far_from_the_origin_is_as_near) {
+    const RealizationPtr sea = two_cascades();
+    const Surface surface = surface_of(sea);
+    const DirectSum sum(sea);
+    for (const double far_m : {1e6, -1e7}) {
+        const LagrangianPoint truth = sum.at(far_m + 3.3, far_m - 1.1, 100'000);
+        EXPECT_NEAR(surface.at(far_m + 3.3, far_m - 1.1, 100'000).height, truth.height, 1e-3);
+    }
+    EXPECT_NEAR(surface_of(tests::make_sea({sea->cascades[0]})).at(7.0 + 200.0 * 1e6, 0, 0).height,
+                surface_of(tests::make_sea({sea->cascades[0]})).at(7.0, 0, 0).height, 1e-5);
+}
+
+// G2: fmod(-0.1, L) is negative and becomes index -1.
+TEST(Surface, g2_negative_and_border_coordinates_are_continuous) {
+    const Surface surface = surface_of(two_cascades());
+    const double at_zero = surface.at(0.0, 0.0, 0).height;
+    for (const double x : {-1e-12, -0.0, -5e-324, 1e-300})
+        EXPECT_NEAR(surface.at(x, x, 0).height, at_zero, 1e-6) << x;
+    for (const double x : {0.0, 37.3, 200.0, -37.3, -200.0}) {
+        const double before = surface.at(std::nextafter(x, -1e9), 0, 0).height;
+        const double after = surface.at(std::nextafter(x, 1e9), 0, 0).height;
+        EXPECT_NEAR(before, after, 1e-6) << x;
+    }
+}
+
+// G4: a straight line through two values is silently wrong outside them.
+TEST(Surface, g4_time_outside_the_keyframes_is_flagged) {
+    const Surface surface = surface_of(two_cascades());
+    EXPECT_EQ(surface.answer({1, 2, interval_us}).flags, 0u);
+    EXPECT_TRUE(surface.answer({1, 2, interval_us + 1}).flags & answer_extrapolated);
+    EXPECT_TRUE(surface.answer({1, 2, -1}).flags & answer_extrapolated);
+}
+
+TEST(Surface, g8_answers_do_not_depend_on_batch_or_order) {
+    const Surface surface = surface_of(two_cascades());
+    std::vector<QueryPoint> points;
+    for (int i = 0; i < 300; ++i)
+        points.push_back({i * 1.3, i * -0.7, (i * 631) % interval_us});
+    points.push_back(points.front());
+    std::vector<Answer> forward(points.size());
+    surface.answer(points, forward);
+    std::vector<QueryPoint> reversed(points.rbegin(), points.rend());
+    std::vector<Answer> backward(points.size());
+    surface.answer(reversed, backward);
+    for (std::size_t i = 0; i < points.size(); ++i)
+        EXPECT_EQ(forward[i].height_m, backward[points.size() - 1 - i].height_m);
+    EXPECT_EQ(forward.front().height_m, forward.back().height_m);
+    surface.answer({}, {});
+}
+
+TEST(Surface, maps_without_displacement_are_a_surface_without_choppiness) {
+    const RealizationPtr sea = two_cascades();
+    const KeyframePtr full = tests::exact_keyframe(sea, 0, 0);
+    Keyframe height_only = *full;
+    height_only.fields = {Field::height, Field::height_rate};
+    height_only.values.assign(full->plane(Field::height).begin(), full->plane(Field::height).end());
+    height_only.values.insert(height_only.values.end(), full->plane(Field::height_rate).begin(),
+                              full->plane(Field::height_rate).end());
+    const auto map = std::make_shared<SplineMap>(height_only);
+    const Surface surface({{map, map}}, {1, 1}, 5.0, {});
+    const LagrangianPoint p = surface.at(12.0, 5.0, 0);
+    EXPECT_EQ(p.displacement_x, 0.0);
+    EXPECT_NEAR(p.height, SplineMap(*full).sample(12.0, 5.0).value[0], 1e-6);
+}
+
+} // namespace
+} // namespace seaway::sea
