@@ -1,0 +1,33 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// SPDX-License-Identifier: Apache-2.0
+// J = (1 + lx Dxx)(1 + ly Dyy) - lx ly Dxy^2 of one cascade, four points an invocation.
+#include "shared/synthesis.h"
+
+layout(local_size_x = synthesis_workgroup) in;
+layout(binding = 0) uniform samplerBuffer maps; // [job][slot][y][x pair] (a0, b0, a1, b1)
+layout(binding = 1, std430) writeonly buffer Jacobian {
+    vec4 jacobian[]; // [job][y][x / 4]
+};
+layout(push_constant) uniform Push {
+    JacobianPush push;
+};
+
+vec4 four_points(uint plane, uint job, uint quad) {
+    uint pairs = push.size * push.size / 2u;
+    int at = int((job * push.slots + plane / 2u) * pairs + 2u * quad);
+    vec4 first = texelFetch(maps, at);
+    vec4 second = texelFetch(maps, at + 1);
+    return (plane & 1u) == 0u ? vec4(first.xz, second.xz) : vec4(first.yw, second.yw);
+}
+
+void main() {
+    uint quads = push.size * push.size / 4u;
+    uint quad = gl_GlobalInvocationID.x;
+    uint job = gl_GlobalInvocationID.z;
+    vec4 xx = push.choppiness_x * four_points(push.plane_xx, job, quad);
+    vec4 yy = push.choppiness_y * four_points(push.plane_yy, job, quad);
+    vec4 xy = four_points(push.plane_xy, job, quad);
+    jacobian[job * quads + quad] =
+        (1.0 + xx) * (1.0 + yy) - push.choppiness_x * push.choppiness_y * xy * xy;
+}

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// The compute kernels of the synthesis, as SPIR-V embedded in the program. Written at build time by
+// shaders/generate.py; what they read and write is in shaders/shared/synthesis.h.
+//
+// A transform of size N turns the modes of a batch of jobs into maps[job][slot][y][x], a slot being
+// one complex number a + i b of two real fields. Its passes run one after the other, a barrier
+// between them; each is dispatched as (groups, 1, z):
+//   pass 0:  z = jobs.         bindings modes, rates, jobs, rows -> Target
+//   others:  z = jobs * slots. bindings source -> Target
+// modes: RGBA32F [cascade][Y][X] (h0(k), conj h0(-k)); rates: RG32UI [cascade][Y][X] (low, high
+// word of sea::Rate); jobs: RGBA32UI, SynthesisJob; rows: RGBA32F [slot][slot_row_texels].
+// Source and Target of a pass are buffers of jobs * slots * N * N complex floats, source as RGBA32F.
+//
+// Constants; thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+namespace seaway::shaders {
+
+struct Shader {
+    std::string_view name;
+    std::span<const std::uint32_t> spirv;
+};
+
+struct Pass {
+    Shader shader;
+    std::uint32_t groups; ///< workgroups in x
+};
+
+struct Transform {
+    int size;                ///< N
+    std::string_view design; ///< "W"
+    std::span<const Pass> passes;
+};
+
+/// One a size and design: 64, 128, 256, 512, 1024.
+std::span<const Transform> synthesis_transforms();
+
+/// Bindings maps -> Jacobian, push constants JacobianPush, N^2 / 4 invocations a job.
+Shader jacobian();
+
+} // namespace seaway::shaders
