@@ -9,7 +9,7 @@ namespace seaway::server {
 
 struct Options {
     std::string scene;
-    std::string listen = "127.0.0.1:7447"; ///< ADDR:PORT; port 0 picks a free one
+    std::string listen = "127.0.0.1:9430"; ///< ADDR:PORT; port 0 picks a free one
     std::string device = "auto";           ///< auto | list | name part | index
     std::string tls_cert;                  ///< PEM files; both or none
     std::string tls_key;

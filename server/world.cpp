@@ -12,8 +12,8 @@ World::World(RunningSeaPtr sea, std::vector<std::string> warnings, std::function
       sea_state_(std::make_shared<const std::vector<std::uint8_t>>(
           protocol::sea_state(sea_state_values(*sea_, warnings_)))) {}
 
-void World::attach(Simulation& simulation, Publish publish) {
-    simulation_ = &simulation;
+void World::publish_to(Publish publish) {
+    const std::scoped_lock lock(mutex_);
     publish_ = std::move(publish);
 }
 
@@ -25,15 +25,17 @@ KeyframeTiles World::tiles(sea::KeyframePtr keyframe, std::uint8_t quality) cons
 
 void World::on_keyframe(const sea::KeyframePtr& keyframe) {
     std::array<bool, quality_rungs.size()> wanted{};
+    Publish publish;
     {
         const std::scoped_lock lock(mutex_);
+        publish = publish_;
         for (const auto& [session, demand] : granted_)
             if ((demand.cascades >> keyframe->cascade) & 1u)
                 wanted[demand.quality] = true;
     }
     for (std::uint8_t quality = 0; quality < wanted.size(); ++quality)
-        if (wanted[quality])
-            publish_(std::make_shared<const KeyframeTiles>(tiles(keyframe, quality)));
+        if (wanted[quality] && publish)
+            publish(tiles(keyframe, quality));
 }
 
 TileDemand World::grant(const TileDemand& wish) const {

@@ -21,12 +21,15 @@ namespace seaway::server {
 
 class World final : public Host {
   public:
-    using Publish = std::function<void(std::shared_ptr<const KeyframeTiles>)>;
+    using Publish = std::function<void(KeyframeTiles)>;
 
     World(RunningSeaPtr sea, std::vector<std::string> warnings, std::function<sea::TimeUs()> now);
 
-    /// The simulation must outlive every later call; keyframes it makes go to on_keyframe().
-    void attach(Simulation& simulation, Publish publish);
+    /// Before anything is asked; the simulation must outlive every later call.
+    void attach(Simulation& simulation) { simulation_ = &simulation; }
+    /// Where keyframes go from now on.
+    void publish_to(Publish publish);
+    /// A keyframe that the plan called for: published once a quality in use.
     void on_keyframe(const sea::KeyframePtr& keyframe);
 
     sea::TimeUs sea_time_us() const override { return now_(); }

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+// What `--device` means: a factory of synthesizers, or the list of what there is.
+#pragma once
+
+#include <string>
+
+#include "base/result.h"
+#include "server/options.h"
+#include "server/simulation/simulation.h"
+
+namespace seaway::server {
+
+/// Makes the device that the options name, anew at each call.
+SynthesizerFactory device_factory(const Options& options);
+
+/// One line a device, as `--device list` prints it; an error if there is none.
+Result<std::string> device_list();
+
+} // namespace seaway::server

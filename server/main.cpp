@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+// seaway-server: reads a scene, computes its sea, serves it. Exit codes: server/options.h.
+#include <chrono>
+#include <cstdio>
+#include <exception>
+
+#include <fmt/core.h>
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include "server/devices.h"
+#include "server/net/server.h"
+#include "server/options.h"
+#include "server/stop_signal.h"
+#include "server/world.h"
+
+namespace seaway::server {
+namespace {
+
+int fail(ExitCode code, const Error& error) {
+    fmt::print(stderr, "seaway-server: {}\n", error.message);
+    return code;
+}
+
+/// Microseconds since this was called first: the clock of the sea.
+std::function<sea::TimeUs()> sea_clock() {
+    return [start = std::chrono::steady_clock::now()] {
+        return std::chrono::duration_cast<std::chrono::microseconds>(
+                   std::chrono::steady_clock::now() - start)
+            .count();
+    };
+}
+
+NetOptions net_options(const Options& options) {
+    NetOptions net;
+    net.listen = options.listen;
+    net.tls_cert_file = options.tls_cert;
+    net.tls_key_file = options.tls_key;
+    net.client_token_file = options.client_token_file;
+    net.admin_token_file = options.admin_token_file;
+    return net;
+}
+
+SimulationEvents events(World& world) {
+    return {[&world](const sea::KeyframePtr& keyframe) { world.on_keyframe(keyframe); },
+            [](const std::string& why) { spdlog::warn("{}", why); },
+            [](const std::string& why) {
+                spdlog::error("device gone for good: {}", why);
+                StopSignal::fail();
+            }};
+}
+
+int serve(const Options& options) {
+    const Result<sea::Scene> scene = sea::read_scene(options.scene);
+    if (!scene)
+        return fail(exit_usage, scene.error());
+    const Result<RunningSeaPtr> sea = make_running_sea(*scene, 1);
+    if (!sea)
+        return fail(exit_usage, sea.error());
+    const std::vector<std::string> warnings = sea::scene_warnings(*scene);
+    for (const std::string& warning : warnings)
+        spdlog::warn("{}: {}", scene->source, warning);
+
+    const StopSignal stop;
+    const auto clock = sea_clock();
+    World world(*sea, warnings, clock);
+    Result<std::unique_ptr<Simulation>> simulation =
+        Simulation::start(*sea, device_factory(options), clock, events(world));
+    if (!simulation)
+        return fail(exit_no_device, simulation.error());
+    spdlog::info("device={}", (*simulation)->device());
+    world.attach(**simulation);
+    Result<std::unique_ptr<NetServer>> net = NetServer::start(net_options(options), world);
+    if (!net)
+        return fail(exit_cannot_listen, net.error());
+    world.publish_to([&net](KeyframeTiles tiles) { (*net)->publish(std::move(tiles)); });
+
+    fmt::print("ready {}\n", (*net)->url());
+    std::fflush(stdout);
+    const bool asked = stop.wait();
+    (*net)->stop();
+    (*simulation).reset();
+    return asked ? exit_stopped : exit_no_device;
+}
+
+int list_devices() {
+    const Result<std::string> devices = device_list();
+    if (!devices)
+        return fail(exit_no_device, devices.error());
+    fmt::print("{}", *devices);
+    return exit_stopped;
+}
+
+} // namespace
+} // namespace seaway::server
+
+int main(int argc, char** argv) {
+    using namespace seaway::server;
+    spdlog::set_default_logger(spdlog::stderr_color_mt("seaway-server"));
+    spdlog::set_pattern("%Y-%m-%dT%H:%M:%S.%e %l %v");
+    try {
+        const auto options = read_options(argc, argv);
+        if (const int* code = std::get_if<int>(&options))
+            return *code;
+        const auto& wanted = std::get<Options>(options);
+        return wanted.device == "list" ? list_devices() : serve(wanted);
+    } catch (const std::exception& error) {
+        spdlog::critical("{}", error.what());
+        return 1;
+    }
+}
