@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+// Lanes<W>: W floats side by side, and the few operations on them that are not arithmetic.
+// Included by the kernels only, once per instruction set: everything has internal linkage.
+#pragma once
+
+#include <cstdint>
+#include <utility>
+
+namespace seaway::sea::native {
+namespace {
+
+template <int W>
+struct Lanes {
+    typedef float F __attribute__((vector_size(W * 4)));
+    typedef float Unaligned __attribute__((vector_size(W * 4), aligned(4), may_alias));
+    typedef std::int32_t I __attribute__((vector_size(W * 4)));
+    typedef std::uint32_t U __attribute__((vector_size(W * 4)));
+    typedef std::uint64_t Half __attribute__((vector_size(W * 4)));
+    typedef double Pairs __attribute__((vector_size(W * 4)));
+};
+
+#define SEAWAY_INLINE [[gnu::always_inline]] inline
+
+template <int W>
+SEAWAY_INLINE typename Lanes<W>::F load(const float* p) {
+    return *reinterpret_cast<const typename Lanes<W>::F*>(p);
+}
+template <int W>
+SEAWAY_INLINE typename Lanes<W>::F load_unaligned(const float* p) {
+    return *reinterpret_cast<const typename Lanes<W>::Unaligned*>(p);
+}
+template <int W>
+SEAWAY_INLINE void store(float* p, typename Lanes<W>::F v) {
+    *reinterpret_cast<typename Lanes<W>::F*>(p) = v;
+}
+template <int W>
+SEAWAY_INLINE void store_unaligned(float* p, typename Lanes<W>::F v) {
+    *reinterpret_cast<typename Lanes<W>::Unaligned*>(p) = v;
+}
+
+template <class V, int... i>
+SEAWAY_INLINE V reversed(V v, std::integer_sequence<int, i...>) {
+    return __builtin_shufflevector(v, v, (int(sizeof...(i)) - 1 - i)...);
+}
+template <int W>
+SEAWAY_INLINE typename Lanes<W>::F reverse(typename Lanes<W>::F v) {
+    return reversed(v, std::make_integer_sequence<int, W>{});
+}
+
+/// The high words of W 64-bit numbers in two vectors.
+template <class U, int... i>
+SEAWAY_INLINE U odd_words(U a, U b, std::integer_sequence<int, i...>) {
+    return __builtin_shufflevector(a, b, (2 * i + 1)...);
+}
+
+// Shuffles within 16-byte groups, as every x86 set has them.
+template <class V, int... i>
+SEAWAY_INLINE V low_words(V a, V b, std::integer_sequence<int, i...>) {
+    constexpr int W = sizeof...(i);
+    return __builtin_shufflevector(a, b, (i / 4 * 4 + i % 4 / 2 + i % 2 * W)...);
+}
+template <class V, int... i>
+SEAWAY_INLINE V high_words(V a, V b, std::integer_sequence<int, i...>) {
+    constexpr int W = sizeof...(i);
+    return __builtin_shufflevector(a, b, (i / 4 * 4 + 2 + i % 4 / 2 + i % 2 * W)...);
+}
+template <class V, int... i>
+SEAWAY_INLINE V low_pairs(V a, V b, std::integer_sequence<int, i...>) {
+    constexpr int W = sizeof...(i);
+    return __builtin_shufflevector(a, b, (i / 4 * 4 + i % 2 + i % 4 / 2 * W)...);
+}
+template <class V, int... i>
+SEAWAY_INLINE V high_pairs(V a, V b, std::integer_sequence<int, i...>) {
+    constexpr int W = sizeof...(i);
+    return __builtin_shufflevector(a, b, (i / 4 * 4 + 2 + i % 2 + i % 4 / 2 * W)...);
+}
+/// Every second 16-byte group of a, then of b.
+template <int first, class V, int... i>
+SEAWAY_INLINE V groups(V a, V b, std::integer_sequence<int, i...>) {
+    constexpr int W = sizeof...(i);
+    return __builtin_shufflevector(
+        a, b, ((first + 2 * (i / 4 % (W / 8))) * 4 + i % 4 + (i >= W / 2 ? W : 0))...);
+}
+
+/// W vectors of W lanes: v[i] lane j <-> v[j] lane i.
+template <int W>
+SEAWAY_INLINE void transpose(typename Lanes<W>::F* v) {
+    using F = typename Lanes<W>::F;
+    constexpr auto all = std::make_integer_sequence<int, W>{};
+    F t[W];
+#pragma GCC unroll 16
+    for (int q = 0; q < W; q += 4) {
+        const F a = low_words(v[q], v[q + 1], all), b = high_words(v[q], v[q + 1], all);
+        const F c = low_words(v[q + 2], v[q + 3], all), d = high_words(v[q + 2], v[q + 3], all);
+        t[q] = low_pairs(a, c, all);
+        t[q + 1] = high_pairs(a, c, all);
+        t[q + 2] = low_pairs(b, d, all);
+        t[q + 3] = high_pairs(b, d, all);
+    }
+    // t[q + j], 16-byte group g: column 4 g + j of rows q .. q + 3.
+#pragma GCC unroll 4
+    for (int j = 0; j < 4; ++j) {
+        if constexpr (W == 4) {
+            v[j] = t[j];
+        } else if constexpr (W == 8) {
+            v[j] = groups<0>(t[j], t[4 + j], all);
+            v[4 + j] = groups<1>(t[j], t[4 + j], all);
+        } else {
+            const F a = groups<0>(t[j], t[4 + j], all), b = groups<1>(t[j], t[4 + j], all);
+            const F c = groups<0>(t[8 + j], t[12 + j], all),
+                    d = groups<1>(t[8 + j], t[12 + j], all);
+            v[j] = groups<0>(a, c, all);
+            v[8 + j] = groups<1>(a, c, all);
+            v[4 + j] = groups<0>(b, d, all);
+            v[12 + j] = groups<1>(b, d, all);
+        }
+    }
+}
+
+/// sin and cos of 2 pi turns / 2^32 with an error below 1e-7: quadrant by integer, remainder in
+/// [-pi/4, pi/4], minimax polynomials (Cephes sinf, cosf).
+template <int W>
+SEAWAY_INLINE void sincos_turns(typename Lanes<W>::U turns, typename Lanes<W>::F& sine,
+                                typename Lanes<W>::F& cosine) {
+    using F = typename Lanes<W>::F;
+    using I = typename Lanes<W>::I;
+    using U = typename Lanes<W>::U;
+    const U quadrant = (turns + 0x20000000u) >> 30;
+    const F x = __builtin_convertvector(I(turns - (quadrant << 30)), F) * 1.4629180792671596e-09f;
+    const F xx = x * x;
+    const F s = x + x * xx * ((xx * -1.9515295891e-4f + 8.3321608736e-3f) * xx - 1.6666654611e-1f);
+    const F c = (xx * xx) * ((xx * 2.443315711809948e-5f - 1.388731625493765e-3f) * xx +
+                             4.166664568298827e-2f) -
+                xx * 0.5f + 1.0f;
+    const I odd = I(quadrant << 31) != 0;
+    const U sine_sign = (quadrant & 2u) << 30, cosine_sign = ((quadrant + 1u) & 2u) << 30;
+    sine = F(U(odd ? c : s) ^ sine_sign);
+    cosine = F(U(odd ? s : c) ^ cosine_sign);
+}
+
+} // namespace
+} // namespace seaway::sea::native

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+// The truth that synthesised maps are held against: the sum over modes in double precision, by the
+// formulas of sea/realization.h and sea/field.h, separable but without any fast transform.
+#pragma once
+
+#include <complex>
+#include <numbers>
+#include <vector>
+
+#include "sea/field.h"
+#include "sea/realization.h"
+
+namespace seaway::sea {
+
+/// Multiplier of h (or dh/dt) for a linear field at k = (kx, ky), without the factor i.
+inline double multiplier(Field field, double kx, double ky) {
+    const double k = std::hypot(kx, ky);
+    if (k == 0)
+        return 0;
+    switch (field) {
+    case Field::height:
+    case Field::height_rate:
+        return 1;
+    case Field::displacement_x:
+    case Field::displacement_x_rate:
+        return kx / k;
+    case Field::displacement_y:
+    case Field::displacement_y_rate:
+        return ky / k;
+    case Field::slope_x:
+        return kx;
+    case Field::slope_y:
+        return ky;
+    case Field::strain_xx:
+        return -kx * kx / k;
+    case Field::strain_yy:
+        return -ky * ky / k;
+    case Field::strain_xy:
+        return -kx * ky / k;
+    case Field::jacobian:
+    case Field::foam:
+        break;
+    }
+    return 0;
+}
+
+/// Complex amplitude of a linear field at array index (ix, iy).
+inline std::complex<double> amplitude(const CascadeModes& modes, Field field, std::size_t ix,
+                                      std::size_t iy, TimeUs t_us) {
+    const auto n = static_cast<std::size_t>(modes.spec.size);
+    const std::size_t here = iy * n + ix, there = (n - iy) % n * n + (n - ix) % n;
+    const double omega = omega_from_rate(modes.rate[here]);
+    const auto turn = std::polar(1.0, -phase_rad(modes.rate[here], t_us));
+    const auto forward = modes.h0[here] * turn;
+    const auto backward = std::conj(modes.h0[there] * turn);
+    std::complex<double> h = forward + backward;
+    if (info(field).time_rate)
+        h = std::complex<double>(0, -omega) * (forward - backward);
+    if (info(field).imaginary)
+        h *= std::complex<double>(0, 1);
+    const double step = modes.spec.wavenumber_step_radpm();
+    return h * multiplier(field, lattice(ix, modes.spec.size) * step,
+                          lattice(iy, modes.spec.size) * step);
+}
+
+/// Rows y = 0, stride, 2 stride, ... of a linear field: [row][x].
+inline std::vector<double> double_sum(const CascadeModes& modes, Field field, TimeUs t_us,
+                                      std::size_t stride) {
+    const auto n = static_cast<std::size_t>(modes.spec.size);
+    std::vector<std::complex<double>> roots(n);
+    for (std::size_t i = 0; i < n; ++i)
+        roots[i] =
+            std::polar(1.0, 2 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(n));
+    std::vector<std::complex<double>> lines(n / stride * n); // [row][ix]
+    for (std::size_t iy = 0; iy < n; ++iy) {
+        for (std::size_t ix = 0; ix < n; ++ix) {
+            const auto a = amplitude(modes, field, ix, iy, t_us);
+            if (a == 0.0)
+                continue;
+            for (std::size_t row = 0; row < n / stride; ++row)
+                lines[row * n + ix] += a * roots[iy * row * stride % n];
+        }
+    }
+    std::vector<double> values(n / stride * n);
+    for (std::size_t row = 0; row < n / stride; ++row)
+        for (std::size_t ix = 0; ix < n; ++ix)
+            if (const auto line = lines[row * n + ix]; line != 0.0)
+                for (std::size_t x = 0; x < n; ++x)
+                    values[row * n + x] += (line * roots[ix * x % n]).real();
+    return values;
+}
+
+} // namespace seaway::sea
