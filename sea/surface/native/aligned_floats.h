@@ -5,8 +5,7 @@
 #include <cstddef>
 #include <cstdlib>
 #include <memory>
-
-#include "base/check.h"
+#include <new>
 
 namespace seaway::sea::native {
 
@@ -19,7 +18,8 @@ inline AlignedFloats allocate_floats(std::size_t count) {
     constexpr std::size_t page = 4096;
     const std::size_t bytes = (count * sizeof(float) + page) / page * page;
     auto* p = static_cast<float*>(std::aligned_alloc(page, bytes));
-    SEAWAY_CHECK(p != nullptr, "out of memory for native synthesis");
+    if (p == nullptr)
+        throw std::bad_alloc();
     return AlignedFloats(p);
 }
 

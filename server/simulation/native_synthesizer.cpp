@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/simulation/native_synthesizer.h"
+
+#include <chrono>
+#include <mutex>
+#include <new>
+
+#include <fmt/format.h>
+
+#include "base/check.h"
+
+namespace seaway::server {
+
+class SpareBuffers {
+  public:
+    SpareBuffers() { held_.reserve(most_held); } // so that give() never allocates
+
+    /// A buffer of exactly this many values, of any content.
+    std::vector<float> take(std::size_t values) {
+        {
+            const std::lock_guard lock(mutex_);
+            for (std::vector<float>& held : held_) {
+                if (held.size() != values)
+                    continue;
+                std::vector<float> found = std::move(held);
+                held = std::move(held_.back());
+                held_.pop_back();
+                return found;
+            }
+        }
+        return std::vector<float>(values);
+    }
+
+    void give(std::vector<float> buffer) {
+        const std::lock_guard lock(mutex_);
+        if (held_.size() < most_held)
+            held_.push_back(std::move(buffer));
+        else
+            std::swap(held_[oldest_++ % most_held], buffer);
+    }
+
+  private:
+    static constexpr std::size_t most_held = 8;
+    std::mutex mutex_;
+    std::vector<std::vector<float>> held_;
+    std::size_t oldest_ = 0;
+};
+
+namespace {
+
+std::shared_ptr<sea::Keyframe> make_keyframe(const std::shared_ptr<SpareBuffers>& spare) {
+    const auto give_back = [spare](sea::Keyframe* keyframe) {
+        const std::unique_ptr<sea::Keyframe> owned(keyframe);
+        spare->give(std::move(owned->values));
+    };
+    return {new sea::Keyframe, give_back};
+}
+
+} // namespace
+
+NativeSynthesizer::NativeSynthesizer(int threads)
+    : runner_(threads), spare_(std::make_shared<SpareBuffers>()) {}
+
+std::string NativeSynthesizer::description() const {
+    return fmt::format("native ({}, {} threads)", sea::name(sea::best_instructions()),
+                       runner_.threads());
+}
+
+Result<void> NativeSynthesizer::set_sea(sea::RealizationPtr sea, std::uint32_t epoch) {
+    std::vector<sea::NativeTransform> cascades;
+    for (const sea::CascadeModes& modes : sea->cascades) {
+        auto cascade = sea::NativeTransform::create(modes, sea->choppiness);
+        if (!cascade)
+            return cascade.error();
+        cascades.push_back(std::move(*cascade));
+    }
+    sea_ = std::move(sea);
+    epoch_ = epoch;
+    cascades_ = std::move(cascades);
+    return {};
+}
+
+Result<std::vector<sea::KeyframePtr>>
+NativeSynthesizer::synthesize(std::span<const KeyframeRequest> requests) try {
+    std::vector<sea::KeyframePtr> keyframes;
+    std::vector<sea::NativeTask> tasks;
+    for (const KeyframeRequest& request : requests) {
+        SEAWAY_CHECK(request.cascade >= 0 && request.cascade < static_cast<int>(cascades_.size()),
+                     "request for a cascade that the sea does not have");
+        const auto index = static_cast<std::size_t>(request.cascade);
+        const sea::NativeTransform& cascade = cascades_[index];
+        auto keyframe = make_keyframe(spare_);
+        keyframe->epoch = epoch_;
+        keyframe->cascade = request.cascade;
+        keyframe->time_us = request.time_us;
+        keyframe->size = cascade.size();
+        keyframe->length_m = sea_->cascades[index].spec.length_m;
+        keyframe->fields = request.fields;
+        keyframe->values =
+            spare_->take(static_cast<std::size_t>(request.fields.size()) * keyframe->plane_size());
+        tasks.push_back(
+            {&cascade, sea_->phase_time(request.time_us), request.fields, keyframe->values});
+        keyframes.push_back(std::move(keyframe));
+        counters_.transforms +=
+            static_cast<std::uint64_t>(sea::NativeRunner::transformed(request.fields).size() + 1) /
+            2;
+    }
+    const auto start = std::chrono::steady_clock::now();
+    runner_.run(tasks);
+    const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
+    counters_.device_seconds += taken.count();
+    counters_.dispatches += 2 * tasks.size();
+    counters_.keyframes += tasks.size();
+    return keyframes;
+} catch (const std::bad_alloc&) {
+    return Error{"native synthesis: out of memory"};
+}
+
+} // namespace seaway::server
