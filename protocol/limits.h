@@ -83,9 +83,6 @@ inline constexpr std::size_t replies_bytes_max = 1024 * 1024;
 /// Durable messages (sea states) that wait for a session; one more closes it as too slow.
 inline constexpr std::size_t durable_waiting_max = 16;
 
-/// Messages of one fetch: 8 times x 2 keyframes x 5 cascades x 13 fields x 4 parts.
-inline constexpr std::size_t fetch_messages_max = 4160;
-
 /// Bytes of fetched tiles that wait for a session; a fetch that does not fit is refused.
 inline constexpr std::size_t fetch_bytes_max = 32u * 1024 * 1024;
 

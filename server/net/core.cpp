@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/net/core.h"
+
+#include <chrono>
+
+#include <spdlog/spdlog.h>
+
+#include "server/net/session.h"
+
+namespace seaway::server {
+
+void Subscriptions::set(SessionId session, const TileDemand& grant) {
+    const std::lock_guard lock(mutex_);
+    grants_[session] = grant;
+}
+
+void Subscriptions::erase(SessionId session) {
+    const std::lock_guard lock(mutex_);
+    grants_.erase(session);
+}
+
+std::size_t Subscriptions::size() const {
+    const std::lock_guard lock(mutex_);
+    return grants_.size();
+}
+
+sea::FieldSet Subscriptions::wanted(int cascade, std::uint8_t quality) const {
+    const std::lock_guard lock(mutex_);
+    sea::FieldSet fields;
+    for (const auto& [session, grant] : grants_)
+        if (grant.quality == quality && (grant.cascades >> cascade & 1u) != 0)
+            fields |= grant.fields;
+    return fields;
+}
+
+Core::Core(NetOptions net_options, Host& simulation, std::function<void(Work)> run_on_io_thread)
+    : options(std::move(net_options)), host(simulation),
+      run_on_io_thread_(std::move(run_on_io_thread)) {}
+
+void Core::post(Work work) {
+    const std::lock_guard lock(post_mutex_);
+    if (run_on_io_thread_)
+        run_on_io_thread_(std::move(work));
+}
+
+void Core::detach() {
+    const std::lock_guard lock(post_mutex_);
+    run_on_io_thread_ = nullptr;
+}
+
+Session* Core::find(SessionId session) const {
+    const auto found = sessions.find(session);
+    return found == sessions.end() ? nullptr : found->second;
+}
+
+Gauges Core::gauges() const {
+    Gauges gauges{.sessions = sessions.size(),
+                  .subscriptions = subscriptions.size(),
+                  .connections = static_cast<std::size_t>(connections),
+                  .outbox_bytes = 0,
+                  .outboxes = {}};
+    for (const auto& [id, session] : sessions) {
+        gauges.outbox_bytes += session->outbox().bytes_waiting();
+        gauges.outboxes += session->outbox().counters();
+    }
+    return gauges;
+}
+
+void Core::log(const std::string& line) {
+    const auto now = std::chrono::steady_clock::now().time_since_epoch();
+    const std::int64_t second = std::chrono::duration_cast<std::chrono::seconds>(now).count();
+    if (second != log_second_) {
+        log_second_ = second;
+        log_lines_ = 0;
+    }
+    if (++log_lines_ > log_lines_per_second_max) {
+        ++log_left_out_;
+        return;
+    }
+    if (log_left_out_ > 0)
+        spdlog::warn("event=log_lines_left_out count={}", std::exchange(log_left_out_, 0));
+    spdlog::info("{}", line);
+}
+
+} // namespace seaway::server

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+// Core: what all connections of one NetServer share. Of the io thread alone, except where said.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "server/host.h"
+#include "server/net/counters.h"
+#include "server/net/encode_worker.h"
+#include "server/net/options.h"
+
+namespace seaway::server {
+
+class Session;
+
+/// Who was granted what: read by publishers, so behind a lock.
+class Subscriptions {
+  public:
+    void set(SessionId session, const TileDemand& grant);
+    void erase(SessionId session);
+    std::size_t size() const;
+    /// Union of what is wanted of a cascade at a quality. Any thread.
+    sea::FieldSet wanted(int cascade, std::uint8_t quality) const;
+
+  private:
+    mutable std::mutex mutex_;
+    std::map<SessionId, TileDemand> grants_;
+};
+
+class Core : public std::enable_shared_from_this<Core> {
+  public:
+    using Work = std::function<void()>;
+
+    Core(NetOptions net_options, Host& simulation, std::function<void(Work)> run_on_io_thread);
+
+    const NetOptions options;
+    Host& host;
+    std::string client_token; ///< empty: not asked for
+    std::string admin_token;  ///< empty: there is no administrator
+
+    Counters counters;
+    Subscriptions subscriptions;
+    EncodeWorker encoding;
+    std::map<SessionId, Session*> sessions;
+    SessionId next_session = 1;
+    int connections = 0;
+    bool stopping = false;
+
+    /// Runs `work` on the io thread; does nothing after detach(). Any thread.
+    void post(Work work);
+    void detach();
+
+    Session* find(SessionId session) const;
+    Gauges gauges() const;
+
+    /// One log line, at most `log_lines_per_second_max` of them: a flood of bad clients must not
+    /// become a flood of log. What was left out is counted in the next line.
+    void log(const std::string& line);
+    static constexpr int log_lines_per_second_max = 50;
+
+  private:
+    std::mutex post_mutex_;
+    std::function<void(Work)> run_on_io_thread_;
+    std::int64_t log_second_ = 0;
+    int log_lines_ = 0;
+    std::uint64_t log_left_out_ = 0;
+};
+
+} // namespace seaway::server

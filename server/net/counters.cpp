@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/net/counters.h"
+
+#include <iterator>
+
+#include <fmt/format.h>
+
+namespace seaway::server {
+namespace {
+
+class Text {
+  public:
+    template <class Number>
+    void one(std::string_view name, std::string_view type, std::string_view help, Number value) {
+        head(name, type, help);
+        fmt::format_to(out(), "seaway_net_{} {}\n", name, value);
+    }
+    template <class Map>
+    void each(std::string_view name, std::string_view label, std::string_view help,
+              const Map& values) {
+        head(name, "counter", help);
+        for (const auto& [key, value] : values)
+            fmt::format_to(out(), "seaway_net_{}{{{}=\"{}\"}} {}\n", name, label, key, value);
+    }
+    std::string take() { return std::move(text_); }
+
+  private:
+    std::back_insert_iterator<std::string> out() { return std::back_inserter(text_); }
+    void head(std::string_view name, std::string_view type, std::string_view help) {
+        fmt::format_to(out(), "# HELP seaway_net_{} {}\n# TYPE seaway_net_{} {}\n", name, help,
+                       name, type);
+    }
+    std::string text_;
+};
+
+} // namespace
+
+std::string metrics_text(const Counters& c, const Gauges& g, const EncoderCounters& e) {
+    Text t;
+    t.one("sessions", "gauge", "WebSocket sessions open", g.sessions);
+    t.one("subscriptions", "gauge", "Sessions that are streamed tiles", g.subscriptions);
+    t.one("connections", "gauge", "Connections open, HTTP and WebSocket", g.connections);
+    t.one("outbox_bytes", "gauge", "Bytes that wait in all outboxes; shared bytes count again",
+          g.outbox_bytes);
+    t.one("connections_accepted_total", "counter", "Connections taken", c.connections_accepted);
+    t.one("connections_refused_total", "counter", "Connections above the limit, closed at once",
+          c.connections_refused);
+    t.one("handshakes_failed_total", "counter", "Connections that spoke no TLS, HTTP or WebSocket",
+          c.handshakes_failed);
+    t.each("http_responses_total", "status", "HTTP responses", c.http_responses);
+    t.one("sessions_opened_total", "counter", "WebSocket sessions", c.sessions_opened);
+    t.each("sessions_closed_total", "reason", "WebSocket sessions that ended", c.sessions_closed);
+    t.each("requests_refused_total", "code", "Requests refused", c.requests_refused);
+    t.one("messages_received_total", "counter", "Messages from clients", c.messages_received);
+    t.one("received_bytes_total", "counter", "Bytes of messages from clients", c.bytes_received);
+    t.one("messages_sent_total", "counter", "Messages to clients", c.messages_sent);
+    t.one("sent_bytes_total", "counter", "Bytes of messages to clients", c.bytes_sent);
+    t.one("queries_total", "counter", "Queries accepted", c.queries);
+    t.one("query_points_total", "counter", "Points of queries accepted", c.query_points);
+    t.one("fetches_total", "counter", "Fetches and starts of subscriptions", c.fetches);
+    t.one("keyframes_published_total", "counter", "Keyframes that somebody wanted",
+          c.keyframes_published);
+    t.one("keyframes_dropped_total", "counter", "Keyframes dropped before encoding: encoder behind",
+          c.keyframes_dropped);
+    t.one("keyframes_wrong_total", "counter", "Keyframes with samples that were not finite",
+          c.keyframes_wrong);
+    t.one("keyframes_sent_total", "counter", "Keyframes streamed, summed over sessions",
+          c.outboxes.keyframes_started + g.outboxes.keyframes_started);
+    t.one("keyframes_replaced_total", "counter", "Keyframes that a newer one replaced",
+          c.outboxes.keyframes_replaced + g.outboxes.keyframes_replaced);
+    t.one("keyframes_awaiting_credit_total", "counter", "Keyframes that waited for an Ack",
+          c.outboxes.keyframes_awaiting_credit + g.outboxes.keyframes_awaiting_credit);
+    t.one("fields_encoded_total", "counter", "Fields encoded", e.fields_encoded);
+    t.one("fields_reused_total", "counter", "Fields served from the encoder's memory",
+          e.fields_reused);
+    t.one("encoded_samples_total", "counter", "Samples encoded", e.samples);
+    t.one("encoded_bytes_total", "counter", "Bytes of the tile messages made", e.bytes);
+    t.one("encode_seconds_total", "counter", "Time spent encoding", e.seconds);
+    return t.take();
+}
+
+} // namespace seaway::server

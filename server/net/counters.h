@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the net has done since the start, and its part of /metrics. Of the io thread alone.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <string_view>
+
+#include "server/publish/encoder.h"
+#include "server/publish/outbox.h"
+
+namespace seaway::server {
+
+/// Why sessions ended besides the error codes of the wire (protocol::name).
+inline constexpr std::string_view closed_by_client = "closed_by_client";
+inline constexpr std::string_view disconnected = "disconnected"; ///< without a closing handshake
+
+struct Counters {
+    std::uint64_t connections_accepted = 0;
+    std::uint64_t connections_refused = 0; ///< above connections_max
+    std::uint64_t handshakes_failed = 0;   ///< TLS, HTTP or WebSocket bytes that were none
+    std::map<unsigned, std::uint64_t> http_responses; ///< by status
+    std::uint64_t sessions_opened = 0;
+    std::map<std::string, std::uint64_t, std::less<>> sessions_closed;  ///< by reason
+    std::map<std::string, std::uint64_t, std::less<>> requests_refused; ///< by error code
+    std::uint64_t messages_received = 0;
+    std::uint64_t bytes_received = 0;
+    std::uint64_t messages_sent = 0;
+    std::uint64_t bytes_sent = 0;
+    std::uint64_t queries = 0;
+    std::uint64_t query_points = 0;
+    std::uint64_t fetches = 0;
+    std::uint64_t keyframes_published = 0; ///< that somebody wanted
+    std::uint64_t keyframes_dropped = 0;   ///< encoder too far behind
+    std::uint64_t keyframes_wrong = 0;     ///< refused by the codec: not finite
+    OutboxCounters outboxes;               ///< of sessions that have ended
+};
+
+/// Figures of the moment.
+struct Gauges {
+    std::size_t sessions = 0;
+    std::size_t subscriptions = 0;
+    std::size_t connections = 0;
+    std::size_t outbox_bytes = 0;
+    OutboxCounters outboxes; ///< of the sessions that live
+};
+
+/// Prometheus text, names seaway_net_*.
+std::string metrics_text(const Counters& counters, const Gauges& gauges,
+                         const EncoderCounters& encoder);
+
+} // namespace seaway::server

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the HTTP side says: a function from (method, path) to a page. No sockets.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "server/net/core.h"
+
+namespace seaway::server {
+
+struct Page {
+    unsigned status = 200;
+    std::string content_type = "text/plain; charset=utf-8";
+    std::string body = {};
+    std::string allow = {}; ///< header of a 405
+};
+
+/// GET and HEAD of /healthz, /metrics, /v1/state, /v1/plan and /; a query string is ignored.
+/// /healthz is 200 "ok" or 503. Anything else is 404 or 405 with a sentence.
+Page page_for(Core& core, std::string_view method, std::string_view target);
+
+} // namespace seaway::server

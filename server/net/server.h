@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+// NetServer: one port for HTTP and WebSocket in front of a Host. One io thread serves every
+// connection, one encode thread turns keyframes into shared bytes; neither waits for a client.
+//
+//     Result<std::unique_ptr<NetServer>> net = NetServer::start(options, host);
+//     if (!net) ...                       // exit code 4: (*net).error().message says what to do
+//     fmt::print("ready {}\n", (*net)->url());
+//     (*net)->publish(keyframe_tiles);    // from the simulation, any thread
+//     (*net)->stop();                     // GoAway to all, at most options.stop_deadline
+//
+// HTTP (GET, HEAD): /healthz, /metrics, /v1/state, /v1/plan, / ; WebSocket: /v1/stream with the
+// subprotocol seaway.v1 (docs/protocol.md). Every session ends with one log line and one count, by
+// reason. A slow, stalled or hostile client changes nothing for anyone else.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "base/result.h"
+#include "protocol/messages.h"
+#include "server/host.h"
+#include "server/net/options.h"
+
+namespace seaway::server {
+
+class NetServer {
+  public:
+    /// Listens, then starts its threads. `host` must outlive the NetServer; it is called from the
+    /// io thread. Errors: address not understood, in use or not allowed; a certificate, key or
+    /// token file that cannot be read.
+    static Result<std::unique_ptr<NetServer>> start(const NetOptions& options, Host& host);
+
+    /// Stops.
+    ~NetServer();
+    NetServer(const NetServer&) = delete;
+    NetServer& operator=(const NetServer&) = delete;
+
+    /// The port that was taken.
+    int port() const;
+    /// "ws://127.0.0.1:9430", or "wss://...".
+    std::string url() const;
+
+    /// Sends a keyframe to the sessions of its quality that were granted its cascade and whose
+    /// granted fields it holds. Encodes once, only what somebody wants, on the encode thread; if
+    /// that is too far behind, the keyframe is dropped and counted. Any thread; returns at once.
+    void publish(KeyframeTiles tiles);
+
+    /// Sends a SeaState message to every session. Durable: a session that cannot take it is closed.
+    /// Any thread; returns at once.
+    void announce(protocol::SharedBytes sea_state);
+
+    /// Sends GoAway, closes, joins. Idempotent. Host callbacks that come later do nothing.
+    void stop();
+
+  private:
+    class Impl;
+    explicit NetServer(std::unique_ptr<Impl> impl);
+    std::unique_ptr<Impl> impl_;
+};
+
+} // namespace seaway::server

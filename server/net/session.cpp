@@ -1,0 +1,303 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/net/session.h"
+
+#include <algorithm>
+#include <chrono>
+
+#include <fmt/format.h>
+
+#include "protocol/limits.h"
+#include "server/net/tokens.h"
+
+namespace seaway::server {
+
+namespace limits = protocol::limits;
+using wire::ErrorCode;
+
+Session::Session(Core& core, Link& link, std::string peer)
+    : core_(core), link_(link), id_(core.next_session++), peer_(std::move(peer)) {
+    core_.sessions[id_] = this;
+    ++core_.counters.sessions_opened;
+}
+
+Session::~Session() {
+    end(disconnected, "connection dropped");
+}
+
+void Session::receive(std::span<const std::uint8_t> bytes) {
+    if (closing_ || ended_)
+        return;
+    ++core_.counters.messages_received;
+    core_.counters.bytes_received += bytes.size();
+    const Result<const wire::Message*> message = reader_.read(bytes);
+    if (!message)
+        return close(ErrorCode::bad_message, message.error().message);
+    const wire::Message& m = **message;
+    if (!greeted_ && m.body_type() != wire::Body::Hello)
+        return close(ErrorCode::hello_expected, "the first message must be Hello");
+    switch (m.body_type()) {
+    case wire::Body::Hello:
+        return on_hello(*m.body_as_Hello());
+    case wire::Body::Subscribe:
+        return on_subscribe(*m.body_as_Subscribe());
+    case wire::Body::Unsubscribe:
+        return on_unsubscribe();
+    case wire::Body::Ack:
+        if (outbox_.acknowledge(m.body_as_Ack()->keyframe()))
+            link_.send_more();
+        return;
+    case wire::Body::Fetch:
+        return on_fetch(*m.body_as_Fetch());
+    case wire::Body::Query:
+        return on_query(*m.body_as_Query());
+    case wire::Body::Ping:
+        return on_ping(*m.body_as_Ping());
+    default: // read() lets nothing else through
+        return close(ErrorCode::bad_message, "message kind does not come from a client");
+    }
+}
+
+void Session::on_hello(const wire::Hello& hello) {
+    if (greeted_)
+        return close(ErrorCode::bad_message, "Hello was said before");
+    if (const Result<void> fine = protocol::check(hello); !fine)
+        return close(ErrorCode::bad_value, fine.error().message);
+    const auto* versions = hello.versions();
+    if (std::find(versions->begin(), versions->end(), protocol::version) == versions->end())
+        return close(ErrorCode::unsupported_version,
+                     fmt::format("this server speaks version {}", protocol::version));
+    const std::string_view token = hello.token() ? hello.token()->string_view() : "";
+    const bool administrator = tokens_equal(token, core_.admin_token);
+    if (!administrator && !core_.client_token.empty() && !tokens_equal(token, core_.client_token))
+        return close(ErrorCode::unauthorised, "token missing or wrong");
+    greeted_ = true;
+    core_.log(fmt::format(
+        "event=session_open session={} peer={} client=\"{}\" administrator={}", id_, peer_,
+        printable(hello.client() ? hello.client()->string_view() : ""), administrator));
+    reply(protocol::welcome(id_, "seaway " SEAWAY_VERSION, core_.host.sea_time_us()));
+    for (const protocol::SharedBytes& state : core_.host.sea_state_messages())
+        announce(state);
+}
+
+void Session::on_subscribe(const wire::Subscribe& subscribe) {
+    const std::uint32_t request_id = subscribe.request_id();
+    if (const Result<void> fine = protocol::check(subscribe); !fine)
+        return refuse(request_id, ErrorCode::bad_value, fine.error().message);
+    if (fetches_in_flight_ + outbox_.fetches_waiting() >= limits::fetches_in_flight_max)
+        return refuse(request_id, ErrorCode::too_many_requests, "earlier fetches are not done");
+    const TileDemand demand{.cascades = subscribe.cascades(),
+                            .fields = sea::FieldSet::from_bits(subscribe.fields()),
+                            .error_m = subscribe.error_m()};
+    on_unsubscribe();
+    const TileDemand grant = core_.host.subscribe(id_, demand);
+    if (grant.fields.empty() || grant.cascades == 0) {
+        core_.host.unsubscribe(id_);
+        return refuse(request_id, ErrorCode::not_offered, "this sea offers none of these fields");
+    }
+    grant_ = grant;
+    subscribed_ = true;
+    core_.subscriptions.set(id_, grant);
+    outbox_.set_credit(subscribe.credit());
+    reply(protocol::subscribed(
+        request_id, {.cascades = grant.cascades, .fields = grant.fields, .error_m = grant.error_m},
+        subscribe.credit()));
+    fetch(request_id, {.times_us = {}, .demand = grant});
+}
+
+void Session::on_unsubscribe() {
+    if (!subscribed_)
+        return;
+    subscribed_ = false;
+    core_.subscriptions.erase(id_);
+    core_.host.unsubscribe(id_);
+    outbox_.stop_stream();
+}
+
+void Session::on_fetch(const wire::Fetch& request) {
+    const std::uint32_t request_id = request.request_id();
+    if (const Result<void> fine = protocol::check(request); !fine)
+        return refuse(request_id, ErrorCode::bad_value, fine.error().message);
+    if (fetches_in_flight_ + outbox_.fetches_waiting() >= limits::fetches_in_flight_max)
+        return refuse(request_id, ErrorCode::too_many_requests, "earlier fetches are not done");
+    fetch(request_id, {.times_us = {request.times_us()->begin(), request.times_us()->end()},
+                       .demand = {.cascades = request.cascades(),
+                                  .fields = sea::FieldSet::from_bits(request.fields()),
+                                  .error_m = request.error_m()}});
+}
+
+void Session::fetch(std::uint32_t request_id, FetchRequest request) {
+    ++fetches_in_flight_;
+    ++core_.counters.fetches;
+    const sea::FieldSet wanted = request.demand.fields;
+    const auto give_back = [core = core_.weak_from_this(), session = id_,
+                            request_id](std::vector<EncodedKeyframePtr> keyframes,
+                                        sea::FieldSet fields, std::string error) {
+        const std::shared_ptr<Core> alive = core.lock();
+        if (alive == nullptr)
+            return;
+        alive->post([core, session, request_id, keyframes = std::move(keyframes), fields,
+                     error = std::move(error)] {
+            const std::shared_ptr<Core> here = core.lock();
+            if (Session* found = here ? here->find(session) : nullptr)
+                found->fetched(request_id, keyframes, fields, error);
+        });
+    };
+    // Host answers on any thread; encoding is for the encode thread, sending for the io thread.
+    core_.host.fetch(std::move(request), [core = core_.weak_from_this(), wanted, give_back](
+                                             std::vector<KeyframeTiles> tiles, std::string error) {
+        const std::shared_ptr<Core> alive = core.lock();
+        if (alive == nullptr)
+            return;
+        if (!error.empty())
+            return give_back({}, {}, std::move(error));
+        const bool taken = alive->encoding.submit_fetched(
+            [tiles = std::move(tiles), wanted, give_back](Encoder& encoder) {
+                std::vector<EncodedKeyframePtr> keyframes;
+                sea::FieldSet fields = wanted;
+                for (const KeyframeTiles& one : tiles) {
+                    const auto encoded =
+                        encoder.encode(*one.keyframe, one.codec_error, one.quality, wanted);
+                    if (!encoded)
+                        return give_back({}, {}, encoded.error().message);
+                    fields = sea::FieldSet::from_bits(fields.bits() & (*encoded)->fields.bits());
+                    keyframes.push_back(*encoded);
+                }
+                give_back(std::move(keyframes), fields, {});
+            });
+        if (!taken)
+            give_back({}, {}, "the server is busy with other fetches");
+    });
+}
+
+void Session::fetched(std::uint32_t request_id, const std::vector<EncodedKeyframePtr>& keyframes,
+                      sea::FieldSet fields, const std::string& error) {
+    --fetches_in_flight_;
+    if (!error.empty())
+        return refuse(request_id, ErrorCode::internal, error);
+    auto done = std::make_shared<const protocol::Bytes>(
+        protocol::fetch_done(request_id, static_cast<std::uint32_t>(keyframes.size()), fields));
+    if (!outbox_.push_fetched(keyframes, fields, std::move(done)))
+        return refuse(request_id, ErrorCode::bad_value,
+                      fmt::format("more than {} bytes of tiles: fetch fewer times or fields",
+                                  limits::fetch_bytes_max));
+    link_.send_more();
+}
+
+void Session::on_query(const wire::Query& query) {
+    const std::uint32_t request_id = query.request_id();
+    if (const Result<void> fine = protocol::check(query); !fine)
+        return refuse(request_id, ErrorCode::too_many_points, fine.error().message);
+    if (queries_in_flight_ >= limits::queries_in_flight_max)
+        return refuse(request_id, ErrorCode::too_many_requests,
+                      fmt::format("{} queries are not answered yet", queries_in_flight_));
+    QueryBatch batch{.exact = query.exact(), .points = {}};
+    if (query.points() != nullptr) {
+        batch.points.reserve(query.points()->size());
+        for (const wire::Point* point : *query.points())
+            batch.points.push_back({point->x_m(), point->y_m(), point->time_us()});
+    }
+    ++queries_in_flight_;
+    ++core_.counters.queries;
+    core_.counters.query_points += batch.points.size();
+    core_.host.query(std::move(batch), [core = core_.weak_from_this(), session = id_,
+                                        request_id](QueryAnswers answers) {
+        const std::shared_ptr<Core> alive = core.lock();
+        if (alive == nullptr)
+            return;
+        alive->post([core, session, request_id, answers = std::move(answers)] {
+            const std::shared_ptr<Core> here = core.lock();
+            if (Session* found = here ? here->find(session) : nullptr)
+                found->answered(request_id, answers);
+        });
+    });
+}
+
+void Session::answered(std::uint32_t request_id, const QueryAnswers& answers) {
+    --queries_in_flight_;
+    if (!answers.error.empty())
+        return refuse(request_id, ErrorCode::internal, answers.error);
+    reply(protocol::query_reply(request_id, answers.epoch, answers.answers));
+}
+
+void Session::on_ping(const wire::Ping& ping) {
+    reply(protocol::pong(ping.request_id(), ping.client_time_us(), core_.host.sea_time_us()));
+}
+
+bool Session::wants_requests() const {
+    return outbox_.accepts_requests();
+}
+
+protocol::SharedBytes Session::next_message() {
+    if (closing_ || ended_)
+        return nullptr;
+    protocol::SharedBytes message = outbox_.next();
+    if (message != nullptr) {
+        ++messages_sent_;
+        bytes_sent_ += message->size();
+        ++core_.counters.messages_sent;
+        core_.counters.bytes_sent += message->size();
+    }
+    return message;
+}
+
+void Session::hello_overdue() {
+    if (!greeted_)
+        close(ErrorCode::hello_expected,
+              fmt::format("no Hello within {} ms", core_.options.hello_deadline.count()));
+}
+
+void Session::deliver(const EncodedKeyframePtr& keyframe) {
+    if (!subscribed_ || closing_ || keyframe->quality != grant_.quality ||
+        ((grant_.cascades >> keyframe->cascade) & 1u) == 0)
+        return;
+    // A keyframe computed for an earlier plan may lack what this session was granted: half a
+    // keyframe is of no use to it.
+    if (!keyframe->fields.contains(grant_.fields))
+        return;
+    outbox_.push_keyframe(keyframe, grant_.fields);
+    link_.send_more();
+}
+
+void Session::announce(protocol::SharedBytes sea_state) {
+    if (!greeted_ || closing_)
+        return;
+    if (!outbox_.push_durable(std::move(sea_state)))
+        return close(ErrorCode::too_slow, "sea states wait and cannot be sent");
+    link_.send_more();
+}
+
+void Session::reply(protocol::Bytes message) {
+    outbox_.push_reply(std::make_shared<const protocol::Bytes>(std::move(message)));
+    link_.send_more();
+}
+
+void Session::refuse(std::uint32_t request_id, ErrorCode code, std::string_view why) {
+    ++core_.counters.requests_refused[std::string(protocol::name(code))];
+    reply(protocol::refused(request_id, code, why));
+}
+
+void Session::close(ErrorCode code, const std::string& why) {
+    if (closing_ || ended_)
+        return;
+    closing_ = true;
+    end(protocol::name(code), why);
+    link_.close(std::make_shared<const protocol::Bytes>(protocol::go_away(code, why)), code, why);
+}
+
+void Session::end(std::string_view reason, std::string_view why) {
+    if (ended_)
+        return;
+    ended_ = true;
+    on_unsubscribe();
+    core_.sessions.erase(id_);
+    core_.counters.outboxes += outbox_.counters();
+    ++core_.counters.sessions_closed[std::string(reason)];
+    const std::chrono::duration<double> open = std::chrono::steady_clock::now() - opened_;
+    core_.log(fmt::format("event=session_closed session={} peer={} reason={} why=\"{}\" "
+                          "open_s={:.1f} messages_sent={} bytes_sent={}",
+                          id_, peer_, reason, printable(why), open.count(), messages_sent_,
+                          bytes_sent_));
+    outbox_ = Outbox(); // what waited is released now, not when the connection goes
+}
+
+} // namespace seaway::server

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+// Session: the protocol of one client, from Hello to the end, without sockets. Bytes of verified
+// size come in through receive(), messages go out through next_message(); the connection is behind
+// Link. Of the io thread alone.
+//
+// Bad bytes end the session with a reason; a request that cannot be granted is refused and the
+// session goes on. How a session ended is logged in one line and counted, once.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "protocol/messages.h"
+#include "server/net/core.h"
+#include "server/publish/outbox.h"
+
+namespace seaway::server {
+
+/// The connection, as its session sees it. May be called from within receive().
+class Link {
+  public:
+    virtual ~Link() = default;
+    /// next_message() may have something.
+    virtual void send_more() = 0;
+    /// Sends `go_away` after the message that is being sent, then closes with `code` and `why`.
+    virtual void close(protocol::SharedBytes go_away, wire::ErrorCode code,
+                       const std::string& why) = 0;
+};
+
+class Session {
+  public:
+    /// `peer` is for the log: "127.0.0.1:4711". Both references outlive the session.
+    Session(Core& core, Link& link, std::string peer);
+    ~Session();
+    Session(const Session&) = delete;
+    Session& operator=(const Session&) = delete;
+
+    SessionId id() const { return id_; }
+    bool ended() const { return ended_; }
+
+    // ---- from the connection ---------------------------------------------------------------
+
+    void receive(std::span<const std::uint8_t> bytes);
+    /// False: enough replies wait; read nothing until it is true again.
+    bool wants_requests() const;
+    protocol::SharedBytes next_message();
+    void hello_overdue();
+    /// The connection is gone. `reason` is a label of Counters::sessions_closed.
+    void end(std::string_view reason, std::string_view why);
+
+    // ---- from the server -------------------------------------------------------------------
+
+    /// Streams the keyframe if it is of this session's quality and holds all that was granted.
+    void deliver(const EncodedKeyframePtr& keyframe);
+    void announce(protocol::SharedBytes sea_state);
+    /// Ends the session with GoAway.
+    void close(wire::ErrorCode code, const std::string& why);
+
+    const Outbox& outbox() const { return outbox_; }
+
+  private:
+    void on_hello(const wire::Hello& hello);
+    void on_subscribe(const wire::Subscribe& subscribe);
+    void on_unsubscribe();
+    void on_fetch(const wire::Fetch& fetch);
+    void on_query(const wire::Query& query);
+    void on_ping(const wire::Ping& ping);
+
+    void fetch(std::uint32_t request_id, FetchRequest request);
+    void fetched(std::uint32_t request_id, const std::vector<EncodedKeyframePtr>& keyframes,
+                 sea::FieldSet fields, const std::string& error);
+    void answered(std::uint32_t request_id, const QueryAnswers& answers);
+    void reply(protocol::Bytes message);
+    void refuse(std::uint32_t request_id, wire::ErrorCode code, std::string_view why);
+
+    Core& core_;
+    Link& link_;
+    const SessionId id_;
+    const std::string peer_;
+    protocol::MessageReader reader_{protocol::Sender::client};
+    Outbox outbox_;
+    bool greeted_ = false;
+    bool closing_ = false;
+    bool ended_ = false;
+    bool subscribed_ = false;
+    TileDemand grant_;
+    int queries_in_flight_ = 0;
+    int fetches_in_flight_ = 0; ///< at the host or at the encoder
+    std::uint64_t messages_sent_ = 0;
+    std::uint64_t bytes_sent_ = 0;
+    std::chrono::steady_clock::time_point opened_ = std::chrono::steady_clock::now();
+};
+
+} // namespace seaway::server

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/publish/outbox.h"
+
+#include <algorithm>
+
+namespace seaway::server {
+
+namespace limits = protocol::limits;
+using protocol::SharedBytes;
+
+SharedBytes Outbox::Parcel::take() {
+    if (done != nullptr)
+        return std::exchange(done, nullptr);
+    if (keyframe == nullptr)
+        return nullptr;
+    while (map < keyframe->maps.size()) {
+        const EncodedField& encoded = keyframe->maps[map];
+        if (fields.contains(encoded.field) && part < encoded.parts.size())
+            return encoded.parts[part++];
+        ++map;
+        part = 0;
+    }
+    keyframe = nullptr;
+    return nullptr;
+}
+
+void Outbox::push_reply(SharedBytes message) {
+    reply_bytes_ += message->size();
+    replies_.push_back(std::move(message));
+}
+
+bool Outbox::accepts_requests() const {
+    return replies_.size() < limits::replies_waiting_max &&
+           reply_bytes_ < limits::replies_bytes_max;
+}
+
+bool Outbox::push_durable(SharedBytes message) {
+    if (durable_.size() >= limits::durable_waiting_max)
+        return false;
+    durable_.push_back(std::move(message));
+    return true;
+}
+
+bool Outbox::push_fetched(std::span<const EncodedKeyframePtr> keyframes, sea::FieldSet fields,
+                          SharedBytes done) {
+    std::size_t bytes = fetched_bytes_ + done->size();
+    for (const EncodedKeyframePtr& keyframe : keyframes)
+        bytes += message_bytes(*keyframe, fields);
+    if (bytes > limits::fetch_bytes_max)
+        return false;
+    fetched_bytes_ = bytes;
+    for (const EncodedKeyframePtr& keyframe : keyframes)
+        fetched_.push_back({.keyframe = keyframe, .fields = fields, .done = nullptr});
+    fetched_.push_back({.keyframe = nullptr, .fields = {}, .done = std::move(done)});
+    ++fetches_waiting_;
+    return true;
+}
+
+void Outbox::push_keyframe(EncodedKeyframePtr keyframe, sea::FieldSet fields) {
+    SEAWAY_CHECK(keyframe->cascade >= 0 && keyframe->cascade < limits::cascades_max,
+                 "cascade number out of range");
+    if (unacknowledged_.size() >= static_cast<std::size_t>(credit_))
+        ++counters_.keyframes_awaiting_credit;
+    const auto same = [&](const Parcel& parcel) {
+        return parcel.keyframe->cascade == keyframe->cascade;
+    };
+    Parcel parcel{.keyframe = keyframe, .fields = fields, .done = nullptr};
+    const auto older = std::find_if(waiting_.begin(), waiting_.end(), same);
+    if (older == waiting_.end()) {
+        waiting_.push_back(std::move(parcel));
+    } else {
+        *older = std::move(parcel); // keeps its turn
+        ++counters_.keyframes_replaced;
+    }
+}
+
+void Outbox::set_credit(int keyframes) {
+    SEAWAY_CHECK(keyframes >= limits::credit_min && keyframes <= limits::credit_max,
+                 "credit out of range");
+    credit_ = keyframes;
+}
+
+void Outbox::stop_stream() {
+    waiting_.clear();
+}
+
+bool Outbox::acknowledge(std::uint64_t keyframe) {
+    return std::erase(unacknowledged_, keyframe) > 0;
+}
+
+SharedBytes Outbox::next() {
+    if (!replies_.empty()) {
+        SharedBytes message = std::move(replies_.front());
+        replies_.pop_front();
+        reply_bytes_ -= message->size();
+        return message;
+    }
+    if (!durable_.empty()) {
+        SharedBytes message = std::move(durable_.front());
+        durable_.pop_front();
+        return message;
+    }
+    fetched_turn_ = !fetched_turn_;
+    SharedBytes message = fetched_turn_ ? next_fetched() : next_streamed();
+    if (message == nullptr)
+        message = fetched_turn_ ? next_streamed() : next_fetched();
+    return message;
+}
+
+SharedBytes Outbox::next_fetched() {
+    while (!fetched_.empty()) {
+        const bool last = fetched_.front().done != nullptr;
+        if (SharedBytes message = fetched_.front().take()) {
+            fetched_bytes_ -= message->size();
+            if (last) {
+                fetched_.pop_front();
+                --fetches_waiting_;
+            }
+            return message;
+        }
+        fetched_.pop_front();
+    }
+    return nullptr;
+}
+
+SharedBytes Outbox::next_streamed() {
+    if (SharedBytes message = begun_.take())
+        return message;
+    while (!waiting_.empty() && unacknowledged_.size() < static_cast<std::size_t>(credit_)) {
+        begun_ = std::move(waiting_.front());
+        waiting_.pop_front();
+        const std::uint64_t number = begun_.keyframe->number;
+        SharedBytes message = begun_.take();
+        if (message == nullptr) // holds nothing that the session was granted
+            continue;
+        unacknowledged_.push_back(number);
+        ++counters_.keyframes_started;
+        return message;
+    }
+    return nullptr;
+}
+
+std::size_t Outbox::bytes_waiting() const {
+    std::size_t bytes = reply_bytes_ + fetched_bytes_;
+    for (const SharedBytes& message : durable_)
+        bytes += message->size();
+    for (const Parcel& parcel : waiting_)
+        bytes += message_bytes(*parcel.keyframe, parcel.fields);
+    return bytes;
+}
+
+} // namespace seaway::server

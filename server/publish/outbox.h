@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+// Outbox: what one session has still to send, and in which order. A plain data structure without
+// sockets, threads or clocks; bounded whatever the peer does.
+//
+// Order: replies, then durable messages, then tiles (fetched and streamed ones in turn).
+// Streamed keyframes are under credit: at most `credit` of them are sent and not acknowledged. One
+// that has to wait is replaced by a newer one of its cascade; one that has begun is finished.
+// Durable messages are never dropped: when they do not fit, the session must be closed.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <span>
+#include <vector>
+
+#include "protocol/limits.h"
+#include "server/publish/encoder.h"
+
+namespace seaway::server {
+
+struct OutboxCounters {
+    std::uint64_t keyframes_started = 0;
+    std::uint64_t keyframes_replaced = 0;        ///< never sent: a newer one took their place
+    std::uint64_t keyframes_awaiting_credit = 0; ///< had to wait for an acknowledgement
+
+    OutboxCounters& operator+=(const OutboxCounters& other) {
+        keyframes_started += other.keyframes_started;
+        keyframes_replaced += other.keyframes_replaced;
+        keyframes_awaiting_credit += other.keyframes_awaiting_credit;
+        return *this;
+    }
+};
+
+class Outbox {
+  public:
+    /// Replies are bounded by their askers: read no more from the peer while accepts_requests() is
+    /// false.
+    void push_reply(protocol::SharedBytes message);
+    bool accepts_requests() const;
+
+    /// False if the lane is full: close the session, it is too slow.
+    [[nodiscard]] bool push_durable(protocol::SharedBytes message);
+
+    /// The tiles of `fields`, then `done`. False, and nothing is kept, if they exceed
+    /// limits::fetch_bytes_max together with what waits.
+    [[nodiscard]] bool push_fetched(std::span<const EncodedKeyframePtr> keyframes,
+                                    sea::FieldSet fields, protocol::SharedBytes done);
+    /// Fetches whose `done` has not been handed out.
+    int fetches_waiting() const { return fetches_waiting_; }
+
+    void push_keyframe(EncodedKeyframePtr keyframe, sea::FieldSet fields);
+    /// limits::credit_min .. credit_max.
+    void set_credit(int keyframes);
+    /// Forgets streamed keyframes that wait. Those begun are finished.
+    void stop_stream();
+    /// False if the keyframe was not in the window: fetched, or acknowledged before.
+    bool acknowledge(std::uint64_t keyframe);
+
+    /// The message to send next, or null if there is none (or no credit for it).
+    protocol::SharedBytes next();
+
+    std::size_t bytes_waiting() const;
+    const OutboxCounters& counters() const { return counters_; }
+
+  private:
+    /// A keyframe's messages, handed out one by one.
+    struct Parcel {
+        EncodedKeyframePtr keyframe;
+        sea::FieldSet fields;
+        protocol::SharedBytes done; ///< or this one message
+        std::size_t map = 0;
+        std::size_t part = 0;
+
+        protocol::SharedBytes take(); ///< null when there is nothing left
+    };
+
+    protocol::SharedBytes next_fetched();
+    protocol::SharedBytes next_streamed();
+
+    std::deque<protocol::SharedBytes> replies_;
+    std::size_t reply_bytes_ = 0;
+    std::deque<protocol::SharedBytes> durable_;
+    std::deque<Parcel> fetched_;
+    std::size_t fetched_bytes_ = 0;
+    int fetches_waiting_ = 0;
+    bool fetched_turn_ = true;
+    std::deque<Parcel> waiting_; ///< at most one a cascade, oldest first
+    Parcel begun_;               ///< streamed keyframe that is being handed out
+    std::vector<std::uint64_t> unacknowledged_;
+    int credit_ = protocol::limits::credit_default;
+    OutboxCounters counters_;
+};
+
+} // namespace seaway::server
