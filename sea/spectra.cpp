@@ -38,7 +38,7 @@ FrequencySpectrum FrequencySpectrum::jonswap_by_wind(double wind_speed_10m_mps, 
     s.growth_clamped_ = grown > full_development_fetch && std::isfinite(fetch_m);
     const double log_x = std::log(std::min(grown, full_development_fetch));
     s.peak_omega_ = two_pi * 3.5 * ratio * std::exp(-0.33 * log_x);
-    s.log_scale_ = std::log(0.076 * gravity_mps2 * gravity_mps2) - 0.22 * log_x;
+    s.scale_ = 0.076 * gravity_mps2 * gravity_mps2 * std::exp(-0.22 * log_x);
     s.log_gamma_ = std::log(gamma);
     return s;
 }
@@ -50,8 +50,9 @@ FrequencySpectrum FrequencySpectrum::jonswap_by_height(double significant_height
         return s;
     s.peak_omega_ = two_pi / peak_period_s;
     s.log_gamma_ = std::log(gamma);
-    s.log_scale_ = 2.0 * std::log(significant_height_m / 4.0) + 4.0 * std::log(s.peak_omega_) -
-                   std::log(jonswap_shape_integral(gamma));
+    const double peak2 = s.peak_omega_ * s.peak_omega_;
+    s.scale_ = significant_height_m * significant_height_m / 16.0 * peak2 * peak2 /
+               jonswap_shape_integral(gamma);
     return s;
 }
 
@@ -61,7 +62,7 @@ FrequencySpectrum FrequencySpectrum::pierson_moskowitz(double wind_speed_19m5_mp
     if (!raises_waves(wind_speed_19m5_mps))
         return s;
     s.peak_omega_ = pm_peak * gravity_mps2 / wind_speed_19m5_mps;
-    s.log_scale_ = std::log(pm_alpha * gravity_mps2 * gravity_mps2);
+    s.scale_ = pm_alpha * gravity_mps2 * gravity_mps2;
     return s;
 }
 
@@ -77,12 +78,14 @@ double FrequencySpectrum::density(double omega) const {
         return 0.0;
     const double inverse = peak_omega_ / omega;
     const double inverse2 = inverse * inverse;
-    double log_s = log_scale_ - 5.0 * std::log(omega) - 1.25 * inverse2 * inverse2;
+    double exponent = -1.25 * inverse2 * inverse2;
     if (log_gamma_ != 0.0)
-        log_s += peak_exponent(omega / peak_omega_) * log_gamma_;
-    if (!(log_s > -700.0))
+        exponent += peak_exponent(omega / peak_omega_) * log_gamma_;
+    // Leave before w^5 underflows; what is dropped is below 1e-300 of the peak (hard case A2).
+    if (!(exponent > -700.0))
         return 0.0;
-    const double s = std::exp(log_s);
+    const double omega2 = omega * omega;
+    const double s = scale_ * std::exp(exponent) / (omega2 * omega2 * omega);
     return std::isinf(depth_m_) ? s : s * kitaigorodskii_factor(omega, depth_m_, gravity_mps2_);
 }
 

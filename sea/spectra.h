@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Frequency spectra: one-sided S(w), m2 s/rad, with m0 = integral of S dw and Hs = 4 sqrt(m0).
 //
-// Pure values and functions, thread-safe. Evaluated in logarithms: finite for every w >= 0 and
-// every accepted parameter (hard case A2). Sources beside each function; choices in
+// Pure values and functions, thread-safe. Finite for every w >= 0 and every accepted
+// parameter (hard case A2). Sources beside each function; choices in
 // docs/physics.md.
 #pragma once
 
@@ -40,7 +40,7 @@ class FrequencySpectrum {
     double gamma() const;
 
   private:
-    double log_scale_ = 0.0; ///< ln of the factor of w^-5
+    double scale_ = 0.0; ///< the factor of w^-5, m2 (rad/s)^4
     double peak_omega_ = 0.0;
     double log_gamma_ = 0.0;
     double depth_m_ = deep_water_m;

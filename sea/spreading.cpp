@@ -28,7 +28,9 @@ double wrap(double theta_rad) {
 
 double mitsuyasu_exponent(const SpreadingPlace& place) {
     const double log_x = std::log(place.omega_over_peak);
-    const double log_peak = 2.4423470353692043 - 2.5 * std::log(place.inverse_wave_age);
+    // ln 11.5; capped so that an old sea (age to infinity) at w = 0 is not infinity times zero.
+    const double log_peak = std::min(2.4423470353692043 - 2.5 * std::log(place.inverse_wave_age),
+                                     13.815510557964274); // ln spreading_exponent_max
     const double s = std::exp(log_peak + (place.omega_over_peak <= 1.0 ? 5.0 : -2.5) * log_x);
     return std::min(s, spreading_exponent_max);
 }
