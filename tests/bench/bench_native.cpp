@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+// Native synthesis against two FFTW programs, interleaved in one process; prints CSV.
+//
+//     bench_native [--sizes 128,256,512] [--repeats 40] [--reach SHARE] [--instructions NAME]
+//
+// Work: three cascades of one size, eight fields (height, two displacements, two slopes, three
+// strains) on two threads. `--reach` is the radius of the disc of modes in use as a share of
+// Nyquist; the default 2 uses all of them, so that nothing can be skipped.
+//
+//   strongest: two threads, each with its own single-threaded FFTW_MEASURE plan over half of the
+//              batch of four packed complex fields; evolve vectorised. Leaves interleaved maps.
+//   planar:    the same, then split into eight maps, as native leaves them.
+//   plain:     FFTW's own two threads over the batch, scalar sine; split into maps.
+//
+// All evolve from the same modes by the same fixed-point phases; the maps are compared before
+// anything is timed. Medians of interleaved repeats: on a shared machine only ratios mean much.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <functional>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "base/check.h"
+#include "sea/surface/native/native_runner.h"
+#include "tests/bench/fftw_yardstick.h"
+#include "tests/sea/native/random_modes.h"
+
+namespace seaway::bench {
+namespace {
+
+using sea::Field;
+
+constexpr sea::FieldSet eight_fields{Field::height,    Field::displacement_x, Field::displacement_y,
+                                     Field::slope_x,   Field::slope_y,        Field::strain_xx,
+                                     Field::strain_yy, Field::strain_xy};
+constexpr std::size_t cascade_count = 3;
+
+struct Contender {
+    std::string name;
+    std::function<void(sea::TimeUs)> run;
+    std::vector<double> milliseconds;
+
+    double median() {
+        std::sort(milliseconds.begin(), milliseconds.end());
+        return milliseconds[milliseconds.size() / 2];
+    }
+};
+
+/// Largest difference between the maps of two programs, over their rms.
+double difference(std::span<const float> a, std::span<const float> b) {
+    double worst = 0, sum = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        worst = std::max(worst, std::abs(double{a[i]} - double{b[i]}));
+        sum += double{a[i]} * double{a[i]};
+    }
+    return worst / std::sqrt(sum / static_cast<double>(a.size()));
+}
+
+void time_size(int size, double reach, sea::Instructions instructions, int repeats) {
+    const auto points = static_cast<std::size_t>(size) * static_cast<std::size_t>(size);
+    std::vector<sea::CascadeModes> modes;
+    std::vector<sea::NativeTransform> cascades;
+    for (std::uint64_t seed = 0; seed < cascade_count; ++seed) {
+        modes.push_back(sea::random_modes(size, reach * size / 2, seed, 50.0 * std::pow(5, seed)));
+        cascades.push_back(std::move(*sea::NativeTransform::create(modes[seed], {}, instructions)));
+    }
+    FftwYardstick strongest(FftwProgram::split_batch, modes), plain(FftwProgram::plain, modes);
+    sea::NativeRunner runner(2);
+    std::vector<std::vector<float>> planes(cascade_count, std::vector<float>(8 * points));
+    const auto native = [&](sea::FieldSet fields, sea::TimeUs t_us) {
+        std::vector<sea::NativeTask> tasks;
+        for (std::size_t i = 0; i < cascade_count; ++i)
+            tasks.push_back(
+                {&cascades[i], t_us, fields,
+                 std::span(planes[i]).first(static_cast<std::size_t>(fields.size()) * points)});
+        runner.run(tasks);
+    };
+    Contender contenders[] = {
+        {"native", [&](auto t) { native(eight_fields, t); }, {}},
+        {"strongest", [&](auto t) { strongest.run(t, false); }, {}},
+        {"planar", [&](auto t) { strongest.run(t, true); }, {}},
+        {"plain", [&](auto t) { plain.run(t, true); }, {}},
+        {"native height", [&](auto t) { native({Field::height}, t); }, {}},
+    };
+    for (Contender& contender : contenders)
+        contender.run(12'345'678);
+    contenders[0].run(12'345'678);
+    // A slope shares its transform with a displacement that may be a hundred times larger, and its
+    // rounding errors: hence not 2e-6.
+    for (std::size_t i = 0; i < cascade_count; ++i)
+        for (const FftwYardstick* other : {&strongest, &plain})
+            for (std::size_t f = 0; f < 8; ++f)
+                SEAWAY_CHECK(difference(other->planes().subspan((i * 8 + f) * points, points),
+                                        std::span(planes[i]).subspan(f * points, points)) < 1e-4,
+                             "two programs make different seas");
+    for (int repeat = 0; repeat < repeats; ++repeat) {
+        for (Contender& contender : contenders) {
+            const auto start = std::chrono::steady_clock::now();
+            contender.run(repeat * 33'333);
+            const std::chrono::duration<double, std::milli> taken =
+                std::chrono::steady_clock::now() - start;
+            contender.milliseconds.push_back(taken.count());
+        }
+    }
+    const double reference = contenders[1].median();
+    for (Contender& contender : contenders)
+        fmt::print("{},{},{:.4f},{:.3f},{:.3f}\n", size, contender.name, contender.median(),
+                   contender.median() / reference, contender.milliseconds.front() / reference);
+    std::fflush(stdout);
+}
+
+} // namespace
+} // namespace seaway::bench
+
+int main(int argc, char** argv) {
+    using namespace seaway;
+    CLI::App app{"Native synthesis against FFTW"};
+    std::vector<int> sizes{128, 256, 512};
+    int repeats = 40;
+    double reach = 2;
+    std::string instructions;
+    std::vector<std::string> known;
+    for (sea::Instructions candidate : sea::supported_instructions())
+        known.emplace_back(sea::name(candidate));
+    app.add_option("--sizes", sizes)->delimiter(',');
+    app.add_option("--repeats", repeats)->check(CLI::PositiveNumber);
+    app.add_option("--reach", reach);
+    app.add_option("--instructions", instructions)->check(CLI::IsMember(known));
+    CLI11_PARSE(app, argc, argv);
+    sea::Instructions chosen = sea::best_instructions();
+    for (sea::Instructions candidate : sea::supported_instructions())
+        if (sea::name(candidate) == instructions)
+            chosen = candidate;
+    fmt::print("# {}, 2 threads, reach {} of Nyquist, {} repeats\n", sea::name(chosen), reach,
+               repeats);
+    fmt::print("size,program,median_ms,ratio_to_strongest,fastest_ratio\n");
+    for (int size : sizes)
+        bench::time_size(size, reach, chosen, repeats);
+}
