@@ -86,6 +86,11 @@ void Commands::copy(const Buffer& source, const Buffer& target, std::size_t byte
     vkCmdCopyBuffer(buffer_, source.get(), target.get(), 1, &region);
 }
 
+void Commands::update(const Buffer& target, std::span<const std::byte> bytes) {
+    SEAWAY_CHECK(bytes.size() <= 65536 && bytes.size() % 4 == 0, "an update of this size");
+    vkCmdUpdateBuffer(buffer_, target.get(), 0, bytes.size(), bytes.data());
+}
+
 void Commands::dispatch(const Kernel& kernel, const Bindings& bindings,
                         std::span<const std::byte> push, std::uint32_t groups_x,
                         std::uint32_t groups_y, std::uint32_t groups_z) {

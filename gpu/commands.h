@@ -31,6 +31,8 @@ class Commands {
     void barrier(Stage from, Stage to);
     void copy(const Buffer& source, const Buffer& target, std::size_t bytes,
               std::size_t source_offset = 0, std::size_t target_offset = 0);
+    /// Writes up to 64 KiB that travel in the recording itself; a multiple of 4 bytes.
+    void update(const Buffer& target, std::span<const std::byte> bytes);
     /// Groups, not invocations. `push` must be as long as the kernel's push constants.
     void dispatch(const Kernel& kernel, const Bindings& bindings, std::span<const std::byte> push,
                   std::uint32_t groups_x, std::uint32_t groups_y = 1, std::uint32_t groups_z = 1);

@@ -1,0 +1,291 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/simulation/vulkan_batch.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+
+#include "base/check.h"
+#include "shaders/shared/synthesis.h"
+
+namespace seaway::server {
+
+namespace {
+
+using gpu::Buffer;
+using gpu::BufferKind;
+using gpu::Stage;
+using gpu::TexelView;
+
+constexpr std::size_t float_bytes = 4;
+constexpr std::size_t vec4_bytes = 16;
+constexpr std::size_t complex_bytes = 8;
+
+// Above this size one keyframe at a time is faster: its scratch stays in the cache
+// (docs/performance.md).
+constexpr int largest_batched_size = 256;
+constexpr int slots_per_batched_cascade = 4;
+constexpr int most_jobs = 64;
+
+Result<void> make(gpu::Device& device, Buffer& buffer, TexelView* view, VkFormat format,
+                  const char* name, std::size_t bytes, std::size_t texel_bytes, BufferKind kind) {
+    Result<Buffer> made = Buffer::create(device, name, bytes, kind);
+    if (!made)
+        return made.error();
+    buffer = std::move(*made);
+    if (view == nullptr)
+        return {};
+    Result<TexelView> made_view = TexelView::create(device, buffer, format, texel_bytes, 0, bytes);
+    if (!made_view)
+        return Error{"buffer \"" + std::string(name) + "\": " + made_view.error().message};
+    *view = std::move(*made_view);
+    return {};
+}
+
+template <class T>
+Result<void> take(T& place, Result<T> made) {
+    if (!made)
+        return made.error();
+    place = std::move(*made);
+    return {};
+}
+
+} // namespace
+
+Result<std::unique_ptr<VulkanBatch>>
+VulkanBatch::create(gpu::Device& device, const SynthesisKernels& kernels, int cascade_count) {
+    std::unique_ptr<VulkanBatch> made(new VulkanBatch(device, kernels));
+    constexpr int all_slots = shaders::max_slots;
+    made->capacity_slots_ = kernels.size <= largest_batched_size
+                                ? std::max(all_slots, slots_per_batched_cascade * cascade_count)
+                                : all_slots;
+    if (Result<void> allocated = made->allocate(cascade_count); !allocated)
+        return allocated.error();
+    if (Result<void> bound = made->bind(); !bound)
+        return bound.error();
+    return made;
+}
+
+Result<void> VulkanBatch::allocate(int cascade_count) {
+    constexpr VkFormat rgba32f = VK_FORMAT_R32G32B32A32_SFLOAT;
+    constexpr VkFormat rgba32ui = VK_FORMAT_R32G32B32A32_UINT;
+    constexpr VkFormat rg32ui = VK_FORMAT_R32G32_UINT;
+    const std::size_t modes = points() * static_cast<std::size_t>(cascade_count);
+    const std::size_t map_bytes =
+        points() * static_cast<std::size_t>(capacity_slots_) * complex_bytes;
+    const std::size_t jacobian_bytes = // its strains take two slots
+        points() * static_cast<std::size_t>(capacity_slots_ / 2) * float_bytes;
+    constexpr std::size_t row_bytes = shaders::max_slots * shaders::slot_row_texels * vec4_bytes;
+    struct Wish {
+        Buffer& buffer;
+        TexelView* view;
+        VkFormat format;
+        const char* name;
+        std::size_t bytes, texel_bytes;
+    };
+    const Wish wishes[] = {
+        {modes_, &modes_view_, rgba32f, "modes", modes * vec4_bytes, vec4_bytes},
+        {rates_, &rates_view_, rg32ui, "rates", modes * sizeof(sea::Rate), sizeof(sea::Rate)},
+        {jobs_, &jobs_view_, rgba32ui, "jobs", most_jobs * sizeof(shaders::SynthesisJob),
+         vec4_bytes},
+        {rows_, &rows_view_, rgba32f, "rows", row_bytes, vec4_bytes},
+        {scratch_[0], &scratch_views_[0], rgba32f, "first scratch", map_bytes, vec4_bytes},
+        {scratch_[1], &scratch_views_[1], rgba32f, "second scratch", map_bytes, vec4_bytes},
+        {jacobian_, nullptr, rgba32f, "jacobian", jacobian_bytes, vec4_bytes}};
+    for (const Wish& wish : wishes)
+        if (Result<void> made = make(device_, wish.buffer, wish.view, wish.format, wish.name,
+                                     wish.bytes, wish.texel_bytes, BufferKind::device);
+            !made)
+            return made;
+    if (!maps().mapped().empty())
+        return {};
+    jacobian_offset_ = map_bytes;
+    return make(device_, readback_, nullptr, rgba32f, "readback", map_bytes + jacobian_bytes,
+                vec4_bytes, BufferKind::readback);
+}
+
+Result<void> VulkanBatch::bind() {
+    bindings_.resize(kernels_.passes.size());
+    for (std::size_t i = 0; i < kernels_.passes.size(); ++i) {
+        const gpu::Kernel& kernel = kernels_.passes[i].kernel;
+        const gpu::Resource target = gpu::whole(scratch_[i % 2]);
+        Result<void> bound =
+            i == 0 ? take(bindings_[i],
+                          kernel.bind(device_,
+                                      {gpu::texels(modes_view_), gpu::texels(rates_view_),
+                                       gpu::texels(jobs_view_), gpu::texels(rows_view_), target}))
+                   : take(bindings_[i],
+                          kernel.bind(device_, {gpu::texels(scratch_views_[(i + 1) % 2]), target}));
+        if (!bound)
+            return bound;
+    }
+    const std::size_t last = (kernels_.passes.size() + 1) % 2;
+    if (Result<void> bound = take(
+            jacobian_bindings_, kernels_.jacobian.bind(device_, {gpu::texels(scratch_views_[last]),
+                                                                 gpu::whole(jacobian_)}));
+        !bound)
+        return bound;
+    if (Result<void> made = take(commands_, gpu::Commands::create(device_)); !made)
+        return made;
+    const auto stamps = static_cast<std::uint32_t>(kernels_.passes.size()) + 2;
+    return take(timer_, gpu::Timer::create(device_, stamps));
+}
+
+Result<void> VulkanBatch::upload(std::span<const sea::CascadeModes* const> cascades) {
+    const auto n = static_cast<std::size_t>(kernels_.size);
+    std::vector<float> modes;
+    modes.reserve(points() * 4 * cascades.size());
+    std::vector<sea::Rate> rates;
+    rates.reserve(points() * cascades.size());
+    steps_.clear();
+    for (const sea::CascadeModes* cascade : cascades) {
+        SEAWAY_CHECK(cascade->h0.size() == points() && cascade->rate.size() == points(),
+                     "a cascade of another size");
+        steps_.push_back(static_cast<float>(cascade->spec.wavenumber_step_radpm()));
+        for (std::size_t y = 0; y < n; ++y)
+            for (std::size_t x = 0; x < n; ++x) {
+                const std::complex<double> here = cascade->h0[y * n + x];
+                const std::complex<double> mirror = cascade->h0[(n - y) % n * n + (n - x) % n];
+                SEAWAY_CHECK((x != n / 2 && y != n / 2) || here == 0.0,
+                             "the mode without a partner must be zero");
+                modes.insert(modes.end(),
+                             {static_cast<float>(here.real()), static_cast<float>(here.imag()),
+                              static_cast<float>(mirror.real()),
+                              static_cast<float>(-mirror.imag())});
+            }
+        rates.insert(rates.end(), cascade->rate.begin(), cascade->rate.end());
+    }
+    if (Result<void> sent = gpu::upload(device_, modes_, std::as_bytes(std::span(modes))); !sent)
+        return sent;
+    // Little-endian: the low word of a rate comes first, as RG32UI wants it.
+    static_assert(std::endian::native == std::endian::little);
+    return gpu::upload(device_, rates_, std::as_bytes(std::span(rates)));
+}
+
+int VulkanBatch::max_jobs(int slots) const {
+    if (kernels_.size > largest_batched_size || slots == 0)
+        return 1;
+    return std::clamp(capacity_slots_ / slots, 1, most_jobs);
+}
+
+void VulkanBatch::write(Buffer& buffer, std::span<const std::byte> bytes) {
+    if (!buffer.mapped().empty()) {
+        std::memcpy(buffer.mapped().data(), bytes.data(), bytes.size());
+        return;
+    }
+    commands_.update(buffer, bytes);
+}
+
+Result<void> VulkanBatch::record(std::span<const Job> jobs, const Packing& packing,
+                                 const sea::Choppiness* choppiness) {
+    std::vector<shaders::SynthesisJob> texels;
+    for (const Job& job : jobs) {
+        const auto time = static_cast<std::uint64_t>(job.phase_time_us);
+        texels.push_back(
+            {static_cast<std::uint32_t>(job.cascade), static_cast<std::uint32_t>(time),
+             static_cast<std::uint32_t>(time >> 32),
+             std::bit_cast<std::uint32_t>(steps_[static_cast<std::size_t>(job.cascade)])});
+    }
+    if (Result<void> begun = commands_.begin(); !begun)
+        return begun;
+    timer_.reset(commands_);
+    write(jobs_, std::as_bytes(std::span(texels)));
+    write(rows_, std::as_bytes(std::span(packing.rows)));
+    commands_.barrier(Stage::copy, Stage::compute);
+    timer_.stamp(commands_);
+    const shaders::SynthesisPush push{static_cast<std::uint32_t>(packing.slots)};
+    const auto z = static_cast<std::uint32_t>(jobs.size());
+    for (std::size_t i = 0; i < kernels_.passes.size(); ++i) {
+        commands_.dispatch(kernels_.passes[i].kernel, bindings_[i],
+                           std::as_bytes(std::span(&push, 1)), kernels_.passes[i].groups, 1,
+                           i == 0 ? z : z * push.slots);
+        commands_.barrier(Stage::compute, Stage::compute);
+        timer_.stamp(commands_);
+    }
+    if (choppiness != nullptr) {
+        const auto plane = [&](sea::Field field) {
+            return static_cast<std::uint32_t>(packing.plane_of(field));
+        };
+        const shaders::JacobianPush jacobian{push.slots,
+                                             plane(sea::Field::strain_xx),
+                                             plane(sea::Field::strain_yy),
+                                             plane(sea::Field::strain_xy),
+                                             static_cast<float>(choppiness->x),
+                                             static_cast<float>(choppiness->y),
+                                             static_cast<std::uint32_t>(kernels_.size)};
+        const auto groups = static_cast<std::uint32_t>(points() / 4 / shaders::synthesis_workgroup);
+        commands_.dispatch(kernels_.jacobian, jacobian_bindings_,
+                           std::as_bytes(std::span(&jacobian, 1)), groups, 1, z);
+        timer_.stamp(commands_);
+    }
+    finish(jobs.size(), push.slots, choppiness != nullptr);
+    return commands_.end();
+}
+
+void VulkanBatch::finish(std::size_t jobs, std::size_t slots, bool jacobian) {
+    if (readback_.size_bytes() == 0) {
+        commands_.barrier(Stage::compute, Stage::host);
+        return;
+    }
+    commands_.barrier(Stage::compute, Stage::copy);
+    commands_.copy(maps(), readback_, points() * jobs * slots * complex_bytes);
+    if (jacobian)
+        commands_.copy(jacobian_, readback_, points() * jobs * float_bytes, 0, jacobian_offset_);
+    commands_.barrier(Stage::copy, Stage::host);
+}
+
+Result<void> VulkanBatch::run(std::span<const Job> jobs, const Packing& packing,
+                              const sea::Choppiness* choppiness) {
+    SEAWAY_CHECK(packing.slots > 0 && !jobs.empty(), "nothing to run");
+    SEAWAY_CHECK(static_cast<int>(jobs.size()) <= max_jobs(packing.slots), "too many jobs");
+    if (Result<void> recorded = record(jobs, packing, choppiness); !recorded)
+        return recorded;
+    if (Result<void> done = device_.submit_and_wait(commands_); !done)
+        return done;
+    slots_ = static_cast<std::size_t>(packing.slots);
+    dispatches_ += kernels_.passes.size() + (choppiness != nullptr ? 1 : 0);
+    Result<std::vector<double>> seconds = timer_.read(device_);
+    if (!seconds)
+        return seconds.error();
+    pass_seconds_ = std::move(*seconds);
+    for (const double pass : pass_seconds_)
+        device_seconds_ += pass;
+    return {};
+}
+
+void VulkanBatch::read_plane(int job, int plane, std::span<float> out) const {
+    const bool real = plane % 2 == 0;
+    read_slot(job, plane / 2, real ? out : std::span<float>{}, real ? std::span<float>{} : out);
+}
+
+void VulkanBatch::read_slot(int job, int slot, std::span<float> real,
+                            std::span<float> imaginary) const {
+    const std::span<const float> all =
+        (readback_.size_bytes() ? readback_ : maps()).mapped_as<const float>();
+    const std::size_t n = points();
+    const float* from =
+        all.data() +
+        2 * n * (static_cast<std::size_t>(job) * slots_ + static_cast<std::size_t>(slot));
+    if (!real.empty() && !imaginary.empty()) {
+        float* a = real.data();
+        float* b = imaginary.data();
+        for (std::size_t i = 0; i < n; ++i) {
+            a[i] = from[2 * i];
+            b[i] = from[2 * i + 1];
+        }
+        return;
+    }
+    const std::span<float> only = real.empty() ? imaginary : real;
+    from += real.empty() ? 1 : 0;
+    for (std::size_t i = 0; i < only.size(); ++i)
+        only[i] = from[2 * i];
+}
+
+void VulkanBatch::read_jacobian(int job, std::span<float> out) const {
+    const std::byte* from = readback_.size_bytes() ? readback_.mapped().data() + jacobian_offset_
+                                                   : jacobian_.mapped().data();
+    std::memcpy(out.data(), from + static_cast<std::size_t>(job) * points() * float_bytes,
+                points() * float_bytes);
+}
+
+} // namespace seaway::server

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/simulation/vulkan_check.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <complex>
+#include <string>
+#include <vector>
+
+#include "server/simulation/vulkan_batch.h"
+
+namespace seaway::server {
+
+namespace {
+
+using Complex = std::complex<double>;
+
+constexpr double length_m = 100.0;
+constexpr sea::Choppiness choppiness{1.3, 0.7};
+constexpr sea::TimeUs time_us = 86'400'000'123;
+constexpr int checked_points = 37;
+// Float transforms lose about 3e-7 of the sum of amplitudes; a wrong one loses all of it.
+constexpr double tolerance = 1e-5;
+
+/// A lattice walk that reaches every quarter of the plane and neither Nyquist nor k = 0.
+struct Mode {
+    int nx, ny;
+    Complex h0;
+    sea::Rate rate;
+};
+
+std::vector<Mode> check_modes(int size) {
+    std::vector<Mode> modes;
+    const int reach = size / 2 - 1;
+    for (int i = 0; i < 24; ++i) {
+        const int nx = (i * 7919 + 3) % (2 * reach + 1) - reach;
+        const int ny = (i * 104729 + 11) % (2 * reach + 1) - reach;
+        const double k = 2 * std::numbers::pi / length_m * std::hypot(nx, ny);
+        if (nx != 0 || ny != 0)
+            modes.push_back({nx, ny, std::polar(0.1 / (1 + i), 1.0 + i),
+                             sea::rate_from_omega(std::sqrt(9.81 * k))});
+    }
+    return modes;
+}
+
+sea::CascadeModes lattice(int size, const std::vector<Mode>& modes) {
+    const auto n = static_cast<std::size_t>(size);
+    sea::CascadeModes cascade{.spec = {length_m, size}, .band = {0, 1e9}, .h0 = {}, .rate = {}};
+    cascade.h0.resize(n * n);
+    cascade.rate.resize(n * n);
+    const auto at = [&](int nx, int ny) {
+        return static_cast<std::size_t>((ny + size) % size) * n +
+               static_cast<std::size_t>((nx + size) % size);
+    };
+    for (const Mode& mode : modes) {
+        cascade.h0[at(mode.nx, mode.ny)] += mode.h0;
+        cascade.rate[at(mode.nx, mode.ny)] = mode.rate;
+        cascade.rate[at(-mode.nx, -mode.ny)] = mode.rate;
+    }
+    return cascade;
+}
+
+double basis(sea::Basis which, double kx, double ky) {
+    const double k = std::hypot(kx, ky);
+    const std::array<double, 8> values{1,  kx / k,      ky / k,      kx,
+                                       ky, kx * kx / k, ky * ky / k, kx * ky / k};
+    return values[static_cast<std::size_t>(which)];
+}
+
+struct Sum {
+    double value;
+    double scale; ///< sum of the amplitudes: what errors are measured against
+};
+
+/// eta and its kin at one grid point: 2 Re(sum M h0 exp(i (k.x - w t))) over the stored modes.
+Sum direct_sum(const std::vector<Mode>& modes, int size, sea::Field field, int x, int y) {
+    const sea::FieldInfo& row = sea::info(field);
+    Sum sum{0, 0};
+    for (const Mode& mode : modes) {
+        const double dk = 2 * std::numbers::pi / length_m;
+        Complex m = row.weight * basis(row.basis, mode.nx * dk, mode.ny * dk);
+        if (row.imaginary)
+            m *= Complex(0, 1);
+        if (row.time_rate)
+            m *= Complex(0, -sea::omega_from_rate(mode.rate));
+        const double turns = static_cast<double>(mode.nx * x + mode.ny * y) / size;
+        const double phase = 2 * std::numbers::pi * turns - sea::phase_rad(mode.rate, time_us);
+        sum.value += 2 * (m * mode.h0 * std::polar(1.0, phase)).real();
+        sum.scale += 2 * std::abs(m * mode.h0);
+    }
+    return sum;
+}
+
+Result<void> compare(int size, std::string_view what, int x, int y, double got, Sum truth) {
+    // Written so that a NaN fails.
+    if (std::abs(got - truth.value) <= tolerance * truth.scale)
+        return {};
+    return Error{"the device computes wrongly: size " + std::to_string(size) + ", " +
+                 std::string(what) + " at (" + std::to_string(x) + ", " + std::to_string(y) +
+                 ") is " + std::to_string(got) + ", should be " + std::to_string(truth.value)};
+}
+
+} // namespace
+
+Result<void> check_device(gpu::Device& device, const SynthesisKernels& kernels) {
+    const int size = kernels.size;
+    const std::vector<Mode> modes = check_modes(size);
+    const sea::CascadeModes cascade = lattice(size, modes);
+    const sea::CascadeModes* const cascades[] = {&cascade};
+    Result<std::unique_ptr<VulkanBatch>> batch = VulkanBatch::create(device, kernels, 1);
+    if (!batch)
+        return batch.error();
+    if (Result<void> sent = (*batch)->upload(cascades); !sent)
+        return sent;
+    const sea::FieldSet all = sea::FieldSet::from_bits((1u << sea::linear_field_count) - 1);
+    const Packing packing = pack(all);
+    const VulkanBatch::Job job{0, time_us};
+    if (Result<void> done = (*batch)->run({&job, 1}, packing, &choppiness); !done)
+        return done;
+
+    const auto n = static_cast<std::size_t>(size);
+    std::vector<std::vector<float>> planes(sea::linear_field_count, std::vector<float>(n * n));
+    for (const sea::Field field : all)
+        (*batch)->read_plane(0, packing.plane_of(field), planes[static_cast<std::size_t>(field)]);
+    std::vector<float> jacobian(n * n);
+    (*batch)->read_jacobian(0, jacobian);
+    for (int i = 0; i < checked_points; ++i) {
+        const int x = i * 1009 % size;
+        const int y = i * 2003 % size;
+        const std::size_t at = static_cast<std::size_t>(y) * n + static_cast<std::size_t>(x);
+        std::array<Sum, sea::linear_field_count> truth;
+        for (const sea::Field field : all)
+            truth[static_cast<std::size_t>(field)] = direct_sum(modes, size, field, x, y);
+        for (std::size_t f = 0; f < truth.size(); ++f) {
+            // Fields that share a transform share its rounding.
+            const std::size_t partner = std::min(f ^ 1u, truth.size() - 1);
+            const Sum wanted{truth[f].value, std::max(truth[f].scale, truth[partner].scale)};
+            const std::string_view name = sea::field_table[f].name;
+            if (Result<void> same = compare(size, name, x, y, planes[f][at], wanted); !same)
+                return same;
+        }
+        const auto strain = [&](sea::Field field) {
+            return truth[static_cast<std::size_t>(field)];
+        };
+        const Sum xx = strain(sea::Field::strain_xx), yy = strain(sea::Field::strain_yy),
+                  xy = strain(sea::Field::strain_xy);
+        const Sum j{(1 + choppiness.x * xx.value) * (1 + choppiness.y * yy.value) -
+                        choppiness.x * choppiness.y * xy.value * xy.value,
+                    (1 + choppiness.x * xx.scale) * (1 + choppiness.y * yy.scale)};
+        if (const Result<void> same = compare(size, "jacobian", x, y, jacobian[at], j); !same)
+            return same;
+    }
+    return {};
+}
+
+} // namespace seaway::server

@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/simulation/vulkan_synthesizer.h"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include "base/check.h"
+#include "gpu/device.h"
+#include "server/simulation/vulkan_batch.h"
+#include "server/simulation/vulkan_check.h"
+#include "server/simulation/vulkan_kernels.h"
+
+namespace seaway::server {
+
+namespace {
+
+constexpr int first_checked_size = 64;
+constexpr sea::FieldSet strains{sea::Field::strain_xx, sea::Field::strain_yy,
+                                sea::Field::strain_xy};
+
+sea::FieldSet linear_part(sea::FieldSet fields) {
+    return sea::FieldSet::from_bits(fields.bits() & ((1u << sea::linear_field_count) - 1));
+}
+
+class Vulkan final : public VulkanSynthesizer {
+  public:
+    static Result<std::unique_ptr<VulkanSynthesizer>> create(const VulkanOptions& options);
+
+    std::string description() const override;
+    Result<void> set_sea(sea::RealizationPtr sea, std::uint32_t epoch) override;
+    Result<std::vector<sea::KeyframePtr>>
+    synthesize(std::span<const KeyframeRequest> requests) override;
+    SynthesisCounters counters() const override;
+    std::vector<std::string> validation_messages() const override {
+        return device_->validation().validation_messages();
+    }
+    std::vector<double> pass_seconds() const override { return pass_seconds_; }
+
+  private:
+    /// Requests that one series of dispatches can serve.
+    struct Batch {
+        int size;
+        sea::FieldSet fields;
+        std::vector<std::size_t> requests;
+    };
+
+    Vulkan() = default;
+    Result<const SynthesisKernels*> kernels(int size);
+    std::vector<Batch> sort(std::span<const KeyframeRequest> requests) const;
+    Result<void> run(const Batch& batch, std::span<const KeyframeRequest> requests,
+                     std::span<sea::KeyframePtr> out);
+    Result<void> run_jobs(VulkanBatch& device_batch, const Batch& batch,
+                          std::span<const KeyframeRequest> requests,
+                          std::span<const std::size_t> indices, std::span<sea::KeyframePtr> out);
+    sea::KeyframePtr keyframe(const VulkanBatch& device_batch, int job, const Packing& packing,
+                              const KeyframeRequest& request) const;
+
+    // Order of members is order of construction; the device goes last.
+    std::unique_ptr<gpu::Device> device_;
+    std::map<int, std::unique_ptr<SynthesisKernels>> kernels_; ///< by size
+    std::map<int, std::unique_ptr<VulkanBatch>> batches_;      ///< by size, of this sea
+    std::map<int, std::size_t> batch_cascades_;                ///< room in each
+    sea::RealizationPtr sea_;
+    std::uint32_t epoch_ = 0;
+    std::vector<int> position_; ///< of each cascade within its batch
+    SynthesisCounters counters_;
+    std::vector<double> pass_seconds_;
+};
+
+Result<std::unique_ptr<VulkanSynthesizer>> Vulkan::create(const VulkanOptions& options) {
+    Result<std::unique_ptr<gpu::Device>> device =
+        gpu::Device::create({.pick = options.device, .validation = options.validation});
+    if (!device)
+        return device.error();
+    std::unique_ptr<Vulkan> made(new Vulkan);
+    made->device_ = std::move(*device);
+    if (Result<const SynthesisKernels*> checked = made->kernels(first_checked_size); !checked)
+        return checked.error();
+    return std::unique_ptr<VulkanSynthesizer>(std::move(made));
+}
+
+std::string Vulkan::description() const {
+    const std::string design(kernels_.begin()->second->design);
+    return device_->info().name + ", " + device_->info().driver + ", kernels " + design;
+}
+
+Result<const SynthesisKernels*> Vulkan::kernels(int size) {
+    if (const auto found = kernels_.find(size); found != kernels_.end())
+        return static_cast<const SynthesisKernels*>(found->second.get());
+    Result<SynthesisKernels> made = SynthesisKernels::create(*device_, size);
+    if (!made)
+        return Error{device_->info().name + ": " + made.error().message};
+    auto kept = std::make_unique<SynthesisKernels>(std::move(*made));
+    if (Result<void> checked = check_device(*device_, *kept); !checked)
+        return Error{device_->info().name + ": " + checked.error().message};
+    const SynthesisKernels* made_kernels = kept.get();
+    kernels_[size] = std::move(kept);
+    return made_kernels;
+}
+
+Result<void> Vulkan::set_sea(sea::RealizationPtr sea, std::uint32_t epoch) {
+    std::map<int, std::vector<const sea::CascadeModes*>> by_size;
+    std::vector<int> position;
+    for (const sea::CascadeModes& cascade : sea->cascades) {
+        std::vector<const sea::CascadeModes*>& group = by_size[cascade.spec.size];
+        position.push_back(static_cast<int>(group.size()));
+        group.push_back(&cascade);
+    }
+    sea_.reset(); // until all is uploaded there is no sea
+    std::erase_if(batches_, [&](const auto& batch) {
+        const auto group = by_size.find(batch.first);
+        return group == by_size.end() || group->second.size() != batch_cascades_[batch.first];
+    });
+    for (const auto& [size, cascades] : by_size) {
+        if (batches_.count(size) == 0) {
+            Result<const SynthesisKernels*> pipelines = kernels(size);
+            if (!pipelines)
+                return pipelines.error();
+            Result<std::unique_ptr<VulkanBatch>> made =
+                VulkanBatch::create(*device_, **pipelines, static_cast<int>(cascades.size()));
+            if (!made)
+                return made.error();
+            batches_[size] = std::move(*made);
+            batch_cascades_[size] = cascades.size();
+        }
+        if (Result<void> sent = batches_[size]->upload(cascades); !sent)
+            return sent;
+    }
+    sea_ = std::move(sea);
+    epoch_ = epoch;
+    position_ = std::move(position);
+    return {};
+}
+
+std::vector<Vulkan::Batch> Vulkan::sort(std::span<const KeyframeRequest> requests) const {
+    std::vector<Batch> batches;
+    for (std::size_t i = 0; i < requests.size(); ++i) {
+        const KeyframeRequest& request = requests[i];
+        SEAWAY_CHECK(request.cascade >= 0 &&
+                         static_cast<std::size_t>(request.cascade) < sea_->cascades.size(),
+                     "a keyframe of a cascade that the sea does not have");
+        SEAWAY_CHECK(!request.fields.contains(sea::Field::foam), "foam is not synthesised");
+        const int size = sea_->cascades[static_cast<std::size_t>(request.cascade)].spec.size;
+        const auto same = std::find_if(batches.begin(), batches.end(), [&](const Batch& batch) {
+            return batch.size == size && batch.fields == request.fields;
+        });
+        if (same != batches.end())
+            same->requests.push_back(i);
+        else
+            batches.push_back({size, request.fields, {i}});
+    }
+    return batches;
+}
+
+Result<std::vector<sea::KeyframePtr>>
+Vulkan::synthesize(std::span<const KeyframeRequest> requests) {
+    if (!sea_)
+        return Error{"no sea on the device: the last one could not be uploaded"};
+    std::vector<sea::KeyframePtr> out(requests.size());
+    for (const Batch& batch : sort(requests))
+        if (Result<void> done = run(batch, requests, out); !done)
+            return Error{device_->info().name + ": " + done.error().message};
+    counters_.keyframes += out.size();
+    return out;
+}
+
+Result<void> Vulkan::run(const Batch& batch, std::span<const KeyframeRequest> requests,
+                         std::span<sea::KeyframePtr> out) {
+    VulkanBatch& device_batch = *batches_.at(batch.size);
+    const std::span<const std::size_t> all(batch.requests);
+    const bool jacobian = batch.fields.contains(sea::Field::jacobian);
+    const sea::FieldSet computed =
+        jacobian ? linear_part(batch.fields) | strains : linear_part(batch.fields);
+    const auto at_once = static_cast<std::size_t>(device_batch.max_jobs((computed.size() + 1) / 2));
+    for (std::size_t first = 0; first < all.size(); first += at_once) {
+        const std::size_t count = std::min(at_once, all.size() - first);
+        if (Result<void> done =
+                run_jobs(device_batch, batch, requests, all.subspan(first, count), out);
+            !done)
+            return done;
+    }
+    return {};
+}
+
+Result<void> Vulkan::run_jobs(VulkanBatch& device_batch, const Batch& batch,
+                              std::span<const KeyframeRequest> requests,
+                              std::span<const std::size_t> indices,
+                              std::span<sea::KeyframePtr> out) {
+    const bool jacobian = batch.fields.contains(sea::Field::jacobian);
+    const sea::FieldSet computed =
+        jacobian ? linear_part(batch.fields) | strains : linear_part(batch.fields);
+    const Packing packing = pack(computed);
+    std::vector<VulkanBatch::Job> jobs;
+    for (const std::size_t index : indices)
+        jobs.push_back({position_[static_cast<std::size_t>(requests[index].cascade)],
+                        sea_->phase_time(requests[index].time_us)});
+    if (packing.slots > 0) {
+        const std::uint64_t dispatches = device_batch.dispatches();
+        const double seconds = device_batch.device_seconds();
+        if (Result<void> done =
+                device_batch.run(jobs, packing, jacobian ? &sea_->choppiness : nullptr);
+            !done)
+            return done;
+        counters_.dispatches += device_batch.dispatches() - dispatches;
+        counters_.device_seconds += device_batch.device_seconds() - seconds;
+        counters_.transforms += jobs.size() * static_cast<std::size_t>(packing.slots);
+        const std::span<const double> passes = device_batch.pass_seconds();
+        pass_seconds_.assign(passes.begin(), passes.end());
+    }
+    for (std::size_t job = 0; job < indices.size(); ++job)
+        out[indices[job]] =
+            keyframe(device_batch, static_cast<int>(job), packing, requests[indices[job]]);
+    return {};
+}
+
+sea::KeyframePtr Vulkan::keyframe(const VulkanBatch& device_batch, int job, const Packing& packing,
+                                  const KeyframeRequest& request) const {
+    const sea::CascadeSpec& spec = sea_->cascades[static_cast<std::size_t>(request.cascade)].spec;
+    auto made = std::make_shared<sea::Keyframe>();
+    made->epoch = epoch_;
+    made->cascade = request.cascade;
+    made->time_us = request.time_us;
+    made->size = spec.size;
+    made->length_m = spec.length_m;
+    made->fields = request.fields;
+    made->values.resize(made->plane_size() * static_cast<std::size_t>(request.fields.size()));
+    std::vector<std::span<float>> planes(2 * static_cast<std::size_t>(packing.slots));
+    for (const sea::Field field : linear_part(request.fields))
+        planes[static_cast<std::size_t>(packing.plane_of(field))] = made->plane(field);
+    for (int slot = 0; slot < packing.slots; ++slot) {
+        const std::size_t plane = 2 * static_cast<std::size_t>(slot);
+        device_batch.read_slot(job, slot, planes[plane], planes[plane + 1]);
+    }
+    if (request.fields.contains(sea::Field::jacobian))
+        device_batch.read_jacobian(job, made->plane(sea::Field::jacobian));
+    return made;
+}
+
+SynthesisCounters Vulkan::counters() const {
+    return counters_;
+}
+
+} // namespace
+
+Result<std::unique_ptr<VulkanSynthesizer>> make_vulkan_synthesizer(const VulkanOptions& options) {
+    return Vulkan::create(options);
+}
+
+} // namespace seaway::server
