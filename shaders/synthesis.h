@@ -9,7 +9,8 @@
 //   others:  z = jobs * slots. bindings source -> Target
 // modes: RGBA32F [cascade][Y][X] (h0(k), conj h0(-k)); rates: RG32UI [cascade][Y][X] (low, high
 // word of sea::Rate); jobs: RGBA32UI, SynthesisJob; rows: RGBA32F [slot][slot_row_texels].
-// Source and Target of a pass are buffers of jobs * slots * N * N complex floats, source as RGBA32F.
+// Source and Target of a pass are buffers of jobs * slots * N * N complex floats, source as
+// RGBA32F.
 //
 // Constants; thread-safe.
 #pragma once

@@ -26,8 +26,8 @@ SEAWAY_SHARED_CONSTANT max_slots = 6;
 
 /// One keyframe of a batch, a texel of RGBA32UI.
 struct SynthesisJob {
-    uint cascade;       ///< which block of the mode buffers
-    uint time_low;      ///< sea time, microseconds, two's complement
+    uint cascade;  ///< which block of the mode buffers
+    uint time_low; ///< sea time, microseconds, two's complement
     uint time_high;
     uint wavenumber_step; ///< bits of a float, rad/m
 };
