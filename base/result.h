@@ -18,6 +18,7 @@ namespace seaway {
 /// Why something could not be done, in one line a user can act on.
 struct Error {
     std::string message;
+    int code = 0; ///< for programs: a room that sorts its errors says here which kind; else 0
 };
 
 template <class T>

@@ -1,0 +1,285 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/client.h"
+
+#include <algorithm>
+#include <condition_variable>
+#include <future>
+#include <numeric>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "client/failure.h"
+#include "protocol/limits.h"
+
+namespace seaway::client {
+
+using sea::Answer;
+using sea::QueryPoint;
+using sea::TimeUs;
+
+namespace {
+
+/// Sea states that are kept: the running one, the announced one, and two of before.
+constexpr std::size_t sea_states_max = 4;
+/// Batches of one ask() under way: enough to hide the round trip.
+constexpr std::size_t batches_in_flight = 4;
+
+/// A ReplyHandler to wait for.
+class Waiter {
+  public:
+    ReplyHandler handler() {
+        return [promise = promise_](Result<Reply> reply) { promise->set_value(std::move(reply)); };
+    }
+    Result<Reply> wait() { return promise_->get_future().get(); }
+
+  private:
+    std::shared_ptr<std::promise<Result<Reply>>> promise_ =
+        std::make_shared<std::promise<Result<Reply>>>();
+};
+
+} // namespace
+
+Client::Client(ClientEvents events, RingLimits limits)
+    : events_(std::move(events)), ring_(limits) {}
+
+Client::~Client() {
+    connection_.reset();
+}
+
+Result<std::unique_ptr<Client>> Client::connect(const ConnectOptions& options, ClientEvents events,
+                                                RingLimits limits) {
+    std::unique_ptr<Client> client(new Client(std::move(events), limits));
+    Result<std::unique_ptr<Connection>> connection =
+        Connection::open(options, client->connection_events());
+    if (!connection)
+        return connection.error();
+    client->connection_ = std::move(*connection);
+    return client;
+}
+
+ConnectionEvents Client::connection_events() {
+    ConnectionEvents events;
+    events.on_sea_state = [this](const SeaStatePtr& state) {
+        {
+            const std::scoped_lock lock(mutex_);
+            std::erase_if(sea_states_,
+                          [&](const SeaStatePtr& held) { return held->epoch == state->epoch; });
+            sea_states_.push_back(state);
+            std::stable_sort(sea_states_.begin(), sea_states_.end(),
+                             [](const SeaStatePtr& a, const SeaStatePtr& b) {
+                                 return a->start_time_us < b->start_time_us;
+                             });
+            if (sea_states_.size() > sea_states_max)
+                sea_states_.erase(sea_states_.begin());
+        }
+        if (events_.on_sea_state)
+            events_.on_sea_state(state);
+    };
+    events.on_keyframe = [this](const HeldKeyframePtr& keyframe) {
+        ring_.insert(keyframe);
+        if (events_.on_keyframe)
+            events_.on_keyframe(keyframe);
+    };
+    events.on_clock = [this](LocalUs sent_us, LocalUs received_us, TimeUs sea_time_us) {
+        const std::scoped_lock lock(mutex_);
+        clock_.add(sent_us, received_us, sea_time_us);
+    };
+    events.on_closed = [this](const Error& reason) {
+        {
+            const std::scoped_lock lock(mutex_);
+            closed_reason_ = reason.message;
+        }
+        if (events_.on_closed)
+            events_.on_closed(reason);
+    };
+    return events;
+}
+
+std::string Client::closed_reason() const {
+    const std::scoped_lock lock(mutex_);
+    return closed_reason_;
+}
+
+TimeUs Client::now_us() {
+    const std::scoped_lock lock(mutex_);
+    return clock_.now(local_now_us());
+}
+
+ClockStatus Client::clock() const {
+    const std::scoped_lock lock(mutex_);
+    return clock_.status(local_now_us());
+}
+
+SeaStatePtr Client::sea_state(TimeUs time_us) const {
+    const std::scoped_lock lock(mutex_);
+    SeaStatePtr running = sea_states_.front();
+    for (const SeaStatePtr& state : sea_states_)
+        if (state->start_time_us <= time_us)
+            running = state;
+    return running;
+}
+
+sea::FieldSet Client::sampled_fields() const {
+    const std::scoped_lock lock(mutex_);
+    return sea::FieldSet::from_bits(sea::surface_fields.bits() & ~not_offered_.bits());
+}
+
+void Client::note_offer(sea::FieldSet asked, sea::FieldSet granted) {
+    const std::scoped_lock lock(mutex_);
+    const std::uint32_t missing = asked.bits() & ~granted.bits();
+    not_offered_ = sea::FieldSet::from_bits((not_offered_.bits() & ~granted.bits()) | missing);
+}
+
+Result<Grant> Client::subscribe(const protocol::TileWish& wish, int credit, double timeout_s) {
+    Waiter waiter;
+    connection_->subscribe(wish, credit, timeout_s, waiter.handler());
+    Result<Reply> reply = waiter.wait();
+    if (!reply)
+        return reply.error();
+    note_offer(wish.fields, reply->grant.fields);
+    return reply->grant;
+}
+
+Result<std::vector<Answer>> Client::ask(std::span<const QueryPoint> points, const Asking& asking) {
+    struct Progress {
+        std::mutex mutex;
+        std::condition_variable changed;
+        std::size_t under_way = 0;
+        std::vector<Answer> answers;
+        Error problem;
+    };
+    const std::size_t batch_size = std::max(
+        asking.exact ? welcome().exact_points_per_query_max : welcome().points_per_query_max, 1u);
+    const auto progress = std::make_shared<Progress>();
+    progress->answers.resize(points.size());
+    std::unique_lock lock(progress->mutex);
+    for (std::size_t first = 0; first < points.size(); first += batch_size) {
+        progress->changed.wait(lock, [&] { return progress->under_way < batches_in_flight; });
+        if (progress->problem.code != 0)
+            break;
+        ++progress->under_way;
+        lock.unlock();
+        const auto batch = points.subspan(first, std::min(batch_size, points.size() - first));
+        connection_->query(
+            batch, asking.exact, asking.timeout_s, [progress, first](Result<Reply> reply) {
+                const std::scoped_lock inner(progress->mutex);
+                --progress->under_way;
+                if (reply)
+                    std::copy(reply->answers.begin(), reply->answers.end(),
+                              progress->answers.begin() + static_cast<std::ptrdiff_t>(first));
+                else if (progress->problem.code == 0)
+                    progress->problem = reply.error();
+                progress->changed.notify_all();
+            });
+        lock.lock();
+    }
+    progress->changed.wait(lock, [&] { return progress->under_way == 0; });
+    if (progress->problem.code != 0)
+        return progress->problem;
+    return std::move(progress->answers);
+}
+
+Result<LocalSurface> Client::surface(TimeUs time_us) const {
+    return local_surface(*sea_state(time_us), ring_, time_us, sampled_fields());
+}
+
+Result<std::vector<Answer>> Client::sample(std::span<const QueryPoint> points) const {
+    std::vector<Answer> answers(points.size());
+    const sea::FieldSet fields = sampled_fields();
+    SeaStatePtr state;
+    TimeCell cell;
+    std::optional<LocalSurface> surface;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const TimeUs time_us = points[i].time_us;
+        const SeaStatePtr state_now = sea_state(time_us);
+        TimeCell cell_now = time_cell(*state_now, time_us);
+        if (!surface || state_now != state || cell_now != cell) {
+            Result<LocalSurface> found = local_surface(*state_now, ring_, time_us, fields);
+            if (!found)
+                return found.error();
+            surface.emplace(std::move(*found));
+            state = state_now;
+            cell = std::move(cell_now);
+        }
+        answers[i] = surface->surface.answer(points[i]);
+        if (!surface->covers)
+            answers[i].flags |= sea::answer_extrapolated;
+    }
+    return answers;
+}
+
+std::size_t Client::times_at_once(const SeaState& state) const {
+    std::size_t samples = 0; // of the two keyframes of every cascade around one time
+    for (const protocol::CascadeInfo& cascade : state.cascades)
+        samples += 2 * static_cast<std::size_t>(sea::surface_fields.size()) *
+                   static_cast<std::size_t>(cascade.size) * static_cast<std::size_t>(cascade.size);
+    constexpr std::size_t bytes_per_sample = 1; // tiles take a third of it at usual bounds
+    const std::size_t fit =
+        protocol::limits::fetch_bytes_max / std::max<std::size_t>(bytes_per_sample * samples, 1);
+    return std::clamp<std::size_t>(fit, 1, std::max(welcome().times_per_fetch_max, 1u));
+}
+
+Result<void> Client::hold(std::span<const TimeUs> times_us, double timeout_s) {
+    std::set<std::pair<std::uint32_t, TimeCell>> cells;
+    std::vector<TimeUs> missing;
+    for (const TimeUs time_us : times_us) {
+        const SeaStatePtr state = sea_state(time_us);
+        if (!covers(*state, ring_, time_us, sampled_fields()) &&
+            cells.insert({state->epoch, time_cell(*state, time_us)}).second)
+            missing.push_back(time_us);
+    }
+    protocol::TileWish wish;
+    wish.fields = sampled_fields();
+    const std::size_t at_once = times_at_once(*sea_state(0));
+    for (std::size_t first = 0; first < missing.size(); first += at_once) {
+        const std::size_t count = std::min(at_once, missing.size() - first);
+        Waiter waiter;
+        connection_->fetch(std::span(missing).subspan(first, count), wish, timeout_s,
+                           waiter.handler());
+        const Result<Reply> reply = waiter.wait();
+        if (!reply)
+            return reply.error();
+        note_offer(wish.fields, reply->fields);
+    }
+    return {};
+}
+
+Result<std::vector<Answer>> Client::fetch_and_sample(std::span<const QueryPoint> points,
+                                                     double timeout_s) {
+    std::vector<std::size_t> order(points.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+        return points[a].time_us < points[b].time_us;
+    });
+    std::vector<Answer> answers(points.size());
+    const std::size_t cells_at_once = times_at_once(*sea_state(0));
+    for (std::size_t first = 0; first < order.size();) {
+        std::vector<TimeUs> times;
+        std::vector<QueryPoint> batch;
+        TimeCell cell;
+        std::size_t next = first;
+        for (; next < order.size(); ++next) {
+            const QueryPoint& point = points[order[next]];
+            TimeCell cell_now = time_cell(*sea_state(point.time_us), point.time_us);
+            if (times.empty() || cell_now != cell) {
+                if (times.size() == cells_at_once)
+                    break;
+                times.push_back(point.time_us);
+                cell = std::move(cell_now);
+            }
+            batch.push_back(point);
+        }
+        if (const Result<void> held = hold(times, timeout_s); !held)
+            return held.error();
+        const Result<std::vector<Answer>> sampled = sample(batch);
+        if (!sampled)
+            return sampled.error();
+        for (std::size_t i = first; i < next; ++i)
+            answers[order[i]] = (*sampled)[i - first];
+        first = next;
+    }
+    return answers;
+}
+
+} // namespace seaway::client

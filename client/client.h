@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+// Client: what a program keeps of a sea while it is connected - the clock, the sea states, the
+// keyframes - and its two ways to ask for heights: the server answers, or the client does.
+//
+//     Result<std::unique_ptr<Client>> client = Client::connect({.url = "ws://localhost:8080"});
+//     if (!client) return report(client.error());
+//     const sea::QueryPoint point{10, 20, (*client)->now_us()};
+//     Result<std::vector<sea::Answer>> asked = (*client)->ask({&point, 1}, Asking{});
+//     (*client)->subscribe({.fields = sea::surface_fields}, 2, 10);     // once
+//     Result<std::vector<sea::Answer>> sampled = (*client)->sample({&point, 1}); // as often as
+//     wanted
+//
+// Thread-safe. Functions that block say so and must not be called from an event. A connection that
+// has ended stays ended: what is held can still be sampled, and the owner may make a new client.
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+#include "client/clock.h"
+#include "client/connection.h"
+#include "client/keyframe_ring.h"
+#include "client/local_surface.h"
+
+namespace seaway::client {
+
+/// On the connection's thread; must not block. Any may be left empty.
+struct ClientEvents {
+    std::function<void(const SeaStatePtr&)> on_sea_state;
+    std::function<void(const HeldKeyframePtr&)> on_keyframe;
+    std::function<void(const Error& reason)> on_closed;
+};
+
+struct Asking {
+    bool exact = false;    ///< direct sum in double precision by the server; slow
+    double timeout_s = 10; ///< for each batch that the points are split into
+};
+
+class Client {
+  public:
+    /// Blocks until the sea is known, `options.timeout_s` at most.
+    static Result<std::unique_ptr<Client>>
+    connect(const ConnectOptions& options, ClientEvents events = {}, RingLimits limits = {});
+    ~Client();
+    Client(const Client&) = delete;
+    Client& operator=(const Client&) = delete;
+
+    bool is_open() const { return connection_->is_open(); }
+    /// Why the connection ended; empty while it is open.
+    std::string closed_reason() const;
+    const Welcome& welcome() const { return connection_->welcome(); }
+
+    /// Sea time by the filtered clock: never runs backwards.
+    sea::TimeUs now_us();
+    ClockStatus clock() const;
+
+    /// The sea that runs at this time (the first known one before it began). Never null.
+    SeaStatePtr sea_state(sea::TimeUs time_us) const;
+
+    /// Has tiles streamed from now on; an earlier subscription is replaced. Blocks until the
+    /// keyframes around now are held. An error (refused) says why nothing is granted.
+    Result<Grant> subscribe(const protocol::TileWish& wish, int credit, double timeout_s);
+    void unsubscribe() { connection_->unsubscribe(); }
+
+    /// The server answers: any number of points, split into batches, in order. Blocks.
+    Result<std::vector<sea::Answer>> ask(std::span<const sea::QueryPoint> points,
+                                         const Asking& asking);
+
+    /// The same for a batch the server takes at once; does not block (Connection::query).
+    void ask_async(std::span<const sea::QueryPoint> points, const Asking& asking,
+                   ReplyHandler handler) {
+        connection_->query(points, asking.exact, asking.timeout_s, std::move(handler));
+    }
+
+    /// This client answers from what it holds; at once, never asks the server. Points of equal or
+    /// near times should stand together. About 1 us a point, 3 ms more for a new keyframe.
+    Result<std::vector<sea::Answer>> sample(std::span<const sea::QueryPoint> points) const;
+
+    /// The surface around a time from what is held: for renderers and for many points.
+    Result<LocalSurface> surface(sea::TimeUs time_us) const;
+
+    /// Fetches the keyframes around these times that are not held. Blocks. Not for more times than
+    /// the ring has room for.
+    Result<void> hold(std::span<const sea::TimeUs> times_us, double timeout_s);
+
+    /// hold() and sample() together, for any number of points and times, in order. Blocks.
+    Result<std::vector<sea::Answer>> fetch_and_sample(std::span<const sea::QueryPoint> points,
+                                                      double timeout_s);
+
+    const KeyframeRing& ring() const { return ring_; }
+
+  private:
+    Client(ClientEvents events, RingLimits limits);
+    ConnectionEvents connection_events();
+    sea::FieldSet sampled_fields() const;
+    /// Times that one fetch may ask for: the server bounds their number and their bytes.
+    std::size_t times_at_once(const SeaState& state) const;
+    /// Notes what the server does not offer, so that it is not waited for.
+    void note_offer(sea::FieldSet asked, sea::FieldSet granted);
+
+    const ClientEvents events_;
+    KeyframeRing ring_;
+
+    mutable std::mutex mutex_;
+    ClockFilter clock_;
+    std::vector<SeaStatePtr> sea_states_; ///< by start time
+    sea::FieldSet not_offered_;
+    std::string closed_reason_;
+
+    std::unique_ptr<Connection> connection_; ///< first to go: its events use all of the above
+};
+
+} // namespace seaway::client

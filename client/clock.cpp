@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/clock.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/check.h"
+
+namespace seaway::client {
+namespace {
+
+/// A slope needs this much time under it: over less, scatter looks like drift.
+constexpr LocalUs slope_span_us = 10'000'000;
+/// Quartz is better than this; a steeper line is scatter.
+constexpr double slope_max = 500e-6;
+/// The kept share of few samples is at least this many.
+constexpr std::size_t kept_min = 3;
+
+} // namespace
+
+void ClockFilter::add(LocalUs sent_us, LocalUs received_us, sea::TimeUs sea_time_us) {
+    if (received_us < sent_us)
+        return;
+    const LocalUs round_trip_us = received_us - sent_us;
+    const LocalUs middle_us = sent_us + round_trip_us / 2;
+    // Unsigned: a difference of any two times wraps instead of overflowing.
+    const auto offset_us = static_cast<LocalUs>(static_cast<std::uint64_t>(sea_time_us) -
+                                                static_cast<std::uint64_t>(middle_us));
+    window_.push_back({middle_us, round_trip_us, offset_us});
+    while (window_.size() > samples_max || window_.front().middle_us < middle_us - window_us)
+        window_.pop_front();
+    estimate();
+}
+
+void ClockFilter::estimate() {
+    std::vector<Sample> kept(window_.begin(), window_.end());
+    std::sort(kept.begin(), kept.end(),
+              [](const Sample& a, const Sample& b) { return a.round_trip_us < b.round_trip_us; });
+    const auto share =
+        static_cast<std::size_t>(std::ceil(share_kept * static_cast<double>(kept.size())));
+    kept.resize(std::min(kept.size(), std::max(share, kept_min)));
+    best_round_trip_us_ = kept.front().round_trip_us;
+    // Among few samples one bad trip would weigh a third: with no slope to fit, the best one
+    // counts.
+    const auto [first, last] =
+        std::minmax_element(kept.begin(), kept.end(), [](const Sample& a, const Sample& b) {
+            return a.middle_us < b.middle_us;
+        });
+    const bool fit = last->middle_us - first->middle_us >= slope_span_us;
+    if (!fit)
+        kept.resize(1);
+
+    const LocalUs old_base_us = base_us_;
+    base_us_ = kept.front().offset_us;
+    shown_offset_us_ += static_cast<double>(old_base_us - base_us_);
+    origin_us_ = kept.front().middle_us;
+    const auto count = static_cast<double>(kept.size());
+    double mean_x = 0;
+    double mean_y = 0;
+    for (const Sample& sample : kept) {
+        mean_x += static_cast<double>(sample.middle_us - origin_us_) / count;
+        mean_y += static_cast<double>(sample.offset_us - base_us_) / count;
+    }
+    double xx = 0;
+    double xy = 0;
+    for (const Sample& sample : kept) {
+        const double x = static_cast<double>(sample.middle_us - origin_us_) - mean_x;
+        xx += x * x;
+        xy += x * (static_cast<double>(sample.offset_us - base_us_) - mean_y);
+    }
+    slope_ = fit && xx > 0 ? std::clamp(xy / xx, -slope_max, slope_max) : 0;
+    mean_us_ = mean_y - slope_ * mean_x;
+    double squares = 0;
+    for (const Sample& sample : kept) {
+        const double x = static_cast<double>(sample.middle_us - origin_us_);
+        const double y = static_cast<double>(sample.offset_us - base_us_);
+        squares += std::pow(y - mean_us_ - slope_ * x, 2);
+    }
+    scatter_us_ = std::sqrt(squares / count);
+}
+
+double ClockFilter::target_offset_us(LocalUs local_us) const {
+    return mean_us_ + slope_ * static_cast<double>(local_us - origin_us_);
+}
+
+sea::TimeUs ClockFilter::now(LocalUs local_us) {
+    SEAWAY_CHECK(synchronised(), "the clock is read before its first sample");
+    const double target_us = target_offset_us(local_us);
+    if (!shown_any_) {
+        shown_any_ = true;
+        shown_offset_us_ = target_us;
+        shown_us_ = base_us_ + local_us + sea::TimeUs{std::llround(target_us)};
+        shown_at_us_ = local_us;
+        return shown_us_;
+    }
+    const auto elapsed_us = static_cast<double>(std::max<LocalUs>(local_us - shown_at_us_, 0));
+    const double behind_us = target_us - shown_offset_us_;
+    if (behind_us > step_us)
+        shown_offset_us_ = target_us;
+    else {
+        const double rate = behind_us < -step_us ? 0.5 : slew_rate;
+        shown_offset_us_ += std::clamp(behind_us, -rate * elapsed_us, rate * elapsed_us);
+    }
+    shown_at_us_ = std::max(shown_at_us_, local_us);
+    shown_us_ =
+        std::max(shown_us_, base_us_ + shown_at_us_ + sea::TimeUs{std::llround(shown_offset_us_)});
+    return shown_us_;
+}
+
+ClockStatus ClockFilter::status(LocalUs local_us) const {
+    ClockStatus status;
+    status.samples = static_cast<int>(window_.size());
+    if (window_.empty())
+        return status;
+    const double target_us = target_offset_us(local_us);
+    status.offset_us = static_cast<double>(base_us_) + target_us;
+    status.drift_ppm = slope_ * 1e6;
+    status.slew_us = shown_any_ ? target_us - shown_offset_us_ : 0;
+    status.round_trip_us = best_round_trip_us_;
+    status.error_us = 0.5 * static_cast<double>(best_round_trip_us_) + scatter_us_;
+    return status;
+}
+
+} // namespace seaway::client

@@ -1,0 +1,315 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/connection.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "client/failure.h"
+
+namespace seaway::client {
+
+namespace {
+
+/// A burst for a first estimate of the clock, then a steady two a second.
+constexpr std::uint32_t fast_pings = 8;
+constexpr std::int64_t fast_ping_interval_us = 50'000;
+constexpr std::int64_t ping_interval_us = 500'000;
+/// Seas that tiles can still arrive for.
+constexpr std::size_t sea_states_kept = 4;
+
+std::int64_t deadline_us(double timeout_s) {
+    return local_now_us() + static_cast<std::int64_t>(timeout_s * 1e6);
+}
+
+std::string text(const flatbuffers::String* string) {
+    return string ? string->str() : std::string();
+}
+
+} // namespace
+
+std::int64_t local_now_us() {
+    return std::chrono::duration_cast<std::chrono::microseconds>(
+               std::chrono::steady_clock::now().time_since_epoch())
+        .count();
+}
+
+Connection::Connection(ConnectionEvents events)
+    : events_(std::move(events)), requests_([this](std::uint32_t, protocol::Bytes message) {
+          return send(std::move(message));
+      }) {}
+
+Connection::~Connection() {
+    stream_.reset();
+}
+
+Result<std::unique_ptr<Connection>> Connection::open(const ConnectOptions& options,
+                                                     ConnectionEvents events,
+                                                     const OpenStream& open_stream) {
+    std::unique_ptr<Connection> connection(new Connection(std::move(events)));
+    if (const Result<void> greeted = connection->say_hello(options, open_stream); !greeted)
+        return greeted.error();
+    return connection;
+}
+
+Result<void> Connection::say_hello(const ConnectOptions& options, const OpenStream& open_stream) {
+    const Result<Url> url = parse_url(options.url);
+    if (!url)
+        return url.error();
+    const auto deadline = std::chrono::steady_clock::now() +
+                          std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+                              std::chrono::duration<double>(options.timeout_s));
+    WebSocketOptions socket_options;
+    socket_options.connect_timeout_s = options.timeout_s;
+    socket_options.ca_file = options.ca_file;
+    Result<std::unique_ptr<MessageStream>> stream = open_stream(*url, socket_options);
+    if (!stream)
+        return stream.error();
+    stream_ = std::move(*stream);
+    hello_sent_us_ = local_now_us();
+    stream_->start({[this](std::span<const std::uint8_t> bytes) { on_message(bytes); },
+                    [this] { on_tick(); },
+                    [this](const std::string& reason) { on_closed(reason); }});
+    stream_->send(protocol::hello(options.name, options.token));
+
+    std::unique_lock lock(opening_mutex_);
+    opening_.wait_until(lock, deadline, [this] { return ended_ || (welcomed_ && sea_known_); });
+    if (ended_)
+        return failed(Failure::cannot_connect,
+                      fmt::format("{} turns us away: {}", options.url, end_.message));
+    if (!welcomed_ || !sea_known_)
+        return failed(Failure::cannot_connect,
+                      fmt::format("{} accepts the connection but sends no {} in {} s", options.url,
+                                  welcomed_ ? "sea state" : "welcome", options.timeout_s));
+    open_ = true;
+    return {};
+}
+
+bool Connection::send(protocol::Bytes message) {
+    return stream_ && stream_->send(std::move(message));
+}
+
+void Connection::query(std::span<const sea::QueryPoint> points, bool exact, double timeout_s,
+                       ReplyHandler handler) {
+    const std::uint32_t points_max =
+        exact ? welcome_.exact_points_per_query_max : welcome_.points_per_query_max;
+    if (points.size() > points_max)
+        return handler(failed(Failure::bad_argument, fmt::format("{} points in one query, the "
+                                                                 "server takes {}",
+                                                                 points.size(), points_max)));
+    const auto expected = points.size();
+    requests_.start(
+        Lane::query,
+        [&](std::uint32_t request_id) { return protocol::query(request_id, points, exact); },
+        deadline_us(timeout_s),
+        [expected, handler = std::move(handler)](Result<Reply> reply) {
+            if (reply && reply->answers.size() != expected)
+                return handler(
+                    failed(Failure::refused, fmt::format("{} points asked, {} answered", expected,
+                                                         reply->answers.size())));
+            handler(std::move(reply));
+        });
+}
+
+void Connection::subscribe(const protocol::TileWish& wish, int credit, double timeout_s,
+                           ReplyHandler handler) {
+    requests_.start(
+        Lane::bulk,
+        [&](std::uint32_t request_id) { return protocol::subscribe(request_id, wish, credit); },
+        deadline_us(timeout_s), std::move(handler), wish.fields);
+}
+
+void Connection::fetch(std::span<const sea::TimeUs> times_us, const protocol::TileWish& wish,
+                       double timeout_s, ReplyHandler handler) {
+    if (times_us.empty() || times_us.size() > welcome_.times_per_fetch_max)
+        return handler(failed(Failure::bad_argument,
+                              fmt::format("{} times in one fetch, the server takes 1 to {}",
+                                          times_us.size(), welcome_.times_per_fetch_max)));
+    requests_.start(
+        Lane::bulk,
+        [&](std::uint32_t request_id) { return protocol::fetch(request_id, times_us, wish); },
+        deadline_us(timeout_s), std::move(handler), wish.fields);
+}
+
+void Connection::unsubscribe() {
+    send(protocol::unsubscribe());
+}
+
+// ---- the connection's thread -----------------------------------------------------------------
+
+void Connection::on_message(std::span<const std::uint8_t> bytes) {
+    const Result<const wire::Message*> message = reader_.read(bytes);
+    Result<void> fine = message ? dispatch(**message) : Result<void>(message.error());
+    if (!fine)
+        stream_->close(
+            fmt::format("the server sent what this client cannot read: {}", fine.error().message));
+}
+
+Result<void> Connection::dispatch(const wire::Message& message) {
+    if (const auto* welcome = message.body_as_Welcome())
+        return take(*welcome);
+    if (const auto* state = message.body_as_SeaState())
+        return take(*state);
+    if (const auto* subscribed = message.body_as_Subscribed())
+        return take(*subscribed);
+    if (const auto* tile = message.body_as_Tile())
+        return take(*tile);
+    if (const auto* reply = message.body_as_QueryReply())
+        return take(*reply);
+    if (const auto* done = message.body_as_FetchDone())
+        return take(*done);
+    if (const auto* pong = message.body_as_Pong())
+        take(*pong);
+    else if (const auto* refused = message.body_as_Refused())
+        take(*refused);
+    else if (const auto* go_away = message.body_as_GoAway())
+        take(*go_away);
+    return {}; // kinds of later versions are skipped
+}
+
+Result<void> Connection::take(const wire::Welcome& welcome) {
+    if (const Result<void> fine = protocol::check(welcome); !fine)
+        return fine;
+    const std::int64_t now_us = local_now_us();
+    if (events_.on_clock)
+        events_.on_clock(hello_sent_us_, now_us, welcome.sea_time_us());
+    const std::scoped_lock lock(opening_mutex_);
+    if (welcomed_)
+        return Error{"a second welcome"};
+    welcome_ = {welcome.session(), text(welcome.server()), welcome.points_per_query_max(),
+                welcome.exact_points_per_query_max(), welcome.times_per_fetch_max()};
+    welcomed_ = true;
+    opening_.notify_all();
+    return {};
+}
+
+Result<void> Connection::take(const wire::SeaState& state) {
+    if (const Result<void> fine = protocol::check(state); !fine)
+        return fine;
+    const auto value = std::make_shared<const SeaState>(protocol::values(state));
+    sea_states_.push_back(value);
+    if (sea_states_.size() > sea_states_kept)
+        sea_states_.erase(sea_states_.begin());
+    if (events_.on_sea_state)
+        events_.on_sea_state(value);
+    const std::scoped_lock lock(opening_mutex_);
+    sea_known_ = true;
+    opening_.notify_all();
+    return {};
+}
+
+SeaStatePtr Connection::sea_state(std::uint32_t epoch) const {
+    const auto found =
+        std::find_if(sea_states_.rbegin(), sea_states_.rend(),
+                     [&](const SeaStatePtr& state) { return state->epoch == epoch; });
+    return found == sea_states_.rend() ? nullptr : *found;
+}
+
+Result<void> Connection::take(const wire::Subscribed& subscribed) {
+    if (const Result<void> fine = protocol::check(subscribed); !fine)
+        return fine;
+    Grant grant;
+    grant.cascades = subscribed.cascades();
+    grant.fields = sea::FieldSet::from_bits(subscribed.fields());
+    grant.error_m = subscribed.error_m();
+    grant.credit = subscribed.credit();
+    streamed_fields_ = grant.fields;
+    requests_.note_grant(subscribed.request_id(), grant);
+    return {};
+}
+
+Result<void> Connection::take(const wire::Tile& tile) {
+    if (const Result<void> fine = protocol::check(tile); !fine)
+        return fine;
+    const protocol::TileHeader header = protocol::header(tile);
+    const SeaStatePtr state = sea_state(header.epoch);
+    if (!state || static_cast<std::size_t>(header.cascade) >= state->cascades.size())
+        return Error{fmt::format("a tile of cascade {} in epoch {}, which no sea state announced",
+                                 header.cascade, header.epoch)};
+    const double length_m = state->cascades[static_cast<std::size_t>(header.cascade)].length_m;
+    const std::vector<sea::FieldSet> requested = requests_.bulk_fields();
+    const Result<TileAssembly::Added> added =
+        assembly_.add(header, {tile.payload()->data(), tile.payload()->size()}, length_m,
+                      streamed_fields_, requested);
+    if (!added)
+        return added.error();
+    if (added->acknowledge)
+        send(protocol::ack(header.keyframe));
+    if (added->complete && events_.on_keyframe)
+        events_.on_keyframe(added->complete);
+    keyframes_dropped_ = assembly_.dropped();
+    return {};
+}
+
+Result<void> Connection::take(const wire::QueryReply& reply) {
+    if (const Result<void> fine = protocol::check(reply); !fine)
+        return fine;
+    Reply value;
+    value.epoch = reply.epoch();
+    if (reply.answers()) {
+        value.answers.reserve(reply.answers()->size());
+        for (const wire::PointAnswer* answer : *reply.answers())
+            value.answers.push_back(protocol::answer(*answer));
+    }
+    if (!requests_.finish(Lane::query, reply.request_id(), std::move(value)))
+        return Error{fmt::format("an answer to query {}, which is not open", reply.request_id())};
+    return {};
+}
+
+Result<void> Connection::take(const wire::FetchDone& done) {
+    Reply value;
+    value.keyframes = done.keyframes();
+    value.fields = sea::FieldSet::from_bits(done.fields());
+    for (const HeldKeyframePtr& keyframe : assembly_.finish(value.fields))
+        if (events_.on_keyframe)
+            events_.on_keyframe(keyframe);
+    if (!requests_.finish(Lane::bulk, done.request_id(), std::move(value)))
+        return Error{fmt::format("the end of request {}, which is not open", done.request_id())};
+    return {};
+}
+
+void Connection::take(const wire::Pong& pong) {
+    if (events_.on_clock)
+        events_.on_clock(pong.client_time_us(), local_now_us(), pong.sea_time_us());
+}
+
+void Connection::take(const wire::Refused& refused) {
+    requests_.refuse(
+        refused.request_id(),
+        failed(Failure::refused, fmt::format("refused ({}): {}", protocol::name(refused.code()),
+                                             text(refused.message()))));
+}
+
+void Connection::take(const wire::GoAway& go_away) {
+    going_away_ = fmt::format("the server ends the session ({}): {}",
+                              protocol::name(go_away.code()), text(go_away.message()));
+}
+
+void Connection::on_tick() {
+    if (!open_)
+        return;
+    const std::int64_t now_us = local_now_us();
+    requests_.expire(now_us);
+    if (now_us < next_ping_us_)
+        return;
+    next_ping_us_ = now_us + (pings_ < fast_pings ? fast_ping_interval_us : ping_interval_us);
+    ++pings_;
+    send(protocol::ping(pings_, now_us));
+}
+
+void Connection::on_closed(const std::string& reason) {
+    const Error why = failed(Failure::lost, going_away_.empty() ? reason : going_away_);
+    bool was_open = false;
+    {
+        const std::scoped_lock lock(opening_mutex_);
+        was_open = open_.exchange(false);
+        ended_ = true;
+        end_ = why;
+        opening_.notify_all();
+    }
+    requests_.fail_all(why);
+    if (was_open && events_.on_closed)
+        events_.on_closed(why);
+}
+
+} // namespace seaway::client

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+// Connection: one session with a server, in terms of values. Speaks the protocol, assembles tiles,
+// acknowledges keyframes, pings, and reports what comes. It ends once and does not come back:
+// whether to connect again is for whoever owns it (client/client.h holds what outlives messages).
+//
+// Thread-safe. Events come on the connection's own thread, one after the other; they must not
+// block, and the connection must not be destroyed from one.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+#include "client/message_stream.h"
+#include "client/requests.h"
+#include "client/tile_assembly.h"
+#include "protocol/messages.h"
+
+namespace seaway::client {
+
+using SeaState = protocol::SeaStateValues;
+using SeaStatePtr = std::shared_ptr<const SeaState>;
+
+struct ConnectOptions {
+    std::string url;                                    ///< ws://HOST:PORT or wss://HOST:PORT
+    std::string name = "seaway-client/" SEAWAY_VERSION; ///< for the server's log
+    std::string token;                                  ///< if the server asks for one
+    std::string ca_file;                                ///< PEM, besides the system's certificates
+    double timeout_s = 5; ///< for connecting until the first sea state
+};
+
+/// What the server said about itself and its limits.
+struct Welcome {
+    std::uint64_t session = 0;
+    std::string server;
+    std::uint32_t points_per_query_max = 0;
+    std::uint32_t exact_points_per_query_max = 0;
+    std::uint32_t times_per_fetch_max = 0;
+};
+
+/// Any may be left empty.
+struct ConnectionEvents {
+    std::function<void(const SeaStatePtr&)> on_sea_state;
+    std::function<void(const HeldKeyframePtr&)> on_keyframe;
+    /// One look at the server's clock: local times as local_now_us().
+    std::function<void(std::int64_t sent_us, std::int64_t received_us, sea::TimeUs sea_time_us)>
+        on_clock;
+    /// Once, and last; not after a failed open(). One line.
+    std::function<void(const Error& reason)> on_closed;
+};
+
+/// The local clock of this room: monotonic, microseconds.
+std::int64_t local_now_us();
+
+class Connection {
+  public:
+    /// Carries messages to the server at the address; open_websocket unless a test brings another.
+    using OpenStream =
+        std::function<Result<std::unique_ptr<MessageStream>>(const Url&, const WebSocketOptions&)>;
+
+    /// Connects, says hello and waits for the first sea state. Blocks `timeout_s` at most.
+    static Result<std::unique_ptr<Connection>> open(const ConnectOptions& options,
+                                                    ConnectionEvents events,
+                                                    const OpenStream& open_stream = open_websocket);
+    ~Connection();
+    Connection(const Connection&) = delete;
+    Connection& operator=(const Connection&) = delete;
+
+    const Welcome& welcome() const { return welcome_; }
+    bool is_open() const { return open_; }
+
+    // Each hands its handler the reply, a refusal, a passed deadline or the end of the connection:
+    // exactly once, on the connection's thread or at once. `timeout_s` is from now on.
+
+    /// At most welcome().points_per_query_max points, or exact_points_per_query_max.
+    void query(std::span<const sea::QueryPoint> points, bool exact, double timeout_s,
+               ReplyHandler handler);
+
+    /// Keyframes come through on_keyframe. Replies when those around now have come.
+    void subscribe(const protocol::TileWish& wish, int credit, double timeout_s,
+                   ReplyHandler handler);
+
+    /// Keyframes around these times (at most times_per_fetch_max), through on_keyframe, once.
+    /// Replies when all have come.
+    void fetch(std::span<const sea::TimeUs> times_us, const protocol::TileWish& wish,
+               double timeout_s, ReplyHandler handler);
+
+    void unsubscribe();
+
+    /// Streamed keyframes that never became whole.
+    std::uint64_t keyframes_dropped() const { return keyframes_dropped_; }
+
+  private:
+    explicit Connection(ConnectionEvents events);
+
+    Result<void> say_hello(const ConnectOptions& options, const OpenStream& open_stream);
+    void on_message(std::span<const std::uint8_t> bytes);
+    void on_tick();
+    void on_closed(const std::string& reason);
+    Result<void> dispatch(const wire::Message& message);
+    Result<void> take(const wire::Welcome& welcome);
+    Result<void> take(const wire::SeaState& state);
+    Result<void> take(const wire::Subscribed& subscribed);
+    Result<void> take(const wire::Tile& tile);
+    Result<void> take(const wire::QueryReply& reply);
+    Result<void> take(const wire::FetchDone& done);
+    void take(const wire::Pong& pong);
+    void take(const wire::Refused& refused);
+    void take(const wire::GoAway& go_away);
+    bool send(protocol::Bytes message);
+    SeaStatePtr sea_state(std::uint32_t epoch) const;
+
+    const ConnectionEvents events_;
+    std::unique_ptr<MessageStream> stream_;
+    std::atomic<bool> open_ = false;
+
+    // Of open() and the connection's thread.
+    std::mutex opening_mutex_;
+    std::condition_variable opening_;
+    bool welcomed_ = false;
+    bool sea_known_ = false;
+    bool ended_ = false;
+    Error end_;
+    Welcome welcome_;
+
+    // Of the connection's thread alone.
+    protocol::MessageReader reader_{protocol::Sender::server};
+    std::vector<SeaStatePtr> sea_states_; ///< the newest few
+    std::int64_t next_ping_us_ = 0;
+    std::uint32_t pings_ = 0;
+    std::int64_t hello_sent_us_ = 0;
+    std::string going_away_;
+    sea::FieldSet streamed_fields_;
+    TileAssembly assembly_;
+
+    std::atomic<std::uint64_t> keyframes_dropped_ = 0;
+    Requests requests_;
+};
+
+} // namespace seaway::client

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// Kinds of failure of the client: `Error::code` of every error that this room returns, so that a
+// program can act on it; the message is for people.
+#pragma once
+
+#include <string>
+#include <utility>
+
+#include "base/result.h"
+
+namespace seaway::client {
+
+enum class Failure : int {
+    none = 0,
+    bad_argument = 1,   ///< what the caller gave: an URL, a count, a value
+    cannot_connect = 2, ///< no server there, or not one of ours, or it turned us away
+    lost = 3,           ///< the connection ended
+    refused = 4,        ///< the server refused this one request
+    deadline = 5,       ///< no reply in time; the connection goes on
+    not_held = 6,       ///< no keyframes around this time
+};
+
+inline Error failed(Failure failure, std::string message) {
+    return {std::move(message), static_cast<int>(failure)};
+}
+
+inline Failure failure_of(const Error& error) {
+    return static_cast<Failure>(error.code);
+}
+
+} // namespace seaway::client

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/keyframe_ring.h"
+
+#include <algorithm>
+
+#include "base/check.h"
+#include "protocol/limits.h"
+
+namespace seaway::client {
+
+using sea::Field;
+using sea::TimeUs;
+
+bool HeldKeyframe::can_be_sampled() const {
+    return keyframe_->fields.contains(sea::FieldSet{Field::height, Field::height_rate});
+}
+
+sea::SplineMapPtr HeldKeyframe::spline() const {
+    std::call_once(spline_once_,
+                   [this] { spline_ = std::make_shared<const sea::SplineMap>(*keyframe_); });
+    return spline_;
+}
+
+std::size_t HeldKeyframe::bytes() const {
+    constexpr std::size_t spline_channels = 8;
+    const std::size_t spline_floats =
+        can_be_sampled() ? spline_channels * keyframe_->plane_size() : 0;
+    return (keyframe_->values.size() + spline_floats) * sizeof(float);
+}
+
+void KeyframeRing::insert(HeldKeyframePtr keyframe) {
+    const sea::Keyframe& fresh = keyframe->keyframe();
+    SEAWAY_CHECK(fresh.cascade >= 0 && fresh.cascade < protocol::limits::cascades_max,
+                 "the cascade of a keyframe is checked when its tiles are read");
+    const auto index = static_cast<std::size_t>(fresh.cascade);
+    const std::scoped_lock lock(mutex_);
+    if (cascades_.size() <= index)
+        cascades_.resize(index + 1);
+    Cascade& cascade = cascades_[index];
+    const auto same = std::find_if(cascade.by_arrival.begin(), cascade.by_arrival.end(),
+                                   [&](const HeldKeyframePtr& held) {
+                                       return held->keyframe().time_us == fresh.time_us &&
+                                              held->keyframe().epoch == fresh.epoch;
+                                   });
+    if (same != cascade.by_arrival.end()) {
+        const sea::FieldSet held = (*same)->keyframe().fields;
+        if (held.contains(fresh.fields) && held != fresh.fields)
+            return;
+        cascade.bytes -= (*same)->bytes();
+        cascade.by_arrival.erase(same);
+    }
+    cascade.bytes += keyframe->bytes();
+    cascade.by_arrival.push_back(std::move(keyframe));
+    while (cascade.by_arrival.size() > limits_.keyframes_per_cascade ||
+           (cascade.bytes > limits_.bytes_per_cascade &&
+            cascade.by_arrival.size() > RingLimits::keyframes_per_cascade_min)) {
+        cascade.bytes -= cascade.by_arrival.front()->bytes();
+        cascade.by_arrival.pop_front();
+    }
+}
+
+const KeyframeRing::Cascade* KeyframeRing::find(int cascade) const {
+    const auto index = static_cast<std::size_t>(cascade);
+    return cascade >= 0 && index < cascades_.size() ? &cascades_[index] : nullptr;
+}
+
+std::optional<KeyframePair> KeyframeRing::around(int cascade, std::uint32_t epoch, TimeUs time_us,
+                                                 TimeUs interval_us, sea::FieldSet fields) const {
+    const std::scoped_lock lock(mutex_);
+    const Cascade* ring = find(cascade);
+    if (!ring)
+        return std::nullopt;
+    KeyframePair pair;
+    for (const HeldKeyframePtr& held : ring->by_arrival) {
+        const sea::Keyframe& keyframe = held->keyframe();
+        if (keyframe.epoch != epoch || !keyframe.fields.contains(fields))
+            continue;
+        if (keyframe.time_us <= time_us &&
+            (!pair.before || keyframe.time_us > pair.before->keyframe().time_us))
+            pair.before = held;
+        if (keyframe.time_us >= time_us &&
+            (!pair.after || keyframe.time_us < pair.after->keyframe().time_us))
+            pair.after = held;
+    }
+    if (!pair.before && !pair.after)
+        return std::nullopt;
+    if (!pair.before || !pair.after) {
+        if (!pair.before)
+            pair.before = pair.after;
+        pair.after = pair.before;
+        return pair;
+    }
+    pair.covers = pair.after->keyframe().time_us - pair.before->keyframe().time_us <= interval_us;
+    return pair;
+}
+
+HeldKeyframePtr KeyframeRing::newest(int cascade) const {
+    const std::scoped_lock lock(mutex_);
+    const Cascade* ring = find(cascade);
+    HeldKeyframePtr newest;
+    if (ring)
+        for (const HeldKeyframePtr& held : ring->by_arrival)
+            if (!newest || held->keyframe().time_us > newest->keyframe().time_us)
+                newest = held;
+    return newest;
+}
+
+std::size_t KeyframeRing::size(int cascade) const {
+    const std::scoped_lock lock(mutex_);
+    const Cascade* ring = find(cascade);
+    return ring ? ring->by_arrival.size() : 0;
+}
+
+void KeyframeRing::clear() {
+    const std::scoped_lock lock(mutex_);
+    cascades_.clear();
+}
+
+} // namespace seaway::client

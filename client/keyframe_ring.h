@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+// Keyframe ring: the keyframes that a client holds, a bounded number a cascade, and the pair of
+// them around a time, which is what a sampler or a renderer works from.
+//
+// Thread-safe. Readers get shared pointers to immutable keyframes: what they hold stays whole while
+// the ring moves on. The one that came first is dropped first.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include "sea/surface/keyframe.h"
+#include "sea/surface/spline_map.h"
+
+namespace seaway::client {
+
+/// A keyframe as it came over the wire. Immutable; share it by pointer.
+class HeldKeyframe {
+  public:
+    using FieldErrors = std::array<float, sea::field_count>;
+
+    /// `errors`: the bound that the encoder met, [field], in the field's unit; 0 where absent.
+    HeldKeyframe(sea::Keyframe keyframe, const FieldErrors& errors)
+        : keyframe_(std::make_shared<const sea::Keyframe>(std::move(keyframe))), errors_(errors) {}
+
+    const sea::Keyframe& keyframe() const { return *keyframe_; }
+    const sea::KeyframePtr& keyframe_ptr() const { return keyframe_; }
+    float error(sea::Field field) const { return errors_[static_cast<std::size_t>(field)]; }
+
+    /// Can heights be sampled from it? Needs height and its time rate.
+    bool can_be_sampled() const;
+
+    /// Made ready for sampling at the first call (about 3 ms at 256 x 256), then shared.
+    /// can_be_sampled() must hold. Thread-safe.
+    sea::SplineMapPtr spline() const;
+
+    /// Memory with its spline.
+    std::size_t bytes() const;
+
+  private:
+    sea::KeyframePtr keyframe_;
+    FieldErrors errors_;
+    mutable std::once_flag spline_once_;
+    mutable sea::SplineMapPtr spline_;
+};
+using HeldKeyframePtr = std::shared_ptr<const HeldKeyframe>;
+
+/// The keyframes of one cascade around a time; both the same where there is only one to go by.
+struct KeyframePair {
+    HeldKeyframePtr before;
+    HeldKeyframePtr after;
+    /// The time lies between them and they are no further apart than the cascade's interval, so
+    /// that the stated interpolation error holds.
+    bool covers = false;
+};
+
+struct RingLimits {
+    /// Room for what a server sends ahead at the shortest intervals.
+    std::size_t keyframes_per_cascade = 48;
+    /// Splines included. At least `keyframes_per_cascade_min` are held all the same.
+    std::size_t bytes_per_cascade = 192u * 1024 * 1024;
+    static constexpr std::size_t keyframes_per_cascade_min = 4;
+};
+
+class KeyframeRing {
+  public:
+    explicit KeyframeRing(RingLimits limits = {}) : limits_(limits) {}
+
+    /// Takes a keyframe. One of the same epoch, cascade and time is replaced, unless it holds more
+    /// fields than the new one.
+    void insert(HeldKeyframePtr keyframe);
+
+    /// The keyframes around a time, of one epoch and with at least `fields`. A time beyond those
+    /// held gives the nearest keyframe twice, not covering. Nothing if none is held.
+    std::optional<KeyframePair> around(int cascade, std::uint32_t epoch, sea::TimeUs time_us,
+                                       sea::TimeUs interval_us, sea::FieldSet fields) const;
+
+    /// The newest keyframe in sea time; null if none is held.
+    HeldKeyframePtr newest(int cascade) const;
+
+    std::size_t size(int cascade) const;
+    void clear();
+
+  private:
+    struct Cascade {
+        std::deque<HeldKeyframePtr> by_arrival;
+        std::size_t bytes = 0;
+    };
+
+    const Cascade* find(int cascade) const;
+
+    const RingLimits limits_;
+    mutable std::mutex mutex_;
+    std::vector<Cascade> cascades_;
+};
+
+} // namespace seaway::client

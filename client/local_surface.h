@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// Local surface: answers from the keyframes that a client holds, with the error that they cost.
+//
+// error_m of an answer = interpolation in space and time (the sea state says it) + what the tiles'
+// codec bounds come to in height, and in sideways displacement times slope + the residual of the
+// inverse displacement. The clock is no part of it: an answer is about the sea time that it states.
+//
+// Pure but for the ring that is read; thread-safe.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "base/result.h"
+#include "client/connection.h"
+#include "client/keyframe_ring.h"
+#include "sea/surface/surface.h"
+
+namespace seaway::client {
+
+struct LocalSurface {
+    sea::Surface surface;
+    /// Every cascade has keyframes on both sides of the time; otherwise answers are flagged
+    /// answer_extrapolated and error_m is no bound.
+    bool covers = false;
+};
+
+/// The surface around one time. `fields`: what keyframes must hold to be used. An error (not_held)
+/// names the cascade of which nothing is held.
+Result<LocalSurface> local_surface(const SeaState& state, const KeyframeRing& ring,
+                                   sea::TimeUs time_us, sea::FieldSet fields);
+
+/// Are keyframes held on both sides of this time, of every cascade?
+bool covers(const SeaState& state, const KeyframeRing& ring, sea::TimeUs time_us,
+            sea::FieldSet fields);
+
+/// What the codec bounds of these keyframes add to the error, beside the state's interpolation.
+sea::MapError local_map_error(const SeaState& state, std::span<const KeyframePair> pairs);
+
+/// One keyframe interval of every cascade: times in the same cell need the same keyframes.
+using TimeCell = std::vector<sea::TimeUs>;
+TimeCell time_cell(const SeaState& state, sea::TimeUs time_us);
+
+} // namespace seaway::client

@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/requests.h"
+
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "client/failure.h"
+
+namespace seaway::client {
+namespace {
+
+Error late() {
+    return failed(Failure::deadline, "the server did not answer in time");
+}
+
+} // namespace
+
+void Requests::start(Lane lane, const Encode& encode, TimeUs deadline_us, ReplyHandler handler,
+                     sea::FieldSet fields) {
+    Error refusal;
+    {
+        const std::scoped_lock lock(mutex_);
+        if (ended_) {
+            refusal = end_;
+        } else if (state(lane).waiting.size() >= waiting_max) {
+            refusal = failed(Failure::refused,
+                             fmt::format("{} requests wait already, which is the limit of this "
+                                         "client",
+                                         waiting_max));
+        } else {
+            if (++last_id_ == 0) // 0 stands for no request
+                ++last_id_;
+            state(lane).waiting.push_back(
+                {last_id_, encode(last_id_), deadline_us, std::move(handler), fields});
+        }
+    }
+    if (refusal.code != 0)
+        handler(refusal);
+    else
+        send_waiting(lane);
+}
+
+void Requests::send_waiting(Lane lane) {
+    for (;;) {
+        std::uint32_t request_id = 0;
+        protocol::Bytes message;
+        {
+            const std::scoped_lock lock(mutex_);
+            LaneState& queue = state(lane);
+            if (ended_ || queue.waiting.empty() || queue.in_flight >= places(lane))
+                return;
+            Waiting& next = queue.waiting.front();
+            request_id = next.request_id;
+            message = std::move(next.message);
+            open_[request_id] = {lane, next.deadline_us, std::move(next.handler), next.fields, {}};
+            queue.waiting.pop_front();
+            ++queue.in_flight;
+        }
+        if (!send_(request_id, std::move(message)))
+            finish(lane, request_id,
+                   failed(Failure::lost, "the connection takes no more messages"));
+    }
+}
+
+void Requests::note_grant(std::uint32_t request_id, const Grant& grant) {
+    const std::scoped_lock lock(mutex_);
+    const auto found = open_.find(request_id);
+    if (found == open_.end())
+        return;
+    found->second.grant = grant;
+    found->second.fields = grant.fields;
+}
+
+bool Requests::finish(Lane lane, std::uint32_t request_id, Result<Reply> reply) {
+    ReplyHandler handler;
+    {
+        const std::scoped_lock lock(mutex_);
+        const auto found = open_.find(request_id);
+        if (found == open_.end() || found->second.lane != lane)
+            return false;
+        handler = std::move(found->second.handler);
+        if (reply)
+            reply->grant = found->second.grant;
+        open_.erase(found);
+        --state(lane).in_flight;
+    }
+    if (handler)
+        handler(std::move(reply));
+    send_waiting(lane);
+    return true;
+}
+
+bool Requests::refuse(std::uint32_t request_id, const Error& error) {
+    bool granted = false;
+    {
+        const std::scoped_lock lock(mutex_);
+        const auto found = open_.find(request_id);
+        granted = found != open_.end() && !found->second.grant.fields.empty();
+    }
+    const Result<Reply> outcome = granted ? Result<Reply>(Reply()) : Result<Reply>(error);
+    return finish(Lane::query, request_id, outcome) || finish(Lane::bulk, request_id, outcome);
+}
+
+std::vector<sea::FieldSet> Requests::bulk_fields() const {
+    const std::scoped_lock lock(mutex_);
+    std::vector<sea::FieldSet> fields;
+    for (const auto& [request_id, request] : open_)
+        if (request.lane == Lane::bulk)
+            fields.push_back(request.fields);
+    return fields;
+}
+
+void Requests::expire(TimeUs now_us) {
+    std::vector<ReplyHandler> expired;
+    {
+        const std::scoped_lock lock(mutex_);
+        for (auto& [request_id, request] : open_)
+            if (request.handler && request.deadline_us <= now_us)
+                expired.push_back(std::exchange(request.handler, nullptr));
+        for (LaneState& lane : lanes_)
+            for (auto waiting = lane.waiting.begin(); waiting != lane.waiting.end();) {
+                if (waiting->deadline_us > now_us) {
+                    ++waiting;
+                    continue;
+                }
+                expired.push_back(std::move(waiting->handler));
+                waiting = lane.waiting.erase(waiting);
+            }
+    }
+    for (const ReplyHandler& handler : expired)
+        handler(late());
+}
+
+void Requests::fail_all(const Error& error) {
+    std::vector<ReplyHandler> failed_handlers;
+    {
+        const std::scoped_lock lock(mutex_);
+        ended_ = true;
+        end_ = error;
+        for (auto& [request_id, request] : open_)
+            if (request.handler)
+                failed_handlers.push_back(std::move(request.handler));
+        for (LaneState& lane : lanes_) {
+            for (Waiting& waiting : lane.waiting)
+                failed_handlers.push_back(std::move(waiting.handler));
+            lane.waiting.clear();
+            lane.in_flight = 0;
+        }
+        open_.clear();
+    }
+    for (const ReplyHandler& handler : failed_handlers)
+        handler(error);
+}
+
+} // namespace seaway::client

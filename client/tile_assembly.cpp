@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/tile_assembly.h"
+
+#include <algorithm>
+#include <bit>
+#include <iterator>
+
+#include <fmt/format.h>
+
+#include "protocol/limits.h"
+#include "protocol/tile_codec.h"
+
+namespace seaway::client {
+
+using protocol::TileHeader;
+using sea::Field;
+using sea::FieldSet;
+
+namespace {
+
+/// So that the difference of two times always fits.
+constexpr sea::TimeUs time_max_us = std::int64_t{1} << 62;
+
+Error bad_tile(const TileHeader& header, std::string_view why) {
+    return Error{fmt::format("tile of {}, cascade {}, at {} us: {}", sea::info(header.field).name,
+                             header.cascade, header.time_us, why)};
+}
+
+bool same_keyframe(const TileHeader& a, const TileHeader& b) {
+    return a.keyframe == b.keyframe && a.epoch == b.epoch && a.cascade == b.cascade &&
+           a.time_us == b.time_us;
+}
+
+std::size_t area(int width, int height) {
+    return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+}
+
+} // namespace
+
+Result<TileAssembly::Added> TileAssembly::add(const TileHeader& header,
+                                              std::span<const std::uint8_t> payload,
+                                              double length_m, FieldSet streamed,
+                                              std::span<const FieldSet> requested) {
+    if (header.time_us > time_max_us || header.time_us < -time_max_us)
+        return bad_tile(header, "the time is out of range");
+    Pending& pending = pending_for(header, length_m, streamed);
+    if (const Result<void> taken = take(pending, header, payload); !taken)
+        return taken.error();
+    const auto newly_whole = [&](FieldSet fields) {
+        return !fields.empty() && pending.whole.contains(fields) &&
+               !pending.handed_out.contains(fields);
+    };
+    const auto satisfied = [&](FieldSet fields) { return pending.handed_out.contains(fields); };
+    Added added;
+    added.acknowledge = !pending.streamed.empty() && pending.whole.contains(pending.streamed);
+    if (newly_whole(pending.streamed) ||
+        std::any_of(requested.begin(), requested.end(), newly_whole))
+        added.complete = assemble(pending);
+    if (!pending.handed_out.empty() && satisfied(pending.streamed) &&
+        std::all_of(requested.begin(), requested.end(), satisfied))
+        forget(std::prev(pending_.end()));
+    return added;
+}
+
+TileAssembly::Pending& TileAssembly::pending_for(const TileHeader& header, double length_m,
+                                                 FieldSet streamed) {
+    const auto found = std::find_if(pending_.begin(), pending_.end(), [&](const Pending& pending) {
+        return same_keyframe(pending.header, header);
+    });
+    if (found != pending_.end()) {
+        pending_.splice(pending_.end(), pending_, found);
+        return pending_.back();
+    }
+    if (pending_.size() >= keyframes_max)
+        drop_oldest();
+    return pending_.emplace_back(Pending{header, length_m, streamed, {}, {}, {}});
+}
+
+Result<void> TileAssembly::begin_map(Pending& pending, const TileHeader& header) {
+    const std::size_t bytes = area(header.size, header.size) * sizeof(float);
+    while (bytes_ + bytes > bytes_max) {
+        if (&pending_.front() == &pending)
+            return bad_tile(header, "the keyframe is too large");
+        drop_oldest();
+    }
+    bytes_ += bytes;
+    Map& map = pending.maps[static_cast<std::size_t>(header.field)];
+    map.values.resize(area(header.size, header.size));
+    map.parts = header.parts;
+    return {};
+}
+
+Result<void> TileAssembly::take(Pending& pending, const TileHeader& header,
+                                std::span<const std::uint8_t> payload) {
+    if (header.size != pending.header.size)
+        return bad_tile(header, fmt::format("map of size {}, the keyframe began with {}",
+                                            header.size, pending.header.size));
+    Map& map = pending.maps[static_cast<std::size_t>(header.field)];
+    if (map.parts == 0)
+        if (const Result<void> begun = begin_map(pending, header); !begun)
+            return begun;
+    if (header.parts != map.parts)
+        return bad_tile(header,
+                        fmt::format("{} parts, the map began with {}", header.parts, map.parts));
+    const std::uint64_t part_bit = std::uint64_t{1} << header.part;
+    if ((map.parts_seen & part_bit) != 0)
+        return {}; // the copy of another delivery
+    const std::size_t samples = area(header.width, header.height);
+    if (map.samples_seen + samples > map.values.size())
+        return bad_tile(header, "its parts are larger than the map");
+    const auto stride = static_cast<std::size_t>(header.size);
+    const std::size_t first =
+        static_cast<std::size_t>(header.y0) * stride + static_cast<std::size_t>(header.x0);
+    const Result<void> decoded = protocol::decode_tile(
+        payload, {header.width, header.height}, stride, std::span(map.values).subspan(first));
+    if (!decoded)
+        return bad_tile(header, decoded.error().message);
+    map.parts_seen |= part_bit;
+    map.samples_seen += samples;
+    map.error = std::max(map.error, header.error);
+    if (std::popcount(map.parts_seen) < map.parts)
+        return {};
+    if (map.samples_seen != map.values.size())
+        return bad_tile(header, "its parts do not cover the map");
+    pending.whole.insert(header.field);
+    return {};
+}
+
+std::vector<HeldKeyframePtr> TileAssembly::finish(FieldSet fields) {
+    std::vector<HeldKeyframePtr> complete;
+    for (Pending& pending : pending_)
+        if (!fields.empty() && pending.whole.contains(fields) &&
+            !pending.handed_out.contains(fields))
+            complete.push_back(assemble(pending));
+    // What was handed out and is not being streamed has been waited for by this request alone;
+    // beyond that, only the stream's own keyframes can still be under way.
+    for (auto pending = pending_.begin(); pending != pending_.end();) {
+        const auto next = std::next(pending);
+        if (!pending->handed_out.empty() && pending->handed_out.contains(pending->streamed))
+            forget(pending);
+        pending = next;
+    }
+    while (pending_.size() > protocol::limits::credit_max)
+        drop_oldest();
+    return complete;
+}
+
+HeldKeyframePtr TileAssembly::assemble(Pending& pending) {
+    sea::Keyframe keyframe;
+    keyframe.epoch = pending.header.epoch;
+    keyframe.cascade = pending.header.cascade;
+    keyframe.time_us = pending.header.time_us;
+    keyframe.size = pending.header.size;
+    keyframe.length_m = pending.length_m;
+    keyframe.fields = pending.whole;
+    keyframe.values.reserve(static_cast<std::size_t>(pending.whole.size()) * keyframe.plane_size());
+    HeldKeyframe::FieldErrors errors{};
+    for (const Field field : pending.whole) {
+        const Map& map = pending.maps[static_cast<std::size_t>(field)];
+        keyframe.values.insert(keyframe.values.end(), map.values.begin(), map.values.end());
+        errors[static_cast<std::size_t>(field)] = map.error;
+    }
+    pending.handed_out = pending.whole;
+    return std::make_shared<const HeldKeyframe>(std::move(keyframe), errors);
+}
+
+void TileAssembly::drop_oldest() {
+    if (pending_.front().handed_out.empty())
+        ++dropped_;
+    forget(pending_.begin());
+}
+
+void TileAssembly::forget(std::list<Pending>::iterator pending) {
+    for (const Map& map : pending->maps)
+        bytes_ -= map.values.size() * sizeof(float);
+    pending_.erase(pending);
+}
+
+} // namespace seaway::client

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+// Tile assembly: parts of maps, as they come over the wire, to whole keyframes.
+//
+// A tile does not say why it was sent: streamed and fetched copies of one keyframe may come mixed,
+// with different sets of fields. So every part is taken once, and a keyframe is handed out when it
+// holds all that someone waits for: the fields of the subscription, or those of an open request;
+// again if more of its fields complete later. Everything is bounded: the keyframe touched longest
+// ago makes room. Bytes that make no sense are an error, after which the connection should be
+// closed.
+//
+// For one thread.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <list>
+#include <span>
+#include <vector>
+
+#include "base/result.h"
+#include "client/keyframe_ring.h"
+#include "protocol/messages.h"
+
+namespace seaway::client {
+
+class TileAssembly {
+  public:
+    /// Keyframes under way: those of a full fetch (8 times, 2 each, 5 cascades) and of the stream.
+    static constexpr std::size_t keyframes_max = 96;
+    /// Maps under way, all together.
+    static constexpr std::size_t bytes_max = 512u * 1024 * 1024;
+
+    struct Added {
+        HeldKeyframePtr complete; ///< null unless this part completed what is waited for
+        bool acknowledge = false; ///< all that was streamed of it is there
+    };
+
+    /// Takes one part. `length_m`: side of the cascade's tile. `streamed`: the fields granted to
+    /// the subscription (empty: none), of which those at a keyframe's first part count.
+    /// `requested`: the fields that each open request waits for.
+    Result<Added> add(const protocol::TileHeader& header, std::span<const std::uint8_t> payload,
+                      double length_m, sea::FieldSet streamed,
+                      std::span<const sea::FieldSet> requested);
+
+    /// A request has ended, its keyframes have `fields`: those not handed out with them so far.
+    std::vector<HeldKeyframePtr> finish(sea::FieldSet fields);
+
+    std::size_t keyframes() const { return pending_.size(); }
+    std::size_t bytes() const { return bytes_; }
+    /// Keyframes that made room for others before anybody got them.
+    std::uint64_t dropped() const { return dropped_; }
+
+  private:
+    struct Map {
+        std::vector<float> values; ///< [y][x]
+        std::uint64_t parts_seen = 0;
+        std::size_t samples_seen = 0;
+        int parts = 0;
+        float error = 0;
+    };
+    struct Pending {
+        protocol::TileHeader header; ///< of its first part
+        double length_m = 0;
+        sea::FieldSet streamed;
+        sea::FieldSet whole;      ///< fields of which all parts are there
+        sea::FieldSet handed_out; ///< fields of the last keyframe made from it
+        std::array<Map, sea::field_count> maps;
+    };
+
+    Pending& pending_for(const protocol::TileHeader& header, double length_m,
+                         sea::FieldSet streamed);
+    Result<void> take(Pending& pending, const protocol::TileHeader& header,
+                      std::span<const std::uint8_t> payload);
+    Result<void> begin_map(Pending& pending, const protocol::TileHeader& header);
+    static HeldKeyframePtr assemble(Pending& pending);
+    void drop_oldest();
+    void forget(std::list<Pending>::iterator pending);
+
+    std::list<Pending> pending_; ///< touched last: at the back
+    std::size_t bytes_ = 0;
+    std::uint64_t dropped_ = 0;
+};
+
+} // namespace seaway::client
