@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+// seaway-inspect: what a scene amounts to, without server or GPU. Errors: one line on stderr,
+// exit 2.
+#include <algorithm>
+#include <charconv>
+#include <cstdio>
+#include <iostream>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "sea/directional_spectrum.h"
+#include "tools/inspect/picture.h"
+#include "tools/inspect/points.h"
+#include "tools/inspect/report.h"
+
+namespace {
+
+using namespace seaway;
+
+struct Options {
+    std::string scene;
+    std::string format = "text";
+    std::string spectrum;
+    std::string points;
+    std::string plot;
+};
+
+constexpr int exit_usage = 2;
+
+Result<std::vector<double>> frequencies(const std::string& list) {
+    std::vector<double> result;
+    const char* at = list.data();
+    const char* const end = at + list.size();
+    while (true) {
+        double omega = 0.0;
+        const auto [next, error] = std::from_chars(at, end, omega);
+        if (error != std::errc{} || !(omega >= 0.0 && omega <= 1e6) ||
+            (next != end && *next != ','))
+            return Error{fmt::format("--spectrum '{}': frequencies in rad/s, 0 .. 1e6, with commas "
+                                     "between them",
+                                     list)};
+        result.push_back(omega);
+        if (next == end)
+            return result;
+        at = next + 1;
+    }
+}
+
+Result<std::string> spectrum_csv(const sea::Scene& scene, const std::string& list) {
+    const Result<std::vector<double>> omegas = frequencies(list);
+    if (!omegas)
+        return omegas.error();
+    std::string out = "omega_radps,s_m2s\n";
+    for (const double omega : *omegas) {
+        double density = 0.0;
+        for (const sea::WaveSystem& system : scene.sea.systems)
+            density += sea::DirectionalSpectrum(system, scene.sea).frequency_density(omega);
+        out += fmt::format("{:.17g},{:.17g}\n", omega, density);
+    }
+    return out;
+}
+
+Result<std::string> points_csv(const inspect::Report& report, const std::string& path) {
+    const Result<std::vector<sea::QueryPoint>> points = inspect::read_points(path);
+    if (!points)
+        return points.error();
+    return inspect::to_csv(
+        *points, inspect::answer_points(
+                     report.sea, std::max(report.budget.displacement_reach_m, 1e-3), *points));
+}
+
+/// What goes to stdout.
+Result<std::string> run(const Options& options) {
+    const Result<sea::Scene> scene = sea::read_scene(options.scene);
+    if (!scene)
+        return scene.error();
+    if (!options.spectrum.empty() && options.plot.empty())
+        return spectrum_csv(*scene, options.spectrum);
+    const Result<inspect::Report> report = inspect::make_report(*scene);
+    if (!report)
+        return report.error();
+    if (!options.plot.empty())
+        if (const Result<void> drawn = inspect::draw_picture(*report, options.plot); !drawn)
+            return drawn.error();
+    if (!options.spectrum.empty())
+        return spectrum_csv(*scene, options.spectrum);
+    if (!options.points.empty())
+        return points_csv(*report, options.points);
+    return options.format == "json" ? inspect::to_json(*report) : inspect::to_text(*report);
+}
+
+void declare(CLI::App& app, Options& options) {
+    app.add_option("scene", options.scene, "Scene file (docs/scenes.md)")
+        ->required()
+        ->type_name("SCENE.toml");
+    app.add_option("--format", options.format, "Form of the report: text or json")
+        ->check(CLI::IsMember({"text", "json"}))
+        ->type_name("FORMAT");
+    auto* spectrum = app.add_option("--spectrum", options.spectrum,
+                                    "Print S(w) at these rad/s as CSV omega_radps,s_m2s")
+                         ->type_name("W1,W2,...");
+    app.add_option("--eval", options.points,
+                   "Print the exact surface at rows x_m,y_m,t_s of a CSV file ('-': stdin)")
+        ->excludes(spectrum)
+        ->type_name("FILE.csv");
+    app.add_option("--plot", options.plot, "Draw spectrum, directions and cascades")
+        ->type_name("FILE.png");
+    app.set_version_flag("--version", "seaway-inspect " SEAWAY_VERSION);
+}
+
+int fail(const std::string& message) {
+    std::string line = message;
+    std::replace(line.begin(), line.end(), '\n', ' ');
+    fmt::print(stderr, "seaway-inspect: {}\n", line);
+    return exit_usage;
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    Options options;
+    CLI::App app("seaway-inspect: what a scene amounts to, without server or GPU");
+    declare(app, options);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        return error.get_exit_code() == 0 ? app.exit(error) : fail(error.what());
+    }
+    const Result<std::string> out = run(options);
+    if (!out)
+        return fail(out.error().message);
+    std::cout << *out << std::flush;
+    return std::cout ? 0 : fail("cannot write to standard output");
+}

@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/inspect/picture.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "sea/scene_names.h"
+#include "tools/inspect/curves.h"
+
+namespace seaway::inspect {
+
+namespace {
+
+using plot::Align;
+using plot::Axis;
+using plot::Canvas;
+using plot::Chart;
+using plot::ink;
+using plot::Point;
+using plot::Rect;
+using plot::Scale;
+
+constexpr double degrees_per_radian = 180.0 / sea::pi;
+constexpr plot::Color peak_color{200, 30, 60};
+constexpr double decades_shown = 6.5;
+
+/// Where waves that come from a bearing go, rad.
+double towards(double from_deg) {
+    return (270.0 - from_deg) / degrees_per_radian;
+}
+
+void draw_title(Canvas& canvas, const Report& report) {
+    const sea::SeaStatistics& q = report.summary.requested;
+    const sea::SeaStatistics& r = report.summary.realised;
+    const std::string name = std::filesystem::path(report.scene.source).stem().string();
+    canvas.text({36, 38}, name, {ink, 15, Align::left, true});
+    const std::string facts =
+        r.significant_height_m > 0.0
+            ? fmt::format("requested Hs {:.2f} m, Tp {:.1f} s    realised Hs {:.2f} m, Tp {:.1f} s "
+                          "   from {:.0f}°, spread {:.0f}°",
+                          q.significant_height_m, q.peak_period_s, r.significant_height_m,
+                          r.peak_period_s, sea::bearing_from_towards(r.mean_towards_rad),
+                          r.spread_rad * degrees_per_radian)
+            : std::string("a flat sea");
+    canvas.text({1176, 38}, facts, {ink, 9.5, Align::right});
+}
+
+std::vector<Point> sampled(FrequencyRange range, const auto& density) {
+    constexpr int steps = 600;
+    std::vector<Point> points;
+    for (int i = 0; i <= steps; ++i) {
+        const double omega =
+            range.lo_radps * std::pow(range.hi_radps / range.lo_radps, i / double(steps));
+        points.push_back({omega, density(omega)});
+    }
+    return points;
+}
+
+/// Periods along the upper edge.
+void draw_periods(Chart& chart, FrequencyRange range) {
+    const Axis periods{"", sea::two_pi / range.hi_radps, sea::two_pi / range.lo_radps,
+                       Scale::logarithmic};
+    const Rect& area = chart.area();
+    for (const plot::Tick& tick : plot::ticks(periods)) {
+        const double x = std::floor(chart.at({sea::two_pi / tick.value, 1.0}).x) + 0.5;
+        const double length = tick.label.empty() ? 3 : 6;
+        chart.canvas().line({x, area.top - length}, {x, area.top}, {ink, 1.0});
+        chart.canvas().text({x, area.top - 10}, tick.label, {ink, 8.0, Align::centre});
+    }
+    chart.canvas().text({0.5 * (area.left + area.right), area.top - 28}, "period, s",
+                        {ink, 9.0, Align::centre});
+}
+
+void draw_bands(Chart& chart, const Report& report) {
+    const sea::Dispersion dispersion = report.scene.sea.dispersion();
+    for (std::size_t c = 0; c < report.sea->cascades.size(); ++c) {
+        const sea::CascadeModes& modes = report.sea->cascades[c];
+        const double lo = dispersion.omega(modes.band.k_lo_radpm);
+        const double hi = dispersion.omega(modes.band.k_hi_radpm);
+        chart.band(lo, hi, plot::series_color(c).faded(0.13));
+        const double middle = 0.5 * (std::max(chart.at({lo, 1.0}).x, chart.area().left) +
+                                     std::min(chart.at({hi, 1.0}).x, chart.area().right));
+        chart.canvas().text({middle, chart.area().bottom - 26},
+                            fmt::format("{:g} m", modes.spec.length_m),
+                            {plot::series_color(c), 9.0, Align::centre, true});
+        chart.canvas().text({middle, chart.area().bottom - 10},
+                            fmt::format("{0} × {0}", modes.spec.size),
+                            {plot::series_color(c), 8.0, Align::centre});
+    }
+}
+
+void draw_spectrum(Canvas& canvas, const Report& report, const SeaSpectrum& spectrum,
+                   FrequencyRange range) {
+    const std::vector<Point> requested =
+        sampled(range, [&](double omega) { return spectrum.density(omega); });
+    std::vector<std::vector<Point>> realised;
+    double highest = 0.0;
+    for (const sea::CascadeModes& modes : report.sea->cascades)
+        for (const Point p :
+             realised.emplace_back(realised_density(modes, report.scene.sea.dispersion())))
+            highest = std::max(highest, p.y);
+    for (const Point p : requested)
+        highest = std::max(highest, p.y);
+    const double top = highest > 0.0 ? 3.0 * highest : 1.0;
+    Chart chart(canvas, {92, 112, 720, 636},
+                {"angular frequency ω, rad/s", range.lo_radps, range.hi_radps, Scale::logarithmic},
+                {"energy density S(ω), m^{2} s/rad", top * std::pow(10.0, -decades_shown), top,
+                 Scale::logarithmic});
+    chart.draw_grid();
+    draw_bands(chart, report);
+    if (report.summary.requested.peak_period_s > 0.0) {
+        const double peak = sea::two_pi / report.summary.requested.peak_period_s;
+        chart.vertical(peak, {peak_color, 1.5, 6.0},
+                       fmt::format("peak, Tp {:.1f} s", report.summary.requested.peak_period_s));
+    }
+    chart.curve(requested, {ink, 2.0}, "requested");
+    if (report.summary.lost_fade_m2 > 0.0 && !spectrum.empty())
+        chart.curve(sampled(range, [&](double omega) { return spectrum.kept_density(omega); }),
+                    {ink, 1.5, 5.0}, "after fade and cut-offs");
+    for (std::size_t c = 0; c < realised.size(); ++c)
+        chart.points(realised[c], 3.0, plot::series_color(c),
+                     fmt::format("realised, tile {:g} m", report.sea->cascades[c].spec.length_m));
+    chart.draw_frame();
+    draw_periods(chart, range);
+    chart.draw_legend(plot::Corner::top_right);
+}
+
+/// Energy over frequency and direction, on a compass: from where waves come.
+void draw_compass(Canvas& canvas, const SeaSpectrum& spectrum) {
+    constexpr Point centre{936, 262};
+    constexpr double radius = 150;
+    const double omega_end = 3.0 * spectrum.highest_peak_radps();
+    const auto energy = [&](double dx, double dy) {
+        const double omega = omega_end * std::hypot(dx, dy) / radius;
+        const double from_deg = degrees_per_radian * std::atan2(dx, -dy);
+        return omega > 0.0 ? spectrum.density(omega) * spectrum.spreading(omega, towards(from_deg))
+                           : 0.0;
+    };
+    constexpr int side = 2 * static_cast<int>(radius);
+    std::vector<double> values;
+    for (int y = 0; y < side; ++y)
+        for (int x = 0; x < side; ++x) {
+            const double dx = x + 0.5 - radius;
+            const double dy = y + 0.5 - radius;
+            values.push_back(std::hypot(dx, dy) < radius ? energy(dx, dy) : 0.0);
+        }
+    const double highest = *std::max_element(values.begin(), values.end());
+    // The square root of the energy is an amplitude; it shows swell beside a wind sea.
+    canvas.paint({centre.x - radius, centre.y - radius, centre.x + radius, centre.y + radius},
+                 [&](double px, double py) {
+                     const auto i = static_cast<std::size_t>((py - centre.y + radius - 0.5) * side +
+                                                             (px - centre.x + radius - 0.5));
+                     plot::Color color = plot::sea_color(std::sqrt(values[i] / highest));
+                     const double r = std::hypot(px - centre.x, py - centre.y);
+                     color.opacity = std::clamp(radius - r, 0.0, 1.0);
+                     return color;
+                 });
+    for (const plot::Tick& tick : plot::ticks({"", 0.0, omega_end}, 3)) {
+        const double r = radius * tick.value / omega_end;
+        if (r < 1.0 || r > radius - 1.0)
+            continue;
+        canvas.circle(centre, r, {plot::grey.faded(0.6), 0.8});
+        canvas.text({centre.x + 0.707 * r + 3, centre.y + 0.707 * r + 11}, tick.label,
+                    {plot::grey, 7.5});
+    }
+    for (int bearing = 0; bearing < 360; bearing += 30) {
+        const double angle = bearing / degrees_per_radian;
+        const Point edge{centre.x + radius * std::sin(angle), centre.y - radius * std::cos(angle)};
+        canvas.line(centre, edge, {plot::grey.faded(0.35), 0.8});
+        const std::string label =
+            bearing % 90 == 0 ? std::string(1, "NESW"[bearing / 90]) : fmt::format("{}°", bearing);
+        canvas.text({centre.x + (radius + 17) * std::sin(angle),
+                     centre.y - (radius + 15) * std::cos(angle) + 4},
+                    label, {ink, bearing % 90 == 0 ? 10.0 : 7.5, Align::centre, bearing % 90 == 0});
+    }
+    canvas.circle(centre, radius, {ink, 1.0});
+    canvas.text({centre.x, 78}, "energy S(ω) D(θ, ω), by where waves come from",
+                {ink, 9.0, Align::centre});
+    plot::draw_color_bar(canvas, {1126, 132, 1140, 392},
+                         {"amplitude / largest", 0.0, 1.0, Scale::linear});
+    canvas.text({centre.x + radius * 0.75, centre.y + radius + 12}, "radius: ω, rad/s",
+                {plot::grey, 7.5});
+}
+
+/// The share of each frequency's energy by direction.
+void draw_spreading(Canvas& canvas, const Report& report, const SeaSpectrum& spectrum,
+                    FrequencyRange range) {
+    const double mean_deg =
+        std::round(sea::bearing_from_towards(report.summary.requested.mean_towards_rad));
+    Chart chart(canvas, {800, 500, 1090, 636},
+                {"angular frequency ω, rad/s", range.lo_radps, range.hi_radps, Scale::logarithmic},
+                {"from mean direction, °", -180.0, 180.0, Scale::linear, 90.0});
+    const Rect& area = chart.area();
+    const auto share = [&](Point pixel) {
+        const Point value = chart.value_at(pixel);
+        return spectrum.spreading(value.x, towards(mean_deg + value.y));
+    };
+    double highest = 0.0;
+    for (double y = area.top + 0.5; y < area.bottom; ++y)
+        for (double x = area.left + 0.5; x < area.right; x += 4)
+            highest = std::max(highest, share({x, y}));
+    canvas.paint(area, [&](double x, double y) {
+        return plot::sea_color(highest > 0.0 ? share({x, y}) / highest : 0.0);
+    });
+    chart.vertical(sea::two_pi / report.summary.requested.peak_period_s, {peak_color, 1.5, 6.0});
+    chart.draw_frame();
+    canvas.text({0.5 * (area.left + area.right), area.top - 14},
+                fmt::format("spreading D(θ, ω) around {:.0f}°", mean_deg),
+                {ink, 9.0, Align::centre});
+    plot::draw_color_bar(canvas, {1126, area.top, 1140, area.bottom},
+                         {"D, 1/rad", 0.0, std::max(highest, 1e-9), Scale::linear});
+}
+
+} // namespace
+
+Result<void> draw_picture(const Report& report, const std::string& path) {
+    Canvas canvas(1200, 700);
+    const SeaSpectrum spectrum(report.scene.sea);
+    const FrequencyRange range = frequency_range(report, spectrum);
+    draw_title(canvas, report);
+    draw_spectrum(canvas, report, spectrum, range);
+    if (!spectrum.empty()) {
+        draw_compass(canvas, spectrum);
+        draw_spreading(canvas, report, spectrum, range);
+    }
+    return canvas.write_png(path);
+}
+
+} // namespace seaway::inspect

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// The sea at points that a CSV file names, by direct sum in double precision.
+#pragma once
+
+#include <iosfwd>
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+#include "sea/realization.h"
+#include "sea/surface/answer.h"
+
+namespace seaway::inspect {
+
+/// Rows are at most this far from the origin; beyond, a coordinate resolves no wave.
+inline constexpr double coordinate_max_m = 1e9;
+/// About 290000 years; int64 microseconds end there.
+inline constexpr double time_max_s = 9.2e12;
+
+/// Rows `x_m,y_m,t_s`, with or without that header; blank lines are skipped. Errors name the line.
+Result<std::vector<sea::QueryPoint>> read_points(std::istream& in, const std::string& name);
+
+/// The same from a file; "-" is standard input.
+Result<std::vector<sea::QueryPoint>> read_points(const std::string& path);
+
+/// One answer a point, in order, flagged answer_exact; error_m bounds the inverse displacement and
+/// rounding. About 1 ms a point, and 5 ms for each distinct time.
+std::vector<sea::Answer> answer_points(const sea::RealizationPtr& sea, double fold_reach_m,
+                                       const std::vector<sea::QueryPoint>& points);
+
+/// Header and rows as `seaway-query --format csv` prints them, every double in full.
+std::string to_csv(const std::vector<sea::QueryPoint>& points,
+                   const std::vector<sea::Answer>& answers);
+
+} // namespace seaway::inspect

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/inspect/report.h"
+
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "sea/scene_names.h"
+
+namespace seaway::inspect {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double degrees_per_radian = 180.0 / sea::pi;
+
+bool flat(const sea::SeaStatistics& s) {
+    return !(s.significant_height_m > 0.0);
+}
+
+double from_deg(const sea::SeaStatistics& s) {
+    return flat(s) ? 0.0 : sea::bearing_from_towards(s.mean_towards_rad);
+}
+
+double variance(const sea::SeaStatistics& s) {
+    return s.significant_height_m * s.significant_height_m / 16.0;
+}
+
+Json json_of(const sea::SeaStatistics& s) {
+    return {{"hs_m", s.significant_height_m},   {"tp_s", s.peak_period_s},
+            {"tz_s", s.zero_crossing_period_s}, {"tm01_s", s.mean_period_s},
+            {"mean_from_deg", from_deg(s)},     {"spread_deg", s.spread_rad * degrees_per_radian},
+            {"mss", s.mean_square_slope}};
+}
+
+Json json_of_cascades(const Report& report) {
+    Json rows = Json::array();
+    for (std::size_t c = 0; c < report.sea->cascades.size(); ++c) {
+        const sea::CascadeModes& modes = report.sea->cascades[c];
+        const sea::CascadeVariance& variance = report.summary.cascades[c];
+        rows.push_back(
+            {{"length_m", modes.spec.length_m},
+             {"size", modes.spec.size},
+             {"k_lo_radpm", modes.band.k_lo_radpm},
+             {"k_hi_radpm", modes.band.k_hi_radpm},
+             {"requested_m2", variance.requested_m2},
+             {"realised_m2", variance.realised_m2},
+             {"hs_scatter_expected", variance.expected_scatter},
+             {"keyframe_interval_s", sea::seconds_from_us(report.budget.cascades[c].interval_us)}});
+    }
+    return rows;
+}
+
+struct Line {
+    const char* name;
+    const char* unit;
+    double requested;
+    double realised;
+};
+
+std::string text_of_statistics(const Report& report) {
+    const sea::SeaStatistics& q = report.summary.requested;
+    const sea::SeaStatistics& r = report.summary.realised;
+    const Line lines[] = {
+        {"significant height Hs", "m", q.significant_height_m, r.significant_height_m},
+        {"peak period Tp", "s", q.peak_period_s, r.peak_period_s},
+        {"zero-crossing period Tz", "s", q.zero_crossing_period_s, r.zero_crossing_period_s},
+        {"mean period Tm01", "s", q.mean_period_s, r.mean_period_s},
+        {"mean direction, from", "deg", from_deg(q), from_deg(r)},
+        {"directional spread", "deg", q.spread_rad * degrees_per_radian,
+         r.spread_rad * degrees_per_radian},
+        {"mean square slope", "", q.mean_square_slope, r.mean_square_slope}};
+    std::string out = fmt::format("{:28}{:>12}{:>12}\n", "", "requested", "realised");
+    for (const Line& line : lines)
+        out += fmt::format("{:24}{:>4}{:>12.4g}{:>12.4g}\n", line.name, line.unit, line.requested,
+                           line.realised);
+    return out + fmt::format("Hs of one seed scatters by {:.1f} % (one standard deviation)\n",
+                             100.0 * report.hs_scatter_expected());
+}
+
+std::string text_of_cascades(const Report& report) {
+    std::string out =
+        fmt::format("{:>9}{:>7}{:>20}{:>15}{:>15}{:>16}{:>14}\n", "tile, m", "size", "waves, m",
+                    "requested, m2", "realised, m2", "Hs scatter, %", "keyframe, s");
+    for (std::size_t c = 0; c < report.sea->cascades.size(); ++c) {
+        const sea::CascadeModes& modes = report.sea->cascades[c];
+        const sea::CascadeVariance& v = report.summary.cascades[c];
+        // The lowest band begins half a step below its first wave.
+        const double longest = std::min(modes.spec.length_m, sea::two_pi / modes.band.k_lo_radpm);
+        out += fmt::format(
+            "{:>9g}{:>7}{:>20}{:>15.4g}{:>15.4g}{:>16.1f}{:>14g}\n", modes.spec.length_m,
+            modes.spec.size,
+            fmt::format("{:.4g} .. {:.3g}", longest, sea::two_pi / modes.band.k_hi_radpm),
+            v.requested_m2, v.realised_m2, 100.0 * v.expected_scatter,
+            sea::seconds_from_us(report.budget.cascades[c].interval_us));
+    }
+    return out;
+}
+
+std::string text_of_losses(const Report& report) {
+    const double whole = variance(report.summary.requested);
+    const auto share = [whole](double part) { return whole > 0.0 ? 100.0 * part / whole : 0.0; };
+    return fmt::format("not carried, of {:.4g} m2: {:.2g} % longer than the tiles hold, {:.2g} % "
+                       "shorter than they resolve, {:.2g} % by fade and cut-offs\n",
+                       whole, share(report.summary.lost_below_m2),
+                       share(report.summary.lost_above_m2), share(report.summary.lost_fade_m2));
+}
+
+} // namespace
+
+double Report::hs_scatter_expected() const {
+    // Cascades are independent: variances of m0 add, and Hs scatters by half of m0's share.
+    double squares = 0.0;
+    double sum = 0.0;
+    for (const sea::CascadeVariance& c : summary.cascades) {
+        squares += std::pow(c.expected_scatter * c.requested_m2, 2);
+        sum += c.requested_m2;
+    }
+    return sum > 0.0 ? std::sqrt(squares) / sum : 0.0;
+}
+
+Result<Report> make_report(const sea::Scene& scene) {
+    Result<sea::Realization> sea = realize(scene);
+    if (!sea)
+        return Error{fmt::format("{}: {}", scene.source, sea.error().message)};
+    Report report;
+    report.scene = scene;
+    report.sea = std::make_shared<const sea::Realization>(std::move(*sea));
+    report.summary = summarize(scene.sea, *report.sea);
+    report.budget = plan_budget(*report.sea, scene.accuracy.height_error_m);
+    report.warnings = scene_warnings(scene);
+    return report;
+}
+
+std::string to_json(const Report& report) {
+    const double depth = report.scene.sea.depth_m;
+    const Json json = {{"scene", report.scene.source},
+                       {"seed", report.scene.sea.seed},
+                       {"depth_m", std::isfinite(depth) ? Json(depth) : Json(nullptr)},
+                       {"requested", json_of(report.summary.requested)},
+                       {"realised", json_of(report.summary.realised)},
+                       {"hs_scatter_expected", report.hs_scatter_expected()},
+                       {"longest_peak_wavelength_m", report.summary.longest_peak_wavelength_m},
+                       {"variance",
+                        {{"requested_m2", variance(report.summary.requested)},
+                         {"realised_m2", variance(report.summary.realised)},
+                         {"lost_longer_m2", report.summary.lost_below_m2},
+                         {"lost_shorter_m2", report.summary.lost_above_m2},
+                         {"lost_fade_m2", report.summary.lost_fade_m2}}},
+                       {"cascades", json_of_cascades(report)},
+                       {"warnings", report.warnings}};
+    return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+}
+
+std::string to_text(const Report& report) {
+    const sea::SeaState& sea = report.scene.sea;
+    std::string out =
+        fmt::format("{}: seed {}, {}\n\n", report.scene.source, sea.seed,
+                    std::isfinite(sea.depth_m) ? fmt::format("depth {:g} m", sea.depth_m)
+                                               : std::string("deep water"));
+    out += text_of_statistics(report) + '\n' + text_of_cascades(report) + text_of_losses(report);
+    if (!report.warnings.empty())
+        out += '\n';
+    for (const std::string& warning : report.warnings)
+        out += fmt::format("warning: {}\n", warning);
+    return out;
+}
+
+} // namespace seaway::inspect
