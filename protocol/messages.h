@@ -78,7 +78,7 @@ Bytes hello(std::string_view client, std::string_view token,
 /// What a client wants streamed or fetched.
 struct TileWish {
     std::uint32_t cascades = 0xffffffffu; ///< bit c: cascade c
-    sea::FieldSet fields;
+    sea::FieldSet fields = {};
     float error_m = 0; ///< wanted bound on height, all parts together; 0: the server chooses
 };
 
@@ -118,16 +118,16 @@ struct SeaNumbers {
 struct SeaStateValues {
     std::uint32_t epoch = 0;
     sea::TimeUs start_time_us = 0; ///< this sea runs from here on
-    std::vector<CascadeInfo> cascades;
+    std::vector<CascadeInfo> cascades = {};
     double choppiness_x = 1;
     double choppiness_y = 1;
     double height_error_m = 0; ///< the budget of the scene
-    SeaNumbers requested;
-    SeaNumbers realised;
+    SeaNumbers requested = {};
+    SeaNumbers realised = {};
     double interpolation_error_m = 0; ///< part of every stated bound
     double rms_slope = 0;
-    std::string scene; ///< effective scene, TOML
-    std::vector<std::string> warnings;
+    std::string scene = {}; ///< effective scene, TOML
+    std::vector<std::string> warnings = {};
 };
 Bytes sea_state(const SeaStateValues& state);
 /// The inverse; `state` must have passed check().
