@@ -119,15 +119,14 @@ std::vector<sea::Answer> answer_points(const sea::RealizationPtr& sea, double fo
         if (i == 0 || point.time_us != points[order[i - 1]].time_us)
             moment = sum.at_time(point.time_us);
         // Far out, coordinates themselves are rounded to more than the tolerance.
-        const double far_m = std::max(std::abs(point.x_m), std::abs(point.y_m));
-        const sea::InverseOptions options{
-            sea->choppiness,
-            std::max(tolerance_m, 4.0 * std::numeric_limits<double>::epsilon() * far_m),
-            fold_reach_m};
+        const double rounded_to_m = std::numeric_limits<double>::epsilon() *
+                                    std::max(std::abs(point.x_m), std::abs(point.y_m));
+        const sea::InverseOptions options{sea->choppiness,
+                                          std::max(tolerance_m, 4.0 * rounded_to_m), fold_reach_m};
         sea::Answer& answer = answers[order[i]];
         answer = surface_at(point, options, *moment);
         answer.flags |= sea::answer_exact;
-        answer.error_m += rounding_m;
+        answer.error_m += rounding_m + 2.0 * rounded_to_m * surface_slope(answer);
     }
     return answers;
 }

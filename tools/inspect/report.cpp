@@ -102,7 +102,10 @@ std::string text_of_cascades(const Report& report) {
 
 std::string text_of_losses(const Report& report) {
     const double whole = variance(report.summary.requested);
-    const auto share = [whole](double part) { return whole > 0.0 ? 100.0 * part / whole : 0.0; };
+    // Below 1e-9 it is what two quadratures differ by.
+    const auto share = [whole](double part) {
+        return part > 1e-9 * whole ? 100.0 * part / whole : 0.0;
+    };
     return fmt::format("not carried, of {:.4g} m2: {:.2g} % longer than the tiles hold, {:.2g} % "
                        "shorter than they resolve, {:.2g} % by fade and cut-offs\n",
                        whole, share(report.summary.lost_below_m2),

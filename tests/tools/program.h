@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+// Runs one of our programs and keeps what it said.
+#pragma once
+
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+namespace seaway::testing {
+
+/// A folder of this test process, removed at its end.
+class Folder {
+  public:
+    Folder()
+        : path_(std::filesystem::temp_directory_path() /
+                ("seaway-tools-" + std::to_string(getpid()))) {
+        std::filesystem::create_directories(path_);
+    }
+    ~Folder() {
+        std::error_code ignored;
+        std::filesystem::remove_all(path_, ignored);
+    }
+    Folder(const Folder&) = delete;
+    Folder& operator=(const Folder&) = delete;
+
+    std::string file(const std::string& name) const { return (path_ / name).string(); }
+    std::string write(const std::string& name, const std::string& text) const {
+        std::ofstream(file(name), std::ios::binary) << text;
+        return file(name);
+    }
+
+  private:
+    std::filesystem::path path_;
+};
+
+inline Folder& folder() {
+    static Folder the_folder;
+    return the_folder;
+}
+
+inline std::string read_file(const std::string& path) {
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+}
+
+struct Output {
+    int status;
+    std::string out;
+    std::string err;
+    long error_lines() const { return std::count(err.begin(), err.end(), '\n'); }
+};
+
+/// `arguments` as a shell takes them; `input` goes to stdin.
+inline Output run_program(const std::string& name, const std::string& arguments,
+                          const std::string& input = {}) {
+    const std::string in = folder().write("stdin", input);
+    const std::string command = std::string(SEAWAY_BIN_DIR) + "/" + name + " " + arguments + " <" +
+                                in + " >" + folder().file("stdout") + " 2>" +
+                                folder().file("stderr");
+    const int status = std::system(command.c_str());
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_file(folder().file("stdout")),
+            read_file(folder().file("stderr"))};
+}
+
+} // namespace seaway::testing

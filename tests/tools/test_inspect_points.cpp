@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: Apache-2.0
+// seaway-inspect --eval against sums that this file computes for itself in long double.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <sstream>
+
+#include <fmt/format.h>
+
+#include "sea/scene.h"
+#include "sea/surface/answer.h"
+#include "tests/tools/program.h"
+
+namespace seaway {
+namespace {
+
+using Real = long double;
+using Complex = std::complex<Real>;
+using testing::folder;
+using testing::Output;
+using testing::run_program;
+
+constexpr Real two_pi = 2.0L * std::numbers::pi_v<Real>;
+
+const char* const two_swells = R"([sea]
+seed = 7
+depth_m = 40
+[[sea.system]]
+type = "swell"
+significant_height_m = 2.5
+peak_period_s = 11
+from_deg = 250
+spreading_exponent = 60
+[[sea.system]]
+type = "swell"
+significant_height_m = 0.8
+peak_period_s = 6
+from_deg = 30
+spreading_exponent = 200
+[[cascade]]
+length_m = 1024
+size = 64
+[[cascade]]
+length_m = 191
+size = 32
+)";
+
+struct Row {
+    std::array<double, 11> numbers; ///< x y t height nx ny nz vx vy vz error
+    unsigned flags;
+};
+
+std::vector<Row> evaluate(const std::string& scene, const std::string& points) {
+    const Output output = run_program("seaway-inspect", scene + " --eval -", points);
+    EXPECT_EQ(output.status, 0) << output.err;
+    std::istringstream lines(output.out);
+    std::string line;
+    std::getline(lines, line);
+    EXPECT_EQ(line, "x_m,y_m,t_s,height_m,normal_x,normal_y,normal_z,velocity_x_mps,"
+                    "velocity_y_mps,velocity_z_mps,error_m,flags");
+    std::vector<Row> rows;
+    while (std::getline(lines, line)) {
+        Row& row = rows.emplace_back();
+        const char* at = line.c_str();
+        for (double& number : row.numbers) {
+            char* end = nullptr;
+            number = std::strtod(at, &end);
+            at = end + 1;
+        }
+        row.flags = static_cast<unsigned>(std::strtoul(at, nullptr, 10));
+    }
+    return rows;
+}
+
+/// The sea straight from the formulas of docs/conventions.md: every k by itself, no symmetry used.
+class LongSum {
+  public:
+    enum class Frequencies { stored, from_dispersion };
+
+    LongSum(const sea::Scene& scene, Frequencies frequencies)
+        : scene_(scene), sea_(*realize(scene)), frequencies_(frequencies) {}
+
+    struct Point {
+        Real eta, dx, dy, eta_t, dx_t, dy_t, eta_x, eta_y, dxx, dyy, dxy;
+    };
+
+    Point at(Real x, Real y, std::int64_t time_us) const {
+        Point p{};
+        for (const sea::CascadeModes& tile : sea_.cascades) {
+            const Real length = tile.spec.length_m;
+            const int n = tile.spec.size;
+            for (int i = 0; i < n * n; ++i) {
+                const Complex h0(tile.h0[static_cast<std::size_t>(i)]);
+                if (h0 == Complex())
+                    continue;
+                const int nx = sea::signed_index(i % n, n);
+                const int ny = sea::signed_index(i / n, n);
+                const Real kx = two_pi * nx / length;
+                const Real ky = two_pi * ny / length;
+                const Real k = std::hypot(kx, ky);
+                // eta = 2 Re h0 exp(i (k.x - w t)): h0(k) and the conjugate that h(-k) carries.
+                const Real turns = nx * std::fmod(x, length) / length +
+                                   ny * std::fmod(y, length) / length -
+                                   turns_in_time(tile, i, k, time_us);
+                const Complex e =
+                    2.0L * h0 * std::polar(1.0L, two_pi * std::remainder(turns, 1.0L));
+                const Complex rate = Complex(0, -omega(tile, i, k)) * e;
+                const Complex i_unit(0, 1);
+                p.eta += e.real();
+                p.dx += (i_unit * kx / k * e).real();
+                p.dy += (i_unit * ky / k * e).real();
+                p.eta_t += rate.real();
+                p.dx_t += (i_unit * kx / k * rate).real();
+                p.dy_t += (i_unit * ky / k * rate).real();
+                p.eta_x += (i_unit * kx * e).real();
+                p.eta_y += (i_unit * ky * e).real();
+                p.dxx -= (kx * kx / k * e).real();
+                p.dyy -= (ky * ky / k * e).real();
+                p.dxy -= (kx * ky / k * e).real();
+            }
+        }
+        return p;
+    }
+
+    /// The surface above (x, y) by fixed-point iteration; these seas are too gentle to fold.
+    Point above(double x, double y, std::int64_t time_us) const {
+        Real offset_x = 0, offset_y = 0;
+        Point p{};
+        for (int step = 0; step < 100; ++step) {
+            p = at(x - offset_x, y - offset_y, time_us);
+            const Real change = std::hypot(p.dx - offset_x, p.dy - offset_y);
+            offset_x = p.dx;
+            offset_y = p.dy;
+            if (change < 1e-15L)
+                break;
+        }
+        return at(x - offset_x, y - offset_y, time_us);
+    }
+
+  private:
+    Real omega(const sea::CascadeModes& tile, int i, Real k) const {
+        if (frequencies_ == Frequencies::stored)
+            return static_cast<Real>(tile.rate[static_cast<std::size_t>(i)]) * 0x1p-64L * two_pi *
+                   1e6L;
+        const Real g = scene_.sea.gravity_mps2;
+        return std::sqrt((g * k + 7.4e-5L * k * k * k) *
+                         std::tanh(k * static_cast<Real>(scene_.sea.depth_m)));
+    }
+    Real turns_in_time(const sea::CascadeModes& tile, int i, Real k, std::int64_t time_us) const {
+        if (frequencies_ == Frequencies::from_dispersion)
+            return omega(tile, i, k) * static_cast<Real>(time_us) / 1e6L / two_pi;
+        // Whole turns drop out of the product modulo 2^64.
+        const std::uint64_t product =
+            tile.rate[static_cast<std::size_t>(i)] * static_cast<std::uint64_t>(time_us);
+        return static_cast<Real>(product) * 0x1p-64L;
+    }
+
+    const sea::Scene& scene_;
+    sea::Realization sea_;
+    Frequencies frequencies_;
+};
+
+struct Place {
+    double x_m, y_m, t_s;
+};
+
+std::string csv_of(const std::vector<Place>& places) {
+    std::string text;
+    for (const Place& p : places)
+        text += fmt::format("{:.17g},{:.17g},{:.17g}\n", p.x_m, p.y_m, p.t_s);
+    return text;
+}
+
+TEST(InspectPoints, far_out_and_late_rows_equal_a_long_double_sum_of_the_stored_waves) {
+    const std::string path = folder().write("two_swells.toml", two_swells);
+    const Result<sea::Scene> scene = sea::read_scene(path);
+    ASSERT_TRUE(scene);
+    const LongSum truth(*scene, LongSum::Frequencies::stored);
+    const std::vector<Place> places{
+        {0, 0, 0},         {1e6, -1e6, 0},          {-1e6, 1e6, 1e9},
+        {1e6, 12.5, -1e9}, {-999999.75, 3.25, 1e6}, {17.0, -4.5, 12.34}};
+    const std::vector<Row> rows = evaluate(path, csv_of(places));
+    ASSERT_EQ(rows.size(), places.size());
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        const auto& n = rows[i].numbers;
+        const LongSum::Point p =
+            truth.above(places[i].x_m, places[i].y_m, std::llround(places[i].t_s * 1e6));
+        // Position is solved to 1e-9 m, slopes are below 0.3; sums in double round to 1e-12 m.
+        EXPECT_NEAR(n[3], static_cast<double>(p.eta), 1e-9) << "row " << i;
+        EXPECT_LE(std::abs(n[3] - static_cast<double>(p.eta)), n[10]) << "stated error, row " << i;
+        EXPECT_LT(n[10], 1e-8);
+        EXPECT_NEAR(n[7], static_cast<double>(p.dx_t), 1e-9);
+        EXPECT_NEAR(n[8], static_cast<double>(p.dy_t), 1e-9);
+        EXPECT_NEAR(n[9], static_cast<double>(p.eta_t), 1e-9);
+        const Real normal[3] = {p.dxy * p.eta_y - (1 + p.dyy) * p.eta_x,
+                                p.dxy * p.eta_x - (1 + p.dxx) * p.eta_y,
+                                (1 + p.dxx) * (1 + p.dyy) - p.dxy * p.dxy};
+        const Real length = std::hypot(normal[0], normal[1], normal[2]);
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            EXPECT_NEAR(n[4 + axis], static_cast<double>(normal[axis] / length), 1e-9);
+        EXPECT_EQ(rows[i].flags, sea::answer_exact);
+    }
+}
+
+TEST(InspectPoints, frequencies_are_those_of_the_dispersion_relation) {
+    const std::string path = folder().write("two_swells.toml", two_swells);
+    const Result<sea::Scene> scene = sea::read_scene(path);
+    ASSERT_TRUE(scene);
+    const LongSum truth(*scene, LongSum::Frequencies::from_dispersion);
+    const std::vector<Row> rows = evaluate(path, "3,4,1e6\n-250,1e5,-1e6\n3,4,1e9\n");
+    ASSERT_EQ(rows.size(), 3u);
+    for (const Row& row : rows) {
+        const auto& n = row.numbers;
+        const LongSum::Point p = truth.above(n[0], n[1], std::llround(n[2] * 1e6));
+        // A frequency is stored in steps of 2^-64 turns/us: phases are off by up to 1.7e-7 rad
+        // after 1e6 s and 1.7e-4 rad after 1e9 s; all waves together are below 40 m.
+        const double phase_error = std::abs(n[2]) * 1.8e-13;
+        EXPECT_NEAR(n[3], static_cast<double>(p.eta), 40.0 * phase_error) << n[2];
+    }
+}
+
+TEST(InspectPoints, rows_keep_their_order_and_the_header_is_optional) {
+    const std::string path = folder().write("two_swells.toml", two_swells);
+    const std::vector<Row> bare = evaluate(path, "5,6,100\n1,2,0\n5,6,50\n");
+    const std::vector<Row> dressed =
+        evaluate(path, "x_m, y_m, t_s\r\n 5 , 6,1e2\r\n\r\n1,2,0\r\n5,6,50");
+    ASSERT_EQ(bare.size(), 3u);
+    ASSERT_EQ(dressed.size(), 3u);
+    const double times[] = {100, 0, 50};
+    for (std::size_t i = 0; i < 3; ++i) {
+        EXPECT_EQ(bare[i].numbers, dressed[i].numbers);
+        EXPECT_EQ(bare[i].numbers[2], times[i]);
+    }
+    EXPECT_NE(bare[0].numbers[3], bare[2].numbers[3]); // the sea moved
+}
+
+TEST(InspectPoints, no_rows_give_the_header_alone) {
+    const std::string path = folder().write("two_swells.toml", two_swells);
+    EXPECT_TRUE(evaluate(path, "").empty());
+}
+
+} // namespace
+} // namespace seaway
