@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """FFT codelets: the one place where butterflies are written.
 
-A codelet is the straight-line inverse DFT of 2, 4, 8, 16 or 32 complex numbers,
+A codelet is the straight-line inverse DFT of 2, 4, 8, 16, 32 or 64 complex numbers,
 
     X[k] = sum_n x[n] exp(+2 pi i n k / N),      unnormalised, natural order in and out,
 
@@ -15,6 +15,7 @@ From Python (GLSL, inlined into a kernel):
 
     import codelets
     text = codelets.dft(8).glsl("vec2", inputs=[("r0", "i0"), ...], outputs=[("a0", "b0"), ...])
+    codelets.dft(8, zeros={3, 4})     # x[3] and x[4] are zero: what they would cost is left out
 
 From CMake (C++, one header with namespace seaway::codelets):
 
@@ -36,17 +37,19 @@ as far as they reach (radix 16 needs 32 of them).
 import math
 import sys
 
-RADICES = (2, 4, 8, 16, 32)
+RADICES = (2, 4, 8, 16, 32, 64)
+CPP_RADICES = (2, 4, 8, 16, 32)
 
 
 class Codelet:
-    """Statements on reals. A value is (sign, id); ids below 2 N are the inputs (re, im of x[n])."""
+    """Statements on reals. A value is (sign, id), or None for zero; ids below 2 N are the inputs
+    (re, im of x[n])."""
 
-    def __init__(self, n):
+    def __init__(self, n, zeros=frozenset()):
         self.n = n
         self.statements = []  # (id, op, a, b): op '+', '-': ids a, b; op '*': id a, float b
         self.known = {}
-        z = [((1, 2 * i), (1, 2 * i + 1)) for i in range(n)]
+        z = [(None, None) if i in zeros else ((1, 2 * i), (1, 2 * i + 1)) for i in range(n)]
         self.outputs = self._dft(z)
 
     def _emit(self, op, a, b):
@@ -57,6 +60,8 @@ class Codelet:
         return self.known[key]
 
     def _add(self, a, b):
+        if a is None or b is None:
+            return b if a is None else a
         if a[0] > 0 and b[0] > 0:
             return 1, self._emit("+", min(a[1], b[1]), max(a[1], b[1]))
         if a[0] > 0 or b[0] > 0:
@@ -67,9 +72,15 @@ class Codelet:
         return -1, self._emit("+", min(a[1], b[1]), max(a[1], b[1]))
 
     def _sub(self, a, b):
-        return self._add(a, (-b[0], b[1]))
+        return self._add(a, self._negate(b))
+
+    @staticmethod
+    def _negate(a):
+        return None if a is None else (-a[0], a[1])
 
     def _scale(self, a, factor):
+        if a is None:
+            return None
         if abs(factor) == 1.0:
             return (a[0] if factor > 0 else -a[0]), a[1]
         sign = a[0] if factor > 0 else -a[0]
@@ -109,7 +120,7 @@ class Codelet:
         for k in range(n // 4):
             a, b = self._twiddle(up[k], k, n), self._twiddle(down[k], -k, n)
             total, (dre, dim) = self._cadd(a, b), self._csub(a, b)
-            turned = ((-dim[0], dim[1]), dre)  # i (a - b)
+            turned = (self._negate(dim), dre)  # i (a - b)
             out[k] = self._cadd(even[k], total)
             out[k + n // 2] = self._csub(even[k], total)
             out[k + n // 4] = self._cadd(even[k + n // 4], turned)
@@ -134,8 +145,8 @@ class Codelet:
         return text
 
     def glsl(self, kind, inputs, outputs, prefix="t", indent="    "):
-        """GLSL text. inputs: n pairs (re, im) of expressions without side effects; outputs: n pairs
-        of names, declared here with type `kind`."""
+        """GLSL text. inputs: n pairs (re, im) of expressions without side effects (anything for a
+        zero); outputs: n pairs of names, declared here with type `kind`."""
         flat = [name for pair in inputs for name in pair]
         left = [f"{kind} {name}" for pair in outputs for name in pair]
         body = self.lines(kind, flat, left, prefix, lambda c: f"{c:.9g}" if c != int(c) else f"{c:.1f}")
@@ -165,13 +176,14 @@ class Codelet:
 _made = {}
 
 
-def dft(n):
-    """The codelet of radix n."""
-    if n not in RADICES:
-        raise ValueError(f"no codelet of radix {n}: have {RADICES}")
-    if n not in _made:
-        _made[n] = Codelet(n)
-    return _made[n]
+def dft(n, zeros=frozenset()):
+    """The codelet of radix n; inputs whose index is in `zeros` are known to be zero (not all)."""
+    key = (n, frozenset(zeros))
+    if n not in RADICES or len(key[1]) >= n:
+        raise ValueError(f"no codelet of radix {n} with zeros {sorted(zeros)}: have {RADICES}")
+    if key not in _made:
+        _made[key] = Codelet(*key)
+    return _made[key]
 
 
 def cpp_header(radices):
@@ -202,13 +214,17 @@ def check():
     import random
     random.seed(1)
     for n in RADICES:
-        x = [complex(random.gauss(0, 1), random.gauss(0, 1)) for _ in range(n)]
-        truth = [sum(x[m] * cmath.exp(2j * math.pi * m * k / n) for m in range(n)) for k in range(n)]
-        worst = max(abs(a - b) for a, b in zip(dft(n).run(x), truth))
-        adds, products = dft(n).counts()
-        print(f"radix {n:2}: {adds:3} additions, {products:3} multiplications, error {worst:.1e}")
-        if worst > 1e-13 * n:
-            return 1
+        for zeros in ((), range(3 * n // 8, 5 * n // 8)):
+            x = [0 if m in zeros else complex(random.gauss(0, 1), random.gauss(0, 1))
+                 for m in range(n)]
+            truth = [sum(x[m] * cmath.exp(2j * math.pi * m * k / n) for m in range(n))
+                     for k in range(n)]
+            worst = max(abs(a - b) for a, b in zip(dft(n, zeros).run(x), truth))
+            adds, products = dft(n, zeros).counts()
+            print(f"radix {n:2}, {len(zeros):2} zeros: {adds:4} additions, {products:3} "
+                  f"multiplications, error {worst:.1e}")
+            if worst > 1e-13 * n:
+                return 1
     return 0
 
 
@@ -216,7 +232,7 @@ def main(arguments):
     if arguments[:1] == ["check"]:
         return check()
     if len(arguments) >= 2 and arguments[0] == "cpp":
-        radices = [int(a) for a in arguments[2:]] or RADICES
+        radices = [int(a) for a in arguments[2:]] or CPP_RADICES
         with open(arguments[1], "w", encoding="utf-8") as out:
             out.write(cpp_header(radices))
         return 0
