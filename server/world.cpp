@@ -106,11 +106,12 @@ std::string World::state_json() const {
 
 std::string World::plan_json() const {
     return server::plan_json(*sea_, simulation_->plan(), simulation_->counters(),
-                             simulation_->device());
+                             simulation_->costs(), simulation_->device());
 }
 
 std::string World::metrics_text() const {
-    return server::metrics_text(simulation_->plan(), simulation_->counters(), now_());
+    return server::metrics_text(simulation_->plan(), simulation_->counters(), simulation_->costs(),
+                                now_());
 }
 
 } // namespace seaway::server

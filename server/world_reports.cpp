@@ -49,6 +49,47 @@ ordered_json counters_json(const SimulationCounters& c) {
             {"device_seconds", c.synthesis.device_seconds}};
 }
 
+/// One effect of one cascade: what it will cost by the device's measured speed, what it has cost.
+ordered_json effect_json(const EffectCosts& costs, std::size_t cascade, std::size_t effect,
+                         sea::FieldSet fields, double rate_hz) {
+    const EffectCost& cost = costs.cost(cascade, effect);
+    const double predicted_us = 1e6 * costs.predicted_seconds(cascade, fields);
+    const double measured_us =
+        cost.keyframes ? 1e6 * cost.device_seconds / static_cast<double>(cost.keyframes) : 0.0;
+    return {
+        {"effect", effect_table()[effect].name},        {"fields", names(fields)},
+        {"predicted_us_per_keyframe", predicted_us},    {"measured_us_per_keyframe", measured_us},
+        {"predicted_us_per_s", predicted_us * rate_hz}, {"keyframes", cost.keyframes}};
+}
+
+/// One row an effect of each cascade, as Prometheus counters.
+std::string effect_metrics(const EffectPlan& plan, const EffectCosts& costs) {
+    struct Row {
+        std::string_view name;
+        std::string_view help;
+        double (*value)(const EffectCost&);
+    };
+    static constexpr Row rows[] = {
+        {"effect_keyframes_total", "Keyframes that held an effect.",
+         [](const EffectCost& cost) { return static_cast<double>(cost.keyframes); }},
+        {"effect_dispatches_total", "Its share of kernels started.",
+         [](const EffectCost& cost) { return cost.dispatches; }},
+        {"effect_transforms_total", "Its share of complex 2-D transforms.",
+         [](const EffectCost& cost) { return cost.transforms; }},
+        {"effect_microseconds_total", "Its share of the device's time.",
+         [](const EffectCost& cost) { return 1e6 * cost.device_seconds; }}};
+    std::string text;
+    for (const Row& row : rows) {
+        text +=
+            fmt::format("# HELP seaway_{0} {1}\n# TYPE seaway_{0} counter\n", row.name, row.help);
+        for (std::size_t c = 0; c < plan.cascades.size(); ++c)
+            for (std::size_t e = 0; e < effect_table().size(); ++e)
+                text += fmt::format("seaway_{}{{cascade=\"{}\",effect=\"{}\"}} {}\n", row.name, c,
+                                    effect_table()[e].name, row.value(costs.cost(c, e)));
+    }
+    return text;
+}
+
 } // namespace
 
 protocol::SeaStateValues sea_state_values(const RunningSea& sea,
@@ -109,15 +150,17 @@ std::string state_json(const RunningSea& sea, const std::vector<std::string>& wa
 }
 
 std::string plan_json(const RunningSea& sea, const EffectPlan& plan,
-                      const SimulationCounters& counters, const std::string& device) {
+                      const SimulationCounters& counters, const EffectCosts& costs,
+                      const std::string& device) {
     ordered_json cascades = ordered_json::array();
     for (std::size_t c = 0; c < plan.cascades.size(); ++c) {
         const CascadePlan& cascade = plan.cascades[c];
         const double rate_hz = 1.0 / sea::seconds_from_us(cascade.interval_us);
         ordered_json effects = ordered_json::array();
-        for (const EffectInfo& effect : effect_table())
-            if (cascade.fields.bits() & effect.fields.bits())
-                effects.push_back(effect.name);
+        for (std::size_t e = 0; e < effect_table().size(); ++e)
+            if (const sea::FieldSet fields = fields_of(effect_table()[e], cascade.fields);
+                !fields.empty())
+                effects.push_back(effect_json(costs, c, e, fields, rate_hz));
         cascades.push_back({{"length_m", sea.scene.cascades[c].length_m},
                             {"size", sea.scene.cascades[c].size},
                             {"effects", effects},
@@ -133,8 +176,8 @@ std::string plan_json(const RunningSea& sea, const EffectPlan& plan,
 }
 
 std::string metrics_text(const EffectPlan& plan, const SimulationCounters& counters,
-                         sea::TimeUs now_us) {
-    std::string text;
+                         const EffectCosts& costs, sea::TimeUs now_us) {
+    std::string text = effect_metrics(plan, costs);
     const auto add = [&](std::string_view name, std::string_view type, std::string_view help,
                          double value) {
         text += fmt::format("# HELP seaway_{0} {2}\n# TYPE seaway_{0} {1}\nseaway_{0} {3}\n", name,

@@ -17,8 +17,9 @@ protocol::SeaStateValues sea_state_values(const RunningSea& sea,
 std::string state_json(const RunningSea& sea, const std::vector<std::string>& warnings,
                        const std::string& device, sea::TimeUs now_us);
 std::string plan_json(const RunningSea& sea, const EffectPlan& plan,
-                      const SimulationCounters& counters, const std::string& device);
+                      const SimulationCounters& counters, const EffectCosts& costs,
+                      const std::string& device);
 std::string metrics_text(const EffectPlan& plan, const SimulationCounters& counters,
-                         sea::TimeUs now_us);
+                         const EffectCosts& costs, sea::TimeUs now_us);
 
 } // namespace seaway::server

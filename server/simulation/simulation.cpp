@@ -22,6 +22,13 @@ TimeUs interval_start(TimeUs time_us, TimeUs interval_us) {
     return time_us - (rest < 0 ? rest + interval_us : rest);
 }
 
+std::vector<int> cascade_sizes(const RunningSea& sea) {
+    std::vector<int> sizes;
+    for (const sea::CascadeModes& modes : sea.realization->cascades)
+        sizes.push_back(modes.spec.size);
+    return sizes;
+}
+
 } // namespace
 
 Result<std::unique_ptr<Simulation>> Simulation::start(RunningSeaPtr sea, SynthesizerFactory factory,
@@ -40,7 +47,7 @@ Simulation::Simulation(RunningSeaPtr sea, SynthesizerFactory factory, std::funct
     : sea_(std::move(sea)), factory_(std::move(factory)), now_(std::move(now)),
       events_(std::move(events)), next_keyframe_us_(sea_->budget.cascades.size()),
       streaming_(sea_->budget.cascades.size()),
-      plan_(plan_effects(sea_->offered, {}, sea_->budget)) {}
+      plan_(plan_effects(sea_->offered, {}, sea_->budget)), costs_(cascade_sizes(*sea_)) {}
 
 Simulation::~Simulation() {
     {
@@ -162,6 +169,11 @@ EffectPlan Simulation::plan() const {
     return plan_;
 }
 
+EffectCosts Simulation::costs() const {
+    const std::scoped_lock lock(mutex_);
+    return costs_;
+}
+
 std::string Simulation::device() const {
     const std::scoped_lock lock(mutex_);
     return device_;
@@ -197,7 +209,7 @@ Simulation::synthesize(std::span<const KeyframeRequest> requests) {
         if (synthesizer_)
             made = synthesizer_->synthesize(requests);
         if (made) {
-            count_synthesis();
+            count_synthesis(requests);
             return made;
         }
         if (attempt == device_rebuilds_max)
@@ -213,13 +225,18 @@ Simulation::synthesize(std::span<const KeyframeRequest> requests) {
     return made;
 }
 
-void Simulation::count_synthesis() {
-    const SynthesisCounters now = synthesizer_->counters();
+void Simulation::count_synthesis(std::span<const KeyframeRequest> requests) {
+    const SynthesisCounters device = synthesizer_->counters();
     const std::scoped_lock lock(mutex_);
-    counters_.synthesis = {before_rebuild_.dispatches + now.dispatches,
-                           before_rebuild_.transforms + now.transforms,
-                           before_rebuild_.keyframes + now.keyframes,
-                           before_rebuild_.device_seconds + now.device_seconds};
+    SynthesisCounters& total = counters_.synthesis;
+    const SynthesisCounters before = total;
+    total = {before_rebuild_.dispatches + device.dispatches,
+             before_rebuild_.transforms + device.transforms,
+             before_rebuild_.keyframes + device.keyframes,
+             before_rebuild_.device_seconds + device.device_seconds};
+    costs_.add(requests,
+               {total.dispatches - before.dispatches, total.transforms - before.transforms,
+                total.keyframes - before.keyframes, total.device_seconds - before.device_seconds});
 }
 
 std::vector<sea::KeyframePtr> Simulation::keyframes(std::span<const Wanted> wanted) {

@@ -26,6 +26,7 @@
 #include "base/result.h"
 #include "sea/surface/answer.h"
 #include "sea/surface/surface.h"
+#include "server/simulation/effect_costs.h"
 #include "server/simulation/effect_plan.h"
 #include "server/simulation/keyframe_store.h"
 #include "server/simulation/running_sea.h"
@@ -89,6 +90,7 @@ class Simulation {
     RunningSeaPtr sea() const;
     EffectPlan plan() const;
     SimulationCounters counters() const;
+    EffectCosts costs() const;
     std::string device() const;
     bool healthy() const { return !failed_; }
 
@@ -118,7 +120,7 @@ class Simulation {
     struct Batch;
     bool answer_slice(Batch& batch);
     bool exact_slice(Batch& batch) const;
-    void count_synthesis();
+    void count_synthesis(std::span<const KeyframeRequest> requests);
 
     const RunningSeaPtr sea_;
     const SynthesizerFactory factory_;
@@ -140,6 +142,7 @@ class Simulation {
     EffectPlan plan_;
     std::deque<Question> questions_;
     SimulationCounters counters_;
+    EffectCosts costs_;
     SynthesisCounters before_rebuild_; ///< of devices that are gone
     std::string device_;
 
