@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+// seaway-query: the surface above points of a running sea, from the command line.
+#include <csignal>
+#include <cstdio>
+#include <exception>
+#include <fstream>
+
+#include <fmt/format.h>
+
+#include "client/apps/query_options.h"
+#include "client/apps/query_run.h"
+#include "client/failure.h"
+
+namespace {
+
+using namespace seaway;
+using namespace seaway::client;
+
+std::atomic<bool> stop = false;
+
+int exit_code(const Error& error) {
+    fmt::print(stderr, "seaway-query: {}\n", error.message);
+    switch (failure_of(error)) {
+    case Failure::bad_argument:
+        return exit_usage;
+    case Failure::refused:
+    case Failure::not_held:
+        return exit_refused;
+    default:
+        return exit_lost;
+    }
+}
+
+Result<std::string> read_token(const std::string& path) {
+    std::string token;
+    if (path.empty())
+        return token;
+    std::ifstream file(path);
+    if (!std::getline(file, token) || token.empty())
+        return failed(Failure::bad_argument, fmt::format("no token in '{}'", path));
+    if (token.back() == '\r')
+        token.pop_back();
+    return token;
+}
+
+Result<void> run(const QueryOptions& options) {
+    std::vector<Place> places = options.at;
+    if (!options.points_file.empty()) {
+        Result<std::vector<Place>> read = read_places(options.points_file);
+        if (!read)
+            return read.error();
+        places = std::move(*read);
+    }
+    const Result<std::string> token = read_token(options.token_file);
+    if (!token)
+        return token.error();
+    Result<std::unique_ptr<Client>> client =
+        Client::connect({.url = options.url,
+                         .name = "seaway-query/" SEAWAY_VERSION,
+                         .token = *token,
+                         .ca_file = options.ca_file,
+                         .timeout_s = options.timeout_s});
+    if (!client)
+        return client.error();
+    return options.bench_points > 0 ? run_bench(**client, options, stop, stdout)
+                                    : run_query(**client, options, places, stop, stdout);
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    try {
+        const std::variant<QueryOptions, int> options = read_query_options(argc, argv);
+        if (const int* done = std::get_if<int>(&options))
+            return *done;
+        std::signal(SIGINT, [](int) { stop = true; });
+        std::signal(SIGTERM, [](int) { stop = true; });
+        const Result<void> done = run(std::get<QueryOptions>(options));
+        return done ? exit_done : exit_code(done.error());
+    } catch (const std::exception& problem) {
+        fmt::print(stderr, "seaway-query: {}\n", problem.what());
+        return EXIT_FAILURE;
+    }
+}

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+#include <random>
+
+#include <fmt/format.h>
+
+#include "client/apps/query_output.h"
+#include "client/apps/query_run.h"
+#include "client/failure.h"
+
+namespace seaway::client {
+namespace {
+
+using std::chrono::steady_clock;
+
+constexpr std::chrono::seconds duration{2};
+constexpr double reach_m = 10e3;
+constexpr int in_flight_many = 8;
+
+std::vector<sea::QueryPoint> random_points(int count, sea::TimeUs time_us) {
+    std::mt19937_64 random(1);
+    std::uniform_real_distribution<double> place(-reach_m, reach_m);
+    std::vector<sea::QueryPoint> points;
+    for (int i = 0; i < count; ++i)
+        points.push_back({place(random), place(random), time_us});
+    return points;
+}
+
+double milliseconds_since(steady_clock::time_point start) {
+    return std::chrono::duration<double, std::milli>(steady_clock::now() - start).count();
+}
+
+BenchRow finished(BenchRow row, std::vector<double> round_trips_ms, double milliseconds) {
+    std::sort(round_trips_ms.begin(), round_trips_ms.end());
+    const auto at = [&](double share) {
+        const auto last = static_cast<double>(round_trips_ms.size() - 1);
+        return round_trips_ms[static_cast<std::size_t>(share * last)];
+    };
+    row.queries = static_cast<int>(round_trips_ms.size());
+    row.seconds = milliseconds / 1e3;
+    row.round_trip_p50_ms = at(0.5);
+    row.round_trip_p99_ms = at(0.99);
+    return row;
+}
+
+/// Keeps `in_flight` queries under way for a while.
+Result<BenchRow> measure_server(Client& client, const QueryOptions& options, int in_flight,
+                                const std::atomic<bool>& stop) {
+    struct Progress {
+        std::mutex mutex;
+        std::condition_variable changed;
+        int under_way = 0;
+        std::vector<double> round_trips_ms;
+        Error problem;
+    };
+    const auto progress = std::make_shared<Progress>();
+    const auto start = steady_clock::now();
+    std::unique_lock lock(progress->mutex);
+    while (progress->problem.code == 0) {
+        progress->changed.wait(lock, [&] { return progress->under_way < in_flight; });
+        if (stop || steady_clock::now() - start >= duration)
+            break;
+        ++progress->under_way;
+        lock.unlock();
+        const auto sent = steady_clock::now();
+        client.ask_async(random_points(options.bench_points, client.now_us()),
+                         {options.exact, options.timeout_s},
+                         [progress, sent](const Result<Reply>& reply) {
+                             const std::scoped_lock inner(progress->mutex);
+                             --progress->under_way;
+                             if (reply)
+                                 progress->round_trips_ms.push_back(milliseconds_since(sent));
+                             else
+                                 progress->problem = reply.error();
+                             progress->changed.notify_all();
+                         });
+        lock.lock();
+    }
+    progress->changed.wait(lock, [&] { return progress->under_way == 0; });
+    if (progress->problem.code != 0)
+        return progress->problem;
+    if (progress->round_trips_ms.empty())
+        return failed(Failure::deadline, "stopped before the first answer");
+    return finished(
+        {options.exact ? "exact" : "server", options.bench_points, in_flight, 0, 0, 0, 0},
+        std::move(progress->round_trips_ms), milliseconds_since(start));
+}
+
+Result<BenchRow> measure_local(Client& client, const QueryOptions& options,
+                               const std::atomic<bool>& stop) {
+    const std::vector<sea::QueryPoint> points =
+        random_points(options.bench_points, client.now_us());
+    if (const auto warm = client.fetch_and_sample(points, options.timeout_s); !warm)
+        return warm.error();
+    std::vector<double> round_trips_ms;
+    const auto start = steady_clock::now();
+    do {
+        const auto sent = steady_clock::now();
+        if (const Result<std::vector<sea::Answer>> answers = client.sample(points); !answers)
+            return answers.error();
+        round_trips_ms.push_back(milliseconds_since(sent));
+    } while (!stop && steady_clock::now() - start < duration);
+    return finished({"local", options.bench_points, 1, 0, 0, 0, 0}, std::move(round_trips_ms),
+                    milliseconds_since(start));
+}
+
+} // namespace
+
+Result<void> run_bench(Client& client, const QueryOptions& options, const std::atomic<bool>& stop,
+                       std::FILE* out) {
+    std::vector<BenchRow> rows;
+    std::vector<int> ways{1, in_flight_many};
+    if (options.local)
+        ways = {1};
+    for (const int in_flight : ways) {
+        const Result<BenchRow> row = options.local
+                                         ? measure_local(client, options, stop)
+                                         : measure_server(client, options, in_flight, stop);
+        if (!row)
+            return row.error();
+        rows.push_back(*row);
+    }
+    const std::string text = output_bench(options.format, rows);
+    std::fwrite(text.data(), 1, text.size(), out);
+    std::fflush(out);
+    return {};
+}
+
+} // namespace seaway::client

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+// The command line of seaway-query.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "client/apps/query_points.h"
+
+namespace seaway::client {
+
+enum class Format { table, json, csv };
+
+struct QueryOptions {
+    std::string url;
+    std::vector<Place> at;
+    std::string points_file;      ///< CSV; "-" is standard input
+    std::optional<double> time_s; ///< nothing: now
+    bool exact = false;
+    bool local = false;
+    Format format = Format::table;
+    double watch_hz = 0;  ///< 0: once
+    int bench_points = 0; ///< 0: no benchmark
+    double timeout_s = 10;
+    std::string token_file;
+    std::string ca_file;
+};
+
+/// Exit codes of seaway-query: the public contract.
+enum ExitCode : int {
+    exit_done = 0,
+    exit_usage = 2,   ///< command line or points that make no sense
+    exit_lost = 5,    ///< cannot connect, connection lost, or no answer in time
+    exit_refused = 6, ///< the server refused the request
+};
+
+/// The options, or the exit code after --help, --version (0) or a usage error (2), which has been
+/// printed.
+std::variant<QueryOptions, int> read_query_options(int argc, const char* const* argv);
+
+} // namespace seaway::client

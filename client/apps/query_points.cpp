@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/apps/query_points.h"
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+
+#include <fmt/format.h>
+
+#include "client/failure.h"
+
+namespace seaway::client {
+namespace {
+
+constexpr std::array<std::string_view, 3> columns{"x_m", "y_m", "t_s"};
+
+std::string_view trimmed(std::string_view text) {
+    const auto first = text.find_first_not_of(" \t\r");
+    if (first == std::string_view::npos)
+        return {};
+    return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
+}
+
+std::vector<std::string_view> split(std::string_view line) {
+    std::vector<std::string_view> fields;
+    for (;;) {
+        const auto comma = line.find(',');
+        fields.push_back(trimmed(line.substr(0, comma)));
+        if (comma == std::string_view::npos)
+            return fields;
+        line.remove_prefix(comma + 1);
+    }
+}
+
+bool is_header(const std::vector<std::string_view>& fields) {
+    return fields.size() >= 2 && fields.size() <= columns.size() &&
+           std::equal(fields.begin(), fields.end(), columns.begin());
+}
+
+/// Two or three fields to a place.
+Result<Place> to_place(const std::vector<std::string_view>& fields) {
+    std::array<double, 3> values{};
+    for (std::size_t i = 0; i < fields.size(); ++i) {
+        const double limit = i < 2 ? coordinate_max_m : time_max_s;
+        const std::optional<double> value = parse_number(fields[i], limit);
+        if (!value)
+            return failed(Failure::bad_argument,
+                          fmt::format("{} = '{}': not a number between {:g} and {:g}", columns[i],
+                                      fields[i], -limit, limit));
+        values[i] = *value;
+    }
+    Place place{values[0], values[1], std::nullopt};
+    if (fields.size() == 3)
+        place.time_s = values[2];
+    return place;
+}
+
+} // namespace
+
+std::optional<double> parse_number(std::string_view text, double limit) {
+    if (text.starts_with('+')) // people write it; from_chars does not read it
+        text.remove_prefix(1);
+    double value = 0;
+    const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (problem != std::errc() || end != text.data() + text.size() || !(std::abs(value) <= limit))
+        return std::nullopt;
+    return value;
+}
+
+Result<Place> parse_place(std::string_view text) {
+    const std::vector<std::string_view> fields = split(text);
+    if (fields.size() != 2)
+        return failed(Failure::bad_argument,
+                      fmt::format("'{}' is not X,Y (metres east and north)", text));
+    return to_place(fields);
+}
+
+Result<std::vector<Place>> read_places(std::istream& in, const std::string& name) {
+    std::vector<Place> places;
+    int number = 0;
+    for (std::string line; std::getline(in, line);) {
+        ++number;
+        if (trimmed(line).empty())
+            continue;
+        const std::vector<std::string_view> fields = split(line);
+        if (places.empty() && is_header(fields))
+            continue;
+        if (fields.size() != 2 && fields.size() != 3)
+            return failed(Failure::bad_argument,
+                          fmt::format("{}:{}: {} fields, expected x_m,y_m or x_m,y_m,t_s", name,
+                                      number, fields.size()));
+        const Result<Place> place = to_place(fields);
+        if (!place)
+            return failed(Failure::bad_argument,
+                          fmt::format("{}:{}: {}", name, number, place.error().message));
+        places.push_back(*place);
+    }
+    if (in.bad())
+        return failed(Failure::bad_argument, fmt::format("cannot read '{}' to its end", name));
+    return places;
+}
+
+Result<std::vector<Place>> read_places(const std::string& path) {
+    if (path == "-")
+        return read_places(std::cin, "standard input");
+    std::ifstream file(path);
+    std::error_code ignored;
+    if (!file || std::filesystem::is_directory(path, ignored))
+        return failed(Failure::bad_argument,
+                      fmt::format("cannot read points '{}': no such file, or not readable", path));
+    return read_places(file, path);
+}
+
+} // namespace seaway::client

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// Points that a user names: on the command line and in CSV files. Pure; thread-safe.
+#pragma once
+
+#include <iosfwd>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/result.h"
+
+namespace seaway::client {
+
+/// Places are at most this far from the origin; beyond, a coordinate resolves no wave.
+inline constexpr double coordinate_max_m = 1e9;
+/// About 290000 years; int64 microseconds end there.
+inline constexpr double time_max_s = 9.2e12;
+
+struct Place {
+    double x_m = 0;
+    double y_m = 0;
+    std::optional<double> time_s; ///< sea time of its own
+};
+
+/// A whole decimal number with |value| <= limit; nothing else, NaN neither.
+std::optional<double> parse_number(std::string_view text, double limit);
+
+/// "X,Y".
+Result<Place> parse_place(std::string_view text);
+
+/// Rows `x_m,y_m` or `x_m,y_m,t_s`, mixed if need be, with or without a header of these names;
+/// blank lines are skipped. Errors name the line.
+Result<std::vector<Place>> read_places(std::istream& in, const std::string& name);
+
+/// The same from a file; "-" is standard input.
+Result<std::vector<Place>> read_places(const std::string& path);
+
+} // namespace seaway::client

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/apps/query_run.h"
+
+#include <algorithm>
+#include <chrono>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "client/apps/query_output.h"
+
+namespace seaway::client {
+namespace {
+
+using std::chrono::steady_clock;
+
+/// Points at their times. `elapsed_us`: since the first answer; times that were given move with it.
+std::vector<sea::QueryPoint> points_at(const std::vector<Place>& places,
+                                       const QueryOptions& options, sea::TimeUs now_us,
+                                       sea::TimeUs elapsed_us) {
+    std::vector<sea::QueryPoint> points;
+    points.reserve(places.size());
+    for (const Place& place : places) {
+        const std::optional<double> time_s = place.time_s ? place.time_s : options.time_s;
+        points.push_back(
+            {place.x_m, place.y_m, time_s ? sea::us_from_seconds(*time_s) + elapsed_us : now_us});
+    }
+    return points;
+}
+
+Result<std::vector<sea::Answer>> answers_to(Client& client, const QueryOptions& options,
+                                            std::span<const sea::QueryPoint> points) {
+    if (options.local)
+        return client.fetch_and_sample(points, options.timeout_s);
+    return client.ask(points, {options.exact, options.timeout_s});
+}
+
+/// Sleeps in slices, so that a signal ends it soon.
+void sleep_until(steady_clock::time_point then, const std::atomic<bool>& stop) {
+    constexpr std::chrono::milliseconds slice{20};
+    while (!stop && steady_clock::now() < then)
+        std::this_thread::sleep_for(
+            std::min<steady_clock::duration>(slice, then - steady_clock::now()));
+}
+
+} // namespace
+
+Result<void> run_query(Client& client, const QueryOptions& options,
+                       const std::vector<Place>& places, const std::atomic<bool>& stop,
+                       std::FILE* out) {
+    const bool watching = options.watch_hz > 0;
+    if (watching && options.local) {
+        constexpr int credit = 2;
+        const Result<Grant> granted =
+            client.subscribe({.fields = sea::surface_fields}, credit, options.timeout_s);
+        if (!granted)
+            return granted.error();
+    }
+    const auto start = steady_clock::now();
+    const sea::TimeUs start_us = client.now_us();
+    std::string text = output_head(options.format);
+    for (std::int64_t tick = 0;; ++tick) {
+        const sea::TimeUs now_us = client.now_us();
+        const std::vector<sea::QueryPoint> points =
+            points_at(places, options, now_us, watching ? now_us - start_us : 0);
+        const Result<std::vector<sea::Answer>> answers = answers_to(client, options, points);
+        if (!answers)
+            return answers.error();
+        text += output_rows(options.format, points, *answers, watching);
+        std::fwrite(text.data(), 1, text.size(), out);
+        std::fflush(out);
+        text.clear();
+        if (!watching)
+            return {};
+        // The next beat that is not over yet: a slow answer costs beats, it never piles them up.
+        const std::chrono::duration<double> elapsed = steady_clock::now() - start;
+        tick = std::max(tick, static_cast<std::int64_t>(elapsed.count() * options.watch_hz));
+        sleep_until(start + std::chrono::duration_cast<steady_clock::duration>(
+                                std::chrono::duration<double>(static_cast<double>(tick + 1) /
+                                                              options.watch_hz)),
+                    stop);
+        if (stop)
+            return {};
+    }
+}
+
+} // namespace seaway::client

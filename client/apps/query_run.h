@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+// What seaway-query does once its options are read.
+#pragma once
+
+#include <atomic>
+#include <cstdio>
+
+#include "base/result.h"
+#include "client/apps/query_options.h"
+#include "client/client.h"
+
+namespace seaway::client {
+
+/// Asks once, or repeatedly until `stop` is set. Rows go to `out`, whole and flushed.
+Result<void> run_query(Client& client, const QueryOptions& options,
+                       const std::vector<Place>& places, const std::atomic<bool>& stop,
+                       std::FILE* out);
+
+/// Random points on 10 km around the origin, now: queries one after the other, then several at
+/// once, about two seconds each.
+Result<void> run_bench(Client& client, const QueryOptions& options, const std::atomic<bool>& stop,
+                       std::FILE* out);
+
+} // namespace seaway::client

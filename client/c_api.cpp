@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: Apache-2.0
+// The C interface over Client. Every function catches what the library throws: no exception leaves.
+#include "client/seaway.h"
+
+#include <exception>
+#include <new>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "client/client.h"
+#include "client/failure.h"
+#include "protocol/limits.h"
+
+using namespace seaway;
+using namespace seaway::client;
+
+struct seaway_client {
+    std::unique_ptr<Client> client;
+};
+
+// The two structs are the library's own ones, field for field, so that points need no copy.
+static_assert(sizeof(seaway_point) == sizeof(sea::QueryPoint) &&
+              offsetof(seaway_point, y_m) == offsetof(sea::QueryPoint, y_m) &&
+              offsetof(seaway_point, time_us) == offsetof(sea::QueryPoint, time_us));
+
+namespace {
+
+constexpr double timeout_default_s = 10;
+
+thread_local std::string last_error;
+
+seaway_code fail(seaway_code code, std::string why) {
+    last_error = std::move(why);
+    return code;
+}
+
+seaway_code fail(const Error& error) {
+    const int code = error.code;
+    return fail(code > SEAWAY_OK && code < SEAWAY_INTERNAL ? static_cast<seaway_code>(code)
+                                                           : SEAWAY_INTERNAL,
+                error.message);
+}
+
+/// Runs a body that returns a Result<void>; nothing may be thrown into C.
+template <class Body>
+seaway_code guarded(const Body& body) {
+    try {
+        last_error.clear();
+        const Result<void> done = body();
+        return done ? SEAWAY_OK : fail(done.error());
+    } catch (const std::bad_alloc&) {
+        return fail(SEAWAY_INTERNAL, "out of memory");
+    } catch (const std::exception& problem) {
+        return fail(SEAWAY_INTERNAL, problem.what());
+    }
+}
+
+Error bad(std::string why) {
+    return failed(Failure::bad_argument, std::move(why));
+}
+
+double or_default(double timeout_s) {
+    return timeout_s == 0 ? timeout_default_s : timeout_s;
+}
+
+bool timeout_fits(double timeout_s) {
+    return timeout_s >= 0 && timeout_s <= 86400; // false for NaN
+}
+
+std::string text(const char* given, std::string otherwise) {
+    return given ? std::string(given) : std::move(otherwise);
+}
+
+std::span<const sea::QueryPoint> as_points(const seaway_point* points, size_t count) {
+    return {reinterpret_cast<const sea::QueryPoint*>(points), count};
+}
+
+void put(std::span<const sea::Answer> answers, seaway_answer* out) {
+    for (const sea::Answer& answer : answers) {
+        out->height_m = answer.height_m;
+        for (int axis = 0; axis < 3; ++axis) {
+            out->normal[axis] = answer.normal[axis];
+            out->velocity_mps[axis] = answer.velocity_mps[axis];
+        }
+        out->error_m = answer.error_m;
+        out->flags = answer.flags;
+        out->reserved = 0;
+        ++out;
+    }
+}
+
+} // namespace
+
+uint32_t seaway_abi_version(void) {
+    return SEAWAY_ABI_VERSION;
+}
+
+const char* seaway_last_error(void) {
+    return last_error.c_str();
+}
+
+seaway_code seaway_connect(const char* url, const seaway_connect_options* options,
+                           seaway_client** client) {
+    return guarded([&]() -> Result<void> {
+        if (!url || !client)
+            return bad("seaway_connect: url and client must not be null");
+        ConnectOptions connect;
+        connect.url = url;
+        if (options) {
+            if (!timeout_fits(options->timeout_s))
+                return bad("seaway_connect: timeout_s must be 0 to 86400");
+            connect.name = text(options->name, connect.name);
+            connect.token = text(options->token, "");
+            connect.ca_file = text(options->ca_file, "");
+            if (options->timeout_s > 0)
+                connect.timeout_s = options->timeout_s;
+        }
+        Result<std::unique_ptr<Client>> connected = Client::connect(connect);
+        if (!connected)
+            return connected.error();
+        *client = new seaway_client{std::move(*connected)};
+        return {};
+    });
+}
+
+void seaway_disconnect(seaway_client* client) {
+    (void)guarded([&]() -> Result<void> {
+        delete client;
+        return {};
+    });
+}
+
+int seaway_is_connected(const seaway_client* client) {
+    return client && client->client->is_open() ? 1 : 0;
+}
+
+int64_t seaway_now_us(seaway_client* client) {
+    return client ? client->client->now_us() : 0;
+}
+
+seaway_code seaway_clock(const seaway_client* client, seaway_clock_status* status) {
+    return guarded([&]() -> Result<void> {
+        if (!client || !status)
+            return bad("seaway_clock: client and status must not be null");
+        const ClockStatus clock = client->client->clock();
+        *status = {clock.error_us, clock.slew_us, clock.drift_ppm,
+                   static_cast<double>(clock.round_trip_us)};
+        return {};
+    });
+}
+
+seaway_code seaway_sea_at(const seaway_client* client, int64_t time_us, seaway_sea* sea) {
+    return guarded([&]() -> Result<void> {
+        if (!client || !sea)
+            return bad("seaway_sea_at: client and sea must not be null");
+        const SeaStatePtr state = client->client->sea_state(time_us);
+        *sea = {state->start_time_us,
+                state->realised.hs_m,
+                state->realised.tp_s,
+                state->realised.tz_s,
+                state->realised.mean_from_deg,
+                state->height_error_m,
+                state->epoch,
+                static_cast<uint32_t>(state->cascades.size())};
+        return {};
+    });
+}
+
+seaway_code seaway_query(seaway_client* client, const seaway_point* points, size_t count, int exact,
+                         double timeout_s, seaway_answer* answers) {
+    return guarded([&]() -> Result<void> {
+        if (!client || (count > 0 && (!points || !answers)))
+            return bad("seaway_query: client, points and answers must not be null");
+        if (!timeout_fits(timeout_s))
+            return bad("seaway_query: timeout_s must be 0 to 86400");
+        const Result<std::vector<sea::Answer>> asked =
+            client->client->ask(as_points(points, count), {exact != 0, or_default(timeout_s)});
+        if (!asked)
+            return asked.error();
+        put(*asked, answers);
+        return {};
+    });
+}
+
+seaway_code seaway_subscribe(seaway_client* client, const seaway_subscription* subscription) {
+    return guarded([&]() -> Result<void> {
+        if (!client)
+            return bad("seaway_subscribe: client must not be null");
+        const seaway_subscription wanted = subscription ? *subscription : seaway_subscription{};
+        const std::uint32_t credit =
+            wanted.credit == 0 ? protocol::limits::credit_default : wanted.credit;
+        if (credit > protocol::limits::credit_max)
+            return bad(fmt::format("seaway_subscribe: credit must be 0 to {}",
+                                   protocol::limits::credit_max));
+        if (!(wanted.error_m >= 0 && wanted.error_m <= 1e6) || !timeout_fits(wanted.timeout_s))
+            return bad("seaway_subscribe: error_m must be 0 to 1e6, timeout_s 0 to 86400");
+        protocol::TileWish wish;
+        wish.fields = sea::surface_fields;
+        wish.error_m = static_cast<float>(wanted.error_m);
+        const Result<Grant> granted =
+            client->client->subscribe(wish, static_cast<int>(credit), or_default(wanted.timeout_s));
+        return granted ? Result<void>() : granted.error();
+    });
+}
+
+seaway_code seaway_unsubscribe(seaway_client* client) {
+    return guarded([&]() -> Result<void> {
+        if (!client)
+            return bad("seaway_unsubscribe: client must not be null");
+        client->client->unsubscribe();
+        return {};
+    });
+}
+
+seaway_code seaway_hold(seaway_client* client, const int64_t* times_us, size_t count,
+                        double timeout_s) {
+    return guarded([&]() -> Result<void> {
+        if (!client || (count > 0 && !times_us))
+            return bad("seaway_hold: client and times_us must not be null");
+        if (!timeout_fits(timeout_s))
+            return bad("seaway_hold: timeout_s must be 0 to 86400");
+        return client->client->hold({times_us, count}, or_default(timeout_s));
+    });
+}
+
+seaway_code seaway_sample(const seaway_client* client, const seaway_point* points, size_t count,
+                          seaway_answer* answers) {
+    return guarded([&]() -> Result<void> {
+        if (!client || (count > 0 && (!points || !answers)))
+            return bad("seaway_sample: client, points and answers must not be null");
+        const Result<std::vector<sea::Answer>> sampled =
+            client->client->sample(as_points(points, count));
+        if (!sampled)
+            return sampled.error();
+        put(*sampled, answers);
+        return {};
+    });
+}

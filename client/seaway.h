@@ -1,0 +1,178 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Seaway client, C interface: heights of a running sea for engines and other languages.
+ *
+ * Frame and units: x east, y north, z up; metres, seconds, metres a second. Sea time is int64
+ * microseconds since the sea's epoch. Points are world points, not displaced.
+ *
+ * Two ways to ask. seaway_query: the server answers; a round trip. seaway_sample: this process
+ * answers from the keyframes that it holds; about a microsecond a point, no waiting, no network.
+ * Both state a bound on the error of every height, and agree within it.
+ *
+ * Threads: every function may be called from any thread at any time, also several at once for one
+ * client; only seaway_disconnect must be the last call for its client. "Blocks" is said where a
+ * call waits for the network. No function keeps a pointer that it is given.
+ *
+ * Memory: whoever passes an array owns it; counts are of elements, sizes of structs are fixed for
+ * this ABI version (checked at compile time below). seaway_sample allocates only when it meets a
+ * keyframe for the first time.
+ *
+ * Errors: every function that can fail returns a seaway_code; seaway_last_error() then says why in
+ * one line, for the calling thread. Nothing is written to the outputs of a call that failed. A lost
+ * connection stays lost: what is held can still be sampled; to go on, disconnect and connect again.
+ *
+ *     seaway_client* client = NULL;
+ *     if (seaway_connect("ws://localhost:9430", NULL, &client) != SEAWAY_OK)
+ *         return complain(seaway_last_error());
+ *     seaway_subscribe(client, NULL);              // tiles flow from now on
+ *     for (;;) {                                   // each frame
+ *         seaway_point keel = {12.0, -40.0, seaway_now_us(client)};
+ *         seaway_answer water;
+ *         if (seaway_sample(client, &keel, 1, &water) == SEAWAY_OK)
+ *             push_up(water.height_m, water.velocity_mps);
+ *     }
+ *     seaway_disconnect(client);
+ */
+#ifndef SEAWAY_CLIENT_SEAWAY_H
+#define SEAWAY_CLIENT_SEAWAY_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Grows with every change that a caller must be rebuilt for. */
+#define SEAWAY_ABI_VERSION 1
+uint32_t seaway_abi_version(void);
+
+typedef enum seaway_code {
+    SEAWAY_OK = 0,
+    SEAWAY_BAD_ARGUMENT = 1,   /* a null pointer, an address, a value out of range */
+    SEAWAY_CANNOT_CONNECT = 2, /* no server there, or not one of ours, or it turned us away */
+    SEAWAY_LOST = 3,           /* the connection has ended */
+    SEAWAY_REFUSED = 4,        /* the server refused this request */
+    SEAWAY_DEADLINE = 5,       /* no reply in time; the connection goes on */
+    SEAWAY_NOT_HELD = 6,       /* no keyframes around this time: subscribe, or seaway_hold */
+    SEAWAY_INTERNAL = 7        /* out of memory, or a bug */
+} seaway_code;
+
+/* Why the last call of this thread failed; "" after none. Valid until its next call. */
+const char* seaway_last_error(void);
+
+/* ---- connection ---------------------------------------------------------------------------- */
+
+typedef struct seaway_client seaway_client;
+
+/* Zero or NULL everywhere: the defaults. */
+typedef struct seaway_connect_options {
+    const char* name;    /* for the server's log */
+    const char* token;   /* if the server asks for one */
+    const char* ca_file; /* certificates (PEM) to trust besides the system's, for wss */
+    double timeout_s;    /* for connecting until the sea is known; 0: 5 */
+} seaway_connect_options;
+
+/* url: ws://HOST:PORT or wss://HOST:PORT. options may be NULL. Blocks. */
+seaway_code seaway_connect(const char* url, const seaway_connect_options* options,
+                           seaway_client** client);
+
+/* Ends the connection and frees the client. NULL is allowed. Blocks a second at most. */
+void seaway_disconnect(seaway_client* client);
+
+/* 1 while the connection stands, else 0. */
+int seaway_is_connected(const seaway_client* client);
+
+/* ---- time ---------------------------------------------------------------------------------- */
+
+/* Sea time by the filtered clock: the same on all clients, never runs backwards. 0 for NULL. */
+int64_t seaway_now_us(seaway_client* client);
+
+typedef struct seaway_clock_status {
+    double error_us;      /* bound on the error of the estimate */
+    double slew_us;       /* what seaway_now_us still has to make up */
+    double drift_ppm;     /* how much faster than the local clock the sea runs */
+    double round_trip_us; /* shortest of the last 30 s */
+} seaway_clock_status;
+
+seaway_code seaway_clock(const seaway_client* client, seaway_clock_status* status);
+
+/* ---- the sea ------------------------------------------------------------------------------- */
+
+/* Bulk statistics of the realised sea, and how good answers can be. */
+typedef struct seaway_sea {
+    int64_t start_time_us; /* it runs from here on */
+    double hs_m;           /* significant wave height */
+    double tp_s;           /* peak period */
+    double tz_s;           /* mean zero-crossing period */
+    double mean_from_deg;  /* nautical bearing that waves come from */
+    double height_error_m; /* the error budget of the scene */
+    uint32_t epoch;
+    uint32_t cascades;
+} seaway_sea;
+
+/* The sea that runs at this time. */
+seaway_code seaway_sea_at(const seaway_client* client, int64_t time_us, seaway_sea* sea);
+
+/* ---- answers ------------------------------------------------------------------------------- */
+
+typedef struct seaway_point {
+    double x_m;
+    double y_m;
+    int64_t time_us;
+} seaway_point;
+
+enum {
+    SEAWAY_FOLDED = 1,        /* the surface folds here; this is the highest sheet */
+    SEAWAY_NOT_CONVERGED = 2, /* error_m covers it */
+    SEAWAY_EXTRAPOLATED = 4,  /* outside the keyframes held; error_m is no bound */
+    SEAWAY_INVALID = 8,       /* the point was not a number; the rest is NaN */
+    SEAWAY_EXACT = 16         /* direct sum in double precision */
+};
+
+typedef struct seaway_answer {
+    double height_m;
+    double normal[3];       /* unit length, z up */
+    double velocity_mps[3]; /* of the water at the surface */
+    double error_m;         /* bound on the error of height_m */
+    uint32_t flags;         /* sum of the above */
+    uint32_t reserved;      /* 0 */
+} seaway_answer;
+
+/* The server answers `count` points, any number, each at its own time, past or future. exact: a
+ * direct sum of all waves, slow. timeout_s: for each batch that the points are split into; 0: 10.
+ * Blocks. */
+seaway_code seaway_query(seaway_client* client, const seaway_point* points, size_t count, int exact,
+                         double timeout_s, seaway_answer* answers);
+
+typedef struct seaway_subscription {
+    double error_m;    /* wanted bound on height; 0: the server chooses */
+    uint32_t credit;   /* keyframes under way, 1 .. 8; 0: 2 */
+    uint32_t reserved; /* 0 */
+    double timeout_s;  /* 0: 10 */
+} seaway_subscription;
+
+/* Has the tiles for sampling streamed from now on; NULL: the defaults. An earlier subscription is
+ * replaced. Blocks until the present can be sampled. */
+seaway_code seaway_subscribe(seaway_client* client, const seaway_subscription* subscription);
+
+/* Ends the stream. What is held stays. */
+seaway_code seaway_unsubscribe(seaway_client* client);
+
+/* Fetches what is needed to sample at these times, where it is not held. For a few times: the ring
+ * that holds keyframes is bounded, the oldest go first. timeout_s 0: 10. Blocks. */
+seaway_code seaway_hold(seaway_client* client, const int64_t* times_us, size_t count,
+                        double timeout_s);
+
+/* Answers from what is held; at once. Points of equal times should stand together. A time that the
+ * keyframes held do not cover is answered as well as can be, flagged SEAWAY_EXTRAPOLATED;
+ * SEAWAY_NOT_HELD if there are none at all. */
+seaway_code seaway_sample(const seaway_client* client, const seaway_point* points, size_t count,
+                          seaway_answer* answers);
+
+#ifdef __cplusplus
+} /* extern "C" */
+static_assert(sizeof(seaway_point) == 24 && sizeof(seaway_answer) == 72,
+              "these structs are the ABI");
+#endif
+
+#endif
