@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <complex>
+#include <limits>
 
 #include "sea/directional_spectrum.h"
 #include "sea/quadrature.h"
@@ -22,10 +24,13 @@ struct EnergySums {
     double east = 0;
     double north = 0;
 
-    void add(double energy, double omega) {
+    /// `direction`: mean of e^{i phi} over this energy.
+    void add(double energy, double omega, std::complex<double> direction) {
         m0 += energy;
         m1 += energy * omega;
         m2 += energy * omega * omega;
+        east += energy * direction.real();
+        north += energy * direction.imag();
     }
 };
 
@@ -44,56 +49,77 @@ SeaStatistics statistics(const EnergySums& sums, double peak_omega_radps) {
     return s;
 }
 
-/// Nodes of a quadrature over [lo, hi] in ln w, with a break at the peak, where JONSWAP's sigma
-/// jumps. `x` is w, `weight` includes dw.
-std::vector<QuadratureNode> frequency_nodes(double lo, double hi, double peak) {
+/// Nodes of a quadrature over [lo, hi] in ln w, `x` is w and `weight` includes dw; between the
+/// spectrum's breaks everything is smooth.
+std::vector<QuadratureNode> frequency_nodes(const DirectionalSpectrum& spectrum, double lo,
+                                            double hi) {
     std::vector<QuadratureNode> nodes;
-    const auto add = [&nodes](double a, double b) {
-        const int panels = std::max(1, static_cast<int>(std::ceil((b - a) / 0.12)));
-        const double half = 0.5 * (b - a) / panels;
+    const std::vector<double> breaks = spectrum.breaks();
+    for (std::size_t i = 0; i + 1 < breaks.size(); ++i) {
+        const double from = std::max(lo, breaks[i]);
+        const double to = std::min(hi, breaks[i + 1]);
+        if (!(from < to))
+            continue;
+        const double a = std::log(from);
+        const double width = std::log(to) - a;
+        const int panels = std::max(1, static_cast<int>(std::ceil(width / 0.12)));
+        const double half = 0.5 * width / panels;
         for (int p = 0; p < panels; ++p)
             for (const QuadratureNode& node : gauss_legendre_16)
                 for (const double side : {-1.0, 1.0}) {
                     const double omega = std::exp(a + (2 * p + 1 + side * node.x) * half);
                     nodes.push_back({omega, node.weight * half * omega});
                 }
-    };
-    if (!(lo < hi))
-        return nodes;
-    if (lo < peak && peak < hi) {
-        add(std::log(lo), std::log(peak));
-        add(std::log(peak), std::log(hi));
-    } else {
-        add(std::log(lo), std::log(hi));
     }
     return nodes;
 }
 
-/// Below a quarter of the peak, exp(-5/4 4^4) leaves nothing; above 1000 peaks, 1e-12 of m0 and
-/// 1e-6 of m2.
-constexpr double lowest_over_peak = 0.25;
-constexpr double highest_over_peak = 1000.0;
+constexpr double infinite = std::numeric_limits<double>::infinity();
 
 double variance_between(const DirectionalSpectrum& spectrum, double lo, double hi) {
-    const double peak = spectrum.peak_omega_radps();
     double sum = 0.0;
-    for (const QuadratureNode& node : frequency_nodes(std::max(lo, lowest_over_peak * peak),
-                                                      std::min(hi, highest_over_peak * peak), peak))
+    for (const QuadratureNode& node : frequency_nodes(spectrum, lo, hi))
         sum += node.weight * spectrum.frequency_density(node.x);
     return sum;
 }
 
 /// Variance that fade and cut-offs leave between two wavenumbers.
 double kept_variance(const DirectionalSpectrum& spectrum, const Dispersion& dispersion, Band band) {
-    const double peak = spectrum.peak_omega_radps();
     double sum = 0.0;
-    for (const QuadratureNode& node : frequency_nodes(
-             std::max(dispersion.omega(band.k_lo_radpm), lowest_over_peak * peak),
-             std::min(dispersion.omega(band.k_hi_radpm), highest_over_peak * peak), peak)) {
+    for (const QuadratureNode& node : frequency_nodes(spectrum, dispersion.omega(band.k_lo_radpm),
+                                                      dispersion.omega(band.k_hi_radpm))) {
         const double k = dispersion.wavenumber(node.x);
         sum += node.weight * spectrum.ring(k).density * k / dispersion.group_speed(k);
     }
     return sum;
+}
+
+/// Waves that are not drawn from a spectrum: f(variance, omega, k, direction) for each.
+template <class F>
+void over_explicit(const SeaState& sea, const F& f) {
+    const Dispersion dispersion = sea.dispersion();
+    const auto one = [&](double length_m, int nx, int ny, double amplitude_m, double share,
+                         double speed_omega) {
+        const double k = two_pi / length_m * std::hypot(nx, ny);
+        const double amplitude = sea.height_scale * std::abs(amplitude_m);
+        if (k > 0.0 && amplitude > 0.0)
+            f(share * amplitude * amplitude, speed_omega > 0.0 ? speed_omega : dispersion.omega(k),
+              k, std::atan2(ny, nx));
+    };
+    for (std::size_t s = 0; s < sea.systems.size(); ++s) {
+        if (const auto* modes = std::get_if<ExplicitModes>(&sea.systems[s]))
+            for (const ExplicitMode& mode : modes->modes)
+                one(modes->length_m, mode.nx, mode.ny, mode.amplitude_m, 0.5, 0.0);
+        if (const auto* ramps = std::get_if<SineRamps>(&sea.systems[s])) {
+            // Drag moves waves about but hardly changes their height.
+            const double share = ramps->kind == SineKind::exponential
+                                     ? exponential_sine(ramps->sharpness).variance
+                                     : 0.5;
+            for (const SineWave& wave :
+                 sine_waves(*ramps, sea.seed, static_cast<std::uint32_t>(s), dispersion))
+                one(ramps->length_m, wave.nx, wave.ny, wave.amplitude_m, share, wave.omega_radps);
+        }
+    }
 }
 
 std::vector<DirectionalSpectrum> spectra_of(const SeaState& sea) {
@@ -129,29 +155,34 @@ double peak_of(std::span<const DirectionalSpectrum> spectra) {
     return best_omega;
 }
 
-SeaStatistics requested_statistics(std::span<const DirectionalSpectrum> spectra,
-                                   const Dispersion& dispersion, double finest_k_hi) {
+SeaStatistics requested_statistics(const SeaState& sea,
+                                   std::span<const DirectionalSpectrum> spectra,
+                                   double finest_k_hi) {
+    const Dispersion dispersion = sea.dispersion();
     EnergySums sums;
     for (const DirectionalSpectrum& spectrum : spectra) {
-        const double peak = spectrum.peak_omega_radps();
-        for (const QuadratureNode& node :
-             frequency_nodes(lowest_over_peak * peak, highest_over_peak * peak, peak)) {
+        for (const QuadratureNode& node : frequency_nodes(spectrum, 0.0, infinite)) {
             const double energy = node.weight * spectrum.frequency_density(node.x);
-            if (!(energy > 0.0))
-                continue;
-            const double r1 = spectrum.spreading(node.x).first_moment();
-            sums.add(energy, node.x);
-            sums.east += energy * r1 * std::cos(spectrum.towards_rad());
-            sums.north += energy * r1 * std::sin(spectrum.towards_rad());
+            if (energy > 0.0)
+                sums.add(energy, node.x, spectrum.direction_moment(node.x));
         }
-        const double omega_hi = dispersion.omega(finest_k_hi);
         for (const QuadratureNode& node :
-             frequency_nodes(lowest_over_peak * peak, omega_hi, peak)) {
+             frequency_nodes(spectrum, 0.0, dispersion.omega(finest_k_hi))) {
             const double k = dispersion.wavenumber(node.x);
             sums.slope += node.weight * k * k * spectrum.frequency_density(node.x);
         }
     }
-    return spectra.empty() ? SeaStatistics{} : statistics(sums, peak_of(spectra));
+    double strongest = 0.0;
+    double strongest_omega = 1.0;
+    over_explicit(sea, [&](double energy, double omega, double k, double direction) {
+        sums.add(energy, omega, std::polar(1.0, direction));
+        sums.slope += energy * k * k;
+        if (energy > strongest) {
+            strongest = energy;
+            strongest_omega = omega;
+        }
+    });
+    return statistics(sums, spectra.empty() ? strongest_omega : peak_of(spectra));
 }
 
 /// Peak of a realised sea: sum w E^4 / sum E^4 over narrow bins of equal ratio (Young 1995), which
@@ -230,48 +261,83 @@ double requested_variance(const SeaState& sea, double omega_lo_radps, double ome
     double sum = 0.0;
     for (const DirectionalSpectrum& spectrum : spectra_of(sea))
         sum += variance_between(spectrum, omega_lo_radps, omega_hi_radps);
+    over_explicit(sea, [&](double energy, double omega, double, double) {
+        sum += omega_lo_radps <= omega && omega < omega_hi_radps ? energy : 0.0;
+    });
     return sum;
 }
+
+double requested_frequency_density(const SeaState& sea, double omega_radps) {
+    double sum = 0.0;
+    for (const DirectionalSpectrum& spectrum : spectra_of(sea))
+        sum += spectrum.frequency_density(omega_radps);
+    return sum;
+}
+
+namespace {
+
+/// Energy of the realised waves of one cascade, into `sums` and `peak`; gives its variance.
+double add_realised(const CascadeModes& cascade, EnergySums& sums, PeakFinder& peak) {
+    double variance = 0.0;
+    const auto add = [&](double energy, double kx, double ky, double omega) {
+        const double k = std::hypot(kx, ky);
+        sums.add(energy, omega, {kx / k, ky / k});
+        sums.slope += energy * k * k;
+        peak.add(energy, omega);
+        variance += energy;
+    };
+    over_modes(cascade, add);
+    for (const SineField& field : cascade.sines)
+        for (const SineField::Wave& wave : field.waves)
+            if (wave.amplitude_m > 0.0)
+                add(exponential_sine(field.sharpness).variance * wave.amplitude_m *
+                        wave.amplitude_m,
+                    wave.kx_radpm, wave.ky_radpm, wave.omega_radps);
+    return variance;
+}
+
+/// What the spectra put outside the bands [k_lo, k_hi), and what fade and cut-offs take within.
+void add_losses(std::span<const DirectionalSpectrum> spectra, const Dispersion& dispersion,
+                Band all, SeaSummary& summary) {
+    const double omega_lo = dispersion.omega(all.k_lo_radpm);
+    const double omega_hi = dispersion.omega(all.k_hi_radpm);
+    for (const DirectionalSpectrum& s : spectra) {
+        summary.lost_below_m2 += variance_between(s, 0.0, omega_lo);
+        summary.lost_above_m2 += variance_between(s, omega_hi, infinite);
+        summary.lost_fade_m2 += std::max(0.0, variance_between(s, omega_lo, omega_hi) -
+                                                  kept_variance(s, dispersion, all));
+    }
+}
+
+} // namespace
 
 SeaSummary summarize(const SeaState& sea, const Realization& realization) {
     SeaSummary summary;
     const Dispersion dispersion = sea.dispersion();
     const std::vector<DirectionalSpectrum> spectra = spectra_of(sea);
-    const double k_end =
-        realization.cascades.empty() ? 0.0 : realization.cascades.back().band.k_hi_radpm;
-    summary.requested = requested_statistics(spectra, dispersion, k_end);
+    Band all{0.0, 0.0};
+    for (const CascadeModes& cascade : realization.cascades)
+        if (cascade.carries_spectra)
+            all = {all.k_hi_radpm > 0.0 ? all.k_lo_radpm : cascade.band.k_lo_radpm,
+                   cascade.band.k_hi_radpm};
+    summary.requested = requested_statistics(sea, spectra, all.k_hi_radpm);
     for (const DirectionalSpectrum& s : spectra)
         summary.longest_peak_wavelength_m =
             std::max(summary.longest_peak_wavelength_m,
                      two_pi / dispersion.wavenumber(s.peak_omega_radps()));
     EnergySums sums;
     PeakFinder peak;
-    double covered = 0.0;
     for (const CascadeModes& cascade : realization.cascades) {
         CascadeVariance& variance = summary.cascades.emplace_back();
+        variance.realised_m2 = add_realised(cascade, sums, peak);
+        if (!cascade.carries_spectra)
+            continue;
         for (const DirectionalSpectrum& s : spectra)
             variance.requested_m2 += kept_variance(s, dispersion, cascade.band);
-        over_modes(cascade, [&](double energy, double kx, double ky, double omega) {
-            const double k = std::hypot(kx, ky);
-            sums.add(energy, omega);
-            sums.slope += energy * k * k;
-            sums.east += energy * kx / k;
-            sums.north += energy * ky / k;
-            peak.add(energy, omega);
-            variance.realised_m2 += energy;
-        });
         variance.expected_scatter = expected_scatter(spectra, cascade);
-        covered += variance.requested_m2;
     }
     summary.realised = statistics(sums, peak.peak_omega_radps());
-    if (realization.cascades.empty())
-        return summary;
-    const double infinite = std::numeric_limits<double>::infinity();
-    const double omega_lo = dispersion.omega(realization.cascades.front().band.k_lo_radpm);
-    const double omega_hi = dispersion.omega(k_end);
-    summary.lost_below_m2 = requested_variance(sea, 0.0, omega_lo);
-    summary.lost_above_m2 = requested_variance(sea, omega_hi, infinite);
-    summary.lost_fade_m2 = std::max(0.0, requested_variance(sea, omega_lo, omega_hi) - covered);
+    add_losses(spectra, dispersion, all, summary);
     return summary;
 }
 

@@ -3,7 +3,6 @@
 // Pure functions; thread-safe.
 #pragma once
 
-#include <span>
 #include <vector>
 
 #include "sea/realization.h"
@@ -28,20 +27,23 @@ struct CascadeVariance {
 };
 
 struct SeaSummary {
-    SeaStatistics requested; ///< integrals of the spectrum itself
-    SeaStatistics realised;  ///< sums over the drawn modes, averaged over time
-    std::vector<CascadeVariance> cascades;
-    double lost_below_m2 = 0;             ///< waves longer than the longest tile can hold
-    double lost_above_m2 = 0;             ///< waves shorter than the finest band
-    double lost_fade_m2 = 0;              ///< short-wave fade and cut-offs, within the bands
-    double longest_peak_wavelength_m = 0; ///< over the systems; 0 for a flat sea
+    SeaStatistics requested;               ///< integrals of the spectrum itself
+    SeaStatistics realised;                ///< sums over the drawn modes, averaged over time
+    std::vector<CascadeVariance> cascades; ///< of the realisation, in its order
+    double lost_below_m2 = 0;              ///< waves longer than the longest tile can hold
+    double lost_above_m2 = 0;              ///< waves shorter than the finest band
+    double lost_fade_m2 = 0;               ///< short-wave fade and cut-offs, within the bands
+    double longest_peak_wavelength_m = 0;  ///< over the systems; 0 for a flat sea
 };
 
 /// About 10 ms a wave system and 10 ms a cascade.
 SeaSummary summarize(const SeaState& sea, const Realization& realization);
 
-/// Variance of a sum of wave systems between two frequencies, m2: Gauss-Legendre to 1e-9 for a
-/// range that is at most three decades.
+/// Variance that was asked for between two frequencies, m2, to 1e-9: spectra and explicit waves.
 double requested_variance(const SeaState& sea, double omega_lo_radps, double omega_hi_radps);
+
+/// S(w) that was asked for, m2 s/rad, all systems; explicit and stylised waves, which are lines,
+/// are not in it.
+double requested_frequency_density(const SeaState& sea, double omega_radps);
 
 } // namespace seaway::sea

@@ -16,6 +16,7 @@
 
 #include "base/result.h"
 #include "sea/cascade.h"
+#include "sea/sine_waves.h"
 #include "sea/time.h"
 
 namespace seaway::sea {
@@ -24,9 +25,16 @@ namespace seaway::sea {
 /// (array index i stands for lattice index signed_index(i)); zero outside the band.
 struct CascadeModes {
     CascadeSpec spec;
-    Band band;
+    Band band;                            ///< of the spectra; explicit modes may lie outside
     std::vector<std::complex<double>> h0; ///< m
     std::vector<Rate> rate;               ///< frequency, turns/us 0.64; the same for k and -k
+    /// Phase that a change of frequency on the way has left in h0, turns 0.64 (sea/transition.h);
+    /// empty: none.
+    std::vector<std::uint64_t> phase_offset_turns;
+    /// False: added for explicit waves alone; the spectra's bands do not know it.
+    bool carries_spectra = true;
+    /// Stylised waves that are no modes, on this tile (sea/sine_waves.h); mostly empty.
+    std::vector<SineField> sines;
 };
 
 /// How far the surface is moved sideways: x = X + choppiness * D(X), each axis for itself. 0 .. 3.

@@ -68,6 +68,7 @@ DirectSum::Moment DirectSum::at_time(TimeUs time_us) const {
     moment.height_.reserve(modes_.size());
     moment.rate_.reserve(modes_.size());
     const TimeUs t = sea_->phase_time(time_us);
+    moment.phase_time_ = t;
     for (const Mode& mode : modes_) {
         const double phase = phase_rad(mode.rate, t);
         const Complex turn{std::cos(phase), -std::sin(phase)};
@@ -120,6 +121,14 @@ LagrangianPoint DirectSum::Moment::at(double x_m, double y_m) const {
             point.strain_xy -= 2.0 * ky * product(kx_h_k, e).real();
         }
     }
+    for (const CascadeModes& cascade : sum_->sea_->cascades)
+        for (const SineField& field : cascade.sines) {
+            const LagrangianPoint sines = sines_at(field, x_m, y_m, phase_time_);
+            point.height += sines.height;
+            point.height_rate += sines.height_rate;
+            point.slope_x += sines.slope_x;
+            point.slope_y += sines.slope_y;
+        }
     return point;
 }
 

@@ -36,6 +36,7 @@ class DirectSum {
         const DirectSum* sum_ = nullptr;
         std::vector<std::complex<double>> height_; ///< h(k,t), in the order of modes_
         std::vector<std::complex<double>> rate_;   ///< dh/dt
+        TimeUs phase_time_ = 0;
     };
 
     Moment at_time(TimeUs time_us) const;

@@ -10,7 +10,7 @@
 
 #include <fmt/format.h>
 
-#include "sea/scene_names.h"
+#include "sea/scene_systems.h"
 #include "sea/scene_toml.h"
 
 namespace seaway::sea {
@@ -18,88 +18,8 @@ namespace seaway::sea {
 namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
-constexpr Range any_bearing{-360.0, 360.0};
 
-/// From a nautical bearing, "from", clockwise from north, to where waves go, anticlockwise from
-/// east, in (-pi, pi].
-void read_direction(TomlTable& table, double& towards_rad) {
-    double from_deg = 0.0;
-    table.require("from_deg");
-    if (table.number("from_deg", from_deg, any_bearing))
-        towards_rad = towards_from_bearing(from_deg);
-}
-
-SpreadingModel read_spreading(TomlTable& table, SpreadingModel model) {
-    table.choice("spreading", model.kind, spreading_names);
-    if (model.kind == SpreadingKind::cos2s)
-        table.number("spreading_exponent", model.exponent, {0.0, spreading_exponent_max});
-    table.number("swell", model.swell, {0.0, 1.0});
-    table.number("isotropic", model.isotropic, {0.0, 1.0});
-    return model;
-}
-
-WindSea read_wind_sea(TomlTable& table) {
-    WindSea sea;
-    table.choice("spectrum", sea.spectrum,
-                 {{"jonswap", SpectrumKind::jonswap},
-                  {"tma", SpectrumKind::tma},
-                  {"pierson_moskowitz", SpectrumKind::pierson_moskowitz},
-                  {"phillips", SpectrumKind::phillips}});
-    constexpr Range winds{0.0, 100.0};
-    if (sea.spectrum == SpectrumKind::pierson_moskowitz && table.has("wind_speed_19m5_mps")) {
-        if (table.number("wind_speed_19m5_mps", sea.wind_speed_10m_mps, winds))
-            sea.wind_speed_10m_mps /= wind_19m5_over_10m;
-    } else {
-        table.require("wind_speed_10m_mps");
-        table.number("wind_speed_10m_mps", sea.wind_speed_10m_mps, winds);
-    }
-    read_direction(table, sea.towards_rad);
-    if (sea.spectrum == SpectrumKind::jonswap || sea.spectrum == SpectrumKind::tma) {
-        table.number("fetch_m", sea.fetch_m, {0.0, infinite});
-        table.number("gamma", sea.gamma, {1.0, 20.0});
-    }
-    if (sea.spectrum == SpectrumKind::phillips)
-        table.number("phillips_constant", sea.phillips_constant, {0.0, 1.0});
-    const SpreadingKind usual =
-        sea.spectrum == SpectrumKind::phillips ? SpreadingKind::cos2 : SpreadingKind::hasselmann;
-    sea.spreading = read_spreading(table, {usual});
-    return sea;
-}
-
-Swell read_swell(TomlTable& table) {
-    Swell swell;
-    table.choice("spectrum", swell.spectrum,
-                 {{"bretschneider", SpectrumKind::bretschneider},
-                  {"jonswap", SpectrumKind::jonswap},
-                  {"tma", SpectrumKind::tma}});
-    table.require("significant_height_m");
-    table.number("significant_height_m", swell.significant_height_m, {0.0, 40.0});
-    table.require("peak_period_s");
-    table.number("peak_period_s", swell.peak_period_s, {0.05, 100.0});
-    read_direction(table, swell.towards_rad);
-    if (swell.spectrum != SpectrumKind::bretschneider)
-        table.number("gamma", swell.gamma, {1.0, 20.0});
-    swell.spreading = read_spreading(table, {});
-    return swell;
-}
-
-enum class SystemType { wind, swell };
-
-void read_systems(TomlTable& sea_table, SeaState& sea) {
-    for (TomlTable& table : sea_table.tables("system", scene_systems_max)) {
-        auto type = SystemType::wind;
-        table.require("type");
-        if (!table.choice("type", type, {{"wind", SystemType::wind}, {"swell", SystemType::swell}}))
-            return;
-        if (type == SystemType::wind)
-            sea.systems.emplace_back(read_wind_sea(table));
-        else
-            sea.systems.emplace_back(read_swell(table));
-        table.finish();
-    }
-}
-
-void read_sea(TomlTable& table, SeaState& sea) {
+void read_sea(TomlTable& table, const std::string& base_dir, SeaState& sea) {
     std::int64_t seed = 0;
     table.integer("seed", seed, 0, std::numeric_limits<std::int64_t>::max());
     sea.seed = static_cast<std::uint64_t>(seed);
@@ -115,7 +35,8 @@ void read_sea(TomlTable& table, SeaState& sea) {
     table.number("short_wave_fade_m", sea.short_wave_fade_m, {0.0, 1000.0});
     table.number("wavenumber_min_radpm", sea.wavenumber_min_radpm, {0.0, 1e4});
     table.number("wavenumber_max_radpm", sea.wavenumber_max_radpm, {0.0, infinite});
-    read_systems(table, sea);
+    read_preset(table, sea, false);
+    read_systems(table, base_dir, sea);
     table.finish();
 }
 
@@ -160,7 +81,6 @@ void read_rest(TomlTable& root, Scene& scene) {
 
 Result<Scene> parse_scene(std::string_view text, const std::string& name,
                           const std::string& base_dir) {
-    static_cast<void>(base_dir);
     if (text.size() > scene_text_bytes_max)
         return Error{fmt::format("{}: {} bytes; a scene has at most {}", name, text.size(),
                                  scene_text_bytes_max)};
@@ -174,7 +94,7 @@ Result<Scene> parse_scene(std::string_view text, const std::string& name,
     TomlTable root(parsed.table(), "", errors);
     root.require("sea");
     if (auto table = root.table("sea"))
-        read_sea(*table, scene.sea);
+        read_sea(*table, base_dir, scene.sea);
     read_cascades(root, scene.cascades);
     read_rest(root, scene);
     root.finish();

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "sea/constants.h"
+#include "sea/sine_waves.h"
 #include "sea/spreading.h"
 
 namespace seaway::sea {
@@ -19,6 +20,11 @@ inline constexpr std::array<std::pair<std::string_view, SpreadingKind>, 5> sprea
      {"hasselmann", SpreadingKind::hasselmann},
      {"donelan_banner", SpreadingKind::donelan_banner}}};
 
+inline constexpr std::array<std::pair<std::string_view, SineKind>, 3> sine_names{
+    {{"sine", SineKind::sine},
+     {"gerstner", SineKind::gerstner},
+     {"exponential", SineKind::exponential}}};
+
 /// Where waves from this bearing (degrees, clockwise from north) go: rad anticlockwise from east,
 /// in (-pi, pi].
 inline double towards_from_bearing(double from_deg) {
@@ -28,5 +34,8 @@ inline double towards_from_bearing(double from_deg) {
 
 /// The bearing in [0, 360) that reads back as exactly this direction.
 double bearing_from_towards(double towards_rad);
+
+/// The degrees that read back as exactly this angle.
+double degrees_of(double angle_rad);
 
 } // namespace seaway::sea

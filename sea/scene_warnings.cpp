@@ -17,13 +17,28 @@ constexpr double lost_share_reported = 0.01;
 
 void warn_of_systems(const Scene& scene, std::vector<std::string>& warnings) {
     for (std::size_t i = 0; i < scene.sea.systems.size(); ++i) {
-        const DirectionalSpectrum spectrum(scene.sea.systems[i], scene.sea);
+        const WaveSystem& system = scene.sea.systems[i];
+        const DirectionalSpectrum spectrum(system, scene.sea);
         if (spectrum.growth_clamped())
             warnings.push_back(fmt::format(
                 "sea.system[{}]: the fetch is longer than this wind needs; growth is clamped at "
                 "full development, peak period {:.3g} s",
                 i + 1, two_pi / spectrum.peak_omega_radps()));
+        const auto* measured = std::get_if<MeasuredSea>(&system);
+        if (measured != nullptr && measured->spectrum->changed_bins > 0)
+            warnings.push_back(fmt::format(
+                "sea.system[{}]: directions of {} of {} frequencies fit no spectrum that is "
+                "nowhere negative; they were moved to the nearest that does",
+                i + 1, measured->spectrum->changed_bins, measured->spectrum->bins.size()));
     }
+}
+
+void warn_of_added_tiles(const Realization& realization, std::vector<std::string>& warnings) {
+    for (const CascadeModes& cascade : realization.cascades)
+        if (!cascade.carries_spectra)
+            warnings.push_back(fmt::format(
+                "no cascade has the length of the explicit waves, {:g} m; one of size {} was added",
+                cascade.spec.length_m, cascade.spec.size));
 }
 
 } // namespace
@@ -36,12 +51,13 @@ std::vector<std::string> scene_warnings(const Scene& scene) {
     const SeaSummary summary = summarize(scene.sea, *realization);
     const double height = summary.requested.significant_height_m;
     warn_of_systems(scene, warnings);
+    warn_of_added_tiles(*realization, warnings);
     if (!(height > 0.0))
         return warnings;
     const double variance = height * height / 16.0;
     const double tile = scene.cascades.front().length_m;
     const double peak = summary.longest_peak_wavelength_m;
-    if (tile < tile_wavelengths_min * peak)
+    if (peak > 0.0 && tile < tile_wavelengths_min * peak)
         warnings.push_back(fmt::format(
             "the largest cascade ({:g} m) holds {:.1f} peak wavelengths of {:.0f} m, fewer than "
             "{:g}: Hs of one seed scatters by {:.0f} %",

@@ -45,6 +45,10 @@ class Writer {
     void text(std::string_view key, std::string_view v) {
         out_ += fmt::format("{} = \"{}\"\n", key, v);
     }
+    /// A table of numbers: no quotes and no backslashes in it, as its reader sees to.
+    void block(std::string_view key, std::string_view v) {
+        out_ += fmt::format("{} = '''\n{}'''\n", key, v);
+    }
     std::string take() { return std::move(out_); }
 
   private:
@@ -68,8 +72,10 @@ void write(Writer& out, const WindSea& sea) {
         out.value("fetch_m", sea.fetch_m);
         out.value("gamma", sea.gamma);
     }
-    if (sea.spectrum == SpectrumKind::phillips)
+    if (sea.spectrum == SpectrumKind::phillips) {
         out.value("phillips_constant", sea.phillips_constant);
+        out.value("phillips_upwind", sea.phillips_upwind);
+    }
     write(out, sea.spreading);
 }
 
@@ -82,6 +88,45 @@ void write(Writer& out, const Swell& swell) {
     if (swell.spectrum != SpectrumKind::bretschneider)
         out.value("gamma", swell.gamma);
     write(out, swell.spreading);
+}
+
+void write(Writer& out, const MeasuredSea& sea) {
+    out.text("type", "measured");
+    out.block("data", sea.csv);
+    if (sea.spectrum && !sea.spectrum->has_directions()) {
+        out.value("from_deg", bearing_from_towards(sea.towards_rad));
+        write(out, sea.spreading);
+    }
+}
+
+void write(Writer& out, const ExplicitModes& system) {
+    out.text("type", "modes");
+    out.value("length_m", system.length_m);
+    std::string csv = "nx,ny,amplitude_m,phase_rad\n";
+    for (const ExplicitMode& mode : system.modes)
+        csv += fmt::format("{},{},{},{}\n", mode.nx, mode.ny, mode.amplitude_m, mode.phase_rad);
+    out.block("data", csv);
+}
+
+void write(Writer& out, const SineRamps& ramps) {
+    out.text("type", "sines");
+    for (const auto& [name, kind] : sine_names)
+        if (kind == ramps.kind)
+            out.text("shape", name);
+    out.value("length_m", ramps.length_m);
+    out.value("count", ramps.count);
+    out.value("amplitude_m", ramps.amplitude_m);
+    out.value("wavelength_m", ramps.wavelength_m);
+    out.value("amplitude_ratio", ramps.amplitude_ratio);
+    out.value("wavenumber_ratio", ramps.wavenumber_ratio);
+    out.value("from_deg", bearing_from_towards(ramps.towards_rad));
+    out.value("direction_spread_deg", degrees_of(ramps.direction_spread_rad));
+    out.value("normalise", ramps.normalise);
+    if (ramps.kind != SineKind::exponential)
+        return;
+    out.value("speed_ratio", ramps.speed_ratio);
+    out.value("sharpness", ramps.sharpness);
+    out.value("drag", ramps.drag);
 }
 
 void write(Writer& out, const SeaState& sea) {
@@ -104,24 +149,39 @@ void write(Writer& out, const SeaState& sea) {
 
 } // namespace
 
-double bearing_from_towards(double towards_rad) {
-    double bearing = 270.0 - towards_rad * (180.0 / pi);
-    bearing -= 360.0 * std::floor(bearing / 360.0);
-    const double rounded = std::round(bearing * 1e9) / 1e9;
-    if (towards_from_bearing(rounded) == towards_rad)
+namespace {
+
+/// The degrees near `guess` that `back` turns into exactly this angle: conversion there and back
+/// may be off by a few last bits. Short decimals first.
+template <class F>
+double exact_degrees(double guess, double angle_rad, const F& back) {
+    const double rounded = std::round(guess * 1e9) / 1e9;
+    if (back(rounded) == angle_rad)
         return rounded;
-    // Degrees and back may be off by a few last bits: look for the neighbour that is not.
-    double up = bearing;
-    double down = bearing;
+    double up = guess;
+    double down = guess;
     for (int step = 0; step < 64; ++step) {
-        if (towards_from_bearing(up) == towards_rad)
+        if (back(up) == angle_rad)
             return up;
-        if (towards_from_bearing(down) == towards_rad)
+        if (back(down) == angle_rad)
             return down;
         up = std::nextafter(up, 1e9);
         down = std::nextafter(down, -1e9);
     }
-    return bearing;
+    return guess;
+}
+
+} // namespace
+
+double bearing_from_towards(double towards_rad) {
+    double bearing = 270.0 - towards_rad * (180.0 / pi);
+    bearing -= 360.0 * std::floor(bearing / 360.0);
+    return exact_degrees(bearing, towards_rad, towards_from_bearing);
+}
+
+double degrees_of(double angle_rad) {
+    return exact_degrees(angle_rad * (180.0 / pi), angle_rad,
+                         [](double degrees) { return degrees * (pi / 180.0); });
 }
 
 std::string to_toml(const Scene& scene) {

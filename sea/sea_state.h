@@ -5,12 +5,16 @@
 
 #include <cstdint>
 #include <limits>
+#include <memory>
+#include <string>
 #include <variant>
 #include <vector>
 
 #include "sea/constants.h"
 #include "sea/dispersion.h"
+#include "sea/measured.h"
 #include "sea/realization.h"
+#include "sea/sine_waves.h"
 #include "sea/spreading.h"
 
 namespace seaway::sea {
@@ -24,8 +28,8 @@ struct WindSea {
     double towards_rad = 0.0;
     double fetch_m = std::numeric_limits<double>::infinity(); ///< jonswap, tma; infinite: grown
     double gamma = 3.3;                                       ///< peak enhancement, 1 .. 20
-    /// phillips: its constant A, 1; pierson_moskowitz and others take none.
-    double phillips_constant = 8.1e-3;
+    double phillips_constant = 8.1e-3;                        ///< phillips: its A, 0 .. 1
+    bool phillips_upwind = false; ///< phillips: cos^2 in both half planes, as Tessendorf 2001
     SpreadingModel spreading;
 };
 
@@ -39,7 +43,29 @@ struct Swell {
     SpreadingModel spreading;
 };
 
-using WaveSystem = std::variant<WindSea, Swell>;
+/// A sea that was measured.
+struct MeasuredSea {
+    std::shared_ptr<const MeasuredSpectrum> spectrum;
+    std::string csv;          ///< the table it was read from
+    double towards_rad = 0.0; ///< these two only where the table has no directions
+    SpreadingModel spreading;
+};
+
+/// One wave of a tile: eta = amplitude cos(k.X - w t + phase), k = 2 pi (nx, ny) / length.
+struct ExplicitMode {
+    int nx;
+    int ny;
+    double amplitude_m;
+    double phase_rad;
+};
+
+/// Waves given one by one. They live on the cascade of this length, whatever its band.
+struct ExplicitModes {
+    double length_m = 0.0;
+    std::vector<ExplicitMode> modes;
+};
+
+using WaveSystem = std::variant<WindSea, Swell, MeasuredSea, ExplicitModes, SineRamps>;
 
 struct SeaState {
     std::uint64_t seed = 0;

@@ -255,8 +255,7 @@ TEST(Realize, A16_hs_does_not_depend_on_how_a_narrow_beam_meets_the_lattice) {
                 if (k == 0.0 || k > 38 * step)
                     continue;
                 const auto ring = spectrum.ring(k, lattice_exponent_max(k, step));
-                variance += ring.density * ring.spreading(std::atan2(ny, nx) - degrees * pi / 180) *
-                            step * step;
+                variance += ring(std::atan2(ny, nx)) * step * step;
             }
         lowest = std::min(lowest, variance);
         highest = std::max(highest, variance);
