@@ -129,10 +129,10 @@ double relax_foam_mean(double mean, const FoamLaw& law, double dt_s) {
 }
 
 double foam_coverage(double mean, std::span<const float> ratios) {
-    double coverage = mean;
+    double together = 2.0;
     for (const float ratio : ratios)
-        coverage *= static_cast<double>(ratio);
-    return std::clamp(coverage, 0.0, 1.0);
+        together *= 0.5 * (1.0 + static_cast<double>(ratio));
+    return std::clamp(mean * (together - 1.0), 0.0, 1.0);
 }
 
 FoamHistory::FoamHistory(FoamLawPtr law, int cascade, int size)

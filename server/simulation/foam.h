@@ -8,10 +8,12 @@
 // waves (foam_law.h), as its ratio to the mean; the map Field::foam is that ratio, 1 on average.
 // Sampled at an undisplaced point X, never at the displaced one (traps T51):
 //
-//     F(X) = clamp(mean * product over cascades of ratio_c(X mod length_c), 0, 1)
+//     F(X) = clamp(mean * (2 product over cascades of (1 + ratio_c(X mod length_c)) / 2 - 1), 0, 1)
 //
-// Maps are not clamped, samples are (T50). Against one brute-force history of the joint Jacobian
-// the mean coverage is within 2 %, the correlation 0.6 to 0.8; docs/foam.md has the table and the
+// Maps are not clamped, samples are (T50). One cascade: F = mean * ratio. Several: the sum of what
+// each cascade says alone, plus half of what they would say together if breaking were not averaged
+// over time; the half is measured. Against one brute-force history of the joint Jacobian the mean
+// coverage is within 2 %, the correlation 0.63 to 0.84; docs/foam.md has the table and the
 // combinations that are worse.
 //
 //     const FoamLawPtr law = make_foam_law(*sea.realization, sea.scene.foam);  // once a sea
@@ -24,7 +26,7 @@
 //     // beside the maps, once a message: the mean; after a change of the sea it drifts to the new
 //     mean = relax_foam_mean(mean, *law, dt_s);                // starts as law->mean_coverage
 //
-// A history belongs to one thread. One tick of 256 x 256 takes about 0.3 ms.
+// A history belongs to one thread. One tick of 256 x 256 takes about 0.5 ms.
 #pragma once
 
 #include <functional>

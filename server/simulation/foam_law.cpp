@@ -66,10 +66,13 @@ struct Cholesky {
     }
 };
 
-/// Trapezoidal rule over a standard normal: exponentially accurate for smooth integrands.
+/// Trapezoidal rule over a standard normal: exponentially accurate for smooth integrands. An axis
+/// that is not there is one point.
 template <class F>
-double gaussian_mean(double step, const F& f) {
-    constexpr double reach = 9.0;
+double gaussian_mean(bool present, double step, const F& f) {
+    if (!present)
+        return f(0.0);
+    constexpr double reach = 7.5;
     const int n = static_cast<int>(reach / step);
     double sum = 0;
     for (int i = -n; i <= n; ++i)
@@ -77,37 +80,39 @@ double gaussian_mean(double step, const F& f) {
     return sum * step;
 }
 
-/// Average over all strains of g(mean, deviation) where, given a and c, threshold - J is normal:
-/// J is linear in b.
+/// Average over all strains of g(mean, deviation) where, given two of a, b, c, threshold - J is
+/// normal: J is linear in a and in b. The wider of these two is the one left to g.
 template <class G>
 double mean_over_strains(double threshold, const StrainMoments& moments, const G& g) {
-    const Cholesky l(moments);
-    return gaussian_mean(0.25, [&](double p) {
+    StrainMoments m = moments;
+    if (m.aa > m.bb) {
+        std::swap(m.aa, m.bb);
+        std::swap(m.ac, m.bc);
+    }
+    const Cholesky l(m);
+    constexpr double step = 0.0625; // fine: where all waves run one oblique way, g has a kink
+    return gaussian_mean(l.aa > 0, step, [&](double p) {
         const double a = l.aa * p;
-        const auto over_c = [&](double q) {
+        return gaussian_mean(l.cc > 0, step, [&](double q) {
             const double c = l.ca * p + l.cc * q;
             const double u = threshold - (1 + a) * (1 + l.ba * p + l.bc * q) + c * c;
             return g(u, std::abs(1 + a) * l.bb);
-        };
-        return l.cc > 0 ? gaussian_mean(0.25, over_c) : over_c(0.0);
+        });
     });
 }
 
 double mean_conditional_shortfall(double threshold, const StrainMoments& own,
                                   const OthersShape& others) {
     const Cholesky l(own);
-    // The axis of b first: coarse steps suffice where the others smooth the kink.
-    const auto at = [&](double p, double q, double r) {
-        return conditional_shortfall(threshold, others, l.aa * p, l.ba * p + l.bc * q + l.bb * r,
-                                     l.ca * p + l.cc * q);
-    };
-    const auto over_b = [&](double p, double q) {
-        return l.bb > 0 ? gaussian_mean(0.5, [&](double r) { return at(p, q, r); }) : at(p, q, 0);
-    };
-    const auto over_c = [&](double p) {
-        return l.cc > 0 ? gaussian_mean(0.5, [&](double q) { return over_b(p, q); }) : over_b(p, 0);
-    };
-    return l.aa > 0 ? gaussian_mean(0.25, over_c) : over_c(0.0);
+    constexpr double step = 0.375;
+    return gaussian_mean(l.aa > 0, step, [&](double p) {
+        return gaussian_mean(l.cc > 0, step, [&](double q) {
+            return gaussian_mean(l.bb > 0, step, [&](double r) {
+                return conditional_shortfall(threshold, others, l.aa * p,
+                                             l.ba * p + l.bc * q + l.bb * r, l.ca * p + l.cc * q);
+            });
+        });
+    });
 }
 
 } // namespace
@@ -211,7 +216,9 @@ FoamLawPtr make_foam_law(const sea::Realization& sea, const sea::FoamModel& mode
         cascade.others = others_shape(others);
         if (!law->calm())
             cascade.mean_shortfall =
-                mean_conditional_shortfall(model.threshold, own[c], cascade.others);
+                cascade.others.variance > 0
+                    ? mean_conditional_shortfall(model.threshold, own[c], cascade.others)
+                    : mean_shortfall(model.threshold, own[c]);
         law->cascades.push_back(cascade);
     }
     return law;
