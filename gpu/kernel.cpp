@@ -71,14 +71,13 @@ Result<OwnedPipeline> create_pipeline(Device& device, VkPipelineLayout layout,
         entries.push_back({i, i * 4u, 4});
     const VkSpecializationInfo constants{static_cast<std::uint32_t>(entries.size()), entries.data(),
                                          options.constants.size() * 4, options.constants.data()};
-    const VkPipelineShaderStageRequiredSubgroupSizeCreateInfo subgroup{
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_REQUIRED_SUBGROUP_SIZE_CREATE_INFO,
-        .requiredSubgroupSize = options.required_subgroup_size};
-    const bool fixed = options.required_subgroup_size != 0;
+    VkPipelineShaderStageCreateFlags flags = 0;
+    if (options.full_subgroups)
+        flags = VK_PIPELINE_SHADER_STAGE_CREATE_REQUIRE_FULL_SUBGROUPS_BIT;
     const VkComputePipelineCreateInfo info{
         .sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO,
         .stage = {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
-                  .pNext = fixed ? &subgroup : nullptr,
+                  .flags = flags,
                   .stage = VK_SHADER_STAGE_COMPUTE_BIT,
                   .module = module.get(),
                   .pName = shader.entry_point.c_str(),

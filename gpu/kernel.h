@@ -32,8 +32,8 @@ struct KernelExpectation {
 };
 
 struct KernelOptions {
-    std::uint32_t required_subgroup_size = 0; ///< 0: the device's own
-    std::vector<std::uint32_t> constants;     ///< specialisation constants 0, 1, ...
+    bool full_subgroups = false;          ///< no lane idle; local size x a multiple of the subgroup
+    std::vector<std::uint32_t> constants; ///< specialisation constants 0, 1, ...
 };
 
 class Kernel {

@@ -2,16 +2,26 @@
 # SPDX-License-Identifier: Apache-2.0
 """Writes the synthesis kernels (GLSL) and the table of them (C++).
 
-Design W: one inverse 2-D transform of N x N in three passes, four above N = 512. N = A B along x
-and N = C D along y; mode X = B n1 + n2 goes to point x = k1 + A k2, mode Y = D m1 + m2 to point
-y = j1 + C j2:
+Both designs are one inverse 2-D transform of N x N complex numbers per slot, without shared memory
+or barriers inside a kernel. Reads go through texel buffers, writes are vec4 (two neighbouring
+complex numbers). Why: docs/performance.md.
+
+Design W, three passes, four above N = 512. N = A B along x and N = C D along y; mode X = B n1 + n2
+goes to point x = k1 + A k2, mode Y = D m1 + m2 to point y = j1 + C j2:
 
     first   evolve; DFT_A over n1; twiddle w_N^(n2 k1)                  -> S[slot][Y][n2][k1]
     middle  DFT_B over n2; DFT_C over m1; twiddle w_N^(m2 j1)           -> T[slot][m2][j1][x]
     last    DFT_D over m2                                               -> map[slot][y][x]
 
-No shared memory, no barriers inside a kernel; reads go through texel buffers, writes are vec4 (two
-neighbouring complex numbers). Why: docs/performance.md.
+Design T, two passes, for subgroups of S lanes. A subgroup transforms a line of N = S M: lane l holds
+modes n = l + S m; DFT_M over m, twiddle w_N^(l k1), DFT_S across the lanes by shuffles leaves points
+k1 + M bitreverse(l) in lane l:
+
+    first   evolve; lines along y, one for each X                       -> T[slot][y / 2][X]
+    last    lines along x                                               -> map[slot][y][x]
+
+Each comes in two versions: for any modes, and for seas without modes at |nx| or |ny| >= 0.3 N (all
+that are made from spectra: sea::band_end_share_of_nyquist), which skips what is known to be zero.
 
     generate.py names                       kernel names, one a line
     generate.py glsl OUT_DIR                OUT_DIR/NAME.comp for every generated kernel
@@ -27,7 +37,18 @@ import codelets  # noqa: E402
 # size: (A, B, C, D). At 1024 the middle pass would hold 1024 numbers, so it is cut in two.
 PLANS = {64: (16, 4, 4, 16), 128: (32, 4, 8, 16), 256: (32, 8, 8, 32), 512: (32, 16, 16, 32),
          1024: (32, 32, 32, 32)}
+SUBGROUP_PLANS = {8: (64, 128, 256)}  # lanes: sizes
 WORKGROUP = 64  # shared/synthesis.h
+
+
+def kept(n, count, band):
+    """Which of `count` equal blocks of the N modes of a line hold any: block i is modes
+    i N / count ... Without `band` all do."""
+    block = n // count
+    first, end = (3 * n + 9) // 10, n - (3 * n + 9) // 10 + 1  # zero: first <= index < end
+    blocks = [i for i in range(count) if not band or i * block < first or (i + 1) * block > end]
+    assert blocks == [count - 1 - i for i in reversed(blocks)], "positive and negative alike"
+    return blocks
 
 HEAD = """#version 460
 #extension GL_GOOGLE_include_directive : require
@@ -38,6 +59,9 @@ HEAD = """#version 460
 
 layout(local_size_x = synthesis_workgroup) in;
 """
+SUBGROUP_HEAD = HEAD.replace("// SPDX", """#extension GL_KHR_shader_subgroup_basic : require
+#extension GL_KHR_shader_subgroup_shuffle : require
+// SPDX""", 1)
 OUTPUT = """layout(binding = {binding}, std430) writeonly buffer Target {{
     vec4 target[];
 }};
@@ -51,16 +75,19 @@ layout(binding = 2) uniform usamplerBuffer jobs;
 layout(binding = 3) uniform samplerBuffer rows;
 """
 MULTIPLIER = """
-/// The real multiplier of one field along a row of modes: weights of its basis functions with the
-/// row's ky put in.
+/// The real multiplier of one field along a line of modes: weights of its basis functions with the
+/// line's ky (or kx) put in.
 struct Multiplier {
-    float c0, cx, d0, d1, d2;
+    float c0, c1, d0, d1, d2;
 };
 Multiplier multiplier(vec4 w0, vec4 w1, float ky) {
     return Multiplier(w0.x + w1.x * ky, w0.w, (w0.z + w1.z * ky) * ky, w0.y + w1.w * ky, w1.y);
 }
-float at(Multiplier m, float kx, float inverse_k) {
-    return m.c0 + kx * m.cx + inverse_k * (m.d0 + kx * (m.d1 + kx * m.d2));
+Multiplier multiplier_along_y(vec4 w0, vec4 w1, float kx) {
+    return Multiplier(w0.x + w0.w * kx, w1.x, (w0.y + w1.y * kx) * kx, w0.z + w1.w * kx, w1.z);
+}
+float at(Multiplier m, float k, float inverse_k) {
+    return m.c0 + k * m.c1 + inverse_k * (m.d0 + k * (m.d1 + k * m.d2));
 }
 
 /// a + i b of one mode, from its evolved amplitude `h` (xy: h, zw: dh/dt).
@@ -92,58 +119,93 @@ def turned(re, im, name, k):
     return f"({re} * {w}.x - {im} * {w}.y)", f"({re} * {w}.y + {im} * {w}.x)"
 
 
-def first_pass(n, a, b):
+def omitted(blocks, count):
+    return set(range(count)) - set(blocks)
+
+
+def line_index(lines, n):
+    """GLSL: from a running number of the lines kept to a mode index; both halves are equal."""
+    return f"line < {lines // 2}u ? line : line + {n - lines}u" if lines < n else "line"
+
+
+def slot_head(line_is_row):
+    order = "" if line_is_row else "_along_y"
+    fixed = "ky" if line_is_row else "kx"
+    return f"""    for (uint slot = 0u; slot < push.slots; ++slot) {{
+        int at_row = int(slot * slot_row_texels);
+        Multiplier ma = multiplier{order}(texelFetch(rows, at_row), texelFetch(rows, at_row + 1), {fixed});
+        Multiplier mb = multiplier{order}(texelFetch(rows, at_row + 2), texelFetch(rows, at_row + 3), {fixed});
+        bvec4 flags = greaterThan(texelFetch(rows, at_row + 4), vec4(0.5));
+"""
+
+
+def line_modes(blocks, count, stride, start, fixed, step):
+    """GLSL: evolves the modes start + stride i of a line, i in blocks."""
+    text = []
+    for i in blocks:
+        shift = stride * (i if i < count // 2 else i - count)
+        text.append(f"    float k{i} = wavenumber_step * float(int({start}) + {shift});\n"
+                    f"    float square{i} = k{i} * k{i} + {fixed} * {fixed};\n"
+                    f"    float inverse{i} = square{i} > 0.0 ? inversesqrt(square{i}) : 0.0;\n"
+                    f"    vec4 h{i} = evolve(texelFetch(modes, base + {step * i}), "
+                    f"texelFetch(rates, base + {step * i}).xy, job.yz);\n")
+    return "".join(text)
+
+
+def packed_line(blocks):
+    return "".join(f"        vec2 z{i} = packed_fields(h{i}, at(ma, k{i}, inverse{i}), "
+                   f"at(mb, k{i}, inverse{i}), flags);\n" for i in blocks)
+
+
+def first_pass(n, a, b, d, band):
+    blocks = kept(n, a, band)
+    lines = len(kept(n, n // d, band)) * d
     text = [HEAD, FIRST_BINDINGS, OUTPUT.format(binding=4), MULTIPLIER, f"""
 void main() {{
     uint n2 = gl_GlobalInvocationID.x % {b}u;
-    uint row = gl_GlobalInvocationID.x / {b}u;
+    uint line = gl_GlobalInvocationID.x / {b}u;
+    uint row = {line_index(lines, n)};
     uvec4 job = texelFetch(jobs, int(gl_GlobalInvocationID.z));
     float wavenumber_step = uintBitsToFloat(job.w);
     float ky = wavenumber_step * float(row < {n // 2}u ? int(row) : int(row) - {n});
     int base = int((job.x * {n}u + row) * {n}u + n2);
 """]
-    for i in range(a):
-        shift = b * (i if i < a // 2 else i - a)
-        text.append(f"    float kx{i} = wavenumber_step * float(int(n2) + {shift});\n"
-                    f"    float k2_{i} = kx{i} * kx{i} + ky * ky;\n"
-                    f"    float inv{i} = k2_{i} > 0.0 ? inversesqrt(k2_{i}) : 0.0;\n"
-                    f"    vec4 h{i} = evolve(texelFetch(modes, base + {b * i}), "
-                    f"texelFetch(rates, base + {b * i}).xy, job.yz);\n")
+    text.append(line_modes(blocks, a, b, "n2", "ky", b))
     text.append(twiddles("w", f"n2 * {2**32 // n}u", a))
-    text.append(f"""    for (uint slot = 0u; slot < push.slots; ++slot) {{
-        int at_row = int(slot * slot_row_texels);
-        Multiplier ma = multiplier(texelFetch(rows, at_row), texelFetch(rows, at_row + 1), ky);
-        Multiplier mb = multiplier(texelFetch(rows, at_row + 2), texelFetch(rows, at_row + 3), ky);
-        bvec4 flags = greaterThan(texelFetch(rows, at_row + 4), vec4(0.5));
-""")
-    for i in range(a):
-        text.append(f"        vec2 z{i} = packed_fields(h{i}, at(ma, kx{i}, inv{i}), "
-                    f"at(mb, kx{i}, inv{i}), flags);\n")
-    text.append(codelets.dft(a).glsl("float", [(f"z{i}.x", f"z{i}.y") for i in range(a)],
-                                     [(f"r{i}", f"i{i}") for i in range(a)], indent=" " * 8))
+    text.append(slot_head(True))
+    text.append(packed_line(blocks))
+    text.append(codelets.dft(a, omitted(blocks, a)).glsl(
+        "float", [(f"z{i}.x", f"z{i}.y") for i in range(a)],
+        [(f"r{i}", f"i{i}") for i in range(a)], indent=" " * 8))
     text.append(f"        uint to = (((gl_GlobalInvocationID.z * push.slots + slot) * {n}u + row) * "
                 f"{b}u + n2) * {a // 2}u;\n")
     for k in range(0, a, 2):
         even, odd = turned(f"r{k}", f"i{k}", "w", k), turned(f"r{k + 1}", f"i{k + 1}", "w", k + 1)
         text.append(f"        target[to + {k // 2}u] = vec4({', '.join(even + odd)});\n")
     text.append("    }\n}\n")
-    return "".join(text)
+    return "".join(text), lines * b
 
 
-def middle_pass(n, a, b, c, d):
+def middle_pass(n, a, b, c, d, band):
+    """With C = 1 it is the rest of x alone, of the rows that the first pass wrote; with B = 1 (then
+    A = N) the first half of y alone."""
     pairs = a // 2
+    blocks = kept(n, c, band) if c > 1 else [0]
+    split_d = PLANS[n][3]
+    lines = d if c > 1 else len(kept(n, n // split_d, band)) * split_d
     text = [HEAD, "layout(binding = 0) uniform samplerBuffer source;\n", OUTPUT.format(binding=1), f"""
 void main() {{
     uint pair = gl_GlobalInvocationID.x % {pairs}u;
-    uint m2 = gl_GlobalInvocationID.x / {pairs}u;
+    uint line = gl_GlobalInvocationID.x / {pairs}u;
+    uint m2 = {line_index(lines, d)};
     uint from = ((gl_GlobalInvocationID.z * {n}u + m2) * {b}u) * {pairs}u + pair;
     uint to = (gl_GlobalInvocationID.z * {d}u + m2) * {c * n // 2}u + pair;
 """]
-    for m1 in range(c):
+    for m1 in blocks:
         for n2 in range(b):
             text.append(f"    vec4 v{m1}_{n2} = texelFetch(source, int(from + "
                         f"{(d * m1 * b + n2) * pairs}u));\n")
-    for m1 in range(c):
+    for m1 in blocks:
         ins = [(f"v{m1}_{n2}.xz", f"v{m1}_{n2}.yw") for n2 in range(b)]
         outs = [(f"xr{m1}_{k2}", f"xi{m1}_{k2}") for k2 in range(b)]
         if b == 1:
@@ -158,7 +220,7 @@ void main() {{
         if c == 1:
             outs = ins
         else:
-            text.append(codelets.dft(c).glsl("vec2", ins, outs, prefix=f"y{k2}t"))
+            text.append(codelets.dft(c, omitted(blocks, c)).glsl("vec2", ins, outs, prefix=f"y{k2}t"))
         for j1 in range(c):
             re, im = outs[j1]
             if j1:
@@ -168,7 +230,7 @@ void main() {{
             text.append(f"    target[to + {j1 * n // 2 + k2 * pairs}u] = "
                         f"vec4({re}.x, {im}.x, {re}.y, {im}.y);\n")
     text.append("}\n")
-    return "".join(text)
+    return "".join(text), lines * pairs
 
 
 def last_pass(n, c, d):
@@ -186,20 +248,139 @@ void main() {{
         text.append(f"    target[at + {j2 * c * n // 2}u] = "
                     f"vec4(r{j2}.x, i{j2}.x, r{j2}.y, i{j2}.y);\n")
     text.append("}\n")
+    return "".join(text), n // 2 * c
+
+
+def lane_twiddles(lanes):
+    """GLSL: turn<d>, what the stage of distance d multiplies with in this lane."""
+    text = []
+    d = lanes // 2
+    while d > 1:
+        text.append(f"    vec2 turn{d} = (lane & {d}u) != 0u ? "
+                    f"unit_phasor((lane & {d - 1}u) * {2**31 // d}u) : vec2(1.0, 0.0);\n")
+        d //= 2
+    d = lanes // 2
+    while d >= 1:
+        text.append(f"    float sign{d} = (lane & {d}u) != 0u ? -1.0 : 1.0;\n")
+        d //= 2
+    text.append("    uint run = bitfieldReverse(lane) >> "
+                f"{32 - (lanes.bit_length() - 1)}u;\n")
     return "".join(text)
 
 
-def passes(n):
-    """(kernel name, GLSL, invocations for one job or one slot)."""
-    a, b, c, d = PLANS[n]
-    made = [(f"w{n}_first", first_pass(n, a, b), b * n)]
-    if b * c <= 256:
-        made.append((f"w{n}_middle", middle_pass(n, a, b, c, d), a // 2 * d))
-    else:
-        made.append((f"w{n}_middle_x", middle_pass(n, a, b, 1, n), a // 2 * n))
-        made.append((f"w{n}_middle_y", middle_pass(n, n, 1, c, d), n // 2 * d))
-    made.append((f"w{n}_last", last_pass(n, c, d), n // 2 * c))
+def across_lanes(kind, lanes, name, indent):
+    """GLSL: DFT over the lanes of (r<name>, i<name>), in place."""
+    text = []
+    d = lanes // 2
+    while d >= 1:
+        r, i = f"r{name}", f"i{name}"
+        text.append(f"{indent}{r} = sign{d} * {r} + subgroupShuffleXor({r}, {d}u);\n"
+                    f"{indent}{i} = sign{d} * {i} + subgroupShuffleXor({i}, {d}u);\n")
+        if d > 1:
+            text.append(f"{indent}{kind} q{name}_{d} = {r} * turn{d}.x - {i} * turn{d}.y;\n"
+                        f"{indent}{i} = {r} * turn{d}.y + {i} * turn{d}.x;\n"
+                        f"{indent}{r} = q{name}_{d};\n")
+        d //= 2
+    return "".join(text)
+
+
+def in_lane(kind, n, lanes, blocks, inputs, indent):
+    """GLSL: DFT over the modes of each lane, twiddle, DFT across the lanes -> r<k>, i<k>."""
+    m = n // lanes
+    text = [codelets.dft(m, omitted(blocks, m)).glsl(
+        kind, inputs, [(f"a{k}", f"b{k}") for k in range(m)], indent=indent)]
+    for k in range(m):
+        re, im = turned(f"a{k}", f"b{k}", "w", k)
+        text.append(f"{indent}{kind} r{k} = {re};\n{indent}{kind} i{k} = {im};\n")
+        text.append(across_lanes(kind, lanes, k, indent))
+    return "".join(text)
+
+
+SUBGROUP_MAIN = """
+void main() {{
+    uint lane = gl_SubgroupInvocationID;
+    uint line = gl_WorkGroupID.x * {lines}u + gl_SubgroupID;
+"""
+
+
+def subgroup_first_pass(n, lanes, band):
+    m = n // lanes
+    blocks = kept(n, m, band)
+    lines = len(blocks) * lanes
+    pitch = lines + 4
+    text = [SUBGROUP_HEAD, FIRST_BINDINGS, OUTPUT.format(binding=4), MULTIPLIER,
+            SUBGROUP_MAIN.format(lines=WORKGROUP // lanes), f"""    uint column = {line_index(lines, n)};
+    uvec4 job = texelFetch(jobs, int(gl_GlobalInvocationID.z));
+    float wavenumber_step = uintBitsToFloat(job.w);
+    float kx = wavenumber_step * float(column < {n // 2}u ? int(column) : int(column) - {n});
+    int base = int((job.x * {n}u + column) * {n}u + lane);
+"""]
+    text.append(line_modes(blocks, m, lanes, "lane", "kx", lanes))
+    text.append(twiddles("w", f"lane * {2**32 // n}u", m))
+    text.append(lane_twiddles(lanes))
+    text.append(slot_head(False))
+    text.append(packed_line(blocks))
+    text.append(in_lane("float", n, lanes, blocks, [(f"z{i}.x", f"z{i}.y") for i in range(m)],
+                        " " * 8))
+    text.append(f"        uint to = ((gl_GlobalInvocationID.z * push.slots + slot) * {n // 2}u + "
+                f"run * {m // 2}u) * {pitch}u + line;\n")
+    for k in range(0, m, 2):
+        text.append(f"        target[to + {k // 2 * pitch}u] = "
+                    f"vec4(r{k}, i{k}, r{k + 1}, i{k + 1});\n")
+    text.append("    }\n}\n")
+    return "".join(text), lines * lanes, n * pitch
+
+
+def subgroup_last_pass(n, lanes, band):
+    m = n // lanes
+    blocks = kept(n, m, band)
+    pitch = len(blocks) * lanes + 4
+    text = [SUBGROUP_HEAD, "layout(binding = 0) uniform samplerBuffer source;\n",
+            OUTPUT.format(binding=1), SUBGROUP_MAIN.format(lines=WORKGROUP // lanes),
+            f"    int from = int((gl_GlobalInvocationID.z * {n // 2}u + line) * {pitch}u + lane);\n"]
+    for at, i in enumerate(blocks):
+        text.append(f"    vec4 v{i} = texelFetch(source, from + {at * lanes});\n")
+    text.append(twiddles("w", f"lane * {2**32 // n}u", m))
+    text.append(lane_twiddles(lanes))
+    text.append(in_lane("vec2", n, lanes, blocks, [(f"v{i}.xz", f"v{i}.yw") for i in range(m)],
+                        " " * 4))
+    text.append(f"    uint to = (gl_GlobalInvocationID.z * {n}u + 2u * line) * {n // 2}u + "
+                f"run * {m // 2}u;\n")
+    for part, row in (("x", 0), ("y", n // 2)):
+        for k in range(0, m, 2):
+            text.append(f"    target[to + {row + k // 2}u] = vec4(r{k}.{part}, i{k}.{part}, "
+                        f"r{k + 1}.{part}, i{k + 1}.{part});\n")
+    text.append("}\n")
+    return "".join(text), n // 2 * lanes
+
+
+def transforms():
+    """All of them: (size, lanes or 0, band, largest scratch in complex numbers, passes), a pass being
+    (kernel name, GLSL, invocations for one job or one slot). The best of a size come first."""
+    made = []
+    for band in (True, False):
+        suffix = "_band" if band else ""
+        for lanes, sizes in SUBGROUP_PLANS.items():
+            for n in sizes:
+                first, invocations, scratch = subgroup_first_pass(n, lanes, band)
+                made.append((n, lanes, band, max(scratch, n * n),
+                             [(f"t{lanes}_{n}_first{suffix}", first, invocations),
+                              (f"t{lanes}_{n}_last{suffix}", *subgroup_last_pass(n, lanes, band))]))
+        for n, (a, b, c, d) in PLANS.items():
+            passes = [(f"w{n}_first{suffix}", *first_pass(n, a, b, d, band))]
+            if b * c <= 256:
+                passes.append((f"w{n}_middle{suffix}", *middle_pass(n, a, b, c, d, band)))
+            else:
+                passes.append((f"w{n}_middle_x{suffix}", *middle_pass(n, a, b, 1, n, band)))
+                passes.append((f"w{n}_middle_y{suffix}", *middle_pass(n, n, 1, c, d, band)))
+            passes.append((f"w{n}_last", *last_pass(n, c, d)))
+            made.append((n, 0, band, n * n, passes))
     return made
+
+
+def kernels():
+    """name: GLSL; transforms may share a kernel."""
+    return {name: text for *_, passes in transforms() for name, text, _ in passes}
 
 
 def spirv_words(path):
@@ -214,28 +395,28 @@ def embed(out, modules):
         words = [f"0x{w:x}" for w in spirv_words(path)]
         lines = [",".join(words[i:i + 12]) for i in range(0, len(words), 12)]
         text.append(f"constexpr std::uint32_t {name}_words[] = {{\n" + ",\n".join(lines) + "};\n")
-    for n in PLANS:
-        text.append(f"constexpr Pass w{n}_passes[] = {{\n")
-        for name, _, invocations in passes(n):
-            text.append(f'    {{{{"{name}", {name}_words}}, {invocations // WORKGROUP}}},\n')
+    rows = []
+    for n, lanes, band, scratch, passes in transforms():
+        name = f"{f't{lanes}' if lanes else 'w'}_{n}{'_band' if band else ''}_passes"
+        text.append(f"constexpr Pass {name}[] = {{\n")
+        for kernel, _, invocations in passes:
+            text.append(f'    {{{{"{kernel}", {kernel}_words}}, {invocations // WORKGROUP}}},\n')
         text.append("};\n")
-    text.append("constexpr Transform transforms[] = {\n")
-    for n in PLANS:
-        text.append(f'    {{{n}, "W", w{n}_passes}},\n')
-    text.append("};\n\n} // namespace\n\n"
-                "std::span<const Transform> synthesis_transforms() {\n    return transforms;\n}\n\n"
-                'Shader jacobian() {\n    return {"jacobian", jacobian_words};\n}\n\n'
-                "} // namespace seaway::shaders\n")
+        design = f"T{lanes}" if lanes else "W"
+        rows.append(f'    {{{n}, "{design}", {lanes}, {str(band).lower()}, {scratch}, {name}}},\n')
+    text += ["constexpr Transform transforms[] = {\n", *rows, "};\n\n} // namespace\n\n"
+             "std::span<const Transform> synthesis_transforms() {\n    return transforms;\n}\n\n"
+             'Shader jacobian() {\n    return {"jacobian", jacobian_words};\n}\n\n'
+             "} // namespace seaway::shaders\n"]
     pathlib.Path(out).write_text("".join(text), encoding="utf-8")
 
 
 def main(arguments):
     if arguments[:1] == ["names"]:
-        print("\n".join(name for n in PLANS for name, _, _ in passes(n)))
+        print("\n".join(kernels()))
     elif arguments[:1] == ["glsl"] and len(arguments) == 2:
-        for n in PLANS:
-            for name, text, _ in passes(n):
-                pathlib.Path(arguments[1], name + ".comp").write_text(text, encoding="utf-8")
+        for name, text in kernels().items():
+            pathlib.Path(arguments[1], name + ".comp").write_text(text, encoding="utf-8")
     elif arguments[:1] == ["embed"] and len(arguments) > 2:
         embed(arguments[1], dict(module.split("=", 1) for module in arguments[2:]))
     else:

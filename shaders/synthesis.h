@@ -7,10 +7,10 @@
 // between them; each is dispatched as (groups, 1, z):
 //   pass 0:  z = jobs.         bindings modes, rates, jobs, rows -> Target
 //   others:  z = jobs * slots. bindings source -> Target
-// modes: RGBA32F [cascade][Y][X] (h0(k), conj h0(-k)); rates: RG32UI [cascade][Y][X] (low, high
-// word of sea::Rate); jobs: RGBA32UI, SynthesisJob; rows: RGBA32F [slot][slot_row_texels].
-// Source and Target of a pass are buffers of jobs * slots * N * N complex floats, source as
-// RGBA32F.
+// modes: RGBA32F [cascade][Y][X] (h0(k), conj h0(-k)), rates: RG32UI likewise (low, high word of
+// sea::Rate), both [cascade][X][Y] for designs of subgroups; jobs: RGBA32UI, SynthesisJob; rows:
+// RGBA32F [slot][slot_row_texels]. Source and Target of a pass are two buffers of jobs * slots *
+// scratch_complexes complex floats, taken in turns; source is read as RGBA32F.
 //
 // Constants; thread-safe.
 #pragma once
@@ -32,12 +32,20 @@ struct Pass {
 };
 
 struct Transform {
-    int size;                ///< N
-    std::string_view design; ///< "W"
+    int size;                    ///< N
+    std::string_view design;     ///< "W", "T8"
+    std::uint32_t subgroup_size; ///< lanes that it is built for; 0: any device
+    bool band_limited;           ///< all modes must fit_band()
+    std::uint32_t scratch_complexes;
     std::span<const Pass> passes;
 };
 
-/// One a size and design: 64, 128, 256, 512, 1024.
+/// Whether a band-limited transform knows the mode n of a line: |n| < 0.3 N.
+constexpr bool fits_band(int n, int size) {
+    return (n < 0 ? -n : n) * 10 < 3 * size;
+}
+
+/// All, the faster ones of a size first. Sizes 64, 128, 256, 512, 1024.
 std::span<const Transform> synthesis_transforms();
 
 /// Bindings maps -> Jacobian, push constants JacobianPush, N^2 / 4 invocations a job.

@@ -56,7 +56,7 @@ Result<std::unique_ptr<VulkanBatch>>
 VulkanBatch::create(gpu::Device& device, const SynthesisKernels& kernels, int cascade_count) {
     std::unique_ptr<VulkanBatch> made(new VulkanBatch(device, kernels));
     constexpr int all_slots = shaders::max_slots;
-    made->capacity_slots_ = kernels.size <= largest_batched_size
+    made->capacity_slots_ = kernels.size() <= largest_batched_size
                                 ? std::max(all_slots, slots_per_batched_cascade * cascade_count)
                                 : all_slots;
     if (Result<void> allocated = made->allocate(cascade_count); !allocated)
@@ -71,8 +71,8 @@ Result<void> VulkanBatch::allocate(int cascade_count) {
     constexpr VkFormat rgba32ui = VK_FORMAT_R32G32B32A32_UINT;
     constexpr VkFormat rg32ui = VK_FORMAT_R32G32_UINT;
     const std::size_t modes = points() * static_cast<std::size_t>(cascade_count);
-    const std::size_t map_bytes =
-        points() * static_cast<std::size_t>(capacity_slots_) * complex_bytes;
+    const std::size_t map_bytes = static_cast<std::size_t>(kernels_.transform->scratch_complexes) *
+                                  static_cast<std::size_t>(capacity_slots_) * complex_bytes;
     const std::size_t jacobian_bytes = // its strains take two slots
         points() * static_cast<std::size_t>(capacity_slots_ / 2) * float_bytes;
     constexpr std::size_t row_bytes = shaders::max_slots * shaders::slot_row_texels * vec4_bytes;
@@ -132,7 +132,7 @@ Result<void> VulkanBatch::bind() {
 }
 
 Result<void> VulkanBatch::upload(std::span<const sea::CascadeModes* const> cascades) {
-    const auto n = static_cast<std::size_t>(kernels_.size);
+    const auto n = static_cast<std::size_t>(kernels_.size());
     std::vector<float> modes;
     modes.reserve(points() * 4 * cascades.size());
     std::vector<sea::Rate> rates;
@@ -142,18 +142,18 @@ Result<void> VulkanBatch::upload(std::span<const sea::CascadeModes* const> casca
         SEAWAY_CHECK(cascade->h0.size() == points() && cascade->rate.size() == points(),
                      "a cascade of another size");
         steps_.push_back(static_cast<float>(cascade->spec.wavenumber_step_radpm()));
-        for (std::size_t y = 0; y < n; ++y)
-            for (std::size_t x = 0; x < n; ++x) {
-                const std::complex<double> here = cascade->h0[y * n + x];
-                const std::complex<double> mirror = cascade->h0[(n - y) % n * n + (n - x) % n];
-                SEAWAY_CHECK((x != n / 2 && y != n / 2) || here == 0.0,
-                             "the mode without a partner must be zero");
-                modes.insert(modes.end(),
-                             {static_cast<float>(here.real()), static_cast<float>(here.imag()),
-                              static_cast<float>(mirror.real()),
-                              static_cast<float>(-mirror.imag())});
-            }
-        rates.insert(rates.end(), cascade->rate.begin(), cascade->rate.end());
+        for (std::size_t i = 0; i < points(); ++i) {
+            const bool transposed = kernels_.transform->subgroup_size != 0;
+            const std::size_t y = transposed ? i % n : i / n, x = transposed ? i / n : i % n;
+            const std::complex<double> here = cascade->h0[y * n + x];
+            const std::complex<double> mirror = cascade->h0[(n - y) % n * n + (n - x) % n];
+            SEAWAY_CHECK((x != n / 2 && y != n / 2) || here == 0.0,
+                         "the mode without a partner must be zero");
+            modes.insert(modes.end(),
+                         {static_cast<float>(here.real()), static_cast<float>(here.imag()),
+                          static_cast<float>(mirror.real()), static_cast<float>(-mirror.imag())});
+            rates.push_back(cascade->rate[y * n + x]);
+        }
     }
     if (Result<void> sent = gpu::upload(device_, modes_, std::as_bytes(std::span(modes))); !sent)
         return sent;
@@ -163,7 +163,7 @@ Result<void> VulkanBatch::upload(std::span<const sea::CascadeModes* const> casca
 }
 
 int VulkanBatch::max_jobs(int slots) const {
-    if (kernels_.size > largest_batched_size || slots == 0)
+    if (kernels_.size() > largest_batched_size || slots == 0)
         return 1;
     return std::clamp(capacity_slots_ / slots, 1, most_jobs);
 }
@@ -212,7 +212,7 @@ Result<void> VulkanBatch::record(std::span<const Job> jobs, const Packing& packi
                                              plane(sea::Field::strain_xy),
                                              static_cast<float>(choppiness->x),
                                              static_cast<float>(choppiness->y),
-                                             static_cast<std::uint32_t>(kernels_.size)};
+                                             static_cast<std::uint32_t>(kernels_.size())};
         const auto groups = static_cast<std::uint32_t>(points() / 4 / shaders::synthesis_workgroup);
         commands_.dispatch(kernels_.jacobian, jacobian_bindings_,
                            std::as_bytes(std::span(&jacobian, 1)), groups, 1, z);

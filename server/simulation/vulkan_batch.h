@@ -61,7 +61,8 @@ class VulkanBatch {
     void finish(std::size_t jobs, std::size_t slots, bool jacobian);
     const gpu::Buffer& maps() const { return scratch_[(kernels_.passes.size() + 1) % 2]; }
     std::size_t points() const {
-        return static_cast<std::size_t>(kernels_.size) * static_cast<std::size_t>(kernels_.size);
+        return static_cast<std::size_t>(kernels_.size()) *
+               static_cast<std::size_t>(kernels_.size());
     }
 
     gpu::Device& device_;

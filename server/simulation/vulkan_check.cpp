@@ -30,9 +30,11 @@ struct Mode {
     sea::Rate rate;
 };
 
-std::vector<Mode> check_modes(int size) {
+std::vector<Mode> check_modes(int size, bool band_limited) {
     std::vector<Mode> modes;
-    const int reach = size / 2 - 1;
+    int reach = size / 2 - 1;
+    while (band_limited && !shaders::fits_band(reach, size))
+        --reach;
     for (int i = 0; i < 24; ++i) {
         const int nx = (i * 7919 + 3) % (2 * reach + 1) - reach;
         const int ny = (i * 104729 + 11) % (2 * reach + 1) - reach;
@@ -104,8 +106,8 @@ Result<void> compare(int size, std::string_view what, int x, int y, double got, 
 } // namespace
 
 Result<void> check_device(gpu::Device& device, const SynthesisKernels& kernels) {
-    const int size = kernels.size;
-    const std::vector<Mode> modes = check_modes(size);
+    const int size = kernels.size();
+    const std::vector<Mode> modes = check_modes(size, kernels.transform->band_limited);
     const sea::CascadeModes cascade = lattice(size, modes);
     const sea::CascadeModes* const cascades[] = {&cascade};
     Result<std::unique_ptr<VulkanBatch>> batch = VulkanBatch::create(device, kernels, 1);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/simulation/vulkan_kernels.h"
 
-#include <string>
+#include <set>
 
 #include "shaders/shared/synthesis.h"
 
@@ -36,32 +36,48 @@ gpu::KernelExpectation jacobian_pass() {
 
 } // namespace
 
-Result<SynthesisKernels> SynthesisKernels::create(gpu::Device& device, int size) {
-    std::string sizes;
-    for (const shaders::Transform& transform : shaders::synthesis_transforms()) {
-        sizes += (sizes.empty() ? "" : ", ") + std::to_string(transform.size);
-        if (transform.size != size)
-            continue;
-        SynthesisKernels made;
-        made.size = size;
-        made.design = transform.design;
-        for (const shaders::Pass& pass : transform.passes) {
-            Result<gpu::Kernel> kernel =
-                gpu::Kernel::create(device, pass.shader.name, pass.shader.spirv,
-                                    made.passes.empty() ? first_pass() : later_pass());
-            if (!kernel)
-                return kernel.error();
-            made.passes.push_back({std::move(*kernel), pass.groups});
-        }
-        Result<gpu::Kernel> jacobian = gpu::Kernel::create(
-            device, shaders::jacobian().name, shaders::jacobian().spirv, jacobian_pass());
-        if (!jacobian)
-            return jacobian.error();
-        made.jacobian = std::move(*jacobian);
-        return made;
+Result<SynthesisKernels> SynthesisKernels::create(gpu::Device& device,
+                                                  const shaders::Transform& transform) {
+    SynthesisKernels made;
+    made.transform = &transform;
+    for (const shaders::Pass& pass : transform.passes) {
+        Result<gpu::Kernel> kernel =
+            gpu::Kernel::create(device, pass.shader.name, pass.shader.spirv,
+                                made.passes.empty() ? first_pass() : later_pass(),
+                                {.full_subgroups = transform.subgroup_size != 0});
+        if (!kernel)
+            return kernel.error();
+        made.passes.push_back({std::move(*kernel), pass.groups});
     }
-    return Error{"no Vulkan kernels for a cascade of size " + std::to_string(size) +
-                 "; there are " + sizes};
+    Result<gpu::Kernel> jacobian = gpu::Kernel::create(device, shaders::jacobian().name,
+                                                       shaders::jacobian().spirv, jacobian_pass());
+    if (!jacobian)
+        return jacobian.error();
+    made.jacobian = std::move(*jacobian);
+    return made;
+}
+
+std::vector<const shaders::Transform*> fitting_transforms(const gpu::DeviceInfo& device, int size,
+                                                          bool band_limited) {
+    std::vector<const shaders::Transform*> fitting;
+    for (const shaders::Transform& transform : shaders::synthesis_transforms()) {
+        const bool runs =
+            transform.subgroup_size == 0 ||
+            (device.subgroup_shuffle && device.subgroup_size == transform.subgroup_size);
+        if (transform.size == size && transform.band_limited == band_limited && runs)
+            fitting.push_back(&transform);
+    }
+    return fitting;
+}
+
+std::string transform_sizes() {
+    std::set<int> sizes;
+    for (const shaders::Transform& transform : shaders::synthesis_transforms())
+        sizes.insert(transform.size);
+    std::string text;
+    for (const int size : sizes)
+        text += (text.empty() ? "" : ", ") + std::to_string(size);
+    return text;
 }
 
 } // namespace seaway::server

@@ -2,7 +2,7 @@
 // The pipelines of one transform size, checked against what this side believes of them.
 #pragma once
 
-#include <memory>
+#include <string>
 #include <vector>
 
 #include "base/result.h"
@@ -16,13 +16,23 @@ struct SynthesisKernels {
         gpu::Kernel kernel;
         std::uint32_t groups; ///< workgroups in x
     };
-    int size = 0;
-    std::string_view design;
+    const shaders::Transform* transform = nullptr;
     std::vector<Pass> passes;
     gpu::Kernel jacobian;
 
-    /// The error names the kernel, or says which sizes there are.
-    static Result<SynthesisKernels> create(gpu::Device& device, int size);
+    int size() const { return transform->size; }
+
+    static Result<SynthesisKernels> create(gpu::Device& device,
+                                           const shaders::Transform& transform);
 };
+
+/// Transforms of a size that the device could run, the faster ones first: those for its subgroups,
+/// then those for any. With `band_limited` only these, without it only the others. Empty: no such
+/// size.
+std::vector<const shaders::Transform*> fitting_transforms(const gpu::DeviceInfo& device, int size,
+                                                          bool band_limited);
+
+/// "64, 128, ...", for messages.
+std::string transform_sizes();
 
 } // namespace seaway::server

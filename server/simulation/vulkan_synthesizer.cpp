@@ -23,6 +23,17 @@ sea::FieldSet linear_part(sea::FieldSet fields) {
     return sea::FieldSet::from_bits(fields.bits() & ((1u << sea::linear_field_count) - 1));
 }
 
+bool fits_band(const sea::CascadeModes* cascade) {
+    const int size = cascade->spec.size;
+    const auto n = static_cast<std::size_t>(size);
+    for (std::size_t i = 0; i < cascade->h0.size(); ++i)
+        if (cascade->h0[i] != 0.0 &&
+            !(shaders::fits_band(sea::signed_index(static_cast<int>(i % n), size), size) &&
+              shaders::fits_band(sea::signed_index(static_cast<int>(i / n), size), size)))
+            return false;
+    return true;
+}
+
 class Vulkan final : public VulkanSynthesizer {
   public:
     static Result<std::unique_ptr<VulkanSynthesizer>> create(const VulkanOptions& options);
@@ -46,7 +57,13 @@ class Vulkan final : public VulkanSynthesizer {
     };
 
     Vulkan() = default;
-    Result<const SynthesisKernels*> kernels(int size);
+    /// What is on the device for the cascades of one size.
+    struct Group {
+        std::unique_ptr<VulkanBatch> batch;
+        std::size_t cascades;
+        bool band_limited;
+    };
+    Result<const SynthesisKernels*> kernels(int size, bool band_limited);
     std::vector<Batch> sort(std::span<const KeyframeRequest> requests) const;
     Result<void> run(const Batch& batch, std::span<const KeyframeRequest> requests,
                      std::span<sea::KeyframePtr> out);
@@ -58,9 +75,9 @@ class Vulkan final : public VulkanSynthesizer {
 
     // Order of members is order of construction; the device goes last.
     std::unique_ptr<gpu::Device> device_;
-    std::map<int, std::unique_ptr<SynthesisKernels>> kernels_; ///< by size
-    std::map<int, std::unique_ptr<VulkanBatch>> batches_;      ///< by size, of this sea
-    std::map<int, std::size_t> batch_cascades_;                ///< room in each
+    std::map<std::pair<int, bool>, std::unique_ptr<SynthesisKernels>> kernels_; ///< size, band
+    std::string refused_;         ///< designs that the self-check found wrong
+    std::map<int, Group> groups_; ///< by size, of this sea
     sea::RealizationPtr sea_;
     std::uint32_t epoch_ = 0;
     std::vector<int> position_; ///< of each cascade within its batch
@@ -75,56 +92,66 @@ Result<std::unique_ptr<VulkanSynthesizer>> Vulkan::create(const VulkanOptions& o
         return device.error();
     std::unique_ptr<Vulkan> made(new Vulkan);
     made->device_ = std::move(*device);
-    if (Result<const SynthesisKernels*> checked = made->kernels(first_checked_size); !checked)
+    if (Result<const SynthesisKernels*> checked = made->kernels(first_checked_size, true); !checked)
         return checked.error();
     return std::unique_ptr<VulkanSynthesizer>(std::move(made));
 }
 
 std::string Vulkan::description() const {
-    const std::string design(kernels_.begin()->second->design);
-    return device_->info().name + ", " + device_->info().driver + ", kernels " + design;
+    std::string text = device_->info().name + ", " + device_->info().driver + ", kernels";
+    for (const auto& [key, kernels] : kernels_)
+        text += " " + std::string(kernels->transform->design) + ":" + std::to_string(key.first) +
+                (key.second ? "" : " (all modes)");
+    return text + refused_;
 }
 
-Result<const SynthesisKernels*> Vulkan::kernels(int size) {
-    if (const auto found = kernels_.find(size); found != kernels_.end())
+Result<const SynthesisKernels*> Vulkan::kernels(int size, bool band_limited) {
+    if (const auto found = kernels_.find({size, band_limited}); found != kernels_.end())
         return static_cast<const SynthesisKernels*>(found->second.get());
-    Result<SynthesisKernels> made = SynthesisKernels::create(*device_, size);
-    if (!made)
-        return Error{device_->info().name + ": " + made.error().message};
-    auto kept = std::make_unique<SynthesisKernels>(std::move(*made));
-    if (Result<void> checked = check_device(*device_, *kept); !checked)
-        return Error{device_->info().name + ": " + checked.error().message};
-    const SynthesisKernels* made_kernels = kept.get();
-    kernels_[size] = std::move(kept);
-    return made_kernels;
+    Error last{"no Vulkan kernels for a cascade of size " + std::to_string(size) + "; there are " +
+               transform_sizes()};
+    for (const shaders::Transform* transform :
+         fitting_transforms(device_->info(), size, band_limited)) {
+        Result<SynthesisKernels> made = SynthesisKernels::create(*device_, *transform);
+        Result<void> checked = made ? check_device(*device_, *made) : Result<void>(made.error());
+        if (checked) {
+            auto kept = std::make_unique<SynthesisKernels>(std::move(*made));
+            const SynthesisKernels* kernels = kept.get();
+            kernels_[{size, band_limited}] = std::move(kept);
+            return kernels;
+        }
+        last = checked.error();
+        refused_ += "; refused " + std::string(transform->design) + ": " + last.message;
+    }
+    return Error{device_->info().name + ": " + last.message};
 }
 
 Result<void> Vulkan::set_sea(sea::RealizationPtr sea, std::uint32_t epoch) {
     std::map<int, std::vector<const sea::CascadeModes*>> by_size;
     std::vector<int> position;
     for (const sea::CascadeModes& cascade : sea->cascades) {
-        std::vector<const sea::CascadeModes*>& group = by_size[cascade.spec.size];
-        position.push_back(static_cast<int>(group.size()));
-        group.push_back(&cascade);
+        std::vector<const sea::CascadeModes*>& cascades = by_size[cascade.spec.size];
+        position.push_back(static_cast<int>(cascades.size()));
+        cascades.push_back(&cascade);
     }
     sea_.reset(); // until all is uploaded there is no sea
-    std::erase_if(batches_, [&](const auto& batch) {
-        const auto group = by_size.find(batch.first);
-        return group == by_size.end() || group->second.size() != batch_cascades_[batch.first];
-    });
+    std::erase_if(groups_, [&](const auto& group) { return by_size.count(group.first) == 0; });
     for (const auto& [size, cascades] : by_size) {
-        if (batches_.count(size) == 0) {
-            Result<const SynthesisKernels*> pipelines = kernels(size);
+        const bool band_limited = std::all_of(cascades.begin(), cascades.end(), fits_band);
+        const auto old = groups_.find(size);
+        if (old == groups_.end() || old->second.cascades != cascades.size() ||
+            old->second.band_limited != band_limited) {
+            groups_.erase(size);
+            Result<const SynthesisKernels*> pipelines = kernels(size, band_limited);
             if (!pipelines)
                 return pipelines.error();
             Result<std::unique_ptr<VulkanBatch>> made =
                 VulkanBatch::create(*device_, **pipelines, static_cast<int>(cascades.size()));
             if (!made)
                 return made.error();
-            batches_[size] = std::move(*made);
-            batch_cascades_[size] = cascades.size();
+            groups_[size] = {std::move(*made), cascades.size(), band_limited};
         }
-        if (Result<void> sent = batches_[size]->upload(cascades); !sent)
+        if (Result<void> sent = groups_[size].batch->upload(cascades); !sent)
             return sent;
     }
     sea_ = std::move(sea);
@@ -167,7 +194,7 @@ Vulkan::synthesize(std::span<const KeyframeRequest> requests) {
 
 Result<void> Vulkan::run(const Batch& batch, std::span<const KeyframeRequest> requests,
                          std::span<sea::KeyframePtr> out) {
-    VulkanBatch& device_batch = *batches_.at(batch.size);
+    VulkanBatch& device_batch = *groups_.at(batch.size).batch;
     const std::span<const std::size_t> all(batch.requests);
     const bool jacobian = batch.fields.contains(sea::Field::jacobian);
     const sea::FieldSet computed =

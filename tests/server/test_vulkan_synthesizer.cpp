@@ -187,7 +187,7 @@ TEST_F(VulkanSynthesizerTest, cost_follows_the_demand) {
     EXPECT_EQ(synthesizer_->counters().dispatches, before.dispatches);
     keyframe(0, 0, {Field::height});
     EXPECT_EQ(synthesizer_->counters().transforms - before.transforms, 1u);
-    EXPECT_EQ(synthesizer_->counters().dispatches - before.dispatches, 3u);
+    EXPECT_LE(synthesizer_->counters().dispatches - before.dispatches, 3u);
     before = synthesizer_->counters();
     keyframe(0, 0, all_linear);
     EXPECT_EQ(synthesizer_->counters().transforms - before.transforms, 6u);

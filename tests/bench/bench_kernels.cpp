@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: Apache-2.0
+// Vulkan kernels against two FFTW programs, interleaved in one process; prints a table or CSV.
+//
+//     bench_kernels [--sizes 128,256,512] [--repeats 40] [--reach SHARE] [--device auto] [--csv]
+//
+// Work: three cascades of one size, eight fields (height, two displacements, two slopes, three
+// strains) = four complex transforms each. `--reach` is the radius of the disc of modes in use as a
+// share of Nyquist: 2 uses all of them, 0.6 those of a sea made from spectra.
+//
+//   maps DESIGN:       submit to maps in device memory, two fields interleaved
+//   vulkan keyframes:  Synthesizer::synthesize, with the copy to eight planes a keyframe
+//   plain, strongest:  the FFTW programs of fftw_yardstick.h, leaving interleaved maps; "planar":
+//                      the same with the split to planes
+//
+// Medians of interleaved repeats: on a shared machine only the ratios mean much. CPU time, of all
+// threads together, is the steadier of the two there.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <ctime>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "base/check.h"
+#include "server/simulation/vulkan_batch.h"
+#include "server/simulation/vulkan_synthesizer.h"
+#include "tests/bench/fftw_yardstick.h"
+#include "tests/sea/native/random_modes.h"
+
+namespace seaway::bench {
+namespace {
+
+using sea::Field;
+
+constexpr sea::FieldSet eight_fields{Field::height,    Field::displacement_x, Field::displacement_y,
+                                     Field::slope_x,   Field::slope_y,        Field::strain_xx,
+                                     Field::strain_yy, Field::strain_xy};
+constexpr int cascade_count = 3;
+
+struct Settings {
+    std::vector<int> sizes{128, 256, 512};
+    int repeats = 40;
+    double reach = 2;
+    std::string device = "auto";
+    bool csv = false;
+};
+
+template <class T>
+T need(Result<T> result) {
+    if (!result) {
+        fmt::print(stderr, "{}\n", result.error().message);
+        std::exit(1);
+    }
+    return std::move(*result);
+}
+
+void need(const Result<void>& result) {
+    if (!result) {
+        fmt::print(stderr, "{}\n", result.error().message);
+        std::exit(1);
+    }
+}
+
+struct Contender {
+    std::string name;
+    std::function<void(sea::TimeUs)> run;
+    std::vector<double> milliseconds;
+    std::vector<double> cpu_milliseconds;
+};
+
+double median(std::vector<double> values) {
+    std::sort(values.begin(), values.end());
+    return values[values.size() / 2];
+}
+
+/// Of all threads of this process, the driver's among them.
+double cpu_milliseconds() {
+    timespec now{};
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+    return static_cast<double>(now.tv_sec) * 1e3 + static_cast<double>(now.tv_nsec) * 1e-6;
+}
+
+/// The device's own maps, without the copies of the synthesizer.
+class DeviceMaps {
+  public:
+    DeviceMaps(gpu::Device& device, const std::vector<sea::CascadeModes>& modes,
+               const shaders::Transform& transform)
+        : kernels_(need(server::SynthesisKernels::create(device, transform))),
+          batch_(need(server::VulkanBatch::create(device, kernels_, cascade_count))) {
+        std::vector<const sea::CascadeModes*> cascades;
+        for (const sea::CascadeModes& cascade : modes)
+            cascades.push_back(&cascade);
+        need(batch_->upload(cascades));
+    }
+
+    void run(sea::FieldSet fields, int cascades, sea::TimeUs time_us) {
+        const server::Packing packing = server::pack(fields);
+        std::vector<server::VulkanBatch::Job> jobs;
+        for (int cascade = 0; cascade < cascades; ++cascade) {
+            jobs.push_back({cascade, time_us});
+            if (static_cast<int>(jobs.size()) == batch_->max_jobs(packing.slots) ||
+                cascade + 1 == cascades) {
+                need(batch_->run(jobs, packing, nullptr));
+                jobs.clear();
+            }
+        }
+        const std::span<const double> passes = batch_->pass_seconds();
+        passes_.resize(passes.size());
+        for (std::size_t i = 0; i < passes.size(); ++i)
+            passes_[i].push_back(passes[i] * 1e3);
+    }
+
+    std::string name() const { return std::string(kernels_.transform->design); }
+    void forget_passes() { passes_.clear(); }
+
+    /// Median milliseconds of each pass of the last submission of a run.
+    std::string passes() {
+        std::string text;
+        for (const std::vector<double>& pass : passes_) {
+            text += fmt::format(" {:.3f}", median(pass));
+        }
+        return text;
+    }
+
+  private:
+    server::SynthesisKernels kernels_;
+    std::unique_ptr<server::VulkanBatch> batch_;
+    std::vector<std::vector<double>> passes_;
+};
+
+/// One keyframe of the synthesizer against the planes of a yardstick: the same sea or none.
+void compare(const sea::Keyframe& keyframe, std::span<const float> planes) {
+    double worst = 0, sum = 0;
+    for (std::size_t i = 0; i < keyframe.values.size(); ++i) {
+        worst = std::max(worst, std::abs(double{keyframe.values[i]} - double{planes[i]}));
+        sum += double{planes[i]} * double{planes[i]};
+    }
+    const double rms = std::sqrt(sum / static_cast<double>(keyframe.values.size()));
+    SEAWAY_CHECK(worst < 1e-4 * rms, "two programs make different seas");
+}
+
+void report(const Settings& settings, int size, const std::vector<Contender>& contenders) {
+    const auto is_planar = [](const Contender& contender) {
+        return contender.name.find("keyframes") != std::string::npos ||
+               contender.name.find("planar") != std::string::npos;
+    };
+    for (const Contender& contender : contenders) {
+        const Contender& plain = contenders[is_planar(contender) ? 2 : 1];
+        const Contender& strongest = contenders[is_planar(contender) ? 4 : 3];
+        const double ms = median(contender.milliseconds), cpu = median(contender.cpu_milliseconds);
+        fmt::print(fmt::runtime(settings.csv ? "{},{},{:.4f},{:.3f},{:.3f},{:.4f},{:.3f},{:.3f}\n"
+                                             : "{:5} {:24} {:8.3f} {:6.2f} {:6.2f}   {:8.3f} "
+                                               "{:6.2f} {:6.2f}\n"),
+                   size, contender.name, ms, ms / median(plain.milliseconds),
+                   ms / median(strongest.milliseconds), cpu, cpu / median(plain.cpu_milliseconds),
+                   cpu / median(strongest.cpu_milliseconds));
+    }
+    std::fflush(stdout);
+}
+
+void time_size(const Settings& settings, gpu::Device& device, int size) {
+    std::vector<sea::CascadeModes> modes;
+    for (std::uint64_t seed = 0; seed < cascade_count; ++seed)
+        modes.push_back(sea::random_modes(size, settings.reach * size / 2, seed,
+                                          50.0 * std::pow(5, static_cast<double>(seed))));
+    FftwYardstick strongest(FftwProgram::split_batch, modes), plain(FftwProgram::plain, modes);
+    auto sea = std::make_shared<sea::Realization>();
+    sea->cascades = modes;
+    auto synthesizer = need(server::make_vulkan_synthesizer({.device = settings.device}));
+    need(synthesizer->set_sea(sea, 1));
+    const bool band_limited = shaders::fits_band(static_cast<int>(settings.reach * size / 2), size);
+    std::vector<std::unique_ptr<DeviceMaps>> designs;
+    for (const shaders::Transform* transform :
+         server::fitting_transforms(device.info(), size, band_limited))
+        designs.push_back(std::make_unique<DeviceMaps>(device, modes, *transform));
+    DeviceMaps& best = *designs.front();
+    std::vector<sea::KeyframePtr> keyframes;
+    const auto synthesize = [&](sea::TimeUs t_us) {
+        std::vector<server::KeyframeRequest> requests;
+        for (int cascade = 0; cascade < cascade_count; ++cascade)
+            requests.push_back({cascade, t_us, eight_fields});
+        keyframes = need(synthesizer->synthesize(requests));
+    };
+    std::vector<Contender> contenders{
+        {"vulkan keyframes", synthesize, {}, {}},
+        {"plain", [&](auto t) { plain.run(t, false); }, {}, {}},
+        {"plain planar", [&](auto t) { plain.run(t, true); }, {}, {}},
+        {"strongest", [&](auto t) { strongest.run(t, false); }, {}, {}},
+        {"strongest planar", [&](auto t) { strongest.run(t, true); }, {}, {}},
+        {"maps, height only", [&](auto t) { best.run({Field::height}, cascade_count, t); }, {}, {}},
+        {"maps, one cascade", [&](auto t) { best.run(eight_fields, 1, t); }, {}, {}}};
+    for (const auto& design : designs)
+        contenders.push_back({"maps " + design->name(),
+                              [&d = *design](auto t) { d.run(eight_fields, cascade_count, t); },
+                              {},
+                              {}});
+    for (Contender& contender : contenders)
+        contender.run(12'345'678);
+    const std::size_t floats = keyframes[0]->values.size();
+    for (std::size_t i = 0; i < keyframes.size(); ++i)
+        for (const FftwYardstick* yardstick : {&plain, &strongest})
+            compare(*keyframes[i], yardstick->planes().subspan(i * floats, floats));
+    for (int repeat = 0; repeat < settings.repeats; ++repeat)
+        for (Contender& contender : contenders) {
+            const double cpu = cpu_milliseconds();
+            const auto start = std::chrono::steady_clock::now();
+            contender.run(repeat * 33'333);
+            const std::chrono::duration<double, std::milli> taken =
+                std::chrono::steady_clock::now() - start;
+            contender.milliseconds.push_back(taken.count());
+            contender.cpu_milliseconds.push_back(cpu_milliseconds() - cpu);
+        }
+    report(settings, size, contenders);
+    for (const auto& design : designs) {
+        design->forget_passes();
+        for (int repeat = 0; repeat < settings.repeats; ++repeat)
+            design->run(eight_fields, cascade_count, repeat);
+        fmt::print("# {} {}: passes of the last submission, ms:{}\n", size, design->name(),
+                   design->passes());
+    }
+}
+
+} // namespace
+} // namespace seaway::bench
+
+int main(int argc, char** argv) {
+    using namespace seaway;
+    bench::Settings settings;
+    CLI::App app{"Vulkan kernels against FFTW"};
+    app.add_option("--sizes", settings.sizes)->delimiter(',');
+    app.add_option("--repeats", settings.repeats)->check(CLI::PositiveNumber);
+    app.add_option("--reach", settings.reach);
+    app.add_option("--device", settings.device);
+    app.add_flag("--csv", settings.csv);
+    CLI11_PARSE(app, argc, argv);
+    const auto device = bench::need(gpu::Device::create({.pick = settings.device}));
+    fmt::print("# {}, reach {} of Nyquist, {} repeats\n", device->info().name, settings.reach,
+               settings.repeats);
+    fmt::print("{}\n", settings.csv ? "size,program,wall_ms,wall_to_plain,wall_to_strongest,"
+                                      "cpu_ms,cpu_to_plain,cpu_to_strongest"
+                                    : " size program                   wall ms  /plain /strongest "
+                                      " CPU ms  /plain /strongest");
+    for (const int size : settings.sizes)
+        bench::time_size(settings, *device, size);
+}
