@@ -9,25 +9,13 @@
 
 #include "sea/surface/inverse.h"
 #include "sea/surface/native/native_runner.h"
-#include "tests/support/explicit_sea.h"
+#include "tests/server/foam_seas.h"
 
 namespace seaway::server {
 namespace {
 
 using sea::Field;
 using sea::TimeUs;
-
-double phi_share(double z) {
-    return 0.5 * std::erfc(-z / std::sqrt(2.0));
-}
-
-/// A short-crested storm sea on two tiles; sigma of J about 0.25.
-sea::RealizationPtr storm(double steepness = 0.03, unsigned seed = 1) {
-    return tests::make_sea({tests::random_cascade(211.0, 64, 12, 60, steepness, seed),
-                            tests::random_cascade(37.0, 64, 18, 60, steepness, seed + 1)});
-}
-
-const sea::FoamModel model{0.6, 4.0, 3.0};
 
 /// Strain keyframes of one cascade from the CPU transform.
 class Strains {
@@ -67,16 +55,6 @@ class Strains {
     sea::NativeRunner runner_;
 };
 
-/// A keyframe with the same strains everywhere.
-sea::Keyframe uniform(int size, float xx, float yy = 0, float xy = 0) {
-    sea::Keyframe keyframe;
-    keyframe.size = size;
-    keyframe.fields = foam_inputs;
-    for (const float value : {xx, yy, xy})
-        keyframe.values.insert(keyframe.values.end(), keyframe.plane_size(), value);
-    return keyframe;
-}
-
 double mean_of(std::span<const float> values) {
     return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
@@ -89,117 +67,12 @@ double mean_coverage(const FoamLaw& law, const FoamHistory& history) {
     return sum / static_cast<double>(history.ratios().size());
 }
 
-// ---- the law ---------------------------------------------------------------------------------
-
-TEST(FoamLaw, I18_long_crested_breaking_share_is_phi_of_threshold_over_sigma) {
-    // Waves along one line: J = 1 + a is Gaussian exactly, so only quadrature errs.
-    sea::CascadeModes line = tests::calm_cascade(100.0, 64);
-    for (int n = 1; n <= 20; ++n)
-        tests::add_wave(line, 3 * n / 4 + 1, 0, 0.12, n);
-    const StrainMoments m = strain_moments(line, {1.2, 1.2});
-    const double sigma = std::sqrt(m.aa);
-    EXPECT_GT(sigma, 0.1);
-    EXPECT_EQ(m.bb + m.cc + m.ab, 0.0);
-    for (const double threshold : {-0.2, 0.3, 0.6, 0.9}) {
-        const double z = (threshold - 1) / sigma;
-        EXPECT_NEAR(breaking_share(threshold, m), phi_share(z), 0.02 * phi_share(z) + 1e-12);
-    }
-}
-
-TEST(FoamLaw, I19_short_crested_jacobian_has_mean_one_and_the_slope_variance) {
-    // Var J = lambda^2 mss to first order; 10 % below 0.02 (physics.md I19).
-    const sea::RealizationPtr sea = storm(0.011);
-    StrainMoments m;
-    for (const sea::CascadeModes& modes : sea->cascades)
-        m += strain_moments(modes, sea->choppiness);
-    const double variance = m.aa + m.bb + 2 * m.ab;
-    ASSERT_LT(variance, 0.02);
-    // Shares below 1 - s and below 1 + s of a nearly Gaussian J.
-    const double s = std::sqrt(variance);
-    EXPECT_NEAR(breaking_share(1 - s, m), phi_share(-1), 0.1 * phi_share(-1));
-    EXPECT_NEAR(breaking_share(1 + s, m), phi_share(1), 0.1 * phi_share(1));
-    EXPECT_NEAR(m.ab, m.cc, 1e-12); // kx^2 ky^2 = (kx ky)^2
-}
-
-TEST(FoamLaw, mean_shortfall_matches_drawn_strains) {
-    const StrainMoments m{0.03, 0.02, 0.008, 0.008, 0.004, -0.002};
-    std::mt19937_64 random(7);
-    std::normal_distribution<double> normal;
-    // a, c, b by Cholesky, independently of the code under test.
-    const double aa = std::sqrt(m.aa), ca = m.ac / aa, cc = std::sqrt(m.cc - ca * ca);
-    const double ba = m.ab / aa, bc = (m.bc - ba * ca) / cc;
-    const double bb = std::sqrt(m.bb - ba * ba - bc * bc);
-    const int draws = 1'000'000;
-    double sum = 0, squares = 0, breaking = 0;
-    for (int i = 0; i < draws; ++i) {
-        const double p = normal(random), q = normal(random), r = normal(random);
-        const double a = aa * p, c = ca * p + cc * q, b = ba * p + bc * q + bb * r;
-        const double x = std::max(0.0, 0.6 - (1 + a) * (1 + b) + c * c);
-        sum += x;
-        squares += x * x;
-        breaking += x > 0;
-    }
-    const double mean = sum / draws;
-    const double standard_error = std::sqrt((squares / draws - mean * mean) / draws);
-    EXPECT_NEAR(mean_shortfall(0.6, m), mean, 3 * standard_error);
-    EXPECT_NEAR(breaking_share(0.6, m), breaking / draws, 3 * std::sqrt(breaking) / draws);
-}
-
-TEST(FoamLaw, conditional_shortfall_matches_drawn_others) {
-    // The closed form takes the joint distribution as a parabola in the others' compression: 4 % of
-    // the largest value covers what that loses.
-    const StrainMoments m{0.02, 0.012, 0.005, 0.005, 0.002, 0.001};
-    const OthersShape shape = others_shape(m);
-    const double aa = std::sqrt(m.aa), ca = m.ac / aa, cc = std::sqrt(m.cc - ca * ca);
-    const double ba = m.ab / aa, bc = (m.bc - ba * ca) / cc;
-    const double bb = std::sqrt(m.bb - ba * ba - bc * bc);
-    struct Own {
-        double a, b, c;
-    };
-    for (const Own own :
-         {Own{0, 0, 0}, {-0.2, -0.1, 0.05}, {-0.4, -0.3, -0.1}, {0.1, -0.3, 0.2}, {0.2, 0.1, 0}}) {
-        std::mt19937_64 random(9);
-        std::normal_distribution<double> normal;
-        const int draws = 200'000;
-        double sum = 0;
-        for (int i = 0; i < draws; ++i) {
-            const double p = normal(random), q = normal(random), r = normal(random);
-            const double a = own.a + aa * p, c = own.c + ca * p + cc * q;
-            const double b = own.b + ba * p + bc * q + bb * r;
-            sum += std::max(0.0, 0.6 - (1 + a) * (1 + b) + c * c);
-        }
-        EXPECT_NEAR(conditional_shortfall(0.6, shape, own.a, own.b, own.c), sum / draws,
-                    0.04 * sum / draws + 2e-4)
-            << own.a << " " << own.b << " " << own.c;
-    }
-}
-
-TEST(FoamLaw, a_tick_is_the_conditional_shortfall_in_single_precision) {
-    // 2e-5 covers the fitted functions and single precision; 1e-6 of the mean is floored to zero.
-    const FoamLawPtr law = make_foam_law(*storm(), model);
-    const FoamLaw::Cascade& cascade = law->cascades[0];
-    std::mt19937_64 random(3);
-    std::uniform_real_distribution<float> strain(-0.6f, 0.6f);
-    for (int i = 0; i < 2000; ++i) {
-        const float a = strain(random), b = strain(random), c = 0.5f * strain(random);
-        FoamHistory history(law, 0, 1);
-        sea::Keyframe keyframe = uniform(1, a, b, c);
-        history.advance(keyframe, 1e9); // nothing remains of the start
-        const double expected =
-            conditional_shortfall(model.threshold, cascade.others, static_cast<double>(a),
-                                  static_cast<double>(b), static_cast<double>(c)) /
-            cascade.mean_shortfall;
-        EXPECT_NEAR(static_cast<double>(history.ratios()[0]), expected, 2e-5 * expected + 2e-5)
-            << a << " " << b << " " << c;
-    }
-}
-
 // ---- hard cases ------------------------------------------------------------------------------
 
 TEST(Foam, E1_mean_coverage_is_the_same_at_15_30_60_144_and_1000_hz) {
     // Naive: foam *= 0.98 a frame, a sea that clears sooner on a faster machine.
     const sea::RealizationPtr sea = storm();
-    const FoamLawPtr law = make_foam_law(*sea, model);
+    const FoamLawPtr law = make_foam_law(*sea, foam_model);
     Strains strains(sea, 0);
     double reference = 0;
     for (const int rate_hz : {60, 15, 30, 144, 1000}) {
@@ -254,18 +127,18 @@ TEST(Foam, E3_decay_of_zero_and_infinity_have_a_meaning_at_any_tick) {
     const FoamLawPtr instant = make_foam_law(*sea, {0.6, 0.0, 3.0});
     EXPECT_GT(instant->mean_coverage, 0.0);
     FoamHistory history(instant, 0, 4);
-    history.advance(uniform(4, -0.5f), 0.0);
+    history.advance(uniform_strains(4, -0.5f), 0.0);
     const float breaking = history.ratios()[0];
     EXPECT_GT(breaking, 1.0f);
-    history.advance(uniform(4, 0.3f), 0.0);
+    history.advance(uniform_strains(4, 0.3f), 0.0);
     EXPECT_LT(history.ratios()[0], 0.1f); // forgotten at once
 }
 
 TEST(Foam, E4_a_calm_sea_clears_to_exactly_zero_in_ten_decays) {
     // Naive: decays to 1e-40, denormal and never zero.
-    const FoamLawPtr rough = make_foam_law(*storm(), model);
+    const FoamLawPtr rough = make_foam_law(*storm(), foam_model);
     const FoamLawPtr calm =
-        make_foam_law(*tests::make_sea({tests::calm_cascade(100.0, 64)}), model);
+        make_foam_law(*tests::make_sea({tests::calm_cascade(100.0, 64)}), foam_model);
     EXPECT_TRUE(calm->calm());
     EXPECT_FALSE(rough->calm());
     double mean = rough->mean_coverage;
@@ -283,9 +156,9 @@ TEST(Foam, E4_a_calm_sea_clears_to_exactly_zero_in_ten_decays) {
 
 TEST(Foam, E4_what_no_longer_breaks_becomes_zero_and_not_denormal) {
     const sea::RealizationPtr one = tests::make_sea({storm()->cascades[0]}); // no others
-    FoamHistory history(make_foam_law(*one, model), 0, 2);
+    FoamHistory history(make_foam_law(*one, foam_model), 0, 2);
     for (int tick = 0; tick < 200; ++tick)
-        history.advance(uniform(2, 0.5f), 0.5);
+        history.advance(uniform_strains(2, 0.5f), 0.5);
     for (const float ratio : history.ratios())
         EXPECT_EQ(ratio, 0.0f);
 }
@@ -293,7 +166,7 @@ TEST(Foam, E4_what_no_longer_breaks_becomes_zero_and_not_denormal) {
 TEST(Foam, E5_a_pause_of_a_day_gives_the_history_that_was_never_interrupted) {
     // Naive: one huge injection, or a clamped dt and a wrong history.
     const sea::RealizationPtr sea = storm();
-    const FoamLawPtr law = make_foam_law(*sea, model);
+    const FoamLawPtr law = make_foam_law(*sea, foam_model);
     const TimeUs interval_us = 100'000;
     const TimeUs later_us = TimeUs{86'400} * 1'000'000;
     Strains strains(sea, 0);
@@ -356,8 +229,8 @@ TEST(Foam, E7_columns_at_the_seam_of_a_tile_are_like_those_inside) {
                 shifted.h0[static_cast<std::size_t>(iy * 64 + ix)] *= -1.0;
     const sea::RealizationPtr moved = tests::make_sea({shifted, sea->cascades[1]});
     Strains strains(sea, 0), strains_moved(moved, 0);
-    FoamHistory history(make_foam_law(*sea, model), 0, 64);
-    FoamHistory history_moved(make_foam_law(*moved, model), 0, 64);
+    FoamHistory history(make_foam_law(*sea, foam_model), 0, 64);
+    FoamHistory history_moved(make_foam_law(*moved, foam_model), 0, 64);
     ASSERT_TRUE(history.advance_to(30'000'000, 200'000, strains.source()));
     ASSERT_TRUE(history_moved.advance_to(30'000'000, 200'000, strains_moved.source()));
     for (std::size_t y = 0; y < 64; ++y)
@@ -370,7 +243,7 @@ TEST(Foam, E7_columns_at_the_seam_of_a_tile_are_like_those_inside) {
 
 TEST(Foam, a_restarted_server_agrees_after_a_few_decays) {
     const sea::RealizationPtr sea = storm();
-    const FoamLawPtr law = make_foam_law(*sea, model);
+    const FoamLawPtr law = make_foam_law(*sea, foam_model);
     Strains strains(sea, 0);
     FoamHistory old(law, 0, 64), fresh(law, 0, 64);
     const TimeUs interval_us = 250'000;
@@ -395,7 +268,7 @@ TEST(Foam, a_restarted_server_agrees_after_a_few_decays) {
 TEST(Foam, the_ratio_is_one_on_average) {
     // 24 independent moments of a tile with some dozens of crests each.
     const sea::RealizationPtr sea = storm();
-    const FoamLawPtr law = make_foam_law(*sea, model);
+    const FoamLawPtr law = make_foam_law(*sea, foam_model);
     for (int c = 0; c < 2; ++c) {
         Strains strains(sea, c);
         double sum = 0, squares = 0;
@@ -418,17 +291,17 @@ TEST(Foam, combined_histories_follow_one_history_of_the_joint_jacobian) {
     // precision, make one history of the true Jacobian. Measured here: correlation 0.835; over more
     // seas docs/foam.md.
     const sea::RealizationPtr sea = storm(0.03, 11);
-    const FoamLawPtr law = make_foam_law(*sea, model);
+    const FoamLawPtr law = make_foam_law(*sea, foam_model);
     const sea::DirectSum sums[2] = {sea::DirectSum(tests::make_sea({sea->cascades[0]})),
                                     sea::DirectSum(tests::make_sea({sea->cascades[1]}))};
     constexpr int side = 64;
     constexpr double spacing_m = 7.31, tick_s = 0.2;
     std::vector<double> exact(side * side, law->mean_coverage);
     std::vector<FoamHistory> histories{{law, 0, side}, {law, 1, side}};
-    const double remains = foam_remains(tick_s, model.decay_s);
+    const double remains = foam_remains(tick_s, foam_model.decay_s);
     for (int tick = 1; tick <= 120; ++tick) {
         const TimeUs time_us = tick * TimeUs{200'000};
-        std::vector<sea::Keyframe> strains(2, uniform(side, 0));
+        std::vector<sea::Keyframe> strains(2, uniform_strains(side, 0));
         const sea::DirectSum::Moment moments[2] = {sums[0].at_time(time_us),
                                                    sums[1].at_time(time_us)};
         for (std::size_t i = 0; i < exact.size(); ++i) {
@@ -445,9 +318,9 @@ TEST(Foam, combined_histories_follow_one_history_of_the_joint_jacobian) {
                 strains[c].plane(Field::strain_xy)[i] = static_cast<float>(p.strain_xy);
             }
             const double short_of =
-                std::max(0.0, model.threshold - sea::jacobian(sum, sea->choppiness));
-            exact[i] =
-                exact[i] * remains + model.gain_per_s * model.decay_s * (1 - remains) * short_of;
+                std::max(0.0, foam_model.threshold - sea::jacobian(sum, sea->choppiness));
+            exact[i] = exact[i] * remains +
+                       foam_model.gain_per_s * foam_model.decay_s * (1 - remains) * short_of;
         }
         for (std::size_t c = 0; c < 2; ++c) {
             strains[c].cascade = static_cast<int>(c);
@@ -493,7 +366,7 @@ TEST(Foam, combined_histories_follow_one_history_of_the_joint_jacobian) {
 TEST(Foam, a_failing_device_is_reported_and_the_next_call_starts_anew) {
     const sea::RealizationPtr sea = storm();
     Strains strains(sea, 0);
-    FoamHistory history(make_foam_law(*sea, model), 0, 64);
+    FoamHistory history(make_foam_law(*sea, foam_model), 0, 64);
     int calls = 0;
     const Result<void> failed =
         history.advance_to(50'000'000, 1'000'000, [&](TimeUs t) -> Result<sea::KeyframePtr> {
@@ -510,7 +383,7 @@ TEST(Foam, a_failing_device_is_reported_and_the_next_call_starts_anew) {
 TEST(Foam, one_interval_costs_one_keyframe) {
     const sea::RealizationPtr sea = storm();
     Strains strains(sea, 0);
-    FoamHistory history(make_foam_law(*sea, model), 0, 64);
+    FoamHistory history(make_foam_law(*sea, foam_model), 0, 64);
     ASSERT_TRUE(history.advance_to(50'000'000, 500'000, strains.source()));
     strains.asked = 0;
     ASSERT_TRUE(history.advance_to(50'500'000, 500'000, strains.source()));
