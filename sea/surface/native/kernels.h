@@ -52,12 +52,19 @@ struct ColumnPass {
     std::size_t line_pitch; ///< floats; at least size/2 + 16
 };
 
+/// Maps at least this large are stored past the caches when they can be: fetching their lines only
+/// to overwrite them costs a third of the whole synthesis.
+inline constexpr int smallest_streamed_size = 512;
+/// Lines of smaller maps than these are in a cache anyway.
+inline constexpr int smallest_prefetched_size = 256;
+
 struct RowField {
     int base;           ///< index among the bases wanted
     const float* scale; ///< weight kx^p, [n]; null: 1
     bool imaginary;     ///< times i
     float* out;         ///< [y][x]; null: kept for the Jacobian only
     int scratch_row;    ///< which of three scratch rows then
+    bool streamed;      ///< store past the caches
 };
 
 struct RowPass {

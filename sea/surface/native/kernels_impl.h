@@ -29,7 +29,7 @@ struct Kernel {
     static constexpr int row_lanes = W < r1 ? W : r1;
     static constexpr std::size_t source_floats = std::size_t(N) * 2 * columns_lanes;
     static constexpr std::size_t column_floats = (source_count + 1) * source_floats;
-    static constexpr std::size_t row_floats = std::size_t(N) * 10;
+    static constexpr std::size_t row_floats = std::size_t(N) * 12;
     static constexpr std::size_t scratch_floats =
         column_floats > row_floats ? column_floats : row_floats;
 
@@ -106,6 +106,8 @@ struct Kernel {
         }
         for (int k1 = 0; k1 < r1; ++k1) {
             codelets::Complex<F> z[r2];
+            if (N >= smallest_streamed_size)
+                prefetch_column(out + std::size_t(k1 + 1) * row_pitch, row_pitch, line_pitch);
             const float* from = middle + std::size_t(k1 * r2) * 2 * L;
 #pragma GCC unroll 32
             for (int n2 = 0; n2 < r2; ++n2)
@@ -117,6 +119,15 @@ struct Kernel {
                 store<L>(to, z[k2].re);
                 store<L>(to + line_pitch, z[k2].im);
             }
+        }
+    }
+
+    /// Asks for the lines that the next step of transform_columns will write.
+    static void prefetch_column(const float* out, std::size_t row_pitch, std::size_t line_pitch) {
+        for (int k2 = 0; k2 < r2; ++k2) {
+            const float* next = out + std::size_t(r1 * k2) * row_pitch;
+            __builtin_prefetch(next, 1);
+            __builtin_prefetch(next + line_pitch, 1);
         }
     }
 
@@ -240,10 +251,26 @@ struct Kernel {
         }
     }
 
+    static void transform_field(const RowField& field, const float* joined, const Plan& plan,
+                                float* middle, float* out) {
+        const auto transform =
+            field.imaginary
+                ? (field.scale ? transform_rows<true, true> : transform_rows<false, true>)
+                : (field.scale ? transform_rows<true, false> : transform_rows<false, false>);
+        transform(joined, field.scale, plan, middle, out, out + N);
+    }
+
+    /// Asks for the lines of two rows that will be written, while others are being computed.
+    static void prefetch_rows(const float* out) {
+        for (int i = 0; i < 2 * N; i += 16)
+            __builtin_prefetch(out + i, 1);
+    }
+
     static void rows(const RowPass& pass, int y_begin, int y_end, float* scratch) {
         float* joined = scratch;
         float* middle = scratch + 2 * N;
         float* strains = scratch + 4 * N;
+        float* staged = scratch + 10 * N;
         const std::size_t row_pitch = std::size_t(pass.base_count) * 2 * pass.line_pitch;
         for (int n = pass.columns; n <= N - pass.columns; ++n)
             joined[n] = joined[N + n] = 0;
@@ -261,18 +288,24 @@ struct Kernel {
                          pass.odd_bases >> field.base & 1u ? -1.0f : 1.0f, joined);
                 }
                 float* out = rows_of(field);
-                const auto transform =
-                    field.imaginary
-                        ? (field.scale ? transform_rows<true, true> : transform_rows<false, true>)
-                        : (field.scale ? transform_rows<true, false>
-                                       : transform_rows<false, false>);
-                transform(joined, field.scale, pass.plan, middle, out, out + N);
+                if (can_stream && field.streamed) {
+                    transform_field(field, joined, pass.plan, middle, staged);
+                    stream_past_caches<W>(out, staged, 2 * N);
+                    continue;
+                }
+                if (N >= smallest_prefetched_size) {
+                    const bool last = i + 1 == pass.field_count;
+                    prefetch_rows(rows_of(pass.fields[last ? 0 : i + 1]) + (last ? 2 * N : 0));
+                }
+                transform_field(field, joined, pass.plan, middle, out);
             }
             if (pass.jacobian)
                 jacobian(rows_of(pass.fields[pass.strain[0]]), rows_of(pass.fields[pass.strain[1]]),
                          rows_of(pass.fields[pass.strain[2]]), pass.choppiness,
                          pass.jacobian + std::size_t(y) * N);
         }
+        if constexpr (can_stream)
+            finish_streams();
     }
 
     static constexpr Kernels value = {N, columns_lanes, r1, r2, scratch_floats, columns, rows};

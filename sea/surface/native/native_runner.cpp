@@ -25,15 +25,14 @@ struct Work {
 };
 
 struct RunnerState {
-    /// Tasks in flight at a time: columns of the next may run before all rows of the last are done.
-    static constexpr std::size_t lines_held = 2;
+    static constexpr std::size_t lines_held_max = 2;
 
     explicit RunnerState(int threads) : pool(threads) {}
 
     ThreadPool pool;
     std::vector<AlignedFloats> scratch; ///< one a worker
     std::size_t scratch_floats = 0;
-    AlignedFloats lines[lines_held]; ///< between the passes
+    AlignedFloats lines[lines_held_max]; ///< between the passes
     std::size_t lines_floats = 0;
     std::vector<Work> work;
     std::vector<Phase> phases;
@@ -45,6 +44,8 @@ namespace {
 
 using native::RunnerState;
 using native::Work;
+
+constexpr std::size_t overlap_bytes_max = 2u << 20;
 
 std::size_t line_pitch(int size) {
     return static_cast<std::size_t>(size / 2 + 16);
@@ -59,6 +60,8 @@ float* plane_of(const NativeTask& task, Field field) {
 int base_of(Field field) {
     return native::recipe(info(field)).base;
 }
+
+constexpr Field strains[] = {Field::strain_xx, Field::strain_yy, Field::strain_xy};
 
 /// Which bases and fields a task needs, and where they go.
 void list_fields(const NativeTask& task, const native::TransformState& cascade, Work& work) {
@@ -76,15 +79,20 @@ void list_fields(const NativeTask& task, const native::TransformState& cascade, 
     for (int i = 0; i < count; ++i) {
         const Field field = order[static_cast<std::size_t>(i)];
         float* plane = plane_of(task, field);
-        work.fields[i] = {std::popcount(bases & ((1u << base_of(field)) - 1u)),
-                          cascade.scale[static_cast<std::size_t>(field)], info(field).imaginary,
-                          plane, plane ? 0 : scratch_rows++};
-        if (base_of(field) % 3 == 1)
-            work.rows.odd_bases |= 1u << work.fields[i].base;
-        const Field strains[] = {Field::strain_xx, Field::strain_yy, Field::strain_xy};
+        int strain = -1;
         for (int s = 0; s < 3; ++s)
             if (field == strains[s])
-                work.rows.strain[s] = i;
+                work.rows.strain[strain = s] = i;
+        const bool read_again = strain >= 0 && task.fields.contains(Field::jacobian);
+        work.fields[i] = {std::popcount(bases & ((1u << base_of(field)) - 1u)),
+                          cascade.scale[static_cast<std::size_t>(field)],
+                          info(field).imaginary,
+                          plane,
+                          plane ? 0 : scratch_rows++,
+                          cascade.kernels->size >= native::smallest_streamed_size && plane &&
+                              !read_again && reinterpret_cast<std::uintptr_t>(plane) % 16 == 0};
+        if (base_of(field) % 3 == 1)
+            work.rows.odd_bases |= 1u << work.fields[i].base;
     }
     work.columns.bases = bases;
     work.columns.sources = sources;
@@ -132,8 +140,13 @@ void run_rows(const void* context, int chunk, int worker) {
                        (*work.scratch)[static_cast<std::size_t>(worker)].get());
 }
 
-/// Columns of task i, then rows of task i - 1: whoever needs a phase to be complete seldom waits.
-void schedule(RunnerState& state) {
+/// Lines held at a time: with two, columns of a task overlap the last rows of the one before and
+/// nobody waits; large ones do better to stay in the cache.
+std::size_t lines_held(std::size_t lines_floats) {
+    return lines_floats * sizeof(float) <= overlap_bytes_max ? 2 : 1;
+}
+
+void schedule(RunnerState& state, std::size_t held) {
     const std::size_t tasks = state.work.size();
     std::vector<int> rows_phase(tasks), columns_phase(tasks);
     state.phases.clear();
@@ -141,17 +154,17 @@ void schedule(RunnerState& state) {
         state.phases.push_back(phase);
         return static_cast<int>(state.phases.size()) - 1;
     };
-    for (std::size_t i = 0; i <= tasks; ++i) {
+    const std::size_t ahead = held - 1;
+    for (std::size_t i = 0; i < tasks + ahead; ++i) {
         if (i < tasks) {
             const Work& work = state.work[i];
-            const int after =
-                i >= RunnerState::lines_held ? rows_phase[i - RunnerState::lines_held] : -1;
-            columns_phase[i] = add({run_columns, &work, work.columns.block_count, after});
+            columns_phase[i] = add({run_columns, &work, work.columns.block_count,
+                                    i >= held ? rows_phase[i - held] : -1});
         }
-        if (i > 0) {
-            const Work& work = state.work[i - 1];
+        if (i >= ahead) {
+            const Work& work = state.work[i - ahead];
             const int chunks = (work.kernels->size + work.rows_a_chunk - 1) / work.rows_a_chunk;
-            rows_phase[i - 1] = add({run_rows, &work, chunks, columns_phase[i - 1]});
+            rows_phase[i - ahead] = add({run_rows, &work, chunks, columns_phase[i - ahead]});
         }
     }
 }
@@ -196,11 +209,12 @@ void NativeRunner::run(std::span<const NativeTask> tasks) {
             held = native::allocate_floats(lines);
         state.lines_floats = lines;
     }
+    const std::size_t held = lines_held(lines);
     state.work.resize(tasks.size());
     for (std::size_t i = 0; i < tasks.size(); ++i)
-        prepare(tasks[i], *tasks[i].cascade->state_, state.lines[i % RunnerState::lines_held].get(),
-                state, state.work[i]);
-    schedule(state);
+        prepare(tasks[i], *tasks[i].cascade->state_, state.lines[i % held].get(), state,
+                state.work[i]);
+    schedule(state, held);
     state.pool.run(state.phases);
 }
 

@@ -15,7 +15,8 @@
 // error of a map is about 4e-7 of four times its rms, at any sea time. Results do not depend on the
 // number of threads. Instruction sets differ by rounding.
 //
-// One caller at a time. Throws std::bad_alloc when there is no memory for scratch. Cost: docs/performance.md.
+// One caller at a time. Throws std::bad_alloc when there is no memory for scratch. Cost:
+// docs/performance.md.
 #pragma once
 
 #include <cstdint>

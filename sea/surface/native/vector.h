@@ -6,6 +6,10 @@
 #include <cstdint>
 #include <utility>
 
+#if defined(__SSE2__)
+#include <immintrin.h>
+#endif
+
 namespace seaway::sea::native {
 namespace {
 
@@ -37,6 +41,46 @@ template <int W>
 SEAWAY_INLINE void store_unaligned(float* p, typename Lanes<W>::F v) {
     *reinterpret_cast<typename Lanes<W>::Unaligned*>(p) = v;
 }
+
+/// Copies past the caches, whole lines where lines are whole; finish_streams() before another
+/// thread may look.
+#if defined(__SSE2__)
+inline constexpr bool can_stream = true;
+template <int W>
+SEAWAY_INLINE void stream_line(float* to, const float* from) {
+#if defined(__AVX512F__)
+    if constexpr (W == 16)
+        return _mm512_stream_ps(to, _mm512_loadu_ps(from));
+#endif
+#if defined(__AVX__)
+    if constexpr (W >= 8) {
+        _mm256_stream_ps(to, _mm256_loadu_ps(from));
+        return _mm256_stream_ps(to + 8, _mm256_loadu_ps(from + 8));
+    }
+#endif
+    for (int i = 0; i < 16; i += 4)
+        _mm_stream_ps(to + i, _mm_loadu_ps(from + i));
+}
+template <int W>
+SEAWAY_INLINE void stream_past_caches(float* to, const float* from, int count) {
+    constexpr int line = 16;
+    int i = 0;
+    for (; i < count && reinterpret_cast<std::uintptr_t>(to + i) % 64 != 0; ++i)
+        to[i] = from[i];
+    for (; i + line <= count; i += line)
+        stream_line<W>(to + i, from + i);
+    for (; i < count; ++i)
+        to[i] = from[i];
+}
+SEAWAY_INLINE void finish_streams() {
+    _mm_sfence();
+}
+#else
+inline constexpr bool can_stream = false;
+template <int W>
+SEAWAY_INLINE void stream_past_caches(float*, const float*, int) {}
+SEAWAY_INLINE void finish_streams() {}
+#endif
 
 template <class V, int... i>
 SEAWAY_INLINE V reversed(V v, std::integer_sequence<int, i...>) {

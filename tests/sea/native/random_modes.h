@@ -30,7 +30,9 @@ inline int lattice(std::size_t i, int size) {
 inline CascadeModes random_modes(int size, double reach, std::uint64_t seed,
                                  double length_m = 100.0) {
     const auto n = static_cast<std::size_t>(size);
-    CascadeModes modes{{length_m, size}, {0, 1e9}, {}, {}};
+    CascadeModes modes;
+    modes.spec = {length_m, size};
+    modes.band = {0, 1e9};
     modes.h0.resize(n * n);
     modes.rate.resize(n * n);
     for (std::size_t iy = 0; iy < n; ++iy) {
