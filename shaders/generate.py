@@ -4,21 +4,21 @@
 
 Both designs are one inverse 2-D transform of N x N complex numbers per slot, without shared memory
 or barriers inside a kernel. Reads go through texel buffers, writes are vec4 (two neighbouring
-complex numbers). Why: docs/performance.md.
+complex numbers; at the end of T, four points of a map). Why: docs/performance.md.
 
 Design W, three passes, four above N = 512. N = A B along x and N = C D along y; mode X = B n1 + n2
 goes to point x = k1 + A k2, mode Y = D m1 + m2 to point y = j1 + C j2:
 
     first   evolve; DFT_A over n1; twiddle w_N^(n2 k1)                  -> S[slot][Y][n2][k1]
     middle  DFT_B over n2; DFT_C over m1; twiddle w_N^(m2 j1)           -> T[slot][m2][j1][x]
-    last    DFT_D over m2                                               -> map[slot][y][x]
+    last    DFT_D over m2                                               -> map[slot][2][y][x]
 
 Design T, two passes, for subgroups of S lanes. A subgroup transforms a line of N = S M: lane l holds
 modes n = l + S m; DFT_M over m, twiddle w_N^(l k1), DFT_S across the lanes by shuffles leaves points
 k1 + M bitreverse(l) in lane l:
 
     first   evolve; lines along y, one for each X                       -> T[slot][y / 2][X]
-    last    lines along x                                               -> map[slot][y][x]
+    last    lines along x                                               -> map[slot][2][y][x]
 
 Each comes in two versions: for any modes, and for seas without modes at |nx| or |ny| >= 0.3 N (all
 that are made from spectra: sea::band_end_share_of_nyquist), which skips what is known to be zero.
@@ -234,19 +234,22 @@ void main() {{
 
 
 def last_pass(n, c, d):
-    text = [HEAD, "layout(binding = 0) uniform samplerBuffer source;\n", OUTPUT.format(binding=1), f"""
+    text = [HEAD, "layout(binding = 0) uniform samplerBuffer source;\n",
+            OUTPUT.format(binding=1).replace("vec4", "vec2"), f"""
 void main() {{
     uint pair = gl_GlobalInvocationID.x % {n // 2}u;
     uint j1 = gl_GlobalInvocationID.x / {n // 2}u;
-    uint at = (gl_GlobalInvocationID.z * {n}u + j1) * {n // 2}u + pair;
+    uint from = (gl_GlobalInvocationID.z * {n}u + j1) * {n // 2}u + pair;
+    uint to = (2u * gl_GlobalInvocationID.z * {n}u + j1) * {n // 2}u + pair;
 """]
     for m2 in range(d):
-        text.append(f"    vec4 v{m2} = texelFetch(source, int(at + {m2 * c * n // 2}u));\n")
+        text.append(f"    vec4 v{m2} = texelFetch(source, int(from + {m2 * c * n // 2}u));\n")
     text.append(codelets.dft(d).glsl("vec2", [(f"v{m}.xz", f"v{m}.yw") for m in range(d)],
                                      [(f"r{m}", f"i{m}") for m in range(d)]))
     for j2 in range(d):
-        text.append(f"    target[at + {j2 * c * n // 2}u] = "
-                    f"vec4(r{j2}.x, i{j2}.x, r{j2}.y, i{j2}.y);\n")
+        text.append(f"    target[to + {j2 * c * n // 2}u] = r{j2};\n")
+    for j2 in range(d):
+        text.append(f"    target[to + {n * n // 2 + j2 * c * n // 2}u] = i{j2};\n")
     text.append("}\n")
     return "".join(text), n // 2 * c
 
@@ -344,12 +347,13 @@ def subgroup_last_pass(n, lanes, band):
     text.append(lane_twiddles(lanes))
     text.append(in_lane("vec2", n, lanes, blocks, [(f"v{i}.xz", f"v{i}.yw") for i in range(m)],
                         " " * 4))
-    text.append(f"    uint to = (gl_GlobalInvocationID.z * {n}u + 2u * line) * {n // 2}u + "
-                f"run * {m // 2}u;\n")
-    for part, row in (("x", 0), ("y", n // 2)):
-        for k in range(0, m, 2):
-            text.append(f"    target[to + {row + k // 2}u] = vec4(r{k}.{part}, i{k}.{part}, "
-                        f"r{k + 1}.{part}, i{k + 1}.{part});\n")
+    text.append(f"    uint to = (2u * gl_GlobalInvocationID.z * {n}u + 2u * line) * {n // 4}u + "
+                f"run * {m // 4}u;\n")
+    for part, plane in (("r", 0), ("i", n * n // 4)):
+        for axis, row in (("x", 0), ("y", n // 4)):
+            for k in range(0, m, 4):
+                values = ", ".join(f"{part}{k + i}.{axis}" for i in range(4))
+                text.append(f"    target[to + {plane + row + k // 4}u] = vec4({values});\n")
     text.append("}\n")
     return "".join(text), n // 2 * lanes
 

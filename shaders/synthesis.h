@@ -2,8 +2,8 @@
 // The compute kernels of the synthesis, as SPIR-V embedded in the program. Written at build time by
 // shaders/generate.py; what they read and write is in shaders/shared/synthesis.h.
 //
-// A transform of size N turns the modes of a batch of jobs into maps[job][slot][y][x], a slot being
-// one complex number a + i b of two real fields. Its passes run one after the other, a barrier
+// A transform of size N turns the modes of a batch of jobs into maps[job][slot][2][y][x] of floats:
+// a slot is one complex transform of two real fields, a + i b. Its passes run one after the other, a barrier
 // between them; each is dispatched as (groups, 1, z):
 //   pass 0:  z = jobs.         bindings modes, rates, jobs, rows -> Target
 //   others:  z = jobs * slots. bindings source -> Target

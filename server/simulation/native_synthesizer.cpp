@@ -2,61 +2,14 @@
 #include "server/simulation/native_synthesizer.h"
 
 #include <chrono>
-#include <mutex>
 #include <new>
 
 #include <fmt/format.h>
 
 #include "base/check.h"
+#include "server/simulation/spare_buffers.h"
 
 namespace seaway::server {
-
-class SpareBuffers {
-  public:
-    SpareBuffers() { held_.reserve(most_held); } // so that give() never allocates
-
-    /// A buffer of exactly this many values, of any content.
-    std::vector<float> take(std::size_t values) {
-        {
-            const std::lock_guard lock(mutex_);
-            for (std::vector<float>& held : held_) {
-                if (held.size() != values)
-                    continue;
-                std::vector<float> found = std::move(held);
-                held = std::move(held_.back());
-                held_.pop_back();
-                return found;
-            }
-        }
-        return std::vector<float>(values);
-    }
-
-    void give(std::vector<float> buffer) {
-        const std::lock_guard lock(mutex_);
-        if (held_.size() < most_held)
-            held_.push_back(std::move(buffer));
-        else
-            std::swap(held_[oldest_++ % most_held], buffer);
-    }
-
-  private:
-    static constexpr std::size_t most_held = 8;
-    std::mutex mutex_;
-    std::vector<std::vector<float>> held_;
-    std::size_t oldest_ = 0;
-};
-
-namespace {
-
-std::shared_ptr<sea::Keyframe> make_keyframe(const std::shared_ptr<SpareBuffers>& spare) {
-    const auto give_back = [spare](sea::Keyframe* keyframe) {
-        const std::unique_ptr<sea::Keyframe> owned(keyframe);
-        spare->give(std::move(owned->values));
-    };
-    return {new sea::Keyframe, give_back};
-}
-
-} // namespace
 
 NativeSynthesizer::NativeSynthesizer(int threads)
     : runner_(threads), spare_(std::make_shared<SpareBuffers>()) {}

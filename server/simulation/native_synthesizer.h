@@ -10,8 +10,6 @@
 
 namespace seaway::server {
 
-/// Buffers of keyframes that nobody holds any more, kept for the next ones: fresh memory costs a
-/// page fault every 4 KB, as much time as the maps themselves.
 class SpareBuffers;
 
 class NativeSynthesizer final : public Synthesizer {

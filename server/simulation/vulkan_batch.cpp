@@ -254,31 +254,10 @@ Result<void> VulkanBatch::run(std::span<const Job> jobs, const Packing& packing,
 }
 
 void VulkanBatch::read_plane(int job, int plane, std::span<float> out) const {
-    const bool real = plane % 2 == 0;
-    read_slot(job, plane / 2, real ? out : std::span<float>{}, real ? std::span<float>{} : out);
-}
-
-void VulkanBatch::read_slot(int job, int slot, std::span<float> real,
-                            std::span<float> imaginary) const {
-    const std::span<const float> all =
-        (readback_.size_bytes() ? readback_ : maps()).mapped_as<const float>();
-    const std::size_t n = points();
-    const float* from =
-        all.data() +
-        2 * n * (static_cast<std::size_t>(job) * slots_ + static_cast<std::size_t>(slot));
-    if (!real.empty() && !imaginary.empty()) {
-        float* a = real.data();
-        float* b = imaginary.data();
-        for (std::size_t i = 0; i < n; ++i) {
-            a[i] = from[2 * i];
-            b[i] = from[2 * i + 1];
-        }
-        return;
-    }
-    const std::span<float> only = real.empty() ? imaginary : real;
-    from += real.empty() ? 1 : 0;
-    for (std::size_t i = 0; i < only.size(); ++i)
-        only[i] = from[2 * i];
+    const std::byte* from = (readback_.size_bytes() ? readback_ : maps()).mapped().data();
+    const std::size_t index =
+        static_cast<std::size_t>(job) * 2 * slots_ + static_cast<std::size_t>(plane);
+    std::memcpy(out.data(), from + index * points() * float_bytes, points() * float_bytes);
 }
 
 void VulkanBatch::read_jacobian(int job, std::span<float> out) const {

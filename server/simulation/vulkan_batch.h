@@ -41,8 +41,6 @@ class VulkanBatch {
 
     /// Of the last run: copies one field, [y][x]; `plane` as in Packing.
     void read_plane(int job, int plane, std::span<float> out) const;
-    /// Both fields of a slot; either may be empty.
-    void read_slot(int job, int slot, std::span<float> real, std::span<float> imaginary) const;
     void read_jacobian(int job, std::span<float> out) const;
 
     std::uint64_t dispatches() const { return dispatches_; }

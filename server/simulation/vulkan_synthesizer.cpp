@@ -7,6 +7,7 @@
 
 #include "base/check.h"
 #include "gpu/device.h"
+#include "server/simulation/spare_buffers.h"
 #include "server/simulation/vulkan_batch.h"
 #include "server/simulation/vulkan_check.h"
 #include "server/simulation/vulkan_kernels.h"
@@ -81,6 +82,7 @@ class Vulkan final : public VulkanSynthesizer {
     sea::RealizationPtr sea_;
     std::uint32_t epoch_ = 0;
     std::vector<int> position_; ///< of each cascade within its batch
+    std::shared_ptr<SpareBuffers> spare_ = std::make_shared<SpareBuffers>();
     SynthesisCounters counters_;
     std::vector<double> pass_seconds_;
 };
@@ -244,21 +246,17 @@ Result<void> Vulkan::run_jobs(VulkanBatch& device_batch, const Batch& batch,
 sea::KeyframePtr Vulkan::keyframe(const VulkanBatch& device_batch, int job, const Packing& packing,
                                   const KeyframeRequest& request) const {
     const sea::CascadeSpec& spec = sea_->cascades[static_cast<std::size_t>(request.cascade)].spec;
-    auto made = std::make_shared<sea::Keyframe>();
+    std::shared_ptr<sea::Keyframe> made = make_keyframe(spare_);
     made->epoch = epoch_;
     made->cascade = request.cascade;
     made->time_us = request.time_us;
     made->size = spec.size;
     made->length_m = spec.length_m;
     made->fields = request.fields;
-    made->values.resize(made->plane_size() * static_cast<std::size_t>(request.fields.size()));
-    std::vector<std::span<float>> planes(2 * static_cast<std::size_t>(packing.slots));
+    made->values =
+        spare_->take(made->plane_size() * static_cast<std::size_t>(request.fields.size()));
     for (const sea::Field field : linear_part(request.fields))
-        planes[static_cast<std::size_t>(packing.plane_of(field))] = made->plane(field);
-    for (int slot = 0; slot < packing.slots; ++slot) {
-        const std::size_t plane = 2 * static_cast<std::size_t>(slot);
-        device_batch.read_slot(job, slot, planes[plane], planes[plane + 1]);
-    }
+        device_batch.read_plane(job, packing.plane_of(field), made->plane(field));
     if (request.fields.contains(sea::Field::jacobian))
         device_batch.read_jacobian(job, made->plane(sea::Field::jacobian));
     return made;

@@ -5,7 +5,7 @@
 #include "shared/synthesis.h"
 
 layout(local_size_x = synthesis_workgroup) in;
-layout(binding = 0) uniform samplerBuffer maps; // [job][slot][y][x pair] (a0, b0, a1, b1)
+layout(binding = 0) uniform samplerBuffer maps; // [job][plane][y][x / 4]
 layout(binding = 1, std430) writeonly buffer Jacobian {
     vec4 jacobian[]; // [job][y][x / 4]
 };
@@ -14,11 +14,8 @@ layout(push_constant) uniform Push {
 };
 
 vec4 four_points(uint plane, uint job, uint quad) {
-    uint pairs = push.size * push.size / 2u;
-    int at = int((job * push.slots + plane / 2u) * pairs + 2u * quad);
-    vec4 first = texelFetch(maps, at);
-    vec4 second = texelFetch(maps, at + 1);
-    return (plane & 1u) == 0u ? vec4(first.xz, second.xz) : vec4(first.yw, second.yw);
+    uint quads = push.size * push.size / 4u;
+    return texelFetch(maps, int((job * 2u * push.slots + plane) * quads + quad));
 }
 
 void main() {

@@ -7,10 +7,10 @@
 // strains) = four complex transforms each. `--reach` is the radius of the disc of modes in use as a
 // share of Nyquist: 2 uses all of them, 0.6 those of a sea made from spectra.
 //
-//   maps DESIGN:       submit to maps in device memory, two fields interleaved
-//   vulkan keyframes:  Synthesizer::synthesize, with the copy to eight planes a keyframe
-//   plain, strongest:  the FFTW programs of fftw_yardstick.h, leaving interleaved maps; "planar":
-//                      the same with the split to planes
+//   maps DESIGN:       submit to eight maps a cascade in device memory
+//   vulkan keyframes:  Synthesizer::synthesize, with the copy to keyframes
+//   plain, strongest:  the FFTW programs of fftw_yardstick.h, with eight maps a cascade at the end;
+//                      "unsplit": two fields interleaved, as the transform leaves them
 //
 // Medians of interleaved repeats: on a shared machine only the ratios mean much. CPU time, of all
 // threads together, is the steadier of the two there.
@@ -145,13 +145,9 @@ void compare(const sea::Keyframe& keyframe, std::span<const float> planes) {
 }
 
 void report(const Settings& settings, int size, const std::vector<Contender>& contenders) {
-    const auto is_planar = [](const Contender& contender) {
-        return contender.name.find("keyframes") != std::string::npos ||
-               contender.name.find("planar") != std::string::npos;
-    };
+    const Contender& plain = contenders[0];
+    const Contender& strongest = contenders[1];
     for (const Contender& contender : contenders) {
-        const Contender& plain = contenders[is_planar(contender) ? 2 : 1];
-        const Contender& strongest = contenders[is_planar(contender) ? 4 : 3];
         const double ms = median(contender.milliseconds), cpu = median(contender.cpu_milliseconds);
         fmt::print(fmt::runtime(settings.csv ? "{},{},{:.4f},{:.3f},{:.3f},{:.4f},{:.3f},{:.3f}\n"
                                              : "{:5} {:24} {:8.3f} {:6.2f} {:6.2f}   {:8.3f} "
@@ -187,11 +183,11 @@ void time_size(const Settings& settings, gpu::Device& device, int size) {
         keyframes = need(synthesizer->synthesize(requests));
     };
     std::vector<Contender> contenders{
+        {"plain", [&](auto t) { plain.run(t, true); }, {}, {}},
+        {"strongest", [&](auto t) { strongest.run(t, true); }, {}, {}},
+        {"plain unsplit", [&](auto t) { plain.run(t, false); }, {}, {}},
+        {"strongest unsplit", [&](auto t) { strongest.run(t, false); }, {}, {}},
         {"vulkan keyframes", synthesize, {}, {}},
-        {"plain", [&](auto t) { plain.run(t, false); }, {}, {}},
-        {"plain planar", [&](auto t) { plain.run(t, true); }, {}, {}},
-        {"strongest", [&](auto t) { strongest.run(t, false); }, {}, {}},
-        {"strongest planar", [&](auto t) { strongest.run(t, true); }, {}, {}},
         {"maps, height only", [&](auto t) { best.run({Field::height}, cascade_count, t); }, {}, {}},
         {"maps, one cascade", [&](auto t) { best.run(eight_fields, 1, t); }, {}, {}}};
     for (const auto& design : designs)
