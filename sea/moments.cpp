@@ -185,36 +185,55 @@ SeaStatistics requested_statistics(const SeaState& sea,
     return statistics(sums, spectra.empty() ? strongest_omega : peak_of(spectra));
 }
 
-/// Peak of a realised sea: sum w E^4 / sum E^4 over narrow bins of equal ratio (Young 1995), which
-/// one lucky mode cannot pull away.
+/// Peak of a realised sea: sum w S^4 / sum S^4 (Young 1995) over narrow bins of equal ratio around
+/// the densest, so that neither one lucky mode nor a second wave system pulls it away.
 class PeakFinder {
   public:
     void add(double energy, double omega) {
         const int bin = static_cast<int>(std::floor(std::log(omega) / bin_width)) + offset;
-        if (bin >= 0 && bin < static_cast<int>(bins_.size())) {
-            bins_[static_cast<std::size_t>(bin)].first += energy;
-            bins_[static_cast<std::size_t>(bin)].second += energy * omega;
+        if (bin >= 0 && bin < bin_count) {
+            Bin& b = bins_[static_cast<std::size_t>(bin)];
+            b.energy += energy;
+            b.moment += energy * omega;
         }
     }
     double peak_omega_radps() const {
+        int densest = 0;
+        for (int i = 0; i < bin_count; ++i)
+            if (density(i) > density(densest))
+                densest = i;
         double weights = 0.0;
         double sum = 0.0;
-        for (const auto& [energy, moment] : bins_) {
-            if (!(energy > 0.0))
+        for (int i = densest - reach; i <= densest + reach; ++i) {
+            const double weight = std::pow(density(i), 4);
+            if (!(weight > 0.0))
                 continue;
-            const double omega = moment / energy;
-            const double density = energy / omega;
-            const double weight = density * density * density * density;
+            const Bin& b = bins_[static_cast<std::size_t>(i)];
             weights += weight;
-            sum += weight * omega;
+            sum += weight * b.moment / b.energy;
         }
         return weights > 0.0 ? sum / weights : 1.0;
     }
 
   private:
+    struct Bin {
+        double energy = 0.0;
+        double moment = 0.0;
+    };
     static constexpr double bin_width = 0.1;
     static constexpr int offset = 120; ///< exp(-12) rad/s
-    std::array<std::pair<double, double>, 240> bins_{};
+    static constexpr int bin_count = 240;
+    static constexpr int reach = 2; ///< bins either way: 20 % in frequency
+
+    /// Mean density over bin i, up to a factor; 0 outside.
+    double density(int i) const {
+        if (i < 0 || i >= bin_count || !(bins_[static_cast<std::size_t>(i)].energy > 0.0))
+            return 0.0;
+        const Bin& b = bins_[static_cast<std::size_t>(i)];
+        return b.energy * b.energy / b.moment;
+    }
+
+    std::array<Bin, bin_count> bins_{};
 };
 
 /// Calls f(energy, kx, ky, omega) for every mode; energy is its variance averaged over time.

@@ -1,0 +1,30 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# The realised sea is the same bits whatever the compiler and its level: compiles what makes it with
+# g++ and clang++-14 at -O0 and -O2, contraction off, and compares the printed hashes.
+#   same_bits.sh SOURCE_DIR WORK_DIR
+set -eu
+source_dir=$1
+work_dir=$2
+mkdir -p "$work_dir"
+cd "$source_dir"
+sources="tests/sea/hash/print_hash.cpp base/check.cpp sea/cascade.cpp sea/csv_table.cpp
+  sea/directional_spectrum.cpp sea/dispersion.cpp sea/gaussian.cpp sea/measured.cpp sea/realize.cpp
+  sea/sine_waves.cpp sea/spectra.cpp sea/spreading.cpp"
+hashes=
+for compiler in g++ clang++-14; do
+    for level in -O0 -O2; do
+        program=$work_dir/hash$level-$compiler
+        # shellcheck disable=SC2086
+        $compiler -std=c++20 $level -ffp-contract=off -I. $sources -o "$program" -lfmt
+        hash=$("$program")
+        echo "$compiler $level $hash"
+        hashes="$hashes$hash
+"
+    done
+done
+different=$(printf '%s' "$hashes" | sort -u | wc -l)
+if [ "$different" -ne 1 ]; then
+    echo "the realised sea depends on the compiler: $different different hashes" >&2
+    exit 1
+fi
