@@ -143,6 +143,83 @@ TEST(Inspect, flat_sea_is_all_zeros_and_valid_json) {
     EXPECT_TRUE(report.at("depth_m").is_null()); // infinite
 }
 
+/// A swell with one more line under [sea], on tiles that hold its tail.
+std::string swell_with(const std::string& line) {
+    return folder().write("controls.toml",
+                          "[sea]\nseed = 5\n" + line +
+                              "\n[[sea.system]]\ntype = \"swell\"\nsignificant_height_m = 2\n"
+                              "peak_period_s = 6\nfrom_deg = 200\n[[cascade]]\nlength_m = 512\n"
+                              "size = 256\n[[cascade]]\nlength_m = 101\nsize = 256\n");
+}
+
+TEST(Inspect, height_scale_multiplies_heights) {
+    const json plain = report_of(swell_with(""));
+    const json scaled = report_of(swell_with("height_scale = 1.5"));
+    for (const char* part : {"requested", "realised"}) {
+        const double ratio =
+            scaled.at(part).at("hs_m").get<double>() / plain.at(part).at("hs_m").get<double>();
+        EXPECT_NEAR(ratio, 1.5, 1e-9) << part;
+    }
+}
+
+TEST(Inspect, T19_short_wave_fade_acts_on_the_spectrum_and_is_reported_as_lost) {
+    const double fade_m = 1.3;
+    const json plain = report_of(swell_with(""));
+    const json faded = report_of(swell_with(fmt::format("short_wave_fade_m = {}", fade_m)));
+    // Deep water, k = w^2/g but for surface tension (1e-5 here): what exp(-(kl)^2) leaves of S,
+    // summed by the trapezoid rule over the program's own S(w).
+    std::string list;
+    const double step = 0.01;
+    for (double omega = 0.3; omega < 12.0; omega += step)
+        list += fmt::format("{}{:.17g}", list.empty() ? "" : ",", omega);
+    const Output rows = run_program("seaway-inspect", swell_with("") + " --spectrum " + list);
+    std::istringstream lines(rows.out);
+    std::string line;
+    std::getline(lines, line);
+    double kept = 0.0;
+    double whole = 0.0;
+    while (std::getline(lines, line)) {
+        const double omega = std::strtod(line.c_str(), nullptr);
+        const double density = std::strtod(line.c_str() + line.find(',') + 1, nullptr);
+        const double kl = omega * omega / 9.81 * fade_m;
+        kept += density * std::exp(-kl * kl) * step;
+        whole += density * step;
+    }
+    const json& variance = faded.at("variance");
+    // What lies beyond the finest band is counted there. The trapezoid rule and the tail beyond
+    // 12 rad/s cost about 1e-4 of the variance.
+    const double lost =
+        variance.at("lost_fade_m2").get<double>() + variance.at("lost_shorter_m2").get<double>();
+    EXPECT_NEAR(lost, whole - kept, 3e-4 * whole);
+    EXPECT_GT(whole - kept, 0.02 * whole);
+    const double realised = faded.at("variance").at("realised_m2").get<double>() /
+                            plain.at("variance").at("realised_m2").get<double>();
+    // The same numbers were drawn, so only how they fall on the faded waves differs.
+    EXPECT_NEAR(realised, kept / whole, 0.02);
+}
+
+TEST(Inspect, cut_offs_leave_out_what_lies_beyond_them) {
+    const json cut =
+        report_of(swell_with("wavenumber_min_radpm = 0.08\nwavenumber_max_radpm = 0.3"));
+    const json plain = report_of(swell_with(""));
+    // omega^2 = g k: 0.886 and 1.716 rad/s bound what is left.
+    EXPECT_GT(cut.at("realised").at("tz_s").get<double>(), sea::two_pi / 1.72);
+    EXPECT_LT(cut.at("realised").at("tz_s").get<double>(), sea::two_pi / 0.885);
+    EXPECT_LT(cut.at("realised").at("hs_m").get<double>(),
+              plain.at("realised").at("hs_m").get<double>());
+    EXPECT_GT(cut.at("variance").at("lost_fade_m2").get<double>(), 0.0);
+    double carried = 0.0;
+    for (const json& cascade : cut.at("cascades"))
+        carried += cascade.at("requested_m2").get<double>();
+    const Result<sea::Scene> scene = sea::read_scene(swell_with(""));
+    ASSERT_TRUE(scene);
+    const sea::Dispersion dispersion = scene->sea.dispersion();
+    const double between =
+        requested_variance(scene->sea, dispersion.omega(0.08), dispersion.omega(0.3));
+    // A quadrature panel that the cut-off crosses resolves it to about its width, 12 %/32 of w.
+    EXPECT_NEAR(carried / between, 1.0, 0.02);
+}
+
 TEST(Inspect, spectrum_equals_the_published_values_of_xdyn) {
     const Table published("P01_xdyn_spectra");
     const Table integrals("D05_jonswap_integrals");

@@ -222,6 +222,35 @@ TEST(InspectPoints, frequencies_are_those_of_the_dispersion_relation) {
     }
 }
 
+TEST(InspectPoints, explicit_waves_are_the_cosines_that_their_file_names) {
+    folder().write("three.csv", "nx,ny,amplitude_m,phase_rad\n3,1,0.5,0.25\n-2,4,0.25,-1.5\n"
+                                "0,10,0.125,3\n");
+    const std::string path = folder().write(
+        "three.toml", "[sea]\nchoppiness = 0\ndepth_m = 20\n[[sea.system]]\ntype = \"modes\"\n"
+                      "length_m = 512\nfile = \"three.csv\"\n[[cascade]]\nlength_m = 512\n"
+                      "size = 64\n");
+    const std::vector<Row> rows =
+        evaluate(path, "0,0,0\n1e6,-1e6,1e6\n-123456.75,7,-1e6\n31,1e6,1e9\n");
+    ASSERT_EQ(rows.size(), 4u);
+    const std::array<std::array<Real, 4>, 3> waves{
+        {{3, 1, 0.5L, 0.25L}, {-2, 4, 0.25L, -1.5L}, {0, 10, 0.125L, 3}}};
+    for (const Row& row : rows) {
+        const auto& n = row.numbers;
+        Real eta = 0;
+        for (const auto& [nx, ny, amplitude, phase] : waves) {
+            const Real k = two_pi / 512 * std::hypot(nx, ny);
+            const Real omega = std::sqrt((9.81L * k + 7.4e-5L * k * k * k) * std::tanh(k * 20));
+            eta += amplitude *
+                   std::cos(two_pi / 512 *
+                                (nx * static_cast<Real>(n[0]) + ny * static_cast<Real>(n[1])) -
+                            omega * static_cast<Real>(n[2]) + phase);
+        }
+        // 9.81 and 7.4e-5 differ from their doubles by 1e-17 of themselves; frequencies are stored
+        // in steps of 2^-64 turns/us, which is 1.8e-13 rad a second; amplitudes add up to 0.875 m.
+        EXPECT_NEAR(n[3], static_cast<double>(eta), 1e-9 + 0.875 * 1.8e-13 * std::abs(n[2]));
+    }
+}
+
 TEST(InspectPoints, rows_keep_their_order_and_the_header_is_optional) {
     const std::string path = folder().write("two_swells.toml", two_swells);
     const std::vector<Row> bare = evaluate(path, "5,6,100\n1,2,0\n5,6,50\n");

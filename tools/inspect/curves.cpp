@@ -72,8 +72,12 @@ std::vector<plot::Point> realised_density(const sea::CascadeModes& modes,
         double energy = 0.0;
         for (int n = first; n <= std::min(last, size - 1); ++n)
             energy += rings[static_cast<std::size_t>(n)];
-        const double lo = std::max((first - 0.5) * step, modes.band.k_lo_radpm);
-        const double hi = std::min((last + 0.5) * step, modes.band.k_hi_radpm);
+        double lo = std::max((first - 0.5) * step, modes.band.k_lo_radpm);
+        double hi = std::min((last + 0.5) * step, modes.band.k_hi_radpm);
+        if (hi <= lo) { // explicit waves live outside the band, too
+            lo = (first - 0.5) * step;
+            hi = (last + 0.5) * step;
+        }
         // A ring that the band only grazes holds too few modes to say anything.
         if (energy > 0.0 && hi - lo > 0.5 * (last + 1 - first) * step)
             points.push_back({dispersion.omega(0.5 * (lo + hi)),
@@ -85,8 +89,14 @@ std::vector<plot::Point> realised_density(const sea::CascadeModes& modes,
 
 FrequencyRange frequency_range(const Report& report, const SeaSpectrum& spectrum) {
     const sea::Dispersion dispersion = report.scene.sea.dispersion();
-    const double begin = dispersion.omega(report.sea->cascades.front().band.k_lo_radpm);
-    const double end = dispersion.omega(report.sea->cascades.back().band.k_hi_radpm);
+    double k_lo = std::numeric_limits<double>::infinity();
+    double k_hi = 0.0;
+    for (const sea::CascadeModes& modes : report.sea->cascades) {
+        k_lo = std::min(k_lo, modes.band.k_lo_radpm);
+        k_hi = std::max(k_hi, modes.band.k_hi_radpm);
+    }
+    const double begin = dispersion.omega(k_lo);
+    const double end = dispersion.omega(k_hi);
     if (spectrum.empty())
         return {0.8 * begin, 1.3 * end};
     return {std::max(0.5 * begin, 0.45 * spectrum.lowest_peak_radps()),

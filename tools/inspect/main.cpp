@@ -11,7 +11,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "sea/directional_spectrum.h"
+#include "sea/moments.h"
 #include "tools/inspect/picture.h"
 #include "tools/inspect/points.h"
 #include "tools/inspect/report.h"
@@ -54,12 +54,9 @@ Result<std::string> spectrum_csv(const sea::Scene& scene, const std::string& lis
     if (!omegas)
         return omegas.error();
     std::string out = "omega_radps,s_m2s\n";
-    for (const double omega : *omegas) {
-        double density = 0.0;
-        for (const sea::WaveSystem& system : scene.sea.systems)
-            density += sea::DirectionalSpectrum(system, scene.sea).frequency_density(omega);
-        out += fmt::format("{:.17g},{:.17g}\n", omega, density);
-    }
+    for (const double omega : *omegas)
+        out +=
+            fmt::format("{:.17g},{:.17g}\n", omega, requested_frequency_density(scene.sea, omega));
     return out;
 }
 

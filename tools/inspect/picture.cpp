@@ -78,6 +78,8 @@ void draw_bands(Chart& chart, const Report& report) {
     const sea::Dispersion dispersion = report.scene.sea.dispersion();
     for (std::size_t c = 0; c < report.sea->cascades.size(); ++c) {
         const sea::CascadeModes& modes = report.sea->cascades[c];
+        if (!modes.carries_spectra)
+            continue;
         const double lo = dispersion.omega(modes.band.k_lo_radpm);
         const double hi = dispersion.omega(modes.band.k_hi_radpm);
         chart.band(lo, hi, plot::series_color(c).faded(0.13));

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+// What docs/ says of the code is still so: tests that it names exist, files that it names exist, no
+// scene key, feature or trap is missing from its table.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <regex>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+namespace seaway {
+namespace {
+
+const std::filesystem::path root = SEAWAY_SOURCE_DIR;
+
+std::string text_of(const std::filesystem::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    EXPECT_TRUE(file) << path;
+    return {std::istreambuf_iterator<char>(file), {}};
+}
+
+std::vector<std::string> all_of(const std::string& text, const std::string& pattern,
+                                std::size_t group = 1) {
+    std::vector<std::string> found;
+    const std::regex expression(pattern);
+    for (std::sregex_iterator at(text.begin(), text.end(), expression), end; at != end; ++at)
+        found.push_back((*at)[group]);
+    return found;
+}
+
+/// "Suite.name" of every test in tests/.
+std::set<std::string> tests_that_exist() {
+    std::set<std::string> names;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(root / "tests")) {
+        if (entry.path().extension() != ".cpp")
+            continue;
+        const std::string text = text_of(entry.path());
+        const std::regex test(R"(\bTEST(?:_F|_P)?\(\s*(\w+),\s*(\w+)\s*\))");
+        for (std::sregex_iterator at(text.begin(), text.end(), test), end; at != end; ++at)
+            names.insert((*at)[1].str() + "." + (*at)[2].str());
+    }
+    return names;
+}
+
+TEST(Docs, tests_that_are_named_exist) {
+    const std::set<std::string> existing = tests_that_exist();
+    for (const char* page : {"physics.md", "features.md"})
+        for (const std::string& name :
+             all_of(text_of(root / "docs" / page), R"(`([A-Z]\w+\.[A-Za-z0-9_]{6,})`)"))
+            EXPECT_TRUE(existing.contains(name)) << page << " names " << name;
+}
+
+TEST(Docs, files_that_are_named_exist) {
+    for (const char* page : {"scenes.md"})
+        for (
+            const std::string& name : all_of(
+                text_of(root / "docs" / page),
+                R"(`((?:sea|server|client|shaders|protocol|gpu|tools|docs|tests|scenes)/[\w/.]+)`)"))
+            EXPECT_TRUE(std::filesystem::exists(root / name)) << page << " names " << name;
+}
+
+TEST(Docs, every_key_that_the_scene_reader_asks_for_is_documented) {
+    const std::string page = text_of(root / "docs/scenes.md");
+    std::set<std::string> keys;
+    for (const auto& entry : std::filesystem::directory_iterator(root / "sea")) {
+        const std::string file = entry.path().filename().string();
+        if (file.rfind("scene", 0) != 0 || entry.path().extension() != ".cpp")
+            continue;
+        for (const std::string& key : all_of(
+                 text_of(entry.path()),
+                 R"((?:number|integer|flag|text|choice|number_or_pair|require|has)\(\s*"(\w+)\")"))
+            keys.insert(key);
+    }
+    EXPECT_GT(keys.size(), 30u); // or the pattern no longer fits the reader
+    keys.erase("sea");           // tables
+    keys.erase("cascade");
+    for (const std::string& key : keys)
+        EXPECT_NE(page.find('`' + key + '`'), std::string::npos) << key;
+}
+
+TEST(Docs, every_feature_of_the_five_systems_has_one_row) {
+    const std::string page = text_of(root / "docs/features.md");
+    const int counts[] = {28, 13, 8, 31, 25};
+    for (int system = 0; system < 5; ++system)
+        for (int feature = 1; feature <= counts[system]; ++feature) {
+            const std::string id = fmt::format("\n| S{}.{} |", system, feature);
+            const auto first = page.find(id);
+            ASSERT_NE(first, std::string::npos) << id;
+            EXPECT_EQ(page.find(id, first + 1), std::string::npos) << id;
+        }
+}
+
+TEST(Docs, every_trap_has_one_row) {
+    const std::string page = text_of(root / "docs/physics.md");
+    for (int trap = 1; trap <= 64; ++trap) {
+        const std::string id = fmt::format("\n| T{} |", trap);
+        const auto first = page.find(id);
+        ASSERT_NE(first, std::string::npos) << id;
+        EXPECT_EQ(page.find(id, first + 1), std::string::npos) << id;
+    }
+}
+
+} // namespace
+} // namespace seaway
