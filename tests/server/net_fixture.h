@@ -246,6 +246,16 @@ class Client {
                receive(wire::Body::SeaState) != nullptr;
     }
 
+    /// Reads, answering pings underneath; false if a message or an end comes. The last call.
+    bool stays_quiet_for(std::chrono::milliseconds wait) {
+        const auto quiet = std::make_shared<bool>(true);
+        socket().expires_never();
+        ws_.async_read(buffer_, [quiet](beast::error_code, std::size_t) { *quiet = false; });
+        io_.restart();
+        io_.run_for(wait);
+        return *quiet;
+    }
+
     /// Reads to the end and returns the close code, 0 if there was none.
     unsigned close_code() {
         while (!error_ && receive() != nullptr) {
