@@ -14,8 +14,7 @@ add_library(seaway_options INTERFACE)
 target_include_directories(seaway_options INTERFACE ${PROJECT_SOURCE_DIR} ${PROJECT_BINARY_DIR}/generated)
 # Contraction off: the realised sea and the codec are the same bits with every compiler and level.
 target_compile_options(seaway_options INTERFACE -ffp-contract=off -Wall -Wextra -Wpedantic -Wshadow
-  -Wnon-virtual-dtor -Wcast-align -Wold-style-cast -Woverloaded-virtual -Werror
-  -Wno-missing-field-initializers) # designated initialisers leave the rest to its defaults
+  -Wnon-virtual-dtor -Wcast-align -Wold-style-cast -Woverloaded-virtual -Werror)
 target_compile_definitions(seaway_options INTERFACE SEAWAY_VERSION="${PROJECT_VERSION}")
 if(SEAWAY_SANITIZE)
   target_compile_options(seaway_options INTERFACE -fsanitize=${SEAWAY_SANITIZE} -fno-omit-frame-pointer
