@@ -17,6 +17,12 @@ using client::Client;
 using sea::Answer;
 using sea::QueryPoint;
 
+Result<std::unique_ptr<Client>> connect(const std::string& url) {
+    client::ConnectOptions options;
+    options.url = url;
+    return Client::connect(options);
+}
+
 /// Ten points at each of a hundred times, all random: |x| up to 1e6 m, from a year before the
 /// sea's epoch to thirty years after it.
 std::vector<QueryPoint> random_points() {
@@ -39,7 +45,7 @@ TEST_P(EndToEnd, server_local_and_exact_answers_agree_within_the_stated_bound) {
                                  "--device", GetParam(), "--validation"});
     const std::string url = server.wait_until_ready();
     ASSERT_FALSE(url.empty()) << server.log();
-    Result<std::unique_ptr<Client>> client = Client::connect({.url = url});
+    Result<std::unique_ptr<Client>> client = connect(url);
     ASSERT_TRUE(client) << client.error().message;
 
     const std::vector<QueryPoint> points = random_points();
@@ -133,7 +139,7 @@ TEST(Stop, both_signals_end_it_within_two_seconds_with_clients_connected) {
             {"scenes/north_sea_gale.toml", "--device", "native", "--listen", "127.0.0.1:0"});
         const std::string url = server.wait_until_ready();
         ASSERT_FALSE(url.empty()) << server.log();
-        Result<std::unique_ptr<Client>> client = Client::connect({.url = url});
+        Result<std::unique_ptr<Client>> client = connect(url);
         ASSERT_TRUE(client) << client.error().message;
         ASSERT_TRUE((*client)->subscribe({.fields = sea::surface_fields}, 2, 10));
         server.send(signal);
