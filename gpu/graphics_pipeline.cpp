@@ -25,14 +25,13 @@ Result<void> compare(const ShaderInterface& shader, std::span<const ExpectedBind
         const bool known = binding.set == 0 && binding.binding < expected.size();
         if (!known || expected[binding.binding].name != binding.name ||
             expected[binding.binding].type != binding.type || binding.count != 1)
-            return Error{
-                "binding " + std::to_string(binding.binding) + " of set " +
-                std::to_string(binding.set) + " is \"" + binding.name + "\" (" +
-                descriptor_type_name(binding.type) + ") in the shader and " +
-                (known ? "\"" + std::string(expected[binding.binding].name) + "\" (" +
-                             descriptor_type_name(expected[binding.binding].type) + ")"
-                       : "nothing") +
-                " in the program"};
+            return Error{"binding " + std::to_string(binding.binding) + " of set " +
+                         std::to_string(binding.set) + " is \"" + binding.name + "\" (" +
+                         descriptor_type_name(binding.type) + ") in the shader and " +
+                         (known ? "\"" + std::string(expected[binding.binding].name) + "\" (" +
+                                      descriptor_type_name(expected[binding.binding].type) + ")"
+                                : "nothing") +
+                         " in the program"};
     }
     if (shader.push_constant_bytes != 0)
         return Error{"graphics pipelines take no push constants"};
@@ -80,20 +79,20 @@ Result<OwnedPipeline> create_pipeline(Device& device, VkPipelineLayout layout,
         .colorAttachmentCount = 1,
         .pColorAttachmentFormats = &options.colour_format,
         .depthAttachmentFormat = options.depth_format};
-    const VkGraphicsPipelineCreateInfo info{
-        .sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
-        .pNext = &rendering,
-        .stageCount = static_cast<std::uint32_t>(stages.size()),
-        .pStages = stages.data(),
-        .pVertexInputState = &no_attributes,
-        .pInputAssemblyState = &assembly,
-        .pViewportState = &viewport,
-        .pRasterizationState = &raster,
-        .pMultisampleState = &multisample,
-        .pDepthStencilState = &depth,
-        .pColorBlendState = &blend,
-        .pDynamicState = &dynamic,
-        .layout = layout};
+    const VkGraphicsPipelineCreateInfo info{.sType =
+                                                VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
+                                            .pNext = &rendering,
+                                            .stageCount = static_cast<std::uint32_t>(stages.size()),
+                                            .pStages = stages.data(),
+                                            .pVertexInputState = &no_attributes,
+                                            .pInputAssemblyState = &assembly,
+                                            .pViewportState = &viewport,
+                                            .pRasterizationState = &raster,
+                                            .pMultisampleState = &multisample,
+                                            .pDepthStencilState = &depth,
+                                            .pColorBlendState = &blend,
+                                            .pDynamicState = &dynamic,
+                                            .layout = layout};
     VkPipeline pipeline = VK_NULL_HANDLE;
     if (Result<void> created =
             call("vkCreateGraphicsPipelines", vkCreateGraphicsPipelines, device.get(),
@@ -146,10 +145,10 @@ Result<GraphicsPipeline> GraphicsPipeline::create(Device& device, std::string_vi
         return failed(set.error());
     made.set_layout_ = std::move(*set);
     const VkDescriptorSetLayout set_layout = made.set_layout_.get();
-    const VkPipelineLayoutCreateInfo layout_info{
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
-        .setLayoutCount = 1,
-        .pSetLayouts = &set_layout};
+    const VkPipelineLayoutCreateInfo layout_info{.sType =
+                                                     VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
+                                                 .setLayoutCount = 1,
+                                                 .pSetLayouts = &set_layout};
     VkPipelineLayout layout = VK_NULL_HANDLE;
     if (Result<void> created = call("vkCreatePipelineLayout", vkCreatePipelineLayout, device.get(),
                                     &layout_info, nullptr, &layout);

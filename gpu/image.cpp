@@ -63,12 +63,12 @@ Result<OwnedMemory> allocate(Device& device, VkImage image) {
 
 Result<OwnedImageView> create_view(Device& device, VkImage image, const ImageSpec& spec,
                                    VkImageAspectFlags aspect) {
-    const VkImageViewCreateInfo info{
-        .sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
-        .image = image,
-        .viewType = spec.array ? VK_IMAGE_VIEW_TYPE_2D_ARRAY : VK_IMAGE_VIEW_TYPE_2D,
-        .format = spec.format,
-        .subresourceRange = {aspect, 0, spec.mips, 0, spec.layers}};
+    const VkImageViewCreateInfo info{.sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
+                                     .image = image,
+                                     .viewType = spec.array ? VK_IMAGE_VIEW_TYPE_2D_ARRAY
+                                                            : VK_IMAGE_VIEW_TYPE_2D,
+                                     .format = spec.format,
+                                     .subresourceRange = {aspect, 0, spec.mips, 0, spec.layers}};
     VkImageView view = VK_NULL_HANDLE;
     if (Result<void> created =
             call("vkCreateImageView", vkCreateImageView, device.get(), &info, nullptr, &view);

@@ -22,7 +22,7 @@ struct ImageSpec {
     VkFormat format = VK_FORMAT_R32G32B32A32_SFLOAT;
     VkImageUsageFlags usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
     VkSampleCountFlagBits samples = VK_SAMPLE_COUNT_1_BIT;
-    bool array = false; ///< sampled as an array even with one layer
+    bool array = false;   ///< sampled as an array even with one layer
     bool filtered = true; ///< linear filtering is needed: refused where the format has none
 };
 
@@ -62,8 +62,8 @@ void record_transition(Commands& commands, const Image& image, VkImageLayout fro
                        VkImageLayout to);
 
 struct SamplerSpec {
-    bool repeat = false;   ///< else the edge is continued
-    float anisotropy = 1;  ///< 1: none; lowered to what the device grants
+    bool repeat = false;  ///< else the edge is continued
+    float anisotropy = 1; ///< 1: none; lowered to what the device grants
 };
 
 /// Linear in space and between mips.

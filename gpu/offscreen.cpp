@@ -9,14 +9,13 @@ VkSampleCountFlags sample_counts(Device& device, VkFormat format, VkImageUsageFl
     VkImageFormatProperties limits{};
     const VkResult known = vkGetPhysicalDeviceImageFormatProperties(
         device.physical(), format, VK_IMAGE_TYPE_2D, VK_IMAGE_TILING_OPTIMAL, usage, 0, &limits);
-    return known == VK_SUCCESS ? limits.sampleCounts : VK_SAMPLE_COUNT_1_BIT;
+    return known == VK_SUCCESS ? limits.sampleCounts : 0;
 }
 
 VkSampleCountFlagBits granted_samples(Device& device, int wanted) {
     const VkSampleCountFlags counts =
         sample_counts(device, Offscreen::colour_format, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT) &
-        sample_counts(device, Offscreen::depth_format,
-                      VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT);
+        sample_counts(device, Offscreen::depth_format, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT);
     for (int samples = wanted; samples > 1; samples /= 2)
         if (counts & static_cast<VkSampleCountFlags>(samples))
             return static_cast<VkSampleCountFlagBits>(samples);
@@ -47,13 +46,12 @@ Result<Offscreen> Offscreen::create(Device& device, std::uint32_t width, std::ui
             return multisampled.error();
         made.multisampled_ = std::move(*multisampled);
     }
-    Result<Image> depth =
-        Image::create(device, "depth",
-                      {.width = width,
-                       .height = height,
-                       .format = depth_format,
-                       .usage = VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT,
-                       .samples = samples});
+    Result<Image> depth = Image::create(device, "depth",
+                                        {.width = width,
+                                         .height = height,
+                                         .format = depth_format,
+                                         .usage = VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT,
+                                         .samples = samples});
     if (!depth)
         return depth.error();
     made.depth_ = std::move(*depth);
@@ -97,8 +95,8 @@ void Offscreen::begin(Commands& commands) {
                                .pColorAttachments = &colour,
                                .pDepthAttachment = &depth};
     vkCmdBeginRendering(commands.get(), &info);
-    const VkViewport viewport{
-        0, 0, static_cast<float>(width()), static_cast<float>(height()), 0, 1};
+    const VkViewport viewport{0, 0, static_cast<float>(width()), static_cast<float>(height()),
+                              0, 1};
     vkCmdSetViewport(commands.get(), 0, 1, &viewport);
     vkCmdSetScissor(commands.get(), 0, 1, &area);
 }

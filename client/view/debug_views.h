@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+// The views of the sea that --debug can show: one table row each. The numbers are those of
+// shaders/view/debug.frag.
+#pragma once
+
+#include <array>
+#include <string_view>
+
+#include "base/result.h"
+
+namespace seaway::client {
+
+enum class DebugView : int {
+    final,
+    height,
+    position,
+    normal,
+    slope,
+    jacobian,
+    roughness,
+    foam,
+    cascade,
+    grid
+};
+
+/// How a view's numbers become colours in a PNG; an EXR holds the numbers themselves.
+enum class ColourMap {
+    film,      ///< exposure and film curve
+    height,    ///< blue, white, red: -Hs/2 .. Hs/2
+    repeat,    ///< fraction of 10 m, each channel
+    signed_1,  ///< -1 .. 1 to 0 .. 1, each channel
+    unsigned_1 ///< as it is, 0 .. 1
+};
+
+struct DebugViewInfo {
+    DebugView view;
+    std::string_view name;
+    ColourMap colours;
+    std::string_view meaning; ///< channels and units of the numbers
+};
+
+inline constexpr std::array<DebugViewInfo, 10> debug_view_table{{
+    {DebugView::final, "final", ColourMap::film, "the picture; EXR: radiance, kcd/m2"},
+    {DebugView::height, "height", ColourMap::height, "height above the mean sea, m"},
+    {DebugView::position, "position", ColourMap::repeat,
+     "place of the surface: m east and north of the camera, m above the mean sea"},
+    {DebugView::normal, "normal", ColourMap::signed_1, "unit normal, filtered over the pixel"},
+    {DebugView::slope, "slope", ColourMap::signed_1, "slope of the surface, east and north"},
+    {DebugView::jacobian, "jacobian", ColourMap::unsigned_1,
+     "determinant of the summed gradients; below 0 the surface folds"},
+    {DebugView::roughness, "roughness", ColourMap::unsigned_1,
+     "rms slope of the waves that the pixel does not resolve"},
+    {DebugView::foam, "foam", ColourMap::unsigned_1, "share of the pixel that is white"},
+    {DebugView::cascade, "cascade", ColourMap::signed_1,
+     "slopes of one cascade alone: cascade:0 is the longest tile"},
+    {DebugView::grid, "grid", ColourMap::unsigned_1, "edges of the mesh"},
+}};
+
+inline constexpr const DebugViewInfo& info(DebugView view) {
+    return debug_view_table[static_cast<std::size_t>(view)];
+}
+
+struct DebugChoice {
+    DebugView view = DebugView::final;
+    int cascade = 0;
+};
+
+/// "normal", "cascade:2". The error lists the names.
+Result<DebugChoice> parse_debug_view(std::string_view text);
+
+} // namespace seaway::client

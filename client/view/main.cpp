@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+// seaway-view: pictures of the sea of a running server.
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+
+#include <fmt/format.h>
+
+#include "client/client.h"
+#include "client/failure.h"
+#include "client/view/renderer.h"
+#include "client/view/sea_source.h"
+#include "client/view/view_options.h"
+
+namespace {
+
+using namespace seaway;
+using namespace seaway::client;
+
+constexpr sea::TimeUs frame_rate_hz = 30;
+constexpr int stream_credit = 2;
+
+int fail(ViewExit code, const Error& error) {
+    fmt::print(stderr, "seaway-view: {}\n", error.message);
+    return static_cast<int>(code);
+}
+
+int fail(const Error& error) {
+    switch (failure_of(error)) {
+    case Failure::bad_argument:
+        return fail(ViewExit::usage, error);
+    case Failure::refused:
+    case Failure::not_held:
+        return fail(ViewExit::refused, error);
+    default:
+        return fail(ViewExit::lost, error);
+    }
+}
+
+Result<std::string> read_token(const std::string& path) {
+    std::string token;
+    std::ifstream file(path);
+    if (!path.empty() && (!std::getline(file, token) || token.empty()))
+        return failed(Failure::bad_argument, fmt::format("no token in '{}'", path));
+    return token;
+}
+
+Result<void> write(const Picture& picture, const Display& display, const std::string& path) {
+    const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+    std::error_code failure;
+    if (!folder.empty())
+        std::filesystem::create_directories(folder, failure);
+    if (failure)
+        return Error{fmt::format("cannot make folder {}: {}", folder.string(), failure.message())};
+    return path.ends_with(".exr") ? write_exr(picture, path) : write_png(picture, display, path);
+}
+
+int draw(Client& client, Renderer& renderer, const ViewOptions& options) {
+    const Sky sky(sun_direction(options.time_of_day_h));
+    const sea::TimeUs start_us =
+        options.time_s ? sea::us_from_seconds(*options.time_s) : client.now_us();
+    for (int i = 0; i < options.frames; ++i) {
+        const sea::TimeUs time_us = start_us + i * sea::TimeUs{1'000'000} / frame_rate_hz;
+        const Result<SeaFrame> frame = sea_frame_at(client, time_us, options.timeout_s);
+        if (!frame)
+            return fail(frame.error());
+        if (i == 0) // what later frames need is fetched: they are drawn slower than the sea moves
+            client.unsubscribe();
+        const Result<Picture> picture = renderer.render(*frame, options.camera, sky, options.debug);
+        if (!picture)
+            return fail(ViewExit::no_device, picture.error());
+        const Display display{options.debug.view, sky.exposure(),
+                              renderer.statistics().significant_height_m};
+        const std::string path = frame_path(options.out, i, options.frames);
+        if (Result<void> written = write(*picture, display, path); !written)
+            return fail(ViewExit::cannot_write, written.error());
+        fmt::print("{} t={:.3f}\n", path, sea::seconds_from_us(time_us));
+        std::fflush(stdout);
+    }
+    return static_cast<int>(ViewExit::done);
+}
+
+int run(const ViewOptions& options) {
+    const Result<std::unique_ptr<gpu::Device>> device =
+        gpu::Device::create({.pick = options.device});
+    if (!device)
+        return fail(ViewExit::no_device, device.error());
+    Result<Renderer> renderer =
+        Renderer::create(**device, options.camera.width, options.camera.height);
+    if (!renderer)
+        return fail(ViewExit::no_device, renderer.error());
+    const Result<std::string> token = read_token(options.token_file);
+    if (!token)
+        return fail(token.error());
+    const Result<std::unique_ptr<Client>> client =
+        Client::connect({.url = options.url,
+                         .name = "seaway-view/" SEAWAY_VERSION,
+                         .token = *token,
+                         .ca_file = options.ca_file,
+                         .timeout_s = options.timeout_s});
+    if (!client)
+        return fail(client.error());
+    const Result<Grant> grant =
+        (*client)->subscribe({.fields = sea::surface_fields}, stream_credit, options.timeout_s);
+    if (!grant)
+        return fail(grant.error());
+    return draw(**client, *renderer, options);
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    try {
+        const std::variant<ViewOptions, int> options = read_view_options(argc, argv);
+        if (const int* code = std::get_if<int>(&options))
+            return *code;
+        return run(std::get<ViewOptions>(options));
+    } catch (const std::exception& problem) {
+        fmt::print(stderr, "seaway-view: {}\n", problem.what());
+        return EXIT_FAILURE;
+    }
+}

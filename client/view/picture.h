@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+// Picture: linear values as rendered, and what becomes of them on disk: EXR keeps them, PNG shows
+// them - lit pictures through exposure and a film curve, debug views through their own colours.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+#include "client/view/debug_views.h"
+
+namespace seaway::client {
+
+struct Picture {
+    int width = 0;
+    int height = 0;
+    std::vector<float> rgba; ///< [y][x][4], row 0 on top; radiance in kcd/m2 or raw numbers
+
+    const float* pixel(int x, int y) const {
+        return &rgba[4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
+                          static_cast<std::size_t>(x))];
+    }
+};
+
+/// How numbers become colours.
+struct Display {
+    DebugView view = DebugView::final;
+    double exposure = 1;             ///< final: factor to a picture in which white is 1
+    double significant_height_m = 1; ///< scale of heights
+};
+
+/// [y][x][rgb], sRGB.
+std::vector<std::uint8_t> to_srgb(const Picture& picture, const Display& display);
+
+/// 8 bits sRGB. An error names the path.
+Result<void> write_png(const Picture& picture, const Display& display, const std::string& path);
+
+/// 32-bit floats, channels R, G, B as rendered: not exposed, not mapped.
+Result<void> write_exr(const Picture& picture, const std::string& path);
+
+} // namespace seaway::client

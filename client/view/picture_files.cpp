@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// The files that a Picture becomes.
+#include <cerrno>
+#include <cstring>
+#include <exception>
+
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfOutputFile.h>
+#include <png.h>
+
+#include "client/view/picture.h"
+
+namespace seaway::client {
+
+Result<void> write_png(const Picture& picture, const Display& display, const std::string& path) {
+    const std::vector<std::uint8_t> bytes = to_srgb(picture, display);
+    png_image image{};
+    image.version = PNG_IMAGE_VERSION;
+    image.width = static_cast<png_uint_32>(picture.width);
+    image.height = static_cast<png_uint_32>(picture.height);
+    image.format = PNG_FORMAT_RGB;
+    errno = 0;
+    if (png_image_write_to_file(&image, path.c_str(), 0, bytes.data(), 0, nullptr) == 0) {
+        const std::string why = errno != 0 ? std::strerror(errno) : image.message;
+        png_image_free(&image);
+        return Error{"cannot write " + path + ": " + why};
+    }
+    return {};
+}
+
+Result<void> write_exr(const Picture& picture, const std::string& path) {
+    try {
+        Imf::Header header(picture.width, picture.height);
+        Imf::FrameBuffer frame;
+        const char* const names[] = {"R", "G", "B"};
+        for (std::size_t c = 0; c < 3; ++c) {
+            header.channels().insert(names[c], Imf::Channel(Imf::FLOAT));
+            // OpenEXR only reads through this pointer.
+            char* base = const_cast<char*>(reinterpret_cast<const char*>(&picture.rgba[c]));
+            frame.insert(names[c],
+                         Imf::Slice(Imf::FLOAT, base, 4 * sizeof(float),
+                                    4 * sizeof(float) * static_cast<std::size_t>(picture.width)));
+        }
+        Imf::OutputFile file(path.c_str(), header);
+        file.setFrameBuffer(frame);
+        file.writePixels(picture.height);
+    } catch (const std::exception& failure) {
+        return Error{"cannot write " + path + ": " + failure.what()};
+    }
+    return {};
+}
+
+} // namespace seaway::client

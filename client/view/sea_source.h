@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+// From a connected client to what the renderer takes.
+#pragma once
+
+#include "base/result.h"
+#include "client/client.h"
+#include "client/view/sea_frame.h"
+
+namespace seaway::client {
+
+/// The sea at a time, from keyframes that the client holds or, where the stream does not cover it,
+/// fetches. Blocks for `timeout_s` at most. Not for use in an event of the client.
+Result<SeaFrame> sea_frame_at(Client& client, sea::TimeUs time_us, double timeout_s);
+
+} // namespace seaway::client

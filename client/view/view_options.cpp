@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/view/view_options.h"
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "client/url.h"
+
+namespace seaway::client {
+
+namespace {
+
+constexpr int side_max = 16384;
+constexpr int frames_max = 1'000'000;
+constexpr double place_max_m = 1e7;
+constexpr double height_max_m = 20e3;
+constexpr double time_max_s = 9e12;
+
+constexpr const char* footer =
+    "Yaw is a bearing (0 north, 90 east), pitch is positive upwards. The hour is solar time on "
+    "the\n"
+    "day of equinox at 45 degrees north: sunrise at 6 in the east, noon 45 degrees high. Frames\n"
+    "are 1/30 s of sea time apart. In --out, #### or %04d is the frame's number. PNG is sRGB, EXR\n"
+    "holds linear numbers.\n"
+    "Exit codes: 0 done, 1 cannot write, 2 usage, 3 no usable device, 5 cannot connect or lost,\n"
+    "6 refused by the server.";
+
+void require(bool fine, const std::string& what) {
+    if (!fine)
+        throw CLI::ValidationError(what);
+}
+
+bool parse_number(std::string_view text, double& value) {
+    const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
+    return failure == std::errc{} && end == text.data() + text.size() && std::isfinite(value);
+}
+
+void read_size(const std::string& text, Camera& camera) {
+    const std::size_t x = text.find('x');
+    double width = 0, height = 0;
+    require(x != std::string::npos && parse_number(text.substr(0, x), width) &&
+                parse_number(text.substr(x + 1), height) && width == std::floor(width) &&
+                height == std::floor(height) && width >= 16 && height >= 16 && width <= side_max &&
+                height <= side_max,
+            fmt::format("--offscreen {}: WIDTHxHEIGHT, each 16 .. {}", text, side_max));
+    camera.width = static_cast<int>(width);
+    camera.height = static_cast<int>(height);
+}
+
+void read_camera(const std::string& text, Camera& camera) {
+    std::array<double, 5> v{};
+    std::size_t count = 0, from = 0;
+    while (count < v.size() && from <= text.size()) {
+        const std::size_t comma = std::min(text.find(',', from), text.size());
+        if (!parse_number(std::string_view(text).substr(from, comma - from), v[count]))
+            break;
+        ++count;
+        from = comma + 1;
+    }
+    require(count == v.size() && from == text.size() + 1,
+            fmt::format("--camera {}: five numbers X,Y,Z,YAW_DEG,PITCH_DEG", text));
+    require(std::abs(v[0]) <= place_max_m && std::abs(v[1]) <= place_max_m,
+            fmt::format("--camera {}: X and Y are within {:g} m", text, place_max_m));
+    require(v[2] > 0 && v[2] <= height_max_m,
+            fmt::format("--camera {}: Z is above 0 and up to {:g} m", text, height_max_m));
+    require(std::abs(v[4]) <= 89, fmt::format("--camera {}: PITCH_DEG is -89 .. 89", text));
+    camera.x_m = v[0];
+    camera.y_m = v[1];
+    camera.z_m = v[2];
+    camera.yaw_deg = v[3];
+    camera.pitch_deg = v[4];
+}
+
+void read_time(const std::string& text, ViewOptions& options) {
+    double time_s = 0;
+    if (text == "now")
+        return;
+    require(parse_number(text, time_s) && std::abs(time_s) <= time_max_s,
+            fmt::format("--time {}: 'now', or sea time in seconds", text));
+    options.time_s = time_s;
+}
+
+void check(const ViewOptions& options, bool offscreen) {
+    const Result<Url> url = parse_url(options.url);
+    require(url.has_value(), url ? "" : url.error().message);
+    require(offscreen,
+            "this build draws to files only: give --offscreen WxH and --out PATTERN.png");
+    const std::string ending = std::filesystem::path(options.out).extension().string();
+    require(ending == ".png" || ending == ".exr",
+            fmt::format("--out '{}': a path that ends in .png or .exr", options.out));
+    require(options.frames >= 1 && options.frames <= frames_max,
+            fmt::format("--frames {}: 1 .. {}", options.frames, frames_max));
+    require(options.time_of_day_h >= 0 && options.time_of_day_h <= 24,
+            fmt::format("--time-of-day {}: 0 .. 24", options.time_of_day_h));
+}
+
+void list_debug() {
+    for (const DebugViewInfo& row : debug_view_table)
+        fmt::print("{:<10} {}\n", row.name, row.meaning);
+}
+
+} // namespace
+
+std::variant<ViewOptions, int> read_view_options(int argc, const char* const* argv) {
+    ViewOptions options;
+    options.camera.yaw_deg = 215;
+    options.camera.z_m = 12;
+    options.camera.pitch_deg = -6;
+    std::string size, camera, debug = "final", time = "now";
+    bool list = false;
+    CLI::App app("Draws the sea of a running server.", "seaway-view");
+    app.footer(footer);
+    app.set_version_flag("--version", SEAWAY_VERSION);
+    app.add_option("URL", options.url, "ws://HOST:PORT or wss://HOST:PORT");
+    app.add_option("--offscreen", size, "size of the picture, WIDTHxHEIGHT");
+    app.add_option("--frames", options.frames, "number of frames");
+    app.add_option("--out", options.out, "where frames go: a pattern ending in .png or .exr");
+    app.add_option("--camera", camera,
+                   "X,Y,Z,YAW_DEG,PITCH_DEG: m east, north, above the mean sea");
+    app.add_option("--time-of-day", options.time_of_day_h, "height of the sun: hour, 0 .. 24");
+    app.add_option("--time", time, "sea time of the first frame: 'now' or seconds");
+    app.add_option("--debug", debug, "what to show (--list-debug)");
+    app.add_flag("--list-debug", list, "print the views of --debug and exit");
+    app.add_option("--device", options.device, "Vulkan device: auto, an index, or part of a name");
+    app.add_option("--token-file", options.token_file, "file with the server's client token");
+    app.add_option("--ca-file", options.ca_file, "certificates to trust besides the system's, PEM");
+    app.add_option("--timeout", options.timeout_s, "seconds to wait for the server");
+    try {
+        app.parse(argc, argv);
+        if (list) {
+            list_debug();
+            return static_cast<int>(ViewExit::done);
+        }
+        if (options.url.empty())
+            throw CLI::RequiredError("URL");
+        if (!size.empty())
+            read_size(size, options.camera);
+        if (!camera.empty())
+            read_camera(camera, options.camera);
+        read_time(time, options);
+        const Result<DebugChoice> choice = parse_debug_view(debug);
+        require(choice.has_value(), choice ? "" : choice.error().message);
+        options.debug = *choice;
+        check(options, !size.empty());
+    } catch (const CLI::ParseError& problem) {
+        if (problem.get_exit_code() == 0)
+            return app.exit(problem);
+        fmt::print(stderr, "seaway-view: {}\n", problem.what());
+        return static_cast<int>(ViewExit::usage);
+    }
+    return options;
+}
+
+std::string frame_path(const std::string& pattern, int frame, int frames) {
+    if (const std::size_t hash = pattern.find('#'); hash != std::string::npos) {
+        const std::size_t end = std::min(pattern.find_first_not_of('#', hash), pattern.size());
+        return pattern.substr(0, hash) + fmt::format("{:0{}}", frame, end - hash) +
+               pattern.substr(end);
+    }
+    if (const std::size_t percent = pattern.find('%'); percent != std::string::npos) {
+        std::size_t end = percent + 1;
+        int digits = 0;
+        while (end < pattern.size() && pattern[end] >= '0' && pattern[end] <= '9' && digits < 100)
+            digits = 10 * digits + (pattern[end++] - '0');
+        if (end < pattern.size() && pattern[end] == 'd')
+            return pattern.substr(0, percent) + fmt::format("{:0{}}", frame, std::max(digits, 1)) +
+                   pattern.substr(end + 1);
+    }
+    if (frames == 1)
+        return pattern;
+    const std::size_t dot = pattern.rfind('.');
+    return pattern.substr(0, dot) + fmt::format("-{:04}", frame) + pattern.substr(dot);
+}
+
+} // namespace seaway::client

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// The command line of seaway-view.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <variant>
+
+#include "client/view/camera.h"
+#include "client/view/debug_views.h"
+
+namespace seaway::client {
+
+struct ViewOptions {
+    std::string url;
+    Camera camera; ///< with the size of the picture
+    int frames = 1;
+    std::string out; ///< pattern of paths, see frame_path()
+    double time_of_day_h = 15.5;
+    std::optional<double> time_s; ///< sea time of the first frame; nothing: now
+    DebugChoice debug;
+    std::string device = "auto";
+    double timeout_s = 20;
+    std::string token_file;
+    std::string ca_file;
+};
+
+/// Exit codes of seaway-view: the public contract.
+enum class ViewExit : int {
+    done = 0,
+    cannot_write = 1,
+    usage = 2,
+    no_device = 3,
+    lost = 5,    ///< cannot connect, connection lost, or no answer in time
+    refused = 6, ///< the server refused, or does not offer what a picture needs
+};
+
+/// Options, or the code to exit with at once (--help, --version, --list-debug, a usage error that
+/// has been printed).
+std::variant<ViewOptions, int> read_view_options(int argc, const char* const* argv);
+
+/// "out/####.png" or "out/%04d.png" with the frame's number; a pattern without such a field is the
+/// path itself for a single frame, and has "-0000" put before its ending for several.
+std::string frame_path(const std::string& pattern, int frame, int frames);
+
+} // namespace seaway::client

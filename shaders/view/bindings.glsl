@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+// Set 0 of every pipeline of the view.
+#include "shared/view.h"
+
+layout(std140, binding = 0) uniform View { ViewValues view; };
+/// Distance of the mesh's rows from its apex, m.
+layout(std430, binding = 1) readonly buffer Rows { float row_distance_m[]; };
+/// [cascade][y][x]: Dx, Dy, eta, -.
+layout(binding = 2) uniform sampler2DArray displacement_maps;
+/// [cascade][y][x]: slope x, slope y, strain xx, strain yy.
+layout(binding = 3) uniform sampler2DArray gradient_maps;
+/// [cascade][y][x]: strain xy, slope x squared, slope y squared, slope x slope y.
+layout(binding = 4) uniform sampler2DArray moment_maps;
+/// [elevation][azimuth from the sun]: radiance of the sky, kcd/m2.
+layout(binding = 5) uniform sampler2D sky_map;

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+// The summed gradients of the sea at an undisplaced point, filtered over the pixel, and what
+// follows from them: normal, Jacobian. Cascades are summed first (a determinant is not additive).
+
+struct Gradients {
+    vec2 slope;    ///< d eta / d(X, Y)
+    vec3 strain;   ///< d Dx/dX, d Dy/dY, d Dx/dY
+    vec3 variance; ///< of slope within the pixel: xx, yy, xy
+};
+
+/// The part of the sea that a pixel covers: a strip of probes along its longer side. The shader does
+/// this itself because the anisotropic filters of software devices take minutes at grazing angles.
+struct Footprint {
+    vec2 centre_m;
+    vec2 step_m;   ///< from probe to probe
+    int probes;
+    float width_m; ///< that one probe averages over
+};
+
+const int probes_max = 5;
+
+Footprint footprint(vec2 undisplaced_m) {
+    const vec2 right = dFdx(undisplaced_m);
+    const vec2 down = dFdy(undisplaced_m);
+    const bool across = dot(right, right) > dot(down, down);
+    const vec2 longer = across ? right : down;
+    const float length_m = max(length(longer), 1e-6);
+    const float width_m = max(length(across ? down : right), 1e-6);
+    const int probes = clamp(int(ceil(length_m / width_m)), 1, probes_max);
+    return Footprint(undisplaced_m, longer / float(probes), probes,
+                     max(length_m / float(probes), width_m));
+}
+
+/// Means over the pixel of gradient and moment maps.
+void filtered(Footprint area, vec2 origin, mat2 map_from_m, float texels_a_metre, float layer,
+              out vec4 gradient, out vec4 moment) {
+    const float level = log2(area.width_m * texels_a_metre);
+    gradient = vec4(0);
+    moment = vec4(0);
+    for (int i = 0; i < area.probes; ++i) {
+        const float along = float(i) - 0.5 * float(area.probes - 1);
+        const vec3 at = vec3(origin + map_from_m * (area.centre_m + along * area.step_m), layer);
+        gradient += textureLod(gradient_maps, at, level);
+        moment += textureLod(moment_maps, at, level);
+    }
+    gradient /= float(area.probes);
+    moment /= float(area.probes);
+}
+
+Gradients gradients_of_cascade(Footprint area, int cascade) {
+    const vec4 tile = view.cascade[cascade];
+    vec4 gradient, moment;
+    filtered(area, tile.xy, mat2(tile.z), 1.0 / tile.w, float(cascade), gradient, moment);
+    // The filtered square less the square of the filtered: what the pixel does not resolve.
+    const vec3 resolved = vec3(gradient.xy * gradient.xy, gradient.x * gradient.y);
+    vec3 variance = moment.yzw - resolved;
+    variance.xy = max(variance.xy, vec2(0));
+    return Gradients(gradient.xy, vec3(gradient.zw, moment.x), variance);
+}
+
+Gradients gradients_at(Footprint area) {
+    Gradients sum = Gradients(vec2(0), vec3(0), vec3(0));
+    for (int c = 0; c < int(view.detail_turn.w); ++c) {
+        const Gradients one = gradients_of_cascade(area, c);
+        sum.slope += one.slope;
+        sum.strain += one.strain;
+        sum.variance += one.variance;
+    }
+    return sum;
+}
+
+/// Waves shorter than the finest cascade, as a smaller copy of it: in the equilibrium range the
+/// variance of slope is the same in every octave, so a copy needs a scale and no new amplitude.
+void add_detail(inout Gradients sum, Footprint area) {
+    sum.variance.xy += vec2(view.detail.w);
+    if (view.detail_turn.z == 0.0)
+        return;
+    const vec2 turn = view.detail_turn.xy;
+    const mat2 rotation = mat2(turn.x, turn.y, -turn.y, turn.x);
+    vec4 gradient, moment;
+    filtered(area, view.detail.xy, rotation * view.detail.z,
+             view.detail.z * float(textureSize(gradient_maps, 0).x), view.detail_turn.w - 1.0,
+             gradient, moment);
+    sum.slope += transpose(rotation) * gradient.xy;
+    sum.variance.xy +=
+        vec2(0.5 * max(moment.y + moment.z - dot(gradient.xy, gradient.xy), 0.0));
+}
+
+/// Cross product of the two tangents: exact, and safe where the surface folds. Not unit length;
+/// its z is the Jacobian.
+vec3 scaled_normal(Gradients g) {
+    const vec2 lambda = view.sea.xy;
+    const vec3 tangent_x = vec3(1 + lambda.x * g.strain.x, lambda.y * g.strain.z, g.slope.x);
+    const vec3 tangent_y = vec3(lambda.x * g.strain.z, 1 + lambda.y * g.strain.y, g.slope.y);
+    return cross(tangent_x, tangent_y);
+}
+
+/// Share of the pixel where the Jacobian is below the threshold. It varies within the pixel with
+/// lambda^2 times the variance of slope: for linear waves both are sums of k^2 |h|^2.
+float breaking_share(float jacobian, vec3 variance) {
+    const float lambda = max(view.sea.x, view.sea.y);
+    const float sigma =
+        sqrt(lambda * lambda * (variance.x + variance.y) + view.foam.y * view.foam.y);
+    return 1.0 / (1.0 + exp(1.702 * (jacobian - view.foam.x) / sigma)); // logistic for erf
+}

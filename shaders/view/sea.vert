@@ -1,0 +1,67 @@
+#version 460
+// SPDX-License-Identifier: Apache-2.0
+// A fan of quads to beyond the horizon, moved by the sum of all cascades.
+#extension GL_GOOGLE_include_directive : require
+#include "view/bindings.glsl"
+
+layout(location = 0) centroid out vec2 undisplaced_m; // local
+layout(location = 1) centroid out vec3 position_m;    // local, with the earth's curvature
+layout(location = 2) centroid out float height_m;     // above the mean sea
+layout(location = 3) centroid out vec2 cell;          // row and column of the mesh
+
+vec4 cubic_weights(float t) { // Catmull-Rom
+    const float u = 1.0 - t;
+    return 0.5 * vec4(-t * u * u, 2.0 - 5.0 * t * t + 3.0 * t * t * t,
+                      2.0 - 5.0 * u * u + 3.0 * u * u * u, -u * t * t);
+}
+
+/// Through the nodes, and smooth: a vertex is where a query says it is.
+vec3 bicubic(vec2 uv, int cascade) {
+    const ivec2 size = textureSize(displacement_maps, 0).xy;
+    const vec2 texel = uv * vec2(size) - 0.5;
+    const ivec2 first = ivec2(floor(texel));
+    const vec2 t = texel - vec2(first);
+    const vec4 wx = cubic_weights(t.x);
+    const vec4 wy = cubic_weights(t.y);
+    vec3 sum = vec3(0);
+    for (int j = 0; j < 4; ++j)
+        for (int i = 0; i < 4; ++i) {
+            const ivec2 at = (first + ivec2(i - 1, j - 1)) & (size - 1); // size: a power of two
+            sum += wx[i] * wy[j] * texelFetch(displacement_maps, ivec3(at, cascade), 0).xyz;
+        }
+    return sum;
+}
+
+vec3 displacement(vec2 at_m, float spacing_m) {
+    vec3 sum = vec3(0);
+    for (int c = 0; c < int(view.detail_turn.w); ++c) {
+        const vec4 tile = view.cascade[c];
+        const vec2 uv = tile.xy + at_m * tile.z;
+        // What the mesh cannot carry is averaged away here and is roughness in the pixel.
+        const float level = log2(spacing_m / tile.w);
+        if (level <= 0.0)
+            sum += bicubic(uv, c);
+        else
+            sum += textureLod(displacement_maps, vec3(uv, float(c)), level).xyz;
+    }
+    return sum;
+}
+
+void main() {
+    const int columns = int(view.counts.x);
+    const int row = gl_VertexIndex / columns;
+    const int column = gl_VertexIndex % columns;
+    const float r = row_distance_m[row];
+    const float azimuth = view.mesh.z + float(column) * view.mesh.w;
+    undisplaced_m = view.mesh.xy + r * vec2(cos(azimuth), sin(azimuth));
+
+    const int last = int(view.counts.y) - 1;
+    const float spacing = max(row_distance_m[min(row + 1, last)] - row_distance_m[max(row - 1, 0)],
+                              2.0 * r * view.mesh.w) / 2.0;
+    const vec3 d = displacement(undisplaced_m, spacing);
+    const vec2 moved = undisplaced_m + view.sea.xy * d.xy;
+    height_m = d.z;
+    position_m = vec3(moved, d.z - dot(moved, moved) * view.sea.z);
+    cell = vec2(float(row), float(column));
+    gl_Position = view.clip_from_local * vec4(position_m, 1);
+}

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+// Looks up the sky that the CPU has computed (client/view/sky.h): square root of elevation by
+// azimuth from the sun.
+const float pi = 3.14159265;
+
+/// Unit direction; below the horizon is as the horizon. blur: 0 sharp .. 1 the whole sky.
+vec3 sky_radiance(vec3 direction, float blur) {
+    const float elevation = asin(clamp(direction.z, 0.0, 1.0));
+    const vec2 sun = normalize(view.sun_direction.xy + vec2(1e-6, 0));
+    const float along = dot(direction.xy, sun) / max(length(direction.xy), 1e-6);
+    const float azimuth = acos(clamp(along, -1.0, 1.0));
+    const vec2 at = vec2(azimuth / pi, sqrt(elevation / (0.5 * pi)));
+    // Texel centres of the first and last row and column lie on the ends of the range.
+    const vec2 size = vec2(textureSize(sky_map, 0));
+    const vec2 uv = (at * (size - 1.0) + 0.5) / size;
+    return textureLod(sky_map, uv, blur * 5.0).rgb;
+}

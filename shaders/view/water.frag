@@ -1,0 +1,135 @@
+#version 460
+// SPDX-License-Identifier: Apache-2.0
+// The sea as it is seen: sky and sun by facets, light from the water body, foam, air.
+//
+// Facets: slopes within a pixel are Gaussian with the mean and covariance of the filtered maps.
+// Mean Fresnel and sun term after Bruneton, Neyret, Holzschuch 2010; the mean reflected sky is a
+// three-point quadrature over the slopes that face the eye.
+#extension GL_GOOGLE_include_directive : require
+#include "view/bindings.glsl"
+#include "view/gradients.glsl"
+#include "view/sky.glsl"
+#include "view/foam.glsl"
+
+layout(location = 0) centroid in vec2 undisplaced_m;
+layout(location = 1) centroid in vec3 position_m;
+layout(location = 2) centroid in float height_m;
+layout(location = 3) centroid in vec2 cell;
+layout(location = 0) out vec4 radiance;
+
+const float reflectance_at_normal = 0.02; // water, n = 1.33
+
+float schlick(float cosine) {
+    return reflectance_at_normal +
+           (1.0 - reflectance_at_normal) * pow(1.0 - clamp(cosine, 0.0, 1.0), 5.0);
+}
+
+float mean_fresnel(float cosine, float sigma) {
+    return reflectance_at_normal + (1.0 - reflectance_at_normal) *
+                                       pow(1.0 - cosine, 5.0 * exp(-2.69 * sigma)) /
+                                       (1.0 + 22.7 * pow(sigma, 1.5));
+}
+
+/// Facets that the eye sees tilt towards it: the sky is looked up where they mirror it.
+vec3 reflected_sky(vec3 to_eye, vec2 slope, vec3 variance) {
+    const vec2 away = normalize(to_eye.xy + vec2(1e-6, 0));
+    const float sigma = sqrt(max(dot(away * away, variance.xy) +
+                                     2.0 * away.x * away.y * variance.z, 1e-6));
+    const float across = sqrt(max(variance.x + variance.y - sigma * sigma, 0.0));
+    const float nodes[3] = float[](-1.7320508, 0.0, 1.7320508);
+    const float weights[3] = float[](1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0);
+    vec3 sum = vec3(0);
+    float total = 1e-6;
+    for (int i = 0; i < 3; ++i) {
+        const vec3 facet = vec3(-slope + away * sigma * nodes[i], 1.0); // leans towards the eye
+        const float facing = dot(facet, to_eye);
+        if (facing <= 0.0)
+            continue;
+        const vec3 normal = normalize(facet);
+        vec3 mirrored = reflect(-to_eye, normal);
+        mirrored.z = abs(mirrored.z); // a ray that goes down meets another wave and goes up
+        const float weight = weights[i] * facing * schlick(dot(normal, to_eye));
+        sum += weight * sky_radiance(mirrored, min(across + 0.5 * sigma, 1.0));
+        total += weight;
+    }
+    return sum / total;
+}
+
+float smith_lambda(vec3 direction, vec2 slope, vec3 variance) {
+    const vec2 along = normalize(direction.xy + vec2(1e-6, 0));
+    const float sigma2 = max(dot(along * along, variance.xy) +
+                                 2.0 * along.x * along.y * variance.z, 1e-6);
+    const float cotangent = direction.z / max(length(direction.xy), 1e-4);
+    const float a = max(cotangent / sqrt(2.0 * sigma2), 0.02);
+    return a > 1.6 ? 0.0 : (1.0 - 1.259 * a + 0.396 * a * a) / (3.535 * a + 2.181 * a * a);
+}
+
+vec3 sun_glint(vec3 to_eye, vec3 normal, vec2 slope, vec3 variance) {
+    const vec3 to_sun = view.sun_direction.xyz;
+    if (to_sun.z <= 0.0)
+        return vec3(0);
+    const vec3 half_way = normalize(to_eye + to_sun);
+    if (half_way.z <= 0.01)
+        return vec3(0);
+    const vec2 offset = -half_way.xy / half_way.z - slope;
+    const float determinant =
+        max(variance.x * variance.y - variance.z * variance.z, 1e-10);
+    const float exponent = (variance.y * offset.x * offset.x + variance.x * offset.y * offset.y -
+                            2.0 * variance.z * offset.x * offset.y) / determinant;
+    const float density = exp(-0.5 * exponent) / (2.0 * pi * sqrt(determinant));
+    const float shadowing =
+        1.0 + smith_lambda(to_eye, slope, variance) + smith_lambda(to_sun, slope, variance);
+    const float cosine = max(dot(to_eye, normal), 0.02);
+    return view.sun_irradiance.rgb * schlick(dot(to_eye, half_way)) * density /
+           (4.0 * cosine * pow(half_way.z, 4.0) * shadowing);
+}
+
+/// Light that entered the water and comes out again; more where the sun shines through a crest.
+vec3 water_body(vec3 to_eye, vec3 normal) {
+    const vec3 to_sun = view.sun_direction.xyz;
+    const vec3 down = view.sky_irradiance.rgb + view.sun_irradiance.rgb * max(to_sun.z, 0.0);
+    const vec3 deep = view.water.rgb * down / pi;
+    const float crest = smoothstep(0.0, 0.9, height_m / max(view.water.w, 0.1));
+    const vec2 eye_level = normalize(to_eye.xy + vec2(1e-6, 0));
+    const vec2 sun_level = normalize(to_sun.xy + vec2(1e-6, 0));
+    const float through = pow(0.5 - 0.5 * dot(eye_level, sun_level), 3.0);
+    const float facing = clamp(1.0 - normal.z + 0.15, 0.0, 1.0);
+    const vec3 tint = vec3(0.012, 0.055, 0.048) * (view.sun_irradiance.rgb * through +
+                                                   0.4 * view.sky_irradiance.rgb);
+    return deep + tint * crest * facing;
+}
+
+void main() {
+    const Footprint area = footprint(undisplaced_m);
+    Gradients g = gradients_at(area);
+    const float jacobian = scaled_normal(g).z;
+    const float breaking = breaking_share(jacobian, g.variance);
+    add_detail(g, area);
+
+    const vec3 to_camera = view.camera.xyz - position_m;
+    const float distance_m = length(to_camera);
+    const vec3 to_eye = to_camera / distance_m;
+    const vec3 scaled = scaled_normal(g);
+    vec3 normal = normalize(vec3(scaled.xy, max(scaled.z, 0.1)));
+    const float facing = dot(normal, to_eye);
+    if (facing < 0.02)
+        normal = normalize(normal + (0.02 - facing) * to_eye);
+    const vec2 slope = -normal.xy / max(normal.z, 0.1);
+
+    const vec2 look = normalize(to_eye.xy + vec2(1e-6, 0));
+    const float sigma = sqrt(max(dot(look * look, g.variance.xy) +
+                                     2.0 * look.x * look.y * g.variance.z, 0.0));
+    const float fresnel = mean_fresnel(clamp(dot(normal, to_eye), 0.0, 1.0), sigma);
+
+    vec3 colour = mix(water_body(to_eye, normal),
+                      reflected_sky(to_eye, slope, g.variance), fresnel);
+    colour += sun_glint(to_eye, normal, slope, g.variance);
+    const float cover = foam_cover(breaking, undisplaced_m, distance_m);
+    const vec3 lit = (view.sky_irradiance.rgb + view.sun_irradiance.rgb *
+                          max(dot(normal, view.sun_direction.xyz), 0.0)) / pi;
+    colour = mix(colour, 0.6 * lit, cover); // wet foam: Whitlock 1982 gives 0.5 to 0.6
+
+    const float clear = exp(-distance_m * view.sea.w);
+    colour = mix(sky_radiance(vec3(-to_eye.xy, 0.0), 0.0), colour, clear);
+    radiance = vec4(colour, 1);
+}
