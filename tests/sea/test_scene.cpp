@@ -89,6 +89,13 @@ TEST(Scene, A21_numbers_that_are_none_are_refused_by_name) {
     EXPECT_TRUE(parse_scene("[sea]\nchoppiness = -0.0", "s", ""));
 }
 
+// The TOML library aborts on these unless its assertions are off.
+TEST(Scene, malformed_texts_are_errors_not_aborts) {
+    for (const char* text : {"[$", "[[$]]", "[sea]\n[[\x01]]", "a.=1", "=", "[sea]\nseed = 0x", "[",
+                             "[[", "\"", "\xff\xfe", "[sea]\nx = {", "[sea]\nseed = 1_"})
+        EXPECT_NE(error_of(text), "no error") << text;
+}
+
 TEST(Scene, choppiness_is_a_number_or_a_pair) {
     EXPECT_EQ(parse_scene("[sea]\nchoppiness = 0.5", "s", "")->sea.choppiness.y, 0.5);
     const auto scene = parse_scene("[sea]\nchoppiness = [0.5, 2]", "s", "");
