@@ -68,11 +68,12 @@ int serve(const Options& options) {
         Simulation::start(*sea, device_factory(options), clock, events(world));
     if (!simulation)
         return fail(exit_no_device, simulation.error());
-    spdlog::info("device={}", (*simulation)->device());
     world.attach(**simulation);
     Result<std::unique_ptr<NetServer>> net = NetServer::start(net_options(options), world);
     if (!net)
         return fail(exit_cannot_listen, net.error());
+    spdlog::info("device=\"{}\" scene={} url={}", (*simulation)->device(), scene->source,
+                 (*net)->url());
     world.publish_to([&net](KeyframeTiles tiles) { (*net)->publish(std::move(tiles)); });
 
     fmt::print("ready {}\n", (*net)->url());
