@@ -3,8 +3,8 @@
 // shaders/generate.py; what they read and write is in shaders/shared/synthesis.h.
 //
 // A transform of size N turns the modes of a batch of jobs into maps[job][slot][2][y][x] of floats:
-// a slot is one complex transform of two real fields, a + i b. Its passes run one after the other, a barrier
-// between them; each is dispatched as (groups, 1, z):
+// a slot is one complex transform of two real fields, a + i b. Its passes run one after the other,
+// a barrier between them; each is dispatched as (groups, 1, z):
 //   pass 0:  z = jobs.         bindings modes, rates, jobs, rows -> Target
 //   others:  z = jobs * slots. bindings source -> Target
 // modes: RGBA32F [cascade][Y][X] (h0(k), conj h0(-k)), rates: RG32UI likewise (low, high word of

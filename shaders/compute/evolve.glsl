@@ -8,8 +8,8 @@ vec2 unit_phasor(uint turns) {
     float x = float(int(turns - (quarter << 30))) * 1.46291807926715968e-9; // 2 pi / 2^32
     float x2 = x * x;
     float s = x + x * x2 * (-1.6666654611e-1 + x2 * (8.3321608736e-3 - x2 * 1.9515295891e-4));
-    float c = 1.0 - 0.5 * x2 +
-              x2 * x2 * (4.166664568298827e-2 + x2 * (-1.388731625493765e-3 + x2 * 2.443315711809948e-5));
+    float rest = 4.166664568298827e-2 + x2 * (-1.388731625493765e-3 + x2 * 2.443315711809948e-5);
+    float c = 1.0 - 0.5 * x2 + x2 * x2 * rest;
     bool swapped = (quarter & 1u) != 0u;
     float re = swapped ? s : c;
     float im = swapped ? c : s;
@@ -26,9 +26,11 @@ uint phase_turns(uvec2 rate, uvec2 time) {
 /// pair = (h0(k), conj h0(-k)); xy: h(k,t), zw: dh/dt.
 vec4 evolve(vec4 pair, uvec2 rate, uvec2 time) {
     vec2 e = unit_phasor(phase_turns(rate, time));
-    float omega = (float(rate.y) * 4294967296.0 + float(rate.x)) * 3.40612158008655459e-13; // 2e6 pi / 2^64
-    vec2 along = vec2(pair.x * e.x + pair.y * e.y, pair.y * e.x - pair.x * e.y);   // h0(k) e^-i
-    vec2 against = vec2(pair.z * e.x - pair.w * e.y, pair.w * e.x + pair.z * e.y); // conj h0(-k) e^+i
+    const float radps = 3.40612158008655459e-13; // 2e6 pi / 2^64
+    float omega = (float(rate.y) * 4294967296.0 + float(rate.x)) * radps;
+    // h0(k) exp(-i w t) and conj h0(-k) exp(+i w t)
+    vec2 along = vec2(pair.x * e.x + pair.y * e.y, pair.y * e.x - pair.x * e.y);
+    vec2 against = vec2(pair.z * e.x - pair.w * e.y, pair.w * e.x + pair.z * e.y);
     vec2 d = omega * (against - along);
     return vec4(along + against, -d.y, d.x);
 }
