@@ -39,16 +39,22 @@ class SplineMap {
     /// Undisplaced coordinates, any finite value; reduced modulo the tile in double precision.
     SplineSample sample(double x_m, double y_m) const;
 
-  private:
+    // For who samples whole grids: coefficients()[y + 1][x + 1][channel], channels as in
+    // SplineSample, -1 <= x, y < size + 2; the border repeats the other side of the tile.
     static constexpr int channels = 8;
+    static constexpr int border = 3; ///< one before, two after
+    int size() const { return size_; }
+    double length_m() const { return length_m_; }
+    const std::vector<float>& coefficients() const { return coefficients_; }
 
+  private:
     float* texel(int x, int y); ///< -1 .. size+1: a border repeats the other side
 
     int size_;
     double length_m_;
     TimeUs time_us_;
     std::uint32_t epoch_;
-    std::vector<float> coefficients_; ///< [y + 1][x + 1][channel]
+    std::vector<float> coefficients_;
 };
 
 using SplineMapPtr = std::shared_ptr<const SplineMap>;

@@ -48,7 +48,10 @@ class Surface {
 
     void answer(std::span<const QueryPoint> points, std::span<Answer> answers) const;
 
+    const std::vector<SplinePair>& pairs() const { return pairs_; }
     const Choppiness& choppiness() const { return choppiness_; }
+    double displacement_reach_m() const { return displacement_reach_m_; }
+    const MapError& map_error() const { return error_; }
 
   private:
     bool covers(TimeUs time_us) const;

@@ -1,0 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/simulation/map_kernel_impl.h"
+
+namespace seaway::server {
+
+const MapKernel& map_kernel_portable() {
+    return kernel_of<4>();
+}
+
+} // namespace seaway::server
