@@ -128,6 +128,7 @@ struct SeaStateValues {
     double rms_slope = 0;
     std::string scene = {}; ///< effective scene, TOML
     std::vector<std::string> warnings = {};
+    double foam_mean = 0; ///< mean coverage; what foam maps are ratios to
 };
 Bytes sea_state(const SeaStateValues& state);
 /// The inverse; `state` must have passed check().

@@ -35,7 +35,8 @@ Bytes sea_state(const SeaStateValues& state) {
     const auto body = wire::CreateSeaState(
         built, state.epoch, state.start_time_us, cascade_list, state.choppiness_x,
         state.choppiness_y, state.height_error_m, &requested, &realised,
-        state.interpolation_error_m, state.rms_slope, scene, warnings);
+        state.interpolation_error_m, state.rms_slope, scene, warnings,
+        state.foam_mean);
     built.Finish(wire::CreateMessage(built, wire::Body::SeaState, body.Union()),
                  wire::MessageIdentifier());
     return {built.GetBufferPointer(), built.GetBufferPointer() + built.GetSize()};
@@ -53,7 +54,8 @@ SeaStateValues values(const wire::SeaState& state) {
                        .interpolation_error_m = state.interpolation_error_m(),
                        .rms_slope = state.rms_slope(),
                        .scene = state.scene() ? state.scene()->str() : std::string(),
-                       .warnings = {}};
+                       .warnings = {},
+                       .foam_mean = state.foam_mean()};
     if (const auto* cascades = state.cascades())
         for (const wire::CascadeInfo* c : *cascades)
             out.cascades.push_back({.length_m = c->length_m(),

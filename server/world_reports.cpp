@@ -108,6 +108,7 @@ protocol::SeaStateValues sea_state_values(const RunningSea& sea,
     state.realised = numbers(sea.summary.realised);
     state.interpolation_error_m = sea.budget.interpolation_m;
     state.rms_slope = sea.budget.rms_slope;
+    state.foam_mean = sea.foam_law ? sea.foam_law->mean_coverage : 0.0;
     state.scene = sea::to_toml(sea.scene);
     state.warnings = warnings;
     return state;
@@ -138,6 +139,7 @@ std::string state_json(const RunningSea& sea, const std::vector<std::string>& wa
                             {"realised", to_json(state.realised)},
                             {"cascades", cascades},
                             {"offered_fields", names(sea.offered)},
+                            {"foam_mean", state.foam_mean},
                             {"height_error_m", sea.budget.height_error_m},
                             {"error_budget",
                              {{"time", shares.time},

@@ -17,6 +17,7 @@ constexpr EffectInfo effects[] = {
       Field::displacement_y_rate}},
     {"slopes", {Field::slope_x, Field::slope_y}},
     {"gradient", {Field::strain_xx, Field::strain_yy, Field::strain_xy, Field::jacobian}},
+    {"foam", {Field::foam}},
 };
 
 } // namespace
@@ -29,6 +30,8 @@ FieldSet offered_fields(const sea::Effects& allowed) {
     FieldSet offered = effects[0].fields;
     if (allowed.choppy)
         offered |= effects[1].fields | effects[3].fields;
+    if (allowed.choppy && allowed.foam)
+        offered |= effects[4].fields;
     if (allowed.slopes)
         offered |= effects[2].fields;
     return offered;
@@ -40,7 +43,7 @@ bool EffectPlan::idle() const {
 }
 
 int transforms_for(FieldSet fields) {
-    if (fields.contains(Field::jacobian))
+    if (fields.contains(Field::jacobian) || fields.contains(Field::foam))
         fields |= FieldSet{Field::strain_xx, Field::strain_yy, Field::strain_xy};
     int linear = 0;
     for (const Field field : fields)

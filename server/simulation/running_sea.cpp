@@ -11,10 +11,11 @@ Result<RunningSeaPtr> make_running_sea(const sea::Scene& scene, std::uint32_t ep
     if (!realized)
         return realized.error();
     auto realization = std::make_shared<const sea::Realization>(std::move(realized).value());
+    const sea::FieldSet offered = offered_fields(scene.effects);
     return std::make_shared<const RunningSea>(RunningSea{
         epoch, scene, realization, sea::plan_budget(*realization, scene.accuracy.height_error_m),
-        offered_fields(scene.effects), sea::summarize(scene.sea, *realization),
-        sea::DirectSum(realization)});
+        offered, sea::summarize(scene.sea, *realization), sea::DirectSum(realization),
+        offered.contains(sea::Field::foam) ? make_foam_law(*realization, scene.foam) : nullptr});
 }
 
 } // namespace seaway::server

@@ -12,6 +12,7 @@
 #include "sea/reference.h"
 #include "sea/scene.h"
 #include "sea/surface/error_budget.h"
+#include "server/simulation/foam_law.h"
 
 namespace seaway::server {
 
@@ -23,6 +24,7 @@ struct RunningSea {
     sea::FieldSet offered;
     sea::SeaSummary summary;
     sea::DirectSum truth;
+    FoamLawPtr foam_law; ///< null where the scene allows no foam
 
     /// What a sampler needs of a keyframe of this sea.
     sea::FieldSet sampler_fields() const {

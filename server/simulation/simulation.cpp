@@ -46,7 +46,7 @@ Simulation::Simulation(RunningSeaPtr sea, SynthesizerFactory factory, std::funct
                        SimulationEvents events)
     : sea_(std::move(sea)), factory_(std::move(factory)), now_(std::move(now)),
       events_(std::move(events)), next_keyframe_us_(sea_->budget.cascades.size()),
-      streaming_(sea_->budget.cascades.size()),
+      streaming_(sea_->budget.cascades.size()), streamed_foam_(*sea_), asked_foam_(*sea_),
       plan_(plan_effects(sea_->offered, {}, sea_->budget)), costs_(cascade_sizes(*sea_)) {}
 
 Simulation::~Simulation() {
@@ -150,7 +150,7 @@ bool Simulation::publish_due() {
     }
     if (due.empty())
         return false;
-    const std::vector<sea::KeyframePtr> made = keyframes(due);
+    const std::vector<sea::KeyframePtr> made = keyframes(due, streamed_foam_);
     for (const sea::KeyframePtr& keyframe : made)
         if (events_.on_keyframe)
             events_.on_keyframe(keyframe);
@@ -239,7 +239,8 @@ void Simulation::count_synthesis(std::span<const KeyframeRequest> requests) {
                 total.keyframes - before.keyframes, total.device_seconds - before.device_seconds});
 }
 
-std::vector<sea::KeyframePtr> Simulation::keyframes(std::span<const Wanted> wanted) {
+std::vector<sea::KeyframePtr> Simulation::keyframes(std::span<const Wanted> wanted,
+                                                    FoamMaps& foam) {
     std::vector<sea::KeyframePtr> found(wanted.size());
     std::vector<KeyframeRequest> missing;
     std::vector<std::size_t> place;
@@ -253,7 +254,7 @@ std::vector<sea::KeyframePtr> Simulation::keyframes(std::span<const Wanted> want
     }
     if (missing.empty())
         return found;
-    Result<std::vector<sea::KeyframePtr>> made = synthesize(missing);
+    Result<std::vector<sea::KeyframePtr>> made = compute(missing, foam);
     if (!made) {
         failed_ = true;
         if (events_.on_failure)
@@ -265,6 +266,32 @@ std::vector<sea::KeyframePtr> Simulation::keyframes(std::span<const Wanted> want
         found[place[i]] = std::move((*made)[i]);
     }
     return found;
+}
+
+Result<std::vector<sea::KeyframePtr>> Simulation::compute(std::span<const KeyframeRequest> requests,
+                                                          FoamMaps& foam) {
+    std::vector<KeyframeRequest> synthesized(requests.begin(), requests.end());
+    for (KeyframeRequest& request : synthesized)
+        request.fields = foam_replaced(request.fields);
+    Result<std::vector<sea::KeyframePtr>> made = synthesize(synthesized);
+    for (std::size_t i = 0; made && i < requests.size(); ++i) {
+        if (!requests[i].fields.contains(sea::Field::foam))
+            continue;
+        const TimeUs interval_us =
+            sea_->budget.cascades[static_cast<std::size_t>(requests[i].cascade)].interval_us;
+        Result<sea::KeyframePtr> foamy =
+            foam.add((*made)[i], interval_us, [&](TimeUs t_us) -> Result<sea::KeyframePtr> {
+                const KeyframeRequest past{requests[i].cascade, t_us, foam_inputs};
+                Result<std::vector<sea::KeyframePtr>> one = synthesize({&past, 1});
+                if (!one)
+                    return one.error();
+                return one->front();
+            });
+        if (!foamy)
+            return foamy.error();
+        (*made)[i] = *foamy;
+    }
+    return made;
 }
 
 std::vector<Simulation::Wanted> Simulation::around(TimeUs time_us, const Demand& demand) const {
@@ -286,7 +313,7 @@ void Simulation::fetch(std::vector<TimeUs> times_us, Demand demand, Fetched done
         for (const TimeUs time_us : times_us)
             for (const Wanted& one : around(time_us, demand))
                 wanted.push_back(one);
-        done(keyframes(wanted));
+        done(keyframes(wanted, asked_foam_));
         return true;
     });
 }
@@ -305,7 +332,7 @@ void Simulation::fetch_current(Demand demand, Fetched done) {
             for (TimeUs t = interval_start(now_us, interval_us); t < end_us; t += interval_us)
                 wanted.push_back({static_cast<int>(c), t, demand.fields});
         }
-        done(keyframes(wanted));
+        done(keyframes(wanted, asked_foam_));
         return true;
     });
 }
@@ -366,7 +393,7 @@ bool Simulation::answer_slice(Batch& batch) {
     if (batch.complete())
         return true;
     const std::vector<Wanted> wanted = around(batch.next().time_us, {~0u, sea_->sampler_fields()});
-    const std::vector<sea::KeyframePtr> held = keyframes(wanted);
+    const std::vector<sea::KeyframePtr> held = keyframes(wanted, asked_foam_);
     if (held.size() != wanted.size()) { // the device is gone for good
         batch.answers.clear();
         return true;

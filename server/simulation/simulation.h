@@ -28,6 +28,7 @@
 #include "sea/surface/surface.h"
 #include "server/simulation/effect_costs.h"
 #include "server/simulation/effect_plan.h"
+#include "server/simulation/foam_maps.h"
 #include "server/simulation/keyframe_store.h"
 #include "server/simulation/running_sea.h"
 #include "server/simulation/synthesizer.h"
@@ -112,8 +113,10 @@ class Simulation {
         sea::TimeUs time_us;
         sea::FieldSet fields;
     };
-    /// From the store, or computed; null when the device has failed for good.
-    std::vector<sea::KeyframePtr> keyframes(std::span<const Wanted> wanted);
+    /// From the store, or computed; empty when the device has failed for good.
+    std::vector<sea::KeyframePtr> keyframes(std::span<const Wanted> wanted, FoamMaps& foam);
+    Result<std::vector<sea::KeyframePtr>> compute(std::span<const KeyframeRequest> requests,
+                                                  FoamMaps& foam);
     Result<std::vector<sea::KeyframePtr>> synthesize(std::span<const KeyframeRequest> requests);
     Result<void> rebuild_device();
     std::vector<Wanted> around(sea::TimeUs time_us, const Demand& demand) const;
@@ -131,6 +134,8 @@ class Simulation {
     std::unique_ptr<Synthesizer> synthesizer_;
     std::vector<sea::TimeUs> next_keyframe_us_; ///< a cascade; the next to publish
     std::vector<bool> streaming_;
+    FoamMaps streamed_foam_; ///< walks with the stream
+    FoamMaps asked_foam_;    ///< jumps to where someone asks
 
     KeyframeStore store_;
     std::atomic<bool> failed_ = false;
