@@ -30,9 +30,9 @@ namespace seaway::client {
 
 /// On the connection's thread; must not block. Any may be left empty.
 struct ClientEvents {
-    std::function<void(const SeaStatePtr&)> on_sea_state;
-    std::function<void(const HeldKeyframePtr&)> on_keyframe;
-    std::function<void(const Error& reason)> on_closed;
+    std::function<void(const SeaStatePtr&)> on_sea_state{};
+    std::function<void(const HeldKeyframePtr&)> on_keyframe{};
+    std::function<void(const Error& reason)> on_closed{};
 };
 
 struct Asking {

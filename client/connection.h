@@ -29,10 +29,10 @@ using SeaState = protocol::SeaStateValues;
 using SeaStatePtr = std::shared_ptr<const SeaState>;
 
 struct ConnectOptions {
-    std::string url;                                    ///< ws://HOST:PORT or wss://HOST:PORT
+    std::string url{};                                  ///< ws://HOST:PORT or wss://HOST:PORT
     std::string name = "seaway-client/" SEAWAY_VERSION; ///< for the server's log
-    std::string token;                                  ///< if the server asks for one
-    std::string ca_file;                                ///< PEM, besides the system's certificates
+    std::string token{};                                ///< if the server asks for one
+    std::string ca_file{};                              ///< PEM, besides the system's certificates
     double timeout_s = 5; ///< for connecting until the first sea state
 };
 
@@ -47,13 +47,13 @@ struct Welcome {
 
 /// Any may be left empty.
 struct ConnectionEvents {
-    std::function<void(const SeaStatePtr&)> on_sea_state;
-    std::function<void(const HeldKeyframePtr&)> on_keyframe;
+    std::function<void(const SeaStatePtr&)> on_sea_state{};
+    std::function<void(const HeldKeyframePtr&)> on_keyframe{};
     /// One look at the server's clock: local times as local_now_us().
     std::function<void(std::int64_t sent_us, std::int64_t received_us, sea::TimeUs sea_time_us)>
-        on_clock;
+        on_clock{};
     /// Once, and last; not after a failed open(). One line.
-    std::function<void(const Error& reason)> on_closed;
+    std::function<void(const Error& reason)> on_closed{};
 };
 
 /// The local clock of this room: monotonic, microseconds.

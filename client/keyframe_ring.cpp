@@ -78,19 +78,21 @@ std::optional<KeyframePair> KeyframeRing::around(int cascade, std::uint32_t epoc
         if (keyframe.time_us <= time_us &&
             (!pair.before || keyframe.time_us > pair.before->keyframe().time_us))
             pair.before = held;
-        if (keyframe.time_us >= time_us &&
+        if (keyframe.time_us > time_us &&
             (!pair.after || keyframe.time_us < pair.after->keyframe().time_us))
             pair.after = held;
     }
     if (!pair.before && !pair.after)
         return std::nullopt;
-    if (!pair.before || !pair.after) {
-        if (!pair.before)
-            pair.before = pair.after;
-        pair.after = pair.before;
+    pair.covers = pair.before && pair.after &&
+                  pair.after->keyframe().time_us - pair.before->keyframe().time_us <= interval_us;
+    if (pair.covers)
         return pair;
-    }
-    pair.covers = pair.after->keyframe().time_us - pair.before->keyframe().time_us <= interval_us;
+    if (!pair.before)
+        pair.before = pair.after;
+    else if (!pair.after || pair.before->keyframe().time_us == time_us)
+        pair.after = pair.before;
+    pair.covers = pair.after == pair.before && pair.before->keyframe().time_us == time_us;
     return pair;
 }
 

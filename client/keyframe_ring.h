@@ -50,7 +50,8 @@ class HeldKeyframe {
 };
 using HeldKeyframePtr = std::shared_ptr<const HeldKeyframe>;
 
-/// The keyframes of one cascade around a time; both the same where there is only one to go by.
+/// The keyframes of one cascade around a time, before <= time < after; both the same where there is
+/// only one to go by.
 struct KeyframePair {
     HeldKeyframePtr before;
     HeldKeyframePtr after;

@@ -74,7 +74,7 @@ bool covers(const SeaState& state, const KeyframeRing& ring, sea::TimeUs time_us
     for (std::size_t c = 0; c < state.cascades.size(); ++c) {
         const std::optional<KeyframePair> pair = ring.around(
             static_cast<int>(c), state.epoch, time_us, state.cascades[c].interval_us, fields);
-        if (!pair || !pair->covers)
+        if (!pair || !pair->covers || pair->before == pair->after)
             return false;
     }
     return true;

@@ -30,7 +30,8 @@ struct LocalSurface {
 Result<LocalSurface> local_surface(const SeaState& state, const KeyframeRing& ring,
                                    sea::TimeUs time_us, sea::FieldSet fields);
 
-/// Are keyframes held on both sides of this time, of every cascade?
+/// Are keyframes held on both sides of this time, of every cascade? If so, then for the whole of
+/// its time_cell().
 bool covers(const SeaState& state, const KeyframeRing& ring, sea::TimeUs time_us,
             sea::FieldSet fields);
 

@@ -75,7 +75,7 @@ Result<Url> parse_url(std::string_view text) {
         url.host = rest.substr(0, host_end);
     }
     if (url.host.empty())
-        return bad_url(text, "the host is missing");
+        return bad_url(text, "the host is missing (an IPv6 address is written in brackets)");
     url.port = url.tls ? "443" : "80";
     if (host_end != std::string_view::npos) {
         url.port = rest.substr(host_end + 1);

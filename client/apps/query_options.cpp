@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/apps/query_options.h"
 
+#include <algorithm>
 #include <cstdio>
 
 #include <CLI/CLI.hpp>
@@ -58,6 +59,20 @@ void read_places(std::vector<std::string> words, QueryOptions& options) {
         require(place.has_value(), place ? "" : "--at: " + place.error().message);
         options.at.push_back(*place);
     }
+}
+
+/// "-.5,3" after another point looks like an option to the parser; "--at=-.5,3" does not.
+std::vector<std::string> with_negative_points_marked(int argc, const char* const* argv) {
+    std::vector<std::string> words(argv + 1, argv + argc);
+    for (std::size_t i = 1; i < words.size(); ++i) {
+        const std::string& word = words[i];
+        const bool point = word.size() > 1 && word[0] == '-' &&
+                           word.find_first_of("0123456789.") == 1 &&
+                           word.find(',') != std::string::npos;
+        if (point && words[i - 1] != "--at")
+            words[i] = "--at=" + word;
+    }
+    return words;
 }
 
 void check(const QueryOptions& options) {
@@ -120,7 +135,9 @@ std::variant<QueryOptions, int> read_query_options(int argc, const char* const* 
         ->type_name("FILE");
     app.footer(footer);
     try {
-        app.parse(argc, argv);
+        std::vector<std::string> words = with_negative_points_marked(argc, argv);
+        std::reverse(words.begin(), words.end()); // as the parser wants them
+        app.parse(std::move(words));
         read_places(std::move(at), options);
         options.time_s = parse_time(time);
         options.format = parse_format(format);

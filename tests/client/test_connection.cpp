@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a connection makes of a server that is silent, wrong or going away: over a stream without
+// sockets, whose other end is the test.
+#include <deque>
+#include <mutex>
+
+#include <gtest/gtest.h>
+
+#include "client/connection.h"
+#include "client/failure.h"
+#include "protocol/tile_codec.h"
+
+namespace seaway::client {
+namespace {
+
+/// The server's end: answers in the thread of whoever sends.
+class FakeServer {
+  public:
+    std::function<void(const wire::Message&)> on_message;
+    MessageStreamEvents events;
+    std::string closed_because;
+    std::vector<std::uint64_t> acknowledged;
+    bool open = true;
+
+    void send(const protocol::Bytes& bytes) { events.on_message(bytes); }
+
+    void greet() {
+        send(protocol::welcome(1, "fake", 5'000'000));
+        protocol::SeaStateValues state;
+        state.epoch = 1;
+        state.cascades.push_back({.length_m = 10, .size = 16, .interval_us = 100'000});
+        send(protocol::sea_state(state));
+    }
+
+    void end(const std::string& reason) {
+        if (!open)
+            return;
+        open = false;
+        closed_because = reason;
+        events.on_closed(reason);
+    }
+};
+
+class FakeStream final : public MessageStream {
+  public:
+    explicit FakeStream(FakeServer& server) : server_(server) {}
+    ~FakeStream() override { server_.end("destroyed"); }
+    void start(MessageStreamEvents events) override { server_.events = std::move(events); }
+    bool send(protocol::Bytes message) override {
+        if (!server_.open)
+            return false;
+        protocol::MessageReader reader(protocol::Sender::client);
+        const Result<const wire::Message*> read = reader.read(message);
+        EXPECT_TRUE(read);
+        if (const auto* ack = (*read)->body_as_Ack())
+            server_.acknowledged.push_back(ack->keyframe());
+        else if (server_.on_message)
+            server_.on_message(**read);
+        return true;
+    }
+    void close(std::string reason) override { server_.end(reason); }
+
+  private:
+    FakeServer& server_;
+};
+
+class ConnectionTest : public ::testing::Test {
+  protected:
+    FakeServer server;
+    std::vector<HeldKeyframePtr> keyframes;
+    std::string lost;
+
+    ConnectionTest() {
+        server.on_message = [this](const wire::Message& message) {
+            if (message.body_as_Hello())
+                server.greet();
+        };
+    }
+
+    Result<std::unique_ptr<Connection>> open(double timeout_s = 0.05) {
+        ConnectionEvents events;
+        events.on_keyframe = [this](const HeldKeyframePtr& held) { keyframes.push_back(held); };
+        events.on_closed = [this](const Error& reason) { lost = reason.message; };
+        return Connection::open(
+            {.url = "ws://fake", .timeout_s = timeout_s}, std::move(events),
+            [this](const Url&, const WebSocketOptions&) -> Result<std::unique_ptr<MessageStream>> {
+                return std::unique_ptr<MessageStream>(std::make_unique<FakeStream>(server));
+            });
+    }
+
+    protocol::Bytes tile(std::uint64_t keyframe, sea::Field field, std::uint32_t epoch = 1) {
+        const std::vector<float> map(16 * 16, 1.0f);
+        const auto payload = protocol::encode_tile(map, {16, 16}, 16, 0.01f);
+        return protocol::tile({.keyframe = keyframe,
+                               .epoch = epoch,
+                               .field = field,
+                               .size = 16,
+                               .width = 16,
+                               .height = 16,
+                               .error = 0.01f},
+                              *payload);
+    }
+};
+
+TEST_F(ConnectionTest, a_server_that_says_nothing_is_named_after_the_deadline) {
+    server.on_message = nullptr;
+    const auto connection = open();
+    ASSERT_FALSE(connection);
+    EXPECT_EQ(failure_of(connection.error()), Failure::cannot_connect);
+    EXPECT_NE(connection.error().message.find("no welcome"), std::string::npos);
+}
+
+TEST_F(ConnectionTest, a_server_without_a_sea_is_no_server) {
+    server.on_message = [this](const wire::Message&) {
+        server.send(protocol::welcome(1, "fake", 0));
+    };
+    const auto connection = open();
+    ASSERT_FALSE(connection);
+    EXPECT_NE(connection.error().message.find("no sea state"), std::string::npos);
+}
+
+TEST_F(ConnectionTest, a_server_that_turns_us_away_says_why) {
+    server.on_message = [this](const wire::Message&) {
+        server.send(protocol::go_away(wire::ErrorCode::unauthorised, "token missing or wrong"));
+        server.end("closed");
+    };
+    const auto connection = open();
+    ASSERT_FALSE(connection);
+    EXPECT_NE(connection.error().message.find("token missing"), std::string::npos);
+}
+
+TEST_F(ConnectionTest, h6_bytes_that_are_no_message_end_it_and_fail_what_is_open) {
+    const auto connection = open();
+    ASSERT_TRUE(connection);
+    std::string outcome;
+    const sea::QueryPoint point{};
+    (*connection)->query({&point, 1}, false, 1, [&](const Result<Reply>& reply) {
+        outcome = reply ? "answered" : reply.error().message;
+    });
+    server.send(protocol::Bytes(100, 0xff));
+    EXPECT_NE(server.closed_because.find("cannot read"), std::string::npos);
+    EXPECT_EQ(outcome, server.closed_because);
+    EXPECT_EQ(lost, server.closed_because);
+    EXPECT_FALSE((*connection)->is_open());
+}
+
+TEST_F(ConnectionTest, h6_values_out_of_range_and_unasked_answers_end_it) {
+    for (const protocol::Bytes& wrong :
+         {protocol::query_reply(77, 1, {}), protocol::fetch_done(77, 0, {}),
+          tile(1, sea::Field::height, 9), protocol::welcome(2, "again", 0),
+          protocol::tile({.keyframe = 1, .size = 16, .x0 = 8, .width = 16, .height = 16}, {})}) {
+        server.open = true;
+        const auto connection = open();
+        ASSERT_TRUE(connection);
+        server.send(wrong);
+        EXPECT_NE(server.closed_because.find("cannot read"), std::string::npos);
+    }
+}
+
+TEST_F(ConnectionTest, a_subscription_gets_and_acknowledges_whole_keyframes) {
+    const auto connection = open();
+    ASSERT_TRUE(connection);
+    const sea::FieldSet fields{sea::Field::height, sea::Field::height_rate};
+    std::uint32_t request_id = 0;
+    server.on_message = [&](const wire::Message& message) {
+        if (const auto* subscribe = message.body_as_Subscribe()) {
+            request_id = subscribe->request_id();
+            server.send(protocol::subscribed(
+                request_id, {.cascades = 1, .fields = fields, .error_m = 0.02f}, 2));
+        }
+    };
+    Reply got;
+    bool granted = false;
+    (*connection)
+        ->subscribe({.fields = sea::surface_fields}, 2, 1, [&](const Result<Reply>& reply) {
+            granted = reply.has_value();
+            got = *reply;
+        });
+    EXPECT_FALSE(granted) << "the keyframes around now come first";
+    server.send(tile(8, sea::Field::height));
+    server.send(tile(8, sea::Field::height_rate));
+    server.send(protocol::fetch_done(request_id, 1, fields));
+    ASSERT_TRUE(granted);
+    EXPECT_EQ(got.grant.fields, fields);
+    EXPECT_FLOAT_EQ(got.grant.error_m, 0.02f);
+    ASSERT_EQ(keyframes.size(), 1u);
+
+    server.send(tile(9, sea::Field::height));
+    EXPECT_EQ(server.acknowledged, std::vector<std::uint64_t>{8});
+    server.send(tile(9, sea::Field::height_rate));
+    EXPECT_EQ(server.acknowledged, (std::vector<std::uint64_t>{8, 9}));
+    EXPECT_EQ(keyframes.size(), 2u);
+}
+
+TEST_F(ConnectionTest, what_is_too_much_for_the_server_is_said_without_asking_it) {
+    const auto connection = open();
+    ASSERT_TRUE(connection);
+    const std::vector<sea::QueryPoint> points((*connection)->welcome().points_per_query_max + 1);
+    Failure failure = Failure::none;
+    (*connection)->query(points, false, 1, [&](const Result<Reply>& reply) {
+        failure = failure_of(reply.error());
+    });
+    EXPECT_EQ(failure, Failure::bad_argument);
+}
+
+TEST_F(ConnectionTest, an_answer_of_the_wrong_length_fails_its_query_alone) {
+    const auto connection = open();
+    ASSERT_TRUE(connection);
+    server.on_message = [&](const wire::Message& message) {
+        if (const auto* query = message.body_as_Query())
+            server.send(protocol::query_reply(query->request_id(), 1, {}));
+    };
+    const sea::QueryPoint point{};
+    std::string outcome;
+    (*connection)->query({&point, 1}, false, 1, [&](const Result<Reply>& reply) {
+        outcome = reply ? "answered" : reply.error().message;
+    });
+    EXPECT_NE(outcome.find("0 answered"), std::string::npos) << outcome;
+    EXPECT_TRUE((*connection)->is_open());
+}
+
+} // namespace
+} // namespace seaway::client

@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <atomic>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "client/failure.h"
+#include "client/local_surface.h"
+
+namespace seaway::client {
+namespace {
+
+using sea::Field;
+using sea::FieldSet;
+using sea::TimeUs;
+
+constexpr TimeUs interval_us = 100'000;
+constexpr FieldSet height_fields{Field::height, Field::height_rate};
+
+/// A keyframe that is its own time everywhere, so that a torn one would show.
+HeldKeyframePtr keyframe(TimeUs time_us, int cascade = 0, std::uint32_t epoch = 1,
+                         FieldSet fields = height_fields) {
+    sea::Keyframe made;
+    made.epoch = epoch;
+    made.cascade = cascade;
+    made.time_us = time_us;
+    made.size = 16;
+    made.length_m = 50;
+    made.fields = fields;
+    made.values.assign(made.plane_size() * static_cast<std::size_t>(fields.size()),
+                       static_cast<float>(time_us));
+    HeldKeyframe::FieldErrors errors{};
+    errors.fill(0.001f);
+    return std::make_shared<const HeldKeyframe>(std::move(made), errors);
+}
+
+std::optional<KeyframePair> around(const KeyframeRing& ring, TimeUs time_us) {
+    return ring.around(0, 1, time_us, interval_us, height_fields);
+}
+
+TEST(Ring, gives_the_two_keyframes_around_a_time_in_whatever_order_they_came) {
+    KeyframeRing ring;
+    for (const TimeUs time_us : {300'000, 100'000, 400'000, 200'000})
+        ring.insert(keyframe(time_us));
+    const auto pair = around(ring, 250'000);
+    ASSERT_TRUE(pair);
+    EXPECT_EQ(pair->before->keyframe().time_us, 200'000);
+    EXPECT_EQ(pair->after->keyframe().time_us, 300'000);
+    EXPECT_TRUE(pair->covers);
+}
+
+TEST(Ring, a_keyframe_covers_its_very_time_alone_and_begins_the_pair_after_it) {
+    KeyframeRing ring;
+    ring.insert(keyframe(200'000));
+    const auto alone = around(ring, 200'000);
+    ASSERT_TRUE(alone);
+    EXPECT_EQ(alone->before, alone->after);
+    EXPECT_TRUE(alone->covers);
+    ring.insert(keyframe(100'000));
+    ring.insert(keyframe(300'000));
+    const auto pair = around(ring, 200'000);
+    EXPECT_EQ(pair->before->keyframe().time_us, 200'000);
+    EXPECT_EQ(pair->after->keyframe().time_us, 300'000);
+    EXPECT_TRUE(pair->covers);
+}
+
+TEST(Ring, g4_does_not_cover_times_beyond_what_is_held) {
+    KeyframeRing ring;
+    EXPECT_FALSE(around(ring, 0));
+    ring.insert(keyframe(100'000));
+    ring.insert(keyframe(200'000));
+    for (const auto& [time_us, nearest_us] : {std::pair<TimeUs, TimeUs>{250'000, 200'000},
+                                              std::pair<TimeUs, TimeUs>{-50'000, 100'000}}) {
+        const auto pair = around(ring, time_us);
+        ASSERT_TRUE(pair);
+        EXPECT_FALSE(pair->covers);
+        EXPECT_EQ(pair->before->keyframe().time_us, nearest_us);
+        EXPECT_EQ(pair->after->keyframe().time_us, nearest_us);
+    }
+}
+
+TEST(Ring, h4_does_not_cover_a_gap_that_is_wider_than_the_interval) {
+    KeyframeRing ring;
+    ring.insert(keyframe(100'000));
+    ring.insert(keyframe(300'000));
+    const auto pair = around(ring, 150'000);
+    ASSERT_TRUE(pair);
+    EXPECT_FALSE(pair->covers);
+    EXPECT_NE(pair->before, pair->after) << "still the best there is";
+    EXPECT_TRUE(around(ring, 100'000)->covers);
+}
+
+TEST(Ring, never_mixes_epochs_cascades_or_keyframes_that_lack_a_field) {
+    KeyframeRing ring;
+    ring.insert(keyframe(100'000, 0, 2));
+    ring.insert(keyframe(100'000, 1, 1));
+    ring.insert(keyframe(200'000, 0, 1, {Field::foam}));
+    EXPECT_FALSE(around(ring, 150'000));
+    ring.insert(keyframe(300'000));
+    EXPECT_EQ(around(ring, 150'000)->before->keyframe().time_us, 300'000);
+}
+
+TEST(Ring, h2_a_duplicate_replaces_unless_it_holds_less) {
+    KeyframeRing ring;
+    const FieldSet rich = height_fields | FieldSet{Field::foam};
+    ring.insert(keyframe(100'000));
+    ring.insert(keyframe(100'000, 0, 1, rich));
+    EXPECT_EQ(ring.newest(0)->keyframe().fields, rich);
+    ring.insert(keyframe(100'000));
+    EXPECT_EQ(ring.newest(0)->keyframe().fields, rich);
+    EXPECT_EQ(ring.size(0), 1u);
+}
+
+TEST(Ring, is_bounded_by_count_and_the_first_to_come_goes_first) {
+    KeyframeRing ring({.keyframes_per_cascade = 5});
+    for (TimeUs n = 0; n < 100; ++n)
+        ring.insert(keyframe(n * interval_us));
+    EXPECT_EQ(ring.size(0), 5u);
+    EXPECT_EQ(ring.newest(0)->keyframe().time_us, 99 * interval_us);
+    EXPECT_FALSE(around(ring, 90 * interval_us + 1)->covers);
+    EXPECT_TRUE(around(ring, 96 * interval_us + 1)->covers);
+}
+
+TEST(Ring, is_bounded_by_bytes_but_keeps_what_sampling_needs) {
+    KeyframeRing ring({.bytes_per_cascade = 1});
+    for (TimeUs n = 0; n < 10; ++n)
+        ring.insert(keyframe(n * interval_us));
+    EXPECT_EQ(ring.size(0), RingLimits::keyframes_per_cascade_min);
+}
+
+// A naive ring hands out a keyframe that is overwritten while it is read.
+TEST(Ring, g10_readers_see_whole_keyframes_while_it_moves_on) {
+    KeyframeRing ring({.keyframes_per_cascade = 4});
+    ring.insert(keyframe(0));
+    std::atomic<bool> stop = false;
+    std::atomic<int> torn = 0;
+    std::thread reader([&] {
+        while (!stop) {
+            const HeldKeyframePtr newest = ring.newest(0);
+            const auto expected = static_cast<float>(newest->keyframe().time_us);
+            for (const float value : newest->keyframe().values)
+                torn += value != expected;
+            torn += newest->spline()->time_us() != newest->keyframe().time_us;
+        }
+    });
+    for (TimeUs n = 1; n <= 500; ++n)
+        ring.insert(keyframe(n));
+    stop = true;
+    reader.join();
+    EXPECT_EQ(torn, 0);
+}
+
+SeaState one_cascade_sea() {
+    SeaState state;
+    state.epoch = 1;
+    state.cascades.push_back({.length_m = 50, .size = 16, .interval_us = interval_us});
+    state.interpolation_error_m = 0.002;
+    return state;
+}
+
+TEST(LocalAnswer, names_the_cascade_of_which_nothing_is_held) {
+    KeyframeRing ring;
+    SeaState state = one_cascade_sea();
+    state.cascades.push_back(state.cascades.front());
+    ring.insert(keyframe(0));
+    const auto surface = local_surface(state, ring, 0, height_fields);
+    ASSERT_FALSE(surface);
+    EXPECT_EQ(failure_of(surface.error()), Failure::not_held);
+    EXPECT_NE(surface.error().message.find("cascade 1"), std::string::npos);
+}
+
+TEST(LocalAnswer, a_stated_error_holds_interpolation_and_codec) {
+    KeyframeRing ring;
+    ring.insert(keyframe(0));
+    ring.insert(keyframe(interval_us));
+    const SeaState state = one_cascade_sea();
+    const auto pair = ring.around(0, 1, 50'000, interval_us, height_fields);
+    ASSERT_TRUE(pair);
+    const sea::MapError error = local_map_error(state, {&*pair, 1});
+    EXPECT_DOUBLE_EQ(error.interpolation_m, 0.002);
+    // Values of 1 mm and rates of 1 mm/s between keyframes 0.1 s apart, through spline weights
+    // (gain 2.4 at most): a little over 2.4 mm, never below the 1 mm of a grid point.
+    EXPECT_GT(error.codec_height_m, 0.001);
+    EXPECT_LT(error.codec_height_m, 0.003);
+}
+
+TEST(LocalAnswer, a_time_is_covered_only_with_all_that_follows_it_in_its_cell) {
+    KeyframeRing ring;
+    ring.insert(keyframe(0));
+    const SeaState state = one_cascade_sea();
+    EXPECT_FALSE(covers(state, ring, 0, height_fields));
+    ring.insert(keyframe(interval_us));
+    EXPECT_TRUE(covers(state, ring, 0, height_fields));
+    EXPECT_TRUE(covers(state, ring, interval_us - 1, height_fields));
+    EXPECT_FALSE(covers(state, ring, interval_us, height_fields));
+}
+
+TEST(TimeCells, are_the_intervals_of_all_cascades_also_before_the_epoch) {
+    SeaState state = one_cascade_sea();
+    state.cascades.push_back({.length_m = 10, .size = 16, .interval_us = 40'000});
+    EXPECT_EQ(time_cell(state, 0), time_cell(state, 39'999));
+    EXPECT_NE(time_cell(state, 39'999), time_cell(state, 40'000));
+    EXPECT_EQ(time_cell(state, -1), (TimeCell{-1, -1}));
+    EXPECT_EQ(time_cell(state, -40'000), (TimeCell{-1, -1}));
+    EXPECT_EQ(time_cell(state, -40'001), (TimeCell{-1, -2}));
+}
+
+} // namespace
+} // namespace seaway::client

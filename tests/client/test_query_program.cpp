@@ -1,0 +1,291 @@
+// SPDX-License-Identifier: Apache-2.0
+// seaway-query: its points, its options, its output, and the program as a whole.
+#include <array>
+#include <cmath>
+#include <limits>
+#include <sstream>
+
+#include <sys/wait.h>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "client/apps/query_output.h"
+#include "server/net/server.h"
+#include "tests/client/wave_sea.h"
+
+namespace seaway::client {
+namespace {
+
+Result<std::vector<Place>> places_in(const std::string& text) {
+    std::istringstream in(text);
+    return read_places(in, "points.csv");
+}
+
+TEST(Points, have_an_optional_header_time_and_blank_lines) {
+    const auto places = places_in("x_m,y_m,t_s\r\n1, -2.5e3,30\r\n\n+4,5\n");
+    ASSERT_TRUE(places) << places.error().message;
+    ASSERT_EQ(places->size(), 2u);
+    EXPECT_EQ((*places)[0].y_m, -2500);
+    EXPECT_EQ((*places)[0].time_s, 30);
+    EXPECT_EQ((*places)[1].x_m, 4);
+    EXPECT_FALSE((*places)[1].time_s);
+    EXPECT_TRUE(places_in("x_m,y_m\n1,2\n"));
+    EXPECT_TRUE(places_in("")->empty());
+}
+
+TEST(Points, a_wrong_row_is_named_by_file_line_and_value) {
+    const std::pair<const char*, const char*> wrong[] = {
+        {"1,2\n3\n", "points.csv:2: 1 fields"},
+        {"1,2,3,4\n", "points.csv:1: 4 fields"},
+        {"x_m,t_s\n1,2\n", "points.csv:1: x_m = 'x_m'"},
+        {"1,2\nx_m,y_m\n", "points.csv:2: x_m = 'x_m'"},
+        {"1,nan\n", "points.csv:1: y_m = 'nan'"},
+        {"1,2e9\n", "between -1e+09 and 1e+09"},
+        {"1,2,1e13\n", "t_s = '1e13'"},
+        {"1,2 3\n", "y_m = '2 3'"},
+        {"1,0x10\n", "y_m = '0x10'"}};
+    for (const auto& [text, says] : wrong) {
+        const auto places = places_in(text);
+        ASSERT_FALSE(places) << text;
+        EXPECT_NE(places.error().message.find(says), std::string::npos) << places.error().message;
+    }
+}
+
+std::variant<QueryOptions, int> options_of(std::vector<const char*> arguments) {
+    arguments.insert(arguments.begin(), "seaway-query");
+    return read_query_options(static_cast<int>(arguments.size()), arguments.data());
+}
+
+TEST(Options, of_a_full_command_line) {
+    const auto read = options_of({"ws://a:1", "--at", "-1,2", "-.5,-3", "--at=4,5", "--time",
+                                  "-12.5", "--exact", "--format", "csv", "--watch", "10"});
+    ASSERT_TRUE(std::holds_alternative<QueryOptions>(read));
+    const auto& options = std::get<QueryOptions>(read);
+    ASSERT_EQ(options.at.size(), 3u);
+    EXPECT_EQ(options.at[0].x_m, -1);
+    EXPECT_EQ(options.at[1].x_m, -0.5);
+    EXPECT_EQ(options.at[2].y_m, 5);
+    EXPECT_EQ(options.time_s, -12.5);
+    EXPECT_TRUE(options.exact);
+    EXPECT_EQ(options.format, Format::csv);
+    EXPECT_EQ(options.watch_hz, 10);
+}
+
+TEST(Options, the_address_may_follow_the_points) {
+    const auto read = options_of({"--at", "1,2", "ws://a:1"});
+    ASSERT_TRUE(std::holds_alternative<QueryOptions>(read));
+    EXPECT_EQ(std::get<QueryOptions>(read).url, "ws://a:1");
+    EXPECT_FALSE(std::get<QueryOptions>(read).time_s) << "now";
+}
+
+TEST(Options, that_make_no_sense_are_exit_code_2) {
+    const std::vector<const char*> wrong[] = {{"--at", "1,2"},
+                                              {"ws://a:1"},
+                                              {"localhost", "--at", "1,2"},
+                                              {"ws://a:1", "--at", "1"},
+                                              {"ws://a:1", "--at", "1,2", "--time", "soon"},
+                                              {"ws://a:1", "--at", "1,2", "--exact", "--local"},
+                                              {"ws://a:1", "--at", "1,2", "--points", "x.csv"},
+                                              {"ws://a:1", "--at", "1,2", "--bench", "5"},
+                                              {"ws://a:1", "--bench", "0"},
+                                              {"ws://a:1", "--at", "1,2", "--watch", "-1"},
+                                              {"ws://a:1", "--at", "1,2", "--format", "xml"},
+                                              {"ws://a:1", "--at", "1,2", "--timeout", "nan"},
+                                              {"ws://a:1", "--at", "1,2", "--bogus"}};
+    for (const auto& arguments : wrong) {
+        const auto read = options_of(arguments);
+        ASSERT_TRUE(std::holds_alternative<int>(read)) << arguments.back();
+        EXPECT_EQ(std::get<int>(read), exit_usage);
+    }
+}
+
+sea::Answer some_answer() {
+    sea::Answer answer;
+    answer.height_m = 0.1 + 0.2;
+    answer.normal[0] = -1.0 / 3.0;
+    answer.error_m = 0.01f;
+    answer.flags = sea::answer_folded | sea::answer_exact;
+    return answer;
+}
+
+TEST(Output, csv_and_json_give_back_every_double_as_it_was) {
+    const sea::QueryPoint point{1e6 + 1.0 / 3.0, -0.0, 946'728'000'000'001};
+    const sea::Answer answer = some_answer();
+    const auto json =
+        nlohmann::json::parse(output_rows(Format::json, {&point, 1}, {&answer, 1}, false));
+    ASSERT_EQ(json.size(), 1u);
+    EXPECT_EQ(json[0]["x_m"].get<double>(), point.x_m);
+    EXPECT_EQ(json[0]["t_s"].get<double>(), 946728000.000001);
+    EXPECT_EQ(json[0]["height_m"].get<double>(), answer.height_m);
+    EXPECT_EQ(json[0]["error_m"].get<double>(), answer.error_m);
+    EXPECT_EQ(json[0]["flags"].get<unsigned>(), 17u);
+
+    const std::string csv = output_rows(Format::csv, {&point, 1}, {&answer, 1}, false);
+    std::istringstream fields(csv);
+    std::vector<std::string> values;
+    for (std::string field; std::getline(fields, field, ',');)
+        values.push_back(field);
+    ASSERT_EQ(values.size(), 12u);
+    EXPECT_EQ(std::stod(values[0]), point.x_m);
+    EXPECT_EQ(std::stod(values[3]), answer.height_m);
+    EXPECT_EQ(std::stod(values[4]), answer.normal[0]);
+    EXPECT_EQ(values[11], "17\n");
+}
+
+TEST(Output, columns_are_the_public_contract) {
+    EXPECT_EQ(output_head(Format::csv),
+              "x_m,y_m,t_s,height_m,normal_x,normal_y,normal_z,velocity_x_mps,velocity_y_mps,"
+              "velocity_z_mps,error_m,flags\n");
+}
+
+TEST(Output, what_is_not_a_number_is_null_in_json) {
+    const sea::QueryPoint point{std::numeric_limits<double>::quiet_NaN(), 0, 0};
+    sea::Answer answer;
+    answer.height_m = std::numeric_limits<double>::quiet_NaN();
+    answer.error_m = std::numeric_limits<double>::infinity();
+    const auto json =
+        nlohmann::json::parse(output_rows(Format::json, {&point, 1}, {&answer, 1}, true));
+    EXPECT_TRUE(json[0]["x_m"].is_null());
+    EXPECT_TRUE(json[0]["height_m"].is_null());
+    EXPECT_TRUE(json[0]["error_m"].is_null());
+}
+
+TEST(Output, flags_have_names_for_people) {
+    EXPECT_EQ(flag_names(0), "-");
+    EXPECT_EQ(flag_names(sea::answer_folded | sea::answer_exact), "folded exact");
+    EXPECT_EQ(
+        flag_names(sea::answer_not_converged | sea::answer_extrapolated | sea::answer_invalid),
+        "not_converged extrapolated invalid");
+}
+
+struct Outcome {
+    int exit_code = -1;
+    std::string out;
+};
+
+Outcome run_program(const std::string& arguments) {
+    Outcome outcome;
+    std::FILE* pipe = popen((SEAWAY_BIN_DIR "/seaway-query " + arguments).c_str(), "r");
+    std::array<char, 4096> buffer{};
+    while (const std::size_t got = std::fread(buffer.data(), 1, buffer.size(), pipe))
+        outcome.out.append(buffer.data(), got);
+    const int status = pclose(pipe);
+    if (WIFEXITED(status))
+        outcome.exit_code = WEXITSTATUS(status);
+    return outcome;
+}
+
+class Program : public ::testing::Test {
+  protected:
+    tests::WaveSea sea;
+    std::unique_ptr<server::NetServer> net;
+
+    void SetUp() override {
+        server::NetOptions options;
+        options.listen = "127.0.0.1:0";
+        auto started = server::NetServer::start(options, sea);
+        ASSERT_TRUE(started) << started.error().message;
+        net = std::move(*started);
+    }
+
+    nlohmann::json rows(const std::string& arguments) {
+        const Outcome outcome = run_program(net->url() + " --format json " + arguments);
+        EXPECT_EQ(outcome.exit_code, 0) << arguments;
+        return nlohmann::json::parse(outcome.out, nullptr, false);
+    }
+};
+
+TEST_F(Program, answers_by_server_by_itself_and_exactly_agree) {
+    const std::string where = "--at -12.5,40 3e4,-7 --time 1234.5678";
+    const auto served = rows(where);
+    const auto local = rows(where + " --local");
+    const auto exact = rows(where + " --exact");
+    ASSERT_EQ(served.size(), 2u);
+    ASSERT_EQ(local.size(), 2u);
+    ASSERT_EQ(exact.size(), 2u);
+    for (std::size_t i = 0; i < 2; ++i) {
+        EXPECT_EQ(exact[i]["t_s"].get<double>(), 1234.5678);
+        EXPECT_EQ(exact[i]["flags"].get<unsigned>(), 16u);
+        EXPECT_EQ(served[i]["height_m"], exact[i]["height_m"]);
+        EXPECT_NEAR(local[i]["height_m"].get<double>(), exact[i]["height_m"].get<double>(),
+                    local[i]["error_m"].get<double>());
+    }
+}
+
+TEST_F(Program, reads_points_with_times_of_their_own) {
+    const auto answered = rows("--points - --time 50 <<END\nx_m,y_m,t_s\n1,2,30\n3,4\nEND\n");
+    ASSERT_EQ(answered.size(), 2u);
+    EXPECT_EQ(answered[0]["t_s"].get<double>(), 30);
+    EXPECT_EQ(answered[1]["t_s"].get<double>(), 50);
+    EXPECT_EQ(answered[1]["height_m"].get<double>(), sea.truth({3, 4, 50'000'000}).height_m);
+}
+
+TEST_F(Program, now_is_the_sea_time_of_the_server) {
+    const double before_s = sea::seconds_from_us(sea.sea_time_us());
+    const auto answered = rows("--at 0,0");
+    const double after_s = sea::seconds_from_us(sea.sea_time_us());
+    // Half of the connection's first round trip is all that a loopback clock can be wrong by.
+    EXPECT_GT(answered[0]["t_s"].get<double>(), before_s - 1);
+    EXPECT_LT(answered[0]["t_s"].get<double>(), after_s + 1);
+}
+
+TEST_F(Program, watches_until_it_is_stopped) {
+    const Outcome outcome = run_program(net->url() + " --at 0,0 --local --watch 20 --format csv & "
+                                                     "sleep 1; kill -TERM $!; wait $!");
+    EXPECT_EQ(outcome.exit_code, 0);
+    std::istringstream lines(outcome.out);
+    std::string line;
+    std::getline(lines, line);
+    EXPECT_EQ(line + "\n", output_head(Format::csv));
+    double last_s = -1;
+    int rows_seen = 0;
+    while (std::getline(lines, line)) {
+        std::istringstream fields(line);
+        std::string field;
+        for (int i = 0; i < 3; ++i)
+            std::getline(fields, field, ',');
+        EXPECT_GT(std::stod(field), last_s);
+        last_s = std::stod(field);
+        ++rows_seen;
+    }
+    EXPECT_GE(rows_seen, 2);
+}
+
+TEST_F(Program, fails_with_one_line_and_the_documented_exit_code) {
+    const std::string url = net->url();
+    const std::pair<std::string, int> cases[] = {
+        {url + " --at 1", 2},
+        {url + " --points /no/such/file.csv", 2},
+        {url + "/nowhere --at 0,0", 5},
+        {"ws://127.0.0.1:1 --at 0,0", 5},
+        {url + " --at 0,0 --token-file /no/such/file", 2},
+    };
+    for (const auto& [arguments, code] : cases) {
+        const Outcome outcome = run_program(arguments + " 2>&1");
+        EXPECT_EQ(outcome.exit_code, code) << arguments;
+        EXPECT_EQ(std::count(outcome.out.begin(), outcome.out.end(), '\n'), 1) << outcome.out;
+        EXPECT_EQ(outcome.out.rfind("seaway-query: ", 0), 0u) << outcome.out;
+    }
+    sea.offered = {};
+    EXPECT_EQ(run_program(url + " --at 0,0 --local --watch 1 2>/dev/null").exit_code, 6);
+    sea.answer_queries = false;
+    EXPECT_EQ(run_program(url + " --at 0,0 --timeout 0.3 2>/dev/null").exit_code, 5);
+}
+
+TEST_F(Program, measures_rates_both_ways) {
+    for (const char* way : {"--bench 64", "--bench 64 --local"}) {
+        const auto measured = rows(way);
+        ASSERT_FALSE(measured.empty()) << way;
+        for (const auto& row : measured) {
+            EXPECT_EQ(row["points_per_query"].get<int>(), 64);
+            EXPECT_GT(row["queries"].get<int>(), 0);
+            EXPECT_GT(row["points_per_s"].get<double>(), 0);
+            EXPECT_LE(row["round_trip_p50_ms"].get<double>(),
+                      row["round_trip_p99_ms"].get<double>());
+        }
+    }
+}
+
+} // namespace
+} // namespace seaway::client

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include "client/failure.h"
+#include "client/requests.h"
+
+namespace seaway::client {
+namespace {
+
+/// Requests whose messages are collected, and outcomes by order of starting.
+class RequestsTest : public ::testing::Test {
+  protected:
+    std::vector<std::uint32_t> sent;
+    bool send_works = true;
+    Requests requests{[this](std::uint32_t request_id, const protocol::Bytes&) {
+        sent.push_back(request_id);
+        return send_works;
+    }};
+    std::vector<std::string> outcomes;
+
+    void start(Lane lane, std::int64_t deadline_us = 1000) {
+        const std::size_t index = outcomes.size();
+        outcomes.emplace_back("open");
+        requests.start(
+            lane, [](std::uint32_t) { return protocol::Bytes(8); }, deadline_us,
+            [this, index](const Result<Reply>& reply) {
+                EXPECT_EQ(outcomes[index], "open") << "a handler is called once";
+                outcomes[index] = reply ? "done" : reply.error().message;
+            },
+            {sea::Field::height});
+    }
+};
+
+TEST_F(RequestsTest, hold_back_what_the_server_would_refuse_and_send_it_in_order) {
+    for (int i = 0; i < 20; ++i)
+        start(Lane::query);
+    EXPECT_EQ(sent.size(), static_cast<std::size_t>(Requests::queries_in_flight_max));
+    start(Lane::bulk);
+    start(Lane::bulk);
+    ASSERT_EQ(sent.size(), static_cast<std::size_t>(Requests::queries_in_flight_max) + 1);
+    EXPECT_TRUE(requests.finish(Lane::query, sent[3], Reply()));
+    EXPECT_EQ(outcomes[3], "done");
+    EXPECT_EQ(sent.back(), 9u) << "the ninth query follows; the second fetch still waits";
+    EXPECT_TRUE(requests.finish(Lane::bulk, sent[8], Reply()));
+    EXPECT_EQ(sent.back(), 22u);
+}
+
+TEST_F(RequestsTest, match_replies_by_number_and_lane) {
+    start(Lane::query);
+    EXPECT_FALSE(requests.finish(Lane::bulk, sent[0], Reply()));
+    EXPECT_FALSE(requests.finish(Lane::query, sent[0] + 1, Reply()));
+    EXPECT_TRUE(requests.refuse(sent[0], failed(Failure::refused, "no")));
+    EXPECT_EQ(outcomes[0], "no");
+    EXPECT_FALSE(requests.refuse(sent[0], failed(Failure::refused, "no")));
+}
+
+TEST_F(RequestsTest, report_a_deadline_but_keep_the_place_until_the_server_is_done) {
+    start(Lane::bulk, 100);
+    start(Lane::bulk, 300);
+    requests.expire(200);
+    EXPECT_NE(outcomes[0].find("in time"), std::string::npos);
+    EXPECT_EQ(outcomes[1], "open");
+    EXPECT_EQ(sent.size(), 1u) << "the server still works on the first";
+    EXPECT_TRUE(requests.finish(Lane::bulk, sent[0], Reply()));
+    EXPECT_EQ(sent.size(), 2u);
+}
+
+TEST_F(RequestsTest, one_that_waits_beyond_its_deadline_is_never_sent) {
+    start(Lane::bulk, 1000);
+    start(Lane::bulk, 100);
+    requests.expire(200);
+    EXPECT_NE(outcomes[1].find("in time"), std::string::npos);
+    EXPECT_TRUE(requests.finish(Lane::bulk, sent[0], Reply()));
+    EXPECT_EQ(sent.size(), 1u);
+}
+
+TEST_F(RequestsTest, all_fail_when_the_connection_ends_and_later_ones_too) {
+    for (int i = 0; i < 10; ++i)
+        start(Lane::query);
+    requests.fail_all(failed(Failure::lost, "gone"));
+    start(Lane::query);
+    for (const std::string& outcome : outcomes)
+        EXPECT_EQ(outcome, "gone");
+}
+
+TEST_F(RequestsTest, fail_at_once_when_nothing_can_be_sent) {
+    send_works = false;
+    start(Lane::query);
+    EXPECT_NE(outcomes[0], "open");
+}
+
+TEST_F(RequestsTest, are_bounded) {
+    for (std::size_t i = 0; i < Requests::waiting_max + 8; ++i)
+        start(Lane::query);
+    EXPECT_EQ(outcomes.back(), "open");
+    start(Lane::query);
+    EXPECT_NE(outcomes.back().find("limit"), std::string::npos);
+}
+
+TEST_F(RequestsTest, a_granted_subscription_survives_the_refusal_of_its_first_keyframes) {
+    start(Lane::bulk);
+    Grant grant;
+    grant.fields = sea::surface_fields;
+    requests.note_grant(sent[0], grant);
+    EXPECT_EQ(requests.bulk_fields(), std::vector<sea::FieldSet>{sea::surface_fields});
+    EXPECT_TRUE(requests.refuse(sent[0], failed(Failure::refused, "busy")));
+    EXPECT_EQ(outcomes[0], "done");
+}
+
+} // namespace
+} // namespace seaway::client

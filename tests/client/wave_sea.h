@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: Apache-2.0
+// A sea of a few known waves in two cascades behind a Host: keyframes and answers come from the
+// direct sum, so that what a client makes of them can be held against the truth.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <set>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "protocol/messages.h"
+#include "sea/reference.h"
+#include "sea/surface/inverse.h"
+#include "server/host.h"
+
+namespace seaway::tests {
+
+/// Keyframes lie at whole multiples of these.
+inline constexpr sea::TimeUs wave_intervals_us[] = {200'000, 100'000};
+inline constexpr int wave_map_size = 32;
+/// Codec bounds of heights and displacements, m, and of their rates, m/s.
+inline constexpr float wave_codec_m = 0.0005f;
+inline constexpr float wave_codec_mps = 0.005f;
+
+inline sea::RealizationPtr few_waves() {
+    struct Wave {
+        std::size_t cascade;
+        int nx, ny;
+        double amplitude_m, phase_rad;
+    };
+    auto sea = std::make_shared<sea::Realization>();
+    for (const double length_m : {160.0, 29.0}) {
+        sea::CascadeModes modes;
+        modes.spec = {length_m, wave_map_size};
+        modes.band = {0, modes.spec.nyquist_radpm()};
+        modes.h0.resize(wave_map_size * wave_map_size);
+        modes.rate.resize(modes.h0.size());
+        sea->cascades.push_back(std::move(modes));
+    }
+    for (const Wave& wave : {Wave{0, 2, 1, 0.8, 0.3}, Wave{0, 3, -1, 0.3, 2.0},
+                             Wave{1, 2, 3, 0.04, 1.0}, Wave{1, -1, 3, 0.03, 4.0}}) {
+        sea::CascadeModes& modes = sea->cascades[wave.cascade];
+        const double step = modes.spec.wavenumber_step_radpm();
+        const double k_radpm = step * std::hypot(wave.nx, wave.ny);
+        const auto at = [&](int nx, int ny) {
+            const int ix = (nx + wave_map_size) % wave_map_size;
+            const int iy = (ny + wave_map_size) % wave_map_size;
+            return static_cast<std::size_t>(iy * wave_map_size + ix);
+        };
+        modes.h0[at(wave.nx, wave.ny)] = std::polar(0.5 * wave.amplitude_m, wave.phase_rad);
+        const sea::Rate rate = sea::rate_from_omega(std::sqrt(9.81 * k_radpm));
+        modes.rate[at(wave.nx, wave.ny)] = rate;
+        modes.rate[at(-wave.nx, -wave.ny)] = rate;
+    }
+    return sea;
+}
+
+class WaveSea : public server::Host {
+  public:
+    /// Fields that it can give; whoever asks for others gets the rest.
+    sea::FieldSet offered = sea::surface_fields | sea::FieldSet{sea::Field::slope_x};
+    std::atomic<bool> answer_queries = true;
+    std::atomic<int> fetches = 0;
+    std::atomic<int> queries = 0;
+
+    sea::Answer truth(const sea::QueryPoint& point) const {
+        const sea::DirectSum::Moment moment = sum_.at_time(point.time_us);
+        const sea::InverseOptions options{sea_->choppiness, 1e-9, 5.0};
+        sea::Answer answer = sea::surface_at(point, options, moment);
+        answer.error_m += 1e-9;
+        return answer;
+    }
+
+    server::KeyframeTiles keyframe(int cascade, std::int64_t n, sea::FieldSet fields) const {
+        auto made = std::make_shared<sea::Keyframe>();
+        const auto c = static_cast<std::size_t>(cascade);
+        made->epoch = epoch;
+        made->cascade = cascade;
+        made->time_us = n * wave_intervals_us[c];
+        made->size = wave_map_size;
+        made->length_m = sea_->cascades[c].spec.length_m;
+        made->fields = fields;
+        made->values.resize(made->plane_size() * static_cast<std::size_t>(fields.size()));
+        const sea::DirectSum::Moment moment = single_[c].at_time(made->time_us);
+        const double spacing_m = sea_->cascades[c].spec.spacing_m();
+        for (int y = 0; y < wave_map_size; ++y)
+            for (int x = 0; x < wave_map_size; ++x) {
+                const sea::LagrangianPoint point = moment.at(x * spacing_m, y * spacing_m);
+                for (const sea::Field field : fields)
+                    made->plane(field)[static_cast<std::size_t>(y * wave_map_size + x)] =
+                        static_cast<float>(value(point, field));
+            }
+        server::KeyframeTiles tiles{made, {}, 0};
+        for (const sea::Field field : fields)
+            tiles.codec_error.push_back(sea::info(field).time_rate ? wave_codec_mps : wave_codec_m);
+        return tiles;
+    }
+
+    // ---- Host ------------------------------------------------------------------------------
+
+    sea::TimeUs sea_time_us() const override {
+        return start_us_ + std::chrono::duration_cast<std::chrono::microseconds>(
+                               std::chrono::steady_clock::now() - started_)
+                               .count();
+    }
+    std::vector<server::SharedBytes> sea_state_messages() const override {
+        protocol::SeaStateValues state;
+        state.epoch = epoch;
+        for (std::size_t c = 0; c < sea_->cascades.size(); ++c)
+            state.cascades.push_back({.length_m = sea_->cascades[c].spec.length_m,
+                                      .size = wave_map_size,
+                                      .k_hi_radpm = sea_->cascades[c].band.k_hi_radpm,
+                                      .interval_us = wave_intervals_us[c]});
+        state.height_error_m = 0.01;
+        state.realised.hs_m = 2.42;
+        // Waves of at most 3 lattice steps on 32 points miss 2 (3/32)^4 of 1.2 m in space, and
+        // less in time: 0.2 mm; doubled for the displacement's share.
+        state.interpolation_error_m = 0.0004;
+        return {std::make_shared<const protocol::Bytes>(protocol::sea_state(state))};
+    }
+    server::TileDemand subscribe(server::SessionId, const server::TileDemand& demand) override {
+        server::TileDemand grant = demand;
+        grant.cascades &= 3u;
+        grant.fields = given(demand.fields);
+        grant.error_m = 0.01f;
+        return grant;
+    }
+    void unsubscribe(server::SessionId) override {}
+    void fetch(server::FetchRequest request,
+               std::function<void(std::vector<server::KeyframeTiles>, std::string)> done) override {
+        ++fetches;
+        if (request.times_us.empty())
+            request.times_us = {sea_time_us(), sea_time_us() + wave_intervals_us[0]};
+        std::vector<server::KeyframeTiles> out;
+        for (int cascade = 0; cascade < 2; ++cascade) {
+            const sea::TimeUs interval_us = wave_intervals_us[cascade];
+            std::set<std::int64_t> wanted;
+            for (const sea::TimeUs time_us : request.times_us) {
+                const sea::TimeUs rest_us = ((time_us % interval_us) + interval_us) % interval_us;
+                wanted.insert((time_us - rest_us) / interval_us);
+                wanted.insert((time_us - rest_us) / interval_us + 1);
+            }
+            for (const std::int64_t n : wanted)
+                out.push_back(keyframe(cascade, n, given(request.demand.fields)));
+        }
+        done(std::move(out), {});
+    }
+    void query(server::QueryBatch batch, std::function<void(server::QueryAnswers)> done) override {
+        ++queries;
+        server::QueryAnswers out;
+        out.epoch = epoch;
+        for (const sea::QueryPoint& point : batch.points) {
+            out.answers.push_back(truth(point));
+            out.answers.back().flags |= batch.exact ? sea::answer_exact : 0u;
+        }
+        if (answer_queries)
+            done(std::move(out));
+    }
+    std::string state_json() const override { return "{}"; }
+    std::string plan_json() const override { return "{}"; }
+    std::string metrics_text() const override { return ""; }
+    bool healthy() const override { return true; }
+
+    static constexpr std::uint32_t epoch = 3;
+
+  private:
+    sea::FieldSet given(sea::FieldSet wanted) const {
+        return sea::FieldSet::from_bits(wanted.bits() & offered.bits());
+    }
+    static double value(const sea::LagrangianPoint& point, sea::Field field) {
+        const double values[] = {point.height,
+                                 point.displacement_x,
+                                 point.displacement_y,
+                                 point.height_rate,
+                                 point.displacement_x_rate,
+                                 point.displacement_y_rate,
+                                 point.slope_x,
+                                 point.slope_y};
+        return values[static_cast<std::size_t>(field)];
+    }
+    static sea::RealizationPtr only(const sea::Realization& sea, std::size_t cascade) {
+        auto one = std::make_shared<sea::Realization>(sea);
+        one->cascades = {sea.cascades[cascade]};
+        return one;
+    }
+
+    const sea::RealizationPtr sea_ = few_waves();
+    const sea::DirectSum sum_{sea_};
+    const std::vector<sea::DirectSum> single_{sea::DirectSum(only(*sea_, 0)),
+                                              sea::DirectSum(only(*sea_, 1))};
+    const sea::TimeUs start_us_ = 1'000'000'000;
+    const std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();
+};
+
+/// Waits for a condition of another thread; true if it came within 10 s.
+template <class Condition>
+bool eventually(const Condition& condition) {
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+    while (!condition()) {
+        if (std::chrono::steady_clock::now() > deadline)
+            return false;
+        std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+    return true;
+}
+
+} // namespace seaway::tests
