@@ -87,6 +87,26 @@ std::vector<plot::Point> realised_density(const sea::CascadeModes& modes,
     return points;
 }
 
+std::vector<ExplicitWave> explicit_waves(const sea::Realization& sea) {
+    std::vector<ExplicitWave> waves;
+    for (const sea::CascadeModes& modes : sea.cascades) {
+        const int size = modes.spec.size;
+        for (int i = 0; i < size * size; ++i) {
+            const auto index = static_cast<std::size_t>(i);
+            if (modes.h0[index] != std::complex<double>{})
+                waves.push_back({sea::omega_from_rate(modes.rate[index]),
+                                 std::atan2(sea::signed_index(i / size, size),
+                                            sea::signed_index(i % size, size)),
+                                 2.0 * std::abs(modes.h0[index])});
+        }
+        for (const sea::SineField& field : modes.sines)
+            for (const sea::SineField::Wave& wave : field.waves)
+                waves.push_back(
+                    {wave.omega_radps, std::atan2(wave.ky_radpm, wave.kx_radpm), wave.amplitude_m});
+    }
+    return waves;
+}
+
 FrequencyRange frequency_range(const Report& report, const SeaSpectrum& spectrum) {
     const sea::Dispersion dispersion = report.scene.sea.dispersion();
     double k_lo = std::numeric_limits<double>::infinity();

@@ -35,6 +35,16 @@ class SeaSpectrum {
 std::vector<plot::Point> realised_density(const sea::CascadeModes& modes,
                                           const sea::Dispersion& dispersion);
 
+/// A wave that was given by itself.
+struct ExplicitWave {
+    double omega_radps;
+    double towards_rad;
+    double amplitude_m;
+};
+
+/// Every wave of a sea without spectra, stylised ones included.
+std::vector<ExplicitWave> explicit_waves(const sea::Realization& sea);
+
 /// Range of frequencies worth showing.
 struct FrequencyRange {
     double lo_radps;

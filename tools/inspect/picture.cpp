@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -25,7 +26,8 @@ using plot::Scale;
 
 constexpr double degrees_per_radian = 180.0 / sea::pi;
 constexpr plot::Color peak_color{200, 30, 60};
-constexpr double decades_shown = 6.5;
+constexpr double decades_most = 6.5;
+constexpr double decades_least = 3.5;
 
 /// Where waves that come from a bearing go, rad.
 double towards(double from_deg) {
@@ -100,17 +102,21 @@ void draw_spectrum(Canvas& canvas, const Report& report, const SeaSpectrum& spec
         sampled(range, [&](double omega) { return spectrum.density(omega); });
     std::vector<std::vector<Point>> realised;
     double highest = 0.0;
+    double lowest = std::numeric_limits<double>::infinity();
     for (const sea::CascadeModes& modes : report.sea->cascades)
         for (const Point p :
-             realised.emplace_back(realised_density(modes, report.scene.sea.dispersion())))
+             realised.emplace_back(realised_density(modes, report.scene.sea.dispersion()))) {
             highest = std::max(highest, p.y);
+            lowest = std::min(lowest, p.y);
+        }
     for (const Point p : requested)
         highest = std::max(highest, p.y);
-    const double top = highest > 0.0 ? 3.0 * highest : 1.0;
+    const double top = 3.0 * highest;
+    const double bottom = std::clamp(0.3 * lowest, top * std::pow(10.0, -decades_most),
+                                     top * std::pow(10.0, -decades_least));
     Chart chart(canvas, {92, 112, 720, 636},
                 {"angular frequency ω, rad/s", range.lo_radps, range.hi_radps, Scale::logarithmic},
-                {"energy density S(ω), m^{2} s/rad", top * std::pow(10.0, -decades_shown), top,
-                 Scale::logarithmic});
+                {"energy density S(ω), m^{2} s/rad", bottom, top, Scale::logarithmic});
     chart.draw_grid();
     draw_bands(chart, report);
     if (report.summary.requested.peak_period_s > 0.0) {
@@ -119,7 +125,7 @@ void draw_spectrum(Canvas& canvas, const Report& report, const SeaSpectrum& spec
                        fmt::format("peak, Tp {:.1f} s", report.summary.requested.peak_period_s));
     }
     chart.curve(requested, {ink, 2.0}, "requested");
-    if (report.summary.lost_fade_m2 > 0.0 && !spectrum.empty())
+    if (report.summary.lost_fade_m2 > 1e-9 * highest)
         chart.curve(sampled(range, [&](double omega) { return spectrum.kept_density(omega); }),
                     {ink, 1.5, 5.0}, "after fade and cut-offs");
     for (std::size_t c = 0; c < realised.size(); ++c)
@@ -130,61 +136,102 @@ void draw_spectrum(Canvas& canvas, const Report& report, const SeaSpectrum& spec
     chart.draw_legend(plot::Corner::top_right);
 }
 
-/// Energy over frequency and direction, on a compass: from where waves come.
-void draw_compass(Canvas& canvas, const SeaSpectrum& spectrum) {
-    constexpr Point centre{936, 262};
-    constexpr double radius = 150;
-    const double omega_end = 3.0 * spectrum.highest_peak_radps();
-    const auto energy = [&](double dx, double dy) {
-        const double omega = omega_end * std::hypot(dx, dy) / radius;
-        const double from_deg = degrees_per_radian * std::atan2(dx, -dy);
-        return omega > 0.0 ? spectrum.density(omega) * spectrum.spreading(omega, towards(from_deg))
-                           : 0.0;
-    };
-    constexpr int side = 2 * static_cast<int>(radius);
-    std::vector<double> values;
-    for (int y = 0; y < side; ++y)
-        for (int x = 0; x < side; ++x) {
-            const double dx = x + 0.5 - radius;
-            const double dy = y + 0.5 - radius;
-            values.push_back(std::hypot(dx, dy) < radius ? energy(dx, dy) : 0.0);
-        }
-    const double highest = *std::max_element(values.begin(), values.end());
-    // The square root of the energy is an amplitude; it shows swell beside a wind sea.
-    canvas.paint({centre.x - radius, centre.y - radius, centre.x + radius, centre.y + radius},
-                 [&](double px, double py) {
-                     const auto i = static_cast<std::size_t>((py - centre.y + radius - 0.5) * side +
-                                                             (px - centre.x + radius - 0.5));
-                     plot::Color color = plot::sea_color(std::sqrt(values[i] / highest));
-                     const double r = std::hypot(px - centre.x, py - centre.y);
-                     color.opacity = std::clamp(radius - r, 0.0, 1.0);
-                     return color;
-                 });
+constexpr Point compass_centre{936, 262};
+constexpr double compass_radius = 150;
+
+/// Where a frequency and a direction lie on the compass: from where waves come.
+Point on_compass(double share_of_radius, double from_rad) {
+    return {compass_centre.x + share_of_radius * compass_radius * std::sin(from_rad),
+            compass_centre.y - share_of_radius * compass_radius * std::cos(from_rad)};
+}
+
+void draw_compass_frame(Canvas& canvas, double omega_end, const std::string& title) {
     for (const plot::Tick& tick : plot::ticks({"", 0.0, omega_end}, 3)) {
-        const double r = radius * tick.value / omega_end;
-        if (r < 1.0 || r > radius - 1.0)
+        const double share = tick.value / omega_end;
+        if (share < 0.01 || share > 0.99)
             continue;
-        canvas.circle(centre, r, {plot::grey.faded(0.6), 0.8});
-        canvas.text({centre.x + 0.707 * r + 3, centre.y + 0.707 * r + 11}, tick.label,
-                    {plot::grey, 7.5});
+        canvas.circle(compass_centre, share * compass_radius, {plot::grey.faded(0.6), 0.8});
+        const Point label = on_compass(share, 0.75 * sea::pi);
+        canvas.text({label.x + 3, label.y + 11}, tick.label, {plot::grey, 7.5});
     }
     for (int bearing = 0; bearing < 360; bearing += 30) {
         const double angle = bearing / degrees_per_radian;
-        const Point edge{centre.x + radius * std::sin(angle), centre.y - radius * std::cos(angle)};
-        canvas.line(centre, edge, {plot::grey.faded(0.35), 0.8});
+        canvas.line(compass_centre, on_compass(1.0, angle), {plot::grey.faded(0.35), 0.8});
+        const bool main = bearing % 90 == 0;
         const std::string label =
-            bearing % 90 == 0 ? std::string(1, "NESW"[bearing / 90]) : fmt::format("{}°", bearing);
-        canvas.text({centre.x + (radius + 17) * std::sin(angle),
-                     centre.y - (radius + 15) * std::cos(angle) + 4},
-                    label, {ink, bearing % 90 == 0 ? 10.0 : 7.5, Align::centre, bearing % 90 == 0});
+            main ? std::string(1, "NESW"[bearing / 90]) : fmt::format("{}°", bearing);
+        const Point at = on_compass(1.11, angle);
+        canvas.text({at.x, at.y + 4}, label, {ink, main ? 10.0 : 7.5, Align::centre, main});
     }
-    canvas.circle(centre, radius, {ink, 1.0});
-    canvas.text({centre.x, 78}, "energy S(ω) D(θ, ω), by where waves come from",
-                {ink, 9.0, Align::centre});
+    canvas.circle(compass_centre, compass_radius, {ink, 1.0});
+    canvas.text({compass_centre.x, 78}, title, {ink, 9.0, Align::centre});
+    canvas.text({compass_centre.x + 112, compass_centre.y + compass_radius + 12},
+                "radius: ω, rad/s", {plot::grey, 7.5});
+}
+
+/// Energy over frequency and direction.
+void draw_compass(Canvas& canvas, const SeaSpectrum& spectrum) {
+    constexpr Rect box{compass_centre.x - compass_radius, compass_centre.y - compass_radius,
+                       compass_centre.x + compass_radius, compass_centre.y + compass_radius};
+    const double omega_end = 3.0 * spectrum.highest_peak_radps();
+    const auto energy = [&](double dx, double dy) {
+        const double omega = omega_end * std::hypot(dx, dy) / compass_radius;
+        const double from_deg = degrees_per_radian * std::atan2(dx, -dy);
+        return omega > 0.0 && omega < omega_end
+                   ? spectrum.density(omega) * spectrum.spreading(omega, towards(from_deg))
+                   : 0.0;
+    };
+    constexpr int side = 2 * static_cast<int>(compass_radius);
+    std::vector<double> values;
+    for (int y = 0; y < side; ++y)
+        for (int x = 0; x < side; ++x)
+            values.push_back(energy(x + 0.5 - compass_radius, y + 0.5 - compass_radius));
+    const double highest = *std::max_element(values.begin(), values.end());
+    // The square root of the energy is an amplitude; it shows swell beside a wind sea.
+    canvas.paint(box, [&](double px, double py) {
+        const auto i =
+            static_cast<std::size_t>((py - box.top - 0.5) * side + (px - box.left - 0.5));
+        plot::Color color = plot::sea_color(highest > 0.0 ? std::sqrt(values[i] / highest) : 0.0);
+        const double r = std::hypot(px - compass_centre.x, py - compass_centre.y);
+        color.opacity = std::clamp(compass_radius - r, 0.0, 1.0);
+        return color;
+    });
+    draw_compass_frame(canvas, omega_end, "energy S(ω) D(θ, ω), by where waves come from");
     plot::draw_color_bar(canvas, {1126, 132, 1140, 392},
                          {"amplitude / largest", 0.0, 1.0, Scale::linear});
-    canvas.text({centre.x + radius * 0.75, centre.y + radius + 12}, "radius: ω, rad/s",
-                {plot::grey, 7.5});
+}
+
+/// A sea without spectra: each wave by itself.
+void draw_waves(Canvas& canvas, const Report& report, FrequencyRange range) {
+    const std::vector<ExplicitWave> waves = explicit_waves(*report.sea);
+    double highest = 0.0;
+    double omega_last = 0.0;
+    for (const ExplicitWave& wave : waves) {
+        highest = std::max(highest, wave.amplitude_m);
+        omega_last = std::max(omega_last, wave.omega_radps);
+    }
+    Chart chart(canvas, {92, 112, 720, 636},
+                {"angular frequency ω, rad/s", range.lo_radps, range.hi_radps, Scale::logarithmic},
+                {"amplitude, m", 0.0, highest > 0.0 ? 1.15 * highest : 1.0});
+    chart.draw_grid();
+    draw_bands(chart, report);
+    std::vector<Point> tops;
+    for (const ExplicitWave& wave : waves) {
+        chart.bar(wave.omega_radps, wave.amplitude_m, 2.0, plot::series_color(0));
+        tops.push_back({wave.omega_radps, wave.amplitude_m});
+    }
+    chart.points(tops, 3.5, plot::series_color(0), "waves");
+    chart.draw_frame();
+    draw_periods(chart, range);
+    if (waves.empty())
+        return;
+    chart.draw_legend(plot::Corner::top_right);
+    const double omega_end = 1.1 * omega_last;
+    draw_compass_frame(canvas, omega_end, "waves, by where they come from");
+    for (const ExplicitWave& wave : waves)
+        canvas.disc(on_compass(wave.omega_radps / omega_end, 1.5 * sea::pi - wave.towards_rad),
+                    2.0 + 6.0 * std::sqrt(wave.amplitude_m / highest),
+                    plot::series_color(0).faded(0.7));
 }
 
 /// The share of each frequency's energy by direction.
@@ -223,8 +270,10 @@ Result<void> draw_picture(const Report& report, const std::string& path) {
     const SeaSpectrum spectrum(report.scene.sea);
     const FrequencyRange range = frequency_range(report, spectrum);
     draw_title(canvas, report);
-    draw_spectrum(canvas, report, spectrum, range);
-    if (!spectrum.empty()) {
+    if (spectrum.empty()) {
+        draw_waves(canvas, report, range);
+    } else {
+        draw_spectrum(canvas, report, spectrum, range);
         draw_compass(canvas, spectrum);
         draw_spreading(canvas, report, spectrum, range);
     }
