@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/bench/timing.h"
+
+#include <algorithm>
+#include <chrono>
+
+namespace seaway::bench {
+
+double Variant::median_s() const {
+    std::vector<double> sorted = seconds;
+    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+    std::nth_element(sorted.begin(), middle, sorted.end());
+    return sorted.empty() ? 0.0 : *middle;
+}
+
+double Variant::least_s() const {
+    return seconds.empty() ? 0.0 : *std::min_element(seconds.begin(), seconds.end());
+}
+
+void interleave(std::vector<Variant>& variants, int rounds) {
+    using Clock = std::chrono::steady_clock;
+    for (int round = -1; round < rounds; ++round)
+        for (Variant& variant : variants) {
+            const Clock::time_point start = Clock::now();
+            variant.run();
+            const std::chrono::duration<double> spent = Clock::now() - start;
+            if (round >= 0)
+                variant.seconds.push_back(spent.count());
+        }
+}
+
+} // namespace seaway::bench
