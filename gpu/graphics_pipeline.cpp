@@ -60,8 +60,8 @@ Result<OwnedPipeline> create_pipeline(Device& device, VkPipelineLayout layout,
         .rasterizationSamples = options.samples};
     const VkPipelineDepthStencilStateCreateInfo depth{
         .sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
-        .depthTestEnable = VK_TRUE,
-        .depthWriteEnable = options.depth_write,
+        .depthTestEnable = options.depth_format != VK_FORMAT_UNDEFINED,
+        .depthWriteEnable = options.depth_format != VK_FORMAT_UNDEFINED,
         .depthCompareOp = VK_COMPARE_OP_GREATER_OR_EQUAL};
     const VkPipelineColorBlendAttachmentState opaque{.colorWriteMask = 0xf};
     const VkPipelineColorBlendStateCreateInfo blend{

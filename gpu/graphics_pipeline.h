@@ -19,9 +19,9 @@ namespace seaway::gpu {
 
 struct GraphicsOptions {
     VkFormat colour_format = VK_FORMAT_R32G32B32A32_SFLOAT;
-    VkFormat depth_format = VK_FORMAT_D32_SFLOAT;
+    /// VK_FORMAT_UNDEFINED: no depth; else the test is "nearer or equal", with reversed depth.
+    VkFormat depth_format = VK_FORMAT_UNDEFINED;
     VkSampleCountFlagBits samples = VK_SAMPLE_COUNT_1_BIT;
-    bool depth_write = true; ///< the test is always "nearer or equal", with reversed depth
 };
 
 class GraphicsPipeline {

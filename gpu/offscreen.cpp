@@ -5,56 +5,48 @@ namespace seaway::gpu {
 
 namespace {
 
-VkSampleCountFlags sample_counts(Device& device, VkFormat format, VkImageUsageFlags usage) {
-    VkImageFormatProperties limits{};
-    const VkResult known = vkGetPhysicalDeviceImageFormatProperties(
-        device.physical(), format, VK_IMAGE_TYPE_2D, VK_IMAGE_TILING_OPTIMAL, usage, 0, &limits);
-    return known == VK_SUCCESS ? limits.sampleCounts : 0;
-}
-
-VkSampleCountFlagBits granted_samples(Device& device, int wanted) {
-    const VkSampleCountFlags counts =
-        sample_counts(device, Offscreen::colour_format, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT) &
-        sample_counts(device, Offscreen::depth_format, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT);
-    for (int samples = wanted; samples > 1; samples /= 2)
-        if (counts & static_cast<VkSampleCountFlags>(samples))
-            return static_cast<VkSampleCountFlagBits>(samples);
-    return VK_SAMPLE_COUNT_1_BIT;
+VkRenderingAttachmentInfo attachment(const Image& image, VkImageLayout layout) {
+    return {.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
+            .imageView = image.view(),
+            .imageLayout = layout,
+            .loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR,
+            .storeOp = VK_ATTACHMENT_STORE_OP_STORE};
 }
 
 } // namespace
 
-Result<Offscreen> Offscreen::create(Device& device, std::uint32_t width, std::uint32_t height,
-                                    int samples_wanted) {
-    const VkSampleCountFlagBits samples = granted_samples(device, samples_wanted);
+Result<Offscreen> Offscreen::create(Device& device, std::uint32_t width, std::uint32_t height) {
+    struct Wish {
+        Image Offscreen::*image;
+        const char* name;
+        ImageSpec spec;
+    };
+    const Wish wishes[] = {
+        {&Offscreen::geometry_,
+         "geometry",
+         {.format = format,
+          .usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT,
+          .samples = samples,
+          .filtered = false}},
+        {&Offscreen::depth_,
+         "depth",
+         {.format = depth_format,
+          .usage = VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT,
+          .samples = samples}},
+        {&Offscreen::picture_,
+         "picture",
+         {.format = format,
+          .usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT}}};
     Offscreen made;
-    const ImageSpec colour{.width = width,
-                           .height = height,
-                           .format = colour_format,
-                           .usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT |
-                                    VK_IMAGE_USAGE_TRANSFER_SRC_BIT};
-    Result<Image> resolved = Image::create(device, "picture", colour);
-    if (!resolved)
-        return resolved.error();
-    made.resolved_ = std::move(*resolved);
-    if (samples != VK_SAMPLE_COUNT_1_BIT) {
-        ImageSpec spec = colour;
-        spec.samples = samples;
-        spec.usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;
-        Result<Image> multisampled = Image::create(device, "multisampled picture", spec);
-        if (!multisampled)
-            return multisampled.error();
-        made.multisampled_ = std::move(*multisampled);
+    for (const Wish& wish : wishes) {
+        ImageSpec spec = wish.spec;
+        spec.width = width;
+        spec.height = height;
+        Result<Image> image = Image::create(device, wish.name, spec);
+        if (!image)
+            return image.error();
+        made.*wish.image = std::move(*image);
     }
-    Result<Image> depth = Image::create(device, "depth",
-                                        {.width = width,
-                                         .height = height,
-                                         .format = depth_format,
-                                         .usage = VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT,
-                                         .samples = samples});
-    if (!depth)
-        return depth.error();
-    made.depth_ = std::move(*depth);
     Result<Buffer> readback =
         Buffer::create(device, "picture read back", std::size_t{width} * height * 4 * sizeof(float),
                        BufferKind::readback);
@@ -64,36 +56,15 @@ Result<Offscreen> Offscreen::create(Device& device, std::uint32_t width, std::ui
     return made;
 }
 
-void Offscreen::begin(Commands& commands) {
-    const bool multisampling = samples() != VK_SAMPLE_COUNT_1_BIT;
-    record_transition(commands, resolved_, VK_IMAGE_LAYOUT_UNDEFINED,
-                      VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
-    if (multisampling)
-        record_transition(commands, multisampled_, VK_IMAGE_LAYOUT_UNDEFINED,
-                          VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
-    record_transition(commands, depth_, VK_IMAGE_LAYOUT_UNDEFINED,
-                      VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL);
-    const VkRenderingAttachmentInfo colour{
-        .sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
-        .imageView = multisampling ? multisampled_.view() : resolved_.view(),
-        .imageLayout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
-        .resolveMode = multisampling ? VK_RESOLVE_MODE_AVERAGE_BIT : VK_RESOLVE_MODE_NONE,
-        .resolveImageView = multisampling ? resolved_.view() : VkImageView(VK_NULL_HANDLE),
-        .resolveImageLayout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
-        .loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR,
-        .storeOp = multisampling ? VK_ATTACHMENT_STORE_OP_DONT_CARE : VK_ATTACHMENT_STORE_OP_STORE};
-    const VkRenderingAttachmentInfo depth{.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
-                                          .imageView = depth_.view(),
-                                          .imageLayout = VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL,
-                                          .loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR,
-                                          .storeOp = VK_ATTACHMENT_STORE_OP_DONT_CARE};
+void Offscreen::begin(Commands& commands, const VkRenderingAttachmentInfo& colour,
+                      const VkRenderingAttachmentInfo* depth) {
     const VkRect2D area{{0, 0}, {width(), height()}};
     const VkRenderingInfo info{.sType = VK_STRUCTURE_TYPE_RENDERING_INFO,
                                .renderArea = area,
                                .layerCount = 1,
                                .colorAttachmentCount = 1,
                                .pColorAttachments = &colour,
-                               .pDepthAttachment = &depth};
+                               .pDepthAttachment = depth};
     vkCmdBeginRendering(commands.get(), &info);
     const VkViewport viewport{0, 0, static_cast<float>(width()), static_cast<float>(height()),
                               0, 1};
@@ -101,13 +72,35 @@ void Offscreen::begin(Commands& commands) {
     vkCmdSetScissor(commands.get(), 0, 1, &area);
 }
 
-void Offscreen::end(Commands& commands) {
+void Offscreen::begin_geometry(Commands& commands) {
+    constexpr VkImageLayout to_colour = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
+    constexpr VkImageLayout to_depth = VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL;
+    record_transition(commands, geometry_, VK_IMAGE_LAYOUT_UNDEFINED, to_colour);
+    record_transition(commands, depth_, VK_IMAGE_LAYOUT_UNDEFINED, to_depth);
+    VkRenderingAttachmentInfo depth = attachment(depth_, to_depth);
+    depth.storeOp = VK_ATTACHMENT_STORE_OP_DONT_CARE;
+    begin(commands, attachment(geometry_, to_colour), &depth);
+}
+
+void Offscreen::end_geometry(Commands& commands) {
     vkCmdEndRendering(commands.get());
-    record_transition(commands, resolved_, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
+    record_transition(commands, geometry_, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
+                      VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
+}
+
+void Offscreen::begin_picture(Commands& commands) {
+    constexpr VkImageLayout to_colour = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
+    record_transition(commands, picture_, VK_IMAGE_LAYOUT_UNDEFINED, to_colour);
+    begin(commands, attachment(picture_, to_colour), nullptr);
+}
+
+void Offscreen::end_picture(Commands& commands) {
+    vkCmdEndRendering(commands.get());
+    record_transition(commands, picture_, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
                       VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
     const VkBufferImageCopy region{.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
                                    .imageExtent = {width(), height(), 1}};
-    vkCmdCopyImageToBuffer(commands.get(), resolved_.get(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
+    vkCmdCopyImageToBuffer(commands.get(), picture_.get(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
                            readback_.get(), 1, &region);
     commands.barrier(Stage::copy, Stage::host);
 }

@@ -13,7 +13,7 @@ namespace seaway::client {
 enum class DebugView : int {
     final,
     height,
-    position,
+    place,
     normal,
     slope,
     jacobian,
@@ -42,8 +42,8 @@ struct DebugViewInfo {
 inline constexpr std::array<DebugViewInfo, 10> debug_view_table{{
     {DebugView::final, "final", ColourMap::film, "the picture; EXR: radiance, kcd/m2"},
     {DebugView::height, "height", ColourMap::height, "height above the mean sea, m"},
-    {DebugView::position, "position", ColourMap::repeat,
-     "place of the surface: m east and north of the camera, m above the mean sea"},
+    {DebugView::place, "place", ColourMap::repeat,
+     "undisplaced place, m east and north of the camera; height above the mean sea, m"},
     {DebugView::normal, "normal", ColourMap::signed_1, "unit normal, filtered over the pixel"},
     {DebugView::slope, "slope", ColourMap::signed_1, "slope of the surface, east and north"},
     {DebugView::jacobian, "jacobian", ColourMap::unsigned_1,

@@ -10,6 +10,9 @@ namespace seaway::client {
 namespace {
 
 constexpr double pi = std::numbers::pi;
+constexpr double row_pixels = 0.4; ///< height of a far cell on the picture
+/// Length of a cell in wave heights: the dominant waves are 15 to 30 heights long.
+constexpr double cells_a_height = 2.5;
 
 /// Largest angle between the forward direction and a ray that may meet the sea.
 double half_span(const Camera& camera) {
@@ -54,11 +57,18 @@ Mesh build_mesh(const Camera& camera, const SeaStatistics& sea, double finest_m,
     // Beyond the horizon of the mean sea, crests still show.
     const double end = back + reach + std::sqrt(2 * earth_radius_m * height) +
                        std::sqrt(2 * earth_radius_m * sea.crest_m) + 100;
+    const double pixel_rad = camera.pixel_rad();
     double r = 0.5;
     while (mesh.rows_m.size() + 1 < Mesh::rows_max && r < end) {
         mesh.rows_m.push_back(static_cast<float>(r));
-        const double distance = std::hypot(std::max(std::abs(r - back) - reach, 0.0), clearance);
-        r += std::max(finest_m, distance * cell_rad);
+        const double along = std::max(std::abs(r - back) - reach, 0.0);
+        const double distance = std::hypot(along, clearance);
+        // As seen on a level sea, but never coarser than the waves that stand out as crests.
+        const double seen = row_pixels * pixel_rad * distance * distance / clearance;
+        const double waves = distance * pixel_rad < sea.significant_height_m
+                                 ? cells_a_height * sea.significant_height_m
+                                 : distance * cell_rad;
+        r += std::max({finest_m, std::min(seen, waves), row_pixels * pixel_rad * distance});
     }
     mesh.rows_m.push_back(static_cast<float>(end));
     return mesh;

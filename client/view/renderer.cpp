@@ -6,10 +6,10 @@
 
 #include "base/check.h"
 #include "shaders/view/debug_frag.h"
+#include "shaders/view/final_frag.h"
+#include "shaders/view/picture_vert.h"
+#include "shaders/view/sea_frag.h"
 #include "shaders/view/sea_vert.h"
-#include "shaders/view/sky_frag.h"
-#include "shaders/view/sky_vert.h"
-#include "shaders/view/water_frag.h"
 
 namespace seaway::client {
 
@@ -25,6 +25,7 @@ constexpr gpu::ExpectedBinding view_bindings[] = {
     {"gradient_maps", VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER},
     {"moment_maps", VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER},
     {"sky_map", VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER},
+    {"geometry", VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER},
 };
 
 /// Takes the value out of a Result, or returns its error from the calling function's point of view.
@@ -47,9 +48,8 @@ Result<Renderer> Renderer::create(gpu::Device& device, int width, int height,
                                   const RenderOptions& options) {
     Renderer made(device, options);
     if (Result<void> kept =
-            keep(made.target_,
-                 gpu::Offscreen::create(device, static_cast<std::uint32_t>(width),
-                                        static_cast<std::uint32_t>(height), options.samples));
+            keep(made.target_, gpu::Offscreen::create(device, static_cast<std::uint32_t>(width),
+                                                      static_cast<std::uint32_t>(height)));
         !kept)
         return kept.error();
     if (Result<void> kept = keep(made.commands_, gpu::Commands::create(device)); !kept)
@@ -62,22 +62,19 @@ Result<Renderer> Renderer::create(gpu::Device& device, int width, int height,
 }
 
 Result<void> Renderer::create_pipelines() {
-    const gpu::GraphicsOptions solid{.samples = target_.samples()};
-    gpu::GraphicsOptions behind = solid;
-    behind.depth_write = false;
+    const gpu::GraphicsOptions geometry{.depth_format = gpu::Offscreen::depth_format,
+                                        .samples = gpu::Offscreen::samples};
     using gpu::GraphicsPipeline;
-    if (Result<void> kept =
-            keep(water_, GraphicsPipeline::create(*device_, "water", sea_vert, water_frag,
-                                                  view_bindings, solid));
+    if (Result<void> kept = keep(sea_, GraphicsPipeline::create(*device_, "sea", sea_vert, sea_frag,
+                                                                view_bindings, geometry));
         !kept)
         return kept;
-    if (Result<void> kept =
-            keep(debug_, GraphicsPipeline::create(*device_, "debug view", sea_vert, debug_frag,
-                                                  view_bindings, solid));
+    if (Result<void> kept = keep(final_, GraphicsPipeline::create(*device_, "final", picture_vert,
+                                                                  final_frag, view_bindings, {}));
         !kept)
         return kept;
-    if (Result<void> kept = keep(sky_, GraphicsPipeline::create(*device_, "sky", sky_vert, sky_frag,
-                                                                view_bindings, behind));
+    if (Result<void> kept = keep(debug_, GraphicsPipeline::create(*device_, "debug", picture_vert,
+                                                                  debug_frag, view_bindings, {}));
         !kept)
         return kept;
     if (Result<void> kept = keep(sea_sampler_, gpu::create_sampler(*device_, {.repeat = true}));
@@ -146,11 +143,16 @@ Result<void> Renderer::bind() {
         return gpu::sampled(sampler.get(), upload.image.view(),
                             VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
     };
-    const gpu::Resource resources[] = {
-        gpu::whole(values_),          gpu::whole(rows_),          map(displacement_, sea_sampler_),
-        map(gradient_, sea_sampler_), map(moment_, sea_sampler_), map(sky_map_, sky_sampler_)};
+    const gpu::Resource resources[] = {gpu::whole(values_),
+                                       gpu::whole(rows_),
+                                       map(displacement_, sea_sampler_),
+                                       map(gradient_, sea_sampler_),
+                                       map(moment_, sea_sampler_),
+                                       map(sky_map_, sky_sampler_),
+                                       gpu::sampled(sea_sampler_.get(), target_.geometry().view(),
+                                                    VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL)};
     // All pipelines have the same bindings: one set serves them.
-    return keep(bindings_, water_.bind(*device_, resources));
+    return keep(bindings_, sea_.bind(*device_, resources));
 }
 
 void Renderer::fill_mesh(const Mesh& mesh) {
@@ -167,9 +169,8 @@ Result<void> Renderer::record(const Mesh& mesh, DebugView view) {
         return begun;
     for (const Upload* upload : {&displacement_, &gradient_, &moment_, &sky_map_})
         gpu::record_upload(commands_, upload->staging, upload->image, texel_bytes);
-    target_.begin(commands_);
-    const bool lit = view == DebugView::final;
-    (lit ? water_ : debug_).record_bind(commands_, bindings_);
+    target_.begin_geometry(commands_);
+    sea_.record_bind(commands_, bindings_);
     vkCmdBindIndexBuffer(commands_.get(), indices_.get(), 0, VK_INDEX_TYPE_UINT32);
     const int cells = static_cast<int>(mesh.rows_m.size()) - 1;
     for (int row = 0; row < cells; row += rows_a_strip) {
@@ -177,11 +178,11 @@ Result<void> Renderer::record(const Mesh& mesh, DebugView view) {
         vkCmdDrawIndexed(commands_.get(), static_cast<std::uint32_t>(rows * (mesh.columns - 1) * 6),
                          1, 0, row * mesh.columns, 0);
     }
-    if (lit) {
-        sky_.record_bind(commands_, bindings_);
-        vkCmdDraw(commands_.get(), 3, 1, 0, 0);
-    }
-    target_.end(commands_);
+    target_.end_geometry(commands_);
+    target_.begin_picture(commands_);
+    (view == DebugView::final ? final_ : debug_).record_bind(commands_, bindings_);
+    vkCmdDraw(commands_.get(), 3, 1, 0, 0);
+    target_.end_picture(commands_);
     return commands_.end();
 }
 

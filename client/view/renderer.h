@@ -23,8 +23,7 @@
 namespace seaway::client {
 
 struct RenderOptions {
-    int samples = 4;          ///< a pixel, at edges of the mesh; 1, 2, 4, 8, or what the device has
-    double cell_pixels = 2.5; ///< size of the mesh's cells
+    double cell_pixels = 2.5;   ///< size of the mesh's cells
     double visibility_m = 40e3; ///< distance at which 2 % of contrast is left (Koschmieder)
     bool detail = true;         ///< continue the waves beyond the finest cascade
 };
@@ -61,7 +60,7 @@ class Renderer {
     gpu::Device* device_;
     RenderOptions options_;
     gpu::Offscreen target_;
-    gpu::GraphicsPipeline water_, debug_, sky_;
+    gpu::GraphicsPipeline sea_, final_, debug_;
     gpu::OwnedSampler sea_sampler_, sky_sampler_;
     gpu::Buffer values_, rows_, indices_;
     Upload displacement_, gradient_, moment_, sky_map_;

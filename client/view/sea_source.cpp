@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "client/failure.h"
 #include "sea/scene.h"
 #include "shaders/shared/view.h"
 

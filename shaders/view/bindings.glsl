@@ -13,3 +13,6 @@ layout(binding = 3) uniform sampler2DArray gradient_maps;
 layout(binding = 4) uniform sampler2DArray moment_maps;
 /// [elevation][azimuth from the sun]: radiance of the sky, kcd/m2.
 layout(binding = 5) uniform sampler2D sky_map;
+/// [y][x], samples: undisplaced x, y (local, m), height above the mean sea (m), distance from the
+/// eye (m; 0: sky).
+layout(binding = 6) uniform sampler2DMS geometry;

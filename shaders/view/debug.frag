@@ -1,57 +1,71 @@
 #version 460
 // SPDX-License-Identifier: Apache-2.0
-// Raw numbers of the sea, one view a number (client/view/debug_views.h); nothing is lit or mapped
-// to colours here.
+// Raw numbers of the sea, one view a number (client/view/debug_views.h), of the pixel's first
+// sample; nothing is lit or mapped to colours here.
 #extension GL_GOOGLE_include_directive : require
 #include "view/bindings.glsl"
 #include "view/gradients.glsl"
 #include "view/foam.glsl"
 
-layout(location = 0) centroid in vec2 undisplaced_m;
-layout(location = 1) centroid in vec3 position_m;
-layout(location = 2) centroid in float height_m;
-layout(location = 3) centroid in vec2 cell;
+layout(location = 0) in vec3 direction;
 layout(location = 0) out vec4 value;
 
-float grid_line(float coordinate) {
-    const float width = max(fwidth(coordinate), 1e-4);
-    return 1.0 - clamp(abs(fract(coordinate - 0.5) - 0.5) / width, 0.0, 1.0);
+/// Row and column of the mesh at an undisplaced place.
+vec2 mesh_cell(vec2 undisplaced_m) {
+    const vec2 from_apex = undisplaced_m - view.mesh.xy;
+    const float r = length(from_apex);
+    int low = 0;
+    int high = int(view.counts.y) - 1;
+    while (high - low > 1) {
+        const int middle = (low + high) / 2;
+        if (row_distance_m[middle] <= r)
+            low = middle;
+        else
+            high = middle;
+    }
+    const float turn = atan(from_apex.y, from_apex.x) - view.mesh.z;
+    const float two_pi = 6.2831853;
+    const float column = (turn - two_pi * floor(turn / two_pi)) / view.mesh.w;
+    return vec2(float(low) + (r - row_distance_m[low]) /
+                                 (row_distance_m[high] - row_distance_m[low]), column);
 }
 
 void main() {
-    const Footprint area = footprint(undisplaced_m);
+    value = vec4(0, 0, 0, 1);
+    const vec4 place = texelFetch(geometry, ivec2(gl_FragCoord.xy), 0);
+    if (place.w == 0.0)
+        return; // sky
+    const vec3 away = normalize(direction);
+    const Footprint area = footprint(place.xy, -away, place.w);
     const Gradients g = gradients_at(area);
     const vec3 scaled = scaled_normal(g);
-    vec3 shown = vec3(0);
     switch (int(view.counts.z)) {
     case 1: // height
-        shown = vec3(height_m);
+        value.rgb = vec3(place.z);
         break;
-    case 2: // position
-        shown = vec3(position_m.xy, height_m);
+    case 2: // place
+        value.rgb = place.xyz;
         break;
     case 3: // normal
-        shown = normalize(scaled);
+        value.rgb = normalize(scaled);
         break;
     case 4: // slope
-        shown = vec3(-scaled.xy / scaled.z, 0);
+        value.rg = -scaled.xy / scaled.z;
         break;
     case 5: // jacobian
-        shown = vec3(scaled.z);
+        value.rgb = vec3(scaled.z);
         break;
     case 6: // roughness
-        shown = vec3(sqrt(g.variance.x + g.variance.y));
+        value.rgb = vec3(sqrt(g.variance.x + g.variance.y));
         break;
     case 7: // foam
-        shown = vec3(foam_cover(breaking_share(scaled.z, g.variance), undisplaced_m,
-                                distance(view.camera.xyz, position_m)));
+        value.rgb = vec3(foam_cover(breaking_share(scaled.z, g.variance), place.xy, place.w));
         break;
     case 8: // cascade
-        shown = vec3(gradients_of_cascade(area, int(view.counts.w)).slope, 0);
+        value.rg = gradients_of_cascade(area, int(view.counts.w)).slope;
         break;
     case 9: // grid
-        shown = vec3(max(grid_line(cell.x), grid_line(cell.y)));
+        value.rgb = vec3(any(lessThan(fract(mesh_cell(place.xy)), vec2(0.15))) ? 1.0 : 0.0);
         break;
     }
-    value = vec4(shown, 1);
 }

@@ -8,8 +8,9 @@ struct Gradients {
     vec3 variance; ///< of slope within the pixel: xx, yy, xy
 };
 
-/// The part of the sea that a pixel covers: a strip of probes along its longer side. The shader does
-/// this itself because the anisotropic filters of software devices take minutes at grazing angles.
+/// The part of the sea that a pixel covers: a strip of probes along the line of sight. The shader
+/// does this itself because the anisotropic filters of software devices take minutes at grazing
+/// angles, and because derivatives across a crest's edge would be of two different waves.
 struct Footprint {
     vec2 centre_m;
     vec2 step_m;   ///< from probe to probe
@@ -18,17 +19,19 @@ struct Footprint {
 };
 
 const int probes_max = 5;
+const float facing_min = 0.015; ///< crests near the horizon are not seen flatter than this
 
-Footprint footprint(vec2 undisplaced_m) {
-    const vec2 right = dFdx(undisplaced_m);
-    const vec2 down = dFdy(undisplaced_m);
-    const bool across = dot(right, right) > dot(down, down);
-    const vec2 longer = across ? right : down;
-    const float length_m = max(length(longer), 1e-6);
-    const float width_m = max(length(across ? down : right), 1e-6);
+Footprint footprint(vec2 undisplaced_m, vec3 to_eye, float distance_m) {
+    const float width_m = max(distance_m * view.camera.w, 1e-4);
+    // The long waves tilt the pixel's piece of sea towards the eye or away.
+    const vec4 tile = view.cascade[0];
+    const vec3 at = vec3(tile.xy + undisplaced_m * tile.z, 0.0);
+    const vec2 slope = textureLod(gradient_maps, at, max(log2(width_m / tile.w), 2.0)).xy;
+    const float facing = max(dot(normalize(vec3(-slope, 1)), to_eye), facing_min);
+    const float length_m = width_m / facing;
     const int probes = clamp(int(ceil(length_m / width_m)), 1, probes_max);
-    return Footprint(undisplaced_m, longer / float(probes), probes,
-                     max(length_m / float(probes), width_m));
+    const vec2 along = normalize(to_eye.xy + vec2(1e-6, 0)) * length_m / float(probes);
+    return Footprint(undisplaced_m, along, probes, max(length_m / float(probes), width_m));
 }
 
 /// Means over the pixel of gradient and moment maps.

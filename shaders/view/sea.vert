@@ -4,10 +4,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "view/bindings.glsl"
 
-layout(location = 0) centroid out vec2 undisplaced_m; // local
-layout(location = 1) centroid out vec3 position_m;    // local, with the earth's curvature
-layout(location = 2) centroid out float height_m;     // above the mean sea
-layout(location = 3) centroid out vec2 cell;          // row and column of the mesh
+layout(location = 0) centroid out vec4 place; // as binding `geometry`
 
 vec4 cubic_weights(float t) { // Catmull-Rom
     const float u = 1.0 - t;
@@ -53,15 +50,14 @@ void main() {
     const int column = gl_VertexIndex % columns;
     const float r = row_distance_m[row];
     const float azimuth = view.mesh.z + float(column) * view.mesh.w;
-    undisplaced_m = view.mesh.xy + r * vec2(cos(azimuth), sin(azimuth));
+    const vec2 undisplaced_m = view.mesh.xy + r * vec2(cos(azimuth), sin(azimuth));
 
     const int last = int(view.counts.y) - 1;
     const float spacing = max(row_distance_m[min(row + 1, last)] - row_distance_m[max(row - 1, 0)],
                               2.0 * r * view.mesh.w) / 2.0;
     const vec3 d = displacement(undisplaced_m, spacing);
     const vec2 moved = undisplaced_m + view.sea.xy * d.xy;
-    height_m = d.z;
-    position_m = vec3(moved, d.z - dot(moved, moved) * view.sea.z);
-    cell = vec2(float(row), float(column));
+    const vec3 position_m = vec3(moved, d.z - dot(moved, moved) * view.sea.z);
+    place = vec4(undisplaced_m, d.z, distance(position_m, view.camera.xyz));
     gl_Position = view.clip_from_local * vec4(position_m, 1);
 }

@@ -15,3 +15,12 @@ vec3 sky_radiance(vec3 direction, float blur) {
     const vec2 uv = (at * (size - 1.0) + 0.5) / size;
     return textureLod(sky_map, uv, blur * 5.0).rgb;
 }
+
+/// With the disk of the sun.
+vec3 sky_behind(vec3 direction) {
+    const float off_sun = acos(clamp(dot(direction, view.sun_direction.xyz), -1.0, 1.0));
+    const float edge = acos(view.sun_direction.w);
+    const float disk = 1.0 - smoothstep(edge - view.camera.w, edge + view.camera.w, off_sun);
+    return sky_radiance(direction, 0.0) +
+           disk * view.sun_irradiance.rgb * view.sun_irradiance.w;
+}

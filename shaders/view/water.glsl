@@ -1,21 +1,9 @@
-#version 460
 // SPDX-License-Identifier: Apache-2.0
 // The sea as it is seen: sky and sun by facets, light from the water body, foam, air.
 //
 // Facets: slopes within a pixel are Gaussian with the mean and covariance of the filtered maps.
 // Mean Fresnel and sun term after Bruneton, Neyret, Holzschuch 2010; the mean reflected sky is a
 // three-point quadrature over the slopes that face the eye.
-#extension GL_GOOGLE_include_directive : require
-#include "view/bindings.glsl"
-#include "view/gradients.glsl"
-#include "view/sky.glsl"
-#include "view/foam.glsl"
-
-layout(location = 0) centroid in vec2 undisplaced_m;
-layout(location = 1) centroid in vec3 position_m;
-layout(location = 2) centroid in float height_m;
-layout(location = 3) centroid in vec2 cell;
-layout(location = 0) out vec4 radiance;
 
 const float reflectance_at_normal = 0.02; // water, n = 1.33
 
@@ -85,7 +73,7 @@ vec3 sun_glint(vec3 to_eye, vec3 normal, vec2 slope, vec3 variance) {
 }
 
 /// Light that entered the water and comes out again; more where the sun shines through a crest.
-vec3 water_body(vec3 to_eye, vec3 normal) {
+vec3 water_body(vec3 to_eye, vec3 normal, float height_m) {
     const vec3 to_sun = view.sun_direction.xyz;
     const vec3 down = view.sky_irradiance.rgb + view.sun_irradiance.rgb * max(to_sun.z, 0.0);
     const vec3 deep = view.water.rgb * down / pi;
@@ -99,16 +87,16 @@ vec3 water_body(vec3 to_eye, vec3 normal) {
     return deep + tint * crest * facing;
 }
 
-void main() {
-    const Footprint area = footprint(undisplaced_m);
+/// place: as binding `geometry`; to_eye: unit.
+vec3 water_radiance(vec4 place, vec3 to_eye) {
+    const vec2 undisplaced_m = place.xy;
+    const float distance_m = place.w;
+    const Footprint area = footprint(undisplaced_m, to_eye, distance_m);
     Gradients g = gradients_at(area);
     const float jacobian = scaled_normal(g).z;
     const float breaking = breaking_share(jacobian, g.variance);
     add_detail(g, area);
 
-    const vec3 to_camera = view.camera.xyz - position_m;
-    const float distance_m = length(to_camera);
-    const vec3 to_eye = to_camera / distance_m;
     const vec3 scaled = scaled_normal(g);
     vec3 normal = normalize(vec3(scaled.xy, max(scaled.z, 0.1)));
     const float facing = dot(normal, to_eye);
@@ -121,7 +109,7 @@ void main() {
                                      2.0 * look.x * look.y * g.variance.z, 0.0));
     const float fresnel = mean_fresnel(clamp(dot(normal, to_eye), 0.0, 1.0), sigma);
 
-    vec3 colour = mix(water_body(to_eye, normal),
+    vec3 colour = mix(water_body(to_eye, normal, place.z),
                       reflected_sky(to_eye, slope, g.variance), fresnel);
     colour += sun_glint(to_eye, normal, slope, g.variance);
     const float cover = foam_cover(breaking, undisplaced_m, distance_m);
@@ -130,6 +118,5 @@ void main() {
     colour = mix(colour, 0.6 * lit, cover); // wet foam: Whitlock 1982 gives 0.5 to 0.6
 
     const float clear = exp(-distance_m * view.sea.w);
-    colour = mix(sky_radiance(vec3(-to_eye.xy, 0.0), 0.0), colour, clear);
-    radiance = vec4(colour, 1);
+    return mix(sky_radiance(vec3(-to_eye.xy, 0.0), 0.0), colour, clear);
 }

@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: Apache-2.0
-// One triangle over the picture, infinitely far.
+// One triangle over the picture.
 #extension GL_GOOGLE_include_directive : require
 #include "view/bindings.glsl"
 

@@ -1,0 +1,42 @@
+#version 460
+// SPDX-License-Identifier: Apache-2.0
+// The picture: sky where there is no sea, else the sea. A pixel that one piece of sea fills is lit
+// once; where a crest's edge or the horizon runs through it, each sample is lit.
+#extension GL_GOOGLE_include_directive : require
+#include "view/bindings.glsl"
+#include "view/gradients.glsl"
+#include "view/sky.glsl"
+#include "view/foam.glsl"
+#include "view/water.glsl"
+
+layout(location = 0) in vec3 direction;
+layout(location = 0) out vec4 radiance;
+
+const int samples = 4;
+
+void main() {
+    const vec3 away = normalize(direction);
+    const ivec2 pixel = ivec2(gl_FragCoord.xy);
+    vec4 place[samples];
+    vec4 mean = vec4(0);
+    vec2 span = vec2(1e9, 0);
+    for (int i = 0; i < samples; ++i) {
+        place[i] = texelFetch(geometry, pixel, i);
+        mean += place[i] / float(samples);
+        span = vec2(min(span.x, place[i].w), max(span.y, place[i].w));
+    }
+    if (span.y == 0.0) {
+        radiance = vec4(sky_behind(away), 1);
+        return;
+    }
+    // What a level sea would span; more is an edge.
+    const float level = span.x * span.x * view.camera.w / max(view.camera.z, 1.0);
+    const bool edge = span.x == 0.0 || span.y - span.x > 2.0 * level + 1.0;
+    vec3 sum = vec3(0);
+    const int count = edge ? samples : 1;
+    for (int i = 0; i < count; ++i) {
+        const vec4 at = edge ? place[i] : mean;
+        sum += at.w == 0.0 ? sky_radiance(away, 0.0) : water_radiance(at, -away);
+    }
+    radiance = vec4(sum / float(count), 1);
+}
