@@ -17,8 +17,9 @@ namespace seaway::tests {
 /// A cascade without waves; deep-water frequencies for all of its lattice.
 inline sea::CascadeModes calm_cascade(double length_m, int size) {
     const sea::CascadeSpec spec{length_m, size};
-    sea::CascadeModes modes{
-        spec, {0.5 * spec.wavenumber_step_radpm(), 0.9 * spec.nyquist_radpm()}, {}, {}};
+    sea::CascadeModes modes;
+    modes.spec = spec;
+    modes.band = {0.5 * spec.wavenumber_step_radpm(), 0.9 * spec.nyquist_radpm()};
     const auto count = static_cast<std::size_t>(size) * static_cast<std::size_t>(size);
     modes.h0.assign(count, {});
     modes.rate.assign(count, 0);
