@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "server/simulation/effect_costs.h"
 #include "server/simulation/effect_plan.h"
 #include "server/simulation/foam_maps.h"
 #include "server/simulation/native_synthesizer.h"
