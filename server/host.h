@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -63,6 +64,29 @@ struct FetchRequest {
     TileDemand demand;
 };
 
+/// Bytes of a long answer, made while they are sent. For one reader.
+class ByteSource {
+  public:
+    virtual ~ByteSource() = default;
+    /// Of the whole answer.
+    virtual std::uint64_t size() const = 0;
+    /// The next bytes, in order. Empty: not ready; `on_ready` of the request will be called.
+    virtual std::vector<std::uint8_t> next() = 0;
+};
+
+/// A bulk map wanted: the parameters as they came, by name (docs/protocol.md).
+struct MapQuery {
+    std::map<std::string, std::string> parameters;
+    std::function<void()> on_ready; ///< any thread; must not block
+};
+
+/// Either a source, or why not and the HTTP status that says so.
+struct MapAnswer {
+    std::unique_ptr<ByteSource> source;
+    unsigned status = 200;
+    std::string error = {};
+};
+
 class Host {
   public:
     virtual ~Host() = default;
@@ -82,6 +106,11 @@ class Host {
                        std::function<void(std::vector<KeyframeTiles>, std::string error)> done) = 0;
 
     virtual void query(QueryBatch batch, std::function<void(QueryAnswers)> done) = 0;
+
+    /// A whole grid at one time, in bounded chunks. Not every host makes maps.
+    virtual void map(MapQuery, std::function<void(MapAnswer)> done) {
+        done({nullptr, 404, "no maps here"});
+    }
 
     /// Bodies of /v1/state and /v1/plan (JSON) and the simulation's part of /metrics (Prometheus).
     virtual std::string state_json() const = 0;

@@ -3,6 +3,9 @@
 
 #include <utility>
 
+#include <fmt/format.h>
+
+#include "server/map_source.h"
 #include "server/world_reports.h"
 
 namespace seaway::server {
@@ -98,6 +101,23 @@ void World::query(QueryBatch batch, std::function<void(QueryAnswers)> done) {
             const bool failed = answers.size() != count;
             done({epoch, std::move(answers), failed ? "the device has failed" : ""});
         });
+}
+
+void World::map(MapQuery query, std::function<void(MapAnswer)> done) {
+    const Result<MapRequest> request = read_map_request(query.parameters, now_());
+    if (!request)
+        return done({nullptr, 400, request.error().message});
+    std::shared_ptr<void> place = take_map_place(maps_running_);
+    if (!place)
+        return done(
+            {nullptr, 503,
+             fmt::format("{} maps are being made already, try again later", maps_at_once_max)});
+    simulation_->surface(request->time_us, [request = *request, place, on_ready = query.on_ready,
+                                            done = std::move(done)](const sea::Surface* surface) {
+        if (!surface)
+            return done({nullptr, 503, "the device has failed"});
+        done(start_map(request, *surface, place, on_ready));
+    });
 }
 
 std::string World::state_json() const {

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <functional>
 #include <map>
 #include <memory>
@@ -39,6 +40,7 @@ class World final : public Host {
     void fetch(FetchRequest request,
                std::function<void(std::vector<KeyframeTiles>, std::string error)> done) override;
     void query(QueryBatch batch, std::function<void(QueryAnswers)> done) override;
+    void map(MapQuery query, std::function<void(MapAnswer)> done) override;
     std::string state_json() const override;
     std::string plan_json() const override;
     std::string metrics_text() const override;
@@ -54,6 +56,8 @@ class World final : public Host {
     const SharedBytes sea_state_;
     Simulation* simulation_ = nullptr;
     Publish publish_;
+
+    std::shared_ptr<std::atomic<int>> maps_running_ = std::make_shared<std::atomic<int>>(0);
 
     mutable std::mutex mutex_;
     std::map<SessionId, TileDemand> granted_;

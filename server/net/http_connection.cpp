@@ -1,5 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <map>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include <boost/asio/ssl/stream.hpp>
 #include <boost/beast/core.hpp>
@@ -29,6 +33,23 @@ constexpr std::uint64_t body_bytes_max = 1024;
 
 std::string_view text(beast::string_view view) {
     return {view.data(), view.size()};
+}
+
+constexpr std::string_view map_path = "/v1/map";
+
+/// Name=value pairs behind the '?'. Values are numbers and words: nothing needs decoding.
+std::map<std::string, std::string> query_parameters(std::string_view target) {
+    std::map<std::string, std::string> parameters;
+    std::size_t begin = target.find('?');
+    while (begin != std::string_view::npos) {
+        const std::size_t end = target.find('&', ++begin);
+        const std::string_view pair = target.substr(begin, end - begin);
+        const std::size_t equals = std::min(pair.find('='), pair.size());
+        parameters[std::string(pair.substr(0, equals))] =
+            std::string(pair.substr(std::min(equals + 1, pair.size())));
+        begin = end;
+    }
+    return parameters;
 }
 
 template <class Stream>
@@ -85,6 +106,8 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection<Stream
         if (beast::websocket::is_upgrade(request) &&
             target.substr(0, target.find('?')) == protocol::stream_path)
             return upgrade();
+        if (request.method() == http::verb::get && target.substr(0, target.find('?')) == map_path)
+            return start_map(target);
         respond(page_for(core(), text(request.method_string()), target),
                 request.method() == http::verb::head, request.keep_alive());
     }
@@ -151,6 +174,86 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection<Stream
         }
     }
 
+    // ---- bulk maps: a length, then chunks as they are made and taken ----
+
+    void start_map(std::string_view target) {
+        lowest().expires_never(); // the host answers; what it takes is bounded there
+        const std::weak_ptr<HttpConnection> weak = this->weak_from_this();
+        const auto core_ptr = slot_.core();
+        const auto on_io = [weak, core_ptr](auto work) {
+            core_ptr->post([weak, work]() mutable {
+                if (const auto self = weak.lock())
+                    work(*self);
+            });
+        };
+        map_keeps_alive_ = this->shared_from_this();
+        core().host.map({query_parameters(target),
+                         [on_io] { on_io([](HttpConnection& self) { self.write_map(); }); }},
+                        [on_io](MapAnswer answer) {
+                            auto shared = std::make_shared<MapAnswer>(std::move(answer));
+                            on_io([shared](HttpConnection& self) { self.begin_map(*shared); });
+                        });
+    }
+
+    void begin_map(MapAnswer& answer) {
+        if (!answer.source) {
+            map_keeps_alive_.reset();
+            return respond({.status = answer.status, .body = answer.error + "\n"}, false,
+                           parser_->get().keep_alive());
+        }
+        map_ = std::move(answer.source);
+        auto header = std::make_shared<http::response<http::empty_body>>();
+        header->result(200);
+        header->version(11);
+        header->set(http::field::server, "seaway/" SEAWAY_VERSION);
+        header->set(http::field::content_type, "application/vnd.seaway.map");
+        header->set(http::field::cache_control, "no-store");
+        header->keep_alive(false);
+        header->content_length(map_->size());
+        ++core().counters.http_responses[200];
+        lowest().expires_after(core().options.write_timeout);
+        map_writing_ = true;
+        auto serializer = std::make_shared<http::response_serializer<http::empty_body>>(*header);
+        http::async_write_header(
+            stream_, *serializer,
+            [self = this->shared_from_this(), header, serializer](error_code error, std::size_t) {
+                self->on_map_written(error);
+            });
+    }
+
+    void write_map() {
+        if (!map_ || map_writing_)
+            return;
+        map_chunk_ = map_->next();
+        if (map_chunk_.empty()) {
+            if (map_sent_ == map_->size())
+                return end_map();
+            return lowest().expires_never(); // waits for the next chunk, not for the peer
+        }
+        map_sent_ += map_chunk_.size();
+        map_writing_ = true;
+        lowest().expires_after(core().options.write_timeout);
+        asio::async_write(stream_, asio::buffer(map_chunk_),
+                          [self = this->shared_from_this()](error_code error, std::size_t) {
+                              self->on_map_written(error);
+                          });
+    }
+
+    void on_map_written(error_code error) {
+        map_writing_ = false;
+        if (error) {
+            end_map();
+            return failed("http", error);
+        }
+        write_map();
+    }
+
+    void end_map() {
+        map_.reset();
+        map_keeps_alive_.reset();
+        close();
+    }
+
     void respond_and_close(const Page& page, error_code error) {
         note("http", error);
         respond(page, false, false);
@@ -181,6 +284,12 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection<Stream
     std::string peer_;
     beast::flat_buffer buffer_{header_bytes_max + body_bytes_max};
     std::optional<Parser> parser_;
+
+    std::unique_ptr<ByteSource> map_;
+    std::vector<std::uint8_t> map_chunk_; ///< being written
+    std::uint64_t map_sent_ = 0;
+    bool map_writing_ = false;
+    std::shared_ptr<HttpConnection> map_keeps_alive_; ///< while chunks are waited for
 };
 
 } // namespace

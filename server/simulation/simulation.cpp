@@ -392,23 +392,39 @@ bool Simulation::exact_slice(Batch& batch) const {
 bool Simulation::answer_slice(Batch& batch) {
     if (batch.complete())
         return true;
-    const std::vector<Wanted> wanted = around(batch.next().time_us, {~0u, sea_->sampler_fields()});
-    const std::vector<sea::KeyframePtr> held = keyframes(wanted, asked_foam_);
-    if (held.size() != wanted.size()) { // the device is gone for good
+    const std::optional<SurfaceSpan> span = surface_around(batch.next().time_us);
+    if (!span) { // the device is gone for good
         batch.answers.clear();
         return true;
     }
+    while (!batch.complete() && batch.next().time_us < span->end_us)
+        batch.put(span->surface.answer(batch.next()));
+    return batch.complete();
+}
+
+std::optional<Simulation::SurfaceSpan> Simulation::surface_around(TimeUs time_us) {
+    const std::vector<Wanted> wanted = around(time_us, {~0u, sea_->sampler_fields()});
+    const std::vector<sea::KeyframePtr> held = keyframes(wanted, asked_foam_);
+    if (held.size() != wanted.size())
+        return std::nullopt;
     std::vector<sea::SplinePair> pairs;
     TimeUs end_us = std::numeric_limits<TimeUs>::max();
     for (std::size_t i = 0; i < wanted.size(); i += 2) {
         pairs.push_back({store_.spline(held[i]), store_.spline(held[i + 1])});
         end_us = std::min(end_us, wanted[i + 1].time_us);
     }
-    const sea::Surface surface(std::move(pairs), sea_->realization->choppiness,
-                               sea_->budget.displacement_reach_m, map_error(sea_->budget, 0.0));
-    while (!batch.complete() && batch.next().time_us < end_us)
-        batch.put(surface.answer(batch.next()));
-    return batch.complete();
+    return SurfaceSpan{sea::Surface(std::move(pairs), sea_->realization->choppiness,
+                                    sea_->budget.displacement_reach_m,
+                                    map_error(sea_->budget, 0.0)),
+                       end_us};
+}
+
+void Simulation::surface(TimeUs time_us, Surfaced done) {
+    ask([this, time_us, done = std::move(done)] {
+        const std::optional<SurfaceSpan> span = surface_around(time_us);
+        done(span ? &span->surface : nullptr);
+        return true;
+    });
 }
 
 } // namespace seaway::server

@@ -18,6 +18,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <string>
 #include <thread>
@@ -88,6 +89,10 @@ class Simulation {
     /// One answer a point, in order, each at its own time, past or future.
     void answer(std::vector<sea::QueryPoint> points, bool exact, Answered done);
 
+    /// The surface around a time, for who samples much of it at once. Null if the device is gone.
+    using Surfaced = std::function<void(const sea::Surface*)>;
+    void surface(sea::TimeUs time_us, Surfaced done);
+
     RunningSeaPtr sea() const;
     EffectPlan plan() const;
     SimulationCounters counters() const;
@@ -120,6 +125,13 @@ class Simulation {
     Result<std::vector<sea::KeyframePtr>> synthesize(std::span<const KeyframeRequest> requests);
     Result<void> rebuild_device();
     std::vector<Wanted> around(sea::TimeUs time_us, const Demand& demand) const;
+    /// From the keyframes of every cascade around a time; valid before `end_us`.
+    struct SurfaceSpan {
+        sea::Surface surface;
+        sea::TimeUs end_us;
+    };
+    std::optional<SurfaceSpan> surface_around(sea::TimeUs time_us);
+
     struct Batch;
     bool answer_slice(Batch& batch);
     bool exact_slice(Batch& batch) const;
