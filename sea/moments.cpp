@@ -251,30 +251,30 @@ void over_modes(const CascadeModes& cascade, const F& f) {
         }
 }
 
-/// Relative standard deviation of Hs over seeds: sqrt(2 sum E^2) / (2 sum E), E the mean of the
-/// variances expected of k and -k (physics.md section 5).
-double expected_scatter(std::span<const DirectionalSpectrum> spectra, const CascadeModes& cascade) {
-    const double step = cascade.spec.wavenumber_step_radpm();
-    const int steps = cascade.spec.size / 2 - 1;
-    double sum = 0.0;
+} // namespace
+
+double expected_hs_scatter(const SeaState& sea, const CascadeSpec& tile, Band band) {
+    const std::vector<DirectionalSpectrum> spectra = spectra_of(sea);
+    const double step = tile.wavenumber_step_radpm();
+    double variance = 0.0;
+    for (const DirectionalSpectrum& s : spectra)
+        variance += kept_variance(s, sea.dispersion(), band);
+    // E, the mean of the variances of k and -k, is largest in the first rings; beyond 40 steps its
+    // square no longer matters.
+    const int reach = std::min(tile.size / 2 - 1, 40);
     double squares = 0.0;
-    // The energy sits in the first rings; beyond 40 steps a mode's share no longer matters.
-    const int reach = std::min(steps, 40);
     for (int ny = -reach; ny <= reach; ++ny)
         for (int nx = -reach; nx <= reach; ++nx) {
-            if (!cascade.band.contains(step * std::hypot(nx, ny)))
+            if (!band.contains(step * std::hypot(nx, ny)))
                 continue;
             double pair = 0.0;
             for (const DirectionalSpectrum& s : spectra)
                 pair += 0.5 * step * step *
                         (s.density(step * nx, step * ny) + s.density(-step * nx, -step * ny));
-            sum += pair;
             squares += pair * pair;
         }
-    return sum > 0.0 ? std::sqrt(2.0 * squares) / (2.0 * sum) : 0.0;
+    return variance > 0.0 ? std::sqrt(2.0 * squares) / (2.0 * variance) : 0.0;
 }
-
-} // namespace
 
 double requested_variance(const SeaState& sea, double omega_lo_radps, double omega_hi_radps) {
     double sum = 0.0;
@@ -353,7 +353,7 @@ SeaSummary summarize(const SeaState& sea, const Realization& realization) {
             continue;
         for (const DirectionalSpectrum& s : spectra)
             variance.requested_m2 += kept_variance(s, dispersion, cascade.band);
-        variance.expected_scatter = expected_scatter(spectra, cascade);
+        variance.expected_scatter = expected_hs_scatter(sea, cascade.spec, cascade.band);
     }
     summary.realised = statistics(sums, peak.peak_omega_radps());
     add_losses(spectra, dispersion, all, summary);

@@ -84,6 +84,8 @@ Result<Scene> parse_scene(std::string_view text, const std::string& name,
     if (text.size() > scene_text_bytes_max)
         return Error{fmt::format("{}: {} bytes; a scene has at most {}", name, text.size(),
                                  scene_text_bytes_max)};
+    if (const std::optional<Error> strange = find_strange_byte(text, name))
+        return *strange;
     const toml::parse_result parsed = toml::parse(text);
     if (!parsed)
         return Error{fmt::format("{}:{}: {}", name, parsed.error().source().begin.line,

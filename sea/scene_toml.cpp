@@ -34,6 +34,75 @@ std::optional<double> as_number(const toml::node& node) {
 
 } // namespace
 
+namespace {
+
+/// Walks a TOML text as far as comments and strings go.
+class Lexer {
+  public:
+    explicit Lexer(std::string_view text) : text_(text) {
+        if (text_.substr(0, 3) == "\xEF\xBB\xBF")
+            text_.remove_prefix(3);
+    }
+    /// The line of the first strange byte outside of strings and comments, and the byte.
+    std::optional<std::pair<int, unsigned>> first_strange() {
+        while (!text_.empty()) {
+            const auto c = static_cast<unsigned char>(text_.front());
+            if (c == '#')
+                skip_to("\n", false);
+            else if (c == '"' || c == '\'')
+                skip_string();
+            else if (c >= 0x7F || (c < 0x20 && c != '\t' && c != '\n' && c != '\r'))
+                return std::pair(line_, unsigned{c});
+            else
+                take(1);
+        }
+        return std::nullopt;
+    }
+
+  private:
+    void take(std::size_t count) {
+        count = std::min(count, text_.size());
+        line_ += static_cast<int>(
+            std::count(text_.begin(), text_.begin() + static_cast<long>(count), '\n'));
+        text_.remove_prefix(count);
+    }
+    /// Past the next `end` that no backslash hides; what is not closed runs to the end.
+    void skip_to(std::string_view end, bool escapes) {
+        while (!text_.empty() && text_.substr(0, end.size()) != end)
+            take(escapes && text_.front() == '\\' ? 2 : 1);
+        take(end.size());
+    }
+    void skip_string() {
+        const std::string_view quote = text_.substr(0, 1);
+        const std::string triple(3, quote.front());
+        const bool escapes = quote == "\"";
+        if (text_.substr(0, 3) != triple) {
+            const std::string one(quote);
+            take(1);
+            skip_to(one, escapes);
+            return;
+        }
+        take(3);
+        skip_to(triple, escapes);
+        // Up to two more quotes belong to the string's end.
+        for (int i = 0; i < 2 && !text_.empty() && text_.front() == triple.front(); ++i)
+            take(1);
+    }
+
+    std::string_view text_;
+    int line_ = 1;
+};
+
+} // namespace
+
+std::optional<Error> find_strange_byte(std::string_view text, const std::string& document) {
+    if (const auto found = Lexer(text).first_strange())
+        return Error{fmt::format("{}:{}: byte 0x{:02x} is not allowed here; outside of strings and "
+                                 "comments a scene is printable ASCII",
+                                 document, found->first, found->second)};
+    return std::nullopt;
+}
+
 void TomlErrors::add(const toml::source_region& where, const std::string& what) {
     if (!first_)
         first_ = Error{fmt::format("{}:{}: {}", document_, where.begin.line, what)};

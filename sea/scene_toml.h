@@ -31,6 +31,10 @@ struct Range {
     bool contains(double value) const { return value >= lo && value <= hi; }
 };
 
+/// Outside of strings and comments a scene is printable ASCII: the error at the first byte that is
+/// not. toml++ 3.3 does not survive all others there.
+std::optional<Error> find_strange_byte(std::string_view text, const std::string& document);
+
 /// Keeps the first error of a document.
 class TomlErrors {
   public:

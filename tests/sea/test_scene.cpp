@@ -92,8 +92,12 @@ TEST(Scene, A21_numbers_that_are_none_are_refused_by_name) {
 // The TOML library aborts on these unless its assertions are off.
 TEST(Scene, malformed_texts_are_errors_not_aborts) {
     for (const char* text : {"[$", "[[$]]", "[sea]\n[[\x01]]", "a.=1", "=", "[sea]\nseed = 0x", "[",
-                             "[[", "\"", "\xff\xfe", "[sea]\nx = {", "[sea]\nseed = 1_"})
+                             "[[", "\"", "\xff\xfe", "[sea]\nx = {", "[sea]\nseed = 1_",
+                             "\xEF\xBB\xBE# x", "[sea]\nseed = 1 \xE1\x9A\x81"})
         EXPECT_NE(error_of(text), "no error") << text;
+    EXPECT_THAT(error_of("# \xC3\xBC\n[sea]\nx = '\xC3\xBC' \xC3\xBC"),
+                AllOf(HasSubstr("s.toml:3"), HasSubstr("0xc3")));
+    EXPECT_TRUE(parse_scene("\xEF\xBB\xBF# \xC3\xBC \"\n[sea] # '\nseed = 1", "s", ""));
 }
 
 TEST(Scene, choppiness_is_a_number_or_a_pair) {
