@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "base/check.h"
+#include "sea/sine_waves.h"
 #include "server/simulation/spare_buffers.h"
 
 namespace seaway::server {
@@ -35,7 +36,7 @@ Result<void> NativeSynthesizer::set_sea(sea::RealizationPtr sea, std::uint32_t e
 
 Result<std::vector<sea::KeyframePtr>>
 NativeSynthesizer::synthesize(std::span<const KeyframeRequest> requests) try {
-    std::vector<sea::KeyframePtr> keyframes;
+    std::vector<std::shared_ptr<sea::Keyframe>> keyframes;
     std::vector<sea::NativeTask> tasks;
     for (const KeyframeRequest& request : requests) {
         SEAWAY_CHECK(request.cascade >= 0 && request.cascade < static_cast<int>(cascades_.size()),
@@ -60,11 +61,15 @@ NativeSynthesizer::synthesize(std::span<const KeyframeRequest> requests) try {
     }
     const auto start = std::chrono::steady_clock::now();
     runner_.run(tasks);
+    for (std::size_t i = 0; i < keyframes.size(); ++i)
+        for (const sea::SineField& field :
+             sea_->cascades[static_cast<std::size_t>(requests[i].cascade)].sines)
+            sea::add_sines(field, tasks[i].phase_time_us, *keyframes[i]);
     const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
     counters_.device_seconds += taken.count();
     counters_.dispatches += 2 * tasks.size();
     counters_.keyframes += tasks.size();
-    return keyframes;
+    return std::vector<sea::KeyframePtr>(keyframes.begin(), keyframes.end());
 } catch (const std::bad_alloc&) {
     return Error{"native synthesis: out of memory"};
 }
