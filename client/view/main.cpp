@@ -61,6 +61,7 @@ int draw(Client& client, Renderer& renderer, const ViewOptions& options) {
     const Sky sky(sun_direction(options.time_of_day_h));
     const sea::TimeUs start_us =
         options.time_s ? sea::us_from_seconds(*options.time_s) : client.now_us();
+    double exposure = 1;
     for (int i = 0; i < options.frames; ++i) {
         const sea::TimeUs time_us = start_us + i * sea::TimeUs{1'000'000} / frame_rate_hz;
         const Result<SeaFrame> frame = sea_frame_at(client, time_us, options.timeout_s);
@@ -71,7 +72,9 @@ int draw(Client& client, Renderer& renderer, const ViewOptions& options) {
         const Result<Picture> picture = renderer.render(*frame, options.camera, sky, options.debug);
         if (!picture)
             return fail(ViewExit::no_device, picture.error());
-        const Display display{options.debug.view, sky.exposure(),
+        if (i == 0) // metered once: frames of a film do not flicker
+            exposure = metered_exposure(*picture, sky.white_radiance());
+        const Display display{options.debug.view, exposure,
                               renderer.statistics().significant_height_m};
         const std::string path = frame_path(options.out, i, options.frames);
         if (Result<void> written = write(*picture, display, path); !written)

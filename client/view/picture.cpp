@@ -39,6 +39,25 @@ glm::vec3 height_colour(float height_m, float scale_m) {
 
 } // namespace
 
+double metered_exposure(const Picture& picture, double white_radiance) {
+    constexpr double middle_grey = 0.18;
+    constexpr double white_sheet = 0.9; ///< a white sheet on the sea becomes this
+    constexpr double range = 3;
+    constexpr double darkest_white = 1e-4; ///< kcd/m2: below it the eye gives up
+    double logarithms = 0;
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < picture.rgba.size(); i += 4) {
+        const double luminance = 0.2126 * static_cast<double>(picture.rgba[i]) +
+                                 0.7152 * static_cast<double>(picture.rgba[i + 1]) +
+                                 0.0722 * static_cast<double>(picture.rgba[i + 2]);
+        logarithms += std::log(std::max(luminance, 1e-9));
+        ++count;
+    }
+    const double mean = std::exp(logarithms / static_cast<double>(std::max<std::size_t>(count, 1)));
+    const double by_light = white_sheet / std::max(white_radiance, darkest_white);
+    return std::clamp(middle_grey / mean, by_light / range, by_light * range);
+}
+
 std::vector<std::uint8_t> to_srgb(const Picture& picture, const Display& display) {
     std::vector<std::uint8_t> bytes;
     bytes.reserve(picture.rgba.size() / 4 * 3);

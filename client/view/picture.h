@@ -30,6 +30,11 @@ struct Display {
     double significant_height_m = 1; ///< scale of heights
 };
 
+/// The factor that brings the geometric mean of a lit picture's luminance to middle grey; within a
+/// factor of 3 of what a light meter on the sea says (`white_radiance`, client/view/sky.h), so that
+/// glint does not blacken the sea, and night stays dark.
+double metered_exposure(const Picture& picture, double white_radiance);
+
 /// [y][x][rgb], sRGB.
 std::vector<std::uint8_t> to_srgb(const Picture& picture, const Display& display);
 

@@ -13,7 +13,7 @@ constexpr double pi = std::numbers::pi;
 
 // Vertical optical depths: Rayleigh after Bodhaine 1999, clean marine aerosol, ozone 300 DU.
 const glm::dvec3 rayleigh_depth(0.042, 0.098, 0.245);
-const glm::dvec3 aerosol_depth(0.075, 0.085, 0.100);
+const glm::dvec3 aerosol_depth(0.045, 0.050, 0.056);
 const glm::dvec3 ozone_depth(0.016, 0.030, 0.001);
 constexpr double aerosol_albedo = 0.95;
 constexpr double aerosol_asymmetry = 0.76;
@@ -94,12 +94,9 @@ glm::dvec3 Sky::radiance(double elevation_rad, double azimuth_from_sun_rad) cons
            night_radiance;
 }
 
-double Sky::exposure() const {
+double Sky::white_radiance() const {
     const glm::dvec3 light = sky_irradiance_ + sun_irradiance_ * std::max(sun_direction_.z, 0.0);
-    const double luminance = glm::dot(light, glm::dvec3(0.2126, 0.7152, 0.0722));
-    // The eye gives up in the dark: night stays dark.
-    constexpr double darkest_klx = 2e-4;
-    return pi / std::max(luminance, darkest_klx);
+    return glm::dot(light, glm::dvec3(0.2126, 0.7152, 0.0722)) / pi;
 }
 
 std::vector<float> Sky::map() const {

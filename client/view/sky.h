@@ -34,8 +34,8 @@ class Sky {
     /// Elevation 0 .. pi/2, azimuth from the sun 0 .. pi.
     glm::dvec3 radiance(double elevation_rad, double azimuth_from_sun_rad) const;
 
-    /// Factor from kcd/m2 to a picture in which a white sheet on the sea is 1.
-    double exposure() const;
+    /// Radiance of a white sheet that lies on the sea, kcd/m2: the middle of what light there is.
+    double white_radiance() const;
 
     static constexpr double sun_radius_rad = 0.00465;
     static constexpr int map_width = 128;  ///< azimuth from the sun

@@ -15,7 +15,10 @@ const glm::dvec3 water_reflectance(0.008, 0.024, 0.026);
 constexpr double detail_turn_rad = 0.37;
 /// Gravity waves give way to capillary ones here, and slopes fade, rad/m (Cox and Munk 1954).
 constexpr double shortest_waves_radpm = 370;
-constexpr double foam_softness = 0.06; ///< of the Jacobian, where a pixel resolves everything
+constexpr double foam_softness = 0.1; ///< of the Jacobian, where a pixel resolves everything
+/// Foam outlives the breaking for some seconds: it is drawn where the sea is nearly breaking, too.
+/// With this a gale of 19 m/s is 3 % white, as after Monahan and Muircheartaigh 1980.
+constexpr double foam_margin = 0.22;
 
 shaders::vec4 vector(const glm::dvec3& v, double w = 0) {
     return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z),
@@ -79,8 +82,9 @@ shaders::ViewValues view_values(const SeaFrame& frame, const SeaMaps& maps, cons
     out.sea = vector(frame.choppiness.x, frame.choppiness.y, 1 / (2 * earth_radius_m),
                      std::log(50.0) / options.visibility_m);
     const double noise_m = shaders::view_noise_period_m;
-    out.foam = vector(frame.foam_threshold, foam_softness, fraction(camera.x_m / noise_m) * noise_m,
-                      fraction(camera.y_m / noise_m) * noise_m);
+    out.foam =
+        vector(frame.foam_threshold + foam_margin, foam_softness,
+               fraction(camera.x_m / noise_m) * noise_m, fraction(camera.y_m / noise_m) * noise_m);
 
     // A node lies in the middle of its texel.
     const double half_texel = 0.5 / maps.nodes;

@@ -27,19 +27,20 @@ float foam_cover(float share, vec2 undisplaced_m, float distance_m) {
     const float pixel_m = distance_m * view.camera.w;
     if (share < 0.004)
         return 0.0;
-    const vec2 at = undisplaced_m + view.foam.zw;
+    vec2 at = undisplaced_m + view.foam.zw;
+    at += 0.6 * vec2(noise(at, 1), noise(at + 37.0, 1)); // tears the patches' edges
     float pattern = 0.0;
     float weight = 0.0;
-    float amplitude = 0.5;
-    for (int level = -1; level <= 4; ++level) {
+    float amplitude = 1.0;
+    for (int level = 0; level <= 5; ++level) {
         // An octave finer than the pixel is worth its mean.
         const float seen = clamp(1.5 - 2.0 * pixel_m * exp2(float(level)), 0.0, 1.0);
         pattern += amplitude * mix(0.5, seen > 0.0 ? noise(at, level) : 0.5, seen);
         weight += amplitude;
-        amplitude *= 0.62;
+        amplitude *= 0.85;
     }
-    pattern /= weight;
-    const float spread = clamp((pattern - 0.25) / 0.5, 0.0, 1.0); // sums of noise crowd about 1/2
-    const float patches = smoothstep(1.0 - share - 0.12, 1.0 - share + 0.12, spread);
+    // Sums of noise crowd about one half; bubbles thin out towards the edges of a patch.
+    const float spread = clamp((pattern / weight - 0.3) / 0.4, 0.0, 1.0);
+    const float patches = smoothstep(0.0, 0.45, spread - (1.0 - share));
     return mix(patches, share, clamp(pixel_m * 2.0 - 0.5, 0.0, 1.0));
 }

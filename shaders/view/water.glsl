@@ -80,7 +80,7 @@ vec3 water_body(vec3 to_eye, vec3 normal, float height_m) {
     const float crest = smoothstep(0.0, 0.9, height_m / max(view.water.w, 0.1));
     const vec2 eye_level = normalize(to_eye.xy + vec2(1e-6, 0));
     const vec2 sun_level = normalize(to_sun.xy + vec2(1e-6, 0));
-    const float through = pow(0.5 - 0.5 * dot(eye_level, sun_level), 3.0);
+    const float through = pow(max(0.5 - 0.5 * dot(eye_level, sun_level), 0.0), 3.0);
     const float facing = clamp(1.0 - normal.z + 0.15, 0.0, 1.0);
     const vec3 tint = vec3(0.012, 0.055, 0.048) * (view.sun_irradiance.rgb * through +
                                                    0.4 * view.sky_irradiance.rgb);
