@@ -25,6 +25,7 @@
 #include "protocol/messages.h"
 #include "protocol/tile_codec.h"
 #include "server/net/server.h"
+#include "tests/server/small_sea.h"
 
 namespace seaway::tests {
 
@@ -33,115 +34,6 @@ namespace beast = boost::beast;
 namespace http = beast::http;
 namespace websocket = beast::websocket;
 using asio::ip::tcp;
-using server::KeyframeTiles;
-
-/// Keyframes lie at whole multiples of this.
-inline constexpr sea::TimeUs interval_us = 100'000;
-inline constexpr float codec_error = 0.01f;
-
-/// What sample (x, y) of a field of keyframe n is: different everywhere, so that nothing can be
-/// mixed up unseen.
-inline float sample_value(int cascade, std::int64_t n, sea::Field field, int x, int y) {
-    return static_cast<float>(std::sin(0.7 * x + 0.3 * y + 0.1 * static_cast<double>(n)) +
-                              10 * cascade + static_cast<int>(field));
-}
-
-/// A sea of explicit keyframes: two cascades, any field, answers that are sums of the coordinates.
-class SmallSea : public server::Host {
-  public:
-    int size = 32;
-    std::vector<float> error{}; ///< codec bound of every field; empty: codec_error
-    sea::FieldSet offered = sea::surface_fields | sea::FieldSet{sea::Field::foam};
-    std::vector<protocol::SharedBytes> states{state_message(0)};
-    std::atomic<bool> answer_queries = true;
-
-    static protocol::SharedBytes state_message(std::uint32_t epoch, std::size_t scene_bytes = 100) {
-        protocol::SeaStateValues state;
-        state.epoch = epoch;
-        for (int cascade = 0; cascade < 2; ++cascade)
-            state.cascades.push_back({.length_m = cascade == 0 ? 1021.0 : 197.0,
-                                      .size = 32,
-                                      .k_lo_radpm = 0.1,
-                                      .k_hi_radpm = 0.2,
-                                      .interval_us = interval_us});
-        state.scene.assign(scene_bytes, 's');
-        return std::make_shared<const protocol::Bytes>(protocol::sea_state(state));
-    }
-
-    KeyframeTiles keyframe(int cascade, std::int64_t n, sea::FieldSet fields) const {
-        auto made = std::make_shared<sea::Keyframe>();
-        made->cascade = cascade;
-        made->time_us = n * interval_us;
-        made->size = size;
-        made->length_m = cascade == 0 ? 1021.0 : 197.0;
-        made->fields = fields;
-        made->values.resize(made->plane_size() * static_cast<std::size_t>(fields.size()));
-        for (const sea::Field field : fields) {
-            auto plane = made->plane(field);
-            for (int y = 0; y < size; ++y)
-                for (int x = 0; x < size; ++x)
-                    plane[static_cast<std::size_t>(y * size + x)] =
-                        sample_value(cascade, n, field, x, y);
-        }
-        const float bound = error.empty() ? codec_error : error.front();
-        return {.keyframe = made,
-                .codec_error = std::vector<float>(static_cast<std::size_t>(fields.size()), bound)};
-    }
-
-    // ---- Host ------------------------------------------------------------------------------
-
-    sea::TimeUs sea_time_us() const override { return newest * interval_us; }
-    std::vector<protocol::SharedBytes> sea_state_messages() const override { return states; }
-    server::TileDemand subscribe(server::SessionId session,
-                                 const server::TileDemand& demand) override {
-        subscribers.insert(session);
-        server::TileDemand grant = demand;
-        grant.cascades &= 3u;
-        grant.fields = sea::FieldSet::from_bits(demand.fields.bits() & offered.bits());
-        grant.error_m = 0.02f;
-        return grant;
-    }
-    void unsubscribe(server::SessionId session) override { subscribers.erase(session); }
-    void fetch(server::FetchRequest request,
-               std::function<void(std::vector<KeyframeTiles>, std::string)> done) override {
-        std::set<std::int64_t> wanted{newest, newest + 1};
-        if (!request.times_us.empty())
-            wanted.clear();
-        for (const sea::TimeUs time_us : request.times_us) {
-            wanted.insert(time_us / interval_us);
-            wanted.insert(time_us / interval_us + 1);
-        }
-        std::vector<KeyframeTiles> out;
-        for (int cascade = 0; cascade < 2; ++cascade)
-            if ((request.demand.cascades >> cascade) & 1u)
-                for (const std::int64_t n : wanted)
-                    out.push_back(keyframe(cascade, n, request.demand.fields));
-        done(std::move(out), {});
-    }
-    void query(server::QueryBatch batch, std::function<void(server::QueryAnswers)> done) override {
-        server::QueryAnswers out;
-        for (const sea::QueryPoint& point : batch.points) {
-            sea::Answer answer;
-            answer.height_m = point.x_m + point.y_m;
-            answer.error_m = 0.01;
-            answer.flags = batch.exact ? sea::answer_exact : 0u;
-            out.answers.push_back(answer);
-        }
-        if (answer_queries)
-            done(std::move(out));
-        else
-            unanswered.push_back([done, out] { done(out); });
-    }
-    std::string state_json() const override { return "{\"sea\":1}"; }
-    std::string plan_json() const override { return "{\"plan\":1}"; }
-    std::string metrics_text() const override { return "seaway_simulation_up 1\n"; }
-    bool healthy() const override { return well; }
-
-    std::atomic<std::int64_t> newest = 0;
-    std::atomic<bool> well = true;
-    std::set<server::SessionId> subscribers;
-    std::vector<std::function<void()>> unanswered;
-};
 
 /// spdlog's lines while it lives.
 class LogCapture {
