@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wold-style-cast"
+#pragma GCC diagnostic ignored "-Wshadow"
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfDoubleAttribute.h>
+#include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfInputFile.h>
+#include <OpenEXR/ImfStringAttribute.h>
+#pragma GCC diagnostic pop
+
+#include "sea/field.h"
+#include "sea/realize.h"
+#include "sea/reference.h"
+#include "sea/scene.h"
+#include "sea/surface/inverse.h"
+#include "tests/tools/program.h"
+
+namespace seaway {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::Output;
+
+const std::string scene_text = R"(
+[sea]
+seed = 5
+choppiness = 1.2
+[[sea.system]]
+type = "wind"
+spectrum = "jonswap"
+wind_speed_10m_mps = 14.0
+from_deg = 200
+fetch_m = 80e3
+spreading = "hasselmann"
+[[cascade]]
+length_m = 401.0
+size = 256
+[[cascade]]
+length_m = 83.0
+size = 256
+[foam]
+threshold = 0.7
+)";
+
+/// A scene with every cascade at 64.
+sea::Scene small_scene() {
+    sea::Scene scene = sea::parse_scene(scene_text, "bake.toml", ".").value();
+    for (sea::CascadeSpec& cascade : scene.cascades)
+        cascade.size = 64;
+    return scene;
+}
+
+/// One file, read back; values as float whatever they are in the file.
+class ExrFile {
+  public:
+    explicit ExrFile(const std::string& path) : file_(path.c_str()) {}
+
+    int size() const { return file_.header().dataWindow().max.x + 1; }
+    bool has(const std::string& channel) const {
+        return file_.header().channels().findChannel(channel) != nullptr;
+    }
+    Imf::PixelType type(const std::string& channel) const {
+        return file_.header().channels().findChannel(channel)->type;
+    }
+    double number(const std::string& name) const {
+        return file_.header().typedAttribute<Imf::DoubleAttribute>(name).value();
+    }
+    std::string text(const std::string& name) const {
+        return file_.header().typedAttribute<Imf::StringAttribute>(name).value();
+    }
+    std::vector<float> values(const std::string& channel) {
+        const auto n = static_cast<std::size_t>(size());
+        std::vector<float> pixels(n * n);
+        Imf::FrameBuffer buffer;
+        buffer.insert(channel, Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(pixels.data()),
+                                          sizeof(float), sizeof(float) * n));
+        file_.setFrameBuffer(buffer);
+        file_.readPixels(0, size() - 1);
+        return pixels;
+    }
+
+  private:
+    Imf::InputFile file_;
+};
+
+Output run_bake(const std::string& arguments) {
+    const std::string scene = testing::folder().write("bake.toml", scene_text);
+    return testing::run_program("seaway-bake", scene + " " + arguments);
+}
+
+TEST(Bake, maps_are_the_direct_sum_at_the_nodes) {
+    const std::string out = testing::folder().file("exact");
+    const Output ran = run_bake("--out " + out +
+                                " --frames 2 --fps 8 --start 12.34 --size 64 "
+                                "--fields all");
+    ASSERT_EQ(ran.status, 0) << ran.err;
+    EXPECT_THAT(ran.out, HasSubstr("baked 2 frames into 4 files"));
+    EXPECT_THAT(ran.out, HasSubstr("frames/s"));
+
+    const sea::Realization all = sea::realize(small_scene()).value();
+    for (int c = 0; c < 2; ++c) {
+        sea::Realization one = all;
+        one.cascades = {all.cascades[static_cast<std::size_t>(c)]};
+        const double spacing_m = one.cascades[0].spec.spacing_m();
+        const sea::DirectSum sum(std::make_shared<const sea::Realization>(one));
+        for (int frame = 0; frame < 2; ++frame) {
+            ExrFile file(out + "/cascade" + std::to_string(c) + ".0000" + std::to_string(frame) +
+                         ".exr");
+            ASSERT_EQ(file.size(), 64);
+            const sea::DirectSum::Moment now = sum.at_time(12'340'000 + frame * 125'000);
+            // 1e-5 of four times the rms of a field, as for heights 1e-5 Hs.
+            for (const sea::FieldInfo& field : sea::field_table) {
+                if (field.field == sea::Field::foam)
+                    continue;
+                const std::vector<float> map = file.values(std::string(field.name));
+                double worst = 0, squares = 0;
+                for (int i = 0; i < 200; ++i) {
+                    const int x = (i * 37) % 64, y = (i * 53 + i / 7) % 64;
+                    const sea::LagrangianPoint p = now.at(x * spacing_m, y * spacing_m);
+                    const double truth[] = {p.height,
+                                            p.displacement_x,
+                                            p.displacement_y,
+                                            p.height_rate,
+                                            p.displacement_x_rate,
+                                            p.displacement_y_rate,
+                                            p.slope_x,
+                                            p.slope_y,
+                                            p.strain_xx,
+                                            p.strain_yy,
+                                            p.strain_xy,
+                                            sea::jacobian(p, all.choppiness)};
+                    const double exact = truth[static_cast<std::size_t>(field.field)];
+                    const auto baked =
+                        static_cast<double>(map[static_cast<std::size_t>(y * 64 + x)]);
+                    worst = std::max(worst, std::abs(baked - exact));
+                    squares += exact * exact;
+                }
+                EXPECT_LE(worst, 1e-5 * 4 * std::sqrt(squares / 200))
+                    << field.name << " of cascade " << c << ", frame " << frame;
+            }
+        }
+    }
+}
+
+TEST(Bake, attributes_say_what_one_has_to_know) {
+    const std::string out = testing::folder().file("attributes");
+    ASSERT_EQ(run_bake("--out " + out +
+                       " --frames 2 --fps 8 --start 100 --size 64 "
+                       "--fields height,foam --compression none")
+                  .status,
+              0);
+    ExrFile file(out + "/cascade1.00001.exr");
+    EXPECT_TRUE(file.has("height"));
+    EXPECT_TRUE(file.has("foam"));
+    EXPECT_FALSE(file.has("slope_x"));
+    EXPECT_FALSE(file.has("strain_xx")); // foam's inputs are not asked for
+    EXPECT_EQ(file.number("seaway.length_m"), 83.0);
+    EXPECT_EQ(file.number("seaway.cascade"), 1.0);
+    EXPECT_EQ(file.number("seaway.frame"), 1.0);
+    EXPECT_EQ(file.number("seaway.time_s"), 100.125);
+    EXPECT_EQ(file.text("seaway.time_us"), "100125000");
+    EXPECT_EQ(file.number("seaway.tick_s"), 0.125);
+    EXPECT_EQ(file.number("seaway.choppiness_x"), 1.2);
+    EXPECT_EQ(file.text("seaway.rows"), "south to north");
+    EXPECT_NEAR(file.number("seaway.mean_from_deg"), 200.0, 15.0); // a drawn sea of one seed
+    // The text in the file makes the same sea again.
+    const sea::Scene scene = sea::parse_scene(file.text("seaway.scene_toml"), "exr", ".").value();
+    EXPECT_EQ(scene.cascades[1].size, 64);
+    const sea::Realization again = sea::realize(scene).value();
+    EXPECT_EQ(again.cascades[1].h0, sea::realize(small_scene()).value().cascades[1].h0);
+    double variance = 0;
+    for (const sea::CascadeModes& modes : again.cascades)
+        for (const std::complex<double>& h0 : modes.h0)
+            variance += 2 * std::norm(h0);
+    EXPECT_NEAR(file.number("seaway.hs_m"), 4 * std::sqrt(variance), 1e-9);
+
+    double mean = 0;
+    for (const float ratio : file.values("foam")) {
+        ASSERT_TRUE(std::isfinite(ratio) && ratio >= 0);
+        mean += static_cast<double>(ratio) / (64 * 64);
+    }
+    EXPECT_GT(file.number("seaway.foam_mean"), 0.0);
+    EXPECT_NEAR(mean, 1.0, 0.5); // one small tile at one moment holds a dozen crests
+}
+
+TEST(Bake, half_keeps_eleven_bits) {
+    const std::string floats = testing::folder().file("floats");
+    const std::string halves = testing::folder().file("halves");
+    const std::string same = " --frames 1 --fps 24 --size 64 --fields height";
+    ASSERT_EQ(run_bake("--out " + floats + same).status, 0);
+    ASSERT_EQ(run_bake("--half --out " + halves + same).status, 0);
+    ExrFile exact(floats + "/cascade0.00000.exr");
+    ExrFile rounded(halves + "/cascade0.00000.exr");
+    EXPECT_EQ(exact.type("height"), Imf::FLOAT);
+    EXPECT_EQ(rounded.type("height"), Imf::HALF);
+    const std::vector<float> a = exact.values("height"), b = rounded.values("height");
+    for (std::size_t i = 0; i < a.size(); ++i)
+        ASSERT_NEAR(b[i], a[i], std::abs(a[i]) * 0x1p-11f + 1e-7f);
+}
+
+TEST(Bake, mistakes_are_one_helpful_line_and_a_code) {
+    const std::string out = "--out " + testing::folder().file("none") + " ";
+    const auto refuses = [](const Output& ran, int status, const std::string& part) {
+        EXPECT_EQ(ran.status, status) << ran.err;
+        EXPECT_EQ(ran.error_lines(), 1) << ran.err;
+        EXPECT_THAT(ran.err, HasSubstr(part));
+    };
+    refuses(run_bake(out + "--frames 1 --fps 24 --fields height,slop_x"), 2, "slop_x");
+    refuses(run_bake(out + "--frames 1 --fps 24 --size 100"), 2, "--size");
+    refuses(run_bake(out + "--frames 1 --fps 24 --compression jpeg"), 2, "jpeg");
+    refuses(run_bake(out + "--frames 0 --fps 24"), 2, "--frames 0");
+    refuses(run_bake(out + "--frames 1 --fps 0"), 2, "--fps 0");
+    refuses(run_bake("--out /dev/null/maps --frames 1 --fps 24 --size 64"), 4, "/dev/null/maps");
+    refuses(run_bake(out + "--frames 1 --fps 24 --device no-such-device"), 3, "no-such-device");
+    refuses(testing::run_program("seaway-bake", "missing.toml " + out + "--frames 1 --fps 24"), 2,
+            "missing.toml");
+    EXPECT_FALSE(std::filesystem::exists(testing::folder().file("none") + "/cascade0.00000.exr"));
+}
+
+} // namespace
+} // namespace seaway

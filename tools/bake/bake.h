@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+// Bakes a sea into OpenEXR maps: frame after frame, one file a cascade, by any synthesizer.
+//
+// File DIR/cascade<c>.<frame, five digits>.exr, frame 0 at start_us. Channels are named after their
+// fields (sea/field.h) and carry no choppiness: D is the displacement at choppiness 1, the
+// attributes say by what to multiply. `foam` is the ratio of server/simulation/foam.h.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+#include "sea/field.h"
+#include "sea/scene.h"
+#include "server/simulation/synthesizer.h"
+#include "tools/bake/exr_map.h"
+
+namespace seaway::bake {
+
+inline constexpr int frames_max = 1'000'000;
+inline constexpr double fps_max = 1000.0;
+
+/// Error::code where the scene or the options are at fault; else it is a file or the device.
+inline constexpr int bad_options = 2;
+
+struct BakeOptions {
+    std::string folder; ///< made if it is not there
+    int frames = 1;     ///< 1 .. frames_max
+    double fps = 24.0;  ///< above 0, up to fps_max
+    sea::TimeUs start_us = 0;
+    sea::FieldSet fields; ///< not empty
+    bool half = false;
+    ExrCompression compression = ExrCompression::zip;
+};
+
+struct BakeReport {
+    int frames = 0;
+    int files = 0;
+    std::uint64_t bytes = 0;
+    double synthesis_s = 0;
+    double files_s = 0; ///< compressing and writing
+    double total_s = 0;
+};
+
+/// All linear fields, the Jacobian and foam.
+sea::FieldSet all_fields();
+
+/// Names with commas between them, or "all". An error names the one that is none and lists those
+/// that are.
+Result<sea::FieldSet> parse_fields(const std::string& list);
+
+/// Sea time of a frame, to the microsecond, without drift.
+sea::TimeUs frame_time(const BakeOptions& options, int frame);
+
+/// Bakes; an error names what is out of range, the file that cannot be written or the device that
+/// failed. What has been written stays.
+Result<BakeReport> bake(const sea::Scene& scene, const BakeOptions& options,
+                        server::Synthesizer& synthesizer);
+
+} // namespace seaway::bake

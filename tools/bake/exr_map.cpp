@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/bake/exr_map.h"
+
+#include <cmath>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+// The library's headers are not clean under our warnings.
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wold-style-cast"
+#pragma GCC diagnostic ignored "-Wshadow"
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfDoubleAttribute.h>
+#include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfOutputFile.h>
+#include <OpenEXR/ImfStringAttribute.h>
+#pragma GCC diagnostic pop
+
+namespace seaway::bake {
+
+namespace {
+
+Imf::Compression imf(ExrCompression compression) {
+    switch (compression) {
+    case ExrCompression::none:
+        return Imf::NO_COMPRESSION;
+    case ExrCompression::rle:
+        return Imf::RLE_COMPRESSION;
+    case ExrCompression::zip:
+        return Imf::ZIP_COMPRESSION;
+    case ExrCompression::piz:
+        return Imf::PIZ_COMPRESSION;
+    }
+    return Imf::NO_COMPRESSION;
+}
+
+Imf::Header header(const ExrMap& map) {
+    Imf::Header header(map.size, map.size);
+    header.compression() = imf(map.compression);
+    for (const auto& [name, value] : map.attributes)
+        if (const double* number = std::get_if<double>(&value))
+            header.insert(name, Imf::DoubleAttribute(*number));
+        else
+            header.insert(name, Imf::StringAttribute(std::get<std::string>(value)));
+    for (const ExrChannel& channel : map.channels)
+        header.channels().insert(channel.name, Imf::Channel(map.half ? Imf::HALF : Imf::FLOAT));
+    return header;
+}
+
+/// Rounded to half; empty if a value does not fit.
+std::vector<half> halves(std::span<const float> values) {
+    std::vector<half> rounded(values.size());
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        rounded[i] = half(values[i]);
+        if (!rounded[i].isFinite())
+            return {};
+    }
+    return rounded;
+}
+
+Result<void> write_pixels(const std::string& path, const ExrMap& map) {
+    const auto size = static_cast<std::size_t>(map.size);
+    Imf::FrameBuffer pixels;
+    std::vector<std::vector<half>> rounded(map.channels.size());
+    for (std::size_t c = 0; c < map.channels.size(); ++c) {
+        const auto& [name, values] = map.channels[c];
+        SEAWAY_CHECK(values.size() == size * size, "a channel has the size of its map");
+        if (!map.half) { // the library wants char*, and reads
+            auto* base = const_cast<char*>(reinterpret_cast<const char*>(values.data()));
+            pixels.insert(name, Imf::Slice(Imf::FLOAT, base, sizeof(float), sizeof(float) * size));
+            continue;
+        }
+        rounded[c] = halves(values);
+        if (rounded[c].empty())
+            return Error{
+                fmt::format("{}: a value of {} is beyond 65504 and does not fit into half; "
+                            "bake floats",
+                            path, name)};
+        auto* base = reinterpret_cast<char*>(rounded[c].data());
+        pixels.insert(name, Imf::Slice(Imf::HALF, base, sizeof(half), sizeof(half) * size));
+    }
+    Imf::OutputFile file(path.c_str(), header(map));
+    file.setFrameBuffer(pixels);
+    file.writePixels(map.size);
+    return {};
+}
+
+} // namespace
+
+Result<ExrCompression> exr_compression(std::string_view name) {
+    if (name == "none")
+        return ExrCompression::none;
+    if (name == "rle")
+        return ExrCompression::rle;
+    if (name == "zip")
+        return ExrCompression::zip;
+    if (name == "piz")
+        return ExrCompression::piz;
+    return Error{fmt::format("--compression '{}': one of none, rle, zip, piz", name)};
+}
+
+Result<void> write_exr(const std::string& path, const ExrMap& map) {
+    const std::string unfinished = path + ".part";
+    Result<void> written;
+    try {
+        written = write_pixels(unfinished, map);
+        if (written)
+            std::filesystem::rename(unfinished, path);
+    } catch (const std::exception& error) { // the library's and the file system's
+        written = Error{fmt::format("{}: {}", path, error.what())};
+    }
+    if (!written)
+        std::remove(unfinished.c_str());
+    return written;
+}
+
+} // namespace seaway::bake

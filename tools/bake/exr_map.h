@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// One OpenEXR file: the maps of one cascade at one time, a channel a field, and what one has to
+// know about them as header attributes.
+//
+// Line y of the image is row y of the map, south to north: most viewers show it upside down.
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "base/result.h"
+
+namespace seaway::bake {
+
+struct ExrChannel {
+    std::string name;
+    std::span<const float> values; ///< [y][x]
+};
+
+/// Header attribute: a number (EXR double) or a text.
+using ExrAttribute = std::pair<std::string, std::variant<double, std::string>>;
+
+enum class ExrCompression { none, rle, zip, piz };
+
+/// Names as on the command line; an error lists them.
+Result<ExrCompression> exr_compression(std::string_view name);
+
+struct ExrMap {
+    int size = 0;
+    std::vector<ExrChannel> channels;
+    std::vector<ExrAttribute> attributes;
+    bool half = false; ///< 16 bits a value: 11 significant ones, up to 65504
+    ExrCompression compression = ExrCompression::zip;
+};
+
+/// Writes beside the path and renames, so that a file that is there is whole. Values that half
+/// cannot hold are an error.
+Result<void> write_exr(const std::string& path, const ExrMap& map);
+
+} // namespace seaway::bake

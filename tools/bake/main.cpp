@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+// seaway-bake: a scene as OpenEXR maps, without a server. Errors: one line on stderr; exit 2 for
+// usage and scenes, 3 where there is no such device, 4 for files and a device that fails.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wold-style-cast"
+#include <OpenEXR/ImfThreading.h>
+#pragma GCC diagnostic pop
+
+#include "server/simulation/native_synthesizer.h"
+#include "server/simulation/vulkan_synthesizer.h"
+#include "tools/bake/bake.h"
+
+namespace {
+
+using namespace seaway;
+
+constexpr int exit_usage = 2;
+constexpr int exit_no_device = 3;
+constexpr int exit_failed = 4;
+
+struct Options {
+    std::string scene;
+    std::string device = "native";
+    std::string fields = "height,displacement_x,displacement_y,slope_x,slope_y,jacobian";
+    std::string compression = "zip";
+    double start_s = 0;
+    int size = 0;
+    bake::BakeOptions bake;
+};
+
+void declare(CLI::App& app, Options& o) {
+    app.add_option("scene", o.scene, "Scene file (docs/scenes.md)")
+        ->required()
+        ->type_name("SCENE.toml");
+    app.add_option("--out", o.bake.folder, "Folder for cascade<c>.<frame>.exr")
+        ->required()
+        ->type_name("DIR");
+    app.add_option("--frames", o.bake.frames, "How many")->required()->type_name("N");
+    app.add_option("--fps", o.bake.fps, "Frames a second of sea time")->required()->type_name("F");
+    app.add_option("--start", o.start_s, "Sea time of frame 0")->type_name("SECONDS");
+    app.add_option("--size", o.size, "Grid points a side of every cascade, instead of the scene's")
+        ->check(CLI::IsMember({64, 128, 256, 512, 1024}))
+        ->type_name("N");
+    app.add_option("--fields", o.fields, "Names with commas between them, or all")
+        ->capture_default_str()
+        ->type_name("LIST");
+    app.add_flag("--half", o.bake.half, "16 bits a value instead of 32");
+    app.add_option("--compression", o.compression, "none, rle, zip or piz")
+        ->capture_default_str()
+        ->type_name("NAME");
+    app.add_option("--device", o.device,
+                   "native, auto, or index or part of a name of a Vulkan device")
+        ->capture_default_str()
+        ->type_name("NAME");
+    app.set_version_flag("--version", "seaway-bake " SEAWAY_VERSION);
+}
+
+int fail(int code, const std::string& message) {
+    std::string line = message;
+    std::replace(line.begin(), line.end(), '\n', ' ');
+    fmt::print(stderr, "seaway-bake: {}\n", line);
+    return code;
+}
+
+Result<std::unique_ptr<server::Synthesizer>> make_synthesizer(const std::string& device) {
+    if (device == "native")
+        return std::unique_ptr<server::Synthesizer>(std::make_unique<server::NativeSynthesizer>());
+    server::VulkanOptions options;
+    options.device = device;
+    Result<std::unique_ptr<server::VulkanSynthesizer>> made =
+        server::make_vulkan_synthesizer(options);
+    if (!made)
+        return made.error();
+    return std::unique_ptr<server::Synthesizer>(std::move(made).value());
+}
+
+int run(Options& options) {
+    Result<sea::Scene> scene = sea::read_scene(options.scene);
+    if (!scene)
+        return fail(exit_usage, scene.error().message);
+    for (sea::CascadeSpec& cascade : scene->cascades)
+        cascade.size = options.size > 0 ? options.size : cascade.size;
+    const Result<sea::FieldSet> fields = bake::parse_fields(options.fields);
+    if (!fields)
+        return fail(exit_usage, fields.error().message);
+    const Result<bake::ExrCompression> compression = bake::exr_compression(options.compression);
+    if (!compression)
+        return fail(exit_usage, compression.error().message);
+    if (!(std::abs(options.start_s) <= 1e9))
+        return fail(exit_usage, fmt::format("--start {}: -1e9 .. 1e9 s", options.start_s));
+    options.bake.fields = *fields;
+    options.bake.compression = *compression;
+    options.bake.start_us = sea::us_from_seconds(options.start_s);
+
+    Result<std::unique_ptr<server::Synthesizer>> synthesizer = make_synthesizer(options.device);
+    if (!synthesizer)
+        return fail(exit_no_device, synthesizer.error().message);
+    Imf::setGlobalThreadCount(static_cast<int>(std::max(1u, std::thread::hardware_concurrency())));
+    const Result<bake::BakeReport> report = bake::bake(*scene, options.bake, **synthesizer);
+    if (!report)
+        return fail(report.error().code == bake::bad_options ? exit_usage : exit_failed,
+                    report.error().message);
+    fmt::print("baked {} frames into {} files, {:.1f} MB, in {:.2f} s: {:.2f} frames/s "
+               "(synthesis {:.2f} s, files {:.2f} s; {})\n",
+               report->frames, report->files, static_cast<double>(report->bytes) * 1e-6,
+               report->total_s, report->frames / report->total_s, report->synthesis_s,
+               report->files_s, (*synthesizer)->description());
+    return 0;
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    Options options;
+    CLI::App app("seaway-bake: a scene as OpenEXR maps, one file a frame and cascade");
+    declare(app, options);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        return error.get_exit_code() == 0 ? app.exit(error) : fail(exit_usage, error.what());
+    }
+    return run(options);
+}
