@@ -240,6 +240,41 @@ TEST(Realize, B7_loop_rounds_to_whole_turns_and_never_freezes_a_wave) {
     }
 }
 
+// T36: the spectrum knows the depth and the evolution does not (omega = sqrt(g k)).
+TEST(Realize, T36_waves_run_at_the_depth_their_spectrum_was_made_for) {
+    SeaState sea = windy_sea();
+    sea.depth_m = 4.0;
+    const auto realization = testing::realized(sea, three_cascades);
+    const CascadeModes& modes = realization->cascades[0];
+    const double k = modes.spec.wavenumber_step_radpm() * 5.0;
+    EXPECT_NEAR(omega_from_rate(modes.rate[5]), sea.dispersion().omega(k), 1e-9);
+    EXPECT_LT(omega_from_rate(modes.rate[5]), 0.6 * std::sqrt(9.81 * k));
+}
+
+// T19: the fade multiplies Psi, so amplitudes are multiplied by its root; both ways of cutting are
+// reported.
+TEST(Realize, T19_short_wave_fade_and_cut_offs_act_on_psi_and_are_reported) {
+    SeaState faded = windy_sea();
+    faded.short_wave_fade_m = 0.5;
+    const DirectionalSpectrum plain(windy_sea().systems[0], windy_sea());
+    const DirectionalSpectrum with_fade(faded.systems[0], faded);
+    EXPECT_NEAR(with_fade.density(1.0, 0.3) / plain.density(1.0, 0.3), std::exp(-0.25 * 1.09),
+                1e-12);
+    SeaState cut = windy_sea();
+    cut.wavenumber_min_radpm = 0.05;
+    cut.wavenumber_max_radpm = 0.5;
+    const DirectionalSpectrum with_cut(cut.systems[0], cut);
+    EXPECT_EQ(with_cut.density(0.04, 0.0), 0.0);
+    EXPECT_EQ(with_cut.density(0.51, 0.0), 0.0);
+    EXPECT_EQ(with_cut.density(0.2, 0.0), plain.density(0.2, 0.0));
+    const SeaSummary s = summarize(cut, *testing::realized(cut, three_cascades));
+    EXPECT_GT(s.lost_fade_m2, 0.0);
+    SeaState scaled = windy_sea();
+    scaled.height_scale = 2.0;
+    EXPECT_NEAR(requested_variance(scaled, 0, 1e9) / requested_variance(windy_sea(), 0, 1e9), 4.0,
+                1e-12);
+}
+
 TEST(Realize, A16_hs_does_not_depend_on_how_a_narrow_beam_meets_the_lattice) {
     double lowest = 1e30, highest = 0.0;
     for (int degrees = 0; degrees <= 90; ++degrees) {
