@@ -116,7 +116,10 @@ Result<Scene> read_scene(const std::string& path) {
 }
 
 Result<Realization> realize(const Scene& scene) {
-    return realize(scene.sea, scene.cascades);
+    SeaState sea = scene.sea;
+    if (!scene.effects.choppy)
+        sea.choppiness = {0.0, 0.0}; // nothing moves sideways, for the exact sum as for the maps
+    return realize(sea, scene.cascades);
 }
 
 } // namespace seaway::sea

@@ -61,7 +61,8 @@ Result<Scene> parse_scene(std::string_view text, const std::string& name,
 /// bit.
 std::string to_toml(const Scene& scene);
 
-/// realize() of the scene's sea on the scene's cascades.
+/// realize() of the scene's sea on the scene's cascades; without choppiness where the scene allows
+/// no horizontal displacement.
 Result<Realization> realize(const Scene& scene);
 
 /// What a user should know before trusting the picture: tiles too small for the peak, heights near

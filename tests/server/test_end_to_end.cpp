@@ -2,8 +2,13 @@
 // The whole way of the data with real programs, sockets and device: scene to answer.
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <random>
+#include <utility>
 #include <vector>
+
+#include <netinet/in.h>
+#include <sys/socket.h>
 
 #include <gtest/gtest.h>
 
@@ -117,6 +122,70 @@ INSTANTIATE_TEST_SUITE_P(
                  4,
                  "here:there"}),
     [](const auto& start) { return std::string(start.param.what); });
+
+/// GET over a plain socket: status and body.
+std::pair<int, std::string> http_get(const std::string& url, const std::string& target) {
+    const std::size_t colon = url.rfind(':');
+    const int fd = socket(AF_INET, SOCK_STREAM, 0);
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(static_cast<std::uint16_t>(std::stoi(url.substr(colon + 1))));
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    std::string reply;
+    if (::connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0) {
+        const std::string request =
+            "GET " + target + " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n";
+        if (write(fd, request.data(), request.size()) == static_cast<ssize_t>(request.size())) {
+            std::vector<char> buffer(1 << 16);
+            for (ssize_t got; (got = read(fd, buffer.data(), buffer.size())) > 0;)
+                reply.append(buffer.data(), static_cast<std::size_t>(got));
+        }
+    }
+    close(fd);
+    const std::size_t body = reply.find("\r\n\r\n");
+    if (body == std::string::npos)
+        return {0, reply};
+    return {std::stoi(reply.substr(9, 3)), reply.substr(body + 4)};
+}
+
+TEST(BulkMap, a_whole_grid_is_what_queries_answer_point_by_point) {
+    tests::ServerProcess server(
+        {"scenes/north_sea_gale.toml", "--device", "native", "--listen", "127.0.0.1:0"});
+    const std::string url = server.wait_until_ready();
+    ASSERT_FALSE(url.empty()) << server.log();
+    const auto [status, bytes] = http_get(
+        url, "/v1/map?kind=height&x0_m=-500&y0_m=1000&width_m=700&height_m=350&columns=1400&rows="
+             "700&t_s=86400.5");
+    ASSERT_EQ(status, 200) << bytes.substr(0, 200);
+    ASSERT_EQ(bytes.size(), 64u + 1400u * 700u * sizeof(float));
+    float error_m = 0;
+    std::memcpy(&error_m, bytes.data() + 20, sizeof error_m);
+    EXPECT_LE(error_m, 0.02f);
+    std::vector<QueryPoint> points;
+    std::vector<float> heights;
+    for (int j = 0; j < 700; j += 69)
+        for (int i = 0; i < 1400; i += 77) {
+            points.push_back({-500 + 0.5 * i, 1000 + 0.5 * j, 86'400'500'000});
+            float height = 0;
+            std::memcpy(&height,
+                        bytes.data() + 64 + sizeof height * static_cast<std::size_t>(j * 1400 + i),
+                        sizeof height);
+            heights.push_back(height);
+        }
+    Result<std::unique_ptr<Client>> client = connect(url);
+    ASSERT_TRUE(client) << client.error().message;
+    const Result<std::vector<Answer>> exact =
+        (*client)->ask(points, {.exact = true, .timeout_s = 60});
+    ASSERT_TRUE(exact) << exact.error().message;
+    for (std::size_t i = 0; i < points.size(); ++i)
+        EXPECT_NEAR(static_cast<double>(heights[i]), (*exact)[i].height_m,
+                    static_cast<double>(error_m));
+
+    EXPECT_EQ(http_get(url, "/v1/map?width_m=10&height_m=10&columns=5000&rows=1").first, 400);
+    const auto [refused, why] = http_get(url, "/v1/map?colour=blue");
+    EXPECT_EQ(refused, 400);
+    EXPECT_NE(why.find("colour"), std::string::npos);
+}
 
 TEST(Start, port_in_use_is_exit_code_4) {
     const std::vector<std::string> arguments{"scenes/north_sea_gale.toml", "--device", "native",

@@ -2,6 +2,7 @@
 // The simulation with a real synthesizer (native) and a clock that the test turns.
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <future>
 #include <mutex>
 #include <thread>
@@ -38,8 +39,8 @@ size = 64
 height_error_m = 0.02
 )";
 
-RunningSeaPtr running_sea() {
-    const Result<sea::Scene> scene = sea::parse_scene(small_sea, "small_sea", ".");
+RunningSeaPtr running_sea(const std::string& more = {}) {
+    const Result<sea::Scene> scene = sea::parse_scene(small_sea + more, "small_sea", ".");
     EXPECT_TRUE(scene) << (scene ? "" : scene.error().message);
     return *make_running_sea(*scene, 1);
 }
@@ -68,7 +69,7 @@ class FailingSynthesizer final : public Synthesizer {
 
 /// A simulation, what it published, and its clock.
 struct Bench {
-    RunningSeaPtr sea = running_sea();
+    RunningSeaPtr sea;
     std::atomic<TimeUs> now_us = 0;
     std::shared_ptr<std::atomic<int>> failures = std::make_shared<std::atomic<int>>(0);
     std::mutex mutex;
@@ -77,7 +78,7 @@ struct Bench {
     std::promise<std::string> failed;
     std::unique_ptr<Simulation> simulation;
 
-    Bench() {
+    explicit Bench(const std::string& more = {}) : sea(running_sea(more)) {
         Result<std::unique_ptr<Simulation>> started = Simulation::start(
             sea,
             [this]() -> Result<std::unique_ptr<Synthesizer>> {
@@ -224,6 +225,54 @@ TEST(Simulation, answers_agree_with_the_exact_sum_within_their_bound_at_any_time
         EXPECT_LE(fast[i].error_m, 0.04);
     }
     EXPECT_TRUE(bench.answer({}).empty());
+}
+
+TEST(Simulation, height_alone_costs_one_transform_a_keyframe_and_its_sea_does_not_chop) {
+    Bench bench("[effects]\ndisplacement = \"height\"\nslopes = false\nfoam = false\n");
+    EXPECT_EQ(bench.sea->offered, (FieldSet{Field::height, Field::height_rate}));
+    const std::vector<sea::QueryPoint> points{{10, 20, 500'000}, {-3000, 77, 500'000}};
+    const std::vector<sea::Answer> fast = bench.answer(points);
+    EXPECT_EQ(bench.simulation->counters().synthesis.transforms, 4u) << "2 cascades, 2 times";
+    const std::vector<sea::Answer> exact = bench.answer(points, true);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        EXPECT_LE(std::abs(fast[i].height_m - exact[i].height_m), fast[i].error_m);
+        EXPECT_EQ(exact[i].velocity_mps[0], 0.0);
+    }
+}
+
+TEST(Simulation, foam_comes_with_the_stream_is_its_own_cost_and_the_same_after_a_restart) {
+    const std::string stormy = "[foam]\nthreshold = 0.8\ndecay_s = 1.5\ngain_per_s = 3.0\n";
+    Bench bench(stormy);
+    ASSERT_GT(bench.sea->foam_law->mean_coverage, 1e-3) << "there must be foam to speak of";
+    const Demand demand{1u, {Field::foam}};
+    bench.simulation->set_demand(1, demand);
+    const TimeUs interval = bench.sea->budget.cascades[0].interval_us;
+    for (int i = 0; i < 12; ++i)
+        bench.advance(interval);
+    const sea::KeyframePtr last = bench.published.back();
+    ASSERT_TRUE(last->fields.contains(Field::foam));
+    double sum = 0;
+    for (const float ratio : last->plane(Field::foam)) {
+        ASSERT_TRUE(ratio >= 0.0f && std::isfinite(ratio));
+        sum += static_cast<double>(ratio);
+    }
+    // A ratio to the mean; one tile of 301 m holds few breakers, whose scatter is some ten percent.
+    EXPECT_NEAR(sum / static_cast<double>(last->plane_size()), 1.0, 0.5);
+
+    // A server that starts now agrees with one that has run: the history is contractive, six decay
+    // times leave 0.25 % of what was before.
+    Bench restarted(stormy);
+    restarted.now_us = bench.now_us.load();
+    restarted.simulation->set_demand(1, demand);
+    for (int i = 0; i < 2; ++i)
+        restarted.advance(interval);
+    for (const sea::KeyframePtr& keyframe : restarted.published)
+        if (keyframe->time_us == last->time_us)
+            for (std::size_t i = 0; i < last->plane_size(); ++i)
+                ASSERT_NEAR(keyframe->plane(Field::foam)[i], last->plane(Field::foam)[i],
+                            0.02f * (1.0f + last->plane(Field::foam)[i]));
+    EXPECT_GT(bench.simulation->costs().cost(0, 4).keyframes, 0u);
+    EXPECT_EQ(bench.simulation->costs().cost(1, 4).keyframes, 0u) << "nobody asked there";
 }
 
 TEST(Simulation, a_lost_device_is_rebuilt_and_nobody_notices) {
