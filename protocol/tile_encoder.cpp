@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: Apache-2.0
+// Encoder of tile codec v1 (protocol/tile_codec.h).
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <optional>
+
+#include <fmt/format.h>
+#include <zstd.h>
+
+#include "protocol/checksum.h"
+#include "protocol/tile_layout.h"
+
+namespace seaway::protocol {
+namespace {
+
+using namespace tile_layout;
+
+constexpr int zstd_level = 3;
+
+struct FreeContext {
+    void operator()(ZSTD_CCtx* context) const { ZSTD_freeCCtx(context); }
+};
+
+/// Working memory of one thread, at most 1.2 MB: taken once, so that the steady state allocates
+/// only the bytes that it returns.
+struct Scratch {
+    std::vector<std::uint32_t> residuals;
+    std::vector<std::uint32_t> row;
+    std::vector<std::uint32_t> row_above;
+    std::vector<std::uint8_t> planes;
+    std::vector<std::uint8_t> compressed;
+    std::unique_ptr<ZSTD_CCtx, FreeContext> encoder;
+};
+
+Scratch& scratch() {
+    thread_local Scratch memory;
+    return memory;
+}
+
+struct Survey {
+    float magnitude_max;
+    bool finite;
+    bool constant;
+};
+
+Survey survey(std::span<const float> samples, TileShape shape, std::size_t row_stride) {
+    const auto first = std::bit_cast<std::uint32_t>(samples[0]);
+    std::uint32_t magnitude_max = 0;
+    std::uint32_t differences = 0;
+    for (int y = 0; y < shape.height; ++y) {
+        const float* row = samples.data() + static_cast<std::size_t>(y) * row_stride;
+        for (int x = 0; x < shape.width; ++x) {
+            const auto bits = std::bit_cast<std::uint32_t>(row[x]);
+            magnitude_max = std::max(magnitude_max, bits & 0x7fffffffu);
+            differences |= bits ^ first;
+        }
+    }
+    return {.magnitude_max = std::bit_cast<float>(magnitude_max),
+            .finite = magnitude_max < 0x7f800000u,
+            .constant = differences == 0};
+}
+
+/// The widest step that keeps |decoded - original| <= error after the decoder's one rounding to
+/// float (hard case F6); 0 where floats of this size are too coarse for quantising to pay.
+float choose_step(float magnitude_max, float error) {
+    if (!(error > 0))
+        return 0;
+    const float largest_decoded = magnitude_max + error;
+    if (!std::isfinite(largest_decoded))
+        return 0;
+    const double ulp = static_cast<double>(std::nextafter(largest_decoded,
+                                                          std::numeric_limits<float>::infinity())) -
+                       static_cast<double>(largest_decoded);
+    const double wanted = 2.0 * (static_cast<double>(error) - 0.5 * ulp);
+    if (!(wanted > ulp) || wanted > static_cast<double>(step_max))
+        return 0;
+    auto step = static_cast<float>(wanted);
+    if (static_cast<double>(step) > wanted)
+        step = std::nextafter(step, 0.0f);
+    if (static_cast<double>(magnitude_max) >= quantum_max * static_cast<double>(step))
+        return 0;
+    return step;
+}
+
+/// Integers of one row. Returns whether every sample will decode within `error`.
+bool quantise_row(const float* samples, int width, float step, float error, std::uint32_t* row) {
+    const auto step_d = static_cast<double>(step);
+    const auto error_d = static_cast<double>(error);
+    const double per_step = 1.0 / step_d;
+    // Adding 1.5 * 2^52 rounds to the nearest integer and leaves it in the low bits.
+    constexpr double to_integer = 0x1.8p52;
+    double worst = 0;
+    for (int x = 0; x < width; ++x) {
+        const auto value = static_cast<double>(samples[x]);
+        const double shifted = value * per_step + to_integer;
+        row[x] = static_cast<std::uint32_t>(std::bit_cast<std::uint64_t>(shifted));
+        const auto decoded = static_cast<float>((shifted - to_integer) * step_d);
+        const double miss = std::abs(static_cast<double>(decoded) - value);
+        worst = miss > worst ? miss : worst;
+    }
+    return worst <= error_d;
+}
+
+/// Residuals of all rows. Returns the OR of them, or nothing if the bound cannot be kept.
+std::optional<std::uint32_t> predict(std::span<const float> samples, TileShape shape,
+                                     std::size_t row_stride, float step, float error) {
+    Scratch& memory = scratch();
+    const auto width = static_cast<std::size_t>(shape.width);
+    const auto height = static_cast<std::size_t>(shape.height);
+    memory.residuals.resize(width * height);
+    memory.row.assign(width + 1, 0); // column -1 is zero
+    memory.row_above.assign(width + 1, 0);
+    std::uint32_t all = 0;
+    for (std::size_t y = 0; y < height; ++y) {
+        const float* source = samples.data() + y * row_stride;
+        std::uint32_t* row = memory.row.data() + 1;
+        const std::uint32_t* above = memory.row_above.data() + 1;
+        if (step > 0) {
+            if (!quantise_row(source, shape.width, step, error, row))
+                return std::nullopt;
+        } else {
+            for (std::size_t x = 0; x < width; ++x)
+                row[x] = ordered_bits(source[x]);
+        }
+        std::uint32_t* residuals = memory.residuals.data() + y * width;
+        for (std::size_t x = 0; x < width; ++x) {
+            const std::uint32_t left = (row - 1)[x] - (above - 1)[x];
+            residuals[x] = zigzag(row[x] - above[x] - left);
+            all |= residuals[x];
+        }
+        std::swap(memory.row, memory.row_above);
+    }
+    return all;
+}
+
+int planes_of(std::uint32_t all_residuals) {
+    return std::max(1, (static_cast<int>(std::bit_width(all_residuals)) + 7) / 8);
+}
+
+std::vector<std::uint8_t> finish(Mode mode, TileShape shape, int planes, float parameter,
+                                 std::span<const std::uint8_t> body) {
+    std::vector<std::uint8_t> bytes(header_bytes + body.size());
+    bytes[0] = codec_version;
+    bytes[1] = static_cast<std::uint8_t>(mode);
+    put(&bytes[2], static_cast<std::uint16_t>(shape.width));
+    put(&bytes[4], static_cast<std::uint16_t>(shape.height));
+    bytes[6] = static_cast<std::uint8_t>(planes);
+    put(&bytes[8], parameter);
+    if (!body.empty())
+        std::memcpy(bytes.data() + header_bytes, body.data(), body.size());
+    put(&bytes[checksum_at], tile_checksum(bytes));
+    return bytes;
+}
+
+Result<std::vector<std::uint8_t>> compress(Mode mode, TileShape shape, std::uint32_t all,
+                                           float parameter) {
+    Scratch& memory = scratch();
+    const std::size_t count = memory.residuals.size();
+    const int planes = planes_of(all);
+    memory.planes.resize(count * static_cast<std::size_t>(planes));
+    for (int plane = 0; plane < planes; ++plane) {
+        std::uint8_t* out = memory.planes.data() + count * static_cast<std::size_t>(plane);
+        const int shift = 8 * plane;
+        for (std::size_t i = 0; i < count; ++i)
+            out[i] = static_cast<std::uint8_t>(memory.residuals[i] >> shift);
+    }
+    if (memory.encoder == nullptr)
+        memory.encoder.reset(ZSTD_createCCtx());
+    memory.compressed.resize(ZSTD_compressBound(memory.planes.size()));
+    const std::size_t written =
+        ZSTD_compressCCtx(memory.encoder.get(), memory.compressed.data(), memory.compressed.size(),
+                          memory.planes.data(), memory.planes.size(), zstd_level);
+    if (ZSTD_isError(written))
+        return Error{fmt::format("zstd: {}", ZSTD_getErrorName(written))};
+    return finish(mode, shape, planes, parameter, std::span(memory.compressed).first(written));
+}
+
+} // namespace
+
+Result<std::vector<std::uint8_t>> encode_tile(std::span<const float> samples, TileShape shape,
+                                              std::size_t row_stride, float error) {
+    if (Result<void> fine = check_call(samples.size(), shape, row_stride); !fine)
+        return fine.error();
+    if (!(error >= 0) || !std::isfinite(error))
+        return Error{fmt::format("tile error bound is {}, must be finite and >= 0", error)};
+    const Survey seen = survey(samples, shape, row_stride);
+    if (!seen.finite)
+        return Error{"tile holds a sample that is not finite"};
+    if (seen.constant)
+        return finish(Mode::constant, shape, 0, samples[0], {});
+    if (const float step = choose_step(seen.magnitude_max, error); step > 0) {
+        const auto all = predict(samples, shape, row_stride, step, error);
+        const std::uint32_t first = all ? unzigzag(scratch().residuals[0]) : 0;
+        // Only the corner differs from zero: every sample decodes to the same value.
+        if (all && std::all_of(scratch().residuals.begin() + 1, scratch().residuals.end(),
+                               [](std::uint32_t residual) { return residual == 0; }))
+            return finish(Mode::constant, shape, 0,
+                          static_cast<float>(static_cast<double>(static_cast<std::int32_t>(first)) *
+                                             static_cast<double>(step)),
+                          {});
+        if (all)
+            return compress(Mode::quantised, shape, *all, step);
+    }
+    return compress(Mode::lossless, shape, *predict(samples, shape, row_stride, 0, 0), 0);
+}
+
+} // namespace seaway::protocol
