@@ -35,6 +35,7 @@ Scope scope(Stage stage) {
 
 Result<Commands> Commands::create(Device& device) {
     Commands made;
+    made.device_ = device.get();
     const VkCommandPoolCreateInfo pool_info{.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
                                             .flags =
                                                 VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT,
@@ -58,12 +59,21 @@ Result<Commands> Commands::create(Device& device) {
 }
 
 Result<void> Commands::begin() {
+    if (recording_)
+        if (Result<void> reset = call("vkResetCommandPool", vkResetCommandPool, device_,
+                                      pool_.get(), VkCommandPoolResetFlags{0});
+            !reset)
+            return reset;
     const VkCommandBufferBeginInfo info{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
-    return call("vkBeginCommandBuffer", vkBeginCommandBuffer, buffer_, &info);
+    Result<void> begun = call("vkBeginCommandBuffer", vkBeginCommandBuffer, buffer_, &info);
+    recording_ = begun.has_value();
+    return begun;
 }
 
 Result<void> Commands::end() {
-    return call("vkEndCommandBuffer", vkEndCommandBuffer, buffer_);
+    Result<void> ended = call("vkEndCommandBuffer", vkEndCommandBuffer, buffer_);
+    recording_ = !ended;
+    return ended;
 }
 
 void Commands::barrier(Stage from, Stage to) {

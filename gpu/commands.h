@@ -23,7 +23,7 @@ class Commands {
     Commands() = default;
     static Result<Commands> create(Device& device);
 
-    /// Starts anew; whatever was recorded must have finished.
+    /// Starts anew, also in the middle of a recording; whatever was submitted must have finished.
     Result<void> begin();
     Result<void> end();
 
@@ -42,7 +42,9 @@ class Commands {
 
   private:
     OwnedCommandPool pool_;
+    VkDevice device_ = VK_NULL_HANDLE;
     VkCommandBuffer buffer_ = VK_NULL_HANDLE; // owned by the pool
+    bool recording_ = false;
 };
 
 /// Records, submits and waits.

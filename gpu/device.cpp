@@ -25,6 +25,8 @@ Result<std::unique_ptr<Device>> Device::create(const DeviceOptions& options) {
     made->instance_ = std::move(*instance);
     if (Result<void> picked = made->pick(options.pick); !picked)
         return picked.error();
+    if (options.staged)
+        made->unified_memory_ = false;
     if (Result<void> created = made->create_device(options); !created)
         return Error{made->info_.name + ": " + created.error().message};
     if (Result<void> created = made->create_timeline(); !created)

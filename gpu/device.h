@@ -25,8 +25,9 @@ namespace seaway::gpu {
 class Commands;
 
 struct DeviceOptions {
-    std::string pick = "auto";                    ///< see pick_device()
-    bool validation = false;                      ///< Khronos validation layer; for tests
+    std::string pick = "auto"; ///< see pick_device()
+    bool validation = false;   ///< Khronos validation layer; for tests
+    bool staged = false;       ///< copy as if the CPU could not see device memory; for tests
     std::vector<std::string> instance_extensions; ///< of a window system
     std::vector<std::string> device_extensions;   ///< VK_KHR_swapchain
 };

@@ -14,6 +14,8 @@ constexpr std::size_t kept_messages = 16;
 std::mutex load_mutex;
 bool functions_loaded = false;
 
+std::atomic<std::size_t> messages_of_all{0};
+
 Result<void> load_loader() {
     const std::lock_guard lock(load_mutex);
     if (Result<void> loaded = call("vkGetInstanceProcAddr", volkInitialize); !loaded)
@@ -115,6 +117,10 @@ Result<std::vector<VkPhysicalDevice>> Instance::physical_devices() const {
     return devices;
 }
 
+std::size_t Instance::all_validation_messages() {
+    return messages_of_all;
+}
+
 std::vector<std::string> Instance::validation_messages() const {
     const std::lock_guard lock(mutex_);
     return messages_;
@@ -122,6 +128,7 @@ std::vector<std::string> Instance::validation_messages() const {
 
 void Instance::note(const char* message) {
     ++message_count_;
+    ++messages_of_all;
     const std::lock_guard lock(mutex_);
     if (messages_.size() < kept_messages)
         messages_.emplace_back(message);

@@ -99,8 +99,9 @@ Result<void> compare(int size, std::string_view what, int x, int y, double got, 
     if (std::abs(got - truth.value) <= tolerance * truth.scale)
         return {};
     return Error{"the device computes wrongly: size " + std::to_string(size) + ", " +
-                 std::string(what) + " at (" + std::to_string(x) + ", " + std::to_string(y) +
-                 ") is " + std::to_string(got) + ", should be " + std::to_string(truth.value)};
+                     std::string(what) + " at (" + std::to_string(x) + ", " + std::to_string(y) +
+                     ") is " + std::to_string(got) + ", should be " + std::to_string(truth.value),
+                 computes_wrongly};
 }
 
 } // namespace

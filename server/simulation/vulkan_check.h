@@ -9,6 +9,9 @@
 
 namespace seaway::server {
 
+/// Error::code of a device that ran, with wrong results; other errors are of the device itself.
+inline constexpr int computes_wrongly = 1;
+
 /// The error names kernel size, field, point, both values: a device that computes wrongly is
 /// refused. Cost: the drivers' compilation, then a few milliseconds.
 Result<void> check_device(gpu::Device& device, const SynthesisKernels& kernels);

@@ -76,6 +76,7 @@ class Vulkan final : public VulkanSynthesizer {
 
     // Order of members is order of construction; the device goes last.
     std::unique_ptr<gpu::Device> device_;
+    bool any_device_kernels_ = false;
     std::map<std::pair<int, bool>, std::unique_ptr<SynthesisKernels>> kernels_; ///< size, band
     std::string refused_;         ///< designs that the self-check found wrong
     std::map<int, Group> groups_; ///< by size, of this sea
@@ -88,12 +89,13 @@ class Vulkan final : public VulkanSynthesizer {
 };
 
 Result<std::unique_ptr<VulkanSynthesizer>> Vulkan::create(const VulkanOptions& options) {
-    Result<std::unique_ptr<gpu::Device>> device =
-        gpu::Device::create({.pick = options.device, .validation = options.validation});
+    Result<std::unique_ptr<gpu::Device>> device = gpu::Device::create(
+        {.pick = options.device, .validation = options.validation, .staged = options.staged});
     if (!device)
         return device.error();
     std::unique_ptr<Vulkan> made(new Vulkan);
     made->device_ = std::move(*device);
+    made->any_device_kernels_ = options.any_device_kernels;
     if (Result<const SynthesisKernels*> checked = made->kernels(first_checked_size, true); !checked)
         return checked.error();
     return std::unique_ptr<VulkanSynthesizer>(std::move(made));
@@ -114,8 +116,12 @@ Result<const SynthesisKernels*> Vulkan::kernels(int size, bool band_limited) {
                transform_sizes()};
     for (const shaders::Transform* transform :
          fitting_transforms(device_->info(), size, band_limited)) {
+        if (any_device_kernels_ && transform->subgroup_size != 0)
+            continue;
         Result<SynthesisKernels> made = SynthesisKernels::create(*device_, *transform);
-        Result<void> checked = made ? check_device(*device_, *made) : Result<void>(made.error());
+        if (!made)
+            return Error{device_->info().name + ": " + made.error().message};
+        const Result<void> checked = check_device(*device_, *made);
         if (checked) {
             auto kept = std::make_unique<SynthesisKernels>(std::move(*made));
             const SynthesisKernels* kernels = kept.get();
@@ -123,6 +129,8 @@ Result<const SynthesisKernels*> Vulkan::kernels(int size, bool band_limited) {
             return kernels;
         }
         last = checked.error();
+        if (last.code != computes_wrongly)
+            break; // another design would fail as well
         refused_ += "; refused " + std::string(transform->design) + ": " + last.message;
     }
     return Error{device_->info().name + ": " + last.message};

@@ -15,8 +15,10 @@
 namespace seaway::server {
 
 struct VulkanOptions {
-    std::string device = "auto"; ///< "auto", index or part of a name (gpu::pick_device)
-    bool validation = false;     ///< Khronos validation layer; for tests
+    std::string device = "auto";     ///< "auto", index or part of a name (gpu::pick_device)
+    bool validation = false;         ///< Khronos validation layer; for tests
+    bool staged = false;             ///< copy as on a discrete GPU; for tests
+    bool any_device_kernels = false; ///< design W even where a faster one fits; for tests
 };
 
 /// What tests and benchmarks may ask beyond the interface.

@@ -53,7 +53,8 @@ double multiplier(sea::Basis basis, double kx, double ky) {
 
 } // namespace
 
-RandomSea::RandomSea(int size, double length_m, unsigned seed, sea::Choppiness choppiness)
+RandomSea::RandomSea(int size, double length_m, unsigned seed, sea::Choppiness choppiness,
+                     double share_of_nyquist)
     : realization_(std::make_shared<sea::Realization>()) {
     sea::CascadeModes cascade = empty(size, length_m);
     std::mt19937_64 engine(seed);
@@ -62,7 +63,7 @@ RandomSea::RandomSea(int size, double length_m, unsigned seed, sea::Choppiness c
     for (int ny = -size / 2 + 1; ny < size / 2; ++ny)
         for (int nx = -size / 2 + 1; nx < size / 2; ++nx) {
             const double n = std::hypot(nx, ny);
-            if (n == 0 || n >= 0.3 * size)
+            if (n == 0 || n >= share_of_nyquist / 2 * size)
                 continue;
             const Complex draw =
                 std::polar(std::sqrt(-2 * std::log(uniform())), two_pi * uniform());

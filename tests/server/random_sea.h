@@ -14,10 +14,12 @@
 
 namespace seaway::server {
 
-/// Deep-water waves of every direction up to 0.6 of Nyquist, Hs about 3 m, energy falling as k^-3.
+/// Deep-water waves of every direction up to a share of Nyquist, Hs about 3 m, amplitudes falling
+/// as k^-2.
 class RandomSea {
   public:
-    RandomSea(int size, double length_m, unsigned seed, sea::Choppiness choppiness = {});
+    RandomSea(int size, double length_m, unsigned seed, sea::Choppiness choppiness = {},
+              double share_of_nyquist = 0.6);
     const sea::CascadeModes& cascade() const { return realization_->cascades.front(); }
     sea::RealizationPtr realization() const { return realization_; }
 

@@ -23,16 +23,14 @@ const FieldSet all_linear = FieldSet::from_bits((1u << sea::linear_field_count) 
 
 class VulkanSynthesizerTest : public testing::Test {
   protected:
-    void SetUp() override {
-        Result<std::unique_ptr<VulkanSynthesizer>> made =
-            make_vulkan_synthesizer({.validation = true});
-        ASSERT_TRUE(made) << made.error().message;
+    explicit VulkanSynthesizerTest(VulkanOptions options = {}) {
+        options.validation = true;
+        Result<std::unique_ptr<VulkanSynthesizer>> made = make_vulkan_synthesizer(options);
+        EXPECT_TRUE(made) << made.error().message;
         synthesizer_ = std::move(*made);
     }
     void TearDown() override {
-        if (synthesizer_) {
-            EXPECT_THAT(synthesizer_->validation_messages(), testing::IsEmpty());
-        }
+        EXPECT_THAT(synthesizer_->validation_messages(), testing::IsEmpty());
     }
 
     void set_sea(sea::RealizationPtr sea, std::uint32_t epoch) {
@@ -50,20 +48,58 @@ class VulkanSynthesizerTest : public testing::Test {
     std::unique_ptr<VulkanSynthesizer> synthesizer_;
 };
 
-class AllSizes : public VulkanSynthesizerTest, public testing::WithParamInterface<int> {};
-INSTANTIATE_TEST_SUITE_P(Sizes, AllSizes, testing::Values(64, 128, 256, 512, 1024),
-                         [](const auto& size) { return std::to_string(size.param); });
+/// Every kernel that there is: each size, for seas made from spectra (0.6 of Nyquist) and for any
+/// modes, in the fastest design and in the one for all devices, on memory as it is and as a
+/// discrete GPU has it.
+struct Variant {
+    int size;
+    double share_of_nyquist;
+    VulkanOptions options;
+};
+
+std::vector<Variant> all_variants() {
+    std::vector<Variant> variants;
+    for (const int size : {64, 128, 256, 512, 1024})
+        for (const double share : {0.6, 2.0})
+            for (const bool any_device : {false, true}) {
+                if (size == 1024 && !any_device)
+                    continue; // there are no others of this size
+                variants.push_back(
+                    {size, share, {.staged = size == 64, .any_device_kernels = any_device}});
+            }
+    return variants;
+}
+
+std::string name_of(const testing::TestParamInfo<Variant>& variant) {
+    return std::to_string(variant.param.size) +
+           (variant.param.share_of_nyquist < 1 ? "_band" : "_all_modes") +
+           (variant.param.options.any_device_kernels ? "_any_device" : "_fastest") +
+           (variant.param.options.staged ? "_staged" : "");
+}
+
+class AllKernels : public VulkanSynthesizerTest, public testing::WithParamInterface<Variant> {
+  protected:
+    AllKernels() : VulkanSynthesizerTest(GetParam().options) {}
+    /// The sums of the largest maps take seconds; the kernels that few machines use get fewer.
+    int nodes() const {
+        return GetParam().size <= 512 && !GetParam().options.any_device_kernels ? 200 : 10;
+    }
+    RandomSea random_sea(unsigned seed, sea::Choppiness choppiness = {}) const {
+        return RandomSea(GetParam().size, 500.0, seed, choppiness, GetParam().share_of_nyquist);
+    }
+};
+INSTANTIATE_TEST_SUITE_P(Kernels, AllKernels, testing::ValuesIn(all_variants()), name_of);
 
 // 1e-5 Hs: floats carry 6e-8, a transform of a million points loses a few of them, the sine 1e-7.
-TEST_P(AllSizes, height_matches_the_direct_sum_within_1e5_of_hs_at_all_times) {
-    const RandomSea random(GetParam(), 500.0, 1);
+TEST_P(AllKernels, height_matches_the_direct_sum_within_1e5_of_hs_at_all_times) {
+    const RandomSea random = random_sea(1);
     set_sea(random.realization(), 7);
     for (const double t_s : {0.0, 12.34, 86'400.0, 1e6, 1e9, -3600.5}) {
         const sea::TimeUs time_us = sea::us_from_seconds(t_s);
         const sea::KeyframePtr map = keyframe(0, time_us, {Field::height});
         const FieldSum truth(random.cascade(), Field::height, time_us);
         double worst = 0;
-        for (const auto& [x, y] : random_nodes(GetParam(), 200))
+        for (const auto& [x, y] : random_nodes(GetParam().size, nodes()))
             worst = std::max(
                 worst, std::abs(truth.at(x, y) - map->plane(Field::height)[node(*map, x, y)]));
         EXPECT_LE(worst, 1e-5 * 4 * truth.rms()) << "t = " << t_s;
@@ -74,8 +110,8 @@ TEST_P(AllSizes, height_matches_the_direct_sum_within_1e5_of_hs_at_all_times) {
 
 // Same bound for every field, in units of four times its own rms or that of its packed partner:
 // the error of a transform is relative to all that is in it.
-TEST_P(AllSizes, every_field_matches_the_direct_sum) {
-    const RandomSea random(GetParam(), 500.0, 2);
+TEST_P(AllKernels, every_field_matches_the_direct_sum) {
+    const RandomSea random = random_sea(2);
     set_sea(random.realization(), 1);
     const sea::TimeUs time_us = 1'234'567'891;
     const sea::KeyframePtr map = keyframe(0, time_us, all_linear);
@@ -86,7 +122,7 @@ TEST_P(AllSizes, every_field_matches_the_direct_sum) {
         const auto f = static_cast<std::size_t>(field);
         const std::size_t partner = (f ^ 1u) < truth.size() ? f ^ 1u : f;
         double worst = 0;
-        for (const auto& [x, y] : random_nodes(GetParam(), 50))
+        for (const auto& [x, y] : random_nodes(GetParam().size, nodes() / 10))
             worst =
                 std::max(worst, std::abs(truth[f].at(x, y) - map->plane(field)[node(*map, x, y)]));
         EXPECT_LE(worst, 1e-5 * 4 * std::max(truth[f].rms(), truth[partner].rms()))
@@ -94,8 +130,8 @@ TEST_P(AllSizes, every_field_matches_the_direct_sum) {
     }
 }
 
-TEST_P(AllSizes, jacobian_is_the_determinant_of_the_strains) {
-    const RandomSea random(GetParam(), 500.0, 3, {1.4, 0.6});
+TEST_P(AllKernels, jacobian_is_the_determinant_of_the_strains) {
+    const RandomSea random = random_sea(3, {1.4, 0.6});
     set_sea(random.realization(), 1);
     const FieldSet strains{Field::strain_xx, Field::strain_yy, Field::strain_xy, Field::jacobian};
     const sea::KeyframePtr map = keyframe(0, 5'000'000, strains);
@@ -113,8 +149,8 @@ TEST_P(AllSizes, jacobian_is_the_determinant_of_the_strains) {
     EXPECT_LT(lowest, 0.95) << "the sea is too flat to tell anything";
 }
 
-TEST_P(AllSizes, variance_of_the_map_is_the_energy_of_its_modes) {
-    const RandomSea random(GetParam(), 500.0, 4);
+TEST_P(AllKernels, variance_of_the_map_is_the_energy_of_its_modes) {
+    const RandomSea random = random_sea(4);
     set_sea(random.realization(), 1);
     const sea::KeyframePtr map = keyframe(0, 77'000'000, {Field::height});
     double sum = 0;
