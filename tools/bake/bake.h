@@ -31,7 +31,7 @@ struct BakeOptions {
     sea::TimeUs start_us = 0;
     sea::FieldSet fields; ///< not empty
     bool half = false;
-    ExrCompression compression = ExrCompression::zip;
+    ExrCompression compression = ExrCompression::none;
 };
 
 struct BakeReport {

@@ -34,7 +34,7 @@ struct ExrMap {
     std::vector<ExrChannel> channels;
     std::vector<ExrAttribute> attributes;
     bool half = false; ///< 16 bits a value: 11 significant ones, up to 65504
-    ExrCompression compression = ExrCompression::zip;
+    ExrCompression compression = ExrCompression::none;
 };
 
 /// Writes beside the path and renames, so that a file that is there is whole. Values that half

@@ -32,7 +32,7 @@ struct Options {
     std::string scene;
     std::string device = "native";
     std::string fields = "height,displacement_x,displacement_y,slope_x,slope_y,jacobian";
-    std::string compression = "zip";
+    std::string compression = "none";
     double start_s = 0;
     int size = 0;
     bake::BakeOptions bake;
