@@ -9,8 +9,12 @@ EffectCosts::EffectCosts(std::vector<int> sizes)
     : sizes_(std::move(sizes)), costs_(sizes_.size() * effect_table().size()) {}
 
 double EffectCosts::weight(std::size_t cascade, sea::FieldSet fields) const {
+    constexpr double strains = 3;
     const double n = sizes_[cascade];
-    return fields.size() * n * n * std::log2(n);
+    double transformed = 0;
+    for (const sea::Field field : fields)
+        transformed += sea::is_linear(field) ? 1.0 : strains;
+    return transformed * n * n * std::log2(n);
 }
 
 void EffectCosts::add(std::span<const KeyframeRequest> requests, const SynthesisCounters& growth) {
@@ -35,6 +39,12 @@ void EffectCosts::add(std::span<const KeyframeRequest> requests, const Synthesis
             cost.device_seconds += share * growth.device_seconds;
         }
     }
+}
+
+void EffectCosts::add_seconds(std::size_t cascade, sea::Field field, double seconds) {
+    for (std::size_t e = 0; e < effect_table().size(); ++e)
+        if (effect_table()[e].fields.contains(field))
+            costs_[cascade * effect_table().size() + e].device_seconds += seconds;
 }
 
 double EffectCosts::predicted_seconds(std::size_t cascade, sea::FieldSet fields) const {

@@ -30,8 +30,11 @@ class EffectCosts {
     /// `sizes`: grid points a side of each cascade.
     explicit EffectCosts(std::vector<int> sizes);
 
-    /// One submission: what was asked, and by how much the counters grew.
+    /// One submission: what was asked (foam as foam), and by how much the counters grew.
     void add(std::span<const KeyframeRequest> requests, const SynthesisCounters& growth);
+
+    /// Time that one field of a cascade took beside its transforms: the history of foam.
+    void add_seconds(std::size_t cascade, sea::Field field, double seconds);
 
     const EffectCost& cost(std::size_t cascade, std::size_t effect) const {
         return costs_[cascade * effect_table().size() + effect];

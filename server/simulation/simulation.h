@@ -122,7 +122,10 @@ class Simulation {
     std::vector<sea::KeyframePtr> keyframes(std::span<const Wanted> wanted, FoamMaps& foam);
     Result<std::vector<sea::KeyframePtr>> compute(std::span<const KeyframeRequest> requests,
                                                   FoamMaps& foam);
-    Result<std::vector<sea::KeyframePtr>> synthesize(std::span<const KeyframeRequest> requests);
+    /// `asked`: the same requests before foam was replaced by what it stands on; for the accounts.
+    Result<std::vector<sea::KeyframePtr>> synthesize(std::span<const KeyframeRequest> requests,
+                                                     std::span<const KeyframeRequest> asked);
+    Result<sea::KeyframePtr> add_foam(const sea::KeyframePtr& keyframe, FoamMaps& foam);
     Result<void> rebuild_device();
     std::vector<Wanted> around(sea::TimeUs time_us, const Demand& demand) const;
     /// From the keyframes of every cascade around a time; valid before `end_us`.
