@@ -203,13 +203,14 @@ Result<void> Simulation::rebuild_device() {
 }
 
 Result<std::vector<sea::KeyframePtr>>
-Simulation::synthesize(std::span<const KeyframeRequest> requests) {
+Simulation::synthesize(std::span<const KeyframeRequest> requests,
+                       std::span<const KeyframeRequest> asked) {
     Result<std::vector<sea::KeyframePtr>> made = Error{"the device is gone"};
     for (int attempt = 0; attempt <= device_rebuilds_max; ++attempt) {
         if (synthesizer_)
             made = synthesizer_->synthesize(requests);
         if (made) {
-            count_synthesis(requests);
+            count_synthesis(asked);
             return made;
         }
         if (attempt == device_rebuilds_max)
@@ -273,25 +274,39 @@ Result<std::vector<sea::KeyframePtr>> Simulation::compute(std::span<const Keyfra
     std::vector<KeyframeRequest> synthesized(requests.begin(), requests.end());
     for (KeyframeRequest& request : synthesized)
         request.fields = foam_replaced(request.fields);
-    Result<std::vector<sea::KeyframePtr>> made = synthesize(synthesized);
+    Result<std::vector<sea::KeyframePtr>> made = synthesize(synthesized, requests);
     for (std::size_t i = 0; made && i < requests.size(); ++i) {
         if (!requests[i].fields.contains(sea::Field::foam))
             continue;
-        const TimeUs interval_us =
-            sea_->budget.cascades[static_cast<std::size_t>(requests[i].cascade)].interval_us;
-        Result<sea::KeyframePtr> foamy =
-            foam.add((*made)[i], interval_us, [&](TimeUs t_us) -> Result<sea::KeyframePtr> {
-                const KeyframeRequest past{requests[i].cascade, t_us, foam_inputs};
-                Result<std::vector<sea::KeyframePtr>> one = synthesize({&past, 1});
-                if (!one)
-                    return one.error();
-                return one->front();
-            });
+        Result<sea::KeyframePtr> foamy = add_foam((*made)[i], foam);
         if (!foamy)
             return foamy.error();
-        (*made)[i] = *foamy;
+        (*made)[i] = std::move(foamy).value();
     }
     return made;
+}
+
+Result<sea::KeyframePtr> Simulation::add_foam(const sea::KeyframePtr& keyframe, FoamMaps& foam) {
+    using Clock = std::chrono::steady_clock;
+    const auto cascade = static_cast<std::size_t>(keyframe->cascade);
+    const Clock::time_point start = Clock::now();
+    Clock::duration synthesizing{};
+    Result<sea::KeyframePtr> foamy = foam.add(
+        keyframe, sea_->budget.cascades[cascade].interval_us,
+        [&](TimeUs t_us) -> Result<sea::KeyframePtr> {
+            const Clock::time_point begin = Clock::now();
+            const KeyframeRequest past{keyframe->cascade, t_us, foam_inputs};
+            const KeyframeRequest asked{keyframe->cascade, t_us, {sea::Field::foam}};
+            Result<std::vector<sea::KeyframePtr>> one = synthesize({&past, 1}, {&asked, 1});
+            synthesizing += Clock::now() - begin;
+            if (!one)
+                return one.error();
+            return one->front();
+        });
+    const std::chrono::duration<double> spent = Clock::now() - start - synthesizing;
+    const std::scoped_lock lock(mutex_);
+    costs_.add_seconds(cascade, sea::Field::foam, spent.count());
+    return foamy;
 }
 
 std::vector<Simulation::Wanted> Simulation::around(TimeUs time_us, const Demand& demand) const {
