@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "client/view/mesh.h"
+
+namespace seaway::client {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+/// Picture row of a local point, 0 .. height.
+double row_of(const Camera& camera, const glm::dvec3& local) {
+    const glm::dvec4 clip = camera.clip_from_local() * glm::dvec4(local, 1);
+    return (clip.y / clip.w * 0.5 + 0.5) * camera.height;
+}
+
+TEST(Camera, yaw_is_a_bearing_and_pitch_is_upwards) {
+    Camera camera;
+    camera.pitch_deg = 0;
+    camera.yaw_deg = 0;
+    EXPECT_NEAR(camera.forward().y, 1, 1e-12) << "north";
+    camera.yaw_deg = 90;
+    EXPECT_NEAR(camera.forward().x, 1, 1e-12) << "east";
+    camera.pitch_deg = 30;
+    EXPECT_NEAR(camera.forward().z, 0.5, 1e-12);
+}
+
+TEST(Camera, a_ray_through_the_picture_is_where_its_points_are_drawn) {
+    Camera camera;
+    camera.yaw_deg = 200;
+    camera.pitch_deg = -17;
+    for (const double x : {-0.9, 0.0, 0.4})
+        for (const double y : {-0.8, 0.1, 0.9}) {
+            const glm::dvec3 point = glm::dvec3(0, 0, camera.z_m) + 37.0 * camera.ray(x, y);
+            const glm::dvec4 clip = camera.clip_from_local() * glm::dvec4(point, 1);
+            EXPECT_NEAR(clip.x / clip.w, x, 1e-9);
+            EXPECT_NEAR(clip.y / clip.w, y, 1e-9);
+            EXPECT_NEAR(clip.z / clip.w, 0.1 / 37.0, 1e-9) << "reversed depth: near / distance";
+        }
+}
+
+TEST(Camera, the_horizon_lies_its_dip_below_the_level) {
+    Camera camera;
+    camera.z_m = 100;
+    camera.pitch_deg = 0;
+    // Tangent point of the sphere; the mesh bends as z = -r^2 / 2R.
+    const double r = std::sqrt(2 * earth_radius_m * camera.z_m);
+    const double row = row_of(camera, {0, r, -r * r / (2 * earth_radius_m)});
+    EXPECT_NEAR((row - camera.height / 2.0) * camera.pixel_rad(), horizon_dip_rad(camera.z_m), 1e-6)
+        << "5.6 mrad; the parabola and the circle differ by (r/R)^2 of that";
+}
+
+TEST(Mesh, covers_every_place_that_the_picture_can_show) {
+    const SeaStatistics sea{.significant_height_m = 6, .crest_m = 7, .reach_m = 6};
+    for (const double pitch : {-89.0, -50.0, -20.0, -5.0, 10.0})
+        for (const double yaw : {0.0, 123.0, 300.0}) {
+            Camera camera;
+            camera.pitch_deg = pitch;
+            camera.yaw_deg = yaw;
+            const Mesh mesh = build_mesh(camera, sea, 0.1, 2.5);
+            ASSERT_LT(mesh.rows_m.size(), static_cast<std::size_t>(Mesh::rows_max))
+                << "the rows reach the horizon before they run out";
+            for (double x = -1; x <= 1; x += 0.25)
+                for (double y = -1; y <= 1; y += 0.25) {
+                    const glm::dvec3 ray = camera.ray(x, y);
+                    if (ray.z > -1e-3)
+                        continue;
+                    const glm::dvec2 from_apex =
+                        glm::dvec2(ray) * (camera.z_m / -ray.z) - mesh.apex_m;
+                    const double r = glm::length(from_apex);
+                    EXPECT_GE(r, static_cast<double>(mesh.rows_m.front()) - 0.6);
+                    EXPECT_LE(r, static_cast<double>(mesh.rows_m.back()));
+                    double turn = std::atan2(from_apex.y, from_apex.x) - mesh.azimuth_rad;
+                    turn -= 2 * pi * std::floor(turn / (2 * pi) + 1e-9);
+                    EXPECT_LE(turn, mesh.step_rad * (mesh.columns - 1) + 1e-6)
+                        << "pitch " << pitch << " yaw " << yaw << " at " << x << ", " << y;
+                }
+        }
+}
+
+TEST(Mesh, rows_grow_and_end_beyond_the_horizon) {
+    const SeaStatistics sea{.significant_height_m = 6, .crest_m = 7, .reach_m = 6};
+    Camera camera;
+    const Mesh mesh = build_mesh(camera, sea, 0.1, 2.5);
+    for (std::size_t i = 1; i < mesh.rows_m.size(); ++i)
+        ASSERT_GT(mesh.rows_m[i], mesh.rows_m[i - 1]);
+    EXPECT_GT(static_cast<double>(mesh.rows_m.back()), std::sqrt(2 * earth_radius_m * camera.z_m));
+}
+
+TEST(Mesh, a_strip_has_two_triangles_a_cell_and_no_vertex_beyond_its_rows) {
+    const std::vector<std::uint32_t> indices = strip_indices(5, 3);
+    EXPECT_EQ(indices.size(), 4u * 3 * 6);
+    for (const std::uint32_t index : indices)
+        EXPECT_LT(index, 5u * 4);
+}
+
+} // namespace
+} // namespace seaway::client

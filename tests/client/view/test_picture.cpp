@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <filesystem>
+
+#include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfInputFile.h>
+#include <gtest/gtest.h>
+#include <png.h>
+
+#include "client/view/picture.h"
+#include "client/view/view_options.h"
+
+namespace seaway::client {
+namespace {
+
+Picture ramp() {
+    Picture picture{16, 4, {}};
+    for (int i = 0; i < 16 * 4; ++i)
+        for (int c = 0; c < 4; ++c)
+            picture.rgba.push_back(0.03f * static_cast<float>(i + c) - 0.2f);
+    return picture;
+}
+
+std::string temporary(const char* name) {
+    return (std::filesystem::path(testing::TempDir()) / name).string();
+}
+
+TEST(Picture, png_reads_back_as_the_bytes_shown) {
+    const Picture picture = ramp();
+    const Display display{DebugView::final, 2.0, 1.0};
+    const std::string path = temporary("view_ramp.png");
+    ASSERT_TRUE(write_png(picture, display, path));
+    png_image image{};
+    image.version = PNG_IMAGE_VERSION;
+    ASSERT_NE(png_image_begin_read_from_file(&image, path.c_str()), 0);
+    image.format = PNG_FORMAT_RGB;
+    std::vector<std::uint8_t> bytes(PNG_IMAGE_SIZE(image));
+    ASSERT_NE(png_image_finish_read(&image, nullptr, bytes.data(), 0, nullptr), 0);
+    EXPECT_EQ(image.width, 16u);
+    EXPECT_EQ(bytes, to_srgb(picture, display));
+    std::filesystem::remove(path);
+}
+
+TEST(Picture, exr_keeps_every_number) {
+    const Picture picture = ramp();
+    const std::string path = temporary("view_ramp.exr");
+    ASSERT_TRUE(write_exr(picture, path));
+    std::vector<float> green(16 * 4);
+    Imf::InputFile file(path.c_str());
+    Imf::FrameBuffer frame;
+    frame.insert("G", Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(green.data()), sizeof(float),
+                                 16 * sizeof(float)));
+    file.setFrameBuffer(frame);
+    file.readPixels(0, 3);
+    for (std::size_t i = 0; i < green.size(); ++i)
+        EXPECT_EQ(green[i], picture.rgba[4 * i + 1]);
+    std::filesystem::remove(path);
+}
+
+TEST(Picture, a_path_that_cannot_be_written_is_named) {
+    for (const char* path : {"/nonexistent/a.png", "/nonexistent/a.exr"}) {
+        const Result<void> written = std::string(path).ends_with("png")
+                                         ? write_png(ramp(), {}, path)
+                                         : write_exr(ramp(), path);
+        ASSERT_FALSE(written);
+        EXPECT_NE(written.error().message.find(path), std::string::npos);
+    }
+}
+
+TEST(Picture, the_film_curve_keeps_black_and_order) {
+    Picture picture{64, 1, {}};
+    for (int i = 0; i < 64; ++i)
+        picture.rgba.insert(picture.rgba.end(), 4, 0.05f * static_cast<float>(i));
+    const std::vector<std::uint8_t> bytes = to_srgb(picture, {});
+    EXPECT_LE(bytes[0], 1);
+    for (std::size_t i = 3; i < bytes.size(); ++i)
+        EXPECT_GE(bytes[i], bytes[i - 3]);
+    EXPECT_GT(bytes.back(), 240);
+}
+
+TEST(Picture, exposure_meets_middle_grey_but_stays_near_the_light) {
+    Picture grey{8, 8, std::vector<float>(8 * 8 * 4, 2.0f)};
+    EXPECT_NEAR(metered_exposure(grey, 10.0) * 2.0, 0.18, 1e-6);
+    EXPECT_NEAR(metered_exposure(grey, 0.1), 3.0, 1e-6) << "0.9 / 0.1 over the range of 3";
+}
+
+TEST(DebugViews, are_found_by_name_and_cascades_by_number) {
+    for (const DebugViewInfo& row : debug_view_table) {
+        EXPECT_EQ(&row, &info(row.view)) << "the table is in the order of the views";
+        const Result<DebugChoice> choice = parse_debug_view(row.name);
+        ASSERT_TRUE(choice);
+        EXPECT_EQ(choice->view, row.view);
+    }
+    EXPECT_EQ(parse_debug_view("cascade:2")->cascade, 2);
+    for (const char* wrong : {"", "cascade:", "cascade:9", "cascade:-1", "normal:1", "sea"})
+        EXPECT_FALSE(parse_debug_view(wrong)) << wrong;
+}
+
+TEST(FramePath, puts_the_number_where_the_pattern_says) {
+    EXPECT_EQ(frame_path("a/##.png", 7, 20), "a/07.png");
+    EXPECT_EQ(frame_path("a/%04d.exr", 7, 20), "a/0007.exr");
+    EXPECT_EQ(frame_path("a/b.png", 0, 1), "a/b.png");
+    EXPECT_EQ(frame_path("a/b.png", 3, 4), "a/b-0003.png");
+}
+
+} // namespace
+} // namespace seaway::client

@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pictures held against geometry, against the surface that answers queries and against the optics
+// of a flat sea. Validation layers are on; one message of theirs fails the test.
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "client/view/renderer.h"
+#include "sea/scene.h"
+#include "tests/client/view/small_seas.h"
+#include "tests/client/view/synthetic_sea.h"
+#include "tests/gpu/device_for_tests.h"
+
+namespace seaway::client {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+class RendererTest : public gpu::DeviceTest {
+  protected:
+    Camera camera_{.z_m = 14, .yaw_deg = 40, .pitch_deg = -6, .width = 240, .height = 136};
+
+    Picture render(const SeaFrame& frame, const Sky& sky, DebugView view = DebugView::final,
+                   const RenderOptions& options = {}) {
+        Result<Renderer> renderer =
+            Renderer::create(*device_, camera_.width, camera_.height, options);
+        EXPECT_TRUE(renderer) << renderer.error().message;
+        Result<Picture> picture = renderer->render(frame, camera_, sky, {view, 0});
+        EXPECT_TRUE(picture) << picture.error().message;
+        return std::move(*picture);
+    }
+    glm::dvec3 ray(int x, int y) const {
+        return glm::normalize(
+            camera_.ray((x + 0.5) / camera_.width * 2 - 1, (y + 0.5) / camera_.height * 2 - 1));
+    }
+    SyntheticSea gale() {
+        const Result<sea::Scene> scene =
+            sea::read_scene(SEAWAY_SOURCE_DIR "/scenes/north_sea_gale.toml");
+        EXPECT_TRUE(scene) << scene.error().message;
+        return SyntheticSea(*sea::realize(*scene));
+    }
+};
+
+double luminance(const float* pixel) {
+    return 0.2126 * static_cast<double>(pixel[0]) + 0.7152 * static_cast<double>(pixel[1]) +
+           0.0722 * static_cast<double>(pixel[2]);
+}
+
+TEST_F(RendererTest, drawn_points_are_where_a_query_finds_the_sea) {
+    SyntheticSea sea = gale();
+    camera_.x_m = 5230.25;
+    camera_.y_m = -88110.5;
+    const SeaFrame frame = sea.at(100'300'000);
+    const sea::Surface surface = sea.surface(frame);
+    const Picture picture = render(frame, Sky(sun_direction(15)), DebugView::place);
+    int compared = 0;
+    for (int y = 0; y < picture.height; y += 3)
+        for (int x = 0; x < picture.width; x += 5) {
+            const float* place = picture.pixel(x, y);
+            const double local_x = static_cast<double>(place[0]);
+            const double local_y = static_cast<double>(place[1]);
+            // Nearer than this, cells are so small (0.1 m) that flat triangles miss less than a mm.
+            if (std::hypot(local_x, local_y) > 45 || (local_x == 0 && local_y == 0))
+                continue;
+            const double world_x = camera_.x_m + local_x, world_y = camera_.y_m + local_y;
+            const sea::LagrangianPoint p = surface.at(world_x, world_y, frame.time_us);
+            const sea::Answer answer =
+                surface.answer({world_x + frame.choppiness.x * p.displacement_x,
+                                world_y + frame.choppiness.y * p.displacement_y, frame.time_us});
+            if (answer.flags & sea::answer_folded)
+                continue;
+            ++compared;
+            EXPECT_NEAR(static_cast<double>(place[2]), answer.height_m, 0.01) << x << ", " << y;
+        }
+    EXPECT_GT(compared, 200);
+}
+
+TEST_F(RendererTest, the_horizon_is_straight_and_where_geometry_says) {
+    const Picture picture = render(flat_sea(), Sky(sun_direction(15)), DebugView::place);
+    const double dip = horizon_dip_rad(camera_.z_m);
+    for (int x = 0; x < picture.width; ++x)
+        for (int y = 0; y < picture.height; ++y) {
+            const double elevation = std::asin(ray(x, y).z);
+            const float* place = picture.pixel(x, y);
+            const bool sky = place[0] == 0 && place[1] == 0;
+            // The pixel that the horizon crosses may be either: half a pixel is 0.35 of one here.
+            if (elevation > -dip + camera_.pixel_rad())
+                EXPECT_TRUE(sky) << x << ", " << y;
+            if (elevation < -dip - camera_.pixel_rad())
+                EXPECT_FALSE(sky) << x << ", " << y;
+        }
+}
+
+TEST_F(RendererTest, the_sky_is_that_of_the_model) {
+    const Sky sky(sun_direction(15));
+    const Picture picture = render(flat_sea(), sky);
+    const double sun_azimuth = std::atan2(sky.sun_direction().y, sky.sun_direction().x);
+    for (int y = 0; y < 40; y += 8)
+        for (int x = 0; x < picture.width; x += 16) {
+            const glm::dvec3 d = ray(x, y);
+            const double turn = std::remainder(std::atan2(d.y, d.x) - sun_azimuth, 2 * pi);
+            const glm::dvec3 truth = sky.radiance(std::asin(d.z), std::abs(turn));
+            for (int c = 0; c < 3; ++c) // linear between 128 x 128 texels
+                EXPECT_NEAR(static_cast<double>(picture.pixel(x, y)[c]) / truth[c], 1, 0.02);
+        }
+}
+
+TEST_F(RendererTest, a_flat_sea_mirrors_the_sky_by_fresnel) {
+    const Sky sky(sun_direction(12)); // in the south; the camera looks north-east: no glint
+    const RenderOptions clear_air{.visibility_m = 1e9};
+    const Picture picture = render(flat_sea(), sky, DebugView::final, clear_air);
+    const double sun_azimuth = std::atan2(sky.sun_direction().y, sky.sun_direction().x);
+    const glm::dvec3 reflectance(0.008, 0.024, 0.026); // of the water body, client/view/view_values
+    const glm::dvec3 down = sky.sky_irradiance() + sky.sun_irradiance() * sky.sun_direction().z;
+    for (int y = camera_.height / 2; y < camera_.height; y += 10)
+        for (int x = 4; x < picture.width; x += 33) {
+            const glm::dvec3 d = ray(x, y);
+            const double cosine = -d.z;
+            const double fresnel = 0.02 + 0.98 * std::pow(1 - cosine, 5);
+            const double turn = std::remainder(std::atan2(d.y, d.x) - sun_azimuth, 2 * pi);
+            const glm::dvec3 mirrored = sky.radiance(std::asin(-d.z), std::abs(turn));
+            for (int c = 0; c < 3; ++c) {
+                const double body = reflectance[c] * down[c] / pi;
+                // 3 %: texels of the sky, and a tint that flat water (height 0) does not have.
+                EXPECT_NEAR(static_cast<double>(picture.pixel(x, y)[c]) /
+                                (fresnel * mirrored[c] + (1 - fresnel) * body),
+                            1, 0.03)
+                    << x << ", " << y << " channel " << c;
+            }
+        }
+}
+
+TEST_F(RendererTest, the_sea_glitters_below_the_sun_and_nowhere_else) {
+    SyntheticSea sea = gale();
+    const SeaFrame frame = sea.at(100'000'000);
+    const Sky sky(sun_direction(15.5)); // about 33 degrees high, in the west-south-west
+    const double azimuth = std::atan2(sky.sun_direction().y, sky.sun_direction().x);
+    const auto mean_of_sea = [&](double yaw_deg) {
+        camera_.yaw_deg = yaw_deg;
+        const Picture picture = render(frame, sky);
+        double sum = 0;
+        for (int y = camera_.height / 2; y < camera_.height; ++y)
+            for (int x = 0; x < picture.width; ++x)
+                sum += luminance(picture.pixel(x, y));
+        return sum / (picture.width * picture.height / 2.0);
+    };
+    const double sun_bearing = 90 - azimuth * 180 / pi;
+    const double up_sun = mean_of_sea(sun_bearing);
+    const double down_sun = mean_of_sea(sun_bearing + 180);
+    // Facets that mirror a sun 33 degrees high to an eye that looks 10 degrees down tilt 11 degrees
+    // towards the sun, slope 0.2: with the gale's rms slope of 0.2 they are common. Away from the
+    // sun they would tilt 68 degrees: there are none, and only the sky's side counts.
+    EXPECT_GT(up_sun, 3 * down_sun);
+}
+
+TEST_F(RendererTest, every_pixel_is_a_number_and_none_is_dark_by_day) {
+    SyntheticSea sea = gale();
+    const SeaFrame frame = sea.at(100'000'000);
+    const Sky sky(sun_direction(15));
+    const double azimuth = std::atan2(sky.sun_direction().y, sky.sun_direction().x);
+    // Straight up-sun, straight down-sun and down from within the waves.
+    for (const double yaw_deg : {90 - azimuth * 180 / pi, 270 - azimuth * 180 / pi})
+        for (const double z_m : {2.0, 14.0}) {
+            camera_.yaw_deg = yaw_deg;
+            camera_.z_m = z_m;
+            const Picture picture = render(frame, sky);
+            for (std::size_t i = 0; i < picture.rgba.size(); ++i) {
+                ASSERT_TRUE(std::isfinite(picture.rgba[i])) << "float " << i;
+                ASSERT_GT(picture.rgba[i], 0.0f) << "float " << i;
+            }
+        }
+}
+
+TEST_F(RendererTest, foam_is_on_crests_and_never_in_troughs) {
+    // k a = 2 pi 4 / 100 * 2 = 0.5: the Jacobian is 0.5 on crests, 1.5 in troughs.
+    SyntheticSea sea(one_wave(2.0, 100, 4));
+    const SeaFrame frame = sea.at(0);
+    camera_.z_m = 30;
+    camera_.pitch_deg = -30;
+    const Picture foam = render(frame, Sky(sun_direction(12)), DebugView::foam);
+    const Picture place = render(frame, Sky(sun_direction(12)), DebugView::place);
+    double crests = 0, troughs = 0;
+    for (std::size_t i = 0; i < foam.rgba.size(); i += 4) {
+        const float height = place.rgba[i + 2];
+        crests += height > 1.6f ? static_cast<double>(foam.rgba[i]) : 0.0;
+        troughs += height < 0.0f ? static_cast<double>(foam.rgba[i]) : 0.0;
+    }
+    EXPECT_GT(crests, 50);
+    EXPECT_EQ(troughs, 0);
+}
+
+TEST_F(RendererTest, normals_are_exact_on_a_choppy_wave) {
+    SyntheticSea sea(one_wave(2.0, 100, 4));
+    const SeaFrame frame = sea.at(0);
+    const sea::Surface surface = sea.surface(frame);
+    camera_.z_m = 20;
+    camera_.pitch_deg = -35;
+    const Picture slope = render(frame, Sky(sun_direction(12)), DebugView::slope);
+    const Picture place = render(frame, Sky(sun_direction(12)), DebugView::place);
+    int compared = 0;
+    for (std::size_t i = 0; i < slope.rgba.size(); i += 4 * 37) {
+        const sea::LagrangianPoint p = surface.at(static_cast<double>(place.rgba[i]),
+                                                  static_cast<double>(place.rgba[i + 1]), 0);
+        const double truth = p.slope_x / (1 + p.strain_xx); // long-crested: no cross terms
+        // A pixel is 0.1 to 1 m of a 25 m wave, curvature at most 0.5: it blurs this much.
+        EXPECT_NEAR(static_cast<double>(slope.rgba[i]), truth, 0.02);
+        EXPECT_NEAR(static_cast<double>(slope.rgba[i + 1]), 0, 1e-4);
+        ++compared;
+    }
+    EXPECT_GT(compared, 500);
+}
+
+TEST_F(RendererTest, the_same_sea_is_the_same_bytes) {
+    SyntheticSea sea = gale();
+    const SeaFrame frame = sea.at(100'000'000);
+    const Sky sky(sun_direction(15));
+    EXPECT_EQ(render(frame, sky).rgba, render(frame, sky).rgba);
+}
+
+} // namespace
+} // namespace seaway::client

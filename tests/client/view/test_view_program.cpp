@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+// seaway-view as its users run it, against the real net server over a sea of known waves.
+#include <array>
+#include <cstdio>
+#include <filesystem>
+
+#include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfInputFile.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "server/net/server.h"
+#include "tests/client/wave_sea.h"
+
+namespace seaway::client {
+namespace {
+
+struct Outcome {
+    int code = -1;
+    std::string text; ///< stdout and stderr
+};
+
+Outcome run(const std::string& arguments) {
+    Outcome outcome;
+    const std::string command = SEAWAY_BIN_DIR "/seaway-view " + arguments + " 2>&1";
+    FILE* pipe = popen(command.c_str(), "r");
+    std::array<char, 256> line{};
+    while (fgets(line.data(), line.size(), pipe) != nullptr)
+        outcome.text += line.data();
+    outcome.code = WEXITSTATUS(pclose(pipe));
+    return outcome;
+}
+
+long lines_of(const std::string& text) {
+    return std::count(text.begin(), text.end(), '\n');
+}
+
+TEST(ViewProgram, lists_its_debug_views) {
+    const Outcome outcome = run("--list-debug");
+    EXPECT_EQ(outcome.code, 0);
+    for (const char* name : {"final", "height", "normal", "jacobian", "foam", "cascade"})
+        EXPECT_THAT(outcome.text, testing::HasSubstr(name));
+}
+
+TEST(ViewProgram, says_in_one_line_what_is_wrong_with_a_command_line) {
+    const std::string fine = "ws://127.0.0.1:1 --offscreen 64x48 --out /tmp/x.png ";
+    const std::pair<std::string, const char*> rows[] = {
+        {"ws://127.0.0.1:1 --out x.png", "--offscreen"},
+        {"ws://127.0.0.1:1 --offscreen 64x --out x.png", "64x"},
+        {"ws://127.0.0.1:1 --offscreen 64x48 --out x.jpg", "x.jpg"},
+        {fine + "--camera 1,2,3", "1,2,3"},
+        {fine + "--camera 1,2,-3,0,0", "Z"},
+        {fine + "--debug nothing", "nothing"},
+        {fine + "--time-of-day 25", "25"},
+        {"http://127.0.0.1:1 --offscreen 64x48 --out x.png", "http"},
+    };
+    for (const auto& [arguments, what] : rows) {
+        const Outcome outcome = run(arguments);
+        EXPECT_EQ(outcome.code, 2) << arguments;
+        EXPECT_EQ(lines_of(outcome.text), 1) << outcome.text;
+        EXPECT_THAT(outcome.text, testing::HasSubstr(what));
+    }
+}
+
+TEST(ViewProgram, says_when_there_is_no_server) {
+    const Outcome outcome = run("ws://127.0.0.1:1 --offscreen 64x48 --out /tmp/x.png");
+    EXPECT_EQ(outcome.code, 5);
+    EXPECT_EQ(lines_of(outcome.text), 1) << outcome.text;
+}
+
+TEST(ViewProgram, draws_frames_from_streamed_tiles_at_the_height_of_the_true_sea) {
+    tests::WaveSea sea;
+    server::NetOptions options;
+    options.listen = "127.0.0.1:0";
+    auto net = server::NetServer::start(options, sea);
+    ASSERT_TRUE(net) << net.error().message;
+    const std::filesystem::path folder =
+        std::filesystem::path(testing::TempDir()) / "seaway_view_frames";
+    const Outcome outcome =
+        run((*net)->url() + " --offscreen 96x64 --frames 2 --time 1000.5 --debug place" +
+            " --camera 300,-200,8,70,-35 --out " + folder.string() + "/##.exr");
+    ASSERT_EQ(outcome.code, 0) << outcome.text;
+    for (int frame = 0; frame < 2; ++frame) {
+        std::vector<float> channels[3];
+        Imf::InputFile file((folder / ("0" + std::to_string(frame) + ".exr")).c_str());
+        Imf::FrameBuffer buffer;
+        for (std::size_t c = 0; c < 3; ++c) {
+            channels[c].resize(96 * 64);
+            buffer.insert(std::string("RGB").substr(c, 1).c_str(),
+                          Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(channels[c].data()),
+                                     sizeof(float), 96 * sizeof(float)));
+        }
+        file.setFrameBuffer(buffer);
+        file.readPixels(0, 63);
+        const sea::TimeUs time_us = 1'000'500'000 + frame * 1'000'000 / 30;
+        const sea::DirectSum sum(tests::few_waves());
+        const sea::DirectSum::Moment moment = sum.at_time(time_us);
+        for (std::size_t i = 96 * 20; i < 96 * 64; i += 97) {
+            const double x = 300 + static_cast<double>(channels[0][i]);
+            const double y = -200 + static_cast<double>(channels[1][i]);
+            // Codec 0.5 mm a cascade, its rates, interpolation, flat triangles: together below 1
+            // cm.
+            EXPECT_NEAR(static_cast<double>(channels[2][i]), moment.at(x, y).height, 0.01)
+                << "frame " << frame << " pixel " << i;
+        }
+    }
+    std::filesystem::remove_all(folder);
+}
+
+} // namespace
+} // namespace seaway::client
