@@ -23,15 +23,15 @@ enum Source { source_h, source_h_over_k, source_rate, source_rate_over_k };
 /// source * 3 + power of ky (0, 1, 2).
 inline constexpr int base_count = source_count * 3;
 
-/// One column block: rows ky = -reach .. reach hold waves. Records are [ky][stream][lane].
+/// One column block: it holds waves at ky = -reach .. reach, one record each.
 struct Block {
-    std::size_t records; ///< offset of the first record in floats
-    int reach;           ///< -1: no wave in this block
+    std::size_t first; ///< index of its first record among those of all blocks
+    int reach;         ///< -1: no wave in this block
 };
 
-/// Floats a lane and record: h0(k) + conj h0(-k) (re, im), i (conj h0(-k) - h0(k)) (re, im), 1/k,
-/// angular frequency, and the rate as one 64-bit word.
-inline constexpr int record_streams = 8;
+/// Floats a lane and record: h0(k) + conj h0(-k) (re, im), i (conj h0(-k) - h0(k)) (re, im), and
+/// the rate as one 64-bit word. [record][stream][lane].
+inline constexpr int record_streams = 6;
 
 /// One transform length: n = r2 n1 + n2 in, k1 + r1 k2 out.
 struct Plan {
@@ -42,6 +42,8 @@ struct Plan {
 struct ColumnPass {
     const Block* blocks;
     const float* records;
+    const float* over_k;   ///< 1/k, [record][lane]
+    const float* omega;    ///< angular frequency, rad/s, [record][lane]
     int block_count;       ///< blocks with waves; they are the first ones
     std::uint64_t time_us; ///< modulo 2^64
     const float* ky[3];    ///< ky^p, [n], rad/m

@@ -45,28 +45,30 @@ struct Kernel {
             store<L>(to + L, im);
         };
         const std::uint32_t wanted = pass.sources;
+        constexpr std::uint32_t over_k_sources = 1u << source_h_over_k | 1u << source_rate_over_k;
         for (int source = 0; source < source_count; ++source)
             for (int n = block.reach + 1;
                  (wanted >> source & 1u) && n < N - (block.reach > 0 ? block.reach : 0); ++n)
                 put(Source(source), n, F{}, F{});
-        const float* record = pass.records + block.records;
-        for (int ky = -block.reach; ky <= block.reach; ++ky, record += record_streams * L) {
+        std::size_t index = block.first;
+        for (int ky = -block.reach; ky <= block.reach; ++ky, ++index) {
+            const float* record = pass.records + index * record_streams * L;
             const int n = ky & (N - 1);
-            const auto* rate = reinterpret_cast<const typename V::Half*>(record + 6 * L);
+            const auto* rate = reinterpret_cast<const typename V::Half*>(record + 4 * L);
             const auto low = rate[0] * pass.time_us, high = rate[1] * pass.time_us;
             F s, c;
             using U = typename V::U;
             sincos_turns<L>(odd_words(U(low), U(high), all), s, c);
             const F pr = load<L>(record), pi = load<L>(record + L);
             const F qr = load<L>(record + 2 * L), qi = load<L>(record + 3 * L);
-            const F over_k = load<L>(record + 4 * L);
             const F hr = pr * c + qr * s, hi = pi * c + qi * s;
+            const F over_k = wanted & over_k_sources ? load<L>(pass.over_k + index * L) : F{};
             if (wanted >> source_h & 1u)
                 put(source_h, n, hr, hi);
             if (wanted >> source_h_over_k & 1u)
                 put(source_h_over_k, n, hr * over_k, hi * over_k);
             if (wanted >> source_rate & 3u) {
-                const F omega = load<L>(record + 5 * L);
+                const F omega = load<L>(pass.omega + index * L);
                 const F dr = (qr * c - pr * s) * omega, di = (qi * c - pi * s) * omega;
                 if (wanted >> source_rate & 1u)
                     put(source_rate, n, dr, di);

@@ -111,6 +111,8 @@ void prepare(const NativeTask& task, const native::TransformState& cascade, floa
     native::ColumnPass& columns = work.columns;
     columns.blocks = cascade.blocks.data();
     columns.records = cascade.records.get();
+    columns.over_k = cascade.over_k.get();
+    columns.omega = cascade.omega.get();
     columns.block_count = static_cast<int>(cascade.blocks.size());
     columns.time_us = static_cast<std::uint64_t>(task.phase_time_us);
     std::copy(cascade.ky, cascade.ky + 3, columns.ky);

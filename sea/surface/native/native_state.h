@@ -22,7 +22,9 @@ struct TransformState {
     Instructions instructions = Instructions::portable;
     Choppiness choppiness;
     std::vector<Block> blocks; ///< with waves
-    AlignedFloats records;
+    AlignedFloats records;     ///< as ColumnPass takes them
+    AlignedFloats over_k;
+    AlignedFloats omega;
     AlignedFloats tables; ///< [table][size]: see the offsets
     Plan plan;
     const float* ky[3];

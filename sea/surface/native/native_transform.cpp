@@ -51,7 +51,7 @@ bool holds_wave(const CascadeModes& modes, int kx, int ky) {
 }
 
 /// Blocks up to the last one that holds a wave.
-std::vector<Block> find_blocks(const CascadeModes& modes, int lanes, std::size_t& floats) {
+std::vector<Block> find_blocks(const CascadeModes& modes, int lanes, std::size_t& records) {
     const int half = modes.spec.size / 2;
     std::vector<Block> blocks;
     std::size_t kept = 0;
@@ -61,9 +61,9 @@ std::vector<Block> find_blocks(const CascadeModes& modes, int lanes, std::size_t
             for (int ky = half - 1; ky > reach; --ky)
                 if (holds_wave(modes, kx, ky) || holds_wave(modes, kx, -ky))
                     reach = ky;
-        blocks.push_back({floats, reach});
-        floats += static_cast<std::size_t>((2 * reach + 1 + (reach < 0)) * lanes) *
-                  native::record_streams;
+        blocks.push_back({records, reach});
+        if (reach >= 0)
+            records += static_cast<std::size_t>(2 * reach + 1);
         if (reach >= 0)
             kept = blocks.size();
     }
@@ -71,8 +71,9 @@ std::vector<Block> find_blocks(const CascadeModes& modes, int lanes, std::size_t
     return blocks;
 }
 
-/// Fills one record lane: mode (kx, ky) and its partner.
-void write_mode(const CascadeModes& modes, int kx, int ky, int lanes, int lane, float* record) {
+/// Fills one lane of one record: mode (kx, ky) and its partner.
+void write_mode(const CascadeModes& modes, int kx, int ky, std::size_t index, std::size_t lane,
+                TransformState& state) {
     const auto size = static_cast<std::size_t>(modes.spec.size);
     const std::size_t mask = size - 1;
     const std::size_t here =
@@ -81,27 +82,32 @@ void write_mode(const CascadeModes& modes, int kx, int ky, int lanes, int lane, 
         (static_cast<std::size_t>(-ky) & mask) * size + (static_cast<std::size_t>(-kx) & mask);
     const std::complex<double> a = modes.h0[here], b = std::conj(modes.h0[there]);
     const std::complex<double> cosine = a + b, sine = std::complex<double>(0, 1) * (b - a);
+    const double streams[4] = {cosine.real(), cosine.imag(), sine.real(), sine.imag()};
+    const auto lanes = static_cast<std::size_t>(state.kernels->lanes);
+    float* record = state.records.get() + index * native::record_streams * lanes;
+    for (std::size_t i = 0; i < 4; ++i)
+        record[i * lanes + lane] = static_cast<float>(streams[i]);
+    std::memcpy(record + 4 * lanes + 2 * lane, &modes.rate[here], sizeof(Rate));
     const double k = std::hypot(kx, ky) * modes.spec.wavenumber_step_radpm();
-    const double values[6] = {cosine.real(),         cosine.imag(),
-                              sine.real(),           sine.imag(),
-                              k > 0 ? 1.0 / k : 0.0, omega_from_rate(modes.rate[here])};
-    for (int i = 0; i < 6; ++i)
-        record[i * lanes + lane] = static_cast<float>(values[i]);
-    std::memcpy(record + 6 * lanes + 2 * lane, &modes.rate[here], sizeof(Rate));
+    state.over_k[index * lanes + lane] = static_cast<float>(k > 0 ? 1.0 / k : 0.0);
+    state.omega[index * lanes + lane] = static_cast<float>(omega_from_rate(modes.rate[here]));
 }
 
-native::AlignedFloats write_records(const CascadeModes& modes, int lanes,
-                                    const std::vector<Block>& blocks, std::size_t floats) {
-    native::AlignedFloats records = native::allocate_floats(floats);
-    for (std::size_t b = 0; b < blocks.size(); ++b) {
-        float* record = records.get() + blocks[b].records;
-        for (int ky = -blocks[b].reach; ky <= blocks[b].reach; ++ky) {
+void write_records(const CascadeModes& modes, std::size_t records, TransformState& state) {
+    const int lanes = state.kernels->lanes;
+    const std::size_t lane_floats = records * static_cast<std::size_t>(lanes);
+    state.records = native::allocate_floats(lane_floats * native::record_streams);
+    state.over_k = native::allocate_floats(lane_floats);
+    state.omega = native::allocate_floats(lane_floats);
+    int first_kx = 0;
+    for (const Block& block : state.blocks) {
+        std::size_t index = block.first;
+        for (int ky = -block.reach; ky <= block.reach; ++ky, ++index)
             for (int lane = 0; lane < lanes; ++lane)
-                write_mode(modes, static_cast<int>(b) * lanes + lane, ky, lanes, lane, record);
-            record += native::record_streams * lanes;
-        }
+                write_mode(modes, first_kx + lane, ky, index, static_cast<std::size_t>(lane),
+                           state);
+        first_kx += lanes;
     }
-    return records;
 }
 
 /// Twiddles [k1][n2], powers of ky, and weight kx^p of every field: they depend on the size and the
@@ -204,10 +210,9 @@ Result<NativeTransform> NativeTransform::create(const CascadeModes& modes, Chopp
     SEAWAY_CHECK(state->kernels != nullptr, "a size without kernels");
     state->instructions = instructions;
     state->choppiness = choppiness;
-    std::size_t floats = 0;
-    const int lanes = state->kernels->lanes;
-    state->blocks = find_blocks(modes, lanes, floats);
-    state->records = write_records(modes, lanes, state->blocks, floats);
+    std::size_t records = 0;
+    state->blocks = find_blocks(modes, state->kernels->lanes, records);
+    write_records(modes, records, *state);
     write_tables(modes.spec, *state);
     return NativeTransform(std::move(state));
 }
