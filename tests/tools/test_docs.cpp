@@ -56,11 +56,10 @@ TEST(Docs, tests_that_are_named_exist) {
 }
 
 TEST(Docs, files_that_are_named_exist) {
-    for (const char* page : {"scenes.md"})
-        for (
-            const std::string& name : all_of(
-                text_of(root / "docs" / page),
-                R"(`((?:sea|server|client|shaders|protocol|gpu|tools|docs|tests|scenes)/[\w/.]+)`)"))
+    const std::string path =
+        R"(`((?:sea|server|client|shaders|protocol|gpu|tools|docs|tests|scenes)/[\w/.]+)`)";
+    for (const char* page : {"physics.md", "features.md", "scenes.md"})
+        for (const std::string& name : all_of(text_of(root / "docs" / page), path))
             EXPECT_TRUE(std::filesystem::exists(root / name)) << page << " names " << name;
 }
 

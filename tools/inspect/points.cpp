@@ -57,9 +57,13 @@ std::optional<double> number_in(std::string_view text, double limit) {
 
 double sum_of_amplitudes(const sea::Realization& sea) {
     double sum = 0.0;
-    for (const sea::CascadeModes& cascade : sea.cascades)
+    for (const sea::CascadeModes& cascade : sea.cascades) {
         for (const std::complex<double> h0 : cascade.h0)
             sum += 2.0 * std::abs(h0);
+        for (const sea::SineField& field : cascade.sines)
+            for (const sea::SineField::Wave& wave : field.waves)
+                sum += wave.amplitude_m;
+    }
     return sum;
 }
 
