@@ -116,6 +116,43 @@ def last_pass(n, lanes, band):
     return "".join(text), n // 2 * lanes
 
 
+def single_last_pass(n, lanes, band):
+    """Of one real field alone: the lines of -X are the conjugates of those of X, which alone were
+    transformed, and two rows y, y + 1 of the map are one complex transform."""
+    m = n // lanes
+    blocks = kept(n, m, band)
+    pitch = len(blocks) * lanes + 4
+    text = [SUBGROUP_HEAD, "layout(binding = 0) uniform samplerBuffer source;\n",
+            OUTPUT.format(binding=1), SUBGROUP_MAIN.format(lines=WORKGROUP // lanes),
+            f"    int from = int((gl_GlobalInvocationID.z * {n // 2}u + line) * {pitch}u);\n"]
+    for i in blocks:
+        if i < m // 2:
+            text.append(f"    vec4 v{i} = texelFetch(source, from + {i * lanes} + int(lane));\n"
+                        f"    vec2 z{i} = vec2(v{i}.x - v{i}.w, v{i}.y + v{i}.z);\n")
+        else:
+            text.append(f"    vec4 v{i} = texelFetch(source, from + {n - i * lanes} - int(lane));\n"
+                        f"    vec2 z{i} = vec2(v{i}.x + v{i}.w, v{i}.z - v{i}.y);\n")
+    edge = min(i for i in blocks if i >= m // 2)  # its first mode is zero, and its line not written
+    text.append(f"    z{edge} = lane == 0u ? vec2(0.0) : z{edge};\n")
+    text.append(twiddles("w", f"lane * {2**32 // n}u", m))
+    text.append(lane_twiddles(lanes))
+    text.append(in_lane("float", n, lanes, blocks, [(f"z{i}.x", f"z{i}.y") for i in range(m)],
+                        " " * 4))
+    text.append(f"    uint to = (2u * gl_GlobalInvocationID.z * {n}u + 2u * line) * {n // 4}u + "
+                f"run * {m // 4}u;\n")
+    for part, row in (("r", 0), ("i", n // 4)):
+        for k in range(0, m, 4):
+            values = ", ".join(f"{part}{k + i}" for i in range(4))
+            text.append(f"    target[to + {row + k // 4}u] = vec4({values});\n")
+    text.append("}\n")
+    return "".join(text), n // 2 * lanes
+
+
+def single_pass(n, lanes, band):
+    """The last pass where a job is one real field; the first one then runs for X >= 0 only."""
+    return (f"t{lanes}_{n}_last_single{'_band' if band else ''}", *single_last_pass(n, lanes, band))
+
+
 def passes(n, lanes, band):
     """(kernel name, GLSL, invocations for one job or one slot), and the scratch they need."""
     suffix = "_band" if band else ""

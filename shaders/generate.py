@@ -20,6 +20,8 @@ points k1 + M bitreverse(l) in lane l:
     first   evolve; lines along y, one for each X                       -> T[slot][y / 2][X]
     last    lines along x                                               -> map[slot][2][y][x]
 
+A single real field needs the lines of X >= 0 alone, and half of the last pass (design T).
+
 Each comes in two versions: for any modes, and for seas without modes at |nx| or |ny| >= 0.3 N (all
 that are made from spectra: sea::band_end_share_of_nyquist), which skips what is known to be zero.
 
@@ -39,21 +41,24 @@ from kernel_text import WORKGROUP  # noqa: E402
 
 
 def transforms():
-    """All of them: (size, lanes or 0, band, largest scratch in complex numbers, passes), a pass
-    being (kernel name, GLSL, invocations for one job or one slot). The best of a size first."""
+    """All of them: (size, lanes or 0, band, largest scratch in complex numbers, passes, last pass of
+    a single field or None), a pass being (kernel name, GLSL, invocations for one job or one slot).
+    The best of a size come first."""
     made = []
     for band in (True, False):
         for lanes, sizes in design_t.PLANS.items():
             for n in sizes:
                 passes, scratch = design_t.passes(n, lanes, band)
-                made.append((n, lanes, band, scratch, passes))
-        made += [(n, 0, band, n * n, design_w.passes(n, band)) for n in design_w.PLANS]
+                single = design_t.single_pass(n, lanes, band)
+                made.append((n, lanes, band, scratch, passes, single))
+        made += [(n, 0, band, n * n, design_w.passes(n, band), None) for n in design_w.PLANS]
     return made
 
 
 def kernels():
     """name: GLSL; transforms may share a kernel."""
-    return {name: text for *_, passes in transforms() for name, text, _ in passes}
+    return {name: text for *_, passes, single in transforms()
+            for name, text, _ in passes + ([single] if single else [])}
 
 
 def spirv_words(path):
@@ -68,15 +73,18 @@ def embed(out, modules):
         words = [f"0x{w:x}" for w in spirv_words(path)]
         lines = [",".join(words[i:i + 12]) for i in range(0, len(words), 12)]
         text.append(f"constexpr std::uint32_t {name}_words[] = {{\n" + ",\n".join(lines) + "};\n")
+    def cpp_pass(made):
+        name, _, invocations = made
+        return f'{{{{"{name}", {name}_words}}, {invocations // WORKGROUP}}}'
+
     rows = []
-    for n, lanes, band, scratch, passes in transforms():
-        name = f"{f't{lanes}' if lanes else 'w'}_{n}{'_band' if band else ''}_passes"
-        text.append(f"constexpr Pass {name}[] = {{\n")
-        for kernel, _, invocations in passes:
-            text.append(f'    {{{{"{kernel}", {kernel}_words}}, {invocations // WORKGROUP}}},\n')
-        text.append("};\n")
+    for n, lanes, band, scratch, passes, single in transforms():
         design = f"T{lanes}" if lanes else "W"
-        rows.append(f'    {{{n}, "{design}", {lanes}, {str(band).lower()}, {scratch}, {name}}},\n')
+        name = f"{design.lower()}_{n}{'_band' if band else ''}_passes"
+        text.append(f"constexpr Pass {name}[] = {{" + ", ".join(map(cpp_pass, passes)) + "};\n")
+        last = cpp_pass(single) if single else "{}"
+        rows.append(f'    {{{n}, "{design}", {lanes}, {str(band).lower()}, {scratch}, {name}, '
+                    f'{last}}},\n')
     text += ["constexpr Transform transforms[] = {\n", *rows, "};\n\n} // namespace\n\n"
              "std::span<const Transform> synthesis_transforms() {\n    return transforms;\n}\n\n"
              'Shader jacobian() {\n    return {"jacobian", jacobian_words};\n}\n\n'

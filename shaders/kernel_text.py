@@ -37,8 +37,8 @@ def kept(n, count, band):
 
 
 def twiddles(name, turns, count):
-    """vec2 NAMEk = w^k for k < count. Powers of two are computed, the others are products of at most
-    log2 k of them; powers of one w would be wrong by k times its rounding error."""
+    """vec2 NAMEk = w^k for k < count. Powers of two are computed, the others are products of at
+    most log2 k of them; powers of one w would be wrong by k times its rounding error."""
     text = []
     for k in range(1, count):
         top = 1 << (k.bit_length() - 1)

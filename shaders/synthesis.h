@@ -38,6 +38,9 @@ struct Transform {
     bool band_limited;           ///< all modes must fit_band()
     std::uint32_t scratch_complexes;
     std::span<const Pass> passes;
+    /// If it has a name: where a job is one real field (the first of a slot), half of the groups of
+    /// the first pass and this instead of the last pass do.
+    Pass single_field_last;
 };
 
 /// Whether a band-limited transform knows the mode n of a line: |n| < 0.3 N.

@@ -195,9 +195,13 @@ Result<void> VulkanBatch::record(std::span<const Job> jobs, const Packing& packi
     timer_.stamp(commands_);
     const shaders::SynthesisPush push{static_cast<std::uint32_t>(packing.slots)};
     const auto z = static_cast<std::uint32_t>(jobs.size());
+    const bool single = packing.fields == 1 && !kernels_.single_field.empty();
     for (std::size_t i = 0; i < kernels_.passes.size(); ++i) {
-        commands_.dispatch(kernels_.passes[i].kernel, bindings_[i],
-                           std::as_bytes(std::span(&push, 1)), kernels_.passes[i].groups, 1,
+        const bool last = i + 1 == kernels_.passes.size();
+        const SynthesisKernels::Pass& pass =
+            single && last ? kernels_.single_field[0] : kernels_.passes[i];
+        commands_.dispatch(pass.kernel, bindings_[i], std::as_bytes(std::span(&push, 1)),
+                           single && i == 0 ? pass.groups / 2 : pass.groups, 1,
                            i == 0 ? z : z * push.slots);
         commands_.barrier(Stage::compute, Stage::compute);
         timer_.stamp(commands_);

@@ -126,8 +126,11 @@ Result<void> check_device(gpu::Device& device, const SynthesisKernels& kernels) 
     std::vector<std::vector<float>> planes(sea::linear_field_count, std::vector<float>(n * n));
     for (const sea::Field field : all)
         (*batch)->read_plane(0, packing.plane_of(field), planes[static_cast<std::size_t>(field)]);
-    std::vector<float> jacobian(n * n);
+    std::vector<float> jacobian(n * n), alone(n * n);
     (*batch)->read_jacobian(0, jacobian);
+    if (Result<void> done = (*batch)->run({&job, 1}, pack({sea::Field::height}), nullptr); !done)
+        return done;
+    (*batch)->read_plane(0, 0, alone);
     for (int i = 0; i < checked_points; ++i) {
         const int x = i * 1009 % size;
         const int y = i * 2003 % size;
@@ -143,6 +146,8 @@ Result<void> check_device(gpu::Device& device, const SynthesisKernels& kernels) 
             if (Result<void> same = compare(size, name, x, y, planes[f][at], wanted); !same)
                 return same;
         }
+        if (Result<void> same = compare(size, "height alone", x, y, alone[at], truth[0]); !same)
+            return same;
         const auto strain = [&](sea::Field field) {
             return truth[static_cast<std::size_t>(field)];
         };

@@ -17,6 +17,7 @@ static_assert(2 * shaders::max_slots >= sea::linear_field_count);
 Packing pack(sea::FieldSet fields) {
     Packing packing;
     packing.plane.fill(-1);
+    packing.fields = fields.size();
     packing.slots = (fields.size() + 1) / 2;
     packing.rows.assign(static_cast<std::size_t>(packing.slots) * row_floats, 0.0f);
     int plane = 0;

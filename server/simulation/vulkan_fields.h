@@ -12,6 +12,7 @@
 namespace seaway::server {
 
 struct Packing {
+    int fields = 0;          ///< number of them
     int slots = 0;           ///< complex transforms: half the number of fields, rounded up
     std::vector<float> rows; ///< [slot][4 * slot_row_texels], as shaders/shared/synthesis.h says
     /// Where a field comes out: plane 2 slot + 0 (real part) or + 1 (imaginary part); -1: nowhere.

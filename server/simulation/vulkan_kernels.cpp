@@ -40,15 +40,25 @@ Result<SynthesisKernels> SynthesisKernels::create(gpu::Device& device,
                                                   const shaders::Transform& transform) {
     SynthesisKernels made;
     made.transform = &transform;
-    for (const shaders::Pass& pass : transform.passes) {
+    const auto add = [&](std::vector<Pass>& passes, const shaders::Pass& pass,
+                         const gpu::KernelExpectation& expected) -> Result<void> {
         Result<gpu::Kernel> kernel =
-            gpu::Kernel::create(device, pass.shader.name, pass.shader.spirv,
-                                made.passes.empty() ? first_pass() : later_pass(),
+            gpu::Kernel::create(device, pass.shader.name, pass.shader.spirv, expected,
                                 {.full_subgroups = transform.subgroup_size != 0});
         if (!kernel)
             return kernel.error();
-        made.passes.push_back({std::move(*kernel), pass.groups});
-    }
+        passes.push_back({std::move(*kernel), pass.groups});
+        return {};
+    };
+    for (const shaders::Pass& pass : transform.passes)
+        if (Result<void> added =
+                add(made.passes, pass, made.passes.empty() ? first_pass() : later_pass());
+            !added)
+            return added.error();
+    if (!transform.single_field_last.shader.name.empty())
+        if (Result<void> added = add(made.single_field, transform.single_field_last, later_pass());
+            !added)
+            return added.error();
     Result<gpu::Kernel> jacobian = gpu::Kernel::create(device, shaders::jacobian().name,
                                                        shaders::jacobian().spirv, jacobian_pass());
     if (!jacobian)

@@ -18,6 +18,7 @@ struct SynthesisKernels {
     };
     const shaders::Transform* transform = nullptr;
     std::vector<Pass> passes;
+    std::vector<Pass> single_field; ///< the last pass of one real field alone, if there is one
     gpu::Kernel jacobian;
 
     int size() const { return transform->size; }
