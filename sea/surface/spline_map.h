@@ -8,7 +8,7 @@
 // The derivatives of the same spline give slopes and strains, so six maps are all a sampler needs.
 //
 // Immutable once built; sampling is thread-safe and allocates nothing. Building a 256 x 256 map
-// takes about 3 ms, a sample about 30 ns.
+// takes about 3 ms, a sample 30 ns from the cache and ten times that from memory.
 #pragma once
 
 #include <memory>

@@ -5,8 +5,8 @@
 // summed before the displacement is inverted (hard case D6). The server's answers, a client's own
 // answers and the height of a rendered vertex all come from here.
 //
-// Immutable; thread-safe; allocates nothing after construction. About 0.5 us a point with three
-// cascades.
+// Immutable; thread-safe; allocates nothing after construction. About 2 us a scattered point with
+// three cascades of 256 x 256: what it waits for is memory.
 #pragma once
 
 #include <span>
