@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // How the simulation answers: batches of points, slice by slice, from surfaces around their times.
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numeric>
 #include <optional>
@@ -45,16 +46,18 @@ void Simulation::answer(std::vector<sea::QueryPoint> points, bool exact, Answere
 }
 
 bool Simulation::exact_slice(Batch& batch) const {
-    constexpr double tolerance_m = 1e-9;
-    const sea::InverseOptions options{sea_->realization->choppiness, tolerance_m,
-                                      std::max(sea_->budget.displacement_reach_m, 1e-3)};
+    const double reach_m = std::max(sea_->budget.displacement_reach_m, 1e-3);
     for (std::size_t i = 0; i < exact_points_per_slice && !batch.complete(); ++i) {
         const sea::QueryPoint& point = batch.next();
         if (!batch.moment || batch.moment_us != point.time_us) {
             batch.moment = sea_->truth.at_time(point.time_us);
             batch.moment_us = point.time_us;
         }
-        sea::Answer answer = sea::surface_at(point, options, *batch.moment);
+        // A nanometre, and what rounding leaves of a coordinate far out.
+        const double tolerance_m =
+            1e-9 + 4e-16 * std::max(std::abs(point.x_m), std::abs(point.y_m));
+        sea::Answer answer = sea::surface_at(
+            point, {sea_->realization->choppiness, tolerance_m, reach_m}, *batch.moment);
         answer.error_m += tolerance_m;
         answer.flags |= sea::answer_exact;
         batch.put(answer);
