@@ -53,7 +53,8 @@ TEST_P(AgainstVulkan, every_list_of_fields_agrees_within_1e6_of_hs) {
     ASSERT_TRUE(vulkan) << vulkan.error().message;
     NativeSynthesizer native;
     const RandomSea random(GetParam(), 500.0, 3, {1.2, 0.8});
-    ASSERT_TRUE((*vulkan)->set_sea(random.realization(), 1));
+    const Result<void> taken = (*vulkan)->set_sea(random.realization(), 1);
+    ASSERT_TRUE(taken) << taken.error().message;
     ASSERT_TRUE(native.set_sea(random.realization(), 1));
     FieldSet fields;
     for (int count = 1; count <= sea::linear_field_count + 1; ++count) {
