@@ -84,16 +84,13 @@ Result<Scene> parse_scene(std::string_view text, const std::string& name,
     if (text.size() > scene_text_bytes_max)
         return Error{fmt::format("{}: {} bytes; a scene has at most {}", name, text.size(),
                                  scene_text_bytes_max)};
-    if (const std::optional<Error> strange = find_strange_byte(text, name))
-        return *strange;
-    const toml::parse_result parsed = toml::parse(text);
-    if (!parsed)
-        return Error{fmt::format("{}:{}: {}", name, parsed.error().source().begin.line,
-                                 parsed.error().description())};
+    const Result<TomlDocument> document = TomlDocument::parse(text, name);
+    if (!document)
+        return document.error();
     Scene scene;
     scene.source = name;
     TomlErrors errors(name);
-    TomlTable root(parsed.table(), "", errors);
+    TomlTable root = document.value().root(errors);
     root.require("sea");
     if (auto table = root.table("sea"))
         read_sea(*table, base_dir, scene.sea);

@@ -3,15 +3,9 @@
 // for is an error. Used by the scene reader only.
 #pragma once
 
-// toml++ 3.3 meets some malformed texts ("[$") with a failed assertion, or with NDEBUG with
-// undefined behaviour. With both off it takes its own error paths; the fuzzer walks them.
-#undef NDEBUG
-#define TOML_ASSERT(expr) static_assert(true)
-#define TOML_EXCEPTIONS 0
-#include <toml++/toml.h>
-
 #include <cstdint>
 #include <initializer_list>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -22,6 +16,11 @@
 
 #include "base/result.h"
 
+namespace toml::inline v3 {
+class node;
+class table;
+} // namespace toml::inline v3
+
 namespace seaway::sea {
 
 /// Allowed values, both ends included; NaN is never allowed.
@@ -31,15 +30,11 @@ struct Range {
     bool contains(double value) const { return value >= lo && value <= hi; }
 };
 
-/// Outside of strings and comments a scene is printable ASCII: the error at the first byte that is
-/// not. toml++ 3.3 does not survive all others there.
-std::optional<Error> find_strange_byte(std::string_view text, const std::string& document);
-
 /// Keeps the first error of a document.
 class TomlErrors {
   public:
     explicit TomlErrors(std::string document) : document_(std::move(document)) {}
-    void add(const toml::source_region& where, const std::string& what);
+    void add(unsigned line, const std::string& what);
     const std::optional<Error>& first() const { return first_; }
     const std::string& document() const { return document_; }
 
@@ -54,7 +49,7 @@ class TomlTable {
     TomlTable(const toml::table& table, std::string name, TomlErrors& errors)
         : table_(table), name_(std::move(name)), errors_(errors) {}
 
-    bool has(std::string_view key) const { return table_.contains(key); }
+    bool has(std::string_view key) const;
 
     /// Leave `out` as it is where the key is absent. True if it was read.
     bool number(std::string_view key, double& out, Range range);
@@ -104,6 +99,20 @@ class TomlTable {
     std::string name_;
     TomlErrors& errors_;
     std::vector<std::string> asked_;
+};
+
+/// A text that was parsed; its tables refer to it.
+class TomlDocument {
+  public:
+    /// Outside of strings and comments a text is printable ASCII. `name` is quoted in errors.
+    static Result<TomlDocument> parse(std::string_view text, const std::string& name);
+
+    TomlTable root(TomlErrors& errors) const { return {*table_, "", errors}; }
+
+  private:
+    explicit TomlDocument(std::shared_ptr<const toml::table> table) : table_(std::move(table)) {}
+
+    std::shared_ptr<const toml::table> table_;
 };
 
 } // namespace seaway::sea
