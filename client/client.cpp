@@ -192,15 +192,17 @@ Result<std::vector<Answer>> Client::sample(std::span<const QueryPoint> points) c
     std::optional<LocalSurface> surface;
     for (std::size_t i = 0; i < points.size(); ++i) {
         const TimeUs time_us = points[i].time_us;
-        const SeaStatePtr state_now = sea_state(time_us);
-        TimeCell cell_now = time_cell(*state_now, time_us);
-        if (!surface || state_now != state || cell_now != cell) {
-            Result<LocalSurface> found = local_surface(*state_now, ring_, time_us, fields);
-            if (!found)
-                return found.error();
-            surface.emplace(std::move(*found));
-            state = state_now;
-            cell = std::move(cell_now);
+        if (!surface || time_us != points[i - 1].time_us) {
+            const SeaStatePtr state_now = sea_state(time_us);
+            TimeCell cell_now = time_cell(*state_now, time_us);
+            if (!surface || state_now != state || cell_now != cell) {
+                Result<LocalSurface> found = local_surface(*state_now, ring_, time_us, fields);
+                if (!found)
+                    return found.error();
+                surface.emplace(std::move(*found));
+                state = state_now;
+                cell = std::move(cell_now);
+            }
         }
         answers[i] = surface->surface.answer(points[i]);
         if (!surface->covers)

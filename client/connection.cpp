@@ -39,9 +39,7 @@ Connection::Connection(ConnectionEvents events)
           return send(std::move(message));
       }) {}
 
-Connection::~Connection() {
-    stream_.reset();
-}
+Connection::~Connection() = default;
 
 Result<std::unique_ptr<Connection>> Connection::open(const ConnectOptions& options,
                                                      ConnectionEvents events,

@@ -118,7 +118,6 @@ class Connection {
     SeaStatePtr sea_state(std::uint32_t epoch) const;
 
     const ConnectionEvents events_;
-    std::unique_ptr<MessageStream> stream_;
     std::atomic<bool> open_ = false;
 
     // Of open() and the connection's thread.
@@ -142,6 +141,9 @@ class Connection {
 
     std::atomic<std::uint64_t> keyframes_dropped_ = 0;
     Requests requests_;
+
+    /// Last, so that it goes first: until its thread has ended, that uses all of the above.
+    std::unique_ptr<MessageStream> stream_;
 };
 
 } // namespace seaway::client

@@ -16,6 +16,10 @@ Error late() {
 
 } // namespace
 
+Requests::~Requests() {
+    fail_all(failed(Failure::lost, "the connection was closed by this client"));
+}
+
 void Requests::start(Lane lane, const Encode& encode, TimeUs deadline_us, ReplyHandler handler,
                      sea::FieldSet fields) {
     Error refusal;

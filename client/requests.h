@@ -57,6 +57,10 @@ class Requests {
 
     /// `send` is called from start() and release(), without the lock held.
     explicit Requests(Send send) : send_(std::move(send)) {}
+    /// What is still open fails.
+    ~Requests();
+    Requests(const Requests&) = delete;
+    Requests& operator=(const Requests&) = delete;
 
     /// Sends it, or keeps it until a place is free. `fields`: of bulk, what it waits for.
     void start(Lane lane, const Encode& encode, TimeUs deadline_us, ReplyHandler handler,

@@ -186,9 +186,13 @@ class WebSocket final : public MessageStream {
 
     Result<void> prepare_tls() {
         if constexpr (tls) {
-            // What the macro SSL_set_tlsext_host_name does, without its old-style cast.
+            // What the macro SSL_set_tlsext_host_name does, without its old-style cast. Addresses
+            // are no names (RFC 6066).
+            error_code no_address;
+            asio::ip::make_address(url_.host, no_address);
             std::string name = url_.host;
-            if (!SSL_ctrl(ws_.next_layer().native_handle(), SSL_CTRL_SET_TLSEXT_HOSTNAME,
+            if (no_address &&
+                !SSL_ctrl(ws_.next_layer().native_handle(), SSL_CTRL_SET_TLSEXT_HOSTNAME,
                           TLSEXT_NAMETYPE_host_name, name.data()))
                 return cannot_connect("TLS does not take the host name");
             ws_.next_layer().set_verify_mode(asio::ssl::verify_peer);

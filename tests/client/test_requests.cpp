@@ -83,6 +83,17 @@ TEST_F(RequestsTest, all_fail_when_the_connection_ends_and_later_ones_too) {
         EXPECT_EQ(outcome, "gone");
 }
 
+TEST_F(RequestsTest, fail_when_they_are_given_up) {
+    std::string outcome;
+    {
+        Requests short_lived([](std::uint32_t, const protocol::Bytes&) { return true; });
+        short_lived.start(
+            Lane::query, [](std::uint32_t) { return protocol::Bytes(8); }, 1000,
+            [&](const Result<Reply>& reply) { outcome = reply.error().message; });
+    }
+    EXPECT_NE(outcome.find("closed"), std::string::npos);
+}
+
 TEST_F(RequestsTest, fail_at_once_when_nothing_can_be_sent) {
     send_works = false;
     start(Lane::query);

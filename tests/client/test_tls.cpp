@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+// wss://: a server is trusted by its certificate and name, or not at all.
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <openssl/evp.h>
+#include <openssl/pem.h>
+#include <openssl/x509v3.h>
+#include <unistd.h>
+
+#include "client/client.h"
+#include "client/failure.h"
+#include "server/net/server.h"
+#include "tests/client/wave_sea.h"
+
+namespace seaway::client {
+namespace {
+
+/// A fresh self-signed certificate and its key in a folder of their own.
+class Certificate {
+  public:
+    explicit Certificate(const std::string& names) {
+        char folder[] = "/tmp/seaway-tls-XXXXXX";
+        folder_ = mkdtemp(folder);
+        const std::unique_ptr<EVP_PKEY, decltype(&EVP_PKEY_free)> key(EVP_EC_gen("P-256"),
+                                                                      EVP_PKEY_free);
+        const std::unique_ptr<X509, decltype(&X509_free)> x509(X509_new(), X509_free);
+        X509_set_version(x509.get(), X509_VERSION_3);
+        ASN1_INTEGER_set(X509_get_serialNumber(x509.get()), 1);
+        X509_gmtime_adj(X509_getm_notBefore(x509.get()), -3600);
+        X509_gmtime_adj(X509_getm_notAfter(x509.get()), 86400);
+        X509_set_pubkey(x509.get(), key.get());
+        X509_NAME* subject = X509_get_subject_name(x509.get());
+        const unsigned char common_name[] = "seaway test";
+        X509_NAME_add_entry_by_txt(subject, "CN", MBSTRING_ASC, common_name, -1, -1, 0);
+        X509_set_issuer_name(x509.get(), subject);
+        add(x509.get(), NID_subject_alt_name, names);
+        add(x509.get(), NID_basic_constraints, "critical,CA:TRUE");
+        X509_sign(x509.get(), key.get(), EVP_sha256());
+        std::FILE* file = std::fopen(cert_file().c_str(), "w");
+        PEM_write_X509(file, x509.get());
+        std::fclose(file);
+        file = std::fopen(key_file().c_str(), "w");
+        PEM_write_PrivateKey(file, key.get(), nullptr, nullptr, 0, nullptr, nullptr);
+        std::fclose(file);
+    }
+    ~Certificate() { std::filesystem::remove_all(folder_); }
+    Certificate(const Certificate&) = delete;
+    Certificate& operator=(const Certificate&) = delete;
+
+    std::string cert_file() const { return folder_ + "/cert.pem"; }
+    std::string key_file() const { return folder_ + "/key.pem"; }
+
+  private:
+    static void add(X509* x509, int kind, const std::string& value) {
+        X509_EXTENSION* extension = X509V3_EXT_conf_nid(nullptr, nullptr, kind, value.c_str());
+        X509_add_ext(x509, extension, -1);
+        X509_EXTENSION_free(extension);
+    }
+
+    std::string folder_;
+};
+
+std::unique_ptr<server::NetServer> serve(tests::WaveSea& sea, const Certificate& certificate) {
+    server::NetOptions options;
+    options.listen = "127.0.0.1:0";
+    options.tls_cert_file = certificate.cert_file();
+    options.tls_key_file = certificate.key_file();
+    auto started = server::NetServer::start(options, sea);
+    EXPECT_TRUE(started) << started.error().message;
+    return started ? std::move(*started) : nullptr;
+}
+
+TEST(Tls, a_server_with_a_trusted_certificate_answers) {
+    tests::WaveSea sea;
+    const Certificate certificate("IP:127.0.0.1");
+    const auto net = serve(sea, certificate);
+    ASSERT_TRUE(net);
+    ASSERT_TRUE(net->url().starts_with("wss://"));
+    const auto client = Client::connect({.url = net->url(), .ca_file = certificate.cert_file()});
+    ASSERT_TRUE(client) << client.error().message;
+    const sea::QueryPoint point{1, 2, 3'000'000};
+    const auto local = (*client)->fetch_and_sample({&point, 1}, 10);
+    ASSERT_TRUE(local) << local.error().message;
+    EXPECT_NEAR((*local)[0].height_m, sea.truth(point).height_m, (*local)[0].error_m);
+}
+
+TEST(Tls, a_server_that_nobody_vouches_for_is_refused) {
+    tests::WaveSea sea;
+    const Certificate certificate("IP:127.0.0.1");
+    const Certificate another("IP:127.0.0.1");
+    const auto net = serve(sea, certificate);
+    ASSERT_TRUE(net);
+    for (const std::string& trusted : {std::string(), another.cert_file()}) {
+        const auto client = Client::connect({.url = net->url(), .ca_file = trusted});
+        ASSERT_FALSE(client);
+        EXPECT_EQ(failure_of(client.error()), Failure::cannot_connect);
+        EXPECT_NE(client.error().message.find("certificate verify failed"), std::string::npos)
+            << client.error().message;
+    }
+}
+
+TEST(Tls, a_certificate_for_another_name_is_refused) {
+    tests::WaveSea sea;
+    const Certificate certificate("DNS:elsewhere.example");
+    const auto net = serve(sea, certificate);
+    ASSERT_TRUE(net);
+    const auto client = Client::connect({.url = net->url(), .ca_file = certificate.cert_file()});
+    ASSERT_FALSE(client);
+    EXPECT_EQ(failure_of(client.error()), Failure::cannot_connect);
+}
+
+TEST(Tls, ws_to_a_tls_port_and_wss_to_a_plain_one_cannot_connect) {
+    tests::WaveSea sea;
+    const Certificate certificate("IP:127.0.0.1");
+    const auto net = serve(sea, certificate);
+    ASSERT_TRUE(net);
+    const auto plain = Client::connect({.url = "ws" + net->url().substr(3)});
+    ASSERT_FALSE(plain);
+    EXPECT_EQ(failure_of(plain.error()), Failure::cannot_connect);
+
+    server::NetOptions options;
+    options.listen = "127.0.0.1:0";
+    const auto plain_net = server::NetServer::start(options, sea);
+    ASSERT_TRUE(plain_net);
+    const auto secure = Client::connect({.url = "wss" + (*plain_net)->url().substr(2)});
+    ASSERT_FALSE(secure);
+    EXPECT_EQ(failure_of(secure.error()), Failure::cannot_connect);
+}
+
+TEST(Tls, a_certificate_file_that_cannot_be_read_is_named) {
+    const auto client = Client::connect({.url = "wss://127.0.0.1:1", .ca_file = "/no/such.pem"});
+    ASSERT_FALSE(client);
+    EXPECT_EQ(failure_of(client.error()), Failure::bad_argument);
+    EXPECT_NE(client.error().message.find("/no/such.pem"), std::string::npos);
+}
+
+} // namespace
+} // namespace seaway::client
