@@ -104,61 +104,79 @@ Result<void> compare(int size, std::string_view what, int x, int y, double got, 
                  computes_wrongly};
 }
 
-} // namespace
+constexpr sea::FieldSet all = sea::FieldSet::from_bits((1u << sea::linear_field_count) - 1);
 
-Result<void> check_device(gpu::Device& device, const SynthesisKernels& kernels) {
-    const int size = kernels.size();
-    const std::vector<Mode> modes = check_modes(size, kernels.transform->band_limited);
-    const sea::CascadeModes cascade = lattice(size, modes);
+struct Maps {
+    std::vector<std::vector<float>> planes; ///< by field
+    std::vector<float> jacobian;
+    std::vector<float> height_alone; ///< computed without company: other kernels may have done it
+};
+
+Result<Maps> run(gpu::Device& device, const SynthesisKernels& kernels,
+                 const sea::CascadeModes& cascade) {
     const sea::CascadeModes* const cascades[] = {&cascade};
     Result<std::unique_ptr<VulkanBatch>> batch = VulkanBatch::create(device, kernels, 1);
     if (!batch)
         return batch.error();
     if (Result<void> sent = (*batch)->upload(cascades); !sent)
-        return sent;
-    const sea::FieldSet all = sea::FieldSet::from_bits((1u << sea::linear_field_count) - 1);
-    const Packing packing = pack(all);
+        return sent.error();
     const VulkanBatch::Job job{0, time_us};
+    const Packing packing = pack(all);
+    const std::size_t points = cascade.h0.size();
+    Maps maps{{sea::linear_field_count, std::vector<float>(points)},
+              std::vector<float>(points),
+              std::vector<float>(points)};
     if (Result<void> done = (*batch)->run({&job, 1}, packing, &choppiness); !done)
-        return done;
-
-    const auto n = static_cast<std::size_t>(size);
-    std::vector<std::vector<float>> planes(sea::linear_field_count, std::vector<float>(n * n));
+        return done.error();
     for (const sea::Field field : all)
-        (*batch)->read_plane(0, packing.plane_of(field), planes[static_cast<std::size_t>(field)]);
-    std::vector<float> jacobian(n * n), alone(n * n);
-    (*batch)->read_jacobian(0, jacobian);
+        (*batch)->read_plane(0, packing.plane_of(field),
+                             maps.planes[static_cast<std::size_t>(field)]);
+    (*batch)->read_jacobian(0, maps.jacobian);
     if (Result<void> done = (*batch)->run({&job, 1}, pack({sea::Field::height}), nullptr); !done)
-        return done;
-    (*batch)->read_plane(0, 0, alone);
-    for (int i = 0; i < checked_points; ++i) {
-        const int x = i * 1009 % size;
-        const int y = i * 2003 % size;
-        const std::size_t at = static_cast<std::size_t>(y) * n + static_cast<std::size_t>(x);
-        std::array<Sum, sea::linear_field_count> truth;
-        for (const sea::Field field : all)
-            truth[static_cast<std::size_t>(field)] = direct_sum(modes, size, field, x, y);
-        for (std::size_t f = 0; f < truth.size(); ++f) {
-            // Fields that share a transform share its rounding.
-            const std::size_t partner = std::min(f ^ 1u, truth.size() - 1);
-            const Sum wanted{truth[f].value, std::max(truth[f].scale, truth[partner].scale)};
-            const std::string_view name = sea::field_table[f].name;
-            if (Result<void> same = compare(size, name, x, y, planes[f][at], wanted); !same)
-                return same;
-        }
-        if (Result<void> same = compare(size, "height alone", x, y, alone[at], truth[0]); !same)
-            return same;
-        const auto strain = [&](sea::Field field) {
-            return truth[static_cast<std::size_t>(field)];
-        };
-        const Sum xx = strain(sea::Field::strain_xx), yy = strain(sea::Field::strain_yy),
-                  xy = strain(sea::Field::strain_xy);
-        const Sum j{(1 + choppiness.x * xx.value) * (1 + choppiness.y * yy.value) -
-                        choppiness.x * choppiness.y * xy.value * xy.value,
-                    (1 + choppiness.x * xx.scale) * (1 + choppiness.y * yy.scale)};
-        if (const Result<void> same = compare(size, "jacobian", x, y, jacobian[at], j); !same)
+        return done.error();
+    (*batch)->read_plane(0, 0, maps.height_alone);
+    return maps;
+}
+
+Result<void> compare_point(const Maps& maps, const std::vector<Mode>& modes, int size, int x,
+                           int y) {
+    const std::size_t at =
+        static_cast<std::size_t>(y) * static_cast<std::size_t>(size) + static_cast<std::size_t>(x);
+    std::array<Sum, sea::linear_field_count> truth;
+    for (const sea::Field field : all)
+        truth[static_cast<std::size_t>(field)] = direct_sum(modes, size, field, x, y);
+    for (std::size_t f = 0; f < truth.size(); ++f) {
+        // Fields that share a transform share its rounding.
+        const std::size_t partner = std::min(f ^ 1u, truth.size() - 1);
+        const Sum wanted{truth[f].value, std::max(truth[f].scale, truth[partner].scale)};
+        const std::string_view name = sea::field_table[f].name;
+        if (Result<void> same = compare(size, name, x, y, maps.planes[f][at], wanted); !same)
             return same;
     }
+    if (Result<void> same = compare(size, "height alone", x, y, maps.height_alone[at], truth[0]);
+        !same)
+        return same;
+    const auto strain = [&](sea::Field field) { return truth[static_cast<std::size_t>(field)]; };
+    const Sum xx = strain(sea::Field::strain_xx), yy = strain(sea::Field::strain_yy),
+              xy = strain(sea::Field::strain_xy);
+    const Sum determinant{(1 + choppiness.x * xx.value) * (1 + choppiness.y * yy.value) -
+                              choppiness.x * choppiness.y * xy.value * xy.value,
+                          (1 + choppiness.x * xx.scale) * (1 + choppiness.y * yy.scale)};
+    return compare(size, "jacobian", x, y, maps.jacobian[at], determinant);
+}
+
+} // namespace
+
+Result<void> check_device(gpu::Device& device, const SynthesisKernels& kernels) {
+    const std::vector<Mode> modes = check_modes(kernels.size(), kernels.transform->band_limited);
+    Result<Maps> maps = run(device, kernels, lattice(kernels.size(), modes));
+    if (!maps)
+        return maps.error();
+    for (int i = 0; i < checked_points; ++i)
+        if (Result<void> same = compare_point(*maps, modes, kernels.size(),
+                                              i * 1009 % kernels.size(), i * 2003 % kernels.size());
+            !same)
+            return same;
     return {};
 }
 

@@ -102,5 +102,47 @@ TEST_F(DeviceTest, a_buffer_larger_than_memory_is_an_error_that_names_it) {
     EXPECT_THAT(buffer.error().message, HasSubstr("whole world"));
 }
 
+TEST(Staged, bytes_go_round_through_staging_buffers_as_on_a_discrete_device) {
+    Result<std::unique_ptr<Device>> device = Device::create({.validation = true, .staged = true});
+    ASSERT_TRUE(device) << device.error().message;
+    Result<Buffer> buffer = Buffer::create(**device, "far", 4096, BufferKind::device);
+    ASSERT_TRUE(buffer) << buffer.error().message;
+    EXPECT_TRUE(buffer->mapped().empty());
+    std::vector<std::byte> sent(4096, std::byte{0x5a}), back(4096);
+    ASSERT_TRUE(upload(**device, *buffer, sent));
+    ASSERT_TRUE(download(**device, *buffer, back));
+    EXPECT_EQ(back, sent);
+    EXPECT_THAT((*device)->validation().validation_messages(), testing::IsEmpty());
+}
+
+TEST(Validation, a_mistake_is_counted) {
+    Result<std::unique_ptr<Device>> device = Device::create({.validation = true});
+    ASSERT_TRUE(device) << device.error().message;
+    Result<Commands> commands = Commands::create(**device);
+    ASSERT_TRUE(commands);
+    EXPECT_TRUE(commands->begin());
+    Result<Buffer> buffer = Buffer::create(**device, "small", 16, BufferKind::device);
+    ASSERT_TRUE(buffer);
+    commands->copy(*buffer, *buffer, 64); // beyond both ends
+    EXPECT_TRUE(commands->end());
+    EXPECT_GT((*device)->validation().validation_message_count(), 0u);
+}
+
+TEST(Fault, the_nth_call_fails_and_the_next_ones_do_not_unless_asked) {
+    const auto made = [](int) { return VK_SUCCESS; };
+    fault::arm(2, VK_ERROR_DEVICE_LOST);
+    EXPECT_TRUE(call("first", made, 1));
+    const Result<void> second = call("second", made, 2);
+    ASSERT_FALSE(second);
+    EXPECT_EQ(second.error().message, "second: device lost (VK_ERROR_DEVICE_LOST)");
+    EXPECT_TRUE(call("third", made, 3));
+    EXPECT_EQ(fault::calls(), 3u);
+    fault::arm(1, VK_ERROR_OUT_OF_HOST_MEMORY, true);
+    EXPECT_FALSE(call("first", made, 1));
+    EXPECT_FALSE(call("second", made, 2));
+    fault::disarm();
+    EXPECT_TRUE(call("calm again", made, 3));
+}
+
 } // namespace
 } // namespace seaway::gpu
