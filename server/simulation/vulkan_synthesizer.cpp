@@ -7,6 +7,7 @@
 
 #include "base/check.h"
 #include "gpu/device.h"
+#include "sea/sine_waves.h"
 #include "server/simulation/spare_buffers.h"
 #include "server/simulation/vulkan_batch.h"
 #include "server/simulation/vulkan_check.h"
@@ -267,6 +268,10 @@ sea::KeyframePtr Vulkan::keyframe(const VulkanBatch& device_batch, int job, cons
         device_batch.read_plane(job, packing.plane_of(field), made->plane(field));
     if (request.fields.contains(sea::Field::jacobian))
         device_batch.read_jacobian(job, made->plane(sea::Field::jacobian));
+    // Waves that no transform can carry are added point by point (scenes with stylised sines).
+    for (const sea::SineField& field :
+         sea_->cascades[static_cast<std::size_t>(request.cascade)].sines)
+        sea::add_sines(field, sea_->phase_time(request.time_us), *made);
     return made;
 }
 

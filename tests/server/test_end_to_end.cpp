@@ -87,6 +87,27 @@ TEST_P(EndToEnd, server_local_and_exact_answers_agree_within_the_stated_bound) {
     EXPECT_EQ(server.log().find("VUID"), std::string::npos) << server.log();
 }
 
+// Exponential-sine waves are no modes: every device has to add them to its maps.
+TEST_P(EndToEnd, stylised_waves_agree_with_the_exact_sum_on_every_device) {
+    tests::ServerProcess server(
+        {"scenes/gerstner_toy.toml", "--listen", "127.0.0.1:0", "--device", GetParam()});
+    const std::string url = server.wait_until_ready();
+    ASSERT_FALSE(url.empty()) << server.log();
+    Result<std::unique_ptr<Client>> client = connect(url);
+    ASSERT_TRUE(client) << client.error().message;
+    std::vector<QueryPoint> points;
+    for (int i = 0; i < 200; ++i)
+        points.push_back({i * 3.7, i * -1.9, (i / 20) * 1'234'567});
+    const Result<std::vector<Answer>> served = (*client)->ask(points, {.timeout_s = 60});
+    const Result<std::vector<Answer>> exact =
+        (*client)->ask(points, {.exact = true, .timeout_s = 60});
+    ASSERT_TRUE(served && exact);
+    for (std::size_t i = 0; i < points.size(); ++i)
+        EXPECT_LE(std::abs((*served)[i].height_m - (*exact)[i].height_m),
+                  (*served)[i].error_m + (*exact)[i].error_m)
+            << i;
+}
+
 INSTANTIATE_TEST_SUITE_P(Devices, EndToEnd, ::testing::Values("auto", "native"),
                          [](const auto& device) { return std::string(device.param); });
 
