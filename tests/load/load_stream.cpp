@@ -212,7 +212,7 @@ int main(int argc, char** argv) {
     const int stalled = number(argv[2], 0, 500);
     const int rate = number(argv[3], 1, 100);
     const int seconds = number(argv[4], 1, 60);
-    spdlog::set_level(spdlog::level::warn);
+    spdlog::set_level(spdlog::level::off);
 
     tests::SmallSea sea;
     sea.size = 64;
