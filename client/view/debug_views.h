@@ -53,7 +53,7 @@ inline constexpr std::array<DebugViewInfo, 10> debug_view_table{{
     {DebugView::foam, "foam", ColourMap::unsigned_1, "share of the pixel that is white"},
     {DebugView::cascade, "cascade", ColourMap::signed_1,
      "slopes of one cascade alone: cascade:0 is the longest tile"},
-    {DebugView::grid, "grid", ColourMap::unsigned_1, "edges of the mesh"},
+    {DebugView::grid, "grid", ColourMap::unsigned_1, "every 16th row and column of the mesh"},
 }};
 
 inline constexpr const DebugViewInfo& info(DebugView view) {

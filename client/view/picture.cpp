@@ -50,7 +50,7 @@ double metered_exposure(const Picture& picture, double white_radiance) {
         const double luminance = 0.2126 * static_cast<double>(picture.rgba[i]) +
                                  0.7152 * static_cast<double>(picture.rgba[i + 1]) +
                                  0.0722 * static_cast<double>(picture.rgba[i + 2]);
-        logarithms += std::log(std::max(luminance, 1e-9));
+        logarithms += std::log(std::clamp(luminance, 1e-9, std::max(white_radiance, 1e-9)));
         ++count;
     }
     const double mean = std::exp(logarithms / static_cast<double>(std::max<std::size_t>(count, 1)));

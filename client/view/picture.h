@@ -30,9 +30,10 @@ struct Display {
     double significant_height_m = 1; ///< scale of heights
 };
 
-/// The factor that brings the geometric mean of a lit picture's luminance to middle grey; within a
-/// factor of 3 of what a light meter on the sea says (`white_radiance`, client/view/sky.h), so that
-/// glint does not blacken the sea, and night stays dark.
+/// The factor that brings the geometric mean of a lit picture's luminance to middle grey; what is
+/// brighter than a white sheet (`white_radiance`, client/view/sky.h) counts as one, so that glint
+/// does not blacken the sea. Within a factor of 3 of what a light meter on the sea says: night
+/// stays dark.
 double metered_exposure(const Picture& picture, double white_radiance);
 
 /// [y][x][rgb], sRGB.

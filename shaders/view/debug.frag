@@ -65,7 +65,7 @@ void main() {
         value.rg = gradients_of_cascade(area, int(view.counts.w)).slope;
         break;
     case 9: // grid
-        value.rgb = vec3(any(lessThan(fract(mesh_cell(place.xy)), vec2(0.15))) ? 1.0 : 0.0);
+        value.rgb = vec3(any(lessThan(fract(mesh_cell(place.xy) / 16.0), vec2(0.08))) ? 1.0 : 0.0);
         break;
     }
 }

@@ -7,6 +7,9 @@
 
 const float reflectance_at_normal = 0.02; // water, n = 1.33
 
+/// The sun's disk blurs its mirror image as this variance of slope does: (radius / 4)^2 an axis.
+const float sun_blur = 1.4e-6;
+
 float schlick(float cosine) {
     return reflectance_at_normal +
            (1.0 - reflectance_at_normal) * pow(1.0 - clamp(cosine, 0.0, 1.0), 5.0);
@@ -61,7 +64,7 @@ vec3 sun_glint(vec3 to_eye, vec3 normal, vec2 slope, vec3 variance) {
         return vec3(0);
     const vec2 offset = -half_way.xy / half_way.z - slope;
     const float determinant =
-        max(variance.x * variance.y - variance.z * variance.z, 1e-10);
+        max(variance.x * variance.y - variance.z * variance.z, 1e-12);
     const float exponent = (variance.y * offset.x * offset.x + variance.x * offset.y * offset.y -
                             2.0 * variance.z * offset.x * offset.y) / determinant;
     const float density = exp(-0.5 * exponent) / (2.0 * pi * sqrt(determinant));
@@ -96,6 +99,7 @@ vec3 water_radiance(vec4 place, vec3 to_eye) {
     const float jacobian = scaled_normal(g).z;
     const float breaking = breaking_share(jacobian, g.variance);
     add_detail(g, area);
+    g.variance.xy += vec2(sun_blur);
 
     const vec3 scaled = scaled_normal(g);
     vec3 normal = normalize(vec3(scaled.xy, max(scaled.z, 0.1)));

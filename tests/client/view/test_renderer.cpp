@@ -49,19 +49,22 @@ double luminance(const float* pixel) {
 
 TEST_F(RendererTest, drawn_points_are_where_a_query_finds_the_sea) {
     SyntheticSea sea = gale();
+    camera_.pitch_deg = -30;
     camera_.x_m = 5230.25;
     camera_.y_m = -88110.5;
     const SeaFrame frame = sea.at(100'300'000);
     const sea::Surface surface = sea.surface(frame);
-    const Picture picture = render(frame, Sky(sun_direction(15)), DebugView::place);
+    const Picture picture =
+        render(frame, Sky(sun_direction(15)), DebugView::place, {.cell_pixels = 0.25});
     int compared = 0;
     for (int y = 0; y < picture.height; y += 3)
         for (int x = 0; x < picture.width; x += 5) {
             const float* place = picture.pixel(x, y);
             const double local_x = static_cast<double>(place[0]);
             const double local_y = static_cast<double>(place[1]);
-            // Nearer than this, cells are so small (0.1 m) that flat triangles miss less than a mm.
-            if (std::hypot(local_x, local_y) > 45 || (local_x == 0 && local_y == 0))
+            // So near, cells are 0.1 m: they carry the finest waves, 0.7 m, and of the 2 cm of
+            // these flat triangles miss (k s)^2 / 8, 10 %.
+            if (std::hypot(local_x, local_y) > 25 || (local_x == 0 && local_y == 0))
                 continue;
             const double world_x = camera_.x_m + local_x, world_y = camera_.y_m + local_y;
             const sea::LagrangianPoint p = surface.at(world_x, world_y, frame.time_us);
@@ -84,11 +87,10 @@ TEST_F(RendererTest, the_horizon_is_straight_and_where_geometry_says) {
             const double elevation = std::asin(ray(x, y).z);
             const float* place = picture.pixel(x, y);
             const bool sky = place[0] == 0 && place[1] == 0;
-            // The pixel that the horizon crosses may be either: half a pixel is 0.35 of one here.
-            if (elevation > -dip + camera_.pixel_rad())
-                EXPECT_TRUE(sky) << x << ", " << y;
-            if (elevation < -dip - camera_.pixel_rad())
-                EXPECT_FALSE(sky) << x << ", " << y;
+            // The pixel that the horizon crosses may be either.
+            if (std::abs(elevation + dip) > camera_.pixel_rad()) {
+                EXPECT_EQ(sky, elevation > -dip) << x << ", " << y;
+            }
         }
 }
 
@@ -187,7 +189,8 @@ TEST_F(RendererTest, foam_is_on_crests_and_never_in_troughs) {
         troughs += height < 0.0f ? static_cast<double>(foam.rgba[i]) : 0.0;
     }
     EXPECT_GT(crests, 50);
-    EXPECT_EQ(troughs, 0);
+    // The tail of the breaking law at J = 1, the level of the mean sea, is 0.4 %.
+    EXPECT_LT(troughs, 1e-3 * crests);
 }
 
 TEST_F(RendererTest, normals_are_exact_on_a_choppy_wave) {
