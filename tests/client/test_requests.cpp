@@ -12,11 +12,11 @@ class RequestsTest : public ::testing::Test {
   protected:
     std::vector<std::uint32_t> sent;
     bool send_works = true;
+    std::vector<std::string> outcomes; ///< outlives the requests, which fail when they go
     Requests requests{[this](std::uint32_t request_id, const protocol::Bytes&) {
         sent.push_back(request_id);
         return send_works;
     }};
-    std::vector<std::string> outcomes;
 
     void start(Lane lane, std::int64_t deadline_us = 1000) {
         const std::size_t index = outcomes.size();
