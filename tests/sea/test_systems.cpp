@@ -289,6 +289,19 @@ TEST(Sines, T52_T53_T54_exponential_sines_have_exact_derivatives_and_mean_zero) 
     }
 }
 
+// T54: speeds that have nothing to do with the wavelength.
+TEST(Sines, T54_speeds_follow_dispersion_times_the_ramp) {
+    SineRamps ramps;
+    ramps.kind = SineKind::exponential;
+    ramps.speed_ratio = 1.1;
+    double ramp = 1.0;
+    for (const SineWave& wave : sine_waves(ramps, 3, 0, Dispersion{})) {
+        const double k = two_pi / ramps.length_m * std::hypot(wave.nx, wave.ny);
+        EXPECT_NEAR(wave.omega_radps / (Dispersion{}.omega(k) * ramp), 1.0, 1e-12);
+        ramp *= 1.1;
+    }
+}
+
 TEST(Sines, keyframes_get_the_same_sines_as_the_sum) {
     const Scene scene = scene_of(
         sines_scene("shape = \"exponential\"\nlength_m = 128\nwavelength_m = 60\ncount = 5\n"));
