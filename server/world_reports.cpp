@@ -163,8 +163,8 @@ std::string plan_json(const RunningSea& sea, const EffectPlan& plan,
             if (const sea::FieldSet fields = fields_of(effect_table()[e], cascade.fields);
                 !fields.empty())
                 effects.push_back(effect_json(costs, c, e, fields, rate_hz));
-        cascades.push_back({{"length_m", sea.scene.cascades[c].length_m},
-                            {"size", sea.scene.cascades[c].size},
+        cascades.push_back({{"length_m", sea.realization->cascades[c].spec.length_m},
+                            {"size", sea.realization->cascades[c].spec.size},
                             {"effects", effects},
                             {"fields", names(cascade.fields)},
                             {"keyframes_per_s", cascade.fields.empty() ? 0.0 : rate_hz},

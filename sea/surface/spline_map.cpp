@@ -9,7 +9,6 @@ namespace seaway::sea {
 
 namespace {
 
-constexpr int border = SplineMap::border;
 constexpr float pole = -0.26794919243112270647f; // sqrt(3) - 2
 constexpr float gain = 6.0f;
 
