@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "protocol/limits.h"
+
 namespace seaway::server {
 
 using nlohmann::ordered_json;
@@ -111,6 +113,12 @@ protocol::SeaStateValues sea_state_values(const RunningSea& sea,
     state.foam_mean = sea.foam_law ? sea.foam_law->mean_coverage : 0.0;
     state.scene = sea::to_toml(sea.scene);
     state.warnings = warnings;
+    if (state.scene.size() > protocol::limits::scene_bytes_max) {
+        state.scene.clear();
+        state.warnings.push_back(
+            fmt::format("the effective scene is longer than {} bytes and is not sent to clients",
+                        protocol::limits::scene_bytes_max));
+    }
     return state;
 }
 

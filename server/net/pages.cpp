@@ -78,9 +78,10 @@ Page page_for(Core& core, std::string_view method, std::string_view target) {
         return route.make(core);
     }
     return {.status = 404,
-            .body = fmt::format("no such page; there are / /healthz /metrics /v1/state /v1/plan, "
-                                "and WebSocket at {}\n",
-                                protocol::stream_path)};
+            .body = fmt::format(
+                "no such page; there are / /healthz /metrics /v1/state /v1/plan /v1/map, "
+                "and WebSocket at {}\n",
+                protocol::stream_path)};
 }
 
 } // namespace seaway::server
