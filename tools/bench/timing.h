@@ -18,7 +18,8 @@ struct Variant {
     double least_s() const;
 };
 
-/// One round that is not counted, then `rounds` counted ones.
+/// One round that is not counted, then `rounds` counted ones. Each variant runs twice in a row, the
+/// second run counts: what the one before it left in caches and spare buffers is not its own.
 void interleave(std::vector<Variant>& variants, int rounds);
 
 } // namespace seaway::bench
