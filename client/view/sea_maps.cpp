@@ -57,6 +57,38 @@ void build_mips(std::vector<float>& texels, int nodes, int layers) {
     }
 }
 
+/// Values of one periodic line of `count` texels, `stride` floats apart, to the coefficients of the
+/// cubic B-spline through them, all channels (Unser 1999).
+void to_coefficients(float* line, int count, std::size_t stride) {
+    constexpr float pole = -0.26794919f; // sqrt(3) - 2
+    constexpr int memory = 14;           // |pole|^14 = 1e-8
+    const auto at = [&](int i) { return line + static_cast<std::size_t>(i) * stride; };
+    for (int c = 0; c < channels; ++c) {
+        float carry = 0;
+        for (int i = count - memory; i < count; ++i)
+            carry = 6.0f * at(i)[c] + pole * carry;
+        for (int i = 0; i < count; ++i)
+            carry = at(i)[c] = 6.0f * at(i)[c] + pole * carry;
+        carry = 0;
+        for (int i = memory - 1; i >= 0; --i)
+            carry = pole * (carry - at(i)[c]);
+        for (int i = count - 1; i >= 0; --i)
+            carry = at(i)[c] = pole * (carry - at(i)[c]);
+    }
+}
+
+void to_coefficients(std::vector<float>& texels, int nodes, int layers) {
+    const auto side = static_cast<std::size_t>(nodes);
+    for_each_row(nodes * layers, [&](int row) {
+        to_coefficients(&texels[static_cast<std::size_t>(row) * side * channels], nodes, channels);
+    });
+    for_each_row(nodes * layers, [&](int column) {
+        const auto layer = static_cast<std::size_t>(column / nodes);
+        const auto x = static_cast<std::size_t>(column % nodes);
+        to_coefficients(&texels[(layer * side * side + x) * channels], nodes, side * channels);
+    });
+}
+
 /// One cascade alone, at the nodes of row `y`.
 void fill_row(SeaMaps& maps, const sea::Surface& surface, double length_m, sea::TimeUs time_us,
               int cascade, int y) {
@@ -131,6 +163,7 @@ SeaMaps build_maps(const SeaFrame& frame) {
     for (std::vector<float>* map : {&maps.displacement, &maps.gradient, &maps.moment})
         build_mips(*map, maps.nodes, maps.cascades);
     maps.statistics = statistics_of(maps, frame.choppiness);
+    to_coefficients(maps.displacement, maps.nodes, maps.cascades);
     return maps;
 }
 

@@ -6,20 +6,22 @@
 
 layout(location = 0) centroid out vec4 place; // as binding `geometry`
 
-vec4 cubic_weights(float t) { // Catmull-Rom
+vec4 spline_weights(float t) { // cubic B-spline
     const float u = 1.0 - t;
-    return 0.5 * vec4(-t * u * u, 2.0 - 5.0 * t * t + 3.0 * t * t * t,
-                      2.0 - 5.0 * u * u + 3.0 * u * u * u, -u * t * t);
+    const vec2 cubes = vec2(u * u * u, t * t * t);
+    return vec4(cubes.x, 4.0 - 6.0 * t * t + 3.0 * cubes.y, 4.0 - 6.0 * u * u + 3.0 * cubes.x,
+                cubes.y) / 6.0;
 }
 
-/// Through the nodes, and smooth: a vertex is where a query says it is.
-vec3 bicubic(vec2 uv, int cascade) {
+/// Level 0 holds coefficients of the spline that queries are answered from: a vertex is where a
+/// query says it is.
+vec3 spline(vec2 uv, int cascade) {
     const ivec2 size = textureSize(displacement_maps, 0).xy;
     const vec2 texel = uv * vec2(size) - 0.5;
     const ivec2 first = ivec2(floor(texel));
     const vec2 t = texel - vec2(first);
-    const vec4 wx = cubic_weights(t.x);
-    const vec4 wy = cubic_weights(t.y);
+    const vec4 wx = spline_weights(t.x);
+    const vec4 wy = spline_weights(t.y);
     vec3 sum = vec3(0);
     for (int j = 0; j < 4; ++j)
         for (int i = 0; i < 4; ++i) {
@@ -36,10 +38,13 @@ vec3 displacement(vec2 at_m, float spacing_m) {
         const vec2 uv = tile.xy + at_m * tile.z;
         // What the mesh cannot carry is averaged away here and is roughness in the pixel.
         const float level = log2(spacing_m / tile.w);
-        if (level <= 0.0)
-            sum += bicubic(uv, c);
-        else
-            sum += textureLod(displacement_maps, vec3(uv, float(c)), level).xyz;
+        vec3 one = vec3(0);
+        if (level < 1.0)
+            one = spline(uv, c);
+        if (level > 0.0)
+            one = mix(one, textureLod(displacement_maps, vec3(uv, float(c)), max(level, 1.0)).xyz,
+                      min(level, 1.0));
+        sum += one;
     }
     return sum;
 }
