@@ -149,14 +149,14 @@ Result<void> draw(const std::string& path, const std::string& device, double eve
     double highest = everything_ms;
     for (const Row& row : rows)
         highest = std::max(highest, row.alone_ms);
-    plot::Chart chart(canvas, {80, 60, 1070, 480}, {"", -0.5, count - 0.5},
+    plot::Chart chart(canvas, {80, 60, 1070, 480}, {"", -0.5, count - 0.5, plot::Scale::linear, 100},
                       {"ms a keyframe of every cascade", 0.0, 1.15 * highest});
     chart.draw_grid();
     for (std::size_t i = 0; i < rows.size(); ++i) {
         const auto x = static_cast<double>(i);
         chart.bar(x - 0.17, rows[i].alone_ms, 30, plot::series_color(0));
         chart.bar(x + 0.17, std::max(rows[i].marginal_ms, 0.0), 30, plot::series_color(1));
-        chart.note({x, 0.0}, {0, 18}, rows[i].name, {.align = plot::Align::centre});
+        chart.note({x, 0.0}, {0, 40}, rows[i].name, {.align = plot::Align::centre});
     }
     const plot::Point ends[] = {{-0.5, everything_ms}, {count - 0.5, everything_ms}};
     chart.curve(ends, {plot::series_color(2), 1.5}, "everything");
