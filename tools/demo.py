@@ -86,8 +86,8 @@ def compare(server):
 
 def render(server):
     pictures = {
-        "from_the_bridge.png": ["--camera", "0,0,14,100,-6"],
-        "over_the_crests.png": ["--camera", "0,0,4.5,330,-2"],
+        "from_the_bridge.png": ["--camera", "0,0,12,285,-6", "--time-of-day", "14.5"],
+        "against_the_sun.png": ["--camera", "0,0,9,235,-4", "--time-of-day", "15.5"],
     }
     for name, camera in pictures.items():
         path = OUT / name
