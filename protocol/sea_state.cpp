@@ -35,8 +35,7 @@ Bytes sea_state(const SeaStateValues& state) {
     const auto body = wire::CreateSeaState(
         built, state.epoch, state.start_time_us, cascade_list, state.choppiness_x,
         state.choppiness_y, state.height_error_m, &requested, &realised,
-        state.interpolation_error_m, state.rms_slope, scene, warnings,
-        state.foam_mean);
+        state.interpolation_error_m, state.rms_slope, scene, warnings, state.foam_mean);
     built.Finish(wire::CreateMessage(built, wire::Body::SeaState, body.Union()),
                  wire::MessageIdentifier());
     return {built.GetBufferPointer(), built.GetBufferPointer() + built.GetSize()};

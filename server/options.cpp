@@ -24,8 +24,9 @@ std::variant<Options, int> read_options(int argc, char** argv) {
     CLI::Option* key = app.add_option("--tls-key", options.tls_key, "Private key (PEM)");
     cert->needs(key)->type_name("FILE");
     key->needs(cert)->type_name("FILE");
-    app.add_option("--admin-token-file", options.admin_token_file,
-                   "File with the bearer token that /metrics and /v1/plan then need")
+    app.add_option(
+           "--admin-token-file", options.admin_token_file,
+           "File with the token that marks a client as an administrator; also opens the door")
         ->type_name("FILE");
     app.add_option("--client-token-file", options.client_token_file,
                    "File with the token that clients then need in their first message")

@@ -13,7 +13,7 @@ struct Options {
     std::string device = "auto";           ///< auto | list | name part | index
     std::string tls_cert;                  ///< PEM files; both or none
     std::string tls_key;
-    std::string admin_token_file;  ///< /metrics and /v1/plan need this bearer token if given
+    std::string admin_token_file;  ///< Hello with this token is an administrator's
     std::string client_token_file; ///< Hello needs this token if given
     bool validation = false;       ///< Vulkan validation layers; their messages are errors
 };

@@ -89,14 +89,14 @@ void ThreadPool::work(int worker) {
             return;
         while (ticket >= first_chunk_[phase + 1])
             ++phase;
-        const Phase& todo = phases_[phase];
-        if (todo.after >= 0) {
-            const auto before = static_cast<std::size_t>(todo.after);
+        const Phase& current = phases_[phase];
+        if (current.after >= 0) {
+            const auto before = static_cast<std::size_t>(current.after);
             wait_until([&] {
                 return done_[before].load(std::memory_order_acquire) == phases_[before].chunks;
             });
         }
-        todo.run(todo.context, ticket - first_chunk_[phase], worker);
+        current.run(current.context, ticket - first_chunk_[phase], worker);
         done_[phase].fetch_add(1, std::memory_order_acq_rel);
     }
 }
