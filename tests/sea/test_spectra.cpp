@@ -201,6 +201,22 @@ TEST(Spectra, P12_growth_agrees_with_the_shore_protection_manual_within_its_scat
     EXPECT_NEAR(two_pi / s.peak_omega_radps() / table.number(r, "Tp_s"), 1.0, 0.45);
 }
 
+TEST(Spectra, P12_shallow_growth_agrees_with_the_shore_protection_manual_within_its_scatter) {
+    // Example 1: 13 ft deep, limited by fetch. The manual's shallow form is a fit of its own; TMA
+    // must come within the same 45 % as in deep water.
+    const Table table("P12_aces_wave_growth");
+    const std::size_t r = table.find("ex1 shallow");
+    const double adjusted = table.number(r, "Ua_mph_or_kn") * 0.44704;
+    double wind = adjusted; // Ua = U sqrt(0.75 + 0.067 U), inverted by iteration
+    for (int i = 0; i < 50; ++i)
+        wind = adjusted / std::sqrt(0.75 + 0.067 * wind);
+    const double fetch = table.number(r, "fetch_mi") * 1609.344;
+    const double depth = table.number(r, "depth_ft") * 0.3048;
+    const auto s = FrequencySpectrum::jonswap_by_wind(wind, fetch, 3.3, 9.81).at_depth(depth, 9.81);
+    EXPECT_NEAR(4 * std::sqrt(moment(s, 0)) / (table.number(r, "Hm0_ft") * 0.3048), 1.0, 0.45);
+    EXPECT_NEAR(two_pi / s.peak_omega_radps() / table.number(r, "Tp_s"), 1.0, 0.45);
+}
+
 TEST(Spectra, A13_I27_huge_fetch_is_clamped_at_full_development_and_says_so) {
     const auto far = FrequencySpectrum::jonswap_by_wind(10.0, 1e7, 3.3, 9.81);
     const auto farther = FrequencySpectrum::jonswap_by_wind(10.0, 1e12, 3.3, 9.81);
