@@ -16,10 +16,12 @@
 
 #include "base/result.h"
 
-namespace toml::inline v3 {
+namespace toml {
+inline namespace v3 {
 class node;
 class table;
-} // namespace toml::inline v3
+} // namespace v3
+} // namespace toml
 
 namespace seaway::sea {
 

@@ -84,7 +84,7 @@ void World::fetch(FetchRequest request,
         for (sea::KeyframePtr& keyframe : keyframes)
             all.push_back(tiles(std::move(keyframe), quality));
         const bool failed = all.empty();
-        done(std::move(all), failed ? "the device has failed" : "");
+        done(std::move(all), failed ? "too much is asked at once, or the device has failed" : "");
     };
     const Demand demand{granted.cascades, granted.fields};
     if (request.times_us.empty())
@@ -99,7 +99,8 @@ void World::query(QueryBatch batch, std::function<void(QueryAnswers)> done) {
         std::move(batch.points), batch.exact,
         [epoch = sea_->epoch, count, done = std::move(done)](std::vector<sea::Answer> answers) {
             const bool failed = answers.size() != count;
-            done({epoch, std::move(answers), failed ? "the device has failed" : ""});
+            done({epoch, std::move(answers),
+                  failed ? "too much is asked at once, or the device has failed" : ""});
         });
 }
 
@@ -115,7 +116,7 @@ void World::map(MapQuery query, std::function<void(MapAnswer)> done) {
     simulation_->surface(request->time_us, [request = *request, place, on_ready = query.on_ready,
                                             done = std::move(done)](const sea::Surface* surface) {
         if (!surface)
-            return done({nullptr, 503, "the device has failed"});
+            return done({nullptr, 503, "too much is asked at once, or the device has failed"});
         done(start_map(request, *surface, place, on_ready));
     });
 }

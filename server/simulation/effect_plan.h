@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Effect plan: what is computed, decided by a pure function from what the scene allows and what
-// someone asks for now. No demand, no dispatch.
+// is demanded at this moment. No demand, no dispatch.
 //
 // Effects are sets of fields; a field that stands on others (the Jacobian on three strains) brings
 // them along. Thread-safe: values and pure functions.

@@ -72,13 +72,16 @@ void Simulation::set_demand(std::uint64_t who, Demand demand) {
     wake_.notify_all();
 }
 
-void Simulation::ask(Question question) {
+bool Simulation::ask(Question question) {
     {
         const std::scoped_lock lock(mutex_);
+        if (questions_.size() >= questions_waiting_max)
+            return false;
         ++counters_.questions;
         questions_.push_back(std::move(question));
     }
     wake_.notify_all();
+    return true;
 }
 
 void Simulation::run() {
@@ -321,7 +324,7 @@ std::vector<Simulation::Wanted> Simulation::around(TimeUs time_us, const Demand&
 }
 
 void Simulation::fetch(std::vector<TimeUs> times_us, Demand demand, Fetched done) {
-    ask([this, times_us = std::move(times_us), demand, done = std::move(done)] {
+    const bool taken = ask([this, times_us = std::move(times_us), demand, done] {
         std::vector<Wanted> wanted;
         for (const TimeUs time_us : times_us)
             for (const Wanted& one : around(time_us, demand))
@@ -329,10 +332,12 @@ void Simulation::fetch(std::vector<TimeUs> times_us, Demand demand, Fetched done
         done(keyframes(wanted, asked_foam_));
         return true;
     });
+    if (!taken)
+        done({});
 }
 
 void Simulation::fetch_current(Demand demand, Fetched done) {
-    ask([this, demand, done = std::move(done)] {
+    const bool taken = ask([this, demand, done] {
         const TimeUs now_us = now_();
         std::vector<Wanted> wanted;
         for (std::size_t c = 0; c < sea_->budget.cascades.size(); ++c) {
@@ -348,6 +353,8 @@ void Simulation::fetch_current(Demand demand, Fetched done) {
         done(keyframes(wanted, asked_foam_));
         return true;
     });
+    if (!taken)
+        done({});
 }
 
 } // namespace seaway::server

@@ -43,7 +43,7 @@ inline constexpr sea::TimeUs publish_lead_us = 250'000;
 /// A keyframe that is later than this is skipped for a newer one.
 inline constexpr sea::TimeUs catch_up_us = 500'000;
 inline constexpr int device_rebuilds_max = 3;
-/// Questions that wait at most; more are refused.
+/// Questions that wait at most; more are refused: their callback comes at once, with nothing.
 inline constexpr std::size_t questions_waiting_max = 1024;
 /// Exact sums between two looks at what else is due.
 inline constexpr std::size_t exact_points_per_slice = 8;
@@ -109,7 +109,8 @@ class Simulation {
 
     void run();
     bool publish_due();
-    void ask(Question question);
+    /// False, and nothing is kept, while questions_waiting_max wait.
+    [[nodiscard]] bool ask(Question question);
     sea::TimeUs next_due_us() const;
     sea::TimeUs lead_us(std::size_t cascade) const;
 

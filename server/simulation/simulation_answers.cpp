@@ -37,12 +37,14 @@ void Simulation::answer(std::vector<sea::QueryPoint> points, bool exact, Answere
     std::stable_sort(batch->order.begin(), batch->order.end(), [&](std::size_t a, std::size_t b) {
         return batch->points[a].time_us < batch->points[b].time_us;
     });
-    ask([this, batch, exact] {
+    const bool taken = ask([this, batch, exact] {
         if (!(exact ? exact_slice(*batch) : answer_slice(*batch)))
             return false;
         batch->done(std::move(batch->answers));
         return true;
     });
+    if (!taken)
+        batch->done({});
 }
 
 bool Simulation::exact_slice(Batch& batch) const {
@@ -96,11 +98,13 @@ std::optional<Simulation::SurfaceSpan> Simulation::surface_around(TimeUs time_us
 }
 
 void Simulation::surface(TimeUs time_us, Surfaced done) {
-    ask([this, time_us, done = std::move(done)] {
+    const bool taken = ask([this, time_us, done] {
         const std::optional<SurfaceSpan> span = surface_around(time_us);
         done(span ? &span->surface : nullptr);
         return true;
     });
+    if (!taken)
+        done(nullptr);
 }
 
 } // namespace seaway::server

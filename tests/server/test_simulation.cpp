@@ -301,6 +301,29 @@ TEST(Simulation, a_device_that_stays_lost_ends_it_with_its_reason) {
     EXPECT_FALSE(bench.simulation->healthy());
 }
 
+TEST(Simulation, more_questions_than_may_wait_are_refused_at_once_and_the_rest_answered) {
+    Bench bench;
+    std::promise<void> gate;
+    std::promise<void> entered;
+    bench.simulation->fetch({}, {}, [&](std::vector<sea::KeyframePtr>) {
+        entered.set_value();
+        gate.get_future().wait(); // holds the simulation thread
+    });
+    entered.get_future().wait();
+    std::atomic<int> answered = 0;
+    std::atomic<int> refused = 0;
+    const int asked = static_cast<int>(questions_waiting_max) + 50;
+    for (int i = 0; i < asked; ++i)
+        bench.simulation->answer({{1.0, 2.0, 0}}, false, [&](std::vector<sea::Answer> answers) {
+            ++(answers.empty() ? refused : answered);
+        });
+    EXPECT_EQ(refused, 50);
+    gate.set_value();
+    while (answered + refused < asked)
+        std::this_thread::yield();
+    EXPECT_EQ(answered, static_cast<int>(questions_waiting_max));
+}
+
 TEST(KeyframeStore, memory_stays_below_its_limit_and_newest_use_stays) {
     const auto keyframe = [](TimeUs time_us) {
         auto made = std::make_shared<sea::Keyframe>();
