@@ -76,7 +76,7 @@ std::string effect_metrics(const EffectPlan& plan, const EffectCosts& costs) {
          [](const EffectCost& cost) { return static_cast<double>(cost.keyframes); }},
         {"effect_dispatches_total", "Its share of kernels started.",
          [](const EffectCost& cost) { return cost.dispatches; }},
-        {"effect_transforms_total", "Its share of complex 2-D transforms.",
+        {"effect_transforms_total", "Its share of 2-D transforms of real fields.",
          [](const EffectCost& cost) { return cost.transforms; }},
         {"effect_microseconds_total", "Its share of the device's time.",
          [](const EffectCost& cost) { return 1e6 * cost.device_seconds; }}};
@@ -197,7 +197,7 @@ std::string metrics_text(const EffectPlan& plan, const SimulationCounters& count
     add("sea_time_seconds", "gauge", "Sea time.", sea::seconds_from_us(now_us));
     add("plan_idle", "gauge", "1 while nobody asks for anything.", plan.idle());
     add("dispatches_total", "counter", "Kernels started.", whole(counters.synthesis.dispatches));
-    add("transforms_total", "counter", "Complex 2-D transforms.",
+    add("transforms_total", "counter", "2-D transforms of real fields.",
         whole(counters.synthesis.transforms));
     add("keyframes_total", "counter", "Keyframes computed.", whole(counters.synthesis.keyframes));
     add("device_seconds_total", "counter", "Time by the device's clock.",

@@ -1,123 +1,120 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Design W of the synthesis kernels: see generate.py."""
+"""Design W of the synthesis kernels, for any device: see generate.py."""
 import codelets
-from kernel_text import (FIRST_BINDINGS, HEAD, OUTPUT, kept, line_index, line_modes, omitted,
-                         packed_line, slot_head, turned, twiddles)
+from kernel_text import (EVOLVE_BINDINGS, EVOLVE_LINE, FIELDS_LINE, HEAD, band_end, each_field,
+                         each_source, fields_bindings, kept, line_bindings, line_modes, omitted,
+                         turned, twiddles, wavenumbers)
 
-# size: (A, B, C, D). At 1024 the middle pass would hold 1024 numbers, so it is cut in two.
-PLANS = {64: (16, 4, 4, 16), 128: (32, 4, 8, 16), 256: (32, 8, 8, 32), 512: (32, 16, 16, 32),
-         1024: (32, 32, 32, 32)}
+# size: (A, B)
+PLANS = {64: (8, 8), 128: (16, 8), 256: (16, 16), 512: (32, 16), 1024: (32, 32)}
 
 
-def first_pass(n, a, b, d, band):
-    blocks = kept(n, a, band)
-    lines = len(kept(n, n // d, band)) * d
-    text = [HEAD, FIRST_BINDINGS, OUTPUT.format(binding=4), f"""
+def columns(n, band):
+    """Lines along y, rounded up to whole workgroups."""
+    return min(-(-band_end(n) // 16) * 16, n // 2) if band else n // 2
+
+
+def main(fast, slow, count):
+    """GLSL: the index that runs fastest over `count` invocations, and the other one."""
+    return f"""
 void main() {{
-    uint n2 = gl_GlobalInvocationID.x % {b}u;
-    uint line = gl_GlobalInvocationID.x / {b}u;
-    uint row = {line_index(lines, n)};
-    uvec4 job = texelFetch(jobs, int(gl_GlobalInvocationID.z));
-    float wavenumber_step = uintBitsToFloat(job.w);
-    float ky = wavenumber_step * float(row < {n // 2}u ? int(row) : int(row) - {n});
-    int base = int((job.x * {n}u + row) * {n}u + n2);
-"""]
-    text.append(line_modes(blocks, a, b, "n2", "ky", b))
-    text.append(twiddles("w", f"n2 * {2**32 // n}u", a))
-    text.append(slot_head(True))
-    text.append(packed_line(blocks))
-    text.append(codelets.dft(a, omitted(blocks, a)).glsl(
+    uint invocation = gl_WorkGroupID.z * synthesis_workgroup + gl_LocalInvocationID.x;
+    uint {fast} = invocation % {count}u;
+    uint {slow} = invocation / {count}u;
+"""
+
+
+def codelet(a, blocks):
+    return codelets.dft(a, omitted(blocks, a)).glsl(
         "float", [(f"z{i}.x", f"z{i}.y") for i in range(a)],
-        [(f"r{i}", f"i{i}") for i in range(a)], indent=" " * 8))
-    text.append(f"        uint to = (((gl_GlobalInvocationID.z * push.slots + slot) * {n}u + "
-                f"row) * {b}u + n2) * {a // 2}u;\n")
+        [(f"r{i}", f"i{i}") for i in range(a)], indent=" " * 8)
+
+
+def store_pairs(a, stride):
+    """GLSL: r<k>, i<k> with their twiddles, two a vec4."""
+    text = []
     for k in range(0, a, 2):
         even, odd = turned(f"r{k}", f"i{k}", "w", k), turned(f"r{k + 1}", f"i{k + 1}", "w", k + 1)
-        text.append(f"        target[to + {k // 2}u] = vec4({', '.join(even + odd)});\n")
-    text.append("    }\n}\n")
-    return "".join(text), lines * b
+        text.append(f"        target[to + {k // 2 * stride}u] = vec4({', '.join(even + odd)});\n")
+    return "".join(text)
 
 
-def middle_pass(n, a, b, c, d, band):
-    """With C = 1 it is the rest of x alone, of the rows that the first pass wrote; with B = 1 (then
-    A = N) the first half of y alone."""
-    pairs = a // 2
-    blocks = kept(n, c, band) if c > 1 else [0]
-    split_d = PLANS[n][3]
-    lines = d if c > 1 else len(kept(n, n // split_d, band)) * split_d
-    text = [HEAD, "layout(binding = 0) uniform samplerBuffer source;\n",
-            OUTPUT.format(binding=1), f"""
-void main() {{
-    uint pair = gl_GlobalInvocationID.x % {pairs}u;
-    uint line = gl_GlobalInvocationID.x / {pairs}u;
-    uint m2 = {line_index(lines, d)};
-    uint from = ((gl_GlobalInvocationID.z * {n}u + m2) * {b}u) * {pairs}u + pair;
-    uint to = (gl_GlobalInvocationID.z * {d}u + m2) * {c * n // 2}u + pair;
-"""]
-    for m1 in blocks:
-        for n2 in range(b):
-            text.append(f"    vec4 v{m1}_{n2} = texelFetch(source, int(from + "
-                        f"{(d * m1 * b + n2) * pairs}u));\n")
-    for m1 in blocks:
-        ins = [(f"v{m1}_{n2}.xz", f"v{m1}_{n2}.yw") for n2 in range(b)]
-        outs = [(f"xr{m1}_{k2}", f"xi{m1}_{k2}") for k2 in range(b)]
-        if b == 1:
-            text.append(f"    vec2 {outs[0][0]} = {ins[0][0]};\n"
-                        f"    vec2 {outs[0][1]} = {ins[0][1]};\n")
-        else:
-            text.append(codelets.dft(b).glsl("vec2", ins, outs, prefix=f"x{m1}t"))
-    if c > 1:
-        text.append(twiddles("w", f"m2 * {2**32 // n}u", c))
-    for k2 in range(b):
-        ins = [(f"xr{m1}_{k2}", f"xi{m1}_{k2}") for m1 in range(c)]
-        outs = [(f"yr{k2}_{j1}", f"yi{k2}_{j1}") for j1 in range(c)]
-        if c == 1:
-            outs = ins
-        else:
-            codelet = codelets.dft(c, omitted(blocks, c))
-            text.append(codelet.glsl("vec2", ins, outs, prefix=f"y{k2}t"))
-        for j1 in range(c):
-            re, im = outs[j1]
-            if j1:
-                wr, wi = turned(re, im, "w", j1)
-                text.append(f"    vec2 u{k2}_{j1} = {wr};\n    vec2 v{k2}_{j1}w = {wi};\n")
-                re, im = f"u{k2}_{j1}", f"v{k2}_{j1}w"
-            text.append(f"    target[to + {j1 * n // 2 + k2 * pairs}u] = "
-                        f"vec4({re}.x, {im}.x, {re}.y, {im}.y);\n")
+def evolve_pass(n, a, b, band):
+    """Y = B n1 + n2: over n1 -> S[job][source][n2][k1 / 2][X]"""
+    blocks = kept(n, a, band)
+    count = columns(n, band)
+    text = [HEAD, EVOLVE_BINDINGS, main("column", "n2", count), EVOLVE_LINE,
+            f"    int base = int((job.x * {n}u + n2) * {n}u + column);\n",
+            line_modes(blocks, a, b, "n2", b * n), twiddles("w", f"n2 * {2**32 // n}u", a),
+            each_source(blocks), codelet(a, blocks),
+            f"        uint to = (((job_index * push.sources + index) * {b}u + n2) * {a // 2}u) * "
+            f"{count}u + column;\n", store_pairs(a, count), "    }\n}\n"]
+    return "".join(text), count * b
+
+
+def lines_y_pass(n, a, b, band):
+    """Over n2 -> G[job][source][y / 2][X], y = k1 + A k2"""
+    count = columns(n, band)
+    text = [HEAD, line_bindings("vec4"), main("column", "pair", count),
+            "    uint part = gl_WorkGroupID.y * push.sources + gl_WorkGroupID.x;\n"
+            f"    int from = int((part * {n // 2}u + pair) * {count}u + column);\n"
+            f"    uint to = (part * {n // 2}u + pair) * {count}u + column;\n"]
+    for i in range(b):
+        text.append(f"    vec4 v{i} = texelFetch(source, from + {i * a // 2 * count});\n")
+    text.append(codelets.dft(b).glsl("vec2", [(f"v{i}.xz", f"v{i}.yw") for i in range(b)],
+                                     [(f"r{i}", f"i{i}") for i in range(b)]))
+    for k in range(b):
+        text.append(f"    target[to + {k * a // 2 * count}u] = "
+                    f"vec4(r{k}.x, i{k}.x, r{k}.y, i{k}.y);\n")
     text.append("}\n")
-    return "".join(text), lines * pairs
+    return "".join(text), count * a // 2
 
 
-def last_pass(n, c, d):
-    text = [HEAD, "layout(binding = 0) uniform samplerBuffer source;\n",
-            OUTPUT.format(binding=1).replace("vec4", "vec2"), f"""
-void main() {{
-    uint pair = gl_GlobalInvocationID.x % {n // 2}u;
-    uint j1 = gl_GlobalInvocationID.x / {n // 2}u;
-    uint from = (gl_GlobalInvocationID.z * {n}u + j1) * {n // 2}u + pair;
-    uint to = (2u * gl_GlobalInvocationID.z * {n}u + j1) * {n // 2}u + pair;
-"""]
-    for m2 in range(d):
-        text.append(f"    vec4 v{m2} = texelFetch(source, int(from + {m2 * c * n // 2}u));\n")
-    text.append(codelets.dft(d).glsl("vec2", [(f"v{m}.xz", f"v{m}.yw") for m in range(d)],
-                                     [(f"r{m}", f"i{m}") for m in range(d)]))
-    for j2 in range(d):
-        text.append(f"    target[to + {j2 * c * n // 2}u] = r{j2};\n")
-    for j2 in range(d):
-        text.append(f"    target[to + {n * n // 2 + j2 * c * n // 2}u] = i{j2};\n")
+def fields_pass(n, a, b, band):
+    """X = B n1 + n2: over n1 -> U[job][field][y / 2][n2][k1]"""
+    blocks = kept(n, a, band)
+    count = columns(n, band)
+    text = [HEAD, fields_bindings("vec4"), main("n2", "line", b), FIELDS_LINE,
+            "    int from = int(((gl_WorkGroupID.y * push.sources + gl_WorkGroupID.x) * "
+            f"{n // 2}u + line) * {count}u);\n"]
+    for i in blocks:
+        if i < a // 2:
+            text.append(f"    vec2 s{i} = two_rows(texelFetch(source, from + int(n2) + "
+                        f"{b * i}));\n")
+        else:
+            at = f"{n - b * i}u - n2"
+            text.append(f"    vec2 s{i} = {at} < {count}u ? two_rows_mirrored(texelFetch(source, "
+                        f"from + int({at}))) : vec2(0.0);\n")
+    text += [wavenumbers(blocks, a, b, n, "n2"), twiddles("w", f"n2 * {2**32 // n}u", a),
+             each_field(blocks, a), codelet(a, blocks),
+             f"        uint to = (((gl_WorkGroupID.y * push.fields + field) * {n // 2}u + line) * "
+             f"{b}u + n2) * {a // 2}u;\n", store_pairs(a, 1), "    }\n}\n"]
+    return "".join(text), n // 2 * b
+
+
+def lines_x_pass(n, a, b):
+    """Over n2 -> map[job][field][y][x], x = k1 + A k2"""
+    text = [HEAD, line_bindings("vec2"), main("pair", "line", a // 2),
+            "    uint part = gl_WorkGroupID.y * push.fields + gl_WorkGroupID.x;\n"
+            f"    int from = int((part * {n // 2}u + line) * {n // 2}u + pair);\n"
+            f"    uint to = (part * {n}u + 2u * line) * {n // 2}u + pair;\n"]
+    for i in range(b):
+        text.append(f"    vec4 v{i} = texelFetch(source, from + {i * a // 2});\n")
+    text.append(codelets.dft(b).glsl("vec2", [(f"v{i}.xz", f"v{i}.yw") for i in range(b)],
+                                     [(f"r{i}", f"i{i}") for i in range(b)]))
+    for part, row in (("r", 0), ("i", n // 2)):
+        for k in range(b):
+            text.append(f"    target[to + {row + k * a // 2}u] = {part}{k};\n")
     text.append("}\n")
-    return "".join(text), n // 2 * c
+    return "".join(text), n // 2 * a // 2
 
 
 def passes(n, band):
-    """(kernel name, GLSL, invocations for one job or one slot)."""
-    a, b, c, d = PLANS[n]
+    """(kernel name, kind of pass, GLSL, invocations for one job, source or field), and the scratch
+    that a field needs."""
+    a, b = PLANS[n]
     suffix = "_band" if band else ""
-    made = [(f"w{n}_first{suffix}", *first_pass(n, a, b, d, band))]
-    if b * c <= 256:
-        made.append((f"w{n}_middle{suffix}", *middle_pass(n, a, b, c, d, band)))
-    else:
-        made.append((f"w{n}_middle_x{suffix}", *middle_pass(n, a, b, 1, n, band)))
-        made.append((f"w{n}_middle_y{suffix}", *middle_pass(n, n, 1, c, d, band)))
-    made.append((f"w{n}_last", *last_pass(n, c, d)))
-    return made
+    return [(f"w{n}_evolve{suffix}", "evolve", *evolve_pass(n, a, b, band)),
+            (f"w{n}_lines_y{suffix}", "lines_y", *lines_y_pass(n, a, b, band)),
+            (f"w{n}_fields{suffix}", "fields", *fields_pass(n, a, b, band)),
+            (f"w{n}_lines_x", "lines_x", *lines_x_pass(n, a, b))], n * n // 2

@@ -2,25 +2,21 @@
 # SPDX-License-Identifier: Apache-2.0
 """Writes the synthesis kernels (GLSL) and the table of them (C++).
 
-Both designs are one inverse 2-D transform of N x N complex numbers per slot, without shared memory
-or barriers inside a kernel. Reads go through texel buffers, writes are vec4 (two neighbouring
-complex numbers; at the end of T, four points of a map). Why: docs/performance.md.
+Every field is real: the modes of -X are the conjugates of those of X, and it is transformed along
+y for X >= 0 alone; fields that differ by a power of kx share that (shared/synthesis.h: sources).
+Then two rows y, y + 1 of a map are the real and the imaginary part of one complex line along x. No
+shared memory, no barriers inside a kernel. Reads go through texel buffers, writes are vec4. Why:
+docs/performance.md.
 
-Design W, three passes, four above N = 512. N = A B along x and N = C D along y; mode X = B n1 + n2
-goes to point x = k1 + A k2, mode Y = D m1 + m2 to point y = j1 + C j2:
+    evolve, along y     modes -> G[source][y / 2][X], rows y and y + 1 in a vec4
+    fields, along x     G -> map[field][y][x]
 
-    first   evolve; DFT_A over n1; twiddle w_N^(n2 k1)                  -> S[slot][Y][n2][k1]
-    middle  DFT_B over n2; DFT_C over m1; twiddle w_N^(m2 j1)           -> T[slot][m2][j1][x]
-    last    DFT_D over m2                                               -> map[slot][2][y][x]
+Design T does each in one pass, by subgroups of S lanes. A subgroup transforms a line of N = S M:
+lane l holds modes n = l + S m; DFT_M over m, twiddle w_N^(l k1); a transposition by shuffles, after
+which lane l holds k1 = M / S l + g of all lanes; DFT_S over them to points k1 + M k2.
 
-Design T, two passes, for subgroups of S lanes. A subgroup transforms a line of N = S M: lane l
-holds modes n = l + S m; DFT_M over m, twiddle w_N^(l k1), DFT_S across the lanes by shuffles leaves
-points k1 + M bitreverse(l) in lane l:
-
-    first   evolve; lines along y, one for each X                       -> T[slot][y / 2][X]
-    last    lines along x                                               -> map[slot][2][y][x]
-
-A single real field needs the lines of X >= 0 alone, and half of the last pass (design T).
+Design W does each in two passes. N = A B: mode n = B n1 + n2 goes to point k = k1 + A k2; DFT_A
+over n1, twiddle w_N^(n2 k1), through memory, DFT_B over n2.
 
 Each comes in two versions: for any modes, and for seas without modes at |nx| or |ny| >= 0.3 N (all
 that are made from spectra: sea::band_end_share_of_nyquist), which skips what is known to be zero.
@@ -41,24 +37,24 @@ from kernel_text import WORKGROUP  # noqa: E402
 
 
 def transforms():
-    """All of them: (size, lanes or 0, band, largest scratch in complex numbers, passes, last pass of
-    a single field or None), a pass being (kernel name, GLSL, invocations for one job or one slot).
-    The best of a size come first."""
+    """All of them: (size, lanes or 0, band, scratch of a field in complex numbers, passes), a pass
+    being (kernel name, kind, GLSL, invocations for one job, source or field). The best of a size
+    come first."""
     made = []
     for band in (True, False):
         for lanes, sizes in design_t.PLANS.items():
             for n in sizes:
                 passes, scratch = design_t.passes(n, lanes, band)
-                single = design_t.single_pass(n, lanes, band)
-                made.append((n, lanes, band, scratch, passes, single))
-        made += [(n, 0, band, n * n, design_w.passes(n, band), None) for n in design_w.PLANS]
+                made.append((n, lanes, band, scratch, passes))
+        for n in design_w.PLANS:
+            passes, scratch = design_w.passes(n, band)
+            made.append((n, 0, band, scratch, passes))
     return made
 
 
 def kernels():
     """name: GLSL; transforms may share a kernel."""
-    return {name: text for *_, passes, single in transforms()
-            for name, text, _ in passes + ([single] if single else [])}
+    return {name: text for *_, passes in transforms() for name, _, text, _ in passes}
 
 
 def spirv_words(path):
@@ -73,18 +69,18 @@ def embed(out, modules):
         words = [f"0x{w:x}" for w in spirv_words(path)]
         lines = [",".join(words[i:i + 12]) for i in range(0, len(words), 12)]
         text.append(f"constexpr std::uint32_t {name}_words[] = {{\n" + ",\n".join(lines) + "};\n")
-    def cpp_pass(made):
-        name, _, invocations = made
-        return f'{{{{"{name}", {name}_words}}, {invocations // WORKGROUP}}}'
-
     rows = []
-    for n, lanes, band, scratch, passes, single in transforms():
+    for n, lanes, band, scratch, passes in transforms():
         design = f"T{lanes}" if lanes else "W"
-        name = f"{design.lower()}_{n}{'_band' if band else ''}_passes"
-        text.append(f"constexpr Pass {name}[] = {{" + ", ".join(map(cpp_pass, passes)) + "};\n")
-        last = cpp_pass(single) if single else "{}"
-        rows.append(f'    {{{n}, "{design}", {lanes}, {str(band).lower()}, {scratch}, {name}, '
-                    f'{last}}},\n')
+        list_name = f"{design.lower()}_{n}{'_band' if band else ''}_passes"
+        listed = []
+        for name, kind, _, invocations in passes:
+            assert invocations % WORKGROUP == 0, name
+            listed.append(f'{{{{"{name}", {name}_words}}, PassKind::{kind}, '
+                          f'{invocations // WORKGROUP}}}')
+        text.append(f"constexpr Pass {list_name}[] = {{" + ", ".join(listed) + "};\n")
+        rows.append(f'    {{{n}, "{design}", {lanes}, {str(band).lower()}, {scratch}, '
+                    f'{list_name}}},\n')
     text += ["constexpr Transform transforms[] = {\n", *rows, "};\n\n} // namespace\n\n"
              "std::span<const Transform> synthesis_transforms() {\n    return transforms;\n}\n\n"
              'Shader jacobian() {\n    return {"jacobian", jacobian_words};\n}\n\n'

@@ -12,28 +12,52 @@ HEAD = """#version 460
 layout(local_size_x = synthesis_workgroup) in;
 """
 OUTPUT = """layout(binding = {binding}, std430) writeonly buffer Target {{
-    vec4 target[];
+    {kind} target[];
 }};
 layout(push_constant) uniform Push {{
     SynthesisPush push;
 }};
 """
-FIRST_BINDINGS = """#include "compute/fields.glsl"
-layout(binding = 0) uniform samplerBuffer modes;  // (h0(k), conj h0(-k))
+# What each kind of pass reads; server/simulation/vulkan_kernels.cpp expects the same.
+EVOLVE_BINDINGS = """layout(binding = 0) uniform samplerBuffer modes;  // (h0(k), conj h0(-k))
 layout(binding = 1) uniform usamplerBuffer rates;
 layout(binding = 2) uniform usamplerBuffer jobs;
 layout(binding = 3) uniform samplerBuffer rows;
+#include "compute/fields.glsl"
+""" + OUTPUT.format(binding=4, kind="vec4")
+FIELDS_READ = """layout(binding = 0) uniform samplerBuffer source;
+layout(binding = 1) uniform usamplerBuffer jobs;
+layout(binding = 2) uniform samplerBuffer rows;
+#include "compute/fields.glsl"
 """
+
+
+def fields_bindings(kind):
+    return FIELDS_READ + OUTPUT.format(binding=3, kind=kind)
+
+
+def line_bindings(kind):
+    return ("layout(binding = 0) uniform samplerBuffer source;\n" +
+            OUTPUT.format(binding=1, kind=kind))
+
+
+def band_end(n):
+    """No mode of a band-limited sea has this index or a larger one (shaders::fits_band)."""
+    return (3 * n + 9) // 10
 
 
 def kept(n, count, band):
     """Which of `count` equal blocks of the N modes of a line hold any: block i is modes
     i N / count ... Without `band` all do."""
     block = n // count
-    first, end = (3 * n + 9) // 10, n - (3 * n + 9) // 10 + 1  # zero: first <= index < end
+    first, end = band_end(n), n - band_end(n) + 1  # zero: first <= index < end
     blocks = [i for i in range(count) if not band or i * block < first or (i + 1) * block > end]
     assert blocks == [count - 1 - i for i in reversed(blocks)], "positive and negative alike"
     return blocks
+
+
+def omitted(blocks, count):
+    return set(range(count)) - set(blocks)
 
 
 def twiddles(name, turns, count):
@@ -57,41 +81,58 @@ def turned(re, im, name, k):
     return f"({re} * {w}.x - {im} * {w}.y)", f"({re} * {w}.y + {im} * {w}.x)"
 
 
-def omitted(blocks, count):
-    return set(range(count)) - set(blocks)
-
-
-def line_index(lines, n):
-    """GLSL: from a running number of the lines kept to a mode index; both halves are equal."""
-    return f"line < {lines // 2}u ? line : line + {n - lines}u" if lines < n else "line"
-
-
-def slot_head(line_is_row):
-    order = "" if line_is_row else "_along_y"
-    fixed = "ky" if line_is_row else "kx"
-    return f"""    for (uint slot = 0u; slot < push.slots; ++slot) {{
-        int at_row = int(slot * slot_row_texels);
-        vec4 row_a0 = texelFetch(rows, at_row), row_a1 = texelFetch(rows, at_row + 1);
-        vec4 row_b0 = texelFetch(rows, at_row + 2), row_b1 = texelFetch(rows, at_row + 3);
-        Multiplier ma = multiplier{order}(row_a0, row_a1, {fixed});
-        Multiplier mb = multiplier{order}(row_b0, row_b1, {fixed});
-        bvec4 flags = greaterThan(texelFetch(rows, at_row + 4), vec4(0.5));
+# job and kx of a pass that evolves; `column` is the line's X.
+EVOLVE_LINE = """    uint job_index = gl_WorkGroupID.y;
+    uvec4 job = texelFetch(jobs, int(job_index));
+    float wavenumber_step = uintBitsToFloat(job.w);
+    float kx = wavenumber_step * float(column);
 """
 
 
-def line_modes(blocks, count, stride, start, fixed, step):
-    """GLSL: evolves the modes start + stride i of a line, i in blocks."""
+def line_modes(blocks, count, block, start, step):
+    """GLSL: evolves the modes Y = start + block i of a line along y, i in blocks; `step` texels
+    from one to the next."""
     text = []
     for i in blocks:
-        shift = stride * (i if i < count // 2 else i - count)
+        shift = block * (i if i < count // 2 else i - count)
         text.append(f"    float k{i} = wavenumber_step * float(int({start}) + {shift});\n"
-                    f"    float square{i} = k{i} * k{i} + {fixed} * {fixed};\n"
+                    f"    float square{i} = k{i} * k{i} + kx * kx;\n"
                     f"    float inverse{i} = square{i} > 0.0 ? inversesqrt(square{i}) : 0.0;\n"
                     f"    vec4 h{i} = evolve(texelFetch(modes, base + {step * i}), "
                     f"texelFetch(rates, base + {step * i}).xy, job.yz);\n")
     return "".join(text)
 
 
-def packed_line(blocks):
-    return "".join(f"        vec2 z{i} = packed_fields(h{i}, at(ma, k{i}, inverse{i}), "
-                   f"at(mb, k{i}, inverse{i}), flags);\n" for i in blocks)
+def each_source(blocks):
+    """GLSL: opens the loop over sources; z<i> are the modes of one."""
+    return ("    for (uint index = 0u; index < push.sources; ++index) {\n"
+            "        Source row = source_row(index);\n" +
+            "".join(f"        vec2 z{i} = source_mode(row, h{i}, k{i}, inverse{i});\n"
+                    for i in blocks))
+
+
+# Of a pass that turns the lines of a source into those of its fields.
+FIELDS_LINE = """    uvec4 job = texelFetch(jobs, int(gl_WorkGroupID.y));
+    float wavenumber_step = uintBitsToFloat(job.w);
+    uvec2 fields = fields_of(gl_WorkGroupID.x);
+"""
+
+
+def wavenumbers(blocks, count, block, n, start):
+    """GLSL: k<i> = |kx| of the modes X = start + block i of a line along x."""
+    return "".join(
+        f"    float k{i} = wavenumber_step * float(" +
+        (f"{start} + {block * i}u);\n" if i < count // 2 else f"{n - block * i}u - {start});\n")
+        for i in blocks)
+
+
+def each_field(blocks, count):
+    """GLSL: opens the loop over the fields of a source; z<i> are the modes of one, made of s<i>,
+    those of the source for two rows."""
+    text = ["    for (uint field = fields.x; field < fields.y; ++field) {\n"
+            "        vec4 row = field_row(field);\n"
+            "        bool odd = row.w > 0.5;\n"]
+    for i in blocks:
+        turn = "times_i" if i < count // 2 else "times_minus_i"
+        text.append(f"        vec2 z{i} = along_x(row, k{i}) * {turn}(s{i}, odd);\n")
+    return "".join(text)

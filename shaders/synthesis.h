@@ -2,15 +2,13 @@
 // The compute kernels of the synthesis, as SPIR-V embedded in the program. Written at build time by
 // shaders/generate.py; what they read and write is in shaders/shared/synthesis.h.
 //
-// A transform of size N turns the modes of a batch of jobs into maps[job][slot][2][y][x] of floats:
-// a slot is one complex transform of two real fields, a + i b. Its passes run one after the other,
-// a barrier between them; each is dispatched as (groups, 1, z):
-//   pass 0:  z = jobs.         bindings modes, rates, jobs, rows -> Target
-//   others:  z = jobs * slots. bindings source -> Target
+// A transform of size N turns the modes of a batch of jobs into maps[job][field][y][x] of floats,
+// by way of sources (shaders/shared/synthesis.h). Its passes run one after the other, a barrier
+// between them; each is dispatched as (parts, jobs, groups), parts and bindings by its kind.
 // modes: RGBA32F [cascade][Y][X] (h0(k), conj h0(-k)), rates: RG32UI likewise (low, high word of
 // sea::Rate), both [cascade][X][Y] for designs of subgroups; jobs: RGBA32UI, SynthesisJob; rows:
-// RGBA32F [slot][slot_row_texels]. Source and Target of a pass are two buffers of jobs * slots *
-// scratch_complexes complex floats, taken in turns; source is read as RGBA32F.
+// RGBA32F. Source and Target of a pass are two buffers of jobs * fields * scratch_complexes complex
+// floats, taken in turns; source is read as RGBA32F.
 //
 // Constants; thread-safe.
 #pragma once
@@ -26,21 +24,26 @@ struct Shader {
     std::span<const std::uint32_t> spirv;
 };
 
+enum class PassKind : std::uint8_t {
+    evolve,  ///< one part;         modes, rates, jobs, rows -> Target
+    lines_y, ///< a part a source;  source -> Target
+    fields,  ///< a part a source;  source, jobs, rows -> Target
+    lines_x, ///< a part a field;   source -> Target
+};
+
 struct Pass {
     Shader shader;
-    std::uint32_t groups; ///< workgroups in x
+    PassKind kind;
+    std::uint32_t groups; ///< workgroups a part
 };
 
 struct Transform {
-    int size;                    ///< N
-    std::string_view design;     ///< "W", "T8"
-    std::uint32_t subgroup_size; ///< lanes that it is built for; 0: any device
-    bool band_limited;           ///< all modes must fit_band()
-    std::uint32_t scratch_complexes;
+    int size;                        ///< N
+    std::string_view design;         ///< "W", "T8"
+    std::uint32_t subgroup_size;     ///< lanes that it is built for; 0: any device
+    bool band_limited;               ///< all modes must fit_band()
+    std::uint32_t scratch_complexes; ///< a field
     std::span<const Pass> passes;
-    /// If it has a name: where a job is one real field (the first of a slot), half of the groups of
-    /// the first pass and this instead of the last pass do.
-    Pass single_field_last;
 };
 
 /// Whether a band-limited transform knows the mode n of a line: |n| < 0.3 N.

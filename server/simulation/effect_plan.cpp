@@ -48,7 +48,7 @@ int transforms_for(FieldSet fields) {
     int linear = 0;
     for (const Field field : fields)
         linear += sea::is_linear(field);
-    return (linear + 1) / 2;
+    return linear;
 }
 
 EffectPlan plan_effects(FieldSet offered, std::span<const Demand> demands,

@@ -39,7 +39,7 @@ struct Demand {
 struct CascadePlan {
     sea::FieldSet fields;    ///< union of all demand, within what is offered; empty: idle
     sea::TimeUs interval_us; ///< between keyframes
-    int transforms = 0;      ///< complex 2-D transforms a keyframe
+    int transforms = 0;      ///< 2-D transforms of real fields a keyframe
 };
 
 struct EffectPlan {
@@ -50,7 +50,8 @@ struct EffectPlan {
 EffectPlan plan_effects(sea::FieldSet offered, std::span<const Demand> demands,
                         const sea::ErrorBudget& budget);
 
-/// Complex transforms that a set of fields takes: two linear fields share one.
+/// 2-D transforms of real fields that a set of fields takes; the Jacobian and foam need the
+/// strains.
 int transforms_for(sea::FieldSet fields);
 
 } // namespace seaway::server

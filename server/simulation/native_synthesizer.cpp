@@ -56,8 +56,7 @@ NativeSynthesizer::synthesize(std::span<const KeyframeRequest> requests) try {
             {&cascade, sea_->phase_time(request.time_us), request.fields, keyframe->values});
         keyframes.push_back(std::move(keyframe));
         counters_.transforms +=
-            static_cast<std::uint64_t>(sea::NativeRunner::transformed(request.fields).size() + 1) /
-            2;
+            static_cast<std::uint64_t>(sea::NativeRunner::transformed(request.fields).size());
     }
     const auto start = std::chrono::steady_clock::now();
     runner_.run(tasks);

@@ -28,9 +28,9 @@ struct KeyframeRequest {
 /// What was done since the start; proves that nothing runs that nobody asked for.
 struct SynthesisCounters {
     std::uint64_t dispatches = 0; ///< kernels started (native: passes)
-    std::uint64_t transforms = 0; ///< complex 2-D transforms; two real fields share one
+    std::uint64_t transforms = 0; ///< 2-D transforms, one a real field
     std::uint64_t keyframes = 0;
-    double device_seconds = 0; ///< by the device's own clock where it has one
+    double device_seconds = 0; ///< by the device's own clock, of a CPU as device by ours
 };
 
 class Synthesizer {

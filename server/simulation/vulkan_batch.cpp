@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <chrono>
 #include <cstring>
 
 #include "base/check.h"
@@ -20,11 +21,12 @@ using gpu::TexelView;
 constexpr std::size_t float_bytes = 4;
 constexpr std::size_t vec4_bytes = 16;
 constexpr std::size_t complex_bytes = 8;
+constexpr int strain_fields = 3; // what the Jacobian is made of
 
 // Above this size one keyframe at a time is faster: its scratch stays in the cache
 // (docs/performance.md).
 constexpr int largest_batched_size = 256;
-constexpr int slots_per_batched_cascade = 4;
+constexpr int fields_per_batched_cascade = 8;
 constexpr int most_jobs = 64;
 
 Result<void> make(gpu::Device& device, Buffer& buffer, TexelView* view, VkFormat format,
@@ -55,10 +57,10 @@ Result<void> take(T& place, Result<T> made) {
 Result<std::unique_ptr<VulkanBatch>>
 VulkanBatch::create(gpu::Device& device, const SynthesisKernels& kernels, int cascade_count) {
     std::unique_ptr<VulkanBatch> made(new VulkanBatch(device, kernels));
-    constexpr int all_slots = shaders::max_slots;
-    made->capacity_slots_ = kernels.size() <= largest_batched_size
-                                ? std::max(all_slots, slots_per_batched_cascade * cascade_count)
-                                : all_slots;
+    constexpr int all_fields = shaders::max_fields;
+    made->capacity_fields_ = kernels.size() <= largest_batched_size
+                                 ? std::max(all_fields, fields_per_batched_cascade * cascade_count)
+                                 : all_fields;
     if (Result<void> allocated = made->allocate(cascade_count); !allocated)
         return allocated.error();
     if (Result<void> bound = made->bind(); !bound)
@@ -72,10 +74,11 @@ Result<void> VulkanBatch::allocate(int cascade_count) {
     constexpr VkFormat rg32ui = VK_FORMAT_R32G32_UINT;
     const std::size_t modes = points() * static_cast<std::size_t>(cascade_count);
     const std::size_t map_bytes = static_cast<std::size_t>(kernels_.transform->scratch_complexes) *
-                                  static_cast<std::size_t>(capacity_slots_) * complex_bytes;
-    const std::size_t jacobian_bytes = // its strains take two slots
-        points() * static_cast<std::size_t>(capacity_slots_ / 2) * float_bytes;
-    constexpr std::size_t row_bytes = shaders::max_slots * shaders::slot_row_texels * vec4_bytes;
+                                  static_cast<std::size_t>(capacity_fields_) * complex_bytes;
+    const std::size_t jacobian_bytes =
+        points() * static_cast<std::size_t>(capacity_fields_ / strain_fields) * float_bytes;
+    constexpr std::size_t row_bytes =
+        (shaders::first_field_texel + shaders::max_fields) * vec4_bytes;
     struct Wish {
         Buffer& buffer;
         TexelView* view;
@@ -104,21 +107,29 @@ Result<void> VulkanBatch::allocate(int cascade_count) {
                 vec4_bytes, BufferKind::readback);
 }
 
+std::vector<gpu::Resource> VulkanBatch::resources(std::size_t pass) const {
+    const gpu::Resource source = gpu::texels(scratch_views_[(pass + 1) % 2]);
+    const gpu::Resource target = gpu::whole(scratch_[pass % 2]);
+    switch (kernels_.passes[pass].kind) {
+    case shaders::PassKind::evolve:
+        return {gpu::texels(modes_view_), gpu::texels(rates_view_), gpu::texels(jobs_view_),
+                gpu::texels(rows_view_), target};
+    case shaders::PassKind::fields:
+        return {source, gpu::texels(jobs_view_), gpu::texels(rows_view_), target};
+    case shaders::PassKind::lines_y:
+    case shaders::PassKind::lines_x:
+        break;
+    }
+    return {source, target};
+}
+
 Result<void> VulkanBatch::bind() {
     bindings_.resize(kernels_.passes.size());
-    for (std::size_t i = 0; i < kernels_.passes.size(); ++i) {
-        const gpu::Kernel& kernel = kernels_.passes[i].kernel;
-        const gpu::Resource target = gpu::whole(scratch_[i % 2]);
-        Result<void> bound =
-            i == 0 ? take(bindings_[i],
-                          kernel.bind(device_,
-                                      {gpu::texels(modes_view_), gpu::texels(rates_view_),
-                                       gpu::texels(jobs_view_), gpu::texels(rows_view_), target}))
-                   : take(bindings_[i],
-                          kernel.bind(device_, {gpu::texels(scratch_views_[(i + 1) % 2]), target}));
-        if (!bound)
+    for (std::size_t i = 0; i < kernels_.passes.size(); ++i)
+        if (Result<void> bound =
+                take(bindings_[i], kernels_.passes[i].kernel.bind(device_, resources(i)));
+            !bound)
             return bound;
-    }
     const std::size_t last = (kernels_.passes.size() + 1) % 2;
     if (Result<void> bound = take(
             jacobian_bindings_, kernels_.jacobian.bind(device_, {gpu::texels(scratch_views_[last]),
@@ -162,10 +173,10 @@ Result<void> VulkanBatch::upload(std::span<const sea::CascadeModes* const> casca
     return gpu::upload(device_, rates_, std::as_bytes(std::span(rates)));
 }
 
-int VulkanBatch::max_jobs(int slots) const {
-    if (kernels_.size() > largest_batched_size || slots == 0)
+int VulkanBatch::max_jobs(int fields) const {
+    if (kernels_.size() > largest_batched_size || fields == 0)
         return 1;
-    return std::clamp(capacity_slots_ / slots, 1, most_jobs);
+    return std::clamp(capacity_fields_ / fields, 1, most_jobs);
 }
 
 void VulkanBatch::write(Buffer& buffer, std::span<const std::byte> bytes) {
@@ -188,51 +199,67 @@ Result<void> VulkanBatch::record(std::span<const Job> jobs, const Packing& packi
     }
     if (Result<void> begun = commands_.begin(); !begun)
         return begun;
-    timer_.reset(commands_);
+    if (time_passes_)
+        timer_.reset(commands_);
     write(jobs_, std::as_bytes(std::span(texels)));
     write(rows_, std::as_bytes(std::span(packing.rows)));
-    commands_.barrier(Stage::copy, Stage::compute);
-    timer_.stamp(commands_);
-    const shaders::SynthesisPush push{static_cast<std::uint32_t>(packing.slots)};
-    const auto z = static_cast<std::uint32_t>(jobs.size());
-    const bool single = packing.fields == 1 && !kernels_.single_field.empty();
+    if (jobs_.mapped().empty())
+        commands_.barrier(Stage::copy, Stage::compute);
+    stamp();
+    const shaders::SynthesisPush push{static_cast<std::uint32_t>(packing.sources),
+                                      static_cast<std::uint32_t>(packing.fields)};
+    const auto count = static_cast<std::uint32_t>(jobs.size());
     for (std::size_t i = 0; i < kernels_.passes.size(); ++i) {
-        const bool last = i + 1 == kernels_.passes.size();
-        const SynthesisKernels::Pass& pass =
-            single && last ? kernels_.single_field[0] : kernels_.passes[i];
-        commands_.dispatch(pass.kernel, bindings_[i], std::as_bytes(std::span(&push, 1)),
-                           single && i == 0 ? pass.groups / 2 : pass.groups, 1,
-                           i == 0 ? z : z * push.slots);
-        commands_.barrier(Stage::compute, Stage::compute);
-        timer_.stamp(commands_);
+        if (i > 0)
+            commands_.barrier(Stage::compute, Stage::compute);
+        dispatch(kernels_.passes[i], bindings_[i], push, count);
+        stamp();
     }
     if (choppiness != nullptr) {
-        const auto plane = [&](sea::Field field) {
-            return static_cast<std::uint32_t>(packing.plane_of(field));
-        };
-        const shaders::JacobianPush jacobian{push.slots,
-                                             plane(sea::Field::strain_xx),
-                                             plane(sea::Field::strain_yy),
-                                             plane(sea::Field::strain_xy),
-                                             static_cast<float>(choppiness->x),
-                                             static_cast<float>(choppiness->y),
-                                             static_cast<std::uint32_t>(kernels_.size())};
-        const auto groups = static_cast<std::uint32_t>(points() / 4 / shaders::synthesis_workgroup);
-        commands_.dispatch(kernels_.jacobian, jacobian_bindings_,
-                           std::as_bytes(std::span(&jacobian, 1)), groups, 1, z);
-        timer_.stamp(commands_);
+        commands_.barrier(Stage::compute, Stage::compute);
+        dispatch_jacobian(packing, *choppiness, count);
+        stamp();
     }
-    finish(jobs.size(), push.slots, choppiness != nullptr);
+    finish(jobs.size(), push.fields, choppiness != nullptr);
     return commands_.end();
 }
 
-void VulkanBatch::finish(std::size_t jobs, std::size_t slots, bool jacobian) {
+// Groups go last: drivers that cut a dispatch in halves then cut each source and field in halves.
+void VulkanBatch::dispatch(const SynthesisKernels::Pass& pass, const gpu::Bindings& bindings,
+                           const shaders::SynthesisPush& push, std::uint32_t jobs) {
+    std::uint32_t parts = 1;
+    if (pass.kind == shaders::PassKind::lines_y || pass.kind == shaders::PassKind::fields)
+        parts = push.sources;
+    if (pass.kind == shaders::PassKind::lines_x)
+        parts = push.fields;
+    commands_.dispatch(pass.kernel, bindings, std::as_bytes(std::span(&push, 1)), parts, jobs,
+                       pass.groups);
+}
+
+void VulkanBatch::dispatch_jacobian(const Packing& packing, const sea::Choppiness& choppiness,
+                                    std::uint32_t jobs) {
+    const auto plane = [&](sea::Field field) {
+        return static_cast<std::uint32_t>(packing.plane_of(field));
+    };
+    const shaders::JacobianPush push{static_cast<std::uint32_t>(packing.fields),
+                                     plane(sea::Field::strain_xx),
+                                     plane(sea::Field::strain_yy),
+                                     plane(sea::Field::strain_xy),
+                                     static_cast<float>(choppiness.x),
+                                     static_cast<float>(choppiness.y),
+                                     static_cast<std::uint32_t>(kernels_.size())};
+    const auto groups = static_cast<std::uint32_t>(points() / 4 / shaders::synthesis_workgroup);
+    commands_.dispatch(kernels_.jacobian, jacobian_bindings_, std::as_bytes(std::span(&push, 1)),
+                       groups, 1, jobs);
+}
+
+void VulkanBatch::finish(std::size_t jobs, std::size_t fields, bool jacobian) {
     if (readback_.size_bytes() == 0) {
         commands_.barrier(Stage::compute, Stage::host);
         return;
     }
     commands_.barrier(Stage::compute, Stage::copy);
-    commands_.copy(maps(), readback_, points() * jobs * slots * complex_bytes);
+    commands_.copy(maps(), readback_, points() * jobs * fields * float_bytes);
     if (jacobian)
         commands_.copy(jacobian_, readback_, points() * jobs * float_bytes, 0, jacobian_offset_);
     commands_.barrier(Stage::copy, Stage::host);
@@ -240,14 +267,29 @@ void VulkanBatch::finish(std::size_t jobs, std::size_t slots, bool jacobian) {
 
 Result<void> VulkanBatch::run(std::span<const Job> jobs, const Packing& packing,
                               const sea::Choppiness* choppiness) {
-    SEAWAY_CHECK(packing.slots > 0 && !jobs.empty(), "nothing to run");
-    SEAWAY_CHECK(static_cast<int>(jobs.size()) <= max_jobs(packing.slots), "too many jobs");
+    SEAWAY_CHECK(packing.fields > 0 && !jobs.empty(), "nothing to run");
+    SEAWAY_CHECK(static_cast<int>(jobs.size()) <= max_jobs(packing.fields), "too many jobs");
     if (Result<void> recorded = record(jobs, packing, choppiness); !recorded)
         return recorded;
+    const auto start = std::chrono::steady_clock::now();
     if (Result<void> done = device_.submit_and_wait(commands_); !done)
         return done;
-    slots_ = static_cast<std::size_t>(packing.slots);
+    const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
+    fields_ = static_cast<std::size_t>(packing.fields);
     dispatches_ += kernels_.passes.size() + (choppiness != nullptr ? 1 : 0);
+    return read_timer(wall.count());
+}
+
+void VulkanBatch::stamp() {
+    if (time_passes_)
+        timer_.stamp(commands_);
+}
+
+Result<void> VulkanBatch::read_timer(double wall_seconds) {
+    if (!time_passes_) {
+        device_seconds_ += wall_seconds;
+        return {};
+    }
     Result<std::vector<double>> seconds = timer_.read(device_);
     if (!seconds)
         return seconds.error();
@@ -260,7 +302,7 @@ Result<void> VulkanBatch::run(std::span<const Job> jobs, const Packing& packing,
 void VulkanBatch::read_plane(int job, int plane, std::span<float> out) const {
     const std::byte* from = (readback_.size_bytes() ? readback_ : maps()).mapped().data();
     const std::size_t index =
-        static_cast<std::size_t>(job) * 2 * slots_ + static_cast<std::size_t>(plane);
+        static_cast<std::size_t>(job) * fields_ + static_cast<std::size_t>(plane);
     std::memcpy(out.data(), from + index * points() * float_bytes, points() * float_bytes);
 }
 

@@ -32,8 +32,8 @@ class VulkanBatch {
 
     Result<void> upload(std::span<const sea::CascadeModes* const> cascades);
 
-    /// Jobs of this many slots that fit into one run.
-    int max_jobs(int slots) const;
+    /// Jobs of this many fields that fit into one run.
+    int max_jobs(int fields) const;
 
     /// Computes; with `choppiness` the Jacobian too (the strains must be in the packing).
     Result<void> run(std::span<const Job> jobs, const Packing& packing,
@@ -44,19 +44,30 @@ class VulkanBatch {
     void read_jacobian(int job, std::span<float> out) const;
 
     std::uint64_t dispatches() const { return dispatches_; }
+    /// By the device's clock; of a CPU as device by ours, unless passes are timed.
     double device_seconds() const { return device_seconds_; }
-    /// Of the last run, pass by pass; the Jacobian last.
+    /// Whether each pass is timed. So it is, but on a CPU as device: there a time stamp waits for
+    /// all threads, 30 to 40 us each (docs/performance.md).
+    void time_passes(bool wanted) { time_passes_ = wanted; }
+    /// Of the last run that was timed, pass by pass; the Jacobian last.
     std::span<const double> pass_seconds() const { return pass_seconds_; }
 
   private:
     VulkanBatch(gpu::Device& device, const SynthesisKernels& kernels)
-        : device_(device), kernels_(kernels) {}
+        : device_(device), kernels_(kernels), time_passes_(!device.info().is_cpu()) {}
     Result<void> allocate(int cascade_count);
     Result<void> bind();
+    void stamp();
+    Result<void> read_timer(double wall_seconds);
     Result<void> record(std::span<const Job> jobs, const Packing& packing,
                         const sea::Choppiness* choppiness);
     void write(gpu::Buffer& buffer, std::span<const std::byte> bytes);
-    void finish(std::size_t jobs, std::size_t slots, bool jacobian);
+    void dispatch(const SynthesisKernels::Pass& pass, const gpu::Bindings& bindings,
+                  const shaders::SynthesisPush& push, std::uint32_t jobs);
+    void dispatch_jacobian(const Packing& packing, const sea::Choppiness& choppiness,
+                           std::uint32_t jobs);
+    void finish(std::size_t jobs, std::size_t fields, bool jacobian);
+    std::vector<gpu::Resource> resources(std::size_t pass) const;
     const gpu::Buffer& maps() const { return scratch_[(kernels_.passes.size() + 1) % 2]; }
     std::size_t points() const {
         return static_cast<std::size_t>(kernels_.size()) *
@@ -65,7 +76,8 @@ class VulkanBatch {
 
     gpu::Device& device_;
     const SynthesisKernels& kernels_;
-    int capacity_slots_ = 0;
+    bool time_passes_;
+    int capacity_fields_ = 0;
     std::vector<float> steps_; ///< wavenumber step of each cascade, rad/m
     gpu::Buffer modes_, rates_, jobs_, rows_, scratch_[2], jacobian_, readback_;
     gpu::TexelView modes_view_, rates_view_, jobs_view_, rows_view_, scratch_views_[2];
@@ -73,7 +85,7 @@ class VulkanBatch {
     gpu::Bindings jacobian_bindings_;
     gpu::Commands commands_;
     gpu::Timer timer_;
-    std::size_t slots_ = 0;           ///< of the last run
+    std::size_t fields_ = 0;          ///< of the last run
     std::size_t jacobian_offset_ = 0; ///< bytes, where readback_ holds it
     std::uint64_t dispatches_ = 0;
     double device_seconds_ = 0;

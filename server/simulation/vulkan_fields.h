@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Packing list: which two real fields share which complex transform, as the numbers that the
-// kernels take. Derived from sea::field_table alone; a new linear field needs no line here.
+// Packing list: what the kernels are told of a set of fields, as numbers (shaders/shared/
+// synthesis.h). Derived from sea::field_table alone; a new linear field needs no line here.
 #pragma once
 
 #include <array>
@@ -12,16 +12,16 @@
 namespace seaway::server {
 
 struct Packing {
-    int fields = 0;          ///< number of them
-    int slots = 0;           ///< complex transforms: half the number of fields, rounded up
-    std::vector<float> rows; ///< [slot][4 * slot_row_texels], as shaders/shared/synthesis.h says
-    /// Where a field comes out: plane 2 slot + 0 (real part) or + 1 (imaginary part); -1: nowhere.
+    int fields = 0;  ///< transforms along x, and maps
+    int sources = 0; ///< transforms along y, at most as many
+    std::vector<float> rows;
+    /// Where a field comes out, 0 .. fields - 1; -1: nowhere.
     std::array<int, sea::linear_field_count> plane{};
 
     int plane_of(sea::Field field) const { return plane[static_cast<std::size_t>(field)]; }
 };
 
-/// `fields` must be linear. An odd number leaves the last imaginary part zero.
+/// `fields` must be linear.
 Packing pack(sea::FieldSet fields);
 
 } // namespace seaway::server

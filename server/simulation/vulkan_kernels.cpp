@@ -12,20 +12,28 @@ namespace {
 constexpr VkDescriptorType texel_buffer = VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
 constexpr VkDescriptorType storage_buffer = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
 
-gpu::KernelExpectation first_pass() {
-    return {.bindings = {{"modes", texel_buffer},
-                         {"rates", texel_buffer},
-                         {"jobs", texel_buffer},
-                         {"rows", texel_buffer},
-                         {"Target", storage_buffer}},
-            .push_constant_bytes = sizeof(shaders::SynthesisPush),
-            .local_size = {shaders::synthesis_workgroup, 1, 1}};
-}
-
-gpu::KernelExpectation later_pass() {
-    return {.bindings = {{"source", texel_buffer}, {"Target", storage_buffer}},
-            .push_constant_bytes = sizeof(shaders::SynthesisPush),
-            .local_size = {shaders::synthesis_workgroup, 1, 1}};
+gpu::KernelExpectation expectation(shaders::PassKind kind) {
+    gpu::KernelExpectation expected{.bindings = {},
+                                    .push_constant_bytes = sizeof(shaders::SynthesisPush),
+                                    .local_size = {shaders::synthesis_workgroup, 1, 1}};
+    switch (kind) {
+    case shaders::PassKind::evolve:
+        expected.bindings = {{"modes", texel_buffer},
+                             {"rates", texel_buffer},
+                             {"jobs", texel_buffer},
+                             {"rows", texel_buffer}};
+        break;
+    case shaders::PassKind::fields:
+        expected.bindings = {
+            {"source", texel_buffer}, {"jobs", texel_buffer}, {"rows", texel_buffer}};
+        break;
+    case shaders::PassKind::lines_y:
+    case shaders::PassKind::lines_x:
+        expected.bindings = {{"source", texel_buffer}};
+        break;
+    }
+    expected.bindings.push_back({"Target", storage_buffer});
+    return expected;
 }
 
 gpu::KernelExpectation jacobian_pass() {
@@ -40,25 +48,14 @@ Result<SynthesisKernels> SynthesisKernels::create(gpu::Device& device,
                                                   const shaders::Transform& transform) {
     SynthesisKernels made;
     made.transform = &transform;
-    const auto add = [&](std::vector<Pass>& passes, const shaders::Pass& pass,
-                         const gpu::KernelExpectation& expected) -> Result<void> {
+    for (const shaders::Pass& pass : transform.passes) {
         Result<gpu::Kernel> kernel =
-            gpu::Kernel::create(device, pass.shader.name, pass.shader.spirv, expected,
+            gpu::Kernel::create(device, pass.shader.name, pass.shader.spirv, expectation(pass.kind),
                                 {.full_subgroups = transform.subgroup_size != 0});
         if (!kernel)
             return kernel.error();
-        passes.push_back({std::move(*kernel), pass.groups});
-        return {};
-    };
-    for (const shaders::Pass& pass : transform.passes)
-        if (Result<void> added =
-                add(made.passes, pass, made.passes.empty() ? first_pass() : later_pass());
-            !added)
-            return added.error();
-    if (!transform.single_field_last.shader.name.empty())
-        if (Result<void> added = add(made.single_field, transform.single_field_last, later_pass());
-            !added)
-            return added.error();
+        made.passes.push_back({std::move(*kernel), pass.kind, pass.groups});
+    }
     Result<gpu::Kernel> jacobian = gpu::Kernel::create(device, shaders::jacobian().name,
                                                        shaders::jacobian().spirv, jacobian_pass());
     if (!jacobian)

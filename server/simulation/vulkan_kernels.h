@@ -14,11 +14,11 @@ namespace seaway::server {
 struct SynthesisKernels {
     struct Pass {
         gpu::Kernel kernel;
-        std::uint32_t groups; ///< workgroups in x
+        shaders::PassKind kind;
+        std::uint32_t groups; ///< workgroups a part
     };
     const shaders::Transform* transform = nullptr;
     std::vector<Pass> passes;
-    std::vector<Pass> single_field; ///< the last pass of one real field alone, if there is one
     gpu::Kernel jacobian;
 
     int size() const { return transform->size; }

@@ -48,7 +48,6 @@ class Vulkan final : public VulkanSynthesizer {
     std::vector<std::string> validation_messages() const override {
         return device_->validation().validation_messages();
     }
-    std::vector<double> pass_seconds() const override { return pass_seconds_; }
 
   private:
     /// Requests that one series of dispatches can serve.
@@ -86,7 +85,6 @@ class Vulkan final : public VulkanSynthesizer {
     std::vector<int> position_; ///< of each cascade within its batch
     std::shared_ptr<SpareBuffers> spare_ = std::make_shared<SpareBuffers>();
     SynthesisCounters counters_;
-    std::vector<double> pass_seconds_;
 };
 
 Result<std::unique_ptr<VulkanSynthesizer>> Vulkan::create(const VulkanOptions& options) {
@@ -210,7 +208,7 @@ Result<void> Vulkan::run(const Batch& batch, std::span<const KeyframeRequest> re
     const bool jacobian = batch.fields.contains(sea::Field::jacobian);
     const sea::FieldSet computed =
         jacobian ? linear_part(batch.fields) | strains : linear_part(batch.fields);
-    const auto at_once = static_cast<std::size_t>(device_batch.max_jobs((computed.size() + 1) / 2));
+    const auto at_once = static_cast<std::size_t>(device_batch.max_jobs(computed.size()));
     for (std::size_t first = 0; first < all.size(); first += at_once) {
         const std::size_t count = std::min(at_once, all.size() - first);
         if (Result<void> done =
@@ -233,7 +231,7 @@ Result<void> Vulkan::run_jobs(VulkanBatch& device_batch, const Batch& batch,
     for (const std::size_t index : indices)
         jobs.push_back({position_[static_cast<std::size_t>(requests[index].cascade)],
                         sea_->phase_time(requests[index].time_us)});
-    if (packing.slots > 0) {
+    if (packing.fields > 0) {
         const std::uint64_t dispatches = device_batch.dispatches();
         const double seconds = device_batch.device_seconds();
         if (Result<void> done =
@@ -242,9 +240,7 @@ Result<void> Vulkan::run_jobs(VulkanBatch& device_batch, const Batch& batch,
             return done;
         counters_.dispatches += device_batch.dispatches() - dispatches;
         counters_.device_seconds += device_batch.device_seconds() - seconds;
-        counters_.transforms += jobs.size() * static_cast<std::size_t>(packing.slots);
-        const std::span<const double> passes = device_batch.pass_seconds();
-        pass_seconds_.assign(passes.begin(), passes.end());
+        counters_.transforms += jobs.size() * static_cast<std::size_t>(packing.fields);
     }
     for (std::size_t job = 0; job < indices.size(); ++job)
         out[indices[job]] =

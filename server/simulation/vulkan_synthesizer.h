@@ -26,8 +26,6 @@ class VulkanSynthesizer : public Synthesizer {
   public:
     /// Messages of the validation layer so far (the first 16); empty without it.
     virtual std::vector<std::string> validation_messages() const = 0;
-    /// Device seconds of each pass of the last submission.
-    virtual std::vector<double> pass_seconds() const = 0;
 };
 
 /// Cascade sizes 64, 128, 256, 512, 1024. An error names what is missing (no loader, no such

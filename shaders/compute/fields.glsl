@@ -1,26 +1,44 @@
 // SPDX-License-Identifier: Apache-2.0
-// From an evolved mode to the packed spectrum of two fields. Knows weights, no field by name.
+// From evolved modes to the lines of real fields. Knows weights, no field by name; what the rows
+// hold is in shared/synthesis.h.
 
-/// The real multiplier of one field along a line of modes: weights of its basis functions with the
-/// line's ky (or kx) put in.
-struct Multiplier {
+struct Source {
     float c0, c1, d0, d1, d2;
+    bool rate;
 };
-Multiplier multiplier(vec4 w0, vec4 w1, float ky) {
-    return Multiplier(w0.x + w1.x * ky, w0.w, (w0.z + w1.z * ky) * ky, w0.y + w1.w * ky, w1.y);
-}
-Multiplier multiplier_along_y(vec4 w0, vec4 w1, float kx) {
-    return Multiplier(w0.x + w0.w * kx, w1.x, (w0.y + w1.y * kx) * kx, w0.z + w1.w * kx, w1.z);
-}
-float at(Multiplier m, float k, float inverse_k) {
-    return m.c0 + k * m.c1 + inverse_k * (m.d0 + k * (m.d1 + k * m.d2));
+Source source_row(uint source) {
+    vec4 a = texelFetch(rows, int(2u * source)), b = texelFetch(rows, int(2u * source + 1u));
+    return Source(a.x, a.y, a.z, a.w, b.x, b.y > 0.5);
 }
 
-/// a + i b of one mode, from its evolved amplitude `h` (xy: h, zw: dh/dt).
-vec2 packed_fields(vec4 h, float a, float b, bvec4 flags) {
-    vec2 ha = flags.x ? h.zw : h.xy;
-    vec2 hb = flags.z ? h.zw : h.xy;
-    ha = flags.y ? vec2(-ha.y, ha.x) : ha;
-    hb = flags.w ? -hb : vec2(-hb.y, hb.x);
-    return a * ha + b * hb;
+/// One mode of a source, from its evolved amplitude `h` (xy: h, zw: dh/dt).
+vec2 source_mode(Source s, vec4 h, float ky, float inverse_k) {
+    float m = s.c0 + ky * s.c1 + inverse_k * (s.d0 + ky * (s.d1 + ky * s.d2));
+    return m * (s.rate ? h.zw : h.xy);
+}
+
+/// The fields of a source: x <= row < y.
+uvec2 fields_of(uint source) {
+    return uvec2(texelFetch(rows, int(2u * source + 1u)).zw);
+}
+vec4 field_row(uint field) {
+    return texelFetch(rows, int(first_field_texel + field));
+}
+float along_x(vec4 row, float kx) {
+    return row.x + kx * (row.y + kx * row.z);
+}
+
+// Two rows y, y + 1 of a real field are one complex line: row y + i row (y + 1). `v` holds the mode
+// kx > 0 of both; those of -kx are their conjugates.
+vec2 two_rows(vec4 v) {
+    return vec2(v.x - v.w, v.y + v.z);
+}
+vec2 two_rows_mirrored(vec4 v) {
+    return vec2(v.x + v.w, v.z - v.y);
+}
+vec2 times_i(vec2 z, bool wanted) {
+    return wanted ? vec2(-z.y, z.x) : z;
+}
+vec2 times_minus_i(vec2 z, bool wanted) {
+    return wanted ? vec2(z.y, -z.x) : z;
 }

@@ -5,7 +5,7 @@
 #include "shared/synthesis.h"
 
 layout(local_size_x = synthesis_workgroup) in;
-layout(binding = 0) uniform samplerBuffer maps; // [job][plane][y][x / 4]
+layout(binding = 0) uniform samplerBuffer maps; // [job][field][y][x / 4]
 layout(binding = 1, std430) writeonly buffer Jacobian {
     vec4 jacobian[]; // [job][y][x / 4]
 };
@@ -15,7 +15,7 @@ layout(push_constant) uniform Push {
 
 vec4 four_points(uint plane, uint job, uint quad) {
     uint quads = push.size * push.size / 4u;
-    return texelFetch(maps, int((job * 2u * push.slots + plane) * quads + quad));
+    return texelFetch(maps, int((job * push.fields + plane) * quads + quad));
 }
 
 void main() {

@@ -15,14 +15,16 @@ using uint = std::uint32_t;
 /// Invocations a workgroup, all kernels: within the 128 that every device has.
 SEAWAY_SHARED_CONSTANT synthesis_workgroup = 64;
 
-/// A slot is one complex transform: two real fields a + i b. Its row is this many vec4:
-///   0, 1: weights of field a over sea::Basis, in the order of that enumeration
-///   2, 3: weights of field b
-///   4:    flags, 0 or 1: a is of dh/dt; a is times i; b is of dh/dt; b is times i
-SEAWAY_SHARED_CONSTANT slot_row_texels = 5;
-
-/// Two real fields a slot, 11 linear fields.
-SEAWAY_SHARED_CONSTANT max_slots = 6;
+// A field is m(kx) times a source, i m(kx) for odd derivatives; a source is s(ky, 1/k) h or
+// s(ky, 1/k) dh/dt. Fields that differ by a power of kx share their source, and with it the
+// transform along y. What the kernels know of them is rows of numbers, in vec4:
+//   two for each source:
+//     weights of 1, ky, 1/k, ky/k | weight of ky^2/k, 1 for dh/dt, fields: first, end
+//   one for each field, from first_field_texel on:
+//     weights of 1, kx, kx^2, 1 to multiply by i
+SEAWAY_SHARED_CONSTANT max_sources = 11;
+SEAWAY_SHARED_CONSTANT max_fields = 11;
+SEAWAY_SHARED_CONSTANT first_field_texel = 2 * max_sources;
 
 /// One keyframe of a batch, a texel of RGBA32UI.
 struct SynthesisJob {
@@ -33,12 +35,13 @@ struct SynthesisJob {
 };
 
 struct SynthesisPush {
-    uint slots; ///< complex transforms a job
+    uint sources; ///< a job
+    uint fields;  ///< a job
 };
 
-/// The Jacobian kernel reads three strain fields: plane = 2 slot + (0: first field, 1: second).
+/// The Jacobian kernel reads three strain fields.
 struct JacobianPush {
-    uint slots;
+    uint fields; ///< a job
     uint plane_xx;
     uint plane_yy;
     uint plane_xy;
@@ -49,7 +52,7 @@ struct JacobianPush {
 
 #ifdef __cplusplus
 static_assert(sizeof(SynthesisJob) == 16);
-static_assert(sizeof(SynthesisPush) == 4);
+static_assert(sizeof(SynthesisPush) == 8);
 static_assert(sizeof(JacobianPush) == 28);
 } // namespace seaway::shaders
 #endif

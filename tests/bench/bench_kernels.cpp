@@ -4,7 +4,7 @@
 //     bench_kernels [--sizes 128,256,512] [--repeats 40] [--reach SHARE] [--device auto] [--csv]
 //
 // Work: three cascades of one size, eight fields (height, two displacements, two slopes, three
-// strains) = four complex transforms each. `--reach` is the radius of the disc of modes in use as a
+// strains). `--reach` is the radius of the disc of modes in use as a
 // share of Nyquist: 2 uses all of them, 0.6 those of a sea made from spectra.
 //
 //   maps DESIGN:       submit to eight maps a cascade in device memory
@@ -103,20 +103,23 @@ class DeviceMaps {
         std::vector<server::VulkanBatch::Job> jobs;
         for (int cascade = 0; cascade < cascades; ++cascade) {
             jobs.push_back({cascade, time_us});
-            if (static_cast<int>(jobs.size()) == batch_->max_jobs(packing.slots) ||
+            if (static_cast<int>(jobs.size()) == batch_->max_jobs(packing.fields) ||
                 cascade + 1 == cascades) {
                 need(batch_->run(jobs, packing, nullptr));
                 jobs.clear();
             }
         }
-        const std::span<const double> passes = batch_->pass_seconds();
+        const std::span<const double> passes = batch_->pass_seconds(); // empty until timed
         passes_.resize(passes.size());
         for (std::size_t i = 0; i < passes.size(); ++i)
             passes_[i].push_back(passes[i] * 1e3);
     }
 
     std::string name() const { return std::string(kernels_.transform->design); }
-    void forget_passes() { passes_.clear(); }
+    void time_passes() {
+        passes_.clear();
+        batch_->time_passes(true);
+    }
 
     /// Median milliseconds of each pass of the last submission of a run.
     std::string passes() {
@@ -213,7 +216,7 @@ void time_size(const Settings& settings, gpu::Device& device, int size) {
         }
     report(settings, size, contenders);
     for (const auto& design : designs) {
-        design->forget_passes();
+        design->time_passes();
         for (int repeat = 0; repeat < settings.repeats; ++repeat)
             design->run(eight_fields, cascade_count, repeat);
         fmt::print("# {} {}: passes of the last submission, ms:{}\n", size, design->name(),

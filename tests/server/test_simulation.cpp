@@ -168,12 +168,12 @@ TEST(Simulation, a_late_wish_widens_the_keyframes_without_a_gap_for_others) {
     for (int i = 0; i < 8; ++i)
         bench.advance(interval / 2);
     EXPECT_EQ(bench.published.back()->fields, height);
-    EXPECT_EQ(bench.simulation->plan().cascades[0].transforms, 1);
+    EXPECT_EQ(bench.simulation->plan().cascades[0].transforms, 2);
     bench.simulation->set_demand(2, {1u, {Field::slope_x, Field::slope_y}});
     for (int i = 0; i < 8; ++i)
         bench.advance(interval / 2);
     EXPECT_TRUE(bench.published.back()->fields.contains(Field::slope_x));
-    EXPECT_EQ(bench.simulation->plan().cascades[0].transforms, 2);
+    EXPECT_EQ(bench.simulation->plan().cascades[0].transforms, 4);
     bench.simulation->set_demand(2, {});
     for (int i = 0; i < 8; ++i)
         bench.advance(interval / 2);
@@ -227,12 +227,13 @@ TEST(Simulation, answers_agree_with_the_exact_sum_within_their_bound_at_any_time
     EXPECT_TRUE(bench.answer({}).empty());
 }
 
-TEST(Simulation, height_alone_costs_one_transform_a_keyframe_and_its_sea_does_not_chop) {
+TEST(Simulation, height_alone_costs_two_transforms_a_keyframe_and_its_sea_does_not_chop) {
     Bench bench("[effects]\ndisplacement = \"height\"\nslopes = false\nfoam = false\n");
     EXPECT_EQ(bench.sea->offered, (FieldSet{Field::height, Field::height_rate}));
     const std::vector<sea::QueryPoint> points{{10, 20, 500'000}, {-3000, 77, 500'000}};
     const std::vector<sea::Answer> fast = bench.answer(points);
-    EXPECT_EQ(bench.simulation->counters().synthesis.transforms, 4u) << "2 cascades, 2 times";
+    EXPECT_EQ(bench.simulation->counters().synthesis.transforms, 8u)
+        << "height and its rate, 2 cascades, 2 times";
     const std::vector<sea::Answer> exact = bench.answer(points, true);
     for (std::size_t i = 0; i < points.size(); ++i) {
         EXPECT_LE(std::abs(fast[i].height_m - exact[i].height_m), fast[i].error_m);
@@ -352,16 +353,17 @@ TEST(EffectPlan, is_the_union_of_demand_within_what_the_scene_allows) {
     const EffectPlan plan = plan_effects(height | FieldSet{Field::slope_x}, demands, sea->budget);
     EXPECT_EQ(plan.cascades[0].fields, (height | FieldSet{Field::slope_x}));
     EXPECT_EQ(plan.cascades[1].fields, (FieldSet{Field::slope_x})) << "foam is not allowed here";
-    EXPECT_EQ(plan.cascades[0].transforms, 2);
+    EXPECT_EQ(plan.cascades[0].transforms, 3);
     EXPECT_TRUE(plan_effects(height, {}, sea->budget).idle());
 }
 
-TEST(EffectPlan, two_real_fields_share_one_transform) {
+TEST(EffectPlan, each_real_field_is_one_transform_and_the_jacobian_takes_three) {
     EXPECT_EQ(transforms_for({}), 0);
     EXPECT_EQ(transforms_for({Field::height}), 1);
-    EXPECT_EQ(transforms_for({Field::height, Field::height_rate}), 1);
-    EXPECT_EQ(transforms_for(sea::surface_fields), 3);
-    EXPECT_EQ(transforms_for({Field::jacobian}), 2) << "three strains";
+    EXPECT_EQ(transforms_for({Field::height, Field::height_rate}), 2);
+    EXPECT_EQ(transforms_for(sea::surface_fields), 6);
+    EXPECT_EQ(transforms_for({Field::jacobian}), 3) << "three strains";
+    EXPECT_EQ(transforms_for({Field::jacobian, Field::strain_xx}), 3);
 }
 
 } // namespace

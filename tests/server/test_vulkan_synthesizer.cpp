@@ -62,8 +62,8 @@ std::vector<Variant> all_variants() {
     for (const int size : {64, 128, 256, 512, 1024})
         for (const double share : {0.6, 2.0})
             for (const bool any_device : {false, true}) {
-                if (size == 1024 && !any_device)
-                    continue; // there are no others of this size
+                if ((size == 64 || size == 1024) && !any_device)
+                    continue; // there are no others of these sizes
                 variants.push_back(
                     {size, share, {.staged = size == 64, .any_device_kernels = any_device}});
             }
@@ -108,8 +108,8 @@ TEST_P(AllKernels, height_matches_the_direct_sum_within_1e5_of_hs_at_all_times) 
     }
 }
 
-// Same bound for every field, in units of four times its own rms or that of its packed partner:
-// the error of a transform is relative to all that is in it.
+// Same bound for every field, in units of four times its own rms: no other field is in its
+// transform.
 TEST_P(AllKernels, every_field_matches_the_direct_sum) {
     const RandomSea random = random_sea(2);
     set_sea(random.realization(), 1);
@@ -120,13 +120,11 @@ TEST_P(AllKernels, every_field_matches_the_direct_sum) {
         truth.emplace_back(random.cascade(), field, time_us);
     for (const Field field : all_linear) {
         const auto f = static_cast<std::size_t>(field);
-        const std::size_t partner = (f ^ 1u) < truth.size() ? f ^ 1u : f;
         double worst = 0;
         for (const auto& [x, y] : random_nodes(GetParam().size, nodes() / 10))
             worst =
                 std::max(worst, std::abs(truth[f].at(x, y) - map->plane(field)[node(*map, x, y)]));
-        EXPECT_LE(worst, 1e-5 * 4 * std::max(truth[f].rms(), truth[partner].rms()))
-            << sea::info(field).name;
+        EXPECT_LE(worst, 1e-5 * 4 * truth[f].rms()) << sea::info(field).name;
     }
 }
 
@@ -144,7 +142,7 @@ TEST_P(AllKernels, jacobian_is_the_determinant_of_the_strains) {
         lowest = std::min(lowest, expected);
         // Three products of numbers near 1 in float.
         ASSERT_NEAR(map->plane(Field::jacobian)[i], expected, 1e-6);
-        ASSERT_NEAR(alone->plane(Field::jacobian)[i], expected, 1e-5) << "other packing partners";
+        ASSERT_EQ(alone->plane(Field::jacobian)[i], map->plane(Field::jacobian)[i]);
     }
     EXPECT_LT(lowest, 0.95) << "the sea is too flat to tell anything";
 }
@@ -193,7 +191,7 @@ TEST_F(VulkanSynthesizerTest, one_wave_is_sharpened_at_its_crest) {
     EXPECT_LT(map->plane(Field::jacobian)[crest], map->plane(Field::jacobian)[trough]);
 }
 
-TEST_F(VulkanSynthesizerTest, any_number_of_fields_packed_together_gives_the_same_values) {
+TEST_F(VulkanSynthesizerTest, any_number_of_fields_together_gives_the_same_bits) {
     const RandomSea random(64, 200.0, 5);
     set_sea(random.realization(), 1);
     const sea::KeyframePtr all = keyframe(0, 1'000'000, all_linear);
@@ -204,8 +202,7 @@ TEST_F(VulkanSynthesizerTest, any_number_of_fields_packed_together_gives_the_sam
                   some->plane_size() * static_cast<std::size_t>(fields.size()));
         for (const Field field : fields)
             for (std::size_t i = 0; i < all->plane_size(); ++i)
-                // Another partner rounds otherwise; fields of this sea are of order 1.
-                ASSERT_NEAR(some->plane(field)[i], all->plane(field)[i], 2e-5)
+                ASSERT_EQ(some->plane(field)[i], all->plane(field)[i])
                     << sea::info(field).name << " among " << fields.size();
     };
     for (std::uint32_t count = 1; count <= sea::linear_field_count; ++count)
@@ -223,10 +220,10 @@ TEST_F(VulkanSynthesizerTest, cost_follows_the_demand) {
     EXPECT_EQ(synthesizer_->counters().dispatches, before.dispatches);
     keyframe(0, 0, {Field::height});
     EXPECT_EQ(synthesizer_->counters().transforms - before.transforms, 1u);
-    EXPECT_LE(synthesizer_->counters().dispatches - before.dispatches, 3u);
+    EXPECT_LE(synthesizer_->counters().dispatches - before.dispatches, 4u);
     before = synthesizer_->counters();
     keyframe(0, 0, all_linear);
-    EXPECT_EQ(synthesizer_->counters().transforms - before.transforms, 6u);
+    EXPECT_EQ(synthesizer_->counters().transforms - before.transforms, 11u);
     EXPECT_GT(synthesizer_->counters().device_seconds, before.device_seconds);
 }
 
