@@ -2,6 +2,9 @@
 // Vulkan kernels against two FFTW programs, interleaved in one process; prints a table or CSV.
 //
 //     bench_kernels [--sizes 128,256,512] [--repeats 40] [--reach SHARE] [--device auto] [--csv]
+//     bench_kernels --start [--sizes ...]     CPU seconds until a size is compiled and checked; for
+//     a
+//                                             cold start set MESA_SHADER_CACHE_DISABLE=true
 //
 // Work: three cascades of one size, eight fields (height, two displacements, two slopes, three
 // strains). `--reach` is the radius of the disc of modes in use as a
@@ -48,6 +51,7 @@ struct Settings {
     double reach = 2;
     std::string device = "auto";
     bool csv = false;
+    bool start = false;
 };
 
 template <class T>
@@ -224,6 +228,23 @@ void time_size(const Settings& settings, gpu::Device& device, int size) {
     }
 }
 
+/// One size after another in processes of their own would be fairer to the driver, but it keeps
+/// nothing between two devices without its cache on disk.
+void time_start(const Settings& settings, int size) {
+    auto sea = std::make_shared<sea::Realization>();
+    sea->cascades.push_back(sea::random_modes(size, settings.reach * size / 2, 0, 100.0));
+    for (const bool any_device : {false, true}) {
+        const double begin = cpu_milliseconds();
+        auto synthesizer = need(server::make_vulkan_synthesizer(
+            {.device = settings.device, .any_device_kernels = any_device}));
+        const double made = cpu_milliseconds();
+        need(synthesizer->set_sea(sea, 1));
+        fmt::print("{:5} {:7} device and its check {:6.0f} ms, the size {:6.0f} ms: {}\n", size,
+                   any_device ? "any" : "fastest", made - begin, cpu_milliseconds() - made,
+                   synthesizer->description());
+    }
+}
+
 } // namespace
 } // namespace seaway::bench
 
@@ -236,7 +257,13 @@ int main(int argc, char** argv) {
     app.add_option("--reach", settings.reach);
     app.add_option("--device", settings.device);
     app.add_flag("--csv", settings.csv);
+    app.add_flag("--start", settings.start);
     CLI11_PARSE(app, argc, argv);
+    if (settings.start) {
+        for (const int size : settings.sizes)
+            bench::time_start(settings, size);
+        return 0;
+    }
     const auto device = bench::need(gpu::Device::create({.pick = settings.device}));
     fmt::print("# {}, reach {} of Nyquist, {} repeats\n", device->info().name, settings.reach,
                settings.repeats);
