@@ -6,7 +6,7 @@ from kernel_text import (EVOLVE_BINDINGS, EVOLVE_LINE, FIELDS_LINE, HEAD, band_e
                          turned, twiddles, wavenumbers)
 
 # size: (A, B)
-PLANS = {64: (8, 8), 128: (16, 8), 256: (16, 16), 512: (32, 16), 1024: (32, 32)}
+PLANS = {64: (8, 8), 128: (16, 8), 256: (16, 16), 512: (16, 32), 1024: (32, 32)}
 
 
 def columns(n, band):
