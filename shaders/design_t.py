@@ -5,8 +5,9 @@ from kernel_text import (EVOLVE_BINDINGS, EVOLVE_LINE, FIELDS_LINE, HEAD, WORKGR
                          each_source, fields_bindings, kept, line_modes, omitted, turned, twiddles,
                          wavenumbers)
 
-# lanes: sizes. A line needs 2 lanes^2 modes: the lanes are transposed, and points stored in pairs.
-PLANS = {8: (128, 256, 512)}  # lanes: sizes
+# size: lanes a line in the first and in the last pass. A line needs 2 lanes^2 modes, as the lanes
+# are transposed and points stored in pairs; with fewer lanes each holds more, which compilers feel.
+PLANS = {128: (8, 4), 256: (8, 8), 512: (8, 8)}
 SUBGROUP_HEAD = HEAD.replace("// SPDX", """#extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_shuffle : require
 // SPDX""", 1)
@@ -57,25 +58,27 @@ def line_constants(n, lanes):
 def subgroup_main(lanes):
     return f"""
 void main() {{
-    uint lane = gl_SubgroupInvocationID;
-    uint line = gl_WorkGroupID.z * {WORKGROUP // lanes}u + gl_SubgroupID;
+    uint lane = gl_SubgroupInvocationID & {lanes - 1}u;
+    uint line = gl_WorkGroupID.z * {WORKGROUP // lanes}u +
+        gl_SubgroupID * (gl_SubgroupSize / {lanes}u) + gl_SubgroupInvocationID / {lanes}u;
 """
 
 
 def columns(n, lanes, band):
-    """Lines along y: whole blocks of lanes."""
-    return len(kept(n, n // lanes, band)) // 2 * lanes
+    """Lines along y: whole blocks of lanes, then whole workgroups."""
+    blocks = len(kept(n, n // lanes, band)) // 2
+    return -(-blocks * lanes * lanes // WORKGROUP) * WORKGROUP // lanes
 
 
-def pitch(n, lanes, band):
+def pitch(n, band):
     """vec4 from one pair of rows to the next in the memory between the passes."""
-    return columns(n, lanes, band) + 4
+    return columns(n, PLANS[n][0], band) + 4
 
 
 def evolve_pass(n, lanes, band):
     m = n // lanes
     blocks = kept(n, m, band)
-    stride = pitch(n, lanes, band)
+    stride = pitch(n, band)
     text = [SUBGROUP_HEAD, EVOLVE_BINDINGS, subgroup_main(lanes), "    uint column = line;\n",
             EVOLVE_LINE, f"    int base = int((job.x * {n}u + column) * {n}u + lane);\n",
             line_modes(blocks, m, lanes, "lane", lanes), line_constants(n, lanes),
@@ -93,7 +96,8 @@ def evolve_pass(n, lanes, band):
 def mirrored(blocks, m, lanes):
     """GLSL: s<i> of the negative half of a line, out of the positive half in the other lanes. Mode
     -X of lane 0 is in lane 0 too, one block further on than those of the others."""
-    text = [f"    uint mirror = ({lanes}u - lane) & {lanes - 1}u;\n"]
+    text = ["    uint mirror = gl_SubgroupInvocationID - lane + "
+            f"(({lanes}u - lane) & {lanes - 1}u);\n"]
     positive = [i for i in blocks if i < m // 2]
     for i in positive:
         own = f"two_rows_mirrored(v{i + 1})" if i + 1 in positive else "vec2(0.0)"
@@ -108,7 +112,7 @@ def fields_pass(n, lanes, band):
     run = min(4, m // lanes)  # neighbouring points in a lane
     text = [SUBGROUP_HEAD, fields_bindings(f"vec{run}"), subgroup_main(lanes), FIELDS_LINE,
             "    int from = int(((gl_WorkGroupID.y * push.sources + gl_WorkGroupID.x) * "
-            f"{n // 2}u + line) * {pitch(n, lanes, band)}u + lane);\n"]
+            f"{n // 2}u + line) * {pitch(n, band)}u + lane);\n"]
     for i in blocks:
         if i < m // 2:
             text.append(f"    vec4 v{i} = texelFetch(source, from + {i * lanes});\n"
@@ -127,10 +131,11 @@ def fields_pass(n, lanes, band):
     return "".join(text), n // 2 * lanes
 
 
-def passes(n, lanes, band):
+def passes(n, band):
     """(kernel name, kind of pass, GLSL, invocations for one job or source), and the scratch that a
     field needs."""
+    first, last = PLANS[n]
     suffix = "_band" if band else ""
-    return [(f"t{lanes}_{n}_evolve{suffix}", "evolve", *evolve_pass(n, lanes, band)),
-            (f"t{lanes}_{n}_fields{suffix}", "fields", *fields_pass(n, lanes, band))], \
-        n * max(pitch(n, lanes, band), n // 2)
+    return [(f"t{n}_evolve{suffix}", "evolve", *evolve_pass(n, first, band)),
+            (f"t{n}_fields{suffix}", "fields", *fields_pass(n, last, band))], \
+        n * max(pitch(n, band), n // 2)

@@ -11,9 +11,9 @@ docs/performance.md.
     evolve, along y     modes -> G[source][y / 2][X], rows y and y + 1 in a vec4
     fields, along x     G -> map[field][y][x]
 
-Design T does each in one pass, by subgroups of S lanes. A subgroup transforms a line of N = S M:
-lane l holds modes n = l + S m; DFT_M over m, twiddle w_N^(l k1); a transposition by shuffles, after
-which lane l holds k1 = M / S l + g of all lanes; DFT_S over them to points k1 + M k2.
+Design T does each in one pass. S neighbouring lanes of a subgroup share a line of N = S M: lane l
+holds modes n = l + S m; DFT_M over m, twiddle w_N^(l k1); a transposition by shuffles, after which
+lane l holds k1 = M / S l + g of all lanes; DFT_S over them to points k1 + M k2.
 
 Design W does each in two passes. N = A B: mode n = B n1 + n2 goes to point k = k1 + A k2; DFT_A
 over n1, twiddle w_N^(n2 k1), through memory, DFT_B over n2.
@@ -42,10 +42,9 @@ def transforms():
     come first."""
     made = []
     for band in (True, False):
-        for lanes, sizes in design_t.PLANS.items():
-            for n in sizes:
-                passes, scratch = design_t.passes(n, lanes, band)
-                made.append((n, lanes, band, scratch, passes))
+        for n, lanes in design_t.PLANS.items():
+            passes, scratch = design_t.passes(n, band)
+            made.append((n, max(lanes), band, scratch, passes))
         for n in design_w.PLANS:
             passes, scratch = design_w.passes(n, band)
             made.append((n, 0, band, scratch, passes))
@@ -71,7 +70,7 @@ def embed(out, modules):
         text.append(f"constexpr std::uint32_t {name}_words[] = {{\n" + ",\n".join(lines) + "};\n")
     rows = []
     for n, lanes, band, scratch, passes in transforms():
-        design = f"T{lanes}" if lanes else "W"
+        design = "T" if lanes else "W"
         list_name = f"{design.lower()}_{n}{'_band' if band else ''}_passes"
         listed = []
         for name, kind, _, invocations in passes:

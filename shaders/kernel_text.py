@@ -48,12 +48,10 @@ def band_end(n):
 
 def kept(n, count, band):
     """Which of `count` equal blocks of the N modes of a line hold any: block i is modes
-    i N / count ... Without `band` all do."""
+    i N / count ... Without `band` all do. As many of negative modes as of positive ones."""
     block = n // count
-    first, end = band_end(n), n - band_end(n) + 1  # zero: first <= index < end
-    blocks = [i for i in range(count) if not band or i * block < first or (i + 1) * block > end]
-    assert blocks == [count - 1 - i for i in reversed(blocks)], "positive and negative alike"
-    return blocks
+    return [i for i in range(count)
+            if not band or min(i, count - 1 - i) * block < band_end(n)]
 
 
 def omitted(blocks, count):

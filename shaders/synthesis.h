@@ -39,8 +39,8 @@ struct Pass {
 
 struct Transform {
     int size;                        ///< N
-    std::string_view design;         ///< "W", "T8"
-    std::uint32_t subgroup_size;     ///< lanes that it is built for; 0: any device
+    std::string_view design;         ///< "T", "W"
+    std::uint32_t lanes;             ///< least size of a subgroup, with shuffles; 0: any device
     bool band_limited;               ///< all modes must fit_band()
     std::uint32_t scratch_complexes; ///< a field
     std::span<const Pass> passes;

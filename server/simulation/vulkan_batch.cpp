@@ -154,7 +154,7 @@ Result<void> VulkanBatch::upload(std::span<const sea::CascadeModes* const> casca
                      "a cascade of another size");
         steps_.push_back(static_cast<float>(cascade->spec.wavenumber_step_radpm()));
         for (std::size_t i = 0; i < points(); ++i) {
-            const bool transposed = kernels_.transform->subgroup_size != 0;
+            const bool transposed = kernels_.transform->lanes != 0;
             const std::size_t y = transposed ? i % n : i / n, x = transposed ? i / n : i % n;
             const std::complex<double> here = cascade->h0[y * n + x];
             const std::complex<double> mirror = cascade->h0[(n - y) % n * n + (n - x) % n];

@@ -51,7 +51,7 @@ Result<SynthesisKernels> SynthesisKernels::create(gpu::Device& device,
     for (const shaders::Pass& pass : transform.passes) {
         Result<gpu::Kernel> kernel =
             gpu::Kernel::create(device, pass.shader.name, pass.shader.spirv, expectation(pass.kind),
-                                {.full_subgroups = transform.subgroup_size != 0});
+                                {.full_subgroups = transform.lanes != 0});
         if (!kernel)
             return kernel.error();
         made.passes.push_back({std::move(*kernel), pass.kind, pass.groups});
@@ -69,8 +69,9 @@ std::vector<const shaders::Transform*> fitting_transforms(const gpu::DeviceInfo&
     std::vector<const shaders::Transform*> fitting;
     for (const shaders::Transform& transform : shaders::synthesis_transforms()) {
         const bool runs =
-            transform.subgroup_size == 0 ||
-            (device.subgroup_shuffle && device.subgroup_size == transform.subgroup_size);
+            transform.lanes == 0 ||
+            (device.subgroup_shuffle && device.subgroup_size >= transform.lanes &&
+             device.subgroup_size <= shaders::synthesis_workgroup);
         if (transform.size == size && transform.band_limited == band_limited && runs)
             fitting.push_back(&transform);
     }

@@ -27,7 +27,7 @@ struct SynthesisKernels {
                                            const shaders::Transform& transform);
 };
 
-/// Transforms of a size that the device could run, the faster ones first: those for its subgroups,
+/// Transforms of a size that the device could run, the faster ones first: those by subgroups,
 /// then those for any. With `band_limited` only these, without it only the others. Empty: no such
 /// size.
 std::vector<const shaders::Transform*> fitting_transforms(const gpu::DeviceInfo& device, int size,

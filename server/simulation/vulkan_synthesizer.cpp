@@ -115,7 +115,7 @@ Result<const SynthesisKernels*> Vulkan::kernels(int size, bool band_limited) {
                transform_sizes()};
     for (const shaders::Transform* transform :
          fitting_transforms(device_->info(), size, band_limited)) {
-        if (any_device_kernels_ && transform->subgroup_size != 0)
+        if (any_device_kernels_ && transform->lanes != 0)
             continue;
         Result<SynthesisKernels> made = SynthesisKernels::create(*device_, *transform);
         if (!made)

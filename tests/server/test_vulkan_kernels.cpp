@@ -75,6 +75,24 @@ TEST_F(VulkanKernels, a_small_field_survives_beside_one_ten_thousand_times_large
     }
 }
 
+TEST(FittingTransforms, subgroups_that_hold_whole_lines_get_design_t_and_all_devices_get_w) {
+    const auto best = [](std::uint32_t subgroup_size, bool shuffle, int size) {
+        gpu::DeviceInfo info;
+        info.subgroup_size = subgroup_size;
+        info.subgroup_shuffle = shuffle;
+        const auto fitting = fitting_transforms(info, size, true);
+        EXPECT_EQ(fitting.back()->design, "W");
+        return fitting.front()->design;
+    };
+    for (const std::uint32_t lanes : {8u, 16u, 32u, 64u})
+        for (const int size : {128, 256, 512})
+            EXPECT_EQ(best(lanes, true, size), "T") << lanes;
+    EXPECT_EQ(best(4, true, 256), "W");
+    EXPECT_EQ(best(128, true, 256), "W") << "more than a workgroup";
+    EXPECT_EQ(best(32, false, 256), "W");
+    EXPECT_EQ(best(32, true, 1024), "W");
+}
+
 TEST(Packing, every_field_has_a_map_and_fields_that_differ_by_kx_share_a_source) {
     const Packing all = pack(sea::FieldSet::from_bits((1u << sea::linear_field_count) - 1));
     EXPECT_EQ(all.fields, sea::linear_field_count);
