@@ -2,11 +2,10 @@
 #include "server/simulation/foam.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <cstdint>
 
 #include "base/check.h"
+#include "server/simulation/foam_kernel.h"
 
 namespace seaway::server {
 
@@ -15,62 +14,10 @@ using sea::TimeUs;
 
 namespace {
 
-/// Ratios below this are nothing; keeps denormal numbers out (hard case E4).
-constexpr float ratio_min = 1e-6f;
 /// Mean coverage below this on a calm sea is gone.
 constexpr double calm_mean_min = 1e-4;
 
-/// Beyond this many deviations phi is below 1e-34.
-constexpr float deviations_max = 12.5f;
-
-/// phi(t), 0 <= t <= deviations_max; relative error 4e-6. 2^n by exponent bits, 2^f by a
-/// polynomial.
-inline float normal_density(float t) {
-    constexpr float log2_e = 1.44269504f;
-    constexpr float round = 12582912.0f; // 1.5 * 2^23: adding it rounds to a whole number
-    const float power = t * t * (-0.5f * log2_e);
-    const float shifted = power + round;
-    const float f = power - (shifted - round);
-    const float mantissa =
-        1.0f + f * (0.69314718f +
-                    f * (0.24022651f + f * (0.05550411f + f * (0.00961813f + f * 0.00133336f))));
-    const auto exponent = std::bit_cast<std::int32_t>(shifted) - std::bit_cast<std::int32_t>(round);
-    return 0.39894228f * std::bit_cast<float>((exponent + 127) << 23) * mantissa;
-}
-
-/// 1 - t M(t) and its companion t (1 - t M) + M, M being Mills' ratio Phi(-t)/phi(t), 0 <= t <=
-/// deviations_max; polynomials in 1/(1 + 0.3 t) fitted for relative error: 1e-6 and 6e-6.
-struct MillsTerms {
-    float linear;
-    float square;
-};
-
-inline MillsTerms mills_terms(float t) {
-    const float k = 1.0f / (1.0f + 0.3f * t);
-    const float linear =
-        0.089911076f +
-        k * (0.18241227f +
-             k * (0.22002899f +
-                  k * (0.40581092f +
-                       k * (-0.24083353f +
-                            k * (0.97683328f + k * (-0.85622522f + k * 0.22206299f))))));
-    const float square =
-        0.60501906f +
-        k * (0.51664481f +
-             k * (1.05656121f +
-                  k * (-1.7316443f + k * (3.97410573f + k * (-4.41947001f + k * 1.25209079f)))));
-    return {linear * k * k, square * k};
-}
-
-/// What one tick needs, in single precision; the terms are those of conditional_shortfall().
-struct Tick {
-    float threshold, choppiness_x, choppiness_y, choppiness_xy;
-    float variance, difference, shear, curvature;
-    float difference_rest, shear_rest, cross_rest, constant_rest;
-    float remains, source; ///< ratio = ratio * remains + shortfall * source
-};
-
-Tick make_tick(const FoamLaw& law, const FoamLaw::Cascade& cascade, double remains) {
+FoamTick make_tick(const FoamLaw& law, const FoamLaw::Cascade& cascade, double remains) {
     const OthersShape& o = cascade.others;
     const auto f = [](double x) { return static_cast<float>(x); };
     // Without others J has no width; a thousandth of a percent stands in for none.
@@ -92,29 +39,17 @@ Tick make_tick(const FoamLaw& law, const FoamLaw::Cascade& cascade, double remai
             f((1 - remains) / cascade.mean_shortfall)};
 }
 
-inline float shortfall(const Tick& tick, float strain_xx, float strain_yy, float strain_xy) {
-    const float a = tick.choppiness_x * strain_xx;
-    const float b = tick.choppiness_y * strain_yy;
-    const float c = tick.choppiness_xy * strain_xy;
-    const float difference = a - b;
-    const float mean = tick.threshold - (1.0f + a) * (1.0f + b) + c * c;
-    const float slope = 0.5f * (2.0f + a + b - tick.difference * difference - tick.shear * c);
-    const float rest = difference * difference * tick.difference_rest + c * c * tick.shear_rest +
-                       difference * c * tick.cross_rest + tick.constant_rest;
-    const float width = std::sqrt(std::max(slope * slope * tick.variance + rest, 0.0f));
-    const float top = mean + tick.curvature;
-    const float discriminant = width * width + 4.0f * tick.curvature * top;
-    const float root = 2.0f * top / (width + std::sqrt(std::max(discriminant, 0.0f)));
-    const float t = std::min(std::abs(root), deviations_max);
-    const MillsTerms mills = mills_terms(t);
-    const float side = root > 0.0f ? 1.0f : -1.0f;
-    const float tail =
-        normal_density(t) * (width * mills.linear + side * tick.curvature * mills.square);
-    const float excess = tail + (root > 0.0f ? mean : 0.0f);
-    return discriminant > 0.0f ? std::max(excess, 0.0f) : 0.0f;
-}
-
 } // namespace
+
+const FoamKernel& foam_kernel(sea::Instructions instructions) {
+#if defined(SEAWAY_SIMULATION_X86)
+    if (instructions != sea::Instructions::portable)
+        return foam_kernel_avx2();
+#else
+    SEAWAY_CHECK(instructions == sea::Instructions::portable, "no other kernel is built");
+#endif
+    return foam_kernel_portable();
+}
 
 double foam_remains(double dt_s, double decay_s) {
     if (decay_s <= 0)
@@ -135,8 +70,8 @@ double foam_coverage(double mean, std::span<const float> ratios) {
     return std::clamp(mean * (together - 1.0), 0.0, 1.0);
 }
 
-FoamHistory::FoamHistory(FoamLawPtr law, int cascade, int size)
-    : cascade_(cascade),
+FoamHistory::FoamHistory(FoamLawPtr law, int cascade, int size, sea::Instructions instructions)
+    : cascade_(cascade), kernel_(&foam_kernel(instructions)),
       ratios_(static_cast<std::size_t>(size) * static_cast<std::size_t>(size), 1.0f) {
     change_law(std::move(law));
 }
@@ -162,18 +97,10 @@ void FoamHistory::advance(const sea::Keyframe& strains, double dt_s) {
     SEAWAY_CHECK(strains.fields.contains(foam_inputs) && strains.plane_size() == ratios_.size() &&
                      strains.cascade == cascade_,
                  "foam needs the strains of its cascade");
-    const Tick tick = make_tick(*law_, law_->cascades[static_cast<std::size_t>(cascade_)],
-                                foam_remains(dt_s, law_->model.decay_s));
-    const float* xx = strains.plane(Field::strain_xx).data();
-    const float* yy = strains.plane(Field::strain_yy).data();
-    const float* xy = strains.plane(Field::strain_xy).data();
-    float* ratio = ratios_.data();
-    const std::size_t count = ratios_.size();
-    for (std::size_t i = 0; i < count; ++i) {
-        const float next =
-            ratio[i] * tick.remains + shortfall(tick, xx[i], yy[i], xy[i]) * tick.source;
-        ratio[i] = next >= ratio_min ? next : 0.0f;
-    }
+    kernel_->advance(make_tick(*law_, law_->cascades[static_cast<std::size_t>(cascade_)],
+                               foam_remains(dt_s, law_->model.decay_s)),
+                     strains.plane(Field::strain_xx).data(), strains.plane(Field::strain_yy).data(),
+                     strains.plane(Field::strain_xy).data(), ratios_.data(), ratios_.size());
 }
 
 Result<void> FoamHistory::advance_to(TimeUs time_us, TimeUs interval_us,

@@ -88,8 +88,8 @@ struct FoamLaw {
 
 using FoamLawPtr = std::shared_ptr<const FoamLaw>;
 
-/// About 20 ms for three cascades. `model` must be within the ranges of a scene. decay_s = 0 means no
-/// history: foam is where waves break now, gain_per_s * 1 s * shortfall (hard case E3).
+/// About 20 ms for three cascades. `model` must be within the ranges of a scene. decay_s = 0 means
+/// no history: foam is where waves break now, gain_per_s * 1 s * shortfall (hard case E3).
 FoamLawPtr make_foam_law(const sea::Realization& sea, const sea::FoamModel& model);
 
 } // namespace seaway::server

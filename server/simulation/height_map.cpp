@@ -149,7 +149,7 @@ std::array<std::uint8_t, map_header_bytes> map_header(const MapRequest& r,
 }
 
 const MapKernel& map_kernel(sea::Instructions instructions) {
-#if defined(SEAWAY_MAP_X86)
+#if defined(SEAWAY_SIMULATION_X86)
     if (instructions != sea::Instructions::portable)
         return map_kernel_avx2();
 #else
