@@ -120,9 +120,9 @@ SeaStatePtr Client::sea_state(TimeUs time_us) const {
     return running;
 }
 
-sea::FieldSet Client::sampled_fields() const {
+sea::FieldSet Client::offered(sea::FieldSet fields) const {
     const std::scoped_lock lock(mutex_);
-    return sea::FieldSet::from_bits(sea::surface_fields.bits() & ~not_offered_.bits());
+    return sea::FieldSet::from_bits(fields.bits() & ~not_offered_.bits());
 }
 
 void Client::note_offer(sea::FieldSet asked, sea::FieldSet granted) {
@@ -222,17 +222,18 @@ std::size_t Client::times_at_once(const SeaState& state) const {
     return std::clamp<std::size_t>(fit, 1, std::max(welcome().times_per_fetch_max, 1u));
 }
 
-Result<void> Client::hold(std::span<const TimeUs> times_us, double timeout_s) {
+Result<void> Client::hold(std::span<const TimeUs> times_us, double timeout_s, sea::FieldSet also) {
+    const sea::FieldSet fields = offered(sea::surface_fields | also);
     std::set<std::pair<std::uint32_t, TimeCell>> cells;
     std::vector<TimeUs> missing;
     for (const TimeUs time_us : times_us) {
         const SeaStatePtr state = sea_state(time_us);
-        if (!covers(*state, ring_, time_us, sampled_fields()) &&
+        if (!covers(*state, ring_, time_us, fields) &&
             cells.insert({state->epoch, time_cell(*state, time_us)}).second)
             missing.push_back(time_us);
     }
     protocol::TileWish wish;
-    wish.fields = sampled_fields();
+    wish.fields = fields;
     const std::size_t at_once = times_at_once(*sea_state(0));
     for (std::size_t first = 0; first < missing.size(); first += at_once) {
         const std::size_t count = std::min(at_once, missing.size() - first);

@@ -83,9 +83,11 @@ class Client {
     /// The surface around a time from what is held: for renderers and for many points.
     Result<LocalSurface> surface(sea::TimeUs time_us) const;
 
-    /// Fetches the keyframes around these times that are not held. Blocks. Not for more times than
-    /// the ring has room for.
-    Result<void> hold(std::span<const sea::TimeUs> times_us, double timeout_s);
+    /// Fetches the keyframes around these times that are not held, with the fields that sampling
+    /// needs and those of `also` that the server offers. Blocks. Not for more times than the ring
+    /// has room for.
+    Result<void> hold(std::span<const sea::TimeUs> times_us, double timeout_s,
+                      sea::FieldSet also = {});
 
     /// hold() and sample() together, for any number of points and times, in order. Blocks.
     Result<std::vector<sea::Answer>> fetch_and_sample(std::span<const sea::QueryPoint> points,
@@ -96,7 +98,9 @@ class Client {
   private:
     Client(ClientEvents events, RingLimits limits);
     ConnectionEvents connection_events();
-    sea::FieldSet sampled_fields() const;
+    sea::FieldSet sampled_fields() const { return offered(sea::surface_fields); }
+    /// Without what the server is known not to offer.
+    sea::FieldSet offered(sea::FieldSet fields) const;
     /// Times that one fetch may ask for: the server bounds their number and their bytes.
     std::size_t times_at_once(const SeaState& state) const;
     /// Notes what the server does not offer, so that it is not waited for.

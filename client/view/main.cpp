@@ -106,7 +106,7 @@ int run(const ViewOptions& options) {
     if (!client)
         return fail(client.error());
     const Result<Grant> grant =
-        (*client)->subscribe({.fields = sea::surface_fields}, stream_credit, options.timeout_s);
+        (*client)->subscribe({.fields = drawn_fields}, stream_credit, options.timeout_s);
     if (!grant)
         return fail(grant.error());
     return draw(**client, *renderer, options);

@@ -6,6 +6,7 @@
 
 #include "sea/cascade.h"
 #include "sea/realization.h"
+#include "sea/surface/keyframe.h"
 #include "sea/surface/surface.h"
 
 namespace seaway::client {
@@ -14,13 +15,17 @@ struct CascadeFrame {
     sea::CascadeSpec spec;
     sea::Band band;
     sea::SplinePair keyframes; ///< around the time
+    /// Keyframes of these times with Field::foam; null where the scene has no foam.
+    sea::KeyframePtr foam_before{};
+    sea::KeyframePtr foam_after{};
 };
 
 struct SeaFrame {
     sea::TimeUs time_us = 0;
     std::vector<CascadeFrame> cascades; ///< longest tile first; 1 .. shaders::view_cascades_max
     sea::Choppiness choppiness;
-    double foam_threshold = 0.45; ///< Jacobian below which a crest is white
+    double foam_threshold = 0.45; ///< Jacobian below which a crest breaks
+    double foam_mean = 0;         ///< mean coverage by what has broken (docs/foam.md); 0: no foam
 };
 
 } // namespace seaway::client

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <span>
 #include <thread>
 
 namespace seaway::client {
@@ -58,12 +59,12 @@ void build_mips(std::vector<float>& texels, int nodes, int layers) {
 }
 
 /// Values of one periodic line of `count` texels, `stride` floats apart, to the coefficients of the
-/// cubic B-spline through them, all channels (Unser 1999).
+/// cubic B-spline through them (Unser 1999); all channels but the last, which is foam.
 void to_coefficients(float* line, int count, std::size_t stride) {
     constexpr float pole = -0.26794919f; // sqrt(3) - 2
     constexpr int memory = 14;           // |pole|^14 = 1e-8
     const auto at = [&](int i) { return line + static_cast<std::size_t>(i) * stride; };
-    for (int c = 0; c < channels; ++c) {
+    for (int c = 0; c < channels - 1; ++c) {
         float carry = 0;
         for (int i = count - memory; i < count; ++i)
             carry = 6.0f * at(i)[c] + pole * carry;
@@ -89,11 +90,40 @@ void to_coefficients(std::vector<float>& texels, int nodes, int layers) {
     });
 }
 
+/// The ratio of a foam map at a node of the finer grid; linear in space.
+double foam_at(const sea::Keyframe& keyframe, int nodes, int x, int y) {
+    const std::span<const float> plane = keyframe.plane(sea::Field::foam);
+    const int fine = std::max(nodes / keyframe.size, 1),
+              coarse = std::max(keyframe.size / nodes, 1);
+    const auto texel = [&](int column, int row) {
+        const int mask = keyframe.size - 1;
+        return static_cast<double>(
+            plane[static_cast<std::size_t>((row & mask) * keyframe.size + (column & mask))]);
+    };
+    const int column = x * coarse / fine, row = y * coarse / fine;
+    const double s = static_cast<double>(x % fine) / fine, t = static_cast<double>(y % fine) / fine;
+    return (1 - t) * ((1 - s) * texel(column, row) + s * texel(column + 1, row)) +
+           t * ((1 - s) * texel(column, row + 1) + s * texel(column + 1, row + 1));
+}
+
+/// Foam between two keyframes, linear in time; a cascade without foam is average everywhere.
+double foam_between(const CascadeFrame& cascade, sea::TimeUs time_us, int nodes, int x, int y) {
+    if (!cascade.foam_before || !cascade.foam_after)
+        return 1.0;
+    const double before = foam_at(*cascade.foam_before, nodes, x, y);
+    const sea::TimeUs interval_us = cascade.foam_after->time_us - cascade.foam_before->time_us;
+    if (interval_us <= 0)
+        return before;
+    const double share = static_cast<double>(time_us - cascade.foam_before->time_us) /
+                         static_cast<double>(interval_us);
+    return before + share * (foam_at(*cascade.foam_after, nodes, x, y) - before);
+}
+
 /// One cascade alone, at the nodes of row `y`.
-void fill_row(SeaMaps& maps, const sea::Surface& surface, double length_m, sea::TimeUs time_us,
-              int cascade, int y) {
+void fill_row(SeaMaps& maps, const sea::Surface& surface, const CascadeFrame& frame,
+              sea::TimeUs time_us, int cascade, int y) {
     const std::size_t row = static_cast<std::size_t>((cascade * maps.nodes + y) * maps.nodes);
-    const double spacing_m = length_m / maps.nodes;
+    const double spacing_m = frame.spec.length_m / maps.nodes;
     for (int x = 0; x < maps.nodes; ++x) {
         const sea::LagrangianPoint p = surface.at(x * spacing_m, y * spacing_m, time_us);
         const std::size_t at = (row + static_cast<std::size_t>(x)) * channels;
@@ -103,7 +133,8 @@ void fill_row(SeaMaps& maps, const sea::Surface& surface, double length_m, sea::
             map[at + 2] = static_cast<float>(c);
             map[at + 3] = static_cast<float>(d);
         };
-        put(maps.displacement, p.displacement_x, p.displacement_y, p.height, 0);
+        put(maps.displacement, p.displacement_x, p.displacement_y, p.height,
+            foam_between(frame, time_us, maps.nodes, x, y));
         put(maps.gradient, p.slope_x, p.slope_y, p.strain_xx, p.strain_yy);
         put(maps.moment, p.strain_xy, p.slope_x * p.slope_x, p.slope_y * p.slope_y,
             p.slope_x * p.slope_y);
@@ -156,9 +187,8 @@ SeaMaps build_maps(const SeaFrame& frame) {
     for (int c = 0; c < maps.cascades; ++c) {
         const CascadeFrame& cascade = frame.cascades[static_cast<std::size_t>(c)];
         const sea::Surface surface({cascade.keyframes}, frame.choppiness, 0, {});
-        for_each_row(maps.nodes, [&](int y) {
-            fill_row(maps, surface, cascade.spec.length_m, frame.time_us, c, y);
-        });
+        for_each_row(maps.nodes,
+                     [&](int y) { fill_row(maps, surface, cascade, frame.time_us, c, y); });
     }
     for (std::vector<float>* map : {&maps.displacement, &maps.gradient, &maps.moment})
         build_mips(*map, maps.nodes, maps.cascades);

@@ -24,7 +24,7 @@ struct SeaMaps {
     int nodes = 0; ///< a side, a power of two
     int cascades = 0;
     // Each [mip][cascade][y][x][4]; channels as shaders/view/bindings.glsl.
-    std::vector<float> displacement; ///< mip 0: coefficients of cubic B-splines
+    std::vector<float> displacement; ///< mip 0: coefficients of cubic B-splines; foam as it is
     std::vector<float> gradient;
     std::vector<float> moment;
     SeaStatistics statistics;

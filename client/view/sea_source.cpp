@@ -14,10 +14,32 @@ namespace {
 /// What a spline needs; displacements come with it where the server offers them.
 constexpr sea::FieldSet needed_fields{sea::Field::height, sea::Field::height_rate};
 
+Result<CascadeFrame> cascade_frame(const Client& client, const SeaState& state, std::size_t index,
+                                   sea::TimeUs time_us) {
+    const protocol::CascadeInfo& cascade = state.cascades[index];
+    const auto around = [&](sea::FieldSet fields) {
+        return client.ring().around(static_cast<int>(index), state.epoch, time_us,
+                                    cascade.interval_us, fields);
+    };
+    const std::optional<KeyframePair> pair = around(needed_fields);
+    if (!pair || !pair->covers)
+        return failed(Failure::not_held, fmt::format("no keyframes of cascade {} around {} s",
+                                                     index, sea::seconds_from_us(time_us)));
+    CascadeFrame frame{{cascade.length_m, cascade.size},
+                       {cascade.k_lo_radpm, cascade.k_hi_radpm},
+                       {pair->before->spline(), pair->after->spline()}};
+    if (const auto foam = around(needed_fields | sea::FieldSet{sea::Field::foam});
+        foam && foam->covers) {
+        frame.foam_before = foam->before->keyframe_ptr();
+        frame.foam_after = foam->after->keyframe_ptr();
+    }
+    return frame;
+}
+
 } // namespace
 
 Result<SeaFrame> sea_frame_at(Client& client, sea::TimeUs time_us, double timeout_s) {
-    if (Result<void> held = client.hold({&time_us, 1}, timeout_s); !held)
+    if (Result<void> held = client.hold({&time_us, 1}, timeout_s, drawn_fields); !held)
         return held.error();
     const SeaStatePtr state = client.sea_state(time_us);
     if (state->cascades.size() > shaders::view_cascades_max)
@@ -27,18 +49,14 @@ Result<SeaFrame> sea_frame_at(Client& client, sea::TimeUs time_us, double timeou
     SeaFrame frame;
     frame.time_us = time_us;
     frame.choppiness = {state->choppiness_x, state->choppiness_y};
+    frame.foam_mean = state->foam_mean;
     if (const Result<sea::Scene> scene = sea::parse_scene(state->scene, "scene of the server", "."))
         frame.foam_threshold = scene->foam.threshold;
     for (std::size_t c = 0; c < state->cascades.size(); ++c) {
-        const protocol::CascadeInfo& cascade = state->cascades[c];
-        const std::optional<KeyframePair> pair = client.ring().around(
-            static_cast<int>(c), state->epoch, time_us, cascade.interval_us, needed_fields);
-        if (!pair || !pair->covers)
-            return failed(Failure::not_held, fmt::format("no keyframes of cascade {} around {} s",
-                                                         c, sea::seconds_from_us(time_us)));
-        frame.cascades.push_back({{cascade.length_m, cascade.size},
-                                  {cascade.k_lo_radpm, cascade.k_hi_radpm},
-                                  {pair->before->spline(), pair->after->spline()}});
+        Result<CascadeFrame> cascade = cascade_frame(client, *state, c, time_us);
+        if (!cascade)
+            return cascade.error();
+        frame.cascades.push_back(std::move(*cascade));
     }
     return frame;
 }

@@ -8,6 +8,9 @@
 
 namespace seaway::client {
 
+/// What the renderer draws of a sea: subscribe to these.
+inline constexpr sea::FieldSet drawn_fields = sea::surface_fields | sea::FieldSet{sea::Field::foam};
+
 /// The sea at a time, from keyframes that the client holds or, where the stream does not cover it,
 /// fetches. Blocks for `timeout_s` at most. Not for use in an event of the client.
 Result<SeaFrame> sea_frame_at(Client& client, sea::TimeUs time_us, double timeout_s);

@@ -15,10 +15,8 @@ const glm::dvec3 water_reflectance(0.008, 0.024, 0.026);
 constexpr double detail_turn_rad = 0.37;
 /// Gravity waves give way to capillary ones here, and slopes fade, rad/m (Cox and Munk 1954).
 constexpr double shortest_waves_radpm = 370;
-constexpr double foam_softness = 0.1; ///< of the Jacobian, where a pixel resolves everything
-/// Foam outlives the breaking for some seconds: it is drawn where the sea is nearly breaking, too.
-/// scenes/north_sea_gale.toml is 1.4 % white with it; the pictures carry no history of foam.
-constexpr double foam_margin = 0.22;
+/// Of the Jacobian at the edge of a breaking crest, where a pixel resolves everything.
+constexpr double breaking_softness = 0.03;
 
 shaders::vec4 vector(const glm::dvec3& v, double w = 0) {
     return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z),
@@ -83,8 +81,8 @@ shaders::ViewValues view_values(const SeaFrame& frame, const SeaMaps& maps, cons
                      std::log(50.0) / options.visibility_m);
     const double noise_m = shaders::view_noise_period_m;
     out.foam =
-        vector(frame.foam_threshold + foam_margin, foam_softness,
-               fraction(camera.x_m / noise_m) * noise_m, fraction(camera.y_m / noise_m) * noise_m);
+        vector(frame.foam_threshold, breaking_softness, fraction(camera.x_m / noise_m) * noise_m,
+               fraction(camera.y_m / noise_m) * noise_m);
 
     // A node lies in the middle of its texel.
     const double half_texel = 0.5 / maps.nodes;
@@ -96,6 +94,7 @@ shaders::ViewValues view_values(const SeaFrame& frame, const SeaMaps& maps, cons
                         fraction((s * camera.x_m + c * camera.y_m) * scale + half_texel), scale,
                         options.detail ? tail.slope_variance : 0.0);
     out.detail_turn = vector(c, s, options.detail ? tail.copy_amplitude : 0.0, maps.cascades);
+    out.foam_mean = vector(frame.foam_mean, 0, 0, 0);
     out.counts =
         vector(mesh.columns, static_cast<double>(mesh.rows_m.size()),
                static_cast<double>(debug.view), std::min(debug.cascade, maps.cascades - 1));

@@ -36,7 +36,8 @@ struct ViewValues {
     vec4 water;           ///< diffuse reflectance of the water body; w: significant height, m
     vec4 mesh;            ///< apex x, y (local); first azimuth and step, rad
     vec4 sea;             ///< choppiness x, y; 1/(2 earth radius), 1/m; aerial extinction, 1/m
-    vec4 foam;            ///< Jacobian threshold; softness; noise origin x, y, m
+    vec4 foam;            ///< Jacobian that breaks; softness of that; noise origin x, y, m
+    vec4 foam_mean;       ///< coverage by what has broken; 0: no foam at all
     vec4 detail;          ///< origin u, v; scale 1/m; variance of slope of waves beyond all maps
     vec4 detail_turn;     ///< cosine, sine of its turn; amplitude, 0 or 1; number of cascades
     vec4 counts;          ///< columns of the mesh; rows; debug view; cascade that it shows
@@ -44,7 +45,7 @@ struct ViewValues {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(ViewValues) == 16 * (8 + 11 + view_cascades_max));
+static_assert(sizeof(ViewValues) == 16 * (8 + 12 + view_cascades_max));
 } // namespace seaway::shaders
 #endif
 #undef SEAWAY_SHARED_CONSTANT

@@ -5,7 +5,8 @@
 layout(std140, binding = 0) uniform View { ViewValues view; };
 /// Distance of the mesh's rows from its apex, m.
 layout(std430, binding = 1) readonly buffer Rows { float row_distance_m[]; };
-/// [cascade][y][x]: Dx, Dy, eta, -. Level 0: coefficients of cubic splines; others: means.
+/// [cascade][y][x]: Dx, Dy, eta, foam / its mean. Level 0 of the first three: coefficients of cubic
+/// splines; others: means.
 layout(binding = 2) uniform sampler2DArray displacement_maps;
 /// [cascade][y][x]: slope x, slope y, strain xx, strain yy.
 layout(binding = 3) uniform sampler2DArray gradient_maps;

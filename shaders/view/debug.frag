@@ -59,7 +59,7 @@ void main() {
         value.rgb = vec3(sqrt(g.variance.x + g.variance.y));
         break;
     case 7: // foam
-        value.rgb = vec3(foam_cover(breaking_share(scaled.z, g.variance), place.xy, place.w));
+        value.rgb = vec3(foam_cover(foam_share(area, g), place.xy, place.w));
         break;
     case 8: // cascade
         value.rg = gradients_of_cascade(area, int(view.counts.w)).slope;

@@ -9,7 +9,7 @@ float hash(ivec2 cell, int period) {
     return float((h ^ (h >> 15)) & 0xffffffu) / 16777215.0;
 }
 
-/// Smooth noise, 0 .. 1, cells of 2^-level metres.
+/// Smooth noise, 0 .. 1, cells of 2^-level metres, level -8 and above.
 float noise(vec2 at_m, int level) {
     const float frequency = exp2(float(level));
     const vec2 at = at_m * frequency;
@@ -21,26 +21,32 @@ float noise(vec2 at_m, int level) {
                mix(hash(cell + ivec2(0, 1), period), hash(cell + ivec2(1, 1), period), t.x), t.y);
 }
 
+/// Variance of noise(): of the corners' uniform numbers, 1/12, what smooth weights leave.
+const float noise_variance = 0.046;
+
 /// What of a pixel is white. Far away that is the share itself; near, patches of full cover whose
 /// area is the share.
 float foam_cover(float share, vec2 undisplaced_m, float distance_m) {
     const float pixel_m = distance_m * view.camera.w;
-    if (share < 0.004)
+    if (share < 0.002)
         return 0.0;
     vec2 at = undisplaced_m + view.foam.zw;
     at += 0.6 * vec2(noise(at, 1), noise(at + 37.0, 1)); // tears the patches' edges
     float pattern = 0.0;
-    float weight = 0.0;
+    float variance = 1e-6;
     float amplitude = 1.0;
-    for (int level = 0; level <= 5; ++level) {
+    for (int level = -2; level <= 5; ++level) {
         // An octave finer than the pixel is worth its mean.
-        const float seen = clamp(1.5 - 2.0 * pixel_m * exp2(float(level)), 0.0, 1.0);
-        pattern += amplitude * mix(0.5, seen > 0.0 ? noise(at, level) : 0.5, seen);
-        weight += amplitude;
+        const float seen = amplitude * clamp(1.5 - 2.0 * pixel_m * exp2(float(level)), 0.0, 1.0);
+        if (seen > 0.0)
+            pattern += seen * (noise(at, level) - 0.5);
+        variance += seen * seen * noise_variance;
         amplitude *= 0.85;
     }
-    // Sums of noise crowd about one half; bubbles thin out towards the edges of a patch.
-    const float spread = clamp((pattern / weight - 0.3) / 0.4, 0.0, 1.0);
-    const float patches = smoothstep(0.0, 0.45, spread - (1.0 - share));
+    // Sums of noise are nearly normal: their distribution function (a logistic one) makes them
+    // uniform, so that the share of them above 1 - share is the share.
+    const float uniform_noise = 1.0 / (1.0 + exp(-1.702 * pattern * inversesqrt(variance)));
+    const float edge = min(0.12, 0.9 * min(share, 1.0 - share) + 0.005);
+    const float patches = smoothstep(-edge, edge, uniform_noise - (1.0 - share));
     return mix(patches, share, clamp(pixel_m * 2.0 - 0.5, 0.0, 1.0));
 }

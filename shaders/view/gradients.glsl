@@ -106,3 +106,27 @@ float breaking_share(float jacobian, vec3 variance) {
         sqrt(lambda * lambda * (variance.x + variance.y) + view.foam.y * view.foam.y);
     return 1.0 / (1.0 + exp(1.702 * (jacobian - view.foam.x) / sigma)); // logistic for erf
 }
+
+/// Share of the pixel that what has broken lately covers (docs/foam.md).
+float history_share(Footprint area) {
+    float together = 2.0;
+    for (int c = 0; c < int(view.detail_turn.w); ++c) {
+        const vec4 tile = view.cascade[c];
+        const float level = log2(area.width_m / tile.w);
+        float ratio = 0.0;
+        for (int i = 0; i < area.probes; ++i) {
+            const float along = float(i) - 0.5 * float(area.probes - 1);
+            const vec2 at = tile.xy + (area.centre_m + along * area.step_m) * tile.z;
+            ratio += textureLod(displacement_maps, vec3(at, float(c)), level).w;
+        }
+        together *= 0.5 * (1.0 + ratio / float(area.probes));
+    }
+    return clamp(view.foam_mean.x * (together - 1.0), 0.0, 1.0);
+}
+
+/// What has broken, and what breaks at this moment. `g` without detail.
+float foam_share(Footprint area, Gradients g) {
+    if (view.foam_mean.x <= 0.0)
+        return 0.0;
+    return max(history_share(area), breaking_share(scaled_normal(g).z, g.variance));
+}

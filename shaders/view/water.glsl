@@ -96,8 +96,7 @@ vec3 water_radiance(vec4 place, vec3 to_eye) {
     const float distance_m = place.w;
     const Footprint area = footprint(undisplaced_m, to_eye, distance_m);
     Gradients g = gradients_at(area);
-    const float jacobian = scaled_normal(g).z;
-    const float breaking = breaking_share(jacobian, g.variance);
+    const float white = foam_share(area, g);
     add_detail(g, area);
     g.variance.xy += vec2(sun_blur);
 
@@ -116,7 +115,7 @@ vec3 water_radiance(vec4 place, vec3 to_eye) {
     vec3 colour = mix(water_body(to_eye, normal, place.z),
                       reflected_sky(to_eye, slope, g.variance), fresnel);
     colour += sun_glint(to_eye, normal, slope, g.variance);
-    const float cover = foam_cover(breaking, undisplaced_m, distance_m);
+    const float cover = foam_cover(white, undisplaced_m, distance_m);
     const vec3 lit = (view.sky_irradiance.rgb + view.sun_irradiance.rgb *
                           max(dot(normal, view.sun_direction.xyz), 0.0)) / pi;
     colour = mix(colour, 0.6 * lit, cover); // wet foam: Whitlock 1982 gives 0.5 to 0.6

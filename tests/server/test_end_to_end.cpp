@@ -208,6 +208,51 @@ TEST(BulkMap, a_whole_grid_is_what_queries_answer_point_by_point) {
     EXPECT_NE(why.find("colour"), std::string::npos);
 }
 
+/// Keyframes with foam of every cascade around a time; none where the server offers no foam.
+std::vector<client::KeyframePair> foam_around(const std::string& url, sea::TimeUs time_us) {
+    Result<std::unique_ptr<Client>> client = connect(url);
+    EXPECT_TRUE(client);
+    const Result<void> held = (*client)->hold({&time_us, 1}, 60, {sea::Field::foam});
+    EXPECT_TRUE(held) << held.error().message;
+    const client::SeaStatePtr state = (*client)->sea_state(time_us);
+    std::vector<client::KeyframePair> pairs;
+    for (std::size_t c = 0; c < state->cascades.size(); ++c) {
+        const auto pair = (*client)->ring().around(
+            static_cast<int>(c), state->epoch, time_us, state->cascades[c].interval_us,
+            sea::surface_fields | sea::FieldSet{sea::Field::foam});
+        if (pair)
+            pairs.push_back(*pair);
+    }
+    EXPECT_EQ(pairs.empty(), state->foam_mean == 0);
+    return pairs;
+}
+
+// Crests of a gale are tens of times whiter than its mean; a tile of 2 km holds hundreds of them,
+// so that its own mean is 1 within a factor of two, and clean water is most of it.
+TEST(Foam, of_a_gale_reaches_a_client_as_ratios_and_a_calm_sea_has_none) {
+    tests::ServerProcess gale(
+        {"scenes/north_sea_gale.toml", "--listen", "127.0.0.1:0", "--device", "native"});
+    const std::vector<client::KeyframePair> pairs =
+        foam_around(gale.wait_until_ready(), 1'000'123'456);
+    ASSERT_EQ(pairs.size(), 3u);
+    for (const client::KeyframePair& pair : pairs) {
+        EXPECT_TRUE(pair.covers);
+        const std::span<const float> foam = pair.before->keyframe().plane(sea::Field::foam);
+        double sum = 0;
+        for (const float ratio : foam)
+            sum += static_cast<double>(ratio);
+        const double mean = sum / static_cast<double>(foam.size());
+        EXPECT_GT(mean, 0.5);
+        EXPECT_LT(mean, 2.0);
+        EXPECT_GT(*std::max_element(foam.begin(), foam.end()), 3 * mean);
+        EXPECT_GE(*std::min_element(foam.begin(), foam.end()),
+                  -pair.before->error(sea::Field::foam));
+    }
+    tests::ServerProcess calm(
+        {"scenes/calm.toml", "--listen", "127.0.0.1:0", "--device", "native"});
+    EXPECT_TRUE(foam_around(calm.wait_until_ready(), 1'000'123'456).empty());
+}
+
 TEST(Start, port_in_use_is_exit_code_4) {
     const std::vector<std::string> arguments{"scenes/north_sea_gale.toml", "--device", "native",
                                              "--listen"};

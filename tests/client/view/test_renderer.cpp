@@ -173,23 +173,77 @@ TEST_F(RendererTest, every_pixel_is_a_number_and_none_is_dark_by_day) {
         }
 }
 
-TEST_F(RendererTest, foam_is_on_crests_and_never_in_troughs) {
+/// The ratio in the western half of the tile, and in the eastern one.
+void set_foam(SeaFrame& frame, double mean, float west, float east) {
+    sea::Keyframe keyframe;
+    keyframe.size = frame.cascades[0].spec.size;
+    keyframe.length_m = frame.cascades[0].spec.length_m;
+    keyframe.fields = {sea::Field::foam};
+    keyframe.values.resize(keyframe.plane_size());
+    const auto size = static_cast<std::size_t>(keyframe.size);
+    for (std::size_t i = 0; i < keyframe.values.size(); ++i)
+        keyframe.values[i] = i % size < size / 2 ? west : east;
+    frame.foam_mean = mean;
+    frame.cascades[0].foam_before = frame.cascades[0].foam_after =
+        std::make_shared<const sea::Keyframe>(std::move(keyframe));
+}
+
+TEST_F(RendererTest, breaking_crests_are_white_and_troughs_never) {
     // k a = 2 pi 4 / 100 * 2 = 0.5: the Jacobian is 0.5 on crests, 1.5 in troughs.
     SyntheticSea sea(one_wave(2.0, 100, 4));
-    const SeaFrame frame = sea.at(0);
+    SeaFrame frame = sea.at(0);
+    frame.foam_threshold = 0.6;
+    set_foam(frame, 0.02, 0, 0); // nothing broke before: one cascade's coverage is mean * ratio
     camera_.z_m = 30;
     camera_.pitch_deg = -30;
-    const Picture foam = render(frame, Sky(sun_direction(12)), DebugView::foam);
-    const Picture place = render(frame, Sky(sun_direction(12)), DebugView::place);
-    double crests = 0, troughs = 0;
-    for (std::size_t i = 0; i < foam.rgba.size(); i += 4) {
-        const float height = place.rgba[i + 2];
-        crests += height > 1.6f ? static_cast<double>(foam.rgba[i]) : 0.0;
-        troughs += height < -1.0f ? static_cast<double>(foam.rgba[i]) : 0.0;
-    }
+    const auto white = [&] {
+        const Picture foam = render(frame, Sky(sun_direction(12)), DebugView::foam);
+        const Picture place = render(frame, Sky(sun_direction(12)), DebugView::place);
+        double crests = 0, troughs = 0;
+        for (std::size_t i = 0; i < foam.rgba.size(); i += 4) {
+            const float height = place.rgba[i + 2];
+            crests += height > 1.6f ? static_cast<double>(foam.rgba[i]) : 0.0;
+            troughs += height < -1.0f ? static_cast<double>(foam.rgba[i]) : 0.0;
+        }
+        return std::pair{crests, troughs};
+    };
+    const auto [crests, troughs] = white();
     EXPECT_GT(crests, 50);
     // Below -1 m, J is above 1.25: six standard deviations of the law from breaking.
     EXPECT_LT(troughs, 1e-3 * crests);
+    frame.foam_mean = 0;
+    EXPECT_EQ(white().first, 0) << "a scene without foam has none";
+}
+
+// Noise has some hundred patches in a picture: their area is the share within a tenth or so, and
+// the soft edges of patches take from one side what they give to the other.
+TEST_F(RendererTest, what_has_broken_covers_the_share_that_the_foam_maps_say) {
+    SeaFrame frame = flat_sea();
+    frame.foam_threshold = 0.1;
+    camera_.x_m = 50; // on the border of the halves, looking along it
+    camera_.yaw_deg = 0;
+    camera_.z_m = 40;
+    camera_.pitch_deg = -40;
+    for (const float share : {0.05f, 0.3f, 0.7f}) {
+        set_foam(frame, 0.1, 0, 10 * share);
+        const Picture foam = render(frame, Sky(sun_direction(12)), DebugView::foam);
+        const Picture place = render(frame, Sky(sun_direction(12)), DebugView::place);
+        double west = 0, east = 0, west_pixels = 0, east_pixels = 0;
+        for (std::size_t i = 0; i < foam.rgba.size(); i += 4) {
+            const double at = (camera_.x_m + static_cast<double>(place.rgba[i])) / 100;
+            const double u = at - std::floor(at);
+            const double value = static_cast<double>(foam.rgba[i]);
+            if (u > 0.05 && u < 0.45)
+                west += value, ++west_pixels;
+            if (u > 0.55 && u < 0.95)
+                east += value, ++east_pixels;
+        }
+        EXPECT_EQ(west, 0) << share;
+        ASSERT_GT(east_pixels, 1000) << share;
+        EXPECT_GT(west_pixels, 1000) << share;
+        EXPECT_NEAR(east / east_pixels, static_cast<double>(share),
+                    0.02 + 0.15 * static_cast<double>(share));
+    }
 }
 
 TEST_F(RendererTest, normals_are_exact_on_a_choppy_wave) {

@@ -48,6 +48,38 @@ TEST(SeaMaps, the_last_mip_knows_the_mean_square_slope) {
         << "whole waves: no mean slope";
 }
 
+/// A foam map of a cascade: rises by `step` a texel along x, starting at `first`.
+sea::KeyframePtr foam_ramp(const sea::CascadeSpec& spec, sea::TimeUs time_us, float first,
+                           float step) {
+    sea::Keyframe keyframe;
+    keyframe.time_us = time_us;
+    keyframe.size = spec.size;
+    keyframe.length_m = spec.length_m;
+    keyframe.fields = {sea::Field::foam};
+    keyframe.values.resize(keyframe.plane_size());
+    for (std::size_t i = 0; i < keyframe.values.size(); ++i)
+        keyframe.values[i] =
+            first + step * static_cast<float>(i % static_cast<std::size_t>(spec.size));
+    return std::make_shared<const sea::Keyframe>(std::move(keyframe));
+}
+
+TEST(SeaMaps, foam_is_linear_in_space_and_time_and_its_last_mip_is_the_mean) {
+    SyntheticSea sea(one_wave(0.7, 90, 3));
+    SeaFrame frame = sea.at(1'250'000);
+    const SeaMaps without = build_maps(frame);
+    EXPECT_FLOAT_EQ(without.displacement[3], 1) << "average where nothing is known";
+    frame.cascades[0].foam_before = foam_ramp(frame.cascades[0].spec, 1'000'000, 0, 0.5f);
+    frame.cascades[0].foam_after = foam_ramp(frame.cascades[0].spec, 2'000'000, 4, 0.5f);
+    const SeaMaps maps = build_maps(frame);
+    ASSERT_EQ(maps.nodes, 128);
+    for (const int x : {0, 2, 31, 124}) // a node is half a texel of the foam map
+        for (const int y : {0, 77})
+            EXPECT_FLOAT_EQ(maps.displacement[4u * static_cast<std::size_t>(y * 128 + x) + 3],
+                            1.0f + 0.25f * static_cast<float>(x));
+    // 0 .. 63 texels, half a node's step more in the mean, but for the seam back to the first.
+    EXPECT_NEAR(static_cast<double>(maps.displacement.back()), 1.0 + 0.5 * 31.5, 1e-3);
+}
+
 TEST(SeaMaps, statistics_are_those_of_the_wave) {
     SyntheticSea sea(one_wave(0.7, 90, 3));
     const SeaStatistics s = build_maps(sea.at(1'000'000)).statistics;
