@@ -24,6 +24,11 @@ float noise(vec2 at_m, int level) {
 /// Variance of noise(): of the corners' uniform numbers, 1/12, what smooth weights leave.
 const float noise_variance = 0.046;
 
+/// Noise finer than the pixel is worth its mean: how much of a level is seen.
+float seen_share(int level, float pixel_m) {
+    return clamp(1.5 - 2.0 * pixel_m * exp2(float(level)), 0.0, 1.0);
+}
+
 /// What of a pixel is white. Far away that is the share itself; near, patches of full cover whose
 /// area is the share.
 float foam_cover(float share, vec2 undisplaced_m, float distance_m) {
@@ -31,13 +36,15 @@ float foam_cover(float share, vec2 undisplaced_m, float distance_m) {
     if (share < 0.002)
         return 0.0;
     vec2 at = undisplaced_m + view.foam.zw;
-    at += 0.6 * vec2(noise(at, 1), noise(at + 37.0, 1)); // tears the patches' edges
+    const int coarsest = int(view.foam_mean.y);
+    // Tears the patches' edges.
+    const int torn = coarsest + 3;
+    at += 0.15 * exp2(-float(coarsest)) * vec2(noise(at, torn), noise(at + 37.0, torn));
     float pattern = 0.0;
     float variance = 1e-6;
     float amplitude = 1.0;
-    for (int level = -2; level <= 5; ++level) {
-        // An octave finer than the pixel is worth its mean.
-        const float seen = amplitude * clamp(1.5 - 2.0 * pixel_m * exp2(float(level)), 0.0, 1.0);
+    for (int level = coarsest; level <= coarsest + 7; ++level) {
+        const float seen = amplitude * seen_share(level, pixel_m);
         if (seen > 0.0)
             pattern += seen * (noise(at, level) - 0.5);
         variance += seen * seen * noise_variance;
@@ -48,5 +55,5 @@ float foam_cover(float share, vec2 undisplaced_m, float distance_m) {
     const float uniform_noise = 1.0 / (1.0 + exp(-1.702 * pattern * inversesqrt(variance)));
     const float edge = min(0.12, 0.9 * min(share, 1.0 - share) + 0.005);
     const float patches = smoothstep(-edge, edge, uniform_noise - (1.0 - share));
-    return mix(patches, share, clamp(pixel_m * 2.0 - 0.5, 0.0, 1.0));
+    return mix(share, patches, seen_share(coarsest + 1, pixel_m));
 }
