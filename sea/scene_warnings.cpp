@@ -5,6 +5,7 @@
 
 #include "sea/directional_spectrum.h"
 #include "sea/moments.h"
+#include "sea/realize.h"
 #include "sea/scene.h"
 
 namespace seaway::sea {
@@ -33,6 +34,32 @@ void warn_of_systems(const Scene& scene, std::vector<std::string>& warnings) {
     }
 }
 
+double degrees_of_exponent(double exponent) { // circular spread of cos2s
+    return std::sqrt(2.0 / (exponent + 1.0)) * 180.0 / pi;
+}
+
+/// Beams that no lattice of theirs can carry at their peak (hard case A16).
+void warn_of_narrow_beams(const Scene& scene, const Realization& realization,
+                          std::vector<std::string>& warnings) {
+    const Dispersion dispersion = scene.sea.dispersion();
+    for (std::size_t i = 0; i < scene.sea.systems.size(); ++i) {
+        const DirectionalSpectrum spectrum(scene.sea.systems[i], scene.sea);
+        if (spectrum.empty())
+            continue;
+        const double k = dispersion.wavenumber(spectrum.peak_omega_radps());
+        const double asked = spectrum.ring(k).spreading.exponent();
+        for (const CascadeModes& cascade : realization.cascades) {
+            const double carried = lattice_exponent_max(k, cascade.spec.wavenumber_step_radpm());
+            if (cascade.carries_spectra && cascade.band.contains(k) && asked > carried)
+                warnings.push_back(fmt::format(
+                    "sea.system[{}]: a beam of {:.2g} degrees falls between the waves of the "
+                    "cascade of {:g} m; at its peak it is widened to {:.2g} degrees",
+                    i + 1, degrees_of_exponent(asked), cascade.spec.length_m,
+                    degrees_of_exponent(carried)));
+        }
+    }
+}
+
 void warn_of_added_tiles(const Realization& realization, std::vector<std::string>& warnings) {
     for (const CascadeModes& cascade : realization.cascades)
         if (!cascade.carries_spectra)
@@ -51,6 +78,7 @@ std::vector<std::string> scene_warnings(const Scene& scene) {
     const SeaSummary summary = summarize(scene.sea, *realization);
     const double height = summary.requested.significant_height_m;
     warn_of_systems(scene, warnings);
+    warn_of_narrow_beams(scene, *realization, warnings);
     warn_of_added_tiles(*realization, warnings);
     if (!(height > 0.0))
         return warnings;
