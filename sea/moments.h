@@ -23,7 +23,7 @@ struct SeaStatistics {
 struct CascadeVariance {
     double requested_m2;     ///< integral of the spectrum over the band
     double realised_m2;      ///< sum over the drawn modes, averaged over time
-    double expected_scatter; ///< standard deviation of the realised Hs over seeds, relative
+    double expected_scatter; ///< standard deviation over seeds of Hs of the tile at one instant
 };
 
 struct SeaSummary {
