@@ -211,10 +211,10 @@ Result<std::vector<Answer>> Client::sample(std::span<const QueryPoint> points) c
     return answers;
 }
 
-std::size_t Client::times_at_once(const SeaState& state) const {
+std::size_t Client::times_at_once(const SeaState& state, sea::FieldSet fields) const {
     std::size_t samples = 0; // of the two keyframes of every cascade around one time
     for (const protocol::CascadeInfo& cascade : state.cascades)
-        samples += 2 * static_cast<std::size_t>(sea::surface_fields.size()) *
+        samples += 2 * static_cast<std::size_t>(fields.size()) *
                    static_cast<std::size_t>(cascade.size) * static_cast<std::size_t>(cascade.size);
     constexpr std::size_t bytes_per_sample = 1; // tiles take a third of it at usual bounds
     const std::size_t fit =
@@ -234,7 +234,7 @@ Result<void> Client::hold(std::span<const TimeUs> times_us, double timeout_s, se
     }
     protocol::TileWish wish;
     wish.fields = fields;
-    const std::size_t at_once = times_at_once(*sea_state(0));
+    const std::size_t at_once = times_at_once(*sea_state(0), fields);
     for (std::size_t first = 0; first < missing.size(); first += at_once) {
         const std::size_t count = std::min(at_once, missing.size() - first);
         Waiter waiter;
@@ -256,7 +256,7 @@ Result<std::vector<Answer>> Client::fetch_and_sample(std::span<const QueryPoint>
         return points[a].time_us < points[b].time_us;
     });
     std::vector<Answer> answers(points.size());
-    const std::size_t cells_at_once = times_at_once(*sea_state(0));
+    const std::size_t cells_at_once = times_at_once(*sea_state(0), sampled_fields());
     for (std::size_t first = 0; first < order.size();) {
         std::vector<TimeUs> times;
         std::vector<QueryPoint> batch;

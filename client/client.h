@@ -102,7 +102,7 @@ class Client {
     /// Without what the server is known not to offer.
     sea::FieldSet offered(sea::FieldSet fields) const;
     /// Times that one fetch may ask for: the server bounds their number and their bytes.
-    std::size_t times_at_once(const SeaState& state) const;
+    std::size_t times_at_once(const SeaState& state, sea::FieldSet fields) const;
     /// Notes what the server does not offer, so that it is not waited for.
     void note_offer(sea::FieldSet asked, sea::FieldSet granted);
 

@@ -14,9 +14,10 @@ function(seaway_program name)
 endfunction()
 
 # seaway_test(sea SOURCES test_x.cpp ... LINKS ...): one GoogleTest program a room, one ctest entry.
-# Tests read their data below SEAWAY_SOURCE_DIR and find programs in SEAWAY_BIN_DIR.
+# Tests read their data below SEAWAY_SOURCE_DIR and find programs in SEAWAY_BIN_DIR. DRIVER: a Vulkan
+# driver is loaded, here or in a program that is started.
 function(seaway_test name)
-  cmake_parse_arguments(T "" "TIMEOUT" "SOURCES;LINKS" ${ARGN})
+  cmake_parse_arguments(T "DRIVER" "TIMEOUT" "SOURCES;LINKS" ${ARGN})
   if(NOT T_TIMEOUT)
     set(T_TIMEOUT 300)
   endif()
@@ -26,4 +27,13 @@ function(seaway_test name)
     SEAWAY_BIN_DIR="${PROJECT_BINARY_DIR}/bin")
   add_test(NAME ${name} COMMAND test_${name} --gtest_brief=1)
   set_tests_properties(${name} PROPERTIES TIMEOUT ${T_TIMEOUT})
+  if(SEAWAY_SANITIZE MATCHES address)
+    # What is freed is held back only for a while, so that memory that grows can be told; lavapipe's
+    # compiler (LLVM) leaks some KB when it is unloaded.
+    set(asan_options quarantine_size_mb=8)
+    if(T_DRIVER)
+      string(APPEND asan_options :detect_leaks=0)
+    endif()
+    set_tests_properties(${name} PROPERTIES ENVIRONMENT ASAN_OPTIONS=${asan_options})
+  endif()
 endfunction()

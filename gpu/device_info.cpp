@@ -98,10 +98,8 @@ DeviceInfo describe(VkPhysicalDevice physical, int index) {
         (v11.subgroupSupportedStages & VK_SHADER_STAGE_COMPUTE_BIT) &&
         (v11.subgroupSupportedOperations & VK_SUBGROUP_FEATURE_SHUFFLE_RELATIVE_BIT) &&
         (v11.subgroupSupportedOperations & VK_SUBGROUP_FEATURE_SHUFFLE_BIT);
-    if (v13.requiredSubgroupSizeStages & VK_SHADER_STAGE_COMPUTE_BIT) {
-        info.subgroup_size_min = v13.minSubgroupSize;
-        info.subgroup_size_max = v13.maxSubgroupSize;
-    }
+    info.subgroup_size_min = v13.minSubgroupSize;
+    info.subgroup_size_max = v13.maxSubgroupSize;
     for (std::uint32_t i = 0; i < memory.memoryHeapCount; ++i)
         if (memory.memoryHeaps[i].flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT)
             info.memory_bytes = std::max(info.memory_bytes, memory.memoryHeaps[i].size);

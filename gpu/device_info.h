@@ -21,7 +21,7 @@ struct DeviceInfo {
     std::uint32_t api_version = 0;
     std::uint32_t subgroup_size = 0;
     bool subgroup_shuffle = false;       ///< shuffles in compute shaders
-    std::uint32_t subgroup_size_min = 0; ///< sizes that a kernel may require; 0: no choice
+    std::uint32_t subgroup_size_min = 0; ///< a kernel may find itself in any size between these
     std::uint32_t subgroup_size_max = 0;
     std::uint64_t memory_bytes = 0; ///< largest device-local heap
     bool graphics = false;          ///< its queue can draw

@@ -200,7 +200,7 @@ std::string metrics_text(const EffectPlan& plan, const SimulationCounters& count
     add("transforms_total", "counter", "2-D transforms of real fields.",
         whole(counters.synthesis.transforms));
     add("keyframes_total", "counter", "Keyframes computed.", whole(counters.synthesis.keyframes));
-    add("device_seconds_total", "counter", "Time by the device's clock.",
+    add("device_seconds_total", "counter", "Time on the device.",
         counters.synthesis.device_seconds);
     add("keyframes_published_total", "counter", "Keyframes handed to the publisher.",
         whole(counters.keyframes_published));

@@ -71,7 +71,8 @@ def columns(n, lanes, band):
 
 
 def pitch(n, band):
-    """vec4 from one pair of rows to the next in the memory between the passes."""
+    """vec4 from one pair of rows to the next in the memory between the passes; a few more than there
+    are columns, as strides of powers of two would fall on few lines of a cache."""
     return columns(n, PLANS[n][0], band) + 4
 
 

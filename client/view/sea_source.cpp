@@ -49,6 +49,7 @@ Result<SeaFrame> sea_frame_at(Client& client, sea::TimeUs time_us, double timeou
     SeaFrame frame;
     frame.time_us = time_us;
     frame.choppiness = {state->choppiness_x, state->choppiness_y};
+    frame.significant_height_m = state->realised.hs_m;
     frame.foam_mean = state->foam_mean;
     if (const Result<sea::Scene> scene = sea::parse_scene(state->scene, "scene of the server", "."))
         frame.foam_threshold = scene->foam.threshold;

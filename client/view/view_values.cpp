@@ -41,9 +41,9 @@ double fraction(double value) {
 
 /// Noise of cells of 2^-level metres is the coarsest of foam: patches are smaller than waves.
 double foam_level(double significant_height_m) {
-    constexpr double cells_per_height = 0.6;
+    constexpr double heights_per_cell = 0.6;
     return std::clamp(
-        std::round(-std::log2(cells_per_height * std::max(significant_height_m, 1e-3))), -4.0, 4.0);
+        std::round(-std::log2(heights_per_cell * std::max(significant_height_m, 1e-3))), -4.0, 4.0);
 }
 
 /// Waves beyond the finest cascade: its variance of slope a factor of wavenumber goes on.
@@ -101,7 +101,7 @@ shaders::ViewValues view_values(const SeaFrame& frame, const SeaMaps& maps, cons
                         fraction((s * camera.x_m + c * camera.y_m) * scale + half_texel), scale,
                         options.detail ? tail.slope_variance : 0.0);
     out.detail_turn = vector(c, s, options.detail ? tail.copy_amplitude : 0.0, maps.cascades);
-    out.foam_mean = vector(frame.foam_mean, foam_level(maps.statistics.significant_height_m), 0, 0);
+    out.foam_mean = vector(frame.foam_mean, foam_level(frame.significant_height_m), 0, 0);
     out.counts =
         vector(mesh.columns, static_cast<double>(mesh.rows_m.size()),
                static_cast<double>(debug.view), std::min(debug.cascade, maps.cascades - 1));

@@ -1,18 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 // The loop of foam_kernel.h, without branches, for the compiler to vectorise. In an unnamed
-// namespace: each translation unit that includes it is compiled for other instructions.
+// namespace, and nothing of the standard library: each translation unit that includes it is
+// compiled for other instructions, and a linker keeps one copy of what they share.
 #pragma once
-
-#include <algorithm>
-#include <bit>
-#include <cmath>
-#include <cstdint>
 
 #include "server/simulation/foam_kernel.h"
 
 namespace seaway::server {
 
 namespace {
+
+inline float larger(float a, float b) {
+    return a < b ? b : a;
+}
+inline float smaller(float a, float b) {
+    return b < a ? b : a;
+}
 
 /// Ratios below this are nothing; keeps denormal numbers out (hard case E4).
 constexpr float ratio_min = 1e-6f;
@@ -31,8 +34,8 @@ inline float normal_density(float t) {
     const float mantissa =
         1.0f + f * (0.69314718f +
                     f * (0.24022651f + f * (0.05550411f + f * (0.00961813f + f * 0.00133336f))));
-    const auto exponent = std::bit_cast<std::int32_t>(shifted) - std::bit_cast<std::int32_t>(round);
-    return 0.39894228f * std::bit_cast<float>((exponent + 127) << 23) * mantissa;
+    const auto exponent = __builtin_bit_cast(int, shifted) - __builtin_bit_cast(int, round);
+    return 0.39894228f * __builtin_bit_cast(float, (exponent + 127) << 23) * mantissa;
 }
 
 /// 1 - t M(t) and its companion t (1 - t M) + M, M being Mills' ratio Phi(-t)/phi(t), 0 <= t <=
@@ -68,17 +71,17 @@ inline float shortfall(const FoamTick& tick, float strain_xx, float strain_yy, f
     const float slope = 0.5f * (2.0f + a + b - tick.difference * difference - tick.shear * c);
     const float rest = difference * difference * tick.difference_rest + c * c * tick.shear_rest +
                        difference * c * tick.cross_rest + tick.constant_rest;
-    const float width = std::sqrt(std::max(slope * slope * tick.variance + rest, 0.0f));
+    const float width = __builtin_sqrtf(larger(slope * slope * tick.variance + rest, 0.0f));
     const float top = mean + tick.curvature;
     const float discriminant = width * width + 4.0f * tick.curvature * top;
-    const float root = 2.0f * top / (width + std::sqrt(std::max(discriminant, 0.0f)));
-    const float t = std::min(std::abs(root), deviations_max);
+    const float root = 2.0f * top / (width + __builtin_sqrtf(larger(discriminant, 0.0f)));
+    const float t = smaller(__builtin_fabsf(root), deviations_max);
     const MillsTerms mills = mills_terms(t);
     const float side = root > 0.0f ? 1.0f : -1.0f;
     const float tail =
         normal_density(t) * (width * mills.linear + side * tick.curvature * mills.square);
     const float excess = tail + (root > 0.0f ? mean : 0.0f);
-    return discriminant > 0.0f ? std::max(excess, 0.0f) : 0.0f;
+    return discriminant > 0.0f ? larger(excess, 0.0f) : 0.0f;
 }
 
 void advance_ratios(const FoamTick& tick, const float* xx, const float* yy, const float* xy,

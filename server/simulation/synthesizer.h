@@ -30,7 +30,7 @@ struct SynthesisCounters {
     std::uint64_t dispatches = 0; ///< kernels started (native: passes)
     std::uint64_t transforms = 0; ///< 2-D transforms, one a real field
     std::uint64_t keyframes = 0;
-    double device_seconds = 0; ///< by the device's own clock, of a CPU as device by ours
+    double device_seconds = 0; ///< by the device's own clock where that costs nothing
 };
 
 class Synthesizer {

@@ -44,17 +44,23 @@ class VulkanBatch {
     void read_jacobian(int job, std::span<float> out) const;
 
     std::uint64_t dispatches() const { return dispatches_; }
-    /// By the device's clock; of a CPU as device by ours, unless passes are timed.
+    /// By the device's clock where passes are timed, else by ours.
     double device_seconds() const { return device_seconds_; }
-    /// Whether each pass is timed. So it is, but on a CPU as device: there a time stamp waits for
-    /// all threads, 30 to 40 us each (docs/performance.md).
+    /// Whether each pass is timed. So it is, but not by a device without time stamps, nor by a CPU
+    /// as device: there a stamp waits for all threads, 30 to 40 us each (docs/performance.md).
     void time_passes(bool wanted) { time_passes_ = wanted; }
     /// Of the last run that was timed, pass by pass; the Jacobian last.
     std::span<const double> pass_seconds() const { return pass_seconds_; }
 
   private:
+    /// Above this size one keyframe at a time is faster: its scratch stays in the cache
+    /// (docs/performance.md).
+    static constexpr int largest_batched_size = 256;
+    static constexpr int most_jobs = 64;
+
     VulkanBatch(gpu::Device& device, const SynthesisKernels& kernels)
-        : device_(device), kernels_(kernels), time_passes_(!device.info().is_cpu()) {}
+        : device_(device), kernels_(kernels),
+          time_passes_(!device.info().is_cpu() && device.limits().timestampComputeAndGraphics) {}
     Result<void> allocate(int cascade_count);
     Result<void> bind();
     void stamp();

@@ -68,10 +68,12 @@ std::vector<const shaders::Transform*> fitting_transforms(const gpu::DeviceInfo&
                                                           bool band_limited) {
     std::vector<const shaders::Transform*> fitting;
     for (const shaders::Transform& transform : shaders::synthesis_transforms()) {
-        const bool runs =
-            transform.lanes == 0 ||
-            (device.subgroup_shuffle && device.subgroup_size >= transform.lanes &&
-             device.subgroup_size <= shaders::synthesis_workgroup);
+        // A lane of the largest T holds more numbers than a GPU has registers.
+        constexpr int largest_on_gpu = 256;
+        const bool runs = transform.lanes == 0 ||
+                          (device.subgroup_shuffle && device.subgroup_size_min >= transform.lanes &&
+                           device.subgroup_size_max <= shaders::synthesis_workgroup &&
+                           (device.is_cpu() || transform.size <= largest_on_gpu));
         if (transform.size == size && transform.band_limited == band_limited && runs)
             fitting.push_back(&transform);
     }

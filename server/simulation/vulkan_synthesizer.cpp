@@ -87,7 +87,7 @@ class Vulkan final : public VulkanSynthesizer {
     std::uint32_t epoch_ = 0;
     std::vector<int> position_; ///< of each cascade within its batch
     std::shared_ptr<SpareBuffers> spare_ = std::make_shared<SpareBuffers>();
-    sea::ThreadPool copiers_;
+    sea::ThreadPool copiers_{2};
     SynthesisCounters counters_;
 };
 

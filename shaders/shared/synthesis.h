@@ -22,8 +22,9 @@ SEAWAY_SHARED_CONSTANT synthesis_workgroup = 64;
 //     weights of 1, ky, 1/k, ky/k | weight of ky^2/k, 1 for dh/dt, fields: first, end
 //   one for each field, from first_field_texel on:
 //     weights of 1, kx, kx^2, 1 to multiply by i
-SEAWAY_SHARED_CONSTANT max_sources = 11;
-SEAWAY_SHARED_CONSTANT max_fields = 11;
+// A real field needs what is real: i goes with fields that are odd in k, and with no others.
+SEAWAY_SHARED_CONSTANT max_sources = 16;
+SEAWAY_SHARED_CONSTANT max_fields = 16;
 SEAWAY_SHARED_CONSTANT first_field_texel = 2 * max_sources;
 
 /// One keyframe of a batch, a texel of RGBA32UI.

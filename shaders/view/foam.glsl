@@ -14,7 +14,8 @@ float noise(vec2 at_m, int level) {
     const float frequency = exp2(float(level));
     const vec2 at = at_m * frequency;
     const ivec2 cell = ivec2(floor(at));
-    const int period = int(float(view_noise_period_m) * frequency);
+    const int period =
+        level >= 0 ? view_noise_period_m << level : view_noise_period_m >> -level;
     vec2 t = at - vec2(cell);
     t = t * t * (3.0 - 2.0 * t);
     return mix(mix(hash(cell, period), hash(cell + ivec2(1, 0), period), t.x),

@@ -124,9 +124,15 @@ float history_share(Footprint area) {
     return clamp(view.foam_mean.x * (together - 1.0), 0.0, 1.0);
 }
 
-/// What has broken, and what breaks at this moment. `g` without detail.
+/// What has broken, and where the pixel resolves the waves, what breaks at this moment: of what it
+/// does not resolve, the history is the mean. `g` without detail.
 float foam_share(Footprint area, Gradients g) {
     if (view.foam_mean.x <= 0.0)
         return 0.0;
-    return max(history_share(area), breaking_share(scaled_normal(g).z, g.variance));
+    const float history = history_share(area);
+    const float lambda = max(view.sea.x, view.sea.y);
+    const float sharp = view.foam.y * view.foam.y;
+    const float resolved = sharp / (sharp + lambda * lambda * (g.variance.x + g.variance.y));
+    const float breaking = breaking_share(scaled_normal(g).z, g.variance);
+    return mix(history, max(history, breaking), resolved);
 }

@@ -2,13 +2,12 @@
 // Vulkan kernels against two FFTW programs, interleaved in one process; prints a table or CSV.
 //
 //     bench_kernels [--sizes 128,256,512] [--repeats 40] [--reach SHARE] [--device auto] [--csv]
-//     bench_kernels --start [--sizes ...]     CPU seconds until a size is compiled and checked; for
-//     a
-//                                             cold start set MESA_SHADER_CACHE_DISABLE=true
+//     bench_kernels --start [--sizes ...]
 //
-// Work: three cascades of one size, eight fields (height, two displacements, two slopes, three
-// strains). `--reach` is the radius of the disc of modes in use as a
-// share of Nyquist: 2 uses all of them, 0.6 those of a sea made from spectra.
+// `--start` measures CPU time until a size is compiled and checked; for a cold start set
+// MESA_SHADER_CACHE_DISABLE=true. Else the work is three cascades of one size, eight fields
+// (height, two displacements, two slopes, three strains). `--reach` is the radius of the disc of
+// modes in use as a share of Nyquist: 2 uses all of them, 0.6 those of a sea made from spectra.
 //
 //   maps DESIGN:       submit to eight maps a cascade in device memory
 //   vulkan keyframes:  Synthesizer::synthesize, with the copy to keyframes
@@ -228,8 +227,7 @@ void time_size(const Settings& settings, gpu::Device& device, int size) {
     }
 }
 
-/// One size after another in processes of their own would be fairer to the driver, but it keeps
-/// nothing between two devices without its cache on disk.
+/// What each design costs until it can be used, the device's own check apart.
 void time_start(const Settings& settings, int size) {
     auto sea = std::make_shared<sea::Realization>();
     sea->cascades.push_back(sea::random_modes(size, settings.reach * size / 2, 0, 100.0));

@@ -246,6 +246,23 @@ TEST_F(RendererTest, what_has_broken_covers_the_share_that_the_foam_maps_say) {
     }
 }
 
+// Where a pixel covers many waves it is as white as the sea is on average, whatever breaks in it.
+TEST_F(RendererTest, the_distance_is_as_white_as_the_sea_is_on_average) {
+    SyntheticSea sea = gale();
+    SeaFrame frame = sea.at(5'000'000);
+    frame.foam_threshold = 0.71;
+    frame.foam_mean = 0.024;
+    camera_.z_m = 3000;
+    camera_.pitch_deg = -30;
+    const Picture foam = render(frame, Sky(sun_direction(12)), DebugView::foam);
+    double sum = 0;
+    for (std::size_t i = 0; i < foam.rgba.size(); i += 4)
+        sum += static_cast<double>(foam.rgba[i]);
+    const double mean = sum / (static_cast<double>(foam.rgba.size()) / 4);
+    // A pixel of 15 m: what little of the long waves it resolves may add a few percent.
+    EXPECT_NEAR(mean, 0.024, 0.1 * 0.024);
+}
+
 TEST_F(RendererTest, normals_are_exact_on_a_choppy_wave) {
     SyntheticSea sea(one_wave(2.0, 100, 4));
     const SeaFrame frame = sea.at(0);
