@@ -163,6 +163,7 @@ SeaStatistics statistics_of(const SeaMaps& maps, const sea::Choppiness& choppine
         out.crest_m += height_max;
         out.reach_m += moved_max;
         out.finest_slope_variance = slopes / static_cast<double>(texels);
+        out.slope_variance += out.finest_slope_variance;
     }
     out.significant_height_m = 4 * std::sqrt(variance);
     return out;

@@ -17,7 +17,8 @@ struct SeaStatistics {
     double significant_height_m = 0;  ///< 4 standard deviations of height
     double crest_m = 0;               ///< no height is above this: sum over cascades
     double reach_m = 0;               ///< no point is moved sideways further than this
-    double finest_slope_variance = 0; ///< of the last cascade, both axes
+    double slope_variance = 0;        ///< of all cascades, both axes
+    double finest_slope_variance = 0; ///< of the last one
 };
 
 struct SeaMaps {

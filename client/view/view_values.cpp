@@ -101,7 +101,8 @@ shaders::ViewValues view_values(const SeaFrame& frame, const SeaMaps& maps, cons
                         fraction((s * camera.x_m + c * camera.y_m) * scale + half_texel), scale,
                         options.detail ? tail.slope_variance : 0.0);
     out.detail_turn = vector(c, s, options.detail ? tail.copy_amplitude : 0.0, maps.cascades);
-    out.foam_mean = vector(frame.foam_mean, foam_level(frame.significant_height_m), 0, 0);
+    out.foam_mean = vector(frame.foam_mean, foam_level(frame.significant_height_m),
+                           maps.statistics.slope_variance, 0);
     out.counts =
         vector(mesh.columns, static_cast<double>(mesh.rows_m.size()),
                static_cast<double>(debug.view), std::min(debug.cascade, maps.cascades - 1));

@@ -37,7 +37,7 @@ struct ViewValues {
     vec4 mesh;            ///< apex x, y (local); first azimuth and step, rad
     vec4 sea;             ///< choppiness x, y; 1/(2 earth radius), 1/m; aerial extinction, 1/m
     vec4 foam;            ///< Jacobian that breaks; softness of that; noise origin x, y, m
-    vec4 foam_mean;       ///< coverage by what has broken, 0: no foam at all; level of its noise
+    vec4 foam_mean;       ///< coverage, 0: no foam; level of its noise; variance of all slopes
     vec4 detail;          ///< origin u, v; scale 1/m; variance of slope of waves beyond all maps
     vec4 detail_turn;     ///< cosine, sine of its turn; amplitude, 0 or 1; number of cascades
     vec4 counts;          ///< columns of the mesh; rows; debug view; cascade that it shows

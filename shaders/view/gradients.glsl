@@ -130,9 +130,8 @@ float foam_share(Footprint area, Gradients g) {
     if (view.foam_mean.x <= 0.0)
         return 0.0;
     const float history = history_share(area);
-    const float lambda = max(view.sea.x, view.sea.y);
-    const float sharp = view.foam.y * view.foam.y;
-    const float resolved = sharp / (sharp + lambda * lambda * (g.variance.x + g.variance.y));
+    const float resolved =
+        max(1.0 - (g.variance.x + g.variance.y) / max(view.foam_mean.z, 1e-6), 0.0);
     const float breaking = breaking_share(scaled_normal(g).z, g.variance);
-    return mix(history, max(history, breaking), resolved);
+    return mix(history, max(history, breaking), resolved * resolved);
 }
