@@ -27,17 +27,18 @@ Result<std::unique_ptr<Synthesizer>> make_vulkan(const VulkanOptions& options) {
 
 } // namespace
 
-SynthesizerFactory device_factory(const Options& options) {
+SynthesizerFactory device_factory(const Options& options, sea::RealizationPtr sea) {
     if (options.device == native_name)
         return make_native;
     const VulkanOptions vulkan{options.device, options.validation};
     if (options.device != "auto")
         return [vulkan] { return make_vulkan(vulkan); };
-    return [vulkan]() -> Result<std::unique_ptr<Synthesizer>> {
+    return [vulkan, sea = std::move(sea)]() -> Result<std::unique_ptr<Synthesizer>> {
         Result<std::unique_ptr<Synthesizer>> made = make_vulkan(vulkan);
-        if (made)
+        const Result<void> able = made ? (*made)->set_sea(sea, 0) : Result<void>(made.error());
+        if (able)
             return made;
-        spdlog::warn("device=native why=\"{}\"", made.error().message);
+        spdlog::warn("device=native why=\"{}\"", able.error().message);
         return make_native();
     };
 }

@@ -65,7 +65,7 @@ int serve(const Options& options) {
     const auto clock = sea_clock();
     World world(*sea, warnings, clock);
     Result<std::unique_ptr<Simulation>> simulation =
-        Simulation::start(*sea, device_factory(options), clock, events(world));
+        Simulation::start(*sea, device_factory(options, (*sea)->realization), clock, events(world));
     if (!simulation)
         return fail(exit_no_device, simulation.error());
     world.attach(**simulation);

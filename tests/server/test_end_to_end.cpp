@@ -144,6 +144,17 @@ INSTANTIATE_TEST_SUITE_P(
                  "here:there"}),
     [](const auto& start) { return std::string(start.param.what); });
 
+TEST(Start, auto_takes_the_native_device_for_a_sea_that_no_vulkan_device_can_do) {
+    tests::ServerProcess server({"tests/data/scenes/tile_of_32.toml", "--listen", "127.0.0.1:0"});
+    ASSERT_NE(server.wait_until_ready(), "") << server.log();
+    EXPECT_NE(server.log().find("device=native why="), std::string::npos) << server.log();
+    EXPECT_NE(server.log().find("size 32"), std::string::npos) << server.log();
+    tests::ServerProcess wanted(
+        {"tests/data/scenes/tile_of_32.toml", "--listen", "127.0.0.1:0", "--device", "0"});
+    EXPECT_EQ(wanted.wait_until_ready(), "") << "asked for by number, it is not replaced";
+    EXPECT_EQ(wanted.wait_for_exit(std::chrono::seconds(60)), 3);
+}
+
 /// GET over a plain socket: status and body.
 std::pair<int, std::string> http_get(const std::string& url, const std::string& target) {
     const std::size_t colon = url.rfind(':');
