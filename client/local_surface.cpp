@@ -24,8 +24,10 @@ double sampled_error(const KeyframePair& pair, Field value, Field rate, double i
 }
 
 /// Displacements that six standard deviations do not reach: Hs = 4 sigma.
-double displacement_reach_m(const SeaState& state) {
-    return 1.5 * state.realised.hs_m * std::max(state.choppiness_x, state.choppiness_y);
+sea::FoldSearch folds_of(const SeaState& state) {
+    const sea::Choppiness choppiness{state.choppiness_x, state.choppiness_y};
+    return sea::fold_search(1.5 * state.realised.hs_m * std::max(choppiness.x, choppiness.y),
+                            choppiness, state.rms_slope);
 }
 
 } // namespace
@@ -65,7 +67,7 @@ Result<LocalSurface> local_surface(const SeaState& state, const KeyframeRing& ri
         pairs.push_back(std::move(*pair));
     }
     return LocalSurface{sea::Surface(std::move(splines), {state.choppiness_x, state.choppiness_y},
-                                     displacement_reach_m(state), local_map_error(state, pairs)),
+                                     folds_of(state), local_map_error(state, pairs)),
                         covered};
 }
 

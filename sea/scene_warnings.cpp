@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -7,6 +8,7 @@
 #include "sea/moments.h"
 #include "sea/realize.h"
 #include "sea/scene.h"
+#include "sea/surface/inverse.h"
 
 namespace seaway::sea {
 
@@ -32,6 +34,18 @@ void warn_of_systems(const Scene& scene, std::vector<std::string>& warnings) {
                 "nowhere negative; they were moved to the nearest that does",
                 i + 1, measured->spectrum->changed_bins, measured->spectrum->bins.size()));
     }
+}
+
+void warn_of_folds(const Scene& scene, const SeaSummary& summary,
+                   std::vector<std::string>& warnings) {
+    const double rms_slope = std::sqrt(summary.realised.mean_square_slope);
+    const double choppiness = std::max(scene.sea.choppiness.x, scene.sea.choppiness.y);
+    if (choppiness * rms_slope > folds_common_above)
+        warnings.push_back(fmt::format(
+            "choppiness {:.2g} and an rms slope of {:.2g} fold up to {:.2g} % of the surface: "
+            "where it folds there are several heights, and answers are flagged",
+            choppiness, rms_slope,
+            50.0 * std::erfc(1.0 / (std::sqrt(2.0) * choppiness * rms_slope))));
 }
 
 double degrees_of_exponent(double exponent) { // circular spread of cos2s
@@ -78,6 +92,7 @@ std::vector<std::string> scene_warnings(const Scene& scene) {
     const SeaSummary summary = summarize(scene.sea, *realization);
     const double height = summary.requested.significant_height_m;
     warn_of_systems(scene, warnings);
+    warn_of_folds(scene, summary, warnings);
     warn_of_narrow_beams(scene, *realization, warnings);
     warn_of_added_tiles(*realization, warnings);
     if (!(height > 0.0))

@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "base/result.h"
 #include "sea/field.h"
 #include "sea/surface/answer.h"
 #include "sea/surface/keyframe.h"
@@ -101,9 +102,10 @@ class Host {
     virtual TileDemand subscribe(SessionId session, const TileDemand& demand) = 0;
     virtual void unsubscribe(SessionId session) = 0;
 
-    /// Keyframes for the caller to encode.
-    virtual void fetch(FetchRequest request,
-                       std::function<void(std::vector<KeyframeTiles>, std::string error)> done) = 0;
+    /// Keyframes for the caller to encode, or why not: fetch_not_offered, or the device.
+    static constexpr int fetch_not_offered = 1;
+    using Fetched = std::function<void(Result<std::vector<KeyframeTiles>>)>;
+    virtual void fetch(FetchRequest request, Fetched done) = 0;
 
     virtual void query(QueryBatch batch, std::function<void(QueryAnswers)> done) = 0;
 

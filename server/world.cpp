@@ -73,18 +73,19 @@ void World::unsubscribe(SessionId session) {
     simulation_->set_demand(session, {});
 }
 
-void World::fetch(FetchRequest request,
-                  std::function<void(std::vector<KeyframeTiles>, std::string error)> done) {
+void World::fetch(FetchRequest request, Fetched done) {
     const TileDemand granted = grant(request.demand);
     if (granted.fields.empty())
-        return done({}, "nothing of what was asked for is offered by this scene");
+        return done(Error{"this sea offers none of these fields", fetch_not_offered});
     auto encoded = [this, quality = granted.quality,
                     done = std::move(done)](std::vector<sea::KeyframePtr> keyframes) {
         std::vector<KeyframeTiles> all;
         for (sea::KeyframePtr& keyframe : keyframes)
             all.push_back(tiles(std::move(keyframe), quality));
-        const bool failed = all.empty();
-        done(std::move(all), failed ? "too much is asked at once, or the device has failed" : "");
+        if (all.empty())
+            done(Error{"too much is asked at once, or the device has failed"});
+        else
+            done(std::move(all));
     };
     const Demand demand{granted.cascades, granted.fields};
     if (request.times_us.empty())

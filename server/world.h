@@ -37,8 +37,7 @@ class World final : public Host {
     std::vector<SharedBytes> sea_state_messages() const override { return {sea_state_}; }
     TileDemand subscribe(SessionId session, const TileDemand& demand) override;
     void unsubscribe(SessionId session) override;
-    void fetch(FetchRequest request,
-               std::function<void(std::vector<KeyframeTiles>, std::string error)> done) override;
+    void fetch(FetchRequest request, Fetched done) override;
     void query(QueryBatch batch, std::function<void(QueryAnswers)> done) override;
     void map(MapQuery query, std::function<void(MapAnswer)> done) override;
     std::string state_json() const override;

@@ -187,7 +187,7 @@ SeaMaps build_maps(const SeaFrame& frame) {
         map->resize(floats);
     for (int c = 0; c < maps.cascades; ++c) {
         const CascadeFrame& cascade = frame.cascades[static_cast<std::size_t>(c)];
-        const sea::Surface surface({cascade.keyframes}, frame.choppiness, 0, {});
+        const sea::Surface surface({cascade.keyframes}, frame.choppiness, {}, {});
         for_each_row(maps.nodes,
                      [&](int y) { fill_row(maps, surface, cascade, frame.time_us, c, y); });
     }

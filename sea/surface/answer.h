@@ -17,7 +17,10 @@ struct QueryPoint {
 
 /// Bits of Answer::flags.
 enum AnswerFlag : std::uint32_t {
-    answer_folded = 1u << 0,        ///< the surface folds here (J <= 0 nearby); the highest sheet
+    /// The surface folds here (J <= 0 nearby): the highest sheet that was found; in a sea that
+    /// folds
+    /// everywhere there may be a higher one, and `error_m` is not a bound.
+    answer_folded = 1u << 0,
     answer_not_converged = 1u << 1, ///< residual above tolerance; `error_m` covers it
     answer_extrapolated = 1u << 2,  ///< outside the keyframes held; `error_m` is not a bound
     answer_invalid = 1u << 3,       ///< the point was not a number; the rest is NaN

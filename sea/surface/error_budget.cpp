@@ -155,6 +155,10 @@ ErrorBudget plan_budget(const Realization& sea, double height_error_m) {
     return budget;
 }
 
+FoldSearch fold_search(const ErrorBudget& budget) {
+    return fold_search(budget.displacement_reach_m, budget.choppiness, budget.rms_slope);
+}
+
 std::vector<float> codec_bounds(const ErrorBudget& budget, FieldSet fields, int cascade,
                                 double codec_error_m) {
     // Spent so that sampled_codec_error() gives the sampled error back.

@@ -52,6 +52,9 @@ struct ErrorBudget {
 
 ErrorBudget plan_budget(const Realization& sea, double height_error_m);
 
+/// How answers about this sea look for folds.
+FoldSearch fold_search(const ErrorBudget& budget);
+
 /// Amplitude share that cubic Hermite in time misses at phase step u = omega * interval.
 double hermite_error(double u);
 

@@ -80,7 +80,7 @@ class Solver {
             step = {-(d * sheet.residual.x - b * sheet.residual.y) / det,
                     -(a * sheet.residual.y - c * sheet.residual.x) / det};
         const double length = std::hypot(step.x, step.y);
-        const double limit = std::max(options_.fold_reach_m, sheet.residual_m);
+        const double limit = std::max(options_.folds.reach_m, sheet.residual_m);
         if (length > limit)
             step = {step.x * limit / length, step.y * limit / length};
         return step;
@@ -128,11 +128,11 @@ Sheet highest_sheet(Solver& solver, const Sheet& found, Vec2 target, const Inver
     const ScanLine line{found.lagrangian, compression_axis(found.point)};
     const double centre =
         (target.x - line.origin.x) * line.axis.x + (target.y - line.origin.y) * line.axis.y;
-    const double spacing = 2.0 * options.fold_reach_m / (scan_points - 1);
+    const double spacing = 2.0 * options.folds.reach_m / (scan_points - 1);
     Sheet best = found;
     bool before = false;
     for (int i = 0; i < scan_points; ++i) {
-        const double s = centre - options.fold_reach_m + i * spacing;
+        const double s = centre - options.folds.reach_m + i * spacing;
         const bool positive = line.along(solver.evaluate(line.at(s))) > 0;
         if (i > 0 && positive != before) {
             const Sheet sheet = solver.solve(bisect(solver, line, s - spacing, s, before));
@@ -157,6 +157,12 @@ Answer invalid_answer() {
 
 } // namespace
 
+FoldSearch fold_search(double reach_m, const Choppiness& choppiness, double rms_slope) {
+    constexpr double reach_min_m = 1e-3;
+    return {std::max(reach_m, reach_min_m),
+            std::max(choppiness.x, choppiness.y) * rms_slope > folds_common_above};
+}
+
 double jacobian(const LagrangianPoint& point, const Choppiness& choppiness) {
     return (1.0 + choppiness.x * point.strain_xx) * (1.0 + choppiness.y * point.strain_yy) -
            choppiness.x * choppiness.y * point.strain_xy * point.strain_xy;
@@ -174,8 +180,11 @@ Answer surface_at(const QueryPoint& point, const InverseOptions& options, Lagran
     Solver solver({point.x_m, point.y_m}, options, field);
     Sheet sheet = solver.solve({point.x_m, point.y_m});
     bool folded = false;
-    if (solver.jacobian_min() < fold_suspected_below || sheet.residual_m > options.tolerance_m)
+    if (options.folds.always || solver.jacobian_min() < fold_suspected_below ||
+        sheet.residual_m > options.tolerance_m) {
         sheet = highest_sheet(solver, sheet, {point.x_m, point.y_m}, options, folded);
+        folded |= solver.jacobian_min() <= 0; // sheets beside the line stay unseen
+    }
 
     const LagrangianPoint& p = sheet.point;
     const double lx = options.choppiness.x;

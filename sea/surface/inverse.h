@@ -34,11 +34,25 @@ class LagrangianField {
     LagrangianPoint (*call_)(const void*, double, double);
 };
 
+/// Where further sheets of the surface are looked for (hard case D3).
+struct FoldSearch {
+    double reach_m = 10.0; ///< as far apart as sheets can lie: about the largest displacement
+    /// The sea folds so often that no answer goes without the search: what Newton meets on its way
+    /// says too little.
+    bool always = false;
+};
+
+/// Folds are common where lambda times the rms slope is above this: on 0.2 % of a long-crested sea,
+/// Phi(-1 / 0.35) (I18).
+inline constexpr double folds_common_above = 0.35;
+
+/// Of a sea whose points move `reach_m` sideways at most.
+FoldSearch fold_search(double reach_m, const Choppiness& choppiness, double rms_slope);
+
 struct InverseOptions {
     Choppiness choppiness;
     double tolerance_m = 1e-4; ///< residual |X + lambda D(X) - x| that counts as solved
-    /// How far apart sheets of a fold are looked for: about the largest displacement, m.
-    double fold_reach_m = 10.0;
+    FoldSearch folds;
 };
 
 /// Height, normal, velocity and flags at the point; error_m holds residual * slope alone, the

@@ -49,10 +49,9 @@ void add(LagrangianPoint& sum, const Hermite& weights, const SplineSample& a,
 
 } // namespace
 
-Surface::Surface(std::vector<SplinePair> pairs, Choppiness choppiness, double displacement_reach_m,
+Surface::Surface(std::vector<SplinePair> pairs, Choppiness choppiness, FoldSearch folds,
                  MapError error)
-    : pairs_(std::move(pairs)), choppiness_(choppiness),
-      displacement_reach_m_(displacement_reach_m), error_(error) {
+    : pairs_(std::move(pairs)), choppiness_(choppiness), folds_(folds), error_(error) {
     for (const SplinePair& pair : pairs_)
         SEAWAY_CHECK(pair.before && pair.after, "a surface needs both maps of every cascade");
 }
@@ -75,8 +74,7 @@ bool Surface::covers(TimeUs time_us) const {
 }
 
 Answer Surface::answer(const QueryPoint& point) const {
-    const InverseOptions options{choppiness_, residual_tolerance_m,
-                                 std::max(displacement_reach_m_, 1e-3)};
+    const InverseOptions options{choppiness_, residual_tolerance_m, folds_};
     const auto field = [&](double x_m, double y_m) { return at(x_m, y_m, point.time_us); };
     Answer answer = surface_at(point, options, field);
     if (answer.flags & answer_invalid)

@@ -34,10 +34,8 @@ struct MapError {
 
 class Surface {
   public:
-    /// `pairs` may be any subset of the cascades. `displacement_reach_m`: how far points move
-    /// sideways at most, for the search of folds (error_budget.h gives it).
-    Surface(std::vector<SplinePair> pairs, Choppiness choppiness, double displacement_reach_m,
-            MapError error);
+    /// `pairs` may be any subset of the cascades.
+    Surface(std::vector<SplinePair> pairs, Choppiness choppiness, FoldSearch folds, MapError error);
 
     /// The undisplaced sea. A time outside a pair's span extrapolates its cubic.
     LagrangianPoint at(double x_m, double y_m, TimeUs time_us) const;
@@ -50,7 +48,7 @@ class Surface {
 
     const std::vector<SplinePair>& pairs() const { return pairs_; }
     const Choppiness& choppiness() const { return choppiness_; }
-    double displacement_reach_m() const { return displacement_reach_m_; }
+    const FoldSearch& folds() const { return folds_; }
     const MapError& map_error() const { return error_; }
 
   private:
@@ -58,7 +56,7 @@ class Surface {
 
     std::vector<SplinePair> pairs_;
     Choppiness choppiness_;
-    double displacement_reach_m_;
+    FoldSearch folds_;
     MapError error_;
 };
 

@@ -131,7 +131,7 @@ void Session::fetch(std::uint32_t request_id, FetchRequest request) {
     const sea::FieldSet wanted = request.demand.fields;
     const auto give_back = [core = core_.weak_from_this(), session = id_,
                             request_id](std::vector<EncodedKeyframePtr> keyframes,
-                                        sea::FieldSet fields, std::string error) {
+                                        sea::FieldSet fields, Error error) {
         const std::shared_ptr<Core> alive = core.lock();
         if (alive == nullptr)
             return;
@@ -143,37 +143,40 @@ void Session::fetch(std::uint32_t request_id, FetchRequest request) {
         });
     };
     // Host answers on any thread; encoding is for the encode thread, sending for the io thread.
-    core_.host.fetch(std::move(request), [core = core_.weak_from_this(), wanted, give_back](
-                                             std::vector<KeyframeTiles> tiles, std::string error) {
+    core_.host.fetch(std::move(request), [core = core_.weak_from_this(), wanted,
+                                          give_back](Result<std::vector<KeyframeTiles>> made) {
         const std::shared_ptr<Core> alive = core.lock();
         if (alive == nullptr)
             return;
-        if (!error.empty())
-            return give_back({}, {}, std::move(error));
+        if (!made)
+            return give_back({}, {}, made.error());
         const bool taken = alive->encoding.submit_fetched(
-            [tiles = std::move(tiles), wanted, give_back](Encoder& encoder) {
+            [tiles = std::move(made).value(), wanted, give_back](Encoder& encoder) {
                 std::vector<EncodedKeyframePtr> keyframes;
                 sea::FieldSet fields = wanted;
                 for (const KeyframeTiles& one : tiles) {
                     const auto encoded =
                         encoder.encode(*one.keyframe, one.codec_error, one.quality, wanted);
                     if (!encoded)
-                        return give_back({}, {}, encoded.error().message);
+                        return give_back({}, {}, encoded.error());
                     fields = sea::FieldSet::from_bits(fields.bits() & (*encoded)->fields.bits());
                     keyframes.push_back(*encoded);
                 }
                 give_back(std::move(keyframes), fields, {});
             });
         if (!taken)
-            give_back({}, {}, "the server is busy with other fetches");
+            give_back({}, {}, Error{"the server is busy with other fetches"});
     });
 }
 
 void Session::fetched(std::uint32_t request_id, const std::vector<EncodedKeyframePtr>& keyframes,
-                      sea::FieldSet fields, const std::string& error) {
+                      sea::FieldSet fields, const Error& error) {
     --fetches_in_flight_;
-    if (!error.empty())
-        return refuse(request_id, ErrorCode::internal, error);
+    if (!error.message.empty())
+        return refuse(request_id,
+                      error.code == Host::fetch_not_offered ? ErrorCode::not_offered
+                                                            : ErrorCode::internal,
+                      error.message);
     auto done = std::make_shared<const protocol::Bytes>(
         protocol::fetch_done(request_id, static_cast<std::uint32_t>(keyframes.size()), fields));
     if (!outbox_.push_fetched(keyframes, fields, std::move(done)))

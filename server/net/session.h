@@ -69,7 +69,7 @@ class Session {
 
     void fetch(std::uint32_t request_id, FetchRequest request);
     void fetched(std::uint32_t request_id, const std::vector<EncodedKeyframePtr>& keyframes,
-                 sea::FieldSet fields, const std::string& error);
+                 sea::FieldSet fields, const Error& error);
     void answered(std::uint32_t request_id, const QueryAnswers& answers);
     void reply(protocol::Bytes message);
     void refuse(std::uint32_t request_id, wire::ErrorCode code, std::string_view why);

@@ -176,11 +176,10 @@ MapStream::start(const MapRequest& request, const sea::Surface& surface, MapOpti
 MapStream::MapStream(const MapRequest& request, const sea::Surface& surface, MapOptions options)
     : request_(request), options_(std::move(options)),
       kernel_(map_kernel(options_.instructions)), inverse_{surface.choppiness(), 1e-4,
-                                                           std::max(surface.displacement_reach_m(),
-                                                                    1e-3)} {
+                                                           surface.folds()} {
     SEAWAY_CHECK(options_.threads >= 1 && options_.threads <= 16, "a map takes 1 .. 16 threads");
     // Room for wherever the solver may look: indices stay positive.
-    const double margin_m = 100.0 + 8.0 * inverse_.fold_reach_m;
+    const double margin_m = 100.0 + 8.0 * inverse_.folds.reach_m;
     base_x_m_ = request_.x0_m - margin_m;
     base_y_m_ = request_.y0_m - margin_m;
     for (const sea::SplinePair& pair : surface.pairs()) {

@@ -48,7 +48,7 @@ void Simulation::answer(std::vector<sea::QueryPoint> points, bool exact, Answere
 }
 
 bool Simulation::exact_slice(Batch& batch) const {
-    const double reach_m = std::max(sea_->budget.displacement_reach_m, 1e-3);
+    const sea::FoldSearch folds = fold_search(sea_->budget);
     for (std::size_t i = 0; i < exact_points_per_slice && !batch.complete(); ++i) {
         const sea::QueryPoint& point = batch.next();
         if (!batch.moment || batch.moment_us != point.time_us) {
@@ -59,7 +59,7 @@ bool Simulation::exact_slice(Batch& batch) const {
         const double tolerance_m =
             1e-9 + 4e-16 * std::max(std::abs(point.x_m), std::abs(point.y_m));
         sea::Answer answer = sea::surface_at(
-            point, {sea_->realization->choppiness, tolerance_m, reach_m}, *batch.moment);
+            point, {sea_->realization->choppiness, tolerance_m, folds}, *batch.moment);
         answer.error_m += tolerance_m;
         answer.flags |= sea::answer_exact;
         batch.put(answer);
@@ -92,8 +92,7 @@ std::optional<Simulation::SurfaceSpan> Simulation::surface_around(TimeUs time_us
         end_us = std::min(end_us, wanted[i + 1].time_us);
     }
     return SurfaceSpan{sea::Surface(std::move(pairs), sea_->realization->choppiness,
-                                    sea_->budget.displacement_reach_m,
-                                    map_error(sea_->budget, 0.0)),
+                                    fold_search(sea_->budget), map_error(sea_->budget, 0.0)),
                        end_us};
 }
 

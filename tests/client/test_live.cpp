@@ -180,7 +180,7 @@ TEST_F(Live, a_subscription_begins_with_the_present_and_moves_on) {
 }
 
 TEST_F(Live, maps_that_are_not_offered_are_left_out_of_the_grant_and_of_sampling) {
-    sea.offered = {sea::Field::height, sea::Field::height_rate};
+    sea.offered = sea::FieldSet{sea::Field::height, sea::Field::height_rate};
     const auto client = connect();
     ASSERT_TRUE(client);
     const QueryPoint point{3, 4, 7'777'777};
@@ -191,7 +191,7 @@ TEST_F(Live, maps_that_are_not_offered_are_left_out_of_the_grant_and_of_sampling
     ASSERT_TRUE(again);
     EXPECT_EQ(sea.fetches, 1) << "what is not offered is not waited for";
 
-    sea.offered = {};
+    sea.offered = sea::FieldSet{};
     const auto grant = client->subscribe({.fields = sea::surface_fields}, 2, 10);
     ASSERT_FALSE(grant);
     EXPECT_EQ(failure_of(grant.error()), Failure::refused);

@@ -267,7 +267,7 @@ TEST_F(Program, fails_with_one_line_and_the_documented_exit_code) {
         EXPECT_EQ(std::count(outcome.out.begin(), outcome.out.end(), '\n'), 1) << outcome.out;
         EXPECT_EQ(outcome.out.rfind("seaway-query: ", 0), 0u) << outcome.out;
     }
-    sea.offered = {};
+    sea.offered = sea::FieldSet{};
     EXPECT_EQ(run_program(url + " --at 0,0 --local --watch 1 2>/dev/null").exit_code, 6);
     sea.answer_queries = false;
     EXPECT_EQ(run_program(url + " --at 0,0 --timeout 0.3 2>/dev/null").exit_code, 5);

@@ -64,7 +64,7 @@ inline sea::RealizationPtr few_waves() {
 class WaveSea : public server::Host {
   public:
     /// Fields that it can give; whoever asks for others gets the rest.
-    sea::FieldSet offered = sea::surface_fields | sea::FieldSet{sea::Field::slope_x};
+    std::atomic<sea::FieldSet> offered = sea::surface_fields | sea::FieldSet{sea::Field::slope_x};
     std::atomic<bool> answer_queries = true;
     std::atomic<int> fetches = 0;
     std::atomic<int> queries = 0;
@@ -132,8 +132,7 @@ class WaveSea : public server::Host {
         return grant;
     }
     void unsubscribe(server::SessionId) override {}
-    void fetch(server::FetchRequest request,
-               std::function<void(std::vector<server::KeyframeTiles>, std::string)> done) override {
+    void fetch(server::FetchRequest request, Fetched done) override {
         ++fetches;
         if (request.times_us.empty())
             request.times_us = {sea_time_us(), sea_time_us() + wave_intervals_us[0]};
@@ -149,7 +148,7 @@ class WaveSea : public server::Host {
             for (const std::int64_t n : wanted)
                 out.push_back(keyframe(cascade, n, given(request.demand.fields)));
         }
-        done(std::move(out), {});
+        done(std::move(out));
     }
     void query(server::QueryBatch batch, std::function<void(server::QueryAnswers)> done) override {
         ++queries;
@@ -171,7 +170,7 @@ class WaveSea : public server::Host {
 
   private:
     sea::FieldSet given(sea::FieldSet wanted) const {
-        return sea::FieldSet::from_bits(wanted.bits() & offered.bits());
+        return sea::FieldSet::from_bits(wanted.bits() & offered.load().bits());
     }
     static double value(const sea::LagrangianPoint& point, sea::Field field) {
         const double values[] = {point.height,

@@ -84,8 +84,9 @@ class SmallSea : public server::Host {
         return grant;
     }
     void unsubscribe(server::SessionId session) override { subscribers.erase(session); }
-    void fetch(server::FetchRequest request,
-               std::function<void(std::vector<KeyframeTiles>, std::string)> done) override {
+    void fetch(server::FetchRequest request, Fetched done) override {
+        if ((request.demand.fields.bits() & offered.bits()) == 0)
+            return done(Error{"none of these fields", fetch_not_offered});
         std::set<std::int64_t> wanted{newest, newest + 1};
         if (!request.times_us.empty())
             wanted.clear();
@@ -98,7 +99,7 @@ class SmallSea : public server::Host {
             if ((request.demand.cascades >> cascade) & 1u)
                 for (const std::int64_t n : wanted)
                     out.push_back(keyframe(cascade, n, request.demand.fields));
-        done(std::move(out), {});
+        done(std::move(out));
     }
     void query(server::QueryBatch batch, std::function<void(server::QueryAnswers)> done) override {
         server::QueryAnswers out;

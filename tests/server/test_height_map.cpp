@@ -27,7 +27,7 @@ sea::Surface surface(double steepness, sea::Choppiness choppiness = {1.0, 1.0}) 
         };
         pairs.push_back({map(0), map(200'000)});
     }
-    return sea::Surface(std::move(pairs), choppiness, 2.0, sea::MapError{0.001, 0, 0});
+    return sea::Surface(std::move(pairs), choppiness, {.reach_m = 2.0}, sea::MapError{0.001, 0, 0});
 }
 
 MapRequest request(MapKind kind = MapKind::height) {

@@ -150,6 +150,11 @@ TEST_F(NetSession, fields_that_are_not_offered_are_refused_and_the_session_goes_
     ASSERT_TRUE(message && message->body_as_Refused());
     EXPECT_EQ(message->body_as_Refused()->code(), ErrorCode::bad_value);
     EXPECT_EQ(message->body_as_Refused()->request_id(), 2u);
+    const sea::TimeUs time_us = 0;
+    ASSERT_FALSE(client.send(protocol::fetch(3, {&time_us, 1}, {.fields = {sea::Field::slope_x}})));
+    message = client.receive();
+    ASSERT_TRUE(message && message->body_as_Refused());
+    EXPECT_EQ(message->body_as_Refused()->code(), ErrorCode::not_offered);
     ASSERT_FALSE(client.send(protocol::ping(4, 99)));
     message = client.receive();
     ASSERT_TRUE(message && message->body_as_Pong());

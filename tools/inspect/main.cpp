@@ -64,9 +64,8 @@ Result<std::string> points_csv(const inspect::Report& report, const std::string&
     const Result<std::vector<sea::QueryPoint>> points = inspect::read_points(path);
     if (!points)
         return points.error();
-    return inspect::to_csv(
-        *points, inspect::answer_points(
-                     report.sea, std::max(report.budget.displacement_reach_m, 1e-3), *points));
+    return inspect::to_csv(*points,
+                           inspect::answer_points(report.sea, fold_search(report.budget), *points));
 }
 
 /// What goes to stdout.

@@ -106,7 +106,7 @@ Result<std::vector<sea::QueryPoint>> read_points(const std::string& path) {
     return read_points(file, path);
 }
 
-std::vector<sea::Answer> answer_points(const sea::RealizationPtr& sea, double fold_reach_m,
+std::vector<sea::Answer> answer_points(const sea::RealizationPtr& sea, const sea::FoldSearch& folds,
                                        const std::vector<sea::QueryPoint>& points) {
     // By time, so that each moment is built once, whatever the order of the rows.
     std::vector<std::size_t> order(points.size());
@@ -126,7 +126,7 @@ std::vector<sea::Answer> answer_points(const sea::RealizationPtr& sea, double fo
         const double rounded_to_m = std::numeric_limits<double>::epsilon() *
                                     std::max(std::abs(point.x_m), std::abs(point.y_m));
         const sea::InverseOptions options{sea->choppiness,
-                                          std::max(tolerance_m, 4.0 * rounded_to_m), fold_reach_m};
+                                          std::max(tolerance_m, 4.0 * rounded_to_m), folds};
         sea::Answer& answer = answers[order[i]];
         answer = surface_at(point, options, *moment);
         answer.flags |= sea::answer_exact;

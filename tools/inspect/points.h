@@ -9,6 +9,7 @@
 #include "base/result.h"
 #include "sea/realization.h"
 #include "sea/surface/answer.h"
+#include "sea/surface/inverse.h"
 
 namespace seaway::inspect {
 
@@ -25,7 +26,7 @@ Result<std::vector<sea::QueryPoint>> read_points(const std::string& path);
 
 /// One answer a point, in order, flagged answer_exact; error_m bounds the inverse displacement and
 /// rounding. About 1 ms a point, and 5 ms for each distinct time.
-std::vector<sea::Answer> answer_points(const sea::RealizationPtr& sea, double fold_reach_m,
+std::vector<sea::Answer> answer_points(const sea::RealizationPtr& sea, const sea::FoldSearch& folds,
                                        const std::vector<sea::QueryPoint>& points);
 
 /// Header and rows as `seaway-query --format csv` prints them, every double in full.

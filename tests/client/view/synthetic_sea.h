@@ -38,7 +38,7 @@ class SyntheticSea {
         std::vector<sea::SplinePair> pairs;
         for (const CascadeFrame& cascade : frame.cascades)
             pairs.push_back(cascade.keyframes);
-        return {pairs, sea_->choppiness, budget_.displacement_reach_m, sea::map_error(budget_, 0)};
+        return {pairs, sea_->choppiness, fold_search(budget_), sea::map_error(budget_, 0)};
     }
 
     const sea::Realization& realization() const { return *sea_; }

@@ -54,7 +54,7 @@ TEST(ErrorBudget, realised_error_stays_inside_the_stated_bound) {
         pairs.push_back({std::make_shared<SplineMap>(*tests::exact_keyframe(sea, c, 0)),
                          std::make_shared<SplineMap>(*tests::exact_keyframe(sea, c, interval))});
     }
-    const Surface surface(std::move(pairs), sea->choppiness, budget.displacement_reach_m,
+    const Surface surface(std::move(pairs), sea->choppiness, fold_search(budget),
                           map_error(budget, 0.0));
     std::mt19937 random(2);
     std::uniform_real_distribution<double> place(-1e6, 1e6);
@@ -69,6 +69,38 @@ TEST(ErrorBudget, realised_error_stays_inside_the_stated_bound) {
         worst_share = std::max(worst_share, error / answer.error_m);
     }
     EXPECT_GT(worst_share, 0.05) << "a bound that nothing ever comes near says nothing";
+}
+
+// A sea of rms slope 0.5 at choppiness 3 is a tangle of sheets. Its maps and its direct sum need
+// not find the same one; where they do not, the answer says that the surface folds.
+TEST(ErrorBudget, D3_an_answer_on_another_sheet_than_the_truth_is_flagged) {
+    auto tangled = std::make_shared<Realization>(
+        *tests::make_sea({tests::random_cascade(200.0, 64, 9, 60, 0.09, 5)}));
+    tangled->choppiness = {3, 3};
+    const RealizationPtr sea = tangled;
+    const ErrorBudget budget = plan_budget(*sea, 0.01);
+    ASSERT_GT(budget.rms_slope, 0.4);
+    EXPECT_TRUE(fold_search(budget).always);
+    const DirectSum sum(sea);
+    const Surface surface({{std::make_shared<SplineMap>(*tests::exact_keyframe(sea, 0, 0)),
+                            std::make_shared<SplineMap>(
+                                *tests::exact_keyframe(sea, 0, budget.cascades[0].interval_us))}},
+                          sea->choppiness, fold_search(budget), map_error(budget, 0.0));
+    std::mt19937 random(3);
+    std::uniform_real_distribution<double> place(-1e4, 1e4);
+    int apart = 0;
+    for (int i = 0; i < 1000; ++i) {
+        const QueryPoint point{place(random), place(random), budget.cascades[0].interval_us / 3};
+        const Answer answer = surface.answer(point);
+        const Answer truth = surface_at(point, {sea->choppiness, 1e-9, fold_search(budget)},
+                                        sum.at_time(point.time_us));
+        ASSERT_TRUE(std::isfinite(answer.height_m));
+        if (std::abs(answer.height_m - truth.height_m) <= answer.error_m)
+            continue;
+        ++apart;
+        EXPECT_TRUE(answer.flags & answer_folded) << point.x_m << " " << point.y_m;
+    }
+    EXPECT_GT(apart, 0) << "too tame a sea to tell anything";
 }
 
 TEST(ErrorBudget, codec_bounds_spend_exactly_what_they_were_given) {

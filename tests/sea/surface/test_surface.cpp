@@ -20,7 +20,7 @@ Surface surface_of(const RealizationPtr& sea, MapError error = {}) {
     for (int c = 0; c < static_cast<int>(sea->cascades.size()); ++c)
         pairs.push_back({std::make_shared<SplineMap>(*tests::exact_keyframe(sea, c, 0)),
                          std::make_shared<SplineMap>(*tests::exact_keyframe(sea, c, interval_us))});
-    return Surface(std::move(pairs), sea->choppiness, 5.0, error);
+    return Surface(std::move(pairs), sea->choppiness, {.reach_m = 5.0}, error);
 }
 
 RealizationPtr two_cascades() {
@@ -155,7 +155,7 @@ TEST(Surface, maps_without_displacement_are_a_surface_without_choppiness) {
     height_only.values.insert(height_only.values.end(), full->plane(Field::height_rate).begin(),
                               full->plane(Field::height_rate).end());
     const auto map = std::make_shared<SplineMap>(height_only);
-    const Surface surface({{map, map}}, {1, 1}, 5.0, {});
+    const Surface surface({{map, map}}, {1, 1}, {.reach_m = 5.0}, {});
     const LagrangianPoint p = surface.at(12.0, 5.0, 0);
     EXPECT_EQ(p.displacement_x, 0.0);
     EXPECT_NEAR(p.height, SplineMap(*full).sample(12.0, 5.0).value[0], 1e-6);
