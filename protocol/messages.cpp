@@ -42,6 +42,29 @@ bool sent_by_client(wire::Body kind) {
     return kind >= wire::Body::Hello && kind <= wire::Body::Ping;
 }
 
+template <class Vector>
+bool aligned(const Vector* list) {
+    return list == nullptr || list->size() == 0 ||
+           reinterpret_cast<std::uintptr_t>(list->Data()) % alignof(std::uint64_t) == 0;
+}
+
+/// Lists of 8-byte values: of these the verifier proves the alignment of the count alone, and
+/// reading them elsewhere is undefined.
+bool lists_aligned(const wire::Message& message) {
+    switch (message.body_type()) {
+    case wire::Body::Fetch:
+        return aligned(message.body_as_Fetch()->times_us());
+    case wire::Body::Query:
+        return aligned(message.body_as_Query()->points());
+    case wire::Body::SeaState:
+        return aligned(message.body_as_SeaState()->cascades());
+    case wire::Body::QueryReply:
+        return aligned(message.body_as_QueryReply()->answers());
+    default:
+        return true;
+    }
+}
+
 /// A bound may be widened on its way into a float, never narrowed.
 float bound_to_float(double bound) {
     const auto nearest = static_cast<float>(bound);
@@ -66,7 +89,7 @@ Result<const wire::Message*> MessageReader::read(std::span<const std::uint8_t> b
     }
     flatbuffers::Verifier verifier(bytes.data(), bytes.size(), limits::verifier_depth_max,
                                    limits::verifier_tables_max);
-    if (!wire::VerifyMessageBuffer(verifier))
+    if (!wire::VerifyMessageBuffer(verifier) || !lists_aligned(*wire::GetMessage(bytes.data())))
         return Error{fmt::format("{} bytes that are not a seaway message", bytes.size())};
     const wire::Message* message = wire::GetMessage(bytes.data());
     const wire::Body kind = message->body_type();

@@ -173,6 +173,44 @@ TEST(Messages, unaligned_bytes_are_read_like_aligned_ones) {
         }
 }
 
+/// The same message with its list copied to the end, `shift` bytes behind a multiple of 8.
+Bytes with_list_at(const Bytes& message, const flatbuffers::Table& body,
+                   flatbuffers::voffset_t field, std::size_t element_bytes, std::size_t shift) {
+    // In the table stands the distance to the list: its count, then its values.
+    const std::uint8_t* place = body.GetAddressOf(field);
+    const auto at = static_cast<std::size_t>(place - message.data());
+    Bytes bytes = message;
+    const std::size_t from = at + flatbuffers::ReadScalar<flatbuffers::uoffset_t>(place);
+    const std::size_t length =
+        4 + element_bytes * flatbuffers::ReadScalar<flatbuffers::uoffset_t>(&bytes[from]);
+    while (bytes.size() % 8 != (shift + 4) % 8)
+        bytes.push_back(0);
+    const std::size_t to = bytes.size();
+    for (std::size_t i = 0; i < length; ++i)
+        bytes.push_back(Bytes::value_type(bytes[from + i]));
+    flatbuffers::WriteScalar(&bytes[at], static_cast<flatbuffers::uoffset_t>(to - at));
+    return bytes;
+}
+
+// The verifier looks at the alignment of a list's count alone; found by the fuzzer.
+TEST(Messages, lists_that_are_not_aligned_are_not_a_message) {
+    const sea::TimeUs times[] = {-5, 1'000'000};
+    const sea::QueryPoint points[] = {{1.5, -2.5, 7}, {1e6, 2e6, -9}};
+    const Bytes asked = query(9, points, false), fetched = fetch(8, times, {});
+    for (const std::size_t shift : {0u, 4u}) {
+        MessageReader reader(Sender::client);
+        const wire::Message* whole = read(reader, asked);
+        const auto* body = reinterpret_cast<const flatbuffers::Table*>(whole->body_as_Query());
+        const Bytes moved = with_list_at(asked, *body, wire::Query::VT_POINTS, 24, shift);
+        MessageReader again(Sender::client);
+        EXPECT_EQ(again.read(moved).has_value(), shift == 0) << "points";
+        whole = read(reader, fetched);
+        body = reinterpret_cast<const flatbuffers::Table*>(whole->body_as_Fetch());
+        const Bytes late = with_list_at(fetched, *body, wire::Fetch::VT_TIMES_US, 8, shift);
+        EXPECT_EQ(again.read(late).has_value(), shift == 0) << "times";
+    }
+}
+
 TEST(Messages, sizes_out_of_range_are_errors) {
     MessageReader reader(Sender::client);
     EXPECT_FALSE(reader.read({}).has_value());
