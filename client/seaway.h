@@ -122,7 +122,7 @@ typedef struct seaway_point {
 } seaway_point;
 
 enum {
-    SEAWAY_FOLDED = 1,        /* the surface folds here; this is the highest sheet */
+    SEAWAY_FOLDED = 1,        /* folds here: the highest sheet found; error_m is no bound */
     SEAWAY_NOT_CONVERGED = 2, /* error_m covers it */
     SEAWAY_EXTRAPOLATED = 4,  /* outside the keyframes held; error_m is no bound */
     SEAWAY_INVALID = 8,       /* the point was not a number; the rest is NaN */
