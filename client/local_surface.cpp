@@ -23,7 +23,7 @@ double sampled_error(const KeyframePair& pair, Field value, Field rate, double i
     return sea::sampled_codec_error(larger(value), larger(rate), interval_s);
 }
 
-/// Displacements that six standard deviations do not reach: Hs = 4 sigma.
+/// Points move sideways by six standard deviations at most; Hs = 4 sigma.
 sea::FoldSearch folds_of(const SeaState& state) {
     const sea::Choppiness choppiness{state.choppiness_x, state.choppiness_y};
     return sea::fold_search(1.5 * state.realised.hs_m * std::max(choppiness.x, choppiness.y),

@@ -42,7 +42,7 @@ void warn_of_folds(const Scene& scene, const SeaSummary& summary,
     const double choppiness = std::max(scene.sea.choppiness.x, scene.sea.choppiness.y);
     if (choppiness * rms_slope > folds_common_above)
         warnings.push_back(fmt::format(
-            "choppiness {:.2g} and an rms slope of {:.2g} fold up to {:.2g} % of the surface: "
+            "choppiness {:.2g} and an rms slope of {:.2g} fold about {:.2g} % of the surface: "
             "where it folds there are several heights, and answers are flagged",
             choppiness, rms_slope,
             50.0 * std::erfc(1.0 / (std::sqrt(2.0) * choppiness * rms_slope))));

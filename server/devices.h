@@ -10,8 +10,9 @@
 
 namespace seaway::server {
 
-/// Makes the device that the options name, anew at each call. "auto" takes the native one where no
-/// Vulkan device can do this sea: none is there, it computes wrongly, or has no kernels of a size.
+/// Makes the device that the options name, anew at each call. "auto" takes the native one where
+/// there is no Vulkan device, or the best one cannot do this sea: it computes wrongly or has no
+/// kernels of a size.
 SynthesizerFactory device_factory(const Options& options, sea::RealizationPtr sea);
 
 /// One line a device, as `--device list` prints it; an error if there is none.

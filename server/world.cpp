@@ -76,7 +76,7 @@ void World::unsubscribe(SessionId session) {
 void World::fetch(FetchRequest request, Fetched done) {
     const TileDemand granted = grant(request.demand);
     if (granted.fields.empty())
-        return done(Error{"this sea offers none of these fields", fetch_not_offered});
+        return done(Error{"this sea offers none of these fields and cascades", fetch_not_offered});
     auto encoded = [this, quality = granted.quality,
                     done = std::move(done)](std::vector<sea::KeyframePtr> keyframes) {
         std::vector<KeyframeTiles> all;

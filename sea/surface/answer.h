@@ -17,9 +17,8 @@ struct QueryPoint {
 
 /// Bits of Answer::flags.
 enum AnswerFlag : std::uint32_t {
-    /// The surface folds here (J <= 0 nearby): the highest sheet that was found; in a sea that
-    /// folds
-    /// everywhere there may be a higher one, and `error_m` is not a bound.
+    /// The surface folds here: the highest sheet that was found. There may be a higher one, and
+    /// `error_m` is not a bound.
     answer_folded = 1u << 0,
     answer_not_converged = 1u << 1, ///< residual above tolerance; `error_m` covers it
     answer_extrapolated = 1u << 2,  ///< outside the keyframes held; `error_m` is not a bound

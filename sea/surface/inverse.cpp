@@ -129,11 +129,14 @@ Sheet highest_sheet(Solver& solver, const Sheet& found, Vec2 target, const Inver
     const double centre =
         (target.x - line.origin.x) * line.axis.x + (target.y - line.origin.y) * line.axis.y;
     const double spacing = 2.0 * options.folds.reach_m / (scan_points - 1);
+    const double near_m = 2.0 * spacing; // what comes down so close to the target may cover it
     Sheet best = found;
     bool before = false;
     for (int i = 0; i < scan_points; ++i) {
         const double s = centre - options.folds.reach_m + i * spacing;
-        const bool positive = line.along(solver.evaluate(line.at(s))) > 0;
+        const Sheet here = solver.evaluate(line.at(s));
+        folded |= here.residual_m <= near_m && jacobian(here.point, options.choppiness) <= 0;
+        const bool positive = line.along(here) > 0;
         if (i > 0 && positive != before) {
             const Sheet sheet = solver.solve(bisect(solver, line, s - spacing, s, before));
             if (sheet.residual_m <= options.tolerance_m) {
@@ -179,12 +182,10 @@ Answer surface_at(const QueryPoint& point, const InverseOptions& options, Lagran
         return invalid_answer();
     Solver solver({point.x_m, point.y_m}, options, field);
     Sheet sheet = solver.solve({point.x_m, point.y_m});
-    bool folded = false;
+    bool folded = solver.jacobian_min() <= 0;
     if (options.folds.always || solver.jacobian_min() < fold_suspected_below ||
-        sheet.residual_m > options.tolerance_m) {
+        sheet.residual_m > options.tolerance_m)
         sheet = highest_sheet(solver, sheet, {point.x_m, point.y_m}, options, folded);
-        folded |= solver.jacobian_min() <= 0; // sheets beside the line stay unseen
-    }
 
     const LagrangianPoint& p = sheet.point;
     const double lx = options.choppiness.x;

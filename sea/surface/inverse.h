@@ -3,11 +3,13 @@
 // the solution into height, normal and velocity.
 //
 // Damped Newton with the analytic gradient of D from X = x; it converges quadratically wherever the
-// surface does not fold (hard cases D2, D4). Where the Jacobian came close to zero on the way, the
-// line of strongest compression is scanned for further sheets and the highest one is the answer
-// (D3), flagged answer_folded. Normals from the cross product of the two tangents (traps T44, F16).
+// surface does not fold (hard cases D2, D4). Where the Jacobian came close to zero on the way, and
+// everywhere in a sea that folds often (FoldSearch), the line of strongest compression is scanned
+// for further sheets and the highest one is the answer (D3). Flagged answer_folded: several sheets
+// were found, or J <= 0 where the surface comes down near the point. Normals from the cross product
+// of the two tangents (traps T44, F16).
 //
-// Thread-safe; allocates nothing. Cost: 3-6 evaluations, about 50 near a fold.
+// Thread-safe; allocates nothing. Cost: 3-6 evaluations, about 50 where it scans.
 #pragma once
 
 #include <type_traits>
@@ -42,9 +44,9 @@ struct FoldSearch {
     bool always = false;
 };
 
-/// Folds are common where lambda times the rms slope is above this: on 0.2 % of a long-crested sea,
-/// Phi(-1 / 0.35) (I18).
-inline constexpr double folds_common_above = 0.35;
+/// Folds are common where lambda times the rms slope is above this: on 2 % of a long-crested sea,
+/// Phi(-1 / 0.5) (I18).
+inline constexpr double folds_common_above = 0.5;
 
 /// Of a sea whose points move `reach_m` sideways at most.
 FoldSearch fold_search(double reach_m, const Choppiness& choppiness, double rms_slope);

@@ -16,10 +16,11 @@
 //
 // Heights differ from Surface::answer by at most map_difference_max_m wherever that finds one sheet
 // and converges; where the surface folds both look for the highest sheet, and all but a few points
-// in a hundred agree. The same splines are summed, mixed in time once for the whole map; each point
-// starts from its neighbour's solution, and the last Newton step is applied to the value by its
-// derivative. Cost with three cascades: about 0.1 us of a core a point for a gale, 0.2 to 0.5 where
-// waves come close to folding (docs/performance.md).
+// in a hundred agree; in a sea that folds often a query looks more closely (FoldSearch). The same
+// splines are summed, mixed in time once for the whole map; each point starts from its neighbour's
+// solution, and the last Newton step is applied to the value by its derivative. Cost with three
+// cascades: about 0.1 us of a core a point for a gale, 0.2 to 0.5 where waves come close to folding
+// (docs/performance.md).
 //
 // Memory: 16 bytes a texel of the cascades and map_chunks_ahead_max chunks, whatever the request.
 #pragma once

@@ -47,6 +47,8 @@ inline constexpr int device_rebuilds_max = 3;
 inline constexpr std::size_t questions_waiting_max = 1024;
 /// Exact sums between two looks at what else is due.
 inline constexpr std::size_t exact_points_per_slice = 8;
+/// Up to 50 ms in a sea that folds often, 5 ms in others.
+inline constexpr std::size_t sampled_points_per_slice = 1024;
 
 struct SimulationEvents {
     std::function<void(const sea::KeyframePtr&)> on_keyframe; ///< a planned one, once

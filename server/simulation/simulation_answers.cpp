@@ -75,7 +75,9 @@ bool Simulation::answer_slice(Batch& batch) {
         batch.answers.clear();
         return true;
     }
-    while (!batch.complete() && batch.next().time_us < span->end_us)
+    for (std::size_t i = 0;
+         i < sampled_points_per_slice && !batch.complete() && batch.next().time_us < span->end_us;
+         ++i)
         batch.put(span->surface.answer(batch.next()));
     return batch.complete();
 }

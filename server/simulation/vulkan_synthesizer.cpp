@@ -19,6 +19,7 @@ namespace seaway::server {
 namespace {
 
 constexpr int first_checked_size = 64;
+static_assert(computes_wrongly == cannot_do_this_sea);
 constexpr sea::FieldSet strains{sea::Field::strain_xx, sea::Field::strain_yy,
                                 sea::Field::strain_xy};
 
@@ -116,7 +117,8 @@ Result<const SynthesisKernels*> Vulkan::kernels(int size, bool band_limited) {
     if (const auto found = kernels_.find({size, band_limited}); found != kernels_.end())
         return static_cast<const SynthesisKernels*>(found->second.get());
     Error last{"no Vulkan kernels for a cascade of size " + std::to_string(size) + "; there are " +
-               transform_sizes()};
+                   transform_sizes(),
+               cannot_do_this_sea};
     for (const shaders::Transform* transform :
          fitting_transforms(device_->info(), size, band_limited)) {
         if (any_device_kernels_ && transform->lanes != 0)
@@ -136,7 +138,7 @@ Result<const SynthesisKernels*> Vulkan::kernels(int size, bool band_limited) {
             break; // another design would fail as well
         refused_ += "; refused " + std::string(transform->design) + ": " + last.message;
     }
-    return Error{device_->info().name + ": " + last.message};
+    return Error{device_->info().name + ": " + last.message, last.code};
 }
 
 Result<void> Vulkan::set_sea(sea::RealizationPtr sea, std::uint32_t epoch) {

@@ -196,7 +196,9 @@ Bytes with_list_at(const Bytes& message, const flatbuffers::Table& body,
 TEST(Messages, lists_that_are_not_aligned_are_not_a_message) {
     const sea::TimeUs times[] = {-5, 1'000'000};
     const sea::QueryPoint points[] = {{1.5, -2.5, 7}, {1e6, 2e6, -9}};
-    const Bytes asked = query(9, points, false), fetched = fetch(8, times, {});
+    const std::vector<sea::Answer> answers(3);
+    const Bytes asked = query(9, points, false), fetched = fetch(8, times, {}),
+                stated = sea_state(some_state()), answered = query_reply(9, 1, answers);
     for (const std::size_t shift : {0u, 4u}) {
         MessageReader reader(Sender::client);
         const wire::Message* whole = read(reader, asked);
@@ -208,6 +210,17 @@ TEST(Messages, lists_that_are_not_aligned_are_not_a_message) {
         body = reinterpret_cast<const flatbuffers::Table*>(whole->body_as_Fetch());
         const Bytes late = with_list_at(fetched, *body, wire::Fetch::VT_TIMES_US, 8, shift);
         EXPECT_EQ(again.read(late).has_value(), shift == 0) << "times";
+        MessageReader client(Sender::server), client_again(Sender::server);
+        whole = read(client, stated);
+        body = reinterpret_cast<const flatbuffers::Table*>(whole->body_as_SeaState());
+        const Bytes other = with_list_at(stated, *body, wire::SeaState::VT_CASCADES,
+                                         sizeof(wire::CascadeInfo), shift);
+        EXPECT_EQ(client_again.read(other).has_value(), shift == 0) << "cascades";
+        whole = read(client, answered);
+        body = reinterpret_cast<const flatbuffers::Table*>(whole->body_as_QueryReply());
+        const Bytes reply = with_list_at(answered, *body, wire::QueryReply::VT_ANSWERS,
+                                         sizeof(wire::PointAnswer), shift);
+        EXPECT_EQ(client_again.read(reply).has_value(), shift == 0) << "answers";
     }
 }
 

@@ -150,8 +150,8 @@ TEST(Scene, warnings_say_what_the_picture_will_not_show) {
         "peak_period_s=10\nfrom_deg=0\nspreading=\"cos2s\"\nspreading_exponent=";
     const std::string tile = "\n[[cascade]]\nlength_m=1250\nsize=128\n";
     EXPECT_THAT(warnings(beam + "2000" + tile), HasSubstr("1.8 degrees falls between"));
-    EXPECT_THAT(warnings("[sea]\nchoppiness = 3\n" + wind_waves), HasSubstr("fold up to"));
-    EXPECT_THAT(warnings("[sea]\n" + wind_waves), ::testing::Not(HasSubstr("fold up to")));
+    EXPECT_THAT(warnings("[sea]\nchoppiness = 3\n" + wind_waves), HasSubstr("fold about"));
+    EXPECT_THAT(warnings("[sea]\n" + wind_waves), ::testing::Not(HasSubstr("fold about")));
     EXPECT_THAT(warnings(beam + "100" + tile), ::testing::Not(HasSubstr("falls between")));
     EXPECT_EQ(warnings("[sea]\n"), "");
 }

@@ -25,7 +25,7 @@ Result<std::vector<sea::QueryPoint>> read_points(std::istream& in, const std::st
 Result<std::vector<sea::QueryPoint>> read_points(const std::string& path);
 
 /// One answer a point, in order, flagged answer_exact; error_m bounds the inverse displacement and
-/// rounding. About 1 ms a point, and 5 ms for each distinct time.
+/// rounding. About 1 ms a point, ten where the sea folds often, and 5 ms for each distinct time.
 std::vector<sea::Answer> answer_points(const sea::RealizationPtr& sea, const sea::FoldSearch& folds,
                                        const std::vector<sea::QueryPoint>& points);
 
