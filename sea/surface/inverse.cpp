@@ -162,8 +162,9 @@ Answer invalid_answer() {
 
 FoldSearch fold_search(double reach_m, const Choppiness& choppiness, double rms_slope) {
     constexpr double reach_min_m = 1e-3;
-    return {std::max(reach_m, reach_min_m),
-            std::max(choppiness.x, choppiness.y) * rms_slope > folds_common_above};
+    const double squeeze = std::max(choppiness.x, choppiness.y) * rms_slope;
+    return {std::max(reach_m, reach_min_m), squeeze > folds_common_above,
+            squeeze > folds_everywhere_above};
 }
 
 double jacobian(const LagrangianPoint& point, const Choppiness& choppiness) {
@@ -182,7 +183,7 @@ Answer surface_at(const QueryPoint& point, const InverseOptions& options, Lagran
         return invalid_answer();
     Solver solver({point.x_m, point.y_m}, options, field);
     Sheet sheet = solver.solve({point.x_m, point.y_m});
-    bool folded = solver.jacobian_min() <= 0;
+    bool folded = options.folds.everywhere || solver.jacobian_min() <= 0;
     if (options.folds.always || solver.jacobian_min() < fold_suspected_below ||
         sheet.residual_m > options.tolerance_m)
         sheet = highest_sheet(solver, sheet, {point.x_m, point.y_m}, options, folded);

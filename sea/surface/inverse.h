@@ -42,11 +42,14 @@ struct FoldSearch {
     /// The sea folds so often that no answer goes without the search: what Newton meets on its way
     /// says too little.
     bool always = false;
+    bool everywhere = false; ///< the sea is a tangle of sheets: every answer counts as folded
 };
 
 /// Folds are common where lambda times the rms slope is above this: on 2 % of a long-crested sea,
 /// Phi(-1 / 0.5) (I18).
 inline constexpr double folds_common_above = 0.5;
+/// And everywhere above this: on a sixth of it.
+inline constexpr double folds_everywhere_above = 1.0;
 
 /// Of a sea whose points move `reach_m` sideways at most.
 FoldSearch fold_search(double reach_m, const Choppiness& choppiness, double rms_slope);

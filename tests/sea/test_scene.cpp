@@ -140,9 +140,10 @@ TEST(Scene, warnings_say_what_the_picture_will_not_show) {
     std::string text = wind_system;
     text.replace(text.find("100e3"), 5, "100e6");
     EXPECT_THAT(warnings(text), HasSubstr("growth is clamped"));
-    const std::string wind_waves = "[[sea.system]]\ntype=\"wind\"\nwind_speed_10m_mps=15\n"
-                                   "from_deg=0\n[[cascade]]\nlength_m=1200\nsize=64\n"
-                                   "[[cascade]]\nlength_m=90\nsize=128\n";
+    const std::string steep_waves =
+        "[[sea.system]]\ntype=\"swell\"\nsignificant_height_m=10\npeak_period_s=8\n"
+        "from_deg=0\n[[cascade]]\nlength_m=1200\nsize=64\n"
+        "[[cascade]]\nlength_m=90\nsize=128\n";
     // s = 2000 is 1.8 degrees wide; 1000 m hold waves of 10 s every 8.9 degrees or so at their
     // peak.
     const std::string beam =
@@ -150,8 +151,8 @@ TEST(Scene, warnings_say_what_the_picture_will_not_show) {
         "peak_period_s=10\nfrom_deg=0\nspreading=\"cos2s\"\nspreading_exponent=";
     const std::string tile = "\n[[cascade]]\nlength_m=1250\nsize=128\n";
     EXPECT_THAT(warnings(beam + "2000" + tile), HasSubstr("1.8 degrees falls between"));
-    EXPECT_THAT(warnings("[sea]\nchoppiness = 3\n" + wind_waves), HasSubstr("fold about"));
-    EXPECT_THAT(warnings("[sea]\n" + wind_waves), ::testing::Not(HasSubstr("fold about")));
+    EXPECT_THAT(warnings("[sea]\nchoppiness = 3\n" + steep_waves), HasSubstr("fold about"));
+    EXPECT_THAT(warnings("[sea]\n" + steep_waves), ::testing::Not(HasSubstr("fold about")));
     EXPECT_THAT(warnings(beam + "100" + tile), ::testing::Not(HasSubstr("falls between")));
     EXPECT_EQ(warnings("[sea]\n"), "");
 }
