@@ -277,6 +277,8 @@ TEST_F(NetHostile, a_client_that_is_dead_but_connected_is_cut_when_it_answers_no
     dead.upgrade();
     dead.frame(protocol::hello("dead", ""));
     EXPECT_TRUE(dead.closed_by_server());
+    // The socket ends a moment before the session that the timeout is told to.
+    EXPECT_TRUE(eventually([&] { return metric("seaway_net_sessions") == 0; }));
     net->stop();
     EXPECT_EQ(closed("idle"), 1u) << log.text();
 }
