@@ -21,8 +21,8 @@ struct SeaStatistics {
 };
 
 struct CascadeVariance {
-    double requested_m2;     ///< integral of the spectrum over the band
-    double realised_m2;      ///< sum over the drawn modes, averaged over time
+    double requested_m2; ///< integral of the spectrum over the band
+    double realised_m2;  ///< sum over the drawn modes, averaged over time
     /// Relative standard deviation, over seeds, of Hs of the tile at one instant.
     double expected_scatter;
 };
