@@ -149,7 +149,8 @@ Result<void> draw(const std::string& path, const std::string& device, double eve
     double highest = everything_ms;
     for (const Row& row : rows)
         highest = std::max(highest, row.alone_ms);
-    plot::Chart chart(canvas, {80, 60, 1070, 480}, {"", -0.5, count - 0.5, plot::Scale::linear, 100},
+    plot::Chart chart(canvas, {80, 60, 1070, 480},
+                      {"", -0.5, count - 0.5, plot::Scale::linear, 100},
                       {"ms a keyframe of every cascade", 0.0, 1.15 * highest});
     chart.draw_grid();
     for (std::size_t i = 0; i < rows.size(); ++i) {
