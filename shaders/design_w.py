@@ -39,6 +39,14 @@ def store_pairs(a, stride):
     return "".join(text)
 
 
+def second_dft(b, stride):
+    """GLSL: loads the pairs v<i>, DFT_B of both at once -> r<k>, i<k>."""
+    loads = [f"    vec4 v{i} = texelFetch(source, from + {i * stride});\n" for i in range(b)]
+    return "".join(loads) + codelets.dft(b).glsl(
+        "vec2", [(f"v{i}.xz", f"v{i}.yw") for i in range(b)],
+        [(f"r{i}", f"i{i}") for i in range(b)])
+
+
 def evolve_pass(n, a, b, band):
     """Y = B n1 + n2: over n1 -> S[job][source][n2][k1 / 2][X]"""
     blocks = kept(n, a, band)
@@ -59,10 +67,7 @@ def lines_y_pass(n, a, b, band):
             "    uint part = gl_WorkGroupID.y * push.sources + gl_WorkGroupID.x;\n"
             f"    int from = int((part * {n // 2}u + pair) * {count}u + column);\n"
             f"    uint to = (part * {n // 2}u + pair) * {count}u + column;\n"]
-    for i in range(b):
-        text.append(f"    vec4 v{i} = texelFetch(source, from + {i * a // 2 * count});\n")
-    text.append(codelets.dft(b).glsl("vec2", [(f"v{i}.xz", f"v{i}.yw") for i in range(b)],
-                                     [(f"r{i}", f"i{i}") for i in range(b)]))
+    text.append(second_dft(b, a // 2 * count))
     for k in range(b):
         text.append(f"    target[to + {k * a // 2 * count}u] = "
                     f"vec4(r{k}.x, i{k}.x, r{k}.y, i{k}.y);\n")
@@ -98,10 +103,7 @@ def lines_x_pass(n, a, b):
             "    uint part = gl_WorkGroupID.y * push.fields + gl_WorkGroupID.x;\n"
             f"    int from = int((part * {n // 2}u + line) * {n // 2}u + pair);\n"
             f"    uint to = (part * {n}u + 2u * line) * {n // 2}u + pair;\n"]
-    for i in range(b):
-        text.append(f"    vec4 v{i} = texelFetch(source, from + {i * a // 2});\n")
-    text.append(codelets.dft(b).glsl("vec2", [(f"v{i}.xz", f"v{i}.yw") for i in range(b)],
-                                     [(f"r{i}", f"i{i}") for i in range(b)]))
+    text.append(second_dft(b, a // 2))
     for part, row in (("r", 0), ("i", n // 2)):
         for k in range(b):
             text.append(f"    target[to + {row + k * a // 2}u] = {part}{k};\n")
