@@ -14,7 +14,7 @@
 #include <deque>
 #include <vector>
 
-#include "sea/time.h"
+#include "sea/basics/time.h"
 
 namespace seaway::client {
 

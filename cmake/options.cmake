@@ -16,6 +16,11 @@ target_include_directories(seaway_options INTERFACE ${PROJECT_SOURCE_DIR} ${PROJ
 target_compile_options(seaway_options INTERFACE -ffp-contract=off -Wall -Wextra -Wpedantic -Wshadow
   -Wnon-virtual-dtor -Wcast-align -Wold-style-cast -Woverloaded-virtual -Werror)
 target_compile_definitions(seaway_options INTERFACE SEAWAY_VERSION="${PROJECT_VERSION}")
+# Kernels for AVX2 and AVX-512 are built, and taken where the machine has them.
+string(REGEX MATCH "x86_64|AMD64" SEAWAY_X86 "${CMAKE_SYSTEM_PROCESSOR}")
+if(SEAWAY_X86)
+  target_compile_definitions(seaway_options INTERFACE SEAWAY_X86)
+endif()
 if(SEAWAY_SANITIZE)
   # Instrumented code confuses GCC's flow analysis (array bounds, uninitialised values); other builds
   # judge warnings.

@@ -32,3 +32,16 @@ function(seaway_test name)
     set_tests_properties(${name} PROPERTIES ENVIRONMENT ASAN_OPTIONS=detect_leaks=0)
   endif()
 endfunction()
+
+# seaway_loops(ROOM NAME): NAME_portable.cpp and, on x86, NAME_avx2.cpp of a room: loops over whole
+# grids, one source compiled once per instruction set; the values differ by rounding.
+function(seaway_loops room name)
+  set(loop_options "-O3;-ffp-contract=fast;-fno-math-errno;-fno-trapping-math;-Wno-psabi")
+  target_sources(seaway_${room} PRIVATE ${name}_portable.cpp)
+  set_source_files_properties(${name}_portable.cpp PROPERTIES COMPILE_OPTIONS "${loop_options}")
+  if(SEAWAY_X86)
+    target_sources(seaway_${room} PRIVATE ${name}_avx2.cpp)
+    set_source_files_properties(${name}_avx2.cpp PROPERTIES
+      COMPILE_OPTIONS "${loop_options};-mavx2;-mfma")
+  endif()
+endfunction()

@@ -35,7 +35,7 @@ inline constexpr std::size_t verifier_tables_max = 32;
 /// Side of a tile part: 64 Ki samples decode in 0.3 ms, and a reply never waits long behind one.
 inline constexpr int tile_side_max = 256;
 
-/// Side of a whole map (sea/cascade.h).
+/// Side of a whole map (sea/basics/cascade.h).
 inline constexpr int map_side_max = 2048;
 
 /// Parts of one field of a keyframe: (2048 / 256)^2.

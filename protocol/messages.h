@@ -23,9 +23,9 @@
 
 #include "base/result.h"
 #include "protocol/seaway_generated.h"
-#include "sea/field.h"
+#include "sea/basics/field.h"
+#include "sea/basics/time.h"
 #include "sea/surface/answer.h"
-#include "sea/time.h"
 
 namespace seaway::protocol {
 

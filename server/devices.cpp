@@ -5,8 +5,8 @@
 #include <spdlog/spdlog.h>
 
 #include "gpu/device_info.h"
-#include "server/simulation/native_synthesizer.h"
-#include "server/simulation/vulkan_synthesizer.h"
+#include "server/device/native_synthesizer.h"
+#include "server/device/vulkan_synthesizer.h"
 
 namespace seaway::server {
 

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "base/result.h"
-#include "sea/field.h"
+#include "sea/basics/field.h"
 #include "sea/surface/answer.h"
 #include "sea/surface/keyframe.h"
 

@@ -11,15 +11,16 @@ namespace seaway::server {
 
 namespace {
 
-/// A MapStream as bytes: its header, then rows of float32.
+/// A sea::MapStream as bytes: its header, then rows of float32.
 class MapBytes final : public ByteSource {
   public:
-    MapBytes(const MapRequest& request, const sea::Surface& surface,
-             std::unique_ptr<MapStream> stream, std::shared_ptr<void> place)
+    MapBytes(const sea::MapRequest& request, const sea::Surface& surface,
+             std::unique_ptr<sea::MapStream> stream, std::shared_ptr<void> place)
         : place_(std::move(place)), header_(map_header(request, surface)),
-          size_(map_header_bytes + sizeof(float) * static_cast<std::uint64_t>(request.columns) *
-                                       static_cast<std::uint64_t>(request.rows) *
-                                       static_cast<std::uint64_t>(map_components(request.kind))),
+          size_(sea::map_header_bytes +
+                sizeof(float) * static_cast<std::uint64_t>(request.columns) *
+                    static_cast<std::uint64_t>(request.rows) *
+                    static_cast<std::uint64_t>(sea::map_components(request.kind))),
           stream_(std::move(stream)) {}
 
     std::uint64_t size() const override { return size_; }
@@ -31,7 +32,7 @@ class MapBytes final : public ByteSource {
         }
         if (!stream_->ready())
             return {};
-        const std::optional<MapChunk> chunk = stream_->next_chunk();
+        const std::optional<sea::MapChunk> chunk = stream_->next_chunk();
         if (!chunk)
             return {};
         std::vector<std::uint8_t> bytes(chunk->values.size() * sizeof(float));
@@ -41,10 +42,10 @@ class MapBytes final : public ByteSource {
 
   private:
     std::shared_ptr<void> place_; ///< given back last
-    std::array<std::uint8_t, map_header_bytes> header_;
+    std::array<std::uint8_t, sea::map_header_bytes> header_;
     std::uint64_t size_;
     bool header_sent_ = false;
-    std::unique_ptr<MapStream> stream_;
+    std::unique_ptr<sea::MapStream> stream_;
 };
 
 /// The whole text as a number, or an error that names the parameter.
@@ -58,14 +59,14 @@ Result<void> read_number(const std::string& name, const std::string& text, T& to
 
 } // namespace
 
-Result<MapRequest> read_map_request(const std::map<std::string, std::string>& parameters,
-                                    sea::TimeUs now_us) {
-    MapRequest request;
+Result<sea::MapRequest> read_map_request(const std::map<std::string, std::string>& parameters,
+                                         sea::TimeUs now_us) {
+    sea::MapRequest request;
     request.time_us = now_us;
     for (const auto& [name, text] : parameters) {
         Result<void> read;
         if (name == "kind") {
-            const Result<MapKind> kind = map_kind(text);
+            const Result<sea::MapKind> kind = sea::map_kind(text);
             if (!kind)
                 return kind.error();
             request.kind = *kind;
@@ -110,11 +111,12 @@ std::shared_ptr<void> take_map_place(const std::shared_ptr<std::atomic<int>>& ru
     return {running.get(), [running](void*) { running->fetch_sub(1); }};
 }
 
-MapAnswer start_map(const MapRequest& request, const sea::Surface& surface,
+MapAnswer start_map(const sea::MapRequest& request, const sea::Surface& surface,
                     std::shared_ptr<void> place, std::function<void()> on_ready) {
-    MapOptions options;
+    sea::MapOptions options;
     options.on_ready = std::move(on_ready);
-    Result<std::unique_ptr<MapStream>> stream = MapStream::start(request, surface, options);
+    Result<std::unique_ptr<sea::MapStream>> stream =
+        sea::MapStream::start(request, surface, options);
     if (!stream)
         return {nullptr, 400, stream.error().message};
     return {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bulk maps for the net: parameters to a request, a MapStream to bytes (docs/protocol.md, /v1/map).
+// Bulk maps for the net: parameters to a request, a sea::MapStream to bytes (docs/protocol.md, /v1/map).
 #pragma once
 
 #include <atomic>
@@ -9,8 +9,8 @@
 #include <string>
 
 #include "base/result.h"
+#include "sea/surface/height_map.h"
 #include "server/host.h"
-#include "server/simulation/height_map.h"
 
 namespace seaway::server {
 
@@ -19,14 +19,14 @@ inline constexpr int maps_at_once_max = 2;
 
 /// Parameters by name: kind (height), x0_m, y0_m (0), width_m, height_m, columns, rows, t_s (now).
 /// An error names the parameter, its value and what is allowed.
-Result<MapRequest> read_map_request(const std::map<std::string, std::string>& parameters,
-                                    sea::TimeUs now_us);
+Result<sea::MapRequest> read_map_request(const std::map<std::string, std::string>& parameters,
+                                         sea::TimeUs now_us);
 
 /// One of maps_at_once_max places, given back when the pointer goes; null if none is free.
 std::shared_ptr<void> take_map_place(const std::shared_ptr<std::atomic<int>>& running);
 
 /// Starts to compute. The source keeps `place`.
-MapAnswer start_map(const MapRequest& request, const sea::Surface& surface,
+MapAnswer start_map(const sea::MapRequest& request, const sea::Surface& surface,
                     std::shared_ptr<void> place, std::function<void()> on_ready);
 
 } // namespace seaway::server

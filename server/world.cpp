@@ -106,7 +106,7 @@ void World::query(QueryBatch batch, std::function<void(QueryAnswers)> done) {
 }
 
 void World::map(MapQuery query, std::function<void(MapAnswer)> done) {
-    const Result<MapRequest> request = read_map_request(query.parameters, now_());
+    const Result<sea::MapRequest> request = read_map_request(query.parameters, now_());
     if (!request)
         return done({nullptr, 400, request.error().message});
     std::shared_ptr<void> place = take_map_place(maps_running_);

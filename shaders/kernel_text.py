@@ -18,7 +18,7 @@ layout(push_constant) uniform Push {{
     SynthesisPush push;
 }};
 """
-# What each kind of pass reads; server/simulation/vulkan_kernels.cpp expects the same.
+# What each kind of pass reads; server/device/vulkan_kernels.cpp expects the same.
 EVOLVE_BINDINGS = """layout(binding = 0) uniform samplerBuffer modes;  // (h0(k), conj h0(-k))
 layout(binding = 1) uniform usamplerBuffer rates;
 layout(binding = 2) uniform usamplerBuffer jobs;

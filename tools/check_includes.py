@@ -10,26 +10,38 @@ import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 
+SEA = {f"sea/{room}" for room in ("basics", "spectrum", "waves", "surface", "native", "scene", "foam")}
+
 # Longest path first decides to which room a file belongs.
 MAY_SEE = {
     "base": {"base"},
-    "sea": {"base", "sea"},
+    "sea/basics": {"base", "sea/basics"},
+    "sea/spectrum": {"base", "sea/basics", "sea/spectrum"},
+    "sea/waves": {"base", "sea/basics", "sea/spectrum", "sea/waves"},
+    "sea/surface": {"base", "sea/basics", "sea/waves", "sea/surface"},
+    "sea/native": {"base", "sea/basics", "sea/waves", "sea/native"},
+    "sea/scene": {"base", "sea/basics", "sea/spectrum", "sea/waves", "sea/surface", "sea/scene"},
+    "sea/foam": {"base", "sea/basics", "sea/waves", "sea/surface", "sea/scene", "sea/foam"},
     "gpu": {"base", "gpu"},
     "shaders": {"base", "shaders"},
-    "protocol": {"base", "sea", "protocol"},
-    "server/simulation": {"base", "sea", "gpu", "shaders", "server/simulation"},
-    "server/publish": {"base", "sea", "protocol", "server/publish", "server/host.h"},
-    "server/net": {"base", "sea", "protocol", "server/publish", "server/net", "server/host.h"},
-    "server": {"base", "sea", "gpu", "protocol", "server", "server/simulation", "server/publish",
-               "server/net"},
-    "client/view": {"base", "sea", "gpu", "shaders", "protocol", "client", "client/view"},
-    "client": {"base", "sea", "protocol", "client"},
-    "tools": {"base", "sea", "gpu", "shaders", "protocol", "server/simulation", "client", "tools"},
+    "protocol": {"base", "sea/basics", "sea/surface", "protocol"},
+    "server/device": {"base", *SEA, "gpu", "shaders", "server/device"},
+    "server/simulation": {"base", *SEA, "server/device", "server/simulation"},
+    "server/publish": {"base", "sea/basics", "sea/surface", "protocol", "server/publish",
+                       "server/host.h"},
+    "server/net": {"base", "sea/basics", "sea/surface", "protocol", "server/publish", "server/net",
+                   "server/host.h"},
+    "server": {"base", *SEA, "gpu", "protocol", "server", "server/device", "server/simulation",
+               "server/publish", "server/net"},
+    "client/view": {"base", *SEA, "gpu", "shaders", "protocol", "client", "client/view"},
+    "client": {"base", *SEA, "protocol", "client"},
+    "tools": {"base", *SEA, "gpu", "shaders", "protocol", "server/device", "server/simulation",
+              "client", "tools"},
 }
 
 # Header prefix -> rooms that may include it; a suffix ".cpp" means: not in headers.
 THIRD_PARTY = {
-    "toml++/": {"sea/scene"},
+    "toml++/": {"sea/scene/"},
     "glm/": {"sea", "client/view"},
     "volk.h": {"gpu"},
     "vulkan/": {"gpu"},

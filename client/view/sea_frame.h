@@ -4,10 +4,10 @@
 
 #include <vector>
 
-#include "sea/cascade.h"
-#include "sea/realization.h"
+#include "sea/basics/cascade.h"
 #include "sea/surface/keyframe.h"
 #include "sea/surface/surface.h"
+#include "sea/waves/realization.h"
 
 namespace seaway::client {
 

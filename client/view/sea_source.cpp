@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include "client/failure.h"
-#include "sea/scene.h"
+#include "sea/scene/scene.h"
 #include "shaders/shared/view.h"
 
 namespace seaway::client {

@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "sea/time.h"
+#include "sea/basics/time.h"
 
 namespace seaway::sea {
 

@@ -14,9 +14,9 @@
 
 #include <vector>
 
-#include "sea/field.h"
-#include "sea/realization.h"
+#include "sea/basics/field.h"
 #include "sea/surface/surface.h"
+#include "sea/waves/realization.h"
 
 namespace seaway::sea {
 

@@ -14,9 +14,9 @@
 
 #include <type_traits>
 
-#include "sea/realization.h"
+#include "sea/basics/lagrangian_point.h"
 #include "sea/surface/answer.h"
-#include "sea/surface/lagrangian_point.h"
+#include "sea/waves/realization.h"
 
 namespace seaway::sea {
 

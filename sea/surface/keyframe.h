@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "base/check.h"
-#include "sea/field.h"
-#include "sea/time.h"
+#include "sea/basics/field.h"
+#include "sea/basics/time.h"
 
 namespace seaway::sea {
 

@@ -15,8 +15,8 @@
 #include <memory>
 #include <vector>
 
+#include "sea/basics/lagrangian_point.h"
 #include "sea/surface/keyframe.h"
-#include "sea/surface/lagrangian_point.h"
 
 namespace seaway::sea {
 

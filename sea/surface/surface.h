@@ -13,10 +13,10 @@
 #include <span>
 #include <vector>
 
-#include "sea/realization.h"
 #include "sea/surface/answer.h"
 #include "sea/surface/inverse.h"
 #include "sea/surface/spline_map.h"
+#include "sea/waves/realization.h"
 
 namespace seaway::sea {
 

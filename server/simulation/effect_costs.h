@@ -12,8 +12,8 @@
 #include <span>
 #include <vector>
 
+#include "server/device/synthesizer.h"
 #include "server/simulation/effect_plan.h"
-#include "server/simulation/synthesizer.h"
 
 namespace seaway::server {
 

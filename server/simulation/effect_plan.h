@@ -11,8 +11,8 @@
 #include <string_view>
 #include <vector>
 
-#include "sea/field.h"
-#include "sea/scene.h"
+#include "sea/basics/field.h"
+#include "sea/scene/scene.h"
 #include "sea/surface/error_budget.h"
 
 namespace seaway::server {

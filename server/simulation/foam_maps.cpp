@@ -12,9 +12,9 @@ FoamMaps::FoamMaps(const RunningSea& sea) {
 }
 
 Result<sea::KeyframePtr> FoamMaps::add(const sea::KeyframePtr& keyframe, sea::TimeUs interval_us,
-                                       const FoamHistory::StrainsAt& strains_at) {
+                                       const sea::FoamHistory::StrainsAt& strains_at) {
     SEAWAY_CHECK(!histories_.empty(), "foam is offered only where the scene has a law for it");
-    FoamHistory& history = histories_[static_cast<std::size_t>(keyframe->cascade)];
+    sea::FoamHistory& history = histories_[static_cast<std::size_t>(keyframe->cascade)];
     const auto strains = [&](sea::TimeUs time_us) -> Result<sea::KeyframePtr> {
         return time_us == keyframe->time_us ? Result(keyframe) : strains_at(time_us);
     };

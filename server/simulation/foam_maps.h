@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/result.h"
-#include "server/simulation/foam.h"
+#include "sea/foam/foam.h"
 #include "server/simulation/running_sea.h"
 
 namespace seaway::server {
@@ -17,7 +17,7 @@ inline sea::FieldSet foam_replaced(sea::FieldSet fields) {
     if (!fields.contains(sea::Field::foam))
         return fields;
     const sea::FieldSet foam{sea::Field::foam};
-    return sea::FieldSet::from_bits(fields.bits() & ~foam.bits()) | foam_inputs;
+    return sea::FieldSet::from_bits(fields.bits() & ~foam.bits()) | sea::foam_inputs;
 }
 
 class FoamMaps {
@@ -25,13 +25,13 @@ class FoamMaps {
     /// Without a foam law (RunningSea::foam_law) there is nothing to add.
     explicit FoamMaps(const RunningSea& sea);
 
-    /// The keyframe, which holds foam_inputs, with Field::foam after its fields. `strains_at` gives
+    /// The keyframe, which holds sea::foam_inputs, with Field::foam after its fields. `strains_at` gives
     /// the same cascade at earlier times, for a history that starts.
     Result<sea::KeyframePtr> add(const sea::KeyframePtr& keyframe, sea::TimeUs interval_us,
-                                 const FoamHistory::StrainsAt& strains_at);
+                                 const sea::FoamHistory::StrainsAt& strains_at);
 
   private:
-    std::vector<FoamHistory> histories_; ///< one a cascade
+    std::vector<sea::FoamHistory> histories_; ///< one a cascade
 };
 
 } // namespace seaway::server

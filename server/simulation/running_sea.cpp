@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/simulation/running_sea.h"
 
-#include "sea/realize.h"
+#include "sea/waves/realize.h"
 #include "server/simulation/effect_plan.h"
 
 namespace seaway::server {
@@ -15,7 +15,8 @@ Result<RunningSeaPtr> make_running_sea(const sea::Scene& scene, std::uint32_t ep
     return std::make_shared<const RunningSea>(RunningSea{
         epoch, scene, realization, sea::plan_budget(*realization, scene.accuracy.height_error_m),
         offered, sea::summarize(scene.sea, *realization), sea::DirectSum(realization),
-        offered.contains(sea::Field::foam) ? make_foam_law(*realization, scene.foam) : nullptr});
+        offered.contains(sea::Field::foam) ? sea::make_foam_law(*realization, scene.foam)
+                                           : nullptr});
 }
 
 } // namespace seaway::server

@@ -6,13 +6,13 @@
 #include <memory>
 
 #include "base/result.h"
-#include "sea/field.h"
-#include "sea/moments.h"
-#include "sea/realization.h"
-#include "sea/reference.h"
-#include "sea/scene.h"
+#include "sea/basics/field.h"
+#include "sea/foam/foam_law.h"
+#include "sea/scene/scene.h"
 #include "sea/surface/error_budget.h"
-#include "server/simulation/foam_law.h"
+#include "sea/waves/moments.h"
+#include "sea/waves/realization.h"
+#include "sea/waves/reference.h"
 
 namespace seaway::server {
 
@@ -24,7 +24,7 @@ struct RunningSea {
     sea::FieldSet offered;
     sea::SeaSummary summary;
     sea::DirectSum truth;
-    FoamLawPtr foam_law; ///< null where the scene allows no foam
+    sea::FoamLawPtr foam_law; ///< null where the scene allows no foam
 
     /// What a sampler needs of a keyframe of this sea.
     sea::FieldSet sampler_fields() const {

@@ -296,7 +296,7 @@ Result<sea::KeyframePtr> Simulation::add_foam(const sea::KeyframePtr& keyframe, 
         keyframe, sea_->budget.cascades[cascade].interval_us,
         [&](TimeUs t_us) -> Result<sea::KeyframePtr> {
             const Clock::time_point begin = Clock::now();
-            const KeyframeRequest past{keyframe->cascade, t_us, foam_inputs};
+            const KeyframeRequest past{keyframe->cascade, t_us, sea::foam_inputs};
             const KeyframeRequest asked{keyframe->cascade, t_us, {sea::Field::foam}};
             Result<std::vector<sea::KeyframePtr>> one = synthesize({&past, 1}, {&asked, 1});
             synthesizing += Clock::now() - begin;

@@ -27,12 +27,12 @@
 #include "base/result.h"
 #include "sea/surface/answer.h"
 #include "sea/surface/surface.h"
+#include "server/device/synthesizer.h"
 #include "server/simulation/effect_costs.h"
 #include "server/simulation/effect_plan.h"
 #include "server/simulation/foam_maps.h"
 #include "server/simulation/keyframe_store.h"
 #include "server/simulation/running_sea.h"
-#include "server/simulation/synthesizer.h"
 
 namespace seaway::server {
 

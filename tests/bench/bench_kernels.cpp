@@ -29,8 +29,8 @@
 #include <fmt/format.h>
 
 #include "base/check.h"
-#include "server/simulation/vulkan_batch.h"
-#include "server/simulation/vulkan_synthesizer.h"
+#include "server/device/vulkan_batch.h"
+#include "server/device/vulkan_synthesizer.h"
 #include "tests/bench/fftw_yardstick.h"
 #include "tests/sea/native/random_modes.h"
 

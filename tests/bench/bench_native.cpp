@@ -26,7 +26,7 @@
 #include <fmt/format.h>
 
 #include "base/check.h"
-#include "sea/surface/native/native_runner.h"
+#include "sea/native/native_runner.h"
 #include "tests/bench/fftw_yardstick.h"
 #include "tests/sea/native/random_modes.h"
 
@@ -72,7 +72,7 @@ double difference(std::span<const float> a, std::span<const float> b) {
     return worst / std::sqrt(sum / static_cast<double>(a.size()));
 }
 
-void time_size(int size, double reach, sea::Instructions instructions, int repeats) {
+void time_size(int size, double reach, Instructions instructions, int repeats) {
     const auto points = static_cast<std::size_t>(size) * static_cast<std::size_t>(size);
     std::vector<sea::CascadeModes> modes;
     std::vector<sea::NativeTransform> cascades;
@@ -139,19 +139,18 @@ int main(int argc, char** argv) {
     double reach = 2;
     std::string instructions;
     std::vector<std::string> known;
-    for (sea::Instructions candidate : sea::supported_instructions())
-        known.emplace_back(sea::name(candidate));
+    for (Instructions candidate : supported_instructions())
+        known.emplace_back(name(candidate));
     app.add_option("--sizes", sizes)->delimiter(',');
     app.add_option("--repeats", repeats)->check(CLI::PositiveNumber);
     app.add_option("--reach", reach);
     app.add_option("--instructions", instructions)->check(CLI::IsMember(known));
     CLI11_PARSE(app, argc, argv);
-    sea::Instructions chosen = sea::best_instructions();
-    for (sea::Instructions candidate : sea::supported_instructions())
-        if (sea::name(candidate) == instructions)
+    Instructions chosen = best_instructions();
+    for (Instructions candidate : supported_instructions())
+        if (name(candidate) == instructions)
             chosen = candidate;
-    fmt::print("# {}, 2 threads, reach {} of Nyquist, {} repeats\n", sea::name(chosen), reach,
-               repeats);
+    fmt::print("# {}, 2 threads, reach {} of Nyquist, {} repeats\n", name(chosen), reach, repeats);
     fmt::print(
         "size,program,median_ms,ratio_to_strongest,fastest_ms,fastest_ratio,cpu_ms,cpu_ratio\n");
     for (int size : sizes)

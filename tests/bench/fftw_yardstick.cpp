@@ -120,7 +120,7 @@ void FftwYardstick::run(sea::TimeUs t_us, bool planar) {
     std::vector<Step> steps;
     for (std::size_t cascade = 0; cascade < modes_.size(); ++cascade)
         steps.push_back({this, cascade, t_us});
-    std::vector<sea::Phase> phases;
+    std::vector<Phase> phases;
     const auto add = [&](auto work, const Step& step, int after) {
         phases.push_back({work, &step, 2, after});
         return static_cast<int>(phases.size()) - 1;

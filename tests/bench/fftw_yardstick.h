@@ -9,8 +9,8 @@
 
 #include <fftw3.h>
 
-#include "sea/realization.h"
-#include "sea/surface/native/thread_pool.h"
+#include "base/thread_pool.h"
+#include "sea/waves/realization.h"
 #include "tests/bench/fftw_evolve.h"
 
 namespace seaway::bench {
@@ -54,7 +54,7 @@ class FftwYardstick {
     std::vector<float> planes_;
     fftwf_plan half_ = nullptr;  ///< two fields on one thread
     fftwf_plan batch_ = nullptr; ///< four fields on FFTW's threads
-    sea::ThreadPool pool_{2};
+    ThreadPool pool_{2};
 };
 
 } // namespace seaway::bench

@@ -15,8 +15,8 @@
 #include <vector>
 
 #include "protocol/messages.h"
-#include "sea/reference.h"
 #include "sea/surface/inverse.h"
+#include "sea/waves/reference.h"
 #include "server/host.h"
 
 namespace seaway::tests {

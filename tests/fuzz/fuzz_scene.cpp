@@ -7,9 +7,9 @@
 #include <cstdlib>
 #include <string>
 
-#include "sea/moments.h"
-#include "sea/reference.h"
-#include "sea/scene.h"
+#include "sea/scene/scene.h"
+#include "sea/waves/moments.h"
+#include "sea/waves/reference.h"
 
 namespace {
 

@@ -9,7 +9,7 @@
 
 #include "protocol/limits.h"
 #include "server/net/session.h"
-#include "tests/server/small_sea.h"
+#include "tests/server/simulation/small_sea.h"
 
 using namespace seaway;
 

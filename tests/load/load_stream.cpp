@@ -22,7 +22,7 @@
 #include <unistd.h>
 
 #include "server/net/server.h"
-#include "tests/server/small_sea.h"
+#include "tests/server/simulation/small_sea.h"
 
 using namespace seaway;
 using Clock = std::chrono::steady_clock;

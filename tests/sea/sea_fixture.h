@@ -6,8 +6,8 @@
 #include <memory>
 #include <vector>
 
-#include "sea/realize.h"
-#include "sea/reference.h"
+#include "sea/waves/realize.h"
+#include "sea/waves/reference.h"
 
 namespace seaway::testing {
 

@@ -7,10 +7,10 @@
 #include <memory>
 #include <random>
 
-#include "sea/constants.h"
-#include "sea/realization.h"
-#include "sea/reference.h"
+#include "sea/basics/constants.h"
 #include "sea/surface/keyframe.h"
+#include "sea/waves/realization.h"
+#include "sea/waves/reference.h"
 
 namespace seaway::tests {
 

@@ -17,11 +17,11 @@
 #include <OpenEXR/ImfStringAttribute.h>
 #pragma GCC diagnostic pop
 
-#include "sea/field.h"
-#include "sea/realize.h"
-#include "sea/reference.h"
-#include "sea/scene.h"
+#include "sea/basics/field.h"
+#include "sea/scene/scene.h"
 #include "sea/surface/inverse.h"
+#include "sea/waves/realize.h"
+#include "sea/waves/reference.h"
 #include "tests/tools/program.h"
 
 namespace seaway {

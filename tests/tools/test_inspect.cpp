@@ -8,9 +8,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "sea/moments.h"
-#include "sea/scene.h"
-#include "sea/scene_names.h"
+#include "sea/scene/scene.h"
+#include "sea/scene/scene_names.h"
+#include "sea/waves/moments.h"
 #include "tests/sea/csv.h"
 #include "tests/tools/program.h"
 

@@ -10,7 +10,7 @@
 
 #include <fmt/format.h>
 
-#include "sea/scene.h"
+#include "sea/scene/scene.h"
 #include "sea/surface/answer.h"
 #include "tests/tools/program.h"
 

@@ -11,9 +11,9 @@
 
 #include <fmt/format.h>
 
-#include "sea/moments.h"
-#include "sea/realize.h"
-#include "server/simulation/foam.h"
+#include "sea/foam/foam.h"
+#include "sea/waves/moments.h"
+#include "sea/waves/realize.h"
 
 namespace seaway::bake {
 
@@ -70,7 +70,7 @@ class Baker {
           attributes_(sea_attributes(scene, *sea_)) {
         if (!options_.fields.contains(Field::foam))
             return;
-        law_ = server::make_foam_law(*sea_, scene.foam);
+        law_ = sea::make_foam_law(*sea_, scene.foam);
         for (std::size_t c = 0; c < sea_->cascades.size(); ++c)
             foam_.emplace_back(law_, static_cast<int>(c), sea_->cascades[c].spec.size);
     }
@@ -102,7 +102,7 @@ class Baker {
     FieldSet synthesized_fields() const {
         FieldSet fields =
             FieldSet::from_bits(options_.fields.bits() & ~FieldSet{Field::foam}.bits());
-        return foam_.empty() ? fields : fields | server::foam_inputs;
+        return foam_.empty() ? fields : fields | sea::foam_inputs;
     }
 
     /// The frame's own strains are at hand; a first frame asks for those before it.
@@ -112,7 +112,7 @@ class Baker {
             if (time_us == keyframe->time_us)
                 return keyframe;
             const server::KeyframeRequest request{static_cast<int>(cascade), time_us,
-                                                  server::foam_inputs};
+                                                  sea::foam_inputs};
             Result<std::vector<sea::KeyframePtr>> made = synthesizer_.synthesize({&request, 1});
             if (!made)
                 return made.error();
@@ -157,8 +157,8 @@ class Baker {
     const BakeOptions& options_;
     server::Synthesizer& synthesizer_;
     std::vector<ExrAttribute> attributes_;
-    server::FoamLawPtr law_; ///< null without foam
-    std::vector<server::FoamHistory> foam_;
+    sea::FoamLawPtr law_; ///< null without foam
+    std::vector<sea::FoamHistory> foam_;
     BakeReport report_;
 };
 

@@ -2,8 +2,8 @@
 // Bakes a sea into OpenEXR maps: frame after frame, one file a cascade, by any synthesizer.
 //
 // File DIR/cascade<c>.<frame, five digits>.exr, frame 0 at start_us. Channels are named after their
-// fields (sea/field.h) and carry no choppiness: D is the displacement at choppiness 1, the
-// attributes say by what to multiply. `foam` is the ratio of server/simulation/foam.h.
+// fields (sea/basics/field.h) and carry no choppiness: D is the displacement at choppiness 1, the
+// attributes say by what to multiply. `foam` is the ratio of sea/foam/foam.h.
 #pragma once
 
 #include <cstdint>
@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "base/result.h"
-#include "sea/field.h"
-#include "sea/scene.h"
-#include "server/simulation/synthesizer.h"
+#include "sea/basics/field.h"
+#include "sea/scene/scene.h"
+#include "server/device/synthesizer.h"
 #include "tools/bake/exr_map.h"
 
 namespace seaway::bake {

@@ -16,8 +16,8 @@
 #include <OpenEXR/ImfThreading.h>
 #pragma GCC diagnostic pop
 
-#include "server/simulation/native_synthesizer.h"
-#include "server/simulation/vulkan_synthesizer.h"
+#include "server/device/native_synthesizer.h"
+#include "server/device/vulkan_synthesizer.h"
 #include "tools/bake/bake.h"
 
 namespace {

@@ -9,12 +9,12 @@
 
 #include <fmt/format.h>
 
+#include "server/device/native_synthesizer.h"
+#include "server/device/vulkan_synthesizer.h"
 #include "server/simulation/effect_costs.h"
 #include "server/simulation/effect_plan.h"
 #include "server/simulation/foam_maps.h"
-#include "server/simulation/native_synthesizer.h"
 #include "server/simulation/running_sea.h"
-#include "server/simulation/vulkan_synthesizer.h"
 #include "tools/bench/timing.h"
 #include "tools/plot/plot.h"
 

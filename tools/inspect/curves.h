@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "sea/directional_spectrum.h"
+#include "sea/waves/directional_spectrum.h"
 #include "tools/inspect/report.h"
 #include "tools/plot/plot.h"
 

@@ -11,7 +11,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "sea/moments.h"
+#include "sea/waves/moments.h"
 #include "tools/inspect/picture.h"
 #include "tools/inspect/points.h"
 #include "tools/inspect/report.h"

@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "sea/scene_names.h"
+#include "sea/scene/scene_names.h"
 #include "tools/inspect/curves.h"
 
 namespace seaway::inspect {

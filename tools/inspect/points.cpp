@@ -15,8 +15,8 @@
 
 #include <fmt/format.h>
 
-#include "sea/reference.h"
 #include "sea/surface/inverse.h"
+#include "sea/waves/reference.h"
 
 namespace seaway::inspect {
 
@@ -24,7 +24,7 @@ namespace {
 
 constexpr std::array<std::string_view, 3> columns{"x_m", "y_m", "t_s"};
 constexpr double tolerance_m = 1e-9;
-/// Rounding of the direct sum, as a share of the sum of all amplitudes (sea/reference.h).
+/// Rounding of the direct sum, as a share of the sum of all amplitudes (sea/waves/reference.h).
 constexpr double sum_rounding = 1e-13;
 
 std::string_view trimmed(std::string_view text) {

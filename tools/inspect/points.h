@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "base/result.h"
-#include "sea/realization.h"
 #include "sea/surface/answer.h"
 #include "sea/surface/inverse.h"
+#include "sea/waves/realization.h"
 
 namespace seaway::inspect {
 

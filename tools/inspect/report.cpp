@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "sea/scene_names.h"
+#include "sea/scene/scene_names.h"
 
 namespace seaway::inspect {
 

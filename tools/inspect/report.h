@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "base/result.h"
-#include "sea/moments.h"
-#include "sea/scene.h"
+#include "sea/scene/scene.h"
 #include "sea/surface/error_budget.h"
+#include "sea/waves/moments.h"
 
 namespace seaway::inspect {
 

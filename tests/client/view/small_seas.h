@@ -6,7 +6,7 @@
 #include <complex>
 
 #include "client/view/sea_frame.h"
-#include "sea/realize.h"
+#include "sea/waves/realize.h"
 
 namespace seaway::client {
 

@@ -7,9 +7,9 @@
 #include <string>
 
 #include "client/view/sea_frame.h"
-#include "sea/realize.h"
+#include "sea/native/native_runner.h"
 #include "sea/surface/error_budget.h"
-#include "sea/surface/native/native_runner.h"
+#include "sea/waves/realize.h"
 
 namespace seaway::client {
 

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "client/view/renderer.h"
-#include "sea/scene.h"
+#include "sea/scene/scene.h"
 #include "tests/client/view/small_seas.h"
 #include "tests/client/view/synthetic_sea.h"
 #include "tests/gpu/device_for_tests.h"

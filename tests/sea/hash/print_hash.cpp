@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <cstring>
 
-#include "sea/realize.h"
+#include "sea/waves/realize.h"
 
 namespace {
 

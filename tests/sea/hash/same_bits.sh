@@ -8,9 +8,9 @@ source_dir=$1
 work_dir=$2
 mkdir -p "$work_dir"
 cd "$source_dir"
-sources="tests/sea/hash/print_hash.cpp base/check.cpp sea/cascade.cpp sea/csv_table.cpp
-  sea/directional_spectrum.cpp sea/dispersion.cpp sea/gaussian.cpp sea/measured.cpp sea/realize.cpp
-  sea/sine_waves.cpp sea/spectra.cpp sea/spreading.cpp"
+sources="tests/sea/hash/print_hash.cpp base/check.cpp base/csv_table.cpp sea/basics/cascade.cpp
+  sea/waves/directional_spectrum.cpp sea/basics/dispersion.cpp sea/basics/gaussian.cpp sea/spectrum/measured.cpp sea/waves/realize.cpp
+  sea/waves/sine_waves.cpp sea/spectrum/spectra.cpp sea/spectrum/spreading.cpp"
 hashes=
 for compiler in g++ clang++-14; do
     for level in -O0 -O2; do

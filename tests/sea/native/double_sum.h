@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // The truth that synthesised maps are held against: the sum over modes in double precision, by the
-// formulas of sea/realization.h and sea/field.h, separable but without any fast transform.
+// formulas of sea/waves/realization.h and sea/basics/field.h, separable but without any fast transform.
 #pragma once
 
 #include <complex>
 #include <numbers>
 #include <vector>
 
-#include "sea/field.h"
-#include "sea/realization.h"
+#include "sea/basics/field.h"
+#include "sea/waves/realization.h"
 
 namespace seaway::sea {
 

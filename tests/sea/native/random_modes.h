@@ -6,7 +6,7 @@
 #include <complex>
 #include <cstdint>
 
-#include "sea/realization.h"
+#include "sea/waves/realization.h"
 
 namespace seaway::sea {
 

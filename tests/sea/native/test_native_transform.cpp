@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sea/surface/native/native_runner.h"
+#include "sea/native/native_runner.h"
 
 #include <algorithm>
 #include <cmath>
@@ -83,7 +83,7 @@ std::vector<Case> every_size() {
 }
 
 INSTANTIATE_TEST_SUITE_P(Native, EverySize, testing::ValuesIn(every_size()), [](const auto& test) {
-    std::string name(seaway::sea::name(test.param.instructions));
+    std::string name(seaway::name(test.param.instructions));
     std::erase(name, '-');
     return name + "_" + std::to_string(test.param.size);
 });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sea/surface/native/vector.h"
+#include "sea/native/vector.h"
 
 #include <cmath>
 #include <numbers>

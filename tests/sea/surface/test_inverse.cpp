@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "sea/reference.h"
 #include "sea/surface/inverse.h"
+#include "sea/waves/reference.h"
 #include "tests/support/explicit_sea.h"
 
 namespace seaway::sea {

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// Strict reading of small tables of numbers: '#' lines are notes, then a header, then rows.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/result.h"
+
+namespace seaway {
+
+struct CsvTable {
+    std::string name; ///< quoted in errors
+    std::vector<std::string> columns;
+    std::vector<std::vector<double>> rows; ///< finite numbers, one a column
+    std::vector<int> lines;                ///< line of each row in the text
+
+    std::optional<std::size_t> column(std::string_view title) const;
+    /// "name:line: what"
+    Error error(std::size_t row, const std::string& what) const;
+};
+
+/// Errors name the line: no header, no rows, more than `rows_max`, a field that is not a finite
+/// number, a row of the wrong length.
+Result<CsvTable> parse_csv(std::string_view text, const std::string& name, std::size_t rows_max);
+
+} // namespace seaway

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// Dispersion of surface waves: w^2 = (g k + s k^3) tanh(k d), s = surface tension / density.
+//
+// Accurate to rounding for k d from 1e-8 to infinity; depth_m may be infinite. No cosh, so nothing
+// overflows (hard cases A6, A7). Pure functions; thread-safe.
+#pragma once
+
+#include "sea/basics/constants.h"
+
+namespace seaway::sea {
+
+struct Dispersion {
+    double gravity_mps2 = gravity_default_mps2;
+    double surface_tension_m3ps2 = surface_tension_default_m3ps2;
+    double depth_m = deep_water_m;
+
+    /// Angular frequency, rad/s; k >= 0 in rad/m. 0 at k = 0.
+    double omega(double k_radpm) const;
+
+    /// Group velocity d omega / d k, m/s; k > 0. At k = 0 its limit, sqrt(g d).
+    double group_speed(double k_radpm) const;
+
+    /// The k whose omega(k) this is, rad/m, to 1e-14 relative; omega >= 0. About 5 steps.
+    double wavenumber(double omega_radps) const;
+};
+
+} // namespace seaway::sea

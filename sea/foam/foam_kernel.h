@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+// The inner loop of foam (foam.h): one tick of a history, several instruction sets.
+#pragma once
+
+#include <cstddef>
+
+#include "base/instructions.h"
+
+namespace seaway::sea {
+
+/// What one tick needs, in single precision; the terms are those of conditional_shortfall().
+struct FoamTick {
+    float threshold, choppiness_x, choppiness_y, choppiness_xy;
+    float variance, difference, shear, curvature;
+    float difference_rest, shear_rest, cross_rest, constant_rest;
+    float remains, source; ///< ratio = ratio * remains + shortfall * source
+};
+
+struct FoamKernel {
+    /// ratio = ratio * remains + shortfall(strains) * source at `count` points.
+    void (*advance)(const FoamTick& tick, const float* strain_xx, const float* strain_yy,
+                    const float* strain_xy, float* ratio, std::size_t count);
+};
+
+/// The kernel for instructions that this machine has; AVX-512 machines run the AVX2 kernel. The
+/// values differ by rounding.
+const FoamKernel& foam_kernel(Instructions instructions);
+
+// One a translation unit that is compiled for them.
+const FoamKernel& foam_kernel_portable();
+const FoamKernel& foam_kernel_avx2();
+
+} // namespace seaway::sea

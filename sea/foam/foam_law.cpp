@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sea/foam/foam_law.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "base/check.h"
+
+namespace seaway::sea {
+
+namespace {
+
+double normal_density(double z) {
+    return std::exp(-0.5 * z * z) / std::sqrt(2.0 * std::numbers::pi);
+}
+
+double normal_share(double z) {
+    return 0.5 * std::erfc(-z / std::numbers::sqrt2);
+}
+
+/// Phi(-t) / phi(t) for t >= 0: Mills' ratio.
+double mills_ratio(double t) {
+    if (t < 6)
+        return normal_share(-t) / normal_density(t);
+    double fraction = t;
+    for (int n = 40; n > 0; --n)
+        fraction = t + n / fraction;
+    return 1 / fraction;
+}
+
+/// E[max(0, q)] of the parabola q = mean - width z - curvature (z^2 - 1), z standard normal: q is
+/// positive left of its upper root; the lower root is many deviations away.
+double parabola_excess(double mean, double width, double curvature) {
+    const double top = mean + curvature;
+    const double discriminant = width * width + 4 * curvature * top;
+    if (!(discriminant > 0))
+        return width > 0 || curvature > 0 ? 0.0 : std::max(mean, 0.0);
+    const double root = 2 * top / (width + std::sqrt(discriminant));
+    const double t = std::abs(root);
+    const double mills = mills_ratio(t);
+    const double linear = 1 - t * mills;
+    const double square = t * linear + mills;
+    const double density = normal_density(t);
+    const double excess = root > 0 ? mean + density * (width * linear + curvature * square)
+                                   : density * (width * linear - curvature * square);
+    return std::max(excess, 0.0);
+}
+
+/// Lower Cholesky factor of the moments in the order a, c, b; a degenerate axis becomes zero.
+struct Cholesky {
+    double aa, ca, cc, ba, bc, bb;
+
+    explicit Cholesky(const StrainMoments& m) {
+        const auto root = [](double x) { return x > 0 ? std::sqrt(x) : 0.0; };
+        const auto ratio = [](double x, double y) { return y > 0 ? x / y : 0.0; };
+        aa = root(m.aa);
+        ca = ratio(m.ac, aa);
+        // What rounding leaves of a degenerate axis is not an axis.
+        const double cc_rest = m.cc - ca * ca;
+        cc = cc_rest > 1e-12 * m.cc ? root(cc_rest) : 0.0;
+        ba = ratio(m.ab, aa);
+        bc = ratio(m.bc - ba * ca, cc);
+        const double bb_rest = m.bb - ba * ba - bc * bc;
+        bb = bb_rest > 1e-12 * m.bb ? root(bb_rest) : 0.0;
+    }
+};
+
+/// Trapezoidal rule over a standard normal: exponentially accurate for smooth integrands. An axis
+/// that is not there is one point.
+template <class F>
+double gaussian_mean(bool present, double step, const F& f) {
+    if (!present)
+        return f(0.0);
+    constexpr double reach = 7.5;
+    const int n = static_cast<int>(reach / step);
+    double sum = 0;
+    for (int i = -n; i <= n; ++i)
+        sum += normal_density(i * step) * f(i * step);
+    return sum * step;
+}
+
+/// Average over all strains of g(mean, deviation) where, given two of a, b, c, threshold - J is
+/// normal: J is linear in a and in b. The wider of these two is the one left to g.
+template <class G>
+double mean_over_strains(double threshold, const StrainMoments& moments, const G& g) {
+    StrainMoments m = moments;
+    if (m.aa > m.bb) {
+        std::swap(m.aa, m.bb);
+        std::swap(m.ac, m.bc);
+    }
+    const Cholesky l(m);
+    constexpr double step = 0.0625; // fine: where all waves run one oblique way, g has a kink
+    return gaussian_mean(l.aa > 0, step, [&](double p) {
+        const double a = l.aa * p;
+        return gaussian_mean(l.cc > 0, step, [&](double q) {
+            const double c = l.ca * p + l.cc * q;
+            const double u = threshold - (1 + a) * (1 + l.ba * p + l.bc * q) + c * c;
+            return g(u, std::abs(1 + a) * l.bb);
+        });
+    });
+}
+
+double mean_conditional_shortfall(double threshold, const StrainMoments& own,
+                                  const OthersShape& others) {
+    const Cholesky l(own);
+    constexpr double step = 0.375;
+    return gaussian_mean(l.aa > 0, step, [&](double p) {
+        return gaussian_mean(l.cc > 0, step, [&](double q) {
+            return gaussian_mean(l.bb > 0, step, [&](double r) {
+                return conditional_shortfall(threshold, others, l.aa * p,
+                                             l.ba * p + l.bc * q + l.bb * r, l.ca * p + l.cc * q);
+            });
+        });
+    });
+}
+
+} // namespace
+
+StrainMoments& StrainMoments::operator+=(const StrainMoments& other) {
+    aa += other.aa;
+    bb += other.bb;
+    cc += other.cc;
+    ab += other.ab;
+    ac += other.ac;
+    bc += other.bc;
+    return *this;
+}
+
+StrainMoments strain_moments(const CascadeModes& modes, const Choppiness& choppiness) {
+    const int size = modes.spec.size;
+    const double step = modes.spec.wavenumber_step_radpm();
+    const double lx = choppiness.x;
+    const double ly = choppiness.y;
+    const double lxy = std::sqrt(lx * ly);
+    StrainMoments sum;
+    std::size_t i = 0;
+    for (int iy = 0; iy < size; ++iy)
+        for (int ix = 0; ix < size; ++ix, ++i) {
+            const double variance = 2.0 * std::norm(modes.h0[i]);
+            if (variance == 0.0)
+                continue;
+            const double kx = step * signed_index(ix, size);
+            const double ky = step * signed_index(iy, size);
+            const double k = std::hypot(kx, ky);
+            const double a = lx * kx * kx / k;
+            const double b = ly * ky * ky / k;
+            const double c = lxy * kx * ky / k;
+            sum += {variance * a * a, variance * b * b, variance * c * c,
+                    variance * a * b, variance * a * c, variance * b * c};
+        }
+    return sum;
+}
+
+double mean_shortfall(double threshold, const StrainMoments& moments) {
+    return mean_over_strains(threshold, moments,
+                             [](double u, double s) { return parabola_excess(u, s, 0.0); });
+}
+
+double breaking_share(double threshold, const StrainMoments& moments) {
+    return mean_over_strains(threshold, moments, [](double u, double s) {
+        return s > 0 ? normal_share(u / s) : (u > 0 ? 1.0 : 0.0);
+    });
+}
+
+OthersShape others_shape(const StrainMoments& m) {
+    OthersShape shape;
+    shape.variance = m.aa + m.bb + 2 * m.ab;
+    if (!(shape.variance > 0))
+        return {};
+    shape.difference = (m.aa - m.bb) / shape.variance;
+    shape.shear = (m.ac + m.bc) / shape.variance;
+    shape.difference_rest =
+        m.aa + m.bb - 2 * m.ab - shape.difference * shape.difference * shape.variance;
+    shape.shear_rest = m.cc - shape.shear * shape.shear * shape.variance;
+    shape.cross_rest = m.ac - m.bc - shape.difference * shape.shear * shape.variance;
+    return shape;
+}
+
+double conditional_shortfall(double threshold, const OthersShape& o, double a, double b, double c) {
+    const double difference = a - b;
+    const double mean = threshold - (1 + a) * (1 + b) + c * c;
+    const double slope = 0.5 * (2 + a + b - o.difference * difference - 4 * o.shear * c);
+    const double curvature =
+        0.25 * (1 - o.difference * o.difference - 4 * o.shear * o.shear) * o.variance;
+    // Variance of J that T' does not carry.
+    const double rest = 0.25 * difference * difference * o.difference_rest +
+                        4 * c * c * o.shear_rest + 2 * difference * c * o.cross_rest +
+                        0.125 * o.difference_rest * o.difference_rest +
+                        2 * o.shear_rest * o.shear_rest + o.cross_rest * o.cross_rest;
+    const double width = std::sqrt(std::max(slope * slope * o.variance + rest, 0.0));
+    return parabola_excess(mean, width, curvature);
+}
+
+FoamLawPtr make_foam_law(const Realization& sea, const FoamModel& model) {
+    SEAWAY_CHECK(model.decay_s >= 0 && model.gain_per_s >= 0 && std::isfinite(model.decay_s),
+                 "a scene's foam model is finite and not negative");
+    auto law = std::make_shared<FoamLaw>();
+    law->model = model;
+    law->choppiness = sea.choppiness;
+    std::vector<StrainMoments> own;
+    StrainMoments total;
+    for (const CascadeModes& modes : sea.cascades) {
+        own.push_back(strain_moments(modes, sea.choppiness));
+        total += own.back();
+    }
+    const double history_s = model.decay_s > 0 ? model.decay_s : 1.0;
+    const double mean = model.gain_per_s * history_s * mean_shortfall(model.threshold, total);
+    law->mean_coverage = mean >= foam_mean_min ? mean : 0.0;
+    for (std::size_t c = 0; c < own.size(); ++c) {
+        StrainMoments others;
+        for (std::size_t other = 0; other < own.size(); ++other)
+            if (other != c)
+                others += own[other];
+        FoamLaw::Cascade cascade;
+        cascade.others = others_shape(others);
+        if (!law->calm())
+            cascade.mean_shortfall =
+                cascade.others.variance > 0
+                    ? mean_conditional_shortfall(model.threshold, own[c], cascade.others)
+                    : mean_shortfall(model.threshold, own[c]);
+        law->cascades.push_back(cascade);
+    }
+    return law;
+}
+
+} // namespace seaway::sea

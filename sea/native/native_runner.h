@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+// NativeRunner: synthesis of maps on the CPU with SIMD and threads. No FFTW, no GPU.
+//
+//     Result<NativeTransform> cascade = NativeTransform::create(modes, choppiness);
+//     NativeRunner runner;                                  // threads and scratch, kept
+//     std::vector<float> planes(fields.size() * N * N);     // as Keyframe::values
+//     const NativeTask task{&*cascade, sea.phase_time(t_us), fields, planes};
+//     runner.run({&task, 1});
+//
+// Fields are those of sea/basics/field.h except foam; `jacobian` is that of this cascade alone, with its
+// choppiness. What is computed is what is asked: fields that differ by powers of kx share a
+// transform along y, two rows share one along x, and columns outside the band are not touched.
+//
+// Accuracy: single precision with exact fixed-point phases; against the double sum the largest
+// error of a map is about 2e-7 of four times its rms (a height: of Hs), at any sea time. Results do
+// not depend on the number of threads. Instruction sets differ by rounding.
+//
+// Stylised waves (sea/waves/sine_waves.h) are no modes: whoever wants them adds them to the maps.
+//
+// One caller at a time. Throws std::bad_alloc when there is no memory for scratch. Cost:
+// docs/performance.md.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "sea/basics/field.h"
+#include "sea/basics/time.h"
+#include "sea/native/native_transform.h"
+
+namespace seaway::sea {
+
+namespace native {
+struct RunnerState;
+}
+
+/// One set of maps wanted.
+struct NativeTask {
+    const NativeTransform* cascade;
+    TimeUs phase_time_us;    ///< Realization::phase_time of the sea time
+    FieldSet fields;         ///< without foam
+    std::span<float> planes; ///< out: [field in table order][y][x], fields.size() * size^2 values
+};
+
+class NativeRunner {
+  public:
+    /// Threads including the caller; 0: as many as the machine runs at once.
+    explicit NativeRunner(int threads = 0);
+    ~NativeRunner();
+    NativeRunner(const NativeRunner&) = delete;
+    NativeRunner& operator=(const NativeRunner&) = delete;
+
+    int threads() const;
+
+    /// Fills the planes of every task. Give tasks that are wanted together in one call: threads
+    /// then never idle between them.
+    void run(std::span<const NativeTask> tasks);
+
+    /// Real fields that are transformed for a set: itself, with the strains of a Jacobian.
+    static FieldSet transformed(FieldSet fields);
+
+  private:
+    std::unique_ptr<native::RunnerState> state_;
+};
+
+} // namespace seaway::sea

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sea/scene/scene.h"
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "sea/scene/scene_systems.h"
+#include "sea/scene/scene_toml.h"
+
+namespace seaway::sea {
+
+namespace {
+
+constexpr double infinite = std::numeric_limits<double>::infinity();
+
+void read_sea(TomlTable& table, const std::string& base_dir, SeaState& sea) {
+    std::int64_t seed = 0;
+    table.integer("seed", seed, 0, std::numeric_limits<std::int64_t>::max());
+    sea.seed = static_cast<std::uint64_t>(seed);
+    table.number("depth_m", sea.depth_m, {0.01, infinite});
+    table.number_or_pair("choppiness", sea.choppiness.x, sea.choppiness.y, {0.0, 3.0});
+    table.number("gravity_mps2", sea.gravity_mps2, {0.1, 100.0});
+    table.flag("surface_tension", sea.surface_tension);
+    if (table.number("loop_period_s", sea.loop_period_s, {0.0, 1e6}) && sea.loop_period_s > 0.0 &&
+        sea.loop_period_s < 1.0)
+        table.bad_value("loop_period_s", fmt::format("{}", sea.loop_period_s),
+                        "0 (never repeats), or a number 1 .. 1e6");
+    table.number("height_scale", sea.height_scale, {0.0, 10.0});
+    table.number("short_wave_fade_m", sea.short_wave_fade_m, {0.0, 1000.0});
+    table.number("wavenumber_min_radpm", sea.wavenumber_min_radpm, {0.0, 1e4});
+    table.number("wavenumber_max_radpm", sea.wavenumber_max_radpm, {0.0, infinite});
+    read_preset(table, sea, false);
+    read_systems(table, base_dir, sea);
+    table.finish();
+}
+
+void read_cascades(TomlTable& root, std::vector<CascadeSpec>& cascades) {
+    if (!root.has("cascade"))
+        cascades = {{1021.0, 256}, {197.0, 256}, {37.0, 256}};
+    for (TomlTable& table : root.tables("cascade", scene_cascades_max)) {
+        CascadeSpec cascade{1000.0, 256};
+        std::int64_t size = 0;
+        table.require("length_m");
+        table.require("size");
+        table.number("length_m", cascade.length_m, {0.1, 1e6});
+        if (table.integer("size", size, 16, 2048) && (size & (size - 1)) != 0)
+            table.bad_value("size", fmt::format("{}", size), "a power of two 16 .. 2048");
+        cascade.size = static_cast<int>(size);
+        table.finish();
+        cascades.push_back(cascade);
+    }
+}
+
+void read_rest(TomlTable& root, Scene& scene) {
+    if (auto table = root.table("effects")) {
+        table->choice("displacement", scene.effects.choppy, {{"height", false}, {"choppy", true}});
+        table->flag("slopes", scene.effects.slopes);
+        table->flag("foam", scene.effects.foam);
+        table->flag("velocity", scene.effects.velocity);
+        table->finish();
+    }
+    if (auto table = root.table("foam")) {
+        table->number("threshold", scene.foam.threshold, {-1.0, 1.0});
+        table->number("decay_s", scene.foam.decay_s, {0.0, 1e6});
+        table->number("gain_per_s", scene.foam.gain_per_s, {0.0, 1000.0});
+        table->finish();
+    }
+    if (auto table = root.table("accuracy")) {
+        table->number("height_error_m", scene.accuracy.height_error_m, {1e-5, 1.0});
+        table->finish();
+    }
+}
+
+} // namespace
+
+Result<Scene> parse_scene(std::string_view text, const std::string& name,
+                          const std::string& base_dir) {
+    if (text.size() > scene_text_bytes_max)
+        return Error{fmt::format("{}: {} bytes; a scene has at most {}", name, text.size(),
+                                 scene_text_bytes_max)};
+    const Result<TomlDocument> document = TomlDocument::parse(text, name);
+    if (!document)
+        return document.error();
+    Scene scene;
+    scene.source = name;
+    TomlErrors errors(name);
+    TomlTable root = document.value().root(errors);
+    root.require("sea");
+    if (auto table = root.table("sea"))
+        read_sea(*table, base_dir, scene.sea);
+    read_cascades(root, scene.cascades);
+    read_rest(root, scene);
+    root.finish();
+    if (errors.first())
+        return *errors.first();
+    if (const Result<std::vector<Band>> bands = assign_bands(scene.cascades); !bands)
+        return Error{fmt::format("{}: {}", name, bands.error().message)};
+    return scene;
+}
+
+Result<Scene> read_scene(const std::string& path) {
+    std::ifstream file(path, std::ios::binary);
+    if (!file || std::filesystem::is_directory(path))
+        return Error{fmt::format("cannot read scene '{}': no such file, or not readable", path)};
+    const std::string text(std::istreambuf_iterator<char>(file), {});
+    return parse_scene(text, path, std::filesystem::path(path).parent_path().string());
+}
+
+Result<Realization> realize(const Scene& scene) {
+    SeaState sea = scene.sea;
+    if (!scene.effects.choppy)
+        sea.choppiness = {0.0, 0.0}; // nothing moves sideways, for the exact sum as for the maps
+    return realize(sea, scene.cascades);
+}
+
+} // namespace seaway::sea

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+// A scene: the sea, the tiles that carry it, what may be computed and how well. Read from TOML
+// (docs/scenes.md lists every key, its unit and range).
+//
+// The reader is strict: an unknown key, a value of the wrong type or out of range, a missing file
+// is an error with file, line, key, value and what is allowed. Degrees and "from" bearings exist
+// only here; everything behind it is SI, radians and "towards". Pure functions; thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/result.h"
+#include "sea/basics/cascade.h"
+#include "sea/waves/realize.h"
+#include "sea/waves/sea_state.h"
+
+namespace seaway::sea {
+
+/// What the scene allows; demand decides what runs.
+struct Effects {
+    bool choppy = true; ///< horizontal displacement
+    bool slopes = true;
+    bool foam = true;
+    bool velocity = true;
+};
+
+struct FoamModel {
+    double threshold = 0.45; ///< Jacobian below which a crest breaks, -1 .. 1
+    double decay_s = 4.0;    ///< 0 .. 1e6
+    double gain_per_s = 3.0; ///< 0 .. 1000
+};
+
+struct Accuracy {
+    double height_error_m = 0.01; ///< 1e-5 .. 1; shared by codec, keyframe interval and queries
+};
+
+struct Scene {
+    std::string source; ///< path or name that errors and logs quote
+    SeaState sea;
+    std::vector<CascadeSpec> cascades; ///< longest tile first; 1 .. 8
+    Effects effects;
+    FoamModel foam;
+    Accuracy accuracy;
+};
+
+inline constexpr int scene_systems_max = 16;
+inline constexpr int scene_cascades_max = 8;
+inline constexpr std::size_t scene_text_bytes_max = 1u << 20;
+
+/// Reads a scene file; files that it names are relative to its folder.
+Result<Scene> read_scene(const std::string& path);
+
+/// `name` is quoted in errors; `base_dir` is where files that the text names are looked for.
+Result<Scene> parse_scene(std::string_view text, const std::string& name,
+                          const std::string& base_dir);
+
+/// The effective scene as TOML, every value written out; parsing it gives the same sea, bit for
+/// bit.
+std::string to_toml(const Scene& scene);
+
+/// realize() of the scene's sea on the scene's cascades; without choppiness where the scene allows
+/// no horizontal displacement.
+Result<Realization> realize(const Scene& scene);
+
+/// What a user should know before trusting the picture: tiles too small for the peak, heights near
+/// breaking, energy that no cascade holds, growth that was clamped. One sentence each; about 30 ms.
+std::vector<std::string> scene_warnings(const Scene& scene);
+
+} // namespace seaway::sea

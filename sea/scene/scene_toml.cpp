@@ -1,0 +1,269 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sea/scene/scene_toml.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+// toml++ 3.3 meets some malformed texts ("[$") with a failed assertion, or with NDEBUG with
+// undefined behaviour. With both off it takes its own error paths; the fuzzer walks them.
+#undef NDEBUG
+#define TOML_ASSERT(expr) static_assert(true)
+#define TOML_EXCEPTIONS 0
+#include <toml++/toml.h>
+
+namespace seaway::sea {
+
+namespace {
+
+std::string shown(const toml::node& node) {
+    if (const auto* value = node.as_string())
+        return '"' + value->get() + '"';
+    if (const auto* value = node.as_integer())
+        return fmt::format("{}", value->get());
+    if (const auto* value = node.as_floating_point())
+        return fmt::format("{}", value->get());
+    if (const auto* value = node.as_boolean())
+        return value->get() ? "true" : "false";
+    return node.is_table() ? "a table" : node.is_array() ? "an array" : "a date";
+}
+
+/// Integers are fine where a number is asked for.
+std::optional<double> as_number(const toml::node& node) {
+    if (const auto* value = node.as_integer())
+        return static_cast<double>(value->get());
+    if (const auto* value = node.as_floating_point())
+        return value->get();
+    return std::nullopt;
+}
+
+} // namespace
+
+namespace {
+
+/// Walks a TOML text as far as comments and strings go.
+class Lexer {
+  public:
+    explicit Lexer(std::string_view text) : text_(text) {
+        if (text_.substr(0, 3) == "\xEF\xBB\xBF")
+            text_.remove_prefix(3);
+    }
+    /// The line of the first strange byte outside of strings and comments, and the byte.
+    std::optional<std::pair<int, unsigned>> first_strange() {
+        while (!text_.empty()) {
+            const auto c = static_cast<unsigned char>(text_.front());
+            if (c == '#')
+                skip_to("\n", false);
+            else if (c == '"' || c == '\'')
+                skip_string();
+            else if (c >= 0x7F || (c < 0x20 && c != '\t' && c != '\n' && c != '\r'))
+                return std::pair(line_, unsigned{c});
+            else
+                take(1);
+        }
+        return std::nullopt;
+    }
+
+  private:
+    void take(std::size_t count) {
+        count = std::min(count, text_.size());
+        line_ += static_cast<int>(
+            std::count(text_.begin(), text_.begin() + static_cast<long>(count), '\n'));
+        text_.remove_prefix(count);
+    }
+    /// Past the next `end` that no backslash hides; what is not closed runs to the end.
+    void skip_to(std::string_view end, bool escapes) {
+        while (!text_.empty() && text_.substr(0, end.size()) != end)
+            take(escapes && text_.front() == '\\' ? 2 : 1);
+        take(end.size());
+    }
+    void skip_string() {
+        const std::string_view quote = text_.substr(0, 1);
+        const std::string triple(3, quote.front());
+        const bool escapes = quote == "\"";
+        if (text_.substr(0, 3) != triple) {
+            const std::string one(quote);
+            take(1);
+            skip_to(one, escapes);
+            return;
+        }
+        take(3);
+        skip_to(triple, escapes);
+        // Up to two more quotes belong to the string's end.
+        for (int i = 0; i < 2 && !text_.empty() && text_.front() == triple.front(); ++i)
+            take(1);
+    }
+
+    std::string_view text_;
+    int line_ = 1;
+};
+
+/// toml++ 3.3 does not survive all bytes beyond ASCII outside of strings and comments.
+std::optional<Error> find_strange_byte(std::string_view text, const std::string& document) {
+    if (const auto found = Lexer(text).first_strange())
+        return Error{fmt::format("{}:{}: byte 0x{:02x} is not allowed here; outside of strings and "
+                                 "comments a scene is printable ASCII",
+                                 document, found->first, found->second)};
+    return std::nullopt;
+}
+
+} // namespace
+
+Result<TomlDocument> TomlDocument::parse(std::string_view text, const std::string& name) {
+    if (const std::optional<Error> strange = find_strange_byte(text, name))
+        return *strange;
+    toml::parse_result parsed = toml::parse(text);
+    if (!parsed)
+        return Error{fmt::format("{}:{}: {}", name, parsed.error().source().begin.line,
+                                 parsed.error().description())};
+    return TomlDocument(std::make_shared<const toml::table>(std::move(parsed).table()));
+}
+
+void TomlErrors::add(unsigned line, const std::string& what) {
+    if (!first_)
+        first_ = Error{fmt::format("{}:{}: {}", document_, line, what)};
+}
+
+bool TomlTable::has(std::string_view key) const {
+    return table_.contains(key);
+}
+
+std::string TomlTable::path(std::string_view key) const {
+    return name_.empty() ? std::string(key) : fmt::format("{}.{}", name_, key);
+}
+
+const toml::node* TomlTable::find(std::string_view key) {
+    asked_.emplace_back(key);
+    return table_.get(key);
+}
+
+void TomlTable::bad_value(std::string_view key, const std::string& value,
+                          const std::string& allowed) {
+    fail(key, fmt::format("{} is not allowed; allowed: {}", value, allowed));
+}
+
+void TomlTable::fail(std::string_view key, const std::string& what) {
+    const toml::node* node = table_.get(key);
+    errors_.add((node != nullptr ? node->source() : table_.source()).begin.line,
+                fmt::format("{}: {}", path(key), what));
+}
+
+void TomlTable::require(std::string_view key) {
+    if (!has(key))
+        fail(key, "missing");
+}
+
+bool TomlTable::number(std::string_view key, double& out, Range range) {
+    const toml::node* node = find(key);
+    if (node == nullptr)
+        return false;
+    const std::optional<double> value = as_number(*node);
+    if (!value || !range.contains(*value)) {
+        bad_value(key, shown(*node), fmt::format("a number {} .. {}", range.lo, range.hi));
+        return false;
+    }
+    // -0 and denormals are 0: nothing behind the reader meets them (hard case A21).
+    out = std::fpclassify(*value) == FP_SUBNORMAL || *value == 0.0 ? 0.0 : *value;
+    return true;
+}
+
+bool TomlTable::integer(std::string_view key, std::int64_t& out, std::int64_t lo, std::int64_t hi) {
+    const toml::node* node = find(key);
+    if (node == nullptr)
+        return false;
+    const auto* value = node->as_integer();
+    if (value == nullptr || value->get() < lo || value->get() > hi) {
+        bad_value(key, shown(*node), fmt::format("a whole number {} .. {}", lo, hi));
+        return false;
+    }
+    out = value->get();
+    return true;
+}
+
+bool TomlTable::flag(std::string_view key, bool& out) {
+    const toml::node* node = find(key);
+    if (node == nullptr)
+        return false;
+    if (const auto* value = node->as_boolean())
+        out = value->get();
+    else
+        bad_value(key, shown(*node), "true | false");
+    return node->is_boolean();
+}
+
+bool TomlTable::text(std::string_view key, std::string& out) {
+    const toml::node* node = find(key);
+    if (node == nullptr)
+        return false;
+    if (const auto* value = node->as_string())
+        out = value->get();
+    else
+        bad_value(key, shown(*node), "a string");
+    return node->is_string();
+}
+
+bool TomlTable::number_or_pair(std::string_view key, double& x, double& y, Range range) {
+    const toml::node* node = table_.get(key);
+    const toml::array* pair = node != nullptr ? node->as_array() : nullptr;
+    if (pair == nullptr) {
+        if (!number(key, x, range))
+            return false;
+        y = x;
+        return true;
+    }
+    asked_.emplace_back(key);
+    const auto component = [&](std::size_t i) {
+        return pair->size() == 2 ? as_number(*pair->get(i)) : std::nullopt;
+    };
+    const std::optional<double> east = component(0);
+    const std::optional<double> north = component(1);
+    if (!east || !north || !range.contains(*east) || !range.contains(*north)) {
+        bad_value(key, "the array",
+                  fmt::format("a number {0} .. {1}, or [x, y] of such", range.lo, range.hi));
+        return false;
+    }
+    x = *east;
+    y = *north;
+    return true;
+}
+
+std::optional<TomlTable> TomlTable::table(std::string_view key) {
+    const toml::node* node = find(key);
+    if (node == nullptr)
+        return std::nullopt;
+    if (const toml::table* sub = node->as_table())
+        return TomlTable(*sub, path(key), errors_);
+    bad_value(key, shown(*node), fmt::format("a table, [{}]", path(key)));
+    return std::nullopt;
+}
+
+std::vector<TomlTable> TomlTable::tables(std::string_view key, int count_max) {
+    std::vector<TomlTable> subs;
+    const toml::node* node = find(key);
+    if (node == nullptr)
+        return subs;
+    const toml::array* array = node->as_array();
+    if (array == nullptr || (!array->empty() && !array->is_array_of_tables())) {
+        bad_value(key, shown(*node), fmt::format("tables, each [[{}]]", path(key)));
+        return subs;
+    }
+    if (array->size() > static_cast<std::size_t>(count_max)) {
+        bad_value(key, fmt::format("{} of them", array->size()),
+                  fmt::format("at most {}", count_max));
+        return subs;
+    }
+    for (std::size_t i = 0; i < array->size(); ++i)
+        subs.emplace_back(*array->get(i)->as_table(), fmt::format("{}[{}]", path(key), i + 1),
+                          errors_);
+    return subs;
+}
+
+void TomlTable::finish() {
+    for (const auto& [key, node] : table_)
+        if (std::find(asked_.begin(), asked_.end(), key.str()) == asked_.end())
+            errors_.add((key.source().begin ? key.source() : node.source()).begin.line,
+                        fmt::format("{}: unknown key", path(key.str())));
+}
+
+} // namespace seaway::sea

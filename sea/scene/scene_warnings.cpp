@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "sea/scene/scene.h"
+#include "sea/surface/inverse.h"
+#include "sea/waves/directional_spectrum.h"
+#include "sea/waves/moments.h"
+#include "sea/waves/realize.h"
+
+namespace seaway::sea {
+
+namespace {
+
+constexpr double tile_wavelengths_min = 8.0;
+constexpr double breaking_height_over_depth = 0.6;
+constexpr double lost_share_reported = 0.01;
+
+void warn_of_systems(const Scene& scene, std::vector<std::string>& warnings) {
+    for (std::size_t i = 0; i < scene.sea.systems.size(); ++i) {
+        const WaveSystem& system = scene.sea.systems[i];
+        const DirectionalSpectrum spectrum(system, scene.sea);
+        if (spectrum.growth_clamped())
+            warnings.push_back(fmt::format(
+                "sea.system[{}]: the fetch is longer than this wind needs; growth is clamped at "
+                "full development, peak period {:.3g} s",
+                i + 1, two_pi / spectrum.peak_omega_radps()));
+        const auto* measured = std::get_if<MeasuredSea>(&system);
+        if (measured != nullptr && measured->spectrum->changed_bins > 0)
+            warnings.push_back(fmt::format(
+                "sea.system[{}]: directions of {} of {} frequencies fit no spectrum that is "
+                "nowhere negative; they were moved to the nearest that does",
+                i + 1, measured->spectrum->changed_bins, measured->spectrum->bins.size()));
+    }
+}
+
+void warn_of_folds(const Scene& scene, const SeaSummary& summary,
+                   std::vector<std::string>& warnings) {
+    const double rms_slope = std::sqrt(summary.realised.mean_square_slope);
+    const double choppiness = std::max(scene.sea.choppiness.x, scene.sea.choppiness.y);
+    if (choppiness * rms_slope > folds_common_above)
+        warnings.push_back(fmt::format(
+            "choppiness {:.2g} and an rms slope of {:.2g} fold about {:.2g} % of the surface: "
+            "where it folds there are several heights, and answers are flagged",
+            choppiness, rms_slope,
+            50.0 * std::erfc(1.0 / (std::sqrt(2.0) * choppiness * rms_slope))));
+}
+
+double degrees_of_exponent(double exponent) { // circular spread of cos2s
+    return std::sqrt(2.0 / (exponent + 1.0)) * 180.0 / pi;
+}
+
+/// Beams that no lattice of theirs can carry at their peak (hard case A16).
+void warn_of_narrow_beams(const Scene& scene, const Realization& realization,
+                          std::vector<std::string>& warnings) {
+    const Dispersion dispersion = scene.sea.dispersion();
+    for (std::size_t i = 0; i < scene.sea.systems.size(); ++i) {
+        const DirectionalSpectrum spectrum(scene.sea.systems[i], scene.sea);
+        if (spectrum.empty())
+            continue;
+        const double k = dispersion.wavenumber(spectrum.peak_omega_radps());
+        const double asked = spectrum.ring(k).spreading.exponent();
+        for (const CascadeModes& cascade : realization.cascades) {
+            const double carried = lattice_exponent_max(k, cascade.spec.wavenumber_step_radpm());
+            if (cascade.carries_spectra && cascade.band.contains(k) && asked > carried)
+                warnings.push_back(fmt::format(
+                    "sea.system[{}]: a beam of {:.2g} degrees falls between the waves of the "
+                    "cascade of {:g} m; at its peak it is widened to {:.2g} degrees",
+                    i + 1, degrees_of_exponent(asked), cascade.spec.length_m,
+                    degrees_of_exponent(carried)));
+        }
+    }
+}
+
+void warn_of_added_tiles(const Realization& realization, std::vector<std::string>& warnings) {
+    for (const CascadeModes& cascade : realization.cascades)
+        if (!cascade.carries_spectra)
+            warnings.push_back(fmt::format(
+                "no cascade has the length of the explicit waves, {:g} m; one of size {} was added",
+                cascade.spec.length_m, cascade.spec.size));
+}
+
+} // namespace
+
+std::vector<std::string> scene_warnings(const Scene& scene) {
+    std::vector<std::string> warnings;
+    const Result<Realization> realization = realize(scene);
+    if (!realization)
+        return {realization.error().message};
+    const SeaSummary summary = summarize(scene.sea, *realization);
+    const double height = summary.requested.significant_height_m;
+    warn_of_systems(scene, warnings);
+    warn_of_folds(scene, summary, warnings);
+    warn_of_narrow_beams(scene, *realization, warnings);
+    warn_of_added_tiles(*realization, warnings);
+    if (!(height > 0.0))
+        return warnings;
+    const double variance = height * height / 16.0;
+    const double tile = scene.cascades.front().length_m;
+    const double peak = summary.longest_peak_wavelength_m;
+    if (peak > 0.0 && tile < tile_wavelengths_min * peak)
+        warnings.push_back(fmt::format(
+            "the largest cascade ({:g} m) holds {:.1f} peak wavelengths of {:.0f} m, fewer than "
+            "{:g}: Hs of one seed scatters by {:.0f} %",
+            tile, tile / peak, peak, tile_wavelengths_min,
+            100.0 * summary.cascades.front().expected_scatter));
+    if (height > breaking_height_over_depth * scene.sea.depth_m)
+        warnings.push_back(fmt::format(
+            "Hs {:.2f} m is above {:g} of the depth, {:g} m: such waves break, outside the model",
+            height, breaking_height_over_depth, scene.sea.depth_m));
+    const auto lost = [&](double lost_m2, const char* what) {
+        if (lost_m2 > lost_share_reported * variance)
+            warnings.push_back(
+                fmt::format("{:.1f} % of the energy is {}", 100.0 * lost_m2 / variance, what));
+    };
+    lost(summary.lost_below_m2, "in waves longer than the largest cascade can hold");
+    lost(summary.lost_above_m2, "in waves shorter than the finest cascade resolves");
+    lost(summary.lost_fade_m2, "taken by the short-wave fade and the cut-offs");
+    return warnings;
+}
+
+} // namespace seaway::sea

@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "sea/scene/scene.h"
+#include "sea/scene/scene_names.h"
+
+namespace seaway::sea {
+
+namespace {
+
+std::string_view name_of(SpreadingKind kind) {
+    for (const auto& [name, value] : spreading_names)
+        if (value == kind)
+            return name;
+    return "";
+}
+
+std::string_view name_of(SpectrumKind kind) {
+    switch (kind) {
+    case SpectrumKind::jonswap:
+        return "jonswap";
+    case SpectrumKind::tma:
+        return "tma";
+    case SpectrumKind::pierson_moskowitz:
+        return "pierson_moskowitz";
+    case SpectrumKind::phillips:
+        return "phillips";
+    case SpectrumKind::bretschneider:
+        return "bretschneider";
+    }
+    return "";
+}
+
+/// Lines "key = value"; doubles in the shortest form that reads back the same.
+class Writer {
+  public:
+    void line(std::string_view text) { out_ += fmt::format("{}\n", text); }
+    template <class T>
+    void value(std::string_view key, const T& v) {
+        out_ += fmt::format("{} = {}\n", key, v);
+    }
+    void text(std::string_view key, std::string_view v) {
+        out_ += fmt::format("{} = \"{}\"\n", key, v);
+    }
+    /// A table of numbers: no quotes and no backslashes in it, as its reader sees to.
+    void block(std::string_view key, std::string_view v) {
+        out_ += fmt::format("{} = '''\n{}'''\n", key, v);
+    }
+    std::string take() { return std::move(out_); }
+
+  private:
+    std::string out_;
+};
+
+void write(Writer& out, const SpreadingModel& model) {
+    out.text("spreading", name_of(model.kind));
+    if (model.kind == SpreadingKind::cos2s)
+        out.value("spreading_exponent", model.exponent);
+    out.value("swell", model.swell);
+    out.value("isotropic", model.isotropic);
+}
+
+void write(Writer& out, const WindSea& sea) {
+    out.text("type", "wind");
+    out.text("spectrum", name_of(sea.spectrum));
+    out.value("wind_speed_10m_mps", sea.wind_speed_10m_mps);
+    out.value("from_deg", bearing_from_towards(sea.towards_rad));
+    if (sea.spectrum == SpectrumKind::jonswap || sea.spectrum == SpectrumKind::tma) {
+        out.value("fetch_m", sea.fetch_m);
+        out.value("gamma", sea.gamma);
+    }
+    if (sea.spectrum == SpectrumKind::phillips) {
+        out.value("phillips_constant", sea.phillips_constant);
+        out.value("phillips_upwind", sea.phillips_upwind);
+    }
+    write(out, sea.spreading);
+}
+
+void write(Writer& out, const Swell& swell) {
+    out.text("type", "swell");
+    out.text("spectrum", name_of(swell.spectrum));
+    out.value("significant_height_m", swell.significant_height_m);
+    out.value("peak_period_s", swell.peak_period_s);
+    out.value("from_deg", bearing_from_towards(swell.towards_rad));
+    if (swell.spectrum != SpectrumKind::bretschneider)
+        out.value("gamma", swell.gamma);
+    write(out, swell.spreading);
+}
+
+void write(Writer& out, const MeasuredSea& sea) {
+    out.text("type", "measured");
+    out.block("data", sea.csv);
+    if (sea.spectrum && !sea.spectrum->has_directions()) {
+        out.value("from_deg", bearing_from_towards(sea.towards_rad));
+        write(out, sea.spreading);
+    }
+}
+
+void write(Writer& out, const ExplicitModes& system) {
+    out.text("type", "modes");
+    out.value("length_m", system.length_m);
+    std::string csv = "nx,ny,amplitude_m,phase_rad\n";
+    for (const ExplicitMode& mode : system.modes)
+        csv += fmt::format("{},{},{},{}\n", mode.nx, mode.ny, mode.amplitude_m, mode.phase_rad);
+    out.block("data", csv);
+}
+
+void write(Writer& out, const SineRamps& ramps) {
+    out.text("type", "sines");
+    for (const auto& [name, kind] : sine_names)
+        if (kind == ramps.kind)
+            out.text("shape", name);
+    out.value("length_m", ramps.length_m);
+    out.value("count", ramps.count);
+    out.value("amplitude_m", ramps.amplitude_m);
+    out.value("wavelength_m", ramps.wavelength_m);
+    out.value("amplitude_ratio", ramps.amplitude_ratio);
+    out.value("wavenumber_ratio", ramps.wavenumber_ratio);
+    out.value("from_deg", bearing_from_towards(ramps.towards_rad));
+    out.value("direction_spread_deg", degrees_of(ramps.direction_spread_rad));
+    out.value("normalise", ramps.normalise);
+    if (ramps.kind != SineKind::exponential)
+        return;
+    out.value("speed_ratio", ramps.speed_ratio);
+    out.value("sharpness", ramps.sharpness);
+    out.value("drag", ramps.drag);
+}
+
+void write(Writer& out, const SeaState& sea) {
+    out.line("[sea]");
+    out.value("seed", sea.seed);
+    out.value("depth_m", sea.depth_m);
+    out.value("choppiness", fmt::format("[{}, {}]", sea.choppiness.x, sea.choppiness.y));
+    out.value("gravity_mps2", sea.gravity_mps2);
+    out.value("surface_tension", sea.surface_tension);
+    out.value("loop_period_s", sea.loop_period_s);
+    out.value("height_scale", sea.height_scale);
+    out.value("short_wave_fade_m", sea.short_wave_fade_m);
+    out.value("wavenumber_min_radpm", sea.wavenumber_min_radpm);
+    out.value("wavenumber_max_radpm", sea.wavenumber_max_radpm);
+    for (const WaveSystem& system : sea.systems) {
+        out.line("\n[[sea.system]]");
+        std::visit([&out](const auto& s) { write(out, s); }, system);
+    }
+}
+
+} // namespace
+
+namespace {
+
+/// The degrees near `guess` that `back` turns into exactly this angle: conversion there and back
+/// may be off by a few last bits. Short decimals first.
+template <class F>
+double exact_degrees(double guess, double angle_rad, const F& back) {
+    const double rounded = std::round(guess * 1e9) / 1e9;
+    if (back(rounded) == angle_rad)
+        return rounded;
+    double up = guess;
+    double down = guess;
+    for (int step = 0; step < 64; ++step) {
+        if (back(up) == angle_rad)
+            return up;
+        if (back(down) == angle_rad)
+            return down;
+        up = std::nextafter(up, 1e9);
+        down = std::nextafter(down, -1e9);
+    }
+    return guess;
+}
+
+} // namespace
+
+double bearing_from_towards(double towards_rad) {
+    double bearing = 270.0 - towards_rad * (180.0 / pi);
+    bearing -= 360.0 * std::floor(bearing / 360.0);
+    return exact_degrees(bearing, towards_rad, towards_from_bearing);
+}
+
+double degrees_of(double angle_rad) {
+    return exact_degrees(angle_rad * (180.0 / pi), angle_rad,
+                         [](double degrees) { return degrees * (pi / 180.0); });
+}
+
+std::string to_toml(const Scene& scene) {
+    Writer out;
+    write(out, scene.sea);
+    for (const CascadeSpec& cascade : scene.cascades) {
+        out.line("\n[[cascade]]");
+        out.value("length_m", cascade.length_m);
+        out.value("size", cascade.size);
+    }
+    out.line("\n[effects]");
+    out.text("displacement", scene.effects.choppy ? "choppy" : "height");
+    out.value("slopes", scene.effects.slopes);
+    out.value("foam", scene.effects.foam);
+    out.value("velocity", scene.effects.velocity);
+    out.line("\n[foam]");
+    out.value("threshold", scene.foam.threshold);
+    out.value("decay_s", scene.foam.decay_s);
+    out.value("gain_per_s", scene.foam.gain_per_s);
+    out.line("\n[accuracy]");
+    out.value("height_error_m", scene.accuracy.height_error_m);
+    return out.take();
+}
+
+} // namespace seaway::sea

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+// A sea as an instrument reported it, made into a directional spectrum again.
+//
+// Frequency: each bin's density is constant over its width, so m0 is the sum of S df, exactly.
+// Direction: from the first two Fourier coefficients by the maximum entropy method of Lygre &
+// Krogstad 1986, which keeps a1, b1, a2, b2 exactly and is never negative; from a1, b1 alone by the
+// cos2s beam with the same first moment; from a table of directions as it stands, linear between
+// its entries; from nothing with the spreading that the scene names.
+//
+// Immutable; thread-safe.
+#pragma once
+
+#include <complex>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/result.h"
+#include "sea/spectrum/spreading.h"
+
+namespace seaway::sea {
+
+/// Where one frequency's energy goes: D over "towards" angles, anticlockwise from east.
+class MeasuredDirections {
+  public:
+    /// c_n = integral of D e^{i n phi}. Coefficients that no D >= 0 can have (noise) are moved to
+    /// the nearest that one can, keeping c1 if possible; changed() tells.
+    static MeasuredDirections from_moments(std::complex<double> c1,
+                                           std::optional<std::complex<double>> c2);
+    /// `density` >= 0 at equally spaced angles from `first_rad` on, any scale, one of them > 0.
+    static MeasuredDirections from_table(double first_rad, std::vector<double> density);
+
+    double operator()(double towards_rad) const; ///< 1/rad; integral over the circle is 1
+    std::complex<double> first_moment() const { return c1_; }
+    std::complex<double> second_moment() const { return c2_; }
+    bool changed() const { return changed_; }
+
+  private:
+    std::complex<double> c1_;
+    std::complex<double> c2_;
+    std::complex<double> phi1_; ///< coefficients of the maximum entropy form
+    std::complex<double> phi2_;
+    double scale_ = 0.0;
+    std::optional<Spreading> beam_; ///< a1, b1 alone
+    double first_rad_ = 0.0;
+    std::vector<double> table_;
+    bool changed_ = false;
+};
+
+/// One frequency bin; bins do not overlap and are in order.
+struct MeasuredBin {
+    double omega_lo_radps;
+    double omega_hi_radps;
+    double density;                               ///< S(w), m2 s/rad
+    std::optional<MeasuredDirections> directions; ///< absent: the scene's spreading
+};
+
+struct MeasuredSpectrum {
+    std::vector<MeasuredBin> bins;
+    int changed_bins = 0; ///< directions that had to be moved, for the warning
+
+    /// The bin that holds this frequency, or null.
+    const MeasuredBin* find(double omega_radps) const;
+    double peak_omega_radps() const; ///< middle of the highest bin; 0 if there is no energy
+    bool has_directions() const { return !bins.empty() && bins.front().directions.has_value(); }
+};
+
+/// Reads either table; `name` is quoted in errors:
+///   f_hz,df_hz,s_m2_hz[,a1,b1[,a2,b2]]   buoys; angles of a, b as CDIP and NDBC give them: where
+///                                        waves come from, clockwise from north
+///   f_hz,dir_from_deg,e_m2_hz_deg        two-dimensional; every frequency with the same directions
+/// Frequencies ascend. At most 4096 rows (72 * 1024 for the two-dimensional table).
+Result<MeasuredSpectrum> parse_measured(std::string_view csv, const std::string& name);
+
+} // namespace seaway::sea

@@ -1,0 +1,323 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sea/surface/height_map.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+
+#include <fmt/format.h>
+
+#include "base/check.h"
+
+namespace seaway::sea {
+
+namespace {
+
+/// Weights of value and rate of two keyframes at a time between them (cubic Hermite).
+struct HermiteWeights {
+    double before, before_rate, after, after_rate;
+};
+
+HermiteWeights hermite_weights(const SplinePair& pair, TimeUs time_us) {
+    const double span_s = seconds_from_us(pair.after->time_us() - pair.before->time_us());
+    const double since_s = seconds_from_us(time_us - pair.before->time_us());
+    if (span_s <= 0)
+        return {1, since_s, 0, 0};
+    const double s = since_s / span_s;
+    const double r = 1 - s;
+    return {r * r * (1 + 2 * s), s * r * r * span_s, s * s * (1 + 2 * r), -s * s * r * span_s};
+}
+
+/// Splines are linear in their coefficients: one map at the time gives what two give mixed.
+std::vector<float> mixed_texels(const SplinePair& pair, TimeUs time_us) {
+    constexpr std::size_t from = SplineMap::channels, to = 4, rate = 4;
+    const HermiteWeights w = hermite_weights(pair, time_us);
+    const std::vector<float>& a = pair.before->coefficients();
+    const std::vector<float>& b = pair.after->coefficients();
+    std::vector<float> mixed(a.size() / from * to);
+    for (std::size_t i = 0; i < a.size() / from; ++i)
+        for (std::size_t c = 0; c < 3; ++c) {
+            const std::size_t value = i * from + c;
+            mixed[i * to + c] =
+                static_cast<float>(w.before * static_cast<double>(a[value]) +
+                                   w.before_rate * static_cast<double>(a[value + rate]) +
+                                   w.after * static_cast<double>(b[value]) +
+                                   w.after_rate * static_cast<double>(b[value + rate]));
+        }
+    return mixed;
+}
+
+/// Where more points of a row than this come close to folding, the next row's points look for their
+/// solution from where queries do, so that both find the same sheets; elsewhere there is one sheet
+/// and the neighbour's solution is the better start.
+constexpr double steep_share = 0.005;
+
+/// Position on the tile of a world coordinate, texels, 0 .. size.
+double texel_position(double x_m, double length_m, int size) {
+    const double turns = x_m / length_m;
+    return (turns - std::floor(turns)) * size;
+}
+
+LagrangianPoint lagrangian(const MapSample& s) {
+    const auto d = [](float x) { return static_cast<double>(x); };
+    LagrangianPoint p;
+    p.height = d(s.value[0]);
+    p.displacement_x = d(s.value[1]);
+    p.displacement_y = d(s.value[2]);
+    p.slope_x = d(s.d_dx[0]);
+    p.slope_y = d(s.d_dy[0]);
+    p.strain_xx = d(s.d_dx[1]);
+    p.strain_yy = d(s.d_dy[2]);
+    p.strain_xy = 0.5 * (d(s.d_dy[1]) + d(s.d_dx[2]));
+    return p;
+}
+
+Error out_of_range(std::string_view field, double value, std::string_view range) {
+    return Error{fmt::format("map: {} = {} is out of range, {}", field, value, range)};
+}
+
+bool covered(const Surface& surface, TimeUs time_us) {
+    return std::all_of(surface.pairs().begin(), surface.pairs().end(), [&](const auto& pair) {
+        return pair.before->time_us() <= time_us && time_us <= pair.after->time_us();
+    });
+}
+
+} // namespace
+
+Result<MapKind> map_kind(std::string_view name) {
+    if (name == "height")
+        return MapKind::height;
+    if (name == "displacement")
+        return MapKind::displacement;
+    if (name == "normal")
+        return MapKind::normal;
+    return Error{
+        fmt::format("map: kind = \"{}\" is not one of height, displacement, normal", name)};
+}
+
+int map_components(MapKind kind) {
+    return kind == MapKind::height ? 1 : 3;
+}
+
+Result<void> validate(const MapRequest& r) {
+    const auto position = [](double x) { return std::abs(x) <= map_position_max_m; };
+    const auto extent = [](double x) { return x > 0 && x <= map_width_max_m; };
+    const auto count = [](int n) { return n >= 1 && n <= map_points_a_side_max; };
+    if (!position(r.x0_m))
+        return out_of_range("x0_m", r.x0_m, "-1e9 .. 1e9");
+    if (!position(r.y0_m))
+        return out_of_range("y0_m", r.y0_m, "-1e9 .. 1e9");
+    if (!extent(r.width_m))
+        return out_of_range("width_m", r.width_m, "above 0, up to 1e6");
+    if (!extent(r.height_m))
+        return out_of_range("height_m", r.height_m, "above 0, up to 1e6");
+    if (!count(r.columns))
+        return out_of_range("columns", r.columns, "1 .. 4096");
+    if (!count(r.rows))
+        return out_of_range("rows", r.rows, "1 .. 4096");
+    return {};
+}
+
+std::array<std::uint8_t, map_header_bytes> map_header(const MapRequest& r, const Surface& surface) {
+    std::array<std::uint8_t, map_header_bytes> bytes{};
+    std::size_t at = 0;
+    const auto put = [&](std::uint64_t value, std::size_t count) {
+        for (std::size_t i = 0; i < count; ++i)
+            bytes[at++] = static_cast<std::uint8_t>(value >> (8 * i));
+    };
+    const auto put_double = [&](double value) { put(std::bit_cast<std::uint64_t>(value), 8); };
+    for (const char c : std::string_view("SWMP"))
+        put(static_cast<std::uint8_t>(c), 1);
+    put(1, 2);
+    put(static_cast<std::uint64_t>(r.kind), 2);
+    put(static_cast<std::uint64_t>(r.columns), 4);
+    put(static_cast<std::uint64_t>(r.rows), 4);
+    put(static_cast<std::uint64_t>(map_components(r.kind)), 4);
+    const MapError& e = surface.map_error();
+    const double sideways = std::max(surface.choppiness().x, surface.choppiness().y);
+    // A slope of one, as steep as a breaking crest.
+    const double error_m = e.interpolation_m * (1 + sideways) + e.codec_height_m +
+                           e.codec_displacement_m + map_difference_max_m;
+    put(std::bit_cast<std::uint32_t>(static_cast<float>(error_m)), 4);
+    for (const double value : {r.x0_m, r.y0_m, r.width_m, r.height_m})
+        put_double(value);
+    put(static_cast<std::uint64_t>(r.time_us), 8);
+    SEAWAY_CHECK(at == map_header_bytes, "the header is as long as it says");
+    return bytes;
+}
+
+const MapKernel& map_kernel(Instructions instructions) {
+#if defined(SEAWAY_X86)
+    if (instructions != Instructions::portable)
+        return map_kernel_avx2();
+#else
+    SEAWAY_CHECK(instructions == Instructions::portable, "no other kernel is built");
+#endif
+    return map_kernel_portable();
+}
+
+// ---- the stream ------------------------------------------------------------------------------
+
+Result<std::unique_ptr<MapStream>> MapStream::start(const MapRequest& request,
+                                                    const Surface& surface, MapOptions options) {
+    if (Result<void> valid = validate(request); !valid)
+        return valid.error();
+    if (!covered(surface, request.time_us))
+        return Error{
+            fmt::format("map: time_us = {} is outside the keyframes held", request.time_us)};
+    std::unique_ptr<MapStream> stream(new MapStream(request, surface, std::move(options)));
+    for (int i = 0; i < stream->options_.threads; ++i)
+        stream->threads_.emplace_back([self = stream.get()] { self->work(); });
+    return stream;
+}
+
+MapStream::MapStream(const MapRequest& request, const Surface& surface, MapOptions options)
+    : request_(request), options_(std::move(options)),
+      kernel_(map_kernel(options_.instructions)), inverse_{surface.choppiness(), 1e-4,
+                                                           surface.folds()} {
+    SEAWAY_CHECK(options_.threads >= 1 && options_.threads <= 16, "a map takes 1 .. 16 threads");
+    // Room for wherever the solver may look: indices stay positive.
+    const double margin_m = 100.0 + 8.0 * inverse_.folds.reach_m;
+    base_x_m_ = request_.x0_m - margin_m;
+    base_y_m_ = request_.y0_m - margin_m;
+    for (const SplinePair& pair : surface.pairs()) {
+        const int size = pair.before->size();
+        const double length_m = pair.before->length_m();
+        SEAWAY_CHECK(std::has_single_bit(static_cast<unsigned>(size)), "tiles are powers of two");
+        SEAWAY_CHECK(pair.after->size() == size, "a pair is of one cascade");
+        texels_.push_back(mixed_texels(pair, request_.time_us));
+        tiles_.push_back({texels_.back().data(), size, size + SplineMap::border, size / length_m,
+                          texel_position(base_x_m_, length_m, size),
+                          texel_position(base_y_m_, length_m, size)});
+    }
+    rows_a_chunk_ =
+        std::clamp(map_chunk_values_max / (request_.columns * map_components(request_.kind)), 1,
+                   request_.rows);
+    chunks_ = (request_.rows + rows_a_chunk_ - 1) / rows_a_chunk_;
+}
+
+MapStream::~MapStream() {
+    {
+        const std::scoped_lock lock(mutex_);
+        stopping_ = true;
+    }
+    changed_.notify_all();
+}
+
+struct MapStream::Scratch {
+    std::vector<float> shift_x, shift_y; ///< solved, of the row before
+    std::vector<int> unsolved;
+    std::uint64_t careful_points = 0;
+
+    explicit Scratch(std::size_t columns) : shift_x(columns), shift_y(columns), unsolved(columns) {}
+};
+
+int MapStream::rows_of(int chunk) const {
+    return std::min(rows_a_chunk_, request_.rows - chunk * rows_a_chunk_);
+}
+
+void MapStream::work() {
+    Scratch scratch(static_cast<std::size_t>(request_.columns));
+    for (;;) {
+        int mine = 0;
+        {
+            std::unique_lock lock(mutex_);
+            changed_.wait(lock, [&] {
+                return stopping_ || next_to_compute_ >= chunks_ ||
+                       next_to_compute_ < next_to_read_ + map_chunks_ahead_max;
+            });
+            if (stopping_ || next_to_compute_ >= chunks_)
+                return;
+            mine = next_to_compute_++;
+        }
+        MapChunk chunk = compute(mine, scratch);
+        bool awaited = false;
+        {
+            const std::scoped_lock lock(mutex_);
+            ready_.emplace(mine, std::move(chunk));
+            awaited = mine == next_to_read_;
+            careful_points_ += std::exchange(scratch.careful_points, 0);
+        }
+        changed_.notify_all();
+        if (awaited && options_.on_ready)
+            options_.on_ready();
+    }
+}
+
+MapChunk MapStream::compute(int index, Scratch& scratch) const {
+    MapChunk chunk{index * rows_a_chunk_, rows_of(index), {}};
+    const auto components = static_cast<std::size_t>(map_components(request_.kind));
+    const std::size_t row_values = static_cast<std::size_t>(request_.columns) * components;
+    chunk.values.resize(static_cast<std::size_t>(chunk.rows) * row_values);
+    std::fill(scratch.shift_x.begin(), scratch.shift_x.end(), 0.0f);
+    std::fill(scratch.shift_y.begin(), scratch.shift_y.end(), 0.0f);
+    bool from_target = true;
+    for (int r = 0; r < chunk.rows; ++r) {
+        const double y_m =
+            request_.y0_m + (chunk.first_row + r) * (request_.height_m / request_.rows);
+        const MapRow row{tiles_.data(),
+                         static_cast<int>(tiles_.size()),
+                         request_.kind,
+                         request_.columns,
+                         request_.x0_m - base_x_m_,
+                         request_.width_m / request_.columns,
+                         y_m - base_y_m_,
+                         static_cast<float>(inverse_.choppiness.x),
+                         static_cast<float>(inverse_.choppiness.y),
+                         from_target,
+                         scratch.shift_x.data(),
+                         scratch.shift_y.data(),
+                         chunk.values.data() + static_cast<std::size_t>(r) * row_values,
+                         scratch.unsolved.data()};
+        const int unsolved = kernel_.row(row);
+        solve_carefully(row, {scratch.unsolved.data(), static_cast<std::size_t>(unsolved)});
+        scratch.careful_points += static_cast<std::uint64_t>(unsolved);
+        from_target = unsolved > steep_share * request_.columns;
+    }
+    return chunk;
+}
+
+void MapStream::solve_carefully(const MapRow& row, std::span<const int> columns) const {
+    const auto field = [&](double x_m, double y_m) {
+        return lagrangian(kernel_.sample(row.tiles, row.tile_count, x_m, y_m));
+    };
+    for (const int column : columns) {
+        const Answer answer =
+            surface_at({row.x0_m + column * row.step_m, row.y_m, 0}, inverse_, field);
+        if (row.kind == MapKind::height) {
+            row.out[column] = static_cast<float>(answer.height_m);
+            continue;
+        }
+        for (int i = 0; i < 3; ++i)
+            row.out[3 * column + i] = static_cast<float>(answer.normal[i]);
+    }
+}
+
+std::optional<MapChunk> MapStream::next_chunk() {
+    std::optional<MapChunk> chunk;
+    {
+        std::unique_lock lock(mutex_);
+        if (next_to_read_ >= chunks_)
+            return std::nullopt;
+        changed_.wait(lock, [&] { return ready_.count(next_to_read_) > 0; });
+        const auto found = ready_.find(next_to_read_);
+        chunk = std::move(found->second);
+        ready_.erase(found);
+        ++next_to_read_;
+    }
+    changed_.notify_all();
+    return chunk;
+}
+
+bool MapStream::ready() const {
+    const std::scoped_lock lock(mutex_);
+    return next_to_read_ >= chunks_ || ready_.count(next_to_read_) > 0;
+}
+
+std::uint64_t MapStream::careful_points() const {
+    const std::scoped_lock lock(mutex_);
+    return careful_points_;
+}
+
+} // namespace seaway::sea

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+// Bulk maps: heights, normals or displacements of a whole grid over a rectangle at one time, up to
+// 4096 x 4096, computed in chunks of rows by a few threads and pulled in order.
+//
+//     Result<std::unique_ptr<MapStream>> map = MapStream::start(request, surface);
+//     if (!map) return map.error();                      // names the field and its range
+//     send(map_header(request, surface));                // 64 bytes
+//     while (std::optional<MapChunk> chunk = (*map)->next_chunk())
+//         send(chunk->values);                           // float32, little-endian
+//
+// Column i of row j is at (x0_m + i width_m / columns, y0_m + j height_m / rows); row 0 is the
+// southernmost. Kinds, values a point:
+//     height        1: what Surface::answer says above the world point, m
+//     normal        3: unit normal there, z up
+//     displacement  3: of the *undisplaced* grid point: lambda D_x, lambda D_y, eta, m
+//
+// Heights differ from Surface::answer by at most map_difference_max_m wherever that finds one sheet
+// and converges; where the surface folds both look for the highest sheet, and all but a few points
+// in a hundred agree; in a sea that folds often a query looks more closely (FoldSearch). The same
+// splines are summed, mixed in time once for the whole map; each point starts from its neighbour's
+// solution, and the last Newton step is applied to the value by its derivative. Cost with three
+// cascades: about 0.1 us of a core a point for a gale, 0.2 to 0.5 where waves come close to folding
+// (docs/performance.md).
+//
+// Memory: 16 bytes a texel of the cascades and map_chunks_ahead_max chunks, whatever the request.
+#pragma once
+
+#include <array>
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <thread>
+#include <vector>
+
+#include "base/result.h"
+#include "sea/surface/map_kernel.h"
+#include "sea/surface/surface.h"
+
+namespace seaway::sea {
+
+inline constexpr int map_points_a_side_max = 4096;
+inline constexpr double map_width_max_m = 1e6;
+inline constexpr double map_position_max_m = 1e9;
+inline constexpr double map_difference_max_m = 2e-4;
+
+/// Values of one chunk at most; a row is never split.
+inline constexpr int map_chunk_values_max = 128 * 1024;
+/// Chunks that are computed before they are pulled; more wait for the reader.
+inline constexpr int map_chunks_ahead_max = 4;
+
+struct MapRequest {
+    MapKind kind = MapKind::height;
+    double x0_m = 0;     ///< west edge, -1e9 .. 1e9
+    double y0_m = 0;     ///< south edge
+    double width_m = 0;  ///< above 0, up to 1e6
+    double height_m = 0; ///< north-south extent, above 0, up to 1e6
+    int columns = 0;     ///< 1 .. 4096
+    int rows = 0;        ///< 1 .. 4096
+    TimeUs time_us = 0;
+};
+
+/// "height", "displacement" or "normal".
+Result<MapKind> map_kind(std::string_view name);
+
+/// Floats a point.
+int map_components(MapKind kind);
+
+/// An error names the field, its value and its range.
+Result<void> validate(const MapRequest& request);
+
+/// What stands before the rows, little-endian:
+///   0 "SWMP"  4 u16 version = 1  6 u16 kind (0 height, 1 displacement, 2 normal)
+///   8 u32 columns  12 u32 rows  16 u32 floats a point
+///   20 f32 error_m: bound on the heights where the surface does not overhang steeply: what the
+///          maps cost and map_difference_max_m
+///   24 f64 x0_m  32 f64 y0_m  40 f64 width_m  48 f64 height_m  56 i64 time_us
+inline constexpr std::size_t map_header_bytes = 64;
+std::array<std::uint8_t, map_header_bytes> map_header(const MapRequest& request,
+                                                      const Surface& surface);
+
+struct MapChunk {
+    int first_row = 0;
+    int rows = 0;
+    std::vector<float> values; ///< [row][column][component]
+};
+
+struct MapOptions {
+    int threads = 2; ///< 1 .. 16
+    Instructions instructions = best_instructions();
+    /// Called on a worker when the chunk that the reader waits for has become ready.
+    std::function<void()> on_ready;
+};
+
+class MapStream {
+  public:
+    /// Starts to compute. The surface must hold request.time_us between its keyframes; its maps are
+    /// shared, the surface itself is not kept.
+    static Result<std::unique_ptr<MapStream>>
+    start(const MapRequest& request, const Surface& surface, MapOptions options = {});
+    /// Stops at the end of the rows being computed.
+    ~MapStream();
+    MapStream(const MapStream&) = delete;
+    MapStream& operator=(const MapStream&) = delete;
+
+    /// The next rows, in order; waits for them. Nothing after the last. For one reader.
+    std::optional<MapChunk> next_chunk();
+
+    /// next_chunk() would not wait.
+    bool ready() const;
+
+    /// Points that took the careful solver so far: folds and near folds.
+    std::uint64_t careful_points() const;
+
+  private:
+    struct Scratch;
+    MapStream(const MapRequest& request, const Surface& surface, MapOptions options);
+    void work();
+    MapChunk compute(int chunk, Scratch& scratch) const;
+    int rows_of(int chunk) const;
+    void solve_carefully(const MapRow& row, std::span<const int> columns) const;
+
+    const MapRequest request_;
+    const MapOptions options_;
+    const MapKernel& kernel_;
+    InverseOptions inverse_;
+    double base_x_m_ = 0; ///< world coordinate of the kernel's 0
+    double base_y_m_ = 0;
+    std::vector<std::vector<float>> texels_;
+    std::vector<MapTile> tiles_;
+    int rows_a_chunk_ = 1;
+    int chunks_ = 0;
+
+    mutable std::mutex mutex_;
+    std::condition_variable changed_;
+    bool stopping_ = false;
+    int next_to_compute_ = 0;
+    int next_to_read_ = 0;
+    std::map<int, MapChunk> ready_;
+    std::uint64_t careful_points_ = 0;
+    std::vector<std::jthread> threads_; ///< last: joined before the rest goes
+};
+
+} // namespace seaway::sea

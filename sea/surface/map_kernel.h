@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+// The inner loop of whole-grid maps (height_map.h): one row of points, several instruction sets.
+//
+// All cascades are cubic B-splines at one instant; a point costs 16 texels of 4 floats a cascade
+// and evaluation. Coordinates are relative to the request's base, so that a point needs no
+// reduction modulo a tile: an index is masked.
+#pragma once
+
+#include <cstddef>
+
+#include "base/instructions.h"
+
+namespace seaway::sea {
+
+/// Spline coefficients of one cascade at one time: [y + 1][x + 1][height, D_x, D_y, 0], with the
+/// border of SplineMap.
+struct MapTile {
+    const float* texels;
+    int size;  ///< a power of two
+    int pitch; ///< texels a row
+    double texels_per_m;
+    double base_x; ///< of coordinate 0, texels, 0 .. size
+    double base_y;
+};
+
+/// Value and derivatives at an undisplaced point: height, D_x, D_y, 0.
+struct MapSample {
+    float value[4];
+    float d_dx[4];
+    float d_dy[4];
+};
+
+enum class MapKind { height, displacement, normal };
+
+/// One row of a map.
+struct MapRow {
+    const MapTile* tiles;
+    int tile_count;
+    MapKind kind;
+    int columns;
+    double x0_m; ///< relative to the base, as y_m
+    double step_m;
+    double y_m;
+    float choppiness_x;
+    float choppiness_y;
+    bool from_target; ///< start at X = x, as queries do, instead of at the guess
+    float* shift_x;   ///< [columns] lambda D at the point: a guess on entry, solved on return
+    float* shift_y;
+    float* out;    ///< [columns][components]
+    int* unsolved; ///< [columns] columns that need the careful solver: folds, no convergence
+};
+
+struct MapKernel {
+    /// Returns how many columns are unsolved.
+    int (*row)(const MapRow& row);
+    MapSample (*sample)(const MapTile* tiles, int tile_count, double x_m, double y_m);
+};
+
+/// The kernel for instructions that this machine has. With 16 floats a vector the work a point is
+/// too small to gain from it: AVX-512 machines run the AVX2 kernel.
+const MapKernel& map_kernel(Instructions instructions);
+
+// One a translation unit that is compiled for them.
+const MapKernel& map_kernel_portable();
+const MapKernel& map_kernel_avx2();
+
+} // namespace seaway::sea

@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: Apache-2.0
+// map_kernel.h for W floats a vector. Included once per instruction set: all is of internal
+// linkage, and nothing of the standard library is instantiated here.
+#pragma once
+
+#include <utility>
+
+#include "sea/surface/map_kernel.h"
+
+namespace seaway::sea {
+namespace {
+
+#define SEAWAY_INLINE [[gnu::always_inline]] inline
+
+typedef float F4 __attribute__((vector_size(16)));
+
+template <int W>
+struct Vector {
+    typedef float F __attribute__((vector_size(W * 4)));
+    typedef float Unaligned __attribute__((vector_size(W * 4), aligned(4), may_alias));
+};
+
+/// Lane i of part v: w[(v W + i) / 4]. Four texels side by side, four channels each.
+template <int W, int v, int... i>
+SEAWAY_INLINE typename Vector<W>::F spread(F4 w, std::integer_sequence<int, i...>) {
+    return __builtin_shufflevector(w, w, ((v * W + i) / 4)...);
+}
+
+SEAWAY_INLINE F4 fold(F4 v) {
+    return v;
+}
+template <class V, int... i>
+SEAWAY_INLINE auto halves_sum(V v, std::integer_sequence<int, i...>) {
+    constexpr int half = sizeof...(i);
+    return __builtin_shufflevector(v, v, i...) + __builtin_shufflevector(v, v, (i + half)...);
+}
+SEAWAY_INLINE F4 fold(Vector<8>::F v) {
+    return halves_sum(v, std::make_integer_sequence<int, 4>{});
+}
+
+/// Weights of the four coefficients around fraction f, and their derivatives by f.
+SEAWAY_INLINE void spline_weights(float f, F4& weight, F4& derivative) {
+    const F4 c0{1.0f / 6, 2.0f / 3, 1.0f / 6, 0.0f};
+    const F4 c1{-0.5f, 0.0f, 0.5f, 0.0f};
+    const F4 c2{0.5f, -1.0f, 0.5f, 0.0f};
+    const F4 c3{-1.0f / 6, 0.5f, -0.5f, 1.0f / 6};
+    weight = c0 + f * (c1 + f * (c2 + f * c3));
+    derivative = c1 + f * (2.0f * c2 + f * (3.0f * c3));
+}
+
+struct Point {
+    F4 value;
+    F4 d_dx;
+    F4 d_dy;
+};
+
+/// Weighted sums over the four rows of texels around a point, by W floats: parts [v].
+template <int W, int... v>
+SEAWAY_INLINE void add_tile(const MapTile& tile, double x_m, double y_m,
+                            typename Vector<W>::F& value, typename Vector<W>::F& d_dx,
+                            typename Vector<W>::F& d_dy, std::integer_sequence<int, v...>) {
+    using F = typename Vector<W>::F;
+    using Unaligned = typename Vector<W>::Unaligned;
+    constexpr auto lanes = std::make_integer_sequence<int, W>{};
+    const double ux = x_m * tile.texels_per_m + tile.base_x;
+    const double uy = y_m * tile.texels_per_m + tile.base_y;
+    const int ix = static_cast<int>(ux);
+    const int iy = static_cast<int>(uy);
+    F4 wx, dx, wy, dy;
+    spline_weights(static_cast<float>(ux - ix), wx, dx);
+    spline_weights(static_cast<float>(uy - iy), wy, dy);
+    const auto per_m = static_cast<float>(tile.texels_per_m);
+    dx *= per_m;
+    dy *= per_m;
+    const int mask = tile.size - 1;
+    const std::size_t pitch = static_cast<std::size_t>(tile.pitch) * 4;
+    const float* row = tile.texels + static_cast<std::size_t>(iy & mask) * pitch +
+                       static_cast<std::size_t>(ix & mask) * 4;
+    F column[sizeof...(v)] = {}, slope[sizeof...(v)] = {};
+    for (int j = 0; j < 4; ++j, row += pitch)
+        (..., [&] {
+            const F texels = *reinterpret_cast<const Unaligned*>(row + v * W);
+            column[v] += wy[j] * texels;
+            slope[v] += dy[j] * texels;
+        }());
+    (..., [&] {
+        const F weights = spread<W, v>(wx, lanes);
+        value += column[v] * weights;
+        d_dx += column[v] * spread<W, v>(dx, lanes);
+        d_dy += slope[v] * weights;
+    }());
+}
+
+template <int W>
+SEAWAY_INLINE Point evaluate(const MapTile* tiles, int tile_count, double x_m, double y_m) {
+    typename Vector<W>::F value{}, d_dx{}, d_dy{};
+    for (int t = 0; t < tile_count; ++t)
+        add_tile<W>(tiles[t], x_m, y_m, value, d_dx, d_dy,
+                    std::make_integer_sequence<int, 16 / W>{});
+    return {fold(value), fold(d_dx), fold(d_dy)};
+}
+
+constexpr int height = 0, displacement_x = 1, displacement_y = 2; // channels
+
+/// A Newton step this short ends the search: what it leaves of the height is half the curvature
+/// times its square, below 4e-5 m for the shortest waves. A normal is not corrected and needs more.
+constexpr float last_step_m = 5e-3f;
+constexpr float last_step_normal_m = 1e-4f;
+constexpr int steps_max = 8;
+/// As in sea/surface/inverse.cpp: below this Jacobian other sheets are looked for.
+constexpr float fold_suspected_below = 0.4f;
+
+/// I + lambda grad D and the step that solves for the residual.
+struct Newton {
+    float a, b, c, d;
+    float determinant;
+    float step_x, step_y;
+
+    SEAWAY_INLINE Newton(const MapRow& row, const Point& p, float residual_x, float residual_y)
+        : a(1.0f + row.choppiness_x * p.d_dx[displacement_x]),
+          b(row.choppiness_x * p.d_dy[displacement_x]),
+          c(row.choppiness_y * p.d_dx[displacement_y]),
+          d(1.0f + row.choppiness_y * p.d_dy[displacement_y]), determinant(a * d - b * c) {
+        const float inverse = 1.0f / determinant;
+        step_x = (b * residual_y - d * residual_x) * inverse;
+        step_y = (c * residual_x - a * residual_y) * inverse;
+    }
+};
+
+SEAWAY_INLINE void put_normal(const Newton& n, const Point& p, float* out) {
+    const float x = n.c * p.d_dy[height] - n.d * p.d_dx[height];
+    const float y = n.b * p.d_dx[height] - n.a * p.d_dy[height];
+    const float scale = 1.0f / __builtin_sqrtf(x * x + y * y + n.determinant * n.determinant);
+    out[0] = x * scale;
+    out[1] = y * scale;
+    out[2] = n.determinant * scale;
+}
+
+/// Solves X + lambda D(X) = x from the guess in shift_x, shift_y; false for the careful solver.
+template <int W, MapKind kind>
+SEAWAY_INLINE bool solve(const MapRow& row, int column) {
+    constexpr float last = kind == MapKind::normal ? last_step_normal_m : last_step_m;
+    const double x_m = row.x0_m + column * row.step_m;
+    float shift_x = row.from_target ? 0.0f : row.shift_x[column];
+    float shift_y = row.from_target ? 0.0f : row.shift_y[column];
+    float residual_before = 1e30f;
+    for (int step = 0; step < steps_max; ++step) {
+        const Point p = evaluate<W>(row.tiles, row.tile_count, x_m - static_cast<double>(shift_x),
+                                    row.y_m - static_cast<double>(shift_y));
+        const float residual_x = row.choppiness_x * p.value[displacement_x] - shift_x;
+        const float residual_y = row.choppiness_y * p.value[displacement_y] - shift_y;
+        const float residual = residual_x * residual_x + residual_y * residual_y;
+        const Newton n(row, p, residual_x, residual_y);
+        // A full step that does not help is halved by the careful solver.
+        if (!(n.determinant > fold_suspected_below && residual < residual_before))
+            return false;
+        residual_before = residual;
+        shift_x -= n.step_x;
+        shift_y -= n.step_y;
+        if (n.step_x * n.step_x + n.step_y * n.step_y > last * last)
+            continue;
+        row.shift_x[column] = shift_x;
+        row.shift_y[column] = shift_y;
+        if constexpr (kind == MapKind::height)
+            row.out[column] =
+                p.value[height] + p.d_dx[height] * n.step_x + p.d_dy[height] * n.step_y;
+        else
+            put_normal(n, p, row.out + 3 * column);
+        return true;
+    }
+    return false;
+}
+
+template <int W, MapKind kind>
+int solve_row(const MapRow& row) {
+    int unsolved = 0;
+    for (int column = 0; column < row.columns; ++column)
+        if (!solve<W, kind>(row, column))
+            row.unsolved[unsolved++] = column;
+    return unsolved;
+}
+
+template <int W>
+int displacement_row(const MapRow& row) {
+    for (int column = 0; column < row.columns; ++column) {
+        const Point p =
+            evaluate<W>(row.tiles, row.tile_count, row.x0_m + column * row.step_m, row.y_m);
+        row.out[3 * column] = row.choppiness_x * p.value[displacement_x];
+        row.out[3 * column + 1] = row.choppiness_y * p.value[displacement_y];
+        row.out[3 * column + 2] = p.value[height];
+    }
+    return 0;
+}
+
+template <int W>
+int map_row(const MapRow& row) {
+    switch (row.kind) {
+    case MapKind::height:
+        return solve_row<W, MapKind::height>(row);
+    case MapKind::normal:
+        return solve_row<W, MapKind::normal>(row);
+    case MapKind::displacement:
+        return displacement_row<W>(row);
+    }
+    return 0;
+}
+
+template <int W>
+MapSample map_sample(const MapTile* tiles, int tile_count, double x_m, double y_m) {
+    const Point p = evaluate<W>(tiles, tile_count, x_m, y_m);
+    MapSample sample;
+    for (int i = 0; i < 4; ++i) {
+        sample.value[i] = p.value[i];
+        sample.d_dx[i] = p.d_dx[i];
+        sample.d_dy[i] = p.d_dy[i];
+    }
+    return sample;
+}
+
+template <int W>
+const MapKernel& kernel_of() {
+    static constexpr MapKernel kernel{map_row<W>, map_sample<W>};
+    return kernel;
+}
+
+} // namespace
+} // namespace seaway::sea

@@ -1,0 +1,363 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sea/waves/moments.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <complex>
+#include <limits>
+
+#include "sea/basics/quadrature.h"
+#include "sea/waves/directional_spectrum.h"
+#include "sea/waves/realize.h"
+
+namespace seaway::sea {
+
+namespace {
+
+/// Sums over energy, from integrals or from modes.
+struct EnergySums {
+    double m0 = 0;
+    double m1 = 0;
+    double m2 = 0;
+    double slope = 0;
+    double east = 0;
+    double north = 0;
+
+    /// `direction`: mean of e^{i phi} over this energy.
+    void add(double energy, double omega, std::complex<double> direction) {
+        m0 += energy;
+        m1 += energy * omega;
+        m2 += energy * omega * omega;
+        east += energy * direction.real();
+        north += energy * direction.imag();
+    }
+};
+
+SeaStatistics statistics(const EnergySums& sums, double peak_omega_radps) {
+    SeaStatistics s;
+    if (!(sums.m0 > 0.0))
+        return s;
+    s.significant_height_m = 4.0 * std::sqrt(sums.m0);
+    s.peak_period_s = two_pi / peak_omega_radps;
+    s.zero_crossing_period_s = two_pi * std::sqrt(sums.m0 / sums.m2);
+    s.mean_period_s = two_pi * sums.m0 / sums.m1;
+    s.mean_towards_rad = std::atan2(sums.north, sums.east);
+    const double r1 = std::min(1.0, std::hypot(sums.east, sums.north) / sums.m0);
+    s.spread_rad = std::sqrt(2.0 * (1.0 - r1));
+    s.mean_square_slope = sums.slope;
+    return s;
+}
+
+/// Nodes of a quadrature over [lo, hi] in ln w, `x` is w and `weight` includes dw; between the
+/// spectrum's breaks everything is smooth.
+std::vector<QuadratureNode> frequency_nodes(const DirectionalSpectrum& spectrum, double lo,
+                                            double hi) {
+    std::vector<QuadratureNode> nodes;
+    const std::vector<double> breaks = spectrum.breaks();
+    for (std::size_t i = 0; i + 1 < breaks.size(); ++i) {
+        const double from = std::max(lo, breaks[i]);
+        const double to = std::min(hi, breaks[i + 1]);
+        if (!(from < to))
+            continue;
+        const double a = std::log(from);
+        const double width = std::log(to) - a;
+        const int panels = std::max(1, static_cast<int>(std::ceil(width / 0.12)));
+        const double half = 0.5 * width / panels;
+        for (int p = 0; p < panels; ++p)
+            for (const QuadratureNode& node : gauss_legendre_16)
+                for (const double side : {-1.0, 1.0}) {
+                    const double omega = std::exp(a + (2 * p + 1 + side * node.x) * half);
+                    nodes.push_back({omega, node.weight * half * omega});
+                }
+    }
+    return nodes;
+}
+
+constexpr double infinite = std::numeric_limits<double>::infinity();
+
+double variance_between(const DirectionalSpectrum& spectrum, double lo, double hi) {
+    double sum = 0.0;
+    for (const QuadratureNode& node : frequency_nodes(spectrum, lo, hi))
+        sum += node.weight * spectrum.frequency_density(node.x);
+    return sum;
+}
+
+/// Variance that fade and cut-offs leave between two wavenumbers.
+double kept_variance(const DirectionalSpectrum& spectrum, const Dispersion& dispersion, Band band) {
+    double sum = 0.0;
+    for (const QuadratureNode& node : frequency_nodes(spectrum, dispersion.omega(band.k_lo_radpm),
+                                                      dispersion.omega(band.k_hi_radpm))) {
+        const double k = dispersion.wavenumber(node.x);
+        sum += node.weight * spectrum.ring(k).density * k / dispersion.group_speed(k);
+    }
+    return sum;
+}
+
+/// Waves that are not drawn from a spectrum: f(variance, omega, k, direction) for each.
+template <class F>
+void over_explicit(const SeaState& sea, const F& f) {
+    const Dispersion dispersion = sea.dispersion();
+    const auto one = [&](double length_m, int nx, int ny, double amplitude_m, double share,
+                         double speed_omega) {
+        const double k = two_pi / length_m * std::hypot(nx, ny);
+        const double amplitude = sea.height_scale * std::abs(amplitude_m);
+        if (k > 0.0 && amplitude > 0.0)
+            f(share * amplitude * amplitude, speed_omega > 0.0 ? speed_omega : dispersion.omega(k),
+              k, std::atan2(ny, nx));
+    };
+    for (std::size_t s = 0; s < sea.systems.size(); ++s) {
+        if (const auto* modes = std::get_if<ExplicitModes>(&sea.systems[s]))
+            for (const ExplicitMode& mode : modes->modes)
+                one(modes->length_m, mode.nx, mode.ny, mode.amplitude_m, 0.5, 0.0);
+        if (const auto* ramps = std::get_if<SineRamps>(&sea.systems[s])) {
+            // Drag moves waves about but hardly changes their height.
+            const double share = ramps->kind == SineKind::exponential
+                                     ? exponential_sine(ramps->sharpness).variance
+                                     : 0.5;
+            for (const SineWave& wave :
+                 sine_waves(*ramps, sea.seed, static_cast<std::uint32_t>(s), dispersion))
+                one(ramps->length_m, wave.nx, wave.ny, wave.amplitude_m, share, wave.omega_radps);
+        }
+    }
+}
+
+std::vector<DirectionalSpectrum> spectra_of(const SeaState& sea) {
+    std::vector<DirectionalSpectrum> spectra;
+    for (const WaveSystem& system : sea.systems) {
+        DirectionalSpectrum spectrum(system, sea);
+        if (!spectrum.empty())
+            spectra.push_back(spectrum);
+    }
+    return spectra;
+}
+
+/// The frequency at which the sum of all systems is largest.
+double peak_of(std::span<const DirectionalSpectrum> spectra) {
+    double lo = spectra.front().peak_omega_radps();
+    double hi = lo;
+    for (const DirectionalSpectrum& s : spectra) {
+        lo = std::min(lo, s.peak_omega_radps());
+        hi = std::max(hi, s.peak_omega_radps());
+    }
+    constexpr double step = 1.0005;
+    double best_omega = lo;
+    double best = 0.0;
+    for (double omega = 0.5 * lo; omega < 2.0 * hi; omega *= step) {
+        double density = 0.0;
+        for (const DirectionalSpectrum& s : spectra)
+            density += s.frequency_density(omega);
+        if (density > best) {
+            best = density;
+            best_omega = omega;
+        }
+    }
+    return best_omega;
+}
+
+SeaStatistics requested_statistics(const SeaState& sea,
+                                   std::span<const DirectionalSpectrum> spectra,
+                                   double finest_k_hi) {
+    const Dispersion dispersion = sea.dispersion();
+    EnergySums sums;
+    for (const DirectionalSpectrum& spectrum : spectra) {
+        for (const QuadratureNode& node : frequency_nodes(spectrum, 0.0, infinite)) {
+            const double energy = node.weight * spectrum.frequency_density(node.x);
+            if (energy > 0.0)
+                sums.add(energy, node.x, spectrum.direction_moment(node.x));
+        }
+        for (const QuadratureNode& node :
+             frequency_nodes(spectrum, 0.0, dispersion.omega(finest_k_hi))) {
+            const double k = dispersion.wavenumber(node.x);
+            sums.slope += node.weight * k * k * spectrum.frequency_density(node.x);
+        }
+    }
+    double strongest = 0.0;
+    double strongest_omega = 1.0;
+    over_explicit(sea, [&](double energy, double omega, double k, double direction) {
+        sums.add(energy, omega, std::polar(1.0, direction));
+        sums.slope += energy * k * k;
+        if (energy > strongest) {
+            strongest = energy;
+            strongest_omega = omega;
+        }
+    });
+    return statistics(sums, spectra.empty() ? strongest_omega : peak_of(spectra));
+}
+
+/// Peak of a realised sea: sum w S^4 / sum S^4 (Young 1995) over narrow bins of equal ratio around
+/// the densest, so that neither one lucky mode nor a second wave system pulls it away.
+class PeakFinder {
+  public:
+    void add(double energy, double omega) {
+        const int bin = static_cast<int>(std::floor(std::log(omega) / bin_width)) + offset;
+        if (bin >= 0 && bin < bin_count) {
+            Bin& b = bins_[static_cast<std::size_t>(bin)];
+            b.energy += energy;
+            b.moment += energy * omega;
+        }
+    }
+    double peak_omega_radps() const {
+        int densest = 0;
+        for (int i = 0; i < bin_count; ++i)
+            if (density(i) > density(densest))
+                densest = i;
+        double weights = 0.0;
+        double sum = 0.0;
+        for (int i = densest - reach; i <= densest + reach; ++i) {
+            const double weight = std::pow(density(i), 4);
+            if (!(weight > 0.0))
+                continue;
+            const Bin& b = bins_[static_cast<std::size_t>(i)];
+            weights += weight;
+            sum += weight * b.moment / b.energy;
+        }
+        return weights > 0.0 ? sum / weights : 1.0;
+    }
+
+  private:
+    struct Bin {
+        double energy = 0.0;
+        double moment = 0.0;
+    };
+    static constexpr double bin_width = 0.1;
+    static constexpr int offset = 120; ///< exp(-12) rad/s
+    static constexpr int bin_count = 240;
+    static constexpr int reach = 2; ///< bins either way: 20 % in frequency
+
+    /// Mean density over bin i, up to a factor; 0 outside.
+    double density(int i) const {
+        if (i < 0 || i >= bin_count || !(bins_[static_cast<std::size_t>(i)].energy > 0.0))
+            return 0.0;
+        const Bin& b = bins_[static_cast<std::size_t>(i)];
+        return b.energy * b.energy / b.moment;
+    }
+
+    std::array<Bin, bin_count> bins_{};
+};
+
+/// Calls f(energy, kx, ky, omega) for every mode; energy is its variance averaged over time.
+template <class F>
+void over_modes(const CascadeModes& cascade, const F& f) {
+    const int size = cascade.spec.size;
+    const double step = cascade.spec.wavenumber_step_radpm();
+    for (int iy = 0; iy < size; ++iy)
+        for (int ix = 0; ix < size; ++ix) {
+            const auto index = static_cast<std::size_t>(iy * size + ix);
+            const double energy = 2.0 * std::norm(cascade.h0[index]);
+            if (energy > 0.0)
+                f(energy, step * signed_index(ix, size), step * signed_index(iy, size),
+                  omega_from_rate(cascade.rate[index]));
+        }
+}
+
+} // namespace
+
+double expected_hs_scatter(const SeaState& sea, const CascadeSpec& tile, Band band) {
+    const std::vector<DirectionalSpectrum> spectra = spectra_of(sea);
+    const double step = tile.wavenumber_step_radpm();
+    double variance = 0.0;
+    for (const DirectionalSpectrum& s : spectra)
+        variance += kept_variance(s, sea.dispersion(), band);
+    // E, the mean of the variances of k and -k, is largest in the first rings; beyond 40 steps its
+    // square no longer matters.
+    const int reach = std::min(tile.size / 2 - 1, 40);
+    double squares = 0.0;
+    for (int ny = -reach; ny <= reach; ++ny)
+        for (int nx = -reach; nx <= reach; ++nx) {
+            if (!band.contains(step * std::hypot(nx, ny)))
+                continue;
+            double pair = 0.0;
+            for (const DirectionalSpectrum& s : spectra)
+                pair += 0.5 * step * step *
+                        (s.density(step * nx, step * ny) + s.density(-step * nx, -step * ny));
+            squares += pair * pair;
+        }
+    return variance > 0.0 ? std::sqrt(2.0 * squares) / (2.0 * variance) : 0.0;
+}
+
+double requested_variance(const SeaState& sea, double omega_lo_radps, double omega_hi_radps) {
+    double sum = 0.0;
+    for (const DirectionalSpectrum& spectrum : spectra_of(sea))
+        sum += variance_between(spectrum, omega_lo_radps, omega_hi_radps);
+    over_explicit(sea, [&](double energy, double omega, double, double) {
+        sum += omega_lo_radps <= omega && omega < omega_hi_radps ? energy : 0.0;
+    });
+    return sum;
+}
+
+double requested_frequency_density(const SeaState& sea, double omega_radps) {
+    double sum = 0.0;
+    for (const DirectionalSpectrum& spectrum : spectra_of(sea))
+        sum += spectrum.frequency_density(omega_radps);
+    return sum;
+}
+
+namespace {
+
+/// Energy of the realised waves of one cascade, into `sums` and `peak`; gives its variance.
+double add_realised(const CascadeModes& cascade, EnergySums& sums, PeakFinder& peak) {
+    double variance = 0.0;
+    const auto add = [&](double energy, double kx, double ky, double omega) {
+        const double k = std::hypot(kx, ky);
+        sums.add(energy, omega, {kx / k, ky / k});
+        sums.slope += energy * k * k;
+        peak.add(energy, omega);
+        variance += energy;
+    };
+    over_modes(cascade, add);
+    for (const SineField& field : cascade.sines)
+        for (const SineField::Wave& wave : field.waves)
+            if (wave.amplitude_m > 0.0)
+                add(exponential_sine(field.sharpness).variance * wave.amplitude_m *
+                        wave.amplitude_m,
+                    wave.kx_radpm, wave.ky_radpm, wave.omega_radps);
+    return variance;
+}
+
+/// What the spectra put outside the bands [k_lo, k_hi), and what fade and cut-offs take within.
+void add_losses(std::span<const DirectionalSpectrum> spectra, const Dispersion& dispersion,
+                Band all, SeaSummary& summary) {
+    const double omega_lo = dispersion.omega(all.k_lo_radpm);
+    const double omega_hi = dispersion.omega(all.k_hi_radpm);
+    for (const DirectionalSpectrum& s : spectra) {
+        summary.lost_below_m2 += variance_between(s, 0.0, omega_lo);
+        summary.lost_above_m2 += variance_between(s, omega_hi, infinite);
+        summary.lost_fade_m2 += std::max(0.0, variance_between(s, omega_lo, omega_hi) -
+                                                  kept_variance(s, dispersion, all));
+    }
+}
+
+} // namespace
+
+SeaSummary summarize(const SeaState& sea, const Realization& realization) {
+    SeaSummary summary;
+    const Dispersion dispersion = sea.dispersion();
+    const std::vector<DirectionalSpectrum> spectra = spectra_of(sea);
+    Band all{0.0, 0.0};
+    for (const CascadeModes& cascade : realization.cascades)
+        if (cascade.carries_spectra)
+            all = {all.k_hi_radpm > 0.0 ? all.k_lo_radpm : cascade.band.k_lo_radpm,
+                   cascade.band.k_hi_radpm};
+    summary.requested = requested_statistics(sea, spectra, all.k_hi_radpm);
+    for (const DirectionalSpectrum& s : spectra)
+        summary.longest_peak_wavelength_m =
+            std::max(summary.longest_peak_wavelength_m,
+                     two_pi / dispersion.wavenumber(s.peak_omega_radps()));
+    EnergySums sums;
+    PeakFinder peak;
+    for (const CascadeModes& cascade : realization.cascades) {
+        CascadeVariance& variance = summary.cascades.emplace_back();
+        variance.realised_m2 = add_realised(cascade, sums, peak);
+        if (!cascade.carries_spectra)
+            continue;
+        for (const DirectionalSpectrum& s : spectra)
+            variance.requested_m2 += kept_variance(s, dispersion, cascade.band);
+        variance.expected_scatter = expected_hs_scatter(sea, cascade.spec, cascade.band);
+    }
+    summary.realised = statistics(sums, peak.peak_omega_radps());
+    add_losses(spectra, dispersion, all, summary);
+    return summary;
+}
+
+} // namespace seaway::sea

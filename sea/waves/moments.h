@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a sea amounts to: heights, periods, directions; as asked for and as realised.
+// Pure functions; thread-safe.
+#pragma once
+
+#include <vector>
+
+#include "sea/waves/realization.h"
+#include "sea/waves/sea_state.h"
+
+namespace seaway::sea {
+
+struct SeaStatistics {
+    double significant_height_m = 0;   ///< 4 sqrt(m0)
+    double peak_period_s = 0;          ///< 0 for a flat sea, as all periods
+    double zero_crossing_period_s = 0; ///< 2 pi sqrt(m0/m2)
+    double mean_period_s = 0;          ///< Tm01 = 2 pi m0/m1
+    double mean_towards_rad = 0;       ///< energy-weighted, anticlockwise from east
+    double spread_rad = 0;             ///< circular: sqrt(2 (1 - |sum E e^i theta| / m0))
+    double mean_square_slope = 0;      ///< of the waves up to the end of the finest band
+};
+
+struct CascadeVariance {
+    double requested_m2; ///< integral of the spectrum over the band
+    double realised_m2;  ///< sum over the drawn modes, averaged over time
+    /// Relative standard deviation, over seeds, of Hs of the tile at one instant.
+    double expected_scatter;
+};
+
+struct SeaSummary {
+    SeaStatistics requested;               ///< integrals of the spectrum itself
+    SeaStatistics realised;                ///< sums over the drawn modes, averaged over time
+    std::vector<CascadeVariance> cascades; ///< of the realisation, in its order
+    double lost_below_m2 = 0;              ///< waves longer than the longest tile can hold
+    double lost_above_m2 = 0;              ///< waves shorter than the finest band
+    double lost_fade_m2 = 0;               ///< short-wave fade and cut-offs, within the bands
+    double longest_peak_wavelength_m = 0;  ///< over the systems; 0 for a flat sea
+};
+
+/// About 10 ms a wave system and 10 ms a cascade.
+SeaSummary summarize(const SeaState& sea, const Realization& realization);
+
+/// Standard deviation over seeds of the Hs of one tile at one instant, relative to Hs: sqrt(2 sum
+/// E^2) / (2 m0), E the mean of the variances expected of k and -k (physics.md section 5).
+double expected_hs_scatter(const SeaState& sea, const CascadeSpec& tile, Band band);
+
+/// Variance that was asked for between two frequencies, m2, to 1e-9: spectra and explicit waves.
+double requested_variance(const SeaState& sea, double omega_lo_radps, double omega_hi_radps);
+
+/// S(w) that was asked for, m2 s/rad, all systems; explicit and stylised waves, which are lines,
+/// are not in it.
+double requested_frequency_density(const SeaState& sea, double omega_radps);
+
+} // namespace seaway::sea

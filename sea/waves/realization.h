@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// One realised sea: the complex amplitudes h0(k) and the frequencies that everything else -
+// transforms, exact sums, tiles - is made from. Immutable once built; share it by pointer.
+//
+//     eta(X,t) = sum_k h(k,t) exp(i k.X)
+//     h(k,t)   = h0(k) exp(-i w t) + conj(h0(-k)) exp(+i w t)          waves travel along +k
+//     h0(k)    = (xr + i xi)/2 sqrt(Psi(k) dkx dky)                    E[eta^2] = sum Psi dk^2
+//
+// Source: Tessendorf 2001 with the amplitude of physics.md section 0 (docs/physics.md).
+#pragma once
+
+#include <complex>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "base/result.h"
+#include "sea/basics/cascade.h"
+#include "sea/basics/time.h"
+#include "sea/waves/sine_waves.h"
+
+namespace seaway::sea {
+
+/// The realised modes of one cascade. Arrays are [iy][ix], index iy * size + ix, in transform order
+/// (array index i stands for lattice index signed_index(i)); zero outside the band.
+struct CascadeModes {
+    CascadeSpec spec;
+    Band band;                            ///< of the spectra; explicit modes may lie outside
+    std::vector<std::complex<double>> h0; ///< m
+    std::vector<Rate> rate;               ///< frequency, turns/us 0.64; the same for k and -k
+    /// Phase that a change of frequency on the way has left in h0, turns 0.64 (sea/waves/transition.h);
+    /// empty: none.
+    std::vector<std::uint64_t> phase_offset_turns;
+    /// False: added for explicit waves alone; the spectra's bands do not know it.
+    bool carries_spectra = true;
+    /// Stylised waves that are no modes, on this tile (sea/waves/sine_waves.h); mostly empty.
+    std::vector<SineField> sines;
+};
+
+/// How far the surface is moved sideways: x = X + choppiness * D(X), each axis for itself. 0 .. 3.
+struct Choppiness {
+    double x = 1.0;
+    double y = 1.0;
+};
+
+struct Realization {
+    std::vector<CascadeModes> cascades; ///< longest tile first
+    Choppiness choppiness;
+    TimeUs loop_period_us = 0; ///< 0: the sea never repeats
+
+    /// The time at which phases are taken: t itself, or t modulo the loop period (in [0, period)),
+    /// which makes a loop exact for ever.
+    TimeUs phase_time(TimeUs t_us) const {
+        if (loop_period_us <= 0)
+            return t_us;
+        const TimeUs rest = t_us % loop_period_us;
+        return rest < 0 ? rest + loop_period_us : rest;
+    }
+};
+
+using RealizationPtr = std::shared_ptr<const Realization>;
+
+} // namespace seaway::sea

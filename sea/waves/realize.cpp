@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sea/waves/realize.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "sea/basics/gaussian.h"
+#include "sea/waves/directional_spectrum.h"
+
+namespace seaway::sea {
+
+namespace {
+
+using Ring = DirectionalSpectrum::Ring;
+
+/// Adds one wave system to the modes of one cascade. What depends on |k| alone is computed once for
+/// each nx^2 + ny^2: twelve times less than once for each mode.
+class CascadeFiller {
+  public:
+    CascadeFiller(const SeaState& sea, CascadeModes& modes)
+        : sea_(sea), modes_(modes), step_(modes.spec.wavenumber_step_radpm()),
+          steps_max_(static_cast<int>(
+              std::min(std::ceil(modes.band.k_hi_radpm / step_), modes.spec.size / 2 - 1.0))) {}
+
+    void add(const DirectionalSpectrum& spectrum, std::uint32_t system) {
+        if (spectrum.empty())
+            return;
+        std::vector<std::optional<Ring>> rings(ring_count());
+        const std::uint32_t tile = cascade_key(modes_.spec.length_m);
+        for_each_mode([&](int nx, int ny, double k, std::size_t index) {
+            std::optional<Ring>& ring = rings[static_cast<std::size_t>(nx * nx + ny * ny)];
+            if (!ring)
+                ring = spectrum.ring(k, lattice_exponent_max(k, step_));
+            if (ring->density <= 0.0)
+                return;
+            const double amplitude = 0.5 * step_ * std::sqrt((*ring)(std::atan2(ny, nx)));
+            const GaussianPair xi = gaussian_pair({sea_.seed, system, tile, nx, ny});
+            modes_.h0[index] += std::complex(amplitude * xi.real, amplitude * xi.imaginary);
+        });
+    }
+
+    void fill_rates(TimeUs loop_period_us) {
+        const Dispersion dispersion = sea_.dispersion();
+        std::vector<std::optional<Rate>> rates(ring_count());
+        for_each_mode([&](int nx, int ny, double k, std::size_t index) {
+            std::optional<Rate>& rate = rates[static_cast<std::size_t>(nx * nx + ny * ny)];
+            if (!rate)
+                rate = mode_rate(dispersion.omega(k), loop_period_us);
+            modes_.rate[index] = *rate;
+        });
+    }
+
+  private:
+    /// nx^2 + ny^2 within the band's disc, and the corners that are looked at and left.
+    std::size_t ring_count() const {
+        return static_cast<std::size_t>(2 * steps_max_ * steps_max_ + 1);
+    }
+
+    template <class F>
+    void for_each_mode(const F& f) const {
+        const int size = modes_.spec.size;
+        for (int ny = -steps_max_; ny <= steps_max_; ++ny)
+            for (int nx = -steps_max_; nx <= steps_max_; ++nx) {
+                const double k = step_ * std::sqrt(nx * nx + ny * ny);
+                if ((nx != 0 || ny != 0) && modes_.band.contains(k))
+                    f(nx, ny, k,
+                      static_cast<std::size_t>((ny + size) % size * size + (nx + size) % size));
+            }
+    }
+
+    const SeaState& sea_;
+    CascadeModes& modes_;
+    double step_;
+    int steps_max_;
+};
+
+} // namespace
+
+Rate mode_rate(double omega_radps, TimeUs loop_period_us) {
+    if (loop_period_us <= 0)
+        return rate_from_omega(omega_radps);
+    const auto period = static_cast<double>(loop_period_us);
+    const double turns = std::max(1.0, std::round(omega_radps * period / (two_pi * 1e6)));
+    return static_cast<Rate>(turns * (0x1p64 / period) + 0.5);
+}
+
+double lattice_exponent_max(double k_radpm, double step_radpm) {
+    const double spread = 0.5 * step_radpm / k_radpm;
+    return 2.0 / (spread * spread);
+}
+
+namespace {
+
+/// Explicit and linear stylised waves of one system, in the same words.
+struct PlacedModes {
+    double length_m;
+    std::vector<ExplicitMode> modes;
+};
+
+PlacedModes placed(const ExplicitModes& system, const SeaState&, std::uint32_t) {
+    return {system.length_m, system.modes};
+}
+
+PlacedModes placed(const SineRamps& system, const SeaState& sea, std::uint32_t index) {
+    PlacedModes result{system.length_m, {}};
+    if (system.kind != SineKind::exponential)
+        for (const SineWave& wave : sine_waves(system, sea.seed, index, sea.dispersion()))
+            result.modes.push_back({wave.nx, wave.ny, wave.amplitude_m, wave.phase_rad});
+    return result;
+}
+
+/// The cascade of this length; if there is none, a new one of fitting size, longest tile first. It
+/// owns no band of the spectra.
+Result<CascadeModes*> tile_for(Realization& realization, double length_m, int steps) {
+    for (CascadeModes& cascade : realization.cascades)
+        if (std::abs(cascade.spec.length_m - length_m) < 1e-9 * length_m) {
+            if (steps > cascade.spec.size / 2 - 1)
+                return Error{fmt::format("explicit waves reach lattice index {}, but the cascade "
+                                         "of length_m = {} has size = {} and holds {} at most",
+                                         steps, length_m, cascade.spec.size,
+                                         cascade.spec.size / 2 - 1)};
+            return &cascade;
+        }
+    if (steps > explicit_steps_max)
+        return Error{fmt::format("explicit waves reach lattice index {}; allowed: at most {}",
+                                 steps, explicit_steps_max)};
+    const CascadeSpec spec{length_m, explicit_tile_size(steps)};
+    const auto points = static_cast<std::size_t>(spec.size) * static_cast<std::size_t>(spec.size);
+    const double step = spec.wavenumber_step_radpm();
+    CascadeModes tile;
+    tile.spec = spec;
+    tile.band = {0.5 * step, (steps + 0.5) * std::sqrt(2.0) * step};
+    tile.h0.resize(points);
+    tile.rate.resize(points);
+    tile.carries_spectra = false;
+    auto after = realization.cascades.begin();
+    while (after != realization.cascades.end() && after->spec.length_m > length_m)
+        ++after;
+    return &*realization.cascades.insert(after, std::move(tile));
+}
+
+void place(CascadeModes& tile, const ExplicitMode& mode, const SeaState& sea,
+           TimeUs loop_period_us) {
+    const int size = tile.spec.size;
+    const auto at = [size](int nx, int ny) {
+        return static_cast<std::size_t>((ny + size) % size * size + (nx + size) % size);
+    };
+    const double k = tile.spec.wavenumber_step_radpm() *
+                     std::sqrt(static_cast<double>(mode.nx * mode.nx + mode.ny * mode.ny));
+    const Rate rate = mode_rate(sea.dispersion().omega(k), loop_period_us);
+    tile.rate[at(mode.nx, mode.ny)] = rate;
+    tile.rate[at(-mode.nx, -mode.ny)] = rate;
+    const double amplitude = 0.5 * sea.height_scale * mode.amplitude_m; // may be negative
+    tile.h0[at(mode.nx, mode.ny)] +=
+        std::complex(amplitude * std::cos(mode.phase_rad), amplitude * std::sin(mode.phase_rad));
+}
+
+Result<void> add_placed(Realization& realization, const PlacedModes& system, const SeaState& sea) {
+    int steps = 0;
+    for (const ExplicitMode& mode : system.modes)
+        steps = std::max({steps, std::abs(mode.nx), std::abs(mode.ny)});
+    if (steps == 0)
+        return {};
+    const Result<CascadeModes*> tile = tile_for(realization, system.length_m, steps);
+    if (!tile)
+        return tile.error();
+    for (const ExplicitMode& mode : system.modes)
+        place(**tile, mode, sea, realization.loop_period_us);
+    return {};
+}
+
+Result<void> add_sine_field(Realization& realization, const SineRamps& ramps, const SeaState& sea,
+                            std::uint32_t index) {
+    const int steps = static_cast<int>(std::ceil(sine_steps(ramps)));
+    const Result<CascadeModes*> tile = tile_for(realization, ramps.length_m, std::max(steps, 1));
+    if (!tile)
+        return tile.error();
+    (*tile)->sines.push_back(sine_field(ramps, sine_waves(ramps, sea.seed, index, sea.dispersion()),
+                                        sea.height_scale, realization.loop_period_us));
+    return {};
+}
+
+Result<void> add_explicit(Realization& realization, const SeaState& sea) {
+    for (std::size_t s = 0; s < sea.systems.size(); ++s) {
+        const auto index = static_cast<std::uint32_t>(s);
+        Result<void> added;
+        if (const auto* modes = std::get_if<ExplicitModes>(&sea.systems[s]))
+            added = add_placed(realization, placed(*modes, sea, index), sea);
+        else if (const auto* ramps = std::get_if<SineRamps>(&sea.systems[s]))
+            added = ramps->kind == SineKind::exponential
+                        ? add_sine_field(realization, *ramps, sea, index)
+                        : add_placed(realization, placed(*ramps, sea, index), sea);
+        if (!added)
+            return Error{fmt::format("sea.system[{}]: {}", s + 1, added.error().message)};
+    }
+    return {};
+}
+
+} // namespace
+
+int explicit_tile_size(int steps) {
+    int size = 64;
+    while (band_end_share_of_nyquist * size / 2 < steps)
+        size *= 2;
+    return size;
+}
+
+Result<Realization> realize(const SeaState& sea, std::span<const CascadeSpec> cascades) {
+    Result<std::vector<Band>> bands = assign_bands(cascades);
+    if (!bands)
+        return bands.error();
+    Realization realization;
+    realization.choppiness = sea.choppiness;
+    realization.loop_period_us = us_from_seconds(sea.loop_period_s);
+    std::vector<DirectionalSpectrum> spectra;
+    for (const WaveSystem& system : sea.systems)
+        spectra.emplace_back(system, sea);
+    for (std::size_t c = 0; c < cascades.size(); ++c) {
+        const auto points =
+            static_cast<std::size_t>(cascades[c].size) * static_cast<std::size_t>(cascades[c].size);
+        CascadeModes& modes = realization.cascades.emplace_back();
+        modes.spec = cascades[c];
+        modes.band = (*bands)[c];
+        modes.h0.resize(points);
+        modes.rate.resize(points);
+        CascadeFiller filler(sea, modes);
+        filler.fill_rates(realization.loop_period_us);
+        for (std::size_t s = 0; s < spectra.size(); ++s)
+            filler.add(spectra[s], static_cast<std::uint32_t>(s));
+    }
+    if (const Result<void> added = add_explicit(realization, sea); !added)
+        return added.error();
+    return realization;
+}
+
+} // namespace seaway::sea

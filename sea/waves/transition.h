@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+// From one sea to the next without a jump (hard cases A22, I7).
+//
+// Both seas draw the same numbers, so what changes are amplitudes and, when depth, gravity or the
+// loop change, frequencies. At the moment of change each wave keeps its phase: what the old
+// frequency has turned it by and the new one would not have is folded into h0 as an exact number of
+// 2^-64 turns. Then the amplitudes glide over, smoothly at both ends.
+//
+//     SeaTransition change(old_sea, new_sea, start_us, end_us);    // error if the tiles differ
+//     RealizationPtr sea = change->at(time_us);                    // about 1 ms a 256 x 256
+//     cascade
+//
+// A restarted server that replays the same changes gets the same sea. Immutable; thread-safe.
+#pragma once
+
+#include "base/result.h"
+#include "sea/waves/realization.h"
+
+namespace seaway::sea {
+
+class SeaTransition {
+  public:
+    /// Frequencies change at `start_us`; amplitudes between it and `end_us` >= start_us. `from` may
+    /// be a sea that transitions have led to. Errors: cascades of other lengths or sizes.
+    static Result<SeaTransition> create(RealizationPtr from, RealizationPtr to, TimeUs start_us,
+                                        TimeUs end_us);
+
+    /// The sea to be evaluated at this time: `from` before the start, `after()` from the end on.
+    RealizationPtr at(TimeUs time_us) const;
+
+    /// `to`, with every phase continuous at the start.
+    const RealizationPtr& after() const { return after_; }
+
+    TimeUs start_us() const { return start_us_; }
+    TimeUs end_us() const { return end_us_; }
+
+  private:
+    SeaTransition() = default;
+
+    RealizationPtr from_;
+    RealizationPtr before_; ///< `from`'s amplitudes with the new frequencies
+    RealizationPtr after_;
+    TimeUs start_us_ = 0;
+    TimeUs end_us_ = 0;
+};
+
+} // namespace seaway::sea

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/device/native_synthesizer.h"
+
+#include <chrono>
+#include <new>
+
+#include <fmt/format.h>
+
+#include "base/check.h"
+#include "sea/surface/sine_maps.h"
+#include "server/device/spare_buffers.h"
+
+namespace seaway::server {
+
+NativeSynthesizer::NativeSynthesizer(int threads)
+    : runner_(threads), spare_(std::make_shared<SpareBuffers>()) {}
+
+std::string NativeSynthesizer::description() const {
+    return fmt::format("native ({}, {} threads)", name(best_instructions()), runner_.threads());
+}
+
+Result<void> NativeSynthesizer::set_sea(sea::RealizationPtr sea, std::uint32_t epoch) {
+    std::vector<sea::NativeTransform> cascades;
+    for (const sea::CascadeModes& modes : sea->cascades) {
+        auto cascade = sea::NativeTransform::create(modes, sea->choppiness);
+        if (!cascade)
+            return cascade.error();
+        cascades.push_back(std::move(*cascade));
+    }
+    sea_ = std::move(sea);
+    epoch_ = epoch;
+    cascades_ = std::move(cascades);
+    return {};
+}
+
+Result<std::vector<sea::KeyframePtr>>
+NativeSynthesizer::synthesize(std::span<const KeyframeRequest> requests) try {
+    std::vector<std::shared_ptr<sea::Keyframe>> keyframes;
+    std::vector<sea::NativeTask> tasks;
+    for (const KeyframeRequest& request : requests) {
+        SEAWAY_CHECK(request.cascade >= 0 && request.cascade < static_cast<int>(cascades_.size()),
+                     "request for a cascade that the sea does not have");
+        const auto index = static_cast<std::size_t>(request.cascade);
+        const sea::NativeTransform& cascade = cascades_[index];
+        auto keyframe = make_keyframe(spare_);
+        keyframe->epoch = epoch_;
+        keyframe->cascade = request.cascade;
+        keyframe->time_us = request.time_us;
+        keyframe->size = cascade.size();
+        keyframe->length_m = sea_->cascades[index].spec.length_m;
+        keyframe->fields = request.fields;
+        keyframe->values =
+            spare_->take(static_cast<std::size_t>(request.fields.size()) * keyframe->plane_size());
+        tasks.push_back(
+            {&cascade, sea_->phase_time(request.time_us), request.fields, keyframe->values});
+        keyframes.push_back(std::move(keyframe));
+        counters_.transforms +=
+            static_cast<std::uint64_t>(sea::NativeRunner::transformed(request.fields).size());
+    }
+    const auto start = std::chrono::steady_clock::now();
+    runner_.run(tasks);
+    for (std::size_t i = 0; i < keyframes.size(); ++i)
+        for (const sea::SineField& field :
+             sea_->cascades[static_cast<std::size_t>(requests[i].cascade)].sines)
+            sea::add_sines(field, tasks[i].phase_time_us, *keyframes[i]);
+    const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
+    counters_.device_seconds += taken.count();
+    counters_.dispatches += 2 * tasks.size();
+    counters_.keyframes += tasks.size();
+    return std::vector<sea::KeyframePtr>(keyframes.begin(), keyframes.end());
+} catch (const std::bad_alloc&) {
+    return Error{"native synthesis: out of memory"};
+}
+
+} // namespace seaway::server

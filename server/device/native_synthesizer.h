@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// The Synthesizer for `--device native`: keyframes from the CPU, with SIMD and threads.
+#pragma once
+
+#include <vector>
+
+#include "sea/native/native_runner.h"
+#include "sea/native/native_transform.h"
+#include "server/device/synthesizer.h"
+
+namespace seaway::server {
+
+class SpareBuffers;
+
+class NativeSynthesizer final : public Synthesizer {
+  public:
+    /// Threads including the caller; 0: as many as the machine runs at once.
+    explicit NativeSynthesizer(int threads = 0);
+
+    std::string description() const override;
+    Result<void> set_sea(sea::RealizationPtr sea, std::uint32_t epoch) override;
+    Result<std::vector<sea::KeyframePtr>>
+    synthesize(std::span<const KeyframeRequest> requests) override;
+    SynthesisCounters counters() const override { return counters_; }
+
+  private:
+    sea::NativeRunner runner_;
+    sea::RealizationPtr sea_;
+    std::uint32_t epoch_ = 0;
+    std::vector<sea::NativeTransform> cascades_;
+    std::shared_ptr<SpareBuffers> spare_;
+    SynthesisCounters counters_;
+};
+
+} // namespace seaway::server

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+// Synthesizer: turns a realised sea into keyframes. One interface, several devices (Vulkan,
+// native).
+//
+// Calls come from one thread (the simulation thread); a synthesizer need not be thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+#include "sea/basics/field.h"
+#include "sea/surface/keyframe.h"
+#include "sea/waves/realization.h"
+
+namespace seaway::server {
+
+/// One keyframe wanted: which fields of which cascade, when. `foam` is not a synthesizer's field.
+struct KeyframeRequest {
+    int cascade;
+    sea::TimeUs time_us;
+    sea::FieldSet fields;
+};
+
+/// What was done since the start; proves that nothing runs that nobody asked for.
+struct SynthesisCounters {
+    std::uint64_t dispatches = 0; ///< kernels started (native: passes)
+    std::uint64_t transforms = 0; ///< 2-D transforms, one a real field
+    std::uint64_t keyframes = 0;
+    double device_seconds = 0; ///< by the device's own clock where that costs nothing
+};
+
+class Synthesizer {
+  public:
+    virtual ~Synthesizer() = default;
+
+    /// Device and variant for logs and /v1/plan: "lavapipe (llvmpipe ...), kernels W".
+    virtual std::string description() const = 0;
+
+    /// Takes a new sea; the next keyframes are of it. `epoch` is stamped on them.
+    virtual Result<void> set_sea(sea::RealizationPtr sea, std::uint32_t epoch) = 0;
+
+    /// One keyframe a request, in order; requests of equal size may share dispatches. An error
+    /// means the device failed (lost, out of memory): the caller rebuilds or gives up.
+    virtual Result<std::vector<sea::KeyframePtr>>
+    synthesize(std::span<const KeyframeRequest> requests) = 0;
+
+    virtual SynthesisCounters counters() const = 0;
+};
+
+} // namespace seaway::server

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+// VulkanBatch: the cascades of one size on the device, and the memory in which their keyframes are
+// computed, several to a submission.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "base/result.h"
+#include "gpu/buffer.h"
+#include "gpu/commands.h"
+#include "gpu/timer.h"
+#include "sea/waves/realization.h"
+#include "server/device/vulkan_fields.h"
+#include "server/device/vulkan_kernels.h"
+
+namespace seaway::server {
+
+class VulkanBatch {
+  public:
+    /// One keyframe: which cascade (position among those given to create()), when.
+    struct Job {
+        int cascade;
+        sea::TimeUs phase_time_us;
+    };
+
+    /// `kernels` must outlive it. Up to `cascade_count` cascades can be uploaded.
+    static Result<std::unique_ptr<VulkanBatch>>
+    create(gpu::Device& device, const SynthesisKernels& kernels, int cascade_count);
+
+    Result<void> upload(std::span<const sea::CascadeModes* const> cascades);
+
+    /// Jobs of this many fields that fit into one run.
+    int max_jobs(int fields) const;
+
+    /// Computes; with `choppiness` the Jacobian too (the strains must be in the packing).
+    Result<void> run(std::span<const Job> jobs, const Packing& packing,
+                     const sea::Choppiness* choppiness);
+
+    /// Of the last run: copies one field, [y][x]; `plane` as in Packing.
+    void read_plane(int job, int plane, std::span<float> out) const;
+    void read_jacobian(int job, std::span<float> out) const;
+
+    std::uint64_t dispatches() const { return dispatches_; }
+    /// By the device's clock where passes are timed, else by ours.
+    double device_seconds() const { return device_seconds_; }
+    /// Whether each pass is timed. So it is, but not by a device without time stamps, nor by a CPU
+    /// as device: there a stamp waits for all threads, 30 to 40 us each (docs/performance.md).
+    void time_passes(bool wanted) { time_passes_ = wanted; }
+    /// Of the last run that was timed, pass by pass; the Jacobian last.
+    std::span<const double> pass_seconds() const { return pass_seconds_; }
+
+  private:
+    /// Above this size one keyframe at a time is faster: its scratch stays in the cache
+    /// (docs/performance.md).
+    static constexpr int largest_batched_size = 256;
+    static constexpr int most_jobs = 64;
+
+    VulkanBatch(gpu::Device& device, const SynthesisKernels& kernels)
+        : device_(device), kernels_(kernels),
+          time_passes_(!device.info().is_cpu() && device.limits().timestampComputeAndGraphics) {}
+    Result<void> allocate(int cascade_count);
+    Result<void> bind();
+    void stamp();
+    Result<void> read_timer(double wall_seconds);
+    Result<void> record(std::span<const Job> jobs, const Packing& packing,
+                        const sea::Choppiness* choppiness);
+    void write(gpu::Buffer& buffer, std::span<const std::byte> bytes);
+    void dispatch(const SynthesisKernels::Pass& pass, const gpu::Bindings& bindings,
+                  const shaders::SynthesisPush& push, std::uint32_t jobs);
+    void dispatch_jacobian(const Packing& packing, const sea::Choppiness& choppiness,
+                           std::uint32_t jobs);
+    void finish(std::size_t jobs, std::size_t fields, bool jacobian);
+    std::vector<gpu::Resource> resources(std::size_t pass) const;
+    const gpu::Buffer& maps() const { return scratch_[(kernels_.passes.size() + 1) % 2]; }
+    std::size_t points() const {
+        return static_cast<std::size_t>(kernels_.size()) *
+               static_cast<std::size_t>(kernels_.size());
+    }
+
+    gpu::Device& device_;
+    const SynthesisKernels& kernels_;
+    bool time_passes_;
+    int capacity_fields_ = 0;
+    std::vector<float> steps_; ///< wavenumber step of each cascade, rad/m
+    gpu::Buffer modes_, rates_, jobs_, rows_, scratch_[2], jacobian_, readback_;
+    gpu::TexelView modes_view_, rates_view_, jobs_view_, rows_view_, scratch_views_[2];
+    std::vector<gpu::Bindings> bindings_; ///< one a pass
+    gpu::Bindings jacobian_bindings_;
+    gpu::Commands commands_;
+    gpu::Timer timer_;
+    std::size_t fields_ = 0;          ///< of the last run
+    std::size_t jacobian_offset_ = 0; ///< bytes, where readback_ holds it
+    std::uint64_t dispatches_ = 0;
+    double device_seconds_ = 0;
+    std::vector<double> pass_seconds_;
+};
+
+} // namespace seaway::server

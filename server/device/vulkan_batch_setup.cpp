@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: Apache-2.0
+// VulkanBatch before its first run: memory, bindings, the modes.
+#include <algorithm>
+#include <bit>
+
+#include "base/check.h"
+#include "server/device/vulkan_batch.h"
+#include "shaders/shared/synthesis.h"
+
+namespace seaway::server {
+
+namespace {
+
+using gpu::Buffer;
+using gpu::BufferKind;
+using gpu::TexelView;
+
+constexpr std::size_t vec4_bytes = 16;
+constexpr std::size_t complex_bytes = 8;
+constexpr int strain_fields = 3; // what the Jacobian is made of
+constexpr int fields_per_batched_cascade = 8;
+
+Result<void> make(gpu::Device& device, Buffer& buffer, TexelView* view, VkFormat format,
+                  const char* name, std::size_t bytes, std::size_t texel_bytes, BufferKind kind) {
+    Result<Buffer> made = Buffer::create(device, name, bytes, kind);
+    if (!made)
+        return made.error();
+    buffer = std::move(*made);
+    if (view == nullptr)
+        return {};
+    Result<TexelView> made_view = TexelView::create(device, buffer, format, texel_bytes, 0, bytes);
+    if (!made_view)
+        return Error{"buffer \"" + std::string(name) + "\": " + made_view.error().message};
+    *view = std::move(*made_view);
+    return {};
+}
+
+template <class T>
+Result<void> take(T& place, Result<T> made) {
+    if (!made)
+        return made.error();
+    place = std::move(*made);
+    return {};
+}
+
+} // namespace
+
+Result<std::unique_ptr<VulkanBatch>>
+VulkanBatch::create(gpu::Device& device, const SynthesisKernels& kernels, int cascade_count) {
+    std::unique_ptr<VulkanBatch> made(new VulkanBatch(device, kernels));
+    constexpr int all_fields = sea::linear_field_count;
+    made->capacity_fields_ = kernels.size() <= VulkanBatch::largest_batched_size
+                                 ? std::max(all_fields, fields_per_batched_cascade * cascade_count)
+                                 : all_fields;
+    if (Result<void> allocated = made->allocate(cascade_count); !allocated)
+        return allocated.error();
+    if (Result<void> bound = made->bind(); !bound)
+        return bound.error();
+    return made;
+}
+
+Result<void> VulkanBatch::allocate(int cascade_count) {
+    constexpr VkFormat rgba32f = VK_FORMAT_R32G32B32A32_SFLOAT;
+    constexpr VkFormat rgba32ui = VK_FORMAT_R32G32B32A32_UINT;
+    constexpr VkFormat rg32ui = VK_FORMAT_R32G32_UINT;
+    const std::size_t modes = points() * static_cast<std::size_t>(cascade_count);
+    const std::size_t map_bytes = static_cast<std::size_t>(kernels_.transform->scratch_complexes) *
+                                  static_cast<std::size_t>(capacity_fields_) * complex_bytes;
+    const std::size_t jacobian_bytes =
+        points() * static_cast<std::size_t>(capacity_fields_ / strain_fields) * sizeof(float);
+    constexpr std::size_t row_bytes =
+        (shaders::first_field_texel + shaders::max_fields) * vec4_bytes;
+    struct Wish {
+        Buffer& buffer;
+        TexelView* view;
+        VkFormat format;
+        const char* name;
+        std::size_t bytes, texel_bytes;
+    };
+    const Wish wishes[] = {
+        {modes_, &modes_view_, rgba32f, "modes", modes * vec4_bytes, vec4_bytes},
+        {rates_, &rates_view_, rg32ui, "rates", modes * sizeof(sea::Rate), sizeof(sea::Rate)},
+        {jobs_, &jobs_view_, rgba32ui, "jobs",
+         VulkanBatch::most_jobs * sizeof(shaders::SynthesisJob), vec4_bytes},
+        {rows_, &rows_view_, rgba32f, "rows", row_bytes, vec4_bytes},
+        {scratch_[0], &scratch_views_[0], rgba32f, "first scratch", map_bytes, vec4_bytes},
+        {scratch_[1], &scratch_views_[1], rgba32f, "second scratch", map_bytes, vec4_bytes},
+        {jacobian_, nullptr, rgba32f, "jacobian", jacobian_bytes, vec4_bytes}};
+    for (const Wish& wish : wishes)
+        if (Result<void> made = make(device_, wish.buffer, wish.view, wish.format, wish.name,
+                                     wish.bytes, wish.texel_bytes, BufferKind::device);
+            !made)
+            return made;
+    if (!maps().mapped().empty())
+        return {};
+    jacobian_offset_ = map_bytes;
+    return make(device_, readback_, nullptr, rgba32f, "readback", map_bytes + jacobian_bytes,
+                vec4_bytes, BufferKind::readback);
+}
+
+std::vector<gpu::Resource> VulkanBatch::resources(std::size_t pass) const {
+    const gpu::Resource source = gpu::texels(scratch_views_[(pass + 1) % 2]);
+    const gpu::Resource target = gpu::whole(scratch_[pass % 2]);
+    switch (kernels_.passes[pass].kind) {
+    case shaders::PassKind::evolve:
+        return {gpu::texels(modes_view_), gpu::texels(rates_view_), gpu::texels(jobs_view_),
+                gpu::texels(rows_view_), target};
+    case shaders::PassKind::fields:
+        return {source, gpu::texels(jobs_view_), gpu::texels(rows_view_), target};
+    case shaders::PassKind::lines_y:
+    case shaders::PassKind::lines_x:
+        break;
+    }
+    return {source, target};
+}
+
+Result<void> VulkanBatch::bind() {
+    bindings_.resize(kernels_.passes.size());
+    for (std::size_t i = 0; i < kernels_.passes.size(); ++i)
+        if (Result<void> bound =
+                take(bindings_[i], kernels_.passes[i].kernel.bind(device_, resources(i)));
+            !bound)
+            return bound;
+    const std::size_t last = (kernels_.passes.size() + 1) % 2;
+    if (Result<void> bound = take(
+            jacobian_bindings_, kernels_.jacobian.bind(device_, {gpu::texels(scratch_views_[last]),
+                                                                 gpu::whole(jacobian_)}));
+        !bound)
+        return bound;
+    if (Result<void> made = take(commands_, gpu::Commands::create(device_)); !made)
+        return made;
+    const auto stamps = static_cast<std::uint32_t>(kernels_.passes.size()) + 2;
+    return take(timer_, gpu::Timer::create(device_, stamps));
+}
+
+Result<void> VulkanBatch::upload(std::span<const sea::CascadeModes* const> cascades) {
+    const auto n = static_cast<std::size_t>(kernels_.size());
+    std::vector<float> modes;
+    modes.reserve(points() * 4 * cascades.size());
+    std::vector<sea::Rate> rates;
+    rates.reserve(points() * cascades.size());
+    steps_.clear();
+    for (const sea::CascadeModes* cascade : cascades) {
+        SEAWAY_CHECK(cascade->h0.size() == points() && cascade->rate.size() == points(),
+                     "a cascade of another size");
+        steps_.push_back(static_cast<float>(cascade->spec.wavenumber_step_radpm()));
+        for (std::size_t i = 0; i < points(); ++i) {
+            const bool transposed = kernels_.transform->lanes != 0;
+            const std::size_t y = transposed ? i % n : i / n, x = transposed ? i / n : i % n;
+            const std::complex<double> here = cascade->h0[y * n + x];
+            const std::complex<double> mirror = cascade->h0[(n - y) % n * n + (n - x) % n];
+            SEAWAY_CHECK((x != n / 2 && y != n / 2) || here == 0.0,
+                         "the mode without a partner must be zero");
+            modes.insert(modes.end(),
+                         {static_cast<float>(here.real()), static_cast<float>(here.imag()),
+                          static_cast<float>(mirror.real()), static_cast<float>(-mirror.imag())});
+            rates.push_back(cascade->rate[y * n + x]);
+        }
+    }
+    if (Result<void> sent = gpu::upload(device_, modes_, std::as_bytes(std::span(modes))); !sent)
+        return sent;
+    // Little-endian: the low word of a rate comes first, as RG32UI wants it.
+    static_assert(std::endian::native == std::endian::little);
+    return gpu::upload(device_, rates_, std::as_bytes(std::span(rates)));
+}
+
+} // namespace seaway::server

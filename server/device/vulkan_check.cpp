@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/device/vulkan_check.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <complex>
+#include <string>
+#include <vector>
+
+#include "server/device/vulkan_batch.h"
+
+namespace seaway::server {
+
+namespace {
+
+using Complex = std::complex<double>;
+
+constexpr double length_m = 100.0;
+constexpr sea::Choppiness choppiness{1.3, 0.7};
+constexpr sea::TimeUs time_us = 86'400'000'123;
+constexpr int checked_points = 37;
+// Float transforms lose about 3e-7 of the sum of amplitudes; a wrong one loses all of it.
+constexpr double tolerance = 1e-5;
+
+/// A lattice walk that reaches every quarter of the plane and neither Nyquist nor k = 0.
+struct Mode {
+    int nx, ny;
+    Complex h0;
+    sea::Rate rate;
+};
+
+std::vector<Mode> check_modes(int size, bool band_limited) {
+    std::vector<Mode> modes;
+    int reach = size / 2 - 1;
+    while (band_limited && !shaders::fits_band(reach, size))
+        --reach;
+    for (int i = 0; i < 24; ++i) {
+        const int nx = (i * 7919 + 3) % (2 * reach + 1) - reach;
+        const int ny = (i * 104729 + 11) % (2 * reach + 1) - reach;
+        const double k = 2 * std::numbers::pi / length_m * std::hypot(nx, ny);
+        if (nx != 0 || ny != 0)
+            modes.push_back({nx, ny, std::polar(0.1 / (1 + i), 1.0 + i),
+                             sea::rate_from_omega(std::sqrt(9.81 * k))});
+    }
+    return modes;
+}
+
+sea::CascadeModes lattice(int size, const std::vector<Mode>& modes) {
+    const auto n = static_cast<std::size_t>(size);
+    sea::CascadeModes cascade{.spec = {length_m, size}, .band = {0, 1e9}, .h0 = {}, .rate = {}};
+    cascade.h0.resize(n * n);
+    cascade.rate.resize(n * n);
+    const auto at = [&](int nx, int ny) {
+        return static_cast<std::size_t>((ny + size) % size) * n +
+               static_cast<std::size_t>((nx + size) % size);
+    };
+    for (const Mode& mode : modes) {
+        cascade.h0[at(mode.nx, mode.ny)] += mode.h0;
+        cascade.rate[at(mode.nx, mode.ny)] = mode.rate;
+        cascade.rate[at(-mode.nx, -mode.ny)] = mode.rate;
+    }
+    return cascade;
+}
+
+double basis(sea::Basis which, double kx, double ky) {
+    const double k = std::hypot(kx, ky);
+    const std::array<double, 8> values{1,  kx / k,      ky / k,      kx,
+                                       ky, kx * kx / k, ky * ky / k, kx * ky / k};
+    return values[static_cast<std::size_t>(which)];
+}
+
+struct Sum {
+    double value;
+    double scale; ///< sum of the amplitudes: what errors are measured against
+};
+
+/// eta and its kin at one grid point: 2 Re(sum M h0 exp(i (k.x - w t))) over the stored modes.
+Sum direct_sum(const std::vector<Mode>& modes, int size, sea::Field field, int x, int y) {
+    const sea::FieldInfo& row = sea::info(field);
+    Sum sum{0, 0};
+    for (const Mode& mode : modes) {
+        const double dk = 2 * std::numbers::pi / length_m;
+        Complex m = row.weight * basis(row.basis, mode.nx * dk, mode.ny * dk);
+        if (row.imaginary)
+            m *= Complex(0, 1);
+        if (row.time_rate)
+            m *= Complex(0, -sea::omega_from_rate(mode.rate));
+        const double turns = static_cast<double>(mode.nx * x + mode.ny * y) / size;
+        const double phase = 2 * std::numbers::pi * turns - sea::phase_rad(mode.rate, time_us);
+        sum.value += 2 * (m * mode.h0 * std::polar(1.0, phase)).real();
+        sum.scale += 2 * std::abs(m * mode.h0);
+    }
+    return sum;
+}
+
+Result<void> compare(int size, std::string_view what, int x, int y, double got, Sum truth) {
+    // Written so that a NaN fails.
+    if (std::abs(got - truth.value) <= tolerance * truth.scale)
+        return {};
+    return Error{"the device computes wrongly: size " + std::to_string(size) + ", " +
+                     std::string(what) + " at (" + std::to_string(x) + ", " + std::to_string(y) +
+                     ") is " + std::to_string(got) + ", should be " + std::to_string(truth.value),
+                 computes_wrongly};
+}
+
+constexpr sea::FieldSet all = sea::FieldSet::from_bits((1u << sea::linear_field_count) - 1);
+
+struct Maps {
+    std::vector<std::vector<float>> planes; ///< by field
+    std::vector<float> jacobian;
+    std::vector<float> height_alone; ///< computed without company
+};
+
+Result<Maps> run(gpu::Device& device, const SynthesisKernels& kernels,
+                 const sea::CascadeModes& cascade) {
+    const sea::CascadeModes* const cascades[] = {&cascade};
+    Result<std::unique_ptr<VulkanBatch>> batch = VulkanBatch::create(device, kernels, 1);
+    if (!batch)
+        return batch.error();
+    if (Result<void> sent = (*batch)->upload(cascades); !sent)
+        return sent.error();
+    const VulkanBatch::Job job{0, time_us};
+    const Packing packing = pack(all);
+    const std::size_t points = cascade.h0.size();
+    Maps maps{{sea::linear_field_count, std::vector<float>(points)},
+              std::vector<float>(points),
+              std::vector<float>(points)};
+    if (Result<void> done = (*batch)->run({&job, 1}, packing, &choppiness); !done)
+        return done.error();
+    for (const sea::Field field : all)
+        (*batch)->read_plane(0, packing.plane_of(field),
+                             maps.planes[static_cast<std::size_t>(field)]);
+    (*batch)->read_jacobian(0, maps.jacobian);
+    if (Result<void> done = (*batch)->run({&job, 1}, pack({sea::Field::height}), nullptr); !done)
+        return done.error();
+    (*batch)->read_plane(0, 0, maps.height_alone);
+    return maps;
+}
+
+Result<void> compare_point(const Maps& maps, const std::vector<Mode>& modes, int size, int x,
+                           int y) {
+    const std::size_t at =
+        static_cast<std::size_t>(y) * static_cast<std::size_t>(size) + static_cast<std::size_t>(x);
+    std::array<Sum, sea::linear_field_count> truth;
+    for (const sea::Field field : all)
+        truth[static_cast<std::size_t>(field)] = direct_sum(modes, size, field, x, y);
+    for (std::size_t f = 0; f < truth.size(); ++f) {
+        const std::string_view name = sea::field_table[f].name;
+        if (Result<void> same = compare(size, name, x, y, maps.planes[f][at], truth[f]); !same)
+            return same;
+    }
+    if (Result<void> same = compare(size, "height alone", x, y, maps.height_alone[at], truth[0]);
+        !same)
+        return same;
+    const auto strain = [&](sea::Field field) { return truth[static_cast<std::size_t>(field)]; };
+    const Sum xx = strain(sea::Field::strain_xx), yy = strain(sea::Field::strain_yy),
+              xy = strain(sea::Field::strain_xy);
+    const Sum determinant{(1 + choppiness.x * xx.value) * (1 + choppiness.y * yy.value) -
+                              choppiness.x * choppiness.y * xy.value * xy.value,
+                          (1 + choppiness.x * xx.scale) * (1 + choppiness.y * yy.scale)};
+    return compare(size, "jacobian", x, y, maps.jacobian[at], determinant);
+}
+
+} // namespace
+
+Result<void> check_device(gpu::Device& device, const SynthesisKernels& kernels) {
+    const std::vector<Mode> modes = check_modes(kernels.size(), kernels.transform->band_limited);
+    Result<Maps> maps = run(device, kernels, lattice(kernels.size(), modes));
+    if (!maps)
+        return maps.error();
+    for (int i = 0; i < checked_points; ++i)
+        if (Result<void> same = compare_point(*maps, modes, kernels.size(),
+                                              i * 1009 % kernels.size(), i * 2003 % kernels.size());
+            !same)
+            return same;
+    return {};
+}
+
+} // namespace seaway::server

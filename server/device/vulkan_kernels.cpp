@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/device/vulkan_kernels.h"
+
+#include <set>
+
+#include "shaders/shared/synthesis.h"
+
+namespace seaway::server {
+
+namespace {
+
+constexpr VkDescriptorType texel_buffer = VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
+constexpr VkDescriptorType storage_buffer = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+
+gpu::KernelExpectation expectation(shaders::PassKind kind) {
+    gpu::KernelExpectation expected{.bindings = {},
+                                    .push_constant_bytes = sizeof(shaders::SynthesisPush),
+                                    .local_size = {shaders::synthesis_workgroup, 1, 1}};
+    switch (kind) {
+    case shaders::PassKind::evolve:
+        expected.bindings = {{"modes", texel_buffer},
+                             {"rates", texel_buffer},
+                             {"jobs", texel_buffer},
+                             {"rows", texel_buffer}};
+        break;
+    case shaders::PassKind::fields:
+        expected.bindings = {
+            {"source", texel_buffer}, {"jobs", texel_buffer}, {"rows", texel_buffer}};
+        break;
+    case shaders::PassKind::lines_y:
+    case shaders::PassKind::lines_x:
+        expected.bindings = {{"source", texel_buffer}};
+        break;
+    }
+    expected.bindings.push_back({"Target", storage_buffer});
+    return expected;
+}
+
+gpu::KernelExpectation jacobian_pass() {
+    return {.bindings = {{"maps", texel_buffer}, {"Jacobian", storage_buffer}},
+            .push_constant_bytes = sizeof(shaders::JacobianPush),
+            .local_size = {shaders::synthesis_workgroup, 1, 1}};
+}
+
+} // namespace
+
+Result<SynthesisKernels> SynthesisKernels::create(gpu::Device& device,
+                                                  const shaders::Transform& transform) {
+    SynthesisKernels made;
+    made.transform = &transform;
+    for (const shaders::Pass& pass : transform.passes) {
+        Result<gpu::Kernel> kernel =
+            gpu::Kernel::create(device, pass.shader.name, pass.shader.spirv, expectation(pass.kind),
+                                {.full_subgroups = transform.lanes != 0});
+        if (!kernel)
+            return kernel.error();
+        made.passes.push_back({std::move(*kernel), pass.kind, pass.groups});
+    }
+    Result<gpu::Kernel> jacobian = gpu::Kernel::create(device, shaders::jacobian().name,
+                                                       shaders::jacobian().spirv, jacobian_pass());
+    if (!jacobian)
+        return jacobian.error();
+    made.jacobian = std::move(*jacobian);
+    return made;
+}
+
+std::vector<const shaders::Transform*> fitting_transforms(const gpu::DeviceInfo& device, int size,
+                                                          bool band_limited) {
+    std::vector<const shaders::Transform*> fitting;
+    for (const shaders::Transform& transform : shaders::synthesis_transforms()) {
+        // A lane of the largest T holds more numbers than a GPU has registers.
+        constexpr int largest_on_gpu = 256;
+        const bool runs = transform.lanes == 0 ||
+                          (device.subgroup_shuffle && device.subgroup_size_min >= transform.lanes &&
+                           device.subgroup_size_max <= shaders::synthesis_workgroup &&
+                           (device.is_cpu() || transform.size <= largest_on_gpu));
+        if (transform.size == size && transform.band_limited == band_limited && runs)
+            fitting.push_back(&transform);
+    }
+    return fitting;
+}
+
+std::string transform_sizes() {
+    std::set<int> sizes;
+    for (const shaders::Transform& transform : shaders::synthesis_transforms())
+        sizes.insert(transform.size);
+    std::string text;
+    for (const int size : sizes)
+        text += (text.empty() ? "" : ", ") + std::to_string(size);
+    return text;
+}
+
+} // namespace seaway::server

@@ -1,0 +1,317 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/device/vulkan_synthesizer.h"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include "base/check.h"
+#include "base/thread_pool.h"
+#include "gpu/device.h"
+#include "sea/surface/sine_maps.h"
+#include "server/device/spare_buffers.h"
+#include "server/device/vulkan_batch.h"
+#include "server/device/vulkan_check.h"
+#include "server/device/vulkan_kernels.h"
+
+namespace seaway::server {
+
+namespace {
+
+constexpr int first_checked_size = 64;
+static_assert(computes_wrongly == cannot_do_this_sea);
+constexpr sea::FieldSet strains{sea::Field::strain_xx, sea::Field::strain_yy,
+                                sea::Field::strain_xy};
+
+sea::FieldSet linear_part(sea::FieldSet fields) {
+    return sea::FieldSet::from_bits(fields.bits() & ((1u << sea::linear_field_count) - 1));
+}
+
+bool fits_band(const sea::CascadeModes* cascade) {
+    const int size = cascade->spec.size;
+    const auto n = static_cast<std::size_t>(size);
+    for (std::size_t i = 0; i < cascade->h0.size(); ++i)
+        if (cascade->h0[i] != 0.0 &&
+            !(shaders::fits_band(sea::signed_index(static_cast<int>(i % n), size), size) &&
+              shaders::fits_band(sea::signed_index(static_cast<int>(i / n), size), size)))
+            return false;
+    return true;
+}
+
+class Vulkan final : public VulkanSynthesizer {
+  public:
+    static Result<std::unique_ptr<VulkanSynthesizer>> create(const VulkanOptions& options);
+
+    std::string description() const override;
+    Result<void> set_sea(sea::RealizationPtr sea, std::uint32_t epoch) override;
+    Result<std::vector<sea::KeyframePtr>>
+    synthesize(std::span<const KeyframeRequest> requests) override;
+    SynthesisCounters counters() const override;
+    std::vector<std::string> validation_messages() const override {
+        return device_->validation().validation_messages();
+    }
+
+  private:
+    /// Requests that one series of dispatches can serve.
+    struct Batch {
+        int size;
+        sea::FieldSet fields;
+        std::vector<std::size_t> requests;
+    };
+
+    Vulkan() = default;
+    /// What is on the device for the cascades of one size.
+    struct Group {
+        std::unique_ptr<VulkanBatch> batch;
+        std::size_t cascades;
+        bool band_limited;
+    };
+    Result<const SynthesisKernels*> kernels(int size, bool band_limited);
+    std::vector<Batch> sort(std::span<const KeyframeRequest> requests) const;
+    Result<void> run(const Batch& batch, std::span<const KeyframeRequest> requests,
+                     std::span<sea::KeyframePtr> out);
+    Result<void> run_jobs(VulkanBatch& device_batch, const Batch& batch,
+                          std::span<const KeyframeRequest> requests,
+                          std::span<const std::size_t> indices, std::span<sea::KeyframePtr> out);
+    std::shared_ptr<sea::Keyframe> keyframe(const KeyframeRequest& request) const;
+    /// The maps of the last run, to keyframes[job].
+    void copy_maps(const VulkanBatch& device_batch, const Packing& packing,
+                   std::span<const std::shared_ptr<sea::Keyframe>> keyframes);
+
+    // Order of members is order of construction; the device goes last.
+    std::unique_ptr<gpu::Device> device_;
+    bool any_device_kernels_ = false;
+    std::map<std::pair<int, bool>, std::unique_ptr<SynthesisKernels>> kernels_; ///< size, band
+    std::string refused_;         ///< designs that the self-check found wrong
+    std::map<int, Group> groups_; ///< by size, of this sea
+    sea::RealizationPtr sea_;
+    std::uint32_t epoch_ = 0;
+    std::vector<int> position_; ///< of each cascade within its batch
+    std::shared_ptr<SpareBuffers> spare_ = std::make_shared<SpareBuffers>();
+    ThreadPool copiers_{2};
+    SynthesisCounters counters_;
+};
+
+Result<std::unique_ptr<VulkanSynthesizer>> Vulkan::create(const VulkanOptions& options) {
+    Result<std::unique_ptr<gpu::Device>> device = gpu::Device::create(
+        {.pick = options.device, .validation = options.validation, .staged = options.staged});
+    if (!device)
+        return device.error();
+    std::unique_ptr<Vulkan> made(new Vulkan);
+    made->device_ = std::move(*device);
+    made->any_device_kernels_ = options.any_device_kernels;
+    if (Result<const SynthesisKernels*> checked = made->kernels(first_checked_size, true); !checked)
+        return checked.error();
+    return std::unique_ptr<VulkanSynthesizer>(std::move(made));
+}
+
+std::string Vulkan::description() const {
+    std::string text = device_->info().name + ", " + device_->info().driver + ", kernels";
+    for (const auto& [key, kernels] : kernels_)
+        text += " " + std::string(kernels->transform->design) + ":" + std::to_string(key.first) +
+                (key.second ? "" : " (all modes)");
+    return text + refused_;
+}
+
+Result<const SynthesisKernels*> Vulkan::kernels(int size, bool band_limited) {
+    if (const auto found = kernels_.find({size, band_limited}); found != kernels_.end())
+        return static_cast<const SynthesisKernels*>(found->second.get());
+    Error last{"no Vulkan kernels for a cascade of size " + std::to_string(size) + "; there are " +
+                   transform_sizes(),
+               cannot_do_this_sea};
+    for (const shaders::Transform* transform :
+         fitting_transforms(device_->info(), size, band_limited)) {
+        if (any_device_kernels_ && transform->lanes != 0)
+            continue;
+        Result<SynthesisKernels> made = SynthesisKernels::create(*device_, *transform);
+        if (!made)
+            return Error{device_->info().name + ": " + made.error().message};
+        const Result<void> checked = check_device(*device_, *made);
+        if (checked) {
+            auto kept = std::make_unique<SynthesisKernels>(std::move(*made));
+            const SynthesisKernels* kernels = kept.get();
+            kernels_[{size, band_limited}] = std::move(kept);
+            return kernels;
+        }
+        last = checked.error();
+        if (last.code != computes_wrongly)
+            break; // another design would fail as well
+        refused_ += "; refused " + std::string(transform->design) + ": " + last.message;
+    }
+    return Error{device_->info().name + ": " + last.message, last.code};
+}
+
+Result<void> Vulkan::set_sea(sea::RealizationPtr sea, std::uint32_t epoch) {
+    std::map<int, std::vector<const sea::CascadeModes*>> by_size;
+    std::vector<int> position;
+    for (const sea::CascadeModes& cascade : sea->cascades) {
+        std::vector<const sea::CascadeModes*>& cascades = by_size[cascade.spec.size];
+        position.push_back(static_cast<int>(cascades.size()));
+        cascades.push_back(&cascade);
+    }
+    sea_.reset(); // until all is uploaded there is no sea
+    std::erase_if(groups_, [&](const auto& group) { return by_size.count(group.first) == 0; });
+    for (const auto& [size, cascades] : by_size) {
+        const bool band_limited = std::all_of(cascades.begin(), cascades.end(), fits_band);
+        const auto old = groups_.find(size);
+        if (old == groups_.end() || old->second.cascades != cascades.size() ||
+            old->second.band_limited != band_limited) {
+            groups_.erase(size);
+            Result<const SynthesisKernels*> pipelines = kernels(size, band_limited);
+            if (!pipelines)
+                return pipelines.error();
+            Result<std::unique_ptr<VulkanBatch>> made =
+                VulkanBatch::create(*device_, **pipelines, static_cast<int>(cascades.size()));
+            if (!made)
+                return made.error();
+            groups_[size] = {std::move(*made), cascades.size(), band_limited};
+        }
+        if (Result<void> sent = groups_[size].batch->upload(cascades); !sent)
+            return sent;
+    }
+    sea_ = std::move(sea);
+    epoch_ = epoch;
+    position_ = std::move(position);
+    return {};
+}
+
+std::vector<Vulkan::Batch> Vulkan::sort(std::span<const KeyframeRequest> requests) const {
+    std::vector<Batch> batches;
+    for (std::size_t i = 0; i < requests.size(); ++i) {
+        const KeyframeRequest& request = requests[i];
+        SEAWAY_CHECK(request.cascade >= 0 &&
+                         static_cast<std::size_t>(request.cascade) < sea_->cascades.size(),
+                     "a keyframe of a cascade that the sea does not have");
+        SEAWAY_CHECK(!request.fields.contains(sea::Field::foam), "foam is not synthesised");
+        const int size = sea_->cascades[static_cast<std::size_t>(request.cascade)].spec.size;
+        const auto same = std::find_if(batches.begin(), batches.end(), [&](const Batch& batch) {
+            return batch.size == size && batch.fields == request.fields;
+        });
+        if (same != batches.end())
+            same->requests.push_back(i);
+        else
+            batches.push_back({size, request.fields, {i}});
+    }
+    return batches;
+}
+
+Result<std::vector<sea::KeyframePtr>>
+Vulkan::synthesize(std::span<const KeyframeRequest> requests) {
+    if (!sea_)
+        return Error{"no sea on the device: the last one could not be uploaded"};
+    std::vector<sea::KeyframePtr> out(requests.size());
+    for (const Batch& batch : sort(requests))
+        if (Result<void> done = run(batch, requests, out); !done)
+            return Error{device_->info().name + ": " + done.error().message};
+    counters_.keyframes += out.size();
+    return out;
+}
+
+Result<void> Vulkan::run(const Batch& batch, std::span<const KeyframeRequest> requests,
+                         std::span<sea::KeyframePtr> out) {
+    VulkanBatch& device_batch = *groups_.at(batch.size).batch;
+    const std::span<const std::size_t> all(batch.requests);
+    const bool jacobian = batch.fields.contains(sea::Field::jacobian);
+    const sea::FieldSet computed =
+        jacobian ? linear_part(batch.fields) | strains : linear_part(batch.fields);
+    const auto at_once = static_cast<std::size_t>(device_batch.max_jobs(computed.size()));
+    for (std::size_t first = 0; first < all.size(); first += at_once) {
+        const std::size_t count = std::min(at_once, all.size() - first);
+        if (Result<void> done =
+                run_jobs(device_batch, batch, requests, all.subspan(first, count), out);
+            !done)
+            return done;
+    }
+    return {};
+}
+
+Result<void> Vulkan::run_jobs(VulkanBatch& device_batch, const Batch& batch,
+                              std::span<const KeyframeRequest> requests,
+                              std::span<const std::size_t> indices,
+                              std::span<sea::KeyframePtr> out) {
+    const bool jacobian = batch.fields.contains(sea::Field::jacobian);
+    const sea::FieldSet computed =
+        jacobian ? linear_part(batch.fields) | strains : linear_part(batch.fields);
+    const Packing packing = pack(computed);
+    std::vector<VulkanBatch::Job> jobs;
+    for (const std::size_t index : indices)
+        jobs.push_back({position_[static_cast<std::size_t>(requests[index].cascade)],
+                        sea_->phase_time(requests[index].time_us)});
+    if (packing.fields > 0) {
+        const std::uint64_t dispatches = device_batch.dispatches();
+        const double seconds = device_batch.device_seconds();
+        if (Result<void> done =
+                device_batch.run(jobs, packing, jacobian ? &sea_->choppiness : nullptr);
+            !done)
+            return done;
+        counters_.dispatches += device_batch.dispatches() - dispatches;
+        counters_.device_seconds += device_batch.device_seconds() - seconds;
+        counters_.transforms += jobs.size() * static_cast<std::size_t>(packing.fields);
+    }
+    std::vector<std::shared_ptr<sea::Keyframe>> keyframes;
+    for (const std::size_t index : indices)
+        keyframes.push_back(keyframe(requests[index]));
+    copy_maps(device_batch, packing, keyframes);
+    // Waves that no transform can carry are added point by point (scenes with stylised sines).
+    for (std::size_t job = 0; job < indices.size(); ++job) {
+        const KeyframeRequest& request = requests[indices[job]];
+        for (const sea::SineField& field :
+             sea_->cascades[static_cast<std::size_t>(request.cascade)].sines)
+            sea::add_sines(field, sea_->phase_time(request.time_us), *keyframes[job]);
+        out[indices[job]] = std::move(keyframes[job]);
+    }
+    return {};
+}
+
+std::shared_ptr<sea::Keyframe> Vulkan::keyframe(const KeyframeRequest& request) const {
+    const sea::CascadeSpec& spec = sea_->cascades[static_cast<std::size_t>(request.cascade)].spec;
+    std::shared_ptr<sea::Keyframe> made = make_keyframe(spare_);
+    made->epoch = epoch_;
+    made->cascade = request.cascade;
+    made->time_us = request.time_us;
+    made->size = spec.size;
+    made->length_m = spec.length_m;
+    made->fields = request.fields;
+    made->values =
+        spare_->take(made->plane_size() * static_cast<std::size_t>(request.fields.size()));
+    return made;
+}
+
+// Copying is bound by memory: a second thread makes it a third faster.
+void Vulkan::copy_maps(const VulkanBatch& device_batch, const Packing& packing,
+                       std::span<const std::shared_ptr<sea::Keyframe>> keyframes) {
+    struct Map {
+        const VulkanBatch& from;
+        int job;
+        int plane; ///< -1: the Jacobian
+        std::span<float> to;
+    };
+    std::vector<Map> maps;
+    for (std::size_t job = 0; job < keyframes.size(); ++job)
+        for (const sea::Field field : keyframes[job]->fields)
+            maps.push_back({device_batch, static_cast<int>(job),
+                            sea::is_linear(field) ? packing.plane_of(field) : -1,
+                            keyframes[job]->plane(field)});
+    const Phase copy{[](const void* all, int index, int) {
+                         const Map& map = (*static_cast<const std::vector<Map>*>(
+                             all))[static_cast<std::size_t>(index)];
+                         if (map.plane < 0)
+                             map.from.read_jacobian(map.job, map.to);
+                         else
+                             map.from.read_plane(map.job, map.plane, map.to);
+                     },
+                     &maps, static_cast<int>(maps.size())};
+    copiers_.run({&copy, 1});
+}
+
+SynthesisCounters Vulkan::counters() const {
+    return counters_;
+}
+
+} // namespace
+
+Result<std::unique_ptr<VulkanSynthesizer>> make_vulkan_synthesizer(const VulkanOptions& options) {
+    return Vulkan::create(options);
+}
+
+} // namespace seaway::server

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// Synthesizer on a Vulkan device: a GPU, or lavapipe where there is none.
+//
+// Cascades of one size and field list share their dispatches. Fields that nobody asked for cost
+// nothing; the Jacobian computes the strains it needs. Kernels of a new size are compiled, checked
+// and warmed up inside set_sea(), so that synthesize() never waits for a compiler.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "base/result.h"
+#include "server/device/synthesizer.h"
+
+namespace seaway::server {
+
+struct VulkanOptions {
+    std::string device = "auto";     ///< "auto", index or part of a name (gpu::pick_device)
+    bool validation = false;         ///< Khronos validation layer; for tests
+    bool staged = false;             ///< copy as on a discrete GPU; for tests
+    bool any_device_kernels = false; ///< design W even where a faster one fits; for tests
+};
+
+/// Error::code of set_sea() where no other try would help: the device has no kernels of a size, or
+/// computes wrongly.
+inline constexpr int cannot_do_this_sea = 1;
+
+/// What tests and benchmarks may ask beyond the interface.
+class VulkanSynthesizer : public Synthesizer {
+  public:
+    /// Messages of the validation layer so far (the first 16); empty without it.
+    virtual std::vector<std::string> validation_messages() const = 0;
+};
+
+/// Cascade sizes 64, 128, 256, 512, 1024. An error names what is missing (no loader, no such
+/// device) or what the self-check found wrong. set_sea() takes up to some seconds when a driver
+/// compiles a size for the first time.
+Result<std::unique_ptr<VulkanSynthesizer>> make_vulkan_synthesizer(const VulkanOptions& options);
+
+} // namespace seaway::server

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sea/foam/foam_law.h"
+
+#include <cmath>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "tests/sea/foam/foam_seas.h"
+
+namespace seaway::sea {
+namespace {
+
+double phi_share(double z) {
+    return 0.5 * std::erfc(-z / std::sqrt(2.0));
+}
+
+TEST(FoamLaw, I18_long_crested_breaking_share_is_phi_of_threshold_over_sigma) {
+    // Waves along one line: J = 1 + a is Gaussian exactly, so only quadrature errs.
+    sea::CascadeModes line = tests::calm_cascade(100.0, 64);
+    for (int n = 1; n <= 20; ++n)
+        tests::add_wave(line, 3 * n / 4 + 1, 0, 0.12, n);
+    const StrainMoments m = strain_moments(line, {1.2, 1.2});
+    const double sigma = std::sqrt(m.aa);
+    EXPECT_GT(sigma, 0.1);
+    EXPECT_EQ(m.bb + m.cc + m.ab, 0.0);
+    for (const double threshold : {-0.2, 0.3, 0.6, 0.9}) {
+        const double z = (threshold - 1) / sigma;
+        EXPECT_NEAR(breaking_share(threshold, m), phi_share(z), 0.02 * phi_share(z) + 1e-12);
+    }
+}
+
+TEST(FoamLaw, I19_short_crested_jacobian_has_mean_one_and_the_slope_variance) {
+    // Var J = lambda^2 mss to first order; 10 % below 0.02 (physics.md I19).
+    const sea::RealizationPtr sea = storm(0.011);
+    StrainMoments m;
+    for (const sea::CascadeModes& modes : sea->cascades)
+        m += strain_moments(modes, sea->choppiness);
+    const double variance = m.aa + m.bb + 2 * m.ab;
+    ASSERT_LT(variance, 0.02);
+    // Shares below 1 - s and below 1 + s of a nearly Gaussian J.
+    const double s = std::sqrt(variance);
+    EXPECT_NEAR(breaking_share(1 - s, m), phi_share(-1), 0.1 * phi_share(-1));
+    EXPECT_NEAR(breaking_share(1 + s, m), phi_share(1), 0.1 * phi_share(1));
+    EXPECT_NEAR(m.ab, m.cc, 1e-12); // kx^2 ky^2 = (kx ky)^2
+}
+
+TEST(FoamLaw, mean_shortfall_matches_drawn_strains) {
+    const StrainMoments m{0.03, 0.02, 0.008, 0.008, 0.004, -0.002};
+    std::mt19937_64 random(7);
+    std::normal_distribution<double> normal;
+    // a, c, b by Cholesky, independently of the code under test.
+    const double aa = std::sqrt(m.aa), ca = m.ac / aa, cc = std::sqrt(m.cc - ca * ca);
+    const double ba = m.ab / aa, bc = (m.bc - ba * ca) / cc;
+    const double bb = std::sqrt(m.bb - ba * ba - bc * bc);
+    const int draws = 1'000'000;
+    double sum = 0, squares = 0, breaking = 0;
+    for (int i = 0; i < draws; ++i) {
+        const double p = normal(random), q = normal(random), r = normal(random);
+        const double a = aa * p, c = ca * p + cc * q, b = ba * p + bc * q + bb * r;
+        const double x = std::max(0.0, 0.6 - (1 + a) * (1 + b) + c * c);
+        sum += x;
+        squares += x * x;
+        breaking += x > 0;
+    }
+    const double mean = sum / draws;
+    const double standard_error = std::sqrt((squares / draws - mean * mean) / draws);
+    EXPECT_NEAR(mean_shortfall(0.6, m), mean, 3 * standard_error);
+    EXPECT_NEAR(breaking_share(0.6, m), breaking / draws, 3 * std::sqrt(breaking) / draws);
+}
+
+TEST(FoamLaw, conditional_shortfall_matches_drawn_others) {
+    // The closed form takes the joint distribution as a parabola in the others' compression: 4 % of
+    // the largest value covers what that loses.
+    const StrainMoments m{0.02, 0.012, 0.005, 0.005, 0.002, 0.001};
+    const OthersShape shape = others_shape(m);
+    const double aa = std::sqrt(m.aa), ca = m.ac / aa, cc = std::sqrt(m.cc - ca * ca);
+    const double ba = m.ab / aa, bc = (m.bc - ba * ca) / cc;
+    const double bb = std::sqrt(m.bb - ba * ba - bc * bc);
+    struct Own {
+        double a, b, c;
+    };
+    for (const Own own :
+         {Own{0, 0, 0}, {-0.2, -0.1, 0.05}, {-0.4, -0.3, -0.1}, {0.1, -0.3, 0.2}, {0.2, 0.1, 0}}) {
+        std::mt19937_64 random(9);
+        std::normal_distribution<double> normal;
+        const int draws = 200'000;
+        double sum = 0;
+        for (int i = 0; i < draws; ++i) {
+            const double p = normal(random), q = normal(random), r = normal(random);
+            const double a = own.a + aa * p, c = own.c + ca * p + cc * q;
+            const double b = own.b + ba * p + bc * q + bb * r;
+            sum += std::max(0.0, 0.6 - (1 + a) * (1 + b) + c * c);
+        }
+        EXPECT_NEAR(conditional_shortfall(0.6, shape, own.a, own.b, own.c), sum / draws,
+                    0.04 * sum / draws + 2e-4)
+            << own.a << " " << own.b << " " << own.c;
+    }
+}
+
+TEST(FoamLaw, a_tick_is_the_conditional_shortfall_in_single_precision) {
+    // 2e-5 covers the fitted functions and single precision; 1e-6 of the mean is floored to zero.
+    const FoamLawPtr law = make_foam_law(*storm(), foam_model);
+    const FoamLaw::Cascade& cascade = law->cascades[0];
+    std::mt19937_64 random(3);
+    std::uniform_real_distribution<float> strain(-0.6f, 0.6f);
+    for (int i = 0; i < 2000; ++i) {
+        const float a = strain(random), b = strain(random), c = 0.5f * strain(random);
+        FoamHistory history(law, 0, 1);
+        sea::Keyframe keyframe = uniform_strains(1, a, b, c);
+        history.advance(keyframe, 1e9); // nothing remains of the start
+        const double expected =
+            conditional_shortfall(foam_model.threshold, cascade.others, static_cast<double>(a),
+                                  static_cast<double>(b), static_cast<double>(c)) /
+            cascade.mean_shortfall;
+        EXPECT_NEAR(static_cast<double>(history.ratios()[0]), expected, 2e-5 * expected + 2e-5)
+            << a << " " << b << " " << c;
+    }
+}
+
+} // namespace
+} // namespace seaway::sea

@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sea/surface/height_map.h"
+
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/explicit_sea.h"
+
+namespace seaway::sea {
+namespace {
+
+/// Two tiles of some dozens of waves, between keyframes 0.2 s apart.
+Surface surface(double steepness, Choppiness choppiness = {1.0, 1.0}) {
+    const RealizationPtr sea =
+        tests::make_sea({tests::random_cascade(131.0, 64, 9, 40, steepness, 3),
+                         tests::random_cascade(23.0, 64, 12, 30, steepness, 4)},
+                        choppiness);
+    std::vector<SplinePair> pairs;
+    for (int c = 0; c < 2; ++c) {
+        const auto map = [&](TimeUs t) {
+            return std::make_shared<const SplineMap>(*tests::exact_keyframe(sea, c, t));
+        };
+        pairs.push_back({map(0), map(200'000)});
+    }
+    return Surface(std::move(pairs), choppiness, {.reach_m = 2.0}, MapError{0.001, 0, 0});
+}
+
+MapRequest request(MapKind kind = MapKind::height) {
+    MapRequest r;
+    r.kind = kind;
+    r.x0_m = -37.5;
+    r.y0_m = 12.25;
+    r.width_m = 90.0;
+    r.height_m = 60.0;
+    r.columns = 120;
+    r.rows = 80;
+    r.time_us = 70'000;
+    return r;
+}
+
+std::vector<float> all_values(const MapRequest& r, const Surface& surface, MapOptions options = {},
+                              std::uint64_t* careful = nullptr) {
+    Result<std::unique_ptr<MapStream>> stream = MapStream::start(r, surface, std::move(options));
+    EXPECT_TRUE(stream) << (stream ? "" : stream.error().message);
+    std::vector<float> values;
+    int next_row = 0;
+    while (std::optional<MapChunk> chunk = (*stream)->next_chunk()) {
+        EXPECT_EQ(chunk->first_row, next_row);
+        next_row += chunk->rows;
+        EXPECT_LE(chunk->values.size(), static_cast<std::size_t>(map_chunk_values_max));
+        values.insert(values.end(), chunk->values.begin(), chunk->values.end());
+    }
+    EXPECT_EQ(next_row, r.rows);
+    if (careful)
+        *careful = (*stream)->careful_points();
+    return values;
+}
+
+QueryPoint point(const MapRequest& r, std::size_t i) {
+    const auto columns = static_cast<std::size_t>(r.columns);
+    return {r.x0_m + static_cast<double>(i % columns) * r.width_m / r.columns,
+            r.y0_m + static_cast<double>(i / columns) * r.height_m / r.rows, r.time_us};
+}
+
+struct Comparison {
+    double worst_m = 0;  ///< where a query finds one sheet and converges
+    int folded = 0;      ///< points that a query flags as folded
+    int other_sheet = 0; ///< of those, where the map has another height
+};
+
+Comparison compare(const MapRequest& r, const Surface& surface, const std::vector<float>& heights) {
+    Comparison result;
+    for (std::size_t i = 0; i < heights.size(); ++i) {
+        const Answer answer = surface.answer(point(r, i));
+        const double apart = std::abs(static_cast<double>(heights[i]) - answer.height_m);
+        if (answer.flags & answer_folded) {
+            ++result.folded;
+            result.other_sheet += apart > map_difference_max_m;
+        } else if (!(answer.flags & answer_not_converged)) {
+            result.worst_m = std::max(result.worst_m, apart);
+        }
+    }
+    return result;
+}
+
+TEST(HeightMap, every_height_is_what_a_query_answers_within_the_stated_bound) {
+    const Surface sea = surface(0.02);
+    for (const Instructions instructions : supported_instructions()) {
+        MapOptions options;
+        options.instructions = instructions;
+        const MapRequest r = request();
+        EXPECT_LE(compare(r, sea, all_values(r, sea, options)).worst_m, map_difference_max_m)
+            << name(instructions);
+    }
+}
+
+TEST(HeightMap, far_from_the_origin_and_coarse_or_fine_it_is_as_exact) {
+    const Surface sea = surface(0.02);
+    MapRequest r = request();
+    r.x0_m = 1'000'000.3;
+    r.y0_m = -1'000'000.7;
+    EXPECT_LE(compare(r, sea, all_values(r, sea)).worst_m, map_difference_max_m);
+    r.width_m = 5000.0; // wider apart than the waves are long: neighbours tell nothing
+    r.height_m = 5000.0;
+    EXPECT_LE(compare(r, sea, all_values(r, sea)).worst_m, map_difference_max_m);
+    r.width_m = r.height_m = 0.5;
+    EXPECT_LE(compare(r, sea, all_values(r, sea)).worst_m, map_difference_max_m);
+}
+
+TEST(HeightMap, where_the_surface_folds_the_highest_sheet_is_found_as_by_queries) {
+    // Far steeper than any sea: every third point is close to folding. Two searches that begin at
+    // different neighbours may settle on different sheets; nine points of ten must agree.
+    const Surface sea = surface(0.05, {2.2, 2.2});
+    const MapRequest r = request();
+    std::uint64_t careful = 0;
+    const std::vector<float> heights = all_values(r, sea, {}, &careful);
+    const Comparison found = compare(r, sea, heights);
+    EXPECT_LE(found.worst_m, map_difference_max_m);
+    EXPECT_GT(found.folded, 20);
+    EXPECT_LE(found.other_sheet, found.folded / 10);
+    EXPECT_GE(careful, static_cast<std::uint64_t>(found.folded));
+    for (const float height : heights)
+        ASSERT_TRUE(std::isfinite(height));
+}
+
+TEST(HeightMap, choppiness_of_each_axis_counts_for_itself) {
+    const Surface sea = surface(0.02, {1.2, 0.0});
+    const MapRequest r = request();
+    EXPECT_LE(compare(r, sea, all_values(r, sea)).worst_m, map_difference_max_m);
+}
+
+TEST(HeightMap, normals_are_those_of_queries) {
+    // Both stop at a residual of 1e-4 m; the sharpest crest here turns by 2e-3 over that.
+    const Surface sea = surface(0.02);
+    const MapRequest r = request(MapKind::normal);
+    const std::vector<float> normals = all_values(r, sea);
+    for (std::size_t i = 0; i < normals.size() / 3; ++i) {
+        const Answer answer = sea.answer(point(r, i));
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            ASSERT_NEAR(static_cast<double>(normals[3 * i + axis]), answer.normal[axis], 2e-3);
+    }
+}
+
+TEST(HeightMap, displacements_are_those_of_undisplaced_grid_points) {
+    const Choppiness choppiness{1.2, 0.7};
+    const Surface sea = surface(0.02, choppiness);
+    const MapRequest r = request(MapKind::displacement);
+    const std::vector<float> values = all_values(r, sea);
+    for (std::size_t i = 0; i < values.size() / 3; ++i) {
+        const QueryPoint at = point(r, i);
+        const LagrangianPoint p = sea.at(at.x_m, at.y_m, at.time_us);
+        const double expected[3] = {choppiness.x * p.displacement_x,
+                                    choppiness.y * p.displacement_y, p.height};
+        for (std::size_t axis = 0; axis < 3; ++axis) // single precision, amplitudes below 4 m
+            ASSERT_NEAR(static_cast<double>(values[3 * i + axis]), expected[axis], 1e-5);
+    }
+}
+
+TEST(HeightMap, threads_do_not_change_a_bit) {
+    const Surface sea = surface(0.03);
+    MapRequest r = request();
+    r.columns = 4096; // several chunks
+    r.rows = 100;
+    MapOptions one, five;
+    one.threads = 1;
+    five.threads = 5;
+    EXPECT_EQ(all_values(r, sea, one), all_values(r, sea, five));
+}
+
+TEST(HeightMap, one_point_is_a_map) {
+    const Surface sea = surface(0.02);
+    MapRequest r = request();
+    r.columns = r.rows = 1;
+    EXPECT_LE(compare(r, sea, all_values(r, sea)).worst_m, map_difference_max_m);
+}
+
+TEST(HeightMap, a_reader_that_leaves_stops_the_work) {
+    const Surface sea = surface(0.02);
+    MapRequest r = request();
+    r.columns = r.rows = 4096;
+    Result<std::unique_ptr<MapStream>> stream = MapStream::start(r, sea);
+    ASSERT_TRUE(stream);
+    EXPECT_TRUE((*stream)->next_chunk());
+    stream->reset(); // returns: the workers end after the rows they are at
+}
+
+TEST(HeightMap, the_reader_is_told_when_its_next_rows_are_ready) {
+    const Surface sea = surface(0.02);
+    MapRequest r = request();
+    r.columns = 4096;
+    std::mutex mutex;
+    std::condition_variable told;
+    int calls = 0;
+    MapOptions options;
+    options.on_ready = [&] {
+        const std::scoped_lock lock(mutex);
+        ++calls;
+        told.notify_all();
+    };
+    Result<std::unique_ptr<MapStream>> stream = MapStream::start(r, sea, std::move(options));
+    ASSERT_TRUE(stream);
+    {
+        std::unique_lock lock(mutex);
+        told.wait(lock, [&] { return calls > 0; });
+    }
+    EXPECT_TRUE((*stream)->ready());
+    EXPECT_TRUE((*stream)->next_chunk());
+    stream->reset(); // before what on_ready refers to
+}
+
+TEST(HeightMap, a_request_out_of_range_is_an_error_that_names_the_field) {
+    const Surface sea = surface(0.02);
+    const auto message = [&](auto change) {
+        MapRequest r = request();
+        change(r);
+        const Result<std::unique_ptr<MapStream>> stream = MapStream::start(r, sea);
+        return stream ? std::string("accepted") : stream.error().message;
+    };
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    const auto has = [](const std::string& text, const char* part) {
+        return text.find(part) != std::string::npos;
+    };
+    EXPECT_TRUE(has(message([](MapRequest& r) { r.columns = 0; }), "columns = 0"));
+    EXPECT_TRUE(has(message([](MapRequest& r) { r.columns = 4097; }), "columns = 4097"));
+    EXPECT_TRUE(has(message([](MapRequest& r) { r.rows = -1; }), "rows = -1"));
+    EXPECT_TRUE(has(message([](MapRequest& r) { r.width_m = 0; }), "width_m = 0"));
+    EXPECT_TRUE(has(message([](MapRequest& r) { r.height_m = 2e6; }), "height_m"));
+    EXPECT_TRUE(has(message([&](MapRequest& r) { r.width_m = nan; }), "width_m = nan"));
+    EXPECT_TRUE(has(message([&](MapRequest& r) { r.x0_m = nan; }), "x0_m = nan"));
+    EXPECT_TRUE(has(message([](MapRequest& r) { r.y0_m = -1e10; }), "y0_m"));
+    EXPECT_TRUE(has(message([](MapRequest& r) { r.time_us = 200'001; }), "time_us = 200001"));
+    EXPECT_FALSE(map_kind("heights"));
+    EXPECT_EQ(*map_kind("normal"), MapKind::normal);
+}
+
+TEST(HeightMap, the_header_is_64_bytes_little_endian_as_documented) {
+    MapRequest r = request(MapKind::normal);
+    r.columns = 0x102;
+    r.time_us = -2;
+    const auto bytes = map_header(r, surface(0.02));
+    const std::vector<std::uint8_t> start(bytes.begin(), bytes.begin() + 20);
+    EXPECT_EQ(start, (std::vector<std::uint8_t>{'S', 'W', 'M', 'P', 1, 0, 2, 0, 2, 1,
+                                                0,   0,   80,  0,   0, 0, 3, 0, 0, 0}));
+    EXPECT_EQ(bytes[31], 0xC0); // -37.5 = 0xC042C00000000000
+    EXPECT_EQ(bytes[30], 0x42);
+    EXPECT_EQ(bytes[29], 0xC0);
+    EXPECT_EQ(bytes[56], 0xFE);
+    EXPECT_EQ(bytes[63], 0xFF);
+}
+
+} // namespace
+} // namespace seaway::sea

@@ -1,0 +1,379 @@
+// SPDX-License-Identifier: Apache-2.0
+// Hard cases of hard_cases.md, sections A, B and I, that no other test bears the id of. Each says
+// what naive code does.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "sea/scene/scene.h"
+#include "sea/surface/inverse.h"
+#include "sea/waves/directional_spectrum.h"
+#include "sea/waves/moments.h"
+#include "sea/waves/transition.h"
+#include "tests/sea/sea_fixture.h"
+
+namespace seaway::sea {
+namespace {
+
+using testing::energy_of;
+using ::testing::HasSubstr;
+using testing::one_wave;
+using testing::realized;
+using testing::swell_sea;
+using testing::three_cascades;
+using testing::windy_sea;
+
+SeaState wind_sea(double wind_mps) {
+    SeaState state = windy_sea();
+    std::get<WindSea>(state.systems[0]).wind_speed_10m_mps = wind_mps;
+    return state;
+}
+
+double hs(const RealizationPtr& sea) {
+    double sum = 0.0;
+    for (const CascadeModes& modes : sea->cascades)
+        sum += energy_of(modes);
+    return 4.0 * std::sqrt(sum);
+}
+
+// Naive: tanh's fit of the depth factor gives 0.018 in place of 5e-5, and Hs above the depth.
+TEST(HardCase, A5_one_centimetre_of_water_carries_almost_nothing_and_warns) {
+    const auto scene = parse_scene("[sea]\ndepth_m = 0.01\n[[sea.system]]\ntype = \"wind\"\n"
+                                   "spectrum = \"tma\"\nwind_speed_10m_mps = 15\nfrom_deg = 0\n"
+                                   "fetch_m = 100e3\n",
+                                   "s", "");
+    ASSERT_TRUE(scene);
+    const SeaSummary s = summarize(scene->sea, *realize(*scene));
+    EXPECT_GT(s.requested.significant_height_m, 0.0);
+    EXPECT_LT(s.requested.significant_height_m, 0.1);
+    EXPECT_THAT(scene_warnings(*scene), ::testing::Contains(HasSubstr("such waves break")));
+}
+
+// Naive: GPU tanh is NaN above 88. Ours never leaves the processor; shaders are given frequencies.
+TEST(HardCase, A8_frequencies_are_finite_at_every_depth_and_wave) {
+    for (const double depth : {0.01, 10.0, 1.1e4, deep_water_m})
+        for (const double kd : {0.0, 1.0, 9.0, 15.0, 44.0, 89.0, 1e4, 1e8}) {
+            const double k = std::isinf(depth) ? kd : kd / depth;
+            EXPECT_TRUE(std::isfinite(Dispersion{9.81, 7.4e-5, depth}.omega(k)));
+        }
+}
+
+// Naive: omega^5 overflows at a peak of 1e7 rad/m.
+TEST(HardCase, A10_a_breath_of_wind_raises_less_than_a_micrometre_and_grows_steadily) {
+    EXPECT_LT(hs(realized(wind_sea(1e-3), three_cascades)), 1e-6);
+    double last = -1.0;
+    for (double wind = 1e-6; wind <= 1.0; wind *= 2.0) {
+        const double height = 4.0 * std::sqrt(requested_variance(wind_sea(wind), 0.0, 1e30));
+        EXPECT_GE(height, last);
+        last = height;
+    }
+}
+
+// Naive: a peak of 9 km folds into the tile, or vanishes without a word.
+TEST(HardCase, A11_wind_of_100_mps_is_finite_and_says_what_it_lost) {
+    SeaState state = wind_sea(100.0);
+    std::get<WindSea>(state.systems[0]).fetch_m = std::numeric_limits<double>::infinity();
+    state.depth_m = deep_water_m;
+    const std::vector<CascadeSpec> tiles{{8000.0, 256}, {300.0, 256}};
+    const auto sea = realize(state, tiles);
+    const SeaSummary s = summarize(state, *sea);
+    ASSERT_TRUE(std::isfinite(s.realised.significant_height_m));
+    const double total = std::pow(s.requested.significant_height_m / 4, 2);
+    double kept = 0.0;
+    for (const CascadeVariance& c : s.cascades)
+        kept += c.requested_m2;
+    // Everything is either in a band or reported as lost.
+    EXPECT_NEAR((kept + s.lost_below_m2 + s.lost_above_m2) / total, 1.0, 0.01);
+    EXPECT_GT(s.lost_below_m2, 0.0);
+}
+
+// Naive: 1 - 0.287 ln(gamma) turns negative, log(0).
+TEST(HardCase, A14_A17_shape_parameters_out_of_range_are_refused_by_name) {
+    const std::string wind = "[sea]\n[[sea.system]]\ntype = \"wind\"\nwind_speed_10m_mps = 9\n"
+                             "from_deg = 0\n";
+    for (const char* bad : {"gamma = 0", "gamma = -1", "gamma = 0.99", "gamma = 21", "gamma = nan",
+                            "swell = -0.1", "swell = 1.1", "isotropic = 2", "fetch_m = -1"}) {
+        const auto scene = parse_scene(wind + bad, "s", "");
+        ASSERT_FALSE(scene) << bad;
+        EXPECT_THAT(scene.error().message, HasSubstr(std::string(bad).substr(0, 5)));
+    }
+    for (const char* good :
+         {"gamma = 1", "gamma = 20", "swell = 0", "swell = 1", "fetch_m = 0", "fetch_m = inf"})
+        EXPECT_TRUE(parse_scene(wind + good, "s", "")) << good;
+}
+
+// Naive: theta - theta0 is not wrapped and half the sea goes missing at +-180 degrees.
+TEST(HardCase, A20_a_turn_of_the_wind_by_a_full_circle_changes_nothing) {
+    for (const SpreadingKind kind :
+         {SpreadingKind::cos2, SpreadingKind::hasselmann, SpreadingKind::donelan_banner}) {
+        const auto variance = [kind](double degrees) {
+            SeaState state = windy_sea();
+            auto& wind = std::get<WindSea>(state.systems[0]);
+            wind.towards_rad = degrees * pi / 180.0;
+            wind.spreading.kind = kind;
+            const DirectionalSpectrum spectrum(state.systems[0], state);
+            double sum = 0.0;
+            for (int ny = -30; ny <= 30; ++ny)
+                for (int nx = -30; nx <= 30; ++nx)
+                    if (nx * nx + ny * ny <= 900)
+                        sum += spectrum.density(0.03 * nx, 0.03 * ny) * 9e-4;
+            return sum;
+        };
+        EXPECT_NEAR(variance(179.9) / variance(-179.9), 1.0, 5e-3);
+        EXPECT_NEAR(variance(37.0) / variance(37.0 + 360.0), 1.0, 1e-12);
+        double low = 1e30, high = 0.0;
+        for (int degrees = 0; degrees < 360; degrees += 10) {
+            low = std::min(low, variance(degrees));
+            high = std::max(high, variance(degrees));
+        }
+        EXPECT_LT(high / low, 1.02); // 36 modes of the peak ring: 1 % each way
+    }
+}
+
+// Naive: one NaN poisons every mode. 3000 sets here; the fuzzer tries millions.
+TEST(HardCase, A21_any_parameters_give_an_error_or_a_finite_sea) {
+    const char* const values[] = {"nan", "inf", "-inf", "-1", "-0.0", "1e-45", "1e38", "3.7"};
+    const char* const keys[] = {"wind_speed_10m_mps", "from_deg", "fetch_m", "gamma", "swell",
+                                "isotropic"};
+    std::uint32_t dice = 12345;
+    const auto roll = [&dice](std::uint32_t n) {
+        dice = dice * 1664525u + 1013904223u;
+        return (dice >> 16) % n;
+    };
+    int accepted = 0;
+    for (int set = 0; set < 3000; ++set) {
+        std::string text = std::string("[sea]\ndepth_m = ") + values[roll(8)] +
+                           "\n[[sea.system]]\ntype = \"wind\"\nspectrum = \"tma\"\n";
+        for (const char* key : keys) {
+            const bool share = std::string(key) == "swell" || std::string(key) == "isotropic";
+            text += std::string(key) + " = " +
+                    (roll(3) != 0 ? (share ? "0.7" : "3.7") : values[roll(8)]) + "\n";
+        }
+        const auto scene = parse_scene(text + "\n[[cascade]]\nlength_m = 50\nsize = 16\n", "s", "");
+        if (!scene) {
+            ASSERT_THAT(scene.error().message, HasSubstr("not allowed"));
+            continue;
+        }
+        ++accepted;
+        const auto sea = realize(*scene);
+        ASSERT_TRUE(std::isfinite(energy_of(sea->cascades[0]))) << text;
+    }
+    EXPECT_GT(accepted, 50);
+}
+
+// Naive: division by dt = 0. Velocity is a field of its own here.
+TEST(HardCase, B1_time_zero_is_a_time_like_any_other) {
+    const DirectSum sum(realized(windy_sea(), three_cascades));
+    const LagrangianPoint a = sum.at(1, 2, 0), b = sum.at(1, 2, 0);
+    EXPECT_EQ(a.height, b.height);
+    EXPECT_TRUE(std::isfinite(a.height_rate));
+}
+
+// Naive: t in float has a step of 62 ms at 1e6 s; motion becomes a staircase.
+TEST(HardCase, B3_motion_is_as_smooth_after_30_years_as_at_the_start) {
+    const DirectSum sum(realized(windy_sea(), three_cascades));
+    const auto frame_rms = [&sum](double start_s) {
+        double square = 0.0;
+        const TimeUs start = us_from_seconds(start_s);
+        for (int i = 0; i < 300; ++i) {
+            const double difference = sum.at(0, 0, start + (i + 1) * 16'667).height -
+                                      sum.at(0, 0, start + i * 16'667).height;
+            const double velocity = sum.at(0, 0, start + i * 16'667 + 8'333).height_rate;
+            square += std::pow(difference / 0.016667 - velocity, 2);
+        }
+        return std::sqrt(square / 300);
+    };
+    // Midpoint velocity against the difference: (w dt)^2 / 24 of velocity, at any age.
+    EXPECT_LT(frame_rms(0.0), 1e-3);
+    EXPECT_LT(frame_rms(1e6), 1e-3);
+    EXPECT_LT(frame_rms(1e9), 1e-3);
+}
+
+// Naive: sines outside [-pi, pi) lose accuracy on a GPU. The wrapped phase is all that is made
+// float.
+TEST(HardCase, B4_the_wrapped_phase_stays_within_half_a_turn) {
+    const Rate rate = rate_from_omega(3.21);
+    for (const TimeUs t : {TimeUs{0}, TimeUs{1}, us_from_seconds(1e9), us_from_seconds(-1e9),
+                           std::numeric_limits<TimeUs>::max()}) {
+        EXPECT_GE(phase_rad(rate, t), -pi);
+        EXPECT_LE(phase_rad(rate, t), pi);
+    }
+}
+
+// Naive: rotating by e^{i w dt} a million times drifts; dt that jumps blows up.
+TEST(HardCase, B5_B6_the_way_to_a_time_does_not_matter) {
+    const DirectSum sum(realized(windy_sea(), {{200.0, 32}}));
+    const TimeUs end = us_from_seconds(100.0);
+    const double direct = sum.at(3, 4, end).height;
+    double stepped = 0.0;
+    for (TimeUs t = 0; t <= end; t += 1'000'000)
+        stepped = sum.at(3, 4, t).height;
+    EXPECT_EQ(direct, stepped);
+    Realization turned = sum.sea();
+    EXPECT_EQ(phase_turns(turned.cascades[0].rate[5], end),
+              phase_turns(turned.cascades[0].rate[5], end - 7) +
+                  phase_turns(turned.cascades[0].rate[5], 7)); // integers add exactly
+}
+
+// Naive: floor() freezes long swell; a common divisor brings everything back early.
+TEST(HardCase, B7_a_loop_returns_exactly_and_not_before) {
+    SeaState state = swell_sea(3.0, 8.0);
+    state.loop_period_s = 400.0;
+    const DirectSum sum(realized(state, {{900.0, 64}}));
+    double same = 0.0, energy = 0.0;
+    for (int i = 0; i < 20; ++i) {
+        const TimeUs t = us_from_seconds(7.3 * i);
+        EXPECT_EQ(sum.at(5, 6, t).height, sum.at(5, 6, t + us_from_seconds(400.0)).height);
+        EXPECT_EQ(sum.at(5, 6, t).height, sum.at(5, 6, t - us_from_seconds(4000.0)).height);
+    }
+    const auto waves_at = [&](double t) { return sum.at_time(us_from_seconds(t)); };
+    for (double shift = 8.0; shift < 390.0; shift += 1.0) {
+        const auto a = waves_at(0.0), b = waves_at(shift);
+        same = energy = 0.0;
+        for (int i = 0; i < 40; ++i) {
+            const double x = 22.5 * i, y = 401.0 - 61.0 * i;
+            same += a.at(x, y).height * b.at(x, y).height;
+            energy += 0.5 * (std::pow(a.at(x, y).height, 2) + std::pow(b.at(x, y).height, 2));
+        }
+        ASSERT_LT(same / energy, 0.9) << shift; // 40 points of a narrow sea correlate by chance
+    }
+}
+
+// Naive: each cascade loops by itself and pops.
+TEST(HardCase, B8_all_cascades_share_the_loop) {
+    SeaState state = windy_sea();
+    state.loop_period_s = 120.0;
+    const DirectSum sum(realized(state, three_cascades));
+    const TimeUs end = us_from_seconds(120.0);
+    const LagrangianPoint before = sum.at(5, 6, end - 1000), after = sum.at(5, 6, end + 1000);
+    EXPECT_NEAR(after.height - before.height, 2e-3 * sum.at(5, 6, end).height_rate, 1e-4);
+    EXPECT_NEAR(after.height_rate, before.height_rate, 0.1);
+}
+
+// Naive: seconds since 1970 in float stand still for two minutes.
+TEST(HardCase, B9_clock_time_moves_like_any_other) {
+    const DirectSum sum(realized(windy_sea(), {{200.0, 32}}));
+    double first = 0.0, later = 0.0;
+    for (int i = 0; i < 200; ++i) {
+        first += std::pow(sum.at(3.0 * i, 7.0 * i, us_from_seconds(i)).height_rate, 2);
+        later += std::pow(sum.at(3.0 * i, 7.0 * i, us_from_seconds(1.7e9 + i)).height_rate, 2);
+    }
+    EXPECT_NEAR(std::sqrt(later / first), 1.0, 0.2); // 200 points, 5 % each
+}
+
+// Naive: one tile repeats every few hundred metres.
+TEST(HardCase, I1_incommensurate_cascades_do_not_repeat) {
+    const std::vector<CascadeSpec> tiles{{211.0, 64}, {83.0, 64}, {31.0, 64}};
+    const auto sea = realized(swell_sea(2.0, 4.0), tiles);
+    const DirectSum sum(sea);
+    const auto moment = sum.at_time(0);
+    for (int lag = 1; lag <= 20; ++lag) {
+        double same = 0.0, energy = 0.0;
+        for (int i = 0; i < 300; ++i) {
+            const double x = 1.7 * i, y = 0.9 * i;
+            const double a = moment.at(x, y).height;
+            const double b = moment.at(x + 211.0 * lag, y).height;
+            same += a * b;
+            energy += 0.5 * (a * a + b * b);
+        }
+        EXPECT_LT(same / energy, 0.999) << lag; // the other tiles shift
+    }
+    // The common period of 211, 83 and 31 m is their product.
+    EXPECT_GT(211.0 * 83.0 * 31.0, 50e3);
+}
+
+// Naive: float sums of many cascades depend on their order.
+TEST(HardCase, I4_eight_cascades_sum_the_same_in_any_order) {
+    std::vector<CascadeSpec> tiles;
+    for (double length = 2000.0; tiles.size() < 8; length /= 2.3)
+        tiles.push_back({length, 32});
+    const auto sea = realized(windy_sea(), tiles);
+    auto reversed = std::make_shared<Realization>(*sea);
+    std::reverse(reversed->cascades.begin(), reversed->cascades.end());
+    for (int i = 0; i < 20; ++i)
+        EXPECT_NEAR(DirectSum(sea).at(13.0 * i, 5.0, 0).height,
+                    DirectSum(reversed).at(13.0 * i, 5.0, 0).height, 1e-12);
+}
+
+// Naive: a band that starts at n = 1 has a handful of waves and a visible checker.
+TEST(HardCase, I5_every_band_but_the_first_starts_with_enough_directions) {
+    const auto sea = realized(windy_sea(), {{1021.0, 256}, {197.0, 256}, {37.0, 256}});
+    for (std::size_t c = 1; c < sea->cascades.size(); ++c) {
+        const CascadeModes& modes = sea->cascades[c];
+        EXPECT_GE(modes.band.k_lo_radpm, 0.999 * 6.0 * modes.spec.wavenumber_step_radpm());
+        int waves = 0;
+        for (const auto& h0 : modes.h0)
+            waves += h0 != 0.0;
+        EXPECT_GT(waves, 500);
+    }
+}
+
+// Naive: land is a negative depth and NaN. Here depth is one number above 0 for the whole sea, and
+// seas of neighbouring depths, which are blended, differ little.
+TEST(HardCase, I6_depth_is_positive_and_the_sea_continuous_in_it) {
+    EXPECT_FALSE(parse_scene("[sea]\ndepth_m = 0\n", "s", ""));
+    EXPECT_FALSE(parse_scene("[sea]\ndepth_m = -5\n", "s", ""));
+    SeaState deeper = windy_sea();
+    deeper.depth_m *= 1.001;
+    const double a = DirectSum(realized(windy_sea(), three_cascades)).at(1, 2, 10'000'000).height;
+    const double b = DirectSum(realized(deeper, three_cascades)).at(1, 2, 10'000'000).height;
+    EXPECT_NEAR(a, b, 0.01 * hs(realized(deeper, three_cascades)));
+}
+
+// Naive: a 3 % tolerance on one tile fails 60 % of correct seeds.
+TEST(HardCase, I8_a_correct_sea_fails_the_gate_of_3_standard_errors_in_under_1_percent_of_seeds) {
+    const CascadeSpec tile{500.0, 64};
+    const SeaState state = windy_sea();
+    const Band band = assign_bands(std::vector{tile})->front();
+    const double scatter = expected_hs_scatter(state, tile, band);
+    const Dispersion d = state.dispersion();
+    const double expected = 4.0 * std::sqrt(requested_variance(state, d.omega(band.k_lo_radpm),
+                                                               d.omega(band.k_hi_radpm)));
+    int failures = 0;
+    double sum = 0.0;
+    for (std::uint64_t seed = 5000; seed < 5200; ++seed) {
+        const auto sea = realized(windy_sea(seed), {tile});
+        const CascadeModes& modes = sea->cascades[0];
+        double m0 = 0.0; // of this instant: sum |h(k,0)|^2
+        for (int i = 0; i < 64 * 64; ++i) {
+            const int mirror = (64 - i / 64) % 64 * 64 + (64 - i % 64) % 64;
+            m0 += std::norm(modes.h0[static_cast<std::size_t>(i)] +
+                            std::conj(modes.h0[static_cast<std::size_t>(mirror)]));
+        }
+        const double height = 4.0 * std::sqrt(m0);
+        sum += height / 200.0;
+        failures += std::abs(height / expected - 1.0) > 3.0 * scatter;
+    }
+    EXPECT_LE(failures, 2);
+    EXPECT_NEAR(sum / expected, 1.0, 3.0 * scatter / std::sqrt(200.0) + 0.005); // lattice: I1
+}
+
+// Naive: fetch in kilometres here, metres there. The laws scale: gravity times c and lengths alike.
+TEST(HardCase, I9_a_sea_scales_with_its_units) {
+    const auto small = FrequencySpectrum::jonswap_by_wind(10.0, 1e5, 3.3, 9.81);
+    // Lengths times 4, times times 2, speeds times 2: the same sea, four times as large.
+    const auto large = FrequencySpectrum::jonswap_by_wind(20.0, 4e5, 3.3, 9.81);
+    EXPECT_NEAR(large.peak_omega_radps() * 2.0 / small.peak_omega_radps(), 1.0, 1e-12);
+    // S is m2 s: 16 * 2.
+    EXPECT_NEAR(large.density(0.4) / (32.0 * small.density(0.8)), 1.0, 1e-12);
+    // The same by gravity: times c, times shrink by sqrt(c).
+    const auto heavy = FrequencySpectrum::jonswap_by_wind(20.0, 1e5, 3.3, 4 * 9.81);
+    EXPECT_NEAR(heavy.density(1.6) * 2.0 / small.density(0.8), 1.0, 1e-12);
+}
+
+// Naive: 2048 x 8 cascades are allocated and the server dies.
+TEST(HardCase, I10_sizes_that_no_machine_should_hold_are_refused_by_name) {
+    std::string nine = "[sea]\n";
+    for (int i = 0; i < 9; ++i)
+        nine += "[[cascade]]\nlength_m = " + std::to_string(5000 >> i) + "\nsize = 64\n";
+    EXPECT_THAT(parse_scene(nine, "s", "").error().message, HasSubstr("at most 8"));
+    EXPECT_THAT(parse_scene("[sea]\n[[cascade]]\nlength_m=9\nsize=4096\n", "s", "").error().message,
+                HasSubstr("16 .. 2048"));
+    EXPECT_FALSE(parse_scene(std::string((1u << 20) + 1, ' '), "s", ""));
+}
+
+} // namespace
+} // namespace seaway::sea

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "sea/waves/transition.h"
+#include "tests/sea/sea_fixture.h"
+
+namespace seaway::sea {
+namespace {
+
+using testing::realized;
+using testing::three_cascades;
+using testing::windy_sea;
+
+double height(const RealizationPtr& sea, TimeUs t) {
+    return DirectSum(sea).at(3.0, 4.0, t).height;
+}
+
+double hs(const RealizationPtr& sea) {
+    double sum = 0.0;
+    for (const CascadeModes& modes : sea->cascades)
+        sum += testing::energy_of(modes);
+    return 4.0 * std::sqrt(sum);
+}
+
+// Naive: a new draw or a phase reset, and the sea jumps.
+TEST(Transition, A22_a_small_gust_moves_the_sea_little) {
+    SeaState stronger = windy_sea();
+    std::get<WindSea>(stronger.systems[0]).wind_speed_10m_mps += 0.01;
+    const auto before = realized(windy_sea(), three_cascades);
+    const auto after = realized(stronger, three_cascades);
+    for (const double t : {0.0, 1e3, 1e6})
+        EXPECT_LT(std::abs(height(after, us_from_seconds(t)) - height(before, us_from_seconds(t))),
+                  0.01 * hs(before));
+}
+
+// Naive: omega'(depth) * t is 100 rad after a day.
+TEST(Transition, I7_a_change_of_depth_keeps_every_phase) {
+    SeaState shallow = windy_sea();
+    shallow.depth_m = 12.0;
+    const auto old_sea = realized(windy_sea(), three_cascades);
+    const auto new_sea = realized(shallow, three_cascades);
+    const TimeUs start = us_from_seconds(1e6);
+    const auto change = SeaTransition::create(old_sea, new_sea, start, start + 2'000'000);
+    ASSERT_TRUE(change);
+    const TimeUs frame = 16'667;
+    double normal = 0.0, during = 0.0;
+    for (int i = 0; i < 60; ++i) {
+        const TimeUs t = start - 30 * frame + i * frame;
+        normal = std::max(normal, std::abs(height(old_sea, t + frame) - height(old_sea, t)));
+        during = std::max(
+            during, std::abs(height(change->at(t + frame), t + frame) - height(change->at(t), t)));
+    }
+    EXPECT_LT(during, 3.0 * normal);
+    // Without the offsets the two seas have nothing to do with each other.
+    EXPECT_GT(std::abs(height(new_sea, start) - height(old_sea, start)), 3.0 * normal);
+    EXPECT_NEAR(height(change->at(start), start), height(old_sea, start), 1e-9);
+}
+
+TEST(Transition, amplitudes_glide_from_the_old_to_the_new) {
+    SeaState stronger = windy_sea();
+    std::get<WindSea>(stronger.systems[0]).wind_speed_10m_mps = 20.0;
+    const auto old_sea = realized(windy_sea(), three_cascades);
+    const auto new_sea = realized(stronger, three_cascades);
+    const auto change = SeaTransition::create(old_sea, new_sea, 5'000'000, 6'000'000);
+    double last = hs(old_sea) * (1 - 1e-12);
+    for (TimeUs t = 4'900'000; t <= 6'100'000; t += 50'000) {
+        const double now = hs(change->at(t));
+        EXPECT_GE(now, last * (1 - 1e-12));
+        last = now;
+    }
+    EXPECT_EQ(change->at(4'999'999), old_sea);
+    EXPECT_NEAR(last / hs(new_sea), 1.0, 1e-12);
+}
+
+TEST(Transition, a_chain_of_changes_back_to_the_same_depth_leaves_a_phase_but_no_jump) {
+    SeaState shallow = windy_sea();
+    shallow.depth_m = 12.0;
+    const auto deep_sea = realized(windy_sea(), three_cascades);
+    const auto shallow_sea = realized(shallow, three_cascades);
+    const auto down = SeaTransition::create(deep_sea, shallow_sea, 1'000'000, 2'000'000);
+    const auto up = SeaTransition::create(down->after(), deep_sea, 9'000'000, 10'000'000);
+    const TimeUs at = 9'000'000;
+    EXPECT_NEAR(height(up->at(at), at), height(down->at(at), at), 1e-9);
+    EXPECT_NEAR(hs(up->after()) / hs(deep_sea), 1.0, 1e-12);
+    // The same history gives the same bits.
+    const auto again = SeaTransition::create(down->after(), deep_sea, 9'000'000, 10'000'000);
+    EXPECT_EQ(again->after()->cascades[0].h0, up->after()->cascades[0].h0);
+}
+
+TEST(Transition, refuses_other_tiles) {
+    const auto a = realized(windy_sea(), three_cascades);
+    const auto b = realized(windy_sea(), {{512.0, 128}, {97.0, 64}, {19.0, 64}});
+    EXPECT_THAT(SeaTransition::create(a, b, 0, 1).error().message,
+                ::testing::HasSubstr("same cascades"));
+}
+
+} // namespace
+} // namespace seaway::sea

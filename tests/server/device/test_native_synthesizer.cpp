@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: Apache-2.0
+// The native synthesizer as the server sees it, and against the Vulkan one: two implementations
+// that share nothing but the field table and the codelets.
+#include "server/device/native_synthesizer.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "sea/waves/sine_waves.h"
+#include "server/device/vulkan_synthesizer.h"
+#include "tests/server/device/random_sea.h"
+
+namespace seaway::server {
+namespace {
+
+using sea::Field;
+using sea::FieldSet;
+
+sea::KeyframePtr keyframe(Synthesizer& synthesizer, FieldSet fields, sea::TimeUs time_us) {
+    const KeyframeRequest request{0, time_us, fields};
+    auto made = synthesizer.synthesize({&request, 1});
+    EXPECT_TRUE(made) << made.error().message;
+    return made ? made->front() : nullptr;
+}
+
+double rms(std::span<const float> values) {
+    double sum = 0;
+    for (float v : values)
+        sum += double{v} * double{v};
+    return std::sqrt(sum / static_cast<double>(values.size()));
+}
+
+double largest_difference(std::span<const float> a, std::span<const float> b) {
+    double worst = 0;
+    for (std::size_t i = 0; i < a.size(); ++i)
+        worst = std::max(worst, std::abs(double{a[i]} - double{b[i]}));
+    return worst;
+}
+
+class AgainstVulkan : public testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(Sizes, AgainstVulkan, testing::Values(64, 128, 256, 512, 1024),
+                         [](const auto& size) { return std::to_string(size.param); });
+
+// Both are single precision with the same exact phases. 1e-6 of four times the rms (for the height:
+// of Hs) is four times the rounding error of one of them; Vulkan packs two fields into one complex
+// transform, so the scale is the larger of the fields asked for together. The Jacobian is a product
+// of 1 + strain: its errors are those of the strains.
+TEST_P(AgainstVulkan, every_list_of_fields_agrees_within_1e6_of_hs) {
+    auto vulkan = make_vulkan_synthesizer({});
+    ASSERT_TRUE(vulkan) << vulkan.error().message;
+    NativeSynthesizer native;
+    const RandomSea random(GetParam(), 500.0, 3, {1.2, 0.8});
+    const Result<void> taken = (*vulkan)->set_sea(random.realization(), 1);
+    ASSERT_TRUE(taken) << taken.error().message;
+    ASSERT_TRUE(native.set_sea(random.realization(), 1));
+    FieldSet fields;
+    for (int count = 1; count <= sea::linear_field_count + 1; ++count) {
+        fields.insert(static_cast<Field>(count - 1));
+        const sea::TimeUs time_us = 1'000'000'007LL * count;
+        const auto ours = keyframe(native, fields, time_us);
+        const auto theirs = keyframe(**vulkan, fields, time_us);
+        double scale = 0;
+        for (Field field : fields)
+            if (sea::is_linear(field))
+                scale = std::max(scale, 4 * rms(ours->plane(field)));
+        for (Field field : fields)
+            EXPECT_LE(largest_difference(ours->plane(field), theirs->plane(field)), 1e-6 * scale)
+                << sea::info(field).name << " in a list of " << count;
+        EXPECT_LE(largest_difference(ours->plane(Field::height), theirs->plane(Field::height)),
+                  1e-6 * 4 * rms(ours->plane(Field::height)));
+    }
+}
+
+TEST(NativeSynthesizer, keyframes_carry_what_was_asked_in_order) {
+    const RandomSea random(64, 500.0, 4);
+    NativeSynthesizer native(2);
+    ASSERT_TRUE(native.set_sea(random.realization(), 9));
+    const KeyframeRequest requests[] = {{0, 1'000'000, {Field::height, Field::jacobian}},
+                                        {0, 2'000'000, sea::surface_fields}};
+    const auto made = native.synthesize(requests);
+    ASSERT_TRUE(made);
+    ASSERT_EQ(made->size(), 2u);
+    for (std::size_t i = 0; i < 2; ++i) {
+        const sea::Keyframe& map = *(*made)[i];
+        EXPECT_EQ(map.epoch, 9u);
+        EXPECT_EQ(map.time_us, requests[i].time_us);
+        EXPECT_EQ(map.fields, requests[i].fields);
+        EXPECT_EQ(map.size, 64);
+        EXPECT_EQ(map.length_m, 500.0);
+        EXPECT_EQ(map.values.size(),
+                  map.plane_size() * static_cast<std::size_t>(map.fields.size()));
+    }
+    // Height and the three strains of the Jacobian, then six fields.
+    EXPECT_EQ(native.counters().transforms, 10u);
+    EXPECT_EQ(native.counters().keyframes, 2u);
+}
+
+TEST(NativeSynthesizer, nothing_asked_is_nothing_done) {
+    const RandomSea random(64, 500.0, 5);
+    NativeSynthesizer native;
+    ASSERT_TRUE(native.set_sea(random.realization(), 1));
+    const auto made = native.synthesize({});
+    ASSERT_TRUE(made);
+    EXPECT_TRUE(made->empty());
+    EXPECT_EQ(native.counters().dispatches, 0u);
+    EXPECT_EQ(native.counters().transforms, 0u);
+}
+
+TEST(NativeSynthesizer, a_held_keyframe_never_changes_while_others_are_made) {
+    const RandomSea random(128, 500.0, 6);
+    NativeSynthesizer native;
+    ASSERT_TRUE(native.set_sea(random.realization(), 1));
+    const auto held = keyframe(native, sea::surface_fields, 1'000'000);
+    const std::vector<float> before = held->values;
+    for (int i = 0; i < 20; ++i)
+        keyframe(native, sea::surface_fields, 2'000'000 + i);
+    EXPECT_EQ(held->values, before);
+    EXPECT_EQ(keyframe(native, sea::surface_fields, 1'000'000)->values, before);
+}
+
+TEST(NativeSynthesizer, a_loop_comes_back_to_the_bit) {
+    const RandomSea random(64, 500.0, 7);
+    auto looping = std::make_shared<sea::Realization>(*random.realization());
+    looping->loop_period_us = 60'000'000;
+    NativeSynthesizer native;
+    ASSERT_TRUE(native.set_sea(looping, 1));
+    EXPECT_EQ(keyframe(native, {Field::height}, 7'000'000)->values,
+              keyframe(native, {Field::height}, 7'000'000 + 1'000'000 * 60'000'000LL)->values);
+}
+
+TEST(NativeSynthesizer, stylised_waves_are_added_to_the_modes) {
+    const RandomSea random(64, 500.0, 8);
+    auto stylised = std::make_shared<sea::Realization>(*random.realization());
+    sea::SineField field;
+    field.length_m = 500.0;
+    field.sharpness = 2.0;
+    const double k = 2 * M_PI / 500.0 * 3, omega = 0.6;
+    field.waves.push_back({k, 0.0, 1.5, 0.4, sea::rate_from_omega(omega), omega});
+    stylised->cascades[0].sines.push_back(field);
+    NativeSynthesizer native;
+    ASSERT_TRUE(native.set_sea(random.realization(), 1));
+    const auto plain = keyframe(native, {Field::height, Field::slope_x}, 5'000'000);
+    ASSERT_TRUE(native.set_sea(stylised, 2));
+    const auto both = keyframe(native, {Field::height, Field::slope_x}, 5'000'000);
+    for (int i = 0; i < 64; ++i) {
+        const auto point = sea::sines_at(field, i * 500.0 / 64, 0.0, 5'000'000);
+        const auto at = static_cast<std::size_t>(i);
+        // One float addition of heights of a few metres.
+        EXPECT_NEAR(both->plane(Field::height)[at] - plain->plane(Field::height)[at], point.height,
+                    2e-6);
+        EXPECT_NEAR(both->plane(Field::slope_x)[at] - plain->plane(Field::slope_x)[at],
+                    point.slope_x, 2e-7);
+    }
+}
+
+TEST(NativeSynthesizer, a_size_it_cannot_do_is_an_error_that_names_it) {
+    const RandomSea random(64, 500.0, 9);
+    auto large = std::make_shared<sea::Realization>(*random.realization());
+    large->cascades[0].spec.size = 2048;
+    NativeSynthesizer native;
+    const auto refused = native.set_sea(large, 1);
+    ASSERT_FALSE(refused);
+    EXPECT_NE(refused.error().message.find("2048"), std::string::npos);
+}
+
+} // namespace
+} // namespace seaway::server

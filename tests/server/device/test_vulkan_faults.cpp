@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+// Every fallible Vulkan call, failed once each: the synthesizer says so and leaves nothing behind.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "gpu/call.h"
+#include "gpu/instance.h"
+#include "server/device/vulkan_synthesizer.h"
+#include "tests/server/device/random_sea.h"
+
+namespace seaway::server {
+namespace {
+
+using testing::HasSubstr;
+
+/// From nothing to a keyframe; the first error on the way.
+Result<void> sail(const VulkanOptions& options, const RandomSea& random) {
+    Result<std::unique_ptr<VulkanSynthesizer>> made = make_vulkan_synthesizer(options);
+    if (!made)
+        return made.error();
+    if (Result<void> set = (*made)->set_sea(random.realization(), 1); !set)
+        return set;
+    const KeyframeRequest request{0, 0, {sea::Field::height, sea::Field::jacobian}};
+    const Result<std::vector<sea::KeyframePtr>> keyframes = (*made)->synthesize({&request, 1});
+    if (!keyframes)
+        return keyframes.error();
+    return {};
+}
+
+struct Fault {
+    VkResult result;
+    const char* name;
+    bool persistent; ///< a lost device stays lost
+    bool staged;
+};
+
+class VulkanFaults : public testing::TestWithParam<Fault> {
+  protected:
+    void TearDown() override { gpu::fault::disarm(); }
+};
+INSTANTIATE_TEST_SUITE_P(Results, VulkanFaults,
+                         testing::Values(Fault{VK_ERROR_DEVICE_LOST, "VK_ERROR_DEVICE_LOST", true,
+                                               false},
+                                         Fault{VK_ERROR_OUT_OF_DEVICE_MEMORY,
+                                               "VK_ERROR_OUT_OF_DEVICE_MEMORY", false, true}),
+                         [](const auto& fault) { return std::string(fault.param.name); });
+
+TEST_P(VulkanFaults, any_call_that_fails_is_an_error_that_names_it_and_leaks_nothing) {
+    const RandomSea random(64, 200.0, 1);
+    const VulkanOptions options{.validation = true, .staged = GetParam().staged};
+    constexpr std::uint64_t never = ~std::uint64_t{0};
+    gpu::fault::arm(never, GetParam().result);
+    ASSERT_TRUE(sail(options, random)) << "the calm case";
+    const std::uint64_t calls = gpu::fault::calls();
+    ASSERT_GT(calls, 50u);
+    const std::size_t messages = gpu::Instance::all_validation_messages();
+    for (std::uint64_t n = 1; n <= calls; ++n) {
+        gpu::fault::arm(n, GetParam().result, GetParam().persistent);
+        const Result<void> sailed = sail(options, random);
+        ASSERT_FALSE(sailed) << "call " << n << " of " << calls;
+        EXPECT_THAT(sailed.error().message, HasSubstr(GetParam().name)) << "call " << n;
+    }
+    EXPECT_EQ(gpu::Instance::all_validation_messages(), messages)
+        << "objects left behind or used when gone";
+}
+
+TEST(VulkanFaultsOnce, a_synthesizer_whose_submission_failed_goes_on_when_the_device_does) {
+    const RandomSea random(64, 200.0, 2);
+    auto synthesizer = make_vulkan_synthesizer({.validation = true});
+    ASSERT_TRUE(synthesizer) << synthesizer.error().message;
+    ASSERT_TRUE((*synthesizer)->set_sea(random.realization(), 1));
+    const KeyframeRequest request{0, 5'000'000, {sea::Field::height}};
+    const auto before = (*synthesizer)->synthesize({&request, 1});
+    ASSERT_TRUE(before);
+    for (std::uint64_t n = 1; n <= 4; ++n) { // begin, end, submit, wait
+        gpu::fault::arm(n, VK_ERROR_OUT_OF_HOST_MEMORY);
+        EXPECT_FALSE((*synthesizer)->synthesize({&request, 1})) << n;
+        gpu::fault::disarm();
+        const auto after = (*synthesizer)->synthesize({&request, 1});
+        ASSERT_TRUE(after) << after.error().message;
+        EXPECT_EQ(after->front()->values, before->front()->values);
+    }
+    EXPECT_THAT((*synthesizer)->validation_messages(), testing::IsEmpty());
+}
+
+} // namespace
+} // namespace seaway::server

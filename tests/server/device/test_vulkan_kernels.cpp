@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+// Below the synthesizer: the self-check, the packing, and that no field disturbs another.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <numeric>
+#include <vector>
+
+#include "server/device/vulkan_batch.h"
+#include "server/device/vulkan_check.h"
+#include "server/device/vulkan_fields.h"
+#include "tests/server/device/random_sea.h"
+
+namespace seaway::server {
+namespace {
+
+using sea::Field;
+
+class VulkanKernels : public testing::Test {
+  protected:
+    VulkanKernels() : device_(std::move(*gpu::Device::create({.validation = true}))) {}
+    void TearDown() override {
+        EXPECT_THAT(device_->validation().validation_messages(), testing::IsEmpty());
+    }
+
+    /// Maps of one job, in the order of the packing.
+    std::vector<std::vector<float>> planes(const shaders::Transform& transform,
+                                           const sea::CascadeModes& cascade, sea::FieldSet fields) {
+        Result<SynthesisKernels> kernels = SynthesisKernels::create(*device_, transform);
+        EXPECT_TRUE(kernels) << kernels.error().message;
+        auto batch = std::move(*VulkanBatch::create(*device_, *kernels, 1));
+        const sea::CascadeModes* const cascades[] = {&cascade};
+        EXPECT_TRUE(batch->upload(cascades));
+        const Packing packing = pack(fields);
+        const VulkanBatch::Job job{0, 1'000'000};
+        EXPECT_TRUE(batch->run({&job, 1}, packing, nullptr));
+        std::vector<std::vector<float>> read(static_cast<std::size_t>(packing.fields),
+                                             std::vector<float>(cascade.h0.size()));
+        for (std::size_t plane = 0; plane < read.size(); ++plane)
+            batch->read_plane(0, static_cast<int>(plane), read[plane]);
+        return read;
+    }
+
+    std::unique_ptr<gpu::Device> device_;
+};
+
+TEST_F(VulkanKernels, the_device_has_the_subgroups_that_this_test_is_run_for) {
+    const char* width = std::getenv("LP_NATIVE_VECTOR_WIDTH"); // bits
+    if (width != nullptr && device_->info().is_cpu()) {
+        EXPECT_EQ(device_->info().subgroup_size, static_cast<unsigned>(std::atoi(width)) / 32);
+    }
+}
+
+TEST_F(VulkanKernels, a_device_that_computes_wrongly_is_refused_with_field_and_values) {
+    // Kernels that leave out what lies beyond the band, passed off as ones for all modes.
+    for (const shaders::Transform* honest : fitting_transforms(device_->info(), 128, true)) {
+        shaders::Transform lying = *honest;
+        lying.band_limited = false;
+        Result<SynthesisKernels> kernels = SynthesisKernels::create(*device_, lying);
+        ASSERT_TRUE(kernels) << kernels.error().message;
+        const Result<void> checked = check_device(*device_, *kernels);
+        ASSERT_FALSE(checked) << honest->design;
+        EXPECT_EQ(checked.error().code, computes_wrongly);
+        EXPECT_THAT(checked.error().message, testing::HasSubstr("size 128, height at"));
+    }
+}
+
+// Hard case C4: of two fields that share a source, the second is kx times the first; the transform
+// along x is its own, so its rounding is relative to itself, however large the first one is.
+TEST_F(VulkanKernels, a_small_field_survives_beside_one_ten_thousand_times_larger) {
+    const RandomSea random(128, 2e5, 2);
+    const sea::FieldSet fields{Field::height, Field::slope_x};
+    const FieldSum height(random.cascade(), Field::height, 1'000'000);
+    const FieldSum slope(random.cascade(), Field::slope_x, 1'000'000);
+    ASSERT_GT(height.rms(), 1e4 * slope.rms());
+    for (const shaders::Transform* transform : fitting_transforms(device_->info(), 128, true)) {
+        const auto read = planes(*transform, random.cascade(), fields);
+        for (const auto& [x, y] : random_nodes(128, 100)) {
+            const std::size_t at = static_cast<std::size_t>(y) * 128 + static_cast<std::size_t>(x);
+            EXPECT_NEAR(read[1][at], slope.at(x, y), 1e-5 * slope.rms()) << transform->design;
+        }
+    }
+}
+
+TEST(FittingTransforms, subgroups_that_hold_whole_lines_get_design_t_and_all_devices_get_w) {
+    const auto best = [](std::uint32_t subgroup_size, bool shuffle, int size) {
+        gpu::DeviceInfo info;
+        info.type = VK_PHYSICAL_DEVICE_TYPE_CPU;
+        info.subgroup_size = info.subgroup_size_min = info.subgroup_size_max = subgroup_size;
+        info.subgroup_shuffle = shuffle;
+        const auto fitting = fitting_transforms(info, size, true);
+        EXPECT_EQ(fitting.back()->design, "W");
+        return fitting.front()->design;
+    };
+    for (const std::uint32_t lanes : {8u, 16u, 32u, 64u})
+        for (const int size : {128, 256, 512})
+            EXPECT_EQ(best(lanes, true, size), "T") << lanes;
+    EXPECT_EQ(best(4, true, 256), "W");
+    EXPECT_EQ(best(128, true, 256), "W") << "more than a workgroup";
+    EXPECT_EQ(best(32, false, 256), "W");
+    EXPECT_EQ(best(32, true, 1024), "W");
+}
+
+TEST(Packing, every_field_has_a_map_and_fields_that_differ_by_kx_share_a_source) {
+    const Packing all = pack(sea::FieldSet::from_bits((1u << sea::linear_field_count) - 1));
+    EXPECT_EQ(all.fields, sea::linear_field_count);
+    EXPECT_LT(all.sources, all.fields);
+    std::vector<int> planes(sea::linear_field_count);
+    std::iota(planes.begin(), planes.end(), 0);
+    EXPECT_THAT(all.plane, testing::UnorderedElementsAreArray(planes));
+    const Packing two = pack({Field::height, Field::slope_x});
+    EXPECT_EQ(two.sources, 1);
+    EXPECT_EQ(two.fields, 2);
+    EXPECT_EQ(two.plane_of(Field::slope_x), 1);
+    EXPECT_EQ(two.plane_of(Field::slope_y), -1);
+    EXPECT_EQ(pack({Field::height, Field::height_rate}).sources, 2);
+    EXPECT_EQ(pack({}).fields, 0);
+}
+
+} // namespace
+} // namespace seaway::server

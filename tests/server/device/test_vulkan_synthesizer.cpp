@@ -1,0 +1,302 @@
+// SPDX-License-Identifier: Apache-2.0
+// The Vulkan synthesizer against sums in double precision. Validation layers are on; one message of
+// theirs fails the test.
+#include "server/device/vulkan_synthesizer.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "tests/server/device/random_sea.h"
+
+namespace seaway::server {
+namespace {
+
+using sea::Field;
+using sea::FieldSet;
+using testing::HasSubstr;
+
+const FieldSet all_linear = FieldSet::from_bits((1u << sea::linear_field_count) - 1);
+
+class VulkanSynthesizerTest : public testing::Test {
+  protected:
+    explicit VulkanSynthesizerTest(VulkanOptions options = {}) {
+        options.validation = true;
+        Result<std::unique_ptr<VulkanSynthesizer>> made = make_vulkan_synthesizer(options);
+        EXPECT_TRUE(made) << made.error().message;
+        synthesizer_ = std::move(*made);
+    }
+    void TearDown() override {
+        EXPECT_THAT(synthesizer_->validation_messages(), testing::IsEmpty());
+    }
+
+    void set_sea(sea::RealizationPtr sea, std::uint32_t epoch) {
+        const Result<void> done = synthesizer_->set_sea(std::move(sea), epoch);
+        ASSERT_TRUE(done) << done.error().message;
+    }
+
+    sea::KeyframePtr keyframe(int cascade, sea::TimeUs time_us, FieldSet fields) {
+        const KeyframeRequest request{cascade, time_us, fields};
+        Result<std::vector<sea::KeyframePtr>> made = synthesizer_->synthesize({&request, 1});
+        EXPECT_TRUE(made) << made.error().message;
+        return made ? made->front() : nullptr;
+    }
+
+    std::unique_ptr<VulkanSynthesizer> synthesizer_;
+};
+
+/// Every kernel that there is: each size, for seas made from spectra (0.6 of Nyquist) and for any
+/// modes, in the fastest design and in the one for all devices, on memory as it is and as a
+/// discrete GPU has it.
+struct Variant {
+    int size;
+    double share_of_nyquist;
+    VulkanOptions options;
+};
+
+std::vector<Variant> all_variants() {
+    std::vector<Variant> variants;
+    for (const int size : {64, 128, 256, 512, 1024})
+        for (const double share : {0.6, 2.0})
+            for (const bool any_device : {false, true}) {
+                if ((size == 64 || size == 1024) && !any_device)
+                    continue; // there are no others of these sizes
+                variants.push_back(
+                    {size, share, {.staged = size == 64, .any_device_kernels = any_device}});
+            }
+    variants.push_back({128, 0.6, {.staged = true}});
+    return variants;
+}
+
+std::string name_of(const testing::TestParamInfo<Variant>& variant) {
+    return std::to_string(variant.param.size) +
+           (variant.param.share_of_nyquist < 1 ? "_band" : "_all_modes") +
+           (variant.param.options.any_device_kernels ? "_any_device" : "_fastest") +
+           (variant.param.options.staged ? "_staged" : "");
+}
+
+class AllKernels : public VulkanSynthesizerTest, public testing::WithParamInterface<Variant> {
+  protected:
+    AllKernels() : VulkanSynthesizerTest(GetParam().options) {}
+    /// The sums of the largest maps take seconds; sizes of which another design was looked at
+    /// closely get fewer.
+    int nodes() const {
+        return GetParam().size == 64 || !GetParam().options.any_device_kernels ? 200 : 10;
+    }
+    /// Subgroups of 8 lanes or more run design T; of a size that has it, it must be what was
+    /// tested.
+    void TearDown() override {
+        VulkanSynthesizerTest::TearDown();
+        const Variant& v = GetParam();
+        const bool has_t = v.size >= 128 && v.size <= 512 && !v.options.any_device_kernels;
+        const std::string design = has_t ? " T:" : " W:";
+        EXPECT_THAT(synthesizer_->description(), HasSubstr(design + std::to_string(v.size)));
+        EXPECT_THAT(synthesizer_->description(), testing::Not(HasSubstr("refused")));
+    }
+    RandomSea random_sea(unsigned seed, sea::Choppiness choppiness = {}) const {
+        return RandomSea(GetParam().size, 500.0, seed, choppiness, GetParam().share_of_nyquist);
+    }
+};
+INSTANTIATE_TEST_SUITE_P(Kernels, AllKernels, testing::ValuesIn(all_variants()), name_of);
+
+// 1e-5 Hs: floats carry 6e-8, a transform of a million points loses a few of them, the sine 1e-7.
+TEST_P(AllKernels, height_matches_the_direct_sum_within_1e5_of_hs_at_all_times) {
+    const RandomSea random = random_sea(1);
+    set_sea(random.realization(), 7);
+    for (const double t_s : {0.0, 12.34, 86'400.0, 1e6, 1e9, -3600.5}) {
+        const sea::TimeUs time_us = sea::us_from_seconds(t_s);
+        const sea::KeyframePtr map = keyframe(0, time_us, {Field::height});
+        const FieldSum truth(random.cascade(), Field::height, time_us);
+        double worst = 0;
+        for (const auto& [x, y] : random_nodes(GetParam().size, nodes()))
+            worst = std::max(
+                worst, std::abs(truth.at(x, y) - map->plane(Field::height)[node(*map, x, y)]));
+        EXPECT_LE(worst, 1e-5 * 4 * truth.rms()) << "t = " << t_s;
+        EXPECT_EQ(map->epoch, 7u);
+        EXPECT_EQ(map->time_us, time_us);
+    }
+}
+
+// Same bound for every field, in units of four times its own rms: no other field is in its
+// transform.
+TEST_P(AllKernels, every_field_matches_the_direct_sum) {
+    const RandomSea random = random_sea(2);
+    set_sea(random.realization(), 1);
+    const sea::TimeUs time_us = 1'234'567'891;
+    const sea::KeyframePtr map = keyframe(0, time_us, all_linear);
+    std::vector<FieldSum> truth;
+    for (const Field field : all_linear)
+        truth.emplace_back(random.cascade(), field, time_us);
+    for (const Field field : all_linear) {
+        const auto f = static_cast<std::size_t>(field);
+        double worst = 0;
+        for (const auto& [x, y] : random_nodes(GetParam().size, nodes() / 10))
+            worst =
+                std::max(worst, std::abs(truth[f].at(x, y) - map->plane(field)[node(*map, x, y)]));
+        EXPECT_LE(worst, 1e-5 * 4 * truth[f].rms()) << sea::info(field).name;
+    }
+}
+
+TEST_P(AllKernels, jacobian_is_the_determinant_of_the_strains) {
+    const RandomSea random = random_sea(3, {1.4, 0.6});
+    set_sea(random.realization(), 1);
+    const FieldSet strains{Field::strain_xx, Field::strain_yy, Field::strain_xy, Field::jacobian};
+    const sea::KeyframePtr map = keyframe(0, 5'000'000, strains);
+    const sea::KeyframePtr alone = keyframe(0, 5'000'000, {Field::jacobian});
+    double lowest = 1;
+    for (std::size_t i = 0; i < map->plane_size(); ++i) {
+        const double xx = map->plane(Field::strain_xx)[i], yy = map->plane(Field::strain_yy)[i],
+                     xy = map->plane(Field::strain_xy)[i];
+        const double expected = (1 + 1.4 * xx) * (1 + 0.6 * yy) - 1.4 * 0.6 * xy * xy;
+        lowest = std::min(lowest, expected);
+        // Three products of numbers near 1 in float.
+        ASSERT_NEAR(map->plane(Field::jacobian)[i], expected, 1e-6);
+        ASSERT_EQ(alone->plane(Field::jacobian)[i], map->plane(Field::jacobian)[i]);
+    }
+    EXPECT_LT(lowest, 0.95) << "the sea is too flat to tell anything";
+}
+
+TEST_P(AllKernels, variance_of_the_map_is_the_energy_of_its_modes) {
+    const RandomSea random = random_sea(4);
+    set_sea(random.realization(), 1);
+    const sea::KeyframePtr map = keyframe(0, 77'000'000, {Field::height});
+    double sum = 0;
+    for (const float value : map->plane(Field::height))
+        sum += static_cast<double>(value) * static_cast<double>(value);
+    const double rms = FieldSum(random.cascade(), Field::height, 77'000'000).rms();
+    // Rounding errors of the points are independent: the sum is far better than one of them.
+    EXPECT_NEAR(sum / static_cast<double>(map->plane_size()), rms * rms, 1e-6 * rms * rms);
+}
+
+TEST_F(VulkanSynthesizerTest, one_wave_travels_along_its_wavenumber_and_has_its_amplitude) {
+    const int n = 128;
+    const double omega = 1.7;
+    const OneWave wave(n, 64.0, 3, 1, 0.5, omega);
+    set_sea(wave.realization(), 1);
+    for (const sea::TimeUs time_us : {0, 250'000, 500'000, 750'000}) {
+        const sea::KeyframePtr map = keyframe(0, time_us, {Field::height});
+        for (int y = 0; y < n; y += 5)
+            for (int x = 0; x < n; ++x) {
+                const double phase = 2 * std::numbers::pi * (3 * x + y) / n -
+                                     sea::phase_rad(sea::rate_from_omega(omega), time_us);
+                ASSERT_NEAR(map->plane(Field::height)[node(*map, x, y)], 0.5 * std::cos(phase),
+                            1e-6);
+            }
+    }
+}
+
+// D points at the crest from both sides and the surface is squeezed there (hard case T27).
+TEST_F(VulkanSynthesizerTest, one_wave_is_sharpened_at_its_crest) {
+    const int n = 64;
+    const OneWave wave(n, 64.0, 2, 0, 1.0, 1.0);
+    set_sea(wave.realization(), 1);
+    const sea::KeyframePtr map =
+        keyframe(0, 0, {Field::height, Field::displacement_x, Field::jacobian});
+    const int crest = 0, trough = n / 4; // 2 waves on n points
+    EXPECT_GT(map->plane(Field::height)[crest], 0.99);
+    EXPECT_LT(map->plane(Field::height)[trough], -0.99);
+    EXPECT_LT(map->plane(Field::displacement_x)[node(*map, 4, 0)], 0) << "behind the crest: back";
+    EXPECT_GT(map->plane(Field::displacement_x)[node(*map, n - 4, 0)], 0) << "before it: on";
+    EXPECT_LT(map->plane(Field::jacobian)[crest], map->plane(Field::jacobian)[trough]);
+}
+
+TEST_F(VulkanSynthesizerTest, any_number_of_fields_together_gives_the_same_bits) {
+    const RandomSea random(128, 200.0, 5);
+    set_sea(random.realization(), 1);
+    const sea::KeyframePtr all = keyframe(0, 1'000'000, all_linear);
+    const auto compare = [&](FieldSet fields) {
+        const sea::KeyframePtr some = keyframe(0, 1'000'000, fields);
+        ASSERT_EQ(some->fields, fields);
+        ASSERT_EQ(some->values.size(),
+                  some->plane_size() * static_cast<std::size_t>(fields.size()));
+        for (const Field field : fields)
+            for (std::size_t i = 0; i < all->plane_size(); ++i)
+                ASSERT_EQ(some->plane(field)[i], all->plane(field)[i])
+                    << sea::info(field).name << " among " << fields.size();
+    };
+    for (std::uint32_t count = 1; count <= sea::linear_field_count; ++count)
+        compare(FieldSet::from_bits((1u << count) - 1));
+    for (const Field field : all_linear)
+        compare({field});
+}
+
+TEST_F(VulkanSynthesizerTest, cost_follows_the_demand) {
+    const RandomSea random(128, 200.0, 6);
+    set_sea(random.realization(), 1);
+    SynthesisCounters before = synthesizer_->counters();
+    ASSERT_TRUE(synthesizer_->synthesize({}));
+    keyframe(0, 0, {});
+    EXPECT_EQ(synthesizer_->counters().dispatches, before.dispatches);
+    keyframe(0, 0, {Field::height});
+    EXPECT_EQ(synthesizer_->counters().transforms - before.transforms, 1u);
+    EXPECT_LE(synthesizer_->counters().dispatches - before.dispatches, 4u);
+    before = synthesizer_->counters();
+    keyframe(0, 0, all_linear);
+    EXPECT_EQ(synthesizer_->counters().transforms - before.transforms, 11u);
+    EXPECT_GT(synthesizer_->counters().device_seconds, before.device_seconds);
+}
+
+TEST_F(VulkanSynthesizerTest, the_same_time_gives_the_same_bits_alone_and_in_company) {
+    const RandomSea first(64, 400.0, 7), second(128, 90.0, 8), third(64, 31.0, 9);
+    auto sea = std::make_shared<sea::Realization>();
+    sea->cascades = {first.cascade(), second.cascade(), third.cascade()};
+    set_sea(sea, 1);
+    std::vector<KeyframeRequest> requests;
+    for (int i = 0; i < 40; ++i)
+        requests.push_back(
+            {i % 3, 1'000'000 * i / 3,
+             i % 5 == 0 ? FieldSet{Field::height, Field::jacobian} : sea::surface_fields});
+    const Result<std::vector<sea::KeyframePtr>> together = synthesizer_->synthesize(requests);
+    ASSERT_TRUE(together) << together.error().message;
+    for (std::size_t i = 0; i < requests.size(); ++i) {
+        const sea::KeyframePtr alone =
+            keyframe(requests[i].cascade, requests[i].time_us, requests[i].fields);
+        EXPECT_EQ((*together)[i]->cascade, requests[i].cascade);
+        EXPECT_EQ((*together)[i]->size, alone->size);
+        EXPECT_EQ((*together)[i]->values, alone->values) << "request " << i;
+    }
+}
+
+TEST_F(VulkanSynthesizerTest, a_sea_with_a_loop_period_repeats_to_the_bit) {
+    const RandomSea random(64, 200.0, 10);
+    auto sea = std::make_shared<sea::Realization>(*random.realization());
+    sea->loop_period_us = 30'000'000;
+    set_sea(sea, 1);
+    const sea::KeyframePtr early = keyframe(0, 11'000'000, {Field::height});
+    for (const sea::TimeUs turns : {1, 1000, -7})
+        EXPECT_EQ(keyframe(0, 11'000'000 + turns * 30'000'000, {Field::height})->values,
+                  early->values);
+}
+
+TEST_F(VulkanSynthesizerTest, a_new_sea_replaces_the_old_one) {
+    const RandomSea first(64, 200.0, 11), second(64, 200.0, 12);
+    set_sea(first.realization(), 1);
+    const sea::KeyframePtr before = keyframe(0, 0, {Field::height});
+    set_sea(second.realization(), 2);
+    const sea::KeyframePtr after = keyframe(0, 0, {Field::height});
+    EXPECT_EQ(after->epoch, 2u);
+    EXPECT_NE(before->values, after->values);
+    set_sea(first.realization(), 3);
+    EXPECT_EQ(keyframe(0, 0, {Field::height})->values, before->values);
+}
+
+TEST_F(VulkanSynthesizerTest, a_size_without_kernels_is_an_error_that_lists_the_sizes) {
+    const RandomSea random(32, 200.0, 13);
+    const Result<void> refused = synthesizer_->set_sea(random.realization(), 1);
+    ASSERT_FALSE(refused);
+    EXPECT_THAT(refused.error().message, HasSubstr("64, 128, 256, 512, 1024"));
+    const KeyframeRequest request{0, 0, {Field::height}};
+    EXPECT_FALSE(synthesizer_->synthesize({&request, 1})) << "there is no sea";
+}
+
+TEST(VulkanSynthesizer, an_unknown_device_is_an_error_that_lists_the_devices) {
+    const auto made = make_vulkan_synthesizer({.device = "no such device"});
+    ASSERT_FALSE(made);
+    EXPECT_THAT(made.error().message, HasSubstr("0 = "));
+}
+
+} // namespace
+} // namespace seaway::server

@@ -1,0 +1,398 @@
+// SPDX-License-Identifier: Apache-2.0
+// Hostile, broken and slow clients over real loopback sockets: they end with one log line and a
+// reason, and a well-behaved subscriber next to them sees no gap.
+#include "tests/server/net/net_fixture.h"
+
+#include <cmath>
+#include <functional>
+#include <random>
+
+#include <boost/asio/buffer.hpp>
+#include <boost/asio/read_until.hpp>
+#include <boost/asio/write.hpp>
+
+#include "protocol/limits.h"
+
+namespace seaway::tests {
+namespace {
+
+using wire::Body;
+using wire::ErrorCode;
+
+/// Resident memory of this process, bytes.
+double resident_bytes() {
+    std::ifstream in("/proc/self/statm");
+    double pages_total = 0;
+    double pages_resident = 0;
+    in >> pages_total >> pages_resident;
+    return pages_resident * 4096;
+}
+
+/// A bare TCP connection to say anything with.
+class RawPeer {
+  public:
+    explicit RawPeer(int port, int receive_buffer_bytes = 0) : socket_(io_) {
+        socket_.open(tcp::v4());
+        if (receive_buffer_bytes > 0)
+            socket_.set_option(asio::socket_base::receive_buffer_size(receive_buffer_bytes));
+        socket_.connect({asio::ip::address_v4::loopback(), static_cast<unsigned short>(port)});
+    }
+    void say(std::span<const std::uint8_t> bytes) {
+        beast::error_code ignored; // the server may have closed already
+        asio::write(socket_, asio::buffer(bytes.data(), bytes.size()), ignored);
+    }
+    void say(std::string_view text) {
+        say({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+    }
+    /// Upgrades by hand and reads the response's header.
+    void upgrade() {
+        say("GET /v1/stream HTTP/1.1\r\nHost: x\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n"
+            "Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"
+            "Sec-WebSocket-Protocol: seaway.v1\r\n\r\n");
+        std::string answer;
+        asio::read_until(socket_, asio::dynamic_buffer(answer), "\r\n\r\n");
+        EXPECT_NE(answer.find("101"), std::string::npos) << answer;
+    }
+    /// A masked binary frame with key 0, whole or cut after `bytes_sent` bytes of it.
+    void frame(const protocol::Bytes& payload, std::size_t bytes_sent = ~std::size_t{0}) {
+        protocol::Bytes bytes{0x82};
+        const int length_bytes = payload.size() < 126 ? 0 : payload.size() < 65536 ? 2 : 8;
+        const std::size_t first = length_bytes == 0   ? payload.size()
+                                  : length_bytes == 2 ? 126
+                                                      : 127;
+        bytes.push_back(static_cast<std::uint8_t>(0x80 | first));
+        for (int shift = 8 * (length_bytes - 1); shift >= 0; shift -= 8)
+            bytes.push_back(static_cast<std::uint8_t>(payload.size() >> shift));
+        bytes.insert(bytes.end(), 4, 0);
+        bytes.insert(bytes.end(), payload.begin(), payload.end());
+        say(std::span(bytes).first(std::min(bytes_sent, bytes.size())));
+    }
+    void reset() { // RST instead of FIN
+        socket_.set_option(asio::socket_base::linger(true, 0));
+        socket_.close();
+    }
+    /// True once the server has closed its side.
+    bool closed_by_server() {
+        beast::error_code error;
+        std::array<char, 4096> rest{};
+        while (!error)
+            socket_.read_some(asio::buffer(rest), error);
+        return true;
+    }
+
+  private:
+    asio::io_context io_;
+    tcp::socket socket_;
+};
+
+/// Subscribes and reads in a thread, acknowledging everything; remembers the times it saw.
+class HealthySubscriber {
+  public:
+    explicit HealthySubscriber(int port) : client_(port) {
+        EXPECT_FALSE(client_.connect());
+        EXPECT_TRUE(client_.greet());
+        EXPECT_FALSE(client_.send(protocol::subscribe(1, {.fields = {sea::Field::height}}, 8)));
+        EXPECT_TRUE(client_.receive(Body::FetchDone));
+        thread_ = std::thread([this] { run(); });
+    }
+    ~HealthySubscriber() { join(); }
+    void join() {
+        if (thread_.joinable())
+            thread_.join();
+    }
+    std::int64_t seen(int cascade) const { return seen_[static_cast<std::size_t>(cascade)]; }
+    /// Keyframes that did not follow their predecessor.
+    int gaps() const { return gaps_; }
+
+  private:
+    void run() {
+        while (const wire::Message* message = client_.receive()) {
+            const wire::Tile* tile = message->body_as_Tile();
+            if (tile == nullptr)
+                continue;
+            const std::int64_t n = tile->time_us() / interval_us;
+            auto& last = seen_.at(tile->cascade());
+            if (last != 0 && n != last + 1)
+                ++gaps_;
+            last = n;
+            if (client_.send(protocol::ack(tile->keyframe())))
+                return;
+        }
+    }
+    Client client_;
+    std::array<std::atomic<std::int64_t>, 2> seen_{};
+    std::atomic<int> gaps_ = 0;
+    std::thread thread_;
+};
+
+class NetHostile : public NetTest {
+  protected:
+    /// Publishes keyframes [from, to) as fast as the healthy one takes them.
+    void stream(HealthySubscriber& healthy, std::int64_t from, std::int64_t to) {
+        for (std::int64_t n = from; n < to; ++n) {
+            publish(n);
+            ASSERT_TRUE(eventually([&] { return healthy.seen(0) == n && healthy.seen(1) == n; }))
+                << "keyframe " << n << " did not arrive";
+        }
+    }
+    std::size_t closed(std::string_view reason) const {
+        return log.lines_with("event=session_closed", fmt::format("reason={} ", reason)).size();
+    }
+};
+
+TEST_F(NetHostile, bytes_that_are_no_message_end_the_session_with_bad_message) {
+    start();
+    std::mt19937_64 numbers(1);
+    for (int round = 0; round < 20; ++round) {
+        Client client(port());
+        ASSERT_FALSE(client.connect());
+        if (round % 2 == 0) {
+            ASSERT_TRUE(client.greet());
+        }
+        protocol::Bytes garbage(1 + numbers() % 3000);
+        for (std::uint8_t& byte : garbage)
+            byte = static_cast<std::uint8_t>(numbers());
+        ASSERT_FALSE(client.send(garbage));
+        EXPECT_EQ(client.close_code(), protocol::close_code(ErrorCode::bad_message));
+    }
+    net->stop();
+    EXPECT_EQ(closed("bad_message"), 20u);
+}
+
+TEST_F(NetHostile, every_kind_of_bad_client_ends_with_one_line_and_nobody_else_notices) {
+    options.hello_deadline = std::chrono::milliseconds(300);
+    options.http_deadline = std::chrono::milliseconds(300);
+    start();
+    HealthySubscriber healthy(port());
+    std::mt19937_64 numbers(2);
+    protocol::Bytes garbage(5000);
+    for (std::uint8_t& byte : garbage)
+        byte = static_cast<std::uint8_t>(numbers());
+    garbage[0] = 0x00; // not the start of any method
+
+    struct Attack {
+        std::string name;
+        std::function<void(RawPeer&)> act;
+        std::string reason; ///< of event=session_closed, or of event=connection_refused
+    };
+    const protocol::Bytes hello = protocol::hello("raw", "");
+    const std::vector<Attack> attacks{
+        {"random bytes instead of HTTP", [&](RawPeer& peer) { peer.say(garbage); }, "bad_http"},
+        {"a header without end",
+         [&](RawPeer& peer) { peer.say("GET / HTTP/1.1\r\nX: " + std::string(20'000, 'x')); },
+         "bad_http"},
+        {"random bytes instead of frames",
+         [&](RawPeer& peer) {
+             peer.upgrade();
+             protocol::Bytes frames = garbage;
+             frames[0] = 0xff; // reserved bits and opcode
+             peer.say(frames);
+         },
+         "bad_message"},
+        {"a frame that announces 2^62 bytes",
+         [&](RawPeer& peer) {
+             peer.upgrade();
+             peer.say(std::string_view("\x82\xff\x40\0\0\0\0\0\0\0\0\0\0\0", 14));
+         },
+         "bad_message"},
+        {"a frame without mask",
+         [&](RawPeer& peer) {
+             peer.upgrade();
+             peer.say(std::string_view("\x82\x01\x00", 3));
+         },
+         "bad_message"},
+        {"text",
+         [&](RawPeer& peer) {
+             peer.upgrade();
+             peer.say(std::string_view("\x81\x82\0\0\0\0hi", 8));
+         },
+         "bad_message"},
+        {"silence after the upgrade", [&](RawPeer& peer) { peer.upgrade(); }, "hello_expected"},
+        {"disconnect in the middle of a frame",
+         [&](RawPeer& peer) {
+             peer.upgrade();
+             peer.frame(hello);
+             peer.frame(protocol::ping(1, 1), 20);
+             peer.reset();
+         },
+         "disconnected"},
+        {"disconnect in the middle of the upgrade",
+         [&](RawPeer& peer) {
+             peer.say("GET /v1/stream HTTP/1.1\r\nUpgr");
+             peer.reset();
+         },
+         ""},
+    };
+    std::int64_t n = 10;
+    for (const Attack& attack : attacks) {
+        for (int round = 0; round < 3; ++round) {
+            RawPeer peer(port());
+            attack.act(peer);
+            stream(healthy, n, n + 5);
+            n += 5;
+            if (attack.reason != "disconnected" && !attack.reason.empty()) {
+                EXPECT_TRUE(peer.closed_by_server()) << attack.name;
+            }
+        }
+    }
+    EXPECT_TRUE(eventually([&] { return metric("seaway_net_sessions") == 1; }));
+    EXPECT_EQ(healthy.gaps(), 0);
+    net->stop();
+    healthy.join();
+    EXPECT_EQ(log.lines_with("event=connection_refused", "reason=bad_http").size(), 6u);
+    EXPECT_EQ(closed("bad_message"), 12u);
+    EXPECT_EQ(closed("hello_expected"), 3u);
+    EXPECT_EQ(closed("disconnected"), 3u);
+    EXPECT_EQ(closed("shutting_down"), 1u);
+    EXPECT_EQ(log.lines_with("event=session_closed").size(), 19u) << log.text();
+}
+
+TEST_F(NetHostile, a_client_that_never_reads_is_cut_by_its_write_and_nobody_else_notices) {
+    // Replies of 160 KB each fill what the kernel holds for the stalled client; then its write
+    // stands still. It has asked for no more than it may.
+    options.write_timeout = std::chrono::milliseconds(300);
+    start();
+    HealthySubscriber healthy(port());
+    RawPeer stalled(port(), 4096);
+    stalled.upgrade();
+    stalled.frame(protocol::hello("stalled", ""));
+    const std::vector<sea::QueryPoint> points(protocol::limits::points_per_query_max);
+    for (std::uint32_t id = 0; id < 16; ++id)
+        stalled.frame(protocol::query(id, points, false));
+    std::int64_t n = 10;
+    ASSERT_TRUE(eventually([&] {
+        stream(healthy, n, n + 1);
+        ++n;
+        return metric("seaway_net_sessions") == 1;
+    }));
+    EXPECT_EQ(healthy.gaps(), 0);
+    net->stop();
+    EXPECT_EQ(closed("too_slow"), 1u) << log.text();
+}
+
+TEST_F(NetHostile, a_client_that_is_dead_but_connected_is_cut_when_it_answers_no_ping) {
+    options.idle_timeout = std::chrono::milliseconds(300);
+    start();
+    RawPeer dead(port());
+    dead.upgrade();
+    dead.frame(protocol::hello("dead", ""));
+    EXPECT_TRUE(dead.closed_by_server());
+    // The socket ends a moment before the session that the timeout is told to.
+    EXPECT_TRUE(eventually([&] { return metric("seaway_net_sessions") == 0; }));
+    net->stop();
+    EXPECT_EQ(closed("idle"), 1u) << log.text();
+}
+
+TEST_F(NetHostile, a_client_that_answers_pings_is_not_cut) {
+    options.idle_timeout = std::chrono::milliseconds(200);
+    start();
+    Client quiet(port());
+    ASSERT_FALSE(quiet.connect());
+    ASSERT_TRUE(quiet.greet());
+    EXPECT_TRUE(quiet.stays_quiet_for(std::chrono::milliseconds(1000)));
+    EXPECT_EQ(metric("seaway_net_sessions"), 1);
+}
+
+TEST_F(NetHostile, sea_states_that_cannot_be_sent_close_the_session_as_too_slow) {
+    start();
+    RawPeer stalled(port(), 4096);
+    stalled.upgrade();
+    stalled.frame(protocol::hello("stalled", ""));
+    ASSERT_TRUE(eventually([&] { return metric("seaway_net_messages_sent_total") == 2; }));
+    // 100 KB each: a few fill the kernel's buffers, sixteen wait, the next is one too many.
+    for (std::uint32_t epoch = 1; epoch < 60; ++epoch)
+        net->announce(SmallSea::state_message(epoch, 100'000));
+    EXPECT_TRUE(eventually([&] { return metric("seaway_net_sessions") == 0; }));
+    net->stop();
+    EXPECT_EQ(closed("too_slow"), 1u) << log.text();
+}
+
+TEST_F(NetHostile, a_flood_of_requests_without_reading_is_not_read_beyond_the_limit) {
+    start();
+    RawPeer flood(port(), 4096);
+    flood.upgrade();
+    flood.frame(protocol::hello("flood", ""));
+    const std::vector<sea::QueryPoint> points(protocol::limits::points_per_query_max);
+    std::thread sender([&] {
+        for (std::uint32_t id = 0; id < 400; ++id)
+            flood.frame(protocol::query(id, points, false));
+    });
+    // 400 replies are 64 MB; what waits is at most the limit, one reply and those in flight.
+    const auto bound = static_cast<double>(protocol::limits::replies_bytes_max +
+                                           (1 + protocol::limits::queries_in_flight_max) * 170'000);
+    double most = 0;
+    for (int look = 0; look < 50; ++look) {
+        most = std::max(most, metric("seaway_net_outbox_bytes"));
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    EXPECT_GT(most, 0.5 * static_cast<double>(protocol::limits::replies_bytes_max));
+    EXPECT_LE(most, bound);
+    net->stop();
+    sender.join();
+}
+
+TEST_F(NetHostile, memory_stays_flat_while_stalled_and_broken_clients_come_and_go) {
+    options.sessions_max = 64;
+    host.size = 64;
+    start();
+    HealthySubscriber healthy(port());
+    std::int64_t n = 10;
+    const auto wave = [&] {
+        std::vector<std::unique_ptr<RawPeer>> stalled;
+        for (int i = 0; i < 30; ++i) {
+            stalled.push_back(std::make_unique<RawPeer>(port(), 4096));
+            stalled.back()->upgrade();
+            stalled.back()->frame(protocol::hello("stalled", ""));
+            stalled.back()->frame(protocol::subscribe(1, {.fields = {sea::Field::height}}, 8));
+        }
+        stream(healthy, n, n + 40);
+        n += 40;
+        for (std::size_t i = 0; i < stalled.size(); i += 2)
+            stalled[i]->reset();
+    };
+    wave();
+    wave(); // thread arenas and buffers have their size now
+    const double before = resident_bytes();
+    for (int round = 0; round < 8; ++round)
+        wave();
+    const double grown = resident_bytes() - before;
+    EXPECT_EQ(healthy.gaps(), 0);
+    // 240 sessions and 320 keyframes of 2 x 64 x 64 samples went by: 10 MB of floats and 1000 KB
+    // for each session kept would show; fragmentation of the heap is below 4 MB.
+#if !defined(__SANITIZE_THREAD__) && !defined(__SANITIZE_ADDRESS__) // they keep what is freed
+    EXPECT_LT(grown, 4e6);
+#endif
+    net->stop();
+}
+
+TEST_F(NetHostile, stop_ends_in_time_although_a_client_never_reads) {
+    start();
+    RawPeer stalled(port(), 4096);
+    stalled.upgrade();
+    stalled.frame(protocol::hello("stalled", ""));
+    const std::vector<sea::QueryPoint> points(protocol::limits::points_per_query_max);
+    for (std::uint32_t id = 0; id < 16; ++id)
+        stalled.frame(protocol::query(id, points, false));
+    ASSERT_TRUE(eventually([&] { return metric("seaway_net_queries_total") >= 8; }));
+    net->stop(); // a hang here is a failure by the test's own time limit
+    EXPECT_EQ(log.lines_with("event=session_closed").size(), 1u);
+}
+
+TEST_F(NetHostile, a_flood_of_bad_connections_is_not_a_flood_of_log) {
+    start();
+    const auto begin = std::chrono::steady_clock::now();
+    for (int i = 0; i < 2000; ++i) {
+        RawPeer peer(port());
+        peer.say(std::string_view("\0\0\0\r\n\r\n", 7));
+    }
+    ASSERT_TRUE(eventually([&] { return metric("seaway_net_handshakes_failed_total") == 2000; }));
+    net->stop();
+    // Each clock second that was touched lets 200 lines through.
+    const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
+    EXPECT_LE(static_cast<double>(log.lines_with("event=connection_refused").size()),
+              200 * (std::ceil(taken.count()) + 1));
+    EXPECT_GE(log.lines_with("event=connection_refused").size(), 200u);
+}
+
+} // namespace
+} // namespace seaway::tests

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+// The HTTP side, start and stop.
+#include "tests/server/net/net_fixture.h"
+
+namespace seaway::tests {
+namespace {
+
+class NetHttp : public NetTest {};
+
+TEST_F(NetHttp, pages_are_served_with_their_content_types) {
+    start();
+    const auto health = get("/healthz");
+    EXPECT_EQ(health.result_int(), 200u);
+    EXPECT_EQ(health.body(), "ok\n");
+    const auto state = get("/v1/state?pretty=1");
+    EXPECT_EQ(state.result_int(), 200u);
+    EXPECT_EQ(state[http::field::content_type], "application/json");
+    EXPECT_EQ(state.body(), "{\"sea\":1}");
+    EXPECT_EQ(get("/v1/plan").body(), "{\"plan\":1}");
+    const auto metrics = get("/metrics");
+    EXPECT_NE(metrics.body().find("seaway_simulation_up 1\n"), std::string::npos);
+    EXPECT_NE(metrics.body().find("# TYPE seaway_net_sessions gauge\nseaway_net_sessions 0\n"),
+              std::string::npos);
+    const auto page = get("/");
+    EXPECT_EQ(page[http::field::content_type], "text/html; charset=utf-8");
+    EXPECT_NE(page.body().find("Seaway"), std::string::npos);
+}
+
+TEST_F(NetHttp, a_failed_simulation_is_not_healthy) {
+    start();
+    host.well = false;
+    EXPECT_EQ(get("/healthz").result_int(), 503u);
+}
+
+TEST_F(NetHttp, what_is_not_there_or_not_allowed_is_said_clearly) {
+    start();
+    const auto missing = get("/v2/state");
+    EXPECT_EQ(missing.result_int(), 404u);
+    EXPECT_NE(missing.body().find("/v1/state"), std::string::npos);
+    const auto posted = get("/v1/state", http::verb::post);
+    EXPECT_EQ(posted.result_int(), 405u);
+    EXPECT_EQ(posted[http::field::allow], "GET, HEAD");
+    EXPECT_EQ(get("/v1/stream").result_int(), 426u);
+}
+
+TEST_F(NetHttp, head_has_the_length_and_no_body) {
+    start();
+    const auto head = get("/healthz", http::verb::head);
+    EXPECT_EQ(head.result_int(), 200u);
+    EXPECT_EQ(head[http::field::content_length], "3");
+    EXPECT_TRUE(head.body().empty());
+}
+
+TEST_F(NetHttp, a_stream_without_the_subprotocol_is_refused) {
+    start();
+    Client client(port());
+    EXPECT_TRUE(client.connect("other.v1"));
+    EXPECT_EQ(client.response().result_int(), 400u);
+}
+
+TEST_F(NetHttp, sessions_above_the_limit_are_told_503_and_the_others_go_on) {
+    options.sessions_max = 2;
+    start();
+    Client first(port());
+    Client second(port());
+    Client third(port());
+    ASSERT_FALSE(first.connect());
+    ASSERT_FALSE(second.connect());
+    ASSERT_TRUE(first.greet());
+    EXPECT_TRUE(third.connect());
+    EXPECT_EQ(third.response().result_int(), 503u);
+    EXPECT_TRUE(second.greet());
+}
+
+TEST_F(NetHttp, an_address_that_cannot_be_had_is_one_helpful_line) {
+    start();
+    for (const auto& [listen, words] : std::map<std::string, std::string>{
+             {fmt::format("127.0.0.1:{}", port()), "choose another port with --listen"},
+             {"203.0.113.7:9430", "no such address"},
+             {"localhost:9430", "expected ADDR:PORT"},
+             {"127.0.0.1", "expected ADDR:PORT"},
+             {"127.0.0.1:", "expected ADDR:PORT"},
+             {"127.0.0.1:65536", "expected ADDR:PORT"},
+             {"::1:80", "expected ADDR:PORT"},
+             {"", "expected ADDR:PORT"}}) {
+        server::NetOptions other = options;
+        other.listen = listen;
+        const auto started = server::NetServer::start(other, host);
+        ASSERT_FALSE(started.has_value()) << listen;
+        EXPECT_NE(started.error().message.find(words), std::string::npos)
+            << started.error().message;
+        EXPECT_EQ(started.error().message.find('\n'), std::string::npos);
+    }
+}
+
+TEST_F(NetHttp, files_that_cannot_be_read_are_one_helpful_line) {
+    const auto message = [&](const server::NetOptions& other) {
+        const auto started = server::NetServer::start(other, host);
+        EXPECT_FALSE(started.has_value());
+        return started ? std::string() : started.error().message;
+    };
+    server::NetOptions other = options;
+    other.client_token_file = "/nonexistent/token";
+    EXPECT_NE(message(other).find("/nonexistent/token"), std::string::npos);
+    other = options;
+    other.tls_cert_file = "/nonexistent/cert.pem";
+    EXPECT_NE(message(other).find("--tls-key"), std::string::npos);
+    other.tls_key_file = "/nonexistent/key.pem";
+    EXPECT_NE(message(other).find("--tls-cert /nonexistent/cert.pem"), std::string::npos);
+}
+
+TEST_F(NetHttp, the_url_names_the_port_that_was_taken) {
+    start();
+    EXPECT_EQ(net->url(), fmt::format("ws://127.0.0.1:{}", port()));
+    EXPECT_GT(port(), 0);
+}
+
+TEST_F(NetHttp, stop_says_goaway_to_all_and_is_idempotent) {
+    start();
+    Client greeted(port());
+    ASSERT_FALSE(greeted.connect());
+    ASSERT_TRUE(greeted.greet());
+    Client silent(port());
+    ASSERT_FALSE(silent.connect());
+    std::thread stopper([&] { net->stop(); });
+    const wire::Message* message = greeted.receive();
+    ASSERT_TRUE(message && message->body_as_GoAway());
+    EXPECT_EQ(message->body_as_GoAway()->code(), wire::ErrorCode::shutting_down);
+    EXPECT_EQ(greeted.close_code(), protocol::close_code(wire::ErrorCode::shutting_down));
+    stopper.join();
+    net->stop();
+    net->publish(host.keyframe(0, 1, {sea::Field::height}));
+    net->announce(SmallSea::state_message(1));
+}
+
+} // namespace
+} // namespace seaway::tests

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+// The same port with TLS: a client that is bare OpenSSL over a socket.
+#include <array>
+#include <cstdio>
+#include <fstream>
+
+#include <arpa/inet.h>
+#include <gtest/gtest.h>
+#include <openssl/err.h>
+#include <openssl/pem.h>
+#include <openssl/ssl.h>
+#include <openssl/x509.h>
+#include <sys/socket.h>
+#include <sys/time.h>
+#include <unistd.h>
+
+#include "server/net/server.h"
+#include "tests/server/simulation/small_sea.h"
+
+namespace seaway::tests {
+namespace {
+
+template <auto Free>
+struct Freed {
+    template <class T>
+    void operator()(T* thing) const {
+        Free(thing);
+    }
+};
+using Key = std::unique_ptr<EVP_PKEY, Freed<EVP_PKEY_free>>;
+using Certificate = std::unique_ptr<X509, Freed<X509_free>>;
+using Context = std::unique_ptr<SSL_CTX, Freed<SSL_CTX_free>>;
+using Ssl = std::unique_ptr<SSL, Freed<SSL_free>>;
+using File = std::unique_ptr<std::FILE, Freed<std::fclose>>;
+
+/// Writes a self-signed certificate of an hour and its key as PEM files.
+void make_certificate(const std::string& cert_file, const std::string& key_file) {
+    const Key key(EVP_EC_gen("P-256"));
+    const Certificate certificate(X509_new());
+    X509_set_version(certificate.get(), 2);
+    ASN1_INTEGER_set(X509_get_serialNumber(certificate.get()), 1);
+    X509_gmtime_adj(X509_getm_notBefore(certificate.get()), -60);
+    X509_gmtime_adj(X509_getm_notAfter(certificate.get()), 3600);
+    X509_set_pubkey(certificate.get(), key.get());
+    X509_NAME* name = X509_get_subject_name(certificate.get());
+    const std::string common_name = "seaway test";
+    X509_NAME_add_entry_by_txt(name, "CN", MBSTRING_ASC,
+                               reinterpret_cast<const unsigned char*>(common_name.c_str()), -1, -1,
+                               0);
+    X509_set_issuer_name(certificate.get(), name);
+    X509_sign(certificate.get(), key.get(), EVP_sha256());
+    const File cert(std::fopen(cert_file.c_str(), "w"));
+    PEM_write_X509(cert.get(), certificate.get());
+    const File pem(std::fopen(key_file.c_str(), "w"));
+    PEM_write_PrivateKey(pem.get(), key.get(), nullptr, nullptr, 0, nullptr, nullptr);
+}
+
+class TlsPeer {
+  public:
+    explicit TlsPeer(int port) : context_(SSL_CTX_new(TLS_client_method())) {
+        socket_ = ::socket(AF_INET, SOCK_STREAM, 0);
+        const timeval five_seconds{5, 0};
+        ::setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &five_seconds, sizeof five_seconds);
+        sockaddr_in address{};
+        address.sin_family = AF_INET;
+        address.sin_port = htons(static_cast<std::uint16_t>(port));
+        address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+        EXPECT_EQ(::connect(socket_, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
+    }
+    ~TlsPeer() { ::close(socket_); }
+    TlsPeer(const TlsPeer&) = delete;
+    TlsPeer& operator=(const TlsPeer&) = delete;
+
+    bool handshake(int version_max = TLS1_3_VERSION) {
+        SSL_CTX_set_security_level(context_.get(), 0); // offers old versions too
+        SSL_CTX_set_min_proto_version(context_.get(), TLS1_VERSION);
+        SSL_CTX_set_max_proto_version(context_.get(), version_max);
+        ssl_.reset(SSL_new(context_.get()));
+        SSL_set_fd(ssl_.get(), socket_);
+        return SSL_connect(ssl_.get()) == 1;
+    }
+    void say(std::string_view text) {
+        EXPECT_EQ(SSL_write(ssl_.get(), text.data(), static_cast<int>(text.size())),
+                  static_cast<int>(text.size()));
+    }
+    /// Reads until `word` has been seen, or the end.
+    std::string hear(std::string_view word) {
+        std::string heard;
+        std::array<char, 4096> some{};
+        while (heard.find(word) == std::string::npos) {
+            const int count = SSL_read(ssl_.get(), some.data(), some.size());
+            if (count <= 0)
+                break;
+            heard.append(some.data(), static_cast<std::size_t>(count));
+        }
+        return heard;
+    }
+
+  private:
+    Context context_;
+    Ssl ssl_;
+    int socket_;
+};
+
+class NetTls : public ::testing::Test {
+  protected:
+    NetTls() {
+        server::NetOptions options;
+        options.listen = "127.0.0.1:0";
+        options.tls_cert_file = ::testing::TempDir() + "seaway_test_cert.pem";
+        options.tls_key_file = ::testing::TempDir() + "seaway_test_key.pem";
+        make_certificate(options.tls_cert_file, options.tls_key_file);
+        auto started = server::NetServer::start(options, host);
+        EXPECT_TRUE(started.has_value()) << (started ? "" : started.error().message);
+        net = std::move(*started);
+    }
+    SmallSea host;
+    std::unique_ptr<server::NetServer> net;
+};
+
+TEST_F(NetTls, pages_and_streams_are_served) {
+    EXPECT_EQ(net->url().substr(0, 6), "wss://");
+    TlsPeer peer(net->port());
+    ASSERT_TRUE(peer.handshake());
+    peer.say("GET /healthz HTTP/1.1\r\nHost: x\r\n\r\n");
+    EXPECT_NE(peer.hear("ok\n").find("200 OK"), std::string::npos);
+    // The same connection, kept alive, becomes a stream.
+    peer.say("GET /v1/stream HTTP/1.1\r\nHost: x\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n"
+             "Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"
+             "Sec-WebSocket-Protocol: seaway.v1\r\n\r\n");
+    EXPECT_NE(peer.hear("\r\n\r\n").find("101 Switching"), std::string::npos);
+    const protocol::Bytes hello = protocol::hello("tls", "");
+    ASSERT_LT(hello.size(), 126u);
+    std::string frame{static_cast<char>(0x82), static_cast<char>(0x80 | hello.size()), 0, 0, 0, 0};
+    frame.append(hello.begin(), hello.end());
+    peer.say(frame);
+    EXPECT_NE(peer.hear("seaway " SEAWAY_VERSION).find("SEAW"), std::string::npos) << "Welcome";
+}
+
+TEST_F(NetTls, versions_before_1_2_are_refused) {
+    TlsPeer old(net->port());
+    EXPECT_FALSE(old.handshake(TLS1_1_VERSION));
+    TlsPeer good(net->port());
+    EXPECT_TRUE(good.handshake(TLS1_2_VERSION));
+}
+
+TEST_F(NetTls, a_key_of_another_certificate_is_one_helpful_line) {
+    server::NetOptions options;
+    options.listen = "127.0.0.1:0";
+    options.tls_cert_file = ::testing::TempDir() + "seaway_test_cert_a.pem";
+    options.tls_key_file = ::testing::TempDir() + "seaway_test_key_b.pem";
+    make_certificate(options.tls_cert_file, ::testing::TempDir() + "seaway_test_key_a.pem");
+    make_certificate(::testing::TempDir() + "seaway_test_cert_b.pem", options.tls_key_file);
+    const auto started = server::NetServer::start(options, host);
+    ASSERT_FALSE(started.has_value());
+    EXPECT_NE(started.error().message.find("--tls-key"), std::string::npos);
+}
+
+} // namespace
+} // namespace seaway::tests
