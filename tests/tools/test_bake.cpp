@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
+#include <fstream>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -192,6 +196,189 @@ TEST(Bake, attributes_say_what_one_has_to_know) {
     EXPECT_NEAR(mean, 1.0, 0.5); // one small tile at one moment holds a dozen crests
 }
 
+/// The whole sea of small_scene() at a time.
+sea::DirectSum small_sea() {
+    return sea::DirectSum(
+        std::make_shared<const sea::Realization>(sea::realize(small_scene()).value()));
+}
+
+TEST(Bake, summed_tile_is_the_sea_of_all_cascades) {
+    const std::string out = testing::folder().file("summed");
+    ASSERT_EQ(run_bake("--out " + out +
+                       " --frames 1 --fps 8 --start 31 --size 64 --summed "
+                       "--fields height,displacement_x,slope_y,jacobian,foam")
+                  .status,
+              0);
+    ExrFile file(out + "/sea.00000.exr");
+    ASSERT_EQ(file.size(), 64);
+    EXPECT_EQ(file.number("seaway.length_m"), 401.0);
+    EXPECT_EQ(file.text("seaway.repeats"), "no"); // 401 is no multiple of 83
+    const sea::DirectSum sum = small_sea();
+    const sea::DirectSum::Moment now = sum.at_time(31'000'000);
+    const std::vector<float> height = file.values("height"), east = file.values("displacement_x"),
+                             slope = file.values("slope_y"), jacobian = file.values("jacobian");
+    // Splines miss 1 % of the finest waves of a tile of 83 m sampled by 64 points, which hold a
+    // few per cent of the slope: 2e-3 of Hs, and ten times that where derivatives count.
+    double squares = 0;
+    for (const float h : height)
+        squares += static_cast<double>(h) * static_cast<double>(h);
+    const double hs = 4 * std::sqrt(squares / (64 * 64));
+    ASSERT_GT(hs, 1.0);
+    for (int i = 0; i < 300; ++i) {
+        const int x = (i * 37) % 64, y = (i * 53 + i / 7) % 64;
+        const auto node = static_cast<std::size_t>(y * 64 + x);
+        const sea::LagrangianPoint p = now.at(x * 401.0 / 64, y * 401.0 / 64);
+        EXPECT_NEAR(height[node], p.height, 2e-3 * hs);
+        EXPECT_NEAR(east[node], p.displacement_x, 2e-3 * hs);
+        EXPECT_NEAR(slope[node], p.slope_y, 0.02);
+        EXPECT_NEAR(jacobian[node], sea::jacobian(p, {1.2, 1.2}), 0.04);
+    }
+    double mean = 0;
+    for (const float coverage : file.values("foam")) {
+        ASSERT_TRUE(coverage >= 0 && coverage <= 1);
+        mean += static_cast<double>(coverage) / (64 * 64);
+    }
+    EXPECT_GT(mean, 0.0);
+}
+
+TEST(Bake, rgb_is_where_a_point_goes_in_the_frame_of_the_reader) {
+    const std::string names = testing::folder().file("names");
+    const std::string rgb = testing::folder().file("rgb");
+    const std::string same = " --frames 1 --fps 24 --size 64 ";
+    ASSERT_EQ(
+        run_bake("--out " + names + same + "--fields height,displacement_x,displacement_y,foam")
+            .status,
+        0);
+    ASSERT_EQ(
+        run_bake("--out " + rgb + same + "--channels rgb --up y --top north --fields height,foam")
+            .status,
+        0);
+    ExrFile named(names + "/cascade1.00000.exr"), moved(rgb + "/cascade1.00000.exr");
+    EXPECT_FALSE(moved.has("height"));
+    EXPECT_EQ(moved.text("seaway.axes"), "east, up, south");
+    EXPECT_EQ(moved.text("seaway.rows"), "north to south");
+    const std::vector<float> height = named.values("height"), dx = named.values("displacement_x"),
+                             dy = named.values("displacement_y"), foam = named.values("foam");
+    const std::vector<float> r = moved.values("R"), g = moved.values("G"), b = moved.values("B"),
+                             a = moved.values("A");
+    for (std::size_t y = 0; y < 64; ++y)
+        for (std::size_t x = 0; x < 64; ++x) {
+            const std::size_t from = y * 64 + x, to = (63 - y) * 64 + x;
+            ASSERT_EQ(r[to], 1.2f * dx[from]);
+            ASSERT_EQ(g[to], height[from]);
+            ASSERT_EQ(b[to], -(1.2f * dy[from]));
+            ASSERT_EQ(a[to], foam[from]);
+        }
+}
+
+struct PlyVertex {
+    float position[3];
+    float normal[3];
+    float texture[2];
+};
+
+/// Vertices and faces of a mesh that --mesh ply wrote.
+struct Ply {
+    std::vector<PlyVertex> vertices;
+    std::vector<std::array<std::int32_t, 4>> faces;
+
+    explicit Ply(const std::string& path) {
+        std::ifstream file(path, std::ios::binary);
+        std::string line;
+        std::size_t vertex_count = 0, face_count = 0;
+        while (std::getline(file, line) && line != "end_header") {
+            if (line.starts_with("element vertex "))
+                vertex_count = std::stoul(line.substr(15));
+            if (line.starts_with("element face "))
+                face_count = std::stoul(line.substr(13));
+        }
+        vertices.resize(vertex_count);
+        file.read(reinterpret_cast<char*>(vertices.data()),
+                  static_cast<std::streamsize>(vertex_count * sizeof(PlyVertex)));
+        faces.resize(face_count);
+        for (auto& face : faces) {
+            EXPECT_EQ(file.get(), 4);
+            file.read(reinterpret_cast<char*>(face.data()), sizeof(face));
+        }
+        EXPECT_TRUE(file.good());
+        EXPECT_EQ(file.get(), std::char_traits<char>::eof()) << "nothing behind the faces";
+    }
+};
+
+TEST(Bake, mesh_lies_on_the_surface_and_repeats_without_a_gap) {
+    const std::string out = testing::folder().file("mesh");
+    ASSERT_EQ(run_bake("--out " + out +
+                       " --frames 1 --fps 24 --start 7 --size 64 --mesh ply --fields height")
+                  .status,
+              0);
+    const Ply mesh(out + "/cascade0.00000.ply");
+    ASSERT_EQ(mesh.vertices.size(), 65u * 65u);
+    ASSERT_EQ(mesh.faces.size(), 64u * 64u);
+    sea::Realization one = sea::realize(small_scene()).value();
+    one.cascades.resize(1);
+    const sea::DirectSum sum(std::make_shared<const sea::Realization>(one));
+    const sea::DirectSum::Moment now = sum.at_time(7'000'000);
+    for (int i = 0; i < 200; ++i) {
+        const int x = (i * 37) % 65, y = (i * 53 + i / 7) % 65;
+        const PlyVertex& v = mesh.vertices[static_cast<std::size_t>(y * 65 + x)];
+        const sea::LagrangianPoint p = now.at(x * 401.0 / 64, y * 401.0 / 64);
+        // Maps are within 1e-5 Hs; positions are floats of up to 401 m (3e-5 m).
+        EXPECT_NEAR(v.position[0], x * 401.0 / 64 + 1.2 * p.displacement_x, 2e-4);
+        EXPECT_NEAR(v.position[1], y * 401.0 / 64 + 1.2 * p.displacement_y, 2e-4);
+        EXPECT_NEAR(v.position[2], p.height, 2e-4);
+        const sea::QueryPoint point{v.position[0], v.position[1], 7'000'000};
+        const sea::Answer there = sea::surface_at(point, {{1.2, 1.2}, 1e-9, {}}, now);
+        for (int axis = 0; axis < 3; ++axis) // the same surface as a query finds
+            EXPECT_NEAR(v.normal[axis], there.normal[axis], 2e-3) << x << ", " << y;
+    }
+    for (std::size_t i = 0; i < 65; ++i) { // the seam
+        const PlyVertex &west = mesh.vertices[i * 65], &east = mesh.vertices[i * 65 + 64];
+        EXPECT_NEAR(east.position[0] - west.position[0], 401.0, 1e-4);
+        EXPECT_EQ(east.position[2], west.position[2]);
+    }
+    for (const auto& face : mesh.faces) { // anticlockwise from above, in undisplaced order
+        ASSERT_EQ(face[1], face[0] + 1);
+        ASSERT_EQ(face[2], face[0] + 66);
+        ASSERT_EQ(face[3], face[0] + 65);
+    }
+}
+
+TEST(Bake, obj_holds_the_mesh_of_the_summed_sea_with_y_up) {
+    const std::string out = testing::folder().file("obj");
+    ASSERT_EQ(run_bake("--out " + out +
+                       " --frames 1 --fps 24 --start 7 --size 64 --summed --mesh obj --up y")
+                  .status,
+              0);
+    std::ifstream file(out + "/sea.00000.obj");
+    std::vector<std::array<double, 3>> points;
+    std::size_t normals = 0, faces = 0;
+    for (std::string line; std::getline(file, line);) {
+        std::istringstream words(line);
+        std::string kind;
+        words >> kind;
+        if (kind == "v") {
+            std::array<double, 3> point{};
+            words >> point[0] >> point[1] >> point[2];
+            points.push_back(point);
+        }
+        normals += kind == "vn";
+        faces += kind == "f";
+    }
+    ASSERT_EQ(points.size(), 64u * 64u); // 401 and 83 m do not repeat together: no seam is closed
+    EXPECT_EQ(normals, points.size());
+    EXPECT_EQ(faces, 63u * 63u);
+    const sea::DirectSum sum = small_sea();
+    const sea::DirectSum::Moment now = sum.at_time(7'000'000);
+    for (int i = 0; i < 100; ++i) {
+        const int x = (i * 37) % 64, y = (i * 53 + i / 7) % 64;
+        const sea::LagrangianPoint p = now.at(x * 401.0 / 64, y * 401.0 / 64);
+        const auto& point = points[static_cast<std::size_t>(y * 64 + x)];
+        EXPECT_NEAR(point[0], x * 401.0 / 64 + 1.2 * p.displacement_x, 0.02); // splines, as above
+        EXPECT_NEAR(point[1], p.height, 0.02);
+        EXPECT_NEAR(point[2], -(y * 401.0 / 64 + 1.2 * p.displacement_y), 0.02);
+    }
+}
+
 TEST(Bake, half_keeps_eleven_bits) {
     const std::string floats = testing::folder().file("floats");
     const std::string halves = testing::folder().file("halves");
@@ -217,6 +404,8 @@ TEST(Bake, mistakes_are_one_helpful_line_and_a_code) {
     refuses(run_bake(out + "--frames 1 --fps 24 --fields height,slop_x"), 2, "slop_x");
     refuses(run_bake(out + "--frames 1 --fps 24 --size 100"), 2, "--size");
     refuses(run_bake(out + "--frames 1 --fps 24 --compression jpeg"), 2, "jpeg");
+    refuses(run_bake(out + "--frames 1 --fps 24 --mesh stl"), 2, "stl");
+    refuses(run_bake(out + "--frames 1 --fps 24 --up x"), 2, "--up");
     refuses(run_bake(out + "--frames 0 --fps 24"), 2, "--frames 0");
     refuses(run_bake(out + "--frames 1 --fps 0"), 2, "--fps 0");
     refuses(run_bake("--out /dev/null/maps --frames 1 --fps 24 --size 64"), 4, "/dev/null/maps");

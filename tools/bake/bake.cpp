@@ -6,14 +6,15 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
-#include <numbers>
+#include <optional>
 #include <system_error>
 
 #include <fmt/format.h>
 
 #include "sea/foam/foam.h"
-#include "sea/waves/moments.h"
 #include "sea/waves/realize.h"
+#include "tools/bake/summed.h"
+#include "tools/bake/tile_files.h"
 
 namespace seaway::bake {
 
@@ -36,41 +37,16 @@ class Stopwatch {
     std::chrono::steady_clock::time_point since_ = std::chrono::steady_clock::now();
 };
 
-double degrees_from(double towards_rad) {
-    const double degrees = 270.0 - towards_rad * 180.0 / std::numbers::pi;
-    return degrees - 360.0 * std::floor(degrees / 360.0);
-}
-
-/// What is the same for every file.
-std::vector<ExrAttribute> sea_attributes(const sea::Scene& scene, const sea::Realization& sea) {
-    const sea::SeaSummary summary = sea::summarize(scene.sea, sea);
-    const sea::SeaStatistics& s = summary.realised;
-    return {
-        {"software", std::string("seaway-bake " SEAWAY_VERSION)},
-        {"seaway.scene", scene.source},
-        {"seaway.scene_toml", sea::to_toml(scene)},
-        {"seaway.rows", std::string("south to north")},
-        {"seaway.hs_m", s.significant_height_m},
-        {"seaway.tp_s", s.peak_period_s},
-        {"seaway.tz_s", s.zero_crossing_period_s},
-        {"seaway.tm01_s", s.mean_period_s},
-        {"seaway.mean_from_deg", degrees_from(s.mean_towards_rad)},
-        {"seaway.requested_hs_m", summary.requested.significant_height_m},
-        {"seaway.requested_tp_s", summary.requested.peak_period_s},
-        {"seaway.choppiness_x", sea.choppiness.x},
-        {"seaway.choppiness_y", sea.choppiness.y},
-    };
-}
-
 class Baker {
   public:
     Baker(const sea::Scene& scene, sea::RealizationPtr sea, const BakeOptions& options,
           server::Synthesizer& synthesizer)
-        : sea_(std::move(sea)), options_(options), synthesizer_(synthesizer),
-          attributes_(sea_attributes(scene, *sea_)) {
-        if (!options_.fields.contains(Field::foam))
+        : sea_(std::move(sea)), options_(options), synthesizer_(synthesizer) {
+        if (options_.fields.contains(Field::foam))
+            law_ = sea::make_foam_law(*sea_, scene.foam);
+        files_.emplace(scene, *sea_, options_, law_.get());
+        if (!law_)
             return;
-        law_ = sea::make_foam_law(*sea_, scene.foam);
         for (std::size_t c = 0; c < sea_->cascades.size(); ++c)
             foam_.emplace_back(law_, static_cast<int>(c), sea_->cascades[c].spec.size);
     }
@@ -88,20 +64,30 @@ class Baker {
             if (Result<void> done = advance_foam(c, (*keyframes)[c]); !done)
                 return done;
         report_.synthesis_s += watch.lap_s();
-        for (std::size_t c = 0; c < keyframes->size(); ++c)
-            if (Result<void> done = write(frame, *(*keyframes)[c]); !done)
-                return done;
+        if (Result<void> done = write_all(frame, *keyframes); !done)
+            return done;
         report_.files_s += watch.lap_s();
         ++report_.frames;
         return {};
     }
 
-    BakeReport& report() { return report_; }
+    BakeReport report() const {
+        BakeReport report = report_;
+        report.files = files_->count();
+        report.bytes = files_->bytes();
+        return report;
+    }
 
   private:
     FieldSet synthesized_fields() const {
         FieldSet fields =
             FieldSet::from_bits(options_.fields.bits() & ~FieldSet{Field::foam}.bits());
+        if (options_.vectors)
+            fields |= vector_fields;
+        if (options_.mesh != MeshFormat::none)
+            fields |= mesh_fields;
+        if (options_.summed && fields.contains(Field::jacobian))
+            fields |= {Field::strain_xx, Field::strain_yy, Field::strain_xy};
         return foam_.empty() ? fields : fields | sea::foam_inputs;
     }
 
@@ -121,44 +107,34 @@ class Baker {
         return foam_[cascade].advance_to(keyframe->time_us, interval_us, strains);
     }
 
-    Result<void> write(int frame, const sea::Keyframe& keyframe) {
-        const auto cascade = static_cast<std::size_t>(keyframe.cascade);
-        ExrMap map;
-        map.size = keyframe.size;
-        map.half = options_.half;
-        map.compression = options_.compression;
-        for (const Field field : options_.fields)
-            map.channels.push_back(
-                {std::string(sea::info(field).name),
-                 field == Field::foam ? foam_[cascade].ratios() : keyframe.plane(field)});
-        map.attributes = attributes_;
-        const auto add = [&](const char* name, double value) {
-            map.attributes.emplace_back(name, value);
-        };
-        add("seaway.cascade", keyframe.cascade);
-        add("seaway.length_m", keyframe.length_m);
-        add("seaway.frame", frame);
-        add("seaway.time_s", sea::seconds_from_us(keyframe.time_us));
-        map.attributes.emplace_back("seaway.time_us", std::to_string(keyframe.time_us));
-        add("seaway.tick_s", 1.0 / options_.fps);
-        if (law_)
-            add("seaway.foam_mean", law_->mean_coverage);
-        const std::string path =
-            fmt::format("{}/cascade{}.{:05}.exr", options_.folder, keyframe.cascade, frame);
-        if (Result<void> written = write_exr(path, map); !written)
-            return written;
-        std::error_code ignored;
-        report_.bytes += std::filesystem::file_size(path, ignored);
-        ++report_.files;
+    Result<void> write_all(int frame, const std::vector<sea::KeyframePtr>& keyframes) {
+        if (options_.summed) {
+            CascadeMaps maps{keyframes, {}, law_ ? law_->mean_coverage : 0.0};
+            for (const sea::FoamHistory& history : foam_)
+                maps.foam_ratios.push_back(history.ratios());
+            FieldSet fields = synthesized_fields();
+            if (!foam_.empty())
+                fields |= {Field::foam};
+            const sea::Keyframe sea = sum_cascades(*sea_, maps, fields);
+            const std::span<const float> foam =
+                foam_.empty() ? std::span<const float>() : sea.plane(Field::foam);
+            return files_->write(frame, fmt::format("sea.{:05}", frame), sea, foam);
+        }
+        for (std::size_t c = 0; c < keyframes.size(); ++c)
+            if (Result<void> done =
+                    files_->write(frame, fmt::format("cascade{}.{:05}", c, frame), *keyframes[c],
+                                  foam_.empty() ? std::span<const float>() : foam_[c].ratios());
+                !done)
+                return done;
         return {};
     }
 
     sea::RealizationPtr sea_;
     const BakeOptions& options_;
     server::Synthesizer& synthesizer_;
-    std::vector<ExrAttribute> attributes_;
     sea::FoamLawPtr law_; ///< null without foam
     std::vector<sea::FoamHistory> foam_;
+    std::optional<TileFiles> files_;
     BakeReport report_;
 };
 
@@ -225,8 +201,9 @@ Result<BakeReport> bake(const sea::Scene& scene, const BakeOptions& options,
     for (int frame = 0; frame < options.frames; ++frame)
         if (Result<void> done = baker.frame(frame); !done)
             return done.error();
-    baker.report().total_s = watch.lap_s();
-    return baker.report();
+    BakeReport report = baker.report();
+    report.total_s = watch.lap_s();
+    return report;
 }
 
 } // namespace seaway::bake

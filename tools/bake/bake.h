@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Bakes a sea into OpenEXR maps: frame after frame, one file a cascade, by any synthesizer.
 //
-// File DIR/cascade<c>.<frame, five digits>.exr, frame 0 at start_us. Channels are named after their
-// fields (sea/basics/field.h) and carry no choppiness: D is the displacement at choppiness 1, the
-// attributes say by what to multiply. `foam` is the ratio of sea/foam/foam.h.
+// File DIR/cascade<c>.<frame, five digits>.exr, frame 0 at start_us; with `summed` one DIR/sea.<frame>.exr
+// of all cascades together. Channels are named after their fields (sea/basics/field.h) and carry no
+// choppiness: D is the displacement at choppiness 1, the attributes say by what to multiply. `foam` is
+// the ratio of sea/foam/foam.h, of the summed sea its coverage. With `vectors` the channels are R, G, B:
+// where a point goes, choppiness applied; and A: foam. Meshes lie beside the maps under the same names.
 #pragma once
 
 #include <cstdint>
@@ -15,6 +17,7 @@
 #include "sea/scene/scene.h"
 #include "server/device/synthesizer.h"
 #include "tools/bake/exr_map.h"
+#include "tools/bake/mesh.h"
 
 namespace seaway::bake {
 
@@ -32,6 +35,11 @@ struct BakeOptions {
     sea::FieldSet fields; ///< not empty
     bool half = false;
     ExrCompression compression = ExrCompression::none;
+    bool summed = false;   ///< the sea on the longest tile's square, not its cascades
+    bool vectors = false;  ///< R, G, B, A in place of channels by name
+    bool north_up = false; ///< line 0 of an image is the northernmost row, not the southernmost
+    MeshFormat mesh = MeshFormat::none;
+    UpAxis up = UpAxis::z; ///< of vectors and meshes
 };
 
 struct BakeReport {

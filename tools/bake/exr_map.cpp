@@ -62,13 +62,28 @@ std::vector<half> halves(std::span<const float> values) {
     return rounded;
 }
 
+/// The rows of a square map in the other order.
+template <class T>
+std::vector<T> upside_down(std::span<const T> values, std::size_t size) {
+    std::vector<T> turned;
+    turned.reserve(values.size());
+    for (std::size_t row = size; row-- > 0;)
+        turned.insert(turned.end(), values.begin() + static_cast<std::ptrdiff_t>(row * size),
+                      values.begin() + static_cast<std::ptrdiff_t>((row + 1) * size));
+    return turned;
+}
+
 Result<void> write_pixels(const std::string& path, const ExrMap& map) {
     const auto size = static_cast<std::size_t>(map.size);
     Imf::FrameBuffer pixels;
+    std::vector<std::vector<float>> turned(map.channels.size());
     std::vector<std::vector<half>> rounded(map.channels.size());
     for (std::size_t c = 0; c < map.channels.size(); ++c) {
-        const auto& [name, values] = map.channels[c];
+        const std::string& name = map.channels[c].name;
+        std::span<const float> values = map.channels[c].values;
         SEAWAY_CHECK(values.size() == size * size, "a channel has the size of its map");
+        if (map.upside_down)
+            values = turned[c] = upside_down(values, size);
         if (!map.half) { // the library wants char*, and reads
             auto* base = const_cast<char*>(reinterpret_cast<const char*>(values.data()));
             pixels.insert(name, Imf::Slice(Imf::FLOAT, base, sizeof(float), sizeof(float) * size));

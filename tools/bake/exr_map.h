@@ -2,7 +2,8 @@
 // One OpenEXR file: the maps of one cascade at one time, a channel a field, and what one has to
 // know about them as header attributes.
 //
-// Line y of the image is row y of the map, south to north: most viewers show it upside down.
+// Line y of the image is row y of the map, south to north, which most viewers show upside down; or the
+// other way round, as programs expect that put the origin of texture coordinates at the lower left.
 #pragma once
 
 #include <span>
@@ -18,7 +19,7 @@ namespace seaway::bake {
 
 struct ExrChannel {
     std::string name;
-    std::span<const float> values; ///< [y][x]
+    std::span<const float> values; ///< [y][x], row 0 first
 };
 
 /// Header attribute: a number (EXR double) or a text.
@@ -35,6 +36,7 @@ struct ExrMap {
     std::vector<ExrAttribute> attributes;
     bool half = false; ///< 16 bits a value: 11 significant ones, up to 65504
     ExrCompression compression = ExrCompression::none;
+    bool upside_down = false; ///< line 0 is the last row of the map
 };
 
 /// Writes beside the path and renames, so that a file that is there is whole. Values that half

@@ -33,6 +33,10 @@ struct Options {
     std::string device = "native";
     std::string fields = "height,displacement_x,displacement_y,slope_x,slope_y,jacobian";
     std::string compression = "none";
+    std::string channels = "names";
+    std::string mesh = "none";
+    std::string up = "z";
+    std::string top = "south";
     double start_s = 0;
     int size = 0;
     bake::BakeOptions bake;
@@ -42,9 +46,7 @@ void declare(CLI::App& app, Options& o) {
     app.add_option("scene", o.scene, "Scene file (docs/scenes.md)")
         ->required()
         ->type_name("SCENE.toml");
-    app.add_option("--out", o.bake.folder, "Folder for cascade<c>.<frame>.exr")
-        ->required()
-        ->type_name("DIR");
+    app.add_option("--out", o.bake.folder, "Folder for the files")->required()->type_name("DIR");
     app.add_option("--frames", o.bake.frames, "How many")->required()->type_name("N");
     app.add_option("--fps", o.bake.fps, "Frames a second of sea time")->required()->type_name("F");
     app.add_option("--start", o.start_s, "Sea time of frame 0")->type_name("SECONDS");
@@ -58,6 +60,28 @@ void declare(CLI::App& app, Options& o) {
     app.add_option("--compression", o.compression, "none, rle, zip or piz")
         ->capture_default_str()
         ->type_name("NAME");
+    app.add_flag(
+        "--summed", o.bake.summed,
+        "The sea on the square of the longest tile, all cascades together: sea.<frame>.exr");
+    app.add_option("--channels", o.channels,
+                   "names: a channel a field. rgb: R, G, B say where a point goes, choppiness "
+                   "applied, A is foam if it is among the fields")
+        ->check(CLI::IsMember({"names", "rgb"}))
+        ->capture_default_str()
+        ->type_name("NAMING");
+    app.add_option("--mesh", o.mesh, "none, obj or ply: every tile as geometry beside its maps")
+        ->capture_default_str()
+        ->type_name("FORMAT");
+    app.add_option("--up", o.up,
+                   "Axis that is up in meshes and rgb: z (east, north, up) or y "
+                   "(east, up, south)")
+        ->check(CLI::IsMember({"z", "y"}))
+        ->capture_default_str()
+        ->type_name("AXIS");
+    app.add_option("--top", o.top, "First line of the images: the south or the north of the tile")
+        ->check(CLI::IsMember({"south", "north"}))
+        ->capture_default_str()
+        ->type_name("SIDE");
     app.add_option("--device", o.device,
                    "native, auto, or index or part of a name of a Vulkan device")
         ->capture_default_str()
@@ -98,6 +122,13 @@ int run(Options& options) {
         return fail(exit_usage, compression.error().message);
     if (!(std::abs(options.start_s) <= 1e9))
         return fail(exit_usage, fmt::format("--start {}: -1e9 .. 1e9 s", options.start_s));
+    const Result<bake::MeshFormat> mesh = bake::mesh_format(options.mesh);
+    if (!mesh)
+        return fail(exit_usage, mesh.error().message);
+    options.bake.mesh = *mesh;
+    options.bake.vectors = options.channels == "rgb";
+    options.bake.up = options.up == "y" ? bake::UpAxis::y : bake::UpAxis::z;
+    options.bake.north_up = options.top == "north";
     options.bake.fields = *fields;
     options.bake.compression = *compression;
     options.bake.start_us = sea::us_from_seconds(options.start_s);
