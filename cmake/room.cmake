@@ -2,14 +2,14 @@
 function(seaway_room name)
   cmake_parse_arguments(R "" "" "SOURCES;LINKS" ${ARGN})
   add_library(seaway_${name} STATIC ${R_SOURCES})
-  target_link_libraries(seaway_${name} PUBLIC seaway_options ${R_LINKS})
+  target_link_libraries(seaway_${name} PUBLIC seaway_headers ${R_LINKS} PRIVATE seaway_options)
 endfunction()
 
 # seaway_program(seaway-query SOURCES main.cpp LINKS seaway_client): a program in build/<preset>/bin.
 function(seaway_program name)
   cmake_parse_arguments(P "" "" "SOURCES;LINKS" ${ARGN})
   add_executable(${name} ${P_SOURCES})
-  target_link_libraries(${name} PRIVATE seaway_options ${P_LINKS})
+  target_link_libraries(${name} PRIVATE seaway_headers seaway_options ${P_LINKS})
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
 endfunction()
 
@@ -22,7 +22,8 @@ function(seaway_test name)
     set(T_TIMEOUT 300)
   endif()
   add_executable(test_${name} ${T_SOURCES})
-  target_link_libraries(test_${name} PRIVATE seaway_options ${T_LINKS} GTest::gmock GTest::gtest_main)
+  target_link_libraries(test_${name} PRIVATE seaway_headers seaway_options
+    ${T_LINKS} GTest::gmock GTest::gtest_main)
   target_compile_definitions(test_${name} PRIVATE SEAWAY_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
     SEAWAY_BIN_DIR="${PROJECT_BINARY_DIR}/bin")
   add_test(NAME ${name} COMMAND test_${name} --gtest_brief=1)

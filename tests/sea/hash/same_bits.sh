@@ -1,20 +1,21 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 # The realised sea is the same bits whatever the compiler and its level: compiles what makes it with
-# g++ and clang++-14 at -O0 and -O2, contraction off, and compares the printed hashes.
-#   same_bits.sh SOURCE_DIR WORK_DIR
+# each compiler at -O0 and -O2, contraction off, and compares the printed hashes.
+#   same_bits.sh SOURCE_DIR WORK_DIR COMPILER...
 set -eu
 source_dir=$1
 work_dir=$2
+shift 2
 mkdir -p "$work_dir"
 cd "$source_dir"
 sources="tests/sea/hash/print_hash.cpp base/check.cpp base/csv_table.cpp sea/basics/cascade.cpp
   sea/waves/directional_spectrum.cpp sea/basics/dispersion.cpp sea/basics/gaussian.cpp sea/spectrum/measured.cpp sea/waves/realize.cpp
   sea/waves/sine_waves.cpp sea/spectrum/spectra.cpp sea/spectrum/spreading.cpp"
 hashes=
-for compiler in g++ clang++-14; do
+for compiler in "$@"; do
     for level in -O0 -O2; do
-        program=$work_dir/hash$level-$compiler
+        program=$work_dir/hash$level-$(basename "$compiler")
         # shellcheck disable=SC2086
         $compiler -std=c++20 $level -ffp-contract=off -I. $sources -o "$program" -lfmt
         hash=$("$program")
