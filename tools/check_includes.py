@@ -1,108 +1,84 @@
 #!/usr/bin/env python3
-"""Fails on an include that points the wrong way (docs/architecture.md, "Rooms").
+"""Fails on an include that docs/architecture.md, "Rooms", does not allow.
 
-Each room lists the rooms it may see; what it may not see is an error with file and line. Third-party
-headers are bound to the rooms that are allowed to know them.
+The page's two tables are read here and stand nowhere else: which room may see which, and who may
+include headers that are not ours. A header that is neither ours, nor the C++ standard's, nor in the
+table is an error too: a new dependency is a decision.
 """
-import pathlib
 import re
 import sys
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
+from source_files import ROOT, source_files
 
-SEA = {f"sea/{room}" for room in ("basics", "spectrum", "waves", "surface", "native", "scene", "foam")}
-
-# Longest path first decides to which room a file belongs.
-MAY_SEE = {
-    "base": {"base"},
-    "sea/basics": {"base", "sea/basics"},
-    "sea/spectrum": {"base", "sea/basics", "sea/spectrum"},
-    "sea/waves": {"base", "sea/basics", "sea/spectrum", "sea/waves"},
-    "sea/surface": {"base", "sea/basics", "sea/waves", "sea/surface"},
-    "sea/native": {"base", "sea/basics", "sea/waves", "sea/native"},
-    "sea/scene": {"base", "sea/basics", "sea/spectrum", "sea/waves", "sea/surface", "sea/scene"},
-    "sea/foam": {"base", "sea/basics", "sea/waves", "sea/surface", "sea/scene", "sea/foam"},
-    "gpu": {"base", "gpu"},
-    "shaders": {"base", "shaders"},
-    "protocol": {"base", "sea/basics", "sea/surface", "protocol"},
-    "server/device": {"base", *SEA, "gpu", "shaders", "server/device"},
-    "server/simulation": {"base", *SEA, "server/device", "server/simulation"},
-    "server/publish": {"base", "sea/basics", "sea/surface", "protocol", "server/publish",
-                       "server/host.h"},
-    "server/net": {"base", "sea/basics", "sea/surface", "protocol", "server/publish", "server/net",
-                   "server/host.h"},
-    "server": {"base", *SEA, "gpu", "protocol", "server", "server/device", "server/simulation",
-               "server/publish", "server/net"},
-    "client/view": {"base", *SEA, "gpu", "shaders", "protocol", "client", "client/view"},
-    "client": {"base", *SEA, "protocol", "client"},
-    "tools": {"base", *SEA, "gpu", "shaders", "protocol", "server/device", "server/simulation",
-              "client", "tools"},
-}
-
-# Header prefix -> rooms that may include it; a suffix ".cpp" means: not in headers.
-THIRD_PARTY = {
-    "toml++/": {"sea/scene/"},
-    "glm/": {"sea", "client/view"},
-    "volk.h": {"gpu"},
-    "vulkan/": {"gpu"},
-    "flatbuffers/": {"protocol"},
-    "zstd.h": {"protocol"},
-    "boost/": {"server/net", "client", "server"},
-    "openssl/": {"server/net", "client"},
-    "spdlog/": {"server", "client"},
-    "nlohmann/": {"server", "tools", "client"},
-    "CLI/": {"server", "tools", "client"},
-    "png.h": {"client/view", "tools"},
-    "OpenEXR/": {"client/view", "tools"},
-    "Imf": {"client/view", "tools"},
-    "GLFW/": {"client/view"},
-    "fftw3.h": set(),
-}
-ONLY_IN_CPP = {"boost/", "openssl/", "toml++/", "zstd.h"}
-
+PAGE = "docs/architecture.md"
+EVERYONE = ("fmt/",)
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
+
+
+def table(heading):
+    """Rows of the page's table whose first column is headed so, as lists of cells."""
+    lines = (ROOT / PAGE).read_text().splitlines()
+    start = next(i for i, line in enumerate(lines) if line.startswith(f"| {heading} |"))
+    rows = []
+    for line in lines[start + 2:]:
+        if not line.startswith("|"):
+            break
+        rows.append([cell.strip() for cell in line.strip("|").split("|")])
+    return rows
+
+
+def quoted(cell):
+    return [name.rstrip("/") for name in re.findall(r"`([^`]+)`", cell)]
+
+
+def below(path, folder):
+    return path == folder or path.startswith(folder + "/")
+
+
+ROOMS = {quoted(room)[0]: quoted(sees) for room, _, sees in table("room")}
+OTHERS = {re.findall(r"`([^`]+)`", header)[0]: (quoted(who), ".cpp" in where)
+          for header, who, where in table("header")}
 
 
 def room_of(path):
     """The room of a file or of an included path; None for what is not ours."""
-    for room in sorted(MAY_SEE, key=len, reverse=True):
-        if path.startswith(room + "/"):
-            return room
+    return max((room for room in ROOMS if below(path, room)), key=len, default=None)
+
+
+def objection(path, header):
+    """Why a file may not include a header; None where it may."""
+    room, target = room_of(path), room_of(header)
+    if header.startswith("tests/"):
+        return "nothing includes tests"
+    if target:
+        allowed = target == room or any(below(header, seen) for seen in ROOMS[room])
+        return None if allowed else f"{room} does not see {target}"
+    if header.startswith(EVERYONE) or not re.search(r"[./]", header):
+        return None
+    known = next((other for other in OTHERS if header.startswith(other)), None)
+    if not known:
+        return "it is in no table"
+    who, only_in_cpp = OTHERS[known]
+    if not any(below(path, room) for room in who):
+        return f"{room} does not use {known}"
+    if only_in_cpp and not path.endswith(".cpp"):
+        return f"{known} is for .cpp files alone"
     return None
 
 
-def problems(path):
-    room = room_of(path)
-    for number, line in enumerate((ROOT / path).read_text().splitlines(), 1):
-        match = INCLUDE.match(line)
-        if not match:
-            continue
-        header = match.group(1)
-        where = f"{path}:{number}: {room} may not include <{header}>"
-        if header.startswith("tests/"):
-            yield where + ": nothing includes tests"
-        target = room_of(header)
-        if target and target not in MAY_SEE[room] and header not in MAY_SEE[room]:
-            yield where
-        for prefix, rooms in THIRD_PARTY.items():
-            if not header.startswith(prefix):
-                continue
-            if not any(path.startswith(allowed) for allowed in rooms):
-                yield where
-            if prefix in ONLY_IN_CPP and not path.endswith(".cpp"):
-                yield where + " in a header"
-
-
 def main():
-    files = [str(p.relative_to(ROOT)) for room in MAY_SEE for p in (ROOT / room).rglob("*")
-             if p.suffix in {".h", ".hpp", ".cpp"}]
-    found = [problem for path in sorted(set(files)) for problem in problems(path)]
-    for problem in found:
-        print(problem, file=sys.stderr)
-    if found:
-        return 1
-    print(f"includes: {len(set(files))} files, every include points the right way")
-    return 0
+    files = [path for path in source_files(".h", ".hpp", ".cpp") if room_of(path)]
+    found = 0
+    for path in files:
+        for number, line in enumerate((ROOT / path).read_text().splitlines(), 1):
+            match = INCLUDE.match(line)
+            why = match and objection(path, match.group(1))
+            if why:
+                print(f"{path}:{number}: <{match.group(1)}>: {why} ({PAGE}, Rooms)", file=sys.stderr)
+                found += 1
+    if not found:
+        print(f"includes: {len(files)} files, every include points the right way")
+    return 1 if found else 0
 
 
 if __name__ == "__main__":

@@ -150,6 +150,16 @@ void compare(const sea::Keyframe& keyframe, std::span<const float> planes) {
     SEAWAY_CHECK(worst < 1e-4 * rms, "two programs make different seas");
 }
 
+void run_timed(Contender& contender, sea::TimeUs t_us) {
+    const double cpu = cpu_milliseconds();
+    const auto start = std::chrono::steady_clock::now();
+    contender.run(t_us);
+    const std::chrono::duration<double, std::milli> taken =
+        std::chrono::steady_clock::now() - start;
+    contender.milliseconds.push_back(taken.count());
+    contender.cpu_milliseconds.push_back(cpu_milliseconds() - cpu);
+}
+
 void report(const Settings& settings, int size, const std::vector<Contender>& contenders) {
     const Contender& plain = contenders[0];
     const Contender& strongest = contenders[1];
@@ -208,15 +218,8 @@ void time_size(const Settings& settings, gpu::Device& device, int size) {
         for (const FftwYardstick* yardstick : {&plain, &strongest})
             compare(*keyframes[i], yardstick->planes().subspan(i * floats, floats));
     for (int repeat = 0; repeat < settings.repeats; ++repeat)
-        for (Contender& contender : contenders) {
-            const double cpu = cpu_milliseconds();
-            const auto start = std::chrono::steady_clock::now();
-            contender.run(repeat * 33'333);
-            const std::chrono::duration<double, std::milli> taken =
-                std::chrono::steady_clock::now() - start;
-            contender.milliseconds.push_back(taken.count());
-            contender.cpu_milliseconds.push_back(cpu_milliseconds() - cpu);
-        }
+        for (Contender& contender : contenders)
+            run_timed(contender, repeat * 33'333);
     report(settings, size, contenders);
     for (const auto& design : designs) {
         design->time_passes();

@@ -1,0 +1,102 @@
+#!/usr/bin/env python3
+"""Fails on files and functions that are too long to be read at once.
+
+A file holds one idea: at most FILE_LINES_MAX lines. A function is seen whole: 60 lines of code with
+their comments are what a screen shows beside a title bar, at the size of text people work with. The
+functions that are longer today are listed with their length in OVERLONG; they may shrink, not grow,
+and a line that is no longer needed is an error, so that the list only becomes shorter.
+"""
+import ast
+import re
+import sys
+
+from source_files import ROOT, source_files
+
+FILE_LINES_MAX = 450
+FUNCTION_LINES_MAX = 60
+
+# "path:function": lines it has.
+OVERLONG = {
+    "tests/sea/foam/test_foam.cpp:Foam.combined_histories_follow_one_history_of_the_joint_jacobian": 76,
+    "tests/server/net/test_net_hostile.cpp:"
+    "NetHostile.every_kind_of_bad_client_ends_with_one_line_and_nobody_else_notices": 87,
+}
+
+CURLY = (".h", ".hpp", ".c", ".cpp", ".glsl", ".comp", ".vert", ".frag")
+NOT_CODE = re.compile(r'//[^\n]*|/\*.*?\*/|R"(\w*)\(.*?\)\1"|"(?:\\.|[^"\\\n])*"|(?<!\w)\'(?:\\.|[^\'\\\n])+\'',
+                      re.DOTALL)
+NOT_FUNCTIONS = re.compile(r"^\s*(?:if|for|while|switch|catch|else|do|try|namespace|extern)\b|[=\]]\s*\(")
+HEAD = re.compile(r"([~\w:]+|operator\S+)\s*\((?:[^;{}]*)\)[^;{}()]*$", re.DOTALL)
+INITIALISED = re.compile(r"\)[^:]*:[^:].*\w\s*$", re.DOTALL)
+
+
+def blank(match):
+    """Comments and texts become blanks, line by line, so that no brace in them counts."""
+    return re.sub(r"[^\n]", " ", match.group(0))
+
+
+def curly_functions(text):
+    """(name, first line, lines) of each function that is not inside another."""
+    text = NOT_CODE.sub(blank, re.sub(r"^\s*#.*?(?<!\\)$", "", text, flags=re.M))
+    inside = []      # of each open brace: (name, first line) of a function, None for another
+    head_start = 0
+    for at, character in enumerate(text):
+        if character == ";":
+            head_start = at + 1
+        elif character == "{":
+            head = text[head_start:at]
+            if not any(inside) and INITIALISED.search(head):
+                inside.append(())  # a member's first value: the head goes on behind it
+                continue
+            match = None if any(inside) or NOT_FUNCTIONS.search(head) else HEAD.search(head)
+            first = text.count("\n", 0, head_start + len(head) - len(head.lstrip())) + 1
+            inside.append((signature_name(head), first) if match else None)
+            head_start = at + 1
+        elif character == "}" and inside:
+            function = inside.pop()
+            if function == ():
+                text = text[:at] + " " + text[at + 1:]
+                continue
+            if function:
+                yield (*function, text.count("\n", 0, at) + 2 - function[1])
+            head_start = at + 1
+
+
+def signature_name(head):
+    head = " ".join(head.split())
+    test = re.search(r"\bTEST(?:_F|_P)?\((\w+), (\w+)\)", head)
+    if test:
+        return f"{test.group(1)}.{test.group(2)}"
+    return re.search(r"([~\w:]+|operator\S+)\s*\(", head).group(1)
+
+
+def python_functions(text):
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.FunctionDef):
+            yield node.name, node.lineno, node.end_lineno - node.lineno + 1
+
+
+def main():
+    problems, overlong = [], set()
+    files = source_files(*CURLY, ".py")
+    for path in files:
+        text = (ROOT / path).read_text()
+        lines = text.count("\n")
+        if lines > FILE_LINES_MAX:
+            problems.append(f"{path}: {lines} lines; a file has at most {FILE_LINES_MAX}")
+        for name, first, length in (python_functions if path.endswith(".py") else curly_functions)(text):
+            allowed = OVERLONG.get(f"{path}:{name}", FUNCTION_LINES_MAX)
+            if length > FUNCTION_LINES_MAX:
+                overlong.add(f"{path}:{name}")
+            if length > allowed:
+                problems.append(f"{path}:{first}: {name} has {length} lines; at most {allowed}")
+    problems += [f"tools/check_lengths.py: {entry} is not overlong any more: strike it from the list"
+                 for entry in OVERLONG if entry not in overlong]
+    print(*problems, sep="\n", file=sys.stderr, end="\n" if problems else "")
+    if not problems:
+        print(f"lengths: {len(files)} files, every function fits a screen but {len(OVERLONG)}")
+    return 1 if problems else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
