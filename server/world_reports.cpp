@@ -51,17 +51,17 @@ ordered_json counters_json(const SimulationCounters& c) {
             {"device_seconds", c.synthesis.device_seconds}};
 }
 
-/// One effect of one cascade: what it will cost by the device's measured speed, what it has cost.
+/// One effect of one cascade: what it will cost by the device's measured speed, and its share of what
+/// was measured: time is taken a submission at a time and shared out by transforms.
 ordered_json effect_json(const EffectCosts& costs, std::size_t cascade, std::size_t effect,
                          sea::FieldSet fields, double rate_hz) {
     const EffectCost& cost = costs.cost(cascade, effect);
     const double predicted_us = 1e6 * costs.predicted_seconds(cascade, fields);
-    const double measured_us =
+    const double share_us =
         cost.keyframes ? 1e6 * cost.device_seconds / static_cast<double>(cost.keyframes) : 0.0;
-    return {
-        {"effect", effect_table()[effect].name},        {"fields", names(fields)},
-        {"predicted_us_per_keyframe", predicted_us},    {"measured_us_per_keyframe", measured_us},
-        {"predicted_us_per_s", predicted_us * rate_hz}, {"keyframes", cost.keyframes}};
+    return {{"effect", effect_table()[effect].name},        {"fields", names(fields)},
+            {"predicted_us_per_keyframe", predicted_us},    {"share_us_per_keyframe", share_us},
+            {"predicted_us_per_s", predicted_us * rate_hz}, {"keyframes", cost.keyframes}};
 }
 
 /// One row an effect of each cascade, as Prometheus counters.

@@ -62,7 +62,11 @@ void read_rest(TomlTable& root, Scene& scene) {
         table->choice("displacement", scene.effects.choppy, {{"height", false}, {"choppy", true}});
         table->flag("slopes", scene.effects.slopes);
         table->flag("foam", scene.effects.foam);
-        table->flag("velocity", scene.effects.velocity);
+        bool velocity = true; // there is no other: see docs/decisions/0005
+        if (table->flag("velocity", velocity) && !velocity)
+            table->bad_value("velocity", "false",
+                             "true, or leave the key out: time rates join the keyframes of "
+                             "heights and displacements, so leaving them out would save nothing");
         table->finish();
     }
     if (auto table = root.table("foam")) {

@@ -24,7 +24,6 @@ struct Effects {
     bool choppy = true; ///< horizontal displacement
     bool slopes = true;
     bool foam = true;
-    bool velocity = true;
 };
 
 struct FoamModel {

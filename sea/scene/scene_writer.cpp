@@ -196,7 +196,6 @@ std::string to_toml(const Scene& scene) {
     out.text("displacement", scene.effects.choppy ? "choppy" : "height");
     out.value("slopes", scene.effects.slopes);
     out.value("foam", scene.effects.foam);
-    out.value("velocity", scene.effects.velocity);
     out.line("\n[foam]");
     out.value("threshold", scene.foam.threshold);
     out.value("decay_s", scene.foam.decay_s);

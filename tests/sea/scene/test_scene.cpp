@@ -52,6 +52,12 @@ TEST(Scene, bearings_are_from_and_clockwise_and_become_towards_and_anticlockwise
     }
 }
 
+TEST(Scene, velocity_cannot_be_switched_off_and_says_why) {
+    EXPECT_EQ(error_of(wind_system + "[effects]\nvelocity = true"), "no error");
+    EXPECT_THAT(error_of(wind_system + "[effects]\nvelocity = false"),
+                AllOf(HasSubstr("effects.velocity: false"), HasSubstr("time rates")));
+}
+
 TEST(Scene, errors_name_file_line_key_value_and_range) {
     EXPECT_THAT(error_of("[sea]\ndepth_m = -3"),
                 AllOf(HasSubstr("s.toml:2"), HasSubstr("sea.depth_m"), HasSubstr("-3"),
