@@ -80,7 +80,8 @@ Result<void> check(const wire::SeaState& state) {
                in_range("height_error_m", state.height_error_m(), 0.0, 1e6),
                in_range("interpolation_error_m", state.interpolation_error_m(), 0.0, 1e6),
                in_range("rms_slope", state.rms_slope(), 0.0, 1e6),
-               in_range("foam_mean", state.foam_mean(), 0.0, 1e6));
+               in_range("foam_mean", state.foam_mean(), 0.0, 1e6),
+               in_range("foam_threshold", state.foam_threshold(), -1.0, 1.0));
     if (!fine || state.cascades() == nullptr)
         return fine;
     for (const wire::CascadeInfo* cascade : *state.cascades()) {

@@ -128,7 +128,8 @@ struct SeaStateValues {
     double rms_slope = 0;
     std::string scene = {}; ///< effective scene, TOML
     std::vector<std::string> warnings = {};
-    double foam_mean = 0; ///< mean coverage; what foam maps are ratios to
+    double foam_mean = 0;      ///< mean coverage; what foam maps are ratios to
+    double foam_threshold = 0; ///< Jacobian below which a crest breaks
 };
 Bytes sea_state(const SeaStateValues& state);
 /// The inverse; `state` must have passed check().

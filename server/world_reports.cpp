@@ -110,7 +110,10 @@ protocol::SeaStateValues sea_state_values(const RunningSea& sea,
     state.realised = numbers(sea.summary.realised);
     state.interpolation_error_m = sea.budget.interpolation_m;
     state.rms_slope = sea.budget.rms_slope;
-    state.foam_mean = sea.foam_law ? sea.foam_law->mean_coverage : 0.0;
+    if (sea.foam_law) {
+        state.foam_mean = sea.foam_law->mean_coverage;
+        state.foam_threshold = sea.foam_law->model.threshold;
+    }
     state.scene = sea::to_toml(sea.scene);
     state.warnings = warnings;
     if (state.scene.size() > protocol::limits::scene_bytes_max) {
@@ -148,6 +151,7 @@ std::string state_json(const RunningSea& sea, const std::vector<std::string>& wa
                             {"cascades", cascades},
                             {"offered_fields", names(sea.offered)},
                             {"foam_mean", state.foam_mean},
+                            {"foam_threshold", state.foam_threshold},
                             {"height_error_m", sea.budget.height_error_m},
                             {"error_budget",
                              {{"time", shares.time},

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include "client/failure.h"
-#include "sea/scene/scene.h"
 #include "shaders/shared/view.h"
 
 namespace seaway::client {
@@ -51,8 +50,7 @@ Result<SeaFrame> sea_frame_at(Client& client, sea::TimeUs time_us, double timeou
     frame.choppiness = {state->choppiness_x, state->choppiness_y};
     frame.significant_height_m = state->realised.hs_m;
     frame.foam_mean = state->foam_mean;
-    if (const Result<sea::Scene> scene = sea::parse_scene(state->scene, "scene of the server", "."))
-        frame.foam_threshold = scene->foam.threshold;
+    frame.foam_threshold = state->foam_threshold;
     for (std::size_t c = 0; c < state->cascades.size(); ++c) {
         Result<CascadeFrame> cascade = cascade_frame(client, *state, c, time_us);
         if (!cascade)

@@ -47,6 +47,8 @@ SeaStateValues some_state() {
                       .mss = 0.03};
     state.height_error_m = 0.01;
     state.rms_slope = 0.1;
+    state.foam_mean = 0.04;
+    state.foam_threshold = 0.75;
     return state;
 }
 
