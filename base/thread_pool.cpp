@@ -28,6 +28,13 @@ void wait_until(Ready ready) {
 
 } // namespace
 
+int awaited_phase(std::span<const Phase> phases, std::size_t index) {
+    int before = phases[index].after;
+    while (before >= 0 && phases[static_cast<std::size_t>(before)].chunks == 0)
+        before = phases[static_cast<std::size_t>(before)].after;
+    return before;
+}
+
 ThreadPool::ThreadPool(int threads) {
     SEAWAY_CHECK(threads >= 0, "number of threads");
     if (threads == 0)
@@ -53,9 +60,11 @@ void ThreadPool::run(std::span<const Phase> phases) {
         done_capacity_ = phases.size();
     }
     first_chunk_.assign(1, 0);
+    awaited_.clear();
     for (std::size_t i = 0; i < phases.size(); ++i) {
-        SEAWAY_CHECK(phases[i].after < static_cast<int>(i),
-                     "a phase may only wait for earlier ones");
+        SEAWAY_CHECK(phases[i].after < static_cast<int>(i), "a phase may only follow earlier ones");
+        SEAWAY_CHECK(phases[i].chunks >= 0, "number of chunks");
+        awaited_.push_back(awaited_phase(phases, i));
         done_[i].store(0, std::memory_order_relaxed);
         first_chunk_.push_back(first_chunk_.back() + phases[i].chunks);
     }
@@ -90,8 +99,8 @@ void ThreadPool::work(int worker) {
         while (ticket >= first_chunk_[phase + 1])
             ++phase;
         const Phase& current = phases_[phase];
-        if (current.after >= 0) {
-            const auto before = static_cast<std::size_t>(current.after);
+        if (awaited_[phase] >= 0) {
+            const auto before = static_cast<std::size_t>(awaited_[phase]);
             wait_until([&] {
                 return done_[before].load(std::memory_order_acquire) == phases_[before].chunks;
             });

@@ -2,9 +2,11 @@
 // ThreadPool: a few persistent threads that work through phases of equal chunks.
 //
 // Chunks are handed out in order, one after the other, so threads of unequal speed share the work.
-// A phase may name an earlier phase that must be complete before its chunks start; whoever draws
-// such a chunk early waits for the chunks still running, a matter of microseconds. Between runs the
-// threads sleep. Which thread runs a chunk never changes what the chunk computes.
+// A phase may follow an earlier phase, which must be complete before its chunks start; whoever draws
+// such a chunk early waits for the chunks still running, a matter of microseconds. A phase is
+// complete when its chunks are done *and* the phase it follows is complete: one of no chunks is
+// complete exactly when what it follows is, so to follow it is to follow all that came before it.
+// Between runs the threads sleep. Which thread runs a chunk never changes what the chunk computes.
 //
 //     ThreadPool pool;                       // as many threads as the machine runs at once
 //     const Phase phases[] = {{&columns, &work, 8}, {&rows, &work, 16, 0}};
@@ -29,8 +31,12 @@ struct Phase {
     void (*run)(const void* context, int chunk, int worker);
     const void* context;
     int chunks;
-    int after = -1; ///< index of an earlier phase that must be complete first; -1: none
+    int after = -1; ///< index of the earlier phase that it follows; -1: none
 };
+
+/// The phase whose chunks must all be done before the first chunk of phase `index` may start: the
+/// nearest one it follows, however far back, that has chunks. -1: none. Pure.
+int awaited_phase(std::span<const Phase> phases, std::size_t index);
 
 class ThreadPool {
   public:
@@ -54,6 +60,7 @@ class ThreadPool {
     bool stop_ = false;            ///< guarded by mutex_
 
     std::span<const Phase> phases_; ///< written before open_, read by those who joined
+    std::vector<int> awaited_;      ///< awaited_phase of each
     std::vector<int> first_chunk_;  ///< ticket of each phase's first chunk; one more than phases
     std::unique_ptr<std::atomic<int>[]> done_;
     std::size_t done_capacity_ = 0;

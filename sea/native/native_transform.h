@@ -16,8 +16,9 @@
 namespace seaway::sea {
 
 namespace native {
+class Batch;
 struct TransformState;
-}
+} // namespace native
 
 class NativeTransform {
   public:
@@ -38,7 +39,7 @@ class NativeTransform {
     Instructions instructions() const;
 
   private:
-    friend class NativeRunner;
+    friend class native::Batch;
     explicit NativeTransform(std::unique_ptr<const native::TransformState> state);
     std::unique_ptr<const native::TransformState> state_;
 };

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+// Batches whose chunks run in every order that their phases allow, by one hand or by many slow ones:
+// the maps are those of each task alone, to the bit.
+#include "sea/native/batch.h"
+
+#include <chrono>
+#include <numeric>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "sea/native/native_transform.h"
+#include "tests/sea/native/random_modes.h"
+
+namespace seaway::sea::native {
+namespace {
+
+const FieldSet fields{Field::height, Field::displacement_y, Field::jacobian};
+constexpr int keyframes = 3;
+
+std::size_t draw(std::uint64_t& seed, std::size_t below) {
+    return static_cast<std::size_t>((next_number(seed) + 1) / 2 * static_cast<double>(below)) %
+           below;
+}
+
+/// Keyframes of four cascades in one batch, some of the cascades without waves.
+class Sea {
+  public:
+    explicit Sea(unsigned empty) {
+        const int sizes[] = {128, 256, 64, 128};
+        for (unsigned c = 0; c < 4; ++c)
+            cascades_.push_back(std::move(*NativeTransform::create(
+                random_modes(sizes[c], empty >> c & 1u ? 0 : sizes[c] / 3.0, c + 1), {})));
+        for (int keyframe = 0; keyframe < keyframes; ++keyframe)
+            for (const NativeTransform& cascade : cascades_) {
+                planes_.emplace_back(
+                    static_cast<std::size_t>(fields.size() * cascade.size() * cascade.size()));
+                expected_.push_back(planes_.back());
+                const TimeUs time_us = 1'000'000 * keyframe;
+                tasks_.push_back({&cascade, time_us, fields, planes_.back()});
+                NativeRunner alone(1);
+                const NativeTask task{&cascade, time_us, fields, expected_.back()};
+                alone.run({&task, 1});
+            }
+    }
+    std::span<const NativeTask> tasks() const { return tasks_; }
+    void forget() {
+        for (auto& plane : planes_)
+            std::fill(plane.begin(), plane.end(), NAN);
+    }
+    bool right() const { return planes_ == expected_; }
+
+  private:
+    std::vector<NativeTransform> cascades_;
+    std::vector<std::vector<float>> planes_, expected_;
+    std::vector<NativeTask> tasks_;
+};
+
+/// One chunk after the other, each time any that the pool would let begin.
+void run_in_some_order(std::span<const Phase> phases, int workers, std::uint64_t seed) {
+    std::vector<std::vector<int>> left(phases.size());
+    for (std::size_t p = 0; p < phases.size(); ++p) {
+        left[p].resize(static_cast<std::size_t>(phases[p].chunks));
+        std::iota(left[p].begin(), left[p].end(), 0);
+    }
+    for (;;) {
+        std::vector<std::size_t> ready;
+        for (std::size_t p = 0; p < phases.size(); ++p) {
+            const int awaited = awaited_phase(phases, p);
+            if (!left[p].empty() &&
+                (awaited < 0 || left[static_cast<std::size_t>(awaited)].empty()))
+                ready.push_back(p);
+        }
+        if (ready.empty())
+            return;
+        // Mostly the latest phase: it is what lies furthest from the order of a quiet machine.
+        const std::size_t p = draw(seed, 4) ? ready.back() : ready[draw(seed, ready.size())];
+        const std::size_t at = draw(seed, left[p].size());
+        const int chunk = left[p][at];
+        left[p].erase(left[p].begin() + static_cast<std::ptrdiff_t>(at));
+        phases[p].run(phases[p].context, chunk,
+                      static_cast<int>(draw(seed, static_cast<std::size_t>(workers))));
+    }
+}
+
+TEST(Batch, every_order_of_chunks_gives_the_same_bits_with_empty_cascades_in_any_place) {
+    for (unsigned empty = 0; empty < 16; ++empty) {
+        Sea sea(empty);
+        Batch batch(3);
+        for (std::size_t held : {1u, 2u})
+            for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+                sea.forget();
+                run_in_some_order(batch.prepare(sea.tasks(), held), 3, seed);
+                ASSERT_TRUE(sea.right())
+                    << "empty cascades " << empty << ", " << held << " buffers, order " << seed;
+            }
+    }
+}
+
+/// A phase whose chunks come in another order and late: a thread that loses its core at the worst time.
+struct Slowed {
+    Phase phase;
+    std::vector<int> order;
+    std::vector<int> delay_us;
+
+    static void run(const void* context, int chunk, int worker) {
+        const auto& slowed = *static_cast<const Slowed*>(context);
+        const auto at = static_cast<std::size_t>(chunk);
+        if (slowed.delay_us[at] > 0)
+            std::this_thread::sleep_for(std::chrono::microseconds(slowed.delay_us[at]));
+        slowed.phase.run(slowed.phase.context, slowed.order[at], worker);
+    }
+};
+
+void run_slowed(ThreadPool& pool, std::span<const Phase> phases, std::uint64_t seed) {
+    std::vector<Slowed> slowed;
+    for (const Phase& phase : phases) {
+        Slowed& one = slowed.emplace_back(Slowed{phase, {}, {}});
+        for (int chunk = 0; chunk < phase.chunks; ++chunk) {
+            one.order.insert(one.order.begin() +
+                                 static_cast<std::ptrdiff_t>(draw(seed, one.order.size() + 1)),
+                             chunk);
+            one.delay_us.push_back(draw(seed, 8) ? 0 : static_cast<int>(draw(seed, 400)));
+        }
+    }
+    std::vector<Phase> run;
+    for (const Slowed& one : slowed)
+        run.push_back({Slowed::run, &one, one.phase.chunks, one.phase.after});
+    pool.run(run);
+}
+
+TEST(Batch, threads_that_lose_their_core_change_nothing) {
+    ThreadPool pool(4);
+    for (unsigned empty = 0; empty < 16; ++empty) {
+        Sea sea(empty);
+        Batch batch(pool.threads());
+        for (std::size_t held : {1u, 2u})
+            for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+                sea.forget();
+                run_slowed(pool, batch.prepare(sea.tasks(), held), seed);
+                ASSERT_TRUE(sea.right())
+                    << "empty cascades " << empty << ", " << held << " buffers, delays " << seed;
+            }
+    }
+}
+
+} // namespace
+} // namespace seaway::sea::native
