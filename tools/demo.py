@@ -17,6 +17,7 @@ import urllib.request
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 OUT = ROOT / "out" / "demo"
 SCENE = "scenes/north_sea_gale.toml"
+DEVICE = "llvmpipe"  # lavapipe, which is everywhere: the demo shows the Vulkan path, also without a GPU
 POINTS = ["0,0", "12.5,-40", "250,125", "-3000,4200", "100000,-250000"]
 
 
@@ -29,7 +30,7 @@ class Server:
     def __enter__(self):
         self.log = open(OUT / "server.log", "w")
         self.process = subprocess.Popen(
-            [self.bin_dir / "seaway-server", SCENE, "--listen", "127.0.0.1:0"], cwd=ROOT,
+            [self.bin_dir / "seaway-server", SCENE, "--listen", "127.0.0.1:0", "--device", DEVICE], cwd=ROOT,
             stdout=subprocess.PIPE, stderr=self.log, text=True)
         line = self.process.stdout.readline()
         if not line.startswith("ready "):
@@ -127,6 +128,15 @@ def stream_rates(server, seconds=4):
           f"{100 * rate('seaway_device_seconds_total'):.1f} % of the device's time")
 
 
+def compare_devices(bin_dir):
+    """One line: the same sea from the Vulkan path and from the processor, and what each costs."""
+    done = subprocess.run([bin_dir / "seaway-bench", "compare", "--scene", SCENE, "--first", DEVICE,
+                           "--second", "native"], cwd=ROOT, capture_output=True, text=True)
+    if done.returncode != 0:
+        raise SystemExit(f"demo: seaway-bench compare failed: {done.stderr.strip()}")
+    print(f"  {done.stdout.strip()}")
+
+
 def main():
     bin_dir = pathlib.Path(sys.argv[1]).resolve() / "bin"
     OUT.mkdir(parents=True, exist_ok=True)
@@ -144,6 +154,8 @@ def main():
         print(f"largest difference from the exact sum: {1000 * worst:.2f} mm\n")
         print("Achieved while one client watches:")
         stream_rates(server)
+        print("\nBoth devices:")
+        compare_devices(bin_dir)
         print("\nPictures:")
         render(server)
     print("\nEverything is stopped again.")

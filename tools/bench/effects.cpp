@@ -9,12 +9,11 @@
 
 #include <fmt/format.h>
 
-#include "server/device/native_synthesizer.h"
-#include "server/device/vulkan_synthesizer.h"
 #include "server/simulation/effect_costs.h"
 #include "server/simulation/effect_plan.h"
 #include "server/simulation/foam_maps.h"
 #include "server/simulation/running_sea.h"
+#include "tools/bench/devices.h"
 #include "tools/bench/timing.h"
 #include "tools/plot/plot.h"
 
@@ -26,16 +25,6 @@ using server::RunningSeaPtr;
 using server::Synthesizer;
 
 namespace {
-
-Result<std::unique_ptr<Synthesizer>> make_device(const std::string& name) {
-    if (name == "native")
-        return std::unique_ptr<Synthesizer>(std::make_unique<server::NativeSynthesizer>());
-    Result<std::unique_ptr<server::VulkanSynthesizer>> made =
-        server::make_vulkan_synthesizer({name, false});
-    if (!made)
-        return made.error();
-    return std::unique_ptr<Synthesizer>(std::move(made).value());
-}
 
 /// One row of the table.
 struct Row {

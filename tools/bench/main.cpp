@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "tools/bench/compare.h"
 #include "tools/bench/effects.h"
 
 int main(int argc, char** argv) {
@@ -25,11 +26,19 @@ int main(int argc, char** argv) {
     effects->add_option("--out", options.out, "Folder for effects.csv and effects.png")
         ->capture_default_str();
     effects->add_flag("--quick", quick, "Fewer rounds");
+    bench::CompareOptions pair;
+    CLI::App* compare =
+        app.add_subcommand("compare", "Two devices on one scene: the same sea, and at what cost");
+    compare->add_option("--scene", pair.scene)->capture_default_str();
+    compare->add_option("--first", pair.first)->capture_default_str();
+    compare->add_option("--second", pair.second)->capture_default_str();
     CLI11_PARSE(app, argc, argv);
 
     if (quick)
         options.rounds = 8;
-    if (Result<void> done = bench::run_effects(options); !done) {
+    const Result<void> done =
+        compare->parsed() ? bench::run_compare(pair) : bench::run_effects(options);
+    if (!done) {
         fmt::print(stderr, "seaway-bench: {}\n", done.error().message);
         return 2;
     }
