@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "sea/scene/scene.h"
+#include "sea/surface/error_budget.h"
 #include "sea/surface/inverse.h"
 #include "sea/waves/directional_spectrum.h"
 #include "sea/waves/moments.h"
@@ -82,6 +83,17 @@ void warn_of_added_tiles(const Realization& realization, std::vector<std::string
                 cascade.spec.length_m, cascade.spec.size));
 }
 
+void warn_of_accuracy(const Scene& scene, const Realization& realization,
+                      std::vector<std::string>& warnings) {
+    const double asked_m = scene.accuracy.height_error_m;
+    const ErrorBudget budget = plan_budget(realization, asked_m);
+    if (level_error_m(budget) > asked_m)
+        warnings.push_back(fmt::format(
+            "accuracy.height_error_m = {:g} cannot be reached: interpolation alone costs {:.2g} m, "
+            "and heights state {:.2g} m on level water; larger sizes of the cascades bring it down",
+            asked_m, budget.interpolation_m, level_error_m(budget)));
+}
+
 } // namespace
 
 std::vector<std::string> scene_warnings(const Scene& scene) {
@@ -95,6 +107,7 @@ std::vector<std::string> scene_warnings(const Scene& scene) {
     warn_of_folds(scene, summary, warnings);
     warn_of_narrow_beams(scene, *realization, warnings);
     warn_of_added_tiles(*realization, warnings);
+    warn_of_accuracy(scene, *realization, warnings);
     if (!(height > 0.0))
         return warnings;
     const double variance = height * height / 16.0;

@@ -4,7 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <complex>
+#include <iterator>
 #include <numbers>
+
+#include "sea/surface/sine_error.h"
 
 namespace seaway::sea {
 
@@ -22,6 +26,10 @@ constexpr double value_share = 0.6;
 /// Bounds for maps that no height depends on: fine enough for shading and foam.
 constexpr float slope_error = 0.002f;
 constexpr float jacobian_error = 0.004f;
+
+double square(double x) {
+    return x * x;
+}
 
 /// Variance of a cascade by frequency, and what the grid spacing costs.
 struct BandStatistics {
@@ -44,30 +52,11 @@ struct BandStatistics {
     }
 };
 
-/// Harmonics of an exponential-sine wave that count: the 8th of sharpness 10 holds 1 % of the
-/// first.
-constexpr int harmonics = 8;
-
-/// A stylised wave is its Fourier series: exp(p (sin q - 1)) = e^-p (I_0 + 2 sum I_n(p) cos ...).
-/// Drag moves energy up the series; it is met by counting every harmonic (1 + drag)^n times.
-void add_harmonics(BandStatistics& s, const SineField& field, const SineField::Wave& wave,
-                   double spacing_m) {
-    const double nyquist = std::numbers::pi / spacing_m;
-    for (int n = 1; n <= harmonics; ++n) {
-        const double amplitude = wave.amplitude_m * std::pow(1.0 + field.drag, n) * 2.0 *
-                                 std::exp(-field.sharpness) * std::cyl_bessel_i(n, field.sharpness);
-        s.add(0.5 * amplitude * amplitude, std::clamp(n * wave.kx_radpm, -nyquist, nyquist),
-              std::clamp(n * wave.ky_radpm, -nyquist, nyquist), n * wave.omega_radps, spacing_m);
-    }
-}
-
 BandStatistics statistics(const CascadeModes& modes) {
     BandStatistics s;
-    for (const Rate rate : modes.rate)
-        s.omega_max_radps = std::max(s.omega_max_radps, omega_from_rate(rate));
-    for (const SineField& field : modes.sines)
-        for (const SineField::Wave& wave : field.waves)
-            s.omega_max_radps = std::max(s.omega_max_radps, harmonics * wave.omega_radps);
+    for (std::size_t i = 0; i < modes.h0.size(); ++i)
+        if (modes.h0[i] != std::complex<double>{})
+            s.omega_max_radps = std::max(s.omega_max_radps, omega_from_rate(modes.rate[i]));
     const int size = modes.spec.size;
     const double dk = modes.spec.wavenumber_step_radpm();
     const double dx = modes.spec.spacing_m();
@@ -80,20 +69,29 @@ BandStatistics statistics(const CascadeModes& modes) {
                 s.add(variance, dk * signed_index(ix, size), dk * signed_index(iy, size),
                       omega_from_rate(modes.rate[i]), dx);
         }
-    for (const SineField& field : modes.sines)
-        for (const SineField::Wave& wave : field.waves)
-            add_harmonics(s, field, wave, dx);
     return s;
 }
 
-double time_rms(const BandStatistics& s, TimeUs interval_us) {
+/// What a hard bound counts where standard deviations are added.
+double as_rms(double bound_m) {
+    return bound_m / bound_sigmas;
+}
+
+double time_rms(const BandStatistics& s, const std::vector<SineError>& sines, TimeUs interval_us) {
     double sum = 0;
     for (int bin = 0; bin < BandStatistics::bins; ++bin) {
         const double omega = s.omega_max_radps * (bin + 1) / BandStatistics::bins;
         const double missed = hermite_error(omega * seconds_from_us(interval_us));
         sum += s.variance_m2[static_cast<std::size_t>(bin)] * missed * missed;
     }
+    for (const SineError& sine : sines)
+        sum += square(as_rms(sine.time_m(interval_us)));
     return std::sqrt(sum);
+}
+
+/// Keyframes so far apart that a wave turns more than once between two of them say nothing of it.
+bool keyframes_tell(const BandStatistics& s, TimeUs interval_us) {
+    return s.omega_max_radps * seconds_from_us(interval_us) <= hermite_phase_max;
 }
 
 /// How much a codec error of every map counts against the height at typical steep places.
@@ -111,7 +109,10 @@ double sampled_error(const ErrorBudget& budget, double codec_error_m) {
 } // namespace
 
 double hermite_error(double u) {
-    return std::abs(1.0 - std::cos(0.5 * u) - 0.25 * u * std::sin(0.5 * u));
+    if (u <= hermite_phase_max)
+        return 1.0 - std::cos(0.5 * u) - 0.25 * u * std::sin(0.5 * u);
+    // The wave itself, the two values, whose weights add up to one, and the two rates: to 1/4.
+    return 2.0 + 0.25 * u;
 }
 
 double spline_error(double q) {
@@ -134,16 +135,25 @@ ErrorBudget plan_budget(const Realization& sea, double height_error_m) {
     double slope_variance = 0;
     double height_variance = 0;
     for (const CascadeModes& modes : sea.cascades) {
-        const BandStatistics s = statistics(modes);
+        BandStatistics s = statistics(modes);
+        std::vector<SineError> sines;
+        for (const SineField& field : modes.sines) {
+            sines.emplace_back(field, modes.spec.spacing_m());
+            s.space_variance_m2 += square(as_rms(sines.back().space_m()));
+            s.slope_variance += sines.back().slope_variance();
+        }
         CascadeBudget cascade;
         for (const TimeUs interval_us : keyframe_intervals_us) {
+            const bool last = interval_us == *std::rbegin(keyframe_intervals_us);
+            if (!last && !keyframes_tell(s, interval_us))
+                continue;
             cascade.interval_us = interval_us;
-            cascade.time_rms_m = time_rms(s, interval_us);
+            cascade.time_rms_m = time_rms(s, sines, interval_us);
             if (bound_sigmas * cascade.time_rms_m <= time_share_m)
                 break;
         }
         cascade.space_rms_m = std::sqrt(s.space_variance_m2);
-        missed_variance += cascade.time_rms_m * cascade.time_rms_m + s.space_variance_m2;
+        missed_variance += square(cascade.time_rms_m) + s.space_variance_m2;
         slope_variance += s.slope_variance;
         height_variance += s.height_variance_m2;
         budget.cascades.push_back(cascade);
@@ -153,6 +163,10 @@ ErrorBudget plan_budget(const Realization& sea, double height_error_m) {
     budget.displacement_reach_m =
         bound_sigmas * std::sqrt(height_variance) * std::max(sea.choppiness.x, sea.choppiness.y);
     return budget;
+}
+
+double level_error_m(const ErrorBudget& budget) {
+    return budget.interpolation_m + budget.shares.codec * budget.height_error_m;
 }
 
 FoldSearch fold_search(const ErrorBudget& budget) {

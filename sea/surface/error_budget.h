@@ -4,14 +4,16 @@
 // displacement. From it follow the keyframe interval of each cascade and the codec's bounds.
 //
 // Laws (reference: docs/physics.md, "Interpolation"): a wave of phase step u = omega * interval
-// between keyframes is missed by |1 - cos(u/2) - (u/4) sin(u/2)| ~ u^4/384 of its amplitude; one of
+// between keyframes is missed by 1 - cos(u/2) - (u/4) sin(u/2) ~ u^4/384 of its amplitude; one of
 // q = k dx between grid points by 2 r / (1 + r), r = sum_{j != 0} (q / (q + 2 pi j))^4. Random
 // waves add in the square; the stated bound is six standard deviations of the sum, which one point
-// in 5e8 exceeds. The codec's bound is hard.
+// in 5e8 exceeds. Stylised waves that are no modes count with a bound of their own
+// (sea/surface/sine_error.h). The codec's bound is hard.
 //
-// Pure functions; thread-safe. Cost: a few milliseconds a cascade.
+// Pure functions; thread-safe. Cost: a few milliseconds a cascade, and what sine_error.h says.
 #pragma once
 
+#include <numbers>
 #include <vector>
 
 #include "sea/basics/field.h"
@@ -55,8 +57,17 @@ ErrorBudget plan_budget(const Realization& sea, double height_error_m);
 /// How answers about this sea look for folds.
 FoldSearch fold_search(const ErrorBudget& budget);
 
-/// Amplitude share that cubic Hermite in time misses at phase step u = omega * interval.
+/// Error of heights on level water that a coded tile is held to: interpolation and the codec's
+/// share. Above `height_error_m` where the grids are too coarse for what was asked, or where even
+/// the shortest interval is too long.
+double level_error_m(const ErrorBudget& budget);
+
+/// Bound on the amplitude share that cubic Hermite misses between two keyframes at phase step
+/// u = omega * interval >= 0: at every time between them and at every phase of the wave. Never falls
+/// as u grows. Up to hermite_phase_max it is met, in the middle; beyond, keyframes know nothing of
+/// the wave, and no interval is chosen there while there is a shorter one.
 double hermite_error(double u);
+inline constexpr double hermite_phase_max = 2.0 * std::numbers::pi;
 
 /// Amplitude share that a cubic spline misses at phase step q = k dx, 0 .. pi.
 double spline_error(double q);

@@ -9,30 +9,17 @@
 #include <fmt/format.h>
 
 #include "base/check.h"
+#include "sea/surface/hermite.h"
 
 namespace seaway::sea {
 
 namespace {
 
-/// Weights of value and rate of two keyframes at a time between them (cubic Hermite).
-struct HermiteWeights {
-    double before, before_rate, after, after_rate;
-};
-
-HermiteWeights hermite_weights(const SplinePair& pair, TimeUs time_us) {
-    const double span_s = seconds_from_us(pair.after->time_us() - pair.before->time_us());
-    const double since_s = seconds_from_us(time_us - pair.before->time_us());
-    if (span_s <= 0)
-        return {1, since_s, 0, 0};
-    const double s = since_s / span_s;
-    const double r = 1 - s;
-    return {r * r * (1 + 2 * s), s * r * r * span_s, s * s * (1 + 2 * r), -s * s * r * span_s};
-}
-
 /// Splines are linear in their coefficients: one map at the time gives what two give mixed.
 std::vector<float> mixed_texels(const SplinePair& pair, TimeUs time_us) {
     constexpr std::size_t from = SplineMap::channels, to = 4, rate = 4;
-    const HermiteWeights w = hermite_weights(pair, time_us);
+    const HermiteWeights w =
+        hermite_weights(pair.before->time_us(), pair.after->time_us(), time_us);
     const std::vector<float>& a = pair.before->coefficients();
     const std::vector<float>& b = pair.after->coefficients();
     std::vector<float> mixed(a.size() / from * to);
@@ -40,10 +27,10 @@ std::vector<float> mixed_texels(const SplinePair& pair, TimeUs time_us) {
         for (std::size_t c = 0; c < 3; ++c) {
             const std::size_t value = i * from + c;
             mixed[i * to + c] =
-                static_cast<float>(w.before * static_cast<double>(a[value]) +
-                                   w.before_rate * static_cast<double>(a[value + rate]) +
-                                   w.after * static_cast<double>(b[value]) +
-                                   w.after_rate * static_cast<double>(b[value + rate]));
+                static_cast<float>(w.value[0] * static_cast<double>(a[value]) +
+                                   w.value[1] * static_cast<double>(a[value + rate]) +
+                                   w.value[2] * static_cast<double>(b[value]) +
+                                   w.value[3] * static_cast<double>(b[value + rate]));
         }
     return mixed;
 }
@@ -75,12 +62,6 @@ LagrangianPoint lagrangian(const MapSample& s) {
 
 Error out_of_range(std::string_view field, double value, std::string_view range) {
     return Error{fmt::format("map: {} = {} is out of range, {}", field, value, range)};
-}
-
-bool covered(const Surface& surface, TimeUs time_us) {
-    return std::all_of(surface.pairs().begin(), surface.pairs().end(), [&](const auto& pair) {
-        return pair.before->time_us() <= time_us && time_us <= pair.after->time_us();
-    });
 }
 
 } // namespace
@@ -163,7 +144,7 @@ Result<std::unique_ptr<MapStream>> MapStream::start(const MapRequest& request,
                                                     const Surface& surface, MapOptions options) {
     if (Result<void> valid = validate(request); !valid)
         return valid.error();
-    if (!covered(surface, request.time_us))
+    if (!surface.covers(request.time_us))
         return Error{
             fmt::format("map: time_us = {} is outside the keyframes held", request.time_us)};
     std::unique_ptr<MapStream> stream(new MapStream(request, surface, std::move(options)));

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "sea/surface/map_kernel.h"
+#include "sea/surface/spline_weights.h"
 
 namespace seaway::sea {
 namespace {
@@ -36,16 +37,6 @@ SEAWAY_INLINE auto halves_sum(V v, std::integer_sequence<int, i...>) {
 }
 SEAWAY_INLINE F4 fold(Vector<8>::F v) {
     return halves_sum(v, std::make_integer_sequence<int, 4>{});
-}
-
-/// Weights of the four coefficients around fraction f, and their derivatives by f.
-SEAWAY_INLINE void spline_weights(float f, F4& weight, F4& derivative) {
-    const F4 c0{1.0f / 6, 2.0f / 3, 1.0f / 6, 0.0f};
-    const F4 c1{-0.5f, 0.0f, 0.5f, 0.0f};
-    const F4 c2{0.5f, -1.0f, 0.5f, 0.0f};
-    const F4 c3{-1.0f / 6, 0.5f, -0.5f, 1.0f / 6};
-    weight = c0 + f * (c1 + f * (c2 + f * c3));
-    derivative = c1 + f * (2.0f * c2 + f * (3.0f * c3));
 }
 
 struct Point {

@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include "sea/surface/spline_weights.h"
+
 namespace seaway::sea {
 
 namespace {
@@ -43,18 +45,7 @@ void prefilter(float* first, int count, std::size_t stride, std::size_t width) {
         step(row(i), -pole * gain);
 }
 
-/// Weights of the four coefficients around a point at fraction f, and their derivatives.
-void spline_weights(float f, float (&weight)[4], float (&derivative)[4]) {
-    const float g = 1.0f - f;
-    weight[0] = g * g * g * (1.0f / 6.0f);
-    weight[1] = (2.0f / 3.0f) - 0.5f * f * f * (1.0f + g);
-    weight[2] = (2.0f / 3.0f) - 0.5f * g * g * (1.0f + f);
-    weight[3] = f * f * f * (1.0f / 6.0f);
-    derivative[0] = -0.5f * g * g;
-    derivative[1] = f * (1.5f * f - 2.0f);
-    derivative[2] = -g * (1.5f * g - 2.0f);
-    derivative[3] = 0.5f * f * f;
-}
+typedef float F4 __attribute__((vector_size(16)));
 
 struct GridPosition {
     int index;
@@ -114,7 +105,7 @@ SplineMap::SplineMap(const Keyframe& keyframe)
 SplineSample SplineMap::sample(double x_m, double y_m) const {
     const GridPosition gx = grid_position(x_m, length_m_, size_);
     const GridPosition gy = grid_position(y_m, length_m_, size_);
-    float wx[4], dx[4], wy[4], dy[4];
+    F4 wx, dx, wy, dy;
     spline_weights(gx.fraction, wx, dx);
     spline_weights(gy.fraction, wy, dy);
 

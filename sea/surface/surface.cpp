@@ -3,31 +3,17 @@
 
 #include <algorithm>
 
+#include "sea/surface/hermite.h"
+
 namespace seaway::sea {
 
 namespace {
 
 constexpr double residual_tolerance_m = 1e-4;
 
-/// Weights of value and rate at both ends, and those of the time derivative.
-struct Hermite {
-    double value[4];
-    double rate[4];
-};
-
-Hermite hermite(TimeUs before_us, TimeUs after_us, TimeUs time_us) {
-    const double span_s = seconds_from_us(after_us - before_us);
-    if (span_s <= 0) // one map: value and rate as they are, height carried on by its rate
-        return {{1, seconds_from_us(time_us - before_us), 0, 0}, {0, 1, 0, 0}};
-    const double s = seconds_from_us(time_us - before_us) / span_s;
-    const double r = 1 - s;
-    return {{r * r * (1 + 2 * s), s * r * r * span_s, s * s * (1 + 2 * r), -s * s * r * span_s},
-            {-6 * s * r / span_s, r * (1 - 3 * s), 6 * s * r / span_s, s * (1 - 3 * r)}};
-}
-
 constexpr int rates = 4; // channel offset of the time rates in SplineSample
 
-void add(LagrangianPoint& sum, const Hermite& weights, const SplineSample& a,
+void add(LagrangianPoint& sum, const HermiteWeights& weights, const SplineSample& a,
          const SplineSample& b) {
     const auto mix = [](const double(&w)[4], const float(&pa)[8], const float(&pb)[8], int c) {
         return w[0] * static_cast<double>(pa[c]) + w[1] * static_cast<double>(pa[c + rates]) +
@@ -59,7 +45,8 @@ Surface::Surface(std::vector<SplinePair> pairs, Choppiness choppiness, FoldSearc
 LagrangianPoint Surface::at(double x_m, double y_m, TimeUs time_us) const {
     LagrangianPoint sum;
     for (const SplinePair& pair : pairs_) {
-        const Hermite weights = hermite(pair.before->time_us(), pair.after->time_us(), time_us);
+        const HermiteWeights weights =
+            hermite_weights(pair.before->time_us(), pair.after->time_us(), time_us);
         const SplineSample before = pair.before->sample(x_m, y_m);
         const bool single = pair.before == pair.after;
         add(sum, weights, before, single ? before : pair.after->sample(x_m, y_m));

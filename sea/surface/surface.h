@@ -52,9 +52,10 @@ class Surface {
     const FoldSearch& folds() const { return folds_; }
     const MapError& map_error() const { return error_; }
 
-  private:
+    /// The time lies between the keyframes of every pair.
     bool covers(TimeUs time_us) const;
 
+  private:
     std::vector<SplinePair> pairs_;
     Choppiness choppiness_;
     FoldSearch folds_;

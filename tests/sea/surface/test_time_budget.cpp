@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "sea/scene/scene.h"
+#include "sea/surface/error_budget.h"
+#include "sea/surface/hermite.h"
+#include "tests/support/explicit_sea.h"
+
+namespace seaway::sea {
+namespace {
+
+RealizationPtr some_sea() {
+    return tests::make_sea({tests::random_cascade(300.0, 64, 12, 300, 0.004, 11),
+                            tests::random_cascade(41.0, 64, 15, 300, 0.004, 12)});
+}
+
+/// Largest error of cubic Hermite on the complex wave e^(i u s), s = 0 .. 1: its size is that of the
+/// real wave of the worst phase.
+double largest_hermite_error(double u) {
+    using namespace std::complex_literals;
+    double largest = 0;
+    for (double s = 0; s <= 1; s += 0.01) {
+        const double r = 1 - s;
+        const std::complex<double> after = std::exp(1i * u);
+        const std::complex<double> mixed = r * r * (1 + 2 * s) + s * r * r * u * 1i +
+                                           after * (s * s * (1 + 2 * r) - s * s * r * u * 1i);
+        largest = std::max(largest, std::abs(mixed - std::exp(1i * (u * s))));
+    }
+    return largest;
+}
+
+// The error in the middle of an interval alone is zero at whole turns: 2 s between keyframes of a
+// loop of 1 s looked perfect.
+TEST(TimeBudget, hermite_law_bounds_every_time_and_phase_and_never_falls) {
+    double before = 0;
+    for (double u = 0; u < 80; u += 0.03) {
+        const double law = hermite_error(u);
+        EXPECT_GE(law, before) << u;
+        EXPECT_GE(law, largest_hermite_error(u) - 1e-12) << u; // rounding
+        // Where keyframes say anything of the wave the law is met: nothing is given away.
+        if (u <= hermite_phase_max) {
+            EXPECT_LE(law, 1.001 * largest_hermite_error(u) + 1e-12) << u;
+        }
+        before = law;
+    }
+}
+
+Scene looping_swell(double loop_period_s, double height_error_m) {
+    const std::string text = fmt::format(R"(
+[sea]
+seed = 1
+depth_m = 20.0
+loop_period_s = {}
+[[sea.system]]
+type = "swell"
+significant_height_m = 2.0
+peak_period_s = 8.0
+from_deg = 270
+[[cascade]]
+length_m = 200.0
+size = 64
+[[cascade]]
+length_m = 30.0
+size = 64
+[accuracy]
+height_error_m = {}
+)",
+                                         loop_period_s, height_error_m);
+    Result<Scene> scene = parse_scene(text, "loop.toml", ".");
+    EXPECT_TRUE(scene) << (scene ? "" : scene.error().message);
+    return *scene;
+}
+
+TEST(TimeBudget, in_a_loop_of_any_length_heights_between_keyframes_stay_inside_the_bound) {
+    for (const double loop_s : {1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 8.0, 12.0, 20.0, 33.0, 60.0}) {
+        const auto sea = std::make_shared<const Realization>(*realize(looping_swell(loop_s, 0.01)));
+        const ErrorBudget budget = plan_budget(*sea, 0.01);
+        double bound_m = 0; // of the time alone; both cascades together
+        double worst_m = 0;
+        std::vector<DirectSum> alone;
+        for (const CascadeModes& modes : sea->cascades)
+            alone.emplace_back(std::make_shared<const Realization>(
+                Realization{{modes}, sea->choppiness, sea->loop_period_us}));
+        for (const CascadeBudget& cascade : budget.cascades)
+            bound_m = std::hypot(bound_m, 6 * cascade.time_rms_m);
+        for (int i = 0; i < 60; ++i) {
+            const double x = 17.3 * i, y = -5.9 * i;
+            double mixed_m = 0, truth_m = 0;
+            for (std::size_t c = 0; c < alone.size(); ++c) {
+                const TimeUs interval = budget.cascades[c].interval_us;
+                const TimeUs t = interval * (i % 7) + interval * (1 + i % 3) / 4;
+                const TimeUs first = interval * (i % 7);
+                const HermiteWeights w = hermite_weights(first, first + interval, t);
+                const LagrangianPoint a = alone[c].at(x, y, first);
+                const LagrangianPoint b = alone[c].at(x, y, first + interval);
+                mixed_m += w.value[0] * a.height + w.value[1] * a.height_rate +
+                           w.value[2] * b.height + w.value[3] * b.height_rate;
+                truth_m += alone[c].at(x, y, t).height;
+            }
+            worst_m = std::max(worst_m, std::abs(mixed_m - truth_m));
+        }
+        EXPECT_LE(worst_m, bound_m) << "loop of " << loop_s << " s";
+        EXPECT_LE(bound_m, 0.25 * 0.01 * 1.001) << "loop of " << loop_s << " s";
+    }
+}
+
+// Energy that no keyframe tells of is not worth longer intervals, however little it is.
+TEST(TimeBudget, no_wave_turns_more_than_once_between_two_keyframes) {
+    for (const double error_m : {0.01, 1.0, 1000.0}) {
+        const RealizationPtr sea = some_sea();
+        const ErrorBudget budget = plan_budget(*sea, error_m);
+        for (std::size_t c = 0; c < sea->cascades.size(); ++c) {
+            const CascadeModes& modes = sea->cascades[c];
+            for (std::size_t i = 0; i < modes.h0.size(); ++i)
+                if (std::abs(modes.h0[i]) > 0) {
+                    ASSERT_LE(omega_from_rate(modes.rate[i]) *
+                                  seconds_from_us(budget.cascades[c].interval_us),
+                              hermite_phase_max);
+                }
+        }
+    }
+}
+
+TEST(TimeBudget, an_accuracy_that_the_grids_cannot_reach_is_warned_of) {
+    const auto warned = [](double asked_m) {
+        const std::vector<std::string> warnings = scene_warnings(looping_swell(0, asked_m));
+        return std::any_of(warnings.begin(), warnings.end(), [](const std::string& warning) {
+            return warning.find("accuracy.height_error_m") != std::string::npos;
+        });
+    };
+    EXPECT_TRUE(warned(1e-4));
+    EXPECT_FALSE(warned(1.0));
+    const RealizationPtr sea = some_sea();
+    const ErrorBudget budget = plan_budget(*sea, 1e-4);
+    EXPECT_DOUBLE_EQ(level_error_m(budget), budget.interpolation_m + 0.45e-4);
+    EXPECT_GT(budget.interpolation_m, 1e-4);
+}
+
+} // namespace
+} // namespace seaway::sea
