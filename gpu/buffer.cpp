@@ -48,6 +48,9 @@ Result<Buffer> Buffer::create(Device& device, std::string_view name, std::size_t
         return Error{"buffer \"" + std::string(name) + "\", " + std::to_string(bytes) +
                      " bytes: " + error.message};
     };
+    if (bytes > device.buffer_bytes_max())
+        return failed(
+            {device.info().name + " allows " + std::to_string(device.buffer_bytes_max())});
     Buffer made;
     made.bytes_ = bytes;
     const VkBufferCreateInfo info{.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,

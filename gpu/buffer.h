@@ -22,7 +22,8 @@ enum class BufferKind {
 class Buffer {
   public:
     Buffer() = default;
-    /// `bytes` > 0. `name` is for error messages. Contents are undefined.
+    /// `bytes` > 0. `name` is for error messages, which name the limit of the device where there
+    /// is one. Contents are undefined.
     static Result<Buffer> create(Device& device, std::string_view name, std::size_t bytes,
                                  BufferKind kind);
 

@@ -48,9 +48,13 @@ Result<void> Device::pick(const std::string& wish) {
     info_ = infos[static_cast<std::size_t>(*index)];
     queue_family_ = static_cast<std::uint32_t>(pick_queue_family(physical_));
 
-    VkPhysicalDeviceProperties properties;
-    vkGetPhysicalDeviceProperties(physical_, &properties);
-    limits_ = properties.limits;
+    VkPhysicalDeviceVulkan13Properties v13{
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_PROPERTIES};
+    VkPhysicalDeviceProperties2 properties{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2,
+                                           .pNext = &v13};
+    vkGetPhysicalDeviceProperties2(physical_, &properties);
+    limits_ = properties.properties.limits;
+    buffer_bytes_max_ = v13.maxBufferSize;
     vkGetPhysicalDeviceMemoryProperties(physical_, &memory_);
     // Unified: the biggest device-local heap itself can be mapped and cached.
     for (std::uint32_t i = 0; i < memory_.memoryTypeCount; ++i) {

@@ -48,6 +48,8 @@ class Device {
     const DeviceInfo& info() const { return info_; }
     const VkPhysicalDeviceLimits& limits() const { return limits_; }
     const VkPhysicalDeviceFeatures& features() const { return features_; }
+    /// The largest buffer that may be asked for (maxBufferSize).
+    std::uint64_t buffer_bytes_max() const { return buffer_bytes_max_; }
 
     /// True where device memory can be read and written in place by the CPU at full speed
     /// (lavapipe, most integrated GPUs): device buffers are mapped and need no copies.
@@ -78,6 +80,7 @@ class Device {
     VkPhysicalDevice physical_ = VK_NULL_HANDLE;
     DeviceInfo info_;
     VkPhysicalDeviceLimits limits_{};
+    std::uint64_t buffer_bytes_max_ = 0;
     VkPhysicalDeviceFeatures features_{};
     VkPhysicalDeviceMemoryProperties memory_{};
     bool unified_memory_ = false;

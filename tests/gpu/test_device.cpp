@@ -102,6 +102,19 @@ TEST_F(DeviceTest, a_buffer_larger_than_memory_is_an_error_that_names_it) {
     EXPECT_THAT(buffer.error().message, HasSubstr("whole world"));
 }
 
+TEST_F(DeviceTest, a_buffer_above_the_limit_of_the_device_is_refused_before_the_driver_is_asked) {
+    // To ask would be a mistake by the rules of Vulkan, which newer validation layers report.
+    ASSERT_GE(device_->buffer_bytes_max(), std::uint64_t{1} << 30); // what Vulkan 1.3 promises
+    if (device_->buffer_bytes_max() == ~std::uint64_t{0})
+        return; // no size is above it
+    const std::size_t bytes = device_->buffer_bytes_max() + 1;
+    const Result<Buffer> buffer = Buffer::create(*device_, "too long", bytes, BufferKind::device);
+    ASSERT_FALSE(buffer);
+    EXPECT_EQ(buffer.error().message, "buffer \"too long\", " + std::to_string(bytes) +
+                                          " bytes: " + device_->info().name + " allows " +
+                                          std::to_string(bytes - 1));
+}
+
 TEST(Staged, bytes_go_round_through_staging_buffers_as_on_a_discrete_device) {
     Result<std::unique_ptr<Device>> device = Device::create({.validation = true, .staged = true});
     ASSERT_TRUE(device) << device.error().message;
