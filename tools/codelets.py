@@ -23,14 +23,15 @@ From CMake (C++, one header with namespace seaway::codelets):
     codelets.py cpp OUT.h 4 8       # these only
 
     template <class V> struct Complex { V re, im; };
-    template <class V, class S = float> inline void dft8(Complex<V> (&z)[8]);      // in place
-    template <class V, class S = float> void dft(Complex<V> (&z)[N]);              // by the extent
+    template <class V, class S = float, class M = Rounded> inline void dft8(Complex<V> (&z)[8]);
+    template <class V, class S = float, class M = Rounded> void dft(Complex<V> (&z)[N]); // by the extent
 
-V needs V + V, V - V, -V and V * S (S is the type of the constants): float, double with S = double,
-GCC vector types (typedef float F8 __attribute__((vector_size(32)))), and wrapper classes all do.
-Multiply-add is left to the compiler: -ffp-contract=fast on the file that includes the header turns
-most products into FMA. Keep z in a local array: its indices are constants, so it lives in registers
-as far as they reach (radix 16 needs 32 of them).
+Both work in place. V needs V + V, V - V, -V and V * S (S is the type of the constants): float, double
+with S = double, GCC vector types (typedef float F8 __attribute__((vector_size(32)))), and wrapper
+classes all do. Sums of products stand in the header as calls of M, so that not the compiler but whoever
+includes it decides what is fused: M::add(a, s, c) = a s + c, M::subtract(a, s, c) = a s - c,
+M::subtract_from(c, a, s) = c - a s. Rounded rounds product and sum. Keep z in a local array: its
+indices are constants, so it lives in registers as far as they reach (radix 16 needs 32 of them).
 
     codelets.py check               # every radix against the sum above; prints the operation counts
 """
@@ -152,16 +153,54 @@ class Codelet:
         body = self.lines(kind, flat, left, prefix, lambda c: f"{c:.9g}" if c != int(c) else f"{c:.1f}")
         return "".join(f"{indent}{line}\n" for line in body)
 
+    def sums_of_products(self):
+        """{id of a sum: id of the product that it takes in}, and the products that some statement
+        still needs by themselves. Of two products in one sum the earlier is taken in."""
+        products = {s[0] for s in self.statements if s[1] == "*"}
+        taken, needed = {}, {ident for z in self.outputs for _, ident in z}
+        for ident, op, a, b in self.statements:
+            if op == "*":
+                needed.add(a)
+                continue
+            inside = sorted(products & {a, b})
+            if inside and a != b:
+                taken[ident] = inside[0]
+            needed |= {a, b} - {taken.get(ident)}
+        return taken, products & needed
+
+    def cpp_lines(self):
+        """Statements as C++, with sums of products as one call."""
+        names = {i: f"x{i}" for i in range(2 * self.n)}
+        names |= {s[0]: f"t{s[0] - 2 * self.n}" for s in self.statements}
+        factors = {s[0]: f"{names[s[2]]}, S({s[3]!r})" for s in self.statements if s[1] == "*"}
+        taken, needed = self.sums_of_products()
+        for ident, op, a, b in self.statements:
+            if ident in taken and op == "+":
+                value = f"M::add({factors[taken[ident]]}, {names[b if taken[ident] == a else a]})"
+            elif ident in taken and taken[ident] == a:
+                value = f"M::subtract({factors[a]}, {names[b]})"
+            elif ident in taken:
+                value = f"M::subtract_from({names[a]}, {factors[b]})"
+            elif op != "*":
+                value = f"{names[a]} {op} {names[b]}"
+            elif ident in needed:
+                value = f"{names[a]} * S({b!r})"
+            else:
+                continue
+            yield f"const V {names[ident]} = {value};"
+        for i, (re, im) in enumerate(self.outputs):
+            for part, (sign, ident) in (("re", re), ("im", im)):
+                yield f"z[{i}].{part} = {'-' if sign < 0 else ''}{names[ident]};"
+
     def cpp(self):
         """A C++ function template dftN."""
         flat = [f"z[{i}].{part}" for i in range(self.n) for part in ("re", "im")]
         loads = [f"const V x{i} = {name};" for i, name in enumerate(flat)]
-        body = self.lines("const V", [f"x{i}" for i in range(2 * self.n)], flat, "t",
-                          lambda c: f"S({c!r})")
         adds, products = self.counts()
-        text = "".join(f"    {line}\n" for line in loads + body)
-        return (f"/// {adds} additions, {products} multiplications.\n"
-                f"template <class V, class S = float>\n"
+        text = "".join(f"    {line}\n" for line in [*loads, *self.cpp_lines()])
+        return (f"/// {adds} additions, {products} multiplications, "
+                f"{len(self.sums_of_products()[0])} of them together.\n"
+                f"template <class V, class S = float, class M = Rounded>\n"
                 f"SEAWAY_CODELET void dft{self.n}(Complex<V> (&z)[{self.n}]) {{\n{text}}}\n")
 
     def run(self, x):
@@ -196,14 +235,23 @@ def cpp_header(radices):
              "#define SEAWAY_CODELET inline\n"
              "#endif\n\n"
              "namespace seaway::codelets {\n\n"
-             "template <class V>\nstruct Complex {\n    V re, im;\n};\n"]
+             "template <class V>\nstruct Complex {\n    V re, im;\n};\n\n"
+             "/// Sums of products, each product rounded.\n"
+             "struct Rounded {\n"
+             "    template <class V, class S>\n"
+             "    static V add(V a, S s, V c) {\n        return a * s + c;\n    }\n"
+             "    template <class V, class S>\n"
+             "    static V subtract(V a, S s, V c) {\n        return a * s - c;\n    }\n"
+             "    template <class V, class S>\n"
+             "    static V subtract_from(V c, V a, S s) {\n        return c - a * s;\n    }\n"
+             "};\n"]
     for n in radices:
         parts.append("\n" + dft(n).cpp())
     parts.append("\n/// By the extent of the array.\n"
-                 "template <class V, class S = float, int n>\n"
+                 "template <class V, class S = float, class M = Rounded, int n>\n"
                  "SEAWAY_CODELET void dft(Complex<V> (&z)[n]) {\n")
     for i, n in enumerate(radices):
-        parts.append(f"    {'else ' if i else ''}if constexpr (n == {n})\n        dft{n}<V, S>(z);\n")
+        parts.append(f"    {'else ' if i else ''}if constexpr (n == {n})\n        dft{n}<V, S, M>(z);\n")
     parts.append("    else\n        static_assert(n == 0, \"no codelet of this radix\");\n}\n")
     parts.append("\n} // namespace seaway::codelets\n\n#undef SEAWAY_CODELET\n")
     return "".join(parts)

@@ -92,6 +92,9 @@ struct Kernels {
     void (*columns)(const ColumnPass&, int block, float* scratch);
     /// Rows y_begin .. y_end - 1, both even.
     void (*rows)(const RowPass&, int y_begin, int y_end, float* scratch);
+    /// a b + c as the compiler of this file makes it where no Fused is called (vector.h): the product
+    /// must be rounded. Tests ask.
+    float (*product_then_sum)(float a, float b, float c);
 };
 
 using KernelTable = const Kernels* (*)(int size);

@@ -61,7 +61,7 @@ struct Kernel {
             sincos_turns<L>(odd_words(U(low), U(high), all), s, c);
             const F pr = load<L>(record), pi = load<L>(record + L);
             const F qr = load<L>(record + 2 * L), qi = load<L>(record + 3 * L);
-            const F hr = pr * c + qr * s, hi = pi * c + qi * s;
+            const F hr = Fused::add(pr, c, qr * s), hi = Fused::add(pi, c, qi * s);
             const F over_k = wanted & over_k_sources ? load<L>(pass.over_k + index * L) : F{};
             if (wanted >> source_h & 1u)
                 put(source_h, n, hr, hi);
@@ -69,7 +69,8 @@ struct Kernel {
                 put(source_h_over_k, n, hr * over_k, hi * over_k);
             if (wanted >> source_rate & 3u) {
                 const F omega = load<L>(pass.omega + index * L);
-                const F dr = (qr * c - pr * s) * omega, di = (qi * c - pi * s) * omega;
+                const F dr = Fused::subtract(qr, c, pr * s) * omega;
+                const F di = Fused::subtract(qi, c, pi * s) * omega;
                 if (wanted >> source_rate & 1u)
                     put(source_rate, n, dr, di);
                 if (wanted >> source_rate_over_k & 1u)
@@ -97,13 +98,13 @@ struct Kernel {
                     z[n1].im *= scale[n];
                 }
             }
-            codelets::dft<F>(z);
+            codelets::dft<F, float, Fused>(z);
 #pragma GCC unroll 32
             for (int k1 = 0; k1 < r1; ++k1) {
                 const float c = plan.cos[k1 * r2 + n2], s = plan.sin[k1 * r2 + n2];
                 float* to = middle + std::size_t(k1 * r2 + n2) * 2 * L;
-                store<L>(to, z[k1].re * c - z[k1].im * s);
-                store<L>(to + L, z[k1].im * c + z[k1].re * s);
+                store<L>(to, Fused::subtract(z[k1].re, c, z[k1].im * s));
+                store<L>(to + L, Fused::add(z[k1].im, c, z[k1].re * s));
             }
         }
         for (int k1 = 0; k1 < r1; ++k1) {
@@ -114,7 +115,7 @@ struct Kernel {
 #pragma GCC unroll 32
             for (int n2 = 0; n2 < r2; ++n2)
                 z[n2] = {load<L>(from + n2 * 2 * L), load<L>(from + n2 * 2 * L + L)};
-            codelets::dft<F>(z);
+            codelets::dft<F, float, Fused>(z);
 #pragma GCC unroll 32
             for (int k2 = 0; k2 < r2; ++k2) {
                 float* to = out + std::size_t(k1 + r1 * k2) * row_pitch;
@@ -206,13 +207,13 @@ struct Kernel {
                     z[n1].im *= m;
                 }
             }
-            codelets::dft<F>(z);
+            codelets::dft<F, float, Fused>(z);
             F re[r1], im[r1];
 #pragma GCC unroll 32
             for (int k1 = 0; k1 < r1; ++k1) {
                 const F c = load<L>(plan.cos + k1 * r2 + n2), s = load<L>(plan.sin + k1 * r2 + n2);
-                re[k1] = z[k1].re * c - z[k1].im * s;
-                im[k1] = z[k1].im * c + z[k1].re * s;
+                re[k1] = Fused::subtract(z[k1].re, c, z[k1].im * s);
+                im[k1] = Fused::add(z[k1].im, c, z[k1].re * s);
             }
             // From lanes n2 to lanes k1.
 #pragma GCC unroll 8
@@ -231,7 +232,7 @@ struct Kernel {
 #pragma GCC unroll 32
             for (int n2 = 0; n2 < r2; ++n2)
                 z[n2] = {load<L>(middle + n2 * r1 + k1), load<L>(middle + N + n2 * r1 + k1)};
-            codelets::dft<F>(z);
+            codelets::dft<F, float, Fused>(z);
 #pragma GCC unroll 32
             for (int k2 = 0; k2 < r2; ++k2) {
                 store_unaligned<L>(out0 + k1 + r1 * k2, imaginary ? -z[k2].im : z[k2].re);
@@ -246,10 +247,11 @@ struct Kernel {
         using F = typename Lanes<L>::F;
         const float x = choppiness[0], y = choppiness[1];
         for (int i = 0; i < 2 * N; i += L) {
-            const F cross = load_unaligned<L>(xy + i);
-            store_unaligned<L>(out + i, (load_unaligned<L>(xx + i) * x + 1.0f) *
-                                                (load_unaligned<L>(yy + i) * y + 1.0f) -
-                                            cross * cross * (x * y));
+            const F one = Fused::all<F>(1.0f), cross = load_unaligned<L>(xy + i);
+            store_unaligned<L>(out + i,
+                               Fused::subtract(Fused::add(load_unaligned<L>(xx + i), x, one),
+                                               Fused::add(load_unaligned<L>(yy + i), y, one),
+                                               cross * cross * (x * y)));
         }
     }
 
@@ -310,7 +312,12 @@ struct Kernel {
             finish_streams();
     }
 
-    static constexpr Kernels value = {N, columns_lanes, r1, r2, scratch_floats, columns, rows};
+    static float product_then_sum(float a, float b, float c) {
+        return a * b + c;
+    }
+
+    static constexpr Kernels value = {N,    columns_lanes,   r1, r2, scratch_floats, columns,
+                                      rows, product_then_sum};
 };
 
 template <int W>

@@ -12,8 +12,10 @@
 // transform along y, two rows share one along x, and columns outside the band are not touched.
 //
 // Accuracy: single precision with exact fixed-point phases; against the double sum the largest
-// error of a map is about 2e-7 of four times its rms (a height: of Hs), at any sea time. Results do
-// not depend on the number of threads. Instruction sets differ by rounding.
+// error of a map is about 2e-7 of four times its rms (a height: of Hs), at any sea time. A field has
+// the same bits whatever else is asked with it, in which batch, and with any number of threads
+// (vector.h says how that is kept). AVX2 and AVX-512 agree to the bit; portable kernels differ by
+// rounding.
 //
 // Stylised waves (sea/waves/sine_waves.h) are no modes: whoever wants them adds them to the maps.
 //

@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lanes<W>: W floats side by side, and the few operations on them that are not arithmetic.
+// Lanes<W>: W floats side by side, and the few operations on them that are not plain arithmetic.
 // Included by the kernels only, once per instruction set: everything has internal linkage.
+//
+// A product and a sum are rounded once where Fused is called and twice where * and + stand: files that
+// include this are compiled with -ffp-contract=off, and no compiler fuses what is not written so. A
+// value then does not depend on which code around it the compiler saw.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <utility>
 
@@ -24,6 +29,62 @@ struct Lanes {
 };
 
 #define SEAWAY_INLINE [[gnu::always_inline]] inline
+
+/// Sums of products: rounded once where the instruction set does so, else product and sum. Factors
+/// may be one float for all lanes.
+struct Fused {
+#if defined(__FMA__) || defined(__ARM_FEATURE_FMA)
+    static constexpr bool rounds_once = true;
+#else
+    static constexpr bool rounds_once = false;
+#endif
+    template <class F>
+    SEAWAY_INLINE static F all(float s) {
+        return s - F{};
+    }
+    /// a b + c
+    template <class F>
+    SEAWAY_INLINE static F add(F a, F b, F c) {
+#if defined(__AVX512F__)
+        if constexpr (sizeof(F) == 64)
+            return _mm512_fmadd_ps(a, b, c);
+#endif
+#if defined(__FMA__)
+        if constexpr (sizeof(F) == 32)
+            return _mm256_fmadd_ps(a, b, c);
+        if constexpr (sizeof(F) == 16)
+            return _mm_fmadd_ps(a, b, c);
+#elif defined(__ARM_FEATURE_FMA)
+        F sum;
+        for (std::size_t i = 0; i < sizeof(F) / sizeof(float); ++i)
+            sum[i] = __builtin_fmaf(a[i], b[i], c[i]); // one instruction for all lanes
+        return sum;
+#endif
+        return a * b + c;
+    }
+    /// a b - c
+    template <class F>
+    SEAWAY_INLINE static F subtract(F a, F b, F c) {
+        return add(a, b, -c);
+    }
+    /// c - a b
+    template <class F>
+    SEAWAY_INLINE static F subtract_from(F c, F a, F b) {
+        return add(-a, b, c);
+    }
+    template <class F>
+    SEAWAY_INLINE static F add(F a, float s, F c) {
+        return add(a, all<F>(s), c);
+    }
+    template <class F>
+    SEAWAY_INLINE static F subtract(F a, float s, F c) {
+        return subtract(a, all<F>(s), c);
+    }
+    template <class F>
+    SEAWAY_INLINE static F subtract_from(F c, F a, float s) {
+        return subtract_from(c, a, all<F>(s));
+    }
+};
 
 template <int W>
 SEAWAY_INLINE typename Lanes<W>::F load(const float* p) {
@@ -172,10 +233,15 @@ SEAWAY_INLINE void sincos_turns(typename Lanes<W>::U turns, typename Lanes<W>::F
     const U quadrant = (turns + 0x20000000u) >> 30;
     const F x = __builtin_convertvector(I(turns - (quadrant << 30)), F) * 1.4629180792671596e-09f;
     const F xx = x * x;
-    const F s = x + x * xx * ((xx * -1.9515295891e-4f + 8.3321608736e-3f) * xx - 1.6666654611e-1f);
-    const F c = (xx * xx) * ((xx * 2.443315711809948e-5f - 1.388731625493765e-3f) * xx +
-                             4.166664568298827e-2f) -
-                xx * 0.5f + 1.0f;
+    const auto line = [](F at, float slope, float start) {
+        return Fused::add(at, slope, Fused::all<F>(start));
+    };
+    const F s_rest = Fused::add(line(xx, -1.9515295891e-4f, 8.3321608736e-3f), xx,
+                                Fused::all<F>(-1.6666654611e-1f));
+    const F s = Fused::add(x * xx, s_rest, x);
+    const F c_rest = Fused::add(line(xx, 2.443315711809948e-5f, -1.388731625493765e-3f), xx,
+                                Fused::all<F>(4.166664568298827e-2f));
+    const F c = Fused::add(xx * xx, c_rest, line(xx, -0.5f, 1.0f));
     const I odd = I(quadrant << 31) != 0;
     const U sine_sign = (quadrant & 2u) << 30, cosine_sign = ((quadrant + 1u) & 2u) << 30;
     sine = F(U(odd ? c : s) ^ sine_sign);

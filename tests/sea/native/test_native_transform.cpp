@@ -134,26 +134,59 @@ TEST(NativeTransform, a_flat_sea_is_flat) {
     EXPECT_TRUE(std::all_of(map.begin(), map.end(), [](float v) { return v == 0; }));
 }
 
-TEST(NativeTransform, every_list_of_fields_gives_each_field_alike) {
-    // Fields share work in different ways in different lists, never the numbers: bit for bit.
-    const CascadeModes modes = random_modes(64, 30, 7);
+/// Lists of fields, each synthesised and held against the same fields of the list of all, bit for bit.
+void expect_lists_alike(int size, Instructions instructions, std::uint32_t every) {
+    const CascadeModes modes = random_modes(size, size / 2.1, 7);
     const auto all = FieldSet::from_bits((1u << (linear_field_count + 1)) - 1u);
-    const auto together = synthesize(modes, all, 9'000'000);
-    const auto cascade = NativeTransform::create(modes, {});
+    const auto together = synthesize(modes, all, 9'000'000, instructions);
+    const auto cascade = NativeTransform::create(modes, {}, instructions);
+    const auto points = static_cast<std::ptrdiff_t>(size) * size;
     NativeRunner runner(2);
     std::vector<float> planes;
-    for (std::uint32_t bits = 1; bits <= all.bits(); ++bits) {
+    for (std::uint32_t bits = 1; bits <= all.bits(); bits += every) {
         const auto fields = FieldSet::from_bits(bits);
-        planes.assign(static_cast<std::size_t>(fields.size()) * 64 * 64, NAN);
+        planes.assign(static_cast<std::size_t>(fields.size() * points), NAN);
         const NativeTask task{&*cascade, 9'000'000, fields, planes};
         runner.run({&task, 1});
         for (Field field : fields) {
-            const auto part = planes.begin() + fields.index_of(field) * 64 * 64;
+            const auto part = planes.begin() + fields.index_of(field) * points;
             ASSERT_TRUE(
-                std::equal(part, part + 64 * 64, together.begin() + all.index_of(field) * 64 * 64))
-                << info(field).name << " in list " << bits;
+                std::equal(part, part + points, together.begin() + all.index_of(field) * points))
+                << info(field).name << " in list " << bits << ", " << name(instructions) << " "
+                << size;
         }
     }
+}
+
+// Fields share work in different ways in different lists, never the numbers.
+TEST(NativeTransform, every_list_of_fields_gives_each_field_alike) {
+    expect_lists_alike(64, best_instructions(), 1);
+}
+
+TEST(NativeTransform, lists_give_fields_alike_at_every_size_with_every_instruction_set) {
+    for (Instructions instructions : supported_instructions()) {
+        for (int size : {16, 32, 128})
+            expect_lists_alike(size, instructions, 61); // a prime: all fields come and go
+        for (int size : {256, 512, 1024})               // of which some are stored past the caches
+            expect_lists_alike(size, instructions, 1021);
+    }
+}
+
+// What is fused stands in the source, so the same sums come out of lanes of any number.
+TEST(NativeTransform, instruction_sets_that_fuse_give_the_same_bits) {
+    std::vector<Instructions> fused;
+    for (Instructions instructions : supported_instructions())
+        if (instructions != Instructions::portable)
+            fused.push_back(instructions);
+    const auto all = FieldSet::from_bits((1u << (linear_field_count + 1)) - 1u);
+    for (int size = NativeTransform::smallest_size; size <= NativeTransform::largest_size;
+         size *= 2)
+        for (std::size_t i = 1; i < fused.size(); ++i) {
+            const CascadeModes modes = random_modes(size, size / 2.5, 11);
+            EXPECT_EQ(synthesize(modes, all, 5'000'000, fused[i]),
+                      synthesize(modes, all, 5'000'000, fused[0]))
+                << name(fused[i]) << " " << size;
+        }
 }
 
 TEST(NativeTransform, jacobian_is_the_determinant_of_the_displacement_gradient) {

@@ -32,18 +32,18 @@ class Model {
 
     /// What goes wrong in the first bad state that is found; empty: nothing, in all of them.
     std::string walk() {
-        std::vector<State> todo{State{}};
-        while (!todo.empty()) {
-            const State state = todo.back();
-            todo.pop_back();
+        std::vector<State> open{State{}};
+        while (!open.empty()) {
+            const State state = open.back();
+            open.pop_back();
             if (!seen_.insert(state.word()).second)
                 continue;
-            const std::size_t before = todo.size();
+            const std::size_t before = open.size();
             for (const State& next : next_states(state))
-                todo.push_back(next);
+                open.push_back(next);
             if (!wrong_.empty())
                 return wrong_;
-            if (todo.size() == before &&
+            if (open.size() == before &&
                 (state.next != static_cast<int>(phase_of_.size()) || state.busy() > 0))
                 return "threads wait for each other";
         }

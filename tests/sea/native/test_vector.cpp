@@ -6,6 +6,9 @@
 
 #include <gtest/gtest.h>
 
+#include "base/instructions.h"
+#include "sea/native/kernels.h"
+
 namespace seaway::sea::native {
 namespace {
 
@@ -37,6 +40,24 @@ TEST(Vector, transposition_swaps_rows_and_lanes) {
     for (int i = 0; i < 4; ++i)
         for (int j = 0; j < 4; ++j)
             EXPECT_EQ(v[i][j], static_cast<float>(10 * j + i));
+}
+
+// What is rounded once stands in the source: a compiler that fused a product and a sum by itself might
+// do so in one list of fields and not in another.
+TEST(FusedProducts, no_compiler_fuses_what_is_not_written_so) {
+    // (1 + e)^2 with e = 2^-12: the e^2 is lost when the product is rounded, and only then.
+    const volatile float factor = 1 + 0x1p-12f, rest = -(1 + 0x1p-11f);
+    for (int size = 16; size <= 1024; size *= 2)
+        for (Instructions instructions : supported_instructions()) {
+            const Kernels* kernels = portable_kernels(size);
+#if defined(SEAWAY_X86)
+            if (instructions == Instructions::avx2)
+                kernels = avx2_kernels(size);
+            if (instructions == Instructions::avx512)
+                kernels = avx512_kernels(size);
+#endif
+            EXPECT_EQ(kernels->product_then_sum(factor, factor, rest), 0) << name(instructions);
+        }
 }
 
 } // namespace
