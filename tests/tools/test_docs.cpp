@@ -55,30 +55,73 @@ TEST(Docs, tests_that_are_named_exist) {
             EXPECT_TRUE(existing.contains(name)) << page << " names " << name;
 }
 
+/// The pages that speak of the code as it is. Decisions and the changelog speak of what it was.
+std::vector<std::filesystem::path> pages() {
+    std::vector<std::filesystem::path> found{root / "README.md", root / "CONTRIBUTING.md"};
+    for (const auto& entry : std::filesystem::directory_iterator(root / "docs"))
+        if (entry.path().extension() == ".md")
+            found.push_back(entry.path());
+    return found;
+}
+
 TEST(Docs, files_that_are_named_exist) {
     const std::string path =
-        R"(`((?:sea|server|client|shaders|protocol|gpu|tools|docs|tests|scenes)/[\w/.]+)`)";
-    for (const char* page : {"physics.md", "features.md", "scenes.md"})
-        for (const std::string& name : all_of(text_of(root / "docs" / page), path))
+        R"(`((?:base|sea|server|client|shaders|protocol|gpu|tools|docs|tests|scenes|cmake)/[\w/.-]+)`)";
+    std::size_t names = 0;
+    for (const std::filesystem::path& page : pages())
+        for (const std::string& name : all_of(text_of(page), path)) {
             EXPECT_TRUE(std::filesystem::exists(root / name)) << page << " names " << name;
+            ++names;
+        }
+    EXPECT_GT(names, 100u); // or the pattern no longer fits the pages
+}
+
+TEST(Docs, links_lead_somewhere) {
+    std::size_t links = 0;
+    for (const std::filesystem::path& page : pages())
+        for (const std::string& target : all_of(text_of(page), R"(\]\(([^)#\s]+))")) {
+            if (target.find("://") != std::string::npos)
+                continue;
+            EXPECT_TRUE(std::filesystem::exists(page.parent_path() / target))
+                << page << " links " << target;
+            ++links;
+        }
+    EXPECT_GT(links, 10u);
+}
+
+std::string scene_reader() {
+    std::string text;
+    for (const auto& entry : std::filesystem::directory_iterator(root / "sea/scene"))
+        if (entry.path().extension() == ".cpp")
+            text += text_of(entry.path());
+    return text;
 }
 
 TEST(Docs, every_key_that_the_scene_reader_asks_for_is_documented) {
     const std::string page = text_of(root / "docs/scenes.md");
-    std::set<std::string> keys;
-    for (const auto& entry : std::filesystem::directory_iterator(root / "sea/scene")) {
-        if (entry.path().extension() != ".cpp")
-            continue;
-        for (const std::string& key : all_of(
-                 text_of(entry.path()),
-                 R"((?:number|integer|flag|text|choice|number_or_pair|require|has)\(\s*"(\w+)\")"))
-            keys.insert(key);
-    }
+    const std::vector<std::string> asked =
+        all_of(scene_reader(),
+               R"((?:number|integer|flag|text|choice|number_or_pair|require|has)\(\s*"(\w+)\")");
+    std::set<std::string> keys(asked.begin(), asked.end());
     EXPECT_GT(keys.size(), 30u); // or the pattern no longer fits the reader
     keys.erase("sea");           // tables
     keys.erase("cascade");
     for (const std::string& key : keys)
         EXPECT_NE(page.find('`' + key + '`'), std::string::npos) << key;
+}
+
+TEST(Docs, every_key_that_is_documented_is_asked_for_by_the_scene_reader) {
+    const std::string page = text_of(root / "docs/scenes.md");
+    const std::string reader = scene_reader();
+    // Keys stand in the first cells of the tables, up to the list of scenes.
+    const std::string tables = page.substr(0, page.find("## Scenes that come with Seaway"));
+    std::size_t keys = 0;
+    for (const std::string& cell : all_of(tables, R"(\n\| (`[^|]*) \|)"))
+        for (const std::string& key : all_of(cell, R"(`([a-z]\w+)`)")) {
+            EXPECT_NE(reader.find('"' + key + '"'), std::string::npos) << key;
+            ++keys;
+        }
+    EXPECT_GT(keys, 50u);
 }
 
 TEST(Docs, every_feature_of_the_five_systems_has_one_row) {
