@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+// What light does in the water and in the air, held against the formulas of the shaders' sources.
+#include "tests/client/view/renderer_fixture.h"
+
+namespace seaway::client {
+namespace {
+
+using LightTest = RendererTest;
+
+double bearing_of_sun_deg(const Sky& sky) {
+    return 90 - std::atan2(sky.sun_direction().y, sky.sun_direction().x) * 180 / pi;
+}
+
+TEST_F(LightTest, water_fades_into_the_horizon_sky_with_distance) {
+    const Sky sky(sun_direction(12)); // in the south; the camera looks north-east: no glint
+    const double visibility_m = 400;
+    const Picture clear = render(flat_sea(), sky, DebugView::final, {.visibility_m = 1e9});
+    const Picture hazy = render(flat_sea(), sky, DebugView::final, {.visibility_m = visibility_m});
+    const double sun_azimuth = std::atan2(sky.sun_direction().y, sky.sun_direction().x);
+    for (int y = camera_.height / 2; y < camera_.height; y += 7)
+        for (int x = 4; x < clear.width; x += 33) {
+            const glm::dvec3 d = ray(x, y);
+            const double distance_m = camera_.z_m / -d.z; // the planet's curve is millimetres here
+            const double left = std::exp(-std::log(50.0) * distance_m / visibility_m);
+            const double turn = std::remainder(std::atan2(d.y, d.x) - sun_azimuth, 2 * pi);
+            const glm::dvec3 air = sky.radiance(0.0, std::abs(turn));
+            for (int c = 0; c < 3; ++c) {
+                const double water = static_cast<double>(clear.pixel(x, y)[c]);
+                // 3 %: texels of the sky, whose brightness is steep at the horizon.
+                EXPECT_NEAR(static_cast<double>(hazy.pixel(x, y)[c]) /
+                                (left * water + (1 - left) * air[c]),
+                            1, 0.03)
+                    << x << ", " << y << " channel " << c;
+            }
+        }
+}
+
+/// How much greener crests are than troughs, looking down at a wave; slopes are zero on both, so they
+/// mirror the same sky.
+struct Glow {
+    double crest;
+    double trough;
+};
+
+TEST_F(LightTest, crests_glow_where_the_sun_shines_through_them_and_troughs_do_not) {
+    SyntheticSea sea(one_wave(2.0, 100, 4));
+    const SeaFrame frame = sea.at(0);
+    const Sky sky(sun_direction(16.5));
+    camera_.z_m = 20;
+    camera_.pitch_deg = -35;
+    const auto green = [&](double yaw_deg) {
+        camera_.yaw_deg = yaw_deg;
+        const Picture place = render(frame, sky, DebugView::place);
+        const Picture picture = render(frame, sky, DebugView::final, {.visibility_m = 1e9});
+        double sums[2] = {0, 0};
+        int counts[2] = {0, 0};
+        for (std::size_t i = 0; i < place.rgba.size(); i += 4) {
+            const float height = place.rgba[i + 2];
+            if (std::abs(height) < 1.8f)
+                continue;
+            const int which = height > 0 ? 0 : 1;
+            // Green beyond what red has: the sky is nearly the same in both, the water is not.
+            sums[which] += static_cast<double>(picture.rgba[i + 1] - picture.rgba[i]);
+            ++counts[which];
+        }
+        EXPECT_GT(counts[0], 100);
+        EXPECT_GT(counts[1], 100);
+        return Glow{sums[0] / counts[0], sums[1] / counts[1]};
+    };
+    const Glow towards = green(bearing_of_sun_deg(sky));
+    const Glow away = green(bearing_of_sun_deg(sky) + 180);
+    EXPECT_GT(towards.crest - towards.trough, 0);
+    // Away from the sun only the sky's part is left.
+    EXPECT_GT(towards.crest - towards.trough, 2 * (away.crest - away.trough));
+}
+
+TEST_F(LightTest, deep_water_has_the_colour_of_its_body) {
+    const Sky sky(sun_direction(12));
+    camera_.pitch_deg = -75; // down: 2 % is mirrored, the rest is the water
+    const Picture picture = render(flat_sea(), sky, DebugView::final, {.visibility_m = 1e9});
+    const float* pixel = picture.pixel(picture.width / 2, picture.height / 2);
+    EXPECT_GT(pixel[2], pixel[1]); // blue before green before red: clear ocean water
+    EXPECT_GT(pixel[1], 1.5f * pixel[0]);
+}
+
+TEST_F(LightTest, displacement_fades_where_the_mesh_cannot_carry_it) {
+    SyntheticSea sea = gale();
+    const SeaFrame frame = sea.at(100'000'000);
+    const auto rms_beyond = [&](double camera_m, double pitch_deg, double nearest_m) {
+        camera_.z_m = camera_m;
+        camera_.pitch_deg = pitch_deg;
+        const Picture place = render(frame, Sky(sun_direction(15)), DebugView::place);
+        double squares = 0;
+        int count = 0;
+        for (std::size_t i = 0; i < place.rgba.size(); i += 4) {
+            const double distance_m = std::hypot(static_cast<double>(place.rgba[i]),
+                                                 static_cast<double>(place.rgba[i + 1]));
+            const auto height = static_cast<double>(place.rgba[i + 2]);
+            if (distance_m > nearest_m)
+                squares += height * height, ++count;
+        }
+        EXPECT_GT(count, 500);
+        return std::sqrt(squares / count);
+    };
+    // A pixel at 50 km covers kilometres: its mean height is the sea level.
+    EXPECT_LT(rms_beyond(3000, -4, 50e3), 0.1 * rms_beyond(60, -30, 1));
+}
+
+} // namespace
+} // namespace seaway::client
