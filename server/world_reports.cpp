@@ -112,9 +112,10 @@ protocol::SeaStateValues sea_state_values(const RunningSea& sea,
     state.rms_slope = sea.budget.rms_slope;
     if (sea.foam_law) {
         state.foam_mean = sea.foam_law->mean_coverage;
-        state.foam_threshold = sea.foam_law->model.threshold;
+        state.foam_threshold = sea.foam_law->threshold;
     }
-    state.scene = sea::to_toml(sea.scene);
+    state.scene =
+        sea::to_toml(sea.foam_law ? sea::with_threshold(sea.scene, *sea.foam_law) : sea.scene);
     state.warnings = warnings;
     if (state.scene.size() > protocol::limits::scene_bytes_max) {
         state.scene.clear();

@@ -14,12 +14,18 @@ namespace {
 /// Mean coverage below this on a calm sea is gone.
 constexpr double calm_mean_min = 1e-4;
 
-FoamTick make_tick(const FoamLaw& law, const FoamLaw::Cascade& cascade, double remains) {
+/// A cascade whose own waves hardly make anything break more often than this says nothing about where;
+/// single precision ends at 1e-38.
+constexpr double mean_breaking_min = 1e-30;
+
+FoamTick make_tick(const FoamLaw& law, const FoamLaw::Cascade& cascade, double remains,
+                   double weight) {
     const OthersShape& o = cascade.others;
     const auto f = [](double x) { return static_cast<float>(x); };
     // Without others J has no width; a thousandth of a percent stands in for none.
     constexpr double width_min = 1e-5;
-    return {f(law.model.threshold),
+    return {f(law.threshold),
+            f(law.model.bias),
             f(law.choppiness.x),
             f(law.choppiness.y),
             f(std::sqrt(law.choppiness.x * law.choppiness.y)),
@@ -33,7 +39,7 @@ FoamTick make_tick(const FoamLaw& law, const FoamLaw::Cascade& cascade, double r
             f(0.125 * o.difference_rest * o.difference_rest + 2 * o.shear_rest * o.shear_rest +
               o.cross_rest * o.cross_rest + width_min * width_min),
             f(remains),
-            f((1 - remains) / cascade.mean_shortfall)};
+            f(weight * (1 - remains) / cascade.mean_breaking)};
 }
 
 } // namespace
@@ -67,9 +73,10 @@ double foam_coverage(double mean, std::span<const float> ratios) {
     return std::clamp(mean * (together - 1.0), 0.0, 1.0);
 }
 
-FoamHistory::FoamHistory(FoamLawPtr law, int cascade, int size, Instructions instructions)
-    : cascade_(cascade), kernel_(&foam_kernel(instructions)),
-      ratios_(static_cast<std::size_t>(size) * static_cast<std::size_t>(size), 1.0f) {
+FoamHistory::FoamHistory(FoamLawPtr law, int cascade, int size, TimeUs interval_us,
+                         Instructions instructions)
+    : cascade_(cascade), interval_us_(interval_us), kernel_(&foam_kernel(instructions)),
+      state_(static_cast<std::size_t>(size) * static_cast<std::size_t>(size), 1.0f) {
     change_law(std::move(law));
 }
 
@@ -78,60 +85,94 @@ void FoamHistory::change_law(FoamLawPtr law) {
     SEAWAY_CHECK(law_ && cascade_ >= 0 &&
                      static_cast<std::size_t>(cascade_) < law_->cascades.size(),
                  "a foam history belongs to a cascade of its law");
+    ticks_ = foam_ticks(law_->model.decay_s, interval_us_, law_->loop_period_us);
 }
 
 void FoamHistory::restart() {
-    std::fill(ratios_.begin(), ratios_.end(), 1.0f);
+    std::fill(state_.begin(), state_.end(), 1.0f);
+    shown_.clear();
     started_ = false;
 }
 
-void FoamHistory::advance(const Keyframe& strains, double dt_s) {
+bool FoamHistory::idle() const {
+    return law_->calm() ||
+           !(law_->cascades[static_cast<std::size_t>(cascade_)].mean_breaking > mean_breaking_min);
+}
+
+void FoamHistory::step(std::vector<float>& state, const Keyframe& strains, double dt_s,
+                       double decay_s, double weight) const {
     SEAWAY_CHECK(dt_s >= 0, "foam does not run backwards");
-    time_us_ = strains.time_us;
-    started_ = true;
-    if (law_->calm())
-        return;
-    SEAWAY_CHECK(strains.fields.contains(foam_inputs) && strains.plane_size() == ratios_.size() &&
+    SEAWAY_CHECK(strains.fields.contains(foam_inputs) && strains.plane_size() == state.size() &&
                      strains.cascade == cascade_,
                  "foam needs the strains of its cascade");
     kernel_->advance(make_tick(*law_, law_->cascades[static_cast<std::size_t>(cascade_)],
-                               foam_remains(dt_s, law_->model.decay_s)),
+                               foam_remains(dt_s, decay_s), weight),
                      strains.plane(Field::strain_xx).data(), strains.plane(Field::strain_yy).data(),
-                     strains.plane(Field::strain_xy).data(), ratios_.data(), ratios_.size());
+                     strains.plane(Field::strain_xy).data(), state.data(), state.size());
 }
 
-Result<void> FoamHistory::advance_to(TimeUs time_us, TimeUs interval_us,
-                                     const StrainsAt& strains_at) {
-    SEAWAY_CHECK(interval_us > 0, "keyframes have an interval");
-    if (law_->calm() || (started_ && time_us == time_us_))
-        return {};
-    // No memory: one tick with the strains of this moment is all there is.
-    const TimeUs memory_us = std::max(
-        interval_us, us_from_seconds(std::min(foam_memory_decays * law_->model.decay_s, 1e7)));
-    if (!started_ || time_us < time_us_ || time_us - time_us_ > memory_us) {
-        restart();
-        time_us_ = time_us - memory_us;
+void FoamHistory::advance(const Keyframe& strains, double dt_s) {
+    started_ = false; // on no tick: the next advance_to() starts anew
+    shown_.clear();
+    if (!idle())
+        step(state_, strains, dt_s, law_->model.decay_s);
+}
+
+Result<void> FoamHistory::walk_to(TimeUs tick_us, const StrainsAt& strains_at) {
+    double weight = 1.0;
+    const bool goes_on = started_ && tick_us_ <= tick_us && tick_us - tick_us_ <= ticks_.memory_us;
+    if (!goes_on) {
+        // The periodic solution is what one loop leaves behind on clean water, and that of the loops
+        // before it: a geometric series.
+        if (ticks_.periodic)
+            weight = 1.0 / -std::expm1(-seconds_from_us(ticks_.loop_us) / ticks_.decay_s);
+        std::fill(state_.begin(), state_.end(), ticks_.periodic ? 0.0f : 1.0f);
+        tick_us_ = ticks_.start_for(tick_us);
     }
-    const TimeUs intervals = std::max<TimeUs>((time_us - time_us_) / interval_us, 1);
-    const TimeUs stride = (intervals + foam_warm_up_ticks_max - 1) / foam_warm_up_ticks_max;
-    const TimeUs ticks = std::max<TimeUs>(intervals / stride, 1);
-    TimeUs from_us = time_us_;
-    for (TimeUs left = ticks; left-- > 0;) {
-        const TimeUs tick_us = time_us - left * stride * interval_us;
-        Result<KeyframePtr> strains = strains_at(tick_us);
-        if (!strains) {
-            started_ = false; // what is half-way is no history: the next call starts anew
+    started_ = false; // what is half-way is no history: after an error the next call starts anew
+    while (tick_us_ < tick_us) {
+        const TimeUs next_us = ticks_.after(tick_us_);
+        Result<KeyframePtr> strains = strains_at(next_us);
+        if (!strains)
             return strains.error();
-        }
-        advance(**strains, seconds_from_us(tick_us - from_us));
-        from_us = tick_us;
+        step(state_, **strains, seconds_from_us(next_us - tick_us_), ticks_.decay_s, weight);
+        tick_us_ = next_us;
     }
+    started_ = true;
+    return {};
+}
+
+Result<void> FoamHistory::advance_to(TimeUs time_us, const StrainsAt& strains_at) {
+    if (idle())
+        return {};
+    const TimeUs tick_us = ticks_.at_or_before(time_us);
+    // Without memory there is nothing to walk through.
+    if (ticks_.decay_s > 0)
+        if (Result<void> done = walk_to(tick_us, strains_at); !done)
+            return done;
+    shown_.clear();
+    const bool between = ticks_.decay_s == 0 || time_us > tick_us;
+    if (!between && ticks_.departure == 1.0)
+        return {};
+    std::vector<float> shown = state_;
+    if (between) {
+        Result<KeyframePtr> strains = strains_at(time_us);
+        if (!strains)
+            return strains.error();
+        step(shown, **strains, seconds_from_us(time_us - tick_us), ticks_.decay_s);
+    }
+    const auto departure = static_cast<float>(ticks_.departure);
+    if (departure != 1.0f)
+        for (float& ratio : shown)
+            ratio = 1.0f + departure * (ratio - 1.0f);
+    shown_ = std::move(shown);
     return {};
 }
 
 void FoamHistory::fill(std::span<float> plane) const {
-    SEAWAY_CHECK(plane.size() == ratios_.size(), "a foam map has the size of its cascade");
-    std::copy(ratios_.begin(), ratios_.end(), plane.begin());
+    SEAWAY_CHECK(plane.size() == state_.size(), "a foam map has the size of its cascade");
+    const std::span<const float> shown = ratios();
+    std::copy(shown.begin(), shown.end(), plane.begin());
 }
 
 } // namespace seaway::sea

@@ -2,8 +2,10 @@
 // Foam: where waves have broken lately, as state of the server in undisplaced coordinates.
 //
 // Coverage f obeys f(t+dt) = f exp(-dt/tau) + gain * shortfall * tau (1 - exp(-dt/tau)): the same
-// at any tick and after any pause, bounded, and contractive: after a few decay times nobody can
-// tell how a history began. shortfall = max(0, threshold - J) with J of the summed strains. Tiles
+// at any tick and after any pause, bounded, and contractive. Ticks lie on a grid of sea time
+// (foam_ticks.h), so that foam at a time is the same after a restart, for another client and in a
+// picture made alone: to 1e-4 of the spread of the ratios, in a loop to rounding. shortfall = max(0, threshold - J), plus the
+// model's bias where it is not 0, with J of the summed strains. Tiles
 // are not commensurate, so each cascade keeps the history of the expected shortfall given its own
 // waves (foam_law.h), as its ratio to the mean; the map Field::foam is that ratio, 1 on average.
 // Sampled at an undisplaced point X, never at the displaced one (traps T51):
@@ -16,10 +18,10 @@
 // coverage is within 2 %, the correlation 0.63 to 0.84; docs/foam.md has the table and the
 // combinations that are worse.
 //
-//     const FoamLawPtr law = make_foam_law(*sea.realization, sea.scene.foam);  // once a sea
-//     FoamHistory history(law, cascade, size);                 // one a cascade that someone wants
-//     // each keyframe: does one tick, or warms up after a pause or at the first call
-//     Result<void> done = history.advance_to(time_us, interval_us, [&](TimeUs t_us) {
+//     const FoamLawPtr law = make_foam_law(sea.scene, *sea.realization);  // once a sea
+//     FoamHistory history(law, cascade, size, interval_us);    // one a cascade that someone wants
+//     // each keyframe: does the ticks that are due, or starts anew after a pause or at the first call
+//     Result<void> done = history.advance_to(time_us, [&](TimeUs t_us) {
 //         return synthesize_one({cascade, t_us, foam_inputs});  // Result<KeyframePtr>
 //     });
 //     history.fill(keyframe.plane(Field::foam));
@@ -38,19 +40,13 @@
 #include "sea/basics/field.h"
 #include "sea/foam/foam_kernel.h"
 #include "sea/foam/foam_law.h"
+#include "sea/foam/foam_ticks.h"
 #include "sea/surface/keyframe.h"
 
 namespace seaway::sea {
 
 /// What a history needs of a keyframe.
 inline constexpr FieldSet foam_inputs{Field::strain_xx, Field::strain_yy, Field::strain_xy};
-
-/// A history starts, or starts anew after a longer pause, this many decay times back: what came
-/// before counts for 0.25 % and is taken as average.
-inline constexpr double foam_memory_decays = 6.0;
-
-/// Ticks of one warm-up at most; a longer memory is walked in longer ticks.
-inline constexpr int foam_warm_up_ticks_max = 64;
 
 /// The share of a history that is left after dt. decay 0: none; decay infinite: all.
 double foam_remains(double dt_s, double decay_s);
@@ -65,17 +61,18 @@ double foam_coverage(double mean, std::span<const float> ratios);
 class FoamHistory {
   public:
     /// Starts at the average. A calm law keeps it there for ever and looks at no keyframe.
-    FoamHistory(FoamLawPtr law, int cascade, int size,
+    FoamHistory(FoamLawPtr law, int cascade, int size, TimeUs interval_us,
                 Instructions instructions = best_instructions());
 
     using StrainsAt = std::function<Result<KeyframePtr>(TimeUs)>;
 
-    /// Brings the history to a keyframe time. One interval on: one tick with the strains at
-    /// time_us. First call, back in time, or a gap above foam_memory_decays: starts anew and walks
-    /// through that memory in at most foam_warm_up_ticks_max ticks. An error is that of strains_at.
-    Result<void> advance_to(TimeUs time_us, TimeUs interval_us, const StrainsAt& strains_at);
+    /// Brings the map to a time: the ticks up to it and, between two ticks, the rest of the way. On
+    /// from an earlier call it asks for the strains of the ticks since then; at the first call, back
+    /// in time, or after a gap longer than the memory, for those of the memory (foam_ticks.h). An
+    /// error is that of strains_at.
+    Result<void> advance_to(TimeUs time_us, const StrainsAt& strains_at);
 
-    /// One tick of dt >= 0, ending at the keyframe's time; it must hold foam_inputs of this
+    /// One step of dt >= 0 of the law itself, on no grid; the keyframe must hold foam_inputs of this
     /// cascade, size x size.
     void advance(const Keyframe& strains, double dt_s);
 
@@ -87,15 +84,24 @@ class FoamHistory {
 
     /// The map Field::foam, [y][x], size * size values: finite, >= 0, 1 on average.
     void fill(std::span<float> plane) const;
-    std::span<const float> ratios() const { return ratios_; }
+    std::span<const float> ratios() const { return shown_.empty() ? state_ : shown_; }
 
   private:
+    /// state -> state after dt with these strains; all that is added is multiplied by `weight`.
+    void step(std::vector<float>& state, const Keyframe& strains, double dt_s, double decay_s,
+              double weight = 1.0) const;
+    Result<void> walk_to(TimeUs tick_us, const StrainsAt& strains_at);
+    bool idle() const; ///< this cascade says nothing about where waves break
+
     FoamLawPtr law_;
     int cascade_;
+    TimeUs interval_us_;
+    FoamTicks ticks_;
     const FoamKernel* kernel_;
     bool started_ = false;
-    TimeUs time_us_ = 0;
-    std::vector<float> ratios_;
+    TimeUs tick_us_ = 0;       ///< the tick that state_ stands at
+    std::vector<float> state_; ///< ratio of the history
+    std::vector<float> shown_; ///< what the map is where it is not state_; else empty
 };
 
 } // namespace seaway::sea

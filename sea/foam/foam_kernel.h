@@ -8,16 +8,16 @@
 
 namespace seaway::sea {
 
-/// What one tick needs, in single precision; the terms are those of conditional_shortfall().
+/// What one tick needs, in single precision; the terms are those of conditional_breaking().
 struct FoamTick {
-    float threshold, choppiness_x, choppiness_y, choppiness_xy;
+    float threshold, bias, choppiness_x, choppiness_y, choppiness_xy;
     float variance, difference, shear, curvature;
     float difference_rest, shear_rest, cross_rest, constant_rest;
-    float remains, source; ///< ratio = ratio * remains + shortfall * source
+    float remains, source; ///< ratio = ratio * remains + breaking * source
 };
 
 struct FoamKernel {
-    /// ratio = ratio * remains + shortfall(strains) * source at `count` points.
+    /// ratio = ratio * remains + breaking(strains) * source at `count` points.
     void (*advance)(const FoamTick& tick, const float* strain_xx, const float* strain_yy,
                     const float* strain_xy, float* ratio, std::size_t count);
 };

@@ -62,7 +62,7 @@ inline MillsTerms mills_terms(float t) {
     return {linear * k * k, square * k};
 }
 
-inline float shortfall(const FoamTick& tick, float strain_xx, float strain_yy, float strain_xy) {
+inline float breaking(const FoamTick& tick, float strain_xx, float strain_yy, float strain_xy) {
     const float a = tick.choppiness_x * strain_xx;
     const float b = tick.choppiness_y * strain_yy;
     const float c = tick.choppiness_xy * strain_xy;
@@ -78,17 +78,20 @@ inline float shortfall(const FoamTick& tick, float strain_xx, float strain_yy, f
     const float t = smaller(__builtin_fabsf(root), deviations_max);
     const MillsTerms mills = mills_terms(t);
     const float side = root > 0.0f ? 1.0f : -1.0f;
-    const float tail =
-        normal_density(t) * (width * mills.linear + side * tick.curvature * mills.square);
+    const float density = normal_density(t);
+    const float tail = density * (width * mills.linear + side * tick.curvature * mills.square);
     const float excess = tail + (root > 0.0f ? mean : 0.0f);
-    return discriminant > 0.0f ? larger(excess, 0.0f) : 0.0f;
+    // M = (t (1 - t M) + M) - t (1 - t M); P(J < threshold) = Phi(root).
+    const float beyond = density * (mills.square - t * mills.linear);
+    const float share = root > 0.0f ? 1.0f - beyond : beyond;
+    return discriminant > 0.0f ? larger(excess, 0.0f) + tick.bias * share : 0.0f;
 }
 
 void advance_ratios(const FoamTick& tick, const float* xx, const float* yy, const float* xy,
                     float* ratio, std::size_t count) {
     for (std::size_t i = 0; i < count; ++i) {
         const float next =
-            ratio[i] * tick.remains + shortfall(tick, xx[i], yy[i], xy[i]) * tick.source;
+            ratio[i] * tick.remains + breaking(tick, xx[i], yy[i], xy[i]) * tick.source;
         ratio[i] = next >= ratio_min ? next : 0.0f;
     }
 }

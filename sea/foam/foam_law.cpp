@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include <fmt/format.h>
+
 #include "base/check.h"
 
 namespace seaway::sea {
@@ -29,13 +31,13 @@ double mills_ratio(double t) {
     return 1 / fraction;
 }
 
-/// E[max(0, q)] of the parabola q = mean - width z - curvature (z^2 - 1), z standard normal: q is
-/// positive left of its upper root; the lower root is many deviations away.
-double parabola_excess(double mean, double width, double curvature) {
+/// E[max(0, q)] + bias P(q > 0) of the parabola q = mean - width z - curvature (z^2 - 1), z standard
+/// normal: q is positive left of its upper root; the lower root is many deviations away.
+double parabola_excess(double mean, double width, double curvature, double bias) {
     const double top = mean + curvature;
     const double discriminant = width * width + 4 * curvature * top;
     if (!(discriminant > 0))
-        return width > 0 || curvature > 0 ? 0.0 : std::max(mean, 0.0);
+        return width > 0 || curvature > 0 || !(mean > 0) ? 0.0 : mean + bias;
     const double root = 2 * top / (width + std::sqrt(discriminant));
     const double t = std::abs(root);
     const double mills = mills_ratio(t);
@@ -44,7 +46,7 @@ double parabola_excess(double mean, double width, double curvature) {
     const double density = normal_density(t);
     const double excess = root > 0 ? mean + density * (width * linear + curvature * square)
                                    : density * (width * linear - curvature * square);
-    return std::max(excess, 0.0);
+    return std::max(excess, 0.0) + bias * normal_share(root);
 }
 
 /// Lower Cholesky factor of the moments in the order a, c, b; a degenerate axis becomes zero.
@@ -101,15 +103,15 @@ double mean_over_strains(double threshold, const StrainMoments& moments, const G
     });
 }
 
-double mean_conditional_shortfall(double threshold, const StrainMoments& own,
-                                  const OthersShape& others) {
+double mean_conditional_breaking(double threshold, double bias, const StrainMoments& own,
+                                 const OthersShape& others) {
     const Cholesky l(own);
     constexpr double step = 0.375;
     return gaussian_mean(l.aa > 0, step, [&](double p) {
         return gaussian_mean(l.cc > 0, step, [&](double q) {
             return gaussian_mean(l.bb > 0, step, [&](double r) {
-                return conditional_shortfall(threshold, others, l.aa * p,
-                                             l.ba * p + l.bc * q + l.bb * r, l.ca * p + l.cc * q);
+                return conditional_breaking(threshold, bias, others, l.aa * p,
+                                            l.ba * p + l.bc * q + l.bb * r, l.ca * p + l.cc * q);
             });
         });
     });
@@ -154,7 +156,7 @@ StrainMoments strain_moments(const CascadeModes& modes, const Choppiness& choppi
 
 double mean_shortfall(double threshold, const StrainMoments& moments) {
     return mean_over_strains(threshold, moments,
-                             [](double u, double s) { return parabola_excess(u, s, 0.0); });
+                             [](double u, double s) { return parabola_excess(u, s, 0.0, 0.0); });
 }
 
 double breaking_share(double threshold, const StrainMoments& moments) {
@@ -177,7 +179,13 @@ OthersShape others_shape(const StrainMoments& m) {
     return shape;
 }
 
-double conditional_shortfall(double threshold, const OthersShape& o, double a, double b, double c) {
+double conditional_shortfall(double threshold, const OthersShape& others, double a, double b,
+                             double c) {
+    return conditional_breaking(threshold, 0.0, others, a, b, c);
+}
+
+double conditional_breaking(double threshold, double bias, const OthersShape& o, double a, double b,
+                            double c) {
     const double difference = a - b;
     const double mean = threshold - (1 + a) * (1 + b) + c * c;
     const double slope = 0.5 * (2 + a + b - o.difference * difference - 4 * o.shear * c);
@@ -189,24 +197,65 @@ double conditional_shortfall(double threshold, const OthersShape& o, double a, d
                         0.125 * o.difference_rest * o.difference_rest +
                         2 * o.shear_rest * o.shear_rest + o.cross_rest * o.cross_rest;
     const double width = std::sqrt(std::max(slope * slope * o.variance + rest, 0.0));
-    return parabola_excess(mean, width, curvature);
+    return parabola_excess(mean, width, curvature, bias);
 }
 
-FoamLawPtr make_foam_law(const Realization& sea, const FoamModel& model) {
+namespace {
+
+double mean_breaking(double threshold, double bias, const StrainMoments& moments) {
+    return mean_shortfall(threshold, moments) +
+           (bias > 0 ? bias * breaking_share(threshold, moments) : 0.0);
+}
+
+/// gain tau; without history what breaks now counts for a second.
+double coverage_per_breaking(const FoamModel& model) {
+    return model.gain_per_s * (model.decay_s > 0 ? model.decay_s : 1.0);
+}
+
+std::vector<StrainMoments> moments_of(const Realization& sea) {
+    std::vector<StrainMoments> own;
+    for (const CascadeModes& modes : sea.cascades)
+        own.push_back(strain_moments(modes, sea.choppiness));
+    return own;
+}
+
+StrainMoments sum_of(const std::vector<StrainMoments>& parts) {
+    StrainMoments total;
+    for (const StrainMoments& part : parts)
+        total += part;
+    return total;
+}
+
+/// The threshold at which breaking has this mean, -1 .. 1, which grows with the threshold; the nearer
+/// end where none does. Halves the range until the mean is right to 1e-5 of itself.
+double threshold_of(double wanted_mean, double bias, const StrainMoments& moments) {
+    double low = -1.0, high = 1.0;
+    if (mean_breaking(high, bias, moments) <= wanted_mean)
+        return high;
+    for (int halvings = 0; halvings < 40; ++halvings) {
+        const double middle = 0.5 * (low + high);
+        const double mean = mean_breaking(middle, bias, moments);
+        if (std::abs(mean - wanted_mean) <= 1e-5 * wanted_mean)
+            return middle;
+        (mean < wanted_mean ? low : high) = middle;
+    }
+    return 0.5 * (low + high);
+}
+
+std::shared_ptr<FoamLaw> law_of(const Realization& sea, const FoamModel& model, double threshold,
+                                bool foam) {
     SEAWAY_CHECK(model.decay_s >= 0 && model.gain_per_s >= 0 && std::isfinite(model.decay_s),
                  "a scene's foam model is finite and not negative");
     auto law = std::make_shared<FoamLaw>();
     law->model = model;
+    law->threshold = threshold;
     law->choppiness = sea.choppiness;
-    std::vector<StrainMoments> own;
-    StrainMoments total;
-    for (const CascadeModes& modes : sea.cascades) {
-        own.push_back(strain_moments(modes, sea.choppiness));
-        total += own.back();
-    }
-    const double history_s = model.decay_s > 0 ? model.decay_s : 1.0;
-    const double mean = model.gain_per_s * history_s * mean_shortfall(model.threshold, total);
-    law->mean_coverage = mean >= foam_mean_min ? mean : 0.0;
+    law->loop_period_us = sea.loop_period_us;
+    const std::vector<StrainMoments> own = moments_of(sea);
+    const double mean =
+        foam ? coverage_per_breaking(model) * mean_breaking(threshold, model.bias, sum_of(own))
+             : 0.0;
+    law->mean_coverage = mean >= foam_mean_min ? std::min(mean, foam_mean_max) : 0.0;
     for (std::size_t c = 0; c < own.size(); ++c) {
         StrainMoments others;
         for (std::size_t other = 0; other < own.size(); ++other)
@@ -215,13 +264,57 @@ FoamLawPtr make_foam_law(const Realization& sea, const FoamModel& model) {
         FoamLaw::Cascade cascade;
         cascade.others = others_shape(others);
         if (!law->calm())
-            cascade.mean_shortfall =
+            cascade.mean_breaking =
                 cascade.others.variance > 0
-                    ? mean_conditional_shortfall(model.threshold, own[c], cascade.others)
-                    : mean_shortfall(model.threshold, own[c]);
+                    ? mean_conditional_breaking(threshold, model.bias, own[c], cascade.others)
+                    : mean_breaking(threshold, model.bias, own[c]);
         law->cascades.push_back(cascade);
     }
     return law;
+}
+
+} // namespace
+
+FoamLawPtr make_foam_law(const Realization& sea, const FoamModel& model) {
+    SEAWAY_CHECK(model.threshold.has_value(), "a threshold that is to be found needs the scene");
+    return law_of(sea, model, *model.threshold, true);
+}
+
+FoamLawPtr make_foam_law(const Scene& scene, const Realization& sea) {
+    const FoamModel& model = scene.foam;
+    if (model.threshold)
+        return make_foam_law(sea, model);
+    ObservedFoam observed{foam_wind(scene.sea), 0.0};
+    observed.share = whitecap_share(observed.wind.speed_10m_mps);
+    const double factor = coverage_per_breaking(model);
+    const bool foam = observed.share >= foam_mean_min && factor > 0;
+    const double threshold =
+        foam ? threshold_of(observed.share / factor, model.bias, sum_of(moments_of(sea))) : -1.0;
+    std::shared_ptr<FoamLaw> law = law_of(sea, model, threshold, foam);
+    law->observed = observed;
+    return law;
+}
+
+std::string describe(const FoamLaw& law) {
+    std::string out = law.calm() ? std::string("no foam")
+                                 : fmt::format("mean coverage {:.3g} %, threshold {:.4g}",
+                                               100.0 * law.mean_coverage, law.threshold);
+    if (law.observed) {
+        const ObservedFoam& observed = *law.observed;
+        out += fmt::format("; observed is {:.3g} % {}", 100.0 * observed.share,
+                           describe(observed.wind));
+        if (std::abs(law.mean_coverage - observed.share) > 0.01 * observed.share + foam_mean_min)
+            out += "; no threshold of -1 .. 1 gives that with this gain and decay";
+    }
+    if (law.mean_coverage > 1)
+        out += "; all of the sea is white";
+    return out;
+}
+
+Scene with_threshold(Scene scene, const FoamLaw& law) {
+    if (!law.calm())
+        scene.foam.threshold = law.threshold;
+    return scene;
 }
 
 } // namespace seaway::sea

@@ -9,21 +9,28 @@
 // (a, b, c); the others (a', b', c') are Gaussian with the second moments of the realised modes.
 // Along T' = a' + b', the others' compression, J is a parabola:
 //
-//     J(T') = J_own + beta T' + gamma (T'^2 - V)           kx^2 ky^2 = (kx ky)^2: E[J | own] =
-//     J_own V = E[T'^2], d = E[T'(a'-b')] / V, k = E[T'c'] / V beta = ((2 + a + b) - d (a - b) - 4
-//     k c) / 2,  gamma = (1 - d^2 - 4 k^2) / 4
+//     J(T') = J_own + beta T' + gamma (T'^2 - V),      J_own = (1+a)(1+b) - c^2
+//     V = E[T'^2],  d = E[T'(a'-b')] / V,  k = E[T'c'] / V
+//     beta = ((2 + a + b) - d (a - b) - 4 k c) / 2,  gamma = (1 - d^2 - 4 k^2) / 4
 //
+// (kx^2 ky^2 = (kx ky)^2, so E[a'b'] = E[c'^2] and E[J | own] = J_own),
 // and what T' leaves open of a'-b' and c' widens beta, so that the variance of J given the own
 // strains is exact. The mean of max(0, threshold - J) under that parabola has a closed form. Its
 // average over the own strains is within some percent of the truth (docs/foam.md) and is divided
 // out, so that the mean foam of a sea is exact.
 //
+// What breaking makes of a point is its shortfall and, where it breaks at all, the model's bias:
+// breaking = max(0, threshold - J) + (J < threshold ? bias : 0).
+//
 // Immutable values and pure functions; thread-safe.
 #pragma once
 
 #include <memory>
+#include <optional>
+#include <string>
 #include <vector>
 
+#include "sea/foam/whitecaps.h"
 #include "sea/scene/scene.h"
 #include "sea/waves/realization.h"
 
@@ -69,16 +76,33 @@ OthersShape others_shape(const StrainMoments& others);
 double conditional_shortfall(double threshold, const OthersShape& others, double a, double b,
                              double c);
 
+/// The same of breaking with a bias: conditional_shortfall() + bias P(J < threshold | own a, b, c).
+double conditional_breaking(double threshold, double bias, const OthersShape& others, double a,
+                            double b, double c);
+
 /// Coverage below this on average is no foam at all: the law is calm and nothing is computed.
 inline constexpr double foam_mean_min = 1e-6;
 
+/// Coverage at which whatever has broken at all is white, for ratios are 0 or not below 1e-6: a sea
+/// that would have more has this much, and looks the same. Also the most that goes over the wire.
+inline constexpr double foam_mean_max = 1e6;
+
+/// Where a threshold comes from that the scene does not give.
+struct ObservedFoam {
+    FoamWind wind;
+    double share = 0; ///< whitecap_share() of that wind: what the mean coverage is to be
+};
+
 struct FoamLaw {
-    FoamModel model;
+    FoamModel model;      ///< as the scene has it
+    double threshold = 0; ///< of the model, or what gives the observed share; -1 .. 1
+    std::optional<ObservedFoam> observed; ///< where the model has no threshold
     Choppiness choppiness;
-    double mean_coverage = 0; ///< F in equilibrium, before clamping: gain tau E[shortfall]; or 0
+    TimeUs loop_period_us = 0; ///< of the sea; 0: never repeats
+    double mean_coverage = 0;  ///< F in equilibrium, before clamping: gain tau E[breaking]; or 0
     struct Cascade {
-        OthersShape others;        ///< all cascades but this one
-        double mean_shortfall = 0; ///< of conditional_shortfall over this cascade's own strains
+        OthersShape others;       ///< all cascades but this one
+        double mean_breaking = 0; ///< of conditional_breaking over this cascade's own strains
     };
     std::vector<Cascade> cascades;
 
@@ -88,8 +112,20 @@ struct FoamLaw {
 
 using FoamLawPtr = std::shared_ptr<const FoamLaw>;
 
-/// About 20 ms for three cascades. `model` must be within the ranges of a scene. decay_s = 0 means
-/// no history: foam is where waves break now, gain_per_s * 1 s * shortfall (hard case E3).
+/// About 20 ms for three cascades. `model` must have a threshold and be within the ranges of a scene.
+/// decay_s = 0 means no history: foam is where waves break now, gain_per_s * 1 s * breaking (hard
+/// case E3).
 FoamLawPtr make_foam_law(const Realization& sea, const FoamModel& model);
+
+/// The same for a scene, realised as `sea`; about 60 ms where the threshold is to be found.
+FoamLawPtr make_foam_law(const Scene& scene, const Realization& sea);
+
+/// One line for people: mean coverage, threshold and where it comes from; says so where the observed
+/// share is out of reach of every threshold, or where the mean is above 1 and all the sea is white.
+std::string describe(const FoamLaw& law);
+
+/// The scene with the threshold that was found written out, so that its TOML tells it and gives the
+/// same foam, bit for bit. A sea without foam keeps coverage = "observed", which finds none again.
+Scene with_threshold(Scene scene, const FoamLaw& law);
 
 } // namespace seaway::sea

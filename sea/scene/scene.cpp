@@ -70,9 +70,13 @@ void read_rest(TomlTable& root, Scene& scene) {
         table->finish();
     }
     if (auto table = root.table("foam")) {
-        table->number("threshold", scene.foam.threshold, {-1.0, 1.0});
+        bool observed = true;
+        table->choice("coverage", observed, {{"observed", true}});
+        if (double threshold = 0.0; table->number("threshold", threshold, {-1.0, 1.0}))
+            scene.foam.threshold = threshold; // wins over coverage
         table->number("decay_s", scene.foam.decay_s, {0.0, 1e6});
         table->number("gain_per_s", scene.foam.gain_per_s, {0.0, 1000.0});
+        table->number("bias", scene.foam.bias, {0.0, 1.0});
         table->finish();
     }
     if (auto table = root.table("accuracy")) {

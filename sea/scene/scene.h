@@ -8,6 +8,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -27,9 +28,12 @@ struct Effects {
 };
 
 struct FoamModel {
-    double threshold = 0.45; ///< Jacobian below which a crest breaks, -1 .. 1
+    /// Jacobian below which a crest breaks, -1 .. 1. None: coverage = "observed", the threshold that
+    /// whitens as much of this sea as whitecaps do at its wind (sea/foam/foam_law.h solves for it).
+    std::optional<double> threshold = {};
     double decay_s = 4.0;    ///< 0 .. 1e6
     double gain_per_s = 3.0; ///< 0 .. 1000
+    double bias = 0.0;       ///< 0 .. 1; what breaking at all adds to the shortfall
 };
 
 struct Accuracy {

@@ -197,9 +197,13 @@ std::string to_toml(const Scene& scene) {
     out.value("slopes", scene.effects.slopes);
     out.value("foam", scene.effects.foam);
     out.line("\n[foam]");
-    out.value("threshold", scene.foam.threshold);
+    if (scene.foam.threshold)
+        out.value("threshold", *scene.foam.threshold);
+    else
+        out.text("coverage", "observed");
     out.value("decay_s", scene.foam.decay_s);
     out.value("gain_per_s", scene.foam.gain_per_s);
+    out.value("bias", scene.foam.bias);
     out.line("\n[accuracy]");
     out.value("height_error_m", scene.accuracy.height_error_m);
     return out.take();

@@ -8,17 +8,18 @@ FoamMaps::FoamMaps(const RunningSea& sea) {
         return;
     for (std::size_t c = 0; c < sea.realization->cascades.size(); ++c)
         histories_.emplace_back(sea.foam_law, static_cast<int>(c),
-                                sea.realization->cascades[c].spec.size);
+                                sea.realization->cascades[c].spec.size,
+                                sea.budget.cascades[c].interval_us);
 }
 
-Result<sea::KeyframePtr> FoamMaps::add(const sea::KeyframePtr& keyframe, sea::TimeUs interval_us,
+Result<sea::KeyframePtr> FoamMaps::add(const sea::KeyframePtr& keyframe,
                                        const sea::FoamHistory::StrainsAt& strains_at) {
     SEAWAY_CHECK(!histories_.empty(), "foam is offered only where the scene has a law for it");
     sea::FoamHistory& history = histories_[static_cast<std::size_t>(keyframe->cascade)];
     const auto strains = [&](sea::TimeUs time_us) -> Result<sea::KeyframePtr> {
         return time_us == keyframe->time_us ? Result(keyframe) : strains_at(time_us);
     };
-    if (Result<void> done = history.advance_to(keyframe->time_us, interval_us, strains); !done)
+    if (Result<void> done = history.advance_to(keyframe->time_us, strains); !done)
         return done.error();
     auto foamy = std::make_shared<sea::Keyframe>(*keyframe);
     foamy->fields.insert(sea::Field::foam); // the last of the table: its plane goes to the end

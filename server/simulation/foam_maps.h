@@ -27,7 +27,7 @@ class FoamMaps {
 
     /// The keyframe, which holds sea::foam_inputs, with Field::foam after its fields. `strains_at` gives
     /// the same cascade at earlier times, for a history that starts.
-    Result<sea::KeyframePtr> add(const sea::KeyframePtr& keyframe, sea::TimeUs interval_us,
+    Result<sea::KeyframePtr> add(const sea::KeyframePtr& keyframe,
                                  const sea::FoamHistory::StrainsAt& strains_at);
 
   private:

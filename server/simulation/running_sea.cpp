@@ -15,8 +15,7 @@ Result<RunningSeaPtr> make_running_sea(const sea::Scene& scene, std::uint32_t ep
     return std::make_shared<const RunningSea>(RunningSea{
         epoch, scene, realization, sea::plan_budget(*realization, scene.accuracy.height_error_m),
         offered, sea::summarize(scene.sea, *realization), sea::DirectSum(realization),
-        offered.contains(sea::Field::foam) ? sea::make_foam_law(*realization, scene.foam)
-                                           : nullptr});
+        offered.contains(sea::Field::foam) ? sea::make_foam_law(scene, *realization) : nullptr});
 }
 
 } // namespace seaway::server

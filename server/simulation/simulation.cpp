@@ -292,9 +292,8 @@ Result<sea::KeyframePtr> Simulation::add_foam(const sea::KeyframePtr& keyframe, 
     const auto cascade = static_cast<std::size_t>(keyframe->cascade);
     const Clock::time_point start = Clock::now();
     Clock::duration synthesizing{};
-    Result<sea::KeyframePtr> foamy = foam.add(
-        keyframe, sea_->budget.cascades[cascade].interval_us,
-        [&](TimeUs t_us) -> Result<sea::KeyframePtr> {
+    Result<sea::KeyframePtr> foamy =
+        foam.add(keyframe, [&](TimeUs t_us) -> Result<sea::KeyframePtr> {
             const Clock::time_point begin = Clock::now();
             const KeyframeRequest past{keyframe->cascade, t_us, sea::foam_inputs};
             const KeyframeRequest asked{keyframe->cascade, t_us, {sea::Field::foam}};

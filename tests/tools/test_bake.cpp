@@ -196,6 +196,36 @@ TEST(Bake, attributes_say_what_one_has_to_know) {
     EXPECT_NEAR(mean, 1.0, 0.5); // one small tile at one moment holds a dozen crests
 }
 
+TEST(Bake, foam_of_a_frame_baked_alone_is_that_of_the_sequence_and_a_loop_meets_itself) {
+    // 5 s of loop at 8 frames a second: frame 40 is frame 0. A history is periodic to rounding; alone
+    // it starts elsewhere in the loop.
+    const std::string text =
+        "[sea]\nloop_period_s = 5" + scene_text.substr(std::string("\n[sea]").size());
+    const std::string scene = testing::folder().write("loop.toml", text);
+    const auto bake = [&](const std::string& name, const std::string& frames) {
+        const std::string out = testing::folder().file(name);
+        const Output ran = testing::run_program(
+            "seaway-bake", scene + " --out " + out + " --fps 8 --size 64 --fields foam " + frames);
+        EXPECT_EQ(ran.status, 0) << ran.err;
+        return out;
+    };
+    const std::string film = bake("film", "--frames 41"),
+                      alone = bake("alone", "--frames 1 --start 2.375");
+    for (const char* cascade : {"/cascade0.", "/cascade1."}) {
+        const std::vector<float> first = ExrFile(film + cascade + "00000.exr").values("foam");
+        const std::vector<float> last = ExrFile(film + cascade + "00040.exr").values("foam");
+        const std::vector<float> within = ExrFile(film + cascade + "00019.exr").values("foam");
+        const std::vector<float> single = ExrFile(alone + cascade + "00000.exr").values("foam");
+        float largest = 0;
+        for (std::size_t i = 0; i < first.size(); ++i) {
+            ASSERT_NEAR(last[i], first[i], 2e-4f * (1 + first[i]));
+            ASSERT_NEAR(single[i], within[i], 2e-4f * (1 + within[i]));
+            largest = std::max(largest, std::abs(within[i] - first[i]));
+        }
+        EXPECT_GT(largest, 1.0f) << "it moves in between";
+    }
+}
+
 /// The whole sea of small_scene() at a time.
 sea::DirectSum small_sea() {
     return sea::DirectSum(

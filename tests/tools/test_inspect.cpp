@@ -70,6 +70,24 @@ TEST(Inspect, json_report_holds_what_the_design_promises) {
     EXPECT_TRUE(report.at("warnings").is_array());
 }
 
+TEST(Inspect, says_which_foam_a_sea_has_and_by_which_wind) {
+    const json foam = report_of(gale).at("foam");
+    EXPECT_NEAR(foam.at("mean_coverage").get<double>(), 0.0445, 0.0001);
+    EXPECT_TRUE(foam.at("threshold").is_number());
+    EXPECT_EQ(foam.at("observed").at("wind_speed_10m_mps"), 19.0);
+    EXPECT_TRUE(foam.at("observed").at("wind_is_given").get<bool>());
+    EXPECT_NE(foam.at("says").get<std::string>().find("4.45 % at 19 m/s"), std::string::npos);
+    const std::string scenes = SEAWAY_SOURCE_DIR "/scenes/";
+    const json crossing = report_of(scenes + "crossing_seas.toml").at("foam");
+    EXPECT_FALSE(crossing.at("observed").at("wind_is_given").get<bool>());
+    EXPECT_GT(crossing.at("mean_coverage").get<double>(), 0.005);
+    const json by_hand = report_of(scenes + "gerstner_toy.toml").at("foam");
+    EXPECT_EQ(by_hand.at("mean_coverage"), 0.0);
+    EXPECT_TRUE(by_hand.at("threshold").is_null());
+    EXPECT_NE(by_hand.at("says").get<std::string>().find("by hand"), std::string::npos);
+    EXPECT_TRUE(report_of(scenes + "calm.toml").at("foam").is_null()) << "not allowed there";
+}
+
 TEST(Inspect, json_report_is_what_the_library_computes) {
     const json report = report_of(gale);
     const Result<sea::Scene> scene = sea::read_scene(gale);

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "sea/foam/foam.h"
+#include "sea/surface/error_budget.h"
 #include "sea/waves/realize.h"
 #include "tools/bake/summed.h"
 #include "tools/bake/tile_files.h"
@@ -43,12 +44,16 @@ class Baker {
           server::Synthesizer& synthesizer)
         : sea_(std::move(sea)), options_(options), synthesizer_(synthesizer) {
         if (options_.fields.contains(Field::foam))
-            law_ = sea::make_foam_law(*sea_, scene.foam);
-        files_.emplace(scene, *sea_, options_, law_.get());
+            law_ = sea::make_foam_law(scene, *sea_);
+        files_.emplace(law_ ? sea::with_threshold(scene, *law_) : scene, *sea_, options_,
+                       law_.get());
         if (!law_)
             return;
+        // The ticks of foam are those that a server makes of this scene, whatever the frame rate.
+        const sea::ErrorBudget budget = sea::plan_budget(*sea_, scene.accuracy.height_error_m);
         for (std::size_t c = 0; c < sea_->cascades.size(); ++c)
-            foam_.emplace_back(law_, static_cast<int>(c), sea_->cascades[c].spec.size);
+            foam_.emplace_back(law_, static_cast<int>(c), sea_->cascades[c].spec.size,
+                               budget.cascades[c].interval_us);
     }
 
     Result<void> frame(int frame) {
@@ -91,9 +96,8 @@ class Baker {
         return foam_.empty() ? fields : fields | sea::foam_inputs;
     }
 
-    /// The frame's own strains are at hand; a first frame asks for those before it.
+    /// The frame's own strains are at hand; those of the ticks before it are asked for.
     Result<void> advance_foam(std::size_t cascade, const sea::KeyframePtr& keyframe) {
-        const TimeUs interval_us = std::max<TimeUs>(sea::us_from_seconds(1.0 / options_.fps), 1);
         const auto strains = [&](TimeUs time_us) -> Result<sea::KeyframePtr> {
             if (time_us == keyframe->time_us)
                 return keyframe;
@@ -104,7 +108,7 @@ class Baker {
                 return made.error();
             return made->front();
         };
-        return foam_[cascade].advance_to(keyframe->time_us, interval_us, strains);
+        return foam_[cascade].advance_to(keyframe->time_us, strains);
     }
 
     Result<void> write_all(int frame, const std::vector<sea::KeyframePtr>& keyframes) {

@@ -59,7 +59,7 @@ class EffectsBench {
         if (fields.contains(sea::Field::foam))
             for (const sea::KeyframePtr& keyframe : *made) {
                 const auto same = [&](sea::TimeUs) { return Result(keyframe); };
-                SEAWAY_CHECK(foam_.add(keyframe, 1'000'003, same).has_value(), "foam");
+                SEAWAY_CHECK(foam_.add(keyframe, same).has_value(), "foam");
             }
     }
 

@@ -54,6 +54,25 @@ Json json_of_cascades(const Report& report) {
     return rows;
 }
 
+/// Null where the scene allows no foam. `observed`: where the threshold is not given.
+Json json_of_foam(const sea::FoamLaw* law) {
+    if (law == nullptr)
+        return nullptr;
+    Json json = {{"mean_coverage", law->mean_coverage},
+                 {"threshold", law->calm() ? Json(nullptr) : Json(law->threshold)},
+                 {"bias", law->model.bias},
+                 {"decay_s", law->model.decay_s},
+                 {"gain_per_s", law->model.gain_per_s},
+                 {"observed", nullptr},
+                 {"says", describe(*law)}};
+    if (law->observed)
+        json["observed"] = {
+            {"coverage", law->observed->share},
+            {"wind_speed_10m_mps", law->observed->wind.speed_10m_mps},
+            {"wind_is_given", law->observed->wind.origin == sea::FoamWind::Origin::given}};
+    return json;
+}
+
 struct Line {
     const char* name;
     const char* unit;
@@ -135,6 +154,8 @@ Result<Report> make_report(const sea::Scene& scene) {
     report.summary = summarize(scene.sea, *report.sea);
     report.budget = plan_budget(*report.sea, scene.accuracy.height_error_m);
     report.warnings = scene_warnings(scene);
+    if (scene.effects.foam && scene.effects.choppy)
+        report.foam = sea::make_foam_law(scene, *report.sea);
     return report;
 }
 
@@ -154,6 +175,7 @@ std::string to_json(const Report& report) {
                          {"lost_shorter_m2", report.summary.lost_above_m2},
                          {"lost_fade_m2", report.summary.lost_fade_m2}}},
                        {"cascades", json_of_cascades(report)},
+                       {"foam", json_of_foam(report.foam.get())},
                        {"warnings", report.warnings}};
     return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
 }
@@ -165,6 +187,8 @@ std::string to_text(const Report& report) {
                     std::isfinite(sea.depth_m) ? fmt::format("depth {:g} m", sea.depth_m)
                                                : std::string("deep water"));
     out += text_of_statistics(report) + '\n' + text_of_cascades(report) + text_of_losses(report);
+    if (report.foam)
+        out += fmt::format("foam: {}\n", describe(*report.foam));
     if (!report.warnings.empty())
         out += '\n';
     for (const std::string& warning : report.warnings)

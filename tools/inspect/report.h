@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/result.h"
+#include "sea/foam/foam_law.h"
 #include "sea/scene/scene.h"
 #include "sea/surface/error_budget.h"
 #include "sea/waves/moments.h"
@@ -19,6 +20,7 @@ struct Report {
     sea::RealizationPtr sea;
     sea::SeaSummary summary;
     sea::ErrorBudget budget;
+    sea::FoamLawPtr foam; ///< null where the scene allows no foam
     std::vector<std::string> warnings;
 
     /// Standard deviation of the realised Hs from seed to seed, relative.

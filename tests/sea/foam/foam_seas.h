@@ -15,6 +15,9 @@ inline sea::RealizationPtr storm(double steepness = 0.03, unsigned seed = 1) {
 
 inline const sea::FoamModel foam_model{0.6, 4.0, 3.0};
 
+/// Of keyframes; a tick is as long.
+inline constexpr TimeUs interval_us = 200'000;
+
 /// A keyframe with the same strains everywhere.
 inline sea::Keyframe uniform_strains(int size, float xx, float yy = 0, float xy = 0) {
     sea::Keyframe keyframe;

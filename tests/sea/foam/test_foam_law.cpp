@@ -85,37 +85,121 @@ TEST(FoamLaw, conditional_shortfall_matches_drawn_others) {
         std::mt19937_64 random(9);
         std::normal_distribution<double> normal;
         const int draws = 200'000;
-        double sum = 0;
+        double sum = 0, breaking = 0;
         for (int i = 0; i < draws; ++i) {
             const double p = normal(random), q = normal(random), r = normal(random);
             const double a = own.a + aa * p, c = own.c + ca * p + cc * q;
             const double b = own.b + ba * p + bc * q + bb * r;
-            sum += std::max(0.0, 0.6 - (1 + a) * (1 + b) + c * c);
+            const double x = 0.6 - (1 + a) * (1 + b) + c * c;
+            sum += std::max(0.0, x);
+            breaking += x > 0;
         }
         EXPECT_NEAR(conditional_shortfall(0.6, shape, own.a, own.b, own.c), sum / draws,
                     0.04 * sum / draws + 2e-4)
             << own.a << " " << own.b << " " << own.c;
+        EXPECT_NEAR(conditional_breaking(0.6, 1.0, shape, own.a, own.b, own.c) -
+                        conditional_shortfall(0.6, shape, own.a, own.b, own.c),
+                    breaking / draws, 0.04 * breaking / draws + 2e-3);
     }
 }
 
 TEST(FoamLaw, a_tick_is_the_conditional_shortfall_in_single_precision) {
     // 2e-5 covers the fitted functions and single precision; 1e-6 of the mean is floored to zero.
-    const FoamLawPtr law = make_foam_law(*storm(), foam_model);
-    const FoamLaw::Cascade& cascade = law->cascades[0];
-    std::mt19937_64 random(3);
-    std::uniform_real_distribution<float> strain(-0.6f, 0.6f);
-    for (int i = 0; i < 2000; ++i) {
-        const float a = strain(random), b = strain(random), c = 0.5f * strain(random);
-        FoamHistory history(law, 0, 1);
-        sea::Keyframe keyframe = uniform_strains(1, a, b, c);
-        history.advance(keyframe, 1e9); // nothing remains of the start
-        const double expected =
-            conditional_shortfall(foam_model.threshold, cascade.others, static_cast<double>(a),
-                                  static_cast<double>(b), static_cast<double>(c)) /
-            cascade.mean_shortfall;
-        EXPECT_NEAR(static_cast<double>(history.ratios()[0]), expected, 2e-5 * expected + 2e-5)
-            << a << " " << b << " " << c;
+    for (const double bias : {0.0, 0.3}) {
+        const FoamLawPtr law = make_foam_law(*storm(), {0.6, 4.0, 3.0, bias});
+        const FoamLaw::Cascade& cascade = law->cascades[0];
+        std::mt19937_64 random(3);
+        std::uniform_real_distribution<float> strain(-0.6f, 0.6f);
+        for (int i = 0; i < 2000; ++i) {
+            const float a = strain(random), b = strain(random), c = 0.5f * strain(random);
+            FoamHistory history(law, 0, 1, interval_us);
+            sea::Keyframe keyframe = uniform_strains(1, a, b, c);
+            history.advance(keyframe, 1e9); // nothing remains of the start
+            const double expected =
+                conditional_breaking(law->threshold, bias, cascade.others, static_cast<double>(a),
+                                     static_cast<double>(b), static_cast<double>(c)) /
+                cascade.mean_breaking;
+            EXPECT_NEAR(static_cast<double>(history.ratios()[0]), expected, 2e-5 * expected + 2e-5)
+                << a << " " << b << " " << c;
+        }
     }
+}
+
+TEST(FoamLaw, a_bias_adds_the_breaking_share_and_is_foam_from_a_bias_apart_from_the_threshold) {
+    // The form with two numbers: foam += bias - J where bias - J is above a threshold. Here threshold
+    // = bias - threshold, bias = threshold.
+    const OthersShape none{};
+    for (const double j : {0.2, 0.49, 0.51, 0.9}) { // no others: J is known
+        const double their_bias = 0.8, their_threshold = 0.3;
+        const double theirs = their_bias - j > their_threshold ? their_bias - j : 0.0;
+        EXPECT_NEAR(conditional_breaking(0.5, 0.3, none, j - 1, 0, 0), theirs, 1e-9) << j;
+    }
+    const FoamLawPtr plain = make_foam_law(*storm(), foam_model);
+    const FoamLawPtr biased = make_foam_law(*storm(), {0.6, 4.0, 3.0, 0.3});
+    StrainMoments total;
+    for (const sea::CascadeModes& modes : storm()->cascades)
+        total += strain_moments(modes, storm()->choppiness);
+    EXPECT_NEAR(biased->mean_coverage - plain->mean_coverage,
+                12.0 * 0.3 * breaking_share(0.6, total), 1e-9);
+}
+
+TEST(FoamLaw, the_threshold_is_found_that_whitens_what_is_observed) {
+    Scene scene;
+    scene.sea.systems = {WindSea{.wind_speed_10m_mps = 19.0}};
+    for (const double bias : {0.0, 0.2}) {
+        scene.foam.bias = bias;
+        const FoamLawPtr law = make_foam_law(scene, *storm());
+        ASSERT_TRUE(law->observed.has_value());
+        EXPECT_NEAR(law->observed->share, 0.0445, 1e-4);
+        EXPECT_NEAR(law->mean_coverage, law->observed->share, 2e-5 * law->observed->share);
+        EXPECT_GT(law->threshold, 0.2);
+        EXPECT_LT(law->threshold, 0.9);
+        // Written out it is the same law.
+        const Scene explicit_scene = with_threshold(scene, *law);
+        ASSERT_TRUE(explicit_scene.foam.threshold.has_value());
+        EXPECT_EQ(make_foam_law(explicit_scene, *storm())->mean_coverage, law->mean_coverage);
+    }
+    scene.foam.threshold = 0.5; // an explicit one wins
+    EXPECT_EQ(make_foam_law(scene, *storm())->threshold, 0.5);
+    EXPECT_FALSE(make_foam_law(scene, *storm())->observed.has_value());
+}
+
+TEST(FoamLaw, where_no_wind_whitens_there_is_no_foam_and_a_reason) {
+    Scene scene;
+    const auto says = [&] {
+        const FoamLawPtr law = make_foam_law(scene, *storm());
+        EXPECT_TRUE(law->calm());
+        EXPECT_FALSE(with_threshold(scene, *law).foam.threshold.has_value());
+        return describe(*law);
+    };
+    scene.sea.systems = {WindSea{.wind_speed_10m_mps = 3.0}};
+    EXPECT_NE(says().find("at 3 m/s"), std::string::npos) << says();
+    scene.sea.systems = {Swell{.significant_height_m = 2.0, .peak_period_s = 14.0}};
+    EXPECT_NE(says().find("swell"), std::string::npos) << says();
+    scene.sea.systems = {ExplicitModes{.length_m = 100.0, .modes = {{1, 0, 1.0, 0.0}}}};
+    EXPECT_NE(says().find("by hand"), std::string::npos) << says();
+    scene.sea.systems = {WindSea{.wind_speed_10m_mps = 19.0}};
+    scene.foam.gain_per_s = 0.0;
+    EXPECT_NE(says().find("no threshold"), std::string::npos) << says();
+}
+
+TEST(FoamLaw, a_mean_that_is_out_of_reach_is_said) {
+    Scene scene;
+    scene.sea.systems = {WindSea{.wind_speed_10m_mps = 19.0}};
+    scene.foam.gain_per_s = 1e-3;
+    const FoamLawPtr law = make_foam_law(scene, *storm());
+    EXPECT_EQ(law->threshold, 1.0);
+    EXPECT_LT(law->mean_coverage, 0.02);
+    EXPECT_NE(describe(*law).find("no threshold"), std::string::npos) << describe(*law);
+}
+
+TEST(FoamLaw, the_longest_memory_and_the_largest_gain_stay_within_what_the_wire_carries) {
+    const FoamLawPtr law = make_foam_law(*storm(0.3), {1.0, 1e6, 1000.0, 1.0});
+    EXPECT_EQ(law->mean_coverage, foam_mean_max);
+    EXPECT_NE(describe(*law).find("white"), std::string::npos);
+    // Whatever has broken at all is white: the smallest ratio that a history keeps.
+    const float smallest = 1e-6f;
+    EXPECT_GT(foam_coverage(law->mean_coverage, {&smallest, 1}), 0.999);
 }
 
 } // namespace
