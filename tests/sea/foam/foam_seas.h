@@ -3,6 +3,7 @@
 #pragma once
 
 #include "sea/foam/foam.h"
+#include "sea/native/native_runner.h"
 #include "tests/support/explicit_sea.h"
 
 namespace seaway::sea {
@@ -27,5 +28,43 @@ inline sea::Keyframe uniform_strains(int size, float xx, float yy = 0, float xy 
         keyframe.values.insert(keyframe.values.end(), keyframe.plane_size(), value);
     return keyframe;
 }
+
+/// Strain keyframes of one cascade from the CPU transform.
+class Strains {
+  public:
+    Strains(sea::RealizationPtr sea, int cascade)
+        : sea_(std::move(sea)), cascade_(cascade), transform_(make(*sea_, cascade)), runner_(1) {}
+
+    sea::KeyframePtr at(TimeUs time_us) {
+        auto keyframe = std::make_shared<sea::Keyframe>();
+        keyframe->cascade = cascade_;
+        keyframe->time_us = time_us;
+        keyframe->size = transform_.size();
+        keyframe->fields = foam_inputs;
+        keyframe->values.resize(3 * keyframe->plane_size());
+        const sea::NativeTask task{&transform_, sea_->phase_time(time_us), foam_inputs,
+                                   keyframe->values};
+        runner_.run({&task, 1});
+        return keyframe;
+    }
+    FoamHistory::StrainsAt source() {
+        return [this](TimeUs time_us) -> Result<sea::KeyframePtr> {
+            ++asked;
+            return at(time_us);
+        };
+    }
+    int asked = 0;
+
+  private:
+    static sea::NativeTransform make(const sea::Realization& sea, int cascade) {
+        Result<sea::NativeTransform> made = sea::NativeTransform::create(
+            sea.cascades[static_cast<std::size_t>(cascade)], sea.choppiness);
+        return std::move(made).value();
+    }
+    sea::RealizationPtr sea_;
+    int cascade_;
+    sea::NativeTransform transform_;
+    sea::NativeRunner runner_;
+};
 
 } // namespace seaway::sea

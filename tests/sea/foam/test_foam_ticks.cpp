@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+// Foam is a function of the sea and the time: whoever asks, in whatever steps, and around a loop.
+#include "sea/foam/foam_ticks.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "tests/sea/foam/foam_seas.h"
+
+namespace seaway::sea {
+namespace {
+
+/// Largest difference of two histories, in ratios.
+double largest_difference(const FoamHistory& a, const FoamHistory& b) {
+    double largest = 0;
+    for (std::size_t i = 0; i < a.ratios().size(); ++i)
+        largest = std::max(largest, static_cast<double>(std::abs(a.ratios()[i] - b.ratios()[i])));
+    return largest;
+}
+
+TEST(Foam, is_the_same_for_who_has_run_for_long_and_who_starts_now_or_comes_from_elsewhere) {
+    // exp(-10) of what a history may differ from the average by, some tens: 1e-3.
+    const sea::RealizationPtr sea = storm();
+    const FoamLawPtr law = make_foam_law(*sea, foam_model);
+    Strains strains(sea, 0);
+    const auto history = [&] { return FoamHistory(law, 0, 64, 100'000); };
+    FoamHistory old = history(), elsewhere = history();
+    for (TimeUs t = 3'000'000; t <= 90'000'000; t += 100'000) // at every keyframe
+        ASSERT_TRUE(old.advance_to(t, strains.source()));
+    for (const TimeUs t :
+         {500'000'000, -7'000'000, 61'234'567, 71'300'001, 89'999'999}) // a jumpy client
+        ASSERT_TRUE(elsewhere.advance_to(t, strains.source()));
+    for (TimeUs t = 90'000'000; t <= 92'000'000; t += 100'000) { // also in the first seconds
+        FoamHistory fresh = history();
+        ASSERT_TRUE(old.advance_to(t, strains.source()));
+        ASSERT_TRUE(elsewhere.advance_to(t, strains.source()));
+        ASSERT_TRUE(fresh.advance_to(t, strains.source()));
+        EXPECT_LT(largest_difference(old, fresh), 1e-3) << t;
+        EXPECT_LT(largest_difference(old, elsewhere), 1e-3) << t;
+    }
+}
+
+TEST(Foam, does_not_know_how_many_frames_a_second_it_is_asked_for) {
+    const sea::RealizationPtr sea = storm();
+    const FoamLawPtr law = make_foam_law(*sea, foam_model);
+    Strains strains(sea, 1);
+    FoamHistory film(law, 1, 64, 250'000), slow(law, 1, 64, 250'000);
+    for (int frame = 0; frame <= 240; ++frame)
+        ASSERT_TRUE(film.advance_to(sea::us_from_seconds(2.0 + frame / 24.0), strains.source()));
+    for (int frame = 0; frame <= 70; ++frame)
+        ASSERT_TRUE(slow.advance_to(sea::us_from_seconds(2.0 + frame / 7.0), strains.source()));
+    EXPECT_LT(largest_difference(film, slow), 1e-3);
+}
+
+/// The same waves in a sea that repeats. Frequencies are rounded to the loop by phase_time alone, so
+/// that the loop has a cut at its end: harder than a smooth one.
+sea::RealizationPtr looping(TimeUs loop_us) {
+    sea::Realization sea = *storm();
+    sea.loop_period_us = loop_us;
+    return std::make_shared<const sea::Realization>(std::move(sea));
+}
+
+TEST(Foam, of_a_loop_meets_itself_at_its_end) {
+    // 7.3 s is no multiple of a tick, and less than two decay times; the others are more than a memory,
+    // and a tenth of a decay time.
+    for (const TimeUs loop_us : {7'300'000, 60'000'000, 1'000'000}) {
+        const sea::RealizationPtr sea = looping(loop_us);
+        for (const double decay_s : {4.0, 10.0, 1e6}) {
+            const FoamLawPtr law = make_foam_law(*sea, {0.6, decay_s, 3.0});
+            Strains strains(sea, 0);
+            FoamHistory first(law, 0, 64, interval_us), on(law, 0, 64, interval_us);
+            ASSERT_TRUE(first.advance_to(1'234'567, strains.source()));
+            for (TimeUs t = 1'234'567; t < loop_us + 1'234'567; t += 730'000)
+                ASSERT_TRUE(on.advance_to(t, strains.source()));
+            ASSERT_TRUE(on.advance_to(loop_us + 1'234'567, strains.source()));
+            // Periodic: rounding of some hundred ticks. Longer than the memory: exp(-10) of some tens.
+            const double bound = loop_us < 10'000'000 ? 2e-4 : 1e-3;
+            EXPECT_LT(largest_difference(first, on), bound) << loop_us << " " << decay_s;
+            FoamHistory later(law, 0, 64, interval_us);
+            ASSERT_TRUE(later.advance_to(1000 * loop_us + 1'234'567, strains.source()));
+            EXPECT_EQ(largest_difference(first, later), 0.0) << "alone, a thousand loops on";
+        }
+    }
+}
+
+TEST(Foam, of_a_loop_is_what_many_loops_leave) {
+    // The periodic solution against plain running for 20 decay times, which leaves 2e-9 of the start.
+    const TimeUs loop_us = 6'000'000;
+    const sea::RealizationPtr sea = looping(loop_us);
+    const FoamLawPtr law = make_foam_law(*sea, foam_model);
+    Strains strains(sea, 0);
+    FoamHistory history(law, 0, 64, interval_us), plain(law, 0, 64, interval_us);
+    ASSERT_TRUE(history.advance_to(84'000'000, strains.source()));
+    EXPECT_EQ(strains.asked, 30);
+    for (TimeUs t = 4'000'000; t < 84'000'000; t += 200'000)
+        plain.advance(*strains.at(t + 200'000), 0.2);
+    EXPECT_LT(largest_difference(history, plain), 2e-4);
+}
+
+TEST(Foam, decay_times_too_long_to_walk_scatter_as_an_average_over_them_does) {
+    // Half a minute in ticks of 0.2 s is beyond 512 ticks. Plain running over 6 decay times is the
+    // truth; one tile has some dozens of crests: 25 % for the deviation.
+    const sea::RealizationPtr sea = storm();
+    const FoamLawPtr law = make_foam_law(*sea, {0.6, 30.0, 3.0});
+    Strains strains(sea, 0);
+    FoamHistory history(law, 0, 64, interval_us), plain(law, 0, 64, interval_us);
+    ASSERT_TRUE(history.advance_to(180'000'000, strains.source()));
+    EXPECT_LE(strains.asked, foam_ticks_max);
+    for (TimeUs t = 200'000; t <= 180'000'000; t += 200'000)
+        plain.advance(*strains.at(t), 0.2);
+    const auto deviation = [](const FoamHistory& h) {
+        double squares = 0;
+        for (const float ratio : h.ratios())
+            squares += std::pow(static_cast<double>(ratio) - 1.0, 2);
+        return std::sqrt(squares / static_cast<double>(h.ratios().size()));
+    };
+    EXPECT_NEAR(deviation(history) / deviation(plain), 1.0, 0.25);
+}
+
+TEST(Foam, every_legal_model_gives_finite_ratios_and_a_coverage_of_0_to_1) {
+    const sea::RealizationPtr seas[] = {
+        storm(), storm(0.0005), storm(0.3),
+        tests::make_sea({storm()->cascades[0], tests::calm_cascade(37.0, 64)})};
+    for (const sea::RealizationPtr& sea : seas)
+        for (const double threshold : {-1.0, 0.0, 1.0})
+            for (const double decay_s : {0.0, 1e-9, 4.0, 1e6})
+                for (const double gain_per_s : {0.0, 1e-9, 3.0, 1000.0})
+                    for (const double bias : {0.0, 1.0}) {
+                        const FoamLawPtr law =
+                            make_foam_law(*sea, {threshold, decay_s, gain_per_s, bias});
+                        ASSERT_GE(law->mean_coverage, 0.0);
+                        ASSERT_LE(law->mean_coverage, foam_mean_max);
+                        for (int c = 0; c < 2; ++c) {
+                            const auto index = static_cast<std::size_t>(c);
+                            FoamHistory history(law, c, 64, 2'000'000);
+                            Strains strains(sea, c);
+                            const sea::KeyframePtr one = strains.at(0);
+                            const auto same = [&](TimeUs) { return Result(one); };
+                            ASSERT_TRUE(history.advance_to(5'000'000, same));
+                            for (const float ratio : history.ratios()) {
+                                ASSERT_TRUE(std::isfinite(ratio) && ratio >= 0)
+                                    << threshold << " " << decay_s << " " << gain_per_s << " "
+                                    << law->cascades[index].mean_breaking;
+                                const double f = foam_coverage(law->mean_coverage, {&ratio, 1});
+                                ASSERT_TRUE(f >= 0 && f <= 1);
+                            }
+                        }
+                    }
+}
+
+} // namespace
+} // namespace seaway::sea
