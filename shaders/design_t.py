@@ -1,5 +1,30 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Design T of the synthesis kernels, for subgroups of a known size: see generate.py."""
+"""Design T of the synthesis kernels, for subgroups of a known size: see generate.py.
+
+A line of N modes is the work of S lanes of a subgroup, M = N / S modes a lane, and the lanes exchange
+what they need by shuffles. With X = l + S i the index of a mode and x = k + M j that of a point,
+
+    X x / N  =  i k / M  +  l k / N  +  l j / S  +  a whole number,
+
+so the transform of the line is: in each lane l a transform of its M modes (i -> k), a twiddle
+e^(2 pi i l k / N), and for each k a transform across the lanes (l -> j). Before the last step lanes
+and values change places, S values at a time, so that each lane has all it needs for its k. The
+values k = g, g + M/S, g + 2 M/S ... are one group g of S values.
+
+N = 8, S = 2, M = 4, thus two groups (as large as M / S):
+
+                          lane 0                        lane 1
+    load                  modes  0  2  4  6             modes  1  3  5  7           X = l + 2 i
+    transform of M = 4    k      0  1  2  3             k      0  1  2  3           of its own modes
+    twiddle               1  1  1  1                    1  w  w2 w3                 w = e^(2 pi i / 8)
+    transpose, g = 0      k = 0  of lanes 0 and 1       k = 2  of lanes 0 and 1
+    transpose, g = 1      k = 1  of lanes 0 and 1       k = 3  of lanes 0 and 1
+    transform of S = 2    points 0, 4 (g = 0)           points 2, 6 (g = 0)         x = k + 4 j
+                          points 1, 5 (g = 1)           points 3, 7 (g = 1)
+    store                 0 1  and  4 5                 2 3  and  6 7
+
+Points of neighbouring groups are neighbours in memory: a lane stores them as one vector.
+"""
 import codelets
 from kernel_text import (EVOLVE_BINDINGS, EVOLVE_LINE, FIELDS_LINE, HEAD, WORKGROUP, each_field,
                          each_source, fields_bindings, kept, line_modes, omitted, turned, twiddles,
@@ -14,7 +39,7 @@ SUBGROUP_HEAD = HEAD.replace("// SPDX", """#extension GL_KHR_shader_subgroup_bas
 
 
 def transposed(lanes, names):
-    """GLSL: swaps lanes and names: what lane l has under name j, lane j gets under name l."""
+    """GLSL that swaps lanes and names: what lane l has under name j, lane j gets under name l."""
     text = []
     d = 1
     while d < lanes:
@@ -30,8 +55,8 @@ def transposed(lanes, names):
 
 
 def line_transform(n, lanes, blocks):
-    """GLSL: of the modes z<i> of each lane: DFT_M, twiddle, transpose, DFT_S. Lane l ends with the
-    points M / S l + g + M k in (r<g>_<k>, i<g>_<k>)."""
+    """GLSL that transforms the modes z<i> of each lane: DFT_M, twiddle, transpose, DFT_S. Lane l ends
+    with the points M / S l + g + M j in (r<g>_<j>, i<g>_<j>)."""
     m = n // lanes
     text = [codelets.dft(m, omitted(blocks, m)).glsl(
         "float", [(f"z{i}.x", f"z{i}.y") for i in range(m)],
@@ -50,7 +75,7 @@ def line_transform(n, lanes, blocks):
 
 
 def line_constants(n, lanes):
-    """GLSL: bit<d> of the lane, w<k> its twiddles."""
+    """GLSL that computes bit<d> of the lane and its twiddles w<k>."""
     bits = [f"    bool bit{d} = (lane & {d}u) != 0u;\n" for d in (1, 2, 4, 8, 16) if d < lanes]
     return "".join(bits) + twiddles("w", f"lane * {2**32 // n}u", n // lanes)
 
@@ -95,8 +120,8 @@ def evolve_pass(n, lanes, band):
 
 
 def mirrored(blocks, m, lanes):
-    """GLSL: s<i> of the negative half of a line, out of the positive half in the other lanes. Mode
-    -X of lane 0 is in lane 0 too, one block further on than those of the others."""
+    """GLSL that makes s<i> of the negative half of a line out of the positive half in the other lanes.
+    Mode -X of lane 0 is in lane 0 too, one block further on than those of the others."""
     text = ["    uint mirror = gl_SubgroupInvocationID - lane + "
             f"(({lanes}u - lane) & {lanes - 1}u);\n"]
     positive = [i for i in blocks if i < m // 2]

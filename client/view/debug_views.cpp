@@ -4,8 +4,6 @@
 #include <charconv>
 #include <string>
 
-#include "shaders/shared/view.h"
-
 namespace seaway::client {
 
 Result<DebugChoice> parse_debug_view(std::string_view text) {

@@ -1,26 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
-// The views of the sea that --debug can show: one table row each. The numbers are those of
-// shaders/view/debug.frag.
+// The views of the sea that --debug can show: one table row each.
 #pragma once
 
 #include <array>
 #include <string_view>
 
 #include "base/result.h"
+#include "shaders/shared/view.h"
 
 namespace seaway::client {
 
 enum class DebugView : int {
-    final,
-    height,
-    place,
-    normal,
-    slope,
-    jacobian,
-    roughness,
-    foam,
-    cascade,
-    grid
+    final = shaders::view_final,
+    height = shaders::view_height,
+    place = shaders::view_place,
+    normal = shaders::view_normal,
+    slope = shaders::view_slope,
+    jacobian = shaders::view_jacobian,
+    roughness = shaders::view_roughness,
+    foam = shaders::view_foam,
+    cascade = shaders::view_cascade,
+    grid = shaders::view_grid
 };
 
 /// How a view's numbers become colours in a PNG; an EXR holds the numbers themselves.

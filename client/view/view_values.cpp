@@ -15,35 +15,35 @@ const glm::dvec3 water_reflectance(0.008, 0.024, 0.026);
 constexpr double detail_turn_rad = 0.37;
 /// Gravity waves give way to capillary ones here, and slopes fade, rad/m (Cox and Munk 1954).
 constexpr double shortest_waves_radpm = 370;
-/// Of the Jacobian at the edge of a breaking crest, where a pixel resolves everything.
+/// Width of the Jacobian's range at the edge of a breaking crest, where a pixel resolves everything.
 constexpr double breaking_softness = 0.03;
 
-shaders::vec4 vector(const glm::dvec3& v, double w = 0) {
-    return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z),
-            static_cast<float>(w)};
+float narrow(double value) {
+    return static_cast<float>(value);
 }
-shaders::vec4 vector(double x, double y, double z, double w) {
-    return vector(glm::dvec3(x, y, z), w);
+shaders::vec2 narrow(const glm::dvec2& v) {
+    return {narrow(v.x), narrow(v.y)};
 }
-
-shaders::mat4 matrix(const glm::dmat4& m) {
+shaders::vec3 narrow(const glm::dvec3& v) {
+    return {narrow(v.x), narrow(v.y), narrow(v.z)};
+}
+shaders::mat4 narrow(const glm::dmat4& m) {
     shaders::mat4 out;
     for (int column = 0; column < 4; ++column)
         for (int row = 0; row < 4; ++row)
-            out.column_major[static_cast<std::size_t>(4 * column + row)] =
-                static_cast<float>(m[column][row]);
+            out.column_major[static_cast<std::size_t>(4 * column + row)] = narrow(m[column][row]);
     return out;
 }
 
-double fraction(double value) {
-    return value - std::floor(value);
+glm::dvec2 fraction(const glm::dvec2& value) {
+    return value - glm::floor(value);
 }
 
 /// Noise of cells of 2^-level metres is the coarsest of foam: patches are smaller than waves.
-double foam_level(double significant_height_m) {
+int foam_level(double significant_height_m) {
     constexpr double heights_per_cell = 0.6;
-    return std::clamp(
-        std::round(-std::log2(heights_per_cell * std::max(significant_height_m, 1e-3))), -4.0, 4.0);
+    const double cell_m = heights_per_cell * std::max(significant_height_m, 1e-3);
+    return static_cast<int>(std::clamp(std::round(-std::log2(cell_m)), -4.0, 4.0));
 }
 
 /// Waves beyond the finest cascade: its variance of slope a factor of wavenumber goes on.
@@ -67,6 +67,34 @@ Tail tail_of(const SeaFrame& frame, const SeaStatistics& sea) {
     return tail;
 }
 
+/// A node lies in the middle of its texel.
+double half_texel(const SeaMaps& maps) {
+    return 0.5 / maps.nodes;
+}
+
+void set_light(shaders::ViewValues& out, const Sky& sky) {
+    const double disk_cosine = std::cos(Sky::sun_radius_rad);
+    const double disk_sr = 2 * std::numbers::pi * (1 - disk_cosine);
+    out.sun_direction = narrow(sky.sun_direction());
+    out.sun_disk_cosine = narrow(disk_cosine);
+    out.sun_irradiance_klx = narrow(sky.sun_irradiance());
+    out.sun_disk_per_sr = narrow(1 / disk_sr);
+    out.sky_irradiance_klx = narrow(sky.sky_irradiance());
+}
+
+void set_detail(shaders::ViewValues& out, const SeaFrame& frame, const SeaMaps& maps,
+                const glm::dvec2& camera_m, const RenderOptions& options) {
+    const Tail tail = tail_of(frame, maps.statistics);
+    const double maps_per_m = tail.copy_scale / frame.cascades.back().spec.length_m;
+    const double c = std::cos(detail_turn_rad), s = std::sin(detail_turn_rad);
+    const glm::dvec2 turned(c * camera_m.x - s * camera_m.y, s * camera_m.x + c * camera_m.y);
+    out.detail_origin = narrow(fraction(turned * maps_per_m + half_texel(maps)));
+    out.detail_maps_per_m = narrow(maps_per_m);
+    out.detail_turn = narrow(glm::dvec2(c, s));
+    out.detail_amplitude = options.detail ? narrow(tail.copy_amplitude) : 0.0f;
+    out.detail_slope_variance = options.detail ? narrow(tail.slope_variance) : 0.0f;
+}
+
 } // namespace
 
 shaders::ViewValues view_values(const SeaFrame& frame, const SeaMaps& maps, const Camera& camera,
@@ -74,43 +102,40 @@ shaders::ViewValues view_values(const SeaFrame& frame, const SeaMaps& maps, cons
                                 const DebugChoice& debug) {
     shaders::ViewValues out;
     const glm::dmat4 clip_from_local = camera.clip_from_local();
-    out.clip_from_local = matrix(clip_from_local);
-    out.local_from_clip = matrix(glm::inverse(clip_from_local));
-    out.camera = vector(0, 0, camera.z_m, camera.pixel_rad());
-    const double disk_cosine = std::cos(Sky::sun_radius_rad);
-    out.sun_direction = vector(sky.sun_direction(), disk_cosine);
-    const double disk_solid_angle = 2 * std::numbers::pi * (1 - disk_cosine);
-    out.sun_irradiance = vector(sky.sun_irradiance(), 1 / disk_solid_angle);
-    out.sky_irradiance = vector(sky.sky_irradiance());
-    out.water = vector(water_reflectance, maps.statistics.significant_height_m);
-    out.mesh = vector(mesh.apex_m.x, mesh.apex_m.y, mesh.azimuth_rad, mesh.step_rad);
-    out.sea = vector(frame.choppiness.x, frame.choppiness.y, 1 / (2 * earth_radius_m),
-                     std::log(50.0) / options.visibility_m);
-    const double noise_m = shaders::view_noise_period_m;
-    out.foam =
-        vector(frame.foam_threshold, breaking_softness, fraction(camera.x_m / noise_m) * noise_m,
-               fraction(camera.y_m / noise_m) * noise_m);
+    out.clip_from_local = narrow(clip_from_local);
+    out.local_from_clip = narrow(glm::inverse(clip_from_local));
+    out.camera_m = narrow(glm::dvec3(0, 0, camera.z_m));
+    out.pixel_rad = narrow(camera.pixel_rad());
+    set_light(out, sky);
+    out.water_reflectance = narrow(water_reflectance);
+    out.significant_height_m = narrow(maps.statistics.significant_height_m);
+    out.extinction_per_m = narrow(std::log(50.0) / options.visibility_m);
 
-    // A node lies in the middle of its texel.
-    const double half_texel = 0.5 / maps.nodes;
-    const Tail tail = tail_of(frame, maps.statistics);
-    const double finest_m = frame.cascades.back().spec.length_m;
-    const double scale = tail.copy_scale / finest_m;
-    const double c = std::cos(detail_turn_rad), s = std::sin(detail_turn_rad);
-    out.detail = vector(fraction((c * camera.x_m - s * camera.y_m) * scale + half_texel),
-                        fraction((s * camera.x_m + c * camera.y_m) * scale + half_texel), scale,
-                        options.detail ? tail.slope_variance : 0.0);
-    out.detail_turn = vector(c, s, options.detail ? tail.copy_amplitude : 0.0, maps.cascades);
-    out.foam_mean = vector(frame.foam_mean, foam_level(frame.significant_height_m),
-                           maps.statistics.slope_variance, 0);
-    out.counts =
-        vector(mesh.columns, static_cast<double>(mesh.rows_m.size()),
-               static_cast<double>(debug.view), std::min(debug.cascade, maps.cascades - 1));
+    out.mesh_apex_m = narrow(mesh.apex_m);
+    out.mesh_azimuth_rad = narrow(mesh.azimuth_rad);
+    out.mesh_step_rad = narrow(mesh.step_rad);
+    out.mesh_columns = mesh.columns;
+    out.mesh_rows = static_cast<int>(mesh.rows_m.size());
+    out.choppiness = {narrow(frame.choppiness.x), narrow(frame.choppiness.y)};
+    out.curvature_per_m = narrow(1 / (2 * earth_radius_m));
+    out.slope_variance = narrow(maps.statistics.slope_variance);
+
+    const glm::dvec2 camera_m(camera.x_m, camera.y_m);
+    const double noise_m = shaders::view_noise_period_m;
+    out.foam_noise_origin_m = narrow(fraction(camera_m / noise_m) * noise_m);
+    out.foam_threshold = narrow(frame.foam_threshold);
+    out.foam_softness = narrow(breaking_softness);
+    out.foam_mean = narrow(frame.foam_mean);
+    out.foam_level = foam_level(frame.significant_height_m);
+    set_detail(out, frame, maps, camera_m, options);
+
+    out.what = static_cast<int>(debug.view);
+    out.what_cascade = std::min(debug.cascade, maps.cascades - 1);
+    out.cascades = maps.cascades;
     for (std::size_t i = 0; i < frame.cascades.size(); ++i) {
         const double length_m = frame.cascades[i].spec.length_m;
-        out.cascade[i] = vector(fraction(camera.x_m / length_m) + half_texel,
-                                fraction(camera.y_m / length_m) + half_texel, 1 / length_m,
-                                length_m / maps.nodes);
+        out.cascade[i] = {narrow(fraction(camera_m / length_m) + half_texel(maps)),
+                          narrow(1 / length_m), narrow(length_m / maps.nodes)};
     }
     return out;
 }

@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: Apache-2.0
-// Raw numbers of the sea, one view a number (client/view/debug_views.h), of the pixel's first
+// Raw numbers of the sea, one case a view (client/view/debug_views.h), of the pixel's first
 // sample; nothing is lit or mapped to colours here.
 #extension GL_GOOGLE_include_directive : require
 #include "view/bindings.glsl"
@@ -12,10 +12,10 @@ layout(location = 0) out vec4 value;
 
 /// Row and column of the mesh at an undisplaced place.
 vec2 mesh_cell(vec2 undisplaced_m) {
-    const vec2 from_apex = undisplaced_m - view.mesh.xy;
+    const vec2 from_apex = undisplaced_m - view.mesh_apex_m;
     const float r = length(from_apex);
     int low = 0;
-    int high = int(view.counts.y) - 1;
+    int high = view.mesh_rows - 1;
     while (high - low > 1) {
         const int middle = (low + high) / 2;
         if (row_distance_m[middle] <= r)
@@ -23,9 +23,9 @@ vec2 mesh_cell(vec2 undisplaced_m) {
         else
             high = middle;
     }
-    const float turn = atan(from_apex.y, from_apex.x) - view.mesh.z;
+    const float turn = atan(from_apex.y, from_apex.x) - view.mesh_azimuth_rad;
     const float two_pi = 6.2831853;
-    const float column = (turn - two_pi * floor(turn / two_pi)) / view.mesh.w;
+    const float column = (turn - two_pi * floor(turn / two_pi)) / view.mesh_step_rad;
     return vec2(float(low) + (r - row_distance_m[low]) /
                                  (row_distance_m[high] - row_distance_m[low]), column);
 }
@@ -39,32 +39,32 @@ void main() {
     const Footprint area = footprint(place.xy, -away, place.w);
     const Gradients g = gradients_at(area);
     const vec3 scaled = scaled_normal(g);
-    switch (int(view.counts.z)) {
-    case 1: // height
+    switch (view.what) {
+    case view_height:
         value.rgb = vec3(place.z);
         break;
-    case 2: // place
+    case view_place:
         value.rgb = place.xyz;
         break;
-    case 3: // normal
+    case view_normal:
         value.rgb = normalize(scaled);
         break;
-    case 4: // slope
+    case view_slope:
         value.rg = -scaled.xy / scaled.z;
         break;
-    case 5: // jacobian
+    case view_jacobian:
         value.rgb = vec3(scaled.z);
         break;
-    case 6: // roughness
+    case view_roughness:
         value.rgb = vec3(sqrt(g.variance.x + g.variance.y));
         break;
-    case 7: // foam
+    case view_foam:
         value.rgb = vec3(foam_cover(foam_share(area, g), place.xy, place.w));
         break;
-    case 8: // cascade
-        value.rg = gradients_of_cascade(area, int(view.counts.w)).slope;
+    case view_cascade:
+        value.rg = gradients_of_cascade(area, view.what_cascade).slope;
         break;
-    case 9: // grid
+    case view_grid:
         value.rgb = vec3(any(lessThan(fract(mesh_cell(place.xy) / 16.0), vec2(0.08))) ? 1.0 : 0.0);
         break;
     }

@@ -30,7 +30,7 @@ void main() {
         return;
     }
     // What a level sea would span; more is an edge.
-    const float level = span.x * span.x * view.camera.w / max(view.camera.z, 1.0);
+    const float level = span.x * span.x * view.pixel_rad / max(view.camera_m.z, 1.0);
     const bool edge = span.x == 0.0 || span.y - span.x > 2.0 * level + 1.0;
     vec3 sum = vec3(0);
     const int count = edge ? samples : 1;

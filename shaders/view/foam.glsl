@@ -33,11 +33,11 @@ float seen_share(int level, float pixel_m) {
 /// What of a pixel is white. Far away that is the share itself; near, patches of full cover whose
 /// area is the share.
 float foam_cover(float share, vec2 undisplaced_m, float distance_m) {
-    const float pixel_m = distance_m * view.camera.w;
+    const float pixel_m = distance_m * view.pixel_rad;
     if (share < 0.002)
         return 0.0;
-    vec2 at = undisplaced_m + view.foam.zw;
-    const int coarsest = int(view.foam_mean.y);
+    vec2 at = undisplaced_m + view.foam_noise_origin_m;
+    const int coarsest = view.foam_level;
     // Tears the patches' edges.
     const int torn = coarsest + 3;
     at += 0.15 * exp2(-float(coarsest)) * vec2(noise(at, torn), noise(at + 37.0, torn));

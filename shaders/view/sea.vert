@@ -33,11 +33,11 @@ vec3 spline(vec2 uv, int cascade) {
 
 vec3 displacement(vec2 at_m, float spacing_m) {
     vec3 sum = vec3(0);
-    for (int c = 0; c < int(view.detail_turn.w); ++c) {
-        const vec4 tile = view.cascade[c];
-        const vec2 uv = tile.xy + at_m * tile.z;
+    for (int c = 0; c < view.cascades; ++c) {
+        const ViewCascade tile = view.cascade[c];
+        const vec2 uv = tile.origin + at_m * tile.maps_per_m;
         // What the mesh cannot carry is averaged away here and is roughness in the pixel.
-        const float level = log2(spacing_m / tile.w);
+        const float level = log2(spacing_m / tile.texel_m);
         vec3 one = vec3(0);
         if (level < 1.0)
             one = spline(uv, c);
@@ -50,19 +50,19 @@ vec3 displacement(vec2 at_m, float spacing_m) {
 }
 
 void main() {
-    const int columns = int(view.counts.x);
+    const int columns = view.mesh_columns;
     const int row = gl_VertexIndex / columns;
     const int column = gl_VertexIndex % columns;
     const float r = row_distance_m[row];
-    const float azimuth = view.mesh.z + float(column) * view.mesh.w;
-    const vec2 undisplaced_m = view.mesh.xy + r * vec2(cos(azimuth), sin(azimuth));
+    const float azimuth = view.mesh_azimuth_rad + float(column) * view.mesh_step_rad;
+    const vec2 undisplaced_m = view.mesh_apex_m + r * vec2(cos(azimuth), sin(azimuth));
 
-    const int last = int(view.counts.y) - 1;
+    const int last = view.mesh_rows - 1;
     const float spacing = max(row_distance_m[min(row + 1, last)] - row_distance_m[max(row - 1, 0)],
-                              2.0 * r * view.mesh.w) / 2.0;
+                              2.0 * r * view.mesh_step_rad) / 2.0;
     const vec3 d = displacement(undisplaced_m, spacing);
-    const vec2 moved = undisplaced_m + view.sea.xy * d.xy;
-    const vec3 position_m = vec3(moved, d.z - dot(moved, moved) * view.sea.z);
-    place = vec4(undisplaced_m, d.z, distance(position_m, view.camera.xyz));
+    const vec2 moved = undisplaced_m + view.choppiness * d.xy;
+    const vec3 position_m = vec3(moved, d.z - dot(moved, moved) * view.curvature_per_m);
+    place = vec4(undisplaced_m, d.z, distance(position_m, view.camera_m));
     gl_Position = view.clip_from_local * vec4(position_m, 1);
 }

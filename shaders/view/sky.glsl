@@ -18,9 +18,9 @@ vec3 sky_radiance(vec3 direction, float blur) {
 
 /// With the disk of the sun.
 vec3 sky_behind(vec3 direction) {
-    const float off_sun = acos(clamp(dot(direction, view.sun_direction.xyz), -1.0, 1.0));
-    const float edge = acos(view.sun_direction.w);
-    const float disk = 1.0 - smoothstep(edge - view.camera.w, edge + view.camera.w, off_sun);
+    const float off_sun = acos(clamp(dot(direction, view.sun_direction), -1.0, 1.0));
+    const float edge = acos(view.sun_disk_cosine);
+    const float disk = 1.0 - smoothstep(edge - view.pixel_rad, edge + view.pixel_rad, off_sun);
     return sky_radiance(direction, 0.0) +
-           disk * view.sun_irradiance.rgb * view.sun_irradiance.w;
+           disk * view.sun_irradiance_klx * view.sun_disk_per_sr;
 }

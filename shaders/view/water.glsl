@@ -56,7 +56,7 @@ float smith_lambda(vec3 direction, vec2 slope, vec3 variance) {
 }
 
 vec3 sun_glint(vec3 to_eye, vec3 normal, vec2 slope, vec3 variance) {
-    const vec3 to_sun = view.sun_direction.xyz;
+    const vec3 to_sun = view.sun_direction;
     if (to_sun.z <= 0.0)
         return vec3(0);
     const vec3 half_way = normalize(to_eye + to_sun);
@@ -71,22 +71,22 @@ vec3 sun_glint(vec3 to_eye, vec3 normal, vec2 slope, vec3 variance) {
     const float shadowing =
         1.0 + smith_lambda(to_eye, slope, variance) + smith_lambda(to_sun, slope, variance);
     const float cosine = max(dot(to_eye, normal), 0.02);
-    return view.sun_irradiance.rgb * schlick(dot(to_eye, half_way)) * density /
+    return view.sun_irradiance_klx * schlick(dot(to_eye, half_way)) * density /
            (4.0 * cosine * pow(half_way.z, 4.0) * shadowing);
 }
 
 /// Light that entered the water and comes out again; more where the sun shines through a crest.
 vec3 water_body(vec3 to_eye, vec3 normal, float height_m) {
-    const vec3 to_sun = view.sun_direction.xyz;
-    const vec3 down = view.sky_irradiance.rgb + view.sun_irradiance.rgb * max(to_sun.z, 0.0);
-    const vec3 deep = view.water.rgb * down / pi;
-    const float crest = smoothstep(0.0, 0.9, height_m / max(view.water.w, 0.1));
+    const vec3 to_sun = view.sun_direction;
+    const vec3 down = view.sky_irradiance_klx + view.sun_irradiance_klx * max(to_sun.z, 0.0);
+    const vec3 deep = view.water_reflectance * down / pi;
+    const float crest = smoothstep(0.0, 0.9, height_m / max(view.significant_height_m, 0.1));
     const vec2 eye_level = normalize(to_eye.xy + vec2(1e-6, 0));
     const vec2 sun_level = normalize(to_sun.xy + vec2(1e-6, 0));
     const float through = pow(max(0.5 - 0.5 * dot(eye_level, sun_level), 0.0), 3.0);
     const float facing = clamp(1.0 - normal.z + 0.15, 0.0, 1.0);
-    const vec3 tint = vec3(0.012, 0.055, 0.048) * (view.sun_irradiance.rgb * through +
-                                                   0.4 * view.sky_irradiance.rgb);
+    const vec3 tint = vec3(0.012, 0.055, 0.048) * (view.sun_irradiance_klx * through +
+                                                   0.4 * view.sky_irradiance_klx);
     return deep + tint * crest * facing;
 }
 
@@ -116,10 +116,10 @@ vec3 water_radiance(vec4 place, vec3 to_eye) {
                       reflected_sky(to_eye, slope, g.variance), fresnel);
     colour += sun_glint(to_eye, normal, slope, g.variance);
     const float cover = foam_cover(white, undisplaced_m, distance_m);
-    const vec3 lit = (view.sky_irradiance.rgb + view.sun_irradiance.rgb *
-                          max(dot(normal, view.sun_direction.xyz), 0.0)) / pi;
+    const vec3 lit = (view.sky_irradiance_klx + view.sun_irradiance_klx *
+                          max(dot(normal, view.sun_direction), 0.0)) / pi;
     colour = mix(colour, 0.6 * lit, cover); // wet foam: Whitlock 1982 gives 0.5 to 0.6
 
-    const float clear = exp(-distance_m * view.sea.w);
+    const float clear = exp(-distance_m * view.extinction_per_m);
     return mix(sky_radiance(vec3(-to_eye.xy, 0.0), 0.0), colour, clear);
 }
