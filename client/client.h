@@ -3,12 +3,14 @@
 // keyframes - and its two ways to ask for heights: the server answers, or the client does.
 //
 //     Result<std::unique_ptr<Client>> client = Client::connect({.url = "ws://localhost:8080"});
-//     if (!client) return report(client.error());
+//     if (!client)
+//         return report(client.error());
 //     const sea::QueryPoint point{10, 20, (*client)->now_us()};
+//     // The server answers:
 //     Result<std::vector<sea::Answer>> asked = (*client)->ask({&point, 1}, Asking{});
-//     (*client)->subscribe({.fields = sea::surface_fields}, 2, 10);     // once
-//     Result<std::vector<sea::Answer>> sampled = (*client)->sample({&point, 1}); // as often as
-//     wanted
+//     // The client does, once it has subscribed, as often as wanted:
+//     (*client)->subscribe({.fields = sea::surface_fields}, 2, 10);
+//     Result<std::vector<sea::Answer>> sampled = (*client)->sample({&point, 1});
 //
 // Thread-safe. Functions that block say so and must not be called from an event. A connection that
 // has ended stays ended: what is held can still be sampled, and the owner may make a new client.

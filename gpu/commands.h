@@ -37,7 +37,7 @@ class Commands {
     void dispatch(const Kernel& kernel, const Bindings& bindings, std::span<const std::byte> push,
                   std::uint32_t groups_x, std::uint32_t groups_y = 1, std::uint32_t groups_z = 1);
 
-    /// For what this class does not do: drawing, image copies.
+    /// Others record with it what this class does not do: drawing, image copies.
     VkCommandBuffer get() const { return buffer_; }
 
   private:

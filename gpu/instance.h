@@ -31,7 +31,7 @@ class Instance {
     /// Warnings and errors of the validation layer so far: how many, and the first 16 of them.
     std::size_t validation_message_count() const { return message_count_; }
     std::vector<std::string> validation_messages() const;
-    /// Of all instances since the process began, those that are gone included.
+    /// How many there were in all instances since the process began, those that are gone included.
     static std::size_t all_validation_messages();
 
     /// Called by the layer, on any thread.

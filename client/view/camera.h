@@ -18,7 +18,7 @@ struct Camera {
     int height = 540;
 
     glm::dvec3 forward() const;
-    /// Of the forward direction, counter-clockwise from east.
+    /// Where forward() points, counter-clockwise from east.
     double azimuth_rad() const;
     /// Angle of a pixel in the middle of the picture.
     double pixel_rad() const;

@@ -38,7 +38,7 @@ class Renderer {
     Result<Picture> render(const SeaFrame& frame, const Camera& camera, const Sky& sky,
                            const DebugChoice& debug = {});
 
-    /// Of the last frame that was rendered.
+    /// The sea in the last frame that was rendered.
     const SeaStatistics& statistics() const { return statistics_; }
 
   private:

@@ -68,13 +68,17 @@ void to_coefficients(float* line, int count, std::size_t stride) {
         float carry = 0;
         for (int i = count - memory; i < count; ++i)
             carry = 6.0f * at(i)[c] + pole * carry;
-        for (int i = 0; i < count; ++i)
-            carry = at(i)[c] = 6.0f * at(i)[c] + pole * carry;
+        for (int i = 0; i < count; ++i) {
+            carry = 6.0f * at(i)[c] + pole * carry;
+            at(i)[c] = carry;
+        }
         carry = 0;
         for (int i = memory - 1; i >= 0; --i)
             carry = pole * (carry - at(i)[c]);
-        for (int i = count - 1; i >= 0; --i)
-            carry = at(i)[c] = pole * (carry - at(i)[c]);
+        for (int i = count - 1; i >= 0; --i) {
+            carry = pole * (carry - at(i)[c]);
+            at(i)[c] = carry;
+        }
     }
 }
 

@@ -27,9 +27,9 @@ class Sky {
     explicit Sky(const glm::dvec3& sun_direction);
 
     const glm::dvec3& sun_direction() const { return sun_direction_; }
-    /// At the sea, normal to the beam.
+    /// What arrives at the sea, on a plane normal to the beam, klx.
     const glm::dvec3& sun_irradiance() const { return sun_irradiance_; }
-    /// On a horizontal plane, sun disk left out.
+    /// What the sky without the disk of the sun sends to a horizontal plane, klx.
     const glm::dvec3& sky_irradiance() const { return sky_irradiance_; }
     /// Elevation 0 .. pi/2, azimuth from the sun 0 .. pi.
     glm::dvec3 radiance(double elevation_rad, double azimuth_from_sun_rad) const;

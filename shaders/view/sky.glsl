@@ -16,7 +16,7 @@ vec3 sky_radiance(vec3 direction, float blur) {
     return textureLod(sky_map, uv, blur * 5.0).rgb;
 }
 
-/// With the disk of the sun.
+/// The sky that is seen directly: with the disk of the sun.
 vec3 sky_behind(vec3 direction) {
     const float off_sun = acos(clamp(dot(direction, view.sun_direction), -1.0, 1.0));
     const float edge = acos(view.sun_disk_cosine);
