@@ -144,24 +144,39 @@ void Connection::on_message(std::span<const std::uint8_t> bytes) {
 }
 
 Result<void> Connection::dispatch(const wire::Message& message) {
-    if (const auto* welcome = message.body_as_Welcome())
-        return take(*welcome);
-    if (const auto* state = message.body_as_SeaState())
-        return take(*state);
-    if (const auto* subscribed = message.body_as_Subscribed())
-        return take(*subscribed);
-    if (const auto* tile = message.body_as_Tile())
-        return take(*tile);
-    if (const auto* reply = message.body_as_QueryReply())
-        return take(*reply);
-    if (const auto* done = message.body_as_FetchDone())
-        return take(*done);
-    if (const auto* pong = message.body_as_Pong())
-        take(*pong);
-    else if (const auto* refused = message.body_as_Refused())
-        take(*refused);
-    else if (const auto* go_away = message.body_as_GoAway())
-        take(*go_away);
+    using wire::Body;
+    switch (message.body_type()) { // no default: a new kind must be thought of
+    case Body::Welcome:
+        return take(*message.body_as_Welcome());
+    case Body::SeaState:
+        return take(*message.body_as_SeaState());
+    case Body::Subscribed:
+        return take(*message.body_as_Subscribed());
+    case Body::Tile:
+        return take(*message.body_as_Tile());
+    case Body::QueryReply:
+        return take(*message.body_as_QueryReply());
+    case Body::FetchDone:
+        return take(*message.body_as_FetchDone());
+    case Body::Pong:
+        take(*message.body_as_Pong());
+        break;
+    case Body::Refused:
+        take(*message.body_as_Refused());
+        break;
+    case Body::GoAway:
+        take(*message.body_as_GoAway());
+        break;
+    case Body::NONE: // the reader lets none of these through
+    case Body::Hello:
+    case Body::Subscribe:
+    case Body::Unsubscribe:
+    case Body::Ack:
+    case Body::Fetch:
+    case Body::Query:
+    case Body::Ping:
+        break;
+    }
     return {}; // kinds of later versions are skipped
 }
 
@@ -272,10 +287,11 @@ void Connection::take(const wire::Pong& pong) {
 }
 
 void Connection::take(const wire::Refused& refused) {
-    requests_.refuse(
-        refused.request_id(),
-        failed(Failure::refused, fmt::format("refused ({}): {}", protocol::name(refused.code()),
-                                             text(refused.message()))));
+    const Failure failure =
+        refused.code() == wire::ErrorCode::too_large ? Failure::too_large : Failure::refused;
+    requests_.refuse(refused.request_id(),
+                     failed(failure, fmt::format("refused ({}): {}", protocol::name(refused.code()),
+                                                 text(refused.message()))));
 }
 
 void Connection::take(const wire::GoAway& go_away) {

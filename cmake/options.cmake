@@ -31,7 +31,7 @@ add_library(seaway_options INTERFACE)
 # What designated initialisers leave out is zero on purpose.
 target_compile_options(seaway_options INTERFACE -ffp-contract=off -Wall -Wextra -Wpedantic -Wshadow
   -Wnon-virtual-dtor -Wcast-align -Wold-style-cast -Woverloaded-virtual
-  -Wno-missing-field-initializers)
+  -Wno-missing-field-initializers -Werror=switch)
 # Kernels for AVX2 and AVX-512 are built, and taken where the machine has them.
 string(REGEX MATCH "x86_64|AMD64" SEAWAY_X86 "${CMAKE_SYSTEM_PROCESSOR}")
 if(SEAWAY_X86)

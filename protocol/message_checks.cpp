@@ -42,6 +42,40 @@ Result<void> check_fields(std::uint32_t bits) {
 
 } // namespace
 
+Result<void> check(const wire::Message& message) {
+    using wire::Body;
+    switch (message.body_type()) { // no default: a new kind must be thought of
+    case Body::Hello:
+        return check(*message.body_as_Hello());
+    case Body::Subscribe:
+        return check(*message.body_as_Subscribe());
+    case Body::Fetch:
+        return check(*message.body_as_Fetch());
+    case Body::Query:
+        return check(*message.body_as_Query());
+    case Body::Welcome:
+        return check(*message.body_as_Welcome());
+    case Body::SeaState:
+        return check(*message.body_as_SeaState());
+    case Body::Subscribed:
+        return check(*message.body_as_Subscribed());
+    case Body::Tile:
+        return check(*message.body_as_Tile());
+    case Body::QueryReply:
+        return check(*message.body_as_QueryReply());
+    case Body::NONE:
+    case Body::Unsubscribe:
+    case Body::Ack:
+    case Body::Ping:
+    case Body::FetchDone:
+    case Body::Pong:
+    case Body::Refused:
+    case Body::GoAway:
+        break;
+    }
+    return {};
+}
+
 Result<void> check(const wire::Hello& hello) {
     return all_of(in_range<std::size_t>("count of versions", count(hello.versions()), 1,
                                         limits::versions_per_hello_max),
@@ -106,7 +140,7 @@ Result<void> check(const wire::Subscribed& subscribed) {
 Result<void> check(const wire::Tile& tile) {
     const int size = tile.size();
     return all_of(in_range<int>("cascade", tile.cascade(), 0, limits::cascades_max - 1),
-                  in_range<int>("field", tile.field(), 0, sea::field_count - 1),
+                  in_range<int>("field", static_cast<int>(tile.field()), 0, sea::field_count - 1),
                   in_range<int>("size", size, 1, limits::map_side_max),
                   in_range<int>("width", tile.width(), 1, limits::tile_side_max),
                   in_range<int>("height", tile.height(), 1, limits::tile_side_max),

@@ -22,6 +22,7 @@
 #include <vector>
 
 #include "base/result.h"
+#include "protocol/message_table.h"
 #include "protocol/seaway_generated.h"
 #include "sea/basics/field.h"
 #include "sea/basics/time.h"
@@ -41,9 +42,6 @@ using SharedBytes = std::shared_ptr<const Bytes>;
 
 // ---- reading -------------------------------------------------------------------------------
 
-/// Who wrote the bytes: decides the size limit and which bodies are legal.
-enum class Sender { client, server };
-
 class MessageReader {
   public:
     explicit MessageReader(Sender sender) : sender_(sender) {}
@@ -59,7 +57,9 @@ class MessageReader {
     std::vector<std::uint64_t> aligned_;
 };
 
-/// Values in range? The message of the error names field, value and range.
+/// Values in range? The message of the error names field, value and range. The first is for a
+/// message of any kind; kinds that are not listed have no value that could be wrong.
+Result<void> check(const wire::Message& message);
 Result<void> check(const wire::Hello& hello);
 Result<void> check(const wire::Subscribe& subscribe);
 Result<void> check(const wire::Fetch& fetch);

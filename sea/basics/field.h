@@ -6,7 +6,10 @@
 // CPU and GPU both work from it and know no field by name. Maps carry no choppiness: D is the
 // displacement at choppiness 1, and whoever moves points multiplies by it (sea/surface).
 //
-// A new map is a new row here. Thread-safe: constants only.
+// The number of a field is its identity on the wire and in files: bit n of a set of fields, the
+// value of Tile.field. It is frozen: never change a number, never reuse one. A new map is a new row
+// at the end, linear or not, with the next number; the enum of protocol/seaway.fbs and the table of
+// docs/protocol.md repeat it, and tests hold the three together. Thread-safe: constants only.
 #pragma once
 
 #include <array>
@@ -14,25 +17,27 @@
 #include <cstdint>
 #include <string_view>
 
+#include "base/check.h"
+#include "sea/basics/lagrangian_point.h"
+
 namespace seaway::sea {
 
+/// Frozen numbers: never change one, never reuse one.
 enum class Field : std::uint8_t {
-    height,              ///< eta, m
-    displacement_x,      ///< D_x, m, east
-    displacement_y,      ///< D_y, m, north
-    height_rate,         ///< d eta / dt, m/s
-    displacement_x_rate, ///< d D_x / dt, m/s
-    displacement_y_rate, ///< d D_y / dt, m/s
-    slope_x,             ///< d eta / dX, 1
-    slope_y,             ///< d eta / dY, 1
-    strain_xx,           ///< d D_x / dX, 1
-    strain_yy,           ///< d D_y / dY, 1
-    strain_xy,           ///< d D_x / dY = d D_y / dX, 1
-    jacobian,            ///< det(I + choppiness grad D) of this cascade alone, 1; not linear
-    foam,                ///< foam history, 1; state of the server, not linear
+    height = 0,              ///< eta, m
+    displacement_x = 1,      ///< D_x, m, east
+    displacement_y = 2,      ///< D_y, m, north
+    height_rate = 3,         ///< d eta / dt, m/s
+    displacement_x_rate = 4, ///< d D_x / dt, m/s
+    displacement_y_rate = 5, ///< d D_y / dt, m/s
+    slope_x = 6,             ///< d eta / dX, 1
+    slope_y = 7,             ///< d eta / dY, 1
+    strain_xx = 8,           ///< d D_x / dX, 1
+    strain_yy = 9,           ///< d D_y / dY, 1
+    strain_xy = 10,          ///< d D_x / dY = d D_y / dX, 1
+    jacobian = 11,           ///< det(I + choppiness grad D) of this cascade alone, 1; not linear
+    foam = 12,               ///< foam history, 1; state of the server, not linear
 };
-inline constexpr int field_count = 13;
-inline constexpr int linear_field_count = 11; ///< the fields before `jacobian`
 
 /// Functions of k = (kx, ky) that multipliers are made of.
 enum class Basis : std::uint8_t {
@@ -46,42 +51,78 @@ enum class Basis : std::uint8_t {
     kxy_over_k
 };
 
+/// Kernels transform linear fields; the others are made from them.
+enum class Kind : std::uint8_t { linear, derived };
+
 struct FieldInfo {
     Field field;
     std::string_view name; ///< as on the wire, in metrics and in file channels
     std::string_view unit;
-    Basis basis;
+    Kind kind;
+    Basis basis;    ///< of a linear field, as the three that follow
     double weight;  ///< factor of the basis function
     bool imaginary; ///< multiply by +i
     bool time_rate; ///< of dh/dt instead of h
+    /// Where direct sums and generators of waves leave its value; null for derived fields.
+    double LagrangianPoint::*at_point;
 };
 
 // D = +i k/|k| h: crests sharpen with x = X + lambda D (traps T27).
-inline constexpr std::array<FieldInfo, field_count> field_table{{
-    {Field::height, "height", "m", Basis::one, 1, false, false},
-    {Field::displacement_x, "displacement_x", "m", Basis::kx_over_k, 1, true, false},
-    {Field::displacement_y, "displacement_y", "m", Basis::ky_over_k, 1, true, false},
-    {Field::height_rate, "height_rate", "m/s", Basis::one, 1, false, true},
-    {Field::displacement_x_rate, "displacement_x_rate", "m/s", Basis::kx_over_k, 1, true, true},
-    {Field::displacement_y_rate, "displacement_y_rate", "m/s", Basis::ky_over_k, 1, true, true},
-    {Field::slope_x, "slope_x", "1", Basis::kx, 1, true, false},
-    {Field::slope_y, "slope_y", "1", Basis::ky, 1, true, false},
-    {Field::strain_xx, "strain_xx", "1", Basis::kxx_over_k, -1, false, false},
-    {Field::strain_yy, "strain_yy", "1", Basis::kyy_over_k, -1, false, false},
-    {Field::strain_xy, "strain_xy", "1", Basis::kxy_over_k, -1, false, false},
-    {Field::jacobian, "jacobian", "1", Basis::one, 0, false, false},
-    {Field::foam, "foam", "1", Basis::one, 0, false, false},
-}};
+inline constexpr std::array field_table{
+    FieldInfo{Field::height, "height", "m", Kind::linear, Basis::one, 1, false, false,
+              &LagrangianPoint::height},
+    FieldInfo{Field::displacement_x, "displacement_x", "m", Kind::linear, Basis::kx_over_k, 1, true,
+              false, &LagrangianPoint::displacement_x},
+    FieldInfo{Field::displacement_y, "displacement_y", "m", Kind::linear, Basis::ky_over_k, 1, true,
+              false, &LagrangianPoint::displacement_y},
+    FieldInfo{Field::height_rate, "height_rate", "m/s", Kind::linear, Basis::one, 1, false, true,
+              &LagrangianPoint::height_rate},
+    FieldInfo{Field::displacement_x_rate, "displacement_x_rate", "m/s", Kind::linear,
+              Basis::kx_over_k, 1, true, true, &LagrangianPoint::displacement_x_rate},
+    FieldInfo{Field::displacement_y_rate, "displacement_y_rate", "m/s", Kind::linear,
+              Basis::ky_over_k, 1, true, true, &LagrangianPoint::displacement_y_rate},
+    FieldInfo{Field::slope_x, "slope_x", "1", Kind::linear, Basis::kx, 1, true, false,
+              &LagrangianPoint::slope_x},
+    FieldInfo{Field::slope_y, "slope_y", "1", Kind::linear, Basis::ky, 1, true, false,
+              &LagrangianPoint::slope_y},
+    FieldInfo{Field::strain_xx, "strain_xx", "1", Kind::linear, Basis::kxx_over_k, -1, false, false,
+              &LagrangianPoint::strain_xx},
+    FieldInfo{Field::strain_yy, "strain_yy", "1", Kind::linear, Basis::kyy_over_k, -1, false, false,
+              &LagrangianPoint::strain_yy},
+    FieldInfo{Field::strain_xy, "strain_xy", "1", Kind::linear, Basis::kxy_over_k, -1, false, false,
+              &LagrangianPoint::strain_xy},
+    FieldInfo{Field::jacobian, "jacobian", "1", Kind::derived, Basis::one, 0, false, false,
+              nullptr},
+    FieldInfo{Field::foam, "foam", "1", Kind::derived, Basis::one, 0, false, false, nullptr},
+};
+inline constexpr int field_count = static_cast<int>(field_table.size());
 
 inline constexpr const FieldInfo& info(Field field) {
     return field_table[static_cast<std::size_t>(field)];
 }
 
 inline constexpr bool is_linear(Field field) {
-    return static_cast<int>(field) < linear_field_count;
+    return info(field).kind == Kind::linear;
 }
 
-/// A set of fields; a plain value, iterable in table order. On the wire: `bits`.
+/// The value of a linear field at a point.
+inline double value_of(const LagrangianPoint& point, Field field) {
+    SEAWAY_CHECK(is_linear(field), "a derived field is not a value of one point");
+    return point.*info(field).at_point;
+}
+
+/// Every row stands at its number, and every linear field has its value at a point.
+static_assert([] {
+    for (int n = 0; n < field_count; ++n) {
+        const FieldInfo& row = field_table[static_cast<std::size_t>(n)];
+        if (static_cast<int>(row.field) != n ||
+            (row.kind == Kind::linear) != (row.at_point != nullptr))
+            return false;
+    }
+    return field_count <= 32; // a set of fields is 32 bits on the wire
+}());
+
+/// A set of fields; a plain value, iterable by number. On the wire: `bits`.
 class FieldSet {
   public:
     constexpr FieldSet() = default;
@@ -89,25 +130,32 @@ class FieldSet {
         for (Field field : fields)
             insert(field);
     }
+    /// Bits of fields that are not known are left out.
     static constexpr FieldSet from_bits(std::uint32_t bits) {
         FieldSet set;
-        set.bits_ = bits & ((1u << field_count) - 1u);
+        set.bits_ = bits & static_cast<std::uint32_t>((std::uint64_t{1} << field_count) - 1u);
         return set;
     }
     constexpr std::uint32_t bits() const { return bits_; }
     constexpr bool contains(Field field) const { return (bits_ >> static_cast<int>(field)) & 1u; }
     constexpr bool contains(FieldSet other) const { return (bits_ & other.bits_) == other.bits_; }
     constexpr void insert(Field field) { bits_ |= 1u << static_cast<int>(field); }
+    /// Of these, the ones that `other` contains too.
+    constexpr FieldSet& operator&=(FieldSet other) {
+        bits_ &= other.bits_;
+        return *this;
+    }
     constexpr FieldSet& operator|=(FieldSet other) {
         bits_ |= other.bits_;
         return *this;
     }
     friend constexpr FieldSet operator|(FieldSet a, FieldSet b) { return a |= b; }
+    friend constexpr FieldSet operator&(FieldSet a, FieldSet b) { return a &= b; }
     friend constexpr bool operator==(FieldSet, FieldSet) = default;
     constexpr int size() const { return std::popcount(bits_); }
     constexpr bool empty() const { return bits_ == 0; }
 
-    /// Position of a contained field among the contained ones, in table order.
+    /// Position of a contained field among the contained ones, by number.
     constexpr int index_of(Field field) const {
         return std::popcount(bits_ & ((1u << static_cast<int>(field)) - 1u));
     }
@@ -131,6 +179,16 @@ class FieldSet {
   private:
     std::uint32_t bits_ = 0;
 };
+
+/// Every linear field; field_table says which.
+inline constexpr FieldSet linear_fields = [] {
+    FieldSet linear;
+    for (const FieldInfo& row : field_table)
+        if (row.kind == Kind::linear)
+            linear.insert(row.field);
+    return linear;
+}();
+inline constexpr int linear_field_count = linear_fields.size();
 
 /// What a sampler needs for heights in time with choppy displacement (sea/surface).
 inline constexpr FieldSet surface_fields{

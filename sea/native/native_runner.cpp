@@ -23,7 +23,7 @@ int NativeRunner::threads() const {
 FieldSet NativeRunner::transformed(FieldSet fields) {
     if (fields.contains(Field::jacobian))
         fields |= {Field::strain_xx, Field::strain_yy, Field::strain_xy};
-    return FieldSet::from_bits(fields.bits() & ((1u << linear_field_count) - 1u));
+    return fields & linear_fields;
 }
 
 void NativeRunner::run(std::span<const NativeTask> tasks) {

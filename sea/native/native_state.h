@@ -28,7 +28,7 @@ struct TransformState {
     AlignedFloats tables; ///< [table][size]: see the offsets
     Plan plan;
     const float* ky[3];
-    const float* scale[linear_field_count]; ///< weight kx^p by n; null where that is 1
+    const float* scale[field_count]; ///< weight kx^p by n; null where that is 1
 };
 
 } // namespace seaway::sea::native

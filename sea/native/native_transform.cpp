@@ -134,12 +134,13 @@ void write_tables(const CascadeSpec& spec, TransformState& state) {
     };
     for (int power = 0; power < 3; ++power)
         state.ky[power] = add_table([&](int i) { return k_to(i, power); });
-    for (int f = 0; f < linear_field_count; ++f) {
-        const FieldInfo& row = field_table[static_cast<std::size_t>(f)];
+    for (const Field field : linear_fields) {
+        const FieldInfo& row = info(field);
         const int power = native::recipe(row).kx_power;
-        state.scale[f] = power == 0 && row.weight == 1.0
-                             ? nullptr
-                             : add_table([&](int i) { return row.weight * k_to(i, power); });
+        state.scale[static_cast<std::size_t>(field)] =
+            power == 0 && row.weight == 1.0
+                ? nullptr
+                : add_table([&](int i) { return row.weight * k_to(i, power); });
     }
 }
 

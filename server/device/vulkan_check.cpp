@@ -104,7 +104,7 @@ Result<void> compare(int size, std::string_view what, int x, int y, double got, 
                  computes_wrongly};
 }
 
-constexpr sea::FieldSet all = sea::FieldSet::from_bits((1u << sea::linear_field_count) - 1);
+constexpr sea::FieldSet all = sea::linear_fields;
 
 struct Maps {
     std::vector<std::vector<float>> planes; ///< by field
@@ -123,7 +123,7 @@ Result<Maps> run(gpu::Device& device, const SynthesisKernels& kernels,
     const VulkanBatch::Job job{0, time_us};
     const Packing packing = pack(all);
     const std::size_t points = cascade.h0.size();
-    Maps maps{{sea::linear_field_count, std::vector<float>(points)},
+    Maps maps{{sea::field_count, std::vector<float>(points)},
               std::vector<float>(points),
               std::vector<float>(points)};
     if (Result<void> done = (*batch)->run({&job, 1}, packing, &choppiness); !done)
@@ -142,11 +142,12 @@ Result<void> compare_point(const Maps& maps, const std::vector<Mode>& modes, int
                            int y) {
     const std::size_t at =
         static_cast<std::size_t>(y) * static_cast<std::size_t>(size) + static_cast<std::size_t>(x);
-    std::array<Sum, sea::linear_field_count> truth;
+    std::array<Sum, sea::field_count> truth{};
     for (const sea::Field field : all)
         truth[static_cast<std::size_t>(field)] = direct_sum(modes, size, field, x, y);
-    for (std::size_t f = 0; f < truth.size(); ++f) {
-        const std::string_view name = sea::field_table[f].name;
+    for (const sea::Field field : all) {
+        const auto f = static_cast<std::size_t>(field);
+        const std::string_view name = sea::info(field).name;
         if (Result<void> same = compare(size, name, x, y, maps.planes[f][at], truth[f]); !same)
             return same;
     }

@@ -16,7 +16,7 @@ struct Packing {
     int sources = 0; ///< transforms along y, at most as many
     std::vector<float> rows;
     /// Where a field comes out, 0 .. fields - 1; -1: nowhere.
-    std::array<int, sea::linear_field_count> plane{};
+    std::array<int, sea::field_count> plane{};
 
     int plane_of(sea::Field field) const { return plane[static_cast<std::size_t>(field)]; }
 };

@@ -24,7 +24,7 @@ constexpr sea::FieldSet strains{sea::Field::strain_xx, sea::Field::strain_yy,
                                 sea::Field::strain_xy};
 
 sea::FieldSet linear_part(sea::FieldSet fields) {
-    return sea::FieldSet::from_bits(fields.bits() & ((1u << sea::linear_field_count) - 1));
+    return fields & sea::linear_fields;
 }
 
 bool fits_band(const sea::CascadeModes* cascade) {

@@ -52,7 +52,16 @@ void Session::receive(std::span<const std::uint8_t> bytes) {
         return on_query(*m.body_as_Query());
     case wire::Body::Ping:
         return on_ping(*m.body_as_Ping());
-    default: // read() lets nothing else through
+    case wire::Body::NONE: // read() lets none of these through
+    case wire::Body::Welcome:
+    case wire::Body::SeaState:
+    case wire::Body::Subscribed:
+    case wire::Body::Tile:
+    case wire::Body::QueryReply:
+    case wire::Body::FetchDone:
+    case wire::Body::Pong:
+    case wire::Body::Refused:
+    case wire::Body::GoAway:
         return close(ErrorCode::bad_message, "message kind does not come from a client");
     }
 }
@@ -180,7 +189,7 @@ void Session::fetched(std::uint32_t request_id, const std::vector<EncodedKeyfram
     auto done = std::make_shared<const protocol::Bytes>(
         protocol::fetch_done(request_id, static_cast<std::uint32_t>(keyframes.size()), fields));
     if (!outbox_.push_fetched(keyframes, fields, std::move(done)))
-        return refuse(request_id, ErrorCode::bad_value,
+        return refuse(request_id, ErrorCode::too_large,
                       fmt::format("more than {} bytes of tiles: fetch fewer times or fields",
                                   limits::fetch_bytes_max));
     link_.send_more();

@@ -20,6 +20,17 @@ constexpr EffectInfo effects[] = {
     {"foam", {Field::foam}},
 };
 
+// A field that no effect has can never be asked for.
+static_assert([] {
+    FieldSet seen;
+    for (const EffectInfo& effect : effects) {
+        if (!(seen & effect.fields).empty())
+            return false;
+        seen |= effect.fields;
+    }
+    return seen.size() == sea::field_count;
+}());
+
 } // namespace
 
 std::span<const EffectInfo> effect_table() {

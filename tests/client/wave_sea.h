@@ -94,7 +94,7 @@ class WaveSea : public server::Host {
                 const sea::LagrangianPoint point = moment.at(x * spacing_m, y * spacing_m);
                 for (const sea::Field field : fields)
                     made->plane(field)[static_cast<std::size_t>(y * wave_map_size + x)] =
-                        static_cast<float>(value(point, field));
+                        static_cast<float>(sea::value_of(point, field));
             }
         server::KeyframeTiles tiles{made, {}, 0};
         for (const sea::Field field : fields)
@@ -171,17 +171,6 @@ class WaveSea : public server::Host {
   private:
     sea::FieldSet given(sea::FieldSet wanted) const {
         return sea::FieldSet::from_bits(wanted.bits() & offered.load().bits());
-    }
-    static double value(const sea::LagrangianPoint& point, sea::Field field) {
-        const double values[] = {point.height,
-                                 point.displacement_x,
-                                 point.displacement_y,
-                                 point.height_rate,
-                                 point.displacement_x_rate,
-                                 point.displacement_y_rate,
-                                 point.slope_x,
-                                 point.slope_y};
-        return values[static_cast<std::size_t>(field)];
     }
     static sea::RealizationPtr only(const sea::Realization& sea, std::size_t cascade) {
         auto one = std::make_shared<sea::Realization>(sea);

@@ -15,20 +15,21 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         if (!message)
             continue;
         const wire::Message& m = **message;
-        if (const auto* state = m.body_as_SeaState(); state && protocol::check(*state)) {
+        if (!protocol::check(m))
+            continue;
+        if (const auto* state = m.body_as_SeaState()) {
             const protocol::SeaStateValues values = protocol::values(*state);
             const protocol::Bytes again = protocol::sea_state(values);
             protocol::MessageReader second(sender);
             if (!second.read(again))
                 std::abort();
         }
-        if (const auto* tile = m.body_as_Tile(); tile && protocol::check(*tile)) {
+        if (const auto* tile = m.body_as_Tile()) {
             const protocol::TileHeader header = protocol::header(*tile);
             if (header.x0 + header.width > header.size || header.part >= header.parts)
                 std::abort();
         }
-        if (const auto* reply = m.body_as_QueryReply();
-            reply && reply->answers() && protocol::check(*reply))
+        if (const auto* reply = m.body_as_QueryReply(); reply && reply->answers())
             for (const wire::PointAnswer* answer : *reply->answers())
                 (void)protocol::answer(*answer);
     }

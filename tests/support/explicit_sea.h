@@ -85,10 +85,8 @@ inline sea::KeyframePtr exact_keyframe(const sea::RealizationPtr& sea, int casca
         for (int x = 0; x < keyframe->size; ++x, ++i) {
             const sea::LagrangianPoint p =
                 moment.at(x * modes.spec.spacing_m(), y * modes.spec.spacing_m());
-            const double values[6] = {p.height,      p.displacement_x,      p.displacement_y,
-                                      p.height_rate, p.displacement_x_rate, p.displacement_y_rate};
-            for (std::size_t f = 0; f < 6; ++f)
-                keyframe->values[f * keyframe->plane_size() + i] = static_cast<float>(values[f]);
+            for (const sea::Field field : keyframe->fields)
+                keyframe->plane(field)[i] = static_cast<float>(sea::value_of(p, field));
         }
     return keyframe;
 }

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "sea/basics/field.h"
 #include "sea/waves/reference.h"
 #include "tests/sea/csv.h"
 #include "tests/sea/sea_fixture.h"
@@ -53,17 +54,8 @@ LagrangianPoint brute_force(const Realization& sea, double x, double y, TimeUs t
 }
 
 void expect_near(const LagrangianPoint& a, const LagrangianPoint& b, double tolerance) {
-    EXPECT_NEAR(a.height, b.height, tolerance);
-    EXPECT_NEAR(a.displacement_x, b.displacement_x, tolerance);
-    EXPECT_NEAR(a.displacement_y, b.displacement_y, tolerance);
-    EXPECT_NEAR(a.height_rate, b.height_rate, tolerance);
-    EXPECT_NEAR(a.displacement_x_rate, b.displacement_x_rate, tolerance);
-    EXPECT_NEAR(a.displacement_y_rate, b.displacement_y_rate, tolerance);
-    EXPECT_NEAR(a.slope_x, b.slope_x, tolerance);
-    EXPECT_NEAR(a.slope_y, b.slope_y, tolerance);
-    EXPECT_NEAR(a.strain_xx, b.strain_xx, tolerance);
-    EXPECT_NEAR(a.strain_yy, b.strain_yy, tolerance);
-    EXPECT_NEAR(a.strain_xy, b.strain_xy, tolerance);
+    for (const Field field : linear_fields)
+        EXPECT_NEAR(value_of(a, field), value_of(b, field), tolerance) << info(field).name;
 }
 
 TEST(Reference, equals_the_definition_term_by_term) {
@@ -72,6 +64,14 @@ TEST(Reference, equals_the_definition_term_by_term) {
     for (const TimeUs t : {TimeUs{0}, us_from_seconds(12.34), us_from_seconds(-5.0)})
         for (const double x : {0.0, 13.7, -250.3})
             expect_near(sum.at(x, 2.0 * x + 1.0, t), brute_force(*sea, x, 2.0 * x + 1.0, t), 1e-11);
+}
+
+// A field that nobody sums would be zero in every reference made from it.
+TEST(Reference, fills_every_linear_field_of_the_table) {
+    const LagrangianPoint p =
+        DirectSum(testing::realized(windy_sea(), testing::three_cascades)).at(3.0, 4.0, 5'000'000);
+    for (const Field field : linear_fields)
+        EXPECT_NE(value_of(p, field), 0.0) << info(field).name;
 }
 
 // T28: with exp(+i w t) on h0 the sea runs upwind.

@@ -242,7 +242,7 @@ TEST(Outbox, only_granted_fields_are_handed_out) {
     outbox.push_keyframe(*encoder.encode(original, bounds, 0, original.fields), {sea::Field::foam});
     int tiles = 0;
     while (const SharedBytes bytes = outbox.next()) {
-        EXPECT_EQ(tile_of(bytes).field(), static_cast<int>(sea::Field::foam));
+        EXPECT_EQ(tile_of(bytes).field(), wire::Field::foam);
         ++tiles;
     }
     EXPECT_EQ(tiles, 4);

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+// One message of every kind, with plausible values that differ from the defaults. The goldens of
+// tests/golden were made from these; see the note there before a value is changed.
+#pragma once
+
+#include "protocol/messages.h"
+
+namespace seaway::protocol::tests {
+
+inline SeaStateValues some_state() {
+    SeaStateValues state{.epoch = 3,
+                         .start_time_us = 12,
+                         .cascades = {},
+                         .scene = "[sea]\n",
+                         .warnings = {"first", ""}};
+    state.cascades = {{1021.0, 256, 0.006, 0.19, 800'000}, {197.0, 256, 0.19, 1.0, 200'000}};
+    state.choppiness_x = 1.1;
+    state.choppiness_y = 0.9;
+    state.requested = {.hs_m = 6.5,
+                       .tp_s = 11.2,
+                       .tz_s = 7.9,
+                       .tm01_s = 8.25,
+                       .mean_from_deg = 220,
+                       .spread_deg = 28,
+                       .mss = 0.04};
+    state.realised = {.hs_m = 6.4,
+                      .tp_s = 11.1,
+                      .tz_s = 8,
+                      .tm01_s = 8.5,
+                      .mean_from_deg = 225,
+                      .spread_deg = 30,
+                      .mss = 0.03};
+    state.height_error_m = 0.01;
+    state.interpolation_error_m = 0.003;
+    state.rms_slope = 0.1;
+    state.foam_mean = 0.04;
+    state.foam_threshold = 0.75;
+    return state;
+}
+
+inline TileHeader some_tile() {
+    return {.keyframe = 77,
+            .epoch = 3,
+            .cascade = 2,
+            .field = sea::Field::slope_y,
+            .time_us = -400'000,
+            .size = 512,
+            .x0 = 256,
+            .y0 = 0,
+            .width = 256,
+            .height = 256,
+            .part = 1,
+            .parts = 4,
+            .error = 0.004f};
+}
+
+/// A message of this kind. No default: a new kind does not compile without its sample.
+inline Bytes sample(wire::Body body) {
+    using wire::Body;
+    const sea::TimeUs times[] = {-5, 1'000'000};
+    const sea::QueryPoint points[] = {{1.5, -2.5, 7}, {1e6, 2e6, -9}};
+    const sea::Answer answers[] = {{.height_m = 1.25,
+                                    .normal = {0.1, -0.2, 0.97},
+                                    .velocity_mps = {1.5, -0.5, 0.25},
+                                    .error_m = 0.01,
+                                    .flags = 5}};
+    const std::uint8_t payload[] = {1, 2, 3};
+    const TileWish wish{.cascades = 3u, .fields = sea::surface_fields, .error_m = 0.01f};
+    switch (body) {
+    case Body::Hello:
+        return hello("test 1.0", "secret");
+    case Body::Subscribe:
+        return subscribe(7, wish, 4);
+    case Body::Unsubscribe:
+        return unsubscribe();
+    case Body::Ack:
+        return ack(1ull << 40);
+    case Body::Fetch:
+        return fetch(8, times, wish);
+    case Body::Query:
+        return query(9, points, true);
+    case Body::Ping:
+        return ping(10, -11);
+    case Body::Welcome:
+        return welcome(4, "seaway 0.1.0", 5);
+    case Body::SeaState:
+        return sea_state(some_state());
+    case Body::Subscribed:
+        return subscribed(7, {.cascades = 3u, .fields = sea::surface_fields, .error_m = 0.02f}, 4);
+    case Body::Tile:
+        return tile(some_tile(), payload);
+    case Body::QueryReply:
+        return query_reply(9, 3, answers);
+    case Body::FetchDone:
+        return fetch_done(8, 6, sea::surface_fields);
+    case Body::Pong:
+        return pong(10, -11, 12);
+    case Body::Refused:
+        return refused(9, wire::ErrorCode::too_many_points, "4097 points");
+    case Body::GoAway:
+        return go_away(wire::ErrorCode::shutting_down, "the server stops");
+    case Body::NONE:
+        break;
+    }
+    return {};
+}
+
+/// Samples of every kind that this side sends.
+inline std::vector<Bytes> samples(Sender sender) {
+    std::vector<Bytes> messages;
+    for (const MessageInfo& row : message_table)
+        if (row.sender == sender)
+            messages.push_back(sample(row.body));
+    return messages;
+}
+
+} // namespace seaway::protocol::tests

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+// docs/protocol.md, from which clients in other languages are written, lists every field, message
+// and code with its number, as the tables of the code and the schema do.
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "protocol/limits.h"
+#include "protocol/messages.h"
+
+namespace seaway::protocol {
+namespace {
+
+std::string page() {
+    std::ifstream file(std::filesystem::path(SEAWAY_SOURCE_DIR) / "docs/protocol.md");
+    return {std::istreambuf_iterator<char>(file), {}};
+}
+
+/// Lines of the page that begin so.
+int rows(const std::string& text, const std::string& begin) {
+    int count = 0;
+    for (auto at = text.find("\n" + begin); at != std::string::npos;
+         at = text.find("\n" + begin, at + 1))
+        ++count;
+    return count;
+}
+
+TEST(ProtocolPage, lists_number_name_and_unit_of_every_field) {
+    const std::string text = page();
+    for (const sea::FieldInfo& row : sea::field_table)
+        EXPECT_EQ(
+            rows(text, fmt::format("| {} | `{}` | {} | {} |", static_cast<int>(row.field), row.name,
+                                   row.unit, row.kind == sea::Kind::linear ? "yes" : "no")),
+            1)
+            << row.name;
+}
+
+TEST(ProtocolPage, lists_number_name_and_sender_of_every_message) {
+    const std::string text = page();
+    for (const MessageInfo& row : message_table)
+        EXPECT_EQ(rows(text, fmt::format("| {} | `{}` | {} |", static_cast<int>(row.body),
+                                         wire::EnumNameBody(row.body),
+                                         row.sender == Sender::client ? "client" : "server")),
+                  1)
+            << wire::EnumNameBody(row.body);
+}
+
+TEST(ProtocolPage, lists_every_code_with_its_close_code) {
+    const std::string text = page();
+    for (const wire::ErrorCode code : wire::EnumValuesErrorCode())
+        EXPECT_EQ(rows(text, fmt::format("| {} | {} | {} |", static_cast<int>(code),
+                                         close_code(code), name(code))),
+                  1)
+            << name(code);
+}
+
+TEST(ProtocolPage, lists_every_flag_of_an_answer) {
+    const std::string text = page();
+    const std::pair<std::uint32_t, const char*> flags[] = {
+        {sea::answer_folded, "folded"},
+        {sea::answer_not_converged, "not_converged"},
+        {sea::answer_extrapolated, "extrapolated"},
+        {sea::answer_invalid, "invalid"},
+        {sea::answer_exact, "exact"}};
+    for (const auto& [flag, name] : flags)
+        EXPECT_EQ(rows(text, fmt::format("| {} | {} |", flag, name)), 1) << name;
+}
+
+TEST(Schema, has_every_field_under_its_number_and_name) {
+    EXPECT_EQ(static_cast<int>(wire::Field::MAX), sea::field_count - 1);
+    for (const sea::FieldInfo& row : sea::field_table)
+        EXPECT_EQ(wire::EnumNameField(static_cast<wire::Field>(row.field)), row.name);
+}
+
+} // namespace
+} // namespace seaway::protocol
