@@ -4,13 +4,9 @@
 #include <algorithm>
 #include <condition_variable>
 #include <future>
-#include <numeric>
-#include <set>
-
-#include <fmt/format.h>
 
 #include "client/failure.h"
-#include "protocol/limits.h"
+#include "client/wanted.h"
 
 namespace seaway::client {
 
@@ -24,19 +20,6 @@ namespace {
 constexpr std::size_t sea_states_max = 4;
 /// Batches of one ask() under way: enough to hide the round trip.
 constexpr std::size_t batches_in_flight = 4;
-
-/// A ReplyHandler to wait for.
-class Waiter {
-  public:
-    ReplyHandler handler() {
-        return [promise = promise_](Result<Reply> reply) { promise->set_value(std::move(reply)); };
-    }
-    Result<Reply> wait() { return promise_->get_future().get(); }
-
-  private:
-    std::shared_ptr<std::promise<Result<Reply>>> promise_ =
-        std::make_shared<std::promise<Result<Reply>>>();
-};
 
 } // namespace
 
@@ -78,6 +61,11 @@ ConnectionEvents Client::connection_events() {
     };
     events.on_keyframe = [this](const HeldKeyframePtr& keyframe) {
         ring_.insert(keyframe);
+        {
+            const std::scoped_lock lock(mutex_);
+            for (Wanted* wanted : wanted_)
+                wanted->offer(keyframe);
+        }
         if (events_.on_keyframe)
             events_.on_keyframe(keyframe);
     };
@@ -185,6 +173,11 @@ Result<LocalSurface> Client::surface(TimeUs time_us) const {
 }
 
 Result<std::vector<Answer>> Client::sample(std::span<const QueryPoint> points) const {
+    return sample_from(ring_, points);
+}
+
+Result<std::vector<Answer>> Client::sample_from(const KeyframeRing& ring,
+                                                std::span<const QueryPoint> points) const {
     std::vector<Answer> answers(points.size());
     const sea::FieldSet fields = sampled_fields();
     SeaStatePtr state;
@@ -196,7 +189,7 @@ Result<std::vector<Answer>> Client::sample(std::span<const QueryPoint> points) c
             const SeaStatePtr state_now = sea_state(time_us);
             TimeCell cell_now = time_cell(*state_now, time_us);
             if (!surface || state_now != state || cell_now != cell) {
-                Result<LocalSurface> found = local_surface(*state_now, ring_, time_us, fields);
+                Result<LocalSurface> found = local_surface(*state_now, ring, time_us, fields);
                 if (!found)
                     return found.error();
                 surface.emplace(std::move(*found));
@@ -207,80 +200,6 @@ Result<std::vector<Answer>> Client::sample(std::span<const QueryPoint> points) c
         answers[i] = surface->surface.answer(points[i]);
         if (!surface->covers)
             answers[i].flags |= sea::answer_extrapolated;
-    }
-    return answers;
-}
-
-std::size_t Client::times_at_once(const SeaState& state, sea::FieldSet fields) const {
-    std::size_t samples = 0; // of the two keyframes of every cascade around one time
-    for (const protocol::CascadeInfo& cascade : state.cascades)
-        samples += 2 * static_cast<std::size_t>(fields.size()) *
-                   static_cast<std::size_t>(cascade.size) * static_cast<std::size_t>(cascade.size);
-    constexpr std::size_t bytes_per_sample = 1; // tiles take a third of it at usual bounds
-    const std::size_t fit =
-        protocol::limits::fetch_bytes_max / std::max<std::size_t>(bytes_per_sample * samples, 1);
-    return std::clamp<std::size_t>(fit, 1, std::max(welcome().times_per_fetch_max, 1u));
-}
-
-Result<void> Client::hold(std::span<const TimeUs> times_us, double timeout_s, sea::FieldSet also) {
-    const sea::FieldSet fields = offered(sea::surface_fields | also);
-    std::set<std::pair<std::uint32_t, TimeCell>> cells;
-    std::vector<TimeUs> missing;
-    for (const TimeUs time_us : times_us) {
-        const SeaStatePtr state = sea_state(time_us);
-        if (!covers(*state, ring_, time_us, fields) &&
-            cells.insert({state->epoch, time_cell(*state, time_us)}).second)
-            missing.push_back(time_us);
-    }
-    protocol::TileWish wish;
-    wish.fields = fields;
-    const std::size_t at_once = times_at_once(*sea_state(0), fields);
-    for (std::size_t first = 0; first < missing.size(); first += at_once) {
-        const std::size_t count = std::min(at_once, missing.size() - first);
-        Waiter waiter;
-        connection_->fetch(std::span(missing).subspan(first, count), wish, timeout_s,
-                           waiter.handler());
-        const Result<Reply> reply = waiter.wait();
-        if (!reply)
-            return reply.error();
-        note_offer(wish.fields, reply->fields);
-    }
-    return {};
-}
-
-Result<std::vector<Answer>> Client::fetch_and_sample(std::span<const QueryPoint> points,
-                                                     double timeout_s) {
-    std::vector<std::size_t> order(points.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-        return points[a].time_us < points[b].time_us;
-    });
-    std::vector<Answer> answers(points.size());
-    const std::size_t cells_at_once = times_at_once(*sea_state(0), sampled_fields());
-    for (std::size_t first = 0; first < order.size();) {
-        std::vector<TimeUs> times;
-        std::vector<QueryPoint> batch;
-        TimeCell cell;
-        std::size_t next = first;
-        for (; next < order.size(); ++next) {
-            const QueryPoint& point = points[order[next]];
-            TimeCell cell_now = time_cell(*sea_state(point.time_us), point.time_us);
-            if (times.empty() || cell_now != cell) {
-                if (times.size() == cells_at_once)
-                    break;
-                times.push_back(point.time_us);
-                cell = std::move(cell_now);
-            }
-            batch.push_back(point);
-        }
-        if (const Result<void> held = hold(times, timeout_s); !held)
-            return held.error();
-        const Result<std::vector<Answer>> sampled = sample(batch);
-        if (!sampled)
-            return sampled.error();
-        for (std::size_t i = first; i < next; ++i)
-            answers[order[i]] = (*sampled)[i - first];
-        first = next;
     }
     return answers;
 }

@@ -16,6 +16,7 @@
 // has ended stays ended: what is held can still be sampled, and the owner may make a new client.
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <span>
@@ -86,12 +87,15 @@ class Client {
     Result<LocalSurface> surface(sea::TimeUs time_us) const;
 
     /// Fetches the keyframes around these times that are not held, with the fields that sampling
-    /// needs and those of `also` that the server offers. Blocks. Not for more times than the ring
-    /// has room for.
+    /// needs and those of `also` that the server offers. Blocks. What came to the ring first makes
+    /// room, never what these times need; more times than the ring has room for are an error.
     Result<void> hold(std::span<const sea::TimeUs> times_us, double timeout_s,
                       sea::FieldSet also = {});
 
-    /// hold() and sample() together, for any number of points and times, in order. Blocks.
+    /// Samples any number of points at any number of times, in order: fetches what is not held and
+    /// keeps it until its points are answered, whatever else comes. Blocks. Only as many keyframes
+    /// are asked for at once as the ring has room for. An answer without keyframes on both sides
+    /// is an error here.
     Result<std::vector<sea::Answer>> fetch_and_sample(std::span<const sea::QueryPoint> points,
                                                       double timeout_s);
 
@@ -103,10 +107,22 @@ class Client {
     sea::FieldSet sampled_fields() const { return offered(sea::surface_fields); }
     /// Without what the server is known not to offer.
     sea::FieldSet offered(sea::FieldSet fields) const;
-    /// Times that one fetch may ask for: the server bounds their number and their bytes.
-    std::size_t times_at_once(const SeaState& state, sea::FieldSet fields) const;
     /// Notes what the server does not offer, so that it is not waited for.
     void note_offer(sea::FieldSet asked, sea::FieldSet granted);
+
+    /// Keyframes that somebody waits for, kept for him whatever the ring drops.
+    class Wanted;
+    /// Intervals of every cascade whose keyframes the ring has room for at once.
+    std::size_t cells_at_once(const SeaState& state, sea::FieldSet fields) const;
+    /// The longest run of points in one sea, from `first` on in `order`, that needs no more.
+    std::size_t batch_end(std::span<const sea::QueryPoint> points,
+                          std::span<const std::size_t> order, std::size_t first,
+                          std::vector<sea::TimeUs>& times_us) const;
+    /// Fetches the keyframes around all of these times, in as many requests as the server takes.
+    Result<void> fetch(std::span<const sea::TimeUs> times_us, sea::FieldSet fields,
+                       double timeout_s);
+    Result<std::vector<sea::Answer>> sample_from(const KeyframeRing& ring,
+                                                 std::span<const sea::QueryPoint> points) const;
 
     const ClientEvents events_;
     KeyframeRing ring_;
@@ -115,6 +131,10 @@ class Client {
     ClockFilter clock_;
     std::vector<SeaStatePtr> sea_states_; ///< by start time
     sea::FieldSet not_offered_;
+    std::vector<Wanted*> wanted_;
+    /// What the server was found to take at once, where its tiles are larger than usual.
+    std::size_t times_taken_max_ = std::numeric_limits<std::size_t>::max();
+    bool cascades_apart_ = false;
     std::string closed_reason_;
 
     std::unique_ptr<Connection> connection_; ///< first to go: its events use all of the above

@@ -18,6 +18,7 @@ enum class Failure : int {
     refused = 4,        ///< the server refused this one request
     deadline = 5,       ///< no reply in time; the connection goes on
     not_held = 6,       ///< no keyframes around this time
+    too_large = 100,    ///< the answer would be too large: within this room alone, which asks again
 };
 
 inline Error failed(Failure failure, std::string message) {

@@ -11,8 +11,14 @@ namespace seaway::client {
 using sea::Field;
 using sea::TimeUs;
 
+namespace {
+
+constexpr sea::FieldSet sampled_fields{Field::height, Field::height_rate};
+
+} // namespace
+
 bool HeldKeyframe::can_be_sampled() const {
-    return keyframe_->fields.contains(sea::FieldSet{Field::height, Field::height_rate});
+    return keyframe_->fields.contains(sampled_fields);
 }
 
 sea::SplineMapPtr HeldKeyframe::spline() const {
@@ -21,11 +27,18 @@ sea::SplineMapPtr HeldKeyframe::spline() const {
     return spline_;
 }
 
-std::size_t HeldKeyframe::bytes() const {
-    constexpr std::size_t spline_channels = 8;
-    const std::size_t spline_floats =
-        can_be_sampled() ? spline_channels * keyframe_->plane_size() : 0;
-    return (keyframe_->values.size() + spline_floats) * sizeof(float);
+std::size_t HeldKeyframe::bytes_of(sea::FieldSet fields, int size) {
+    const auto side = static_cast<std::size_t>(size);
+    const std::size_t spline_side = side + sea::SplineMap::border;
+    const bool sampled = fields.contains(sampled_fields);
+    return (static_cast<std::size_t>(fields.size()) * side * side +
+            (sampled ? sea::SplineMap::channels * spline_side * spline_side : 0)) *
+           sizeof(float);
+}
+
+std::size_t RingLimits::room(std::size_t keyframe_bytes) const {
+    const std::size_t by_bytes = bytes_per_cascade / std::max<std::size_t>(keyframe_bytes, 1);
+    return std::min(std::max(by_bytes, keyframes_per_cascade_min), keyframes_per_cascade);
 }
 
 void KeyframeRing::insert(HeldKeyframePtr keyframe) {
@@ -111,6 +124,12 @@ std::size_t KeyframeRing::size(int cascade) const {
     const std::scoped_lock lock(mutex_);
     const Cascade* ring = find(cascade);
     return ring ? ring->by_arrival.size() : 0;
+}
+
+std::size_t KeyframeRing::bytes(int cascade) const {
+    const std::scoped_lock lock(mutex_);
+    const Cascade* ring = find(cascade);
+    return ring ? ring->bytes : 0;
 }
 
 void KeyframeRing::clear() {

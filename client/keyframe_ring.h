@@ -40,7 +40,9 @@ class HeldKeyframe {
     sea::SplineMapPtr spline() const;
 
     /// Memory with its spline.
-    std::size_t bytes() const;
+    std::size_t bytes() const { return bytes_of(keyframe_->fields, keyframe_->size); }
+    /// The same of one that is still to come.
+    static std::size_t bytes_of(sea::FieldSet fields, int size);
 
   private:
     sea::KeyframePtr keyframe_;
@@ -66,6 +68,9 @@ struct RingLimits {
     /// Splines included. At least `keyframes_per_cascade_min` are held all the same.
     std::size_t bytes_per_cascade = 192u * 1024 * 1024;
     static constexpr std::size_t keyframes_per_cascade_min = 4;
+
+    /// How many keyframes of so many bytes each are held of one cascade.
+    std::size_t room(std::size_t keyframe_bytes) const;
 };
 
 class KeyframeRing {
@@ -85,6 +90,9 @@ class KeyframeRing {
     HeldKeyframePtr newest(int cascade) const;
 
     std::size_t size(int cascade) const;
+    /// What all held keyframes of a cascade count for, splines included.
+    std::size_t bytes(int cascade) const;
+    const RingLimits& limits() const { return limits_; }
     void clear();
 
   private:

@@ -159,7 +159,8 @@ seaway_code seaway_subscribe(seaway_client* client, const seaway_subscription* s
 seaway_code seaway_unsubscribe(seaway_client* client);
 
 /* Fetches what is needed to sample at these times, where it is not held. For a few times: the ring
- * that holds keyframes is bounded, the oldest go first. timeout_s 0: 10. Blocks. */
+ * that holds keyframes is bounded, the oldest go first; more times than it has room for are
+ * SEAWAY_BAD_ARGUMENT. timeout_s 0: 10. Blocks. */
 seaway_code seaway_hold(seaway_client* client, const int64_t* times_us, size_t count,
                         double timeout_s);
 

@@ -25,10 +25,15 @@ int exit_code(const Error& error) {
         return exit_usage;
     case Failure::refused:
     case Failure::not_held:
+    case Failure::too_large:
         return exit_refused;
-    default:
-        return exit_lost;
+    case Failure::none: // not of this room
+    case Failure::cannot_connect:
+    case Failure::lost:
+    case Failure::deadline:
+        break;
     }
+    return exit_lost;
 }
 
 Result<std::string> read_token(const std::string& path) {

@@ -116,6 +116,37 @@ TEST(Clock, runs_at_half_speed_while_far_ahead) {
     EXPECT_NEAR(static_cast<double>(clock.now(1'300'000) - start), 500'000, 1);
 }
 
+// A route that has become longer: the short trips of before say nothing about it any more.
+TEST(Clock, forgets_a_sample_after_30_s) {
+    ClockFilter clock;
+    clock.add(0, 1'000, 5'000'000 + 500); // 1 ms, and the sea 5 s ahead
+    for (LocalUs sent_us = second_us; sent_us <= 29 * second_us; sent_us += second_us)
+        clock.add(sent_us, sent_us + 80'000, sent_us + 40'000 + 5'020'000);
+    EXPECT_EQ(clock.status(29 * second_us).round_trip_us, 1'000) << "30 s are not over";
+    EXPECT_EQ(clock.status(29 * second_us).samples, 30);
+    clock.add(30 * second_us, 30 * second_us + 80'000, 30 * second_us + 40'000 + 5'020'000);
+    const ClockStatus status = clock.status(30 * second_us);
+    EXPECT_EQ(status.samples, 30);
+    EXPECT_EQ(status.round_trip_us, 80'000);
+    EXPECT_NEAR(status.offset_us, 5'020'000, 1) << "the old offset weighs nothing";
+    EXPECT_NEAR(status.error_us, 40'000, 1);
+}
+
+TEST(Clock, keeps_a_bounded_number_of_samples_however_fast_they_come) {
+    ClockFilter clock;
+    for (LocalUs sent_us = 0; sent_us < second_us; sent_us += 1'000)
+        clock.add(sent_us, sent_us + 500, sent_us);
+    EXPECT_EQ(clock.status(second_us).samples, static_cast<int>(ClockFilter::samples_max));
+}
+
+TEST(Clock, does_not_follow_a_drift_that_no_quartz_has) {
+    ClockFilter clock;
+    Link link{.drift_ppm = 3000, .queue_mean_us = 8000};
+    for (LocalUs now_us = 0; now_us < 60 * second_us; now_us += second_us / 2)
+        link.ping(clock, now_us);
+    EXPECT_DOUBLE_EQ(clock.status(60 * second_us).drift_ppm, 500);
+}
+
 TEST(Clock, ignores_a_reply_that_came_before_its_question) {
     ClockFilter clock;
     clock.add(5000, 4000, 1);

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <atomic>
+#include <random>
 #include <thread>
 
 #include <gtest/gtest.h>
 
 #include "client/failure.h"
 #include "client/local_surface.h"
+#include "sea/surface/error_budget.h"
 
 namespace seaway::client {
 namespace {
@@ -128,6 +130,63 @@ TEST(Ring, is_bounded_by_bytes_but_keeps_what_sampling_needs) {
     EXPECT_EQ(ring.size(0), RingLimits::keyframes_per_cascade_min);
 }
 
+/// What a keyframe takes, counted from what it has made.
+std::size_t bytes_held(const HeldKeyframe& held) {
+    return held.keyframe().values.size() * sizeof(float) +
+           (held.can_be_sampled() ? held.spline()->bytes() : 0);
+}
+
+TEST(Ring, counts_the_bytes_that_it_holds_whatever_is_inserted_replaced_and_dropped) {
+    std::mt19937_64 random(16);
+    const FieldSet kinds[] = {
+        height_fields, height_fields | FieldSet{Field::foam}, {Field::foam}, sea::surface_fields};
+    const RingLimits limits{.keyframes_per_cascade = 12, .bytes_per_cascade = 120'000};
+    KeyframeRing ring(limits);
+    std::vector<std::weak_ptr<const HeldKeyframe>> all;
+    int full = 0, replaced = 0;
+    for (int round = 0; round < 3000; ++round) {
+        sea::Keyframe made;
+        made.epoch = 1 + static_cast<std::uint32_t>(random() % 2);
+        made.time_us = static_cast<TimeUs>(random() % 20) * interval_us;
+        made.size = 16 << random() % 2;
+        made.length_m = 50;
+        made.fields = kinds[random() % 4];
+        made.values.resize(made.plane_size() * static_cast<std::size_t>(made.fields.size()));
+        HeldKeyframePtr held =
+            std::make_shared<const HeldKeyframe>(std::move(made), HeldKeyframe::FieldErrors{});
+        all.push_back(held);
+        const std::size_t before = ring.size(0);
+        ring.insert(std::move(held));
+        replaced += ring.size(0) == before && before < limits.keyframes_per_cascade;
+        // Nobody else keeps one: those that are alive are those held.
+        std::erase_if(all, [](const auto& one) { return one.expired(); });
+        std::size_t bytes = 0;
+        for (const auto& one : all)
+            bytes += bytes_held(*one.lock());
+        ASSERT_EQ(ring.size(0), all.size());
+        ASSERT_EQ(ring.bytes(0), bytes) << "round " << round;
+        ASSERT_LE(ring.size(0), limits.keyframes_per_cascade);
+        if (ring.size(0) > RingLimits::keyframes_per_cascade_min) {
+            ASSERT_LE(bytes, limits.bytes_per_cascade);
+        }
+        full += ring.size(0) < limits.keyframes_per_cascade && bytes > 90'000;
+    }
+    EXPECT_GT(full, 100) << "the limit on bytes was hardly met";
+    EXPECT_GT(replaced, 100);
+}
+
+TEST(Ring, says_how_many_keyframes_of_a_size_it_has_room_for) {
+    for (const std::size_t bytes_max : {1u, 40'000u, 100'000u, 1'000'000u}) {
+        const RingLimits limits{.keyframes_per_cascade = 12, .bytes_per_cascade = bytes_max};
+        KeyframeRing ring(limits);
+        for (TimeUs n = 0; n < 50; ++n)
+            ring.insert(keyframe(n * interval_us));
+        EXPECT_EQ(limits.room(HeldKeyframe::bytes_of(height_fields, 16)), ring.size(0));
+        ring.clear();
+        EXPECT_EQ(ring.bytes(0), 0u);
+    }
+}
+
 // A naive ring hands out a keyframe that is overwritten while it is read.
 TEST(Ring, g10_readers_see_whole_keyframes_while_it_moves_on) {
     KeyframeRing ring({.keyframes_per_cascade = 4});
@@ -182,6 +241,56 @@ TEST(LocalAnswer, a_stated_error_holds_interpolation_and_codec) {
     // (gain 2.4 at most): a little over 2.4 mm, never below the 1 mm of a grid point.
     EXPECT_GT(error.codec_height_m, 0.001);
     EXPECT_LT(error.codec_height_m, 0.003);
+}
+
+// bound = formula, not only error <= bound: a bound that is too wide, or that forgets a keyframe,
+// holds every comparison of heights.
+TEST(LocalAnswer, a_codec_error_is_that_of_the_worse_keyframe_of_every_cascade_summed) {
+    SeaState state = one_cascade_sea();
+    state.cascades.push_back({.length_m = 10, .size = 16, .interval_us = 40'000});
+    state.choppiness_x = 1.5;
+    state.choppiness_y = 0.5;
+    const auto with_errors = [](int cascade, TimeUs time_us, float scale) {
+        HeldKeyframe::FieldErrors errors{};
+        for (const Field field : sea::surface_fields)
+            errors[static_cast<std::size_t>(field)] = scale * (1 + static_cast<float>(field));
+        sea::Keyframe made = keyframe(time_us, cascade, 1, sea::surface_fields)->keyframe();
+        return std::make_shared<const HeldKeyframe>(std::move(made), errors);
+    };
+    for (const bool worse_is_first : {true, false}) {
+        const float first = worse_is_first ? 0.003f : 0.001f,
+                    second = worse_is_first ? 0.001f : 0.003f;
+        const KeyframePair pairs[] = {
+            {with_errors(0, 0, first), with_errors(0, interval_us, second), true},
+            {with_errors(1, 0, second), with_errors(1, 40'000, first), true}};
+        const sea::MapError error = local_map_error(state, pairs);
+        double height = 0, sideways = 0;
+        for (const double interval_s : {0.1, 0.04}) {
+            const auto coded = [&](Field value, Field rate) {
+                return sea::sampled_codec_error(0.003f * (1 + static_cast<float>(value)),
+                                                0.003f * (1 + static_cast<float>(rate)),
+                                                interval_s);
+            };
+            height += coded(Field::height, Field::height_rate);
+            sideways += std::hypot(1.5 * coded(Field::displacement_x, Field::displacement_x_rate),
+                                   0.5 * coded(Field::displacement_y, Field::displacement_y_rate));
+        }
+        EXPECT_NEAR(error.codec_height_m, height, 1e-9);
+        EXPECT_NEAR(error.codec_displacement_m, sideways, 1e-9);
+    }
+}
+
+TEST(LocalAnswer, folds_are_looked_for_as_far_as_points_move_sideways) {
+    KeyframeRing ring;
+    ring.insert(keyframe(0));
+    SeaState state = one_cascade_sea();
+    state.realised.hs_m = 4;
+    state.choppiness_x = 0.5;
+    state.choppiness_y = 1.2;
+    const auto local = local_surface(state, ring, 0, height_fields);
+    ASSERT_TRUE(local);
+    // Six standard deviations of a displacement as large as the height's, Hs = 4 of them.
+    EXPECT_DOUBLE_EQ(local->surface.folds().reach_m, 6 * (4.0 / 4) * 1.2);
 }
 
 TEST(LocalAnswer, a_time_is_covered_only_with_all_that_follows_it_in_its_cell) {

@@ -97,6 +97,21 @@ TEST(TileAssembly, puts_parts_in_their_places_in_any_order_within_the_bound) {
     EXPECT_EQ(assembly.bytes(), 0u);
 }
 
+TEST(TileAssembly, a_maps_error_is_that_of_its_worst_part_wherever_that_stands) {
+    for (const std::size_t worst : {0u, 1u, 2u, 3u}) {
+        TileAssembly assembly;
+        std::vector<Part> parts = parts_of(Field::height, 32, 16);
+        ASSERT_EQ(parts.size(), 4u);
+        HeldKeyframePtr complete;
+        for (std::size_t i = 0; i < parts.size(); ++i) {
+            parts[i].header.error = i == worst ? 3 * bound : bound;
+            complete = add(assembly, parts[i], {Field::height}).complete;
+        }
+        ASSERT_TRUE(complete);
+        EXPECT_EQ(complete->error(Field::height), 3 * bound) << "part " << worst;
+    }
+}
+
 // A fetch and the stream may send the same keyframe at the same time, in turns.
 TEST(TileAssembly, h2_mixed_copies_make_one_keyframe_and_are_both_acknowledged) {
     TileAssembly assembly;
@@ -161,6 +176,7 @@ TEST(TileAssembly, never_grows_beyond_its_limits) {
     EXPECT_EQ(assembly.dropped(), 1000 - TileAssembly::keyframes_max);
     assembly.finish(pair_fields);
     EXPECT_EQ(assembly.keyframes(), static_cast<std::size_t>(protocol::limits::credit_max));
+    EXPECT_EQ(assembly.bytes(), assembly.keyframes() * 16 * 16 * sizeof(float));
 }
 
 TEST(TileAssembly, bytes_that_make_no_sense_are_errors) {

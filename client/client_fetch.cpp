@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: Apache-2.0
+// Client: keyframes that are asked for, in pieces that the server sends and this client can hold.
+#include <algorithm>
+#include <numeric>
+
+#include <fmt/format.h>
+
+#include "client/failure.h"
+#include "client/wanted.h"
+#include "protocol/limits.h"
+
+namespace seaway::client {
+
+using sea::Answer;
+using sea::QueryPoint;
+using sea::TimeUs;
+
+Client::Wanted::Wanted(Client& client) : client_(client) {
+    const std::scoped_lock lock(client_.mutex_);
+    client_.wanted_.push_back(this);
+}
+
+Client::Wanted::~Wanted() {
+    const std::scoped_lock lock(client_.mutex_);
+    std::erase(client_.wanted_, this);
+}
+
+bool Client::Wanted::add(const SeaState& state, TimeUs time_us, sea::FieldSet fields) {
+    const TimeCell cell = time_cell(state, time_us);
+    const std::scoped_lock lock(client_.mutex_);
+    for (std::size_t c = 0; c < cell.size(); ++c)
+        for (const TimeUs n : {cell[c], cell[c] + 1})
+            keys_.insert({state.epoch, static_cast<int>(c), n * state.cascades[c].interval_us});
+    // From here on whatever comes is kept; what came before is in the client's ring, if anywhere.
+    for (std::size_t c = 0; c < cell.size(); ++c) {
+        const std::optional<KeyframePair> pair = client_.ring_.around(
+            static_cast<int>(c), state.epoch, time_us, state.cascades[c].interval_us, fields);
+        if (!pair || !pair->covers)
+            continue;
+        ring_.insert(pair->before);
+        ring_.insert(pair->after);
+    }
+    return covers(state, ring_, time_us, fields);
+}
+
+void Client::Wanted::offer(const HeldKeyframePtr& keyframe) {
+    const sea::Keyframe& k = keyframe->keyframe();
+    if (keys_.contains({k.epoch, k.cascade, k.time_us}))
+        ring_.insert(keyframe);
+}
+
+void Client::Wanted::give_to(KeyframeRing& ring) const {
+    for (const auto& [epoch, cascade, time_us] : keys_) {
+        const std::optional<KeyframePair> held = ring_.around(cascade, epoch, time_us, 1, {});
+        if (held && held->before->keyframe().time_us == time_us)
+            ring.insert(held->before);
+    }
+}
+
+namespace {
+
+/// Times that one fetch may ask for where tiles are as small as usual: the server bounds their
+/// number and the bytes that wait for a session.
+std::size_t times_of_one_fetch(const SeaState& state, sea::FieldSet fields, std::size_t times_max) {
+    std::size_t samples = 0; // of the two keyframes of every cascade around one time
+    for (const protocol::CascadeInfo& cascade : state.cascades)
+        samples += 2 * static_cast<std::size_t>(fields.size()) *
+                   static_cast<std::size_t>(cascade.size) * static_cast<std::size_t>(cascade.size);
+    constexpr std::size_t bytes_per_sample = 1; // tiles take a third of it at usual bounds
+    const std::size_t fit =
+        protocol::limits::fetch_bytes_max / std::max<std::size_t>(bytes_per_sample * samples, 1);
+    return std::clamp<std::size_t>(fit, 1, std::max<std::size_t>(times_max, 1));
+}
+
+} // namespace
+
+Result<void> Client::fetch(std::span<const TimeUs> times_us, sea::FieldSet fields,
+                           double timeout_s) {
+    protocol::TileWish wish;
+    wish.fields = fields;
+    std::uint32_t cascades_left = 0; // of the first time, where cascades come apart
+    while (!times_us.empty()) {
+        const SeaStatePtr state = sea_state(times_us.front());
+        const std::uint32_t all_cascades = (1u << state->cascades.size()) - 1u;
+        std::size_t count = std::min(
+            times_us.size(), times_of_one_fetch(*state, fields, welcome().times_per_fetch_max));
+        {
+            const std::scoped_lock lock(mutex_);
+            count = std::min(count, times_taken_max_);
+            if (cascades_apart_ && cascades_left == 0)
+                cascades_left = all_cascades;
+        }
+        wish.cascades = cascades_left & (0u - cascades_left); // the lowest of them
+        if (cascades_left == 0)
+            wish.cascades = all_cascades;
+        Waiter waiter;
+        connection_->fetch(times_us.first(count), wish, timeout_s, waiter.handler());
+        const Result<Reply> reply = waiter.wait();
+        if (reply) {
+            note_offer(wish.fields, reply->fields);
+            cascades_left &= ~wish.cascades;
+            if (cascades_left == 0)
+                times_us = times_us.subspan(count);
+            continue;
+        }
+        if (failure_of(reply.error()) != Failure::too_large)
+            return reply.error();
+        // The tiles are finer than usual: ask for less at once, from now on.
+        const std::scoped_lock lock(mutex_);
+        if (count > 1)
+            times_taken_max_ = count / 2;
+        else if (!cascades_apart_ && state->cascades.size() > 1)
+            cascades_apart_ = true;
+        else
+            return failed(Failure::refused, reply.error().message);
+    }
+    return {};
+}
+
+std::size_t Client::cells_at_once(const SeaState& state, sea::FieldSet fields) const {
+    std::size_t cells = std::numeric_limits<std::size_t>::max();
+    for (const protocol::CascadeInfo& cascade : state.cascades)
+        cells =
+            std::min(cells, ring_.limits().room(HeldKeyframe::bytes_of(fields, cascade.size)) / 2);
+    return std::max<std::size_t>(cells, 1);
+}
+
+Result<void> Client::hold(std::span<const TimeUs> times_us, double timeout_s, sea::FieldSet also) {
+    const sea::FieldSet fields = offered(sea::surface_fields | also);
+    std::set<std::pair<std::uint32_t, TimeCell>> cells;
+    std::vector<TimeUs> missing;
+    Wanted wanted(*this);
+    for (const TimeUs time_us : times_us) {
+        const SeaStatePtr state = sea_state(time_us);
+        if (!cells.insert({state->epoch, time_cell(*state, time_us)}).second)
+            continue;
+        const std::size_t room = cells_at_once(*state, fields);
+        if (cells.size() > room)
+            return failed(Failure::bad_argument,
+                          fmt::format("times in {} or more different intervals: this client holds "
+                                      "the keyframes around {} of them at once",
+                                      cells.size(), room));
+        if (!wanted.add(*state, time_us, fields))
+            missing.push_back(time_us);
+    }
+    if (missing.empty())
+        return {};
+    if (const Result<void> fetched = fetch(missing, fields, timeout_s); !fetched)
+        return fetched;
+    // What was held before is the oldest of the ring: it is put back where it made room.
+    wanted.give_to(ring_);
+    return {};
+}
+
+std::size_t Client::batch_end(std::span<const QueryPoint> points,
+                              std::span<const std::size_t> order, std::size_t first,
+                              std::vector<TimeUs>& times_us) const {
+    const SeaStatePtr state = sea_state(points[order[first]].time_us);
+    const std::size_t cells_max = cells_at_once(*state, sampled_fields());
+    TimeCell cell;
+    std::size_t next = first;
+    for (; next < order.size(); ++next) {
+        const TimeUs time_us = points[order[next]].time_us;
+        if (sea_state(time_us) != state)
+            break;
+        TimeCell cell_now = time_cell(*state, time_us);
+        if (!times_us.empty() && cell_now == cell)
+            continue;
+        if (times_us.size() == cells_max)
+            break;
+        times_us.push_back(time_us);
+        cell = std::move(cell_now);
+    }
+    return next;
+}
+
+Result<std::vector<Answer>> Client::fetch_and_sample(std::span<const QueryPoint> points,
+                                                     double timeout_s) {
+    std::vector<std::size_t> order(points.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+        return points[a].time_us < points[b].time_us;
+    });
+    std::vector<Answer> answers(points.size());
+    for (std::size_t first = 0; first < order.size();) {
+        std::vector<TimeUs> times_us;
+        const std::size_t next = batch_end(points, order, first, times_us);
+        std::vector<QueryPoint> batch;
+        for (std::size_t i = first; i < next; ++i)
+            batch.push_back(points[order[i]]);
+        const sea::FieldSet fields = sampled_fields();
+        Wanted wanted(*this);
+        std::vector<TimeUs> missing;
+        for (const TimeUs time_us : times_us)
+            if (!wanted.add(*sea_state(time_us), time_us, fields))
+                missing.push_back(time_us);
+        if (const Result<void> fetched = fetch(missing, fields, timeout_s); !fetched)
+            return fetched.error();
+        const Result<std::vector<Answer>> sampled = sample_from(wanted.ring(), batch);
+        if (!sampled)
+            return sampled.error();
+        for (std::size_t i = first; i < next; ++i) {
+            answers[order[i]] = (*sampled)[i - first];
+            if (answers[order[i]].flags & sea::answer_extrapolated)
+                return failed(Failure::not_held,
+                              fmt::format("the server did not send the keyframes around {} s",
+                                          sea::seconds_from_us(points[order[i]].time_us)));
+        }
+        first = next;
+    }
+    return answers;
+}
+
+} // namespace seaway::client
