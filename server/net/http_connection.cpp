@@ -35,8 +35,6 @@ std::string_view text(beast::string_view view) {
     return {view.data(), view.size()};
 }
 
-constexpr std::string_view map_path = "/v1/map";
-
 /// Name=value pairs behind the '?'. Values are numbers and words: nothing needs decoding.
 std::map<std::string, std::string> query_parameters(std::string_view target) {
     std::map<std::string, std::string> parameters;
@@ -106,7 +104,9 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection<Stream
         if (beast::websocket::is_upgrade(request) &&
             target.substr(0, target.find('?')) == protocol::stream_path)
             return upgrade();
-        if (request.method() == http::verb::get && target.substr(0, target.find('?')) == map_path)
+        const bool reads =
+            request.method() == http::verb::get || request.method() == http::verb::head;
+        if (reads && target.substr(0, target.find('?')) == map_path)
             return start_map(target);
         respond(page_for(core(), text(request.method_string()), target),
                 request.method() == http::verb::head, request.keep_alive());
@@ -196,9 +196,10 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection<Stream
     }
 
     void begin_map(MapAnswer& answer) {
+        const bool head_only = parser_->get().method() == http::verb::head;
         if (!answer.source) {
             map_keeps_alive_.reset();
-            return respond({.status = answer.status, .body = answer.error + "\n"}, false,
+            return respond({.status = answer.status, .body = answer.error + "\n"}, head_only,
                            parser_->get().keep_alive());
         }
         map_ = std::move(answer.source);
@@ -214,11 +215,13 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection<Stream
         lowest().expires_after(core().options.write_timeout);
         map_writing_ = true;
         auto serializer = std::make_shared<http::response_serializer<http::empty_body>>(*header);
-        http::async_write_header(
-            stream_, *serializer,
-            [self = this->shared_from_this(), header, serializer](error_code error, std::size_t) {
-                self->on_map_written(error);
-            });
+        http::async_write_header(stream_, *serializer,
+                                 [self = this->shared_from_this(), header, serializer,
+                                  head_only](error_code error, std::size_t) {
+                                     if (head_only && !error)
+                                         return self->end_map(); // before a row of it is made
+                                     self->on_map_written(error);
+                                 });
     }
 
     void write_map() {

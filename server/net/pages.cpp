@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/net/pages.h"
 
+#include <algorithm>
 #include <array>
 
 #include <fmt/format.h>
@@ -69,14 +70,13 @@ Page page_for(Core& core, std::string_view method, std::string_view target) {
         return {.status = 426,
                 .body = fmt::format("{} is a WebSocket with subprotocol {}\n", path,
                                     protocol::websocket_subprotocol)};
-    for (const Route& route : routes) {
-        if (route.path != path)
-            continue;
-        if (method != "GET" && method != "HEAD")
-            return {
-                .status = 405, .body = "only GET and HEAD are served here\n", .allow = "GET, HEAD"};
-        return route.make(core);
-    }
+    const bool reads = method == "GET" || method == "HEAD";
+    const auto route = std::find_if(routes.begin(), routes.end(),
+                                    [&](const Route& known) { return known.path == path; });
+    if (!reads && (route != routes.end() || path == map_path))
+        return {.status = 405, .body = "only GET and HEAD are served here\n", .allow = "GET, HEAD"};
+    if (route != routes.end())
+        return route->make(core);
     return {.status = 404,
             .body = fmt::format(
                 "no such page; there are / /healthz /metrics /v1/state /v1/plan /v1/map, "

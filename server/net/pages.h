@@ -9,6 +9,9 @@
 
 namespace seaway::server {
 
+/// Bulk maps: answered in pieces, not by a Page.
+inline constexpr std::string_view map_path = "/v1/map";
+
 struct Page {
     unsigned status = 200;
     std::string content_type = "text/plain; charset=utf-8";

@@ -1,0 +1,106 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A session with a Seaway server, written from docs/protocol.md alone."""
+import pathlib
+
+import surface
+import tiles
+import websocket
+from flat import Schema
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+SCHEMA = Schema((ROOT / "protocol" / "seaway.fbs").read_text())
+SURFACE_FIELDS = 63  # fields 0 to 5
+
+
+class Refused(Exception):
+    def __init__(self, message):
+        super().__init__(message["message"])
+        self.code = message["code"]
+
+
+class Session:
+    def __init__(self, host, port, token=""):
+        self.socket = websocket.WebSocket(host, port, "/v1/stream", "seaway.v1")
+        self.states = {}  # by epoch
+        self.keyframes = {}  # by (epoch, cascade, time_us)
+        self.granted = None
+        self.last_id = 0
+        self.send("Hello", versions=[1], client="interop", token=token)
+        self.welcome = self.wait_for("Welcome")
+        while not self.states:
+            self.receive()
+
+    def send(self, kind, **values):
+        self.socket.send(SCHEMA.write_message(kind, **values))
+
+    def receive(self):
+        """The next message; what belongs to the session has been taken from it."""
+        message = SCHEMA.read_message(self.socket.receive())
+        kind = message["kind"]
+        if kind == "SeaState":
+            self.states[message["epoch"]] = message
+        elif kind == "Subscribed":
+            self.granted = message
+        elif kind == "Tile":
+            self.take(message)
+        elif kind == "GoAway":
+            raise websocket.Closed(message["code"], message["message"])
+        return message
+
+    def take(self, tile):
+        key = (tile["epoch"], tile["cascade"], tile["time_us"])
+        keyframe = self.keyframes.setdefault(key, tiles.Keyframe(tile["size"]))
+        keyframe.add(tile)
+        wanted = [f for f in range(32) if (self.granted or {}).get("fields", 0) >> f & 1]
+        if wanted and keyframe.holds(wanted):
+            self.send("Ack", keyframe=tile["keyframe"])
+
+    def wait_for(self, kind, request_id=None):
+        while True:
+            message = self.receive()
+            if message["kind"] == "Refused" and message["request_id"] == request_id:
+                raise Refused(message)
+            if message["kind"] == kind and message.get("request_id") == (request_id or message.get("request_id")):
+                return message
+
+    def ask(self, kind, reply, **values):
+        self.last_id += 1
+        self.send(kind, request_id=self.last_id, **values)
+        return self.wait_for(reply, self.last_id)
+
+    def subscribe(self, fields=SURFACE_FIELDS, error_m=0.0, credit=8):
+        """Has tiles streamed; returns when the present can be sampled."""
+        self.ask("Subscribe", "FetchDone", cascades=0xFFFFFFFF, fields=fields, error_m=error_m, credit=credit)
+        return self.granted
+
+    def fetch(self, times_us, fields=SURFACE_FIELDS, error_m=0.0):
+        return self.ask("Fetch", "FetchDone", times_us=times_us, fields=fields, error_m=error_m)
+
+    def query(self, points, exact=False):
+        """points: (x_m, y_m, time_us)."""
+        listed = [{"x_m": x, "y_m": y, "time_us": t} for x, y, t in points]
+        return self.ask("Query", "QueryReply", exact=exact, points=listed)["answers"]
+
+    def sea_time_us(self):
+        return self.ask("Ping", "Pong", client_time_us=0)["sea_time_us"]
+
+    def state_at(self, time_us):
+        states = sorted(self.states.values(), key=lambda state: state["start_time_us"])
+        running = [state for state in states if state["start_time_us"] <= time_us]
+        return running[-1] if running else states[0]
+
+    def pairs(self, time_us):
+        """The two keyframes of every cascade around a time, or None if some are not held."""
+        state = self.state_at(time_us)
+        pairs = []
+        for number, cascade in enumerate(state["cascades"]):
+            interval = cascade["interval_us"]
+            first = time_us // interval * interval
+            held = [(t, self.keyframes.get((state["epoch"], number, t))) for t in (first, first + interval)]
+            if any(keyframe is None for _, keyframe in held):
+                return None
+            pairs.append(tuple(held))
+        return pairs
+
+    def surface(self, time_us):
+        return surface.Surface(self.state_at(time_us), self.pairs(time_us), time_us)

@@ -1,0 +1,231 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""A client that knows docs/protocol.md and the schema alone agrees with the server.
+
+    tests/interop/test_interop.py SEAWAY_SERVER [unittest's options]
+"""
+import contextlib
+import http.client
+import pathlib
+import random
+import re
+import socket
+import struct
+import subprocess
+import sys
+import unittest
+
+import numpy as np
+
+import client
+import surface
+import tiles
+import websocket
+
+HERE = pathlib.Path(__file__).resolve().parent
+GOLDEN = HERE.parent / "golden"
+SERVER = sys.argv.pop(1) if len(sys.argv) > 1 and not sys.argv[1].startswith("-") else None
+FOLDED = 1
+
+
+def read_golden(path):
+    """(bytes, lines after "says")."""
+    lines = [line for line in path.read_text().splitlines() if line and not line.startswith("#")]
+    says = lines.index("says")
+    return bytes.fromhex(" ".join(lines[:says])), lines[says + 1:]
+
+
+def values_of(value, path):
+    """{"body.points.0.x_m": 1.5}: every value of a message by its place."""
+    if isinstance(value, dict):
+        children = value.items()
+    elif isinstance(value, (list, bytes)):
+        children = enumerate(value)
+    else:
+        return {} if value is None else {path: value}
+    return {place: leaf for name, child in children for place, leaf in values_of(child, f"{path}.{name}").items()}
+
+
+class Golden(unittest.TestCase):
+    def test_every_golden_message_says_what_its_bytes_mean(self):
+        paths = sorted((GOLDEN / "wire_v1").glob("*.txt"))
+        self.assertEqual(len(paths), len(client.SCHEMA.bodies) - 1)
+        for path in paths:
+            data, says = read_golden(path)
+            message = client.SCHEMA.read_message(data)
+            self.assertEqual(message.pop("kind"), path.stem)
+            mine = {k: v for k, v in values_of(message, "body").items()}
+            for line in says[1:]:
+                place, text = line.split(" = ", 1)
+                value = mine[place]
+                if isinstance(value, str):
+                    self.assertEqual(text, '"' + value.replace("\n", "\\n") + '"', place)
+                elif isinstance(value, bool):
+                    self.assertEqual(text, str(value).lower(), place)
+                else:  # a float32 is written with the digits that tell it from its neighbours
+                    self.assertTrue(float(text) == value or np.float32(float(text)) == np.float32(value), line)
+
+    def test_what_is_written_reads_back_the_same(self):
+        for path in sorted((GOLDEN / "wire_v1").glob("*.txt")):
+            message = client.SCHEMA.read_message(read_golden(path)[0])
+            kind = message.pop("kind")
+            if any(isinstance(v, dict) or (isinstance(v, list) and v and isinstance(v[0], str))
+                   for v in message.values()):
+                continue  # only a server writes structs in tables, and lists of strings
+            again = client.SCHEMA.read_message(client.SCHEMA.write_message(kind, **message))
+            self.assertEqual(again.pop("kind"), kind)
+            self.assertEqual(again, message)
+
+    def test_golden_tiles_decode_to_the_same_floats(self):
+        for path in sorted((GOLDEN / "tile_codec_v1").glob("*.txt")):
+            data, says = read_golden(path)
+            bits = tiles.decode(data).ravel().view(np.uint32)
+            self.assertEqual([f"{b:08x}" for b in bits], says, path.name)
+
+
+class Live(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.server = subprocess.Popen([SERVER, str(HERE / "sea.toml"), "--listen", "127.0.0.1:0", "--device", "native"],
+                                      stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+        ready = cls.server.stdout.readline()
+        cls.host, port = re.match(r"ready ws://([\d.]+):(\d+)", ready).groups()
+        cls.port = int(port)
+        cls.session = client.Session(cls.host, cls.port)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.session.socket.close()
+        cls.server.terminate()
+        cls.server.wait()
+        cls.server.stdout.close()
+
+    def http(self, method, path):
+        """(status, the header Allow, body)."""
+        with contextlib.closing(http.client.HTTPConnection(self.host, self.port)) as connection:
+            connection.request(method, path)
+            response = connection.getresponse()
+            return response.status, response.getheader("Allow"), response.read()
+
+    def compare(self, times_us, count):
+        """Own heights against the server's and against the direct sum, within the stated bounds."""
+        random.seed(3)
+        session, compared = self.session, 0
+        for time_us in times_us:
+            sea = session.surface(time_us)
+            places = [(random.uniform(-5000, 5000), random.uniform(-5000, 5000)) for _ in range(count)]
+            points = [(x, y, time_us) for x, y in places]
+            for (x, y), theirs, exact in zip(places, session.query(points), session.query(points, exact=True)):
+                mine = sea.answer(x, y)
+                if mine["folded"] or (theirs["flags"] | exact["flags"]) & FOLDED:
+                    continue
+                self.assertLessEqual(abs(mine["height_m"] - theirs["height_m"]), mine["error_m"] + theirs["error_m"])
+                self.assertLessEqual(abs(mine["height_m"] - exact["height_m"]), mine["error_m"] + exact["error_m"])
+                self.assertEqual(exact["flags"], 16)
+                # Slopes carry the codec's bound of a height over a grid spacing, which is a few mm
+                # over the 0.6 m of the finest tile; velocities carry the rates' bounds, some cm/s.
+                for index, axis in enumerate("xyz"):
+                    self.assertAlmostEqual(mine["normal"][index], theirs["normal_" + axis], delta=0.05)
+                self.assertAlmostEqual(mine["velocity_mps"][2], theirs["velocity_z_mps"], delta=0.15)
+                compared += 1
+        self.assertGreaterEqual(compared, 0.9 * count * len(times_us), "hardly anything folds in this sea")
+
+    def test_heights_of_the_stream_are_the_servers(self):
+        granted = self.session.subscribe(error_m=0.02)
+        self.assertEqual(granted["fields"], client.SURFACE_FIELDS)
+        begin_us = self.session.sea_time_us()
+        times_us = []
+        while len(times_us) < 3:  # the present, and two moments that only the stream can bring
+            now_us = self.session.sea_time_us() - 1_000_000
+            if now_us > begin_us + 2_500_000 * len(times_us) and self.session.pairs(now_us):
+                times_us.append(now_us)
+        self.session.send("Unsubscribe")
+        self.compare(times_us, 12)
+
+    def test_heights_of_the_past_and_the_future_are_the_servers(self):
+        times_us = [-987_654_321, 0, 3_600_000_000 + 1, 86_400_000_000 * 365 + 123_457]
+        done = self.session.fetch(times_us, error_m=0.02)
+        self.assertEqual(done["fields"], client.SURFACE_FIELDS)
+        self.compare(times_us, 12)
+
+    def test_a_bulk_map_is_what_the_client_samples(self):
+        self.session.fetch([7_000_000], error_m=0.02)
+        sea = self.session.surface(7_000_000)
+        _, _, data = self.http("GET", "/v1/map?kind=height&x0_m=-50&y0_m=20&width_m=400&height_m=300&columns=4&rows=3&t_s=7")
+        (magic, version, kind, columns, rows, floats, error_m, x0, y0, width, height,
+         time_us) = struct.unpack_from("<4sHHIIIf4dq", data)
+        self.assertEqual((magic, version, kind, columns, rows, floats, time_us), (b"SWMP", 1, 0, 4, 3, 1, 7_000_000))
+        values = np.frombuffer(data, "<f4", offset=64).reshape(rows, columns)
+        for j in range(rows):
+            for i in range(columns):
+                mine = sea.answer(x0 + i * width / columns, y0 + j * height / rows)
+                if not mine["folded"]:
+                    self.assertLessEqual(abs(values[j, i] - mine["height_m"]), mine["error_m"] + error_m)
+
+    def test_foam_is_a_share_that_is_the_mean_on_average(self):
+        time_us = 30_000_000
+        self.session.fetch([time_us], fields=client.SURFACE_FIELDS | 1 << surface.FOAM)
+        state, pairs = self.session.state_at(time_us), self.session.pairs(time_us)
+        self.assertGreater(state["foam_mean"], 0)
+        random.seed(5)
+        shares = [surface.foam(state, pairs, time_us, np.array([random.uniform(-1e4, 1e4), random.uniform(-1e4, 1e4)]))
+                  for _ in range(3000)]
+        self.assertTrue(all(0 <= share <= 1 for share in shares))
+        # Its scatter is a few times its mean, 3000 places and one moment: within a factor of two.
+        self.assertLess(abs(np.log(np.mean(shares) / state["foam_mean"])), np.log(2))
+
+    def test_points_that_are_no_numbers_and_too_many_points_and_fields_that_are_not_there(self):
+        self.assertEqual(self.session.query([(float("nan"), 0.0, 0)])[0]["flags"], 8)
+        for kind, reply, values, code in (
+                ("Query", "QueryReply", {"points": [{"x_m": 0.0, "y_m": 0.0, "time_us": 0}] * 4097}, "too_many_points"),
+                ("Fetch", "FetchDone", {"times_us": list(range(9)), "fields": 63}, "bad_value"),
+                ("Subscribe", "FetchDone", {"fields": 1 << 6, "credit": 2}, "not_offered"),
+                ("Subscribe", "FetchDone", {"fields": 63, "credit": 9}, "bad_value")):
+            with self.assertRaises(client.Refused) as refusal:
+                self.session.ask(kind, reply, **values)
+            self.assertEqual(refusal.exception.code, client.SCHEMA.enums["ErrorCode"][code], kind)
+
+    def close_code(self, act):
+        """What the session ends with: the close frame's code, after GoAway where one comes."""
+        session = client.Session(self.host, self.port)
+        act(session)
+        gone = None
+        try:
+            while True:
+                message = client.SCHEMA.read_message(session.socket.receive())
+                gone = message["code"] if message["kind"] == "GoAway" else gone
+        except websocket.Closed as closed:
+            session.socket.close()
+            return gone, closed.code
+
+    def test_sessions_end_with_the_codes_of_the_page(self):
+        text = self.close_code(lambda s: s.socket.send(b"hello", opcode=websocket.TEXT))
+        self.assertEqual(text, (1, 4001))
+        second = self.close_code(lambda s: s.send("Hello", versions=[1], client="", token=""))
+        self.assertEqual(second, (1, 4001))
+        self.assertEqual(self.close_code(lambda s: s.socket.send(b"unmasked", masked=False)), (None, 1002))
+        self.assertEqual(self.close_code(lambda s: s.socket.send(b"", announced=200_000)), (None, 1009))
+
+    def test_pages_answer_as_the_page_says(self):
+        def status(method, path):
+            number, allow, body = self.http(method, path)
+            return number, allow, len(body)
+        self.assertEqual(status("GET", "/healthz"), (200, None, 3))
+        self.assertEqual(status("HEAD", "/healthz"), (200, None, 0))
+        self.assertEqual(status("HEAD", "/v1/map?columns=2&rows=2&width_m=4&height_m=4"), (200, None, 0))
+        self.assertEqual(status("POST", "/v1/state")[:2], (405, "GET, HEAD"))
+        self.assertEqual(status("POST", "/v1/map")[:2], (405, "GET, HEAD"))
+        self.assertEqual(status("GET", "/nowhere")[0], 404)
+        self.assertEqual(status("GET", "/v1/stream")[0], 426)
+        self.assertEqual(status("GET", "/v1/map?t_s=1e13")[0], 400)
+        self.assertEqual(status("GET", "/v1/map?columns=5000")[0], 400)
+        with self.assertRaises(websocket.HandshakeFailed) as failed:
+            websocket.WebSocket(self.host, self.port, "/v1/stream", None)
+        self.assertEqual(failed.exception.status, 400)
+        with socket.create_connection((self.host, self.port), timeout=60) as raw:
+            raw.sendall(b"GET / HTTP/1.1\r\nX: " + b"x" * 9000 + b"\r\n\r\n")
+            self.assertIn(b" 431 ", raw.recv(4096))
+
+
+if __name__ == "__main__":
+    unittest.main()

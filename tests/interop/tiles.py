@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Tiles to maps: codec version 1 (docs/protocol.md, "Tiles")."""
+import struct
+import zlib
+
+import numpy as np
+import zstandard
+
+CONSTANT, QUANTISED, LOSSLESS = 0, 1, 2
+
+
+def decode(payload):
+    """The samples of one part, [y][x] of float32."""
+    version, mode, width, height, planes, zero, parameter, checksum = struct.unpack_from("<BBHHBBfI", payload)
+    if version != 1 or zero != 0 or zlib.crc32(payload[16:], zlib.crc32(payload[:12])) != checksum:
+        raise ValueError("not a tile of codec version 1, or damaged")
+    if mode == CONSTANT:
+        return np.full((height, width), parameter, np.float32)
+    count = width * height
+    plain = zstandard.ZstdDecompressor().decompress(payload[16:], max_output_size=planes * count)
+    codes = np.zeros(count, np.uint32)
+    for plane in range(planes):
+        part = np.frombuffer(plain, np.uint8, count, plane * count).astype(np.uint32)
+        codes |= part << np.uint32(8 * plane)
+    residual = (codes >> np.uint32(1)) ^ (np.uint32(0) - (codes & np.uint32(1)))
+    # u(x, y) = r + u(x-1, y) + u(x, y-1) - u(x-1, y-1) is the sum of all r to the lower left.
+    u = residual.reshape(height, width).cumsum(axis=1, dtype=np.uint32).cumsum(axis=0, dtype=np.uint32)
+    if mode == QUANTISED:
+        return (u.view(np.int32).astype(np.float64) * float(parameter)).astype(np.float32)
+    if mode == LOSSLESS:
+        flipped = np.where(u >> np.uint32(31), u ^ np.uint32(0x7FFFFFFF), u)
+        return flipped.astype(np.uint32).view(np.float32)
+    raise ValueError(f"mode {mode} is not known")
+
+
+class Keyframe:
+    """Maps of one cascade at one time, by field number, and the bound of each."""
+
+    def __init__(self, size):
+        self.maps, self.errors, self.missing, self.size = {}, {}, {}, size
+
+    def add(self, tile):
+        """True when all parts of this field are there."""
+        field = tile["field"]
+        if field not in self.maps:
+            self.maps[field] = np.zeros((self.size, self.size), np.float32)
+            self.errors[field] = 0.0
+            self.missing[field] = set(range(tile["parts"]))
+        x0, y0 = tile["x0"], tile["y0"]
+        self.maps[field][y0:y0 + tile["height"], x0:x0 + tile["width"]] = decode(tile["payload"])
+        self.errors[field] = max(self.errors[field], tile["error"])
+        self.missing[field].discard(tile["part"])
+        return not self.missing[field]
+
+    def holds(self, fields):
+        return all(field in self.maps and not self.missing[field] for field in fields)
