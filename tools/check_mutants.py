@@ -1,0 +1,23 @@
+#!/usr/bin/env python3
+"""Fails on a mutant of tests/mutants whose text does not stand exactly once in its file any more: who
+changes the line changes the mutant with it. That it is killed is for `./dev mutants`.
+"""
+import sys
+
+from source_files import ROOT
+
+sys.path.insert(0, str(ROOT / "tests" / "mutants"))
+from run import out_of_date, read_mutants
+
+
+def main():
+    mutants = read_mutants([])
+    stale = [f"{mutant['name']}: {why}" for mutant in mutants if (why := out_of_date(mutant))]
+    print(*stale, sep="\n", file=sys.stderr, end="\n" if stale else "")
+    if not stale:
+        print(f"mutants: {len(mutants)}, every one has its place")
+    return 1 if stale else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
