@@ -119,6 +119,18 @@ TEST(Foam, decay_times_too_long_to_walk_scatter_as_an_average_over_them_does) {
     EXPECT_NEAR(deviation(history) / deviation(plain), 1.0, 0.25);
 }
 
+TEST(Foam, a_cascade_that_makes_nothing_break_stays_average) {
+    // Naive: what breaks is divided by its mean, 0/0.
+    const sea::RealizationPtr sea = storm();
+    FoamLaw law = *make_foam_law(*sea, foam_model);
+    law.cascades[0].mean_breaking = 0.0;
+    Strains strains(sea, 0);
+    FoamHistory history(std::make_shared<const FoamLaw>(law), 0, 64, interval_us);
+    ASSERT_TRUE(history.advance_to(50'000'000, strains.source()));
+    for (const float ratio : history.ratios())
+        ASSERT_EQ(ratio, 1.0f);
+}
+
 TEST(Foam, every_legal_model_gives_finite_ratios_and_a_coverage_of_0_to_1) {
     const sea::RealizationPtr seas[] = {
         storm(), storm(0.0005), storm(0.3),
