@@ -116,7 +116,7 @@ def evolve_pass(n, lanes, band):
             text.append(f"        target[to + {(m * k + g) // 2 * stride}u] = "
                         f"vec4(r{g}_{k}, i{g}_{k}, r{g + 1}_{k}, i{g + 1}_{k});\n")
     text.append("    }\n}\n")
-    return "".join(text), columns(n, lanes, band) * lanes
+    return "".join(text), columns(n, lanes, band) * lanes, stride
 
 
 def mirrored(blocks, m, lanes):
@@ -154,12 +154,12 @@ def fields_pass(n, lanes, band):
                 text.append(f"        target[to + {row + (m * k + g) // run}u] = "
                             f"vec{run}({values});\n")
     text.append("    }\n}\n")
-    return "".join(text), n // 2 * lanes
+    return "".join(text), n // 2 * lanes, 0
 
 
 def passes(n, band):
-    """(kernel name, kind of pass, GLSL, invocations for one job or source), and the scratch that a
-    field needs."""
+    """(kernel name, kind of pass, GLSL, invocations for one job or source, vec4 a row), and the
+    scratch that a field needs."""
     first, last = PLANS[n]
     suffix = "_band" if band else ""
     return [(f"t{n}_evolve{suffix}", "evolve", *evolve_pass(n, first, band)),

@@ -57,7 +57,7 @@ def evolve_pass(n, a, b, band):
             each_source(blocks), codelet(a, blocks),
             f"        uint to = (((job_index * push.sources + index) * {b}u + n2) * {a // 2}u) * "
             f"{count}u + column;\n", store_pairs(a, count), "    }\n}\n"]
-    return "".join(text), count * b
+    return "".join(text), count * b, count
 
 
 def lines_y_pass(n, a, b, band):
@@ -72,7 +72,7 @@ def lines_y_pass(n, a, b, band):
         text.append(f"    target[to + {k * a // 2 * count}u] = "
                     f"vec4(r{k}.x, i{k}.x, r{k}.y, i{k}.y);\n")
     text.append("}\n")
-    return "".join(text), count * a // 2
+    return "".join(text), count * a // 2, count
 
 
 def fields_pass(n, a, b, band):
@@ -94,7 +94,7 @@ def fields_pass(n, a, b, band):
              each_field(blocks, a), codelet(a, blocks),
              f"        uint to = (((gl_WorkGroupID.y * push.fields + field) * {n // 2}u + line) * "
              f"{b}u + n2) * {a // 2}u;\n", store_pairs(a, 1), "    }\n}\n"]
-    return "".join(text), n // 2 * b
+    return "".join(text), n // 2 * b, n // 2
 
 
 def lines_x_pass(n, a, b):
@@ -108,12 +108,12 @@ def lines_x_pass(n, a, b):
         for k in range(b):
             text.append(f"    target[to + {row + k * a // 2}u] = {part}{k};\n")
     text.append("}\n")
-    return "".join(text), n // 2 * a // 2
+    return "".join(text), n // 2 * a // 2, 0
 
 
 def passes(n, band):
-    """(kernel name, kind of pass, GLSL, invocations for one job, source or field), and the scratch
-    that a field needs."""
+    """(kernel name, kind of pass, GLSL, invocations for one job, source or field, vec4 a row), and the
+    scratch that a field needs."""
     a, b = PLANS[n]
     suffix = "_band" if band else ""
     return [(f"w{n}_evolve{suffix}", "evolve", *evolve_pass(n, a, b, band)),

@@ -38,7 +38,7 @@ from kernel_text import WORKGROUP  # noqa: E402
 
 def transforms():
     """All of them: (size, lanes or 0, band, scratch of a field in complex numbers, passes), a pass
-    being (kernel name, kind, GLSL, invocations for one job, source or field). The best of a size
+    being (kernel name, kind, GLSL, invocations for one job, source or field, vec4 a row). The best of a size
     come first."""
     made = []
     for band in (True, False):
@@ -53,7 +53,7 @@ def transforms():
 
 def kernels():
     """name: GLSL; transforms may share a kernel."""
-    return {name: text for *_, passes in transforms() for name, _, text, _ in passes}
+    return {name: text for *_, passes in transforms() for name, _, text, *_ in passes}
 
 
 def spirv_words(path):
@@ -73,10 +73,10 @@ def embed(out, modules):
         design = "T" if lanes else "W"
         list_name = f"{design.lower()}_{n}{'_band' if band else ''}_passes"
         listed = []
-        for name, kind, _, invocations in passes:
+        for name, kind, _, invocations, row in passes:
             assert invocations % WORKGROUP == 0, name
             listed.append(f'{{{{"{name}", {name}_words}}, PassKind::{kind}, '
-                          f'{invocations // WORKGROUP}}}')
+                          f'{invocations // WORKGROUP}, {row}}}')
         text.append(f"constexpr Pass {list_name}[] = {{" + ", ".join(listed) + "};\n")
         rows.append(f'    {{{n}, "{design}", {lanes}, {str(band).lower()}, {scratch}, '
                     f'{list_name}}},\n')

@@ -35,6 +35,8 @@ struct Pass {
     Shader shader;
     PassKind kind;
     std::uint32_t groups; ///< workgroups a part
+    /// vec4 in one of the N / 2 rows that a part leaves in memory; 0: it leaves maps.
+    std::uint32_t row_texels;
 };
 
 struct Transform {

@@ -156,4 +156,29 @@ std::span<const Phase> Batch::prepare(std::span<const NativeTask> tasks, std::si
     return phases_;
 }
 
+std::vector<NativeLines> Batch::lines(std::size_t task) const {
+    static constexpr const char* source_names[source_count] = {"h", "h/k", "dh/dt", "dh/dt/k"};
+    static constexpr const char* power_names[3] = {"", " ky", " ky^2"};
+    const Work& work = work_[task];
+    const auto size = static_cast<std::size_t>(work.kernels->size), half = size / 2;
+    const auto wanted = static_cast<std::size_t>(work.rows.base_count);
+    std::vector<NativeLines> all;
+    for (std::size_t base = 0; base < base_count; ++base) {
+        if ((work.columns.bases >> base & 1u) == 0)
+            continue;
+        NativeLines lines{std::string(source_names[base / 3]) + power_names[base % 3],
+                          std::vector<std::complex<float>>(size * half)};
+        const std::size_t written =
+            std::min(half, static_cast<std::size_t>(std::max(work.rows.columns, 0)));
+        for (std::size_t y = 0; y < size; ++y) {
+            const float* re =
+                work.rows.lines + (y * wanted + all.size()) * 2 * work.rows.line_pitch;
+            for (std::size_t x = 0; x < written; ++x)
+                lines.values[y * half + x] = {re[x], re[x + work.rows.line_pitch]};
+        }
+        all.push_back(std::move(lines));
+    }
+    return all;
+}
+
 } // namespace seaway::sea::native

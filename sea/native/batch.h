@@ -28,6 +28,10 @@ class Batch {
     /// it. Throws std::bad_alloc.
     std::span<const Phase> prepare(std::span<const NativeTask> tasks, std::size_t held = 0);
 
+    /// Of one task of the last prepare() whose phases have run, while no later task has had its
+    /// buffer.
+    std::vector<NativeLines> lines(std::size_t task) const;
+
   private:
     /// One task as the kernels take it.
     struct Work {

@@ -23,9 +23,12 @@
 // docs/performance.md.
 #pragma once
 
+#include <complex>
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <string>
+#include <vector>
 
 #include "sea/basics/field.h"
 #include "sea/basics/time.h"
@@ -45,6 +48,12 @@ struct NativeTask {
     std::span<float> planes; ///< out: [field in table order][y][x], fields.size() * size^2 values
 };
 
+/// What stands between the two passes: a half spectrum, transformed along y and not yet along x.
+struct NativeLines {
+    std::string name;                        ///< what was transformed: "h", "h/k ky", "dh/dt ky^2"
+    std::vector<std::complex<float>> values; ///< [y][kx], kx = 0 .. size/2 - 1 lattice steps
+};
+
 class NativeRunner {
   public:
     /// Threads including the caller; 0: as many as the machine runs at once.
@@ -58,6 +67,9 @@ class NativeRunner {
     /// Fills the planes of every task. Give tasks that are wanted together in one call: threads
     /// then never idle between them.
     void run(std::span<const NativeTask> tasks);
+
+    /// Runs one task and copies its lines, for pictures of intermediate results.
+    std::vector<NativeLines> run_and_show(const NativeTask& task);
 
     /// Real fields that are transformed for a set: itself, with the strains of a Jacobian.
     static FieldSet transformed(FieldSet fields);

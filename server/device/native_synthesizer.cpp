@@ -72,4 +72,19 @@ NativeSynthesizer::synthesize(std::span<const KeyframeRequest> requests) try {
     return Error{"native synthesis: out of memory"};
 }
 
+Result<std::vector<SynthesisStage>> NativeSynthesizer::stages(const KeyframeRequest& request) {
+    const sea::NativeTransform& cascade = cascades_[static_cast<std::size_t>(request.cascade)];
+    const auto size = static_cast<std::size_t>(cascade.size());
+    std::vector<float> planes(static_cast<std::size_t>(request.fields.size()) * size * size);
+    std::vector<SynthesisStage> stages;
+    for (const sea::NativeLines& lines : runner_.run_and_show(
+             {&cascade, sea_->phase_time(request.time_us), request.fields, planes})) {
+        SynthesisStage stage{"columns", lines.name, cascade.size(), cascade.size() / 2, true, {}};
+        for (const std::complex<float>& value : lines.values)
+            stage.values.insert(stage.values.end(), {value.real(), value.imag()});
+        stages.push_back(std::move(stage));
+    }
+    return stages;
+}
+
 } // namespace seaway::server

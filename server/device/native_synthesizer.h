@@ -21,6 +21,7 @@ class NativeSynthesizer final : public Synthesizer {
     Result<void> set_sea(sea::RealizationPtr sea, std::uint32_t epoch) override;
     Result<std::vector<sea::KeyframePtr>>
     synthesize(std::span<const KeyframeRequest> requests) override;
+    Result<std::vector<SynthesisStage>> stages(const KeyframeRequest& request) override;
     SynthesisCounters counters() const override { return counters_; }
 
   private:

@@ -15,6 +15,7 @@
 #include "sea/basics/field.h"
 #include "sea/surface/keyframe.h"
 #include "sea/waves/realization.h"
+#include "server/device/synthesis_stage.h"
 
 namespace seaway::server {
 
@@ -47,6 +48,11 @@ class Synthesizer {
     /// means the device failed (lost, out of memory): the caller rebuilds or gives up.
     virtual Result<std::vector<sea::KeyframePtr>>
     synthesize(std::span<const KeyframeRequest> requests) = 0;
+
+    /// What one keyframe goes through on the way to its maps, pass by pass; without the maps. Slow.
+    virtual Result<std::vector<SynthesisStage>> stages(const KeyframeRequest&) {
+        return Error{"this device shows no stages"};
+    }
 
     virtual SynthesisCounters counters() const = 0;
 };

@@ -29,7 +29,7 @@ void VulkanBatch::write(Buffer& buffer, std::span<const std::byte> bytes) {
 }
 
 Result<void> VulkanBatch::record(std::span<const Job> jobs, const Packing& packing,
-                                 const sea::Choppiness* choppiness) {
+                                 const sea::Choppiness* choppiness, std::size_t passes) {
     std::vector<shaders::SynthesisJob> texels;
     for (const Job& job : jobs) {
         const auto time = static_cast<std::uint64_t>(job.phase_time_us);
@@ -50,7 +50,7 @@ Result<void> VulkanBatch::record(std::span<const Job> jobs, const Packing& packi
     const shaders::SynthesisPush push{static_cast<std::uint32_t>(packing.sources),
                                       static_cast<std::uint32_t>(packing.fields)};
     const auto count = static_cast<std::uint32_t>(jobs.size());
-    for (std::size_t i = 0; i < kernels_.passes.size(); ++i) {
+    for (std::size_t i = 0; i < passes; ++i) {
         if (i > 0)
             commands_.barrier(Stage::compute, Stage::compute);
         dispatch(kernels_.passes[i], bindings_[i], push, count);
@@ -61,7 +61,11 @@ Result<void> VulkanBatch::record(std::span<const Job> jobs, const Packing& packi
         dispatch_jacobian(packing, *choppiness, count);
         stamp();
     }
-    finish(jobs.size(), push.fields, choppiness != nullptr);
+    const std::size_t map_bytes = points() * jobs.size() * sizeof(float);
+    const std::size_t bytes = passes == kernels_.passes.size()
+                                  ? map_bytes * push.fields
+                                  : pass_floats(passes - 1, packing) * sizeof(float);
+    finish(target(passes - 1), bytes, choppiness != nullptr ? map_bytes : 0);
     return commands_.end();
 }
 
@@ -94,15 +98,15 @@ void VulkanBatch::dispatch_jacobian(const Packing& packing, const sea::Choppines
                        groups, 1, jobs);
 }
 
-void VulkanBatch::finish(std::size_t jobs, std::size_t fields, bool jacobian) {
+void VulkanBatch::finish(const Buffer& result, std::size_t bytes, std::size_t jacobian_bytes) {
     if (readback_.size_bytes() == 0) {
         commands_.barrier(Stage::compute, Stage::host);
         return;
     }
     commands_.barrier(Stage::compute, Stage::copy);
-    commands_.copy(maps(), readback_, points() * jobs * fields * sizeof(float));
-    if (jacobian)
-        commands_.copy(jacobian_, readback_, points() * jobs * sizeof(float), 0, jacobian_offset_);
+    commands_.copy(result, readback_, bytes);
+    if (jacobian_bytes > 0)
+        commands_.copy(jacobian_, readback_, jacobian_bytes, 0, jacobian_offset_);
     commands_.barrier(Stage::copy, Stage::host);
 }
 
@@ -110,7 +114,8 @@ Result<void> VulkanBatch::run(std::span<const Job> jobs, const Packing& packing,
                               const sea::Choppiness* choppiness) {
     SEAWAY_CHECK(packing.fields > 0 && !jobs.empty(), "nothing to run");
     SEAWAY_CHECK(static_cast<int>(jobs.size()) <= max_jobs(packing.fields), "too many jobs");
-    if (Result<void> recorded = record(jobs, packing, choppiness); !recorded)
+    if (Result<void> recorded = record(jobs, packing, choppiness, kernels_.passes.size());
+        !recorded)
         return recorded;
     const auto start = std::chrono::steady_clock::now();
     if (Result<void> done = device_.submit_and_wait(commands_); !done)

@@ -13,6 +13,7 @@
 #include "gpu/commands.h"
 #include "gpu/timer.h"
 #include "sea/waves/realization.h"
+#include "server/device/synthesis_stage.h"
 #include "server/device/vulkan_fields.h"
 #include "server/device/vulkan_kernels.h"
 
@@ -38,6 +39,9 @@ class VulkanBatch {
     /// Computes; with `choppiness` the Jacobian too (the strains must be in the packing).
     Result<void> run(std::span<const Job> jobs, const Packing& packing,
                      const sea::Choppiness* choppiness);
+
+    /// What a pass leaves, for every pass but the last, which leaves the maps. Computes once a pass.
+    Result<std::vector<SynthesisStage>> stages(const Job& job, const Packing& packing);
 
     /// Of the last run: copies one field, [y][x]; `plane` as in Packing.
     void read_plane(int job, int plane, std::span<float> out) const;
@@ -65,16 +69,22 @@ class VulkanBatch {
     Result<void> bind();
     void stamp();
     Result<void> read_timer(double wall_seconds);
+    /// The first `passes` passes.
     Result<void> record(std::span<const Job> jobs, const Packing& packing,
-                        const sea::Choppiness* choppiness);
+                        const sea::Choppiness* choppiness, std::size_t passes);
+    /// Floats that one job has in memory after a pass that is not the last.
+    std::size_t pass_floats(std::size_t pass, const Packing& packing) const;
+    Result<std::vector<float>> output(const Job& job, const Packing& packing, std::size_t pass);
     void write(gpu::Buffer& buffer, std::span<const std::byte> bytes);
     void dispatch(const SynthesisKernels::Pass& pass, const gpu::Bindings& bindings,
                   const shaders::SynthesisPush& push, std::uint32_t jobs);
     void dispatch_jacobian(const Packing& packing, const sea::Choppiness& choppiness,
                            std::uint32_t jobs);
-    void finish(std::size_t jobs, std::size_t fields, bool jacobian);
+    /// Makes `bytes` of `result`, and of the Jacobian, visible to this side.
+    void finish(const gpu::Buffer& result, std::size_t bytes, std::size_t jacobian_bytes);
     std::vector<gpu::Resource> resources(std::size_t pass) const;
-    const gpu::Buffer& maps() const { return scratch_[(kernels_.passes.size() + 1) % 2]; }
+    const gpu::Buffer& target(std::size_t pass) const { return scratch_[pass % 2]; }
+    const gpu::Buffer& maps() const { return target(kernels_.passes.size() - 1); }
     std::size_t points() const {
         return static_cast<std::size_t>(kernels_.size()) *
                static_cast<std::size_t>(kernels_.size());

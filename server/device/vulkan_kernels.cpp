@@ -54,7 +54,7 @@ Result<SynthesisKernels> SynthesisKernels::create(gpu::Device& device,
                                 {.full_subgroups = transform.lanes != 0});
         if (!kernel)
             return kernel.error();
-        made.passes.push_back({std::move(*kernel), pass.kind, pass.groups});
+        made.passes.push_back({std::move(*kernel), pass.kind, pass.groups, pass.row_texels});
     }
     Result<gpu::Kernel> jacobian = gpu::Kernel::create(device, shaders::jacobian().name,
                                                        shaders::jacobian().spirv, jacobian_pass());

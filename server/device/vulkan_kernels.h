@@ -15,7 +15,8 @@ struct SynthesisKernels {
     struct Pass {
         gpu::Kernel kernel;
         shaders::PassKind kind;
-        std::uint32_t groups; ///< workgroups a part
+        std::uint32_t groups;     ///< workgroups a part
+        std::uint32_t row_texels; ///< as shaders::Pass has it
     };
     const shaders::Transform* transform = nullptr;
     std::vector<Pass> passes;

@@ -46,6 +46,7 @@ class Vulkan final : public VulkanSynthesizer {
     Result<void> set_sea(sea::RealizationPtr sea, std::uint32_t epoch) override;
     Result<std::vector<sea::KeyframePtr>>
     synthesize(std::span<const KeyframeRequest> requests) override;
+    Result<std::vector<SynthesisStage>> stages(const KeyframeRequest& request) override;
     SynthesisCounters counters() const override;
     std::vector<std::string> validation_messages() const override {
         return device_->validation().validation_messages();
@@ -302,6 +303,15 @@ void Vulkan::copy_maps(const VulkanBatch& device_batch, const Packing& packing,
                      },
                      &maps, static_cast<int>(maps.size())};
     copiers_.run({&copy, 1});
+}
+
+Result<std::vector<SynthesisStage>> Vulkan::stages(const KeyframeRequest& request) {
+    const auto cascade = static_cast<std::size_t>(request.cascade);
+    const bool jacobian = request.fields.contains(sea::Field::jacobian);
+    const sea::FieldSet linear = linear_part(request.fields);
+    return groups_.at(sea_->cascades[cascade].spec.size)
+        .batch->stages({position_[cascade], sea_->phase_time(request.time_us)},
+                       pack(jacobian ? linear | strains : linear));
 }
 
 SynthesisCounters Vulkan::counters() const {

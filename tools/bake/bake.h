@@ -16,8 +16,8 @@
 #include "sea/basics/field.h"
 #include "sea/scene/scene.h"
 #include "server/device/synthesizer.h"
-#include "tools/bake/exr_map.h"
 #include "tools/bake/mesh.h"
+#include "tools/exr/exr_map.h"
 
 namespace seaway::bake {
 
@@ -34,7 +34,7 @@ struct BakeOptions {
     sea::TimeUs start_us = 0;
     sea::FieldSet fields; ///< not empty
     bool half = false;
-    ExrCompression compression = ExrCompression::none;
+    exr::ExrCompression compression = exr::ExrCompression::none;
     bool summed = false;   ///< the sea on the longest tile's square, not its cascades
     bool vectors = false;  ///< R, G, B, A in place of channels by name
     bool north_up = false; ///< line 0 of an image is the northernmost row, not the southernmost

@@ -117,7 +117,7 @@ int run(Options& options) {
     const Result<sea::FieldSet> fields = bake::parse_fields(options.fields);
     if (!fields)
         return fail(exit_usage, fields.error().message);
-    const Result<bake::ExrCompression> compression = bake::exr_compression(options.compression);
+    const Result<exr::ExrCompression> compression = exr::exr_compression(options.compression);
     if (!compression)
         return fail(exit_usage, compression.error().message);
     if (!(std::abs(options.start_s) <= 1e9))

@@ -13,6 +13,8 @@
 
 namespace seaway::bake {
 
+using exr::ExrAttribute;
+using exr::ExrChannel;
 using sea::Field;
 
 namespace {
@@ -55,13 +57,14 @@ Result<void> TileFiles::write(int frame, const std::string& name, const sea::Key
                               std::span<const float> foam) {
     const std::string stem = options_.folder + "/" + name;
     std::vector<std::vector<float>> made; // planes that no keyframe holds
-    const ExrMap map{.size = tile.size,
-                     .channels = channels(tile, foam, made),
-                     .attributes = attributes(frame, tile),
-                     .half = options_.half,
-                     .compression = options_.compression,
-                     .upside_down = options_.north_up};
-    if (Result<void> written = write_exr(stem + ".exr", map); !written)
+    const exr::ExrMap map{.width = tile.size,
+                          .height = tile.size,
+                          .channels = channels(tile, foam, made),
+                          .attributes = attributes(frame, tile),
+                          .half = options_.half,
+                          .compression = options_.compression,
+                          .upside_down = options_.north_up};
+    if (Result<void> written = exr::write_exr(stem + ".exr", map); !written)
         return written;
     count_file(stem + ".exr");
     return options_.mesh == MeshFormat::none ? Result<void>() : write_mesh_beside(stem, tile);

@@ -33,10 +33,10 @@ class TileFiles {
     std::uint64_t bytes() const { return bytes_; }
 
   private:
-    std::vector<ExrChannel> channels(const sea::Keyframe& tile, std::span<const float> foam,
-                                     std::vector<std::vector<float>>& made) const;
+    std::vector<exr::ExrChannel> channels(const sea::Keyframe& tile, std::span<const float> foam,
+                                          std::vector<std::vector<float>>& made) const;
     std::vector<std::vector<float>> vectors(const sea::Keyframe& tile) const;
-    std::vector<ExrAttribute> attributes(int frame, const sea::Keyframe& tile) const;
+    std::vector<exr::ExrAttribute> attributes(int frame, const sea::Keyframe& tile) const;
     Result<void> write_mesh_beside(const std::string& stem, const sea::Keyframe& tile);
     void count_file(const std::string& path);
 
@@ -44,7 +44,7 @@ class TileFiles {
     const BakeOptions& options_;
     const sea::FoamLaw* law_;
     const bool repeats_;
-    const std::vector<ExrAttribute> attributes_; ///< the same in every file
+    const std::vector<exr::ExrAttribute> attributes_; ///< the same in every file
     int count_ = 0;
     std::uint64_t bytes_ = 0;
 };

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "sea/waves/moments.h"
+#include "tools/inspect/images.h"
 #include "tools/inspect/picture.h"
 #include "tools/inspect/points.h"
 #include "tools/inspect/report.h"
@@ -26,6 +27,8 @@ struct Options {
     std::string spectrum;
     std::string points;
     std::string plot;
+    inspect::ImagesOptions images;
+    double time_s = 0.0;
 };
 
 constexpr int exit_usage = 2;
@@ -68,6 +71,15 @@ Result<std::string> points_csv(const inspect::Report& report, const std::string&
                            inspect::answer_points(report.sea, fold_search(report.budget), *points));
 }
 
+Result<std::string> images(const inspect::Report& report, inspect::ImagesOptions options,
+                           double time_s) {
+    options.time_us = sea::us_from_seconds(time_s);
+    const Result<int> files = inspect::write_images(report.sea, options);
+    if (!files)
+        return files.error();
+    return fmt::format("{} files in {}\n", *files, options.folder);
+}
+
 /// What goes to stdout.
 Result<std::string> run(const Options& options) {
     const Result<sea::Scene> scene = sea::read_scene(options.scene);
@@ -85,6 +97,8 @@ Result<std::string> run(const Options& options) {
         return spectrum_csv(*scene, options.spectrum);
     if (!options.points.empty())
         return points_csv(*report, options.points);
+    if (!options.images.folder.empty())
+        return images(*report, options.images, options.time_s);
     return options.format == "json" ? inspect::to_json(*report) : inspect::to_text(*report);
 }
 
@@ -104,6 +118,19 @@ void declare(CLI::App& app, Options& options) {
         ->type_name("FILE.csv");
     app.add_option("--plot", options.plot, "Draw spectrum, directions and cascades")
         ->type_name("FILE.png");
+    auto* images = app.add_option("--images", options.images.folder,
+                                  "Draw h0(k), h(k,t), every pass and every map of each cascade")
+                       ->excludes(spectrum)
+                       ->type_name("DIR");
+    app.add_option("--device", options.images.device,
+                   "Of --images: native, auto, or index or part of a name of a Vulkan device")
+        ->needs(images)
+        ->capture_default_str()
+        ->type_name("NAME");
+    app.add_option("--time", options.time_s, "Of --images: sea time")
+        ->needs(images)
+        ->check(CLI::Range(-1e9, 1e9))
+        ->type_name("SECONDS");
     app.set_version_flag("--version", "seaway-inspect " SEAWAY_VERSION);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/bake/exr_map.h"
+#include "tools/exr/exr_map.h"
 
 #include <cmath>
 #include <cstdio>
@@ -20,7 +20,7 @@
 #include <OpenEXR/ImfStringAttribute.h>
 #pragma GCC diagnostic pop
 
-namespace seaway::bake {
+namespace seaway::exr {
 
 namespace {
 
@@ -39,7 +39,7 @@ Imf::Compression imf(ExrCompression compression) {
 }
 
 Imf::Header header(const ExrMap& map) {
-    Imf::Header header(map.size, map.size);
+    Imf::Header header(map.width, map.height);
     header.compression() = imf(map.compression);
     for (const auto& [name, value] : map.attributes)
         if (const double* number = std::get_if<double>(&value))
@@ -62,31 +62,32 @@ std::vector<half> halves(std::span<const float> values) {
     return rounded;
 }
 
-/// The rows of a square map in the other order.
+/// The rows of a map in the other order.
 template <class T>
-std::vector<T> upside_down(std::span<const T> values, std::size_t size) {
+std::vector<T> upside_down(std::span<const T> values, std::size_t width) {
     std::vector<T> turned;
     turned.reserve(values.size());
-    for (std::size_t row = size; row-- > 0;)
-        turned.insert(turned.end(), values.begin() + static_cast<std::ptrdiff_t>(row * size),
-                      values.begin() + static_cast<std::ptrdiff_t>((row + 1) * size));
+    for (std::size_t row = values.size() / width; row-- > 0;)
+        turned.insert(turned.end(), values.begin() + static_cast<std::ptrdiff_t>(row * width),
+                      values.begin() + static_cast<std::ptrdiff_t>((row + 1) * width));
     return turned;
 }
 
 Result<void> write_pixels(const std::string& path, const ExrMap& map) {
-    const auto size = static_cast<std::size_t>(map.size);
+    const auto width = static_cast<std::size_t>(map.width);
+    const auto height = static_cast<std::size_t>(map.height);
     Imf::FrameBuffer pixels;
     std::vector<std::vector<float>> turned(map.channels.size());
     std::vector<std::vector<half>> rounded(map.channels.size());
     for (std::size_t c = 0; c < map.channels.size(); ++c) {
         const std::string& name = map.channels[c].name;
         std::span<const float> values = map.channels[c].values;
-        SEAWAY_CHECK(values.size() == size * size, "a channel has the size of its map");
+        SEAWAY_CHECK(values.size() == width * height, "a channel has the size of its map");
         if (map.upside_down)
-            values = turned[c] = upside_down(values, size);
+            values = turned[c] = upside_down(values, width);
         if (!map.half) { // the library wants char*, and reads
             auto* base = const_cast<char*>(reinterpret_cast<const char*>(values.data()));
-            pixels.insert(name, Imf::Slice(Imf::FLOAT, base, sizeof(float), sizeof(float) * size));
+            pixels.insert(name, Imf::Slice(Imf::FLOAT, base, sizeof(float), sizeof(float) * width));
             continue;
         }
         rounded[c] = halves(values);
@@ -96,11 +97,11 @@ Result<void> write_pixels(const std::string& path, const ExrMap& map) {
                             "bake floats",
                             path, name)};
         auto* base = reinterpret_cast<char*>(rounded[c].data());
-        pixels.insert(name, Imf::Slice(Imf::HALF, base, sizeof(half), sizeof(half) * size));
+        pixels.insert(name, Imf::Slice(Imf::HALF, base, sizeof(half), sizeof(half) * width));
     }
     Imf::OutputFile file(path.c_str(), header(map));
     file.setFrameBuffer(pixels);
-    file.writePixels(map.size);
+    file.writePixels(map.height);
     return {};
 }
 
@@ -133,4 +134,4 @@ Result<void> write_exr(const std::string& path, const ExrMap& map) {
     return written;
 }
 
-} // namespace seaway::bake
+} // namespace seaway::exr

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One OpenEXR file: the maps of one cascade at one time, a channel a field, and what one has to
-// know about them as header attributes.
+// One OpenEXR file: maps of one size, a channel each, and what one has to know about them as header
+// attributes.
 //
 // Line y of the image is row y of the map, south to north, which most viewers show upside down; or the
 // other way round, as programs expect that put the origin of texture coordinates at the lower left.
@@ -15,7 +15,7 @@
 
 #include "base/result.h"
 
-namespace seaway::bake {
+namespace seaway::exr {
 
 struct ExrChannel {
     std::string name;
@@ -31,7 +31,8 @@ enum class ExrCompression { none, rle, zip, piz };
 Result<ExrCompression> exr_compression(std::string_view name);
 
 struct ExrMap {
-    int size = 0;
+    int width = 0;
+    int height = 0;
     std::vector<ExrChannel> channels;
     std::vector<ExrAttribute> attributes;
     bool half = false; ///< 16 bits a value: 11 significant ones, up to 65504
@@ -43,4 +44,4 @@ struct ExrMap {
 /// cannot hold are an error.
 Result<void> write_exr(const std::string& path, const ExrMap& map);
 
-} // namespace seaway::bake
+} // namespace seaway::exr

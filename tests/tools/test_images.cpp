@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+// seaway-inspect --images: the numbers beside the pictures are those of the definition.
+#include <complex>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wold-style-cast"
+#pragma GCC diagnostic ignored "-Wshadow"
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfInputFile.h>
+#pragma GCC diagnostic pop
+
+#include "sea/basics/field.h"
+#include "sea/scene/scene.h"
+#include "tests/tools/program.h"
+
+namespace seaway {
+namespace {
+
+using testing::Output;
+using Complex = std::complex<double>;
+
+const std::string scene_text = R"(
+[sea]
+seed = 5
+[[sea.system]]
+type = "wind"
+wind_speed_10m_mps = 11.0
+from_deg = 200
+fetch_m = 80e3
+[[cascade]]
+length_m = 301.0
+size = 128
+)";
+constexpr int size = 128;
+
+/// One EXR of the pictures.
+struct ArrayFile {
+    int rows = 0;
+    int columns = 0;
+    std::vector<float> first;  ///< Y, or re
+    std::vector<float> second; ///< im, or empty
+
+    explicit ArrayFile(const std::string& path) {
+        Imf::InputFile file(path.c_str());
+        columns = file.header().dataWindow().max.x + 1;
+        rows = file.header().dataWindow().max.y + 1;
+        if (file.header().channels().findChannel("Y") != nullptr)
+            first = read(file, "Y");
+        else {
+            first = read(file, "re");
+            second = read(file, "im");
+        }
+    }
+    Complex at(int row, int column) const {
+        const auto i = static_cast<std::size_t>(row * columns + column);
+        return {static_cast<double>(first[i]), static_cast<double>(second[i])};
+    }
+
+  private:
+    std::vector<float> read(Imf::InputFile& file, const char* channel) const {
+        const auto width = static_cast<std::size_t>(columns);
+        std::vector<float> values(width * static_cast<std::size_t>(rows));
+        Imf::FrameBuffer buffer;
+        buffer.insert(channel, Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(values.data()),
+                                          sizeof(float), sizeof(float) * width));
+        file.setFrameBuffer(buffer);
+        file.readPixels(0, rows - 1);
+        return values;
+    }
+};
+
+std::string draw(const std::string& device) {
+    const std::string scene = testing::folder().write("images.toml", scene_text);
+    const std::string out = testing::folder().file("images_" + device);
+    const Output ran = testing::run_program("seaway-inspect", scene + " --time 12.5 --device " +
+                                                                  device + " --images " + out);
+    EXPECT_EQ(ran.status, 0) << ran.err;
+    return out + "/cascade0_";
+}
+
+TEST(Images, h0_is_the_realised_spectrum_and_h_its_sum_of_both_ways_at_the_time) {
+    const std::string stem = draw("native");
+    const sea::Realization sea =
+        sea::realize(sea::parse_scene(scene_text, "images.toml", ".").value()).value();
+    const sea::CascadeModes& modes = sea.cascades[0];
+    const ArrayFile h0(stem + "h0.exr"), h(stem + "h.exr");
+    ASSERT_EQ(h0.rows, size);
+    double largest = 0;
+    for (const Complex& value : modes.h0)
+        largest = std::max(largest, std::abs(value));
+    const auto at = [&](int nx, int ny) {
+        return modes.h0[static_cast<std::size_t>((ny + size) % size * size + (nx + size) % size)];
+    };
+    for (int ny = -size / 2 + 1; ny < size / 2; ++ny)
+        for (int nx = -size / 2 + 1; nx < size / 2; ++nx) {
+            // k = 0 stands in the middle.
+            EXPECT_LE(std::abs(h0.at(ny + size / 2, nx + size / 2) - at(nx, ny)), 1e-7 * largest);
+            const double omega = sea::omega_from_rate(modes.rate[static_cast<std::size_t>(
+                (ny + size) % size * size + (nx + size) % size)]);
+            const Complex turn = std::polar(1.0, -omega * 12.5);
+            const Complex truth = at(nx, ny) * turn + std::conj(at(-nx, -ny) * turn);
+            EXPECT_LE(std::abs(h.at(ny + size / 2, nx + size / 2) - truth), 1e-6 * largest);
+        }
+}
+
+/// sum over ky of h(k,t) exp(i ky y), the half of the transform that comes first.
+Complex along_y(const ArrayFile& h, int y, int nx) {
+    Complex sum = 0;
+    for (int ny = -size / 2 + 1; ny < size / 2; ++ny)
+        sum += h.at(ny + size / 2, nx + size / 2) *
+               std::polar(1.0, 2 * 3.14159265358979324 * ny * y / size);
+    return sum;
+}
+
+TEST(Images, passes_of_both_devices_are_the_transform_along_y) {
+    const std::string native = draw("native"), vulkan = draw("llvmpipe");
+    const ArrayFile h(native + "h.exr"), columns(native + "columns_h.exr");
+    // lavapipe's subgroups of 8 lanes run design T at 128; source 0 holds h itself.
+    const ArrayFile source(vulkan + "t128_evolve_band_source_0.exr");
+    ASSERT_EQ(columns.rows, size);
+    ASSERT_EQ(source.rows, size);
+    double largest = 0;
+    for (int y = 0; y < size; ++y)
+        for (int nx = 0; nx < 20; ++nx)
+            largest = std::max(largest, std::abs(along_y(h, y, nx)));
+    for (int y = 0; y < size; y += 7)
+        for (int nx = 0; nx < 30; ++nx) {
+            const Complex truth = along_y(h, y, nx);
+            EXPECT_LE(std::abs(columns.at(y, nx) - truth), 1e-5 * largest) << y << ", " << nx;
+            EXPECT_LE(std::abs(source.at(y, nx) - truth), 1e-5 * largest) << y << ", " << nx;
+        }
+}
+
+TEST(Images, every_map_of_both_devices_is_drawn_and_the_same) {
+    const std::string native = draw("native"), vulkan = draw("llvmpipe");
+    for (const sea::FieldInfo& field : sea::field_table) {
+        if (field.field == sea::Field::foam) // a history, not a stage of a keyframe
+            continue;
+        const std::string name(field.name);
+        EXPECT_TRUE(std::filesystem::exists(native + name + ".png"));
+        const ArrayFile a(native + name + ".exr"), b(vulkan + name + ".exr");
+        double squares = 0, worst = 0;
+        for (std::size_t i = 0; i < a.first.size(); ++i) {
+            squares += static_cast<double>(a.first[i]) * static_cast<double>(a.first[i]);
+            worst = std::max(worst, std::abs(static_cast<double>(a.first[i] - b.first[i])));
+        }
+        EXPECT_GT(squares, 0) << name;
+        EXPECT_LE(worst, 1e-5 * 4 * std::sqrt(squares / (size * size))) << name;
+    }
+}
+
+TEST(Images, a_device_that_is_not_there_is_one_line) {
+    const std::string scene = testing::folder().write("images.toml", scene_text);
+    const Output ran = testing::run_program(
+        "seaway-inspect", scene + " --device nowhere --images " + testing::folder().file("none"));
+    EXPECT_EQ(ran.status, 2);
+    EXPECT_EQ(ran.error_lines(), 1) << ran.err;
+}
+
+} // namespace
+} // namespace seaway

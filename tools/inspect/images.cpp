@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/inspect/images.h"
+
+#include <cctype>
+#include <complex>
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "server/device/native_synthesizer.h"
+#include "server/device/vulkan_synthesizer.h"
+#include "tools/inspect/array_picture.h"
+
+namespace seaway::inspect {
+
+using server::KeyframeRequest;
+using server::Synthesizer;
+
+namespace {
+
+Result<std::unique_ptr<Synthesizer>> make_device(const std::string& name) {
+    if (name == "native")
+        return std::unique_ptr<Synthesizer>(std::make_unique<server::NativeSynthesizer>());
+    Result<std::unique_ptr<server::VulkanSynthesizer>> made =
+        server::make_vulkan_synthesizer({name, false});
+    if (!made)
+        return made.error();
+    return std::unique_ptr<Synthesizer>(std::move(made).value());
+}
+
+/// Words of a file name: what is no letter or digit becomes "_".
+std::string file_words(const std::string& text) {
+    std::string words;
+    for (const char c : text)
+        words += std::isalnum(static_cast<unsigned char>(c)) != 0 ? c : '_';
+    return words;
+}
+
+class ImageWriter {
+  public:
+    ImageWriter(const sea::Realization& sea, const ImagesOptions& options)
+        : sea_(sea), options_(options) {}
+
+    /// h0(k) and h(k,t), in double and then as floats: the same for every device.
+    Result<void> spectra(std::size_t cascade) {
+        const sea::CascadeModes& modes = sea_.cascades[cascade];
+        const auto size = static_cast<std::size_t>(modes.spec.size);
+        const sea::TimeUs phase_time = sea_.phase_time(options_.time_us);
+        std::vector<float> h0(2 * size * size), h(2 * size * size);
+        for (std::size_t y = 0; y < size; ++y)
+            for (std::size_t x = 0; x < size; ++x) {
+                const std::size_t from = y * size + x;
+                const std::size_t mirror = (size - y) % size * size + (size - x) % size;
+                const std::size_t to = 2 * ((y + size / 2) % size * size +
+                                            (x + size / 2) % size); // k = 0 in the middle
+                const double phase = sea::phase_rad(modes.rate[from], phase_time);
+                const std::complex<double> forward = std::polar(1.0, -phase);
+                const std::complex<double> now =
+                    modes.h0[from] * forward + std::conj(modes.h0[mirror]) * std::conj(forward);
+                put(h0, to, modes.h0[from]);
+                put(h, to, now);
+            }
+        Array2d array{.title = "h0(k), m",
+                      .rows = modes.spec.size,
+                      .columns = modes.spec.size,
+                      .complex = true,
+                      .north_up = true,
+                      .values = h0};
+        if (Result<void> done = write(cascade, "h0", array); !done)
+            return done;
+        array.title = fmt::format("h(k,t), m, t = {} s", sea::seconds_from_us(options_.time_us));
+        array.values = h;
+        return write(cascade, "h", array);
+    }
+
+    Result<void> stages(std::size_t cascade, Synthesizer& device, const KeyframeRequest& request) {
+        const Result<std::vector<server::SynthesisStage>> stages = device.stages(request);
+        if (!stages)
+            return stages.error();
+        for (const server::SynthesisStage& stage : *stages) {
+            const Array2d array{.title = stage.pass + ": " + stage.name,
+                                .rows = stage.rows,
+                                .columns = stage.columns,
+                                .complex = stage.complex,
+                                .values = stage.values};
+            if (Result<void> done =
+                    write(cascade, file_words(stage.pass + "_" + stage.name), array);
+                !done)
+                return done;
+        }
+        return {};
+    }
+
+    Result<void> maps(const sea::Keyframe& keyframe) {
+        for (const sea::Field field : keyframe.fields) {
+            const sea::FieldInfo& row = sea::info(field);
+            const Array2d array{.title = fmt::format("{}, {}", row.name, row.unit),
+                                .rows = keyframe.size,
+                                .columns = keyframe.size,
+                                .middle = field == sea::Field::jacobian ? 1.0 : 0.0,
+                                .north_up = true,
+                                .values = keyframe.plane(field)};
+            if (Result<void> done =
+                    write(static_cast<std::size_t>(keyframe.cascade), std::string(row.name), array);
+                !done)
+                return done;
+        }
+        return {};
+    }
+
+    int files() const { return files_; }
+
+  private:
+    static void put(std::vector<float>& to, std::size_t at, const std::complex<double>& value) {
+        to[at] = static_cast<float>(value.real());
+        to[at + 1] = static_cast<float>(value.imag());
+    }
+
+    Result<void> write(std::size_t cascade, const std::string& name, Array2d array) {
+        array.title = fmt::format("cascade {} ({:g} m), {}", cascade,
+                                  sea_.cascades[cascade].spec.length_m, array.title);
+        const std::string stem = fmt::format("{}/cascade{}_{}", options_.folder, cascade, name);
+        if (Result<void> drawn = draw_array(array, stem + ".png"); !drawn)
+            return drawn;
+        if (Result<void> saved = save_array(array, stem + ".exr"); !saved)
+            return saved;
+        files_ += 2;
+        return {};
+    }
+
+    const sea::Realization& sea_;
+    const ImagesOptions& options_;
+    int files_ = 0;
+};
+
+sea::FieldSet synthesised_fields() {
+    return sea::FieldSet::from_bits(sea::FieldSet::from_bits(~0u).bits() &
+                                    ~sea::FieldSet{sea::Field::foam}.bits());
+}
+
+} // namespace
+
+Result<int> write_images(const sea::RealizationPtr& sea, const ImagesOptions& options) {
+    Result<std::unique_ptr<Synthesizer>> device = make_device(options.device);
+    if (!device)
+        return device.error();
+    if (Result<void> ready = (*device)->set_sea(sea, 1); !ready)
+        return ready.error();
+    std::error_code failed;
+    std::filesystem::create_directories(options.folder, failed);
+    if (failed)
+        return Error{fmt::format("--images {}: {}", options.folder, failed.message())};
+    ImageWriter writer(*sea, options);
+    for (std::size_t c = 0; c < sea->cascades.size(); ++c) {
+        const KeyframeRequest request{static_cast<int>(c), options.time_us, synthesised_fields()};
+        const Result<std::vector<sea::KeyframePtr>> keyframes =
+            (*device)->synthesize({&request, 1});
+        if (!keyframes)
+            return keyframes.error();
+        if (Result<void> done = writer.spectra(c); !done)
+            return done.error();
+        if (Result<void> done = writer.stages(c, **device, request); !done)
+            return done.error();
+        if (Result<void> done = writer.maps(*keyframes->front()); !done)
+            return done.error();
+    }
+    return writer.files();
+}
+
+} // namespace seaway::inspect
