@@ -14,8 +14,8 @@ namespace seaway::client {
 
 /// Places are at most this far from the origin; beyond, a coordinate resolves no wave.
 inline constexpr double coordinate_max_m = 1e9;
-/// About 290000 years; int64 microseconds end there.
-inline constexpr double time_max_s = 9.2e12;
+/// The range of times on the wire (docs/protocol.md, Limits).
+inline constexpr double time_max_s = 1e12;
 
 struct Place {
     double x_m = 0;

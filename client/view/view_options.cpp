@@ -19,7 +19,7 @@ constexpr int side_max = 16384;
 constexpr int frames_max = 1'000'000;
 constexpr double place_max_m = 1e7;
 constexpr double height_max_m = 20e3;
-constexpr double time_max_s = 9e12;
+constexpr double time_max_s = 1e12; // docs/protocol.md, Limits
 
 constexpr const char* footer =
     "Yaw is a bearing (0 north, 90 east), pitch is positive upwards. The hour is solar time on "

@@ -221,6 +221,19 @@ TEST_F(Program, reads_points_with_times_of_their_own) {
     EXPECT_EQ(answered[1]["height_m"].get<double>(), sea.truth({3, 4, 50'000'000}).height_m);
 }
 
+TEST_F(Program, every_time_that_may_be_asked_for_is_answered_by_the_server_and_locally) {
+    for (const char* time_s : {"1e12", "-1e12"})
+        for (const char* way : {"", " --local"}) {
+            const auto answered = rows("--at 3,4 --time " + std::string(time_s) + way);
+            ASSERT_EQ(answered.size(), 1u);
+            EXPECT_EQ(answered[0]["t_s"].get<double>(), std::stod(time_s));
+            const double truth_m =
+                sea.truth({3, 4, sea::us_from_seconds(std::stod(time_s))}).height_m;
+            EXPECT_NEAR(answered[0]["height_m"].get<double>(), truth_m,
+                        answered[0]["error_m"].get<double>());
+        }
+}
+
 TEST_F(Program, now_is_the_sea_time_of_the_server) {
     const double before_s = sea::seconds_from_us(sea.sea_time_us());
     const auto answered = rows("--at 0,0");
@@ -260,6 +273,8 @@ TEST_F(Program, fails_with_one_line_and_the_documented_exit_code) {
         {url + "/nowhere --at 0,0", 5},
         {"ws://127.0.0.1:1 --at 0,0", 5},
         {url + " --at 0,0 --token-file /no/such/file", 2},
+        {url + " --at 0,0 --time 1.001e12", 2},
+        {url + " --at 0,0 --local --time -9.2e12", 2},
     };
     for (const auto& [arguments, code] : cases) {
         const Outcome outcome = run_program(arguments + " 2>&1");
