@@ -46,20 +46,6 @@ double texel_position(double x_m, double length_m, int size) {
     return (turns - std::floor(turns)) * size;
 }
 
-LagrangianPoint lagrangian(const MapSample& s) {
-    const auto d = [](float x) { return static_cast<double>(x); };
-    LagrangianPoint p;
-    p.height = d(s.value[0]);
-    p.displacement_x = d(s.value[1]);
-    p.displacement_y = d(s.value[2]);
-    p.slope_x = d(s.d_dx[0]);
-    p.slope_y = d(s.d_dy[0]);
-    p.strain_xx = d(s.d_dx[1]);
-    p.strain_yy = d(s.d_dy[2]);
-    p.strain_xy = 0.5 * (d(s.d_dy[1]) + d(s.d_dx[2]));
-    return p;
-}
-
 Error out_of_range(std::string_view field, double value, std::string_view range) {
     return Error{fmt::format("map: {} = {} is out of range, {}", field, value, range)};
 }
@@ -154,12 +140,11 @@ Result<std::unique_ptr<MapStream>> MapStream::start(const MapRequest& request,
 }
 
 MapStream::MapStream(const MapRequest& request, const Surface& surface, MapOptions options)
-    : request_(request), options_(std::move(options)),
-      kernel_(map_kernel(options_.instructions)), inverse_{surface.choppiness(), 1e-4,
-                                                           surface.folds()} {
+    : request_(request), options_(std::move(options)), kernel_(map_kernel(options_.instructions)),
+      surface_(surface) {
     SEAWAY_CHECK(options_.threads >= 1 && options_.threads <= 16, "a map takes 1 .. 16 threads");
     // Room for wherever the solver may look: indices stay positive.
-    const double margin_m = 100.0 + 8.0 * inverse_.folds.reach_m;
+    const double margin_m = 100.0 + 8.0 * surface_.folds().reach_m;
     base_x_m_ = request_.x0_m - margin_m;
     base_y_m_ = request_.y0_m - margin_m;
     for (const SplinePair& pair : surface.pairs()) {
@@ -244,8 +229,8 @@ MapChunk MapStream::compute(int index, Scratch& scratch) const {
                          request_.x0_m - base_x_m_,
                          request_.width_m / request_.columns,
                          y_m - base_y_m_,
-                         static_cast<float>(inverse_.choppiness.x),
-                         static_cast<float>(inverse_.choppiness.y),
+                         static_cast<float>(surface_.choppiness().x),
+                         static_cast<float>(surface_.choppiness().y),
                          from_target,
                          scratch.shift_x.data(),
                          scratch.shift_y.data(),
@@ -260,12 +245,9 @@ MapChunk MapStream::compute(int index, Scratch& scratch) const {
 }
 
 void MapStream::solve_carefully(const MapRow& row, std::span<const int> columns) const {
-    const auto field = [&](double x_m, double y_m) {
-        return lagrangian(kernel_.sample(row.tiles, row.tile_count, x_m, y_m));
-    };
     for (const int column : columns) {
-        const Answer answer =
-            surface_at({row.x0_m + column * row.step_m, row.y_m, 0}, inverse_, field);
+        const Answer answer = surface_.answer(
+            {base_x_m_ + row.x0_m + column * row.step_m, base_y_m_ + row.y_m, request_.time_us});
         if (row.kind == MapKind::height) {
             row.out[column] = static_cast<float>(answer.height_m);
             continue;

@@ -15,8 +15,8 @@
 //     displacement  3: of the *undisplaced* grid point: lambda D_x, lambda D_y, eta, m
 //
 // Heights differ from Surface::answer by at most map_difference_max_m wherever that finds one sheet
-// and converges; where the surface folds both look for the highest sheet, and all but a few points
-// in a hundred agree; in a sea that folds often a query looks more closely (FoldSearch). The same
+// and converges. Points where J comes below fold_suspected_below on the way are answered by it; of the
+// others a few in a hundred of those that are folded show another sheet than the highest. The same
 // splines are summed, mixed in time once for the whole map; each point starts from its neighbour's
 // solution, and the last Newton step is applied to the value by its derivative. Cost with three
 // cascades: about 0.1 us of a core a point for a gale, 0.2 to 0.5 where waves come close to folding
@@ -100,7 +100,7 @@ struct MapOptions {
 class MapStream {
   public:
     /// Starts to compute. The surface must hold request.time_us between its keyframes; its maps are
-    /// shared, the surface itself is not kept.
+    /// shared.
     static Result<std::unique_ptr<MapStream>>
     start(const MapRequest& request, const Surface& surface, MapOptions options = {});
     /// Stops at the end of the rows being computed.
@@ -128,7 +128,7 @@ class MapStream {
     const MapRequest request_;
     const MapOptions options_;
     const MapKernel& kernel_;
-    InverseOptions inverse_;
+    const Surface surface_;
     double base_x_m_ = 0; ///< world coordinate of the kernel's 0
     double base_y_m_ = 0;
     std::vector<std::vector<float>> texels_;

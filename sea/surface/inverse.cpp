@@ -2,9 +2,10 @@
 #include "sea/surface/inverse.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
+
+#include "sea/surface/moment_sheets.h"
 
 namespace seaway::sea {
 
@@ -12,15 +13,6 @@ namespace {
 
 constexpr int newton_steps_max = 12;
 constexpr int halvings_max = 4;
-constexpr int scan_points = 33;
-/// Below this Jacobian on the way, other sheets are looked for. A single trochoid that folds shows
-/// J < 0.4 on all its sheets; an unfolded sea rarely comes here.
-constexpr double fold_suspected_below = 0.4;
-
-struct Vec2 {
-    double x;
-    double y;
-};
 
 struct Sheet {
     Vec2 lagrangian;
@@ -92,63 +84,37 @@ class Solver {
     double jacobian_min_ = std::numeric_limits<double>::infinity();
 };
 
-/// Unit vector along which the surface is compressed most: eigenvector of the smaller eigenvalue of
-/// the symmetric gradient of D.
-Vec2 compression_axis(const LagrangianPoint& point) {
-    const double half_difference = 0.5 * (point.strain_xx - point.strain_yy);
-    const double angle = 0.5 * std::atan2(point.strain_xy, half_difference);
-    return {-std::sin(angle), std::cos(angle)};
-}
+/// Sheets that solve the equation this far apart are two.
+constexpr double apart_m = 1e-3;
 
-/// The line through `origin` along which further sheets are looked for.
-struct ScanLine {
-    Vec2 origin;
-    Vec2 axis;
-    Vec2 at(double s) const { return {origin.x + s * axis.x, origin.y + s * axis.y}; }
-    double along(const Sheet& sheet) const {
-        return sheet.residual.x * axis.x + sheet.residual.y * axis.y;
-    }
-};
+/// The search works in single precision; Newton goes on from what it finds.
+constexpr double start_tolerance_m = 1e-4;
 
-/// A start for Newton from a sign change of the residual between `low` and `high`.
-Vec2 bisect(Solver& solver, const ScanLine& line, double low, double high, bool positive_low) {
-    constexpr int steps = 10;
-    for (int i = 0; i < steps; ++i) {
-        const double middle = 0.5 * (low + high);
-        const bool positive = line.along(solver.evaluate(line.at(middle))) > 0;
-        (positive == positive_low ? low : high) = middle;
-    }
-    return line.at(0.5 * (low + high));
-}
-
-/// Looks for every sheet within reach of the target on the line of strongest compression; returns
-/// the highest one that solves the equation, or `found` if none does.
+/// Every sheet that `sheets` leaves room for; the highest one that solves the equation, or `found` if
+/// none does.
 Sheet highest_sheet(Solver& solver, const Sheet& found, Vec2 target, const InverseOptions& options,
-                    bool& folded) {
-    const ScanLine line{found.lagrangian, compression_axis(found.point)};
-    const double centre =
-        (target.x - line.origin.x) * line.axis.x + (target.y - line.origin.y) * line.axis.y;
-    const double spacing = 2.0 * options.folds.reach_m / (scan_points - 1);
-    const double near_m = 2.0 * spacing; // what comes down so close to the target may cover it
+                    SheetBounds& sheets, bool& folded) {
+    const bool solved = found.residual_m <= options.tolerance_m;
+    const std::optional<Box> box = sheets.others(target, solved ? &found.lagrangian : nullptr,
+                                                 solver.jacobian_min() < fold_suspected_below);
+    if (!box)
+        return found;
+    const Sheets others =
+        find_sheets({options.choppiness, target, *box, sheets.blur_m(), sheets.strain_blur(),
+                     std::max(options.tolerance_m, start_tolerance_m)},
+                    sheets);
+    folded |= others.folded;
     Sheet best = found;
-    bool before = false;
-    for (int i = 0; i < scan_points; ++i) {
-        const double s = centre - options.folds.reach_m + i * spacing;
-        const Sheet here = solver.evaluate(line.at(s));
-        folded |= here.residual_m <= near_m && jacobian(here.point, options.choppiness) <= 0;
-        const bool positive = line.along(here) > 0;
-        if (i > 0 && positive != before) {
-            const Sheet sheet = solver.solve(bisect(solver, line, s - spacing, s, before));
-            if (sheet.residual_m <= options.tolerance_m) {
-                const bool best_solves = best.residual_m <= options.tolerance_m;
-                const double apart = std::hypot(sheet.lagrangian.x - best.lagrangian.x,
-                                                sheet.lagrangian.y - best.lagrangian.y);
-                folded |= best_solves && apart > 100 * options.tolerance_m;
-                if (!best_solves || sheet.point.height > best.point.height)
-                    best = sheet;
-            }
-        }
-        before = positive;
+    for (const Vec2& start : others.found) {
+        const Sheet sheet = solver.solve(start);
+        if (sheet.residual_m > options.tolerance_m)
+            continue;
+        const bool best_solves = best.residual_m <= options.tolerance_m;
+        const double distance_m = std::hypot(sheet.lagrangian.x - best.lagrangian.x,
+                                             sheet.lagrangian.y - best.lagrangian.y);
+        folded |= best_solves && distance_m > apart_m;
+        if (!best_solves || sheet.point.height > best.point.height)
+            best = sheet;
     }
     return best;
 }
@@ -163,8 +129,7 @@ Answer invalid_answer() {
 FoldSearch fold_search(double reach_m, const Choppiness& choppiness, double rms_slope) {
     constexpr double reach_min_m = 1e-3;
     const double squeeze = std::max(choppiness.x, choppiness.y) * rms_slope;
-    return {std::max(reach_m, reach_min_m), squeeze > folds_common_above,
-            squeeze > folds_everywhere_above};
+    return {std::max(reach_m, reach_min_m), squeeze > folds_searched_above};
 }
 
 double jacobian(const LagrangianPoint& point, const Choppiness& choppiness) {
@@ -178,15 +143,15 @@ double surface_slope(const Answer& answer) {
     return horizontal < slope_max * answer.normal[2] ? horizontal / answer.normal[2] : slope_max;
 }
 
-Answer surface_at(const QueryPoint& point, const InverseOptions& options, LagrangianField field) {
+Answer surface_at(const QueryPoint& point, const InverseOptions& options, LagrangianField field,
+                  SheetBounds* sheets) {
     if (!std::isfinite(point.x_m) || !std::isfinite(point.y_m))
         return invalid_answer();
     Solver solver({point.x_m, point.y_m}, options, field);
     Sheet sheet = solver.solve({point.x_m, point.y_m});
-    bool folded = options.folds.everywhere || solver.jacobian_min() <= 0;
-    if (options.folds.always || solver.jacobian_min() < fold_suspected_below ||
-        sheet.residual_m > options.tolerance_m)
-        sheet = highest_sheet(solver, sheet, {point.x_m, point.y_m}, options, folded);
+    bool folded = sheets == nullptr && solver.jacobian_min() < fold_suspected_below;
+    if (sheets != nullptr)
+        sheet = highest_sheet(solver, sheet, {point.x_m, point.y_m}, options, *sheets, folded);
 
     const LagrangianPoint& p = sheet.point;
     const double lx = options.choppiness.x;
@@ -212,6 +177,12 @@ Answer surface_at(const QueryPoint& point, const InverseOptions& options, Lagran
         answer.flags |= answer_not_converged;
     answer.error_m = sheet.residual_m * surface_slope(answer);
     return answer;
+}
+
+Answer surface_at(const QueryPoint& point, const InverseOptions& options,
+                  const DirectSum::Moment& moment) {
+    MomentSheets sheets(moment, options);
+    return surface_at(point, options, LagrangianField(moment), &sheets);
 }
 
 } // namespace seaway::sea

@@ -3,20 +3,23 @@
 // the solution into height, normal and velocity.
 //
 // Damped Newton with the analytic gradient of D from X = x; it converges quadratically wherever the
-// surface does not fold (hard cases D2, D4). Where the Jacobian came close to zero on the way, and
-// everywhere in a sea that folds often (FoldSearch), the line of strongest compression is scanned
-// for further sheets and the highest one is the answer (D3). Flagged answer_folded: several sheets
-// were found, or J <= 0 where the surface comes down near the point. Normals from the cross product
-// of the two tangents (traps T44, F16).
+// surface does not fold (hard cases D2, D4). Whether another sheet may lie near is then asked of the
+// bounds that come with the field; where it may, all of them are found (sea/surface/sheets.h) and the
+// highest one is the answer (D3). Flagged answer_folded: several sheets, or so near the edge of a fold
+// that the field's own error leaves open whether there are. Normals from the cross product of the two
+// tangents (traps T44, F16).
 //
-// Thread-safe; allocates nothing. Cost: 3-6 evaluations, about 50 where it scans.
+// Thread-safe. Cost: 3-6 evaluations; where sheets are looked for 20 to 200 more, and memory.
 #pragma once
 
+#include <optional>
 #include <type_traits>
 
 #include "sea/basics/lagrangian_point.h"
 #include "sea/surface/answer.h"
+#include "sea/surface/sheets.h"
 #include "sea/waves/realization.h"
+#include "sea/waves/reference.h"
 
 namespace seaway::sea {
 
@@ -36,23 +39,36 @@ class LagrangianField {
     LagrangianPoint (*call_)(const void*, double, double);
 };
 
-/// Where further sheets of the surface are looked for (hard case D3).
+/// Where the direct sum is searched for further sheets (hard case D3). Maps know their own roughness
+/// and are searched wherever it says so.
 struct FoldSearch {
-    double reach_m = 10.0; ///< as far apart as sheets can lie: about the largest displacement
+    double reach_m = 10.0; ///< as far as points move sideways: six standard deviations
     /// The sea folds so often that no answer goes without the search: what Newton meets on its way
     /// says too little.
     bool always = false;
-    bool everywhere = false; ///< the sea is a tangle of sheets: every answer counts as folded
 };
 
 /// Folds are common where lambda times the rms slope is above this: on 2 % of a long-crested sea,
 /// Phi(-1 / 0.5) (I18).
 inline constexpr double folds_common_above = 0.5;
-/// And everywhere above this: on a sixth of it.
-inline constexpr double folds_everywhere_above = 1.0;
+/// Above this every exact answer is searched: Phi(-1 / 0.3) is 4e-4.
+inline constexpr double folds_searched_above = 0.3;
+/// Below this Jacobian on Newton's way, others are searched too: a fold as shallow as they are in
+/// calmer seas shows J < 0.4 on all of its sheets.
+inline constexpr double fold_suspected_below = 0.4;
 
 /// Of a sea whose points move `reach_m` sideways at most.
 FoldSearch fold_search(double reach_m, const Choppiness& choppiness, double rms_slope);
+
+/// What is known of a field beyond its value at a point.
+class SheetBounds : public SheetField {
+  public:
+    /// Where solutions other than `root` may lie; nothing: there are none. `suspected`: J came close
+    /// to zero on the way to it. Without a root: where any solution may lie.
+    virtual std::optional<Box> others(Vec2 target, const Vec2* root, bool suspected) = 0;
+    virtual double blur_m() const = 0;      ///< error of lambda D
+    virtual double strain_blur() const = 0; ///< error of lambda grad D
+};
 
 struct InverseOptions {
     Choppiness choppiness;
@@ -62,7 +78,14 @@ struct InverseOptions {
 
 /// Height, normal, velocity and flags at the point; error_m holds residual * slope alone, the
 /// caller adds what its maps cost. A point that is not finite gives NaN and answer_invalid.
-Answer surface_at(const QueryPoint& point, const InverseOptions& options, LagrangianField field);
+/// `sheets` knows where other sheets may lie; without it the first one found is the answer, and
+/// flagged where J came below fold_suspected_below on the way.
+Answer surface_at(const QueryPoint& point, const InverseOptions& options, LagrangianField field,
+                  SheetBounds* sheets = nullptr);
+
+/// The exact sum, with all of its sheets (sea/surface/moment_sheets.h).
+Answer surface_at(const QueryPoint& point, const InverseOptions& options,
+                  const DirectSum::Moment& moment);
 
 /// The steepness of the answered surface, |grad eta| in world coordinates, capped at 10.
 double surface_slope(const Answer& answer);

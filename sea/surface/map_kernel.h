@@ -23,13 +23,6 @@ struct MapTile {
     double base_y;
 };
 
-/// Value and derivatives at an undisplaced point: height, D_x, D_y, 0.
-struct MapSample {
-    float value[4];
-    float d_dx[4];
-    float d_dy[4];
-};
-
 enum class MapKind { height, displacement, normal };
 
 /// One row of a map.
@@ -53,7 +46,6 @@ struct MapRow {
 struct MapKernel {
     /// Returns how many columns are unsolved.
     int (*row)(const MapRow& row);
-    MapSample (*sample)(const MapTile* tiles, int tile_count, double x_m, double y_m);
 };
 
 /// The kernel for instructions that this machine has. With 16 floats a vector the work a point is

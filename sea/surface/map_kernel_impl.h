@@ -98,8 +98,8 @@ constexpr int height = 0, displacement_x = 1, displacement_y = 2; // channels
 constexpr float last_step_m = 5e-3f;
 constexpr float last_step_normal_m = 1e-4f;
 constexpr int steps_max = 8;
-/// As in sea/surface/inverse.cpp: below this Jacobian other sheets are looked for.
-constexpr float fold_suspected_below = 0.4f;
+/// fold_suspected_below of sea/surface/inverse.h: below this Jacobian other sheets are looked for.
+constexpr float careful_below = 0.4f;
 
 /// I + lambda grad D and the step that solves for the residual.
 struct Newton {
@@ -143,7 +143,7 @@ SEAWAY_INLINE bool solve(const MapRow& row, int column) {
         const float residual = residual_x * residual_x + residual_y * residual_y;
         const Newton n(row, p, residual_x, residual_y);
         // A full step that does not help is halved by the careful solver.
-        if (!(n.determinant > fold_suspected_below && residual < residual_before))
+        if (!(n.determinant > careful_below && residual < residual_before))
             return false;
         residual_before = residual;
         shift_x -= n.step_x;
@@ -197,20 +197,8 @@ int map_row(const MapRow& row) {
 }
 
 template <int W>
-MapSample map_sample(const MapTile* tiles, int tile_count, double x_m, double y_m) {
-    const Point p = evaluate<W>(tiles, tile_count, x_m, y_m);
-    MapSample sample;
-    for (int i = 0; i < 4; ++i) {
-        sample.value[i] = p.value[i];
-        sample.d_dx[i] = p.d_dx[i];
-        sample.d_dy[i] = p.d_dy[i];
-    }
-    return sample;
-}
-
-template <int W>
 const MapKernel& kernel_of() {
-    static constexpr MapKernel kernel{map_row<W>, map_sample<W>};
+    static constexpr MapKernel kernel{map_row<W>};
     return kernel;
 }
 

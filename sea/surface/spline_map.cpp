@@ -100,6 +100,7 @@ SplineMap::SplineMap(const Keyframe& keyframe)
         copy(x, size_, x, 0);
         copy(x, size_ + 1, x, 1 % size_);
     }
+    windows_.emplace(coefficients_.data(), size_, length_m_);
 }
 
 SplineSample SplineMap::sample(double x_m, double y_m) const {

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "sea/surface/hermite.h"
+#include "sea/surface/surface_sheets.h"
 
 namespace seaway::sea {
 
@@ -63,7 +64,8 @@ bool Surface::covers(TimeUs time_us) const {
 Answer Surface::answer(const QueryPoint& point) const {
     const InverseOptions options{choppiness_, residual_tolerance_m, folds_};
     const auto field = [&](double x_m, double y_m) { return at(x_m, y_m, point.time_us); };
-    Answer answer = surface_at(point, options, field);
+    SurfaceSheets sheets(*this, point.time_us);
+    Answer answer = surface_at(point, options, field, &sheets);
     if (answer.flags & answer_invalid)
         return answer;
     const double sideways = std::max(choppiness_.x, choppiness_.y);

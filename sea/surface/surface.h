@@ -6,8 +6,8 @@
 // answers and the height of a rendered vertex all come from here.
 //
 // Immutable; thread-safe; allocates nothing after construction. About 2 us a scattered point with
-// three cascades of 256 x 256: what it waits for is memory. Ten times that in a sea that folds
-// often.
+// three cascades of 256 x 256: what it waits for is memory. Ten to
+// fifty times that in a sea that folds often, where all sheets are looked for.
 #pragma once
 
 #include <span>

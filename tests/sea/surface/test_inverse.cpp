@@ -15,14 +15,17 @@ namespace {
 
 /// One wave of wavenumber 1 and amplitude a along x at t = 0: eta = a cos X, D = -a sin X.
 struct Trochoid {
-    double amplitude_m;
-    LagrangianPoint operator()(double x_m, double) const {
-        LagrangianPoint p;
-        p.height = amplitude_m * std::cos(x_m);
-        p.displacement_x = -amplitude_m * std::sin(x_m);
-        p.slope_x = -amplitude_m * std::sin(x_m);
-        p.strain_xx = -amplitude_m * std::cos(x_m);
-        return p;
+    DirectSum sum;
+    DirectSum::Moment moment;
+    explicit Trochoid(double amplitude_m) : sum(one_wave(amplitude_m)), moment(sum.at_time(0)) {}
+
+    static RealizationPtr one_wave(double amplitude_m) {
+        CascadeModes modes = tests::calm_cascade(10 * two_pi, 64);
+        tests::add_wave(modes, 10, 0, amplitude_m, 0.0);
+        return tests::make_sea({modes});
+    }
+    Answer answer(double x_m, double tolerance_m) const {
+        return surface_at({x_m, 0.0, 0}, {{1, 1}, tolerance_m, {.reach_m = 2.0}}, moment);
     }
 };
 
@@ -62,29 +65,30 @@ TEST(Inverse, d3_folded_wave_answers_with_its_highest_sheet) {
             if ((before > 0) != (after > 0))
                 highest = std::max(highest, 1.2 * std::cos(X));
         }
-        const Answer answer = surface_at({x, 0.0, 0}, {{1, 1}, 1e-9, 1.2}, wave);
+        const Answer answer = wave.answer(x, 1e-9);
         EXPECT_NEAR(answer.height_m, highest, 3e-5) << "x = " << x; // the scan's step
         EXPECT_TRUE(answer.flags & answer_folded);
+        // The crest that is folded over lies upside down; its normal looks up all the same.
+        EXPECT_GE(answer.normal[2], 0.0) << "x = " << x;
+        EXPECT_NEAR(std::hypot(answer.normal[0], answer.normal[2]), 1.0, 1e-12);
     }
-    const Answer beside = surface_at({1.0, 0.0, 0}, {{1, 1}, 1e-9, 1.2}, wave);
+    const Answer beside = wave.answer(1.0, 1e-9);
     EXPECT_EQ(beside.flags, 0u);
 }
 
 // D4: at J = 0 a Newton step of residual / J goes to another ocean.
 TEST(Inverse, d4_cusp_gives_a_finite_height_within_a_centimetre) {
     const Trochoid wave{1.0}; // J = 0 at the crest
-    const Answer answer = surface_at({0.0, 0.0, 0}, {{1, 1}, 1e-6, 1.0}, wave);
+    const Answer answer = wave.answer(0.0, 1e-6);
     EXPECT_NEAR(answer.height_m, 1.0, 0.01);
-    const Answer close = surface_at({1e-6, 0.0, 0}, {{1, 1}, 1e-6, 1.0}, wave);
+    const Answer close = wave.answer(1e-6, 1e-6);
     EXPECT_NEAR(close.height_m, 1.0, 0.01);
 }
 
 // D5: with the sign of D turned crests are round and troughs sharp.
 TEST(Inverse, d5_crests_are_sharper_than_troughs) {
     const Trochoid wave{0.5};
-    const auto height = [&](double x) {
-        return surface_at({x, 0.0, 0}, {{1, 1}, 1e-12, 1.0}, wave).height_m;
-    };
+    const auto height = [&](double x) { return wave.answer(x, 1e-12).height_m; };
     const double e = 0.05;
     const double crest = 2 * height(0) - height(e) - height(-e);
     const double trough = height(pi + e) + height(pi - e) - 2 * height(pi);
@@ -121,7 +125,7 @@ TEST(Inverse, g9_point_that_is_not_a_number_is_refused_by_flag) {
     const Trochoid wave{0.5};
     for (const double bad :
          {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
-        const Answer answer = surface_at({bad, 0.0, 0}, {{1, 1}, 1e-6, 1.0}, wave);
+        const Answer answer = wave.answer(bad, 1e-6);
         EXPECT_EQ(answer.flags, answer_invalid);
         EXPECT_TRUE(std::isnan(answer.height_m));
     }

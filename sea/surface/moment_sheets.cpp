@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sea/surface/moment_sheets.h"
+
+#include <algorithm>
+
+namespace seaway::sea {
+
+namespace {
+
+constexpr double bound_sigmas = 6.0;
+
+} // namespace
+
+std::optional<Box> MomentSheets::others(Vec2 target, const Vec2* root, bool suspected) {
+    if (root != nullptr && !suspected && !options_.folds.always)
+        return std::nullopt;
+    const double sideways = std::max(options_.choppiness.x, options_.choppiness.y);
+    std::vector<double> reach_m;
+    double all_m = 0;
+    blur_m_ = options_.tolerance_m;
+    for (std::size_t c = 0; c < moment_.sea().cascades.size(); ++c) {
+        const DirectSum::Moment::PatchScale scale = moment_.patch_scale(static_cast<int>(c));
+        reach_m.push_back(sideways * bound_sigmas * scale.displacement_m);
+        all_m += reach_m.back();
+        blur_m_ += sideways * bound_sigmas * scale.missed_m;
+    }
+    all_m += blur_m_;
+    return narrowed(Box::around(target, all_m, all_m), target, reach_m, root != nullptr);
+}
+
+DisplacementPatch MomentSheets::patch(std::size_t cascade, const Box& box) const {
+    return moment_.patch(static_cast<int>(cascade), box.low.x, box.high.x, box.low.y, box.high.y);
+}
+
+} // namespace seaway::sea

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where the exact sum may have other sheets. A value of it costs 0.1 ms, so the search works on
+// patches of its displacement (DirectSum::Moment::patch), and Newton solves the exact sum from every
+// sheet that they show.
+//
+// How far a cascade moves points at most is taken as six times its rms over the tile: statistical, one
+// point in 1e8 of a Gaussian sea. Searched are points where Newton met J < fold_suspected_below or did
+// not converge, and all of seas that fold often (FoldSearch::always). Elsewhere a sheet is missed where
+// a fold is so deep that J > 0.4 on the sheet found: below one answer in 1e6 where lambda times the rms
+// slope is under folds_searched_above.
+//
+// For one point; not thread-safe. Cost: 2 to 5 ms where it searches, nothing elsewhere.
+#pragma once
+
+#include "sea/surface/patch_sheets.h"
+
+namespace seaway::sea {
+
+class MomentSheets final : public PatchSheets {
+  public:
+    MomentSheets(const DirectSum::Moment& moment, const InverseOptions& options)
+        : PatchSheets(options.choppiness), moment_(moment), options_(options) {}
+
+    std::optional<Box> others(Vec2 target, const Vec2* root, bool suspected) override;
+    double blur_m() const override { return blur_m_; }
+    double strain_blur() const override { return 0; }
+
+  private:
+    DisplacementPatch patch(std::size_t cascade, const Box& box) const override;
+
+    const DirectSum::Moment& moment_;
+    const InverseOptions& options_;
+    double blur_m_ = 0;
+};
+
+} // namespace seaway::sea

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sea/surface/patch_sheets.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "sea/surface/spline_hull.h"
+#include "sea/surface/spline_weights.h"
+
+namespace seaway::sea {
+
+namespace {
+
+/// Boxes are worked out again within themselves while they shrink by this.
+constexpr double worth_another_round = 0.6;
+
+typedef float F4 __attribute__((vector_size(16)));
+
+/// First of the four lattice lines that a spline at a place is made of.
+int first_line(const DisplacementPatch& patch, double position_m, long origin) {
+    return static_cast<int>(patch.line(position_m) - 1 - origin);
+}
+
+/// Of the part of a patch that the splines in a box are made of.
+template <int order>
+SplineHull<2, order> hull_of(const DisplacementPatch& patch, const Box& box) {
+    const auto first = [&](double low_m, long origin) {
+        return std::max(first_line(patch, low_m, origin), 1);
+    };
+    const auto last = [&](double high_m, long origin, int count) {
+        return std::min(first_line(patch, high_m, origin) + 3, count - 2);
+    };
+    SplineHull<2, order> hull;
+    for (int y = first(box.low.y, patch.row0); y <= last(box.high.y, patch.row0, patch.rows); ++y)
+        for (int x = first(box.low.x, patch.column0);
+             x <= last(box.high.x, patch.column0, patch.columns); ++x)
+            hull.add(patch.at(x, y), 2 * static_cast<std::size_t>(patch.columns));
+    return hull;
+}
+
+/// Four coefficients of two channels side by side, by halves.
+struct Row {
+    F4 west;
+    F4 east;
+};
+
+void add(LagrangianPoint& sum, const DisplacementPatch& patch, Vec2 at) {
+    const double u = at.x / patch.spacing_m, v = at.y / patch.spacing_m;
+    const int x = std::clamp(first_line(patch, at.x, patch.column0), 0, patch.columns - 4);
+    const int y = std::clamp(first_line(patch, at.y, patch.row0), 0, patch.rows - 4);
+    F4 wx, dx, wy, dy;
+    spline_weights(static_cast<float>(u - static_cast<double>(patch.column0 + x + 1)), wx, dx);
+    spline_weights(static_cast<float>(v - static_cast<double>(patch.row0 + y + 1)), wy, dy);
+    Row column{}, slope{};
+    for (int j = 0; j < 4; ++j) {
+        Row row;
+        std::memcpy(&row, patch.at(x, y + j), sizeof row);
+        column.west += wy[j] * row.west;
+        column.east += wy[j] * row.east;
+        slope.west += dy[j] * row.west;
+        slope.east += dy[j] * row.east;
+    }
+    const auto mixed = [](const Row& r, const F4& w) {
+        const F4 both = r.west * F4{w[0], w[0], w[1], w[1]} + r.east * F4{w[2], w[2], w[3], w[3]};
+        return Vec2{static_cast<double>(both[0] + both[2]), static_cast<double>(both[1] + both[3])};
+    };
+    const Vec2 value = mixed(column, wx), d_dx = mixed(column, dx), d_dy = mixed(slope, wx);
+    sum.displacement_x += value.x;
+    sum.displacement_y += value.y;
+    sum.strain_xx += d_dx.x / patch.spacing_m;
+    sum.strain_yy += d_dy.y / patch.spacing_m;
+    sum.strain_xy += 0.5 * (d_dy.x + d_dx.y) / patch.spacing_m;
+}
+
+} // namespace
+
+std::optional<Box> PatchSheets::narrowed(Box box, Vec2 target, const std::vector<double>& reach_m,
+                                         bool solved) {
+    double rest_m = blur_m();
+    for (const double own_m : reach_m)
+        rest_m += own_m;
+    for (std::size_t c = 0; c < reach_m.size(); ++c) {
+        if (!(reach_m[c] > 0))
+            continue;
+        rest_m -= reach_m[c];
+        patches_.push_back(patch(c, box));
+        for (bool again = true; again;) {
+            const Box less = box.within(left_of(box, target, std::max(rest_m, blur_m())));
+            if (less.empty()) // a reach was not enough
+                break;
+            again = less.area_m2() < worth_another_round * box.area_m2();
+            box = less;
+        }
+    }
+    if (solved && one_to_one(box))
+        return std::nullopt;
+    return box;
+}
+
+/// Solutions lie at x - lambda D: what the patches' D over a box leaves of it.
+Box PatchSheets::left_of(const Box& box, Vec2 target, double rest_m) const {
+    Box left{{target.x - rest_m, target.y - rest_m}, {target.x + rest_m, target.y + rest_m}};
+    for (const DisplacementPatch& patch : patches_) {
+        const SplineHull<2, 0> hull = hull_of<0>(patch, box);
+        left.low.x -= choppiness_.x * static_cast<double>(hull.value.high[0]);
+        left.high.x -= choppiness_.x * static_cast<double>(hull.value.low[0]);
+        left.low.y -= choppiness_.y * static_cast<double>(hull.value.high[1]);
+        left.high.y -= choppiness_.y * static_cast<double>(hull.value.low[1]);
+    }
+    return left;
+}
+
+bool PatchSheets::one_to_one(const Box& box) const {
+    Squeeze squeeze(choppiness_);
+    for (const DisplacementPatch& patch : patches_) {
+        const SplineHull<2, 1> hull = hull_of<1>(patch, box);
+        const double per_m = 1.0 / patch.spacing_m;
+        squeeze.add(per_m * static_cast<double>(hull.x.low[0]),
+                    per_m * static_cast<double>(hull.y.low[1]),
+                    0.5 * per_m * static_cast<double>(hull.y.low[0] + hull.x.low[1]),
+                    0.5 * per_m * static_cast<double>(hull.y.high[0] + hull.x.high[1]));
+    }
+    return squeeze.smallest() > strain_blur();
+}
+
+LagrangianPoint PatchSheets::displaced(Vec2 at) const {
+    LagrangianPoint sum;
+    for (const DisplacementPatch& patch : patches_)
+        add(sum, patch, at);
+    return sum;
+}
+
+std::vector<Roughness> PatchSheets::roughness(const Box& box) const {
+    std::vector<Roughness> all;
+    for (const DisplacementPatch& patch : patches_)
+        all.push_back(hull_of<2>(patch, box).roughness(0, 1, 1.0 / patch.spacing_m));
+    return all;
+}
+
+} // namespace seaway::sea

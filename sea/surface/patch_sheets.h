@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// Sheets of a sea that is given cascade by cascade as patches of splines around a place: what the exact
+// sum (moment_sheets.h) and sampled maps (surface_sheets.h) have in common.
+//
+// Solutions lie at X = x - lambda D(X). The longest cascade's patch covers all that points may move;
+// what its D takes on there leaves a smaller box for the next one, and so on to the finest. Where the
+// strains of all patches over the last box keep X + lambda D(X) one to one, there is one sheet; else
+// find_sheets() goes on with the patches.
+//
+// For one point; not thread-safe. Allocates.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "sea/surface/inverse.h"
+#include "sea/waves/displacement_patch.h"
+
+namespace seaway::sea {
+
+class PatchSheets : public SheetBounds {
+  public:
+    explicit PatchSheets(const Choppiness& choppiness) : choppiness_(choppiness) {}
+
+    LagrangianPoint displaced(Vec2 at) const override;
+    std::vector<Roughness> roughness(const Box& box) const override;
+
+  protected:
+    /// The part of a cascade whose splines reach into the box, and a line more on each side.
+    virtual DisplacementPatch patch(std::size_t cascade, const Box& box) const = 0;
+
+    /// Makes the patches; `reach_m`: how far each cascade moves points at most. Returns what is left
+    /// of the box: nothing where all of it is one to one and `solved` says that a solution is known.
+    std::optional<Box> narrowed(Box box, Vec2 target, const std::vector<double>& reach_m,
+                                bool solved);
+
+  private:
+    Box left_of(const Box& box, Vec2 target, double rest_m) const;
+    bool one_to_one(const Box& box) const;
+
+    Choppiness choppiness_;
+    std::vector<DisplacementPatch> patches_;
+};
+
+} // namespace seaway::sea

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// How much a field of displacements varies, and how strongly it squeezes the surface.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "sea/waves/realization.h"
+
+namespace seaway::sea {
+
+/// How much a field of displacements varies at most between any two places of a region.
+struct Roughness {
+    double range_m = 0;      ///< |D(a) - D(b)|
+    double strain_range = 0; ///< |grad D(a) - grad D(b)|, largest singular value
+    double bend_per_m = 0;   ///< |grad D(a) - grad D(b)| / |a - b|
+};
+
+/// Lower bound of the smallest eigenvalue of I + sqrt(lambda) grad D sqrt(lambda), from bounds of the
+/// strains of each cascade. Above zero all over a convex region, X + lambda D(X) is one to one there:
+/// a monotone map.
+class Squeeze {
+  public:
+    explicit Squeeze(const Choppiness& choppiness)
+        : x_(choppiness.x), y_(choppiness.y), cross_(std::sqrt(choppiness.x * choppiness.y)) {}
+
+    void add(double xx_min, double yy_min, double xy_min, double xy_max) {
+        xx_ += x_ * xx_min;
+        yy_ += y_ * yy_min;
+        xy_min_ += cross_ * xy_min;
+        xy_max_ += cross_ * xy_max;
+    }
+    /// It grows with both diagonal elements and falls with the size of the other one.
+    double smallest() const {
+        return 0.5 * (xx_ + yy_) -
+               std::hypot(0.5 * (xx_ - yy_), std::max(std::abs(xy_min_), std::abs(xy_max_)));
+    }
+
+  private:
+    double x_, y_, cross_;
+    double xx_ = 1, yy_ = 1, xy_min_ = 0, xy_max_ = 0;
+};
+
+} // namespace seaway::sea

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where a sampled surface may have other sheets: from the windows of its maps (strain_windows.h).
+//
+// Another solution X' beside X obeys X' - X = -lambda (D(X') - D(X)). Cascades whose strain stays
+// gentle around X bring the two together, the others part them by no more than their displacements
+// range: |X' - X| <= ranges of the others / smallest eigenvalue of I + lambda grad D of the gentle
+// ones. That radius shrinks when it is worked out again within itself; where all cascades are gentle in
+// it, there is one sheet. Proved for the maps; what they miss of the sea comes in as the blur.
+//
+// For one point and time; not thread-safe. About 0.1 us, nothing allocated, where there is one sheet.
+#pragma once
+
+#include <limits>
+#include <optional>
+
+#include "sea/surface/patch_sheets.h"
+#include "sea/surface/surface.h"
+
+namespace seaway::sea {
+
+class SurfaceSheets final : public PatchSheets {
+  public:
+    SurfaceSheets(const Surface& surface, TimeUs time_us);
+
+    std::optional<Box> others(Vec2 target, const Vec2* root, bool suspected) override;
+    double blur_m() const override { return blur_m_; }
+    double strain_blur() const override;
+
+  private:
+    /// How far from a solution others may lie; 0: there is none.
+    double radius_around(Vec2 root, double radius_m) const;
+    DisplacementPatch patch(std::size_t cascade, const Box& box) const override;
+
+    const Surface& surface_;
+    TimeUs time_us_;
+    double sideways_;
+    double blur_m_;
+    double finest_m_ = std::numeric_limits<double>::infinity(); ///< grid spacing
+};
+
+} // namespace seaway::sea

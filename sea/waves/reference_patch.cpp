@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <complex>
+
+#include "sea/basics/constants.h"
+#include "sea/waves/reference.h"
+
+namespace seaway::sea {
+
+namespace {
+
+using Complex = std::complex<double>;
+
+/// std::complex multiplication without its NaN recovery.
+Complex product(Complex a, Complex b) {
+    return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
+}
+
+/// exp(i 2 pi n step / count), exactly periodic.
+Complex turn(long n, long step, long count) {
+    const double phase =
+        two_pi * static_cast<double>(n * (step % count) % count) / static_cast<double>(count);
+    return {std::cos(phase), std::sin(phase)};
+}
+
+/// A wave's own B-spline coefficients are the wave over this: phase step q between them.
+double spline_response(double q) {
+    return (2.0 + std::cos(q)) / 3.0;
+}
+
+} // namespace
+
+DisplacementPatch DirectSum::Moment::patch(int cascade, double x_low_m, double x_high_m,
+                                           double y_low_m, double y_high_m) const {
+    const Tile& tile = sum_->tiles_[static_cast<std::size_t>(cascade)];
+    const CascadeSpec& spec = sum_->sea_->cascades[static_cast<std::size_t>(cascade)].spec;
+    const long count = 2L * spec.size;
+    DisplacementPatch patch(x_low_m, x_high_m, y_low_m, y_high_m,
+                            tile.length_m / static_cast<double>(count));
+    const auto columns = static_cast<std::size_t>(patch.columns);
+
+    std::vector<Complex> along_x(static_cast<std::size_t>(tile.steps_max) + 1);
+    std::vector<double> x_share(along_x.size());
+    for (std::size_t n = 0; n < along_x.size(); ++n)
+        x_share[n] =
+            1.0 / spline_response(two_pi * static_cast<double>(n) / static_cast<double>(count));
+    std::vector<Complex> along_y(tile.rows.size() * static_cast<std::size_t>(patch.rows));
+    for (std::size_t r = 0; r < tile.rows.size(); ++r)
+        for (int j = 0; j < patch.rows; ++j)
+            along_y[static_cast<std::size_t>(j) * tile.rows.size() + r] =
+                turn(tile.rows[r].ny, patch.row0 + j, count) /
+                spline_response(two_pi * tile.rows[r].ny / static_cast<double>(count));
+    std::vector<Complex> east(tile.rows.size()), north(tile.rows.size());
+    for (int i = 0; i < patch.columns; ++i) {
+        for (std::size_t n = 0; n < along_x.size(); ++n)
+            along_x[n] = turn(static_cast<long>(n), patch.column0 + i, count) * x_share[n];
+        for (std::size_t r = 0; r < tile.rows.size(); ++r) {
+            Complex h_k, kx_h_k; // sums over the row of h/k and kx h/k
+            for (std::size_t m = tile.rows[r].begin; m < tile.rows[r].end; ++m) {
+                const Mode& mode = sum_->modes_[m];
+                const Complex wave = along_x[static_cast<std::size_t>(std::abs(mode.nx))];
+                const Complex height_k =
+                    product(height_[m], mode.nx < 0 ? std::conj(wave) : wave) * mode.inverse_k_m;
+                h_k += height_k;
+                kx_h_k += mode.kx_radpm * height_k;
+            }
+            east[r] = kx_h_k;
+            north[r] = tile.rows[r].ky_radpm * h_k;
+        }
+        for (int j = 0; j < patch.rows; ++j) {
+            const Complex* e = along_y.data() + static_cast<std::size_t>(j) * tile.rows.size();
+            double dx = 0, dy = 0; // k and -k together; +i z has real part -imag z
+            for (std::size_t r = 0; r < tile.rows.size(); ++r) {
+                dx -= 2.0 * (east[r].real() * e[r].imag() + east[r].imag() * e[r].real());
+                dy -= 2.0 * (north[r].real() * e[r].imag() + north[r].imag() * e[r].real());
+            }
+            float* out = patch.coefficients.data() +
+                         2 * (static_cast<std::size_t>(j) * columns + static_cast<std::size_t>(i));
+            out[0] = static_cast<float>(dx);
+            out[1] = static_cast<float>(dy);
+        }
+    }
+    return patch;
+}
+
+DirectSum::Moment::PatchScale DirectSum::Moment::patch_scale(int cascade) const {
+    const auto c = static_cast<std::size_t>(cascade);
+    const double q_per_k = 0.5 * sum_->sea_->cascades[c].spec.spacing_m() / two_pi;
+    double variance_m2 = 0, missed_m2 = 0;
+    for (const Row& row : sum_->tiles_[c].rows)
+        for (std::size_t m = row.begin; m < row.end; ++m) {
+            const Mode& mode = sum_->modes_[m];
+            const double per_height = std::hypot(mode.kx_radpm, row.ky_radpm) * mode.inverse_k_m;
+            const double variance = 2.0 * std::norm(height_[m]) * per_height * per_height;
+            const double missed =
+                4.33 * (std::pow(mode.kx_radpm * q_per_k, 4) + std::pow(row.ky_radpm * q_per_k, 4));
+            variance_m2 += variance;
+            missed_m2 += variance * missed * missed;
+        }
+    return {std::sqrt(variance_m2), std::sqrt(missed_m2)};
+}
+
+} // namespace seaway::sea
