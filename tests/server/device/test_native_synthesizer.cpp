@@ -135,12 +135,11 @@ TEST(NativeSynthesizer, a_loop_comes_back_to_the_bit) {
 TEST(NativeSynthesizer, stylised_waves_are_added_to_the_modes) {
     const RandomSea random(64, 500.0, 8);
     auto stylised = std::make_shared<sea::Realization>(*random.realization());
-    sea::SineField field;
+    sea::SineField& field = stylised->cascades[0].sines.emplace_back();
     field.length_m = 500.0;
     field.sharpness = 2.0;
     const double k = 2 * M_PI / 500.0 * 3, omega = 0.6;
     field.waves.push_back({k, 0.0, 1.5, 0.4, sea::rate_from_omega(omega), omega});
-    stylised->cascades[0].sines.push_back(field);
     NativeSynthesizer native;
     ASSERT_TRUE(native.set_sea(random.realization(), 1));
     const auto plain = keyframe(native, {Field::height, Field::slope_x}, 5'000'000);
