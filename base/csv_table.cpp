@@ -62,6 +62,12 @@ Result<CsvTable> parse_csv(std::string_view text, const std::string& name, std::
             continue;
         const std::vector<std::string_view> fields = split(content);
         if (table.columns.empty()) {
+            if (std::all_of(fields.begin(), fields.end(), [](std::string_view field) {
+                    return finite_number(field).has_value();
+                }))
+                return Error{fmt::format("{}:{}: no header: the first line must name the columns, "
+                                         "but it holds numbers",
+                                         name, line)};
             table.columns.assign(fields.begin(), fields.end());
             continue;
         }

@@ -22,7 +22,7 @@ struct CsvTable {
     Error error(std::size_t row, const std::string& what) const;
 };
 
-/// Errors name the line: no header, no rows, more than `rows_max`, a field that is not a finite
+/// Errors name the line: no header (a first line of numbers alone), no rows, more than `rows_max`, a field that is not a finite
 /// number, a row of the wrong length.
 Result<CsvTable> parse_csv(std::string_view text, const std::string& name, std::size_t rows_max);
 

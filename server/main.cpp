@@ -8,6 +8,7 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include "base/text_file.h"
 #include "server/devices.h"
 #include "server/net/server.h"
 #include "server/options.h"
@@ -89,7 +90,7 @@ int list_devices() {
     if (!devices)
         return fail(exit_no_device, devices.error());
     fmt::print("{}", *devices);
-    return exit_stopped;
+    return status_after_output("seaway-server", exit_stopped, exit_usage);
 }
 
 } // namespace

@@ -3,6 +3,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include "base/text_file.h"
+
 namespace seaway::server {
 
 std::variant<Options, int> read_options(int argc, char** argv) {
@@ -41,7 +43,7 @@ std::variant<Options, int> read_options(int argc, char** argv) {
         if (options.scene.empty() && options.device != "list")
             throw CLI::RequiredError("SCENE.toml");
     } catch (const CLI::Success& asked) {
-        return app.exit(asked);
+        return status_after_output("seaway-server", app.exit(asked), exit_usage);
     } catch (const CLI::ParseError& error) {
         app.exit(error);
         return exit_usage;

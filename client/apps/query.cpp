@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "base/text_file.h"
 #include "client/apps/query_options.h"
 #include "client/apps/query_run.h"
 #include "client/failure.h"
@@ -81,7 +82,8 @@ int main(int argc, char** argv) {
         std::signal(SIGINT, [](int) { stop = true; });
         std::signal(SIGTERM, [](int) { stop = true; });
         const Result<void> done = run(std::get<QueryOptions>(options));
-        return done ? exit_done : exit_code(done.error());
+        return done ? status_after_output("seaway-query", exit_done, EXIT_FAILURE)
+                    : exit_code(done.error());
     } catch (const std::exception& problem) {
         fmt::print(stderr, "seaway-query: {}\n", problem.what());
         return EXIT_FAILURE;

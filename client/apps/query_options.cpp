@@ -7,6 +7,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "base/text_file.h"
 #include "client/url.h"
 
 namespace seaway::client {
@@ -142,7 +143,7 @@ std::variant<QueryOptions, int> read_query_options(int argc, const char* const* 
         options.format = parse_format(format);
         check(options);
     } catch (const CLI::Success& asked) {
-        return app.exit(asked);
+        return status_after_output("seaway-query", app.exit(asked), exit_usage);
     } catch (const CLI::ParseError& error) {
         fmt::print(stderr, "seaway-query: {} (--help shows how)\n", error.what());
         return exit_usage;

@@ -4,12 +4,12 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <filesystem>
 #include <fstream>
 #include <iostream>
 
 #include <fmt/format.h>
 
+#include "base/text_file.h"
 #include "client/failure.h"
 
 namespace seaway::client {
@@ -106,11 +106,10 @@ Result<std::vector<Place>> read_places(std::istream& in, const std::string& name
 Result<std::vector<Place>> read_places(const std::string& path) {
     if (path == "-")
         return read_places(std::cin, "standard input");
-    std::ifstream file(path);
-    std::error_code ignored;
-    if (!file || std::filesystem::is_directory(path, ignored))
+    if (const Result<void> regular = check_regular_file(path); !regular)
         return failed(Failure::bad_argument,
-                      fmt::format("cannot read points '{}': no such file, or not readable", path));
+                      fmt::format("cannot read points '{}': {}", path, regular.error().message));
+    std::ifstream file(path);
     return read_places(file, path);
 }
 

@@ -10,11 +10,14 @@
 #include <OpenEXR/ImfOutputFile.h>
 #include <png.h>
 
+#include "base/text_file.h"
 #include "client/view/picture.h"
 
 namespace seaway::client {
 
 Result<void> write_png(const Picture& picture, const Display& display, const std::string& path) {
+    if (const Result<void> file = check_replaceable(path); !file)
+        return Error{"cannot write " + path + ": " + file.error().message};
     const std::vector<std::uint8_t> bytes = to_srgb(picture, display);
     png_image image{};
     image.version = PNG_IMAGE_VERSION;

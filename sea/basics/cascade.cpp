@@ -17,10 +17,12 @@ double band_end(const CascadeSpec& cascade) {
 } // namespace
 
 Result<std::vector<Band>> assign_bands(std::span<const CascadeSpec> cascades) {
+    if (cascades.empty())
+        return Error{"no cascade: a sea needs a tile at least"};
     std::vector<Band> bands;
     bands.reserve(cascades.size());
     // The first mode of the longest tile; half a step keeps rounding away from the boundary.
-    double start = cascades.empty() ? 0.0 : 0.5 * cascades.front().wavenumber_step_radpm();
+    double start = 0.5 * cascades.front().wavenumber_step_radpm();
     for (std::size_t c = 0; c < cascades.size(); ++c) {
         double end = band_end(cascades[c]);
         if (c + 1 < cascades.size()) {

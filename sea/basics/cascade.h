@@ -46,7 +46,7 @@ inline constexpr double band_start_steps = 6.001;
 inline constexpr double band_end_share_of_nyquist = 0.6;
 
 /// One band a cascade. `cascades` must be ordered from the longest tile to the shortest; an error
-/// names the two that leave a gap or stand in the wrong order.
+/// names the two that leave a gap or stand in the wrong order, or says that there are none.
 Result<std::vector<Band>> assign_bands(std::span<const CascadeSpec> cascades);
 
 /// Signed lattice index of array index i: 0 .. size/2-1, then -size/2 .. -1.

@@ -148,10 +148,11 @@ Result<void> validate(const CascadeModes& modes) {
     const int size = modes.spec.size;
     if (size < NativeTransform::smallest_size || size > NativeTransform::largest_size ||
         !std::has_single_bit(static_cast<unsigned>(size)))
-        return Error{fmt::format("native synthesis: cascade size {} is not a power of two in {} .. "
-                                 "{}",
-                                 size, NativeTransform::smallest_size,
-                                 NativeTransform::largest_size)};
+        return Error{
+            fmt::format("cascade of {:g} m: size {}; the native device makes powers of two "
+                        "from {} to {} (larger ones only seaway-inspect looks at)",
+                        modes.spec.length_m, size, NativeTransform::smallest_size,
+                        NativeTransform::largest_size)};
     const auto modes_wanted = static_cast<std::size_t>(size) * static_cast<std::size_t>(size);
     if (modes.h0.size() != modes_wanted || modes.rate.size() != modes_wanted)
         return Error{fmt::format("native synthesis: {} amplitudes and {} rates for size {}, "

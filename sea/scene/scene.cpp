@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sea/scene/scene.h"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <optional>
 
 #include <fmt/format.h>
 
+#include "base/text_file.h"
 #include "sea/scene/scene_systems.h"
 #include "sea/scene/scene_toml.h"
 
@@ -40,14 +40,26 @@ void read_sea(TomlTable& table, const std::string& base_dir, SeaState& sea) {
     table.finish();
 }
 
+/// docs/decisions/0014-square-tiles.md.
+constexpr std::string_view why_square =
+    "tiles are square, one number: the lattice is the same along x and y, so that a wave is as "
+    "finely resolved whichever way it runs; several cascades carry several lengths";
+
 void read_cascades(TomlTable& root, std::vector<CascadeSpec>& cascades) {
     if (!root.has("cascade"))
         cascades = {{1021.0, 256}, {197.0, 256}, {37.0, 256}};
+    if (root.is_empty_array("cascade"))
+        root.bad_value("cascade", "an empty array",
+                       fmt::format("1 .. {} tables, each [[cascade]]; without the key the default "
+                                   "tiles",
+                                   scene_cascades_max));
     for (TomlTable& table : root.tables("cascade", scene_cascades_max)) {
         CascadeSpec cascade{1000.0, 256};
         std::int64_t size = 0;
         table.require("length_m");
         table.require("size");
+        if (table.is_array("length_m"))
+            table.fail("length_m", std::string(why_square));
         table.number("length_m", cascade.length_m, {0.1, 1e6});
         if (table.integer("size", size, 16, 2048) && (size & (size - 1)) != 0)
             table.bad_value("size", fmt::format("{}", size), "a power of two 16 .. 2048");
@@ -85,6 +97,20 @@ void read_rest(TomlTable& root, Scene& scene) {
     }
 }
 
+/// The cascades, and one more for each length of explicit and stylised waves that none of them has.
+int tiles_of(const Scene& scene) {
+    std::vector<double> lengths;
+    for (const CascadeSpec& cascade : scene.cascades)
+        lengths.push_back(cascade.length_m);
+    for (const WaveSystem& system : scene.sea.systems) {
+        const double length_m = explicit_length_m(system);
+        const auto same = [length_m](double held) { return same_tile_length(held, length_m); };
+        if (length_m > 0.0 && std::none_of(lengths.begin(), lengths.end(), same))
+            lengths.push_back(length_m);
+    }
+    return static_cast<int>(lengths.size());
+}
+
 } // namespace
 
 Result<Scene> parse_scene(std::string_view text, const std::string& name,
@@ -109,15 +135,18 @@ Result<Scene> parse_scene(std::string_view text, const std::string& name,
         return *errors.first();
     if (const Result<std::vector<Band>> bands = assign_bands(scene.cascades); !bands)
         return Error{fmt::format("{}: {}", name, bands.error().message)};
+    if (const int tiles = tiles_of(scene); tiles > scene_cascades_max)
+        return Error{fmt::format("{}: waves given one by one stand on tiles of their own: with "
+                                 "{} cascades there are {} tiles; allowed: at most {}",
+                                 name, scene.cascades.size(), tiles, scene_cascades_max)};
     return scene;
 }
 
 Result<Scene> read_scene(const std::string& path) {
-    std::ifstream file(path, std::ios::binary);
-    if (!file || std::filesystem::is_directory(path))
-        return Error{fmt::format("cannot read scene '{}': no such file, or not readable", path)};
-    const std::string text(std::istreambuf_iterator<char>(file), {});
-    return parse_scene(text, path, std::filesystem::path(path).parent_path().string());
+    const Result<std::string> text = read_text_file(path, scene_text_bytes_max);
+    if (!text)
+        return Error{fmt::format("cannot read scene '{}': {}", path, text.error().message)};
+    return parse_scene(*text, path, std::filesystem::path(path).parent_path().string());
 }
 
 Result<Realization> realize(const Scene& scene) {

@@ -129,6 +129,15 @@ bool TomlTable::has(std::string_view key) const {
     return table_.contains(key);
 }
 
+bool TomlTable::is_array(std::string_view key) const {
+    const toml::node* node = table_.get(key);
+    return node != nullptr && node->is_array();
+}
+
+bool TomlTable::is_empty_array(std::string_view key) const {
+    return is_array(key) && table_.get(key)->as_array()->empty();
+}
+
 std::string TomlTable::path(std::string_view key) const {
     return name_.empty() ? std::string(key) : fmt::format("{}.{}", name_, key);
 }
@@ -152,6 +161,11 @@ void TomlTable::fail(std::string_view key, const std::string& what) {
 void TomlTable::require(std::string_view key) {
     if (!has(key))
         fail(key, "missing");
+}
+
+void TomlTable::refuse(std::string_view key, const std::string& why) {
+    if (find(key) != nullptr)
+        fail(key, why);
 }
 
 bool TomlTable::number(std::string_view key, double& out, Range range) {

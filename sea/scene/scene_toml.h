@@ -52,6 +52,8 @@ class TomlTable {
         : table_(table), name_(std::move(name)), errors_(errors) {}
 
     bool has(std::string_view key) const;
+    bool is_array(std::string_view key) const;
+    bool is_empty_array(std::string_view key) const;
 
     /// Leave `out` as it is where the key is absent. True if it was read.
     bool number(std::string_view key, double& out, Range range);
@@ -88,6 +90,8 @@ class TomlTable {
     std::vector<TomlTable> tables(std::string_view key, int count_max);
 
     void require(std::string_view key);
+    /// The key is known, but not here: an error that says why, where it is given.
+    void refuse(std::string_view key, const std::string& why);
     void bad_value(std::string_view key, const std::string& value, const std::string& allowed);
     void fail(std::string_view key, const std::string& what);
     /// Reports the first key that nobody asked for.

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "sea/scene/scene.h"
+#include "sea/scene/scene_names.h"
 #include "sea/surface/error_budget.h"
 #include "sea/surface/inverse.h"
 #include "sea/waves/directional_spectrum.h"
@@ -18,6 +19,43 @@ namespace {
 constexpr double tile_wavelengths_min = 8.0;
 constexpr double breaking_height_over_depth = 0.6;
 constexpr double lost_share_reported = 0.01;
+/// Of m0, in overlaps and gaps of bins: rounding of printed frequencies stays below.
+constexpr double bins_reported = 0.002;
+/// 5 % of a wavelength, or 3 degrees.
+constexpr double snapping_reported = 0.05;
+
+void warn_of_measured(const MeasuredSea& sea, const std::string& system,
+                      std::vector<std::string>& warnings) {
+    const MeasuredQuality& quality = sea.spectrum->quality;
+    const std::size_t bins = sea.spectrum->bins.size();
+    if (quality.has_coefficients && !sea.coefficients)
+        warnings.push_back(fmt::format(
+            "{}: nothing says what a1, b1 are over; they are taken as angles that waves come from, "
+            "clockwise from north. coefficients = \"{}\" says so, \"{}\" the contrary",
+            system, name_of(CoefficientFrame::from_clockwise_north),
+            name_of(CoefficientFrame::towards_anticlockwise_east)));
+    if (quality.changed_bins > 0)
+        warnings.push_back(fmt::format(
+            "{}: directions of {} of {} frequencies fit no spectrum that is nowhere negative; they "
+            "were moved to the nearest that does",
+            system, quality.changed_bins, bins));
+    if (quality.undirected_bins > 0)
+        warnings.push_back(fmt::format(
+            "{}: {} of {} frequencies have energy but no direction (r1 = r2 = 0); it goes evenly "
+            "all around",
+            system, quality.undirected_bins, bins));
+    if (quality.overlapped_share > bins_reported)
+        warnings.push_back(fmt::format(
+            "{}: {} bins cover the ones before them; {:.1f} % of the energy is counted twice, as "
+            "the sum of S df does",
+            system, quality.overlaps, 100.0 * quality.overlapped_share));
+    if (quality.gap_share > bins_reported)
+        warnings.push_back(fmt::format(
+            "{}: {} gaps between bins, the widest {:.4g} .. {:.4g} Hz, hold no waves; straight "
+            "lines across them would add {:.1f} % of the energy",
+            system, quality.gaps, quality.widest_gap_lo_hz, quality.widest_gap_hi_hz,
+            100.0 * quality.gap_share));
+}
 
 void warn_of_systems(const Scene& scene, std::vector<std::string>& warnings) {
     for (std::size_t i = 0; i < scene.sea.systems.size(); ++i) {
@@ -29,11 +67,19 @@ void warn_of_systems(const Scene& scene, std::vector<std::string>& warnings) {
                 "full development, peak period {:.3g} s",
                 i + 1, two_pi / spectrum.peak_omega_radps()));
         const auto* measured = std::get_if<MeasuredSea>(&system);
-        if (measured != nullptr && measured->spectrum->changed_bins > 0)
+        if (measured != nullptr)
+            warn_of_measured(*measured, fmt::format("sea.system[{}]", i + 1), warnings);
+        const auto* ramps = std::get_if<SineRamps>(&system);
+        if (ramps == nullptr || ramps->by_hand.empty())
+            continue; // ramps are a look; a list means what it says
+        const SineSnapping moved =
+            sine_snapping(*ramps, scene.sea.seed, static_cast<std::uint32_t>(i));
+        if (moved.wavelength_share > snapping_reported || moved.direction_rad > snapping_reported)
             warnings.push_back(fmt::format(
-                "sea.system[{}]: directions of {} of {} frequencies fit no spectrum that is "
-                "nowhere negative; they were moved to the nearest that does",
-                i + 1, measured->spectrum->changed_bins, measured->spectrum->bins.size()));
+                "sea.system[{}]: to repeat every {:g} m, waves are changed by up to {:.0f} % in "
+                "length and {:.0f} degrees in direction; a longer tile changes them less",
+                i + 1, ramps->length_m, 100.0 * moved.wavelength_share,
+                moved.direction_rad * 180.0 / pi));
     }
 }
 

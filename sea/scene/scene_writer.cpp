@@ -11,29 +11,6 @@ namespace seaway::sea {
 
 namespace {
 
-std::string_view name_of(SpreadingKind kind) {
-    for (const auto& [name, value] : spreading_names)
-        if (value == kind)
-            return name;
-    return "";
-}
-
-std::string_view name_of(SpectrumKind kind) {
-    switch (kind) {
-    case SpectrumKind::jonswap:
-        return "jonswap";
-    case SpectrumKind::tma:
-        return "tma";
-    case SpectrumKind::pierson_moskowitz:
-        return "pierson_moskowitz";
-    case SpectrumKind::phillips:
-        return "phillips";
-    case SpectrumKind::bretschneider:
-        return "bretschneider";
-    }
-    return "";
-}
-
 /// Lines "key = value"; doubles in the shortest form that reads back the same.
 class Writer {
   public:
@@ -57,16 +34,20 @@ class Writer {
 
 void write(Writer& out, const SpreadingModel& model) {
     out.text("spreading", name_of(model.kind));
-    if (model.kind == SpreadingKind::cos2s)
+    if (has_exponent(model.kind))
         out.value("spreading_exponent", model.exponent);
+    if (is_blend(model.kind))
+        out.value("narrow_share", model.narrow_share);
     out.value("swell", model.swell);
     out.value("isotropic", model.isotropic);
 }
 
 void write(Writer& out, const WindSea& sea) {
-    out.text("type", "wind");
     out.text("spectrum", name_of(sea.spectrum));
-    out.value("wind_speed_10m_mps", sea.wind_speed_10m_mps);
+    if (sea.wind_speed_19m5_mps)
+        out.value("wind_speed_19m5_mps", *sea.wind_speed_19m5_mps);
+    else
+        out.value("wind_speed_10m_mps", sea.wind_speed_10m_mps);
     out.value("from_deg", bearing_from_towards(sea.towards_rad));
     if (sea.spectrum == SpectrumKind::jonswap || sea.spectrum == SpectrumKind::tma) {
         out.value("fetch_m", sea.fetch_m);
@@ -80,7 +61,6 @@ void write(Writer& out, const WindSea& sea) {
 }
 
 void write(Writer& out, const Swell& swell) {
-    out.text("type", "swell");
     out.text("spectrum", name_of(swell.spectrum));
     out.value("significant_height_m", swell.significant_height_m);
     out.value("peak_period_s", swell.peak_period_s);
@@ -91,8 +71,9 @@ void write(Writer& out, const Swell& swell) {
 }
 
 void write(Writer& out, const MeasuredSea& sea) {
-    out.text("type", "measured");
     out.block("data", sea.csv);
+    if (sea.coefficients)
+        out.text("coefficients", name_of(*sea.coefficients));
     if (sea.spectrum && !sea.spectrum->has_directions()) {
         out.value("from_deg", bearing_from_towards(sea.towards_rad));
         write(out, sea.spreading);
@@ -100,7 +81,6 @@ void write(Writer& out, const MeasuredSea& sea) {
 }
 
 void write(Writer& out, const ExplicitModes& system) {
-    out.text("type", "modes");
     out.value("length_m", system.length_m);
     std::string csv = "nx,ny,amplitude_m,phase_rad\n";
     for (const ExplicitMode& mode : system.modes)
@@ -108,25 +88,40 @@ void write(Writer& out, const ExplicitModes& system) {
     out.block("data", csv);
 }
 
+std::string list_of(const std::vector<SineByHand>& waves) {
+    const bool speeds = waves.front().speed_mps > 0.0;
+    std::string csv = "wavelength_m,amplitude_m,from_deg,phase_rad";
+    csv += speeds ? ",speed_mps\n" : "\n";
+    for (const SineByHand& wave : waves) {
+        csv += fmt::format("{},{},{},{}", wave.wavelength_m, wave.amplitude_m,
+                           bearing_from_towards(wave.towards_rad), wave.phase_rad);
+        csv += speeds ? fmt::format(",{}\n", wave.speed_mps) : std::string("\n");
+    }
+    return csv;
+}
+
 void write(Writer& out, const SineRamps& ramps) {
-    out.text("type", "sines");
-    for (const auto& [name, kind] : sine_names)
-        if (kind == ramps.kind)
-            out.text("shape", name);
+    out.text("shape", name_of(ramps.kind));
     out.value("length_m", ramps.length_m);
+    if (ramps.kind == SineKind::exponential) {
+        out.value("sharpness", ramps.sharpness);
+        out.value("drag", ramps.drag);
+    }
+    if (!ramps.by_hand.empty()) {
+        out.block("data", list_of(ramps.by_hand));
+        return;
+    }
     out.value("count", ramps.count);
     out.value("amplitude_m", ramps.amplitude_m);
     out.value("wavelength_m", ramps.wavelength_m);
     out.value("amplitude_ratio", ramps.amplitude_ratio);
     out.value("wavenumber_ratio", ramps.wavenumber_ratio);
     out.value("from_deg", bearing_from_towards(ramps.towards_rad));
+    out.value("direction_step_deg", degrees_of(ramps.direction_step_rad));
     out.value("direction_spread_deg", degrees_of(ramps.direction_spread_rad));
     out.value("normalise", ramps.normalise);
-    if (ramps.kind != SineKind::exponential)
-        return;
-    out.value("speed_ratio", ramps.speed_ratio);
-    out.value("sharpness", ramps.sharpness);
-    out.value("drag", ramps.drag);
+    if (ramps.kind != SineKind::gerstner)
+        out.value("speed_ratio", ramps.speed_ratio);
 }
 
 void write(Writer& out, const SeaState& sea) {
@@ -143,6 +138,7 @@ void write(Writer& out, const SeaState& sea) {
     out.value("wavenumber_max_radpm", sea.wavenumber_max_radpm);
     for (const WaveSystem& system : sea.systems) {
         out.line("\n[[sea.system]]");
+        out.text("type", system_names[system.index()]);
         std::visit([&out](const auto& s) { write(out, s); }, system);
     }
 }

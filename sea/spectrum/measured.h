@@ -11,6 +11,7 @@
 #pragma once
 
 #include <complex>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -53,25 +54,55 @@ class MeasuredDirections {
 struct MeasuredBin {
     double omega_lo_radps;
     double omega_hi_radps;
+    double omega_mid_radps;                       ///< as the table gives it
     double density;                               ///< S(w), m2 s/rad
     std::optional<MeasuredDirections> directions; ///< absent: the scene's spreading
 };
 
+/// The angles that a buoy's coefficients a_n + i b_n = integral of D e^{i n angle} are over.
+enum class CoefficientFrame : std::uint8_t {
+    from_clockwise_north,       ///< where waves come from, clockwise from north: CDIP
+    towards_anticlockwise_east, ///< where waves go: Longuet-Higgins, Spotter, NDBC's inner a, b
+};
+
+/// What a reader of the table should know; energies as shares of m0.
+struct MeasuredQuality {
+    int changed_bins = 0;          ///< coefficients that no density has: moved
+    int undirected_bins = 0;       ///< with energy, but r1 = r2 = 0: spread evenly all around
+    bool has_coefficients = false; ///< a1, b1 (.., a2, b2), which need a frame
+    int overlaps = 0;
+    double overlapped_share = 0.0; ///< counted twice, because bins cover each other
+    int gaps = 0;
+    double gap_share = 0.0; ///< what straight lines across the gaps would add
+    double widest_gap_lo_hz = 0.0;
+    double widest_gap_hi_hz = 0.0;
+};
+
 struct MeasuredSpectrum {
     std::vector<MeasuredBin> bins;
-    int changed_bins = 0; ///< directions that had to be moved, for the warning
+    MeasuredQuality quality;
 
     /// The bin that holds this frequency, or null.
     const MeasuredBin* find(double omega_radps) const;
-    double peak_omega_radps() const; ///< middle of the highest bin; 0 if there is no energy
+    /// peak_around() the highest bin; 0 if there is no energy.
+    double peak_omega_radps() const;
+    /// The top of the parabola through the middles of this bin and its two neighbours, where both
+    /// join it, neither is higher and their widths are like its own (within a factor of 1.75); else
+    /// the middle of the bin. `bin` is one of `bins`.
+    double peak_around(const MeasuredBin& bin) const;
     bool has_directions() const { return !bins.empty() && bins.front().directions.has_value(); }
 };
 
-/// Reads either table; `name` is quoted in errors:
-///   f_hz,df_hz,s_m2_hz[,a1,b1[,a2,b2]]   buoys; angles of a, b as CDIP and NDBC give them: where
-///                                        waves come from, clockwise from north
+/// Reads one of these tables; `name` is quoted in errors:
+///   f_hz,<width>,s_m2_hz[,<directions>]  one row a frequency, at most 4096. <width> is df_hz, or
+///       f_lo_hz,f_hi_hz with f within. <directions> is a1,b1 or a1,b1,a2,b2 over the angles of
+///       `frame`; or r1,alpha1_deg or r1,alpha1_deg,r2,alpha2_deg as NDBC publishes them:
+///       D(A) = (1/pi) (1/2 + r1 cos(A - alpha1) + r2 cos 2(A - alpha2)), A where waves come
+///       from, degrees clockwise from north
 ///   f_hz,dir_from_deg,e_m2_hz_deg        two-dimensional; every frequency with the same directions
 /// Frequencies ascend. At most 4096 rows (72 * 1024 for the two-dimensional table).
-Result<MeasuredSpectrum> parse_measured(std::string_view csv, const std::string& name);
+Result<MeasuredSpectrum>
+parse_measured(std::string_view csv, const std::string& name,
+               CoefficientFrame frame = CoefficientFrame::from_clockwise_north);
 
 } // namespace seaway::sea

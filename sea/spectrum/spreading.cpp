@@ -14,6 +14,17 @@ namespace {
 /// ln 2 sqrt(pi).
 constexpr double log_two_sqrt_pi = 1.2655121234846454;
 
+/// Integral of cos2 times cos theta: 8 / (3 pi).
+constexpr double cos2_first_moment = 0.8488263631567752;
+
+/// (2/pi) cos^2 theta in the downwind half plane; theta in [-pi, pi].
+double cos2_value(double theta_rad) {
+    if (std::abs(theta_rad) >= 0.5 * pi)
+        return 0.0;
+    const double c = std::cos(theta_rad);
+    return 2.0 / pi * c * c;
+}
+
 /// ln |cos(theta/2)|^2s, exact for narrow beams where 1 - cos would cancel.
 double log_power(double theta_rad, double exponent) {
     const double sine = std::sin(0.5 * theta_rad);
@@ -91,6 +102,14 @@ Spreading::Spreading(const SpreadingModel& model, const SpreadingPlace& place, d
     case SpreadingKind::hasselmann:
         exponent_ += hasselmann_exponent(place);
         break;
+    case SpreadingKind::cos2_cos2s:
+        exponent_ += model.exponent;
+        broad_share_ = 1.0 - model.narrow_share;
+        break;
+    case SpreadingKind::cos2_hasselmann:
+        exponent_ += hasselmann_exponent(place);
+        broad_share_ = 1.0 - model.narrow_share;
+        break;
     }
     exponent_ = std::min(exponent_, exponent_max);
     if (shape_ == Shape::power)
@@ -140,7 +159,10 @@ double Spreading::over_half_circle(const F& f) const {
 }
 
 double Spreading::operator()(double theta_rad) const {
-    const double d = shape_value(wrap(theta_rad));
+    const double theta = wrap(theta_rad);
+    double d = shape_value(theta);
+    if (broad_share_ > 0.0)
+        d = (1.0 - broad_share_) * d + broad_share_ * cos2_value(theta);
     return isotropic_ > 0.0 ? (1.0 - isotropic_) * d + isotropic_ / two_pi : d;
 }
 
@@ -148,7 +170,7 @@ double Spreading::first_moment() const {
     const double r1 = shape_ == Shape::power
                           ? exponent_ / (exponent_ + 1.0)
                           : over_half_circle([](double t) { return std::cos(t); });
-    return (1.0 - isotropic_) * r1;
+    return (1.0 - isotropic_) * ((1.0 - broad_share_) * r1 + broad_share_ * cos2_first_moment);
 }
 
 } // namespace seaway::sea

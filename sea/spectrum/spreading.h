@@ -17,15 +17,20 @@ enum class SpreadingKind : std::uint8_t {
     cos2s,      ///< N(s) |cos(theta/2)|^2s, s the same at all frequencies (Longuet-Higgins 1963)
     mitsuyasu,  ///< cos2s with s(w) of Mitsuyasu et al. 1975
     hasselmann, ///< cos2s with s(w) of Hasselmann, Dunckel, Ewing 1980, break at 1.05 wp
-    donelan_banner, ///< sech^2(beta theta), Donelan et al. 1985, Banner 1990
+    donelan_banner,  ///< sech^2(beta theta), Donelan et al. 1985, Banner 1990
+    cos2_cos2s,      ///< blend of a broad cos2 with a narrow cos2s
+    cos2_hasselmann, ///< blend of a broad cos2 with a narrow hasselmann
 };
 
 /// What a scene says about spreading.
 struct SpreadingModel {
     SpreadingKind kind = SpreadingKind::cos2s;
-    double exponent = 10.0; ///< s of cos2s, 0 .. 1e6
+    double exponent = 10.0; ///< s of cos2s and cos2_cos2s, 0 .. 1e6
     double swell = 0.0;     ///< Horvath 2015 elongation xi, 0 .. 1: times |cos(theta/2)|^(2 s_xi)
     double isotropic = 0.0; ///< share of energy spread evenly over the circle, 0 .. 1
+    /// The blends: share of the energy in the narrow part, 0 .. 1; the rest is cos2, which no swell
+    /// narrows.
+    double narrow_share = 0.5;
 };
 
 /// Where in the sea a frequency stands.
@@ -53,7 +58,8 @@ class Spreading {
     /// First Fourier coefficient, integral of D cos theta: 0 .. 1. Closed or by quadrature.
     double first_moment() const;
 
-    /// s of the cos2s family, swell included; of cos2 and donelan_banner: the swell factor's alone.
+    /// s of the cos2s family, swell included; of cos2 and donelan_banner: the swell factor's alone;
+    /// of a blend: of its narrow part.
     double exponent() const { return exponent_; }
 
   private:
@@ -68,6 +74,7 @@ class Spreading {
     double beta_ = 0.0;
     double log_norm_ = 0.0;
     double isotropic_ = 0.0;
+    double broad_share_ = 0.0; ///< of cos2, beside `shape_`
 };
 
 double mitsuyasu_exponent(const SpreadingPlace& place);

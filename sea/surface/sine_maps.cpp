@@ -1,9 +1,62 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sea/surface/sine_maps.h"
 
+#include <complex>
+#include <vector>
+
 namespace seaway::sea {
 
+namespace {
+
+/// exp(i k n spacing) for every node n of a line.
+std::vector<std::complex<double>> along(double k_radpm, double spacing_m, int size) {
+    std::vector<std::complex<double>> line;
+    for (int i = 0; i < size; ++i)
+        line.push_back(std::polar(1.0, k_radpm * i * spacing_m));
+    return line;
+}
+
+/// Plane waves are products of a factor along x and one along y: no sine a node.
+void add_plane_waves(const SineField& field, TimeUs phase_time, Keyframe& keyframe) {
+    struct Factors {
+        std::vector<std::complex<double>> columns;
+        std::vector<std::complex<double>> rows;
+    };
+    const double spacing = keyframe.length_m / keyframe.size;
+    const auto size = static_cast<std::size_t>(keyframe.size);
+    std::vector<Factors> factors;
+    for (const SineField::Wave& wave : field.waves)
+        factors.push_back({along(wave.kx_radpm, spacing, keyframe.size),
+                           along(wave.ky_radpm, spacing, keyframe.size)});
+    for (std::size_t iy = 0; iy < size; ++iy) {
+        std::vector<LagrangianPoint> nodes(size);
+        for (std::size_t w = 0; w < factors.size(); ++w) {
+            const SineField::Wave& wave = field.waves[w];
+            const std::complex<double> row =
+                factors[w].rows[iy] *
+                std::polar(wave.amplitude_m, wave.phase_rad - phase_rad(wave.rate, phase_time));
+            for (std::size_t ix = 0; ix < size; ++ix) {
+                const std::complex<double> column = factors[w].columns[ix];
+                const double fall = row.real() * column.imag() + row.imag() * column.real();
+                nodes[ix].height += row.real() * column.real() - row.imag() * column.imag();
+                nodes[ix].slope_x -= wave.kx_radpm * fall;
+                nodes[ix].slope_y -= wave.ky_radpm * fall;
+                nodes[ix].height_rate += wave.omega_radps * fall;
+            }
+        }
+        for (const Field f : keyframe.fields& linear_fields)
+            for (std::size_t ix = 0; ix < size; ++ix)
+                keyframe.plane(f)[iy * size + ix] += static_cast<float>(value_of(nodes[ix], f));
+    }
+}
+
+} // namespace
+
 void add_sines(const SineField& field, TimeUs phase_time, Keyframe& keyframe) {
+    if (field.kind == SineKind::sine) {
+        add_plane_waves(field, phase_time, keyframe);
+        return;
+    }
     const double spacing = keyframe.length_m / keyframe.size;
     for (int iy = 0; iy < keyframe.size; ++iy)
         for (int ix = 0; ix < keyframe.size; ++ix) {

@@ -27,7 +27,8 @@ void DirectionalSpectrum::set(const WindSea& sea) {
         }
         break;
     case SpectrumKind::pierson_moskowitz:
-        frequency_ = FrequencySpectrum::pierson_moskowitz(wind_19m5_over_10m * wind, g);
+        frequency_ = FrequencySpectrum::pierson_moskowitz(
+            sea.wind_speed_19m5_mps.value_or(wind_19m5_over_10m * wind), g);
         break;
     case SpectrumKind::jonswap:
     case SpectrumKind::tma:
@@ -112,6 +113,13 @@ double DirectionalSpectrum::frequency_density(double omega) const {
         return wavenumber_density(k) / dispersion_.group_speed(k);
     }
     return variance_scale_ * frequency_.density(omega);
+}
+
+DirectionalSpectrum::Peak DirectionalSpectrum::peak_around(double omega) const {
+    const MeasuredBin* bin = measured_ ? measured_->find(omega) : nullptr;
+    if (bin == nullptr)
+        return {omega, 0.0};
+    return {measured_->peak_around(*bin), bin->omega_mid_radps};
 }
 
 double DirectionalSpectrum::wavenumber_density(double k) const {

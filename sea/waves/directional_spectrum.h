@@ -52,6 +52,13 @@ class DirectionalSpectrum {
     bool empty() const { return peak_omega_ <= 0.0; }
     double towards_rad() const { return towards_; }
     double peak_omega_radps() const { return peak_omega_; } ///< 0 if there are no waves
+    struct Peak {
+        double omega_radps;
+        double bin_omega_radps; ///< middle of the measured bin that holds it; else 0
+    };
+    /// The peak that lies around the frequency where S is largest: of measured bins by a parabola
+    /// (MeasuredSpectrum::peak_around); of a formula that frequency itself.
+    Peak peak_around(double omega_radps) const;
     bool growth_clamped() const { return frequency_.growth_clamped(); }
 
   private:

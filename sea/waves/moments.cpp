@@ -98,26 +98,25 @@ double kept_variance(const DirectionalSpectrum& spectrum, const Dispersion& disp
 template <class F>
 void over_explicit(const SeaState& sea, const F& f) {
     const Dispersion dispersion = sea.dispersion();
-    const auto one = [&](double length_m, int nx, int ny, double amplitude_m, double share,
-                         double speed_omega) {
+    const auto one = [&](double length_m, int nx, int ny, double amplitude_m) {
         const double k = two_pi / length_m * std::hypot(nx, ny);
         const double amplitude = sea.height_scale * std::abs(amplitude_m);
         if (k > 0.0 && amplitude > 0.0)
-            f(share * amplitude * amplitude, speed_omega > 0.0 ? speed_omega : dispersion.omega(k),
-              k, std::atan2(ny, nx));
+            f(0.5 * amplitude * amplitude, dispersion.omega(k), k, std::atan2(ny, nx));
     };
     for (std::size_t s = 0; s < sea.systems.size(); ++s) {
         if (const auto* modes = std::get_if<ExplicitModes>(&sea.systems[s]))
             for (const ExplicitMode& mode : modes->modes)
-                one(modes->length_m, mode.nx, mode.ny, mode.amplitude_m, 0.5, 0.0);
+                one(modes->length_m, mode.nx, mode.ny, mode.amplitude_m);
         if (const auto* ramps = std::get_if<SineRamps>(&sea.systems[s])) {
-            // Drag moves waves about but hardly changes their height.
-            const double share = ramps->kind == SineKind::exponential
-                                     ? exponential_sine(ramps->sharpness).variance
-                                     : 0.5;
-            for (const SineWave& wave :
-                 sine_waves(*ramps, sea.seed, static_cast<std::uint32_t>(s), dispersion))
-                one(ramps->length_m, wave.nx, wave.ny, wave.amplitude_m, share, wave.omega_radps);
+            SineField field = sine_field(*ramps, sea.seed, static_cast<std::uint32_t>(s),
+                                         dispersion, sea.height_scale, 0);
+            for (NoiseOctave& octave : field.octaves)
+                octave.variance = noise_variance; // expected, whatever the seed
+            for (const SineLine& line : sine_lines(field))
+                if (line.variance_m2 > 0.0)
+                    f(line.variance_m2, line.omega_radps, std::hypot(line.kx_radpm, line.ky_radpm),
+                      std::atan2(line.ky_radpm, line.kx_radpm));
         }
     }
 }
@@ -132,8 +131,8 @@ std::vector<DirectionalSpectrum> spectra_of(const SeaState& sea) {
     return spectra;
 }
 
-/// The frequency at which the sum of all systems is largest.
-double peak_of(std::span<const DirectionalSpectrum> spectra) {
+/// Where the sum of all systems is largest; within a measured bin where its parabola is.
+DirectionalSpectrum::Peak peak_of(std::span<const DirectionalSpectrum> spectra) {
     double lo = spectra.front().peak_omega_radps();
     double hi = lo;
     for (const DirectionalSpectrum& s : spectra) {
@@ -143,7 +142,7 @@ double peak_of(std::span<const DirectionalSpectrum> spectra) {
     constexpr double step = 1.0005;
     double best_omega = lo;
     double best = 0.0;
-    for (double omega = 0.5 * lo; omega < 2.0 * hi; omega *= step) {
+    const auto look_at = [&](double omega) {
         double density = 0.0;
         for (const DirectionalSpectrum& s : spectra)
             density += s.frequency_density(omega);
@@ -151,13 +150,23 @@ double peak_of(std::span<const DirectionalSpectrum> spectra) {
             best = density;
             best_omega = omega;
         }
-    }
-    return best_omega;
+    };
+    for (const DirectionalSpectrum& s : spectra)
+        if (s.peak_around(s.peak_omega_radps()).bin_omega_radps > 0.0)
+            look_at(s.peak_omega_radps()); // a bin may be narrower than the steps below
+    for (double omega = 0.5 * lo; omega < 2.0 * hi; omega *= step)
+        look_at(omega);
+    const auto strongest = std::max_element(
+        spectra.begin(), spectra.end(),
+        [best_omega](const DirectionalSpectrum& a, const DirectionalSpectrum& b) {
+            return a.frequency_density(best_omega) < b.frequency_density(best_omega);
+        });
+    return strongest->peak_around(best_omega);
 }
 
 SeaStatistics requested_statistics(const SeaState& sea,
-                                   std::span<const DirectionalSpectrum> spectra,
-                                   double finest_k_hi) {
+                                   std::span<const DirectionalSpectrum> spectra, double finest_k_hi,
+                                   double& peak_bin_period_s) {
     const Dispersion dispersion = sea.dispersion();
     EnergySums sums;
     for (const DirectionalSpectrum& spectrum : spectra) {
@@ -182,7 +191,11 @@ SeaStatistics requested_statistics(const SeaState& sea,
             strongest_omega = omega;
         }
     });
-    return statistics(sums, spectra.empty() ? strongest_omega : peak_of(spectra));
+    if (spectra.empty())
+        return statistics(sums, strongest_omega);
+    const DirectionalSpectrum::Peak peak = peak_of(spectra);
+    peak_bin_period_s = peak.bin_omega_radps > 0.0 ? two_pi / peak.bin_omega_radps : 0.0;
+    return statistics(sums, peak.omega_radps);
 }
 
 /// Peak of a realised sea: sum w S^4 / sum S^4 (Young 1995) over narrow bins of equal ratio around
@@ -307,11 +320,9 @@ double add_realised(const CascadeModes& cascade, EnergySums& sums, PeakFinder& p
     };
     over_modes(cascade, add);
     for (const SineField& field : cascade.sines)
-        for (const SineField::Wave& wave : field.waves)
-            if (wave.amplitude_m > 0.0)
-                add(exponential_sine(field.sharpness).variance * wave.amplitude_m *
-                        wave.amplitude_m,
-                    wave.kx_radpm, wave.ky_radpm, wave.omega_radps);
+        for (const SineLine& line : sine_lines(field))
+            if (line.variance_m2 > 0.0)
+                add(line.variance_m2, line.kx_radpm, line.ky_radpm, line.omega_radps);
     return variance;
 }
 
@@ -339,7 +350,8 @@ SeaSummary summarize(const SeaState& sea, const Realization& realization) {
         if (cascade.carries_spectra)
             all = {all.k_hi_radpm > 0.0 ? all.k_lo_radpm : cascade.band.k_lo_radpm,
                    cascade.band.k_hi_radpm};
-    summary.requested = requested_statistics(sea, spectra, all.k_hi_radpm);
+    summary.requested =
+        requested_statistics(sea, spectra, all.k_hi_radpm, summary.peak_bin_period_s);
     for (const DirectionalSpectrum& s : spectra)
         summary.longest_peak_wavelength_m =
             std::max(summary.longest_peak_wavelength_m,

@@ -11,8 +11,12 @@
 namespace seaway::sea {
 
 struct SeaStatistics {
-    double significant_height_m = 0;   ///< 4 sqrt(m0)
-    double peak_period_s = 0;          ///< 0 for a flat sea, as all periods
+    double significant_height_m = 0; ///< 4 sqrt(m0)
+    /// Requested: where S(f) is largest; of measured bins the top of the parabola through the
+    /// highest bin and its neighbours, or its middle where they do not allow one
+    /// (MeasuredSpectrum::peak_around). Realised: sum S^4 / sum f S^4 around the densest band (Young
+    /// 1995). 0 for a flat sea, as all periods.
+    double peak_period_s = 0;
     double zero_crossing_period_s = 0; ///< 2 pi sqrt(m0/m2)
     double mean_period_s = 0;          ///< Tm01 = 2 pi m0/m1
     double mean_towards_rad = 0;       ///< energy-weighted, anticlockwise from east
@@ -35,6 +39,9 @@ struct SeaSummary {
     double lost_above_m2 = 0;              ///< waves shorter than the finest band
     double lost_fade_m2 = 0;               ///< short-wave fade and cut-offs, within the bands
     double longest_peak_wavelength_m = 0;  ///< over the systems; 0 for a flat sea
+    /// Where a measured bin holds the requested peak: the period of its middle, which is the Tp that
+    /// buoys publish (CDIP, NDBC). Else 0.
+    double peak_bin_period_s = 0;
 };
 
 /// About 10 ms a wave system and 10 ms a cascade.

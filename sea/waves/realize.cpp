@@ -108,7 +108,7 @@ PlacedModes placed(const ExplicitModes& system, const SeaState&, std::uint32_t) 
 
 PlacedModes placed(const SineRamps& system, const SeaState& sea, std::uint32_t index) {
     PlacedModes result{system.length_m, {}};
-    if (system.kind != SineKind::exponential)
+    if (system.kind == SineKind::gerstner)
         for (const SineWave& wave : sine_waves(system, sea.seed, index, sea.dispersion()))
             result.modes.push_back({wave.nx, wave.ny, wave.amplitude_m, wave.phase_rad});
     return result;
@@ -118,7 +118,7 @@ PlacedModes placed(const SineRamps& system, const SeaState& sea, std::uint32_t i
 /// owns no band of the spectra.
 Result<CascadeModes*> tile_for(Realization& realization, double length_m, int steps) {
     for (CascadeModes& cascade : realization.cascades)
-        if (std::abs(cascade.spec.length_m - length_m) < 1e-9 * length_m) {
+        if (same_tile_length(cascade.spec.length_m, length_m)) {
             if (steps > cascade.spec.size / 2 - 1)
                 return Error{fmt::format("explicit waves reach lattice index {}, but the cascade "
                                          "of length_m = {} has size = {} and holds {} at most",
@@ -180,8 +180,8 @@ Result<void> add_sine_field(Realization& realization, const SineRamps& ramps, co
     const Result<CascadeModes*> tile = tile_for(realization, ramps.length_m, std::max(steps, 1));
     if (!tile)
         return tile.error();
-    (*tile)->sines.push_back(sine_field(ramps, sine_waves(ramps, sea.seed, index, sea.dispersion()),
-                                        sea.height_scale, realization.loop_period_us));
+    (*tile)->sines.push_back(sine_field(ramps, sea.seed, index, sea.dispersion(), sea.height_scale,
+                                        realization.loop_period_us));
     return {};
 }
 
@@ -192,9 +192,9 @@ Result<void> add_explicit(Realization& realization, const SeaState& sea) {
         if (const auto* modes = std::get_if<ExplicitModes>(&sea.systems[s]))
             added = add_placed(realization, placed(*modes, sea, index), sea);
         else if (const auto* ramps = std::get_if<SineRamps>(&sea.systems[s]))
-            added = ramps->kind == SineKind::exponential
-                        ? add_sine_field(realization, *ramps, sea, index)
-                        : add_placed(realization, placed(*ramps, sea, index), sea);
+            added = ramps->kind == SineKind::gerstner
+                        ? add_placed(realization, placed(*ramps, sea, index), sea)
+                        : add_sine_field(realization, *ramps, sea, index);
         if (!added)
             return Error{fmt::format("sea.system[{}]: {}", s + 1, added.error().message)};
     }
@@ -202,6 +202,18 @@ Result<void> add_explicit(Realization& realization, const SeaState& sea) {
 }
 
 } // namespace
+
+double explicit_length_m(const WaveSystem& system) {
+    if (const auto* modes = std::get_if<ExplicitModes>(&system))
+        return modes->length_m;
+    if (const auto* ramps = std::get_if<SineRamps>(&system))
+        return ramps->length_m;
+    return 0.0;
+}
+
+bool same_tile_length(double held_m, double wanted_m) {
+    return std::abs(held_m - wanted_m) < 1e-9 * wanted_m;
+}
 
 int explicit_tile_size(int steps) {
     int size = 64;

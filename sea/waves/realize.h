@@ -27,6 +27,11 @@ Result<Realization> realize(const SeaState& sea, std::span<const CascadeSpec> ca
 /// period, at least one (hard case B7: rounding down would freeze long swell).
 Rate mode_rate(double omega_radps, TimeUs loop_period_us);
 
+/// The tile on which a system's waves given one by one stand, m; 0 for a spectrum. Two lengths within
+/// 1e-9 are the same tile.
+double explicit_length_m(const WaveSystem& system);
+bool same_tile_length(double held_m, double wanted_m);
+
 /// Size of a tile that is added for explicit waves up to this lattice index: the power of two, at
 /// least 64, that keeps them below band_end_share_of_nyquist.
 int explicit_tile_size(int steps);

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -25,6 +26,9 @@ enum class SpectrumKind : std::uint8_t { jonswap, tma, pierson_moskowitz, philli
 struct WindSea {
     SpectrumKind spectrum = SpectrumKind::jonswap; ///< not bretschneider, which has no wind
     double wind_speed_10m_mps = 0.0;               ///< 0 .. 100; 0 is a calm
+    /// The wind as it was measured for pierson_moskowitz, where a scene gives it so; then the speed at
+    /// 10 m follows from it and the spectrum is made from this one, to the bit.
+    std::optional<double> wind_speed_19m5_mps;
     double towards_rad = 0.0;
     double fetch_m = std::numeric_limits<double>::infinity(); ///< jonswap, tma; infinite: grown
     double gamma = 3.3;                                       ///< peak enhancement, 1 .. 20
@@ -46,7 +50,10 @@ struct Swell {
 /// A sea that was measured.
 struct MeasuredSea {
     std::shared_ptr<const MeasuredSpectrum> spectrum;
-    std::string csv;          ///< the table it was read from
+    std::string csv; ///< the table it was read from
+    /// What its a1, b1, a2, b2 mean; absent where they say nothing, or nobody said (then
+    /// from_clockwise_north).
+    std::optional<CoefficientFrame> coefficients;
     double towards_rad = 0.0; ///< these two only where the table has no directions
     SpreadingModel spreading;
 };

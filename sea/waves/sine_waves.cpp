@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "sea/basics/constants.h"
 #include "sea/basics/philox.h"
@@ -29,12 +30,41 @@ double scaled_bessel_i0(double x) {
 } // namespace
 
 double sine_steps(const SineRamps& ramps) {
-    return ramps.length_m / ramps.wavelength_m * std::pow(ramps.wavenumber_ratio, ramps.count - 1);
+    double steps = 0.0;
+    for (const SineByHand& wave : ramps.by_hand)
+        steps = std::max(steps, ramps.length_m / wave.wavelength_m);
+    if (ramps.by_hand.empty())
+        steps =
+            ramps.length_m / ramps.wavelength_m * std::pow(ramps.wavenumber_ratio, ramps.count - 1);
+    return ramps.kind == SineKind::noise ? 4.0 * steps : steps;
 }
 
-std::vector<SineWave> sine_waves(const SineRamps& ramps, std::uint64_t seed, std::uint32_t system,
-                                 const Dispersion& dispersion) {
-    std::vector<SineWave> waves;
+namespace {
+
+/// A wave as asked for, before it is snapped.
+struct Asked {
+    double steps; ///< wavelengths a tile
+    double towards_rad;
+    double amplitude_m;
+    double phase_rad;
+    double speed_ratio;
+    double speed_mps; ///< 0: speed_ratio times that of its wavenumber
+};
+
+std::vector<Asked> asked_by_hand(const SineRamps& ramps) {
+    // exp(p (sin - 1)) is highest a quarter turn later than a cosine.
+    const double turn = ramps.kind == SineKind::exponential ? 0.5 * pi : 0.0;
+    std::vector<Asked> waves;
+    for (const SineByHand& wave : ramps.by_hand)
+        waves.push_back({ramps.length_m / wave.wavelength_m, wave.towards_rad, wave.amplitude_m,
+                         wave.phase_rad + turn, 1.0, wave.speed_mps});
+    return waves;
+}
+
+std::vector<Asked> asked_waves(const SineRamps& ramps, std::uint64_t seed, std::uint32_t system) {
+    if (!ramps.by_hand.empty())
+        return asked_by_hand(ramps);
+    std::vector<Asked> waves;
     double amplitude = ramps.amplitude_m;
     double steps = ramps.length_m / ramps.wavelength_m;
     double speed = 1.0;
@@ -44,30 +74,87 @@ std::vector<SineWave> sine_waves(const SineRamps& ramps, std::uint64_t seed, std
             {static_cast<std::uint32_t>(i), 0, system, sine_stream},
             {static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)});
         const double turn = (words[0] + 0.5) * 0x1p-31 - 1.0; // -1 .. 1
-        const double direction = ramps.towards_rad + turn * ramps.direction_spread_rad;
-        int nx = static_cast<int>(std::lround(steps * std::cos(direction)));
-        const int ny = static_cast<int>(std::lround(steps * std::sin(direction)));
-        if (nx == 0 && ny == 0)
-            nx = 1; // longer than the tile: its fundamental
-        const double k = two_pi / ramps.length_m * std::sqrt(nx * nx + ny * ny);
-        waves.push_back({nx, ny, amplitude, two_pi * ((words[1] + 0.5) * 0x1p-32),
-                         dispersion.omega(k) * speed});
+        waves.push_back(
+            {steps,
+             ramps.towards_rad + i * ramps.direction_step_rad + turn * ramps.direction_spread_rad,
+             amplitude, two_pi * ((words[1] + 0.5) * 0x1p-32), speed, 0.0});
         sum += amplitude;
         amplitude *= ramps.amplitude_ratio;
         steps *= ramps.wavenumber_ratio;
         speed *= ramps.speed_ratio;
     }
     if (ramps.normalise && sum > 0.0)
-        for (SineWave& wave : waves)
+        for (Asked& wave : waves)
             wave.amplitude_m *= ramps.amplitude_m / sum;
     return waves;
 }
 
-SineField sine_field(const SineRamps& ramps, const std::vector<SineWave>& waves,
-                     double height_scale, TimeUs loop_period_us) {
-    SineField field{ramps.length_m, ramps.sharpness, ramps.drag, {}};
+struct LatticeVector {
+    int nx;
+    int ny;
+};
+LatticeVector snapped(const Asked& wave) {
+    const int nx = static_cast<int>(std::lround(wave.steps * std::cos(wave.towards_rad)));
+    const int ny = static_cast<int>(std::lround(wave.steps * std::sin(wave.towards_rad)));
+    return nx == 0 && ny == 0 ? LatticeVector{1, 0} : LatticeVector{nx, ny}; // longer than the tile
+}
+
+/// Octaves keep their direction; their cells are whole numbers, two to a wavelength.
+int snapped_cells(const Asked& octave) {
+    return std::max(2, static_cast<int>(std::lround(2.0 * octave.steps)));
+}
+
+} // namespace
+
+std::vector<SineWave> sine_waves(const SineRamps& ramps, std::uint64_t seed, std::uint32_t system,
+                                 const Dispersion& dispersion) {
+    std::vector<SineWave> waves;
+    for (const Asked& asked : asked_waves(ramps, seed, system)) {
+        const auto [nx, ny] = snapped(asked);
+        const double k = two_pi / ramps.length_m * std::sqrt(nx * nx + ny * ny);
+        const double omega =
+            asked.speed_mps > 0.0 ? asked.speed_mps * k : dispersion.omega(k) * asked.speed_ratio;
+        waves.push_back({nx, ny, asked.amplitude_m, asked.phase_rad, omega});
+    }
+    return waves;
+}
+
+SineSnapping sine_snapping(const SineRamps& ramps, std::uint64_t seed, std::uint32_t system) {
+    SineSnapping most;
+    for (const Asked& asked : asked_waves(ramps, seed, system)) {
+        const auto [nx, ny] = snapped(asked);
+        const bool noise = ramps.kind == SineKind::noise;
+        const double steps = noise ? 0.5 * snapped_cells(asked) : std::hypot(nx, ny);
+        const double turn =
+            noise ? 0.0 : std::remainder(std::atan2(ny, nx) - asked.towards_rad, two_pi);
+        most.wavelength_share =
+            std::max(most.wavelength_share, std::abs(asked.steps / steps - 1.0));
+        most.direction_rad = std::max(most.direction_rad, std::abs(turn));
+    }
+    return most;
+}
+
+SineField sine_field(const SineRamps& ramps, std::uint64_t seed, std::uint32_t system,
+                     const Dispersion& dispersion, double height_scale, TimeUs loop_period_us) {
+    SineField field;
+    field.kind = ramps.kind;
+    field.length_m = ramps.length_m;
+    field.sharpness = ramps.sharpness;
+    field.drag = ramps.drag;
     const double step = two_pi / ramps.length_m;
-    for (const SineWave& wave : waves) {
+    if (ramps.kind == SineKind::noise) {
+        std::uint32_t i = 0;
+        for (const Asked& asked : asked_waves(ramps, seed, system)) {
+            const int cells = snapped_cells(asked);
+            const double k = 0.5 * step * cells;
+            field.octaves.push_back(
+                noise_octave(cells, height_scale * asked.amplitude_m, ramps.length_m,
+                             asked.speed_ratio * dispersion.omega(k) / k, asked.towards_rad, seed,
+                             system, i++, loop_period_us));
+        }
+        return field;
+    }
+    for (const SineWave& wave : sine_waves(ramps, seed, system, dispersion)) {
         const Rate rate = mode_rate(wave.omega_radps, loop_period_us);
         field.waves.push_back({step * wave.nx, step * wave.ny, height_scale * wave.amplitude_m,
                                wave.phase_rad, rate, omega_from_rate(rate)});
@@ -80,10 +167,61 @@ ExponentialSine exponential_sine(double sharpness) {
     return {mean, scaled_bessel_i0(2.0 * sharpness) - mean * mean};
 }
 
+std::vector<SineLine> sine_lines(const SineField& field) {
+    std::vector<SineLine> lines;
+    const double share =
+        field.kind == SineKind::exponential ? exponential_sine(field.sharpness).variance : 0.5;
+    for (const SineField::Wave& wave : field.waves)
+        lines.push_back({share * wave.amplitude_m * wave.amplitude_m, wave.kx_radpm, wave.ky_radpm,
+                         wave.omega_radps});
+    for (const NoiseOctave& octave : field.octaves) {
+        const double k = noise_slope_cells * octave.cells / field.length_m;
+        const double speed = std::hypot(octave.speed_x_mps, octave.speed_y_mps);
+        // The slope along the drift is the rms slope over sqrt(2).
+        lines.push_back({octave.variance * octave.amplitude_m * octave.amplitude_m,
+                         speed > 0.0 ? k * octave.speed_x_mps / speed : k,
+                         speed > 0.0 ? k * octave.speed_y_mps / speed : 0.0,
+                         speed * k / std::numbers::sqrt2});
+    }
+    return lines;
+}
+
+double sine_height_max_m(const SineField& field) {
+    double sum = 0.0;
+    for (const SineField::Wave& wave : field.waves)
+        sum += wave.amplitude_m;
+    for (const NoiseOctave& octave : field.octaves)
+        sum += 2.0 * octave.amplitude_m; // corners in -1 .. 1, less their mean
+    return sum;
+}
+
+namespace {
+
+LagrangianPoint plain_sines_at(const SineField& field, double x_m, double y_m, TimeUs phase_time) {
+    LagrangianPoint point;
+    const double x = std::fmod(x_m, field.length_m), y = std::fmod(y_m, field.length_m);
+    for (const SineField::Wave& wave : field.waves) {
+        const double phase = wave.kx_radpm * x + wave.ky_radpm * y -
+                             phase_rad(wave.rate, phase_time) + wave.phase_rad;
+        const double fall = wave.amplitude_m * std::sin(phase);
+        point.height += wave.amplitude_m * std::cos(phase);
+        point.slope_x -= wave.kx_radpm * fall;
+        point.slope_y -= wave.ky_radpm * fall;
+        point.height_rate += wave.omega_radps * fall;
+    }
+    return point;
+}
+
+} // namespace
+
 LagrangianPoint sines_at(const SineField& field, double x_m, double y_m, TimeUs phase_time) {
+    if (field.kind == SineKind::sine)
+        return plain_sines_at(field, x_m, y_m, phase_time);
     const double p = field.sharpness;
     const double mean = exponential_sine(p).mean;
     LagrangianPoint point;
+    for (const NoiseOctave& octave : field.octaves)
+        add_noise(octave, field.length_m, x_m, y_m, phase_time, point);
     // The dragged position, its gradient over (X, Y) and its rate.
     double x = std::fmod(x_m, field.length_m), y = std::fmod(y_m, field.length_m);
     double x_x = 1.0, x_y = 0.0, y_x = 0.0, y_y = 1.0;

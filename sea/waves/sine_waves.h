@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stylised seas: sums of a few sine, Gerstner or exponential-sine waves whose amplitude,
-// wavenumber, speed and direction run along ramps (fractal sums), optionally with each wave dragged
-// along by the ones before it.
+// Stylised seas: sums of a few sine, Gerstner or exponential-sine waves, or of octaves of noise,
+// whose amplitude, wavenumber, speed and direction run along ramps (fractal sums) or stand in a
+// list; exponential ones optionally with each wave dragged along by the ones before it.
 //
-// All wave vectors are snapped to the lattice of one tile, so the sea stays periodic. Sine and
-// Gerstner waves are linear: they become modes (Gerstner's horizontal motion is the scene's
-// choppiness). Exponential-sine waves are not: height(X,t) is evaluated point by point, with exact
-// derivatives through the drag's chain rule and with mean level zero (traps T52-T54).
+// All wave vectors are snapped to the lattice of one tile, so the sea stays periodic. Gerstner
+// waves are linear and move sideways as water does: they become modes. The others move up and down
+// only, which no mode of a choppy sea does: height(X,t) is evaluated point by point, with exact
+// derivatives (through the drag's chain rule) and with mean level zero (traps T52-T54).
 //
 // Pure functions; thread-safe.
 #pragma once
@@ -17,37 +17,54 @@
 #include "sea/basics/dispersion.h"
 #include "sea/basics/lagrangian_point.h"
 #include "sea/basics/time.h"
+#include "sea/waves/noise.h"
 
 namespace seaway::sea {
 
-enum class SineKind : std::uint8_t { sine, gerstner, exponential };
+enum class SineKind : std::uint8_t { sine, gerstner, exponential, noise };
+
+/// One wave of a list in physical units.
+struct SineByHand {
+    double wavelength_m; ///< 0.01 .. 1e6
+    double amplitude_m;  ///< 0 .. 100
+    double towards_rad;  ///< as given; the wave vector is snapped to the tile
+    double phase_rad;    ///< eta = amplitude cos(k.X - w t + phase); of exp(p (cos - 1)) likewise
+    double speed_mps = 0.0; ///< 0: that of its wavenumber
+};
 
 /// The ramps as a scene gives them. Wave i = 0 .. count-1 has
 ///   amplitude  amplitude_m * amplitude_ratio^i      (all scaled to add up to amplitude_m if
 ///                                                    `normalise`)
 ///   wavenumber 2 pi / wavelength_m * wavenumber_ratio^i, snapped to the tile
-///   speed      that of its wavenumber * speed_ratio^i (exponential only)
-///   direction  towards_rad + up to direction_spread_rad either way, drawn for each wave
+///   speed      that of its wavenumber * speed_ratio^i (not gerstner)
+///   direction  towards_rad + i direction_step_rad + up to direction_spread_rad either way, drawn
+///              for each wave
+/// Or `by_hand`, which stands in place of all these.
 struct SineRamps {
     SineKind kind = SineKind::gerstner;
     double length_m = 256.0;        ///< the tile, 0.1 .. 1e6
-    int count = 12;                 ///< 1 .. 64
+    int count = 12;                 ///< 1 .. 64; noise 1 .. 16
     double amplitude_m = 1.0;       ///< 0 .. 100
     double wavelength_m = 64.0;     ///< of the longest wave
     double amplitude_ratio = 0.82;  ///< 0.01 .. 1
     double wavenumber_ratio = 1.18; ///< 1 .. 4
     double speed_ratio = 1.0;       ///< 0.1 .. 10
     double towards_rad = 0.0;
+    double direction_step_rad = 0.0;   ///< -pi .. pi
     double direction_spread_rad = 0.5; ///< 0 .. pi
     bool normalise = true;
-    double sharpness = 1.0; ///< p of exp(p (sin - 1)), exponential only, 0.1 .. 10
-    double drag = 0.0;      ///< share of a wave's slope that moves the next ones, 0 .. 2
+    double sharpness = 1.0;          ///< p of exp(p (sin - 1)), exponential only, 0.1 .. 10
+    double drag = 0.0;               ///< share of a wave's slope that moves the next ones, 0 .. 2
+    std::vector<SineByHand> by_hand; ///< sine, gerstner (without speeds), exponential
 };
 
 /// Lattice steps that a ramp may reach: tiles stay affordable.
 inline constexpr int sine_steps_max = 200;
+inline constexpr int sines_by_hand_max = 256;
 
-/// Largest lattice index of the ramp's waves; above sine_steps_max the reader refuses it.
+/// Largest lattice index of the waves, as the size of their tile follows from it; above
+/// sine_steps_max the reader refuses them. Noise counts four times: within half a wavelength it
+/// turns as sharply as waves four times shorter.
 double sine_steps(const SineRamps& ramps);
 
 struct SineWave {
@@ -58,11 +75,19 @@ struct SineWave {
     double omega_radps;
 };
 
-/// The ramp's waves: directions and phases drawn from (seed, system, i).
+/// The waves of ramps or list; directions and phases of ramps are drawn from (seed, system, i).
+/// Not of noise.
 std::vector<SineWave> sine_waves(const SineRamps& ramps, std::uint64_t seed, std::uint32_t system,
                                  const Dispersion& dispersion);
 
-/// A non-linear stylised sea on its tile.
+/// By how much snapping to the tile changes the waves at most.
+struct SineSnapping {
+    double wavelength_share = 0.0; ///< |snapped / asked - 1|
+    double direction_rad = 0.0;
+};
+SineSnapping sine_snapping(const SineRamps& ramps, std::uint64_t seed, std::uint32_t system);
+
+/// A stylised sea that is evaluated point by point, on its tile.
 struct SineField {
     struct Wave {
         double kx_radpm;
@@ -72,18 +97,34 @@ struct SineField {
         Rate rate;
         double omega_radps; ///< what `rate` stands for
     };
+    SineKind kind = SineKind::exponential; ///< not gerstner
     double length_m = 0.0;
     double sharpness = 1.0;
     double drag = 0.0;
     std::vector<Wave> waves;
+    std::vector<NoiseOctave> octaves; ///< noise, in place of waves
 };
 
-SineField sine_field(const SineRamps& ramps, const std::vector<SineWave>& waves,
-                     double height_scale, TimeUs loop_period_us);
+/// Not of gerstner.
+SineField sine_field(const SineRamps& ramps, std::uint64_t seed, std::uint32_t system,
+                     const Dispersion& dispersion, double height_scale, TimeUs loop_period_us);
 
 /// Height, its slopes and its rate at a point; the displacement is zero. `phase_time` as
-/// Realization::phase_time gives it. About 0.1 us a wave.
+/// Realization::phase_time gives it. About 0.1 us a wave, 0.03 us an octave.
 LagrangianPoint sines_at(const SineField& field, double x_m, double y_m, TimeUs phase_time);
+
+/// A wave or octave as statistics see it: its variance at one wavenumber, frequency and direction.
+struct SineLine {
+    double variance_m2;
+    double kx_radpm; ///< of an octave: of its rms slope, towards where it drifts
+    double ky_radpm;
+    double omega_radps;
+};
+/// Drag moves waves about but hardly changes their height: it is left out.
+std::vector<SineLine> sine_lines(const SineField& field);
+
+/// A bound of |height|, m.
+double sine_height_max_m(const SineField& field);
 
 /// Mean of exp(p (sin q - 1)) over q, and its variance.
 struct ExponentialSine {

@@ -50,6 +50,15 @@ void adopt_rates(const CascadeModes& from, CascadeModes& to) {
             to.rate[i] = from.rate[i];
 }
 
+/// An octave of noise stands, at the change, where the old one stood.
+void continue_octave(const NoiseOctave& from, TimeUs from_time, TimeUs to_time, NoiseOctave& to) {
+    const auto offset = [&](std::uint64_t old_offset, Rate old_rate, Rate rate) {
+        return old_offset - phase_turns(old_rate, from_time) + phase_turns(rate, to_time);
+    };
+    to.offset_x = offset(from.offset_x, from.rate_x, to.rate_x);
+    to.offset_y = offset(from.offset_y, from.rate_y, to.rate_y);
+}
+
 /// Stylised waves keep their phase as the modes do.
 void continue_sines(const CascadeModes& from, CascadeModes& to, TimeUs from_time, TimeUs to_time) {
     for (std::size_t f = 0; f < std::min(from.sines.size(), to.sines.size()); ++f)
@@ -60,15 +69,24 @@ void continue_sines(const CascadeModes& from, CascadeModes& to, TimeUs from_time
             wave.phase_rad = old_wave.phase_rad + phase_rad(wave.rate, to_time) -
                              phase_rad(old_wave.rate, from_time);
         }
+    for (std::size_t f = 0; f < std::min(from.sines.size(), to.sines.size()); ++f)
+        for (std::size_t o = 0;
+             o < std::min(from.sines[f].octaves.size(), to.sines[f].octaves.size()); ++o)
+            continue_octave(from.sines[f].octaves[o], from_time, to_time, to.sines[f].octaves[o]);
+}
+
+void scale(SineField& field, double share) {
+    for (SineField::Wave& wave : field.waves)
+        wave.amplitude_m *= share;
+    for (NoiseOctave& octave : field.octaves)
+        octave.amplitude_m *= share;
 }
 
 void blend_sines(const CascadeModes& before, double share, CascadeModes& modes) {
     for (SineField& field : modes.sines)
-        for (SineField::Wave& wave : field.waves)
-            wave.amplitude_m *= share;
+        scale(field, share);
     for (SineField field : before.sines) {
-        for (SineField::Wave& wave : field.waves)
-            wave.amplitude_m *= 1.0 - share;
+        scale(field, 1.0 - share);
         modes.sines.push_back(std::move(field));
     }
 }
@@ -100,9 +118,12 @@ Result<SeaTransition> SeaTransition::create(RealizationPtr from, RealizationPtr 
             continuous_offsets(old_modes, after->cascades[c], from_time, to_time);
         before->cascades[c].h0 = with_offsets(old_modes, offsets);
         before->cascades[c].sines = old_modes.sines;
-        for (SineField& field : before->cascades[c].sines)
+        for (SineField& field : before->cascades[c].sines) {
             for (SineField::Wave& wave : field.waves)
                 wave.phase_rad += phase_rad(wave.rate, to_time) - phase_rad(wave.rate, from_time);
+            for (NoiseOctave& octave : field.octaves)
+                continue_octave(NoiseOctave(octave), from_time, to_time, octave);
+        }
         after->cascades[c].h0 = with_offsets(to->cascades[c], offsets);
         before->cascades[c].phase_offset_turns = offsets;
         after->cascades[c].phase_offset_turns = offsets;

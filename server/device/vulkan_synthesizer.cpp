@@ -117,8 +117,9 @@ std::string Vulkan::description() const {
 Result<const SynthesisKernels*> Vulkan::kernels(int size, bool band_limited) {
     if (const auto found = kernels_.find({size, band_limited}); found != kernels_.end())
         return static_cast<const SynthesisKernels*>(found->second.get());
-    Error last{"no Vulkan kernels for a cascade of size " + std::to_string(size) + "; there are " +
-                   transform_sizes(),
+    Error last{"cascade of size " + std::to_string(size) +
+                   ": no Vulkan kernels for it; there are " + transform_sizes() +
+                   " (other sizes: the native device up to 1024, seaway-inspect up to 2048)",
                cannot_do_this_sea};
     for (const shaders::Transform* transform :
          fitting_transforms(device_->info(), size, band_limited)) {

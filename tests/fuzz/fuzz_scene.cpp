@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Scene texts and parameter sets: an error by name, or a finite sea that reads back as itself.
-// First byte odd: the rest is TOML text. Even: the rest picks values, also impossible ones, for the
-// keys of a scene.
+// First byte '#': all of it is TOML text (tests/data/odd_scenes/ is a corpus). Another odd byte: the rest
+// is. Even: the rest picks values, also impossible ones, for the keys of a scene.
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <string>
 
 #include "sea/scene/scene.h"
+#include "sea/scene/scene_names.h"
 #include "sea/waves/moments.h"
 #include "sea/waves/reference.h"
 
@@ -34,9 +35,10 @@ class Choices {
         return std::to_string(below(100)) + "." + std::to_string(below(10)) + "e" +
                std::to_string(exponent);
     }
-    template <std::size_t N>
-    std::string one_of(const char* const (&names)[N]) {
-        return names[below(N)];
+    /// A word of one of the tables that reader and writer share.
+    template <class Kinds>
+    std::string kind_of(const Kinds& kinds) {
+        return std::string(kinds[below(static_cast<unsigned>(kinds.size()))].first);
     }
 
   private:
@@ -45,21 +47,32 @@ class Choices {
 };
 
 std::string system_text(Choices& c) {
-    static const char* const types[] = {"wind", "swell", "sines", "measured", "modes"};
-    static const char* const spectra[] = {"jonswap", "tma", "pierson_moskowitz", "phillips",
-                                          "bretschneider"};
-    static const char* const spreadings[] = {"cos2", "cos2s", "mitsuyasu", "hasselmann",
-                                             "donelan_banner"};
-    static const char* const keys[] = {
-        "wind_speed_10m_mps", "fetch_m",          "gamma",         "swell",
-        "isotropic",          "from_deg",         "peak_period_s", "significant_height_m",
-        "spreading_exponent", "length_m",         "amplitude_m",   "wavelength_m",
-        "amplitude_ratio",    "wavenumber_ratio", "sharpness",     "drag",
-        "speed_ratio",        "phillips_constant"};
-    const std::string type = c.one_of(types);
+    static const char* const keys[] = {"wind_speed_10m_mps",
+                                       "fetch_m",
+                                       "gamma",
+                                       "swell",
+                                       "isotropic",
+                                       "from_deg",
+                                       "peak_period_s",
+                                       "significant_height_m",
+                                       "spreading_exponent",
+                                       "length_m",
+                                       "amplitude_m",
+                                       "wavelength_m",
+                                       "amplitude_ratio",
+                                       "wavenumber_ratio",
+                                       "sharpness",
+                                       "drag",
+                                       "speed_ratio",
+                                       "phillips_constant",
+                                       "wind_speed_19m5_mps",
+                                       "narrow_share",
+                                       "direction_step_deg",
+                                       "direction_spread_deg"};
+    const std::string type(system_names[c.below(static_cast<unsigned>(system_names.size()))]);
     std::string text = "[[sea.system]]\ntype = \"" + type + "\"\n";
     if (type == "sines")
-        text += "shape = \"exponential\"\n";
+        text += "shape = \"" + c.kind_of(sine_names) + "\"\n";
     else if (type == "measured")
         text += "data = \"\"\"f_hz,df_hz,s_m2_hz,a1,b1,a2,b2\n" + c.number() + ",0.01," +
                 c.number() + "," + c.number() + "," + c.number() + ",0.1,0.2\n\"\"\"\n";
@@ -67,8 +80,8 @@ std::string system_text(Choices& c) {
         text += "data = \"\"\"nx,ny,amplitude_m,phase_rad\n" + std::to_string(c.below(40)) + "," +
                 std::to_string(c.below(40)) + "," + c.number() + "," + c.number() + "\n\"\"\"\n";
     else
-        text += "spectrum = \"" + c.one_of(spectra) + "\"\nspreading = \"" + c.one_of(spreadings) +
-                "\"\n";
+        text += "spectrum = \"" + c.kind_of(spectrum_names) + "\"\nspreading = \"" +
+                c.kind_of(spreading_names) + "\"\n";
     for (const char* key : keys)
         if (c.below(3) != 0)
             text += std::string(key) + " = " + c.number() + "\n";
@@ -124,8 +137,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (size == 0)
         return 0;
     Choices choices(data + 1, size - 1);
-    const std::string text =
-        (data[0] & 1u) != 0 ? std::string(data + 1, data + size) : scene_text(choices);
+    const std::string text = (data[0] & 1u) == 0
+                                 ? scene_text(choices)
+                                 : std::string(data + (data[0] == '#' ? 0 : 1), data + size);
     const seaway::Result<Scene> scene = parse_scene(text, "fuzz", "");
     if (scene)
         check(*scene);

@@ -16,6 +16,7 @@
 #include <OpenEXR/ImfThreading.h>
 #pragma GCC diagnostic pop
 
+#include "base/text_file.h"
 #include "server/device/native_synthesizer.h"
 #include "server/device/vulkan_synthesizer.h"
 #include "tools/bake/bake.h"
@@ -158,7 +159,9 @@ int main(int argc, char** argv) {
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
-        return error.get_exit_code() == 0 ? app.exit(error) : fail(exit_usage, error.what());
+        if (error.get_exit_code() != 0)
+            return fail(exit_usage, error.what());
+        return status_after_output("seaway-bake", app.exit(error), exit_failed);
     }
-    return run(options);
+    return status_after_output("seaway-bake", run(options), exit_failed);
 }

@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "base/text_file.h"
 #include "tools/bench/compare.h"
 #include "tools/bench/effects.h"
 
@@ -32,7 +33,11 @@ int main(int argc, char** argv) {
     compare->add_option("--scene", pair.scene)->capture_default_str();
     compare->add_option("--first", pair.first)->capture_default_str();
     compare->add_option("--second", pair.second)->capture_default_str();
-    CLI11_PARSE(app, argc, argv);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        return status_after_output("seaway-bench", app.exit(error), 2);
+    }
 
     if (quick)
         options.rounds = 8;
@@ -42,5 +47,5 @@ int main(int argc, char** argv) {
         fmt::print(stderr, "seaway-bench: {}\n", done.error().message);
         return 2;
     }
-    return 0;
+    return status_after_output("seaway-bench", 0, 2);
 }

@@ -100,9 +100,9 @@ std::vector<ExplicitWave> explicit_waves(const sea::Realization& sea) {
                                  2.0 * std::abs(modes.h0[index])});
         }
         for (const sea::SineField& field : modes.sines)
-            for (const sea::SineField::Wave& wave : field.waves)
-                waves.push_back(
-                    {wave.omega_radps, std::atan2(wave.ky_radpm, wave.kx_radpm), wave.amplitude_m});
+            for (const sea::SineLine& line : sine_lines(field))
+                waves.push_back({line.omega_radps, std::atan2(line.ky_radpm, line.kx_radpm),
+                                 std::sqrt(2.0 * line.variance_m2)});
     }
     return waves;
 }

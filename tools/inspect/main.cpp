@@ -11,6 +11,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "base/text_file.h"
 #include "sea/waves/moments.h"
 #include "tools/inspect/images.h"
 #include "tools/inspect/picture.h"
@@ -150,11 +151,14 @@ int main(int argc, char** argv) {
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
-        return error.get_exit_code() == 0 ? app.exit(error) : fail(error.what());
+        if (error.get_exit_code() != 0)
+            return fail(error.what());
+        app.exit(error); // prints help or version
+        return status_after_output("seaway-inspect", 0, exit_usage);
     }
     const Result<std::string> out = run(options);
     if (!out)
         return fail(out.error().message);
-    std::cout << *out << std::flush;
-    return std::cout ? 0 : fail("cannot write to standard output");
+    std::cout << *out;
+    return status_after_output("seaway-inspect", 0, exit_usage);
 }

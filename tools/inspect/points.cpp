@@ -5,7 +5,6 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <limits>
@@ -15,6 +14,7 @@
 
 #include <fmt/format.h>
 
+#include "base/text_file.h"
 #include "sea/surface/inverse.h"
 #include "sea/waves/reference.h"
 
@@ -61,8 +61,7 @@ double sum_of_amplitudes(const sea::Realization& sea) {
         for (const std::complex<double> h0 : cascade.h0)
             sum += 2.0 * std::abs(h0);
         for (const sea::SineField& field : cascade.sines)
-            for (const sea::SineField::Wave& wave : field.waves)
-                sum += wave.amplitude_m;
+            sum += sine_height_max_m(field);
     }
     return sum;
 }
@@ -100,9 +99,9 @@ Result<std::vector<sea::QueryPoint>> read_points(std::istream& in, const std::st
 Result<std::vector<sea::QueryPoint>> read_points(const std::string& path) {
     if (path == "-")
         return read_points(std::cin, "standard input");
+    if (const Result<void> regular = check_regular_file(path); !regular)
+        return Error{fmt::format("cannot read points '{}': {}", path, regular.error().message)};
     std::ifstream file(path);
-    if (!file || std::filesystem::is_directory(path))
-        return Error{fmt::format("cannot read points '{}': no such file, or not readable", path)};
     return read_points(file, path);
 }
 

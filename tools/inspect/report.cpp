@@ -73,6 +73,18 @@ Json json_of_foam(const sea::FoamLaw* law) {
     return json;
 }
 
+/// What `tp_s` means, requested and realised.
+std::string tp_definition(const Report& report) {
+    const double bin_s = report.summary.peak_bin_period_s;
+    const std::string requested =
+        bin_s > 0.0 ? fmt::format("top of the parabola through the highest measured bin and its "
+                                  "neighbours, or its middle where they do not allow one (the "
+                                  "middle: {:.4g} s)",
+                                  bin_s)
+                    : "where S(f) is largest";
+    return fmt::format("requested: {}; realised: S^4-weighted over the densest band", requested);
+}
+
 struct Line {
     const char* name;
     const char* unit;
@@ -96,6 +108,7 @@ std::string text_of_statistics(const Report& report) {
     for (const Line& line : lines)
         out += fmt::format("{:24}{:>4}{:>12.4g}{:>12.4g}\n", line.name, line.unit, line.requested,
                            line.realised);
+    out += fmt::format("Tp {}\n", tp_definition(report));
     return out + fmt::format("Hs of one seed scatters by {:.1f} % (one standard deviation)\n",
                              100.0 * report.hs_scatter_expected());
 }
@@ -167,6 +180,10 @@ std::string to_json(const Report& report) {
                        {"requested", json_of(report.summary.requested)},
                        {"realised", json_of(report.summary.realised)},
                        {"hs_scatter_expected", report.hs_scatter_expected()},
+                       {"tp_definition", tp_definition(report)},
+                       {"tp_bin_s", report.summary.peak_bin_period_s > 0.0
+                                        ? Json(report.summary.peak_bin_period_s)
+                                        : Json(nullptr)},
                        {"longest_peak_wavelength_m", report.summary.longest_peak_wavelength_m},
                        {"variance",
                         {{"requested_m2", variance(report.summary.requested)},

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <png.h>
 
+#include "base/text_file.h"
 #include "tools/plot/lettering.h"
 
 namespace seaway::plot {
@@ -237,6 +238,8 @@ Color Canvas::pixel(int x, int y) const {
 }
 
 Result<void> Canvas::write_png(const std::string& path) const {
+    if (const Result<void> file = check_replaceable(path); !file)
+        return Error{fmt::format("cannot write picture '{}': {}", path, file.error().message)};
     png_image image{};
     image.version = PNG_IMAGE_VERSION;
     image.width = static_cast<png_uint_32>(width_);

@@ -4,7 +4,11 @@
 
 #include <cmath>
 
+#include <fmt/format.h>
+
 #include "sea/scene/scene.h"
+#include "sea/scene/scene_names.h"
+#include "sea/waves/directional_spectrum.h"
 #include "sea/waves/moments.h"
 
 namespace seaway::sea {
@@ -161,6 +165,89 @@ TEST(Scene, warnings_say_what_the_picture_will_not_show) {
     EXPECT_THAT(warnings("[sea]\n" + steep_waves), ::testing::Not(HasSubstr("fold about")));
     EXPECT_THAT(warnings(beam + "100" + tile), ::testing::Not(HasSubstr("falls between")));
     EXPECT_EQ(warnings("[sea]\n"), "");
+}
+
+TEST(Scene, no_cascade_at_all_is_an_error_by_name) {
+    EXPECT_THAT(error_of("cascade = []\n[sea]\npreset = \"beaufort:3\""),
+                AllOf(HasSubstr("cascade: an empty array is not allowed"), HasSubstr("1 .. 8")));
+    // A sea made by a program, without the reader.
+    EXPECT_THAT(realize(SeaState{}, {}).error().message, HasSubstr("no cascade"));
+}
+
+TEST(Scene, a_rectangular_tile_is_refused_with_the_reason) {
+    EXPECT_THAT(error_of("[sea]\n[[cascade]]\nlength_m = [100, 50]\nsize = 64"),
+                AllOf(HasSubstr("s.toml:3"), HasSubstr("cascade[1].length_m"),
+                      HasSubstr("tiles are square")));
+}
+
+// Nine lengths of explicit waves beside the three default tiles would be twelve.
+TEST(Scene, tiles_of_explicit_waves_count_towards_the_limit) {
+    const auto scene_with = [](int lengths, const std::string& cascades) {
+        std::string text = "[sea]\n";
+        for (int i = 0; i < lengths; ++i)
+            text += fmt::format("[[sea.system]]\ntype=\"modes\"\nlength_m={}\ndata='''\n"
+                                "nx,ny,amplitude_m,phase_rad\n1,0,0.1,0\n'''\n",
+                                100 + 10 * i);
+        return text + cascades;
+    };
+    EXPECT_THAT(error_of(scene_with(9, "")), AllOf(HasSubstr("12 tiles"), HasSubstr("at most 8")));
+    EXPECT_EQ(error_of(scene_with(5, "")), "no error");
+    EXPECT_THAT(error_of(scene_with(6, "")), HasSubstr("9 tiles"));
+    // On a cascade of their own length they add none.
+    EXPECT_EQ(error_of(scene_with(8, "[[cascade]]\nlength_m=110\nsize=64\n")), "no error");
+}
+
+TEST(Scene, a_key_of_another_kind_says_whose_it_is) {
+    const std::string pm = "[sea]\n[[sea.system]]\ntype=\"wind\"\nspectrum=\"pierson_moskowitz\"\n"
+                           "from_deg=0\nwind_speed_19m5_mps=10\n";
+    EXPECT_EQ(error_of(pm), "no error");
+    EXPECT_THAT(error_of(pm + "wind_speed_10m_mps=9\n"),
+                HasSubstr("wind_speed_19m5_mps: excludes wind_speed_10m_mps"));
+    EXPECT_THAT(error_of(wind_system + "wind_speed_19m5_mps = 3"),
+                HasSubstr("only for spectrum = \"pierson_moskowitz\""));
+    EXPECT_THAT(error_of(pm + "gamma = 2\n"), HasSubstr("gamma: only for spectrum = \"jonswap\""));
+    EXPECT_THAT(error_of(wind_system + "narrow_share = 0.5"), HasSubstr("only for the blends"));
+    EXPECT_THAT(error_of(wind_system + "spreading = \"cos2\"\nspreading_exponent = 3"),
+                HasSubstr("only for spreading = \"cos2s\""));
+}
+
+// Divided by 1.0602 and multiplied back, most speeds lose their last bits.
+TEST(Scene, a_wind_at_19m5_reaches_its_spectrum_and_its_text_to_the_bit) {
+    for (const double speed : {7.3, 9.1, 11.7, 13.9, 17.1}) {
+        const auto scene = parse_scene(
+            fmt::format("[sea]\n[[sea.system]]\ntype=\"wind\"\nspectrum=\"pierson_moskowitz\"\n"
+                        "from_deg=0\nwind_speed_19m5_mps={}\n",
+                        speed),
+            "s", "");
+        ASSERT_TRUE(scene);
+        EXPECT_EQ(DirectionalSpectrum(scene->sea.systems[0], scene->sea).frequency_density(0.7),
+                  FrequencySpectrum::pierson_moskowitz(speed, 9.81).density(0.7));
+        EXPECT_THAT(to_toml(*scene), HasSubstr(fmt::format("wind_speed_19m5_mps = {}\n", speed)));
+        EXPECT_EQ(to_toml(*parse_scene(to_toml(*scene), "again", "")), to_toml(*scene));
+        EXPECT_NEAR(std::get<WindSea>(scene->sea.systems[0]).wind_speed_10m_mps, speed / 1.0602,
+                    1e-4 * speed);
+    }
+}
+
+// One table: what the reader takes, the writer writes.
+TEST(Scene, every_spectrum_and_spreading_reads_back_under_its_name) {
+    for (const auto& [spectrum, kind] : spectrum_names)
+        for (const auto& [spreading, model] : spreading_names) {
+            const bool wind = spectrum_name(kind).of_wind;
+            const std::string text = fmt::format(
+                "[sea]\n[[sea.system]]\ntype = \"{}\"\nspectrum = \"{}\"\nspreading = \"{}\"\n"
+                "from_deg = 10\n{}",
+                wind ? "wind" : "swell", spectrum, spreading,
+                wind ? "wind_speed_10m_mps = 9\n"
+                     : "significant_height_m = 1\npeak_period_s = 8\n");
+            const auto scene = parse_scene(text, "s", "");
+            ASSERT_TRUE(scene) << scene.error().message;
+            EXPECT_THAT(to_toml(*scene), HasSubstr(fmt::format("spectrum = \"{}\"\n", spectrum)));
+            EXPECT_THAT(to_toml(*scene), HasSubstr(fmt::format("spreading = \"{}\"\n", spreading)));
+            EXPECT_EQ(to_toml(*parse_scene(to_toml(*scene), "again", "")), to_toml(*scene));
+        }
+    EXPECT_EQ(spectrum_names.size(), 5u);
+    EXPECT_EQ(spreading_names.size(), 7u);
 }
 
 } // namespace

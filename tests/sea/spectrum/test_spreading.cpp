@@ -12,9 +12,10 @@ namespace {
 
 using testing::Table;
 
-constexpr SpreadingKind all_kinds[] = {SpreadingKind::cos2, SpreadingKind::cos2s,
-                                       SpreadingKind::mitsuyasu, SpreadingKind::hasselmann,
-                                       SpreadingKind::donelan_banner};
+constexpr SpreadingKind all_kinds[] = {SpreadingKind::cos2,           SpreadingKind::cos2s,
+                                       SpreadingKind::mitsuyasu,      SpreadingKind::hasselmann,
+                                       SpreadingKind::donelan_banner, SpreadingKind::cos2_cos2s,
+                                       SpreadingKind::cos2_hasselmann};
 
 /// Integral over the circle: midpoint rule, dense where the beam is and towards the cusp at pi.
 double circle_integral(const Spreading& d, double weight_cos = 0.0) {
@@ -167,6 +168,31 @@ TEST(Spreading, T9_cos2_sends_nothing_upwind) {
 TEST(Spreading, T11_hasselmann_breaks_at_1_05_with_its_own_exponents) {
     EXPECT_NEAR(hasselmann_exponent({1.049, 1.17}), 6.97 * std::pow(1.049, 4.06), 1e-12);
     EXPECT_NEAR(hasselmann_exponent({1.05, 1.17}), 9.77 * std::pow(1.05, -2.33), 1e-12);
+}
+
+// D = b narrow + (1 - b) cos2: at every angle, and in its first moment.
+TEST(Spreading, a_blend_is_the_weighted_sum_of_broad_and_narrow) {
+    const SpreadingPlace place{1.4, 1.1};
+    for (const auto& [kind, narrow_kind] :
+         {std::pair{SpreadingKind::cos2_cos2s, SpreadingKind::cos2s},
+          {SpreadingKind::cos2_hasselmann, SpreadingKind::hasselmann}})
+        for (const double share : {0.0, 0.3, 1.0})
+            for (const double swell : {0.0, 0.5}) {
+                SpreadingModel model;
+                model.kind = kind;
+                model.exponent = 40.0;
+                model.swell = swell;
+                model.narrow_share = share;
+                SpreadingModel narrow = model;
+                narrow.kind = narrow_kind;
+                SpreadingModel broad;
+                broad.kind = SpreadingKind::cos2;
+                const Spreading blend(model, place), a(narrow, place), b(broad, place);
+                for (double theta = -3.1; theta < 3.2; theta += 0.1)
+                    EXPECT_NEAR(blend(theta), share * a(theta) + (1.0 - share) * b(theta), 1e-14);
+                EXPECT_NEAR(blend.first_moment(),
+                            share * a.first_moment() + (1.0 - share) * b.first_moment(), 1e-12);
+            }
 }
 
 } // namespace

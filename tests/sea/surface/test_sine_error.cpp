@@ -30,7 +30,7 @@ StylisedErrors stylised_errors(double sharpness, double drag, std::uint64_t seed
     ramps.sharpness = sharpness;
     ramps.drag = drag;
     CascadeModes modes = tests::calm_cascade(128.0, 128);
-    modes.sines.push_back(sine_field(ramps, sine_waves(ramps, seed, 0, Dispersion{}), 1.0, 0));
+    modes.sines.push_back(sine_field(ramps, seed, 0, Dispersion{}, 1.0, 0));
     const RealizationPtr sea = tests::make_sea({modes});
     const ErrorBudget budget = plan_budget(*sea, 0.01);
     const SineField& field = sea->cascades[0].sines[0];

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+// Stylised waves of a scene: ramps, or a list in physical units.
+#include <array>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "base/csv_table.h"
+#include "sea/scene/scene.h"
+#include "sea/scene/scene_names.h"
+#include "sea/scene/scene_tables.h"
+
+namespace seaway::sea {
+
+namespace {
+
+constexpr int noise_octaves_max = 16;
+
+constexpr std::array ramp_keys{
+    "count",    "amplitude_m", "wavelength_m",       "amplitude_ratio",      "wavenumber_ratio",
+    "from_deg", "speed_ratio", "direction_step_deg", "direction_spread_deg", "normalise"};
+
+struct Column {
+    const char* name;
+    Range range;
+};
+/// The last may be absent.
+constexpr std::array<Column, 5> list_columns{{{"wavelength_m", {0.01, 1e6}},
+                                              {"amplitude_m", {0.0, 100.0}},
+                                              {"from_deg", any_bearing},
+                                              {"phase_rad", {-1000.0, 1000.0}},
+                                              {"speed_mps", {0.01, 1000.0}}}};
+
+Result<std::vector<SineByHand>> parse_list(const std::string& csv, const std::string& name) {
+    const Result<CsvTable> table = parse_csv(csv, name, sines_by_hand_max);
+    if (!table)
+        return table.error();
+    const std::size_t count = table->columns.size();
+    bool fits = count + 1 == list_columns.size() || count == list_columns.size();
+    for (std::size_t c = 0; fits && c < count; ++c)
+        fits = table->columns[c] == list_columns[c].name;
+    if (!fits)
+        return Error{name + ": the header must be wavelength_m,amplitude_m,from_deg,phase_rad, and "
+                            "speed_mps behind them if waves have speeds of their own"};
+    std::vector<SineByHand> waves;
+    for (std::size_t r = 0; r < table->rows.size(); ++r) {
+        const std::vector<double>& row = table->rows[r];
+        for (std::size_t c = 0; c < count; ++c)
+            if (!list_columns[c].range.contains(row[c]))
+                return table->error(
+                    r, fmt::format("{} = {}; allowed: {} .. {}", list_columns[c].name, row[c],
+                                   list_columns[c].range.lo, list_columns[c].range.hi));
+        waves.push_back({row[0], row[1], towards_from_bearing(row[2]), row[3],
+                         count == list_columns.size() ? row[4] : 0.0});
+    }
+    return waves;
+}
+
+void read_list(TomlTable& table, const std::string& base_dir, SineRamps& ramps) {
+    for (const char* key : ramp_keys)
+        table.refuse(key, "belongs to ramps; a list of waves (file or data) stands in their place");
+    const char* key = table.has("data") ? "data" : "file";
+    if (ramps.kind == SineKind::noise) {
+        table.refuse(key, "noise has ramps only");
+        return;
+    }
+    std::string name;
+    const std::string csv = read_data(table, base_dir, scene_text_bytes_max, name);
+    if (csv.empty())
+        return;
+    Result<std::vector<SineByHand>> waves = parse_list(csv, name);
+    if (!waves) {
+        table.fail(key, waves.error().message);
+        return;
+    }
+    ramps.by_hand = *std::move(waves);
+    if (ramps.kind == SineKind::gerstner && ramps.by_hand.front().speed_mps > 0.0)
+        table.fail(key, name + ": speed_mps: gerstner waves have the speed of their wavelength; "
+                               "sine and exponential ones take it");
+}
+
+void read_ramps(TomlTable& table, SineRamps& ramps) {
+    std::int64_t count = ramps.count;
+    const bool noise = ramps.kind == SineKind::noise;
+    table.integer("count", count, 1, noise ? noise_octaves_max : 64);
+    ramps.count = static_cast<int>(count);
+    table.number("amplitude_m", ramps.amplitude_m, {0.0, 100.0});
+    table.number("wavelength_m", ramps.wavelength_m, {0.01, 1e6});
+    table.number("amplitude_ratio", ramps.amplitude_ratio, {0.01, 1.0});
+    table.number("wavenumber_ratio", ramps.wavenumber_ratio, {1.0, 4.0});
+    read_direction(table, ramps.towards_rad);
+    double step_deg = 0.0;
+    double spread_deg = 0.0;
+    if (table.number("direction_step_deg", step_deg, {-180.0, 180.0}))
+        ramps.direction_step_rad = step_deg * (pi / 180.0);
+    if (table.number("direction_spread_deg", spread_deg, {0.0, 180.0}))
+        ramps.direction_spread_rad = spread_deg * (pi / 180.0);
+    table.flag("normalise", ramps.normalise);
+    if (ramps.kind == SineKind::gerstner)
+        table.refuse("speed_ratio", "gerstner waves have the speed of their wavelength; sine, "
+                                    "exponential and noise take it");
+    else
+        table.number("speed_ratio", ramps.speed_ratio, {0.1, 10.0});
+}
+
+} // namespace
+
+SineRamps read_sines(TomlTable& table, const std::string& base_dir) {
+    SineRamps ramps;
+    table.choice("shape", ramps.kind, sine_names);
+    table.number("length_m", ramps.length_m, {0.1, 1e6});
+    const bool list = table.has("data") || table.has("file");
+    if (list) {
+        read_list(table, base_dir, ramps);
+    } else {
+        if (ramps.kind == SineKind::noise) { // the usual octaves: half as high, half as long
+            ramps.count = 4;
+            ramps.amplitude_ratio = 0.5;
+            ramps.wavenumber_ratio = 2.0;
+        }
+        read_ramps(table, ramps);
+    }
+    if (ramps.kind == SineKind::exponential) {
+        table.number("sharpness", ramps.sharpness, {0.1, 10.0});
+        table.number("drag", ramps.drag, {0.0, 2.0});
+    } else {
+        for (const char* key : {"sharpness", "drag"})
+            table.refuse(key, "only for shape = \"exponential\"");
+    }
+    const double wavelengths = sine_steps(ramps) / (ramps.kind == SineKind::noise ? 4.0 : 1.0);
+    if (!(sine_steps(ramps) <= sine_steps_max))
+        table.bad_value(
+            list ? (table.has("data") ? "data" : "file") : "wavenumber_ratio",
+            list ? std::string("a list") : fmt::format("{}", ramps.wavenumber_ratio),
+            fmt::format("waves whose shortest fits the tile at most {} times{}; this "
+                        "one {:.3g} times",
+                        ramps.kind == SineKind::noise ? sine_steps_max / 4 : sine_steps_max,
+                        ramps.kind == SineKind::noise ? " (noise)" : "", wavelengths));
+    return ramps;
+}
+
+} // namespace seaway::sea

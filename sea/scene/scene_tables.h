@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// The part of the scene reader that knows systems with tables of data: measured seas, explicit and
+// stylised waves; and what all systems share. Used by the scene reader only.
+#pragma once
+
+#include <string>
+
+#include "sea/scene/scene_toml.h"
+#include "sea/waves/sea_state.h"
+
+namespace seaway::sea {
+
+/// From the nautical bearing `from_deg` to where waves go.
+void read_direction(TomlTable& table, double& towards_rad, bool required = true);
+/// The spreading keys; `model` is what stands where they are absent.
+SpreadingModel read_spreading(TomlTable& table, SpreadingModel model);
+
+MeasuredSea read_measured(TomlTable& table, const std::string& base_dir);
+ExplicitModes read_modes(TomlTable& table, const std::string& base_dir);
+SineRamps read_sines(TomlTable& table, const std::string& base_dir);
+
+/// The table of a system: the text under `data`, or the contents of `file`, which becomes `name`.
+/// Empty on error.
+std::string read_data(TomlTable& table, const std::string& base_dir, std::size_t bytes_max,
+                      std::string& name);
+
+} // namespace seaway::sea

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "base/csv_table.h"
+#include "base/text_file.h"
+
+namespace seaway {
+namespace {
+
+using ::testing::HasSubstr;
+
+class TextFile : public ::testing::Test {
+  protected:
+    TextFile()
+        : folder_(std::filesystem::temp_directory_path() /
+                  ("seaway-text-file-" + std::to_string(getpid()))) {
+        std::filesystem::create_directories(folder_);
+    }
+    ~TextFile() override { std::filesystem::remove_all(folder_); }
+    std::string path(const char* name) const { return (folder_ / name).string(); }
+    std::string written(const char* name, const std::string& text) const {
+        std::ofstream(path(name), std::ios::binary) << text;
+        return path(name);
+    }
+
+  private:
+    std::filesystem::path folder_;
+};
+
+TEST_F(TextFile, is_read_whole_up_to_its_limit_and_refused_one_byte_beyond) {
+    const std::string text(200'000, 'x'); // more than one piece
+    const std::string file = written("a", text);
+    EXPECT_EQ(*read_text_file(file, text.size()), text);
+    EXPECT_THAT(read_text_file(file, text.size() - 1).error().message,
+                HasSubstr("more than 199999 bytes"));
+    EXPECT_EQ(*read_text_file(written("b", ""), 0), "");
+}
+
+// A pipe would wait for a writer, /dev/zero would fill the memory before its size is looked at.
+TEST_F(TextFile, what_is_no_regular_file_is_an_error_at_once) {
+    const std::string pipe = path("pipe");
+    ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+    for (const std::string& odd : {pipe, std::string("/dev/zero")}) {
+        EXPECT_THAT(read_text_file(odd, 1000).error().message, HasSubstr("a pipe, a device"));
+        EXPECT_THAT(check_regular_file(odd).error().message, HasSubstr("a pipe, a device"));
+    }
+    EXPECT_THAT(read_text_file(path("."), 1000).error().message, HasSubstr("folder"));
+    EXPECT_THAT(read_text_file(path("none"), 1000).error().message, HasSubstr("no such file"));
+    EXPECT_THAT(check_regular_file(path("none")).error().message, HasSubstr("no such file"));
+    EXPECT_TRUE(check_regular_file(written("a", "x")));
+}
+
+TEST(CsvTable, a_first_line_of_numbers_is_a_missing_header) {
+    EXPECT_THAT(parse_csv("# note\n1,2,3\n4,5,6\n", "t", 10).error().message,
+                HasSubstr("t:2: no header"));
+    EXPECT_TRUE(parse_csv("a,2\n4,5\n", "t", 10)); // an odd title, but a title
+}
+
+} // namespace
+} // namespace seaway

@@ -1,0 +1,285 @@
+// SPDX-License-Identifier: Apache-2.0
+// Tables of measured seas: their peak, the frame of their coefficients, how bins join, the forms in
+// which buoys are published.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <complex>
+#include <filesystem>
+#include <fstream>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "sea/scene/scene.h"
+#include "sea/spectrum/measured.h"
+#include "sea/spectrum/ndbc.h"
+#include "sea/waves/moments.h"
+#include "tests/sea/csv.h"
+
+namespace seaway::sea {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using testing::Table;
+
+MeasuredSpectrum spectrum_of(const std::string& csv,
+                             CoefficientFrame frame = CoefficientFrame::from_clockwise_north) {
+    Result<MeasuredSpectrum> spectrum = parse_measured(csv, "t", frame);
+    EXPECT_TRUE(spectrum) << (spectrum ? "" : spectrum.error().message);
+    return spectrum ? *spectrum : MeasuredSpectrum{};
+}
+
+Result<Scene> scene_with(const std::string& csv, const std::string& keys,
+                         const std::string& base_dir = "") {
+    return parse_scene("[sea]\n[[sea.system]]\ntype = \"measured\"\n" + keys +
+                           (csv.empty() ? "" : "data = '''\n" + csv + "'''\n"),
+                       "s", base_dir);
+}
+
+std::string table_of(const Table& spectra, const std::string& buoy) {
+    std::string csv = "f_hz,df_hz,s_m2_hz\n";
+    for (std::size_t r = 0; r < spectra.size(); ++r)
+        if (spectra.text(r, spectra.header()[0]) == buoy)
+            csv += spectra.text(r, "f_Hz") + "," + spectra.text(r, "df_Hz") + "," +
+                   spectra.text(r, "S_m2_Hz") + "\n";
+    return csv;
+}
+
+// CDIP's published Tp is the middle of the highest bin. The parabola moves within half a bin of it:
+// 0.0025 Hz of 0.085 Hz.
+TEST(Measured, P07_the_bins_tp_is_the_published_one_and_the_parabolas_lies_within_half_a_bin) {
+    const Table spectra("P07_cdip_spectra");
+    const Table expected("P07_cdip_expected");
+    for (const char* buoy : {"CDiP1", "CDiP6"}) {
+        const double published = expected.number(expected.find(buoy, "Tp"), "value");
+        const auto scene = scene_with(table_of(spectra, buoy), "from_deg = 0\n");
+        ASSERT_TRUE(scene);
+        const SeaSummary summary = summarize(scene->sea, *realize(*scene));
+        EXPECT_NEAR(summary.peak_bin_period_s / published, 1.0, 1e-9);
+        EXPECT_NEAR(1.0 / summary.requested.peak_period_s, 1.0 / published, 0.0025);
+    }
+}
+
+TEST(Measured, a_peak_between_bins_is_found_by_the_parabola_through_three) {
+    const double peak_hz = 0.1037;
+    std::string csv = "f_hz,df_hz,s_m2_hz\n";
+    for (int i = 0; i < 9; ++i) {
+        const double f = 0.08 + 0.005 * i;
+        csv += fmt::format("{},0.005,{}\n", f, 10.0 - 9000.0 * std::pow(f - peak_hz, 2));
+    }
+    EXPECT_NEAR(spectrum_of(csv).peak_omega_radps() / (two_pi * peak_hz), 1.0, 1e-9);
+    const auto scene = scene_with(csv, "from_deg = 0\n");
+    const SeaSummary summary = summarize(scene->sea, *realize(*scene));
+    EXPECT_NEAR(summary.requested.peak_period_s * peak_hz, 1.0, 1e-9);
+    EXPECT_NEAR(summary.peak_bin_period_s * 0.105, 1.0, 1e-9);
+}
+
+TEST(Measured, where_bins_do_not_allow_a_parabola_the_peak_is_the_middle_of_the_highest) {
+    const std::string header = "f_hz,df_hz,s_m2_hz\n";
+    for (const char* rows : {"0.1,0.01,5\n0.11,0.01,4\n",                 // the first
+                             "0.09,0.01,4\n0.1,0.01,5\n",                 // the last
+                             "0.08,0.01,3\n0.1,0.01,5\n0.11,0.01,4\n",    // a gap before it
+                             "0.085,0.02,3\n0.1,0.01,5\n0.115,0.02,4\n"}) // others are wide
+        EXPECT_NEAR(spectrum_of(header + rows).peak_omega_radps() / (two_pi * 0.1), 1.0, 1e-12)
+            << rows;
+    // Two bins of one height: the top of the parabola is the edge between them.
+    EXPECT_NEAR(spectrum_of(header + "0.08,0.01,3\n0.09,0.01,5\n0.1,0.01,5\n0.11,0.01,3\n")
+                        .peak_omega_radps() /
+                    (two_pi * 0.095),
+                1.0, 1e-12);
+}
+
+// A narrow bin between coarse ones is thinner than any fixed step of a search.
+TEST(Measured, a_very_narrow_peak_is_not_overlooked) {
+    const auto scene = scene_with("f_hz,f_lo_hz,f_hi_hz,s_m2_hz\n0.09,0.08,0.099999,1\n"
+                                  "0.1,0.099999,0.100001,50\n0.11,0.100001,0.12,1\n",
+                                  "from_deg = 0\n");
+    ASSERT_TRUE(scene) << scene.error().message;
+    EXPECT_NEAR(summarize(scene->sea, *realize(*scene)).requested.peak_period_s, 10.0, 1e-3);
+}
+
+// One buoy says "from, clockwise from north", the other "towards, anticlockwise from east"; both
+// saw waves that go to the north-east, 45 degrees from east, so from 225.
+TEST(Measured, coefficients_of_both_frames_give_the_same_sea) {
+    const double r1 = 0.8, r2 = 0.5, from = 225 * pi / 180, towards = 45 * pi / 180;
+    const auto csv = [&](double angle) {
+        return fmt::format("f_hz,df_hz,s_m2_hz,a1,b1,a2,b2\n0.1,0.02,5,{},{},{},{}\n",
+                           r1 * std::cos(angle), r1 * std::sin(angle), r2 * std::cos(2 * angle),
+                           r2 * std::sin(2 * angle));
+    };
+    const MeasuredSpectrum bearing = spectrum_of(csv(from));
+    const MeasuredSpectrum going =
+        spectrum_of(csv(towards), CoefficientFrame::towards_anticlockwise_east);
+    for (const MeasuredSpectrum* s : {&bearing, &going}) {
+        EXPECT_NEAR(std::abs(s->bins[0].directions->first_moment() - std::polar(r1, towards)), 0,
+                    1e-12);
+        EXPECT_NEAR(std::abs(s->bins[0].directions->second_moment() - std::polar(r2, 2 * towards)),
+                    0, 1e-12);
+    }
+    const auto scene = scene_with(csv(towards), "coefficients = \"towards_anticlockwise_east\"\n");
+    ASSERT_TRUE(scene);
+    EXPECT_NEAR(summarize(scene->sea, *realize(*scene)).requested.mean_towards_rad, towards, 1e-9);
+    // Nobody said which: a warning, and the words that end it.
+    const auto unsaid = scene_with(csv(from), "");
+    EXPECT_THAT(scene_warnings(*unsaid), Contains(HasSubstr("coefficients = \"from_clockwise")));
+    EXPECT_THAT(scene_warnings(*scene), ::testing::Not(Contains(HasSubstr("coefficients"))));
+    EXPECT_THAT(scene_with("f_hz,df_hz,s_m2_hz\n0.1,0.01,1\n",
+                           "from_deg = 0\ncoefficients = \"from_clockwise_north\"\n")
+                    .error()
+                    .message,
+                HasSubstr("coefficients: only for a table with the columns a1,b1"));
+}
+
+// NDBC: D(A) = (1/pi) (1/2 + r1 cos(A - alpha1) + r2 cos 2(A - alpha2)), A clockwise from north,
+// where waves come from. Its moments over "towards", by quadrature of that formula.
+TEST(Measured, polar_columns_are_ndbcs_formula) {
+    const double r1 = 0.4, alpha1 = 310, r2 = 0.1, alpha2 = 295;
+    std::complex<double> first, second;
+    const int n = 3600; // a trigonometric polynomial: exact
+    for (int i = 0; i < n; ++i) {
+        const double bearing = two_pi * i / n;
+        const double density = (0.5 + r1 * std::cos(bearing - alpha1 * pi / 180) +
+                                r2 * std::cos(2 * (bearing - alpha2 * pi / 180))) /
+                               pi * (two_pi / n);
+        const double towards = 1.5 * pi - bearing;
+        first += density * std::polar(1.0, towards);
+        second += density * std::polar(1.0, 2 * towards);
+    }
+    const MeasuredSpectrum s = spectrum_of(
+        fmt::format("f_hz,df_hz,s_m2_hz,r1,alpha1_deg,r2,alpha2_deg\n0.1,0.02,5,{},{},{},{}\n", r1,
+                    alpha1, r2, alpha2));
+    EXPECT_NEAR(std::abs(s.bins[0].directions->first_moment() - first), 0.0, 1e-12);
+    EXPECT_NEAR(std::abs(s.bins[0].directions->second_moment() - second), 0.0, 1e-12);
+    EXPECT_FALSE(s.bins[0].directions->changed());
+    const MeasuredSpectrum beam =
+        spectrum_of("f_hz,df_hz,s_m2_hz,r1,alpha1_deg\n0.1,0.02,5,0.7,270\n");
+    EXPECT_NEAR(std::abs(beam.bins[0].directions->first_moment() - 0.7), 0.0, 1e-12);
+    EXPECT_THAT(parse_measured("f_hz,df_hz,s_m2_hz,r1,alpha1_deg\n0.1,0.02,5,70,270\n", "t")
+                    .error()
+                    .message,
+                HasSubstr("hundredths"));
+}
+
+TEST(Measured, energy_that_is_counted_twice_or_dropped_is_told) {
+    // 0.01 Hz wide bins, 0.008 Hz apart: a quarter of the sum of S df but the last is told twice.
+    const std::string header = "f_hz,df_hz,s_m2_hz\n";
+    const auto overlap = scene_with(header + "0.1,0.01,5\n0.108,0.01,5\n", "from_deg = 0\n");
+    const MeasuredQuality& twice = std::get<MeasuredSea>(overlap->sea.systems[0]).spectrum->quality;
+    EXPECT_EQ(twice.overlaps, 1);
+    EXPECT_NEAR(twice.overlapped_share, 0.002 * 5 / (0.02 * 5), 1e-9);
+    EXPECT_THAT(scene_warnings(*overlap), Contains(HasSubstr("counted twice")));
+    // m0 stays what the sum says.
+    EXPECT_NEAR(
+        std::pow(summarize(overlap->sea, *realize(*overlap)).requested.significant_height_m / 4, 2),
+        0.1, 1e-9);
+    const auto gap = scene_with(header + "0.1,0.01,5\n0.13,0.01,3\n0.14,0.01,3\n", "from_deg=0\n");
+    const MeasuredQuality& dropped = std::get<MeasuredSea>(gap->sea.systems[0]).spectrum->quality;
+    EXPECT_EQ(dropped.gaps, 1);
+    EXPECT_NEAR(dropped.gap_share, 0.02 * 4 / 0.11, 1e-9);
+    EXPECT_THAT(scene_warnings(*gap),
+                Contains(AllOf(HasSubstr("1 gaps between bins"), HasSubstr("0.105 .. 0.125 Hz"))));
+    const auto whole = scene_with(header + "0.1,0.01,5\n0.11,0.01,5\n", "from_deg = 0\n");
+    EXPECT_THAT(scene_warnings(*whole), ::testing::Not(Contains(HasSubstr("bins"))));
+    EXPECT_THAT(parse_measured(header + "0.1,0.01,5\n0.102,0.01,5\n", "t").error().message,
+                HasSubstr("t:3: f_hz = 0.102: frequencies must ascend and bins must not cover"));
+}
+
+TEST(Measured, a_table_without_a_header_says_so) {
+    EXPECT_THAT(scene_with("0.1,0.01,5\n0.11,0.01,4\n", "from_deg = 0\n").error().message,
+                HasSubstr("data:1: no header"));
+}
+
+// One record of NDBC's real-time form, newest first, as its header names it.
+const char* const density_text =
+    "#YY  MM DD hh mm Sep_Freq  < spec_1 (freq_1) spec_2 (freq_2) spec_3 (freq_3) ... >\n"
+    "2014 09 11 17 00 0.176 0.000 (0.033) 4.000 (0.043) 9.000 (0.053) 2.000 (0.073) \n"
+    "2014 09 11 16 00 9.999 0.000 (0.033) 1.000 (0.043) 1.000 (0.053) MM (0.073) \n";
+const char* const alpha1_text =
+    "#YY  MM DD hh mm alpha1_1 (freq_1) alpha1_2 (freq_2) alpha1_3 (freq_3) ... >\n"
+    "2014 09 11 17 00 999.0 (0.033) 270.0 (0.043) 290.0 (0.053) 999.0 (0.073) \n"
+    "2014 09 11 16 00 999.0 (0.033) 100.0 (0.043) 90.0 (0.053) 80.0 (0.073) \n";
+const char* const r1_text =
+    "#YY  MM DD hh mm r1_1 (freq_1) r1_2 (freq_2) r1_3 (freq_3) ... >\n"
+    "2014 09 11 17 00 999.00 (0.033) 0.80 (0.043) 0.90 (0.053) 999.00 (0.073) \n"
+    "2014 09 11 16 00 999.00 (0.033) 0.50 (0.043) 0.50 (0.053) 0.50 (0.073) \n";
+
+TEST(Ndbc, the_newest_record_becomes_a_table_and_another_by_its_time) {
+    ASSERT_TRUE(is_ndbc(density_text));
+    EXPECT_FALSE(is_ndbc("f_hz,df_hz,s_m2_hz\n0.1,0.01,5\n"));
+    NdbcTexts texts{{density_text, "x.data_spec"},
+                    NdbcText{alpha1_text, "x.swdir"},
+                    {},
+                    NdbcText{r1_text, "x.swr1"},
+                    {}};
+    const auto csv = ndbc_to_csv(texts, "");
+    ASSERT_TRUE(csv) << csv.error().message;
+    const MeasuredSpectrum s = spectrum_of(*csv);
+    ASSERT_EQ(s.bins.size(), 4u);
+    // Bins meet halfway: 0.043 reaches from 0.038 to 0.048, 0.053 to 0.063.
+    EXPECT_NEAR(s.bins[1].omega_lo_radps / two_pi, 0.038, 1e-12);
+    EXPECT_NEAR(s.bins[2].omega_hi_radps / two_pi, 0.063, 1e-12);
+    EXPECT_NEAR(s.bins[2].density * two_pi, 9.0, 1e-12);
+    EXPECT_EQ(s.quality.gaps + s.quality.overlaps, 0);
+    EXPECT_NEAR(std::abs(s.bins[1].directions->first_moment() - 0.8), 0.0, 1e-12); // from the west
+    EXPECT_EQ(s.quality.undirected_bins, 1); // 0.073 Hz; 0.033 Hz has no energy
+    const auto older = ndbc_to_csv(texts, "2014-09-11T16:00");
+    EXPECT_THAT(older.error().message, AllOf(HasSubstr("x.data_spec"), HasSubstr("0.073 Hz")));
+    EXPECT_THAT(ndbc_to_csv(texts, "2014-09-11T15:00").error().message,
+                HasSubstr("no record of 2014-09-11T15:00"));
+    EXPECT_THAT(ndbc_to_csv(texts, "yesterday").error().message, HasSubstr("YYYY-MM-DDThh:mm"));
+}
+
+// Archives have one column a frequency, and r1, r2 in hundredths.
+TEST(Ndbc, archived_files_hold_shares_in_hundredths) {
+    NdbcTexts texts{
+        {"#YY  MM DD hh mm   .0400  .0500  .0600\n2023 01 01 00 40   0.10   5.00   1.00\n", "w"},
+        NdbcText{"#YY  MM DD hh mm   .0400  .0500  .0600\n"
+                 "2023 01 01 00 40    180    180    180\n",
+                 "d"},
+        {},
+        NdbcText{"#YY  MM DD hh mm   .0400  .0500  .0600\n"
+                 "2023 01 01 00 40   12.0   80.0   70.0\n",
+                 "j"},
+        {}};
+    const auto csv = ndbc_to_csv(texts, "");
+    ASSERT_TRUE(csv) << csv.error().message;
+    const MeasuredSpectrum s = spectrum_of(*csv);
+    EXPECT_NEAR(std::abs(s.bins[0].directions->first_moment()), 0.12, 1e-12);
+    EXPECT_NEAR(std::abs(s.bins[1].directions->first_moment() - std::complex(0.0, 0.8)), 0.0,
+                1e-12);
+    texts.r1->text.replace(texts.r1->text.find(".0600"), 5, ".0700");
+    EXPECT_THAT(ndbc_to_csv(texts, "").error().message, HasSubstr("j: record of 2023-01-01T00:40"));
+}
+
+TEST(Ndbc, a_scene_names_the_files_and_its_effective_form_holds_the_record) {
+    const std::filesystem::path folder =
+        std::filesystem::temp_directory_path() / ("seaway-ndbc-" + std::to_string(getpid()));
+    std::filesystem::create_directories(folder);
+    for (const auto& [name, text] :
+         {std::pair{"x.data_spec", density_text}, {"x.swdir", alpha1_text}, {"x.swr1", r1_text}})
+        std::ofstream(folder / name) << text;
+    const auto scene = scene_with(
+        "", "file = \"x.data_spec\"\nalpha1_file = \"x.swdir\"\nr1_file = \"x.swr1\"\n", folder);
+    const auto half = scene_with("", "file = \"x.data_spec\"\nr1_file = \"x.swr1\"\n", folder);
+    std::filesystem::remove_all(folder);
+    ASSERT_TRUE(scene) << scene.error().message;
+    EXPECT_THAT(scene_warnings(*scene),
+                Contains(HasSubstr("1 of 4 frequencies have energy but no")));
+    const auto again = parse_scene(to_toml(*scene), "again", "");
+    ASSERT_TRUE(again) << again.error().message;
+    EXPECT_EQ(to_toml(*again), to_toml(*scene));
+    EXPECT_EQ(realize(*again)->cascades[0].h0, realize(*scene)->cascades[0].h0);
+    EXPECT_THAT(half.error().message, HasSubstr("directions need alpha1_file and r1_file"));
+    EXPECT_THAT(scene_with("f_hz,df_hz,s_m2_hz\n0.1,0.01,5\n", "from_deg=1\nr1_file = \"a\"\n")
+                    .error()
+                    .message,
+                HasSubstr("r1_file: only beside a file of densities as NDBC publishes it"));
+}
+
+} // namespace
+} // namespace seaway::sea

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+// The odd inputs of tests/data/odd_scenes, and inputs that cannot be kept as files: each gets its
+// exit status and its words, one line of them, from the programs themselves.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <sys/stat.h>
+
+#include "tests/tools/program.h"
+
+namespace seaway {
+namespace {
+
+using testing::folder;
+using ::testing::HasSubstr;
+using testing::Output;
+using testing::run_program;
+
+const std::string odd_scenes = std::string(SEAWAY_SOURCE_DIR) + "/tests/data/odd_scenes/";
+const std::string small_scene = odd_scenes + "wind_of_zero.toml";
+
+struct Case {
+    std::string name;
+    int status = 0;
+    std::string words;
+};
+
+std::vector<Case> cases() {
+    std::vector<Case> all;
+    std::ifstream file(odd_scenes + "cases.tsv");
+    for (std::string line; std::getline(file, line);) {
+        if (line.empty() || line.front() == '#')
+            continue;
+        std::istringstream fields(line);
+        Case& c = all.emplace_back();
+        std::string status;
+        std::getline(fields, c.name, '\t');
+        std::getline(fields, status, '\t');
+        std::getline(fields, c.words, '\t');
+        c.status = std::stoi(status);
+    }
+    return all;
+}
+
+void expect_one_line(const Output& output, const Case& c) {
+    EXPECT_EQ(output.status, c.status) << c.name << ": " << output.err;
+    if (c.status == 0) {
+        EXPECT_THAT(output.out, HasSubstr(c.words)) << c.name;
+        EXPECT_EQ(output.err, "") << c.name;
+    } else {
+        EXPECT_THAT(output.err, HasSubstr(c.words)) << c.name;
+        EXPECT_EQ(output.error_lines(), 1) << c.name << ": " << output.err;
+        EXPECT_EQ(output.out, "") << c.name;
+    }
+}
+
+TEST(OddScenes, each_gets_its_exit_status_and_one_line_of_its_words) {
+    const std::vector<Case> all = cases();
+    EXPECT_GE(all.size(), 100u);
+    std::size_t files = 0;
+    for (const auto& entry : std::filesystem::directory_iterator(odd_scenes))
+        files += entry.path().extension() == ".toml";
+    EXPECT_EQ(files, all.size()) << "a scene without a row, or a row without a scene";
+    for (const Case& c : all)
+        expect_one_line(run_program("seaway-inspect", odd_scenes + c.name + ".toml"), c);
+}
+
+TEST(OddScenes, a_pipe_and_an_endless_device_are_refused_at_once) {
+    const std::string pipe = folder().file("pipe");
+    std::filesystem::remove(pipe);
+    ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+    for (const std::string& odd : {pipe, std::string("/dev/zero")}) {
+        expect_one_line(run_program("seaway-inspect", odd), {odd, 2, "a pipe, a device"});
+        expect_one_line(run_program("seaway-inspect", small_scene + " --eval " + odd),
+                        {odd, 2, "a pipe, a device"});
+        const std::string scene =
+            folder().write("data_is_odd.toml",
+                           "[sea]\n[[sea.system]]\ntype = \"measured\"\nfile = \"" + odd + "\"\n");
+        expect_one_line(run_program("seaway-inspect", scene), {odd, 2, "a pipe, a device"});
+    }
+    expect_one_line(run_program("seaway-inspect", odd_scenes), {"folder", 2, "folder"});
+    const std::string large =
+        folder().write("large.toml", "# " + std::string(1 << 20, 'x') + "\n[sea]\n");
+    expect_one_line(run_program("seaway-inspect", large), {"large", 2, "more than 1048576 bytes"});
+}
+
+/// The status of a program whose standard output cannot be written.
+int status_into_full_disk(const std::string& name, const std::string& arguments) {
+    const std::string command = std::string(SEAWAY_BIN_DIR) + "/" + name + " " + arguments +
+                                " >/dev/full 2>" + folder().file("stderr");
+    const int status = std::system(command.c_str());
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+TEST(OddScenes, a_full_disk_behind_standard_output_is_an_error) {
+    for (const char* arguments : {"", " --format json", " --spectrum 0.5"}) {
+        EXPECT_EQ(status_into_full_disk("seaway-inspect", small_scene + arguments), 2) << arguments;
+        EXPECT_THAT(testing::read_file(folder().file("stderr")), HasSubstr("standard output"));
+    }
+    for (const char* program : {"seaway-inspect", "seaway-bake"})
+        for (const char* flag : {"--help", "--version"})
+            EXPECT_NE(status_into_full_disk(program, flag), 0) << program << ' ' << flag;
+    EXPECT_NE(status_into_full_disk("seaway-bake", small_scene +
+                                                       " --device native --frames 1 "
+                                                       "--fps 1 --out " +
+                                                       folder().file("baked")),
+              0);
+}
+
+// libpng removes what it could not write whole: with rights enough, the device itself. A link stands
+// for it here.
+TEST(OddScenes, a_picture_is_never_written_over_a_device) {
+    const std::string link = folder().file("full.png");
+    std::filesystem::create_symlink("/dev/full", link);
+    expect_one_line(run_program("seaway-inspect", small_scene + " --plot " + link),
+                    {"plot", 2, "full.png': is a pipe, a device"});
+    EXPECT_TRUE(std::filesystem::is_symlink(link));
+}
+
+// The programs share the reader, so a few are enough; none may leave with 0 having done nothing.
+TEST(OddScenes, bake_refuses_them_as_inspect_does) {
+    for (const char* name : {"cascade_empty_array", "cascade_rectangular", "text_empty",
+                             "modes_nine_lengths_beside_three_cascades"})
+        for (const Case& c : cases())
+            if (c.name == name)
+                expect_one_line(run_program("seaway-bake", odd_scenes + c.name +
+                                                               ".toml --device native --frames 1 "
+                                                               "--fps 1 --out " +
+                                                               folder().file("baked")),
+                                c);
+}
+
+} // namespace
+} // namespace seaway
