@@ -29,11 +29,8 @@ sea::SplineMapPtr HeldKeyframe::spline() const {
 
 std::size_t HeldKeyframe::bytes_of(sea::FieldSet fields, int size) {
     const auto side = static_cast<std::size_t>(size);
-    const std::size_t spline_side = side + sea::SplineMap::border;
-    const bool sampled = fields.contains(sampled_fields);
-    return (static_cast<std::size_t>(fields.size()) * side * side +
-            (sampled ? sea::SplineMap::channels * spline_side * spline_side : 0)) *
-           sizeof(float);
+    return static_cast<std::size_t>(fields.size()) * side * side * sizeof(float) +
+           (fields.contains(sampled_fields) ? sea::SplineMap::bytes_of(size) : 0);
 }
 
 std::size_t RingLimits::room(std::size_t keyframe_bytes) const {

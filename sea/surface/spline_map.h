@@ -37,7 +37,12 @@ class SplineMap {
 
     TimeUs time_us() const { return time_us_; }
     std::uint32_t epoch() const { return epoch_; }
-    std::size_t bytes() const { return coefficients_.size() * sizeof(float) + windows_->bytes(); }
+    std::size_t bytes() const { return bytes_of(size_); }
+    /// What a map of this size takes, coefficients and windows.
+    static std::size_t bytes_of(int size) {
+        const auto side = static_cast<std::size_t>(size + border);
+        return side * side * channels * sizeof(float) + StrainWindows::bytes_of(size);
+    }
 
     /// Undisplaced coordinates, any finite value; reduced modulo the tile in double precision.
     SplineSample sample(double x_m, double y_m) const;

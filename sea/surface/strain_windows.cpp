@@ -67,6 +67,11 @@ StrainBounds bounds_of(const Block& block) {
     return bounds;
 }
 
+/// Side of the smallest blocks. A size that is no power of two has one window, the whole tile.
+int smallest_block(int size) {
+    return std::has_single_bit(static_cast<unsigned>(size)) ? std::min(block_min, size) : size;
+}
+
 std::size_t index(int x, int y, int count) {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(count) +
            static_cast<std::size_t>(x);
@@ -119,8 +124,7 @@ void widen_each(std::vector<Block>& blocks, int count) {
 
 StrainWindows::StrainWindows(const float* coefficients, int size, double length_m)
     : size_(size), length_m_(length_m) {
-    // A size that is no power of two has one window, the whole tile.
-    int block = std::has_single_bit(static_cast<unsigned>(size)) ? std::min(block_min, size) : size;
+    int block = smallest_block(size);
     std::vector<Block> blocks =
         smallest_blocks(coefficients, size, block, static_cast<float>(size / length_m));
     for (int count = size / block;; count /= 2, block *= 2) {
@@ -133,6 +137,13 @@ StrainWindows::StrainWindows(const float* coefficients, int size, double length_
             return;
         blocks = halved(blocks, count);
     }
+}
+
+std::size_t StrainWindows::bytes_of(int size) {
+    std::size_t windows = 0;
+    for (int count = size / smallest_block(size); count > 0; count /= 2)
+        windows += static_cast<std::size_t>(count) * static_cast<std::size_t>(count);
+    return windows * sizeof(StrainBounds);
 }
 
 const StrainBounds& StrainWindows::around(double x_m, double y_m, double radius_m) const {

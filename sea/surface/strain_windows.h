@@ -38,6 +38,8 @@ class StrainWindows {
 
     const StrainBounds& whole_tile() const { return windows_.back(); }
     std::size_t bytes() const { return windows_.size() * sizeof(StrainBounds); }
+    /// Of a map of this size.
+    static std::size_t bytes_of(int size);
 
   private:
     struct Level {

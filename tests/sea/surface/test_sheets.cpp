@@ -236,6 +236,18 @@ TEST(Sheets, windows_bound_strains_and_displacements_within_their_radius) {
     EXPECT_LT(tightest, 1.5) << "a bound that nothing comes near would search everywhere";
 }
 
+TEST(Sheets, a_map_says_how_many_bytes_it_holds) {
+    for (const int size : {16, 32, 64}) {
+        const RealizationPtr sea =
+            tests::make_sea({tests::random_cascade(50, size, 4, 5, 0.01, 1)});
+        const SplineMap map(*tests::exact_keyframe(sea, 0, 0));
+        EXPECT_EQ(StrainWindows::bytes_of(size), map.windows().bytes());
+        EXPECT_EQ(SplineMap::bytes_of(size),
+                  map.coefficients().size() * sizeof(float) + map.windows().bytes());
+        EXPECT_EQ(map.bytes(), SplineMap::bytes_of(size));
+    }
+}
+
 // A calm sea must not pay: windows alone tell that there is one sheet.
 TEST(Sheets, a_sea_that_does_not_fold_is_never_searched) {
     const FoldingSea sea({0.5, 0.5});
