@@ -36,7 +36,7 @@ seaway_code fail(seaway_code code, std::string why) {
 }
 
 seaway_code fail(const Error& error) {
-    const int code = error.code;
+    const int code = static_cast<int>(failure_of(error));
     return fail(code > SEAWAY_OK && code < SEAWAY_INTERNAL ? static_cast<seaway_code>(code)
                                                            : SEAWAY_INTERNAL,
                 error.message);

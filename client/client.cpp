@@ -135,7 +135,7 @@ Result<std::vector<Answer>> Client::ask(std::span<const QueryPoint> points, cons
         std::condition_variable changed;
         std::size_t under_way = 0;
         std::vector<Answer> answers;
-        Error problem;
+        std::optional<Error> problem;
     };
     const std::size_t batch_size = std::max(
         asking.exact ? welcome().exact_points_per_query_max : welcome().points_per_query_max, 1u);
@@ -144,7 +144,7 @@ Result<std::vector<Answer>> Client::ask(std::span<const QueryPoint> points, cons
     std::unique_lock lock(progress->mutex);
     for (std::size_t first = 0; first < points.size(); first += batch_size) {
         progress->changed.wait(lock, [&] { return progress->under_way < batches_in_flight; });
-        if (progress->problem.code != 0)
+        if (progress->problem)
             break;
         ++progress->under_way;
         lock.unlock();
@@ -156,15 +156,15 @@ Result<std::vector<Answer>> Client::ask(std::span<const QueryPoint> points, cons
                 if (reply)
                     std::copy(reply->answers.begin(), reply->answers.end(),
                               progress->answers.begin() + static_cast<std::ptrdiff_t>(first));
-                else if (progress->problem.code == 0)
+                else if (!progress->problem)
                     progress->problem = reply.error();
                 progress->changed.notify_all();
             });
         lock.lock();
     }
     progress->changed.wait(lock, [&] { return progress->under_way == 0; });
-    if (progress->problem.code != 0)
-        return progress->problem;
+    if (progress->problem)
+        return *progress->problem;
     return std::move(progress->answers);
 }
 

@@ -71,10 +71,10 @@ Result<void> Connection::say_hello(const ConnectOptions& options, const OpenStre
     stream_->send(protocol::hello(options.name, options.token));
 
     std::unique_lock lock(opening_mutex_);
-    opening_.wait_until(lock, deadline, [this] { return ended_ || (welcomed_ && sea_known_); });
-    if (ended_)
+    opening_.wait_until(lock, deadline, [this] { return end_ || (welcomed_ && sea_known_); });
+    if (end_)
         return failed(Failure::cannot_connect,
-                      fmt::format("{} turns us away: {}", options.url, end_.message));
+                      fmt::format("{} turns us away: {}", options.url, end_->message));
     if (!welcomed_ || !sea_known_)
         return failed(Failure::cannot_connect,
                       fmt::format("{} accepts the connection but sends no {} in {} s", options.url,
@@ -317,7 +317,6 @@ void Connection::on_closed(const std::string& reason) {
     {
         const std::scoped_lock lock(opening_mutex_);
         was_open = open_.exchange(false);
-        ended_ = true;
         end_ = why;
         opening_.notify_all();
     }

@@ -125,8 +125,7 @@ class Connection {
     std::condition_variable opening_;
     bool welcomed_ = false;
     bool sea_known_ = false;
-    bool ended_ = false;
-    Error end_;
+    std::optional<Error> end_; ///< why the connection is over
     Welcome welcome_;
 
     // Of the connection's thread alone.

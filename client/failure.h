@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Kinds of failure of the client: `Error::code` of every error that this room returns, so that a
+// Kinds of failure of the client: `Error::kind` of every error that this room returns, so that a
 // program can act on it; the message is for people.
 #pragma once
 
@@ -22,11 +22,11 @@ enum class Failure : int {
 };
 
 inline Error failed(Failure failure, std::string message) {
-    return {std::move(message), static_cast<int>(failure)};
+    return {failure, std::move(message)};
 }
 
 inline Failure failure_of(const Error& error) {
-    return static_cast<Failure>(error.code);
+    return error.kind.as<Failure>().value_or(Failure::none);
 }
 
 } // namespace seaway::client

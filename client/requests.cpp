@@ -22,10 +22,10 @@ Requests::~Requests() {
 
 void Requests::start(Lane lane, const Encode& encode, TimeUs deadline_us, ReplyHandler handler,
                      sea::FieldSet fields) {
-    Error refusal;
+    std::optional<Error> refusal;
     {
         const std::scoped_lock lock(mutex_);
-        if (ended_) {
+        if (end_) {
             refusal = end_;
         } else if (state(lane).waiting.size() >= waiting_max) {
             refusal = failed(Failure::refused,
@@ -39,8 +39,8 @@ void Requests::start(Lane lane, const Encode& encode, TimeUs deadline_us, ReplyH
                 {last_id_, encode(last_id_), deadline_us, std::move(handler), fields});
         }
     }
-    if (refusal.code != 0)
-        handler(refusal);
+    if (refusal)
+        handler(*refusal);
     else
         send_waiting(lane);
 }
@@ -52,7 +52,7 @@ void Requests::send_waiting(Lane lane) {
         {
             const std::scoped_lock lock(mutex_);
             LaneState& queue = state(lane);
-            if (ended_ || queue.waiting.empty() || queue.in_flight >= places(lane))
+            if (end_ || queue.waiting.empty() || queue.in_flight >= places(lane))
                 return;
             Waiting& next = queue.waiting.front();
             request_id = next.request_id;
@@ -140,7 +140,6 @@ void Requests::fail_all(const Error& error) {
     std::vector<ReplyHandler> failed_handlers;
     {
         const std::scoped_lock lock(mutex_);
-        ended_ = true;
         end_ = error;
         for (auto& [request_id, request] : open_)
             if (request.handler)

@@ -116,8 +116,7 @@ class Requests {
     std::uint32_t last_id_ = 0;
     std::map<std::uint32_t, Open> open_;
     LaneState lanes_[2];
-    bool ended_ = false;
-    Error end_;
+    std::optional<Error> end_; ///< why nothing is taken any more
 };
 
 } // namespace seaway::client

@@ -38,7 +38,7 @@ SynthesizerFactory device_factory(const Options& options, sea::RealizationPtr se
         const Result<void> able = made ? (*made)->set_sea(sea, 0) : Result<void>(made.error());
         if (able)
             return made;
-        if (made && able.error().code != cannot_do_this_sea)
+        if (made && !able.error().is(DeviceError::cannot_do_this_sea))
             return able.error(); // lost or out of memory: worth another try
         spdlog::warn("device=native why=\"{}\"", able.error().message);
         return make_native();

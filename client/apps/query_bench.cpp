@@ -54,12 +54,12 @@ Result<BenchRow> measure_server(Client& client, const QueryOptions& options, int
         std::condition_variable changed;
         int under_way = 0;
         std::vector<double> round_trips_ms;
-        Error problem;
+        std::optional<Error> problem;
     };
     const auto progress = std::make_shared<Progress>();
     const auto start = steady_clock::now();
     std::unique_lock lock(progress->mutex);
-    while (progress->problem.code == 0) {
+    while (!progress->problem) {
         progress->changed.wait(lock, [&] { return progress->under_way < in_flight; });
         if (stop || steady_clock::now() - start >= duration)
             break;
@@ -80,8 +80,8 @@ Result<BenchRow> measure_server(Client& client, const QueryOptions& options, int
         lock.lock();
     }
     progress->changed.wait(lock, [&] { return progress->under_way == 0; });
-    if (progress->problem.code != 0)
-        return progress->problem;
+    if (progress->problem)
+        return *progress->problem;
     if (progress->round_trips_ms.empty())
         return failed(Failure::deadline, "stopped before the first answer");
     return finished(

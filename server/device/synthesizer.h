@@ -26,6 +26,12 @@ struct KeyframeRequest {
     sea::FieldSet fields;
 };
 
+/// Kinds of a device's errors that somebody acts on; all others are of a device that failed.
+enum class DeviceError {
+    /// No other try would help: it has no kernels of a size, or computes wrongly.
+    cannot_do_this_sea = 1,
+};
+
 /// What was done since the start; proves that nothing runs that nobody asked for.
 struct SynthesisCounters {
     std::uint64_t dispatches = 0; ///< kernels started (native: passes)

@@ -98,10 +98,10 @@ Result<void> compare(int size, std::string_view what, int x, int y, double got, 
     // Written so that a NaN fails.
     if (std::abs(got - truth.value) <= tolerance * truth.scale)
         return {};
-    return Error{"the device computes wrongly: size " + std::to_string(size) + ", " +
+    return Error{DeviceError::cannot_do_this_sea,
+                 "the device computes wrongly: size " + std::to_string(size) + ", " +
                      std::string(what) + " at (" + std::to_string(x) + ", " + std::to_string(y) +
-                     ") is " + std::to_string(got) + ", should be " + std::to_string(truth.value),
-                 computes_wrongly};
+                     ") is " + std::to_string(got) + ", should be " + std::to_string(truth.value)};
 }
 
 constexpr sea::FieldSet all = sea::linear_fields;

@@ -5,15 +5,14 @@
 
 #include "base/result.h"
 #include "gpu/device.h"
+#include "server/device/synthesizer.h"
 #include "server/device/vulkan_kernels.h"
 
 namespace seaway::server {
 
-/// Error::code of a device that ran, with wrong results; other errors are of the device itself.
-inline constexpr int computes_wrongly = 1;
-
-/// The error names kernel size, field, point, both values: a device that computes wrongly is
-/// refused. Cost: the drivers' compilation, then a few milliseconds.
+/// A device that computes wrongly is refused: DeviceError::cannot_do_this_sea, which names kernel
+/// size, field, point and both values. Other errors are of the device itself. Cost: the drivers'
+/// compilation, then a few milliseconds.
 Result<void> check_device(gpu::Device& device, const SynthesisKernels& kernels);
 
 } // namespace seaway::server

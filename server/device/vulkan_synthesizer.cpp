@@ -19,7 +19,6 @@ namespace seaway::server {
 namespace {
 
 constexpr int first_checked_size = 64;
-static_assert(computes_wrongly == cannot_do_this_sea);
 constexpr sea::FieldSet strains{sea::Field::strain_xx, sea::Field::strain_yy,
                                 sea::Field::strain_xy};
 
@@ -117,10 +116,10 @@ std::string Vulkan::description() const {
 Result<const SynthesisKernels*> Vulkan::kernels(int size, bool band_limited) {
     if (const auto found = kernels_.find({size, band_limited}); found != kernels_.end())
         return static_cast<const SynthesisKernels*>(found->second.get());
-    Error last{"cascade of size " + std::to_string(size) +
+    Error last{DeviceError::cannot_do_this_sea,
+               "cascade of size " + std::to_string(size) +
                    ": no Vulkan kernels for it; there are " + transform_sizes() +
-                   " (other sizes: the native device up to 1024, seaway-inspect up to 2048)",
-               cannot_do_this_sea};
+                   " (other sizes: the native device up to 1024, seaway-inspect up to 2048)"};
     for (const shaders::Transform* transform :
          fitting_transforms(device_->info(), size, band_limited)) {
         if (any_device_kernels_ && transform->lanes != 0)
@@ -136,11 +135,11 @@ Result<const SynthesisKernels*> Vulkan::kernels(int size, bool band_limited) {
             return kernels;
         }
         last = checked.error();
-        if (last.code != computes_wrongly)
+        if (!last.is(DeviceError::cannot_do_this_sea))
             break; // another design would fail as well
         refused_ += "; refused " + std::string(transform->design) + ": " + last.message;
     }
-    return Error{device_->info().name + ": " + last.message, last.code};
+    return Error{last.kind, device_->info().name + ": " + last.message};
 }
 
 Result<void> Vulkan::set_sea(sea::RealizationPtr sea, std::uint32_t epoch) {

@@ -21,10 +21,6 @@ struct VulkanOptions {
     bool any_device_kernels = false; ///< design W even where a faster one fits; for tests
 };
 
-/// Error::code of set_sea() where no other try would help: the device has no kernels of a size, or
-/// computes wrongly.
-inline constexpr int cannot_do_this_sea = 1;
-
 /// What tests and benchmarks may ask beyond the interface.
 class VulkanSynthesizer : public Synthesizer {
   public:

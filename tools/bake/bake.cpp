@@ -143,7 +143,9 @@ class Baker {
 };
 
 Result<void> validate(const BakeOptions& options) {
-    const auto refused = [](std::string message) { return Error{std::move(message), bad_options}; };
+    const auto refused = [](std::string message) {
+        return Error{BakeError::bad_options, std::move(message)};
+    };
     if (options.frames < 1 || options.frames > frames_max)
         return refused(fmt::format("--frames {}: 1 .. {}", options.frames, frames_max));
     if (!(options.fps > 0 && options.fps <= fps_max))
@@ -193,7 +195,7 @@ Result<BakeReport> bake(const sea::Scene& scene, const BakeOptions& options,
     Stopwatch watch;
     Result<sea::Realization> realized = sea::realize(scene);
     if (!realized)
-        return Error{realized.error().message, bad_options};
+        return Error{BakeError::bad_options, realized.error().message};
     const auto sea = std::make_shared<const sea::Realization>(std::move(realized).value());
     if (Result<void> ready = synthesizer.set_sea(sea, 1); !ready)
         return ready.error();

@@ -24,8 +24,8 @@ namespace seaway::bake {
 inline constexpr int frames_max = 1'000'000;
 inline constexpr double fps_max = 1000.0;
 
-/// Error::code where the scene or the options are at fault; else it is a file or the device.
-inline constexpr int bad_options = 2;
+/// Errors of this kind are of the scene or the options; all others are of a file or the device.
+enum class BakeError { bad_options = 1 };
 
 struct BakeOptions {
     std::string folder; ///< made if it is not there

@@ -140,7 +140,7 @@ int run(Options& options) {
     Imf::setGlobalThreadCount(static_cast<int>(std::max(1u, std::thread::hardware_concurrency())));
     const Result<bake::BakeReport> report = bake::bake(*scene, options.bake, **synthesizer);
     if (!report)
-        return fail(report.error().code == bake::bad_options ? exit_usage : exit_failed,
+        return fail(report.error().is(bake::BakeError::bad_options) ? exit_usage : exit_failed,
                     report.error().message);
     fmt::print("baked {} frames into {} files, {:.1f} MB, in {:.2f} s: {:.2f} frames/s "
                "(synthesis {:.2f} s, files {:.2f} s; {})\n",
