@@ -6,6 +6,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "sea/surface/answer.h"
+
 namespace seaway::protocol::limits {
 
 // ---- bytes ---------------------------------------------------------------------------------
@@ -53,6 +55,11 @@ inline constexpr std::uint32_t points_per_query_max = 4096;
 /// Points of an exact Query: each costs a direct sum over up to 200 000 modes (about a
 /// millisecond), so a full batch holds a core for a quarter of a second.
 inline constexpr std::uint32_t exact_points_per_query_max = 256;
+
+/// Sea times and positions that a client may ask about, either side of 0 (sea/basics/time.h,
+/// sea/surface/answer.h say why).
+inline constexpr std::int64_t time_us_max = sea::time_us_max;
+inline constexpr double position_m_max = sea::position_max_m;
 
 /// Times a Fetch: two keyframes of every cascade for each.
 inline constexpr std::uint32_t times_per_fetch_max = 8;

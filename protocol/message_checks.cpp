@@ -15,7 +15,18 @@ template <class T>
 Result<void> in_range(std::string_view field, T value, T lo, T hi) {
     if (value >= lo && value <= hi) // false for NaN
         return {};
-    return Error{fmt::format("{} is {}, allowed are {} to {}", field, value, lo, hi)};
+    return Error{wire::ErrorCode::bad_value,
+                 fmt::format("{} is {}, allowed are {} to {}", field, value, lo, hi)};
+}
+
+/// One of a list, within `max` either side of 0. What is not a finite number is let through: such a
+/// point is answered, and flagged, like the others.
+template <class T>
+Result<void> within(std::string_view field, std::size_t index, T value, T max) {
+    if ((value >= -max && value <= max) || !std::isfinite(value))
+        return {};
+    return Error{wire::ErrorCode::bad_value, fmt::format("{} [{}] is {}, allowed are {} to {}",
+                                                         field, index, value, -max, max)};
 }
 
 template <class Vector>
@@ -37,7 +48,9 @@ Result<void> all_of(Checks&&... checks) {
 }
 
 Result<void> check_fields(std::uint32_t bits) {
-    return bits != 0 ? Result<void>() : Error{"fields is empty: nothing is asked for"};
+    if (bits != 0)
+        return {};
+    return Error{wire::ErrorCode::bad_value, "fields is empty: nothing is asked for"};
 }
 
 } // namespace
@@ -90,15 +103,29 @@ Result<void> check(const wire::Subscribe& subscribe) {
 }
 
 Result<void> check(const wire::Fetch& fetch) {
-    return all_of(check_fields(fetch.fields()), in_range("error_m", fetch.error_m(), 0.0f, 1e6f),
-                  in_range<std::size_t>("count of times_us", count(fetch.times_us()), 1,
-                                        limits::times_per_fetch_max));
+    SEAWAY_TRY(all_of(check_fields(fetch.fields()),
+                      in_range("error_m", fetch.error_m(), 0.0f, 1e6f),
+                      in_range<std::size_t>("count of times_us", count(fetch.times_us()), 1,
+                                            limits::times_per_fetch_max)));
+    for (flatbuffers::uoffset_t i = 0; i < fetch.times_us()->size(); ++i)
+        SEAWAY_TRY(within("times_us", i, fetch.times_us()->Get(i), limits::time_us_max));
+    return {};
 }
 
 Result<void> check(const wire::Query& query) {
     const std::size_t points_max =
         query.exact() ? limits::exact_points_per_query_max : limits::points_per_query_max;
-    return in_range<std::size_t>("count of points", count(query.points()), 0, points_max);
+    if (count(query.points()) > points_max)
+        return Error{wire::ErrorCode::too_many_points,
+                     fmt::format("count of points is {}, allowed are 0 to {}",
+                                 count(query.points()), points_max)};
+    for (flatbuffers::uoffset_t i = 0; i < count(query.points()); ++i) {
+        const wire::Point& point = *query.points()->Get(i);
+        SEAWAY_TRY(within("points.time_us", i, point.time_us(), limits::time_us_max));
+        SEAWAY_TRY(within("points.x_m", i, point.x_m(), limits::position_m_max));
+        SEAWAY_TRY(within("points.y_m", i, point.y_m(), limits::position_m_max));
+    }
+    return {};
 }
 
 Result<void> check(const wire::Welcome& welcome) {

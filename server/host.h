@@ -17,6 +17,7 @@
 #include "sea/basics/field.h"
 #include "sea/surface/answer.h"
 #include "sea/surface/keyframe.h"
+#include "server/refusal.h"
 
 namespace seaway::server {
 
@@ -51,12 +52,9 @@ struct QueryBatch {
 
 struct QueryAnswers {
     std::uint32_t epoch = 0;
-    std::vector<sea::Answer> answers; ///< one a point, in order; empty with `error` set
-    std::string error;
+    std::vector<sea::Answer> answers; ///< one a point, in order
 };
 
-/// The two keyframes of each cascade around each time; without times: what a new subscriber needs,
-/// from the keyframe before now to the newest published one.
 struct FetchRequest {
     /// The two keyframes of each cascade around each time. Empty: what a new subscriber needs, from
     /// the keyframe before now to the newest published one, so that the stream continues it without
@@ -81,13 +79,6 @@ struct MapQuery {
     std::function<void()> on_ready; ///< any thread; must not block
 };
 
-/// Either a source, or why not and the HTTP status that says so.
-struct MapAnswer {
-    std::unique_ptr<ByteSource> source;
-    unsigned status = 200;
-    std::string error = {};
-};
-
 class Host {
   public:
     virtual ~Host() = default;
@@ -102,17 +93,18 @@ class Host {
     virtual TileDemand subscribe(SessionId session, const TileDemand& demand) = 0;
     virtual void unsubscribe(SessionId session) = 0;
 
-    /// Keyframes for the caller to encode, or why not: fetch_not_offered, or the device.
-    static constexpr int fetch_not_offered = 1;
+    // Each of these is answered once, by what was asked for or by why not: an Error of kind Refusal.
+
+    /// Keyframes for the caller to encode.
     using Fetched = std::function<void(Result<std::vector<KeyframeTiles>>)>;
     virtual void fetch(FetchRequest request, Fetched done) = 0;
 
-    virtual void query(QueryBatch batch, std::function<void(QueryAnswers)> done) = 0;
+    using Queried = std::function<void(Result<QueryAnswers>)>;
+    virtual void query(QueryBatch batch, Queried done) = 0;
 
     /// A whole grid at one time, in bounded chunks. Not every host makes maps.
-    virtual void map(MapQuery, std::function<void(MapAnswer)> done) {
-        done({nullptr, 404, "no maps here"});
-    }
+    using Mapped = std::function<void(Result<std::unique_ptr<ByteSource>>)>;
+    virtual void map(MapQuery, Mapped done) { done(Error{Refusal::not_offered, "no maps here"}); }
 
     /// Bodies of /v1/state and /v1/plan (JSON) and the simulation's part of /metrics (Prometheus).
     virtual std::string state_json() const = 0;

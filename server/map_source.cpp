@@ -15,7 +15,7 @@ namespace {
 class MapBytes final : public ByteSource {
   public:
     MapBytes(const sea::MapRequest& request, const sea::Surface& surface,
-             std::unique_ptr<sea::MapStream> stream, std::shared_ptr<void> place)
+             std::unique_ptr<sea::MapStream> stream, MapPlace place)
         : place_(std::move(place)), header_(map_header(request, surface)),
           size_(sea::map_header_bytes +
                 sizeof(float) * static_cast<std::uint64_t>(request.columns) *
@@ -41,20 +41,66 @@ class MapBytes final : public ByteSource {
     }
 
   private:
-    std::shared_ptr<void> place_; ///< given back last
+    MapPlace place_; ///< given back last
     std::array<std::uint8_t, sea::map_header_bytes> header_;
     std::uint64_t size_;
     bool header_sent_ = false;
     std::unique_ptr<sea::MapStream> stream_;
 };
 
+Error bad_value(std::string why) {
+    return {Refusal::bad_value, std::move(why)};
+}
+
 /// The whole text as a number, or an error that names the parameter.
 template <class T>
 Result<void> read_number(const std::string& name, const std::string& text, T& to) {
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), to);
     if (error != std::errc() || end != text.data() + text.size())
-        return Error{fmt::format("{} = \"{}\" is not a number", name, text)};
+        return bad_value(fmt::format("{} = \"{}\" is not a number", name, text));
     return {};
+}
+
+Result<void> read_time(const std::string& name, const std::string& text, sea::TimeUs& to) {
+    constexpr double t_s_max = sea::seconds_from_us(sea::time_us_max);
+    double t_s = 0;
+    SEAWAY_TRY(read_number(name, text, t_s));
+    if (!(std::abs(t_s) <= t_s_max)) // false for NaN
+        return bad_value(
+            fmt::format("{} = {} is out of range, {} .. {}", name, text, -t_s_max, t_s_max));
+    to = sea::us_from_seconds(t_s);
+    return {};
+}
+
+Result<void> read_kind(const std::string& text, sea::MapKind& to) {
+    const Result<sea::MapKind> kind = sea::map_kind(text);
+    if (!kind)
+        return bad_value(kind.error().message);
+    to = *kind;
+    return {};
+}
+
+Result<void> read_parameter(const std::string& name, const std::string& text,
+                            sea::MapRequest& request) {
+    if (name == "kind")
+        return read_kind(text, request.kind);
+    if (name == "x0_m")
+        return read_number(name, text, request.x0_m);
+    if (name == "y0_m")
+        return read_number(name, text, request.y0_m);
+    if (name == "width_m")
+        return read_number(name, text, request.width_m);
+    if (name == "height_m")
+        return read_number(name, text, request.height_m);
+    if (name == "columns")
+        return read_number(name, text, request.columns);
+    if (name == "rows")
+        return read_number(name, text, request.rows);
+    if (name == "t_s")
+        return read_time(name, text, request.time_us);
+    return bad_value(fmt::format("unknown parameter \"{}\"; there are kind, x0_m, y0_m, width_m, "
+                                 "height_m, columns, rows and t_s",
+                                 name));
 }
 
 } // namespace
@@ -63,64 +109,31 @@ Result<sea::MapRequest> read_map_request(const std::map<std::string, std::string
                                          sea::TimeUs now_us) {
     sea::MapRequest request;
     request.time_us = now_us;
-    for (const auto& [name, text] : parameters) {
-        Result<void> read;
-        if (name == "kind") {
-            const Result<sea::MapKind> kind = sea::map_kind(text);
-            if (!kind)
-                return kind.error();
-            request.kind = *kind;
-        } else if (name == "x0_m") {
-            read = read_number(name, text, request.x0_m);
-        } else if (name == "y0_m") {
-            read = read_number(name, text, request.y0_m);
-        } else if (name == "width_m") {
-            read = read_number(name, text, request.width_m);
-        } else if (name == "height_m") {
-            read = read_number(name, text, request.height_m);
-        } else if (name == "columns") {
-            read = read_number(name, text, request.columns);
-        } else if (name == "rows") {
-            read = read_number(name, text, request.rows);
-        } else if (name == "t_s") {
-            double t_s = 0;
-            read = read_number(name, text, t_s);
-            if (read && !(std::abs(t_s) <= 1e12))
-                return Error{fmt::format("t_s = {} is out of range, -1e12 .. 1e12", text)};
-            if (read)
-                request.time_us = sea::us_from_seconds(t_s);
-        } else {
-            return Error{
-                fmt::format("unknown parameter \"{}\"; there are kind, x0_m, y0_m, width_m, "
-                            "height_m, columns, rows and t_s",
-                            name)};
-        }
-        if (!read)
-            return read.error();
-    }
+    for (const auto& [name, text] : parameters)
+        SEAWAY_TRY(read_parameter(name, text, request));
     if (const Result<void> valid = validate(request); !valid)
-        return valid.error();
+        return bad_value(valid.error().message);
     return request;
 }
 
-std::shared_ptr<void> take_map_place(const std::shared_ptr<std::atomic<int>>& running) {
+Result<MapPlace> take_map_place(const std::shared_ptr<std::atomic<int>>& running) {
     if (running->fetch_add(1) >= maps_at_once_max) {
         running->fetch_sub(1);
-        return nullptr;
+        return Error{Refusal::busy, fmt::format("{} maps are being made already, try again later",
+                                                maps_at_once_max)};
     }
-    return {running.get(), [running](void*) { running->fetch_sub(1); }};
+    return MapPlace(running.get(), [running](void*) { running->fetch_sub(1); });
 }
 
-MapAnswer start_map(const sea::MapRequest& request, const sea::Surface& surface,
-                    std::shared_ptr<void> place, std::function<void()> on_ready) {
+Result<std::unique_ptr<ByteSource>> start_map(const sea::MapRequest& request,
+                                              const sea::Surface& surface, MapPlace place,
+                                              std::function<void()> on_ready) {
     sea::MapOptions options;
     options.on_ready = std::move(on_ready);
-    Result<std::unique_ptr<sea::MapStream>> stream =
-        sea::MapStream::start(request, surface, options);
-    if (!stream)
-        return {nullptr, 400, stream.error().message};
-    return {
-        std::make_unique<MapBytes>(request, surface, std::move(stream).value(), std::move(place))};
+    SEAWAY_TRY_LET(std::unique_ptr<sea::MapStream> stream,
+                   sea::MapStream::start(request, surface, options));
+    return std::unique_ptr<ByteSource>(
+        std::make_unique<MapBytes>(request, surface, std::move(stream), std::move(place)));
 }
 
 } // namespace seaway::server

@@ -22,11 +22,14 @@ inline constexpr int maps_at_once_max = 2;
 Result<sea::MapRequest> read_map_request(const std::map<std::string, std::string>& parameters,
                                          sea::TimeUs now_us);
 
-/// One of maps_at_once_max places, given back when the pointer goes; null if none is free.
-std::shared_ptr<void> take_map_place(const std::shared_ptr<std::atomic<int>>& running);
+/// One of maps_at_once_max places, given back when the pointer goes.
+using MapPlace = std::shared_ptr<void>;
+/// Refusal::busy if none is free.
+Result<MapPlace> take_map_place(const std::shared_ptr<std::atomic<int>>& running);
 
 /// Starts to compute. The source keeps `place`.
-MapAnswer start_map(const sea::MapRequest& request, const sea::Surface& surface,
-                    std::shared_ptr<void> place, std::function<void()> on_ready);
+Result<std::unique_ptr<ByteSource>> start_map(const sea::MapRequest& request,
+                                              const sea::Surface& surface, MapPlace place,
+                                              std::function<void()> on_ready);
 
 } // namespace seaway::server

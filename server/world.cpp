@@ -76,50 +76,48 @@ void World::unsubscribe(SessionId session) {
 void World::fetch(FetchRequest request, Fetched done) {
     const TileDemand granted = grant(request.demand);
     if (granted.fields.empty())
-        return done(Error{"this sea offers none of these fields and cascades", fetch_not_offered});
-    auto encoded = [this, quality = granted.quality,
-                    done = std::move(done)](std::vector<sea::KeyframePtr> keyframes) {
+        return done(
+            Error{Refusal::not_offered, "this sea offers none of these fields and cascades"});
+    auto made = [this, quality = granted.quality,
+                 done = std::move(done)](Result<std::vector<sea::KeyframePtr>> keyframes) {
+        if (!keyframes)
+            return done(keyframes.error());
         std::vector<KeyframeTiles> all;
-        for (sea::KeyframePtr& keyframe : keyframes)
+        for (sea::KeyframePtr& keyframe : *keyframes)
             all.push_back(tiles(std::move(keyframe), quality));
-        if (all.empty())
-            done(Error{"too much is asked at once, or the device has failed"});
-        else
-            done(std::move(all));
+        done(std::move(all));
     };
     const Demand demand{granted.cascades, granted.fields};
     if (request.times_us.empty())
-        simulation_->fetch_current(demand, std::move(encoded));
+        simulation_->fetch_current(demand, std::move(made));
     else
-        simulation_->fetch(std::move(request.times_us), demand, std::move(encoded));
+        simulation_->fetch(std::move(request.times_us), demand, std::move(made));
 }
 
-void World::query(QueryBatch batch, std::function<void(QueryAnswers)> done) {
-    const std::size_t count = batch.points.size();
+void World::query(QueryBatch batch, Queried done) {
     simulation_->answer(
         std::move(batch.points), batch.exact,
-        [epoch = sea_->epoch, count, done = std::move(done)](std::vector<sea::Answer> answers) {
-            const bool failed = answers.size() != count;
-            done({epoch, std::move(answers),
-                  failed ? "too much is asked at once, or the device has failed" : ""});
+        [epoch = sea_->epoch, done = std::move(done)](Result<std::vector<sea::Answer>> answers) {
+            if (!answers)
+                return done(answers.error());
+            done(QueryAnswers{epoch, *std::move(answers)});
         });
 }
 
-void World::map(MapQuery query, std::function<void(MapAnswer)> done) {
+void World::map(MapQuery query, Mapped done) {
     const Result<sea::MapRequest> request = read_map_request(query.parameters, now_());
     if (!request)
-        return done({nullptr, 400, request.error().message});
-    std::shared_ptr<void> place = take_map_place(maps_running_);
+        return done(request.error());
+    const Result<MapPlace> place = take_map_place(maps_running_);
     if (!place)
-        return done(
-            {nullptr, 503,
-             fmt::format("{} maps are being made already, try again later", maps_at_once_max)});
-    simulation_->surface(request->time_us, [request = *request, place, on_ready = query.on_ready,
-                                            done = std::move(done)](const sea::Surface* surface) {
-        if (!surface)
-            return done({nullptr, 503, "too much is asked at once, or the device has failed"});
-        done(start_map(request, *surface, place, on_ready));
-    });
+        return done(place.error());
+    simulation_->surface(request->time_us,
+                         [request = *request, place = *place, on_ready = query.on_ready,
+                          done = std::move(done)](const Result<SurfacePtr>& surface) {
+                             if (!surface)
+                                 return done(surface.error());
+                             done(start_map(request, **surface, place, on_ready));
+                         });
 }
 
 std::string World::state_json() const {

@@ -38,8 +38,8 @@ class World final : public Host {
     TileDemand subscribe(SessionId session, const TileDemand& demand) override;
     void unsubscribe(SessionId session) override;
     void fetch(FetchRequest request, Fetched done) override;
-    void query(QueryBatch batch, std::function<void(QueryAnswers)> done) override;
-    void map(MapQuery query, std::function<void(MapAnswer)> done) override;
+    void query(QueryBatch batch, Queried done) override;
+    void map(MapQuery query, Mapped done) override;
     std::string state_json() const override;
     std::string plan_json() const override;
     std::string metrics_text() const override;

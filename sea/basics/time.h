@@ -16,8 +16,17 @@
 
 namespace seaway::sea {
 
-/// Sea time, microseconds since the sea's epoch; negative is before it. Range: all of int64.
+/// Sea time, microseconds since the sea's epoch; negative is before it. Phases are exact for all of
+/// int64; a surface may be asked for within -time_us_max .. time_us_max.
 using TimeUs = std::int64_t;
+
+/// 1e12 s, 31 700 years. The rest of int64, nine times as much, is room for the keyframes around a
+/// time, for the memory of foam before it and for differences of two times.
+inline constexpr TimeUs time_us_max = 1'000'000'000'000'000'000;
+
+inline constexpr bool in_time_range(TimeUs t_us) {
+    return t_us >= -time_us_max && t_us <= time_us_max;
+}
 
 /// A mode's frequency in turns per microsecond, 0.64 fixed point.
 using Rate = std::uint64_t;

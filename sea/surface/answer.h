@@ -8,11 +8,15 @@
 
 namespace seaway::sea {
 
+/// How far from the origin the sea may be looked at: there a double still resolves 1e-7 m, a
+/// hundred times finer than what is lost to it on a tile.
+inline constexpr double position_max_m = 1e9;
+
 /// A place in the world (not displaced) and a sea time.
 struct QueryPoint {
-    double x_m; ///< east
-    double y_m; ///< north
-    TimeUs time_us;
+    double x_m;     ///< east, -position_max_m .. position_max_m
+    double y_m;     ///< north
+    TimeUs time_us; ///< in_time_range()
 };
 
 /// Bits of Answer::flags.

@@ -68,7 +68,7 @@ int map_components(MapKind kind) {
 }
 
 Result<void> validate(const MapRequest& r) {
-    const auto position = [](double x) { return std::abs(x) <= map_position_max_m; };
+    const auto position = [](double x) { return std::abs(x) <= position_max_m; };
     const auto extent = [](double x) { return x > 0 && x <= map_width_max_m; };
     const auto count = [](int n) { return n >= 1 && n <= map_points_a_side_max; };
     if (!position(r.x0_m))
@@ -83,6 +83,9 @@ Result<void> validate(const MapRequest& r) {
         return out_of_range("columns", r.columns, "1 .. 4096");
     if (!count(r.rows))
         return out_of_range("rows", r.rows, "1 .. 4096");
+    if (!in_time_range(r.time_us))
+        return Error{fmt::format("map: time_us = {} is out of range, {} .. {}", r.time_us,
+                                 -time_us_max, time_us_max)};
     return {};
 }
 

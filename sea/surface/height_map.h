@@ -46,7 +46,6 @@ namespace seaway::sea {
 
 inline constexpr int map_points_a_side_max = 4096;
 inline constexpr double map_width_max_m = 1e6;
-inline constexpr double map_position_max_m = 1e9;
 inline constexpr double map_difference_max_m = 2e-4;
 
 /// Values of one chunk at most; a row is never split.
@@ -56,13 +55,13 @@ inline constexpr int map_chunks_ahead_max = 4;
 
 struct MapRequest {
     MapKind kind = MapKind::height;
-    double x0_m = 0;     ///< west edge, -1e9 .. 1e9
+    double x0_m = 0;     ///< west edge, -position_max_m .. position_max_m
     double y0_m = 0;     ///< south edge
     double width_m = 0;  ///< above 0, up to 1e6
     double height_m = 0; ///< north-south extent, above 0, up to 1e6
     int columns = 0;     ///< 1 .. 4096
     int rows = 0;        ///< 1 .. 4096
-    TimeUs time_us = 0;
+    TimeUs time_us = 0;  ///< in_time_range()
 };
 
 /// "height", "displacement" or "normal".

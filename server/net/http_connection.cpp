@@ -14,6 +14,7 @@
 
 #include "server/net/connection.h"
 #include "server/net/pages.h"
+#include "server/net/refusals.h"
 #include "server/net/tokens.h"
 
 namespace seaway::server {
@@ -189,20 +190,21 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection<Stream
         map_keeps_alive_ = this->shared_from_this();
         core().host.map({query_parameters(target),
                          [on_io] { on_io([](HttpConnection& self) { self.write_map(); }); }},
-                        [on_io](MapAnswer answer) {
-                            auto shared = std::make_shared<MapAnswer>(std::move(answer));
+                        [on_io](Result<std::unique_ptr<ByteSource>> made) {
+                            auto shared = std::make_shared<decltype(made)>(std::move(made));
                             on_io([shared](HttpConnection& self) { self.begin_map(*shared); });
                         });
     }
 
-    void begin_map(MapAnswer& answer) {
+    void begin_map(Result<std::unique_ptr<ByteSource>>& made) {
         const bool head_only = parser_->get().method() == http::verb::head;
-        if (!answer.source) {
+        if (!made) {
             map_keeps_alive_.reset();
-            return respond({.status = answer.status, .body = answer.error + "\n"}, head_only,
-                           parser_->get().keep_alive());
+            return respond(
+                {.status = http_status(made.error()), .body = made.error().message + "\n"},
+                head_only, parser_->get().keep_alive());
         }
-        map_ = std::move(answer.source);
+        map_ = *std::move(made);
         auto header = std::make_shared<http::response<http::empty_body>>();
         header->result(200);
         header->version(11);

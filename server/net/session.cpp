@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "protocol/limits.h"
+#include "server/net/refusals.h"
 #include "server/net/tokens.h"
 
 namespace seaway::server {
@@ -91,9 +92,9 @@ void Session::on_hello(const wire::Hello& hello) {
 void Session::on_subscribe(const wire::Subscribe& subscribe) {
     const std::uint32_t request_id = subscribe.request_id();
     if (const Result<void> fine = protocol::check(subscribe); !fine)
-        return refuse(request_id, ErrorCode::bad_value, fine.error().message);
+        return refuse(request_id, fine.error());
     if (fetches_in_flight_ + outbox_.fetches_waiting() >= limits::fetches_in_flight_max)
-        return refuse(request_id, ErrorCode::too_many_requests, "earlier fetches are not done");
+        return refuse(request_id, {ErrorCode::too_many_requests, "earlier fetches are not done"});
     const TileDemand demand{.cascades = subscribe.cascades(),
                             .fields = sea::FieldSet::from_bits(subscribe.fields()),
                             .error_m = subscribe.error_m()};
@@ -101,7 +102,7 @@ void Session::on_subscribe(const wire::Subscribe& subscribe) {
     const TileDemand grant = core_.host.subscribe(id_, demand);
     if (grant.fields.empty() || grant.cascades == 0) {
         core_.host.unsubscribe(id_);
-        return refuse(request_id, ErrorCode::not_offered, "this sea offers none of these fields");
+        return refuse(request_id, {Refusal::not_offered, "this sea offers none of these fields"});
     }
     grant_ = grant;
     subscribed_ = true;
@@ -125,9 +126,9 @@ void Session::on_unsubscribe() {
 void Session::on_fetch(const wire::Fetch& request) {
     const std::uint32_t request_id = request.request_id();
     if (const Result<void> fine = protocol::check(request); !fine)
-        return refuse(request_id, ErrorCode::bad_value, fine.error().message);
+        return refuse(request_id, fine.error());
     if (fetches_in_flight_ + outbox_.fetches_waiting() >= limits::fetches_in_flight_max)
-        return refuse(request_id, ErrorCode::too_many_requests, "earlier fetches are not done");
+        return refuse(request_id, {ErrorCode::too_many_requests, "earlier fetches are not done"});
     fetch(request_id, {.times_us = {request.times_us()->begin(), request.times_us()->end()},
                        .demand = {.cascades = request.cascades(),
                                   .fields = sea::FieldSet::from_bits(request.fields()),
@@ -139,16 +140,14 @@ void Session::fetch(std::uint32_t request_id, FetchRequest request) {
     ++core_.counters.fetches;
     const sea::FieldSet wanted = request.demand.fields;
     const auto give_back = [core = core_.weak_from_this(), session = id_,
-                            request_id](std::vector<EncodedKeyframePtr> keyframes,
-                                        sea::FieldSet fields, Error error) {
+                            request_id](Result<Encoded> encoded) {
         const std::shared_ptr<Core> alive = core.lock();
         if (alive == nullptr)
             return;
-        alive->post([core, session, request_id, keyframes = std::move(keyframes), fields,
-                     error = std::move(error)] {
+        alive->post([core, session, request_id, encoded = std::move(encoded)] {
             const std::shared_ptr<Core> here = core.lock();
             if (Session* found = here ? here->find(session) : nullptr)
-                found->fetched(request_id, keyframes, fields, error);
+                found->fetched(request_id, encoded);
         });
     };
     // Host answers on any thread; encoding is for the encode thread, sending for the io thread.
@@ -158,50 +157,53 @@ void Session::fetch(std::uint32_t request_id, FetchRequest request) {
         if (alive == nullptr)
             return;
         if (!made)
-            return give_back({}, {}, made.error());
+            return give_back(made.error());
         const bool taken = alive->encoding.submit_fetched(
             [tiles = std::move(made).value(), wanted, give_back](Encoder& encoder) {
-                std::vector<EncodedKeyframePtr> keyframes;
-                sea::FieldSet fields = wanted;
-                for (const KeyframeTiles& one : tiles) {
-                    const auto encoded =
-                        encoder.encode(*one.keyframe, one.codec_error, one.quality, wanted);
-                    if (!encoded)
-                        return give_back({}, {}, encoded.error());
-                    fields = sea::FieldSet::from_bits(fields.bits() & (*encoded)->fields.bits());
-                    keyframes.push_back(*encoded);
-                }
-                give_back(std::move(keyframes), fields, {});
+                give_back(encode(encoder, tiles, wanted));
             });
         if (!taken)
-            give_back({}, {}, Error{"the server is busy with other fetches"});
+            give_back(Error{Refusal::busy,
+                            fmt::format("{} fetches of all sessions wait to be encoded already",
+                                        EncodeWorker::fetches_waiting_max)});
     });
 }
 
-void Session::fetched(std::uint32_t request_id, const std::vector<EncodedKeyframePtr>& keyframes,
-                      sea::FieldSet fields, const Error& error) {
+Result<Session::Encoded> Session::encode(Encoder& encoder, std::span<const KeyframeTiles> tiles,
+                                         sea::FieldSet wanted) {
+    Encoded all{{}, wanted};
+    for (const KeyframeTiles& one : tiles) {
+        SEAWAY_TRY_LET(EncodedKeyframePtr encoded,
+                       encoder.encode(*one.keyframe, one.codec_error, one.quality, wanted));
+        all.fields = sea::FieldSet::from_bits(all.fields.bits() & encoded->fields.bits());
+        all.keyframes.push_back(std::move(encoded));
+    }
+    return all;
+}
+
+void Session::fetched(std::uint32_t request_id, const Result<Encoded>& encoded) {
     --fetches_in_flight_;
-    if (!error.message.empty())
-        return refuse(request_id,
-                      error.code == Host::fetch_not_offered ? ErrorCode::not_offered
-                                                            : ErrorCode::internal,
-                      error.message);
+    if (!encoded)
+        return refuse(request_id, encoded.error());
+    const auto& [keyframes, fields] = *encoded;
     auto done = std::make_shared<const protocol::Bytes>(
         protocol::fetch_done(request_id, static_cast<std::uint32_t>(keyframes.size()), fields));
     if (!outbox_.push_fetched(keyframes, fields, std::move(done)))
-        return refuse(request_id, ErrorCode::too_large,
-                      fmt::format("more than {} bytes of tiles: fetch fewer times or fields",
-                                  limits::fetch_bytes_max));
+        return refuse(request_id,
+                      {ErrorCode::too_large,
+                       fmt::format("more than {} bytes of tiles: fetch fewer times or fields",
+                                   limits::fetch_bytes_max)});
     link_.send_more();
 }
 
 void Session::on_query(const wire::Query& query) {
     const std::uint32_t request_id = query.request_id();
     if (const Result<void> fine = protocol::check(query); !fine)
-        return refuse(request_id, ErrorCode::too_many_points, fine.error().message);
+        return refuse(request_id, fine.error());
     if (queries_in_flight_ >= limits::queries_in_flight_max)
-        return refuse(request_id, ErrorCode::too_many_requests,
-                      fmt::format("{} queries are not answered yet", queries_in_flight_));
+        return refuse(request_id,
+                      {ErrorCode::too_many_requests,
+                       fmt::format("{} queries are not answered yet", queries_in_flight_)});
     QueryBatch batch{.exact = query.exact(), .points = {}};
     if (query.points() != nullptr) {
         batch.points.reserve(query.points()->size());
@@ -212,7 +214,7 @@ void Session::on_query(const wire::Query& query) {
     ++core_.counters.queries;
     core_.counters.query_points += batch.points.size();
     core_.host.query(std::move(batch), [core = core_.weak_from_this(), session = id_,
-                                        request_id](QueryAnswers answers) {
+                                        request_id](Result<QueryAnswers> answers) {
         const std::shared_ptr<Core> alive = core.lock();
         if (alive == nullptr)
             return;
@@ -224,11 +226,11 @@ void Session::on_query(const wire::Query& query) {
     });
 }
 
-void Session::answered(std::uint32_t request_id, const QueryAnswers& answers) {
+void Session::answered(std::uint32_t request_id, const Result<QueryAnswers>& answers) {
     --queries_in_flight_;
-    if (!answers.error.empty())
-        return refuse(request_id, ErrorCode::internal, answers.error);
-    reply(protocol::query_reply(request_id, answers.epoch, answers.answers));
+    if (!answers)
+        return refuse(request_id, answers.error());
+    reply(protocol::query_reply(request_id, answers->epoch, answers->answers));
 }
 
 void Session::on_ping(const wire::Ping& ping) {
@@ -283,9 +285,10 @@ void Session::reply(protocol::Bytes message) {
     link_.send_more();
 }
 
-void Session::refuse(std::uint32_t request_id, ErrorCode code, std::string_view why) {
+void Session::refuse(std::uint32_t request_id, const Error& why) {
+    const ErrorCode code = wire_code(why);
     ++core_.counters.requests_refused[std::string(protocol::name(code))];
-    reply(protocol::refused(request_id, code, why));
+    reply(protocol::refused(request_id, code, why.message));
 }
 
 void Session::close(ErrorCode code, const std::string& why) {

@@ -68,11 +68,17 @@ class Session {
     void on_ping(const wire::Ping& ping);
 
     void fetch(std::uint32_t request_id, FetchRequest request);
-    void fetched(std::uint32_t request_id, const std::vector<EncodedKeyframePtr>& keyframes,
-                 sea::FieldSet fields, const Error& error);
-    void answered(std::uint32_t request_id, const QueryAnswers& answers);
+    /// Keyframes, and the fields that each of them holds.
+    struct Encoded {
+        std::vector<EncodedKeyframePtr> keyframes;
+        sea::FieldSet fields;
+    };
+    static Result<Encoded> encode(Encoder& encoder, std::span<const KeyframeTiles> tiles,
+                                  sea::FieldSet wanted);
+    void fetched(std::uint32_t request_id, const Result<Encoded>& encoded);
+    void answered(std::uint32_t request_id, const Result<QueryAnswers>& answers);
     void reply(protocol::Bytes message);
-    void refuse(std::uint32_t request_id, wire::ErrorCode code, std::string_view why);
+    void refuse(std::uint32_t request_id, const Error& why);
 
     Core& core_;
     Link& link_;

@@ -44,7 +44,7 @@ sea::SplineMapPtr KeyframeStore::spline(const sea::KeyframePtr& keyframe) {
     {
         const std::scoped_lock lock(mutex_);
         const auto found = entries_.find(key);
-        if (found != entries_.end() && found->second.spline) {
+        if (found != entries_.end() && found->second.keyframe == keyframe && found->second.spline) {
             touch(found->second);
             return found->second.spline;
         }
@@ -52,9 +52,10 @@ sea::SplineMapPtr KeyframeStore::spline(const sea::KeyframePtr& keyframe) {
     auto spline = std::make_shared<const sea::SplineMap>(*keyframe);
     const std::scoped_lock lock(mutex_);
     const auto found = entries_.find(key);
-    if (found != entries_.end() && !found->second.spline) {
+    if (found != entries_.end() && found->second.keyframe == keyframe && !found->second.spline) {
         found->second.spline = spline;
         counters_.bytes += spline->bytes();
+        touch(found->second);
         shrink();
     }
     return spline;
@@ -79,7 +80,7 @@ void KeyframeStore::touch(Entry& entry) {
 }
 
 void KeyframeStore::shrink() {
-    while (counters_.bytes > bytes_max_ && entries_.size() > 1) {
+    while (counters_.bytes > bytes_max_) {
         const auto oldest = entries_.find(by_recency_.back());
         counters_.bytes -= bytes(oldest->second);
         entries_.erase(oldest);

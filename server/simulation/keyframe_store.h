@@ -37,7 +37,8 @@ class KeyframeStore {
     /// Fields with which a keyframe is held; empty if it is not.
     sea::FieldSet held(int cascade, sea::TimeUs time_us) const;
 
-    /// Replaces a keyframe of the same cascade and time.
+    /// Replaces a keyframe of the same cascade and time. One that is larger than the store is not
+    /// kept.
     void insert(sea::KeyframePtr keyframe);
 
     /// The keyframe's spline; kept beside it for as long as the keyframe is held.

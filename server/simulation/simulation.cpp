@@ -72,16 +72,37 @@ void Simulation::set_demand(std::uint64_t who, Demand demand) {
     wake_.notify_all();
 }
 
-bool Simulation::ask(Question question) {
+void Simulation::ask(Question question) {
+    std::optional<Error> refused;
     {
         const std::scoped_lock lock(mutex_);
-        if (questions_.size() >= questions_waiting_max)
-            return false;
-        ++counters_.questions;
-        questions_.push_back(std::move(question));
+        if (ended_) {
+            refused = ended_;
+        } else if (questions_.size() >= questions_waiting_max) {
+            refused = Error{Refusal::busy, fmt::format("{} questions wait already, try again later",
+                                                       questions_waiting_max)};
+        } else {
+            ++counters_.questions;
+            questions_.push_back(std::move(question));
+        }
     }
+    if (refused)
+        return question.refuse(*refused);
     wake_.notify_all();
-    return true;
+}
+
+void Simulation::refuse_all_questions() {
+    std::deque<Question> left;
+    Error why{Refusal::gone, "the server stops"};
+    {
+        const std::scoped_lock lock(mutex_);
+        if (!ended_)
+            ended_ = why;
+        why = *ended_;
+        left.swap(questions_);
+    }
+    for (const Question& question : left)
+        question.refuse(why);
 }
 
 void Simulation::run() {
@@ -92,7 +113,7 @@ void Simulation::run() {
         {
             std::unique_lock lock(mutex_);
             if (stopping_)
-                return;
+                break;
             if (questions_.empty()) {
                 if (plan_.idle())
                     wake_.wait(lock);
@@ -105,13 +126,12 @@ void Simulation::run() {
             questions_.pop_front();
         }
         // Unfinished ones go to the end: a large one delays small ones by a slice at a time.
-        if (!question()) {
+        if (!question.slice()) {
             const std::scoped_lock lock(mutex_);
             questions_.push_back(std::move(question));
         }
     }
-    const std::scoped_lock lock(mutex_);
-    questions_.clear();
+    refuse_all_questions();
 }
 
 TimeUs Simulation::lead_us(std::size_t cascade) const {
@@ -151,12 +171,14 @@ bool Simulation::publish_due() {
     }
     if (due.empty())
         return false;
-    const std::vector<sea::KeyframePtr> made = keyframes(due, streamed_foam_);
-    for (const sea::KeyframePtr& keyframe : made)
+    const Result<std::vector<sea::KeyframePtr>> made = keyframes(due, streamed_foam_);
+    if (!made)
+        return false; // this was the end
+    for (const sea::KeyframePtr& keyframe : *made)
         if (events_.on_keyframe)
             events_.on_keyframe(keyframe);
     const std::scoped_lock lock(mutex_);
-    counters_.keyframes_published += made.size();
+    counters_.keyframes_published += made->size();
     counters_.keyframes_skipped += skipped;
     return true;
 }
@@ -206,7 +228,7 @@ Result<void> Simulation::rebuild_device() {
 Result<std::vector<sea::KeyframePtr>>
 Simulation::synthesize(std::span<const KeyframeRequest> requests,
                        std::span<const KeyframeRequest> asked) {
-    Result<std::vector<sea::KeyframePtr>> made = Error{"the device is gone"};
+    Result<std::vector<sea::KeyframePtr>> made = Error{"there is no device"};
     for (int attempt = 0; attempt <= device_rebuilds_max; ++attempt) {
         if (synthesizer_)
             made = synthesizer_->synthesize(requests);
@@ -241,8 +263,8 @@ void Simulation::count_synthesis(std::span<const KeyframeRequest> requests) {
                 total.keyframes - before.keyframes, total.device_seconds - before.device_seconds});
 }
 
-std::vector<sea::KeyframePtr> Simulation::keyframes(std::span<const Wanted> wanted,
-                                                    FoamMaps& foam) {
+Result<std::vector<sea::KeyframePtr>> Simulation::keyframes(std::span<const Wanted> wanted,
+                                                            FoamMaps& foam) {
     std::vector<sea::KeyframePtr> found(wanted.size());
     std::vector<KeyframeRequest> missing;
     std::vector<std::size_t> place;
@@ -258,10 +280,16 @@ std::vector<sea::KeyframePtr> Simulation::keyframes(std::span<const Wanted> want
         return found;
     Result<std::vector<sea::KeyframePtr>> made = compute(missing, foam);
     if (!made) {
+        const Error why{Refusal::gone,
+                        fmt::format("the device has failed for good: {}", made.error().message)};
+        {
+            const std::scoped_lock lock(mutex_);
+            ended_ = why;
+        }
         failed_ = true;
         if (events_.on_failure)
             events_.on_failure(made.error().message);
-        return {};
+        return why;
     }
     for (std::size_t i = 0; i < made->size(); ++i) {
         store_.insert((*made)[i]);
@@ -310,6 +338,7 @@ Result<sea::KeyframePtr> Simulation::add_foam(const sea::KeyframePtr& keyframe, 
 }
 
 std::vector<Simulation::Wanted> Simulation::around(TimeUs time_us, const Demand& demand) const {
+    SEAWAY_CHECK(sea::in_time_range(time_us), "a time out of range is refused where it is asked");
     std::vector<Wanted> wanted;
     for (std::size_t c = 0; c < sea_->budget.cascades.size(); ++c) {
         if (!((demand.cascades >> c) & 1u))
@@ -323,37 +352,39 @@ std::vector<Simulation::Wanted> Simulation::around(TimeUs time_us, const Demand&
 }
 
 void Simulation::fetch(std::vector<TimeUs> times_us, Demand demand, Fetched done) {
-    const bool taken = ask([this, times_us = std::move(times_us), demand, done] {
-        std::vector<Wanted> wanted;
-        for (const TimeUs time_us : times_us)
-            for (const Wanted& one : around(time_us, demand))
-                wanted.push_back(one);
-        done(keyframes(wanted, asked_foam_));
-        return true;
-    });
-    if (!taken)
-        done({});
+    for (const TimeUs time_us : times_us)
+        if (const Result<void> fine = check_time(time_us); !fine)
+            return done(fine.error());
+    ask({[this, times_us = std::move(times_us), demand, done] {
+             std::vector<Wanted> wanted;
+             for (const TimeUs time_us : times_us)
+                 for (const Wanted& one : around(time_us, demand))
+                     wanted.push_back(one);
+             done(keyframes(wanted, asked_foam_));
+             return true;
+         },
+         done});
 }
 
 void Simulation::fetch_current(Demand demand, Fetched done) {
-    const bool taken = ask([this, demand, done] {
-        const TimeUs now_us = now_();
-        std::vector<Wanted> wanted;
-        for (std::size_t c = 0; c < sea_->budget.cascades.size(); ++c) {
-            if (!((demand.cascades >> c) & 1u))
-                continue;
-            const TimeUs interval_us = sea_->budget.cascades[c].interval_us;
-            // As far as the stream has come, or will start from.
-            const TimeUs end_us = streaming_[c] ? next_keyframe_us_[c]
-                                                : interval_start(now_us + lead_us(c), interval_us);
-            for (TimeUs t = interval_start(now_us, interval_us); t < end_us; t += interval_us)
-                wanted.push_back({static_cast<int>(c), t, demand.fields});
-        }
-        done(keyframes(wanted, asked_foam_));
-        return true;
-    });
-    if (!taken)
-        done({});
+    ask({[this, demand, done] {
+             const TimeUs now_us = now_();
+             std::vector<Wanted> wanted;
+             for (std::size_t c = 0; c < sea_->budget.cascades.size(); ++c) {
+                 if (!((demand.cascades >> c) & 1u))
+                     continue;
+                 const TimeUs interval_us = sea_->budget.cascades[c].interval_us;
+                 // As far as the stream has come, or will start from.
+                 const TimeUs end_us = streaming_[c]
+                                           ? next_keyframe_us_[c]
+                                           : interval_start(now_us + lead_us(c), interval_us);
+                 for (TimeUs t = interval_start(now_us, interval_us); t < end_us; t += interval_us)
+                     wanted.push_back({static_cast<int>(c), t, demand.fields});
+             }
+             done(keyframes(wanted, asked_foam_));
+             return true;
+         },
+         done});
 }
 
 } // namespace seaway::server

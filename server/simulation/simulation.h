@@ -28,6 +28,7 @@
 #include "sea/surface/answer.h"
 #include "sea/surface/surface.h"
 #include "server/device/synthesizer.h"
+#include "server/refusal.h"
 #include "server/simulation/effect_costs.h"
 #include "server/simulation/effect_plan.h"
 #include "server/simulation/foam_maps.h"
@@ -36,6 +37,8 @@
 
 namespace seaway::server {
 
+using SurfacePtr = std::shared_ptr<const sea::Surface>;
+
 using SynthesizerFactory = std::function<Result<std::unique_ptr<Synthesizer>>()>;
 
 /// A keyframe is published this long before its interval begins, so that it is decoded in time.
@@ -43,7 +46,7 @@ inline constexpr sea::TimeUs publish_lead_us = 250'000;
 /// A keyframe that is later than this is skipped for a newer one.
 inline constexpr sea::TimeUs catch_up_us = 500'000;
 inline constexpr int device_rebuilds_max = 3;
-/// Questions that wait at most; more are refused: their callback comes at once, with nothing.
+/// Questions that wait at most; one more is refused at once.
 inline constexpr std::size_t questions_waiting_max = 1024;
 /// Exact sums between two looks at what else is due.
 inline constexpr std::size_t exact_points_per_slice = 8;
@@ -67,9 +70,6 @@ struct SimulationCounters {
 
 class Simulation {
   public:
-    using Answered = std::function<void(std::vector<sea::Answer>)>;
-    using Fetched = std::function<void(std::vector<sea::KeyframePtr>)>;
-
     /// Makes the device, warms it up and starts the thread. `now` is the sea's clock.
     static Result<std::unique_ptr<Simulation>> start(RunningSeaPtr sea, SynthesizerFactory factory,
                                                      std::function<sea::TimeUs()> now,
@@ -82,17 +82,23 @@ class Simulation {
     /// the next keyframes.
     void set_demand(std::uint64_t who, Demand demand);
 
+    // Each question is answered once, by what was asked for or by why not, an Error of kind
+    // Refusal: bad_value for a time or place out of range, busy while questions_waiting_max wait,
+    // gone after the device or the simulation has ended.
+
     /// The two keyframes of each wanted cascade around each time.
+    using Fetched = std::function<void(Result<std::vector<sea::KeyframePtr>>)>;
     void fetch(std::vector<sea::TimeUs> times_us, Demand demand, Fetched done);
 
     /// What a new subscriber needs: from the keyframe before now to the newest published one.
     void fetch_current(Demand demand, Fetched done);
 
     /// One answer a point, in order, each at its own time, past or future.
+    using Answered = std::function<void(Result<std::vector<sea::Answer>>)>;
     void answer(std::vector<sea::QueryPoint> points, bool exact, Answered done);
 
-    /// The surface around a time, for who samples much of it at once. Null if the device is gone.
-    using Surfaced = std::function<void(const sea::Surface*)>;
+    /// The surface around a time, for who samples much of it at once.
+    using Surfaced = std::function<void(Result<SurfacePtr>)>;
     void surface(sea::TimeUs time_us, Surfaced done);
 
     RunningSeaPtr sea() const;
@@ -103,16 +109,19 @@ class Simulation {
     bool healthy() const { return !failed_; }
 
   private:
-    /// Something asked: called slice by slice until it returns true.
-    using Question = std::function<bool()>;
+    /// Something asked: worked on slice by slice until it is answered, or refused.
+    struct Question {
+        std::function<bool()> slice; ///< true: answered
+        std::function<void(const Error&)> refuse;
+    };
 
     Simulation(RunningSeaPtr sea, SynthesizerFactory factory, std::function<sea::TimeUs()> now,
                SimulationEvents events);
 
     void run();
     bool publish_due();
-    /// False, and nothing is kept, while questions_waiting_max wait.
-    [[nodiscard]] bool ask(Question question);
+    void ask(Question question);
+    void refuse_all_questions();
     sea::TimeUs next_due_us() const;
     sea::TimeUs lead_us(std::size_t cascade) const;
 
@@ -121,8 +130,9 @@ class Simulation {
         sea::TimeUs time_us;
         sea::FieldSet fields;
     };
-    /// From the store, or computed; empty when the device has failed for good.
-    std::vector<sea::KeyframePtr> keyframes(std::span<const Wanted> wanted, FoamMaps& foam);
+    /// From the store, or computed. An error is the end of the simulation: the device has failed
+    /// for good.
+    Result<std::vector<sea::KeyframePtr>> keyframes(std::span<const Wanted> wanted, FoamMaps& foam);
     Result<std::vector<sea::KeyframePtr>> compute(std::span<const KeyframeRequest> requests,
                                                   FoamMaps& foam);
     /// `asked`: the same requests before foam was replaced by what it stands on; for the accounts.
@@ -133,14 +143,14 @@ class Simulation {
     std::vector<Wanted> around(sea::TimeUs time_us, const Demand& demand) const;
     /// From the keyframes of every cascade around a time; valid before `end_us`.
     struct SurfaceSpan {
-        sea::Surface surface;
+        SurfacePtr surface;
         sea::TimeUs end_us;
     };
-    std::optional<SurfaceSpan> surface_around(sea::TimeUs time_us);
+    Result<SurfaceSpan> surface_around(sea::TimeUs time_us);
 
     struct Batch;
-    bool answer_slice(Batch& batch);
-    bool exact_slice(Batch& batch) const;
+    Result<void> sampled_slice(Batch& batch);
+    void exact_slice(Batch& batch) const;
     void count_synthesis(std::span<const KeyframeRequest> requests);
 
     const RunningSeaPtr sea_;
@@ -164,6 +174,7 @@ class Simulation {
     std::map<std::uint64_t, Demand> demands_;
     EffectPlan plan_;
     std::deque<Question> questions_;
+    std::optional<Error> ended_; ///< why nothing is taken any more
     SimulationCounters counters_;
     EffectCosts costs_;
     SynthesisCounters before_rebuild_; ///< of devices that are gone

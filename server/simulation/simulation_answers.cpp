@@ -20,7 +20,6 @@ struct Simulation::Batch {
     std::size_t done_count = 0;                   ///< of `order`
     std::optional<sea::DirectSum::Moment> moment; ///< exact: the sea at moment_us
     TimeUs moment_us = 0;
-    Answered done;
 
     bool complete() const { return done_count == order.size(); }
     const sea::QueryPoint& next() const { return points[order[done_count]]; }
@@ -28,26 +27,33 @@ struct Simulation::Batch {
 };
 
 void Simulation::answer(std::vector<sea::QueryPoint> points, bool exact, Answered done) {
+    for (const sea::QueryPoint& point : points)
+        if (const Result<void> fine = check_point(point); !fine)
+            return done(fine.error());
     auto batch = std::make_shared<Batch>();
     batch->points = std::move(points);
     batch->answers.resize(batch->points.size());
-    batch->done = std::move(done);
     batch->order.resize(batch->points.size());
     std::iota(batch->order.begin(), batch->order.end(), std::size_t{0});
     std::stable_sort(batch->order.begin(), batch->order.end(), [&](std::size_t a, std::size_t b) {
         return batch->points[a].time_us < batch->points[b].time_us;
     });
-    const bool taken = ask([this, batch, exact] {
-        if (!(exact ? exact_slice(*batch) : answer_slice(*batch)))
-            return false;
-        batch->done(std::move(batch->answers));
-        return true;
-    });
-    if (!taken)
-        batch->done({});
+    ask({[this, batch, exact, done] {
+             const std::size_t before = batch->done_count;
+             if (exact)
+                 exact_slice(*batch);
+             else if (const Result<void> sampled = sampled_slice(*batch); !sampled)
+                 return done(sampled.error()), true;
+             SEAWAY_CHECK(batch->complete() || batch->done_count > before,
+                          "each slice brings a question nearer to its end");
+             if (batch->complete())
+                 done(std::move(batch->answers));
+             return batch->complete();
+         },
+         done});
 }
 
-bool Simulation::exact_slice(Batch& batch) const {
+void Simulation::exact_slice(Batch& batch) const {
     const sea::FoldSearch folds = fold_search(sea_->budget);
     for (std::size_t i = 0; i < exact_points_per_slice && !batch.complete(); ++i) {
         const sea::QueryPoint& point = batch.next();
@@ -64,48 +70,46 @@ bool Simulation::exact_slice(Batch& batch) const {
         answer.flags |= sea::answer_exact;
         batch.put(answer);
     }
-    return batch.complete();
 }
 
-bool Simulation::answer_slice(Batch& batch) {
+Result<void> Simulation::sampled_slice(Batch& batch) {
     if (batch.complete())
-        return true;
-    const std::optional<SurfaceSpan> span = surface_around(batch.next().time_us);
-    if (!span) { // the device is gone for good
-        batch.answers.clear();
-        return true;
-    }
+        return {};
+    SEAWAY_TRY_LET(const SurfaceSpan span, surface_around(batch.next().time_us));
     for (std::size_t i = 0;
-         i < sampled_points_per_slice && !batch.complete() && batch.next().time_us < span->end_us;
+         i < sampled_points_per_slice && !batch.complete() && batch.next().time_us < span.end_us;
          ++i)
-        batch.put(span->surface.answer(batch.next()));
-    return batch.complete();
+        batch.put(span.surface->answer(batch.next()));
+    return {};
 }
 
-std::optional<Simulation::SurfaceSpan> Simulation::surface_around(TimeUs time_us) {
+Result<Simulation::SurfaceSpan> Simulation::surface_around(TimeUs time_us) {
     const std::vector<Wanted> wanted = around(time_us, {~0u, sea_->sampler_fields()});
-    const std::vector<sea::KeyframePtr> held = keyframes(wanted, asked_foam_);
-    if (held.size() != wanted.size())
-        return std::nullopt;
+    SEAWAY_TRY_LET(const std::vector<sea::KeyframePtr> held, keyframes(wanted, asked_foam_));
     std::vector<sea::SplinePair> pairs;
     TimeUs end_us = std::numeric_limits<TimeUs>::max();
     for (std::size_t i = 0; i < wanted.size(); i += 2) {
         pairs.push_back({store_.spline(held[i]), store_.spline(held[i + 1])});
         end_us = std::min(end_us, wanted[i + 1].time_us);
     }
-    return SurfaceSpan{sea::Surface(std::move(pairs), sea_->realization->choppiness,
-                                    fold_search(sea_->budget), map_error(sea_->budget, 0.0)),
+    return SurfaceSpan{std::make_shared<const sea::Surface>(
+                           std::move(pairs), sea_->realization->choppiness,
+                           fold_search(sea_->budget), map_error(sea_->budget, 0.0)),
                        end_us};
 }
 
 void Simulation::surface(TimeUs time_us, Surfaced done) {
-    const bool taken = ask([this, time_us, done] {
-        const std::optional<SurfaceSpan> span = surface_around(time_us);
-        done(span ? &span->surface : nullptr);
-        return true;
-    });
-    if (!taken)
-        done(nullptr);
+    if (const Result<void> fine = check_time(time_us); !fine)
+        return done(fine.error());
+    ask({[this, time_us, done] {
+             const Result<SurfaceSpan> span = surface_around(time_us);
+             if (span)
+                 done(span->surface);
+             else
+                 done(span.error());
+             return true;
+         },
+         done});
 }
 
 } // namespace seaway::server

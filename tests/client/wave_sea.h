@@ -150,7 +150,7 @@ class WaveSea : public server::Host {
         }
         done(std::move(out));
     }
-    void query(server::QueryBatch batch, std::function<void(server::QueryAnswers)> done) override {
+    void query(server::QueryBatch batch, Queried done) override {
         ++queries;
         server::QueryAnswers out;
         out.epoch = epoch;

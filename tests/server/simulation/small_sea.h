@@ -35,7 +35,8 @@ class SmallSea : public server::Host {
     std::vector<float> error{}; ///< codec bound of every field; empty: codec_error
     sea::FieldSet offered = sea::surface_fields | sea::FieldSet{sea::Field::foam};
     std::vector<protocol::SharedBytes> states{state_message(0)};
-    std::atomic<bool> answer_queries = true;
+    std::atomic<bool> answer_queries = true; ///< else they wait in `unanswered`
+    std::atomic<bool> answer_fetches = true; ///< else they wait in `unanswered`
 
     static protocol::SharedBytes state_message(std::uint32_t epoch, std::size_t scene_bytes = 100) {
         protocol::SeaStateValues state;
@@ -50,7 +51,14 @@ class SmallSea : public server::Host {
         return std::make_shared<const protocol::Bytes>(protocol::sea_state(state));
     }
 
-    KeyframeTiles keyframe(int cascade, std::int64_t n, sea::FieldSet fields) const {
+    /// Two rungs: who is content with 0.1 m gets the coarse one.
+    static std::uint8_t quality(const server::TileDemand& demand) {
+        return demand.error_m >= bound(1) ? 1 : 0;
+    }
+    static constexpr float bound(std::uint8_t quality) { return quality == 0 ? 0.02f : 0.1f; }
+
+    KeyframeTiles keyframe(int cascade, std::int64_t n, sea::FieldSet fields,
+                           std::uint8_t quality = 0) const {
         auto made = std::make_shared<sea::Keyframe>();
         made->cascade = cascade;
         made->time_us = n * interval_us;
@@ -65,9 +73,10 @@ class SmallSea : public server::Host {
                     plane[static_cast<std::size_t>(y * size + x)] =
                         sample_value(cascade, n, field, x, y);
         }
-        const float bound = error.empty() ? codec_error : error.front();
+        const float codec = (error.empty() ? codec_error : error.front()) * (quality == 0 ? 1 : 8);
         return {.keyframe = made,
-                .codec_error = std::vector<float>(static_cast<std::size_t>(fields.size()), bound)};
+                .codec_error = std::vector<float>(static_cast<std::size_t>(fields.size()), codec),
+                .quality = quality};
     }
 
     // ---- Host ------------------------------------------------------------------------------
@@ -80,13 +89,14 @@ class SmallSea : public server::Host {
         server::TileDemand grant = demand;
         grant.cascades &= 3u;
         grant.fields = sea::FieldSet::from_bits(demand.fields.bits() & offered.bits());
-        grant.error_m = 0.02f;
+        grant.quality = quality(demand);
+        grant.error_m = bound(grant.quality);
         return grant;
     }
     void unsubscribe(server::SessionId session) override { subscribers.erase(session); }
     void fetch(server::FetchRequest request, Fetched done) override {
         if ((request.demand.fields.bits() & offered.bits()) == 0)
-            return done(Error{"none of these fields", fetch_not_offered});
+            return done(Error{server::Refusal::not_offered, "none of these fields"});
         std::set<std::int64_t> wanted{newest, newest + 1};
         if (!request.times_us.empty())
             wanted.clear();
@@ -98,10 +108,14 @@ class SmallSea : public server::Host {
         for (int cascade = 0; cascade < 2; ++cascade)
             if ((request.demand.cascades >> cascade) & 1u)
                 for (const std::int64_t n : wanted)
-                    out.push_back(keyframe(cascade, n, request.demand.fields));
-        done(std::move(out));
+                    out.push_back(
+                        keyframe(cascade, n, request.demand.fields, quality(request.demand)));
+        if (answer_fetches)
+            done(std::move(out));
+        else
+            unanswered.push_back([done, out] { done(out); });
     }
-    void query(server::QueryBatch batch, std::function<void(server::QueryAnswers)> done) override {
+    void query(server::QueryBatch batch, Queried done) override {
         server::QueryAnswers out;
         for (const sea::QueryPoint& point : batch.points) {
             sea::Answer answer;

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/net/refusals.h"
+
+#include "server/refusal.h"
+
+namespace seaway::server {
+
+using wire::ErrorCode;
+
+wire::ErrorCode wire_code(const Error& error) {
+    if (const auto code = error.kind.as<ErrorCode>())
+        return *code;
+    const auto refusal = error.kind.as<Refusal>();
+    if (!refusal)
+        return ErrorCode::internal;
+    switch (*refusal) {
+    case Refusal::bad_value:
+        return ErrorCode::bad_value;
+    case Refusal::not_offered:
+        return ErrorCode::not_offered;
+    case Refusal::busy:
+        return ErrorCode::too_many_requests;
+    case Refusal::gone:
+        break;
+    }
+    return ErrorCode::internal;
+}
+
+unsigned http_status(const Error& error) {
+    const auto refusal = error.kind.as<Refusal>();
+    if (!refusal)
+        return 500;
+    switch (*refusal) {
+    case Refusal::bad_value:
+        return 400;
+    case Refusal::not_offered:
+        return 404;
+    case Refusal::busy:
+    case Refusal::gone:
+        break;
+    }
+    return 503;
+}
+
+} // namespace seaway::server

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+// Why the server does not do what was asked: kinds of the errors that Simulation and Host hand over.
+// server/net alone makes wire codes and HTTP status of them; the message says which value, limit or
+// device it was.
+#pragma once
+
+namespace seaway::server {
+
+enum class Refusal {
+    bad_value,   ///< out of range; the message names field, value and range
+    not_offered, ///< this sea has none of what was asked for
+    busy,        ///< too much waits already: to be asked again later
+    gone,        ///< the device has failed for good, or the server stops
+};
+
+} // namespace seaway::server
