@@ -67,6 +67,8 @@ class Encoder {
                                       sea::FieldSet wanted);
 
     const EncoderCounters& counters() const { return counters_; }
+    /// Bytes of all remembered messages; at most `cache_bytes_max`.
+    std::size_t remembered_bytes() const { return cache_bytes_; }
 
   private:
     EncodedKeyframePtr find(const sea::Keyframe& keyframe, std::uint8_t quality) const;

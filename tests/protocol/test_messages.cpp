@@ -265,6 +265,41 @@ TEST(Messages, values_out_of_range_are_errors_that_name_the_field) {
     EXPECT_NE(why(query(1, points, true)).find("points"), std::string::npos);
 }
 
+TEST(Messages, times_and_places_beyond_their_range_are_errors_that_say_which) {
+    MessageReader reader(Sender::client);
+    const TileWish wish{.fields = sea::surface_fields};
+    const auto ask = [&](const sea::QueryPoint& point) {
+        return check(*read(reader, query(1, {&point, 1}, false))->body_as_Query());
+    };
+    const auto get = [&](sea::TimeUs time_us) {
+        return check(*read(reader, fetch(1, {&time_us, 1}, wish))->body_as_Fetch());
+    };
+    using Times = std::numeric_limits<sea::TimeUs>;
+    for (const sea::TimeUs time_us :
+         {Times::min(), -limits::time_us_max - 1, limits::time_us_max + 1, Times::max()}) {
+        EXPECT_EQ(get(time_us).error().message.find("times_us [0] is "), 0u);
+        EXPECT_TRUE(get(time_us).error().is(wire::ErrorCode::bad_value));
+        EXPECT_EQ(ask({0, 0, time_us}).error().message.find("points.time_us [0] is "), 0u);
+    }
+    for (const sea::TimeUs time_us : {-limits::time_us_max, sea::TimeUs{0}, limits::time_us_max}) {
+        EXPECT_TRUE(get(time_us));
+        EXPECT_TRUE(ask({0, 0, time_us}));
+    }
+    for (const double far_m : {std::nextafter(limits::position_m_max, 1e300), -1e300}) {
+        EXPECT_TRUE(ask({far_m, 0, 0}).error().is(wire::ErrorCode::bad_value));
+        EXPECT_EQ(ask({far_m, 0, 0}).error().message.find("points.x_m [0] is "), 0u);
+        EXPECT_EQ(ask({0, far_m, 0}).error().message.find("points.y_m [0] is "), 0u);
+    }
+    EXPECT_TRUE(ask({limits::position_m_max, -limits::position_m_max, 0}));
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_TRUE(ask({nan, std::numeric_limits<double>::infinity(), 0}))
+        << "answered, and flagged as no number";
+    const std::vector<sea::QueryPoint> many(limits::points_per_query_max + 1);
+    EXPECT_TRUE(check(*read(reader, query(1, many, false))->body_as_Query())
+                    .error()
+                    .is(wire::ErrorCode::too_many_points));
+}
+
 TEST(Messages, golden_bytes_are_read_for_ever) {
     // A Ping(request_id 10, client_time_us -11) of protocol version 1, field by field in
     // docs/protocol.md. A change of the wire needs a new golden, never an edited one.

@@ -123,6 +123,47 @@ TEST(Encoder, the_memory_is_bounded_and_forgets_the_oldest) {
     EXPECT_EQ(encoder.counters().fields_encoded, before + 1) << "the oldest is forgotten";
 }
 
+TEST(Encoder, any_mix_of_keyframes_leaves_the_count_equal_to_the_bytes_held_and_below_the_limit) {
+    // What the encoder alone keeps alive is what it remembers.
+    const sea::FieldSet all{sea::Field::height, sea::Field::slope_x, sea::Field::foam};
+    const sea::FieldSet wishes[] = {
+        {sea::Field::height}, {sea::Field::foam}, {sea::Field::height, sea::Field::slope_x}, all};
+    const float bounds[2][3] = {{0.0f, 0.0f, 0.0f}, {0.1f, 0.1f, 0.1f}};
+    std::mt19937_64 numbers(16);
+    for (const std::size_t bytes_max : {500u, 5'000u, 40'000u}) {
+        Encoder encoder(bytes_max);
+        std::vector<std::weak_ptr<const EncodedKeyframe>> made;
+        for (int step = 0; step < 3000; ++step) {
+            const sea::Keyframe original =
+                keyframe(numbers() % 8 == 0 ? 32 : 8, all, static_cast<int>(numbers() % 2),
+                         static_cast<sea::TimeUs>(numbers() % 16));
+            const auto quality = static_cast<std::uint8_t>(numbers() % 2);
+            {
+                const auto encoded =
+                    encoder.encode(original, bounds[quality], quality, wishes[numbers() % 4]);
+                ASSERT_TRUE(encoded);
+                std::size_t bytes = 0;
+                for (const EncodedField& map : (*encoded)->maps)
+                    for (const SharedBytes& part : map.parts)
+                        bytes += part->size();
+                ASSERT_EQ((*encoded)->bytes, bytes);
+                made.push_back(*encoded);
+            }
+            std::set<EncodedKeyframePtr> held;
+            for (const auto& one : made)
+                if (const EncodedKeyframePtr alive = one.lock())
+                    held.insert(alive);
+            std::size_t bytes = 0;
+            for (const EncodedKeyframePtr& one : held)
+                bytes += one->bytes;
+            ASSERT_EQ(encoder.remembered_bytes(), bytes) << "step " << step;
+            ASSERT_LE(bytes, bytes_max);
+            made.assign(held.begin(), held.end());
+        }
+        EXPECT_GT(encoder.counters().fields_reused, 0u);
+    }
+}
+
 TEST(Encoder, a_map_that_is_not_finite_is_an_error_that_names_it) {
     Encoder encoder;
     sea::Keyframe broken = keyframe(16, {sea::Field::slope_y}, 2);

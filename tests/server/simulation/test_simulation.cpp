@@ -1,133 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // The simulation with a real synthesizer (native) and a clock that the test turns.
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <future>
-#include <mutex>
 #include <thread>
 
-#include <gtest/gtest.h>
-
-#include "server/device/native_synthesizer.h"
-#include "server/simulation/simulation.h"
+#include "tests/server/simulation/simulation_bench.h"
 
 namespace seaway::server {
 namespace {
-
-using sea::Field;
-using sea::FieldSet;
-using sea::TimeUs;
-
-constexpr const char* small_sea = R"(
-[sea]
-seed = 7
-[[sea.system]]
-type = "wind"
-spectrum = "jonswap"
-wind_speed_10m_mps = 9.0
-from_deg = 250
-fetch_m = 40e3
-spreading = "hasselmann"
-[[cascade]]
-length_m = 301.0
-size = 64
-[[cascade]]
-length_m = 43.0
-size = 64
-[accuracy]
-height_error_m = 0.02
-)";
-
-RunningSeaPtr running_sea(const std::string& more = {}) {
-    const Result<sea::Scene> scene = sea::parse_scene(small_sea + more, "small_sea", ".");
-    EXPECT_TRUE(scene) << (scene ? "" : scene.error().message);
-    return *make_running_sea(*scene, 1);
-}
-
-/// Fails the next `failures` calls, as a lost device does.
-class FailingSynthesizer final : public Synthesizer {
-  public:
-    explicit FailingSynthesizer(std::shared_ptr<std::atomic<int>> failures)
-        : failures_(std::move(failures)) {}
-    std::string description() const override { return inner_.description(); }
-    Result<void> set_sea(sea::RealizationPtr sea, std::uint32_t epoch) override {
-        return inner_.set_sea(std::move(sea), epoch);
-    }
-    Result<std::vector<sea::KeyframePtr>>
-    synthesize(std::span<const KeyframeRequest> requests) override {
-        if (failures_->fetch_sub(1) > 0)
-            return Error{"VK_ERROR_DEVICE_LOST"};
-        return inner_.synthesize(requests);
-    }
-    SynthesisCounters counters() const override { return inner_.counters(); }
-
-  private:
-    std::shared_ptr<std::atomic<int>> failures_;
-    NativeSynthesizer inner_{1};
-};
-
-/// A simulation, what it published, and its clock.
-struct Bench {
-    RunningSeaPtr sea;
-    std::atomic<TimeUs> now_us = 0;
-    std::shared_ptr<std::atomic<int>> failures = std::make_shared<std::atomic<int>>(0);
-    std::mutex mutex;
-    std::vector<sea::KeyframePtr> published;
-    std::atomic<int> warnings = 0;
-    std::promise<std::string> failed;
-    std::unique_ptr<Simulation> simulation;
-
-    explicit Bench(const std::string& more = {}) : sea(running_sea(more)) {
-        Result<std::unique_ptr<Simulation>> started = Simulation::start(
-            sea,
-            [this]() -> Result<std::unique_ptr<Synthesizer>> {
-                return std::unique_ptr<Synthesizer>(std::make_unique<FailingSynthesizer>(failures));
-            },
-            [this] { return now_us.load(); },
-            {[this](const sea::KeyframePtr& keyframe) {
-                 const std::scoped_lock lock(mutex);
-                 published.push_back(keyframe);
-             },
-             [this](const std::string&) { ++warnings; },
-             [this](const std::string& why) { failed.set_value(why); }});
-        simulation = std::move(started).value();
-    }
-
-    std::vector<sea::Answer> answer(std::vector<sea::QueryPoint> points, bool exact = false) {
-        std::promise<std::vector<sea::Answer>> promise;
-        auto answers = promise.get_future();
-        simulation->answer(std::move(points), exact,
-                           [&](std::vector<sea::Answer> a) { promise.set_value(std::move(a)); });
-        return answers.get();
-    }
-
-    std::vector<sea::KeyframePtr> fetch_current(Demand demand) {
-        std::promise<std::vector<sea::KeyframePtr>> promise;
-        auto keyframes = promise.get_future();
-        simulation->fetch_current(
-            demand, [&](std::vector<sea::KeyframePtr> k) { promise.set_value(std::move(k)); });
-        return keyframes.get();
-    }
-
-    /// Lets the thread look at the clock and waits until what is due has been published.
-    void settle() { fetch_current({0, {}}); }
-
-    void advance(TimeUs us) {
-        now_us += us;
-        simulation->set_demand(999, {}); // nobody's; wakes the thread
-        settle();
-    }
-
-    std::vector<TimeUs> times(int cascade) {
-        const std::scoped_lock lock(mutex);
-        std::vector<TimeUs> all;
-        for (const sea::KeyframePtr& keyframe : published)
-            if (keyframe->cascade == cascade)
-                all.push_back(keyframe->time_us);
-        return all;
-    }
-};
 
 TEST(Simulation, without_demand_nothing_is_dispatched) {
     Bench bench;
@@ -296,16 +176,83 @@ TEST(Simulation, a_lost_device_is_rebuilt_and_nobody_notices) {
 TEST(Simulation, a_device_that_stays_lost_ends_it_with_its_reason) {
     Bench bench;
     *bench.failures = 1000;
-    EXPECT_TRUE(bench.answer({{1.0, 2.0, 0}}).empty());
+    const Result<std::vector<sea::Answer>> answers = bench.try_answer({{1.0, 2.0, 0}});
+    ASSERT_FALSE(answers);
+    EXPECT_TRUE(answers.error().is(Refusal::gone));
+    EXPECT_NE(answers.error().message.find("DEVICE_LOST"), std::string::npos) << "the true reason";
     EXPECT_NE(bench.failed.get_future().get().find("DEVICE_LOST"), std::string::npos);
     EXPECT_FALSE(bench.simulation->healthy());
+    // Whoever asks afterwards is told the same, at once, instead of waiting for ever.
+    EXPECT_TRUE(bench.try_answer({{1.0, 2.0, 0}}, true).error().is(Refusal::gone));
+    EXPECT_TRUE(bench.fetch({0}, {~0u, sea::surface_fields}).error().is(Refusal::gone));
+    EXPECT_TRUE(bench.surface(0).error().is(Refusal::gone));
+}
+
+TEST(Simulation, questions_that_wait_when_it_ends_are_refused_with_the_reason) {
+    std::promise<void> gate;
+    std::promise<void> entered;
+    std::vector<Error> refusals;
+    {
+        Bench bench;
+        bench.simulation->fetch({}, {}, [&](const auto&) {
+            entered.set_value();
+            gate.get_future().wait();
+        });
+        entered.get_future().wait();
+        for (int i = 0; i < 3; ++i) // 64 slices: still under way when the end comes
+            bench.simulation->answer(std::vector<sea::QueryPoint>(512), true,
+                                     [&](const Result<std::vector<sea::Answer>>& answers) {
+                                         if (!answers)
+                                             refusals.push_back(answers.error());
+                                     });
+        *bench.failures = 1000;
+        bench.simulation->answer({{1.0, 2.0, 0}}, false,
+                                 [&](const Result<std::vector<sea::Answer>>& answers) {
+                                     refusals.push_back(answers.error());
+                                 });
+        gate.set_value();
+        bench.failed.get_future().wait();
+    }
+    ASSERT_EQ(refusals.size(), 4u);
+    for (const Error& refusal : refusals) {
+        EXPECT_TRUE(refusal.is(Refusal::gone));
+        EXPECT_NE(refusal.message.find("DEVICE_LOST"), std::string::npos) << refusal.message;
+    }
+}
+
+TEST(Simulation, after_a_leap_of_the_clock_it_goes_on_with_the_keyframe_of_now) {
+    Bench bench;
+    const TimeUs interval = bench.sea->budget.cascades[0].interval_us;
+    const FieldSet height{Field::height, Field::height_rate};
+    bench.simulation->set_demand(1, {1u, height});
+    for (int i = 0; i < 6; ++i)
+        bench.advance(interval / 2);
+    const std::size_t before = bench.times(0).size();
+    const TimeUs last = bench.times(0).back();
+    const SimulationCounters counters = bench.simulation->counters();
+    ASSERT_EQ(counters.keyframes_skipped, 0u);
+
+    bench.advance(10'000'000); // the process was stopped, say
+    const std::vector<TimeUs> times = bench.times(0);
+    ASSERT_GT(times.size(), before);
+    const TimeUs first = times[before];
+    EXPECT_LE(first, bench.now_us) << "the two around now are out again";
+    EXPECT_GT(first, bench.now_us - interval) << "and nothing older was made";
+    for (std::size_t i = before + 1; i < times.size(); ++i)
+        EXPECT_EQ(times[i] - times[i - 1], interval);
+    EXPECT_GE(times.back(), bench.now_us + interval);
+    const SimulationCounters after = bench.simulation->counters();
+    EXPECT_EQ(after.keyframes_skipped, static_cast<std::uint64_t>((first - last) / interval - 1))
+        << "every one that was left out is counted";
+    EXPECT_EQ(after.synthesis.keyframes - counters.synthesis.keyframes, times.size() - before)
+        << "what is not published is not computed";
 }
 
 TEST(Simulation, more_questions_than_may_wait_are_refused_at_once_and_the_rest_answered) {
     Bench bench;
     std::promise<void> gate;
     std::promise<void> entered;
-    bench.simulation->fetch({}, {}, [&](std::vector<sea::KeyframePtr>) {
+    bench.simulation->fetch({}, {}, [&](const auto&) {
         entered.set_value();
         gate.get_future().wait(); // holds the simulation thread
     });
@@ -314,35 +261,18 @@ TEST(Simulation, more_questions_than_may_wait_are_refused_at_once_and_the_rest_a
     std::atomic<int> refused = 0;
     const int asked = static_cast<int>(questions_waiting_max) + 50;
     for (int i = 0; i < asked; ++i)
-        bench.simulation->answer({{1.0, 2.0, 0}}, false, [&](std::vector<sea::Answer> answers) {
-            ++(answers.empty() ? refused : answered);
-        });
+        bench.simulation->answer({{1.0, 2.0, 0}}, false,
+                                 [&](const Result<std::vector<sea::Answer>>& answers) {
+                                     if (!answers) {
+                                         EXPECT_TRUE(answers.error().is(Refusal::busy));
+                                     }
+                                     ++(answers ? answered : refused);
+                                 });
     EXPECT_EQ(refused, 50);
     gate.set_value();
     while (answered + refused < asked)
         std::this_thread::yield();
     EXPECT_EQ(answered, static_cast<int>(questions_waiting_max));
-}
-
-TEST(KeyframeStore, memory_stays_below_its_limit_and_newest_use_stays) {
-    const auto keyframe = [](TimeUs time_us) {
-        auto made = std::make_shared<sea::Keyframe>();
-        made->size = 64;
-        made->length_m = 10;
-        made->time_us = time_us;
-        made->fields = {Field::height, Field::height_rate};
-        made->values.assign(2 * made->plane_size(), 0.0f);
-        return made;
-    };
-    const std::size_t one = 2 * 64 * 64 * sizeof(float);
-    KeyframeStore store(4 * one);
-    for (TimeUs t = 0; t < 100; ++t) {
-        store.insert(keyframe(t));
-        EXPECT_TRUE(store.find(0, 0, {Field::height})) << "used all the time, never dropped";
-        EXPECT_LE(store.counters().bytes, 4 * one);
-    }
-    EXPECT_FALSE(store.find(0, 50, {Field::height}));
-    EXPECT_FALSE(store.find(0, 0, {Field::slope_x})) << "held, but without this field";
 }
 
 TEST(EffectPlan, is_the_union_of_demand_within_what_the_scene_allows) {

@@ -1,0 +1,278 @@
+// SPDX-License-Identifier: Apache-2.0
+// Limits of the server and who may come in, each seen at its edge: what is within is served, one
+// more is refused by name, and what was refused can be had later.
+#include "tests/server/net/net_fixture.h"
+
+#include <fstream>
+#include <future>
+
+#include <boost/asio/read_until.hpp>
+#include <boost/asio/write.hpp>
+
+#include "protocol/limits.h"
+#include "server/net/encode_worker.h"
+
+namespace seaway::tests {
+namespace {
+
+using wire::Body;
+using wire::ErrorCode;
+namespace limits = protocol::limits;
+
+const protocol::TileWish heights{.cascades = 1u, .fields = {sea::Field::height}};
+
+class NetLimits : public NetTest {
+  protected:
+    std::unique_ptr<Client> greeted(std::string_view token = "") {
+        auto client = std::make_unique<Client>(port());
+        EXPECT_FALSE(client->connect());
+        EXPECT_TRUE(client->greet(token));
+        return client;
+    }
+    void expect_refused(Client& client, std::uint32_t request_id, ErrorCode code,
+                        std::string_view why) {
+        const wire::Message* message = client.receive();
+        ASSERT_TRUE(message && message->body_as_Refused());
+        EXPECT_EQ(message->body_as_Refused()->request_id(), request_id);
+        EXPECT_EQ(message->body_as_Refused()->code(), code);
+        EXPECT_NE(message->body_as_Refused()->message()->string_view().find(why), std::string::npos)
+            << message->body_as_Refused()->message()->string_view();
+    }
+};
+
+TEST_F(NetLimits, fetches_in_flight_are_limited_a_session_and_places_come_back) {
+    host.answer_fetches = false;
+    start();
+    const auto client = greeted();
+    const auto other = greeted();
+    const sea::TimeUs time_us = 0;
+    std::uint32_t id = 0;
+    for (int i = 0; i < limits::fetches_in_flight_max; ++i)
+        ASSERT_FALSE(client->send(protocol::fetch(++id, {&time_us, 1}, heights)));
+    // Neither a fetch nor the start of a subscription, which is one.
+    ASSERT_FALSE(client->send(protocol::fetch(++id, {&time_us, 1}, heights)));
+    expect_refused(*client, id, ErrorCode::too_many_requests, "earlier fetches");
+    ASSERT_FALSE(client->send(protocol::subscribe(++id, heights, 2)));
+    expect_refused(*client, id, ErrorCode::too_many_requests, "earlier fetches");
+    ASSERT_FALSE(other->send(protocol::fetch(7, {&time_us, 1}, heights)));
+    ASSERT_TRUE(eventually([&] { return metric("seaway_net_fetches_total") == 3; }))
+        << "another session has places of its own";
+
+    for (const auto& answer : std::exchange(host.unanswered, {}))
+        answer();
+    ASSERT_TRUE(other->receive(Body::FetchDone));
+    for (int i = 0; i < limits::fetches_in_flight_max; ++i)
+        ASSERT_TRUE(client->receive(Body::FetchDone));
+    host.answer_fetches = true;
+    for (int i = 0; i < 3; ++i) { // one after the other, without end
+        ASSERT_FALSE(client->send(protocol::fetch(++id, {&time_us, 1}, heights)));
+        const wire::Message* done = client->receive(Body::FetchDone);
+        ASSERT_TRUE(done);
+        EXPECT_EQ(done->body_as_FetchDone()->request_id(), id);
+    }
+}
+
+TEST_F(NetLimits, places_out_of_range_and_times_out_of_range_are_refused_by_name) {
+    start();
+    const auto client = greeted();
+    const auto ask = [&](std::uint32_t id, const sea::QueryPoint& point) {
+        const sea::QueryPoint points[] = {{1, 2, 3}, point};
+        ASSERT_FALSE(client->send(protocol::query(id, points, false)));
+    };
+    const sea::TimeUs beyond_us = std::numeric_limits<sea::TimeUs>::max();
+    ask(1, {0, 0, beyond_us});
+    expect_refused(*client, 1, ErrorCode::bad_value, "points.time_us [1] is 9223372036854775807");
+    ask(2, {-1e300, 0, 0});
+    expect_refused(*client, 2, ErrorCode::bad_value, "points.x_m [1] is -1e+300");
+    ask(3, {0, 1.5e9, 0});
+    expect_refused(*client, 3, ErrorCode::bad_value, "points.y_m [1] is 1500000000");
+    const sea::TimeUs times[] = {0, -limits::time_us_max - 1};
+    ASSERT_FALSE(client->send(protocol::fetch(4, times, heights)));
+    expect_refused(*client, 4, ErrorCode::bad_value, "times_us [1] is -1000000000000000001");
+    ask(5, {limits::position_m_max, -limits::position_m_max, -limits::time_us_max});
+    EXPECT_TRUE(client->receive(Body::QueryReply)) << "the ends belong to the range";
+}
+
+TEST(EncodeWorker, both_lines_are_bounded_and_streamed_keyframes_go_first) {
+    server::EncodeWorker worker;
+    std::promise<void> gate;
+    std::promise<void> entered;
+    ASSERT_TRUE(worker.submit_fetched([&](server::Encoder&) {
+        entered.set_value();
+        gate.get_future().wait();
+    }));
+    entered.get_future().wait(); // nothing is taken from now on
+    std::mutex mutex;
+    std::string order;
+    const auto note = [&](char kind) {
+        return [&, kind](server::Encoder&) {
+            const std::scoped_lock lock(mutex);
+            order += kind;
+        };
+    };
+    using server::EncodeWorker;
+    for (std::size_t i = 0; i < EncodeWorker::fetches_waiting_max; ++i)
+        EXPECT_TRUE(worker.submit_fetched(note('f')));
+    EXPECT_FALSE(worker.submit_fetched(note('F')));
+    for (std::size_t i = 0; i < EncodeWorker::streamed_waiting_max; ++i)
+        EXPECT_TRUE(worker.submit_streamed(note('s')));
+    EXPECT_FALSE(worker.submit_streamed(note('S')));
+    gate.set_value();
+    EXPECT_TRUE(eventually([&] {
+        const std::scoped_lock lock(mutex);
+        return order.size() ==
+               EncodeWorker::fetches_waiting_max + EncodeWorker::streamed_waiting_max;
+    }));
+    EXPECT_EQ(order, std::string(EncodeWorker::streamed_waiting_max, 's') +
+                         std::string(EncodeWorker::fetches_waiting_max, 'f'));
+    std::promise<void> again;
+    EXPECT_TRUE(worker.submit_fetched([&](server::Encoder&) { again.set_value(); }));
+    again.get_future().wait();
+    worker.stop();
+    EXPECT_FALSE(worker.submit_streamed(note('S')));
+}
+
+TEST_F(NetLimits, keyframes_that_the_encoder_has_no_room_for_are_dropped_and_counted) {
+    host.size = 256; // some milliseconds each: the encoder falls behind at once
+    start();
+    const auto client = greeted();
+    ASSERT_FALSE(client->send(protocol::subscribe(1, heights, 2)));
+    ASSERT_TRUE(client->receive(Body::FetchDone));
+    const server::KeyframeTiles tiles = host.keyframe(0, 9, {sea::Field::height});
+    constexpr int published = 400;
+    for (int i = 0; i < published; ++i) {
+        auto next = std::make_shared<sea::Keyframe>(*tiles.keyframe);
+        next->time_us = (10 + i) * interval_us;
+        net->publish({.keyframe = next, .codec_error = tiles.codec_error});
+    }
+    ASSERT_TRUE(eventually([&] {
+        return metric("seaway_net_keyframes_published_total") +
+                   metric("seaway_net_keyframes_dropped_total") ==
+               published;
+    }));
+    EXPECT_GE(metric("seaway_net_keyframes_published_total"),
+              static_cast<double>(server::EncodeWorker::streamed_waiting_max))
+        << "what had room was sent on";
+}
+
+TEST_F(NetLimits, half_a_request_is_waited_for_until_the_deadline_and_whole_ones_are_served) {
+    options.http_deadline = std::chrono::milliseconds(400);
+    start();
+    const auto connect = [&](tcp::socket& socket) {
+        socket.connect({asio::ip::address_v4::loopback(), static_cast<unsigned short>(port())});
+    };
+    asio::io_context io;
+    tcp::socket halves(io);
+    connect(halves);
+    for (const std::string_view part : {"GET /heal", "thz HTTP/1.1\r\nHost: x\r\n", "\r\n"}) {
+        asio::write(halves, asio::buffer(part));
+        std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+    std::string answer;
+    asio::read_until(halves, asio::dynamic_buffer(answer), "\r\n\r\n");
+    EXPECT_NE(answer.find("200 OK"), std::string::npos) << answer;
+
+    tcp::socket half(io);
+    connect(half);
+    asio::write(half, asio::buffer(std::string_view("GET /healthz HTTP/1.1\r\nHost:")));
+    beast::error_code error;
+    std::array<char, 512> rest{};
+    while (!error) // ends when the server closes, or with the test's own time limit
+        half.read_some(asio::buffer(rest), error);
+    EXPECT_EQ(error, asio::error::eof);
+    EXPECT_TRUE(eventually([&] { return metric("seaway_net_connections") == 1; }))
+        << "the one that asks";
+}
+
+TEST_F(NetLimits, subscribers_of_different_quality_get_each_keyframe_once_in_their_own) {
+    start();
+    const protocol::TileWish wishes[] = {
+        {.cascades = 1u, .fields = {sea::Field::height}, .error_m = SmallSea::bound(0)},
+        {.cascades = 1u, .fields = {sea::Field::height}, .error_m = SmallSea::bound(1)}};
+    std::unique_ptr<Client> clients[2];
+    for (std::size_t i = 0; i < 2; ++i) {
+        clients[i] = greeted();
+        ASSERT_FALSE(clients[i]->send(protocol::subscribe(1, wishes[i], 8)));
+        const wire::Message* grant = clients[i]->receive(Body::Subscribed);
+        ASSERT_TRUE(grant);
+        EXPECT_EQ(grant->body_as_Subscribed()->error_m(), wishes[i].error_m);
+        const wire::Message* message = clients[i]->receive();
+        while (message && message->body_as_Tile()) { // what it needs now, in its quality too
+            EXPECT_LE(message->body_as_Tile()->error(), codec_error * (i == 0 ? 1.0f : 8.0f));
+            EXPECT_GT(message->body_as_Tile()->error(), codec_error * (i == 0 ? 0.5f : 4.0f));
+            message = clients[i]->receive();
+        }
+        ASSERT_TRUE(message && message->body_as_FetchDone());
+    }
+    std::set<std::uint64_t> numbers;
+    for (std::int64_t n = 10; n < 16; ++n) {
+        for (const std::uint8_t quality : {0, 1})
+            net->publish(host.keyframe(0, n, {sea::Field::height}, quality));
+        for (std::size_t i = 0; i < 2; ++i) {
+            const wire::Message* message = clients[i]->receive();
+            ASSERT_TRUE(message && message->body_as_Tile());
+            const wire::Tile& tile = *message->body_as_Tile();
+            EXPECT_EQ(tile.time_us(), n * interval_us) << "each once, in order";
+            EXPECT_EQ(tile.error(), codec_error * (i == 0 ? 1.0f : 8.0f));
+            EXPECT_TRUE(numbers.insert(tile.keyframe()).second);
+            ASSERT_FALSE(clients[i]->send(protocol::ack(tile.keyframe())));
+        }
+    }
+    for (const auto& client : clients) {
+        ASSERT_FALSE(client->send(protocol::ping(99, 1)));
+        const wire::Message* message = client->receive();
+        ASSERT_TRUE(message && message->body_as_Pong()) << "nothing of the other quality follows";
+    }
+}
+
+// ---- who may come in -------------------------------------------------------------------------
+
+class NetTokens : public NetLimits {
+  protected:
+    std::string file(const std::string& name, const std::string& text) {
+        const std::string path = ::testing::TempDir() + "limits_" + name;
+        std::ofstream(path) << text;
+        return path;
+    }
+    /// 0: came in; else the code of the close.
+    unsigned knock(std::string_view token) {
+        Client client(port());
+        EXPECT_FALSE(client.connect());
+        return client.greet(token) ? 0u : client.close_code();
+    }
+};
+
+TEST_F(NetTokens, a_client_token_alone_lets_in_nobody_without_it_and_makes_nobody_administrator) {
+    options.client_token_file = file("client", "open sesame\n");
+    start();
+    const unsigned unauthorised = protocol::close_code(ErrorCode::unauthorised);
+    for (const std::string_view wrong : {"", " ", "open", "open sesame ", "Open sesame", "master"})
+        EXPECT_EQ(knock(wrong), unauthorised) << wrong;
+    EXPECT_EQ(knock(std::string_view("\0open sesame", 12)), unauthorised);
+    EXPECT_EQ(knock("open sesame"), 0u);
+    net->stop();
+    EXPECT_TRUE(log.lines_with("administrator=true").empty());
+    EXPECT_EQ(log.lines_with("administrator=false").size(), 1u);
+}
+
+TEST_F(NetTokens, without_tokens_everybody_comes_in_and_nobody_is_administrator) {
+    start();
+    for (const std::string_view token : {"", "x", "open sesame"})
+        EXPECT_EQ(knock(token), 0u) << token;
+    net->stop();
+    EXPECT_TRUE(log.lines_with("administrator=true").empty());
+    EXPECT_EQ(log.lines_with("administrator=false").size(), 3u);
+}
+
+TEST_F(NetTokens, an_admin_token_alone_leaves_the_door_open_and_marks_who_brings_it) {
+    options.admin_token_file = file("admin", "master\n");
+    start();
+    for (const std::string_view token : {"", "x", "master"})
+        EXPECT_EQ(knock(token), 0u) << token;
+    net->stop();
+    EXPECT_EQ(log.lines_with("administrator=true").size(), 1u);
+    EXPECT_EQ(log.lines_with("administrator=false").size(), 2u);
+}
+
+} // namespace
+} // namespace seaway::tests

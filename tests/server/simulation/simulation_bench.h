@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+// A simulation of a small sea with the native synthesizer, whose device fails and whose clock turns
+// as the test wishes.
+#pragma once
+
+#include <atomic>
+#include <future>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "server/device/native_synthesizer.h"
+#include "server/simulation/simulation.h"
+
+namespace seaway::server {
+
+using sea::Field;
+using sea::FieldSet;
+using sea::TimeUs;
+
+inline constexpr const char* small_sea = R"(
+[sea]
+seed = 7
+[[sea.system]]
+type = "wind"
+spectrum = "jonswap"
+wind_speed_10m_mps = 9.0
+from_deg = 250
+fetch_m = 40e3
+spreading = "hasselmann"
+[[cascade]]
+length_m = 301.0
+size = 64
+[[cascade]]
+length_m = 43.0
+size = 64
+[accuracy]
+height_error_m = 0.02
+)";
+
+inline RunningSeaPtr running_sea(const std::string& more = {}) {
+    const Result<sea::Scene> scene = sea::parse_scene(small_sea + more, "small_sea", ".");
+    EXPECT_TRUE(scene) << (scene ? "" : scene.error().message);
+    return *make_running_sea(*scene, 1);
+}
+
+/// Fails the next `failures` calls, as a lost device does.
+class FailingSynthesizer final : public Synthesizer {
+  public:
+    explicit FailingSynthesizer(std::shared_ptr<std::atomic<int>> failures)
+        : failures_(std::move(failures)) {}
+    std::string description() const override { return inner_.description(); }
+    Result<void> set_sea(sea::RealizationPtr sea, std::uint32_t epoch) override {
+        return inner_.set_sea(std::move(sea), epoch);
+    }
+    Result<std::vector<sea::KeyframePtr>>
+    synthesize(std::span<const KeyframeRequest> requests) override {
+        if (failures_->fetch_sub(1) > 0)
+            return Error{"VK_ERROR_DEVICE_LOST"};
+        return inner_.synthesize(requests);
+    }
+    SynthesisCounters counters() const override { return inner_.counters(); }
+
+  private:
+    std::shared_ptr<std::atomic<int>> failures_;
+    NativeSynthesizer inner_{1};
+};
+
+/// A simulation, what it published, and its clock.
+struct Bench {
+    RunningSeaPtr sea;
+    std::atomic<TimeUs> now_us = 0;
+    std::shared_ptr<std::atomic<int>> failures = std::make_shared<std::atomic<int>>(0);
+    std::mutex mutex;
+    std::vector<sea::KeyframePtr> published;
+    std::atomic<int> warnings = 0;
+    std::promise<std::string> failed;
+    std::unique_ptr<Simulation> simulation;
+
+    explicit Bench(const std::string& more = {}) : sea(running_sea(more)) {
+        Result<std::unique_ptr<Simulation>> started = Simulation::start(
+            sea,
+            [this]() -> Result<std::unique_ptr<Synthesizer>> {
+                return std::unique_ptr<Synthesizer>(std::make_unique<FailingSynthesizer>(failures));
+            },
+            [this] { return now_us.load(); },
+            {[this](const sea::KeyframePtr& keyframe) {
+                 const std::scoped_lock lock(mutex);
+                 published.push_back(keyframe);
+             },
+             [this](const std::string&) { ++warnings; },
+             [this](const std::string& why) { failed.set_value(why); }});
+        simulation = std::move(started).value();
+    }
+
+    std::vector<sea::Answer> answer(std::vector<sea::QueryPoint> points, bool exact = false) {
+        Result<std::vector<sea::Answer>> answers = try_answer(std::move(points), exact);
+        EXPECT_TRUE(answers) << (answers ? "" : answers.error().message);
+        return answers ? *std::move(answers) : std::vector<sea::Answer>();
+    }
+
+    Result<std::vector<sea::Answer>> try_answer(std::vector<sea::QueryPoint> points,
+                                                bool exact = false) {
+        return wait<std::vector<sea::Answer>>(
+            [&](const auto& done) { simulation->answer(std::move(points), exact, done); });
+    }
+
+    std::vector<sea::KeyframePtr> fetch_current(Demand demand) {
+        return *wait<std::vector<sea::KeyframePtr>>(
+            [&](const auto& done) { simulation->fetch_current(demand, done); });
+    }
+
+    Result<std::vector<sea::KeyframePtr>> fetch(std::vector<TimeUs> times_us, Demand demand) {
+        return wait<std::vector<sea::KeyframePtr>>(
+            [&](const auto& done) { simulation->fetch(std::move(times_us), demand, done); });
+    }
+
+    Result<SurfacePtr> surface(TimeUs time_us) {
+        return wait<SurfacePtr>([&](const auto& done) { simulation->surface(time_us, done); });
+    }
+
+    /// Lets the thread look at the clock and waits until what is due has been published.
+    void settle() { fetch_current({0, {}}); }
+
+    void advance(TimeUs us) {
+        now_us += us;
+        simulation->set_demand(999, {}); // nobody's; wakes the thread
+        settle();
+    }
+
+    std::vector<TimeUs> times(int cascade) {
+        const std::scoped_lock lock(mutex);
+        std::vector<TimeUs> all;
+        for (const sea::KeyframePtr& keyframe : published)
+            if (keyframe->cascade == cascade)
+                all.push_back(keyframe->time_us);
+        return all;
+    }
+
+  private:
+    /// Asks, and waits for what comes back.
+    template <class T, class Ask>
+    static Result<T> wait(const Ask& ask) {
+        std::promise<Result<T>> promise;
+        ask([&](Result<T> result) { promise.set_value(std::move(result)); });
+        return promise.get_future().get();
+    }
+};
+
+} // namespace seaway::server
