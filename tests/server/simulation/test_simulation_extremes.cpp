@@ -68,7 +68,7 @@ TEST(SimulationExtremes, at_the_ends_of_the_ranges_and_anywhere_between_the_boun
     // The edges of keyframes, whose neighbours lie the furthest out.
     for (const sea::CascadeBudget& cascade : bench.sea->budget.cascades) {
         const TimeUs last = sea::time_us_max / cascade.interval_us * cascade.interval_us;
-        times.insert(times.end(), {last, last - 1, last - 2, -last, 1 - last, -1 - last});
+        times.insert(times.end(), {last, last - 1, last - 2, -last, 1 - last, 2 - last});
     }
     std::vector<sea::QueryPoint> points;
     for (const TimeUs time_us : times)
