@@ -23,11 +23,9 @@ double sampled_error(const KeyframePair& pair, Field value, Field rate, double i
     return sea::sampled_codec_error(larger(value), larger(rate), interval_s);
 }
 
-/// Points move sideways by six standard deviations at most; Hs = 4 sigma.
 sea::FoldSearch folds_of(const SeaState& state) {
-    const sea::Choppiness choppiness{state.choppiness_x, state.choppiness_y};
-    return sea::fold_search(1.5 * state.realised.hs_m * std::max(choppiness.x, choppiness.y),
-                            choppiness, state.rms_slope);
+    return sea::fold_search(state.displacement_reach_m, {state.choppiness_x, state.choppiness_y},
+                            state.rms_strain);
 }
 
 } // namespace
@@ -35,6 +33,7 @@ sea::FoldSearch folds_of(const SeaState& state) {
 sea::MapError local_map_error(const SeaState& state, std::span<const KeyframePair> pairs) {
     sea::MapError error;
     error.interpolation_m = state.interpolation_error_m;
+    error.interpolation_displacement_m = state.interpolation_displacement_m;
     for (const KeyframePair& pair : pairs) {
         const auto cascade = static_cast<std::size_t>(pair.before->keyframe().cascade);
         const double interval_s = sea::seconds_from_us(state.cascades[cascade].interval_us);

@@ -126,13 +126,15 @@ enum {
     SEAWAY_NOT_CONVERGED = 2, /* error_m covers it */
     SEAWAY_EXTRAPOLATED = 4,  /* outside the keyframes held; error_m is no bound */
     SEAWAY_INVALID = 8,       /* the point was not a number; the rest is NaN */
-    SEAWAY_EXACT = 16         /* direct sum in double precision */
+    SEAWAY_EXACT = 16,        /* direct sum in double precision */
+    SEAWAY_VERTICAL_VELOCITY =
+        32 /* a sea offered without sideways motion: velocity's vertical part */
 };
 
 typedef struct seaway_answer {
     double height_m;
     double normal[3];       /* unit length, z up */
-    double velocity_mps[3]; /* of the water at the surface */
+    double velocity_mps[3]; /* of the water at the surface, whatever the choppiness */
     double error_m;         /* bound on the error of height_m */
     uint32_t flags;         /* sum of the above */
     uint32_t reserved;      /* 0 */

@@ -133,16 +133,19 @@ Result<void> check(const wire::Welcome& welcome) {
 }
 
 Result<void> check(const wire::SeaState& state) {
-    Result<void> fine =
-        all_of(in_range<std::size_t>("count of cascades", count(state.cascades()), 0,
-                                     limits::cascades_max),
-               in_range("choppiness_x", state.choppiness_x(), -10.0, 10.0),
-               in_range("choppiness_y", state.choppiness_y(), -10.0, 10.0),
-               in_range("height_error_m", state.height_error_m(), 0.0, 1e6),
-               in_range("interpolation_error_m", state.interpolation_error_m(), 0.0, 1e6),
-               in_range("rms_slope", state.rms_slope(), 0.0, 1e6),
-               in_range("foam_mean", state.foam_mean(), 0.0, 1e6),
-               in_range("foam_threshold", state.foam_threshold(), -1.0, 1.0));
+    Result<void> fine = all_of(
+        in_range<std::size_t>("count of cascades", count(state.cascades()), 0,
+                              limits::cascades_max),
+        in_range("choppiness_x", state.choppiness_x(), -10.0, 10.0),
+        in_range("choppiness_y", state.choppiness_y(), -10.0, 10.0),
+        in_range("height_error_m", state.height_error_m(), 0.0, 1e6),
+        in_range("interpolation_error_m", state.interpolation_error_m(), 0.0, 1e6),
+        in_range("rms_slope", state.rms_slope(), 0.0, 1e6),
+        in_range("foam_mean", state.foam_mean(), 0.0, 1e6),
+        in_range("foam_threshold", state.foam_threshold(), -1.0, 1.0),
+        in_range("displacement_reach_m", state.displacement_reach_m(), 0.0, 1e9),
+        in_range("rms_strain", state.rms_strain(), 0.0, 1e9),
+        in_range("interpolation_displacement_m", state.interpolation_displacement_m(), 0.0, 1e9));
     if (!fine || state.cascades() == nullptr)
         return fine;
     for (const wire::CascadeInfo* cascade : *state.cascades()) {

@@ -128,8 +128,11 @@ struct SeaStateValues {
     double rms_slope = 0;
     std::string scene = {}; ///< effective scene, TOML
     std::vector<std::string> warnings = {};
-    double foam_mean = 0;      ///< mean coverage; what foam maps are ratios to
-    double foam_threshold = 0; ///< Jacobian below which a crest breaks
+    double foam_mean = 0;                    ///< mean coverage; what foam maps are ratios to
+    double foam_threshold = 0;               ///< Jacobian below which a crest breaks
+    double displacement_reach_m = 0;         ///< no point is moved further, choppiness included
+    double rms_strain = 0;                   ///< of the divergence of D, 1
+    double interpolation_displacement_m = 0; ///< as interpolation_error_m, of D
 };
 Bytes sea_state(const SeaStateValues& state);
 /// The inverse; `state` must have passed check().

@@ -32,11 +32,12 @@ Bytes sea_state(const SeaStateValues& state) {
     const auto warnings = built.CreateVectorOfStrings(state.warnings);
     const wire::SeaNumbers requested = to_wire(state.requested);
     const wire::SeaNumbers realised = to_wire(state.realised);
-    const auto body =
-        wire::CreateSeaState(built, state.epoch, state.start_time_us, cascade_list,
-                             state.choppiness_x, state.choppiness_y, state.height_error_m,
-                             &requested, &realised, state.interpolation_error_m, state.rms_slope,
-                             scene, warnings, state.foam_mean, state.foam_threshold);
+    const auto body = wire::CreateSeaState(
+        built, state.epoch, state.start_time_us, cascade_list, state.choppiness_x,
+        state.choppiness_y, state.height_error_m, &requested, &realised,
+        state.interpolation_error_m, state.rms_slope, scene, warnings, state.foam_mean,
+        state.foam_threshold, state.displacement_reach_m, state.rms_strain,
+        state.interpolation_displacement_m);
     built.Finish(wire::CreateMessage(built, wire::Body::SeaState, body.Union()),
                  wire::MessageIdentifier());
     return {built.GetBufferPointer(), built.GetBufferPointer() + built.GetSize()};
@@ -56,7 +57,10 @@ SeaStateValues values(const wire::SeaState& state) {
                        .scene = state.scene() ? state.scene()->str() : std::string(),
                        .warnings = {},
                        .foam_mean = state.foam_mean(),
-                       .foam_threshold = state.foam_threshold()};
+                       .foam_threshold = state.foam_threshold(),
+                       .displacement_reach_m = state.displacement_reach_m(),
+                       .rms_strain = state.rms_strain(),
+                       .interpolation_displacement_m = state.interpolation_displacement_m()};
     if (const auto* cascades = state.cascades())
         for (const wire::CascadeInfo* c : *cascades)
             out.cascades.push_back({.length_m = c->length_m(),

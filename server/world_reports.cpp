@@ -110,6 +110,9 @@ protocol::SeaStateValues sea_state_values(const RunningSea& sea,
     state.realised = numbers(sea.summary.realised);
     state.interpolation_error_m = sea.budget.interpolation_m;
     state.rms_slope = sea.budget.rms_slope;
+    state.displacement_reach_m = sea.budget.displacement_reach_m;
+    state.rms_strain = sea.budget.rms_strain;
+    state.interpolation_displacement_m = sea.budget.interpolation_displacement_m;
     if (sea.foam_law) {
         state.foam_mean = sea.foam_law->mean_coverage;
         state.foam_threshold = sea.foam_law->threshold;

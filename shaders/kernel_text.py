@@ -23,8 +23,9 @@ EVOLVE_BINDINGS = """layout(binding = 0) uniform samplerBuffer modes;  // (h0(k)
 layout(binding = 1) uniform usamplerBuffer rates;
 layout(binding = 2) uniform usamplerBuffer jobs;
 layout(binding = 3) uniform samplerBuffer rows;
+layout(binding = 4) uniform samplerBuffer orbits;  // coth(|k| d)
 #include "compute/fields.glsl"
-""" + OUTPUT.format(binding=4, kind="vec4")
+""" + OUTPUT.format(binding=5, kind="vec4")
 FIELDS_READ = """layout(binding = 0) uniform samplerBuffer source;
 layout(binding = 1) uniform usamplerBuffer jobs;
 layout(binding = 2) uniform samplerBuffer rows;
@@ -95,7 +96,8 @@ def line_modes(blocks, count, block, start, step):
         shift = block * (i if i < count // 2 else i - count)
         text.append(f"    float k{i} = wavenumber_step * float(int({start}) + {shift});\n"
                     f"    float square{i} = k{i} * k{i} + kx * kx;\n"
-                    f"    float inverse{i} = square{i} > 0.0 ? inversesqrt(square{i}) : 0.0;\n"
+                    f"    float over_k{i} = square{i} > 0.0 ? inversesqrt(square{i}) * "
+                    f"texelFetch(orbits, base + {step * i}).x : 0.0;\n"
                     f"    vec4 h{i} = evolve(texelFetch(modes, base + {step * i}), "
                     f"texelFetch(rates, base + {step * i}).xy, job.yz);\n")
     return "".join(text)
@@ -105,7 +107,7 @@ def each_source(blocks):
     """GLSL: opens the loop over sources; z<i> are the modes of one."""
     return ("    for (uint index = 0u; index < push.sources; ++index) {\n"
             "        Source row = source_row(index);\n" +
-            "".join(f"        vec2 z{i} = source_mode(row, h{i}, k{i}, inverse{i});\n"
+            "".join(f"        vec2 z{i} = source_mode(row, h{i}, k{i}, over_k{i});\n"
                     for i in blocks))
 
 

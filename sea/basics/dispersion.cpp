@@ -58,4 +58,9 @@ double Dispersion::wavenumber(double omega_radps) const {
     return k;
 }
 
+double orbit_aspect(double k, double depth_m) {
+    const double kd = k * depth_m;
+    return kd > deep_kd ? 1.0 : 1.0 / std::tanh(std::max(kd, orbit_kd_min));
+}
+
 } // namespace seaway::sea

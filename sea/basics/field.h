@@ -67,7 +67,7 @@ struct FieldInfo {
     double LagrangianPoint::*at_point;
 };
 
-// D = +i k/|k| h: crests sharpen with x = X + lambda D (traps T27).
+// D = +i k/|k| coth(kd) h: crests sharpen with x = X + lambda D (traps T27).
 inline constexpr std::array field_table{
     FieldInfo{Field::height, "height", "m", Kind::linear, Basis::one, 1, false, false,
               &LagrangianPoint::height},

@@ -145,9 +145,10 @@ StrainMoments strain_moments(const CascadeModes& modes, const Choppiness& choppi
             const double kx = step * signed_index(ix, size);
             const double ky = step * signed_index(iy, size);
             const double k = std::hypot(kx, ky);
-            const double a = lx * kx * kx / k;
-            const double b = ly * ky * ky / k;
-            const double c = lxy * kx * ky / k;
+            const double over_k = modes.displacement_over_k(k);
+            const double a = lx * kx * kx * over_k;
+            const double b = ly * ky * ky * over_k;
+            const double c = lxy * kx * ky * over_k;
             sum += {variance * a * a, variance * b * b, variance * c * c,
                     variance * a * b, variance * a * c, variance * b * c};
         }

@@ -23,7 +23,7 @@ struct TransformState {
     Choppiness choppiness;
     std::vector<Block> blocks; ///< with waves
     AlignedFloats records;     ///< as ColumnPass takes them
-    AlignedFloats over_k;
+    AlignedFloats over_k;      ///< CascadeModes::displacement_over_k
     AlignedFloats omega;
     AlignedFloats tables; ///< [table][size]: see the offsets
     Plan plan;

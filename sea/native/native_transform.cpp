@@ -89,7 +89,8 @@ void write_mode(const CascadeModes& modes, int kx, int ky, std::size_t index, st
         record[i * lanes + lane] = static_cast<float>(streams[i]);
     std::memcpy(record + 4 * lanes + 2 * lane, &modes.rate[here], sizeof(Rate));
     const double k = std::hypot(kx, ky) * modes.spec.wavenumber_step_radpm();
-    state.over_k[index * lanes + lane] = static_cast<float>(k > 0 ? 1.0 / k : 0.0);
+    state.over_k[index * lanes + lane] =
+        static_cast<float>(k > 0 ? modes.displacement_over_k(k) : 0.0);
     state.omega[index * lanes + lane] = static_cast<float>(omega_from_rate(modes.rate[here]));
 }
 

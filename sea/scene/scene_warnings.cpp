@@ -85,14 +85,14 @@ void warn_of_systems(const Scene& scene, std::vector<std::string>& warnings) {
 
 void warn_of_folds(const Scene& scene, const SeaSummary& summary,
                    std::vector<std::string>& warnings) {
-    const double rms_slope = std::sqrt(summary.realised.mean_square_slope);
+    const double rms_strain = std::sqrt(summary.realised.mean_square_strain);
     const double choppiness = std::max(scene.sea.choppiness.x, scene.sea.choppiness.y);
-    if (choppiness * rms_slope > folds_common_above)
+    if (choppiness * rms_strain > folds_common_above)
         warnings.push_back(fmt::format(
-            "choppiness {:.2g} and an rms slope of {:.2g} fold about {:.2g} % of the surface: "
+            "choppiness {:.2g} and an rms strain of {:.2g} fold about {:.2g} % of the surface: "
             "where it folds there are several heights, and answers are flagged",
-            choppiness, rms_slope,
-            50.0 * std::erfc(1.0 / (std::sqrt(2.0) * choppiness * rms_slope))));
+            choppiness, rms_strain,
+            50.0 * std::erfc(1.0 / (std::sqrt(2.0) * choppiness * rms_strain))));
 }
 
 double degrees_of_exponent(double exponent) { // circular spread of cos2s

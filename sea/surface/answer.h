@@ -28,15 +28,20 @@ enum AnswerFlag : std::uint32_t {
     answer_extrapolated = 1u << 2,  ///< outside the keyframes held; `error_m` is not a bound
     answer_invalid = 1u << 3,       ///< the point was not a number; the rest is NaN
     answer_exact = 1u << 4,         ///< direct sum in double precision
+    /// From maps that hold no displacement: the velocity has its vertical part alone.
+    answer_vertical_velocity = 1u << 5,
 };
 
 /// The surface above a world point.
 struct Answer {
     double height_m = 0;
-    double normal[3] = {0, 0, 1};       ///< unit length, z up
-    double velocity_mps[3] = {0, 0, 0}; ///< of the water particle at the surface
-    double error_m = 0;                 ///< bound on |height_m - truth|
-    std::uint32_t flags = 0;            ///< AnswerFlag
+    double normal[3] = {0, 0, 1}; ///< unit length, z up
+    /// Of the water at the surface, by linear theory: (dDx/dt, dDy/dt, d eta/dt) at choppiness 1,
+    /// whatever choppiness moves the picture's points. Stylised waves that are no modes
+    /// (exponential sines) have no water below them and give their vertical part alone.
+    double velocity_mps[3] = {0, 0, 0};
+    double error_m = 0;      ///< bound on |height_m - truth|
+    std::uint32_t flags = 0; ///< AnswerFlag
 };
 
 } // namespace seaway::sea

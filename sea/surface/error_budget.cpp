@@ -31,24 +31,44 @@ double square(double x) {
     return x * x;
 }
 
-/// Variance of a cascade by frequency, and what the grid spacing costs.
-struct BandStatistics {
+/// Variance of heights or of displacements by frequency, and what the grid spacing costs of it.
+struct Motion {
     static constexpr int bins = 512;
-    std::array<double, bins> variance_m2{};
-    double omega_max_radps = 0;
-    double space_variance_m2 = 0;
-    double slope_variance = 0;
-    double height_variance_m2 = 0;
+    std::array<double, bins> by_frequency_m2{};
+    double space_m2 = 0;
+    double gradient = 0;
+    double whole_m2 = 0;
 
-    void add(double variance, double kx, double ky, double omega_radps, double spacing_m) {
+    void add(double variance, double k_squared, int bin, double missed) {
+        by_frequency_m2[static_cast<std::size_t>(bin)] += variance;
+        space_m2 += variance * missed * missed;
+        gradient += variance * k_squared;
+        whole_m2 += variance;
+    }
+    /// All but the frequencies.
+    void add(const Motion& part) {
+        space_m2 += part.space_m2;
+        gradient += part.gradient;
+        whole_m2 += part.whole_m2;
+    }
+};
+
+/// The modes of one cascade.
+struct BandStatistics {
+    double omega_max_radps = 0;
+    Motion height;
+    Motion displacement;
+
+    /// `aspect` of the water's orbits.
+    void add(double variance, double kx, double ky, double omega_radps, double spacing_m,
+             double aspect) {
         const double share = omega_radps / omega_max_radps;
-        const int bin = std::min(static_cast<int>(share * bins), bins - 1);
-        variance_m2[static_cast<std::size_t>(bin)] += variance;
+        const int bin = std::min(static_cast<int>(share * Motion::bins), Motion::bins - 1);
         const double missed =
             spline_error(std::abs(kx) * spacing_m) + spline_error(std::abs(ky) * spacing_m);
-        space_variance_m2 += variance * missed * missed;
-        slope_variance += variance * (kx * kx + ky * ky);
-        height_variance_m2 += variance;
+        const double k_squared = kx * kx + ky * ky;
+        height.add(variance, k_squared, bin, missed);
+        displacement.add(variance * (aspect * aspect), k_squared, bin, missed);
     }
 };
 
@@ -65,9 +85,10 @@ BandStatistics statistics(const CascadeModes& modes) {
             const auto i = static_cast<std::size_t>(iy) * static_cast<std::size_t>(size) +
                            static_cast<std::size_t>(ix);
             const double variance = 2.0 * std::norm(modes.h0[i]);
+            const double kx = dk * signed_index(ix, size), ky = dk * signed_index(iy, size);
             if (variance > 0)
-                s.add(variance, dk * signed_index(ix, size), dk * signed_index(iy, size),
-                      omega_from_rate(modes.rate[i]), dx);
+                s.add(variance, kx, ky, omega_from_rate(modes.rate[i]), dx,
+                      orbit_aspect(std::hypot(kx, ky), modes.depth_m));
         }
     return s;
 }
@@ -77,15 +98,13 @@ double as_rms(double bound_m) {
     return bound_m / bound_sigmas;
 }
 
-double time_rms(const BandStatistics& s, const std::vector<SineError>& sines, TimeUs interval_us) {
+double time_rms(const Motion& motion, double omega_max_radps, TimeUs interval_us) {
     double sum = 0;
-    for (int bin = 0; bin < BandStatistics::bins; ++bin) {
-        const double omega = s.omega_max_radps * (bin + 1) / BandStatistics::bins;
+    for (int bin = 0; bin < Motion::bins; ++bin) {
+        const double omega = omega_max_radps * (bin + 1) / Motion::bins;
         const double missed = hermite_error(omega * seconds_from_us(interval_us));
-        sum += s.variance_m2[static_cast<std::size_t>(bin)] * missed * missed;
+        sum += motion.by_frequency_m2[static_cast<std::size_t>(bin)] * missed * missed;
     }
-    for (const SineError& sine : sines)
-        sum += square(as_rms(sine.time_m(interval_us)));
     return std::sqrt(sum);
 }
 
@@ -94,10 +113,55 @@ bool keyframes_tell(const BandStatistics& s, TimeUs interval_us) {
     return s.omega_max_radps * seconds_from_us(interval_us) <= hermite_phase_max;
 }
 
+/// What a metre sideways costs of a height at typical steep places.
+double sideways_weight(const ErrorBudget& budget) {
+    return std::max(budget.choppiness.x, budget.choppiness.y) *
+           std::min(1.0, 3.0 * budget.rms_slope);
+}
+
 /// How much a codec error of every map counts against the height at typical steep places.
 double displacement_weight(const ErrorBudget& budget) {
-    const double sideways = std::max(budget.choppiness.x, budget.choppiness.y);
-    return std::numbers::sqrt2 * sideways * std::min(1.0, 3.0 * budget.rms_slope);
+    return std::numbers::sqrt2 * sideways_weight(budget);
+}
+
+/// One cascade, its stylised waves too, which move nothing sideways.
+struct Cascade {
+    explicit Cascade(const CascadeModes& waves) : modes(statistics(waves)) {
+        for (const SineField& field : waves.sines) {
+            sines.emplace_back(field, waves.spec.spacing_m());
+            modes.height.space_m2 += square(as_rms(sines.back().space_m()));
+            modes.height.gradient += sines.back().slope_variance();
+        }
+    }
+    BandStatistics modes;
+    std::vector<SineError> sines;
+};
+
+/// A keyframe interval and what it costs.
+struct Interval {
+    TimeUs us = 0;
+    double height_rms_m = 0;
+    double displacement_rms_m = 0;
+};
+
+Interval longest_interval(const Cascade& cascade, const ErrorBudget& budget, double share_m) {
+    const BandStatistics& s = cascade.modes;
+    // In deep water heights and displacements are missed alike, and the weight is that of a slope.
+    const double weight = std::min(1.0, sideways_weight(budget));
+    Interval interval;
+    for (const TimeUs us : keyframe_intervals_us) {
+        const bool last = us == *std::rbegin(keyframe_intervals_us);
+        if (!last && !keyframes_tell(s, us))
+            continue;
+        double height_m2 = square(time_rms(s.height, s.omega_max_radps, us));
+        for (const SineError& sine : cascade.sines)
+            height_m2 += square(as_rms(sine.time_m(us)));
+        interval = {us, std::sqrt(height_m2), time_rms(s.displacement, s.omega_max_radps, us)};
+        if (bound_sigmas * std::max(interval.height_rms_m, weight * interval.displacement_rms_m) <=
+            share_m)
+            break;
+    }
+    return interval;
 }
 
 /// Error of a sampled value of one cascade when the tiles may cost `codec_error_m` of height.
@@ -131,37 +195,27 @@ ErrorBudget plan_budget(const Realization& sea, double height_error_m) {
     const double time_share_m =
         budget.shares.time * height_error_m /
         std::sqrt(static_cast<double>(std::max<std::size_t>(sea.cascades.size(), 1)));
-    double missed_variance = 0;
-    double slope_variance = 0;
-    double height_variance = 0;
+    std::vector<Cascade> cascades;
+    Motion height, displacement; // of all cascades
     for (const CascadeModes& modes : sea.cascades) {
-        BandStatistics s = statistics(modes);
-        std::vector<SineError> sines;
-        for (const SineField& field : modes.sines) {
-            sines.emplace_back(field, modes.spec.spacing_m());
-            s.space_variance_m2 += square(as_rms(sines.back().space_m()));
-            s.slope_variance += sines.back().slope_variance();
-        }
-        CascadeBudget cascade;
-        for (const TimeUs interval_us : keyframe_intervals_us) {
-            const bool last = interval_us == *std::rbegin(keyframe_intervals_us);
-            if (!last && !keyframes_tell(s, interval_us))
-                continue;
-            cascade.interval_us = interval_us;
-            cascade.time_rms_m = time_rms(s, sines, interval_us);
-            if (bound_sigmas * cascade.time_rms_m <= time_share_m)
-                break;
-        }
-        cascade.space_rms_m = std::sqrt(s.space_variance_m2);
-        missed_variance += square(cascade.time_rms_m) + s.space_variance_m2;
-        slope_variance += s.slope_variance;
-        height_variance += s.height_variance_m2;
-        budget.cascades.push_back(cascade);
+        const Cascade& cascade = cascades.emplace_back(modes);
+        height.add(cascade.modes.height);
+        displacement.add(cascade.modes.displacement);
     }
-    budget.interpolation_m = bound_sigmas * std::sqrt(missed_variance);
-    budget.rms_slope = std::sqrt(slope_variance);
-    budget.displacement_reach_m =
-        bound_sigmas * std::sqrt(height_variance) * std::max(sea.choppiness.x, sea.choppiness.y);
+    budget.rms_slope = std::sqrt(height.gradient);
+    budget.rms_strain = std::sqrt(displacement.gradient);
+    budget.displacement_reach_m = bound_sigmas * std::sqrt(displacement.whole_m2) *
+                                  std::max(sea.choppiness.x, sea.choppiness.y);
+    double height_m2 = height.space_m2, displacement_m2 = displacement.space_m2;
+    for (const Cascade& cascade : cascades) {
+        const Interval chosen = longest_interval(cascade, budget, time_share_m);
+        height_m2 += square(chosen.height_rms_m);
+        displacement_m2 += square(chosen.displacement_rms_m);
+        budget.cascades.push_back(
+            {chosen.us, chosen.height_rms_m, std::sqrt(cascade.modes.height.space_m2)});
+    }
+    budget.interpolation_m = bound_sigmas * std::sqrt(height_m2);
+    budget.interpolation_displacement_m = bound_sigmas * std::sqrt(displacement_m2);
     return budget;
 }
 
@@ -170,7 +224,7 @@ double level_error_m(const ErrorBudget& budget) {
 }
 
 FoldSearch fold_search(const ErrorBudget& budget) {
-    return fold_search(budget.displacement_reach_m, budget.choppiness, budget.rms_slope);
+    return fold_search(budget.displacement_reach_m, budget.choppiness, budget.rms_strain);
 }
 
 std::vector<float> codec_bounds(const ErrorBudget& budget, FieldSet fields, int cascade,
@@ -202,7 +256,8 @@ MapError map_error(const ErrorBudget& budget, double codec_error_m) {
             ? sampled_error(budget, codec_error_m) * static_cast<double>(budget.cascades.size())
             : 0.0;
     return {budget.interpolation_m, per_map,
-            per_map * std::numbers::sqrt2 * std::max(budget.choppiness.x, budget.choppiness.y)};
+            per_map * std::numbers::sqrt2 * std::max(budget.choppiness.x, budget.choppiness.y),
+            budget.interpolation_displacement_m};
 }
 
 } // namespace seaway::sea

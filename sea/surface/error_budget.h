@@ -38,20 +38,24 @@ inline constexpr TimeUs keyframe_intervals_us[] = {2'000'000, 1'000'000, 500'000
 /// What the keyframes of one cascade cost in accuracy.
 struct CascadeBudget {
     TimeUs interval_us = 0;
-    double time_rms_m = 0;  ///< at the worst moment between two keyframes
-    double space_rms_m = 0; ///< at the worst place between grid points
+    double time_rms_m = 0;  ///< of heights, at the worst moment between two keyframes
+    double space_rms_m = 0; ///< of heights, at the worst place between grid points
 };
 
 struct ErrorBudget {
     double height_error_m = 0;
     BudgetShares shares;
     std::vector<CascadeBudget> cascades;
-    double interpolation_m = 0;      ///< bound: six standard deviations of time and space together
-    double rms_slope = 0;            ///< of the realised sea, 1
+    double interpolation_m = 0; ///< bound: six standard deviations of time and space together
+    double interpolation_displacement_m = 0; ///< likewise, of D: in shallow water more than that
+    double rms_slope = 0;                    ///< of the realised sea, 1
+    double rms_strain = 0;                   ///< of the divergence of D; in deep water rms_slope
     double displacement_reach_m = 0; ///< lambda |D| stays below this (six standard deviations)
     Choppiness choppiness;
 };
 
+/// An interval is chosen by what it costs of a height: directly, and by what it moves a point
+/// sideways times the slope of steep places, which counts more on shallow water.
 ErrorBudget plan_budget(const Realization& sea, double height_error_m);
 
 /// How answers about this sea look for folds.

@@ -107,8 +107,8 @@ std::array<std::uint8_t, map_header_bytes> map_header(const MapRequest& r, const
     const MapError& e = surface.map_error();
     const double sideways = std::max(surface.choppiness().x, surface.choppiness().y);
     // A slope of one, as steep as a breaking crest.
-    const double error_m = e.interpolation_m * (1 + sideways) + e.codec_height_m +
-                           e.codec_displacement_m + map_difference_max_m;
+    const double error_m = e.interpolation_m + sideways * e.interpolation_displacement_m +
+                           e.codec_height_m + e.codec_displacement_m + map_difference_max_m;
     put(std::bit_cast<std::uint32_t>(static_cast<float>(error_m)), 4);
     for (const double value : {r.x0_m, r.y0_m, r.width_m, r.height_m})
         put_double(value);

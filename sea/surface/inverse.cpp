@@ -126,9 +126,9 @@ Answer invalid_answer() {
 
 } // namespace
 
-FoldSearch fold_search(double reach_m, const Choppiness& choppiness, double rms_slope) {
+FoldSearch fold_search(double reach_m, const Choppiness& choppiness, double rms_strain) {
     constexpr double reach_min_m = 1e-3;
-    const double squeeze = std::max(choppiness.x, choppiness.y) * rms_slope;
+    const double squeeze = std::max(choppiness.x, choppiness.y) * rms_strain;
     return {std::max(reach_m, reach_min_m), squeeze > folds_searched_above};
 }
 
@@ -168,8 +168,8 @@ Answer surface_at(const QueryPoint& point, const InverseOptions& options, Lagran
     if (length > 0)
         for (int i = 0; i < 3; ++i)
             answer.normal[i] = normal[i] * scale;
-    answer.velocity_mps[0] = lx * p.displacement_x_rate;
-    answer.velocity_mps[1] = ly * p.displacement_y_rate;
+    answer.velocity_mps[0] = p.displacement_x_rate; // the water's: choppiness is the picture's
+    answer.velocity_mps[1] = p.displacement_y_rate;
     answer.velocity_mps[2] = p.height_rate;
     if (folded || j <= 0)
         answer.flags |= answer_folded;

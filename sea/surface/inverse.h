@@ -48,8 +48,8 @@ struct FoldSearch {
     bool always = false;
 };
 
-/// Folds are common where lambda times the rms slope is above this: on 2 % of a long-crested sea,
-/// Phi(-1 / 0.5) (I18).
+/// Folds are common where lambda times the rms strain is above this: on 2 % of a long-crested sea,
+/// Phi(-1 / 0.5) (I18). In deep water the rms strain is the rms slope.
 inline constexpr double folds_common_above = 0.5;
 /// Above this every exact answer is searched: Phi(-1 / 0.3) is 4e-4.
 inline constexpr double folds_searched_above = 0.3;
@@ -57,8 +57,8 @@ inline constexpr double folds_searched_above = 0.3;
 /// calmer seas shows J < 0.4 on all of its sheets.
 inline constexpr double fold_suspected_below = 0.4;
 
-/// Of a sea whose points move `reach_m` sideways at most.
-FoldSearch fold_search(double reach_m, const Choppiness& choppiness, double rms_slope);
+/// Of a sea whose points move `reach_m` sideways at most. `rms_strain` as in ErrorBudget.
+FoldSearch fold_search(double reach_m, const Choppiness& choppiness, double rms_strain);
 
 /// What is known of a field beyond its value at a point.
 class SheetBounds : public SheetField {

@@ -7,7 +7,7 @@
 // point in 1e8 of a Gaussian sea. Searched are points where Newton met J < fold_suspected_below or did
 // not converge, and all of seas that fold often (FoldSearch::always). Elsewhere a sheet is missed where
 // a fold is so deep that J > 0.4 on the sheet found: below one answer in 1e6 where lambda times the rms
-// slope is under folds_searched_above.
+// strain is under folds_searched_above.
 //
 // For one point; not thread-safe. Cost: 2 to 5 ms where it searches, nothing elsewhere.
 #pragma once

@@ -37,6 +37,7 @@ class SplineMap {
 
     TimeUs time_us() const { return time_us_; }
     std::uint32_t epoch() const { return epoch_; }
+    bool moves_sideways() const { return moves_sideways_; } ///< it held displacements and rates
     std::size_t bytes() const { return bytes_of(size_); }
     /// What a map of this size takes, coefficients and windows.
     static std::size_t bytes_of(int size) {
@@ -65,6 +66,7 @@ class SplineMap {
     double length_m_;
     TimeUs time_us_;
     std::uint32_t epoch_;
+    bool moves_sideways_;
     std::vector<float> coefficients_;
     std::optional<StrainWindows> windows_; ///< made last, of the coefficients
 };

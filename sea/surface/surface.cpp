@@ -39,8 +39,11 @@ void add(LagrangianPoint& sum, const HermiteWeights& weights, const SplineSample
 Surface::Surface(std::vector<SplinePair> pairs, Choppiness choppiness, FoldSearch folds,
                  MapError error)
     : pairs_(std::move(pairs)), choppiness_(choppiness), folds_(folds), error_(error) {
-    for (const SplinePair& pair : pairs_)
+    for (const SplinePair& pair : pairs_) {
         SEAWAY_CHECK(pair.before && pair.after, "a surface needs both maps of every cascade");
+        moves_sideways_ =
+            moves_sideways_ && pair.before->moves_sideways() && pair.after->moves_sideways();
+    }
 }
 
 LagrangianPoint Surface::at(double x_m, double y_m, TimeUs time_us) const {
@@ -69,11 +72,13 @@ Answer Surface::answer(const QueryPoint& point) const {
     if (answer.flags & answer_invalid)
         return answer;
     const double sideways = std::max(choppiness_.x, choppiness_.y);
-    answer.error_m +=
-        error_.interpolation_m + error_.codec_height_m +
-        surface_slope(answer) * (sideways * error_.interpolation_m + error_.codec_displacement_m);
+    answer.error_m += error_.interpolation_m + error_.codec_height_m +
+                      surface_slope(answer) * (sideways * error_.interpolation_displacement_m +
+                                               error_.codec_displacement_m);
     if (!covers(point.time_us))
         answer.flags |= answer_extrapolated;
+    if (!moves_sideways_)
+        answer.flags |= answer_vertical_velocity;
     return answer;
 }
 

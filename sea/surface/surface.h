@@ -28,9 +28,10 @@ struct SplinePair {
 
 /// What the maps themselves add to the error of a height (sea/surface/error_budget.h).
 struct MapError {
-    double interpolation_m = 0;      ///< space and time, height and each displacement
-    double codec_height_m = 0;       ///< summed over cascades
-    double codec_displacement_m = 0; ///< of x = X + lambda D, summed over cascades
+    double interpolation_m = 0;              ///< space and time, of a height
+    double codec_height_m = 0;               ///< summed over cascades
+    double codec_displacement_m = 0;         ///< of x = X + lambda D, summed over cascades
+    double interpolation_displacement_m = 0; ///< space and time, of D
 };
 
 class Surface {
@@ -60,6 +61,7 @@ class Surface {
     Choppiness choppiness_;
     FoldSearch folds_;
     MapError error_;
+    bool moves_sideways_ = true; ///< every map holds displacements
 };
 
 } // namespace seaway::sea

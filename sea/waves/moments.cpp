@@ -21,6 +21,7 @@ struct EnergySums {
     double m1 = 0;
     double m2 = 0;
     double slope = 0;
+    double strain = 0;
     double east = 0;
     double north = 0;
 
@@ -31,6 +32,11 @@ struct EnergySums {
         m2 += energy * omega * omega;
         east += energy * direction.real();
         north += energy * direction.imag();
+    }
+    /// `aspect` of the orbits of these waves: 0 where they move nothing sideways.
+    void add_gradients(double energy, double k, double aspect) {
+        slope += energy * k * k;
+        strain += energy * k * k * aspect * aspect;
     }
 };
 
@@ -46,6 +52,7 @@ SeaStatistics statistics(const EnergySums& sums, double peak_omega_radps) {
     const double r1 = std::min(1.0, std::hypot(sums.east, sums.north) / sums.m0);
     s.spread_rad = std::sqrt(2.0 * (1.0 - r1));
     s.mean_square_slope = sums.slope;
+    s.mean_square_strain = sums.strain;
     return s;
 }
 
@@ -94,7 +101,8 @@ double kept_variance(const DirectionalSpectrum& spectrum, const Dispersion& disp
     return sum;
 }
 
-/// Waves that are not drawn from a spectrum: f(variance, omega, k, direction) for each.
+/// Waves that are not drawn from a spectrum: f(variance, omega, k, direction, still) for each;
+/// `still`: it moves nothing sideways.
 template <class F>
 void over_explicit(const SeaState& sea, const F& f) {
     const Dispersion dispersion = sea.dispersion();
@@ -102,7 +110,7 @@ void over_explicit(const SeaState& sea, const F& f) {
         const double k = two_pi / length_m * std::hypot(nx, ny);
         const double amplitude = sea.height_scale * std::abs(amplitude_m);
         if (k > 0.0 && amplitude > 0.0)
-            f(0.5 * amplitude * amplitude, dispersion.omega(k), k, std::atan2(ny, nx));
+            f(0.5 * amplitude * amplitude, dispersion.omega(k), k, std::atan2(ny, nx), false);
     };
     for (std::size_t s = 0; s < sea.systems.size(); ++s) {
         if (const auto* modes = std::get_if<ExplicitModes>(&sea.systems[s]))
@@ -116,7 +124,7 @@ void over_explicit(const SeaState& sea, const F& f) {
             for (const SineLine& line : sine_lines(field))
                 if (line.variance_m2 > 0.0)
                     f(line.variance_m2, line.omega_radps, std::hypot(line.kx_radpm, line.ky_radpm),
-                      std::atan2(line.ky_radpm, line.kx_radpm));
+                      std::atan2(line.ky_radpm, line.kx_radpm), true);
         }
     }
 }
@@ -178,14 +186,15 @@ SeaStatistics requested_statistics(const SeaState& sea,
         for (const QuadratureNode& node :
              frequency_nodes(spectrum, 0.0, dispersion.omega(finest_k_hi))) {
             const double k = dispersion.wavenumber(node.x);
-            sums.slope += node.weight * k * k * spectrum.frequency_density(node.x);
+            sums.add_gradients(node.weight * spectrum.frequency_density(node.x), k,
+                               orbit_aspect(k, sea.depth_m));
         }
     }
     double strongest = 0.0;
     double strongest_omega = 1.0;
-    over_explicit(sea, [&](double energy, double omega, double k, double direction) {
+    over_explicit(sea, [&](double energy, double omega, double k, double direction, bool still) {
         sums.add(energy, omega, std::polar(1.0, direction));
-        sums.slope += energy * k * k;
+        sums.add_gradients(energy, k, still ? 0.0 : orbit_aspect(k, sea.depth_m));
         if (energy > strongest) {
             strongest = energy;
             strongest_omega = omega;
@@ -293,7 +302,7 @@ double requested_variance(const SeaState& sea, double omega_lo_radps, double ome
     double sum = 0.0;
     for (const DirectionalSpectrum& spectrum : spectra_of(sea))
         sum += variance_between(spectrum, omega_lo_radps, omega_hi_radps);
-    over_explicit(sea, [&](double energy, double omega, double, double) {
+    over_explicit(sea, [&](double energy, double omega, double, double, bool) {
         sum += omega_lo_radps <= omega && omega < omega_hi_radps ? energy : 0.0;
     });
     return sum;
@@ -311,18 +320,20 @@ namespace {
 /// Energy of the realised waves of one cascade, into `sums` and `peak`; gives its variance.
 double add_realised(const CascadeModes& cascade, EnergySums& sums, PeakFinder& peak) {
     double variance = 0.0;
-    const auto add = [&](double energy, double kx, double ky, double omega) {
+    const auto add = [&](double energy, double kx, double ky, double omega, bool still) {
         const double k = std::hypot(kx, ky);
         sums.add(energy, omega, {kx / k, ky / k});
-        sums.slope += energy * k * k;
+        sums.add_gradients(energy, k, still ? 0.0 : orbit_aspect(k, cascade.depth_m));
         peak.add(energy, omega);
         variance += energy;
     };
-    over_modes(cascade, add);
+    over_modes(cascade, [&](double energy, double kx, double ky, double omega) {
+        add(energy, kx, ky, omega, false);
+    });
     for (const SineField& field : cascade.sines)
         for (const SineLine& line : sine_lines(field))
             if (line.variance_m2 > 0.0)
-                add(line.variance_m2, line.kx_radpm, line.ky_radpm, line.omega_radps);
+                add(line.variance_m2, line.kx_radpm, line.ky_radpm, line.omega_radps, true);
     return variance;
 }
 

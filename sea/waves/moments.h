@@ -22,6 +22,8 @@ struct SeaStatistics {
     double mean_towards_rad = 0;       ///< energy-weighted, anticlockwise from east
     double spread_rad = 0;             ///< circular: sqrt(2 (1 - |sum E e^i theta| / m0))
     double mean_square_slope = 0;      ///< of the waves up to the end of the finest band
+    /// Of the divergence of D over the same waves; in deep water the mean square slope.
+    double mean_square_strain = 0;
 };
 
 struct CascadeVariance {

@@ -5,6 +5,7 @@
 //     eta(X,t) = sum_k h(k,t) exp(i k.X)
 //     h(k,t)   = h0(k) exp(-i w t) + conj(h0(-k)) exp(+i w t)          waves travel along +k
 //     h0(k)    = (xr + i xi)/2 sqrt(Psi(k) dkx dky)                    E[eta^2] = sum Psi dk^2
+//     D(X,t)   = sum_k i (k/|k|) coth(|k| d) h(k,t) exp(i k.X)         so water moves on depth d
 //
 // Source: Tessendorf 2001 with the amplitude of physics.md section 0 (docs/physics.md).
 #pragma once
@@ -16,6 +17,8 @@
 
 #include "base/result.h"
 #include "sea/basics/cascade.h"
+#include "sea/basics/constants.h"
+#include "sea/basics/dispersion.h"
 #include "sea/basics/time.h"
 #include "sea/waves/sine_waves.h"
 
@@ -35,6 +38,13 @@ struct CascadeModes {
     bool carries_spectra = true;
     /// Stylised waves that are no modes, on this tile (sea/waves/sine_waves.h); mostly empty.
     std::vector<SineField> sines;
+    double depth_m = deep_water_m;
+
+    /// coth(k d)/k: what h(k) and a wavenumber are multiplied by in D = +i (k/|k|) coth(|k| d) h
+    /// and its gradients. k > 0.
+    double displacement_over_k(double k_radpm) const {
+        return orbit_aspect(k_radpm, depth_m) / k_radpm;
+    }
 };
 
 /// How far the surface is moved sideways: x = X + choppiness * D(X), each axis for itself. 0 .. 3.

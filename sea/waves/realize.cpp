@@ -247,6 +247,8 @@ Result<Realization> realize(const SeaState& sea, std::span<const CascadeSpec> ca
     }
     if (const Result<void> added = add_explicit(realization, sea); !added)
         return added.error();
+    for (CascadeModes& modes : realization.cascades)
+        modes.depth_m = sea.depth_m;
     return realization;
 }
 

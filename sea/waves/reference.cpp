@@ -54,7 +54,8 @@ void DirectSum::add_cascade(const CascadeModes& cascade) {
             if (h0 == Complex{} && h0_opposite == Complex{})
                 continue;
             modes_.push_back({h0, h0_opposite, cascade.rate[i], omega_from_rate(cascade.rate[i]),
-                              nx, step * nx, 1.0 / (step * std::hypot(nx, ny))});
+                              nx, step * nx,
+                              cascade.displacement_over_k(step * std::hypot(nx, ny))});
             tile.steps_max = std::max({tile.steps_max, std::abs(nx), ny});
         }
         if (modes_.size() > begin)
@@ -86,7 +87,8 @@ LagrangianPoint DirectSum::Moment::at(double x_m, double y_m) const {
         const std::vector<Complex> along_x = waves_along(x_m, tile.length_m, tile.steps_max);
         const std::vector<Complex> along_y = waves_along(y_m, tile.length_m, tile.steps_max);
         for (const Row& row : tile.rows) {
-            // Sums over the row of h, kx h, h/k, kx h/k, kx^2 h/k, and of dh/dt likewise.
+            // Sums over the row of h, kx h, h/k, kx h/k, kx^2 h/k, and of dh/dt likewise; 1/k stands
+            // for coth(kd)/k.
             Complex h, kx_h, h_k, kx_h_k, kxx_h_k, r, r_k, kx_r_k;
             for (std::size_t m = row.begin; m < row.end; ++m) {
                 const Mode& mode = sum_->modes_[m];
@@ -94,8 +96,8 @@ LagrangianPoint DirectSum::Moment::at(double x_m, double y_m) const {
                 const Complex e = mode.nx < 0 ? std::conj(wave) : wave;
                 const Complex height = product(height_[m], e);
                 const Complex rate = product(rate_[m], e);
-                const Complex height_k = height * mode.inverse_k_m;
-                const Complex rate_k = rate * mode.inverse_k_m;
+                const Complex height_k = height * mode.displacement_over_k_m;
+                const Complex rate_k = rate * mode.displacement_over_k_m;
                 h += height;
                 kx_h += mode.kx_radpm * height;
                 h_k += height_k;

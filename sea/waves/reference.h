@@ -71,7 +71,7 @@ class DirectSum {
         double omega_radps;
         int nx;
         double kx_radpm;
-        double inverse_k_m;
+        double displacement_over_k_m;
     };
     struct Row {
         int ny;

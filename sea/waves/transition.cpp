@@ -117,6 +117,7 @@ Result<SeaTransition> SeaTransition::create(RealizationPtr from, RealizationPtr 
         const std::vector<std::uint64_t> offsets =
             continuous_offsets(old_modes, after->cascades[c], from_time, to_time);
         before->cascades[c].h0 = with_offsets(old_modes, offsets);
+        before->cascades[c].depth_m = old_modes.depth_m;
         before->cascades[c].sines = old_modes.sines;
         for (SineField& field : before->cascades[c].sines) {
             for (SineField::Wave& wave : field.waves)
@@ -156,6 +157,9 @@ RealizationPtr SeaTransition::at(TimeUs time_us) const {
         const std::vector<std::complex<double>>& old_h0 = before_->cascades[c].h0;
         for (std::size_t i = 0; i < h0.size(); ++i)
             h0[i] = old_h0[i] + share * (h0[i] - old_h0[i]);
+        // By its inverse: deep water is none, and coth(kd) moves without a jump.
+        sea->cascades[c].depth_m =
+            1.0 / mix(1.0 / before_->cascades[c].depth_m, 1.0 / after_->cascades[c].depth_m);
         blend_sines(before_->cascades[c], share, sea->cascades[c]);
     }
     return sea;

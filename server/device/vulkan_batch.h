@@ -95,8 +95,9 @@ class VulkanBatch {
     bool time_passes_;
     int capacity_fields_ = 0;
     std::vector<float> steps_; ///< wavenumber step of each cascade, rad/m
-    gpu::Buffer modes_, rates_, jobs_, rows_, scratch_[2], jacobian_, readback_;
-    gpu::TexelView modes_view_, rates_view_, jobs_view_, rows_view_, scratch_views_[2];
+    gpu::Buffer modes_, rates_, orbits_, jobs_, rows_, scratch_[2], jacobian_, readback_;
+    gpu::TexelView modes_view_, rates_view_, orbits_view_, jobs_view_, rows_view_,
+        scratch_views_[2];
     std::vector<gpu::Bindings> bindings_; ///< one a pass
     gpu::Bindings jacobian_bindings_;
     gpu::Commands commands_;

@@ -2,6 +2,7 @@
 // VulkanBatch before its first run: memory, bindings, the modes.
 #include <algorithm>
 #include <bit>
+#include <cmath>
 
 #include "base/check.h"
 #include "server/device/vulkan_batch.h"
@@ -63,6 +64,7 @@ Result<void> VulkanBatch::allocate(int cascade_count) {
     constexpr VkFormat rgba32f = VK_FORMAT_R32G32B32A32_SFLOAT;
     constexpr VkFormat rgba32ui = VK_FORMAT_R32G32B32A32_UINT;
     constexpr VkFormat rg32ui = VK_FORMAT_R32G32_UINT;
+    constexpr VkFormat r32f = VK_FORMAT_R32_SFLOAT;
     const std::size_t modes = points() * static_cast<std::size_t>(cascade_count);
     const std::size_t map_bytes = static_cast<std::size_t>(kernels_.transform->scratch_complexes) *
                                   static_cast<std::size_t>(capacity_fields_) * complex_bytes;
@@ -80,6 +82,7 @@ Result<void> VulkanBatch::allocate(int cascade_count) {
     const Wish wishes[] = {
         {modes_, &modes_view_, rgba32f, "modes", modes * vec4_bytes, vec4_bytes},
         {rates_, &rates_view_, rg32ui, "rates", modes * sizeof(sea::Rate), sizeof(sea::Rate)},
+        {orbits_, &orbits_view_, r32f, "orbits", modes * sizeof(float), sizeof(float)},
         {jobs_, &jobs_view_, rgba32ui, "jobs",
          VulkanBatch::most_jobs * sizeof(shaders::SynthesisJob), vec4_bytes},
         {rows_, &rows_view_, rgba32f, "rows", row_bytes, vec4_bytes},
@@ -103,8 +106,8 @@ std::vector<gpu::Resource> VulkanBatch::resources(std::size_t pass) const {
     const gpu::Resource target = gpu::whole(scratch_[pass % 2]);
     switch (kernels_.passes[pass].kind) {
     case shaders::PassKind::evolve:
-        return {gpu::texels(modes_view_), gpu::texels(rates_view_), gpu::texels(jobs_view_),
-                gpu::texels(rows_view_), target};
+        return {gpu::texels(modes_view_), gpu::texels(rates_view_),  gpu::texels(jobs_view_),
+                gpu::texels(rows_view_),  gpu::texels(orbits_view_), target};
     case shaders::PassKind::fields:
         return {source, gpu::texels(jobs_view_), gpu::texels(rows_view_), target};
     case shaders::PassKind::lines_y:
@@ -139,6 +142,8 @@ Result<void> VulkanBatch::upload(std::span<const sea::CascadeModes* const> casca
     modes.reserve(points() * 4 * cascades.size());
     std::vector<sea::Rate> rates;
     rates.reserve(points() * cascades.size());
+    std::vector<float> orbits;
+    orbits.reserve(points() * cascades.size());
     steps_.clear();
     for (const sea::CascadeModes* cascade : cascades) {
         SEAWAY_CHECK(cascade->h0.size() == points() && cascade->rate.size() == points(),
@@ -155,9 +160,15 @@ Result<void> VulkanBatch::upload(std::span<const sea::CascadeModes* const> casca
                          {static_cast<float>(here.real()), static_cast<float>(here.imag()),
                           static_cast<float>(mirror.real()), static_cast<float>(-mirror.imag())});
             rates.push_back(cascade->rate[y * n + x]);
+            const double k = cascade->spec.wavenumber_step_radpm() *
+                             std::hypot(sea::signed_index(static_cast<int>(x), kernels_.size()),
+                                        sea::signed_index(static_cast<int>(y), kernels_.size()));
+            orbits.push_back(static_cast<float>(sea::orbit_aspect(k, cascade->depth_m)));
         }
     }
     if (Result<void> sent = gpu::upload(device_, modes_, std::as_bytes(std::span(modes))); !sent)
+        return sent;
+    if (Result<void> sent = gpu::upload(device_, orbits_, std::as_bytes(std::span(orbits))); !sent)
         return sent;
     // Little-endian: the low word of a rate comes first, as RG32UI wants it.
     static_assert(std::endian::native == std::endian::little);

@@ -17,6 +17,7 @@ namespace {
 using Complex = std::complex<double>;
 
 constexpr double length_m = 100.0;
+constexpr double depth_m = 5.0; // coth(kd) runs from 3.3 to 1
 constexpr sea::Choppiness choppiness{1.3, 0.7};
 constexpr sea::TimeUs time_us = 86'400'000'123;
 constexpr int checked_points = 37;
@@ -49,6 +50,7 @@ std::vector<Mode> check_modes(int size, bool band_limited) {
 sea::CascadeModes lattice(int size, const std::vector<Mode>& modes) {
     const auto n = static_cast<std::size_t>(size);
     sea::CascadeModes cascade{.spec = {length_m, size}, .band = {0, 1e9}, .h0 = {}, .rate = {}};
+    cascade.depth_m = depth_m;
     cascade.h0.resize(n * n);
     cascade.rate.resize(n * n);
     const auto at = [&](int nx, int ny) {
@@ -64,7 +66,7 @@ sea::CascadeModes lattice(int size, const std::vector<Mode>& modes) {
 }
 
 double basis(sea::Basis which, double kx, double ky) {
-    const double k = std::hypot(kx, ky);
+    const double k = std::hypot(kx, ky) * std::tanh(std::hypot(kx, ky) * depth_m);
     const std::array<double, 8> values{1,  kx / k,      ky / k,      kx,
                                        ky, kx * kx / k, ky * ky / k, kx * ky / k};
     return values[static_cast<std::size_t>(which)];

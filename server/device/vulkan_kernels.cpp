@@ -21,7 +21,8 @@ gpu::KernelExpectation expectation(shaders::PassKind kind) {
         expected.bindings = {{"modes", texel_buffer},
                              {"rates", texel_buffer},
                              {"jobs", texel_buffer},
-                             {"rows", texel_buffer}};
+                             {"rows", texel_buffer},
+                             {"orbits", texel_buffer}};
         break;
     case shaders::PassKind::fields:
         expected.bindings = {

@@ -11,9 +11,9 @@ Source source_row(uint source) {
     return Source(a.x, a.y, a.z, a.w, b.x, b.y > 0.5);
 }
 
-/// One mode of a source, from its evolved amplitude `h` (xy: h, zw: dh/dt).
-vec2 source_mode(Source s, vec4 h, float ky, float inverse_k) {
-    float m = s.c0 + ky * s.c1 + inverse_k * (s.d0 + ky * (s.d1 + ky * s.d2));
+/// One mode of a source, from its evolved amplitude `h` (xy: h, zw: dh/dt). over_k: coth(kd)/k.
+vec2 source_mode(Source s, vec4 h, float ky, float over_k) {
+    float m = s.c0 + ky * s.c1 + over_k * (s.d0 + ky * (s.d1 + ky * s.d2));
     return m * (s.rate ? h.zw : h.xy);
 }
 

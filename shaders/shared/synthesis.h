@@ -17,7 +17,8 @@ SEAWAY_SHARED_CONSTANT synthesis_workgroup = 64;
 
 // A field is m(kx) times a source, i m(kx) for odd derivatives; a source is s(ky, 1/k) h or
 // s(ky, 1/k) dh/dt. Fields that differ by a power of kx share their source, and with it the
-// transform along y. What the kernels know of them is rows of numbers, in vec4:
+// transform along y. 1/k is coth(kd)/k on depth d. What the kernels know of them is rows of
+// numbers, in vec4:
 //   two for each source:
 //     weights of 1, ky, 1/k, ky/k | weight of ky^2/k, 1 for dh/dt, fields: first, end
 //   one for each field, from first_field_texel on:

@@ -122,6 +122,8 @@ class WaveSea : public server::Host {
         // Waves of at most 3 lattice steps on 32 points miss 2 (3/32)^4 of 1.2 m in space, and
         // less in time: 0.2 mm; doubled for the displacement's share.
         state.interpolation_error_m = 0.0004;
+        state.interpolation_displacement_m = 0.0004;
+        state.displacement_reach_m = 1.5 * state.realised.hs_m;
         return {std::make_shared<const protocol::Bytes>(protocol::sea_state(state))};
     }
     server::TileDemand subscribe(server::SessionId, const server::TileDemand& demand) override {

@@ -79,7 +79,7 @@ class Surface:
         """Height, normal, velocity, bound on the height, and whether the surface folds here."""
         lx, ly = self.choppiness
         target = np.array([x_m, y_m])
-        longest = 1.5 * self.state["realised"]["hs_m"] * max(lx, ly)
+        longest = self.state["displacement_reach_m"]
         place = target.copy()
         sea = self.at(*place)
         for _ in range(30):
@@ -116,7 +116,7 @@ class Surface:
                 return SPLINE_GAIN * (larger(field) + cascade["interval_us"] * 1e-6 * larger(RATE_OF[field]) / 4)
             heights += coded(HEIGHT)
             sideways += math.hypot(lx * coded(DISPLACEMENT_X), ly * coded(DISPLACEMENT_Y))
-        return interpolation + heights + slope * (max(lx, ly) * interpolation + sideways)
+        return interpolation + heights + slope * (max(lx, ly) * self.state["interpolation_displacement_m"] + sideways)
 
 
 def foam(state, pairs, time_us, place):

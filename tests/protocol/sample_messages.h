@@ -35,6 +35,9 @@ inline SeaStateValues some_state() {
     state.rms_slope = 0.1;
     state.foam_mean = 0.04;
     state.foam_threshold = 0.75;
+    state.displacement_reach_m = 17.5;
+    state.rms_strain = 0.3;
+    state.interpolation_displacement_m = 0.02;
     return state;
 }
 

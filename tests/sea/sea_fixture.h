@@ -62,6 +62,7 @@ inline sea::RealizationPtr one_wave(double length_m, int size, int nx, int ny, d
     modes.rate[index(nx, ny)] = rate;
     modes.rate[index(-nx, -ny)] = rate;
     modes.band = {0.5 * k, 2.0 * k};
+    modes.depth_m = depth_m;
     realization->cascades.push_back(std::move(modes));
     return realization;
 }

@@ -12,6 +12,7 @@
 
 #include "sea/scene/scene.h"
 #include "sea/surface/answer.h"
+#include "tests/support/airy_waves.h"
 #include "tests/tools/program.h"
 
 namespace seaway {
@@ -101,6 +102,8 @@ class LongSum {
                 const Real kx = two_pi * nx / length;
                 const Real ky = two_pi * ny / length;
                 const Real k = std::hypot(kx, ky);
+                // Water moves coth(kd) times as far sideways.
+                const Real d = k * std::tanh(k * static_cast<Real>(scene_.sea.depth_m));
                 // eta = 2 Re h0 exp(i (k.x - w t)): h0(k) and the conjugate that h(-k) carries.
                 const Real turns = nx * std::fmod(x, length) / length +
                                    ny * std::fmod(y, length) / length -
@@ -110,16 +113,16 @@ class LongSum {
                 const Complex rate = Complex(0, -omega(tile, i, k)) * e;
                 const Complex i_unit(0, 1);
                 p.eta += e.real();
-                p.dx += (i_unit * kx / k * e).real();
-                p.dy += (i_unit * ky / k * e).real();
+                p.dx += (i_unit * kx / d * e).real();
+                p.dy += (i_unit * ky / d * e).real();
                 p.eta_t += rate.real();
-                p.dx_t += (i_unit * kx / k * rate).real();
-                p.dy_t += (i_unit * ky / k * rate).real();
+                p.dx_t += (i_unit * kx / d * rate).real();
+                p.dy_t += (i_unit * ky / d * rate).real();
                 p.eta_x += (i_unit * kx * e).real();
                 p.eta_y += (i_unit * ky * e).real();
-                p.dxx -= (kx * kx / k * e).real();
-                p.dyy -= (ky * ky / k * e).real();
-                p.dxy -= (kx * ky / k * e).real();
+                p.dxx -= (kx * kx / d * e).real();
+                p.dyy -= (ky * ky / d * e).real();
+                p.dxy -= (kx * ky / d * e).real();
             }
         }
         return p;
@@ -249,6 +252,29 @@ TEST(InspectPoints, explicit_waves_are_the_cosines_that_their_file_names) {
         // in steps of 2^-64 turns/us, which is 1.8e-13 rad a second; amplitudes add up to 0.875 m.
         EXPECT_NEAR(n[3], static_cast<double>(eta), 1e-9 + 0.875 * 1.8e-13 * std::abs(n[2]));
     }
+}
+
+TEST(InspectPoints, ten_waves_at_finite_depth_move_water_as_linear_theory_says) {
+    for (const tests::AiryWave& wave : tests::airy_waves)
+        for (const double choppiness : {1.0, 0.0, 0.5}) {
+            const std::string path =
+                folder().write("airy.toml", tests::airy_scene(wave, choppiness));
+            std::string rows;
+            const std::vector<tests::AiryPoint> points = tests::airy_points(wave, choppiness);
+            for (const tests::AiryPoint& p : points)
+                rows += fmt::format("{:.17g},{:.17g},{:.17g}\n", p.x_m, p.y_m,
+                                    static_cast<double>(p.time_us) * 1e-6);
+            const std::vector<Row> answers = evaluate(path, rows);
+            ASSERT_EQ(answers.size(), points.size());
+            for (std::size_t i = 0; i < points.size(); ++i) {
+                const auto& n = answers[i].numbers;
+                EXPECT_NEAR(n[3], points[i].height_m, 1e-6 * wave.amplitude_m());
+                for (std::size_t axis = 0; axis < 3; ++axis)
+                    EXPECT_NEAR(n[7 + axis], points[i].velocity_mps[axis],
+                                1e-6 * wave.horizontal_speed_mps())
+                        << wave.period_s << " s on " << wave.depth_m << " m, axis " << axis;
+            }
+        }
 }
 
 TEST(InspectPoints, rows_keep_their_order_and_the_header_is_optional) {

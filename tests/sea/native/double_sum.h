@@ -13,10 +13,11 @@
 namespace seaway::sea {
 
 /// Multiplier of h (or dh/dt) for a linear field at k = (kx, ky), without the factor i.
-inline double multiplier(Field field, double kx, double ky) {
-    const double k = std::hypot(kx, ky);
-    if (k == 0)
+inline double multiplier(Field field, double kx, double ky, double depth_m) {
+    const double length = std::hypot(kx, ky);
+    if (length == 0)
         return 0;
+    const double k = length * std::tanh(length * depth_m); // D = i k/|k| coth(kd) h
     switch (field) {
     case Field::height:
     case Field::height_rate:
@@ -60,7 +61,7 @@ inline std::complex<double> amplitude(const CascadeModes& modes, Field field, st
         h *= std::complex<double>(0, 1);
     const double step = modes.spec.wavenumber_step_radpm();
     return h * multiplier(field, lattice(ix, modes.spec.size) * step,
-                          lattice(iy, modes.spec.size) * step);
+                          lattice(iy, modes.spec.size) * step, modes.depth_m);
 }
 
 /// Rows y = 0, stride, 2 stride, ... of a linear field: [row][x].

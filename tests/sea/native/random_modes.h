@@ -33,6 +33,7 @@ inline CascadeModes random_modes(int size, double reach, std::uint64_t seed,
     CascadeModes modes;
     modes.spec = {length_m, size};
     modes.band = {0, 1e9};
+    modes.depth_m = 8.0; // of a tile of 100 m: coth(kd) runs from 2.1 to 1
     modes.h0.resize(n * n);
     modes.rate.resize(n * n);
     for (std::size_t iy = 0; iy < n; ++iy) {

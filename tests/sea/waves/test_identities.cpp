@@ -102,14 +102,18 @@ TEST(Identity, I2_I3_I8_I14_I17_hold_exactly_on_one_tile) {
             mean(points, [](auto& p) { return p.slope_x * p.slope_x + p.slope_y * p.slope_y; }) /
                 mss,
             1.0, tolerance);
-        // I17 mean(eta div D) = -sum k |h|^2; crests sharpen.
-        const double k_sum = wave_sum(all, [](const Wave& w) { return w.k * std::norm(w.h); });
+        // I17 mean(eta div D) = -sum k coth(kd) |h|^2; crests sharpen.
+        const auto stretch = [](const Wave& w) { return w.k / std::tanh(w.k * 60.0); };
+        const double k_sum =
+            wave_sum(all, [&](const Wave& w) { return stretch(w) * std::norm(w.h); });
         EXPECT_NEAR(mean(points, [](auto& p) { return p.height * (p.strain_xx + p.strain_yy); }) /
                         -k_sum,
                     1.0, tolerance);
-        // I14 div D = -|k| h: its mean square is sum k^2 |h|^2 too.
+        // I14 div D = -|k| coth(kd) h: its mean square is sum k^2 coth^2 |h|^2.
+        const double div_2 =
+            wave_sum(all, [&](const Wave& w) { return std::pow(stretch(w), 2) * std::norm(w.h); });
         EXPECT_NEAR(mean(points, [](auto& p) { return std::pow(p.strain_xx + p.strain_yy, 2); }) /
-                        mss,
+                        div_2,
                     1.0, tolerance);
     }
 }
@@ -221,10 +225,11 @@ TEST(Identity, I11_a_wave_moves_at_its_phase_speed) {
     const DirectSum sum(sea);
     const double k = two_pi / 100.0 * 5.0;
     const Dispersion d{9.81, 7.4e-5, 7.0};
-    // In a single wave, height and displacement are cosine and sine of the phase.
+    // In a single wave, height and tanh(kd) displacement are cosine and sine of the phase.
     const auto phase = [&](TimeUs t) {
         const LagrangianPoint p = sum.at(0, 0, t);
-        return std::atan2(-(0.6 * p.displacement_x + 0.8 * p.displacement_y), p.height);
+        return std::atan2(-std::tanh(7.0 * k) * (0.6 * p.displacement_x + 0.8 * p.displacement_y),
+                          p.height);
     };
     const TimeUs dt = 200'000;
     const double speed = std::remainder(phase(1'000'000) - phase(1'000'000 + dt), two_pi) /

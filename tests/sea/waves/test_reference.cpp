@@ -30,6 +30,7 @@ LagrangianPoint brute_force(const Realization& sea, double x, double y, TimeUs t
                 const double kx = step * signed_index(ix, size);
                 const double ky = step * signed_index(iy, size);
                 const double k = std::hypot(kx, ky);
+                const double d = k * std::tanh(k * modes.depth_m); // D = i k/|k| coth(kd) h
                 const double omega = omega_from_rate(modes.rate[i]);
                 const std::complex<double> i1(0, 1);
                 const auto turn = std::exp(-i1 * phase_rad(modes.rate[i], t));
@@ -38,16 +39,16 @@ LagrangianPoint brute_force(const Realization& sea, double x, double y, TimeUs t
                 const auto h = (forward + backward) * std::exp(i1 * (kx * x + ky * y));
                 const auto r = i1 * omega * (backward - forward) * std::exp(i1 * (kx * x + ky * y));
                 p.height += h.real();
-                p.displacement_x += (i1 * kx / k * h).real();
-                p.displacement_y += (i1 * ky / k * h).real();
+                p.displacement_x += (i1 * kx / d * h).real();
+                p.displacement_y += (i1 * ky / d * h).real();
                 p.height_rate += r.real();
-                p.displacement_x_rate += (i1 * kx / k * r).real();
-                p.displacement_y_rate += (i1 * ky / k * r).real();
+                p.displacement_x_rate += (i1 * kx / d * r).real();
+                p.displacement_y_rate += (i1 * ky / d * r).real();
                 p.slope_x += (i1 * kx * h).real();
                 p.slope_y += (i1 * ky * h).real();
-                p.strain_xx += (-kx * kx / k * h).real();
-                p.strain_yy += (-ky * ky / k * h).real();
-                p.strain_xy += (-kx * ky / k * h).real();
+                p.strain_xx += (-kx * kx / d * h).real();
+                p.strain_yy += (-ky * ky / d * h).real();
+                p.strain_xy += (-kx * ky / d * h).real();
             }
     }
     return p;

@@ -28,8 +28,8 @@ sea::CascadeModes empty(int size, double length_m) {
     return cascade;
 }
 
-double multiplier(sea::Basis basis, double kx, double ky) {
-    const double k = std::hypot(kx, ky);
+double multiplier(sea::Basis basis, double kx, double ky, double depth_m) {
+    const double k = std::hypot(kx, ky) * std::tanh(std::hypot(kx, ky) * depth_m);
     switch (basis) {
     case sea::Basis::one:
         return 1;
@@ -59,6 +59,7 @@ RandomSea::RandomSea(int size, double length_m, unsigned seed, sea::Choppiness c
     sea::CascadeModes cascade = empty(size, length_m);
     std::mt19937_64 engine(seed);
     const auto uniform = [&] { return (static_cast<double>(engine() >> 11) + 0.5) * 0x1p-53; };
+    cascade.depth_m = 0.08 * length_m; // coth(kd) runs from 2.1 to 1
     double energy = 0;
     for (int ny = -size / 2 + 1; ny < size / 2; ++ny)
         for (int nx = -size / 2 + 1; nx < size / 2; ++nx) {
@@ -102,7 +103,7 @@ FieldSum::FieldSum(const sea::CascadeModes& cascade, sea::Field field, sea::Time
             if (cascade.h0[at] == 0.0)
                 continue;
             const double dk = cascade.spec.wavenumber_step_radpm();
-            Complex m = row.weight * multiplier(row.basis, nx * dk, ny * dk);
+            Complex m = row.weight * multiplier(row.basis, nx * dk, ny * dk, cascade.depth_m);
             if (row.imaginary)
                 m *= Complex(0, 1);
             if (row.time_rate)
