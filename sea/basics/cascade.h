@@ -36,9 +36,8 @@ struct Band {
 };
 
 /// A band starts this many lattice steps out, so that its first ring holds enough directions
-/// (traps T25); the longest-wave cascade starts at its first mode. Just outside the four modes at
-/// |n| = 6: with them, whole, the sum over the lattice would exceed the integral by 4 % of the
-/// band's variance; without them it is within 0.3 %.
+/// (traps T25); the longest-wave cascade starts at its first mode. Just outside the modes at |n| = 6,
+/// so that rounding cannot put them on either side.
 inline constexpr double band_start_steps = 6.001;
 
 /// A band ends at this share of Nyquist at the latest: 3.3 points a wave, which a cubic spline

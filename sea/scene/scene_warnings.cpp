@@ -19,6 +19,7 @@ namespace {
 constexpr double tile_wavelengths_min = 8.0;
 constexpr double breaking_height_over_depth = 0.6;
 constexpr double lost_share_reported = 0.01;
+constexpr double lattice_bias_reported = 0.01; ///< as a share, or in radians
 /// Of m0, in overlaps and gaps of bins: rounding of printed frequencies stays below.
 constexpr double bins_reported = 0.002;
 /// 5 % of a wavelength, or 3 degrees.
@@ -95,29 +96,19 @@ void warn_of_folds(const Scene& scene, const SeaSummary& summary,
             50.0 * std::erfc(1.0 / (std::sqrt(2.0) * choppiness * rms_strain))));
 }
 
-double degrees_of_exponent(double exponent) { // circular spread of cos2s
-    return std::sqrt(2.0 / (exponent + 1.0)) * 180.0 / pi;
-}
-
-/// Beams that no lattice of theirs can carry at their peak (hard case A16).
-void warn_of_narrow_beams(const Scene& scene, const Realization& realization,
-                          std::vector<std::string>& warnings) {
-    const Dispersion dispersion = scene.sea.dispersion();
-    for (std::size_t i = 0; i < scene.sea.systems.size(); ++i) {
-        const DirectionalSpectrum spectrum(scene.sea.systems[i], scene.sea);
-        if (spectrum.empty())
-            continue;
-        const double k = dispersion.wavenumber(spectrum.peak_omega_radps());
-        const double asked = spectrum.ring(k).spreading.exponent();
-        for (const CascadeModes& cascade : realization.cascades) {
-            const double carried = lattice_exponent_max(k, cascade.spec.wavenumber_step_radpm());
-            if (cascade.carries_spectra && cascade.band.contains(k) && asked > carried)
-                warnings.push_back(fmt::format(
-                    "sea.system[{}]: a beam of {:.2g} degrees falls between the waves of the "
-                    "cascade of {:g} m; at its peak it is widened to {:.2g} degrees",
-                    i + 1, degrees_of_exponent(asked), cascade.spec.length_m,
-                    degrees_of_exponent(carried)));
-        }
+/// What the lattice does to a system whatever the seed (hard case A16), above 1 %.
+void warn_of_lattice_bias(const SeaSummary& summary, std::vector<std::string>& warnings) {
+    for (const LatticeBias& bias : summary.lattice) {
+        const double worst = std::max(
+            {std::abs(bias.energy - 1.0), std::abs(bias.turned_rad), std::abs(bias.spread - 1.0)});
+        if (worst > lattice_bias_reported)
+            warnings.push_back(fmt::format(
+                "sea.system[{}]: its waves are few on these tiles; on average over seeds its "
+                "energy is off by {:+.1f} %, its direction by {:+.1f} degrees clockwise, its "
+                "spread by "
+                "{:+.1f} %",
+                bias.system + 1, 100.0 * (bias.energy - 1.0), -bias.turned_rad * 180.0 / pi,
+                100.0 * (bias.spread - 1.0)));
     }
 }
 
@@ -151,7 +142,7 @@ std::vector<std::string> scene_warnings(const Scene& scene) {
     const double height = summary.requested.significant_height_m;
     warn_of_systems(scene, warnings);
     warn_of_folds(scene, summary, warnings);
-    warn_of_narrow_beams(scene, *realization, warnings);
+    warn_of_lattice_bias(summary, warnings);
     warn_of_added_tiles(*realization, warnings);
     warn_of_accuracy(scene, *realization, warnings);
     if (!(height > 0.0))

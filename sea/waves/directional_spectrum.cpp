@@ -68,9 +68,9 @@ double DirectionalSpectrum::short_wave_factor(double k) const {
     return fade_m_ > 0.0 ? std::exp(-kl * kl) : 1.0;
 }
 
-Spreading DirectionalSpectrum::spreading(double omega, double exponent_max) const {
+Spreading DirectionalSpectrum::spreading(double omega) const {
     const double x = empty() ? 1.0 : omega / peak_omega_;
-    return Spreading(spreading_model_, {x, inverse_wave_age_}, exponent_max);
+    return Spreading(spreading_model_, {x, inverse_wave_age_});
 }
 
 std::complex<double> DirectionalSpectrum::direction_moment(double omega) const {
@@ -80,7 +80,7 @@ std::complex<double> DirectionalSpectrum::direction_moment(double omega) const {
     }
     if (phillips_upwind_)
         return 0.0;
-    return std::polar(spreading(omega, spreading_exponent_max).first_moment(), towards_);
+    return std::polar(spreading(omega).first_moment(), towards_);
 }
 
 std::vector<double> DirectionalSpectrum::breaks() const {
@@ -99,6 +99,13 @@ std::vector<double> DirectionalSpectrum::breaks() const {
     if (edges.front() <= 0.0)
         edges.front() = 1e-3 * edges[1]; // integrals run in ln w; this loses 0.1 % of one bin
     return edges;
+}
+
+std::vector<double> DirectionalSpectrum::wavenumber_breaks() const {
+    std::vector<double> wavenumbers{cutoffs_.k_lo_radpm, cutoffs_.k_hi_radpm};
+    for (const double omega : breaks())
+        wavenumbers.push_back(dispersion_.wavenumber(omega));
+    return wavenumbers;
 }
 
 double DirectionalSpectrum::frequency_density(double omega) const {
@@ -130,7 +137,7 @@ double DirectionalSpectrum::wavenumber_density(double k) const {
     return frequency_density(dispersion_.omega(k)) * dispersion_.group_speed(k);
 }
 
-DirectionalSpectrum::Ring DirectionalSpectrum::ring(double k, double exponent_max) const {
+DirectionalSpectrum::Ring DirectionalSpectrum::ring(double k) const {
     const double factor = empty() || !(k > 0.0) ? 0.0 : short_wave_factor(k);
     if (factor <= 0.0)
         return {0.0, 0.0, Spreading::power(0.0)};
@@ -140,7 +147,7 @@ DirectionalSpectrum::Ring DirectionalSpectrum::ring(double k, double exponent_ma
         const MeasuredBin* bin = measured_->find(omega);
         return {density, 0.0, Spreading::power(0.0), bin != nullptr ? &*bin->directions : nullptr};
     }
-    return {density, towards_, spreading(omega, exponent_max), nullptr, phillips_upwind_};
+    return {density, towards_, spreading(omega), nullptr, phillips_upwind_};
 }
 
 double DirectionalSpectrum::Ring::operator()(double direction_rad) const {

@@ -33,9 +33,8 @@ class DirectionalSpectrum {
         /// Psi, m4/rad2, for waves towards this angle.
         double operator()(double direction_rad) const;
     };
-    /// `exponent_max`: the narrowest beam, as s of cos2s, that the lattice can carry at this k.
     /// Refers to this spectrum.
-    Ring ring(double k_radpm, double exponent_max = spreading_exponent_max) const;
+    Ring ring(double k_radpm) const;
 
     /// Psi, m4/rad2; 0 at k = 0.
     double density(double kx_radpm, double ky_radpm) const;
@@ -48,6 +47,11 @@ class DirectionalSpectrum {
     /// Frequencies where S or its slope jumps, ascending, from the lowest to the highest that
     /// matter: an integral between neighbours is smooth.
     std::vector<double> breaks() const;
+    /// The same as wavenumbers, rad/m, with the cut-offs among them; in no order.
+    std::vector<double> wavenumber_breaks() const;
+
+    /// Outside these no energy is kept.
+    Band cutoffs() const { return cutoffs_; }
 
     bool empty() const { return peak_omega_ <= 0.0; }
     double towards_rad() const { return towards_; }
@@ -68,7 +72,7 @@ class DirectionalSpectrum {
     void set(const ExplicitModes&) {} ///< no spectra: no energy here
     void set(const SineRamps&) {}
     double wavenumber_density(double k_radpm) const;
-    Spreading spreading(double omega_radps, double exponent_max) const;
+    Spreading spreading(double omega_radps) const;
     double short_wave_factor(double k_radpm) const;
 
     Dispersion dispersion_;

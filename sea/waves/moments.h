@@ -28,15 +28,27 @@ struct SeaStatistics {
 
 struct CascadeVariance {
     double requested_m2; ///< integral of the spectrum over the band
+    double expected_m2;  ///< mean of realised_m2 over seeds: what the lattice makes of it
     double realised_m2;  ///< sum over the drawn modes, averaged over time
     /// Relative standard deviation, over seeds, of Hs of the tile at one instant.
     double expected_scatter;
+};
+
+/// What the lattice makes of one wave system on average over seeds, beside what its spectrum puts
+/// into the bands. Energy is shared exactly (sea/waves/mode_variances.h); directions are those of
+/// the modes, and where a beam is a few modes wide they are not its own.
+struct LatticeBias {
+    std::size_t system = 0;  ///< index in the sea state; a system with a spectrum
+    double energy = 1.0;     ///< ratio of variances, expected over requested
+    double turned_rad = 0.0; ///< expected mean direction less the requested; 0 where there is none
+    double spread = 1.0;     ///< ratio of circular spreads; 1 where the requested is zero
 };
 
 struct SeaSummary {
     SeaStatistics requested;               ///< integrals of the spectrum itself
     SeaStatistics realised;                ///< sums over the drawn modes, averaged over time
     std::vector<CascadeVariance> cascades; ///< of the realisation, in its order
+    std::vector<LatticeBias> lattice;      ///< of systems with energy in the bands
     double lost_below_m2 = 0;              ///< waves longer than the longest tile can hold
     double lost_above_m2 = 0;              ///< waves shorter than the finest band
     double lost_fade_m2 = 0;               ///< short-wave fade and cut-offs, within the bands
@@ -46,7 +58,7 @@ struct SeaSummary {
     double peak_bin_period_s = 0;
 };
 
-/// About 10 ms a wave system and 10 ms a cascade.
+/// About as long as realize().
 SeaSummary summarize(const SeaState& sea, const Realization& realization);
 
 /// Standard deviation over seeds of the Hs of one tile at one instant, relative to Hs: sqrt(2 sum

@@ -11,15 +11,13 @@
 
 #include "sea/basics/gaussian.h"
 #include "sea/waves/directional_spectrum.h"
+#include "sea/waves/mode_variances.h"
 
 namespace seaway::sea {
 
 namespace {
 
-using Ring = DirectionalSpectrum::Ring;
-
-/// Adds one wave system to the modes of one cascade. What depends on |k| alone is computed once for
-/// each nx^2 + ny^2: twelve times less than once for each mode.
+/// Adds wave systems to the modes of one cascade.
 class CascadeFiller {
   public:
     CascadeFiller(const SeaState& sea, CascadeModes& modes)
@@ -30,20 +28,18 @@ class CascadeFiller {
     void add(const DirectionalSpectrum& spectrum, std::uint32_t system) {
         if (spectrum.empty())
             return;
-        std::vector<std::optional<Ring>> rings(ring_count());
+        const std::vector<double> variances = mode_variances(spectrum, modes_.spec, modes_.band);
         const std::uint32_t tile = cascade_key(modes_.spec.length_m);
-        for_each_mode([&](int nx, int ny, double k, std::size_t index) {
-            std::optional<Ring>& ring = rings[static_cast<std::size_t>(nx * nx + ny * ny)];
-            if (!ring)
-                ring = spectrum.ring(k, lattice_exponent_max(k, step_));
-            if (ring->density <= 0.0)
+        for_each_mode([&](int nx, int ny, double, std::size_t index) {
+            if (!(variances[index] > 0.0))
                 return;
-            const double amplitude = 0.5 * step_ * std::sqrt((*ring)(std::atan2(ny, nx)));
+            const double amplitude = 0.5 * std::sqrt(variances[index]);
             const GaussianPair xi = gaussian_pair({sea_.seed, system, tile, nx, ny});
             modes_.h0[index] += std::complex(amplitude * xi.real, amplitude * xi.imaginary);
         });
     }
 
+    /// Omega is computed once for each nx^2 + ny^2.
     void fill_rates(TimeUs loop_period_us) {
         const Dispersion dispersion = sea_.dispersion();
         std::vector<std::optional<Rate>> rates(ring_count());
@@ -87,11 +83,6 @@ Rate mode_rate(double omega_radps, TimeUs loop_period_us) {
     const auto period = static_cast<double>(loop_period_us);
     const double turns = std::max(1.0, std::round(omega_radps * period / (two_pi * 1e6)));
     return static_cast<Rate>(turns * (0x1p64 / period) + 0.5);
-}
-
-double lattice_exponent_max(double k_radpm, double step_radpm) {
-    const double spread = 0.5 * step_radpm / k_radpm;
-    return 2.0 / (spread * spread);
 }
 
 namespace {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // From a sea state to its waves: draws h0(k) for every mode of every cascade.
 //
-//     h0(k) = (xr + i xi)/2 sqrt(Psi(k)) dk, summed over the wave systems, each with its own
-//     numbers
+//     h0(k) = (xr + i xi)/2 sqrt(variance of k's cell, sea/waves/mode_variances.h), summed over the
+//     wave systems, each with its own numbers
 //
 // The same scene gives the same bits on every IEEE machine with the same libm, at -O0 and -O2, for
 // every grid size (a mode keeps its numbers when N changes). Pure; thread-safe. Three cascades of
@@ -36,10 +36,5 @@ bool same_tile_length(double held_m, double wanted_m);
 /// least 64, that keeps them below band_end_share_of_nyquist.
 int explicit_tile_size(int steps);
 inline constexpr int explicit_steps_max = 300; ///< so that no added tile is above 1024
-
-/// The narrowest beam, as s of cos2s, that a lattice of this step can carry at k: its circular
-/// spread is then at least half a lattice cell. Narrower beams would gain or lose energy by how
-/// they fall between the modes (hard case A16).
-double lattice_exponent_max(double k_radpm, double step_radpm);
 
 } // namespace seaway::sea

@@ -47,6 +47,7 @@ Json json_of_cascades(const Report& report) {
              {"k_lo_radpm", modes.band.k_lo_radpm},
              {"k_hi_radpm", modes.band.k_hi_radpm},
              {"requested_m2", variance.requested_m2},
+             {"expected_m2", variance.expected_m2},
              {"realised_m2", variance.realised_m2},
              {"hs_scatter_expected", variance.expected_scatter},
              {"keyframe_interval_s", sea::seconds_from_us(report.budget.cascades[c].interval_us)}});
@@ -85,6 +86,16 @@ std::string tp_definition(const Report& report) {
     return fmt::format("requested: {}; realised: S^4-weighted over the densest band", requested);
 }
 
+Json json_of_lattice(const Report& report) {
+    Json rows = Json::array();
+    for (const sea::LatticeBias& bias : report.summary.lattice)
+        rows.push_back({{"system", bias.system + 1},
+                        {"m0_ratio", bias.energy},
+                        {"turned_deg", -bias.turned_rad * degrees_per_radian},
+                        {"spread_ratio", bias.spread}});
+    return rows;
+}
+
 struct Line {
     const char* name;
     const char* unit;
@@ -109,8 +120,14 @@ std::string text_of_statistics(const Report& report) {
         out += fmt::format("{:24}{:>4}{:>12.4g}{:>12.4g}\n", line.name, line.unit, line.requested,
                            line.realised);
     out += fmt::format("Tp {}\n", tp_definition(report));
-    return out + fmt::format("Hs of one seed scatters by {:.1f} % (one standard deviation)\n",
-                             100.0 * report.hs_scatter_expected());
+    out += fmt::format("Hs of one seed scatters by {:.1f} % (one standard deviation)\n",
+                       100.0 * report.hs_scatter_expected());
+    for (const sea::LatticeBias& bias : report.summary.lattice)
+        out += fmt::format("system {} on these tiles, on average over seeds: energy {:+.2f} %, "
+                           "direction {:+.2f} degrees, spread {:+.2f} %\n",
+                           bias.system + 1, 100.0 * (bias.energy - 1.0),
+                           -bias.turned_rad * degrees_per_radian, 100.0 * (bias.spread - 1.0));
+    return out;
 }
 
 std::string text_of_cascades(const Report& report) {
@@ -191,6 +208,7 @@ std::string to_json(const Report& report) {
                          {"lost_longer_m2", report.summary.lost_below_m2},
                          {"lost_shorter_m2", report.summary.lost_above_m2},
                          {"lost_fade_m2", report.summary.lost_fade_m2}}},
+                       {"lattice_bias", json_of_lattice(report)},
                        {"cascades", json_of_cascades(report)},
                        {"foam", json_of_foam(report.foam.get())},
                        {"warnings", report.warnings}};

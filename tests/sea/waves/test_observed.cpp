@@ -49,9 +49,14 @@ TEST(Identity, D10_predicted_scatter_of_hs_matches_the_table) {
         const double tile = table.number(r, "tile_m");
         const CascadeSpec spec{tile, 512};
         const Band band{0.5 * spec.wavenumber_step_radpm(), spec.nyquist_radpm()};
-        EXPECT_NEAR(expected_hs_scatter(state, spec, band) /
-                        table.number(r, "relative_std_of_Hs_one_tile_one_instant"),
-                    1.0, 0.05);
+        const double ratio = expected_hs_scatter(state, spec, band) /
+                             table.number(r, "relative_std_of_Hs_one_tile_one_instant");
+        // The table samples Psi at the modes. A mode that carries its cell's mean is lower at the
+        // peak: where 4 wavelengths make the cell as wide as the peak, by up to 9 %.
+        if (table.number(r, "tile_over_lambda_p") >= 8.0)
+            EXPECT_NEAR(ratio, 1.0, 0.03);
+        else
+            EXPECT_NEAR(ratio, 0.955, 0.045);
     }
 }
 

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Apache-2.0
+// The energy that a lattice carries on average over seeds is the spectrum's, however narrow it is.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numeric>
+
+#include "sea/scene/scene.h"
+#include "sea/waves/mode_variances.h"
+#include "sea/waves/moments.h"
+#include "tests/sea/sea_fixture.h"
+
+namespace seaway::sea {
+namespace {
+
+using testing::realized;
+using testing::swell_sea;
+using testing::windy_sea;
+
+const std::vector<CascadeSpec> default_tiles{{1021.0, 256}, {197.0, 256}, {37.0, 256}};
+
+/// Energy in one bin around 0.08 Hz, Hs 2 m.
+SeaState one_bin(double width_hz, double towards_rad = 0.0) {
+    SeaState state;
+    MeasuredSea measured;
+    measured.spectrum = std::make_shared<const MeasuredSpectrum>(
+        *parse_measured("f_hz,df_hz,s_m2_hz\n0.08," + std::to_string(width_hz) + "," +
+                            std::to_string(0.25 / width_hz) + "\n",
+                        "one bin"));
+    measured.towards_rad = towards_rad;
+    measured.spreading.exponent = 30.0;
+    state.systems.emplace_back(measured);
+    return state;
+}
+
+SeaState narrow_swell(double towards_rad, double exponent = 75.0) {
+    SeaState state = swell_sea(2.0, 10.0, towards_rad, exponent);
+    std::get<Swell>(state.systems[0]).gamma = 7.0;
+    return state;
+}
+
+/// Tile of so many peak wavelengths of a swell of 10 s.
+std::vector<CascadeSpec> tile_of(double wavelengths) {
+    return {{wavelengths * two_pi / Dispersion{}.wavenumber(two_pi / 10.0), 64}};
+}
+
+/// Expected m0 over the requested one, within the bands.
+double ratio(const SeaState& state, const std::vector<CascadeSpec>& tiles) {
+    const SeaSummary summary = summarize(state, *realized(state, tiles));
+    double expected = 0, requested = 0;
+    for (const CascadeVariance& cascade : summary.cascades) {
+        expected += cascade.expected_m2;
+        requested += cascade.requested_m2;
+    }
+    return expected / requested;
+}
+
+// Sampled at the modes themselves these were 1.49, 0, 0.67 and 1.26.
+TEST(ModeVariances, expected_energy_of_narrow_seas_is_the_requested_within_1_in_a_thousand) {
+    for (const double towards : {0.0, 0.3, 0.7}) {
+        EXPECT_NEAR(ratio(one_bin(0.005, towards), default_tiles), 1.0, 1e-3);
+        EXPECT_NEAR(ratio(one_bin(0.001, towards), default_tiles), 1.0, 1e-3);
+        for (const double wavelengths : {1.5, 1.9, 3.0, 8.0})
+            EXPECT_NEAR(ratio(narrow_swell(towards), tile_of(wavelengths)), 1.0, 1e-3)
+                << wavelengths;
+        EXPECT_NEAR(ratio(narrow_swell(towards, 1e6), tile_of(8.0)), 1.0, 1e-3);
+    }
+}
+
+TEST(ModeVariances, cut_offs_and_band_edges_lose_nothing) {
+    SeaState cut = narrow_swell(0.2, 10.0);
+    for (const double k_max : {0.03, 0.0415, 0.1})
+        for (const double k_min : {0.0, 0.02}) {
+            cut.wavenumber_max_radpm = k_max;
+            cut.wavenumber_min_radpm = k_min;
+            EXPECT_NEAR(ratio(cut, default_tiles), 1.0, 1e-3) << k_min << " .. " << k_max;
+        }
+    // A peak on the seam of two cascades: 6 steps of the second tile.
+    const double k = Dispersion{}.wavenumber(two_pi / 10.0);
+    EXPECT_NEAR(ratio(narrow_swell(0.2), {{2000.0, 256}, {6.001 * two_pi / k, 64}}), 1.0, 1e-3);
+}
+
+/// Each cell by brute force: 60 x 60 points of it.
+TEST(ModeVariances, of_a_cell_is_the_integral_of_psi_over_it) {
+    const SeaState state = windy_sea();
+    const DirectionalSpectrum spectrum(state.systems[0], state);
+    const CascadeSpec tile{300.0, 64};
+    const Band band = assign_bands(std::vector{tile})->front();
+    const std::vector<double> variances = mode_variances(spectrum, tile, band);
+    const double total = std::accumulate(variances.begin(), variances.end(), 0.0);
+    const double step = tile.wavenumber_step_radpm();
+    for (const auto& [nx, ny] :
+         {std::pair{2, 1}, {4, 0}, {3, 3}, {5, -2}, {9, 4}, {-2, 3}, {14, 6}}) {
+        double sum = 0;
+        const int n = 60;
+        for (int i = 0; i < n; ++i)
+            for (int j = 0; j < n; ++j)
+                sum += spectrum.density(step * (nx - 0.5 + (i + 0.5) / n),
+                                        step * (ny - 0.5 + (j + 0.5) / n));
+        const double truth = sum * step * step / (n * n);
+        const double got =
+            variances[static_cast<std::size_t>((ny + 64) % 64 * 64 + (nx + 64) % 64)];
+        // Six circles cross a cell: 3 %; cells of little energy count less.
+        EXPECT_NEAR(got, truth, 0.03 * truth + 1e-4 * total) << nx << ", " << ny;
+    }
+}
+
+TEST(ModeVariances, of_60_seeds_a_swell_of_one_bin_has_its_energy_within_3_standard_errors) {
+    std::vector<double> energies;
+    for (std::uint64_t seed = 0; seed < 60; ++seed) {
+        SeaState state = one_bin(0.005);
+        state.seed = seed;
+        energies.push_back(testing::energy_of(realized(state, {default_tiles[0]})->cascades[0]));
+    }
+    const double mean = std::accumulate(energies.begin(), energies.end(), 0.0) / 60.0;
+    double variance = 0;
+    for (const double e : energies)
+        variance += (e - mean) * (e - mean) / 59.0;
+    EXPECT_NEAR(mean, 0.25, 3.0 * std::sqrt(variance / 60.0));
+}
+
+TEST(ModeVariances, nothing_lies_outside_the_band) {
+    const SeaState state = windy_sea();
+    const auto bands = *assign_bands(default_tiles);
+    const DirectionalSpectrum spectrum(state.systems[0], state);
+    for (std::size_t c = 0; c < bands.size(); ++c) {
+        const std::vector<double> variances = mode_variances(spectrum, default_tiles[c], bands[c]);
+        const double step = default_tiles[c].wavenumber_step_radpm();
+        for (int i = 0; i < 256 * 256; ++i)
+            if (!bands[c].contains(
+                    step * std::hypot(signed_index(i % 256, 256), signed_index(i / 256, 256)))) {
+                ASSERT_EQ(variances[static_cast<std::size_t>(i)], 0.0);
+            }
+    }
+}
+
+// What a lattice cannot do is said: the beam below is 1.5 cells from the origin and half a cell wide.
+TEST(ModeVariances, what_few_waves_do_to_direction_and_spread_is_stated) {
+    const SeaState coarse = narrow_swell(0.3);
+    const SeaSummary summary = summarize(coarse, *realized(coarse, tile_of(1.5)));
+    ASSERT_EQ(summary.lattice.size(), 1u);
+    EXPECT_NEAR(summary.lattice[0].energy, 1.0, 1e-3);
+    // The same from the seeds themselves.
+    double east = 0, north = 0, energy = 0;
+    for (std::uint64_t seed = 0; seed < 400; ++seed) {
+        SeaState state = coarse;
+        state.seed = seed;
+        const auto sea = realized(state, tile_of(1.5));
+        for (int i = 0; i < 64 * 64; ++i) {
+            const double e = std::norm(sea->cascades[0].h0[static_cast<std::size_t>(i)]);
+            const double nx = signed_index(i % 64, 64), ny = signed_index(i / 64, 64);
+            energy += e;
+            if (e > 0) {
+                east += e * nx / std::hypot(nx, ny);
+                north += e * ny / std::hypot(nx, ny);
+            }
+        }
+    }
+    // 400 seeds of some four modes: 3 standard errors of the direction are 0.03 rad.
+    EXPECT_NEAR(std::atan2(north, east), 0.3 + summary.lattice[0].turned_rad, 0.03);
+    EXPECT_GT(std::abs(summary.lattice[0].spread - 1.0), 0.01);
+    // On a tile of 16 wavelengths direction and spread are within 1 %.
+    const SeaState fine = narrow_swell(0.3);
+    const SeaSummary good = summarize(fine, *realized(fine, tile_of(16.0)));
+    EXPECT_NEAR(good.lattice[0].turned_rad, 0.0, 0.003);
+    EXPECT_NEAR(good.lattice[0].spread, 1.0, 0.01);
+}
+
+} // namespace
+} // namespace seaway::sea
