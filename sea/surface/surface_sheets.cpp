@@ -65,7 +65,8 @@ SurfaceSheets::SurfaceSheets(const Surface& surface, TimeUs time_us)
     : PatchSheets(surface.choppiness()), surface_(surface), time_us_(time_us),
       sideways_(std::max(surface.choppiness().x, surface.choppiness().y)) {
     const MapError& error = surface.map_error();
-    blur_m_ = rounding_m + sideways_ * error.interpolation_m + error.codec_displacement_m;
+    blur_m_ =
+        rounding_m + sideways_ * error.interpolation_displacement_m + error.codec_displacement_m;
     for (const SplinePair& pair : surface.pairs())
         finest_m_ = std::min(finest_m_, pair.before->length_m() / pair.before->size());
 }

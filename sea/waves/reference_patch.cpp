@@ -60,8 +60,8 @@ DisplacementPatch DirectSum::Moment::patch(int cascade, double x_low_m, double x
             for (std::size_t m = tile.rows[r].begin; m < tile.rows[r].end; ++m) {
                 const Mode& mode = sum_->modes_[m];
                 const Complex wave = along_x[static_cast<std::size_t>(std::abs(mode.nx))];
-                const Complex height_k =
-                    product(height_[m], mode.nx < 0 ? std::conj(wave) : wave) * mode.inverse_k_m;
+                const Complex height_k = product(height_[m], mode.nx < 0 ? std::conj(wave) : wave) *
+                                         mode.displacement_over_k_m;
                 h_k += height_k;
                 kx_h_k += mode.kx_radpm * height_k;
             }
@@ -91,7 +91,8 @@ DirectSum::Moment::PatchScale DirectSum::Moment::patch_scale(int cascade) const 
     for (const Row& row : sum_->tiles_[c].rows)
         for (std::size_t m = row.begin; m < row.end; ++m) {
             const Mode& mode = sum_->modes_[m];
-            const double per_height = std::hypot(mode.kx_radpm, row.ky_radpm) * mode.inverse_k_m;
+            const double per_height =
+                std::hypot(mode.kx_radpm, row.ky_radpm) * mode.displacement_over_k_m;
             const double variance = 2.0 * std::norm(height_[m]) * per_height * per_height;
             const double missed =
                 4.33 * (std::pow(mode.kx_radpm * q_per_k, 4) + std::pow(row.ky_radpm * q_per_k, 4));

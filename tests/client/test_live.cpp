@@ -186,7 +186,7 @@ TEST_F(Live, maps_that_are_not_offered_are_left_out_of_the_grant_and_of_sampling
     const QueryPoint point{3, 4, 7'777'777};
     const auto local = client->fetch_and_sample({&point, 1}, 10);
     ASSERT_TRUE(local) << local.error().message;
-    EXPECT_EQ((*local)[0].flags, 0u);
+    EXPECT_EQ((*local)[0].flags, sea::answer_vertical_velocity);
     const auto again = client->fetch_and_sample({&point, 1}, 10);
     ASSERT_TRUE(again);
     EXPECT_EQ(sea.fetches, 1) << "what is not offered is not waited for";

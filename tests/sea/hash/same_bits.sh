@@ -9,9 +9,8 @@ work_dir=$2
 shift 2
 mkdir -p "$work_dir"
 cd "$source_dir"
-sources="tests/sea/hash/print_hash.cpp base/check.cpp base/csv_table.cpp sea/basics/cascade.cpp
-  sea/waves/directional_spectrum.cpp sea/basics/dispersion.cpp sea/basics/gaussian.cpp sea/spectrum/measured.cpp sea/waves/realize.cpp
-  sea/waves/sine_waves.cpp sea/spectrum/spectra.cpp sea/spectrum/spreading.cpp"
+sources="tests/sea/hash/print_hash.cpp base/check.cpp base/csv_table.cpp
+  $(echo sea/basics/*.cpp sea/spectrum/*.cpp sea/waves/*.cpp)"
 hashes=
 for compiler in "$@"; do
     for level in -O0 -O2; do

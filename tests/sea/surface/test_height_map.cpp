@@ -26,7 +26,7 @@ Surface surface(double steepness, Choppiness choppiness = {1.0, 1.0}) {
         };
         pairs.push_back({map(0), map(200'000)});
     }
-    return Surface(std::move(pairs), choppiness, {.reach_m = 2.0}, MapError{0.001, 0, 0});
+    return Surface(std::move(pairs), choppiness, {.reach_m = 2.0}, MapError{0.001, 0, 0, 0.001});
 }
 
 MapRequest request(MapKind kind = MapKind::height) {
@@ -256,13 +256,14 @@ TEST(HeightMap, the_header_is_64_bytes_little_endian_as_documented) {
 TEST(HeightMap, the_header_states_height_and_sideways_errors_of_maps_and_codec) {
     const Choppiness choppiness{0.8, 1.5};
     const Surface plain = surface(0.02, choppiness);
-    const Surface coded(plain.pairs(), choppiness, plain.folds(), MapError{0.01, 0.002, 0.0007});
+    const Surface coded(plain.pairs(), choppiness, plain.folds(),
+                        MapError{0.01, 0.002, 0.0007, 0.013});
     const auto bytes = map_header(request(), coded);
     std::uint32_t bits = 0;
     for (std::size_t i = 0; i < 4; ++i)
         bits |= static_cast<std::uint32_t>(bytes[20 + i]) << (8 * i);
     // On a slope of one an error sideways by choppiness times that of a map counts in full.
-    const double stated = 0.01 * (1 + 1.5) + 0.002 + 0.0007 + map_difference_max_m;
+    const double stated = 0.01 + 1.5 * 0.013 + 0.002 + 0.0007 + map_difference_max_m;
     EXPECT_FLOAT_EQ(std::bit_cast<float>(bits), static_cast<float>(stated));
 }
 

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sea/waves/lattice_bias.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+
+#include "sea/waves/frequency_nodes.h"
+#include "sea/waves/mode_variances.h"
+
+namespace seaway::sea {
+
+namespace {
+
+/// sqrt(2 sum E^2) / (2 sum E), E the mean of the variances of k and -k.
+double scatter_of(const std::vector<double>& variances, int size) {
+    double squares = 0.0, sum = 0.0;
+    for (int iy = 0; iy < size; ++iy)
+        for (int ix = 0; ix < size; ++ix) {
+            const double here = variances[static_cast<std::size_t>(iy * size + ix)];
+            const double there =
+                variances[static_cast<std::size_t>((size - iy) % size * size + (size - ix) % size)];
+            sum += here;
+            squares += 0.25 * (here + there) * (here + there);
+        }
+    return sum > 0.0 ? std::sqrt(2.0 * squares) / (2.0 * sum) : 0.0;
+}
+
+/// Energy and its direction: sums of E and of E e^{i theta}.
+struct Directed {
+    double energy = 0.0;
+    std::complex<double> direction;
+
+    void add(double e, std::complex<double> d) {
+        energy += e;
+        direction += e * d;
+    }
+    double spread_rad() const {
+        return std::sqrt(2.0 * (1.0 - std::min(1.0, std::abs(direction) / energy)));
+    }
+};
+
+Directed directed(const std::vector<double>& variances, int size) {
+    Directed sum;
+    for (int iy = 0; iy < size; ++iy)
+        for (int ix = 0; ix < size; ++ix)
+            if (const double e = variances[static_cast<std::size_t>(iy * size + ix)]; e > 0.0) {
+                const int nx = signed_index(ix, size), ny = signed_index(iy, size);
+                sum.add(e, std::complex<double>(nx, ny) / std::hypot(nx, ny));
+            }
+    return sum;
+}
+
+Directed requested_in(const DirectionalSpectrum& spectrum, const Dispersion& dispersion,
+                      Band band) {
+    Directed sum;
+    for (const QuadratureNode& node : kept_nodes(spectrum, dispersion, band)) {
+        const double k = dispersion.wavenumber(node.x);
+        sum.add(node.weight * spectrum.ring(k).density * k / dispersion.group_speed(k),
+                spectrum.direction_moment(node.x));
+    }
+    return sum;
+}
+
+LatticeBias bias_of(std::size_t system, const Directed& requested, const Directed& expected) {
+    LatticeBias bias{system, expected.energy / requested.energy};
+    if (!(expected.energy > 0.0))
+        return bias;
+    // Below 1e-6 there is no mean direction to speak of.
+    if (std::abs(requested.direction) > 1e-6 * requested.energy)
+        bias.turned_rad = std::arg(expected.direction * std::conj(requested.direction));
+    if (requested.spread_rad() > 1e-6)
+        bias.spread = expected.spread_rad() / requested.spread_rad();
+    return bias;
+}
+
+} // namespace
+
+double expected_hs_scatter(const SeaState& sea, const CascadeSpec& tile, Band band) {
+    std::vector<double> all(static_cast<std::size_t>(tile.size) *
+                            static_cast<std::size_t>(tile.size));
+    for (const WaveSystem& system : sea.systems) {
+        const std::vector<double> one =
+            mode_variances(DirectionalSpectrum(system, sea), tile, band);
+        for (std::size_t i = 0; i < all.size(); ++i)
+            all[i] += one[i];
+    }
+    return scatter_of(all, tile.size);
+}
+
+void add_expected(const SeaState& sea, const Realization& realization, SeaSummary& summary) {
+    const Dispersion dispersion = sea.dispersion();
+    std::vector<std::vector<double>> all(realization.cascades.size());
+    for (std::size_t s = 0; s < sea.systems.size(); ++s) {
+        const DirectionalSpectrum spectrum(sea.systems[s], sea);
+        Directed requested, expected;
+        for (std::size_t c = 0; c < all.size(); ++c) {
+            const CascadeModes& cascade = realization.cascades[c];
+            if (spectrum.empty() || !cascade.carries_spectra)
+                continue;
+            const std::vector<double> variances =
+                mode_variances(spectrum, cascade.spec, cascade.band);
+            const Directed one = directed(variances, cascade.spec.size);
+            const Directed asked = requested_in(spectrum, dispersion, cascade.band);
+            expected.energy += one.energy;
+            expected.direction += one.direction;
+            requested.energy += asked.energy;
+            requested.direction += asked.direction;
+            summary.cascades[c].expected_m2 += one.energy;
+            all[c].resize(variances.size());
+            for (std::size_t i = 0; i < variances.size(); ++i)
+                all[c][i] += variances[i];
+        }
+        if (requested.energy > 0.0)
+            summary.lattice.push_back(bias_of(s, requested, expected));
+    }
+    for (std::size_t c = 0; c < all.size(); ++c)
+        if (!all[c].empty())
+            summary.cascades[c].expected_scatter =
+                scatter_of(all[c], realization.cascades[c].spec.size);
+}
+
+} // namespace seaway::sea

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the lattice makes of a sea whatever the seed: the part of summarize() that comes from expected
+// variances (sea/waves/mode_variances.h).
+#pragma once
+
+#include "sea/waves/moments.h"
+
+namespace seaway::sea {
+
+/// Fills expected_m2 and expected_scatter of each cascade, which must be there, and `lattice`.
+void add_expected(const SeaState& sea, const Realization& realization, SeaSummary& summary);
+
+} // namespace seaway::sea
