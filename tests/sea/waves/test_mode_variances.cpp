@@ -20,13 +20,13 @@ using testing::windy_sea;
 
 const std::vector<CascadeSpec> default_tiles{{1021.0, 256}, {197.0, 256}, {37.0, 256}};
 
-/// Energy in one bin around 0.08 Hz, Hs 2 m.
-SeaState one_bin(double width_hz, double towards_rad = 0.0) {
+/// Energy in one bin, Hs 2 m.
+SeaState one_bin(double width_hz, double towards_rad = 0.0, double frequency_hz = 0.08) {
     SeaState state;
     MeasuredSea measured;
     measured.spectrum = std::make_shared<const MeasuredSpectrum>(
-        *parse_measured("f_hz,df_hz,s_m2_hz\n0.08," + std::to_string(width_hz) + "," +
-                            std::to_string(0.25 / width_hz) + "\n",
+        *parse_measured("f_hz,df_hz,s_m2_hz\n" + std::to_string(frequency_hz) + "," +
+                            std::to_string(width_hz) + "," + std::to_string(0.25 / width_hz) + "\n",
                         "one bin"));
     measured.towards_rad = towards_rad;
     measured.spreading.exponent = 30.0;
@@ -61,6 +61,8 @@ TEST(ModeVariances, expected_energy_of_narrow_seas_is_the_requested_within_1_in_
     for (const double towards : {0.0, 0.3, 0.7}) {
         EXPECT_NEAR(ratio(one_bin(0.005, towards), default_tiles), 1.0, 1e-3);
         EXPECT_NEAR(ratio(one_bin(0.001, towards), default_tiles), 1.0, 1e-3);
+        // 21 steps out and a quarter of a step wide: between the rings of the modes.
+        EXPECT_NEAR(ratio(one_bin(0.001, towards, 0.18), default_tiles), 1.0, 1e-3);
         for (const double wavelengths : {1.5, 1.9, 3.0, 8.0})
             EXPECT_NEAR(ratio(narrow_swell(towards), tile_of(wavelengths)), 1.0, 1e-3)
                 << wavelengths;
