@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a client asks for by what it can hold and by what a server sends at once: more times than
 // its ring has room for, tiles too large for one answer, a change of the sea.
+#include <chrono>
 #include <random>
+#include <thread>
 
 #include <gtest/gtest.h>
 
@@ -214,6 +216,10 @@ class ChangingSea : public tests::WaveSea {
 TEST(HeldLimits, times_in_one_interval_on_both_sides_of_a_change_have_keyframes_of_their_own_sea) {
     ChangingSea sea;
     Link link(sea);
+    // Connecting waits for the sea of now; that of later is a message of its own, just behind it.
+    for (int i = 0; i < 20'000 && link.client->sea_state(80'000)->epoch != sea.epoch + 1; ++i)
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    ASSERT_EQ(link.client->sea_state(80'000)->epoch, sea.epoch + 1);
     const QueryPoint points[] = {{1, 2, 20'000}, {1, 2, 80'000}};
     expect_true_heights(sea, points, link.client->fetch_and_sample(points, 60));
 }
