@@ -169,7 +169,9 @@ class Soak {
 
     void print() {
         fmt::print("scene,device,way,samples,flagged,misses,bound_over_p99,worst_over_bound\n");
-        for (auto& [key, tally] : tallies_) {
+        for (auto& [name, of_name] : tallies_) {
+            const std::string& key = name; // clang 14 lets no lambda see a structured binding
+            Tally& tally = of_name;
             std::sort(tally.share.begin(), tally.share.end());
             const auto quantile = [&](double q) {
                 return tally.share.empty() ? 0.0

@@ -20,7 +20,6 @@ namespace {
 
 using testing::energy_of;
 using ::testing::HasSubstr;
-using testing::one_wave;
 using testing::realized;
 using testing::swell_sea;
 using testing::three_cascades;

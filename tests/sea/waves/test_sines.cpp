@@ -269,7 +269,7 @@ TEST(Sines, keyframes_of_every_shape_are_the_sum_at_their_nodes) {
         add_sines(field, t, frame);
         for (const int node : {0, 5 * 32 + 3, 31 * 32 + 17}) {
             const auto at = static_cast<std::size_t>(node);
-            const LagrangianPoint p = sines_at(field, node % 32 * 4.0, node / 32 * 4.0, t);
+            const LagrangianPoint p = sines_at(field, 4.0 * (node % 32), 4.0 * (node / 32), t);
             EXPECT_NEAR(frame.plane(Field::height)[at], p.height, 1e-6); // floats of about 1
             EXPECT_NEAR(frame.plane(Field::slope_x)[at], p.slope_x, 1e-6);
             EXPECT_NEAR(frame.plane(Field::slope_y)[at], p.slope_y, 1e-6);
