@@ -14,7 +14,7 @@ namespace seaway::testing {
 class Table {
   public:
     explicit Table(const std::string& name) {
-        std::ifstream file(std::string(SEAWAY_SOURCE_DIR) + "/tests/data/" + name + ".csv");
+        std::ifstream file(SEAWAY_SOURCE_DIR "/tests/data/" + name + ".csv");
         for (std::string line; std::getline(file, line);) {
             if (line.empty() || line[0] == '#')
                 continue;
