@@ -14,34 +14,42 @@ namespace {
 
 constexpr std::string_view native_name = "native";
 
-Result<std::unique_ptr<Synthesizer>> make_native() {
-    return std::unique_ptr<Synthesizer>(std::make_unique<NativeSynthesizer>());
+Result<std::unique_ptr<Synthesizer>> make_native(const sea::RealizationPtr& sea,
+                                                 std::uint32_t epoch) {
+    auto made = std::make_unique<NativeSynthesizer>();
+    SEAWAY_TRY(made->set_sea(sea, epoch));
+    return std::unique_ptr<Synthesizer>(std::move(made));
 }
 
-Result<std::unique_ptr<Synthesizer>> make_vulkan(const VulkanOptions& options) {
+Result<std::unique_ptr<Synthesizer>>
+make_vulkan(const VulkanOptions& options, const sea::RealizationPtr& sea, std::uint32_t epoch) {
+    SEAWAY_TRY_LET(std::unique_ptr<VulkanSynthesizer> made, make_vulkan_synthesizer(options));
+    SEAWAY_TRY(made->set_sea(sea, epoch));
+    return std::unique_ptr<Synthesizer>(std::move(made));
+}
+
+/// The best Vulkan device, or the native one where there is none or it cannot do this sea.
+Result<std::unique_ptr<Synthesizer>>
+make_best(const VulkanOptions& options, const sea::RealizationPtr& sea, std::uint32_t epoch) {
     Result<std::unique_ptr<VulkanSynthesizer>> made = make_vulkan_synthesizer(options);
-    if (!made)
-        return made.error();
-    return std::unique_ptr<Synthesizer>(std::move(made).value());
+    const Result<void> able = made ? (*made)->set_sea(sea, epoch) : Result<void>(made.error());
+    if (able)
+        return std::unique_ptr<Synthesizer>(*std::move(made));
+    if (made && !able.error().is(DeviceError::cannot_do_this_sea))
+        return able.error(); // lost or out of memory: worth another try
+    spdlog::warn("device={} why=\"{}\"", native_name, able.error().message);
+    return make_native(sea, epoch);
 }
 
 } // namespace
 
-SynthesizerFactory device_factory(const Options& options, sea::RealizationPtr sea) {
+SynthesizerFactory device_factory(const Options& options) {
     if (options.device == native_name)
         return make_native;
-    const VulkanOptions vulkan{options.device, options.validation};
-    if (options.device != "auto")
-        return [vulkan] { return make_vulkan(vulkan); };
-    return [vulkan, sea = std::move(sea)]() -> Result<std::unique_ptr<Synthesizer>> {
-        Result<std::unique_ptr<Synthesizer>> made = make_vulkan(vulkan);
-        const Result<void> able = made ? (*made)->set_sea(sea, 0) : Result<void>(made.error());
-        if (able)
-            return made;
-        if (made && !able.error().is(DeviceError::cannot_do_this_sea))
-            return able.error(); // lost or out of memory: worth another try
-        spdlog::warn("device=native why=\"{}\"", able.error().message);
-        return make_native();
+    const auto make = options.device == "auto" ? make_best : make_vulkan;
+    return [make, vulkan = VulkanOptions{options.device, options.validation}](
+               const sea::RealizationPtr& sea, std::uint32_t epoch) {
+        return make(vulkan, sea, epoch);
     };
 }
 

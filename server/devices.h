@@ -5,15 +5,15 @@
 #include <string>
 
 #include "base/result.h"
+#include "server/device/rebuilt_synthesizer.h"
 #include "server/options.h"
-#include "server/simulation/simulation.h"
 
 namespace seaway::server {
 
 /// Makes the device that the options name, anew at each call. "auto" takes the native one where
 /// there is no Vulkan device, or the best one cannot do this sea: it computes wrongly or has no
 /// kernels of a size.
-SynthesizerFactory device_factory(const Options& options, sea::RealizationPtr sea);
+SynthesizerFactory device_factory(const Options& options);
 
 /// One line a device, as `--device list` prints it; an error if there is none.
 Result<std::string> device_list();

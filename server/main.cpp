@@ -46,7 +46,7 @@ SimulationEvents events(World& world) {
     return {[&world](const sea::KeyframePtr& keyframe) { world.on_keyframe(keyframe); },
             [](const std::string& why) { spdlog::warn("{}", why); },
             [](const std::string& why) {
-                spdlog::error("device gone for good: {}", why);
+                spdlog::error("{}", why);
                 StopSignal::fail();
             }};
 }
@@ -65,8 +65,8 @@ int serve(const Options& options) {
     const StopSignal stop;
     const auto clock = sea_clock();
     World world(*sea, warnings, clock);
-    Result<std::unique_ptr<Simulation>> simulation =
-        Simulation::start(*sea, device_factory(options, (*sea)->realization), clock, events(world));
+    Result<std::unique_ptr<Simulation>> simulation = Simulation::start(
+        *sea, device_factory(options), world.subscriptions(), clock, events(world));
     if (!simulation)
         return fail(exit_no_device, simulation.error());
     world.attach(**simulation);

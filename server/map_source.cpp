@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "protocol/map_header.h"
+
 namespace seaway::server {
 
 namespace {
@@ -16,8 +18,9 @@ class MapBytes final : public ByteSource {
   public:
     MapBytes(const sea::MapRequest& request, const sea::Surface& surface,
              std::unique_ptr<sea::MapStream> stream, MapPlace place)
-        : place_(std::move(place)), header_(map_header(request, surface)),
-          size_(sea::map_header_bytes +
+        : place_(std::move(place)),
+          header_(protocol::map_header(request, map_height_error_m(surface))),
+          size_(protocol::map_header_bytes +
                 sizeof(float) * static_cast<std::uint64_t>(request.columns) *
                     static_cast<std::uint64_t>(request.rows) *
                     static_cast<std::uint64_t>(sea::map_components(request.kind))),
@@ -42,7 +45,7 @@ class MapBytes final : public ByteSource {
 
   private:
     MapPlace place_; ///< given back last
-    std::array<std::uint8_t, sea::map_header_bytes> header_;
+    std::array<std::uint8_t, protocol::map_header_bytes> header_;
     std::uint64_t size_;
     bool header_sent_ = false;
     std::unique_ptr<sea::MapStream> stream_;

@@ -10,7 +10,7 @@
 
 #include "base/result.h"
 #include "sea/surface/height_map.h"
-#include "server/host.h"
+#include "server/host/host.h"
 
 namespace seaway::server {
 

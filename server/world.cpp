@@ -26,56 +26,34 @@ KeyframeTiles World::tiles(sea::KeyframePtr keyframe, std::uint8_t quality) cons
     return {std::move(keyframe), std::move(bounds), quality};
 }
 
+void World::attach(Simulation& simulation) {
+    simulation_ = &simulation;
+    subscriptions().on_change([&simulation] { simulation.demand_changed(); });
+}
+
 void World::on_keyframe(const sea::KeyframePtr& keyframe) {
-    std::array<bool, quality_rungs.size()> wanted{};
     Publish publish;
     {
         const std::scoped_lock lock(mutex_);
         publish = publish_;
-        for (const auto& [session, demand] : granted_)
-            if ((demand.cascades >> keyframe->cascade) & 1u)
-                wanted[demand.quality] = true;
     }
-    for (std::uint8_t quality = 0; quality < wanted.size(); ++quality)
-        if (wanted[quality] && publish)
+    for (std::uint8_t quality = 0; quality < quality_rungs.size(); ++quality)
+        if (publish && !subscriptions().wanted(keyframe->cascade, quality).empty())
             publish(tiles(keyframe, quality));
 }
 
-TileDemand World::grant(const TileDemand& wish) const {
-    TileDemand granted;
+Demand World::grant(const Demand& wish) const {
+    Demand granted;
     granted.cascades = wish.cascades & ((1u << sea_->budget.cascades.size()) - 1u);
     granted.fields = sea::FieldSet::from_bits(wish.fields.bits() & sea_->offered.bits());
     granted.quality = quality_for(sea_->budget, static_cast<double>(wish.error_m));
     granted.error_m = static_cast<float>(height_error_m(sea_->budget, granted.quality));
-    if (granted.cascades == 0)
-        granted.fields = {};
     return granted;
-}
-
-TileDemand World::subscribe(SessionId session, const TileDemand& demand) {
-    const TileDemand granted = grant(demand);
-    {
-        const std::scoped_lock lock(mutex_);
-        if (granted.fields.empty())
-            granted_.erase(session);
-        else
-            granted_[session] = granted;
-    }
-    simulation_->set_demand(session, {granted.cascades, granted.fields});
-    return granted;
-}
-
-void World::unsubscribe(SessionId session) {
-    {
-        const std::scoped_lock lock(mutex_);
-        granted_.erase(session);
-    }
-    simulation_->set_demand(session, {});
 }
 
 void World::fetch(FetchRequest request, Fetched done) {
-    const TileDemand granted = grant(request.demand);
-    if (granted.fields.empty())
+    const Demand granted = grant(request.demand);
+    if (granted.empty())
         return done(
             Error{Refusal::not_offered, "this sea offers none of these fields and cascades"});
     auto made = [this, quality = granted.quality,
@@ -87,11 +65,10 @@ void World::fetch(FetchRequest request, Fetched done) {
             all.push_back(tiles(std::move(keyframe), quality));
         done(std::move(all));
     };
-    const Demand demand{granted.cascades, granted.fields};
     if (request.times_us.empty())
-        simulation_->fetch_current(demand, std::move(made));
+        simulation_->fetch_current(granted, std::move(made));
     else
-        simulation_->fetch(std::move(request.times_us), demand, std::move(made));
+        simulation_->fetch(std::move(request.times_us), granted, std::move(made));
 }
 
 void World::query(QueryBatch batch, Queried done) {

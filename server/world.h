@@ -5,7 +5,6 @@
 // Thread-safe.
 #pragma once
 
-#include <array>
 #include <atomic>
 #include <functional>
 #include <map>
@@ -14,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "server/host.h"
+#include "server/host/host.h"
 #include "server/quality.h"
 #include "server/simulation/simulation.h"
 
@@ -27,7 +26,7 @@ class World final : public Host {
     World(RunningSeaPtr sea, std::vector<std::string> warnings, std::function<sea::TimeUs()> now);
 
     /// Before anything is asked; the simulation must outlive every later call.
-    void attach(Simulation& simulation) { simulation_ = &simulation; }
+    void attach(Simulation& simulation);
     /// Where keyframes go from now on.
     void publish_to(Publish publish);
     /// A keyframe that the plan called for: published once a quality in use.
@@ -35,8 +34,7 @@ class World final : public Host {
 
     sea::TimeUs sea_time_us() const override { return now_(); }
     std::vector<SharedBytes> sea_state_messages() const override { return {sea_state_}; }
-    TileDemand subscribe(SessionId session, const TileDemand& demand) override;
-    void unsubscribe(SessionId session) override;
+    Demand grant(const Demand& wish) const override;
     void fetch(FetchRequest request, Fetched done) override;
     void query(QueryBatch batch, Queried done) override;
     void map(MapQuery query, Mapped done) override;
@@ -47,7 +45,6 @@ class World final : public Host {
 
   private:
     KeyframeTiles tiles(sea::KeyframePtr keyframe, std::uint8_t quality) const;
-    TileDemand grant(const TileDemand& wish) const;
 
     const RunningSeaPtr sea_;
     const std::vector<std::string> warnings_;
@@ -58,8 +55,7 @@ class World final : public Host {
 
     std::shared_ptr<std::atomic<int>> maps_running_ = std::make_shared<std::atomic<int>>(0);
 
-    mutable std::mutex mutex_;
-    std::map<SessionId, TileDemand> granted_;
+    std::mutex mutex_; ///< of publish_
 };
 
 } // namespace seaway::server

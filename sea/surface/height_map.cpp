@@ -63,10 +63,6 @@ Result<MapKind> map_kind(std::string_view name) {
         fmt::format("map: kind = \"{}\" is not one of height, displacement, normal", name)};
 }
 
-int map_components(MapKind kind) {
-    return kind == MapKind::height ? 1 : 3;
-}
-
 Result<void> validate(const MapRequest& r) {
     const auto position = [](double x) { return std::abs(x) <= position_max_m; };
     const auto extent = [](double x) { return x > 0 && x <= map_width_max_m; };
@@ -89,32 +85,12 @@ Result<void> validate(const MapRequest& r) {
     return {};
 }
 
-std::array<std::uint8_t, map_header_bytes> map_header(const MapRequest& r, const Surface& surface) {
-    std::array<std::uint8_t, map_header_bytes> bytes{};
-    std::size_t at = 0;
-    const auto put = [&](std::uint64_t value, std::size_t count) {
-        for (std::size_t i = 0; i < count; ++i)
-            bytes[at++] = static_cast<std::uint8_t>(value >> (8 * i));
-    };
-    const auto put_double = [&](double value) { put(std::bit_cast<std::uint64_t>(value), 8); };
-    for (const char c : std::string_view("SWMP"))
-        put(static_cast<std::uint8_t>(c), 1);
-    put(1, 2);
-    put(static_cast<std::uint64_t>(r.kind), 2);
-    put(static_cast<std::uint64_t>(r.columns), 4);
-    put(static_cast<std::uint64_t>(r.rows), 4);
-    put(static_cast<std::uint64_t>(map_components(r.kind)), 4);
+double map_height_error_m(const Surface& surface) {
     const MapError& e = surface.map_error();
     const double sideways = std::max(surface.choppiness().x, surface.choppiness().y);
     // A slope of one, as steep as a breaking crest.
-    const double error_m = e.interpolation_m + sideways * e.interpolation_displacement_m +
-                           e.codec_height_m + e.codec_displacement_m + map_difference_max_m;
-    put(std::bit_cast<std::uint32_t>(static_cast<float>(error_m)), 4);
-    for (const double value : {r.x0_m, r.y0_m, r.width_m, r.height_m})
-        put_double(value);
-    put(static_cast<std::uint64_t>(r.time_us), 8);
-    SEAWAY_CHECK(at == map_header_bytes, "the header is as long as it says");
-    return bytes;
+    return e.interpolation_m + sideways * e.interpolation_displacement_m + e.codec_height_m +
+           e.codec_displacement_m + map_difference_max_m;
 }
 
 const MapKernel& map_kernel(Instructions instructions) {

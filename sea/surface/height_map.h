@@ -4,7 +4,6 @@
 //
 //     Result<std::unique_ptr<MapStream>> map = MapStream::start(request, surface);
 //     if (!map) return map.error();                      // names the field and its range
-//     send(map_header(request, surface));                // 64 bytes
 //     while (std::optional<MapChunk> chunk = (*map)->next_chunk())
 //         send(chunk->values);                           // float32, little-endian
 //
@@ -25,7 +24,6 @@
 // Memory: 16 bytes a texel of the cascades and map_chunks_ahead_max chunks, whatever the request.
 #pragma once
 
-#include <array>
 #include <condition_variable>
 #include <cstdint>
 #include <functional>
@@ -68,20 +66,16 @@ struct MapRequest {
 Result<MapKind> map_kind(std::string_view name);
 
 /// Floats a point.
-int map_components(MapKind kind);
+inline int map_components(MapKind kind) {
+    return kind == MapKind::height ? 1 : 3;
+}
 
 /// An error names the field, its value and its range.
 Result<void> validate(const MapRequest& request);
 
-/// What stands before the rows, little-endian:
-///   0 "SWMP"  4 u16 version = 1  6 u16 kind (0 height, 1 displacement, 2 normal)
-///   8 u32 columns  12 u32 rows  16 u32 floats a point
-///   20 f32 error_m: bound on the heights where the surface does not overhang steeply: what the
-///          maps cost and map_difference_max_m
-///   24 f64 x0_m  32 f64 y0_m  40 f64 width_m  48 f64 height_m  56 i64 time_us
-inline constexpr std::size_t map_header_bytes = 64;
-std::array<std::uint8_t, map_header_bytes> map_header(const MapRequest& request,
-                                                      const Surface& surface);
+/// Bound on the heights of a map where the surface does not overhang steeply: what the maps cost
+/// and map_difference_max_m.
+double map_height_error_m(const Surface& surface);
 
 struct MapChunk {
     int first_row = 0;

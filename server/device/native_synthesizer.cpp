@@ -33,9 +33,9 @@ Result<void> NativeSynthesizer::set_sea(sea::RealizationPtr sea, std::uint32_t e
     return {};
 }
 
-Result<std::vector<sea::KeyframePtr>>
+Result<std::vector<NewKeyframePtr>>
 NativeSynthesizer::synthesize(std::span<const KeyframeRequest> requests) try {
-    std::vector<std::shared_ptr<sea::Keyframe>> keyframes;
+    std::vector<NewKeyframePtr> keyframes;
     std::vector<sea::NativeTask> tasks;
     for (const KeyframeRequest& request : requests) {
         SEAWAY_CHECK(request.cascade >= 0 && request.cascade < static_cast<int>(cascades_.size()),
@@ -51,11 +51,13 @@ NativeSynthesizer::synthesize(std::span<const KeyframeRequest> requests) try {
         keyframe->fields = request.fields;
         keyframe->values =
             spare_->take(static_cast<std::size_t>(request.fields.size()) * keyframe->plane_size());
-        tasks.push_back(
-            {&cascade, sea_->phase_time(request.time_us), request.fields, keyframe->values});
+        const sea::FieldSet fields = synthesized(request.fields);
+        const std::size_t values = static_cast<std::size_t>(fields.size()) * keyframe->plane_size();
+        tasks.push_back({&cascade, sea_->phase_time(request.time_us), fields,
+                         std::span(keyframe->values).first(values)});
         keyframes.push_back(std::move(keyframe));
         counters_.transforms +=
-            static_cast<std::uint64_t>(sea::NativeRunner::transformed(request.fields).size());
+            static_cast<std::uint64_t>(sea::NativeRunner::transformed(fields).size());
     }
     const auto start = std::chrono::steady_clock::now();
     runner_.run(tasks);
@@ -67,7 +69,7 @@ NativeSynthesizer::synthesize(std::span<const KeyframeRequest> requests) try {
     counters_.device_seconds += taken.count();
     counters_.dispatches += 2 * tasks.size();
     counters_.keyframes += tasks.size();
-    return std::vector<sea::KeyframePtr>(keyframes.begin(), keyframes.end());
+    return keyframes;
 } catch (const std::bad_alloc&) {
     return Error{"native synthesis: out of memory"};
 }

@@ -19,7 +19,7 @@ class NativeSynthesizer final : public Synthesizer {
 
     std::string description() const override;
     Result<void> set_sea(sea::RealizationPtr sea, std::uint32_t epoch) override;
-    Result<std::vector<sea::KeyframePtr>>
+    Result<std::vector<NewKeyframePtr>>
     synthesize(std::span<const KeyframeRequest> requests) override;
     Result<std::vector<SynthesisStage>> stages(const KeyframeRequest& request) override;
     SynthesisCounters counters() const override { return counters_; }

@@ -19,12 +19,21 @@
 
 namespace seaway::server {
 
-/// One keyframe wanted: which fields of which cascade, when. `foam` is not a synthesizer's field.
+/// One keyframe wanted: which fields of which cascade, when. Field::foam is not a synthesizer's: its
+/// plane, the last one, is left for the caller to fill.
 struct KeyframeRequest {
     int cascade;
     sea::TimeUs time_us;
     sea::FieldSet fields;
 };
+
+/// The fields of a request that a synthesizer fills.
+inline constexpr sea::FieldSet synthesized(sea::FieldSet fields) {
+    return sea::FieldSet::from_bits(fields.bits() & ~sea::FieldSet{sea::Field::foam}.bits());
+}
+
+/// A keyframe that nobody else holds yet: it may still be written to.
+using NewKeyframePtr = std::shared_ptr<sea::Keyframe>;
 
 /// Kinds of a device's errors that somebody acts on; all others are of a device that failed.
 enum class DeviceError {
@@ -38,6 +47,15 @@ struct SynthesisCounters {
     std::uint64_t transforms = 0; ///< 2-D transforms, one a real field
     std::uint64_t keyframes = 0;
     double device_seconds = 0; ///< by the device's own clock where that costs nothing
+
+    friend SynthesisCounters operator+(const SynthesisCounters& a, const SynthesisCounters& b) {
+        return {a.dispatches + b.dispatches, a.transforms + b.transforms, a.keyframes + b.keyframes,
+                a.device_seconds + b.device_seconds};
+    }
+    friend SynthesisCounters operator-(const SynthesisCounters& a, const SynthesisCounters& b) {
+        return {a.dispatches - b.dispatches, a.transforms - b.transforms, a.keyframes - b.keyframes,
+                a.device_seconds - b.device_seconds};
+    }
 };
 
 class Synthesizer {
@@ -52,7 +70,7 @@ class Synthesizer {
 
     /// One keyframe a request, in order; requests of equal size may share dispatches. An error
     /// means the device failed (lost, out of memory): the caller rebuilds or gives up.
-    virtual Result<std::vector<sea::KeyframePtr>>
+    virtual Result<std::vector<NewKeyframePtr>>
     synthesize(std::span<const KeyframeRequest> requests) = 0;
 
     /// What one keyframe goes through on the way to its maps, pass by pass; without the maps. Slow.

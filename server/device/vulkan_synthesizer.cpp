@@ -43,7 +43,7 @@ class Vulkan final : public VulkanSynthesizer {
 
     std::string description() const override;
     Result<void> set_sea(sea::RealizationPtr sea, std::uint32_t epoch) override;
-    Result<std::vector<sea::KeyframePtr>>
+    Result<std::vector<NewKeyframePtr>>
     synthesize(std::span<const KeyframeRequest> requests) override;
     Result<std::vector<SynthesisStage>> stages(const KeyframeRequest& request) override;
     SynthesisCounters counters() const override;
@@ -69,10 +69,10 @@ class Vulkan final : public VulkanSynthesizer {
     Result<const SynthesisKernels*> kernels(int size, bool band_limited);
     std::vector<Batch> sort(std::span<const KeyframeRequest> requests) const;
     Result<void> run(const Batch& batch, std::span<const KeyframeRequest> requests,
-                     std::span<sea::KeyframePtr> out);
+                     std::span<NewKeyframePtr> out);
     Result<void> run_jobs(VulkanBatch& device_batch, const Batch& batch,
                           std::span<const KeyframeRequest> requests,
-                          std::span<const std::size_t> indices, std::span<sea::KeyframePtr> out);
+                          std::span<const std::size_t> indices, std::span<NewKeyframePtr> out);
     std::shared_ptr<sea::Keyframe> keyframe(const KeyframeRequest& request) const;
     /// The maps of the last run, to keyframes[job].
     void copy_maps(const VulkanBatch& device_batch, const Packing& packing,
@@ -183,24 +183,22 @@ std::vector<Vulkan::Batch> Vulkan::sort(std::span<const KeyframeRequest> request
         SEAWAY_CHECK(request.cascade >= 0 &&
                          static_cast<std::size_t>(request.cascade) < sea_->cascades.size(),
                      "a keyframe of a cascade that the sea does not have");
-        SEAWAY_CHECK(!request.fields.contains(sea::Field::foam), "foam is not synthesised");
         const int size = sea_->cascades[static_cast<std::size_t>(request.cascade)].spec.size;
         const auto same = std::find_if(batches.begin(), batches.end(), [&](const Batch& batch) {
-            return batch.size == size && batch.fields == request.fields;
+            return batch.size == size && batch.fields == synthesized(request.fields);
         });
         if (same != batches.end())
             same->requests.push_back(i);
         else
-            batches.push_back({size, request.fields, {i}});
+            batches.push_back({size, synthesized(request.fields), {i}});
     }
     return batches;
 }
 
-Result<std::vector<sea::KeyframePtr>>
-Vulkan::synthesize(std::span<const KeyframeRequest> requests) {
+Result<std::vector<NewKeyframePtr>> Vulkan::synthesize(std::span<const KeyframeRequest> requests) {
     if (!sea_)
         return Error{"no sea on the device: the last one could not be uploaded"};
-    std::vector<sea::KeyframePtr> out(requests.size());
+    std::vector<NewKeyframePtr> out(requests.size());
     for (const Batch& batch : sort(requests))
         if (Result<void> done = run(batch, requests, out); !done)
             return Error{device_->info().name + ": " + done.error().message};
@@ -209,7 +207,7 @@ Vulkan::synthesize(std::span<const KeyframeRequest> requests) {
 }
 
 Result<void> Vulkan::run(const Batch& batch, std::span<const KeyframeRequest> requests,
-                         std::span<sea::KeyframePtr> out) {
+                         std::span<NewKeyframePtr> out) {
     VulkanBatch& device_batch = *groups_.at(batch.size).batch;
     const std::span<const std::size_t> all(batch.requests);
     const bool jacobian = batch.fields.contains(sea::Field::jacobian);
@@ -228,8 +226,7 @@ Result<void> Vulkan::run(const Batch& batch, std::span<const KeyframeRequest> re
 
 Result<void> Vulkan::run_jobs(VulkanBatch& device_batch, const Batch& batch,
                               std::span<const KeyframeRequest> requests,
-                              std::span<const std::size_t> indices,
-                              std::span<sea::KeyframePtr> out) {
+                              std::span<const std::size_t> indices, std::span<NewKeyframePtr> out) {
     const bool jacobian = batch.fields.contains(sea::Field::jacobian);
     const sea::FieldSet computed =
         jacobian ? linear_part(batch.fields) | strains : linear_part(batch.fields);
@@ -289,7 +286,7 @@ void Vulkan::copy_maps(const VulkanBatch& device_batch, const Packing& packing,
     };
     std::vector<Map> maps;
     for (std::size_t job = 0; job < keyframes.size(); ++job)
-        for (const sea::Field field : keyframes[job]->fields)
+        for (const sea::Field field : synthesized(keyframes[job]->fields))
             maps.push_back({device_batch, static_cast<int>(job),
                             sea::is_linear(field) ? packing.plane_of(field) : -1,
                             keyframes[job]->plane(field)});

@@ -9,30 +9,6 @@
 
 namespace seaway::server {
 
-void Subscriptions::set(SessionId session, const TileDemand& grant) {
-    const std::lock_guard lock(mutex_);
-    grants_[session] = grant;
-}
-
-void Subscriptions::erase(SessionId session) {
-    const std::lock_guard lock(mutex_);
-    grants_.erase(session);
-}
-
-std::size_t Subscriptions::size() const {
-    const std::lock_guard lock(mutex_);
-    return grants_.size();
-}
-
-sea::FieldSet Subscriptions::wanted(int cascade, std::uint8_t quality) const {
-    const std::lock_guard lock(mutex_);
-    sea::FieldSet fields;
-    for (const auto& [session, grant] : grants_)
-        if (grant.quality == quality && (grant.cascades >> cascade & 1u) != 0)
-            fields |= grant.fields;
-    return fields;
-}
-
 Core::Core(NetOptions net_options, Host& simulation, std::function<void(Work)> run_on_io_thread)
     : options(std::move(net_options)), host(simulation),
       run_on_io_thread_(std::move(run_on_io_thread)) {}
@@ -55,7 +31,7 @@ Session* Core::find(SessionId session) const {
 
 Gauges Core::gauges() const {
     Gauges gauges{.sessions = sessions.size(),
-                  .subscriptions = subscriptions.size(),
+                  .subscriptions = host.subscriptions().size(),
                   .connections = static_cast<std::size_t>(connections),
                   .outbox_bytes = 0,
                   .outboxes = {}};

@@ -8,7 +8,7 @@
 #include <mutex>
 #include <string>
 
-#include "server/host.h"
+#include "server/host/host.h"
 #include "server/net/counters.h"
 #include "server/net/encode_worker.h"
 #include "server/net/options.h"
@@ -16,20 +16,6 @@
 namespace seaway::server {
 
 class Session;
-
-/// Who was granted what: read by publishers, so behind a lock.
-class Subscriptions {
-  public:
-    void set(SessionId session, const TileDemand& grant);
-    void erase(SessionId session);
-    std::size_t size() const;
-    /// Union of what is wanted of a cascade at a quality. Any thread.
-    sea::FieldSet wanted(int cascade, std::uint8_t quality) const;
-
-  private:
-    mutable std::mutex mutex_;
-    std::map<SessionId, TileDemand> grants_;
-};
 
 class Core : public std::enable_shared_from_this<Core> {
   public:
@@ -43,7 +29,6 @@ class Core : public std::enable_shared_from_this<Core> {
     std::string admin_token;  ///< empty: there is no administrator
 
     Counters counters;
-    Subscriptions subscriptions;
     EncodeWorker encoding;
     std::map<SessionId, Session*> sessions;
     SessionId next_session = 1;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/net/refusals.h"
 
-#include "server/refusal.h"
+#include "server/host/refusal.h"
 
 namespace seaway::server {
 

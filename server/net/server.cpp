@@ -226,7 +226,7 @@ void NetServer::Impl::on_accepted(error_code error, tcp::socket socket) {
 
 void NetServer::Impl::publish(KeyframeTiles tiles) {
     const sea::FieldSet wanted =
-        core_->subscriptions.wanted(tiles.keyframe->cascade, tiles.quality);
+        core_->host.subscriptions().wanted(tiles.keyframe->cascade, tiles.quality);
     if (wanted.empty())
         return;
     const std::weak_ptr<Core> weak = core_;

@@ -18,7 +18,7 @@
 
 #include "base/result.h"
 #include "protocol/messages.h"
-#include "server/host.h"
+#include "server/host/host.h"
 #include "server/net/options.h"
 
 namespace seaway::server {

@@ -95,18 +95,14 @@ void Session::on_subscribe(const wire::Subscribe& subscribe) {
         return refuse(request_id, fine.error());
     if (fetches_in_flight_ + outbox_.fetches_waiting() >= limits::fetches_in_flight_max)
         return refuse(request_id, {ErrorCode::too_many_requests, "earlier fetches are not done"});
-    const TileDemand demand{.cascades = subscribe.cascades(),
-                            .fields = sea::FieldSet::from_bits(subscribe.fields()),
-                            .error_m = subscribe.error_m()};
+    const Demand wish{.cascades = subscribe.cascades(),
+                      .fields = sea::FieldSet::from_bits(subscribe.fields()),
+                      .error_m = subscribe.error_m()};
     on_unsubscribe();
-    const TileDemand grant = core_.host.subscribe(id_, demand);
-    if (grant.fields.empty() || grant.cascades == 0) {
-        core_.host.unsubscribe(id_);
+    const Demand grant = core_.host.grant(wish);
+    if (grant.empty())
         return refuse(request_id, {Refusal::not_offered, "this sea offers none of these fields"});
-    }
-    grant_ = grant;
-    subscribed_ = true;
-    core_.subscriptions.set(id_, grant);
+    core_.host.subscriptions().set(id_, grant);
     outbox_.set_credit(subscribe.credit());
     reply(protocol::subscribed(
         request_id, {.cascades = grant.cascades, .fields = grant.fields, .error_m = grant.error_m},
@@ -115,11 +111,7 @@ void Session::on_subscribe(const wire::Subscribe& subscribe) {
 }
 
 void Session::on_unsubscribe() {
-    if (!subscribed_)
-        return;
-    subscribed_ = false;
-    core_.subscriptions.erase(id_);
-    core_.host.unsubscribe(id_);
+    core_.host.subscriptions().erase(id_);
     outbox_.stop_stream();
 }
 
@@ -261,14 +253,15 @@ void Session::hello_overdue() {
 }
 
 void Session::deliver(const EncodedKeyframePtr& keyframe) {
-    if (!subscribed_ || closing_ || keyframe->quality != grant_.quality ||
-        ((grant_.cascades >> keyframe->cascade) & 1u) == 0)
+    const std::optional<Demand> grant = core_.host.subscriptions().find(id_);
+    if (!grant || closing_ || keyframe->quality != grant->quality ||
+        !grant->wants(keyframe->cascade))
         return;
     // A keyframe computed for an earlier plan may lack what this session was granted: half a
     // keyframe is of no use to it.
-    if (!keyframe->fields.contains(grant_.fields))
+    if (!keyframe->fields.contains(grant->fields))
         return;
-    outbox_.push_keyframe(keyframe, grant_.fields);
+    outbox_.push_keyframe(keyframe, grant->fields);
     link_.send_more();
 }
 

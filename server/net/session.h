@@ -89,8 +89,6 @@ class Session {
     bool greeted_ = false;
     bool closing_ = false;
     bool ended_ = false;
-    bool subscribed_ = false;
-    TileDemand grant_;
     int queries_in_flight_ = 0;
     int fetches_in_flight_ = 0; ///< at the host or at the encoder
     std::uint64_t messages_sent_ = 0;

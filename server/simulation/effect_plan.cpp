@@ -62,14 +62,13 @@ int transforms_for(FieldSet fields) {
     return linear;
 }
 
-EffectPlan plan_effects(FieldSet offered, std::span<const Demand> demands,
+EffectPlan plan_effects(FieldSet offered, const Subscriptions& subscriptions,
                         const sea::ErrorBudget& budget) {
     EffectPlan plan;
     for (std::size_t c = 0; c < budget.cascades.size(); ++c) {
-        CascadePlan cascade{{}, budget.cascades[c].interval_us, 0};
-        for (const Demand& demand : demands)
-            if ((demand.cascades >> c) & 1u)
-                cascade.fields |= FieldSet::from_bits(demand.fields.bits() & offered.bits());
+        const FieldSet wanted = subscriptions.wanted(static_cast<int>(c));
+        CascadePlan cascade{FieldSet::from_bits(wanted.bits() & offered.bits()),
+                            budget.cascades[c].interval_us, 0};
         cascade.transforms = transforms_for(cascade.fields);
         plan.cascades.push_back(cascade);
     }

@@ -14,6 +14,7 @@
 #include "sea/basics/field.h"
 #include "sea/scene/scene.h"
 #include "sea/surface/error_budget.h"
+#include "server/host/subscriptions.h"
 
 namespace seaway::server {
 
@@ -30,12 +31,6 @@ std::span<const EffectInfo> effect_table();
 /// keyframes are joined by them.
 sea::FieldSet offered_fields(const sea::Effects& effects);
 
-/// What one subscriber or query wants.
-struct Demand {
-    std::uint32_t cascades = 0; ///< bit c
-    sea::FieldSet fields;
-};
-
 struct CascadePlan {
     sea::FieldSet fields;    ///< union of all demand, within what is offered; empty: idle
     sea::TimeUs interval_us; ///< between keyframes
@@ -47,7 +42,7 @@ struct EffectPlan {
     bool idle() const;
 };
 
-EffectPlan plan_effects(sea::FieldSet offered, std::span<const Demand> demands,
+EffectPlan plan_effects(sea::FieldSet offered, const Subscriptions& subscriptions,
                         const sea::ErrorBudget& budget);
 
 /// 2-D transforms of real fields that a set of fields takes; the Jacobian and foam need the

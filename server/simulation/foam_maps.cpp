@@ -12,20 +12,17 @@ FoamMaps::FoamMaps(const RunningSea& sea) {
                                 sea.budget.cascades[c].interval_us);
 }
 
-Result<sea::KeyframePtr> FoamMaps::add(const sea::KeyframePtr& keyframe,
-                                       const sea::FoamHistory::StrainsAt& strains_at) {
+Result<void> FoamMaps::fill(const NewKeyframePtr& keyframe,
+                            const sea::FoamHistory::StrainsAt& strains_at) {
     SEAWAY_CHECK(!histories_.empty(), "foam is offered only where the scene has a law for it");
     sea::FoamHistory& history = histories_[static_cast<std::size_t>(keyframe->cascade)];
     const auto strains = [&](sea::TimeUs time_us) -> Result<sea::KeyframePtr> {
-        return time_us == keyframe->time_us ? Result(keyframe) : strains_at(time_us);
+        return time_us == keyframe->time_us ? Result<sea::KeyframePtr>(keyframe)
+                                            : strains_at(time_us);
     };
-    if (Result<void> done = history.advance_to(keyframe->time_us, strains); !done)
-        return done.error();
-    auto foamy = std::make_shared<sea::Keyframe>(*keyframe);
-    foamy->fields.insert(sea::Field::foam); // the last of the table: its plane goes to the end
-    foamy->values.resize(foamy->values.size() + foamy->plane_size());
-    history.fill(foamy->plane(sea::Field::foam));
-    return sea::KeyframePtr(foamy);
+    SEAWAY_TRY(history.advance_to(keyframe->time_us, strains));
+    history.fill(keyframe->plane(sea::Field::foam));
+    return {};
 }
 
 } // namespace seaway::server

@@ -7,17 +7,14 @@
 
 #include "base/result.h"
 #include "sea/foam/foam.h"
+#include "server/device/synthesizer.h"
 #include "server/simulation/running_sea.h"
 
 namespace seaway::server {
 
-/// What a synthesizer must compute so that foam can be added: foam itself replaced by the strains
-/// that it stands on.
-inline sea::FieldSet foam_replaced(sea::FieldSet fields) {
-    if (!fields.contains(sea::Field::foam))
-        return fields;
-    const sea::FieldSet foam{sea::Field::foam};
-    return sea::FieldSet::from_bits(fields.bits() & ~foam.bits()) | sea::foam_inputs;
+/// Fields with those that foam stands on, where foam is among them.
+inline sea::FieldSet with_foam_inputs(sea::FieldSet fields) {
+    return fields.contains(sea::Field::foam) ? fields | sea::foam_inputs : fields;
 }
 
 class FoamMaps {
@@ -25,10 +22,10 @@ class FoamMaps {
     /// Without a foam law (RunningSea::foam_law) there is nothing to add.
     explicit FoamMaps(const RunningSea& sea);
 
-    /// The keyframe, which holds sea::foam_inputs, with Field::foam after its fields. `strains_at` gives
-    /// the same cascade at earlier times, for a history that starts.
-    Result<sea::KeyframePtr> add(const sea::KeyframePtr& keyframe,
-                                 const sea::FoamHistory::StrainsAt& strains_at);
+    /// Fills Field::foam of a keyframe that holds it and sea::foam_inputs. `strains_at` gives the
+    /// same cascade at earlier times, for a history that starts.
+    Result<void> fill(const NewKeyframePtr& keyframe,
+                      const sea::FoamHistory::StrainsAt& strains_at);
 
   private:
     std::vector<sea::FoamHistory> histories_; ///< one a cascade

@@ -9,7 +9,6 @@
 #include "sea/basics/field.h"
 #include "sea/foam/foam_law.h"
 #include "sea/scene/scene.h"
-#include "sea/surface/answer.h"
 #include "sea/surface/error_budget.h"
 #include "sea/waves/moments.h"
 #include "sea/waves/realization.h"
@@ -32,11 +31,6 @@ struct RunningSea {
         return sea::FieldSet::from_bits(sea::surface_fields.bits() & offered.bits());
     }
 };
-
-/// Refusal::bad_value, with value and range, for times and places where no sea is computed. A place
-/// that is not a number is let through: its answer says so.
-Result<void> check_time(sea::TimeUs time_us);
-Result<void> check_point(const sea::QueryPoint& point);
 
 using RunningSeaPtr = std::shared_ptr<const RunningSea>;
 

@@ -191,7 +191,7 @@ void time_size(const Settings& settings, gpu::Device& device, int size) {
          server::fitting_transforms(device.info(), size, band_limited))
         designs.push_back(std::make_unique<DeviceMaps>(device, modes, *transform));
     DeviceMaps& best = *designs.front();
-    std::vector<sea::KeyframePtr> keyframes;
+    std::vector<server::NewKeyframePtr> keyframes;
     const auto synthesize = [&](sea::TimeUs t_us) {
         std::vector<server::KeyframeRequest> requests;
         for (int cascade = 0; cascade < cascade_count; ++cascade)

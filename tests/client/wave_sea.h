@@ -17,7 +17,7 @@
 #include "protocol/messages.h"
 #include "sea/surface/inverse.h"
 #include "sea/waves/reference.h"
-#include "server/host.h"
+#include "server/host/host.h"
 
 namespace seaway::tests {
 
@@ -126,14 +126,13 @@ class WaveSea : public server::Host {
         state.displacement_reach_m = 1.5 * state.realised.hs_m;
         return {std::make_shared<const protocol::Bytes>(protocol::sea_state(state))};
     }
-    server::TileDemand subscribe(server::SessionId, const server::TileDemand& demand) override {
-        server::TileDemand grant = demand;
+    server::Demand grant(const server::Demand& wish) const override {
+        server::Demand grant = wish;
         grant.cascades &= 3u;
-        grant.fields = given(demand.fields);
+        grant.fields = given(wish.fields);
         grant.error_m = 0.01f;
         return grant;
     }
-    void unsubscribe(server::SessionId) override {}
     void fetch(server::FetchRequest request, Fetched done) override {
         ++fetches;
         if (request.times_us.empty())

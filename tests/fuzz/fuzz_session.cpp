@@ -76,8 +76,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         }
     }
     world->run();
-    if (!world->core->sessions.empty() || world->core->subscriptions.size() != 0 ||
-        !world->sea.subscribers.empty())
+    if (!world->core->sessions.empty() || world->sea.subscriptions().size() != 0)
         std::abort();
     return 0;
 }

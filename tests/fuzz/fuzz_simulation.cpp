@@ -26,14 +26,17 @@ size = 64
 )";
 
 std::unique_ptr<server::Simulation> make_simulation() {
+    static const server::Subscriptions nobody;
     const Result<sea::Scene> scene = sea::parse_scene(scene_text, "fuzz", ".");
     return *server::Simulation::start(
         *server::make_running_sea(*scene, 1),
-        []() -> Result<std::unique_ptr<server::Synthesizer>> {
-            return std::unique_ptr<server::Synthesizer>(
-                std::make_unique<server::NativeSynthesizer>(1));
+        [](const sea::RealizationPtr& sea,
+           std::uint32_t epoch) -> Result<std::unique_ptr<server::Synthesizer>> {
+            auto made = std::make_unique<server::NativeSynthesizer>(1);
+            SEAWAY_TRY(made->set_sea(sea, epoch));
+            return std::unique_ptr<server::Synthesizer>(std::move(made));
         },
-        [] { return sea::TimeUs{0}; }, {});
+        nobody, [] { return sea::TimeUs{0}; }, {});
 }
 
 /// Asks, waits, and holds what comes back against what was asked.

@@ -62,14 +62,13 @@ class Baker {
         std::vector<server::KeyframeRequest> requests;
         for (int c = 0; c < static_cast<int>(sea_->cascades.size()); ++c)
             requests.push_back({c, time_us, synthesized_fields()});
-        Result<std::vector<sea::KeyframePtr>> keyframes = synthesizer_.synthesize(requests);
-        if (!keyframes)
-            return keyframes.error();
+        SEAWAY_TRY_LET(const std::vector<server::NewKeyframePtr> made,
+                       synthesizer_.synthesize(requests));
+        const std::vector<sea::KeyframePtr> keyframes(made.begin(), made.end());
         for (std::size_t c = 0; c < foam_.size(); ++c)
-            if (Result<void> done = advance_foam(c, (*keyframes)[c]); !done)
-                return done;
+            SEAWAY_TRY(advance_foam(c, keyframes[c]));
         report_.synthesis_s += watch.lap_s();
-        if (Result<void> done = write_all(frame, *keyframes); !done)
+        if (Result<void> done = write_all(frame, keyframes); !done)
             return done;
         report_.files_s += watch.lap_s();
         ++report_.frames;
@@ -103,10 +102,9 @@ class Baker {
                 return keyframe;
             const server::KeyframeRequest request{static_cast<int>(cascade), time_us,
                                                   sea::foam_inputs};
-            Result<std::vector<sea::KeyframePtr>> made = synthesizer_.synthesize({&request, 1});
-            if (!made)
-                return made.error();
-            return made->front();
+            SEAWAY_TRY_LET(const std::vector<server::NewKeyframePtr> made,
+                           synthesizer_.synthesize({&request, 1}));
+            return sea::KeyframePtr(made.front());
         };
         return foam_[cascade].advance_to(keyframe->time_us, strains);
     }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -73,8 +74,8 @@ Result<void> run_compare(const CompareOptions& options) {
             return ready.error();
     }
     sea::TimeUs time_us = 12'340'000;
-    std::vector<sea::KeyframePtr> made[2];
-    std::string failure;
+    std::vector<server::NewKeyframePtr> made[2];
+    std::optional<Error> failure;
     std::vector<Variant> variants;
     for (int i = 0; i < 2; ++i)
         variants.push_back({*names[i], [&, i] {
@@ -83,11 +84,11 @@ Result<void> run_compare(const CompareOptions& options) {
                                 if (keyframes)
                                     made[i] = std::move(keyframes).value();
                                 else
-                                    failure = keyframes.error().message;
+                                    failure = keyframes.error();
                             }});
     interleave(variants, options.rounds);
-    if (!failure.empty())
-        return Error{failure};
+    if (failure)
+        return *failure;
     Difference largest;
     for (std::size_t c = 0; c < made[0].size(); ++c) {
         const Difference here = largest_difference(*made[0][c], *made[1][c]);

@@ -51,15 +51,15 @@ class EffectsBench {
         time_us_ += 1'000'003;
         for (int c = 0; c < static_cast<int>(sea_->realization->cascades.size()); ++c)
             if ((cascades >> c) & 1u)
-                requests.push_back({c, time_us_, server::foam_replaced(fields)});
+                requests.push_back({c, time_us_, server::with_foam_inputs(fields)});
         if (requests.empty() || fields.empty())
             return;
-        Result<std::vector<sea::KeyframePtr>> made = device_.synthesize(requests);
+        const Result<std::vector<server::NewKeyframePtr>> made = device_.synthesize(requests);
         SEAWAY_CHECK(made.has_value(), made ? "" : made.error().message);
         if (fields.contains(sea::Field::foam))
-            for (const sea::KeyframePtr& keyframe : *made) {
-                const auto same = [&](sea::TimeUs) { return Result(keyframe); };
-                SEAWAY_CHECK(foam_.add(keyframe, same).has_value(), "foam");
+            for (const server::NewKeyframePtr& keyframe : *made) {
+                const auto same = [&](sea::TimeUs) { return Result<sea::KeyframePtr>(keyframe); };
+                SEAWAY_CHECK(foam_.fill(keyframe, same).has_value(), "foam");
             }
     }
 

@@ -155,16 +155,10 @@ Result<int> write_images(const sea::RealizationPtr& sea, const ImagesOptions& op
     ImageWriter writer(*sea, options);
     for (std::size_t c = 0; c < sea->cascades.size(); ++c) {
         const KeyframeRequest request{static_cast<int>(c), options.time_us, synthesised_fields()};
-        const Result<std::vector<sea::KeyframePtr>> keyframes =
-            (*device)->synthesize({&request, 1});
-        if (!keyframes)
-            return keyframes.error();
-        if (Result<void> done = writer.spectra(c); !done)
-            return done.error();
-        if (Result<void> done = writer.stages(c, **device, request); !done)
-            return done.error();
-        if (Result<void> done = writer.maps(*keyframes->front()); !done)
-            return done.error();
+        SEAWAY_TRY_LET(const auto keyframes, (*device)->synthesize({&request, 1}));
+        SEAWAY_TRY(writer.spectra(c));
+        SEAWAY_TRY(writer.stages(c, **device, request));
+        SEAWAY_TRY(writer.maps(*keyframes.front()));
     }
     return writer.files();
 }

@@ -21,7 +21,7 @@ Result<void> sail(const VulkanOptions& options, const RandomSea& random) {
     if (Result<void> set = (*made)->set_sea(random.realization(), 1); !set)
         return set;
     const KeyframeRequest request{0, 0, {sea::Field::height, sea::Field::jacobian}};
-    const Result<std::vector<sea::KeyframePtr>> keyframes = (*made)->synthesize({&request, 1});
+    const Result<std::vector<NewKeyframePtr>> keyframes = (*made)->synthesize({&request, 1});
     if (!keyframes)
         return keyframes.error();
     return {};

@@ -40,7 +40,7 @@ class VulkanSynthesizerTest : public testing::Test {
 
     sea::KeyframePtr keyframe(int cascade, sea::TimeUs time_us, FieldSet fields) {
         const KeyframeRequest request{cascade, time_us, fields};
-        Result<std::vector<sea::KeyframePtr>> made = synthesizer_->synthesize({&request, 1});
+        Result<std::vector<NewKeyframePtr>> made = synthesizer_->synthesize({&request, 1});
         EXPECT_TRUE(made) << made.error().message;
         return made ? made->front() : nullptr;
     }
@@ -288,7 +288,7 @@ TEST_F(VulkanSynthesizerTest, the_same_time_gives_the_same_bits_alone_and_in_com
         requests.push_back(
             {i % 3, 1'000'000 * i / 3,
              i % 5 == 0 ? FieldSet{Field::height, Field::jacobian} : sea::surface_fields});
-    const Result<std::vector<sea::KeyframePtr>> together = synthesizer_->synthesize(requests);
+    const Result<std::vector<NewKeyframePtr>> together = synthesizer_->synthesize(requests);
     ASSERT_TRUE(together) << together.error().message;
     for (std::size_t i = 0; i < requests.size(); ++i) {
         const sea::KeyframePtr alone =

@@ -316,7 +316,7 @@ TEST_F(NetSession, the_subscription_ends_with_unsubscribe_and_with_the_session) 
     }
     EXPECT_TRUE(eventually([&] { return metric("seaway_net_subscriptions") == 0; }));
     net->stop();
-    EXPECT_TRUE(host.subscribers.empty());
+    EXPECT_EQ(host.subscriptions().size(), 0u);
 }
 
 TEST_F(NetSession, one_keyframe_is_encoded_once_for_all_sessions_and_for_later_fetches) {

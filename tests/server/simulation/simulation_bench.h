@@ -55,7 +55,7 @@ class FailingSynthesizer final : public Synthesizer {
     Result<void> set_sea(sea::RealizationPtr sea, std::uint32_t epoch) override {
         return inner_.set_sea(std::move(sea), epoch);
     }
-    Result<std::vector<sea::KeyframePtr>>
+    Result<std::vector<NewKeyframePtr>>
     synthesize(std::span<const KeyframeRequest> requests) override {
         if (failures_->fetch_sub(1) > 0)
             return Error{"VK_ERROR_DEVICE_LOST"};
@@ -76,16 +76,22 @@ struct Bench {
     std::mutex mutex;
     std::vector<sea::KeyframePtr> published;
     std::atomic<int> warnings = 0;
+    std::atomic<int> uploads = 0; ///< of the sea to a device
     std::promise<std::string> failed;
+    Subscriptions subscriptions;
     std::unique_ptr<Simulation> simulation;
 
     explicit Bench(const std::string& more = {}) : sea(running_sea(more)) {
         Result<std::unique_ptr<Simulation>> started = Simulation::start(
             sea,
-            [this]() -> Result<std::unique_ptr<Synthesizer>> {
-                return std::unique_ptr<Synthesizer>(std::make_unique<FailingSynthesizer>(failures));
+            [this](const sea::RealizationPtr& realization,
+                   std::uint32_t epoch) -> Result<std::unique_ptr<Synthesizer>> {
+                auto made = std::make_unique<FailingSynthesizer>(failures);
+                SEAWAY_TRY(made->set_sea(realization, epoch));
+                ++uploads;
+                return std::unique_ptr<Synthesizer>(std::move(made));
             },
-            [this] { return now_us.load(); },
+            subscriptions, [this] { return now_us.load(); },
             {[this](const sea::KeyframePtr& keyframe) {
                  const std::scoped_lock lock(mutex);
                  published.push_back(keyframe);
@@ -93,6 +99,7 @@ struct Bench {
              [this](const std::string&) { ++warnings; },
              [this](const std::string& why) { failed.set_value(why); }});
         simulation = std::move(started).value();
+        subscriptions.on_change([this] { simulation->demand_changed(); });
     }
 
     std::vector<sea::Answer> answer(std::vector<sea::QueryPoint> points, bool exact = false) {
@@ -126,7 +133,7 @@ struct Bench {
 
     void advance(TimeUs us) {
         now_us += us;
-        simulation->set_demand(999, {}); // nobody's; wakes the thread
+        simulation->demand_changed(); // wakes the thread
         settle();
     }
 

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "protocol/messages.h"
-#include "server/host.h"
+#include "server/host/host.h"
 
 namespace seaway::tests {
 
@@ -52,7 +52,7 @@ class SmallSea : public server::Host {
     }
 
     /// Two rungs: who is content with 0.1 m gets the coarse one.
-    static std::uint8_t quality(const server::TileDemand& demand) {
+    static std::uint8_t quality(const server::Demand& demand) {
         return demand.error_m >= bound(1) ? 1 : 0;
     }
     static constexpr float bound(std::uint8_t quality) { return quality == 0 ? 0.02f : 0.1f; }
@@ -83,17 +83,14 @@ class SmallSea : public server::Host {
 
     sea::TimeUs sea_time_us() const override { return newest * interval_us; }
     std::vector<protocol::SharedBytes> sea_state_messages() const override { return states; }
-    server::TileDemand subscribe(server::SessionId session,
-                                 const server::TileDemand& demand) override {
-        subscribers.insert(session);
-        server::TileDemand grant = demand;
+    server::Demand grant(const server::Demand& wish) const override {
+        server::Demand grant = wish;
         grant.cascades &= 3u;
-        grant.fields = sea::FieldSet::from_bits(demand.fields.bits() & offered.bits());
-        grant.quality = quality(demand);
+        grant.fields = sea::FieldSet::from_bits(wish.fields.bits() & offered.bits());
+        grant.quality = quality(wish);
         grant.error_m = bound(grant.quality);
         return grant;
     }
-    void unsubscribe(server::SessionId session) override { subscribers.erase(session); }
     void fetch(server::FetchRequest request, Fetched done) override {
         if ((request.demand.fields.bits() & offered.bits()) == 0)
             return done(Error{server::Refusal::not_offered, "none of these fields"});
@@ -136,7 +133,6 @@ class SmallSea : public server::Host {
 
     std::atomic<std::int64_t> newest = 0;
     std::atomic<bool> well = true;
-    std::set<server::SessionId> subscribers;
     std::vector<std::function<void()>> unanswered;
 };
 

@@ -18,14 +18,16 @@ double coverage_of(const RunningSea& sea, Synthesizer& device, FoamMaps& foam,
                    sea::TimeUs time_us) {
     std::vector<sea::KeyframePtr> maps;
     for (int c = 0; c < static_cast<int>(sea.realization->cascades.size()); ++c) {
-        const auto strains = [&](sea::TimeUs t_us) -> Result<sea::KeyframePtr> {
-            const KeyframeRequest request{c, t_us, sea::foam_inputs};
-            Result<std::vector<sea::KeyframePtr>> made = device.synthesize({&request, 1});
-            if (!made)
-                return made.error();
-            return made->front();
+        const auto synthesized = [&](sea::TimeUs t_us, sea::FieldSet fields) {
+            const KeyframeRequest request{c, t_us, fields};
+            return device.synthesize({&request, 1})->front();
         };
-        maps.push_back(*foam.add(*strains(time_us), strains));
+        const NewKeyframePtr map =
+            synthesized(time_us, with_foam_inputs(sea::FieldSet{sea::Field::foam}));
+        EXPECT_TRUE(foam.fill(map, [&](sea::TimeUs t_us) -> Result<sea::KeyframePtr> {
+            return sea::KeyframePtr(synthesized(t_us, sea::foam_inputs));
+        }));
+        maps.push_back(map);
     }
     std::mt19937_64 random(1);
     std::uniform_real_distribution<double> place(0.0, 1e5);

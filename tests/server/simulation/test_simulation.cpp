@@ -9,6 +9,18 @@
 namespace seaway::server {
 namespace {
 
+TEST(Simulation, a_sea_is_uploaded_once_to_each_device_and_what_all_have_done_adds_up) {
+    Bench bench;
+    EXPECT_EQ(bench.uploads, 1);
+    EXPECT_EQ(bench.answer({{1.0, 2.0, 0}}).size(), 1u);
+    EXPECT_EQ(bench.simulation->counters().synthesis.keyframes, 4u) << "two of each cascade";
+    *bench.failures = 1;
+    EXPECT_EQ(bench.answer({{1.0, 2.0, 10'000'000}}).size(), 1u);
+    EXPECT_EQ(bench.uploads, 2);
+    EXPECT_EQ(bench.simulation->counters().synthesis.keyframes, 8u);
+    EXPECT_EQ(bench.simulation->counters().device_rebuilds, 1u);
+}
+
 TEST(Simulation, without_demand_nothing_is_dispatched) {
     Bench bench;
     for (int i = 0; i < 20; ++i)
@@ -22,7 +34,7 @@ TEST(Simulation, without_demand_nothing_is_dispatched) {
 TEST(Simulation, a_stream_has_every_keyframe_once_and_ends_with_its_last_subscriber) {
     Bench bench;
     const TimeUs interval = bench.sea->budget.cascades[1].interval_us;
-    bench.simulation->set_demand(1, {2u, sea::surface_fields}); // cascade 1 alone
+    bench.subscriptions.set(1, {2u, sea::surface_fields}); // cascade 1 alone
     for (int i = 0; i < 60; ++i)
         bench.advance(interval / 3);
     std::vector<TimeUs> times = bench.times(1);
@@ -33,7 +45,7 @@ TEST(Simulation, a_stream_has_every_keyframe_once_and_ends_with_its_last_subscri
     EXPECT_GE(times.back(), bench.now_us + interval);
     EXPECT_TRUE(bench.times(0).empty()) << "nobody asked for cascade 0";
 
-    bench.simulation->set_demand(1, {});
+    bench.subscriptions.set(1, {});
     const std::uint64_t before = bench.simulation->counters().synthesis.dispatches;
     for (int i = 0; i < 10; ++i)
         bench.advance(interval);
@@ -44,17 +56,17 @@ TEST(Simulation, a_late_wish_widens_the_keyframes_without_a_gap_for_others) {
     Bench bench;
     const TimeUs interval = bench.sea->budget.cascades[0].interval_us;
     const FieldSet height{Field::height, Field::height_rate};
-    bench.simulation->set_demand(1, {1u, height});
+    bench.subscriptions.set(1, {1u, height});
     for (int i = 0; i < 8; ++i)
         bench.advance(interval / 2);
     EXPECT_EQ(bench.published.back()->fields, height);
     EXPECT_EQ(bench.simulation->plan().cascades[0].transforms, 2);
-    bench.simulation->set_demand(2, {1u, {Field::slope_x, Field::slope_y}});
+    bench.subscriptions.set(2, {1u, {Field::slope_x, Field::slope_y}});
     for (int i = 0; i < 8; ++i)
         bench.advance(interval / 2);
     EXPECT_TRUE(bench.published.back()->fields.contains(Field::slope_x));
     EXPECT_EQ(bench.simulation->plan().cascades[0].transforms, 4);
-    bench.simulation->set_demand(2, {});
+    bench.subscriptions.set(2, {});
     for (int i = 0; i < 8; ++i)
         bench.advance(interval / 2);
     EXPECT_EQ(bench.published.back()->fields, height) << "the last one leaving takes its cost away";
@@ -68,11 +80,11 @@ TEST(Simulation, what_a_new_subscriber_fetches_and_the_stream_join_without_a_gap
     bench.advance(1'234'567);
     for (const bool others_watch : {false, true}) {
         if (others_watch) {
-            bench.simulation->set_demand(7, {~0u, sea::surface_fields});
+            bench.subscriptions.set(7, {~0u, sea::surface_fields});
             bench.advance(100'000);
         }
         bench.published.clear();
-        bench.simulation->set_demand(1, {~0u, sea::surface_fields});
+        bench.subscriptions.set(1, {~0u, sea::surface_fields});
         std::vector<sea::KeyframePtr> held = bench.fetch_current({~0u, sea::surface_fields});
         for (int i = 0; i < 30; ++i)
             bench.advance(50'000);
@@ -88,7 +100,7 @@ TEST(Simulation, what_a_new_subscriber_fetches_and_the_stream_join_without_a_gap
             for (std::size_t i = 1; i < times.size(); ++i)
                 EXPECT_EQ(times[i] - times[i - 1], interval) << "cascade " << c;
         }
-        bench.simulation->set_demand(1, {});
+        bench.subscriptions.set(1, {});
     }
 }
 
@@ -131,7 +143,7 @@ TEST(Simulation, foam_comes_with_the_stream_is_its_own_cost_and_the_same_after_a
     Bench bench(stormy);
     ASSERT_GT(bench.sea->foam_law->mean_coverage, 1e-3) << "there must be foam to speak of";
     const Demand demand{1u, {Field::foam}};
-    bench.simulation->set_demand(1, demand);
+    bench.subscriptions.set(1, demand);
     const TimeUs interval = bench.sea->budget.cascades[0].interval_us;
     for (int i = 0; i < 12; ++i)
         bench.advance(interval);
@@ -149,7 +161,7 @@ TEST(Simulation, foam_comes_with_the_stream_is_its_own_cost_and_the_same_after_a
     // times leave 5e-5 of what was before, and both tick at the same times.
     Bench restarted(stormy);
     restarted.now_us = bench.now_us.load();
-    restarted.simulation->set_demand(1, demand);
+    restarted.subscriptions.set(1, demand);
     for (int i = 0; i < 2; ++i)
         restarted.advance(interval);
     for (int i = 0; i < 2; ++i)
@@ -229,7 +241,7 @@ TEST(Simulation, after_a_leap_of_the_clock_it_goes_on_with_the_keyframe_of_now) 
     Bench bench;
     const TimeUs interval = bench.sea->budget.cascades[0].interval_us;
     const FieldSet height{Field::height, Field::height_rate};
-    bench.simulation->set_demand(1, {1u, height});
+    bench.subscriptions.set(1, {1u, height});
     for (int i = 0; i < 6; ++i)
         bench.advance(interval / 2);
     const std::size_t before = bench.times(0).size();
@@ -283,12 +295,15 @@ TEST(Simulation, more_questions_than_may_wait_are_refused_at_once_and_the_rest_a
 TEST(EffectPlan, is_the_union_of_demand_within_what_the_scene_allows) {
     const RunningSeaPtr sea = running_sea();
     const FieldSet height{Field::height, Field::height_rate};
-    const Demand demands[] = {{1u, height}, {3u, {Field::slope_x, Field::foam}}};
-    const EffectPlan plan = plan_effects(height | FieldSet{Field::slope_x}, demands, sea->budget);
+    Subscriptions subscriptions;
+    subscriptions.set(1, {1u, height});
+    subscriptions.set(2, {3u, {Field::slope_x, Field::foam}});
+    const EffectPlan plan =
+        plan_effects(height | FieldSet{Field::slope_x}, subscriptions, sea->budget);
     EXPECT_EQ(plan.cascades[0].fields, (height | FieldSet{Field::slope_x}));
     EXPECT_EQ(plan.cascades[1].fields, (FieldSet{Field::slope_x})) << "foam is not allowed here";
     EXPECT_EQ(plan.cascades[0].transforms, 3);
-    EXPECT_TRUE(plan_effects(height, {}, sea->budget).idle());
+    EXPECT_TRUE(plan_effects(height, Subscriptions(), sea->budget).idle());
 }
 
 TEST(EffectPlan, each_real_field_is_one_transform_and_the_jacobian_takes_three) {

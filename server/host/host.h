@@ -17,24 +17,13 @@
 #include "sea/basics/field.h"
 #include "sea/surface/answer.h"
 #include "sea/surface/keyframe.h"
-#include "server/refusal.h"
+#include "server/host/refusal.h"
+#include "server/host/subscriptions.h"
 
 namespace seaway::server {
 
 /// Immutable bytes of one complete wire message, shared by all sessions that send it.
 using SharedBytes = std::shared_ptr<const std::vector<std::uint8_t>>;
-
-using SessionId = std::uint64_t;
-
-/// What a subscriber wants, and what it is granted: the same shape, two different values.
-struct TileDemand {
-    std::uint32_t cascades = 0; ///< bit c
-    sea::FieldSet fields;
-    float error_m = 0; ///< bound on height, all parts together; 0: the server chooses
-    /// Granted only: the quality rung of the session. It is sent the published KeyframeTiles of the
-    /// same rung, of its cascades, and of those the fields that it was granted.
-    std::uint8_t quality = 0;
-};
 
 /// One keyframe to be encoded and sent. `codec_error` is the bound for each contained field in
 /// table order, in the field's unit; 0 is lossless. A keyframe wanted at several qualities is
@@ -60,7 +49,7 @@ struct FetchRequest {
     /// the keyframe before now to the newest published one, so that the stream continues it without
     /// a gap (subscribe first, then fetch this).
     std::vector<sea::TimeUs> times_us;
-    TileDemand demand;
+    Demand demand;
 };
 
 /// Bytes of a long answer, made while they are sent. For one reader.
@@ -88,10 +77,13 @@ class Host {
     /// Wire message SeaState of the sea that runs (and of the next one, if announced).
     virtual std::vector<SharedBytes> sea_state_messages() const = 0;
 
-    /// Says what the session will get; from now on its keyframes come through the publisher. The
-    /// grant has no fields if nothing that was asked for is offered. Replaces an earlier demand.
-    virtual TileDemand subscribe(SessionId session, const TileDemand& demand) = 0;
-    virtual void unsubscribe(SessionId session) = 0;
+    /// What of a wish can be had; empty if nothing that was asked for is offered.
+    virtual Demand grant(const Demand& wish) const = 0;
+
+    /// Who was granted what: kept here once, by who grants. The keyframes of a grant come through
+    /// the publisher from now on.
+    Subscriptions& subscriptions() { return subscriptions_; }
+    const Subscriptions& subscriptions() const { return subscriptions_; }
 
     // Each of these is answered once, by what was asked for or by why not: an Error of kind Refusal.
 
@@ -111,6 +103,9 @@ class Host {
     virtual std::string plan_json() const = 0;
     virtual std::string metrics_text() const = 0;
     virtual bool healthy() const = 0;
+
+  private:
+    Subscriptions subscriptions_;
 };
 
 } // namespace seaway::server

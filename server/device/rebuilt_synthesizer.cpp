@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/device/rebuilt_synthesizer.h"
+
+#include <fmt/format.h>
+
+namespace seaway::server {
+
+Result<std::unique_ptr<RebuiltSynthesizer>> RebuiltSynthesizer::start(SynthesizerFactory factory,
+                                                                      sea::RealizationPtr sea,
+                                                                      std::uint32_t epoch,
+                                                                      Warn warn) {
+    std::unique_ptr<RebuiltSynthesizer> made(
+        new RebuiltSynthesizer(std::move(factory), std::move(warn)));
+    SEAWAY_TRY(made->set_sea(std::move(sea), epoch));
+    return made;
+}
+
+std::string RebuiltSynthesizer::description() const {
+    return device_ ? device_->description() : "none";
+}
+
+Result<void> RebuiltSynthesizer::set_sea(sea::RealizationPtr sea, std::uint32_t epoch) {
+    sea_ = std::move(sea);
+    epoch_ = epoch;
+    return device_ ? device_->set_sea(sea_, epoch_) : rebuild();
+}
+
+Result<void> RebuiltSynthesizer::rebuild() {
+    before_ = counters();
+    device_.reset();
+    SEAWAY_TRY_LET(device_, factory_(sea_, epoch_));
+    return {};
+}
+
+Result<std::vector<NewKeyframePtr>>
+RebuiltSynthesizer::synthesize(std::span<const KeyframeRequest> requests) {
+    Error last{"there is no device"};
+    for (int attempt = 0;; ++attempt) {
+        if (device_) {
+            Result<std::vector<NewKeyframePtr>> made = device_->synthesize(requests);
+            if (made)
+                return made;
+            last = made.error();
+        }
+        if (attempt == device_rebuilds_max)
+            return last;
+        if (warn_)
+            warn_(fmt::format("device failed, rebuilding it ({} of {}): {}", attempt + 1,
+                              device_rebuilds_max, last.message));
+        ++rebuilds_;
+        if (const Result<void> rebuilt = rebuild(); !rebuilt)
+            last = rebuilt.error();
+    }
+}
+
+SynthesisCounters RebuiltSynthesizer::counters() const {
+    return device_ ? before_ + device_->counters() : before_;
+}
+
+} // namespace seaway::server

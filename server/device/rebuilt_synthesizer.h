@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+// A synthesizer that outlives its device: when one fails, it is made anew with the same sea, and
+// what was asked is asked again, a bounded number of times. Counters go on over rebuilds.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "server/device/synthesizer.h"
+
+namespace seaway::server {
+
+/// Makes a device that holds the sea already.
+using SynthesizerFactory = std::function<Result<std::unique_ptr<Synthesizer>>(
+    const sea::RealizationPtr& sea, std::uint32_t epoch)>;
+
+/// Of one call of synthesize().
+inline constexpr int device_rebuilds_max = 3;
+
+class RebuiltSynthesizer final : public Synthesizer {
+  public:
+    using Warn = std::function<void(const std::string& why)>;
+
+    /// Makes the first device. `warn` is told of each that fails.
+    static Result<std::unique_ptr<RebuiltSynthesizer>>
+    start(SynthesizerFactory factory, sea::RealizationPtr sea, std::uint32_t epoch, Warn warn);
+
+    std::string description() const override;
+    Result<void> set_sea(sea::RealizationPtr sea, std::uint32_t epoch) override;
+
+    /// An error is that of the last of device_rebuilds_max + 1 attempts.
+    Result<std::vector<NewKeyframePtr>>
+    synthesize(std::span<const KeyframeRequest> requests) override;
+
+    SynthesisCounters counters() const override;
+    std::uint64_t rebuilds() const { return rebuilds_; }
+
+  private:
+    RebuiltSynthesizer(SynthesizerFactory factory, Warn warn)
+        : factory_(std::move(factory)), warn_(std::move(warn)) {}
+    Result<void> rebuild();
+
+    const SynthesizerFactory factory_;
+    const Warn warn_;
+    sea::RealizationPtr sea_;
+    std::uint32_t epoch_ = 0;
+    std::unique_ptr<Synthesizer> device_; ///< null after a rebuild that failed
+    SynthesisCounters before_;            ///< of devices that are gone
+    std::uint64_t rebuilds_ = 0;
+};
+
+} // namespace seaway::server

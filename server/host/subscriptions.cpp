@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/host/subscriptions.h"
+
+namespace seaway::server {
+
+void Subscriptions::set(SessionId session, const Demand& grant) {
+    {
+        const std::scoped_lock lock(mutex_);
+        if (!grant.empty())
+            grants_[session] = grant;
+        else if (grants_.erase(session) == 0)
+            return;
+    }
+    if (changed_)
+        changed_();
+}
+
+std::optional<Demand> Subscriptions::find(SessionId session) const {
+    const std::scoped_lock lock(mutex_);
+    const auto found = grants_.find(session);
+    return found == grants_.end() ? std::nullopt : std::optional(found->second);
+}
+
+std::size_t Subscriptions::size() const {
+    const std::scoped_lock lock(mutex_);
+    return grants_.size();
+}
+
+template <class Includes>
+sea::FieldSet Subscriptions::union_of(const Includes& includes) const {
+    const std::scoped_lock lock(mutex_);
+    sea::FieldSet fields;
+    for (const auto& [session, grant] : grants_)
+        if (includes(grant))
+            fields |= grant.fields;
+    return fields;
+}
+
+sea::FieldSet Subscriptions::wanted(int cascade) const {
+    return union_of([&](const Demand& grant) { return grant.wants(cascade); });
+}
+
+sea::FieldSet Subscriptions::wanted(int cascade, std::uint8_t quality) const {
+    return union_of(
+        [&](const Demand& grant) { return grant.quality == quality && grant.wants(cascade); });
+}
+
+} // namespace seaway::server

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/simulation/point_question.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include <fmt/format.h>
+
+#include "server/host/refusal.h"
+
+namespace seaway::server {
+
+Result<void> check_time(sea::TimeUs time_us) {
+    if (sea::in_time_range(time_us))
+        return {};
+    return Error{Refusal::bad_value, fmt::format("time_us is {}, allowed are {} to {}", time_us,
+                                                 -sea::time_us_max, sea::time_us_max)};
+}
+
+Result<void> check_point(const sea::QueryPoint& point) {
+    for (const auto& [name, value] : {std::pair("x_m", point.x_m), std::pair("y_m", point.y_m)})
+        if (std::isfinite(value) && std::abs(value) > sea::position_max_m)
+            return Error{Refusal::bad_value,
+                         fmt::format("{} is {}, allowed are {} to {}", name, value,
+                                     -sea::position_max_m, sea::position_max_m)};
+    return check_time(point.time_us);
+}
+
+PointQuestion::PointQuestion(std::vector<sea::QueryPoint> points)
+    : points_(std::move(points)), order_(points_.size()), answers_(points_.size()) {
+    std::iota(order_.begin(), order_.end(), std::size_t{0});
+    std::stable_sort(order_.begin(), order_.end(), [&](std::size_t a, std::size_t b) {
+        return points_[a].time_us < points_[b].time_us;
+    });
+}
+
+Result<void> PointQuestion::sample(KeyframeSource& source) {
+    if (complete())
+        return {};
+    SEAWAY_TRY_LET(const KeyframeSource::SurfaceSpan span, source.surface_around(next().time_us));
+    SEAWAY_CHECK(next().time_us < span.end_us, "each slice brings a question nearer to its end");
+    for (std::size_t i = 0;
+         i < sampled_points_per_slice && !complete() && next().time_us < span.end_us; ++i)
+        put(span.surface->answer(next()));
+    return {};
+}
+
+void PointQuestion::sum_exactly(const RunningSea& sea) {
+    const sea::FoldSearch folds = fold_search(sea.budget);
+    for (std::size_t i = 0; i < exact_points_per_slice && !complete(); ++i) {
+        const sea::QueryPoint& point = next();
+        if (!moment_ || moment_us_ != point.time_us) {
+            moment_ = sea.truth.at_time(point.time_us);
+            moment_us_ = point.time_us;
+        }
+        // A nanometre, and what rounding leaves of a coordinate far out.
+        const double tolerance_m =
+            1e-9 + 4e-16 * std::max(std::abs(point.x_m), std::abs(point.y_m));
+        sea::Answer answer =
+            sea::surface_at(point, {sea.realization->choppiness, tolerance_m, folds}, *moment_);
+        answer.error_m += tolerance_m;
+        answer.flags |= sea::answer_exact;
+        put(answer);
+    }
+}
+
+} // namespace seaway::server

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+// PointQuestion: a batch of points, each at its own time, answered slice by slice in order of time,
+// so that points which share keyframes stand together. For one thread.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "sea/surface/answer.h"
+#include "sea/waves/reference.h"
+#include "server/simulation/keyframe_source.h"
+
+namespace seaway::server {
+
+/// Exact sums between two looks at what else is due.
+inline constexpr std::size_t exact_points_per_slice = 8;
+/// Up to 50 ms in a sea that folds often, 5 ms in others.
+inline constexpr std::size_t sampled_points_per_slice = 1024;
+
+/// Refusal::bad_value, with value and range, for times and places where no sea is computed. A place
+/// that is not a number is let through: its answer says so.
+Result<void> check_time(sea::TimeUs time_us);
+Result<void> check_point(const sea::QueryPoint& point);
+
+class PointQuestion {
+  public:
+    /// The points have passed check_point().
+    explicit PointQuestion(std::vector<sea::QueryPoint> points);
+
+    /// Answers the next points, at least one, from keyframes around them.
+    Result<void> sample(KeyframeSource& source);
+    /// The same by the direct sum.
+    void sum_exactly(const RunningSea& sea);
+
+    bool complete() const { return done_count_ == order_.size(); }
+    /// One a point, in the order of the points.
+    std::vector<sea::Answer> take_answers() { return std::move(answers_); }
+
+  private:
+    const sea::QueryPoint& next() const { return points_[order_[done_count_]]; }
+    void put(const sea::Answer& answer) { answers_[order_[done_count_++]] = answer; }
+
+    const std::vector<sea::QueryPoint> points_;
+    std::vector<std::size_t> order_; ///< by time
+    std::vector<sea::Answer> answers_;
+    std::size_t done_count_ = 0;                   ///< of `order_`
+    std::optional<sea::DirectSum::Moment> moment_; ///< the exact sea at moment_us_
+    sea::TimeUs moment_us_ = 0;
+};
+
+} // namespace seaway::server

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// Schedule: which keyframes are due when. Arithmetic on times alone, without thread, lock, clock or
+// device. A keyframe of a cascade lies at a whole multiple of its interval and is due interval +
+// publish_lead_us before its own time, so that the two around now are always out.
+//
+// A Schedule remembers how far each stream has come; it is for one thread.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "sea/surface/error_budget.h"
+#include "server/device/synthesizer.h"
+#include "server/host/subscriptions.h"
+#include "server/simulation/effect_plan.h"
+
+namespace seaway::server {
+
+/// A keyframe is published this long before its interval begins, so that it is decoded in time.
+inline constexpr sea::TimeUs publish_lead_us = 250'000;
+/// A keyframe that is later than this is left out for a newer one.
+inline constexpr sea::TimeUs catch_up_us = 500'000;
+
+/// Start of the keyframe interval that holds the time; also for times before the epoch.
+sea::TimeUs interval_start(sea::TimeUs time_us, sea::TimeUs interval_us);
+
+/// The two keyframes of each wanted cascade around each time, each of them once, cascade by
+/// cascade, in order of time. Times must be in_time_range().
+std::vector<KeyframeRequest> keyframes_around(const sea::ErrorBudget& budget,
+                                              std::span<const sea::TimeUs> times_us,
+                                              const Demand& demand);
+
+class Schedule {
+  public:
+    explicit Schedule(const sea::ErrorBudget& budget);
+
+    struct Due {
+        std::vector<KeyframeRequest> keyframes; ///< to be published now, oldest of each cascade
+        std::uint64_t left_out = 0;             ///< too late to be of use, and skipped
+    };
+    /// What the streams need next. To be called again until nothing is due.
+    Due take_due(const EffectPlan& plan, sea::TimeUs now_us);
+
+    /// When something will be due; none while nobody wants anything.
+    std::optional<sea::TimeUs> next_due_us(const EffectPlan& plan) const;
+
+    /// What a new subscriber needs: from the keyframe before now to where the stream has come, or
+    /// will start from.
+    std::vector<KeyframeRequest> current(const Demand& demand, sea::TimeUs now_us) const;
+
+  private:
+    struct Stream {
+        sea::TimeUs interval_us;
+        sea::TimeUs next_us = 0; ///< time of the next keyframe, while it runs
+        bool runs = false;
+
+        sea::TimeUs lead_us() const { return interval_us + publish_lead_us; }
+        sea::TimeUs first_us(sea::TimeUs now_us) const;
+    };
+    std::vector<Stream> streams_; ///< one a cascade
+};
+
+} // namespace seaway::server

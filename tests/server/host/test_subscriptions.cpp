@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+// Who wants what.
+#include <gtest/gtest.h>
+
+#include "server/host/subscriptions.h"
+
+namespace seaway::server {
+namespace {
+
+using sea::Field;
+using sea::FieldSet;
+
+TEST(Subscriptions, wanted_is_the_union_over_sessions_of_a_cascade_at_a_quality) {
+    Subscriptions all;
+    EXPECT_TRUE(all.wanted(0).empty());
+    all.set(1, {.cascades = 1u, .fields = {Field::height}, .quality = 0});
+    all.set(2, {.cascades = 3u, .fields = {Field::slope_x}, .quality = 2});
+    all.set(3, {.cascades = 2u, .fields = {Field::foam}, .quality = 2});
+    EXPECT_EQ(all.wanted(0), (FieldSet{Field::height, Field::slope_x}));
+    EXPECT_EQ(all.wanted(1), (FieldSet{Field::slope_x, Field::foam}));
+    EXPECT_TRUE(all.wanted(2).empty());
+    EXPECT_EQ(all.wanted(0, 0), (FieldSet{Field::height}));
+    EXPECT_TRUE(all.wanted(0, 1).empty()) << "nobody has this quality";
+    EXPECT_EQ(all.wanted(0, 2), (FieldSet{Field::slope_x}));
+    EXPECT_TRUE(all.wanted(1, 0).empty());
+    EXPECT_EQ(all.find(3)->cascades, 2u);
+    EXPECT_EQ(all.size(), 3u);
+
+    all.set(2, {.cascades = 1u, .fields = {Field::slope_y}, .quality = 0});
+    EXPECT_EQ(all.wanted(1), (FieldSet{Field::foam})) << "a later grant replaces the earlier one";
+    all.erase(1);
+    EXPECT_EQ(all.wanted(0, 0), (FieldSet{Field::slope_y}));
+    EXPECT_FALSE(all.find(1));
+    EXPECT_EQ(all.size(), 2u);
+}
+
+TEST(Subscriptions, an_empty_grant_is_none_and_only_changes_are_told) {
+    Subscriptions all;
+    int changes = 0;
+    all.on_change([&] { ++changes; });
+    all.set(1, {.cascades = 0u, .fields = {Field::height}});
+    all.set(1, {.cascades = 1u, .fields = {}});
+    all.erase(7);
+    EXPECT_EQ(changes, 0);
+    EXPECT_EQ(all.size(), 0u);
+    all.set(1, {.cascades = 1u, .fields = {Field::height}});
+    EXPECT_EQ(changes, 1);
+    all.set(1, {});
+    EXPECT_EQ(changes, 2);
+    EXPECT_EQ(all.size(), 0u);
+}
+
+} // namespace
+} // namespace seaway::server

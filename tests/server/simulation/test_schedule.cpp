@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+// The schedule alone: times in, keyframes out.
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "server/simulation/schedule.h"
+
+namespace seaway::server {
+namespace {
+
+using sea::Field;
+using sea::FieldSet;
+using sea::TimeUs;
+
+constexpr TimeUs long_us = 700'000;
+constexpr TimeUs short_us = 90'000;
+const FieldSet height{Field::height, Field::height_rate};
+
+sea::ErrorBudget budget() {
+    sea::ErrorBudget budget;
+    budget.cascades.resize(2);
+    budget.cascades[0].interval_us = long_us;
+    budget.cascades[1].interval_us = short_us;
+    return budget;
+}
+
+EffectPlan plan(FieldSet first, FieldSet second) {
+    return {{{first, long_us, 0}, {second, short_us, 0}}};
+}
+
+/// Takes all that is due; adds up what was left out.
+std::vector<KeyframeRequest> all_due(Schedule& schedule, const EffectPlan& plan, TimeUs now_us,
+                                     std::uint64_t* left_out = nullptr) {
+    std::vector<KeyframeRequest> all;
+    for (;;) {
+        const Schedule::Due due = schedule.take_due(plan, now_us);
+        if (left_out)
+            *left_out += due.left_out;
+        if (due.keyframes.empty())
+            return all;
+        all.insert(all.end(), due.keyframes.begin(), due.keyframes.end());
+    }
+}
+
+TEST(Schedule, intervals_hold_their_times_before_the_epoch_too) {
+    EXPECT_EQ(interval_start(0, 10), 0);
+    EXPECT_EQ(interval_start(19, 10), 10);
+    EXPECT_EQ(interval_start(-1, 10), -10);
+    EXPECT_EQ(interval_start(-10, 10), -10);
+    std::mt19937_64 numbers(1);
+    for (int i = 0; i < 10'000; ++i) {
+        const TimeUs interval_us = 1 + static_cast<TimeUs>(numbers() % 3'600'000'000);
+        const TimeUs time_us =
+            static_cast<TimeUs>(numbers() % (2 * std::uint64_t{sea::time_us_max})) -
+            sea::time_us_max;
+        const TimeUs start_us = interval_start(time_us, interval_us);
+        EXPECT_EQ(start_us % interval_us, 0);
+        EXPECT_LE(start_us, time_us);
+        EXPECT_GT(start_us + interval_us, time_us);
+    }
+}
+
+TEST(Schedule, nothing_is_due_while_nobody_wants_anything) {
+    Schedule schedule(budget());
+    EXPECT_TRUE(all_due(schedule, plan({}, {}), 5'000'000).empty());
+    EXPECT_EQ(schedule.next_due_us(plan({}, {})), std::nullopt);
+}
+
+TEST(Schedule, each_keyframe_comes_once_ahead_of_its_time_whenever_it_is_looked_at) {
+    std::mt19937_64 numbers(2);
+    for (int round = 0; round < 50; ++round) {
+        Schedule schedule(budget());
+        const EffectPlan wanted = plan(height, height);
+        std::vector<TimeUs> seen[2];
+        TimeUs now_us = -3'000'000;
+        while (now_us < 3'000'000) {
+            for (const KeyframeRequest& one : all_due(schedule, wanted, now_us))
+                seen[one.cascade].push_back(one.time_us);
+            EXPECT_GT(seen[0].back(), now_us + publish_lead_us) << "in time to be decoded";
+            EXPECT_GT(seen[1].back(), now_us + publish_lead_us);
+            EXPECT_GT(*schedule.next_due_us(wanted), now_us);
+            now_us += 1 + static_cast<TimeUs>(numbers() % 400'000); // never above catch_up_us
+        }
+        for (int c = 0; c < 2; ++c)
+            for (std::size_t i = 1; i < seen[c].size(); ++i)
+                ASSERT_EQ(seen[c][i] - seen[c][i - 1], c == 0 ? long_us : short_us);
+    }
+}
+
+TEST(Schedule, after_a_leap_it_goes_on_with_the_keyframe_of_now_and_counts_the_rest) {
+    Schedule schedule(budget());
+    const EffectPlan wanted = plan({}, height);
+    const TimeUs last_us = all_due(schedule, wanted, 1'000'000).back().time_us;
+    const TimeUs now_us = 11'000'000;
+    std::uint64_t left_out = 0;
+    const std::vector<KeyframeRequest> due = all_due(schedule, wanted, now_us, &left_out);
+    EXPECT_EQ(due.front().time_us, interval_start(now_us, short_us));
+    EXPECT_EQ(left_out, static_cast<std::uint64_t>((due.front().time_us - last_us) / short_us - 1));
+    left_out = 0;
+    all_due(schedule, wanted, now_us + catch_up_us, &left_out);
+    EXPECT_EQ(left_out, 0u) << "a short stall is made up for";
+}
+
+TEST(Schedule, a_stream_that_ended_starts_anew_at_now) {
+    Schedule schedule(budget());
+    all_due(schedule, plan(height, {}), 0);
+    all_due(schedule, plan({}, {}), 100'000);
+    std::uint64_t left_out = 0;
+    const auto due = all_due(schedule, plan(height, {}), 50'000'000, &left_out);
+    ASSERT_EQ(due.size(), 1u);
+    EXPECT_EQ(due[0].time_us, interval_start(50'000'000 + long_us + publish_lead_us, long_us));
+    EXPECT_EQ(left_out, 0u) << "nobody was there to miss them";
+}
+
+TEST(Schedule, what_a_new_subscriber_fetches_ends_where_the_stream_goes_on) {
+    const Demand both{.cascades = ~0u, .fields = height};
+    const TimeUs now_us = 1'234'567;
+    for (const bool others_watch : {false, true}) {
+        Schedule schedule(budget());
+        if (others_watch)
+            all_due(schedule, plan(height, height), now_us);
+        const std::vector<KeyframeRequest> current = schedule.current(both, now_us);
+        std::vector<KeyframeRequest> streamed = all_due(schedule, plan(height, height), now_us);
+        for (const auto& one : all_due(schedule, plan(height, height), now_us + 300'000))
+            streamed.push_back(one);
+        for (int c = 0; c < 2; ++c) {
+            const TimeUs interval_us = c == 0 ? long_us : short_us;
+            TimeUs next_us = interval_start(now_us, interval_us);
+            for (const auto& list : {current, streamed})
+                for (const KeyframeRequest& one : list)
+                    if (one.cascade == c) {
+                        EXPECT_EQ(one.time_us, next_us);
+                        next_us += interval_us;
+                    }
+        }
+    }
+}
+
+TEST(Schedule, around_times_each_keyframe_is_asked_for_once) {
+    const TimeUs times_us[] = {100, 200, 89'999, 90'000, -1};
+    const auto wanted = keyframes_around(budget(), times_us, {.cascades = 2u, .fields = height});
+    std::vector<TimeUs> times;
+    for (const KeyframeRequest& one : wanted) {
+        EXPECT_EQ(one.cascade, 1);
+        times.push_back(one.time_us);
+    }
+    EXPECT_EQ(times, (std::vector<TimeUs>{-90'000, 0, 90'000, 180'000}));
+    EXPECT_TRUE(keyframes_around(budget(), {}, {.cascades = 3u, .fields = height}).empty());
+}
+
+} // namespace
+} // namespace seaway::server
