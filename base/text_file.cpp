@@ -52,8 +52,7 @@ Result<std::string> read_text_file(const std::string& path, std::size_t bytes_ma
     struct stat status {};
     if (file.number() < 0 || ::fstat(file.number(), &status) != 0)
         return because_of(errno);
-    if (const Result<void> kind = check_kind(status); !kind)
-        return kind.error();
+    SEAWAY_TRY(check_kind(status));
     constexpr std::size_t piece = 64 * 1024;
     std::string text;
     while (text.size() <= bytes_max) {
@@ -73,8 +72,7 @@ Result<void> check_regular_file(const std::string& path) {
     struct stat status {};
     if (::stat(path.c_str(), &status) != 0)
         return because_of(errno);
-    if (const Result<void> kind = check_kind(status); !kind)
-        return kind;
+    SEAWAY_TRY(check_kind(status));
     if (::access(path.c_str(), R_OK) != 0)
         return because_of(errno);
     return {};

@@ -145,8 +145,7 @@ Result<void> Client::hold(std::span<const TimeUs> times_us, double timeout_s, se
     }
     if (missing.empty())
         return {};
-    if (const Result<void> fetched = fetch(missing, fields, timeout_s); !fetched)
-        return fetched;
+    SEAWAY_TRY(fetch(missing, fields, timeout_s));
     // What was held before is the oldest of the ring: it is put back where it made room.
     wanted.give_to(ring_);
     return {};
@@ -194,8 +193,7 @@ Result<std::vector<Answer>> Client::fetch_and_sample(std::span<const QueryPoint>
         for (const TimeUs time_us : times_us)
             if (!wanted.add(*sea_state(time_us), time_us, fields))
                 missing.push_back(time_us);
-        if (const Result<void> fetched = fetch(missing, fields, timeout_s); !fetched)
-            return fetched.error();
+        SEAWAY_TRY(fetch(missing, fields, timeout_s));
         const Result<std::vector<Answer>> sampled = sample_from(wanted.ring(), batch);
         if (!sampled)
             return sampled.error();

@@ -45,8 +45,7 @@ Result<std::unique_ptr<Connection>> Connection::open(const ConnectOptions& optio
                                                      ConnectionEvents events,
                                                      const OpenStream& open_stream) {
     std::unique_ptr<Connection> connection(new Connection(std::move(events)));
-    if (const Result<void> greeted = connection->say_hello(options, open_stream); !greeted)
-        return greeted.error();
+    SEAWAY_TRY(connection->say_hello(options, open_stream));
     return connection;
 }
 
@@ -181,8 +180,7 @@ Result<void> Connection::dispatch(const wire::Message& message) {
 }
 
 Result<void> Connection::take(const wire::Welcome& welcome) {
-    if (const Result<void> fine = protocol::check(welcome); !fine)
-        return fine;
+    SEAWAY_TRY(protocol::check(welcome));
     const std::int64_t now_us = local_now_us();
     if (events_.on_clock)
         events_.on_clock(hello_sent_us_, now_us, welcome.sea_time_us());
@@ -197,8 +195,7 @@ Result<void> Connection::take(const wire::Welcome& welcome) {
 }
 
 Result<void> Connection::take(const wire::SeaState& state) {
-    if (const Result<void> fine = protocol::check(state); !fine)
-        return fine;
+    SEAWAY_TRY(protocol::check(state));
     const auto value = std::make_shared<const SeaState>(protocol::values(state));
     sea_states_.push_back(value);
     if (sea_states_.size() > sea_states_kept)
@@ -219,8 +216,7 @@ SeaStatePtr Connection::sea_state(std::uint32_t epoch) const {
 }
 
 Result<void> Connection::take(const wire::Subscribed& subscribed) {
-    if (const Result<void> fine = protocol::check(subscribed); !fine)
-        return fine;
+    SEAWAY_TRY(protocol::check(subscribed));
     Grant grant;
     grant.cascades = subscribed.cascades();
     grant.fields = sea::FieldSet::from_bits(subscribed.fields());
@@ -232,8 +228,7 @@ Result<void> Connection::take(const wire::Subscribed& subscribed) {
 }
 
 Result<void> Connection::take(const wire::Tile& tile) {
-    if (const Result<void> fine = protocol::check(tile); !fine)
-        return fine;
+    SEAWAY_TRY(protocol::check(tile));
     const protocol::TileHeader header = protocol::header(tile);
     const SeaStatePtr state = sea_state(header.epoch);
     if (!state || static_cast<std::size_t>(header.cascade) >= state->cascades.size())
@@ -255,8 +250,7 @@ Result<void> Connection::take(const wire::Tile& tile) {
 }
 
 Result<void> Connection::take(const wire::QueryReply& reply) {
-    if (const Result<void> fine = protocol::check(reply); !fine)
-        return fine;
+    SEAWAY_TRY(protocol::check(reply));
     Reply value;
     value.epoch = reply.epoch();
     if (reply.answers()) {

@@ -44,8 +44,7 @@ Result<TileAssembly::Added> TileAssembly::add(const TileHeader& header,
     if (header.time_us > time_max_us || header.time_us < -time_max_us)
         return bad_tile(header, "the time is out of range");
     Pending& pending = pending_for(header, length_m, streamed);
-    if (const Result<void> taken = take(pending, header, payload); !taken)
-        return taken.error();
+    SEAWAY_TRY(take(pending, header, payload));
     const auto newly_whole = [&](FieldSet fields) {
         return !fields.empty() && pending.whole.contains(fields) &&
                !pending.handed_out.contains(fields);
@@ -97,8 +96,7 @@ Result<void> TileAssembly::take(Pending& pending, const TileHeader& header,
                                             header.size, pending.header.size));
     Map& map = pending.maps[static_cast<std::size_t>(header.field)];
     if (map.parts == 0)
-        if (const Result<void> begun = begin_map(pending, header); !begun)
-            return begun;
+        SEAWAY_TRY(begin_map(pending, header));
     if (header.parts != map.parts)
         return bad_tile(header,
                         fmt::format("{} parts, the map began with {}", header.parts, map.parts));

@@ -351,8 +351,7 @@ Result<std::unique_ptr<MessageStream>>
 open_stream(const Url& url, const WebSocketOptions& options,
             std::shared_ptr<asio::ssl::context> tls_context) {
     auto stream = std::make_unique<WebSocket<Stream>>(url, options, std::move(tls_context));
-    if (const Result<void> connected = stream->connect(); !connected)
-        return connected.error();
+    SEAWAY_TRY(stream->connect());
     return std::unique_ptr<MessageStream>(std::move(stream));
 }
 

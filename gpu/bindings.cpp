@@ -16,10 +16,8 @@ Result<OwnedSetLayout> create_set_layout(Device& device, std::span<const ShaderB
         .bindingCount = static_cast<std::uint32_t>(slots.size()),
         .pBindings = slots.data()};
     VkDescriptorSetLayout layout = VK_NULL_HANDLE;
-    if (Result<void> created = call("vkCreateDescriptorSetLayout", vkCreateDescriptorSetLayout,
-                                    device.get(), &info, nullptr, &layout);
-        !created)
-        return created.error();
+    SEAWAY_TRY(call("vkCreateDescriptorSetLayout", vkCreateDescriptorSetLayout, device.get(), &info,
+                    nullptr, &layout));
     return OwnedSetLayout(device.get(), layout);
 }
 
@@ -37,20 +35,16 @@ Result<Bindings> Bindings::create(Device& device, VkDescriptorSetLayout layout,
         .poolSizeCount = static_cast<std::uint32_t>(sizes.size()),
         .pPoolSizes = sizes.data()};
     VkDescriptorPool pool = VK_NULL_HANDLE;
-    if (Result<void> created = call("vkCreateDescriptorPool", vkCreateDescriptorPool, device.get(),
-                                    &pool_info, nullptr, &pool);
-        !created)
-        return created.error();
+    SEAWAY_TRY(call("vkCreateDescriptorPool", vkCreateDescriptorPool, device.get(), &pool_info,
+                    nullptr, &pool));
     made.pool_ = OwnedDescriptorPool(device.get(), pool);
     const VkDescriptorSetAllocateInfo set_info{.sType =
                                                    VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
                                                .descriptorPool = pool,
                                                .descriptorSetCount = 1,
                                                .pSetLayouts = &layout};
-    if (Result<void> allocated = call("vkAllocateDescriptorSets", vkAllocateDescriptorSets,
-                                      device.get(), &set_info, &made.set_);
-        !allocated)
-        return allocated.error();
+    SEAWAY_TRY(call("vkAllocateDescriptorSets", vkAllocateDescriptorSets, device.get(), &set_info,
+                    &made.set_));
 
     std::vector<VkWriteDescriptorSet> writes;
     for (std::size_t i = 0; i < bindings.size(); ++i) {

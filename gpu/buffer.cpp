@@ -143,10 +143,7 @@ Result<TexelView> TexelView::create(Device& device, const Buffer& buffer, VkForm
                                       .offset = offset_bytes,
                                       .range = range_bytes};
     VkBufferView view = VK_NULL_HANDLE;
-    if (Result<void> created =
-            call("vkCreateBufferView", vkCreateBufferView, device.get(), &info, nullptr, &view);
-        !created)
-        return created.error();
+    SEAWAY_TRY(call("vkCreateBufferView", vkCreateBufferView, device.get(), &info, nullptr, &view));
     TexelView made;
     made.view_ = OwnedBufferView(device.get(), view);
     return made;

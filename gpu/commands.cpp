@@ -41,29 +41,23 @@ Result<Commands> Commands::create(Device& device) {
                                                 VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT,
                                             .queueFamilyIndex = device.queue_family()};
     VkCommandPool pool = VK_NULL_HANDLE;
-    if (Result<void> created = call("vkCreateCommandPool", vkCreateCommandPool, device.get(),
-                                    &pool_info, nullptr, &pool);
-        !created)
-        return created.error();
+    SEAWAY_TRY(
+        call("vkCreateCommandPool", vkCreateCommandPool, device.get(), &pool_info, nullptr, &pool));
     made.pool_ = OwnedCommandPool(device.get(), pool);
     const VkCommandBufferAllocateInfo buffer_info{
         .sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
         .commandPool = pool,
         .level = VK_COMMAND_BUFFER_LEVEL_PRIMARY,
         .commandBufferCount = 1};
-    if (Result<void> allocated = call("vkAllocateCommandBuffers", vkAllocateCommandBuffers,
-                                      device.get(), &buffer_info, &made.buffer_);
-        !allocated)
-        return allocated.error();
+    SEAWAY_TRY(call("vkAllocateCommandBuffers", vkAllocateCommandBuffers, device.get(),
+                    &buffer_info, &made.buffer_));
     return made;
 }
 
 Result<void> Commands::begin() {
     if (recording_)
-        if (Result<void> reset = call("vkResetCommandPool", vkResetCommandPool, device_,
-                                      pool_.get(), VkCommandPoolResetFlags{0});
-            !reset)
-            return reset;
+        SEAWAY_TRY(call("vkResetCommandPool", vkResetCommandPool, device_, pool_.get(),
+                        VkCommandPoolResetFlags{0}));
     const VkCommandBufferBeginInfo info{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
     Result<void> begun = call("vkBeginCommandBuffer", vkBeginCommandBuffer, buffer_, &info);
     recording_ = begun.has_value();
@@ -119,11 +113,9 @@ Result<void> run_once(Device& device, const std::function<void(Commands&)>& reco
     Result<Commands> commands = Commands::create(device);
     if (!commands)
         return commands.error();
-    if (Result<void> begun = commands->begin(); !begun)
-        return begun;
+    SEAWAY_TRY(commands->begin());
     record(*commands);
-    if (Result<void> ended = commands->end(); !ended)
-        return ended;
+    SEAWAY_TRY(commands->end());
     return device.submit_and_wait(*commands);
 }
 

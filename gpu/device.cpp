@@ -23,8 +23,7 @@ Result<std::unique_ptr<Device>> Device::create(const DeviceOptions& options) {
     if (!instance)
         return instance.error();
     made->instance_ = std::move(*instance);
-    if (Result<void> picked = made->pick(options.pick); !picked)
-        return picked.error();
+    SEAWAY_TRY(made->pick(options.pick));
     if (options.staged)
         made->unified_memory_ = false;
     if (Result<void> created = made->create_device(options); !created)
@@ -103,10 +102,7 @@ Result<void> Device::create_device(const DeviceOptions& options) {
                                   .enabledExtensionCount =
                                       static_cast<std::uint32_t>(extensions.size()),
                                   .ppEnabledExtensionNames = extensions.data()};
-    if (Result<void> created =
-            call("vkCreateDevice", vkCreateDevice, physical_, &info, nullptr, &device_);
-        !created)
-        return created;
+    SEAWAY_TRY(call("vkCreateDevice", vkCreateDevice, physical_, &info, nullptr, &device_));
     vkGetDeviceQueue(device_, queue_family_, 0, &queue_);
     return {};
 }
@@ -118,10 +114,7 @@ Result<void> Device::create_timeline() {
     const VkSemaphoreCreateInfo info{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO,
                                      .pNext = &type};
     VkSemaphore semaphore = VK_NULL_HANDLE;
-    if (Result<void> created =
-            call("vkCreateSemaphore", vkCreateSemaphore, device_, &info, nullptr, &semaphore);
-        !created)
-        return created;
+    SEAWAY_TRY(call("vkCreateSemaphore", vkCreateSemaphore, device_, &info, nullptr, &semaphore));
     timeline_ = OwnedSemaphore(device_, semaphore);
     return {};
 }
@@ -164,10 +157,7 @@ Result<std::uint64_t> Device::submit(const Commands& commands) {
                              .pCommandBufferInfos = &buffer,
                              .signalSemaphoreInfoCount = 1,
                              .pSignalSemaphoreInfos = &signal};
-    if (Result<void> sent =
-            call("vkQueueSubmit2", vkQueueSubmit2, queue_, 1u, &info, VkFence(VK_NULL_HANDLE));
-        !sent)
-        return sent.error();
+    SEAWAY_TRY(call("vkQueueSubmit2", vkQueueSubmit2, queue_, 1u, &info, VkFence(VK_NULL_HANDLE)));
     last_ticket_ = ticket;
     return ticket;
 }

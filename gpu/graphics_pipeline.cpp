@@ -12,10 +12,8 @@ Result<OwnedShaderModule> create_module(Device& device, std::span<const std::uin
                                         .codeSize = spirv.size_bytes(),
                                         .pCode = spirv.data()};
     VkShaderModule handle = VK_NULL_HANDLE;
-    if (Result<void> created = call("vkCreateShaderModule", vkCreateShaderModule, device.get(),
-                                    &info, nullptr, &handle);
-        !created)
-        return created.error();
+    SEAWAY_TRY(
+        call("vkCreateShaderModule", vkCreateShaderModule, device.get(), &info, nullptr, &handle));
     return OwnedShaderModule(device.get(), handle);
 }
 
@@ -95,11 +93,8 @@ Result<OwnedPipeline> create_pipeline(Device& device, VkPipelineLayout layout,
                                             .pDynamicState = &dynamic,
                                             .layout = layout};
     VkPipeline pipeline = VK_NULL_HANDLE;
-    if (Result<void> created =
-            call("vkCreateGraphicsPipelines", vkCreateGraphicsPipelines, device.get(),
-                 VkPipelineCache(VK_NULL_HANDLE), 1u, &info, nullptr, &pipeline);
-        !created)
-        return created.error();
+    SEAWAY_TRY(call("vkCreateGraphicsPipelines", vkCreateGraphicsPipelines, device.get(),
+                    VkPipelineCache(VK_NULL_HANDLE), 1u, &info, nullptr, &pipeline));
     return OwnedPipeline(device.get(), pipeline);
 }
 

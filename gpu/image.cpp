@@ -25,12 +25,10 @@ Result<void> check_support(Device& device, const ImageSpec& spec) {
         !(format.optimalTilingFeatures & VK_FORMAT_FEATURE_SAMPLED_IMAGE_FILTER_LINEAR_BIT))
         return Error{device.info().name + " has no linear filter for this format"};
     VkImageFormatProperties limits;
-    if (Result<void> known = call("vkGetPhysicalDeviceImageFormatProperties",
-                                  vkGetPhysicalDeviceImageFormatProperties, device.physical(),
-                                  spec.format, VK_IMAGE_TYPE_2D, VK_IMAGE_TILING_OPTIMAL,
-                                  spec.usage, VkImageCreateFlags{0}, &limits);
-        !known)
-        return known;
+    SEAWAY_TRY(call("vkGetPhysicalDeviceImageFormatProperties",
+                    vkGetPhysicalDeviceImageFormatProperties, device.physical(), spec.format,
+                    VK_IMAGE_TYPE_2D, VK_IMAGE_TILING_OPTIMAL, spec.usage, VkImageCreateFlags{0},
+                    &limits));
     if (spec.width > limits.maxExtent.width || spec.height > limits.maxExtent.height ||
         spec.layers > limits.maxArrayLayers || spec.mips > limits.maxMipLevels)
         return Error{device.info().name + " allows " + std::to_string(limits.maxExtent.width) +
@@ -54,10 +52,7 @@ Result<OwnedMemory> allocate(Device& device, VkImage image) {
                                     .allocationSize = needs.size,
                                     .memoryTypeIndex = static_cast<std::uint32_t>(type)};
     VkDeviceMemory memory = VK_NULL_HANDLE;
-    if (Result<void> allocated =
-            call("vkAllocateMemory", vkAllocateMemory, device.get(), &info, nullptr, &memory);
-        !allocated)
-        return allocated.error();
+    SEAWAY_TRY(call("vkAllocateMemory", vkAllocateMemory, device.get(), &info, nullptr, &memory));
     return OwnedMemory(device.get(), memory);
 }
 
@@ -70,10 +65,7 @@ Result<OwnedImageView> create_view(Device& device, VkImage image, const ImageSpe
                                      .format = spec.format,
                                      .subresourceRange = {aspect, 0, spec.mips, 0, spec.layers}};
     VkImageView view = VK_NULL_HANDLE;
-    if (Result<void> created =
-            call("vkCreateImageView", vkCreateImageView, device.get(), &info, nullptr, &view);
-        !created)
-        return created.error();
+    SEAWAY_TRY(call("vkCreateImageView", vkCreateImageView, device.get(), &info, nullptr, &view));
     return OwnedImageView(device.get(), view);
 }
 
@@ -198,10 +190,7 @@ Result<OwnedSampler> create_sampler(Device& device, const SamplerSpec& spec) {
                                    .maxAnisotropy = anisotropy,
                                    .maxLod = VK_LOD_CLAMP_NONE};
     VkSampler sampler = VK_NULL_HANDLE;
-    if (Result<void> created =
-            call("vkCreateSampler", vkCreateSampler, device.get(), &info, nullptr, &sampler);
-        !created)
-        return created.error();
+    SEAWAY_TRY(call("vkCreateSampler", vkCreateSampler, device.get(), &info, nullptr, &sampler));
     return OwnedSampler(device.get(), sampler);
 }
 

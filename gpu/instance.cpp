@@ -43,8 +43,7 @@ VKAPI_ATTR VkBool32 VKAPI_CALL on_message(VkDebugUtilsMessageSeverityFlagBitsEXT
 
 Result<std::unique_ptr<Instance>> Instance::create(bool validation,
                                                    std::span<const std::string> extensions) {
-    if (Result<void> loaded = load_loader(); !loaded)
-        return loaded.error();
+    SEAWAY_TRY(load_loader());
     std::vector<const char*> names;
     for (const std::string& extension : extensions)
         names.push_back(extension.c_str());
@@ -68,14 +67,10 @@ Result<std::unique_ptr<Instance>> Instance::create(bool validation,
                                         static_cast<std::uint32_t>(names.size()),
                                     .ppEnabledExtensionNames = names.data()};
     std::unique_ptr<Instance> made(new Instance);
-    if (Result<void> created =
-            call("vkCreateInstance", vkCreateInstance, &info, nullptr, &made->instance_);
-        !created)
-        return created.error();
+    SEAWAY_TRY(call("vkCreateInstance", vkCreateInstance, &info, nullptr, &made->instance_));
     load_functions(made->instance_);
     if (validation)
-        if (Result<void> messenger = made->create_messenger(); !messenger)
-            return messenger.error();
+        SEAWAY_TRY(made->create_messenger());
     return made;
 }
 
@@ -104,15 +99,11 @@ Instance::~Instance() {
 
 Result<std::vector<VkPhysicalDevice>> Instance::physical_devices() const {
     std::uint32_t count = 0;
-    if (Result<void> counted = call("vkEnumeratePhysicalDevices", vkEnumeratePhysicalDevices,
-                                    instance_, &count, nullptr);
-        !counted)
-        return counted.error();
+    SEAWAY_TRY(
+        call("vkEnumeratePhysicalDevices", vkEnumeratePhysicalDevices, instance_, &count, nullptr));
     std::vector<VkPhysicalDevice> devices(count);
-    if (Result<void> listed = call("vkEnumeratePhysicalDevices", vkEnumeratePhysicalDevices,
-                                   instance_, &count, devices.data());
-        !listed)
-        return listed.error();
+    SEAWAY_TRY(call("vkEnumeratePhysicalDevices", vkEnumeratePhysicalDevices, instance_, &count,
+                    devices.data()));
     devices.resize(count);
     return devices;
 }

@@ -60,10 +60,8 @@ Result<OwnedPipeline> create_pipeline(Device& device, VkPipelineLayout layout,
                                                .codeSize = spirv.size_bytes(),
                                                .pCode = spirv.data()};
     VkShaderModule handle = VK_NULL_HANDLE;
-    if (Result<void> created = call("vkCreateShaderModule", vkCreateShaderModule, device.get(),
-                                    &module_info, nullptr, &handle);
-        !created)
-        return created.error();
+    SEAWAY_TRY(call("vkCreateShaderModule", vkCreateShaderModule, device.get(), &module_info,
+                    nullptr, &handle));
     const OwnedShaderModule module(device.get(), handle);
 
     std::vector<VkSpecializationMapEntry> entries;
@@ -84,11 +82,8 @@ Result<OwnedPipeline> create_pipeline(Device& device, VkPipelineLayout layout,
                   .pSpecializationInfo = entries.empty() ? nullptr : &constants},
         .layout = layout};
     VkPipeline pipeline = VK_NULL_HANDLE;
-    if (Result<void> created =
-            call("vkCreateComputePipelines", vkCreateComputePipelines, device.get(),
-                 VkPipelineCache(VK_NULL_HANDLE), 1u, &info, nullptr, &pipeline);
-        !created)
-        return created.error();
+    SEAWAY_TRY(call("vkCreateComputePipelines", vkCreateComputePipelines, device.get(),
+                    VkPipelineCache(VK_NULL_HANDLE), 1u, &info, nullptr, &pipeline));
     return OwnedPipeline(device.get(), pipeline);
 }
 
@@ -101,10 +96,8 @@ Result<OwnedPipelineLayout> create_layout(Device& device, VkDescriptorSetLayout 
                                           .pushConstantRangeCount = push.size ? 1u : 0u,
                                           .pPushConstantRanges = &push};
     VkPipelineLayout layout = VK_NULL_HANDLE;
-    if (Result<void> created = call("vkCreatePipelineLayout", vkCreatePipelineLayout, device.get(),
-                                    &info, nullptr, &layout);
-        !created)
-        return created.error();
+    SEAWAY_TRY(call("vkCreatePipelineLayout", vkCreatePipelineLayout, device.get(), &info, nullptr,
+                    &layout));
     return OwnedPipelineLayout(device.get(), layout);
 }
 

@@ -250,8 +250,7 @@ ShaderInterface Module::interface() const {
 
 Result<ShaderInterface> reflect(std::span<const std::uint32_t> words) {
     Module module;
-    if (Result<void> read = module.read(words); !read)
-        return read.error();
+    SEAWAY_TRY(module.read(words));
     return module.interface();
 }
 

@@ -16,10 +16,7 @@ Result<Timer> Timer::create(Device& device, std::uint32_t stamps) {
                                      .queryType = VK_QUERY_TYPE_TIMESTAMP,
                                      .queryCount = stamps};
     VkQueryPool pool = VK_NULL_HANDLE;
-    if (Result<void> created =
-            call("vkCreateQueryPool", vkCreateQueryPool, device.get(), &info, nullptr, &pool);
-        !created)
-        return created.error();
+    SEAWAY_TRY(call("vkCreateQueryPool", vkCreateQueryPool, device.get(), &info, nullptr, &pool));
     made.pool_ = OwnedQueryPool(device.get(), pool);
     return made;
 }
@@ -43,12 +40,10 @@ Result<std::vector<double>> Timer::read(Device& device) const {
         return std::vector<double>{};
     std::vector<std::uint64_t> ticks(used_, 0);
     if (pool_)
-        if (Result<void> got =
-                call("vkGetQueryPoolResults", vkGetQueryPoolResults, device.get(), pool_.get(), 0u,
-                     used_, ticks.size() * sizeof(ticks[0]), static_cast<void*>(ticks.data()),
-                     VkDeviceSize{sizeof(ticks[0])}, VkQueryResultFlags{VK_QUERY_RESULT_64_BIT});
-            !got)
-            return got.error();
+        SEAWAY_TRY(call("vkGetQueryPoolResults", vkGetQueryPoolResults, device.get(), pool_.get(),
+                        0u, used_, ticks.size() * sizeof(ticks[0]),
+                        static_cast<void*>(ticks.data()), VkDeviceSize{sizeof(ticks[0])},
+                        VkQueryResultFlags{VK_QUERY_RESULT_64_BIT}));
     std::vector<double> seconds;
     for (std::size_t i = 1; i < ticks.size(); ++i)
         seconds.push_back(static_cast<double>(ticks[i] - ticks[i - 1]) * tick_s_);

@@ -142,8 +142,7 @@ bool write_row(const std::uint32_t* row, std::size_t width, const Header& header
 
 Result<void> decode_tile(std::span<const std::uint8_t> bytes, TileShape shape,
                          std::size_t row_stride, std::span<float> samples) {
-    if (Result<void> fine = check_call(samples.size(), shape, row_stride); !fine)
-        return fine;
+    SEAWAY_TRY(check_call(samples.size(), shape, row_stride));
     const Result<Header> header = read_header(bytes, shape);
     if (!header)
         return header.error();

@@ -181,8 +181,7 @@ Result<std::vector<std::uint8_t>> compress(Mode mode, TileShape shape, std::uint
 
 Result<std::vector<std::uint8_t>> encode_tile(std::span<const float> samples, TileShape shape,
                                               std::size_t row_stride, float error) {
-    if (Result<void> fine = check_call(samples.size(), shape, row_stride); !fine)
-        return fine.error();
+    SEAWAY_TRY(check_call(samples.size(), shape, row_stride));
     if (!(error >= 0) || !std::isfinite(error))
         return Error{fmt::format("tile error bound is {}, must be finite and >= 0", error)};
     const Survey seen = survey(samples, shape, row_stride);

@@ -93,8 +93,7 @@ Result<BenchRow> measure_local(Client& client, const QueryOptions& options,
                                const std::atomic<bool>& stop) {
     const std::vector<sea::QueryPoint> points =
         random_points(options.bench_points, client.now_us());
-    if (const auto warm = client.fetch_and_sample(points, options.timeout_s); !warm)
-        return warm.error();
+    SEAWAY_TRY(client.fetch_and_sample(points, options.timeout_s));
     std::vector<double> round_trips_ms;
     const auto start = steady_clock::now();
     do {

@@ -47,17 +47,11 @@ void put(gpu::Buffer& buffer, const void* data, std::size_t bytes) {
 Result<Renderer> Renderer::create(gpu::Device& device, int width, int height,
                                   const RenderOptions& options) {
     Renderer made(device, options);
-    if (Result<void> kept =
-            keep(made.target_, gpu::Offscreen::create(device, static_cast<std::uint32_t>(width),
-                                                      static_cast<std::uint32_t>(height)));
-        !kept)
-        return kept.error();
-    if (Result<void> kept = keep(made.commands_, gpu::Commands::create(device)); !kept)
-        return kept.error();
-    if (Result<void> created = made.create_pipelines(); !created)
-        return created.error();
-    if (Result<void> created = made.create_mesh_buffers(); !created)
-        return created.error();
+    SEAWAY_TRY(keep(made.target_, gpu::Offscreen::create(device, static_cast<std::uint32_t>(width),
+                                                         static_cast<std::uint32_t>(height))));
+    SEAWAY_TRY(keep(made.commands_, gpu::Commands::create(device)));
+    SEAWAY_TRY(made.create_pipelines());
+    SEAWAY_TRY(made.create_mesh_buffers());
     return made;
 }
 
@@ -65,37 +59,23 @@ Result<void> Renderer::create_pipelines() {
     const gpu::GraphicsOptions geometry{.depth_format = gpu::Offscreen::depth_format,
                                         .samples = gpu::Offscreen::samples};
     using gpu::GraphicsPipeline;
-    if (Result<void> kept = keep(sea_, GraphicsPipeline::create(*device_, "sea", sea_vert, sea_frag,
-                                                                view_bindings, geometry));
-        !kept)
-        return kept;
-    if (Result<void> kept = keep(final_, GraphicsPipeline::create(*device_, "final", picture_vert,
-                                                                  final_frag, view_bindings, {}));
-        !kept)
-        return kept;
-    if (Result<void> kept = keep(debug_, GraphicsPipeline::create(*device_, "debug", picture_vert,
-                                                                  debug_frag, view_bindings, {}));
-        !kept)
-        return kept;
-    if (Result<void> kept = keep(sea_sampler_, gpu::create_sampler(*device_, {.repeat = true}));
-        !kept)
-        return kept;
+    SEAWAY_TRY(keep(sea_, GraphicsPipeline::create(*device_, "sea", sea_vert, sea_frag,
+                                                   view_bindings, geometry)));
+    SEAWAY_TRY(keep(final_, GraphicsPipeline::create(*device_, "final", picture_vert, final_frag,
+                                                     view_bindings, {})));
+    SEAWAY_TRY(keep(debug_, GraphicsPipeline::create(*device_, "debug", picture_vert, debug_frag,
+                                                     view_bindings, {})));
+    SEAWAY_TRY(keep(sea_sampler_, gpu::create_sampler(*device_, {.repeat = true})));
     return keep(sky_sampler_, gpu::create_sampler(*device_, {}));
 }
 
 Result<void> Renderer::create_mesh_buffers() {
     using gpu::Buffer;
     using gpu::BufferKind;
-    if (Result<void> kept =
-            keep(values_, Buffer::create(*device_, "view values", sizeof(shaders::ViewValues),
-                                         BufferKind::upload));
-        !kept)
-        return kept;
-    if (Result<void> kept =
-            keep(rows_, Buffer::create(*device_, "mesh rows", Mesh::rows_max * sizeof(float),
-                                       BufferKind::upload));
-        !kept)
-        return kept;
+    SEAWAY_TRY(keep(values_, Buffer::create(*device_, "view values", sizeof(shaders::ViewValues),
+                                            BufferKind::upload)));
+    SEAWAY_TRY(keep(rows_, Buffer::create(*device_, "mesh rows", Mesh::rows_max * sizeof(float),
+                                          BufferKind::upload)));
     constexpr std::size_t strip_bytes =
         std::size_t{rows_a_strip} * Mesh::columns_max * 6 * sizeof(std::uint32_t);
     return keep(indices_,
@@ -105,14 +85,10 @@ Result<void> Renderer::create_mesh_buffers() {
 Result<Renderer::Upload> Renderer::create_upload(std::string_view name,
                                                  const gpu::ImageSpec& spec) {
     Upload made;
-    if (Result<void> kept = keep(made.image, gpu::Image::create(*device_, name, spec)); !kept)
-        return kept.error();
-    if (Result<void> kept =
-            keep(made.staging,
-                 gpu::Buffer::create(*device_, name, made.image.texel_count() * texel_bytes,
-                                     gpu::BufferKind::upload));
-        !kept)
-        return kept.error();
+    SEAWAY_TRY(keep(made.image, gpu::Image::create(*device_, name, spec)));
+    SEAWAY_TRY(keep(made.staging,
+                    gpu::Buffer::create(*device_, name, made.image.texel_count() * texel_bytes,
+                                        gpu::BufferKind::upload)));
     return made;
 }
 
@@ -128,13 +104,11 @@ Result<void> Renderer::create_images(int nodes, int cascades) {
         displacement_.image.spec().layers == maps.layers)
         return {};
     for (Upload* upload : {&displacement_, &gradient_, &moment_})
-        if (Result<void> kept = keep(*upload, create_upload("sea maps", maps)); !kept)
-            return kept;
+        SEAWAY_TRY(keep(*upload, create_upload("sea maps", maps)));
     const gpu::ImageSpec sky{.width = Sky::map_width,
                              .height = Sky::map_height,
                              .mips = gpu::full_mip_count(Sky::map_width, Sky::map_height)};
-    if (Result<void> kept = keep(sky_map_, create_upload("sky map", sky)); !kept)
-        return kept;
+    SEAWAY_TRY(keep(sky_map_, create_upload("sky map", sky)));
     return bind();
 }
 
@@ -165,8 +139,7 @@ void Renderer::fill_mesh(const Mesh& mesh) {
 }
 
 Result<void> Renderer::record(const Mesh& mesh, DebugView view) {
-    if (Result<void> begun = commands_.begin(); !begun)
-        return begun;
+    SEAWAY_TRY(commands_.begin());
     for (const Upload* upload : {&displacement_, &gradient_, &moment_, &sky_map_})
         gpu::record_upload(commands_, upload->staging, upload->image, texel_bytes);
     target_.begin_geometry(commands_);
@@ -192,8 +165,7 @@ Result<Picture> Renderer::render(const SeaFrame& frame, const Camera& camera, co
                  "1 .. view_cascades_max cascades");
     const SeaMaps maps = build_maps(frame);
     statistics_ = maps.statistics;
-    if (Result<void> created = create_images(maps.nodes, maps.cascades); !created)
-        return created.error();
+    SEAWAY_TRY(create_images(maps.nodes, maps.cascades));
     const double finest_m = frame.cascades.back().spec.spacing_m() / 2;
     const Mesh mesh = build_mesh(camera, maps.statistics, finest_m, options_.cell_pixels);
     fill_mesh(mesh);
@@ -204,10 +176,8 @@ Result<Picture> Renderer::render(const SeaFrame& frame, const Camera& camera, co
     put(gradient_.staging, maps.gradient.data(), maps.gradient.size() * sizeof(float));
     put(moment_.staging, maps.moment.data(), maps.moment.size() * sizeof(float));
     put(sky_map_.staging, sky_texels.data(), sky_texels.size() * sizeof(float));
-    if (Result<void> recorded = record(mesh, debug.view); !recorded)
-        return recorded.error();
-    if (Result<void> drawn = device_->submit_and_wait(commands_); !drawn)
-        return drawn.error();
+    SEAWAY_TRY(record(mesh, debug.view));
+    SEAWAY_TRY(device_->submit_and_wait(commands_));
     Picture picture{static_cast<int>(target_.width()), static_cast<int>(target_.height()), {}};
     picture.rgba.assign(target_.pixels().begin(), target_.pixels().end());
     return picture;

@@ -38,8 +38,7 @@ Result<CascadeFrame> cascade_frame(const Client& client, const SeaState& state, 
 } // namespace
 
 Result<SeaFrame> sea_frame_at(Client& client, sea::TimeUs time_us, double timeout_s) {
-    if (Result<void> held = client.hold({&time_us, 1}, timeout_s, drawn_fields); !held)
-        return held.error();
+    SEAWAY_TRY(client.hold({&time_us, 1}, timeout_s, drawn_fields));
     const SeaStatePtr state = client.sea_state(time_us);
     if (state->cascades.size() > shaders::view_cascades_max)
         return failed(Failure::refused,

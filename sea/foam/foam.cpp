@@ -148,8 +148,7 @@ Result<void> FoamHistory::advance_to(TimeUs time_us, const StrainsAt& strains_at
     const TimeUs tick_us = ticks_.at_or_before(time_us);
     // Without memory there is nothing to walk through.
     if (ticks_.decay_s > 0)
-        if (Result<void> done = walk_to(tick_us, strains_at); !done)
-            return done;
+        SEAWAY_TRY(walk_to(tick_us, strains_at));
     shown_.clear();
     const bool between = ticks_.decay_s == 0 || time_us > tick_us;
     if (!between && ticks_.departure == 1.0)

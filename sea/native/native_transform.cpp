@@ -206,8 +206,7 @@ Instructions NativeTransform::instructions() const {
 
 Result<NativeTransform> NativeTransform::create(const CascadeModes& modes, Choppiness choppiness,
                                                 Instructions instructions) {
-    if (const Result<void> valid = validate(modes); !valid)
-        return valid.error();
+    SEAWAY_TRY(validate(modes));
     auto state = std::make_unique<TransformState>();
     state->kernels = find_kernels(instructions, modes.spec.size);
     SEAWAY_CHECK(state->kernels != nullptr, "a size without kernels");

@@ -99,8 +99,7 @@ class BuoyReader {
         spectrum_.quality.has_coefficients =
             columns_.directions.kind == Directions::Kind::cartesian;
         for (std::size_t r = 0; r < table_.rows.size(); ++r)
-            if (const Result<void> added = add(r); !added)
-                return added.error();
+            SEAWAY_TRY(add(r));
         MeasuredQuality& quality = spectrum_.quality;
         if (m0_ > 0.0) {
             quality.overlapped_share = overlapped_m2_ / m0_;
@@ -122,8 +121,7 @@ class BuoyReader {
         if (!(s >= 0.0 && s <= 1e6))
             return table_.error(r, fmt::format("s_m2_hz = {}; allowed: 0 .. 1e6", s));
         MeasuredBin bin{two_pi * lo, two_pi * hi, two_pi * f, s / two_pi, std::nullopt};
-        if (const Result<void> joined = join(r, bin); !joined)
-            return joined;
+        SEAWAY_TRY(join(r, bin));
         m0_ += s * (hi - lo);
         return direct(r, bin);
     }

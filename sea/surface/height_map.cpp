@@ -107,8 +107,7 @@ const MapKernel& map_kernel(Instructions instructions) {
 
 Result<std::unique_ptr<MapStream>> MapStream::start(const MapRequest& request,
                                                     const Surface& surface, MapOptions options) {
-    if (Result<void> valid = validate(request); !valid)
-        return valid.error();
+    SEAWAY_TRY(validate(request));
     if (!surface.covers(request.time_us))
         return Error{
             fmt::format("map: time_us = {} is outside the keyframes held", request.time_us)};

@@ -236,8 +236,7 @@ Result<Realization> realize(const SeaState& sea, std::span<const CascadeSpec> ca
         for (std::size_t s = 0; s < spectra.size(); ++s)
             filler.add(spectra[s], static_cast<std::uint32_t>(s));
     }
-    if (const Result<void> added = add_explicit(realization, sea); !added)
-        return added.error();
+    SEAWAY_TRY(add_explicit(realization, sea));
     for (CascadeModes& modes : realization.cascades)
         modes.depth_m = sea.depth_m;
     return realization;

@@ -38,8 +38,7 @@ Result<void> VulkanBatch::record(std::span<const Job> jobs, const Packing& packi
              static_cast<std::uint32_t>(time >> 32),
              std::bit_cast<std::uint32_t>(steps_[static_cast<std::size_t>(job.cascade)])});
     }
-    if (Result<void> begun = commands_.begin(); !begun)
-        return begun;
+    SEAWAY_TRY(commands_.begin());
     if (time_passes_)
         timer_.reset(commands_);
     write(jobs_, std::as_bytes(std::span(texels)));
@@ -114,12 +113,9 @@ Result<void> VulkanBatch::run(std::span<const Job> jobs, const Packing& packing,
                               const sea::Choppiness* choppiness) {
     SEAWAY_CHECK(packing.fields > 0 && !jobs.empty(), "nothing to run");
     SEAWAY_CHECK(static_cast<int>(jobs.size()) <= max_jobs(packing.fields), "too many jobs");
-    if (Result<void> recorded = record(jobs, packing, choppiness, kernels_.passes.size());
-        !recorded)
-        return recorded;
+    SEAWAY_TRY(record(jobs, packing, choppiness, kernels_.passes.size()));
     const auto start = std::chrono::steady_clock::now();
-    if (Result<void> done = device_.submit_and_wait(commands_); !done)
-        return done;
+    SEAWAY_TRY(device_.submit_and_wait(commands_));
     const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
     fields_ = static_cast<std::size_t>(packing.fields);
     dispatches_ += kernels_.passes.size() + (choppiness != nullptr ? 1 : 0);

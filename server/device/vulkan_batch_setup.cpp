@@ -53,10 +53,8 @@ VulkanBatch::create(gpu::Device& device, const SynthesisKernels& kernels, int ca
     made->capacity_fields_ = kernels.size() <= VulkanBatch::largest_batched_size
                                  ? std::max(all_fields, fields_per_batched_cascade * cascade_count)
                                  : all_fields;
-    if (Result<void> allocated = made->allocate(cascade_count); !allocated)
-        return allocated.error();
-    if (Result<void> bound = made->bind(); !bound)
-        return bound.error();
+    SEAWAY_TRY(made->allocate(cascade_count));
+    SEAWAY_TRY(made->bind());
     return made;
 }
 
@@ -90,10 +88,8 @@ Result<void> VulkanBatch::allocate(int cascade_count) {
         {scratch_[1], &scratch_views_[1], rgba32f, "second scratch", map_bytes, vec4_bytes},
         {jacobian_, nullptr, rgba32f, "jacobian", jacobian_bytes, vec4_bytes}};
     for (const Wish& wish : wishes)
-        if (Result<void> made = make(device_, wish.buffer, wish.view, wish.format, wish.name,
-                                     wish.bytes, wish.texel_bytes, BufferKind::device);
-            !made)
-            return made;
+        SEAWAY_TRY(make(device_, wish.buffer, wish.view, wish.format, wish.name, wish.bytes,
+                        wish.texel_bytes, BufferKind::device));
     if (!maps().mapped().empty())
         return {};
     jacobian_offset_ = map_bytes;
@@ -120,18 +116,12 @@ std::vector<gpu::Resource> VulkanBatch::resources(std::size_t pass) const {
 Result<void> VulkanBatch::bind() {
     bindings_.resize(kernels_.passes.size());
     for (std::size_t i = 0; i < kernels_.passes.size(); ++i)
-        if (Result<void> bound =
-                take(bindings_[i], kernels_.passes[i].kernel.bind(device_, resources(i)));
-            !bound)
-            return bound;
+        SEAWAY_TRY(take(bindings_[i], kernels_.passes[i].kernel.bind(device_, resources(i))));
     const std::size_t last = (kernels_.passes.size() + 1) % 2;
-    if (Result<void> bound = take(
-            jacobian_bindings_, kernels_.jacobian.bind(device_, {gpu::texels(scratch_views_[last]),
-                                                                 gpu::whole(jacobian_)}));
-        !bound)
-        return bound;
-    if (Result<void> made = take(commands_, gpu::Commands::create(device_)); !made)
-        return made;
+    SEAWAY_TRY(
+        take(jacobian_bindings_, kernels_.jacobian.bind(device_, {gpu::texels(scratch_views_[last]),
+                                                                  gpu::whole(jacobian_)})));
+    SEAWAY_TRY(take(commands_, gpu::Commands::create(device_)));
     const auto stamps = static_cast<std::uint32_t>(kernels_.passes.size()) + 2;
     return take(timer_, gpu::Timer::create(device_, stamps));
 }
@@ -166,10 +156,8 @@ Result<void> VulkanBatch::upload(std::span<const sea::CascadeModes* const> casca
             orbits.push_back(static_cast<float>(sea::orbit_aspect(k, cascade->depth_m)));
         }
     }
-    if (Result<void> sent = gpu::upload(device_, modes_, std::as_bytes(std::span(modes))); !sent)
-        return sent;
-    if (Result<void> sent = gpu::upload(device_, orbits_, std::as_bytes(std::span(orbits))); !sent)
-        return sent;
+    SEAWAY_TRY(gpu::upload(device_, modes_, std::as_bytes(std::span(modes))));
+    SEAWAY_TRY(gpu::upload(device_, orbits_, std::as_bytes(std::span(orbits))));
     // Little-endian: the low word of a rate comes first, as RG32UI wants it.
     static_assert(std::endian::native == std::endian::little);
     return gpu::upload(device_, rates_, std::as_bytes(std::span(rates)));

@@ -120,22 +120,19 @@ Result<Maps> run(gpu::Device& device, const SynthesisKernels& kernels,
     Result<std::unique_ptr<VulkanBatch>> batch = VulkanBatch::create(device, kernels, 1);
     if (!batch)
         return batch.error();
-    if (Result<void> sent = (*batch)->upload(cascades); !sent)
-        return sent.error();
+    SEAWAY_TRY((*batch)->upload(cascades));
     const VulkanBatch::Job job{0, time_us};
     const Packing packing = pack(all);
     const std::size_t points = cascade.h0.size();
     Maps maps{{sea::field_count, std::vector<float>(points)},
               std::vector<float>(points),
               std::vector<float>(points)};
-    if (Result<void> done = (*batch)->run({&job, 1}, packing, &choppiness); !done)
-        return done.error();
+    SEAWAY_TRY((*batch)->run({&job, 1}, packing, &choppiness));
     for (const sea::Field field : all)
         (*batch)->read_plane(0, packing.plane_of(field),
                              maps.planes[static_cast<std::size_t>(field)]);
     (*batch)->read_jacobian(0, maps.jacobian);
-    if (Result<void> done = (*batch)->run({&job, 1}, pack({sea::Field::height}), nullptr); !done)
-        return done.error();
+    SEAWAY_TRY((*batch)->run({&job, 1}, pack({sea::Field::height}), nullptr));
     (*batch)->read_plane(0, 0, maps.height_alone);
     return maps;
 }
@@ -150,12 +147,9 @@ Result<void> compare_point(const Maps& maps, const std::vector<Mode>& modes, int
     for (const sea::Field field : all) {
         const auto f = static_cast<std::size_t>(field);
         const std::string_view name = sea::info(field).name;
-        if (Result<void> same = compare(size, name, x, y, maps.planes[f][at], truth[f]); !same)
-            return same;
+        SEAWAY_TRY(compare(size, name, x, y, maps.planes[f][at], truth[f]));
     }
-    if (Result<void> same = compare(size, "height alone", x, y, maps.height_alone[at], truth[0]);
-        !same)
-        return same;
+    SEAWAY_TRY(compare(size, "height alone", x, y, maps.height_alone[at], truth[0]));
     const auto strain = [&](sea::Field field) { return truth[static_cast<std::size_t>(field)]; };
     const Sum xx = strain(sea::Field::strain_xx), yy = strain(sea::Field::strain_yy),
               xy = strain(sea::Field::strain_xy);
@@ -173,10 +167,8 @@ Result<void> check_device(gpu::Device& device, const SynthesisKernels& kernels) 
     if (!maps)
         return maps.error();
     for (int i = 0; i < checked_points; ++i)
-        if (Result<void> same = compare_point(*maps, modes, kernels.size(),
-                                              i * 1009 % kernels.size(), i * 2003 % kernels.size());
-            !same)
-            return same;
+        SEAWAY_TRY(compare_point(*maps, modes, kernels.size(), i * 1009 % kernels.size(),
+                                 i * 2003 % kernels.size()));
     return {};
 }
 

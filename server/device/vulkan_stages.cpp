@@ -55,10 +55,8 @@ std::size_t VulkanBatch::pass_floats(std::size_t pass, const Packing& packing) c
 
 Result<std::vector<float>> VulkanBatch::output(const Job& job, const Packing& packing,
                                                std::size_t pass) {
-    if (Result<void> recorded = record({&job, 1}, packing, nullptr, pass + 1); !recorded)
-        return recorded.error();
-    if (Result<void> done = device_.submit_and_wait(commands_); !done)
-        return done.error();
+    SEAWAY_TRY(record({&job, 1}, packing, nullptr, pass + 1));
+    SEAWAY_TRY(device_.submit_and_wait(commands_));
     std::vector<float> floats(pass_floats(pass, packing));
     const std::byte* from = (readback_.size_bytes() ? readback_ : target(pass)).mapped().data();
     std::memcpy(floats.data(), from, floats.size() * sizeof(float));

@@ -167,8 +167,7 @@ Result<void> Vulkan::set_sea(sea::RealizationPtr sea, std::uint32_t epoch) {
                 return made.error();
             groups_[size] = {std::move(*made), cascades.size(), band_limited};
         }
-        if (Result<void> sent = groups_[size].batch->upload(cascades); !sent)
-            return sent;
+        SEAWAY_TRY(groups_[size].batch->upload(cascades));
     }
     sea_ = std::move(sea);
     epoch_ = epoch;
@@ -216,10 +215,7 @@ Result<void> Vulkan::run(const Batch& batch, std::span<const KeyframeRequest> re
     const auto at_once = static_cast<std::size_t>(device_batch.max_jobs(computed.size()));
     for (std::size_t first = 0; first < all.size(); first += at_once) {
         const std::size_t count = std::min(at_once, all.size() - first);
-        if (Result<void> done =
-                run_jobs(device_batch, batch, requests, all.subspan(first, count), out);
-            !done)
-            return done;
+        SEAWAY_TRY(run_jobs(device_batch, batch, requests, all.subspan(first, count), out));
     }
     return {};
 }
@@ -238,10 +234,7 @@ Result<void> Vulkan::run_jobs(VulkanBatch& device_batch, const Batch& batch,
     if (packing.fields > 0) {
         const std::uint64_t dispatches = device_batch.dispatches();
         const double seconds = device_batch.device_seconds();
-        if (Result<void> done =
-                device_batch.run(jobs, packing, jacobian ? &sea_->choppiness : nullptr);
-            !done)
-            return done;
+        SEAWAY_TRY(device_batch.run(jobs, packing, jacobian ? &sea_->choppiness : nullptr));
         counters_.dispatches += device_batch.dispatches() - dispatches;
         counters_.device_seconds += device_batch.device_seconds() - seconds;
         counters_.transforms += jobs.size() * static_cast<std::size_t>(packing.fields);

@@ -284,8 +284,7 @@ void NetServer::Impl::stop() {
 
 Result<std::unique_ptr<NetServer>> NetServer::start(const NetOptions& options, Host& host) {
     auto impl = std::make_unique<Impl>(options, host);
-    if (Result<void> started = impl->start(); !started)
-        return started.error();
+    SEAWAY_TRY(impl->start());
     return std::unique_ptr<NetServer>(new NetServer(std::move(impl)));
 }
 

@@ -68,8 +68,7 @@ class Baker {
         for (std::size_t c = 0; c < foam_.size(); ++c)
             SEAWAY_TRY(advance_foam(c, keyframes[c]));
         report_.synthesis_s += watch.lap_s();
-        if (Result<void> done = write_all(frame, keyframes); !done)
-            return done;
+        SEAWAY_TRY(write_all(frame, keyframes));
         report_.files_s += watch.lap_s();
         ++report_.frames;
         return {};
@@ -123,11 +122,8 @@ class Baker {
             return files_->write(frame, fmt::format("sea.{:05}", frame), sea, foam);
         }
         for (std::size_t c = 0; c < keyframes.size(); ++c)
-            if (Result<void> done =
-                    files_->write(frame, fmt::format("cascade{}.{:05}", c, frame), *keyframes[c],
-                                  foam_.empty() ? std::span<const float>() : foam_[c].ratios());
-                !done)
-                return done;
+            SEAWAY_TRY(files_->write(frame, fmt::format("cascade{}.{:05}", c, frame), *keyframes[c],
+                                     foam_.empty() ? std::span<const float>() : foam_[c].ratios()));
         return {};
     }
 
@@ -188,23 +184,20 @@ TimeUs frame_time(const BakeOptions& options, int frame) {
 
 Result<BakeReport> bake(const sea::Scene& scene, const BakeOptions& options,
                         server::Synthesizer& synthesizer) {
-    if (Result<void> valid = validate(options); !valid)
-        return valid.error();
+    SEAWAY_TRY(validate(options));
     Stopwatch watch;
     Result<sea::Realization> realized = sea::realize(scene);
     if (!realized)
         return Error{BakeError::bad_options, realized.error().message};
     const auto sea = std::make_shared<const sea::Realization>(std::move(realized).value());
-    if (Result<void> ready = synthesizer.set_sea(sea, 1); !ready)
-        return ready.error();
+    SEAWAY_TRY(synthesizer.set_sea(sea, 1));
     std::error_code error;
     std::filesystem::create_directories(options.folder, error);
     if (error)
         return Error{fmt::format("--out {}: {}", options.folder, error.message())};
     Baker baker(scene, sea, options, synthesizer);
     for (int frame = 0; frame < options.frames; ++frame)
-        if (Result<void> done = baker.frame(frame); !done)
-            return done.error();
+        SEAWAY_TRY(baker.frame(frame));
     BakeReport report = baker.report();
     report.total_s = watch.lap_s();
     return report;

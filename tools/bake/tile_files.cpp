@@ -64,8 +64,7 @@ Result<void> TileFiles::write(int frame, const std::string& name, const sea::Key
                           .half = options_.half,
                           .compression = options_.compression,
                           .upside_down = options_.north_up};
-    if (Result<void> written = exr::write_exr(stem + ".exr", map); !written)
-        return written;
+    SEAWAY_TRY(exr::write_exr(stem + ".exr", map));
     count_file(stem + ".exr");
     return options_.mesh == MeshFormat::none ? Result<void>() : write_mesh_beside(stem, tile);
 }
@@ -73,8 +72,7 @@ Result<void> TileFiles::write(int frame, const std::string& name, const sea::Key
 Result<void> TileFiles::write_mesh_beside(const std::string& stem, const sea::Keyframe& tile) {
     const std::string path = stem + (options_.mesh == MeshFormat::obj ? ".obj" : ".ply");
     const MeshOptions mesh{options_.mesh, options_.up, repeats_ || !options_.summed};
-    if (Result<void> written = write_mesh(path, tile, sea_.choppiness, mesh); !written)
-        return written;
+    SEAWAY_TRY(write_mesh(path, tile, sea_.choppiness, mesh));
     count_file(path);
     return {};
 }

@@ -70,8 +70,7 @@ Result<void> run_compare(const CompareOptions& options) {
         if (!made)
             return made.error();
         devices[i] = std::move(made).value();
-        if (Result<void> ready = devices[i]->set_sea((*sea)->realization, 1); !ready)
-            return ready.error();
+        SEAWAY_TRY(devices[i]->set_sea((*sea)->realization, 1));
     }
     sea::TimeUs time_us = 12'340'000;
     std::vector<server::NewKeyframePtr> made[2];

@@ -170,18 +170,14 @@ Result<void> run_effects(const EffectsOptions& options) {
     Result<std::unique_ptr<Synthesizer>> device = make_device(options.device);
     if (!device)
         return device.error();
-    if (Result<void> ready = (*device)->set_sea((*sea)->realization, 1); !ready)
-        return ready.error();
+    SEAWAY_TRY((*device)->set_sea((*sea)->realization, 1));
     EffectsBench bench(*sea, **device);
     const std::vector<Row> rows = bench.measure(options.rounds);
     const std::string name = (*device)->description();
     print_table(name, bench.everything_ms(), rows);
     std::error_code failed;
     std::filesystem::create_directories(options.out, failed);
-    if (Result<void> written =
-            write_csv(options.out + "/effects.csv", name, bench.everything_ms(), rows);
-        !written)
-        return written.error();
+    SEAWAY_TRY(write_csv(options.out + "/effects.csv", name, bench.everything_ms(), rows));
     return draw(options.out + "/effects.png", name, bench.everything_ms(), rows);
 }
 

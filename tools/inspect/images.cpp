@@ -68,8 +68,7 @@ class ImageWriter {
                       .complex = true,
                       .north_up = true,
                       .values = h0};
-        if (Result<void> done = write(cascade, "h0", array); !done)
-            return done;
+        SEAWAY_TRY(write(cascade, "h0", array));
         array.title = fmt::format("h(k,t), m, t = {} s", sea::seconds_from_us(options_.time_us));
         array.values = h;
         return write(cascade, "h", array);
@@ -85,10 +84,7 @@ class ImageWriter {
                                 .columns = stage.columns,
                                 .complex = stage.complex,
                                 .values = stage.values};
-            if (Result<void> done =
-                    write(cascade, file_words(stage.pass + "_" + stage.name), array);
-                !done)
-                return done;
+            SEAWAY_TRY(write(cascade, file_words(stage.pass + "_" + stage.name), array));
         }
         return {};
     }
@@ -102,10 +98,8 @@ class ImageWriter {
                                 .middle = field == sea::Field::jacobian ? 1.0 : 0.0,
                                 .north_up = true,
                                 .values = keyframe.plane(field)};
-            if (Result<void> done =
-                    write(static_cast<std::size_t>(keyframe.cascade), std::string(row.name), array);
-                !done)
-                return done;
+            SEAWAY_TRY(
+                write(static_cast<std::size_t>(keyframe.cascade), std::string(row.name), array));
         }
         return {};
     }
@@ -122,10 +116,8 @@ class ImageWriter {
         array.title = fmt::format("cascade {} ({:g} m), {}", cascade,
                                   sea_.cascades[cascade].spec.length_m, array.title);
         const std::string stem = fmt::format("{}/cascade{}_{}", options_.folder, cascade, name);
-        if (Result<void> drawn = draw_array(array, stem + ".png"); !drawn)
-            return drawn;
-        if (Result<void> saved = save_array(array, stem + ".exr"); !saved)
-            return saved;
+        SEAWAY_TRY(draw_array(array, stem + ".png"));
+        SEAWAY_TRY(save_array(array, stem + ".exr"));
         files_ += 2;
         return {};
     }
@@ -146,8 +138,7 @@ Result<int> write_images(const sea::RealizationPtr& sea, const ImagesOptions& op
     Result<std::unique_ptr<Synthesizer>> device = make_device(options.device);
     if (!device)
         return device.error();
-    if (Result<void> ready = (*device)->set_sea(sea, 1); !ready)
-        return ready.error();
+    SEAWAY_TRY((*device)->set_sea(sea, 1));
     std::error_code failed;
     std::filesystem::create_directories(options.folder, failed);
     if (failed)

@@ -92,8 +92,7 @@ Result<std::string> run(const Options& options) {
     if (!report)
         return report.error();
     if (!options.plot.empty())
-        if (const Result<void> drawn = inspect::draw_picture(*report, options.plot); !drawn)
-            return drawn.error();
+        SEAWAY_TRY(inspect::draw_picture(*report, options.plot));
     if (!options.spectrum.empty())
         return spectrum_csv(*scene, options.spectrum);
     if (!options.points.empty())

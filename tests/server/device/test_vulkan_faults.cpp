@@ -18,8 +18,7 @@ Result<void> sail(const VulkanOptions& options, const RandomSea& random) {
     Result<std::unique_ptr<VulkanSynthesizer>> made = make_vulkan_synthesizer(options);
     if (!made)
         return made.error();
-    if (Result<void> set = (*made)->set_sea(random.realization(), 1); !set)
-        return set;
+    SEAWAY_TRY((*made)->set_sea(random.realization(), 1));
     const KeyframeRequest request{0, 0, {sea::Field::height, sea::Field::jacobian}};
     const Result<std::vector<NewKeyframePtr>> keyframes = (*made)->synthesize({&request, 1});
     if (!keyframes)
