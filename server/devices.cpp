@@ -5,51 +5,43 @@
 #include <spdlog/spdlog.h>
 
 #include "gpu/device_info.h"
-#include "server/device/native_synthesizer.h"
-#include "server/device/vulkan_synthesizer.h"
+#include "server/device/device_choice.h"
 
 namespace seaway::server {
 
 namespace {
 
-constexpr std::string_view native_name = "native";
-
-Result<std::unique_ptr<Synthesizer>> make_native(const sea::RealizationPtr& sea,
-                                                 std::uint32_t epoch) {
-    auto made = std::make_unique<NativeSynthesizer>();
+Result<std::unique_ptr<Synthesizer>> make(const DeviceChoice& choice, bool validation,
+                                          const sea::RealizationPtr& sea, std::uint32_t epoch) {
+    SEAWAY_TRY_LET(std::unique_ptr<Synthesizer> made, make_synthesizer(choice, validation));
     SEAWAY_TRY(made->set_sea(sea, epoch));
-    return std::unique_ptr<Synthesizer>(std::move(made));
+    return made;
 }
 
-Result<std::unique_ptr<Synthesizer>>
-make_vulkan(const VulkanOptions& options, const sea::RealizationPtr& sea, std::uint32_t epoch) {
-    SEAWAY_TRY_LET(std::unique_ptr<VulkanSynthesizer> made, make_vulkan_synthesizer(options));
-    SEAWAY_TRY(made->set_sea(sea, epoch));
-    return std::unique_ptr<Synthesizer>(std::move(made));
-}
-
-/// The best Vulkan device, or the native one where there is none or it cannot do this sea.
-Result<std::unique_ptr<Synthesizer>>
-make_best(const VulkanOptions& options, const sea::RealizationPtr& sea, std::uint32_t epoch) {
-    Result<std::unique_ptr<VulkanSynthesizer>> made = make_vulkan_synthesizer(options);
-    const Result<void> able = made ? (*made)->set_sea(sea, epoch) : Result<void>(made.error());
-    if (able)
-        return std::unique_ptr<Synthesizer>(*std::move(made));
-    if (made && !able.error().is(DeviceError::cannot_do_this_sea))
-        return able.error(); // lost or out of memory: worth another try
-    spdlog::warn("device={} why=\"{}\"", native_name, able.error().message);
-    return make_native(sea, epoch);
+/// Where the choice is ours: it is told, and the native device does what a GPU has no kernels for.
+Result<std::unique_ptr<Synthesizer>> make_best(bool validation, const sea::RealizationPtr& sea,
+                                               std::uint32_t epoch) {
+    SEAWAY_TRY_LET(DeviceChoice choice, choose_device(auto_device));
+    Result<std::unique_ptr<Synthesizer>> made = make(choice, validation, sea, epoch);
+    // A GPU that was lost or is out of memory is worth another try instead.
+    if (!made && choice.vulkan && made.error().is(DeviceError::cannot_do_this_sea)) {
+        choice = {{}, made.error().message};
+        made = make(choice, validation, sea, epoch);
+    }
+    if (made)
+        spdlog::info("device=auto takes=\"{}\" why=\"{}\"", (*made)->description(), choice.why);
+    return made;
 }
 
 } // namespace
 
 SynthesizerFactory device_factory(const Options& options) {
-    if (options.device == native_name)
-        return make_native;
-    const auto make = options.device == "auto" ? make_best : make_vulkan;
-    return [make, vulkan = VulkanOptions{options.device, options.validation}](
-               const sea::RealizationPtr& sea, std::uint32_t epoch) {
-        return make(vulkan, sea, epoch);
+    return [options](const sea::RealizationPtr& sea,
+                     std::uint32_t epoch) -> Result<std::unique_ptr<Synthesizer>> {
+        if (options.device == auto_device)
+            return make_best(options.validation, sea, epoch);
+        SEAWAY_TRY_LET(const DeviceChoice choice, choose_device(options.device));
+        return make(choice, options.validation, sea, epoch);
     };
 }
 
@@ -60,7 +52,7 @@ Result<std::string> device_list() {
         for (const gpu::DeviceInfo& device : *devices)
             lines += fmt::format("{}: {}, {}{}\n", device.index, device.name, device.driver,
                                  device.is_usable() ? "" : " - unusable: " + device.unusable);
-    lines += fmt::format("{}: this processor, without Vulkan\n", native_name);
+    lines += fmt::format("{}: this processor, without Vulkan\n", native_device);
     return lines;
 }
 

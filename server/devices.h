@@ -10,8 +10,8 @@
 
 namespace seaway::server {
 
-/// Makes the device that the options name, anew at each call. "auto" takes the native one where
-/// there is no Vulkan device, or the best one cannot do this sea: it computes wrongly or has no
+/// Makes the device that the options name (server/device/device_choice.h), anew at each call.
+/// "auto" takes the native one also where the GPU cannot do this sea: it computes wrongly or has no
 /// kernels of a size.
 SynthesizerFactory device_factory(const Options& options);
 

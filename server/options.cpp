@@ -18,8 +18,8 @@ std::variant<Options, int> read_options(int argc, char** argv) {
         ->type_name("ADDR:PORT")
         ->capture_default_str();
     app.add_option("--device", options.device,
-                   "auto: a hardware GPU, else lavapipe, else native. Or native (this processor, "
-                   "without Vulkan), a part of a device's name, its index, or `list` to see them")
+                   "auto: a hardware GPU, else native. Or native (this processor, without Vulkan), "
+                   "a part of a device's name (lavapipe), its index, or `list` to see them")
         ->type_name("NAME|INDEX|auto|native|list")
         ->capture_default_str();
     CLI::Option* cert = app.add_option("--tls-cert", options.tls_cert, "Certificate chain (PEM)");

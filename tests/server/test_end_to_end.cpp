@@ -159,7 +159,7 @@ TEST_P(EndToEnd, ten_waves_at_finite_depth_move_water_as_linear_theory_says) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(Devices, EndToEnd, ::testing::Values("auto", "native"),
+INSTANTIATE_TEST_SUITE_P(Devices, EndToEnd, ::testing::Values("lavapipe", "native"),
                          [](const auto& device) { return std::string(device.param); });
 
 struct BadStart {
@@ -195,11 +195,12 @@ INSTANTIATE_TEST_SUITE_P(
                  "here:there"}),
     [](const auto& start) { return std::string(start.param.what); });
 
+// No Vulkan device has kernels of this size, whatever this machine has.
 TEST(Start, auto_takes_the_native_device_for_a_sea_that_no_vulkan_device_can_do) {
     tests::ServerProcess server({"tests/data/scenes/tile_of_32.toml", "--listen", "127.0.0.1:0"});
     ASSERT_NE(server.wait_until_ready(), "") << server.log();
-    EXPECT_NE(server.log().find("device=native why="), std::string::npos) << server.log();
-    EXPECT_NE(server.log().find("size 32"), std::string::npos) << server.log();
+    EXPECT_NE(server.log().find("device=auto takes=\"native"), std::string::npos) << server.log();
+    EXPECT_NE(server.log().find("why="), std::string::npos) << server.log();
     tests::ServerProcess wanted(
         {"tests/data/scenes/tile_of_32.toml", "--listen", "127.0.0.1:0", "--device", "0"});
     EXPECT_EQ(wanted.wait_until_ready(), "") << "asked for by number, it is not replaced";

@@ -17,8 +17,7 @@
 #pragma GCC diagnostic pop
 
 #include "base/text_file.h"
-#include "server/device/native_synthesizer.h"
-#include "server/device/vulkan_synthesizer.h"
+#include "server/device/device_choice.h"
 #include "tools/bake/bake.h"
 
 namespace {
@@ -83,8 +82,9 @@ void declare(CLI::App& app, Options& o) {
         ->check(CLI::IsMember({"south", "north"}))
         ->capture_default_str()
         ->type_name("SIDE");
-    app.add_option("--device", o.device,
-                   "native, auto, or index or part of a name of a Vulkan device")
+    app.add_option(
+           "--device", o.device,
+           "native, auto (a GPU, else native), or index or part of a name of a Vulkan device")
         ->capture_default_str()
         ->type_name("NAME");
     app.set_version_flag("--version", "seaway-bake " SEAWAY_VERSION);
@@ -95,18 +95,6 @@ int fail(int code, const std::string& message) {
     std::replace(line.begin(), line.end(), '\n', ' ');
     fmt::print(stderr, "seaway-bake: {}\n", line);
     return code;
-}
-
-Result<std::unique_ptr<server::Synthesizer>> make_synthesizer(const std::string& device) {
-    if (device == "native")
-        return std::unique_ptr<server::Synthesizer>(std::make_unique<server::NativeSynthesizer>());
-    server::VulkanOptions options;
-    options.device = device;
-    Result<std::unique_ptr<server::VulkanSynthesizer>> made =
-        server::make_vulkan_synthesizer(options);
-    if (!made)
-        return made.error();
-    return std::unique_ptr<server::Synthesizer>(std::move(made).value());
 }
 
 int run(Options& options) {
@@ -134,7 +122,8 @@ int run(Options& options) {
     options.bake.compression = *compression;
     options.bake.start_us = sea::us_from_seconds(options.start_s);
 
-    Result<std::unique_ptr<server::Synthesizer>> synthesizer = make_synthesizer(options.device);
+    const Result<std::unique_ptr<server::Synthesizer>> synthesizer =
+        server::make_synthesizer(options.device);
     if (!synthesizer)
         return fail(exit_no_device, synthesizer.error().message);
     Imf::setGlobalThreadCount(static_cast<int>(std::max(1u, std::thread::hardware_concurrency())));

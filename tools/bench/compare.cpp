@@ -10,8 +10,8 @@
 
 #include <fmt/format.h>
 
+#include "server/device/device_choice.h"
 #include "server/simulation/running_sea.h"
-#include "tools/bench/devices.h"
 #include "tools/bench/timing.h"
 
 namespace seaway::bench {
@@ -66,10 +66,7 @@ Result<void> run_compare(const CompareOptions& options) {
     std::unique_ptr<Synthesizer> devices[2];
     const std::string* names[] = {&options.first, &options.second};
     for (int i = 0; i < 2; ++i) {
-        Result<std::unique_ptr<Synthesizer>> made = make_device(*names[i]);
-        if (!made)
-            return made.error();
-        devices[i] = std::move(made).value();
+        SEAWAY_TRY_LET(devices[i], server::make_synthesizer(*names[i]));
         SEAWAY_TRY(devices[i]->set_sea((*sea)->realization, 1));
     }
     sea::TimeUs time_us = 12'340'000;

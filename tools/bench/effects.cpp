@@ -9,11 +9,11 @@
 
 #include <fmt/format.h>
 
+#include "server/device/device_choice.h"
 #include "server/simulation/effect_costs.h"
 #include "server/simulation/effect_plan.h"
 #include "server/simulation/foam_maps.h"
 #include "server/simulation/running_sea.h"
-#include "tools/bench/devices.h"
 #include "tools/bench/timing.h"
 #include "tools/plot/plot.h"
 
@@ -167,13 +167,11 @@ Result<void> run_effects(const EffectsOptions& options) {
     const Result<RunningSeaPtr> sea = server::make_running_sea(*scene, 1);
     if (!sea)
         return sea.error();
-    Result<std::unique_ptr<Synthesizer>> device = make_device(options.device);
-    if (!device)
-        return device.error();
-    SEAWAY_TRY((*device)->set_sea((*sea)->realization, 1));
-    EffectsBench bench(*sea, **device);
+    SEAWAY_TRY_LET(const auto device, server::make_synthesizer(options.device));
+    SEAWAY_TRY(device->set_sea((*sea)->realization, 1));
+    EffectsBench bench(*sea, *device);
     const std::vector<Row> rows = bench.measure(options.rounds);
-    const std::string name = (*device)->description();
+    const std::string name = device->description();
     print_table(name, bench.everything_ms(), rows);
     std::error_code failed;
     std::filesystem::create_directories(options.out, failed);

@@ -22,7 +22,9 @@ int main(int argc, char** argv) {
     CLI::App* effects =
         app.add_subcommand("effects", "Marginal cost of every effect and every cascade");
     effects->add_option("--scene", options.scene)->capture_default_str();
-    effects->add_option("--device", options.device, "auto, native, an index or part of a name")
+    effects
+        ->add_option("--device", options.device,
+                     "native, auto (a GPU, else native), an index or part of a name")
         ->capture_default_str();
     effects->add_option("--out", options.out, "Folder for effects.csv and effects.png")
         ->capture_default_str();

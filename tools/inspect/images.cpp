@@ -9,8 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "server/device/native_synthesizer.h"
-#include "server/device/vulkan_synthesizer.h"
+#include "server/device/device_choice.h"
 #include "tools/inspect/array_picture.h"
 
 namespace seaway::inspect {
@@ -19,16 +18,6 @@ using server::KeyframeRequest;
 using server::Synthesizer;
 
 namespace {
-
-Result<std::unique_ptr<Synthesizer>> make_device(const std::string& name) {
-    if (name == "native")
-        return std::unique_ptr<Synthesizer>(std::make_unique<server::NativeSynthesizer>());
-    Result<std::unique_ptr<server::VulkanSynthesizer>> made =
-        server::make_vulkan_synthesizer({name, false});
-    if (!made)
-        return made.error();
-    return std::unique_ptr<Synthesizer>(std::move(made).value());
-}
 
 /// Words of a file name: what is no letter or digit becomes "_".
 std::string file_words(const std::string& text) {
@@ -135,10 +124,8 @@ sea::FieldSet synthesised_fields() {
 } // namespace
 
 Result<int> write_images(const sea::RealizationPtr& sea, const ImagesOptions& options) {
-    Result<std::unique_ptr<Synthesizer>> device = make_device(options.device);
-    if (!device)
-        return device.error();
-    SEAWAY_TRY((*device)->set_sea(sea, 1));
+    SEAWAY_TRY_LET(const auto device, server::make_synthesizer(options.device));
+    SEAWAY_TRY(device->set_sea(sea, 1));
     std::error_code failed;
     std::filesystem::create_directories(options.folder, failed);
     if (failed)
@@ -146,9 +133,9 @@ Result<int> write_images(const sea::RealizationPtr& sea, const ImagesOptions& op
     ImageWriter writer(*sea, options);
     for (std::size_t c = 0; c < sea->cascades.size(); ++c) {
         const KeyframeRequest request{static_cast<int>(c), options.time_us, synthesised_fields()};
-        SEAWAY_TRY_LET(const auto keyframes, (*device)->synthesize({&request, 1}));
+        SEAWAY_TRY_LET(const auto keyframes, device->synthesize({&request, 1}));
         SEAWAY_TRY(writer.spectra(c));
-        SEAWAY_TRY(writer.stages(c, **device, request));
+        SEAWAY_TRY(writer.stages(c, *device, request));
         SEAWAY_TRY(writer.maps(*keyframes.front()));
     }
     return writer.files();

@@ -122,8 +122,10 @@ void declare(CLI::App& app, Options& options) {
                                   "Draw h0(k), h(k,t), every pass and every map of each cascade")
                        ->excludes(spectrum)
                        ->type_name("DIR");
-    app.add_option("--device", options.images.device,
-                   "Of --images: native, auto, or index or part of a name of a Vulkan device")
+    app.add_option(
+           "--device", options.images.device,
+           "Of --images: native, auto (a GPU, else native), or index or part of a name of a "
+           "Vulkan device")
         ->needs(images)
         ->capture_default_str()
         ->type_name("NAME");
