@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// MessageStream over Boost.Beast: one io thread a connection, coroutines on it, no locks.
+// MessageStream over a WebSocket: one io thread a connection, callbacks on it, no locks.
 #include <atomic>
 #include <chrono>
 #include <deque>
@@ -7,68 +7,55 @@
 #include <future>
 #include <optional>
 #include <thread>
-#include <type_traits>
 
-#include <boost/asio/awaitable.hpp>
-#include <boost/asio/co_spawn.hpp>
-#include <boost/asio/connect.hpp>
-#include <boost/asio/detached.hpp>
 #include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/post.hpp>
-#include <boost/asio/redirect_error.hpp>
-#include <boost/asio/ssl.hpp>
+#include <boost/asio/ssl/context.hpp>
 #include <boost/asio/steady_timer.hpp>
-#include <boost/asio/use_awaitable.hpp>
-#include <boost/beast/core/flat_buffer.hpp>
-#include <boost/beast/core/tcp_stream.hpp>
-#include <boost/beast/http/field.hpp>
-#include <boost/beast/ssl.hpp>
-#include <boost/beast/websocket.hpp>
-#include <boost/beast/websocket/ssl.hpp>
 #include <fmt/format.h>
 
 #include "client/failure.h"
 #include "client/message_stream.h"
 #include "protocol/limits.h"
+#include "sockets/web_socket.h"
 
 namespace seaway::client {
 namespace {
 
 namespace asio = boost::asio;
-namespace beast = boost::beast;
-namespace websocket = beast::websocket;
-using boost::system::error_code;
+using sockets::error_code;
+using sockets::WebSocketEnd;
 using std::chrono::milliseconds;
 
 constexpr milliseconds tick_interval{50};
 constexpr milliseconds close_patience{1000};
 constexpr std::chrono::seconds idle_timeout{30};
-
-using PlainStream = websocket::stream<beast::tcp_stream>;
-using TlsStream = websocket::stream<beast::ssl_stream<beast::tcp_stream>>;
-
-auto into(error_code& problem) {
-    return asio::redirect_error(asio::use_awaitable, problem);
-}
+constexpr unsigned normal_closure = 1000; // RFC 6455, 7.4.1
 
 milliseconds to_milliseconds(double seconds) {
     return milliseconds(static_cast<std::int64_t>(seconds * 1e3));
 }
 
+sockets::WebSocketOptions web_socket_options(const WebSocketOptions& options) {
+    return {.subprotocol = std::string(protocol::websocket_subprotocol),
+            .program = options.user_agent,
+            .handshake_patience = to_milliseconds(options.connect_timeout_s),
+            .idle_patience = idle_timeout,
+            .message_bytes_max = protocol::limits::server_message_bytes_max};
+}
+
 /// Runs on its own thread until closed. Every member but the atomics and io_ belongs to it.
-template <class Stream>
-class WebSocket final : public MessageStream {
+class SocketStream final : public MessageStream {
   public:
-    static constexpr bool tls = std::is_same_v<Stream, TlsStream>;
+    /// TLS if there is a context for it.
+    SocketStream(const Url& url, const WebSocketOptions& options,
+                 std::shared_ptr<asio::ssl::context> tls_context)
+        : url_(url), options_(options), tls_context_(std::move(tls_context)),
+          ws_(make_socket(), web_socket_options(options)), ticker_(io_) {}
 
-    WebSocket(const Url& url, const WebSocketOptions& options,
-              std::shared_ptr<asio::ssl::context> tls_context)
-        : url_(url), options_(options), tls_context_(std::move(tls_context)), ws_(make_stream()),
-          ticker_(io_) {}
-
-    ~WebSocket() override {
+    ~SocketStream() override {
         close("closed by this client");
         if (thread_.joinable()) {
             if (over_.wait_for(close_patience) == std::future_status::timeout)
@@ -78,9 +65,8 @@ class WebSocket final : public MessageStream {
     }
 
     Result<void> connect() {
-        std::promise<Result<void>> opened;
-        std::future<Result<void>> result = opened.get_future();
-        asio::co_spawn(io_, open(std::move(opened)), asio::detached);
+        std::future<Result<void>> result = opened_.get_future();
+        asio::post(io_, [this] { resolve(); });
         thread_ = std::thread([this] { run(); });
         // Steps have their own time limits; name resolution has none.
         const auto patience = to_milliseconds(options_.connect_timeout_s) + close_patience;
@@ -95,8 +81,8 @@ class WebSocket final : public MessageStream {
         asio::post(io_, [this, events = std::move(events)]() mutable {
             events_ = std::move(events);
             reading_ = true;
-            asio::co_spawn(io_, read_all(), asio::detached);
-            asio::co_spawn(io_, tick(), asio::detached);
+            read();
+            tick();
         });
     }
 
@@ -109,10 +95,8 @@ class WebSocket final : public MessageStream {
         }
         asio::post(io_, [this, message = std::move(message)]() mutable {
             outbox_.push_back(std::move(message));
-            if (!writing_ && open_) {
-                writing_ = true;
-                asio::co_spawn(io_, write_all(), asio::detached);
-            }
+            if (!writing_ && open_)
+                write();
         });
         return true;
     }
@@ -120,22 +104,20 @@ class WebSocket final : public MessageStream {
     void close(std::string reason) override {
         if (closing_.exchange(true))
             return;
-        asio::post(io_, [this, reason = std::move(reason)]() mutable {
-            asio::co_spawn(io_, say_goodbye(std::move(reason)), asio::detached);
-        });
+        asio::post(
+            io_, [this, reason = std::move(reason)]() mutable { say_goodbye(std::move(reason)); });
     }
 
   private:
-    Stream make_stream() {
-        if constexpr (tls)
-            return Stream(io_, *tls_context_);
-        else
-            return Stream(io_);
+    sockets::Socket make_socket() {
+        asio::ip::tcp::socket socket(io_);
+        return tls_context_ ? sockets::Socket(std::move(socket), *tls_context_)
+                            : sockets::Socket(std::move(socket));
     }
 
     Error cannot_connect(std::string_view why) const {
         return failed(Failure::cannot_connect,
-                      fmt::format("cannot connect to {}://{}: {}", tls ? "wss" : "ws",
+                      fmt::format("cannot connect to {}://{}: {}", url_.tls ? "wss" : "ws",
                                   url_.authority(), why));
     }
 
@@ -143,157 +125,114 @@ class WebSocket final : public MessageStream {
         try {
             io_.run();
         } catch (const std::exception& problem) {
+            if (!answered_)
+                opened(cannot_connect(problem.what()));
             finish(fmt::format("the network thread failed: {}", problem.what()));
         }
         over_promise_.set_value();
     }
 
-    asio::awaitable<void> open(std::promise<Result<void>> opened) {
-        Result<void> result;
-        try {
-            result = co_await reach();
-        } catch (const std::exception& problem) {
-            result = cannot_connect(problem.what());
-        }
+    // ---- resolve, connect, TLS, WebSocket: each step begins the next ----
+
+    void opened(Result<void> result) {
+        answered_ = true;
         open_ = result.has_value();
-        opened.set_value(std::move(result));
+        opened_.set_value(std::move(result));
     }
 
-    asio::awaitable<Result<void>> reach() {
-        error_code problem;
-        asio::ip::tcp::resolver resolver(io_);
-        const auto endpoints = co_await resolver.async_resolve(url_.host, url_.port, into(problem));
-        if (problem)
-            co_return cannot_connect(
-                fmt::format("the name does not resolve ({})", problem.message()));
-        beast::tcp_stream& tcp = beast::get_lowest_layer(ws_);
-        tcp.expires_after(to_milliseconds(options_.connect_timeout_s));
-        co_await tcp.async_connect(endpoints, into(problem));
-        if (problem)
-            co_return cannot_connect(problem.message());
-        tcp.socket().set_option(asio::ip::tcp::no_delay(true), problem);
-        if constexpr (tls) {
-            if (const Result<void> prepared = prepare_tls(); !prepared)
-                co_return prepared.error();
-            co_await ws_.next_layer().async_handshake(asio::ssl::stream_base::client,
-                                                      into(problem));
+    void resolve() {
+        resolver_.async_resolve(
+            url_.host, url_.port, [this](error_code problem, const auto& endpoints) {
+                if (problem)
+                    return opened(cannot_connect(
+                        fmt::format("the name does not resolve ({})", problem.message())));
+                connect_to(endpoints);
+            });
+    }
+
+    void connect_to(const asio::ip::tcp::resolver::results_type& endpoints) {
+        ws_.socket().expires_after(to_milliseconds(options_.connect_timeout_s));
+        ws_.socket().connect(endpoints, [this](error_code problem) {
             if (problem)
-                co_return cannot_connect(fmt::format("TLS: {}", problem.message()));
-        }
-        tcp.expires_never(); // from here on the WebSocket keeps the time
-        co_return co_await shake_hands();
+                return opened(cannot_connect(problem.message()));
+            ws_.socket().set_no_delay();
+            if (!url_.tls)
+                return shake_hands();
+            ws_.socket().connect_tls(url_.host, [this](error_code refused) {
+                if (refused)
+                    return opened(cannot_connect(fmt::format("TLS: {}", refused.message())));
+                shake_hands();
+            });
+        });
     }
 
-    Result<void> prepare_tls() {
-        if constexpr (tls) {
-            // What the macro SSL_set_tlsext_host_name does, without its old-style cast. Addresses
-            // are no names (RFC 6066).
-            error_code no_address;
-            asio::ip::make_address(url_.host, no_address);
-            std::string name = url_.host;
-            if (no_address &&
-                !SSL_ctrl(ws_.next_layer().native_handle(), SSL_CTRL_SET_TLSEXT_HOSTNAME,
-                          TLSEXT_NAMETYPE_host_name, name.data()))
-                return cannot_connect("TLS does not take the host name");
-            ws_.next_layer().set_verify_mode(asio::ssl::verify_peer);
-            ws_.next_layer().set_verify_callback(asio::ssl::host_name_verification(url_.host));
-        }
-        return {};
+    void shake_hands() {
+        ws_.socket().expires_never(); // from here on the WebSocket keeps the time
+        ws_.shake_hands(url_.authority(), url_.path, [this](const Result<void>& shaken) {
+            opened(shaken ? shaken : cannot_connect(shaken.error().message));
+        });
     }
 
-    asio::awaitable<Result<void>> shake_hands() {
-        ws_.set_option(websocket::stream_base::timeout{to_milliseconds(options_.connect_timeout_s),
-                                                       idle_timeout, true});
-        ws_.set_option(websocket::stream_base::decorator([this](websocket::request_type& request) {
-            request.set(beast::http::field::user_agent, options_.user_agent);
-            request.set(beast::http::field::sec_websocket_protocol,
-                        beast::string_view(protocol::websocket_subprotocol.data(),
-                                           protocol::websocket_subprotocol.size()));
-        }));
-        ws_.read_message_max(protocol::limits::server_message_bytes_max);
-        ws_.binary(true);
-        error_code problem;
-        websocket::response_type response;
-        co_await ws_.async_handshake(response, url_.authority(), url_.path, into(problem));
-        if (problem == websocket::error::upgrade_declined)
-            co_return cannot_connect(
-                fmt::format("the server answers HTTP {} at {}", response.result_int(), url_.path));
-        if (problem)
-            co_return cannot_connect(
-                fmt::format("this is no WebSocket server ({})", problem.message()));
-        const auto chosen = response[beast::http::field::sec_websocket_protocol];
-        if (std::string_view(chosen.data(), chosen.size()) != protocol::websocket_subprotocol)
-            co_return cannot_connect(
-                fmt::format("the server does not speak {}", protocol::websocket_subprotocol));
-        co_return Result<void>();
-    }
+    // ---- from there on ----
 
-    asio::awaitable<void> read_all() {
-        beast::flat_buffer buffer;
-        while (!finished_) {
-            error_code problem;
-            co_await ws_.async_read(buffer, into(problem));
-            if (problem) {
-                finish(why_ended(problem));
-                co_return;
-            }
-            if (!ws_.got_binary()) {
+    void read() {
+        ws_.read([this](const Result<sockets::WebSocket::Message>& message) {
+            if (!message)
+                return finish(why_ended(message.error()));
+            if (!message->binary)
                 close("the server sent a text message");
-                continue;
-            }
-            const auto bytes = buffer.cdata();
-            if (!closing_)
-                events_.on_message({static_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
-            buffer.clear();
-        }
+            else if (!closing_)
+                events_.on_message(message->bytes);
+            if (!finished_)
+                read();
+        });
     }
 
-    std::string why_ended(const error_code& problem) const {
-        if (problem == websocket::error::closed) {
-            const websocket::close_reason& reason = ws_.reason();
-            return reason.reason.empty()
-                       ? fmt::format("the server closed the connection (code {})",
-                                     static_cast<unsigned>(reason.code))
-                       : fmt::format("the server closed the connection (code {}: {})",
-                                     static_cast<unsigned>(reason.code), reason.reason.c_str());
+    std::string why_ended(const Error& error) const {
+        if (error.is(WebSocketEnd::closed)) {
+            const auto [code, reason] = ws_.peer_close();
+            return reason.empty() ? fmt::format("the server closed the connection (code {})", code)
+                                  : fmt::format("the server closed the connection (code {}: {})",
+                                                code, reason);
         }
-        if (problem == beast::error::timeout)
+        if (error.is(WebSocketEnd::silent))
             return fmt::format("the server was silent for {} s", idle_timeout.count());
-        return fmt::format("the connection broke ({})", problem.message());
+        return fmt::format("the connection broke ({})", error.message);
     }
 
-    asio::awaitable<void> write_all() {
-        while (!outbox_.empty() && !finished_) {
-            error_code problem;
-            co_await ws_.async_write(asio::buffer(outbox_.front()), into(problem));
-            if (problem)
-                break; // the reader finds out why
+    void write() {
+        writing_ = !outbox_.empty() && !finished_;
+        if (!writing_)
+            return;
+        ws_.write(outbox_.front(), [this](const Result<void>& written) {
+            if (!written) {
+                writing_ = false; // the reader finds out why
+                return;
+            }
             waiting_bytes_ -= outbox_.front().size();
             outbox_.pop_front();
-        }
-        writing_ = false;
+            write();
+        });
     }
 
-    asio::awaitable<void> tick() {
-        while (!finished_) {
-            error_code problem;
-            ticker_.expires_after(tick_interval);
-            co_await ticker_.async_wait(into(problem));
-            if (!finished_ && !closing_)
+    void tick() {
+        ticker_.expires_after(tick_interval);
+        ticker_.async_wait([this](error_code) {
+            if (finished_)
+                return;
+            if (!closing_)
                 events_.on_tick();
-        }
+            tick();
+        });
     }
 
     /// The reader ends with it, or io_ is stopped when the peer does not answer.
-    asio::awaitable<void> say_goodbye(std::string reason) {
-        if (open_ && !finished_) {
-            error_code problem;
-            goodbye_ = reason;
-            websocket::close_reason why(websocket::close_code::normal);
-            ticker_.cancel();
-            co_await ws_.async_close(why, into(problem));
-        }
-        finish(std::move(reason));
+    void say_goodbye(std::string reason) {
+        if (!open_ || finished_)
+            return finish(std::move(reason));
+        goodbye_ = reason;
+        ticker_.cancel();
+        ws_.close({normal_closure, {}}, [this, reason = std::move(reason)] { finish(reason); });
     }
 
     void finish(std::string reason) {
@@ -303,8 +242,7 @@ class WebSocket final : public MessageStream {
         closing_ = true;
         work_.reset();
         ticker_.cancel();
-        error_code ignored;
-        beast::get_lowest_layer(ws_).socket().close(ignored);
+        ws_.socket().close();
         if (reading_)
             events_.on_closed(goodbye_.empty() ? std::move(reason) : goodbye_);
     }
@@ -317,16 +255,19 @@ class WebSocket final : public MessageStream {
     std::optional<asio::executor_work_guard<asio::io_context::executor_type>> work_ =
         asio::make_work_guard(io_);
     std::shared_ptr<asio::ssl::context> tls_context_;
-    Stream ws_;
+    asio::ip::tcp::resolver resolver_{io_};
+    sockets::WebSocket ws_;
     asio::steady_timer ticker_;
     std::deque<protocol::Bytes> outbox_;
     bool writing_ = false;
+    bool answered_ = false; ///< opened_ has its value
     bool open_ = false;
     bool reading_ = false;
     bool finished_ = false;
     std::string goodbye_;
     std::atomic<bool> closing_ = false;
     std::atomic<std::size_t> waiting_bytes_ = 0;
+    std::promise<Result<void>> opened_;
     std::promise<void> over_promise_;
     std::future<void> over_ = over_promise_.get_future();
     std::thread thread_;
@@ -346,11 +287,10 @@ Result<std::shared_ptr<asio::ssl::context>> make_tls_context(const WebSocketOpti
     return context;
 }
 
-template <class Stream>
 Result<std::unique_ptr<MessageStream>>
 open_stream(const Url& url, const WebSocketOptions& options,
             std::shared_ptr<asio::ssl::context> tls_context) {
-    auto stream = std::make_unique<WebSocket<Stream>>(url, options, std::move(tls_context));
+    auto stream = std::make_unique<SocketStream>(url, options, std::move(tls_context));
     SEAWAY_TRY(stream->connect());
     return std::unique_ptr<MessageStream>(std::move(stream));
 }
@@ -361,11 +301,11 @@ Result<std::unique_ptr<MessageStream>> open_websocket(const Url& url,
                                                       const WebSocketOptions& options) {
     try {
         if (!url.tls)
-            return open_stream<PlainStream>(url, options, nullptr);
+            return open_stream(url, options, nullptr);
         Result<std::shared_ptr<asio::ssl::context>> context = make_tls_context(options);
         if (!context)
             return context.error();
-        return open_stream<TlsStream>(url, options, std::move(*context));
+        return open_stream(url, options, std::move(*context));
     } catch (const std::exception& problem) {
         return failed(Failure::cannot_connect,
                       fmt::format("cannot connect to {}: {}", url.authority(), problem.what()));

@@ -36,7 +36,8 @@ def below(path, folder):
 
 
 ROOMS = {quoted(room)[0]: quoted(sees) for room, _, sees in table("room")}
-OTHERS = {re.findall(r"`([^`]+)`", header)[0]: (quoted(who), ".cpp" in where)
+# Header: who may include it; where, that is ".cpp" for sources alone, but for rooms named behind it.
+OTHERS = {re.findall(r"`([^`]+)`", header)[0]: (quoted(who), quoted(where))
           for header, who, where in table("header")}
 
 
@@ -58,10 +59,10 @@ def objection(path, header):
     known = next((other for other in OTHERS if header.startswith(other)), None)
     if not known:
         return "it is in no table"
-    who, only_in_cpp = OTHERS[known]
+    who, where = OTHERS[known]
     if not any(below(path, room) for room in who):
         return f"{room} does not use {known}"
-    if only_in_cpp and not path.endswith(".cpp"):
+    if where and not path.endswith(".cpp") and not any(below(path, room) for room in where[1:]):
         return f"{known} is for .cpp files alone"
     return None
 

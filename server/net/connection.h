@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// The two lives of a connection: HTTP first, then, after an upgrade, a stream. The functions are
-// templates only so that this header need not know Boost; each is instantiated in its .cpp for
-// plain TCP and for TLS. Of the io thread alone.
+// The two lives of a connection: HTTP first, then, after an upgrade, a stream. Of the io thread alone.
 #pragma once
 
 #include <memory>
 #include <string>
 
 #include "server/net/core.h"
+
+namespace seaway::sockets {
+class Socket;
+struct Upgrade;
+} // namespace seaway::sockets
 
 namespace seaway::server {
 
@@ -34,11 +37,10 @@ class ConnectionSlot {
 
 /// Serves HTTP on an accepted stream (TLS: handshake first) until it closes or is upgraded.
 /// Defined in http_connection.cpp.
-template <class Stream>
-void serve_http(ConnectionSlot slot, Stream stream, std::string peer);
+void serve_http(ConnectionSlot slot, sockets::Socket socket, std::string peer);
 
-/// Answers the upgrade `request` and serves the session. Defined in stream_connection.cpp.
-template <class Stream, class Request>
-void serve_stream(ConnectionSlot slot, Stream stream, const Request& request, std::string peer);
+/// Answers the upgrade and serves the session. Defined in stream_connection.cpp.
+void serve_stream(ConnectionSlot slot, sockets::Socket socket, const sockets::Upgrade& upgrade,
+                  std::string peer);
 
 } // namespace seaway::server

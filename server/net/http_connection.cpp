@@ -5,17 +5,18 @@
 #include <string>
 #include <vector>
 
-#include <boost/asio/ssl/stream.hpp>
-#include <boost/beast/core.hpp>
+#include <boost/asio/write.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/http.hpp>
-#include <boost/beast/ssl.hpp>
-#include <boost/beast/websocket.hpp>
+#include <boost/beast/websocket/rfc6455.hpp>
 #include <fmt/format.h>
 
 #include "server/net/connection.h"
 #include "server/net/pages.h"
 #include "server/net/refusals.h"
 #include "server/net/tokens.h"
+#include "sockets/socket.h"
+#include "sockets/upgrade.h"
 
 namespace seaway::server {
 namespace {
@@ -24,9 +25,6 @@ namespace asio = boost::asio;
 namespace beast = boost::beast;
 namespace http = beast::http;
 using beast::error_code;
-
-using PlainStream = beast::tcp_stream;
-using TlsStream = beast::ssl_stream<beast::tcp_stream>;
 
 /// Of a request: an ordinary browser sends 1 KB. No page takes a body.
 constexpr std::uint32_t header_bytes_max = 8 * 1024;
@@ -51,39 +49,34 @@ std::map<std::string, std::string> query_parameters(std::string_view target) {
     return parameters;
 }
 
-template <class Stream>
-class HttpConnection : public std::enable_shared_from_this<HttpConnection<Stream>> {
+class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   public:
-    HttpConnection(ConnectionSlot slot, Stream stream, std::string peer)
-        : slot_(std::move(slot)), stream_(std::move(stream)), peer_(std::move(peer)) {}
+    HttpConnection(ConnectionSlot slot, sockets::Socket socket, std::string peer)
+        : slot_(std::move(slot)), socket_(std::move(socket)), peer_(std::move(peer)) {}
 
     void run() {
-        if constexpr (std::is_same_v<Stream, TlsStream>) {
-            lowest().expires_after(core().options.http_deadline);
-            stream_.async_handshake(asio::ssl::stream_base::server,
-                                    [self = this->shared_from_this()](error_code error) {
-                                        if (error)
-                                            return self->failed("tls", error);
-                                        self->read_request();
-                                    });
-        } else {
-            read_request();
-        }
+        if (!socket_.has_tls())
+            return read_request();
+        socket_.expires_after(core().options.http_deadline);
+        socket_.accept_tls([self = shared_from_this()](error_code error) {
+            if (error)
+                return self->failed("tls", error);
+            self->read_request();
+        });
     }
 
   private:
     using Parser = http::request_parser<http::string_body>;
 
     Core& core() { return *slot_.core(); }
-    beast::tcp_stream& lowest() { return beast::get_lowest_layer(stream_); }
 
     void read_request() {
         parser_.emplace();
         parser_->header_limit(header_bytes_max);
         parser_->body_limit(body_bytes_max);
-        lowest().expires_after(core().options.http_deadline);
-        http::async_read(stream_, buffer_, *parser_,
-                         [self = this->shared_from_this()](error_code error, std::size_t) {
+        socket_.expires_after(core().options.http_deadline);
+        http::async_read(socket_, buffer_, *parser_,
+                         [self = shared_from_this()](error_code error, std::size_t) {
                              self->on_request(error);
                          });
     }
@@ -133,8 +126,8 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection<Stream
             return respond({.status = 503, .body = "too many sessions, try again later\n"}, false,
                            false);
         }
-        lowest().expires_never();
-        serve_stream(std::move(slot_), std::move(stream_), request, std::move(peer_));
+        socket_.expires_never();
+        serve_stream(std::move(slot_), std::move(socket_), {parser_->release()}, std::move(peer_));
     }
 
     void respond(const Page& page, bool head_only, bool keep_alive) {
@@ -156,9 +149,9 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection<Stream
         if (head_only)
             response->content_length(page.body.size());
         ++core().counters.http_responses[page.status];
-        lowest().expires_after(core().options.http_deadline);
-        const auto on_written = [self = this->shared_from_this(), response,
-                                 keep_alive](error_code error, std::size_t) {
+        socket_.expires_after(core().options.http_deadline);
+        const auto on_written = [self = shared_from_this(), response, keep_alive](error_code error,
+                                                                                  std::size_t) {
             if (error)
                 return self->failed("http", error);
             keep_alive ? self->read_request() : self->close();
@@ -166,20 +159,20 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection<Stream
         if (head_only) { // the serializer would wait for the body that the length announces
             auto header = std::make_shared<http::response<http::empty_body>>(
                 http::response_header<>(response->base()));
-            http::async_write(stream_, *header,
+            http::async_write(socket_, *header,
                               [on_written, header](error_code error, std::size_t bytes) {
                                   on_written(error, bytes);
                               });
         } else {
-            http::async_write(stream_, *response, on_written);
+            http::async_write(socket_, *response, on_written);
         }
     }
 
     // ---- bulk maps: a length, then chunks as they are made and taken ----
 
     void start_map(std::string_view target) {
-        lowest().expires_never(); // the host answers; what it takes is bounded there
-        const std::weak_ptr<HttpConnection> weak = this->weak_from_this();
+        socket_.expires_never(); // the host answers; what it takes is bounded there
+        const std::weak_ptr<HttpConnection> weak = weak_from_this();
         const auto core_ptr = slot_.core();
         const auto on_io = [weak, core_ptr](auto work) {
             core_ptr->post([weak, work]() mutable {
@@ -187,7 +180,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection<Stream
                     work(*self);
             });
         };
-        map_keeps_alive_ = this->shared_from_this();
+        map_keeps_alive_ = shared_from_this();
         core().host.map({query_parameters(target),
                          [on_io] { on_io([](HttpConnection& self) { self.write_map(); }); }},
                         [on_io](Result<std::unique_ptr<ByteSource>> made) {
@@ -214,11 +207,11 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection<Stream
         header->keep_alive(false);
         header->content_length(map_->size());
         ++core().counters.http_responses[200];
-        lowest().expires_after(core().options.write_timeout);
+        socket_.expires_after(core().options.write_timeout);
         map_writing_ = true;
         auto serializer = std::make_shared<http::response_serializer<http::empty_body>>(*header);
-        http::async_write_header(stream_, *serializer,
-                                 [self = this->shared_from_this(), header, serializer,
+        http::async_write_header(socket_, *serializer,
+                                 [self = shared_from_this(), header, serializer,
                                   head_only](error_code error, std::size_t) {
                                      if (head_only && !error)
                                          return self->end_map(); // before a row of it is made
@@ -233,13 +226,13 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection<Stream
         if (map_chunk_.empty()) {
             if (map_sent_ == map_->size())
                 return end_map();
-            return lowest().expires_never(); // waits for the next chunk, not for the peer
+            return socket_.expires_never(); // waits for the next chunk, not for the peer
         }
         map_sent_ += map_chunk_.size();
         map_writing_ = true;
-        lowest().expires_after(core().options.write_timeout);
-        asio::async_write(stream_, asio::buffer(map_chunk_),
-                          [self = this->shared_from_this()](error_code error, std::size_t) {
+        socket_.expires_after(core().options.write_timeout);
+        asio::async_write(socket_, asio::buffer(map_chunk_),
+                          [self = shared_from_this()](error_code error, std::size_t) {
                               self->on_map_written(error);
                           });
     }
@@ -269,7 +262,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection<Stream
         if (error != beast::error::timeout && error != asio::error::eof &&
             error != asio::error::connection_reset && error != asio::error::operation_aborted)
             note(what, error);
-        lowest().close();
+        socket_.close();
     }
 
     void note(std::string_view what, error_code error) {
@@ -279,13 +272,12 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection<Stream
     }
 
     void close() {
-        error_code ignored;
-        lowest().socket().shutdown(asio::ip::tcp::socket::shutdown_send, ignored);
-        lowest().close();
+        socket_.shutdown_send();
+        socket_.close();
     }
 
     ConnectionSlot slot_;
-    Stream stream_;
+    sockets::Socket socket_;
     std::string peer_;
     beast::flat_buffer buffer_{header_bytes_max + body_bytes_max};
     std::optional<Parser> parser_;
@@ -299,13 +291,8 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection<Stream
 
 } // namespace
 
-template <class Stream>
-void serve_http(ConnectionSlot slot, Stream stream, std::string peer) {
-    std::make_shared<HttpConnection<Stream>>(std::move(slot), std::move(stream), std::move(peer))
-        ->run();
+void serve_http(ConnectionSlot slot, sockets::Socket socket, std::string peer) {
+    std::make_shared<HttpConnection>(std::move(slot), std::move(socket), std::move(peer))->run();
 }
-
-template void serve_http(ConnectionSlot, PlainStream, std::string);
-template void serve_http(ConnectionSlot, TlsStream, std::string);
 
 } // namespace seaway::server

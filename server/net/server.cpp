@@ -9,21 +9,19 @@
 #include <boost/asio/post.hpp>
 #include <boost/asio/ssl/context.hpp>
 #include <boost/asio/steady_timer.hpp>
-#include <boost/beast/core.hpp>
-#include <boost/beast/ssl.hpp>
 #include <fmt/format.h>
 
 #include "server/net/connection.h"
 #include "server/net/session.h"
 #include "server/net/tokens.h"
+#include "sockets/socket.h"
 
 namespace seaway::server {
 namespace {
 
 namespace asio = boost::asio;
-namespace beast = boost::beast;
 using asio::ip::tcp;
-using beast::error_code;
+using sockets::error_code;
 
 /// Kernel memory a slow reader can fill; large enough for a fast one on a long link.
 constexpr int send_buffer_bytes = 256 * 1024;
@@ -215,12 +213,10 @@ void NetServer::Impl::on_accepted(error_code error, tcp::socket socket) {
     socket.set_option(asio::socket_base::send_buffer_size(send_buffer_bytes), ignored);
     const tcp::endpoint peer = socket.remote_endpoint(ignored);
     ConnectionSlot slot(core_);
-    if (with_tls_)
-        serve_http(std::move(slot),
-                   beast::ssl_stream<beast::tcp_stream>(beast::tcp_stream(std::move(socket)), tls_),
-                   text(peer));
-    else
-        serve_http(std::move(slot), beast::tcp_stream(std::move(socket)), text(peer));
+    serve_http(std::move(slot),
+               with_tls_ ? sockets::Socket(std::move(socket), tls_)
+                         : sockets::Socket(std::move(socket)),
+               text(peer));
     accept();
 }
 

@@ -1,32 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <optional>
 
-#include <boost/asio/ssl/stream.hpp>
 #include <boost/asio/steady_timer.hpp>
-#include <boost/beast/core.hpp>
-#include <boost/beast/http.hpp>
-#include <boost/beast/ssl.hpp>
-#include <boost/beast/websocket.hpp>
-#include <boost/beast/websocket/ssl.hpp>
 #include <fmt/format.h>
 
 #include "protocol/limits.h"
 #include "server/net/connection.h"
 #include "server/net/session.h"
+#include "sockets/upgrade.h"
+#include "sockets/web_socket.h"
 
 namespace seaway::server {
 namespace {
 
 namespace asio = boost::asio;
-namespace beast = boost::beast;
-namespace http = beast::http;
-namespace websocket = beast::websocket;
-using beast::error_code;
 using protocol::SharedBytes;
-
-using PlainStream = beast::tcp_stream;
-using TlsStream = beast::ssl_stream<beast::tcp_stream>;
-using Request = http::request<http::string_body>;
+using sockets::error_code;
+using sockets::WebSocketEnd;
 
 /// A read buffer above this is given back after each message: a thousand idle sessions that once
 /// sent a large query hold nothing.
@@ -34,29 +24,25 @@ constexpr std::size_t idle_buffer_bytes = 16 * 1024;
 /// For GoAway and the closing handshake, after which the socket is closed hard.
 constexpr std::chrono::milliseconds close_deadline{1000};
 
-template <class Stream>
-class StreamConnection final : public Link,
-                               public std::enable_shared_from_this<StreamConnection<Stream>> {
-  public:
-    StreamConnection(ConnectionSlot slot, Stream stream, std::string peer)
-        : slot_(std::move(slot)), ws_(std::move(stream)), peer_(std::move(peer)),
-          hello_timer_(ws_.get_executor()), write_timer_(ws_.get_executor()),
-          close_timer_(ws_.get_executor()) {}
+sockets::WebSocketOptions web_socket_options(const NetOptions& options) {
+    return {.subprotocol = std::string(protocol::websocket_subprotocol),
+            .program = "seaway/" SEAWAY_VERSION,
+            .handshake_patience = options.http_deadline,
+            .idle_patience = options.idle_timeout,
+            .message_bytes_max = protocol::limits::client_message_bytes_max,
+            .kept_buffer_bytes = idle_buffer_bytes};
+}
 
-    void run(const Request& request) {
-        ws_.set_option(websocket::stream_base::timeout{core().options.http_deadline,
-                                                       core().options.idle_timeout, true});
-        ws_.set_option(websocket::stream_base::decorator([](websocket::response_type& response) {
-            response.set(http::field::server, "seaway/" SEAWAY_VERSION);
-            response.set(http::field::sec_websocket_protocol,
-                         std::string(protocol::websocket_subprotocol));
-        }));
-        ws_.read_message_max(protocol::limits::client_message_bytes_max);
-        ws_.auto_fragment(false);
-        ws_.binary(true);
-        ws_.async_accept(request, [self = this->shared_from_this()](error_code error) {
-            self->on_accepted(error);
-        });
+class StreamConnection final : public Link, public std::enable_shared_from_this<StreamConnection> {
+  public:
+    StreamConnection(ConnectionSlot slot, sockets::Socket socket, std::string peer)
+        : slot_(std::move(slot)), ws_(std::move(socket), web_socket_options(core().options)),
+          peer_(std::move(peer)), hello_timer_(ws_.socket().get_executor()),
+          write_timer_(ws_.socket().get_executor()), close_timer_(ws_.socket().get_executor()) {}
+
+    void run(const sockets::Upgrade& upgrade) {
+        ws_.accept(upgrade,
+                   [self = shared_from_this()](Result<void> done) { self->on_accepted(done); });
     }
 
     // ---- Link ------------------------------------------------------------------------------
@@ -72,23 +58,20 @@ class StreamConnection final : public Link,
             return;
         }
         write_timer_.expires_after(core().options.write_timeout);
-        write_timer_.async_wait([self = this->shared_from_this()](error_code error) {
+        write_timer_.async_wait([self = shared_from_this()](error_code error) {
             if (!error)
                 self->write_overdue();
         });
-        ws_.async_write(asio::buffer(*writing_),
-                        [self = this->shared_from_this()](error_code error, std::size_t) {
-                            self->on_written(error);
-                        });
+        ws_.write(*writing_,
+                  [self = shared_from_this()](Result<void> done) { self->on_written(done); });
     }
 
     void close(SharedBytes go_away, wire::ErrorCode code, const std::string& why) override {
         closing_ = true;
         go_away_ = std::move(go_away);
-        close_reason_.code = protocol::close_code(code);
-        close_reason_.reason.assign(why.substr(0, close_reason_.reason.max_size()));
+        close_reason_ = {protocol::close_code(code), why};
         close_timer_.expires_after(close_deadline);
-        close_timer_.async_wait([self = this->shared_from_this()](error_code error) {
+        close_timer_.async_wait([self = shared_from_this()](error_code error) {
             if (!error)
                 self->drop();
         });
@@ -98,18 +81,18 @@ class StreamConnection final : public Link,
   private:
     Core& core() { return *slot_.core(); }
 
-    void on_accepted(error_code error) {
-        if (error) {
+    void on_accepted(const Result<void>& accepted) {
+        if (!accepted) {
             ++core().counters.handshakes_failed;
             core().log(fmt::format("event=connection_refused peer={} reason=bad_upgrade why=\"{}\"",
-                                   peer_, error.message()));
+                                   peer_, accepted.error().message));
             return drop();
         }
         session_.emplace(core(), *this, peer_);
         if (core().stopping)
             return session_->close(wire::ErrorCode::shutting_down, "the server stops");
         hello_timer_.expires_after(core().options.hello_deadline);
-        hello_timer_.async_wait([self = this->shared_from_this()](error_code waited) {
+        hello_timer_.async_wait([self = shared_from_this()](error_code waited) {
             if (!waited)
                 self->session_->hello_overdue();
         });
@@ -120,31 +103,27 @@ class StreamConnection final : public Link,
         if (reading_ || closing_ || lost_ || !session_->wants_requests())
             return;
         reading_ = true;
-        ws_.async_read(buffer_, [self = this->shared_from_this()](error_code error, std::size_t) {
-            self->on_read(error);
+        ws_.read([self = shared_from_this()](const Result<sockets::WebSocket::Message>& message) {
+            self->on_read(message);
         });
     }
 
-    void on_read(error_code error) {
+    void on_read(const Result<sockets::WebSocket::Message>& message) {
         reading_ = false;
-        if (error)
-            return on_lost(error);
-        const auto data = buffer_.cdata();
-        if (ws_.got_binary())
-            session_->receive({static_cast<const std::uint8_t*>(data.data()), data.size()});
+        if (!message)
+            return on_lost(message.error());
+        if (message->binary)
+            session_->receive(message->bytes);
         else
             session_->close(wire::ErrorCode::bad_message, "a text message; only binary is spoken");
-        buffer_.consume(data.size());
-        if (buffer_.capacity() > idle_buffer_bytes)
-            buffer_.shrink_to_fit();
         read();
     }
 
-    void on_written(error_code error) {
+    void on_written(const Result<void>& written) {
         writing_ = nullptr;
         write_timer_.cancel();
-        if (error)
-            return on_lost(error);
+        if (!written)
+            return on_lost(written.error());
         read(); // may have been held back by replies that waited
         send_more();
     }
@@ -159,22 +138,19 @@ class StreamConnection final : public Link,
     }
 
     /// Read or write has failed: the connection is over. Says why, unless that is known already.
-    void on_lost(error_code error) {
-        if (error == websocket::error::closed) {
-            session_->end(closed_by_client,
-                          fmt::format("code {} {}", static_cast<unsigned>(ws_.reason().code),
-                                      std::string(ws_.reason().reason.c_str())));
-        } else if (error == beast::error::timeout) {
+    void on_lost(const Error& error) {
+        if (error.is(WebSocketEnd::closed)) {
+            const auto [code, reason] = ws_.peer_close();
+            session_->end(closed_by_client, fmt::format("code {} {}", code, reason));
+        } else if (error.is(WebSocketEnd::silent)) {
             const bool stuck = writing_ != nullptr;
             session_->end(
                 protocol::name(stuck ? wire::ErrorCode::too_slow : wire::ErrorCode::idle),
                 fmt::format("nothing received for {} ms", core().options.idle_timeout.count()));
-        } else if (error == websocket::condition::protocol_violation ||
-                   error == websocket::error::message_too_big ||
-                   error == websocket::error::buffer_overflow) {
-            session_->end(protocol::name(wire::ErrorCode::bad_message), error.message());
+        } else if (error.is(WebSocketEnd::not_understood)) {
+            session_->end(protocol::name(wire::ErrorCode::bad_message), error.message);
         } else {
-            session_->end(disconnected, error.message());
+            session_->end(disconnected, error.message);
         }
         drop();
     }
@@ -182,8 +158,7 @@ class StreamConnection final : public Link,
     void shake_hands() {
         if (std::exchange(shaking_, true))
             return;
-        ws_.async_close(close_reason_,
-                        [self = this->shared_from_this()](error_code) { self->drop(); });
+        ws_.close(close_reason_, [self = shared_from_this()] { self->drop(); });
     }
 
     /// Closes the socket; whatever is under way ends with an error, and the last handler that goes
@@ -193,20 +168,19 @@ class StreamConnection final : public Link,
         hello_timer_.cancel();
         write_timer_.cancel();
         close_timer_.cancel();
-        beast::get_lowest_layer(ws_).close();
+        ws_.socket().close();
     }
 
     ConnectionSlot slot_;
-    websocket::stream<Stream> ws_;
+    sockets::WebSocket ws_;
     std::string peer_;
     asio::steady_timer hello_timer_;
     asio::steady_timer write_timer_;
     asio::steady_timer close_timer_;
-    beast::flat_buffer buffer_;
     std::optional<Session> session_;
     SharedBytes writing_;
     SharedBytes go_away_;
-    websocket::close_reason close_reason_;
+    sockets::WebSocket::Close close_reason_;
     bool reading_ = false;
     bool closing_ = false;
     bool shaking_ = false;
@@ -215,13 +189,10 @@ class StreamConnection final : public Link,
 
 } // namespace
 
-template <class Stream, class AnyRequest>
-void serve_stream(ConnectionSlot slot, Stream stream, const AnyRequest& request, std::string peer) {
-    std::make_shared<StreamConnection<Stream>>(std::move(slot), std::move(stream), std::move(peer))
-        ->run(request);
+void serve_stream(ConnectionSlot slot, sockets::Socket socket, const sockets::Upgrade& upgrade,
+                  std::string peer) {
+    std::make_shared<StreamConnection>(std::move(slot), std::move(socket), std::move(peer))
+        ->run(upgrade);
 }
-
-template void serve_stream(ConnectionSlot, PlainStream, const Request&, std::string);
-template void serve_stream(ConnectionSlot, TlsStream, const Request&, std::string);
 
 } // namespace seaway::server

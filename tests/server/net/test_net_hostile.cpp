@@ -7,10 +7,6 @@
 #include <functional>
 #include <random>
 
-#include <boost/asio/buffer.hpp>
-#include <boost/asio/read_until.hpp>
-#include <boost/asio/write.hpp>
-
 #include "protocol/limits.h"
 
 namespace seaway::tests {
@@ -27,63 +23,6 @@ double resident_bytes() {
     in >> pages_total >> pages_resident;
     return pages_resident * 4096;
 }
-
-/// A bare TCP connection to say anything with.
-class RawPeer {
-  public:
-    explicit RawPeer(int port, int receive_buffer_bytes = 0) : socket_(io_) {
-        socket_.open(tcp::v4());
-        if (receive_buffer_bytes > 0)
-            socket_.set_option(asio::socket_base::receive_buffer_size(receive_buffer_bytes));
-        socket_.connect({asio::ip::address_v4::loopback(), static_cast<unsigned short>(port)});
-    }
-    void say(std::span<const std::uint8_t> bytes) {
-        beast::error_code ignored; // the server may have closed already
-        asio::write(socket_, asio::buffer(bytes.data(), bytes.size()), ignored);
-    }
-    void say(std::string_view text) {
-        say({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
-    }
-    /// Upgrades by hand and reads the response's header.
-    void upgrade() {
-        say("GET /v1/stream HTTP/1.1\r\nHost: x\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n"
-            "Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"
-            "Sec-WebSocket-Protocol: seaway.v1\r\n\r\n");
-        std::string answer;
-        asio::read_until(socket_, asio::dynamic_buffer(answer), "\r\n\r\n");
-        EXPECT_NE(answer.find("101"), std::string::npos) << answer;
-    }
-    /// A masked binary frame with key 0, whole or cut after `bytes_sent` bytes of it.
-    void frame(const protocol::Bytes& payload, std::size_t bytes_sent = ~std::size_t{0}) {
-        protocol::Bytes bytes{0x82};
-        const int length_bytes = payload.size() < 126 ? 0 : payload.size() < 65536 ? 2 : 8;
-        const std::size_t first = length_bytes == 0   ? payload.size()
-                                  : length_bytes == 2 ? 126
-                                                      : 127;
-        bytes.push_back(static_cast<std::uint8_t>(0x80 | first));
-        for (int shift = 8 * (length_bytes - 1); shift >= 0; shift -= 8)
-            bytes.push_back(static_cast<std::uint8_t>(payload.size() >> shift));
-        bytes.insert(bytes.end(), 4, 0);
-        bytes.insert(bytes.end(), payload.begin(), payload.end());
-        say(std::span(bytes).first(std::min(bytes_sent, bytes.size())));
-    }
-    void reset() { // RST instead of FIN
-        socket_.set_option(asio::socket_base::linger(true, 0));
-        socket_.close();
-    }
-    /// True once the server has closed its side.
-    bool closed_by_server() {
-        beast::error_code error;
-        std::array<char, 4096> rest{};
-        while (!error)
-            socket_.read_some(asio::buffer(rest), error);
-        return true;
-    }
-
-  private:
-    asio::io_context io_;
-    tcp::socket socket_;
-};
 
 /// Subscribes and reads in a thread, acknowledging everything; remembers the times it saw.
 class HealthySubscriber {
@@ -159,30 +98,32 @@ TEST_F(NetHostile, bytes_that_are_no_message_end_the_session_with_bad_message) {
     EXPECT_EQ(closed("bad_message"), 20u);
 }
 
-TEST_F(NetHostile, every_kind_of_bad_client_ends_with_one_line_and_nobody_else_notices) {
-    options.hello_deadline = std::chrono::milliseconds(300);
-    options.http_deadline = std::chrono::milliseconds(300);
-    start();
-    HealthySubscriber healthy(port());
+/// One way to be a bad client.
+struct Attack {
+    std::string name;
+    std::function<void(RawPeer&)> act;
+    std::string reason; ///< of event=session_closed, or of event=connection_refused
+};
+
+protocol::Bytes no_method_of_http() {
     std::mt19937_64 numbers(2);
     protocol::Bytes garbage(5000);
     for (std::uint8_t& byte : garbage)
         byte = static_cast<std::uint8_t>(numbers());
     garbage[0] = 0x00; // not the start of any method
+    return garbage;
+}
 
-    struct Attack {
-        std::string name;
-        std::function<void(RawPeer&)> act;
-        std::string reason; ///< of event=session_closed, or of event=connection_refused
-    };
+std::vector<Attack> attacks() {
+    const protocol::Bytes garbage = no_method_of_http();
     const protocol::Bytes hello = protocol::hello("raw", "");
-    const std::vector<Attack> attacks{
-        {"random bytes instead of HTTP", [&](RawPeer& peer) { peer.say(garbage); }, "bad_http"},
+    return {
+        {"random bytes instead of HTTP", [=](RawPeer& peer) { peer.say(garbage); }, "bad_http"},
         {"a header without end",
-         [&](RawPeer& peer) { peer.say("GET / HTTP/1.1\r\nX: " + std::string(20'000, 'x')); },
+         [=](RawPeer& peer) { peer.say("GET / HTTP/1.1\r\nX: " + std::string(20'000, 'x')); },
          "bad_http"},
         {"random bytes instead of frames",
-         [&](RawPeer& peer) {
+         [=](RawPeer& peer) {
              peer.upgrade();
              protocol::Bytes frames = garbage;
              frames[0] = 0xff; // reserved bits and opcode
@@ -190,26 +131,26 @@ TEST_F(NetHostile, every_kind_of_bad_client_ends_with_one_line_and_nobody_else_n
          },
          "bad_message"},
         {"a frame that announces 2^62 bytes",
-         [&](RawPeer& peer) {
+         [=](RawPeer& peer) {
              peer.upgrade();
              peer.say(std::string_view("\x82\xff\x40\0\0\0\0\0\0\0\0\0\0\0", 14));
          },
          "bad_message"},
         {"a frame without mask",
-         [&](RawPeer& peer) {
+         [=](RawPeer& peer) {
              peer.upgrade();
              peer.say(std::string_view("\x82\x01\x00", 3));
          },
          "bad_message"},
         {"text",
-         [&](RawPeer& peer) {
+         [=](RawPeer& peer) {
              peer.upgrade();
              peer.say(std::string_view("\x81\x82\0\0\0\0hi", 8));
          },
          "bad_message"},
-        {"silence after the upgrade", [&](RawPeer& peer) { peer.upgrade(); }, "hello_expected"},
+        {"silence after the upgrade", [=](RawPeer& peer) { peer.upgrade(); }, "hello_expected"},
         {"disconnect in the middle of a frame",
-         [&](RawPeer& peer) {
+         [=](RawPeer& peer) {
              peer.upgrade();
              peer.frame(hello);
              peer.frame(protocol::ping(1, 1), 20);
@@ -217,14 +158,21 @@ TEST_F(NetHostile, every_kind_of_bad_client_ends_with_one_line_and_nobody_else_n
          },
          "disconnected"},
         {"disconnect in the middle of the upgrade",
-         [&](RawPeer& peer) {
+         [=](RawPeer& peer) {
              peer.say("GET /v1/stream HTTP/1.1\r\nUpgr");
              peer.reset();
          },
          ""},
     };
+}
+
+TEST_F(NetHostile, every_kind_of_bad_client_ends_with_one_line_and_nobody_else_notices) {
+    options.hello_deadline = std::chrono::milliseconds(300);
+    options.http_deadline = std::chrono::milliseconds(300);
+    start();
+    HealthySubscriber healthy(port());
     std::int64_t n = 10;
-    for (const Attack& attack : attacks) {
+    for (const Attack& attack : attacks()) {
         for (int round = 0; round < 3; ++round) {
             RawPeer peer(port());
             attack.act(peer);

@@ -6,9 +6,6 @@
 #include <fstream>
 #include <future>
 
-#include <boost/asio/read_until.hpp>
-#include <boost/asio/write.hpp>
-
 #include "protocol/limits.h"
 #include "server/net/encode_worker.h"
 #include "server/net/refusals.h"
@@ -159,29 +156,20 @@ TEST_F(NetLimits, keyframes_that_the_encoder_has_no_room_for_are_dropped_and_cou
 TEST_F(NetLimits, half_a_request_is_waited_for_until_the_deadline_and_whole_ones_are_served) {
     options.http_deadline = std::chrono::milliseconds(400);
     start();
-    const auto connect = [&](tcp::socket& socket) {
-        socket.connect({asio::ip::address_v4::loopback(), static_cast<unsigned short>(port())});
-    };
-    asio::io_context io;
-    tcp::socket halves(io);
-    connect(halves);
+    RawPeer halves(port());
     for (const std::string_view part : {"GET /heal", "thz HTTP/1.1\r\nHost: x\r\n", "\r\n"}) {
-        asio::write(halves, asio::buffer(part));
+        halves.say(part);
         std::this_thread::sleep_for(std::chrono::milliseconds(20));
     }
-    std::string answer;
-    asio::read_until(halves, asio::dynamic_buffer(answer), "\r\n\r\n");
+    const std::string answer = halves.header();
     EXPECT_NE(answer.find("200 OK"), std::string::npos) << answer;
 
-    tcp::socket half(io);
-    connect(half);
-    asio::write(half, asio::buffer(std::string_view("GET /healthz HTTP/1.1\r\nHost:")));
+    RawPeer half(port());
+    half.say("GET /healthz HTTP/1.1\r\nHost:");
     ASSERT_TRUE(eventually([&] { return metric("seaway_net_connections") == 1; }))
         << "the one that asks: both others are closed";
-    beast::error_code error;
-    char rest = 0;
-    EXPECT_EQ(half.read_some(asio::buffer(&rest, 1), error), 0u) << "no answer to half a question";
-    EXPECT_EQ(error, asio::error::eof);
+    EXPECT_EQ(half.rest(), "") << "no answer to half a question";
+    EXPECT_TRUE(half.ended_in_order());
 }
 
 TEST(Refusals, each_kind_has_its_wire_code_and_its_status) {

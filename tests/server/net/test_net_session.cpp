@@ -16,7 +16,7 @@ TEST_F(NetSession, hello_is_answered_by_welcome_and_the_sea_state) {
     start();
     Client client(port());
     ASSERT_FALSE(client.connect());
-    EXPECT_EQ(client.response()[http::field::sec_websocket_protocol], "seaway.v1");
+    EXPECT_EQ(client.subprotocol(), "seaway.v1");
     ASSERT_FALSE(client.send(protocol::hello("test", "")));
     const wire::Message* message = client.receive();
     ASSERT_TRUE(message);
@@ -278,7 +278,7 @@ TEST_F(NetSession, an_answer_that_comes_after_the_session_or_the_server_does_not
     }
     ASSERT_TRUE(eventually([&] { return metric("seaway_net_sessions") == 0; }));
     host.unanswered.at(0)();
-    EXPECT_EQ(get("/healthz").result_int(), 200u);
+    EXPECT_EQ(get("/healthz").status, 200);
     net.reset();
     host.unanswered.at(1)();
 }

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sockets/socket.h"
+
+#include <optional>
+
+#include <boost/asio/post.hpp>
+#include <boost/asio/ssl.hpp>
+#include <boost/beast/core/tcp_stream.hpp>
+#include <boost/beast/ssl.hpp>
+#include <boost/beast/websocket/ssl.hpp>
+#include <boost/beast/websocket/teardown.hpp>
+
+namespace seaway::sockets {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+
+/// One of both.
+struct Socket::Streams {
+    std::optional<beast::tcp_stream> plain;
+    std::optional<beast::ssl_stream<beast::tcp_stream>> tls;
+
+    beast::tcp_stream& tcp() { return tls ? tls->next_layer() : *plain; }
+};
+
+Socket::Socket(asio::ip::tcp::socket socket) : streams_(std::make_unique<Streams>()) {
+    streams_->plain.emplace(std::move(socket));
+}
+
+Socket::Socket(asio::ip::tcp::socket socket, asio::ssl::context& tls)
+    : streams_(std::make_unique<Streams>()) {
+    streams_->tls.emplace(beast::tcp_stream(std::move(socket)), tls);
+}
+
+Socket::~Socket() = default;
+Socket::Socket(Socket&&) noexcept = default;
+
+Socket::executor_type Socket::get_executor() {
+    return streams_->tcp().get_executor();
+}
+
+bool Socket::has_tls() const {
+    return streams_->tls.has_value();
+}
+
+void Socket::connect(const asio::ip::tcp::resolver::results_type& endpoints, Done done) {
+    streams_->tcp().async_connect(
+        endpoints, [done = std::move(done)](error_code error, const auto&) { done(error); });
+}
+
+void Socket::accept_tls(Done done) {
+    streams_->tls->async_handshake(asio::ssl::stream_base::server, std::move(done));
+}
+
+void Socket::connect_tls(const std::string& host, Done done) {
+    auto& tls = *streams_->tls;
+    // What the macro SSL_set_tlsext_host_name does, without its old-style cast. Addresses are no
+    // names (RFC 6066).
+    error_code no_address;
+    asio::ip::make_address(host, no_address);
+    std::string name = host;
+    if (no_address && !SSL_ctrl(tls.native_handle(), SSL_CTRL_SET_TLSEXT_HOSTNAME,
+                                TLSEXT_NAMETYPE_host_name, name.data()))
+        return asio::post(get_executor(), [done = std::move(done)] {
+            done(make_error_code(boost::system::errc::invalid_argument));
+        });
+    tls.set_verify_mode(asio::ssl::verify_peer);
+    tls.set_verify_callback(asio::ssl::host_name_verification(host));
+    tls.async_handshake(asio::ssl::stream_base::client, std::move(done));
+}
+
+void Socket::expires_after(std::chrono::milliseconds patience) {
+    streams_->tcp().expires_after(patience);
+}
+
+void Socket::expires_never() {
+    streams_->tcp().expires_never();
+}
+
+void Socket::set_no_delay() {
+    error_code ignored; // a socket that is gone already will say so when it is read
+    streams_->tcp().socket().set_option(asio::ip::tcp::no_delay(true), ignored);
+}
+
+void Socket::shutdown_send() {
+    error_code ignored;
+    streams_->tcp().socket().shutdown(asio::ip::tcp::socket::shutdown_send, ignored);
+}
+
+void Socket::close() {
+    streams_->tcp().close();
+}
+
+void Socket::read_some(FewBuffers<asio::mutable_buffer> buffers, Bytes done) {
+    if (streams_->tls)
+        streams_->tls->async_read_some(buffers, std::move(done));
+    else
+        streams_->plain->async_read_some(buffers, std::move(done));
+}
+
+void Socket::write_some(FewBuffers<asio::const_buffer> buffers, Bytes done) {
+    if (streams_->tls)
+        streams_->tls->async_write_some(buffers, std::move(done));
+    else
+        streams_->plain->async_write_some(buffers, std::move(done));
+}
+
+void Socket::tear_down(beast::role_type role, Completion<error_code> done) {
+    using beast::websocket::async_teardown;
+    if (streams_->tls)
+        async_teardown(role, *streams_->tls, std::move(done));
+    else
+        async_teardown(role, *streams_->plain, std::move(done));
+}
+
+} // namespace seaway::sockets

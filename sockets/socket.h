@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+// Socket: a TCP connection, plain or TLS, as one type that Asio and Beast take for a stream. Which of
+// both it is, and of what type a handler is, is decided when it runs: templates over streams are
+// compiled once, and the layers below this one in socket.cpp alone.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include <boost/asio/any_io_executor.hpp>
+#include <boost/asio/buffer.hpp>
+#include <boost/asio/ip/tcp.hpp>
+
+#include "sockets/completion.h"
+
+namespace boost::asio::ssl {
+class context;
+}
+namespace boost::beast {
+enum class role_type;
+}
+
+namespace seaway::sockets {
+
+using boost::system::error_code;
+
+/// The first buffers of a sequence that are not empty: what one call to the system takes.
+template <class Buffer>
+class FewBuffers {
+  public:
+    template <class Sequence>
+    explicit FewBuffers(const Sequence& sequence) {
+        const auto end = boost::asio::buffer_sequence_end(sequence);
+        for (auto at = boost::asio::buffer_sequence_begin(sequence); at != end && count_ < held_max;
+             ++at)
+            if (const Buffer buffer(*at); buffer.size() > 0)
+                held_[count_++] = buffer;
+    }
+    const Buffer* begin() const { return held_.data(); }
+    const Buffer* end() const { return held_.data() + count_; }
+
+  private:
+    static constexpr std::size_t held_max = 16;
+    std::array<Buffer, held_max> held_{};
+    std::size_t count_ = 0;
+};
+
+/// Of one thread, that of its executor. Operations end with an error code and, reading and writing, a
+/// number of bytes; their handlers run on that thread, never inside the call that starts them.
+class Socket {
+  public:
+    using executor_type = boost::asio::any_io_executor;
+    using Bytes = Completion<error_code, std::size_t>;
+    using Done = std::function<void(error_code)>;
+
+    /// An accepted connection, or one still to be made.
+    explicit Socket(boost::asio::ip::tcp::socket socket);
+    /// The same for TLS; `tls` outlives it.
+    Socket(boost::asio::ip::tcp::socket socket, boost::asio::ssl::context& tls);
+    ~Socket();
+    Socket(Socket&&) noexcept;
+    Socket& operator=(Socket&&) = delete;
+
+    executor_type get_executor();
+    bool has_tls() const;
+
+    void connect(const boost::asio::ip::tcp::resolver::results_type& endpoints, Done done);
+    /// The server's part of the TLS handshake; only where has_tls().
+    void accept_tls(Done done);
+    /// The client's part, which holds the host's name against the certificate; only where has_tls().
+    void connect_tls(const std::string& host, Done done);
+
+    /// What is under way, or begins before this is called again, ends with beast::error::timeout.
+    void expires_after(std::chrono::milliseconds patience);
+    void expires_never();
+
+    void set_no_delay();
+    /// No more is sent; what the peer still sends can be read.
+    void shutdown_send();
+    /// What is under way ends with an error.
+    void close();
+
+    // ---- what Asio and Beast call ----
+
+    template <class Buffers, class Handler>
+    void async_read_some(const Buffers& buffers, Handler&& handler) {
+        read_some(FewBuffers<boost::asio::mutable_buffer>(buffers),
+                  Bytes(std::forward<Handler>(handler)));
+    }
+    template <class Buffers, class Handler>
+    void async_write_some(const Buffers& buffers, Handler&& handler) {
+        write_some(FewBuffers<boost::asio::const_buffer>(buffers),
+                   Bytes(std::forward<Handler>(handler)));
+    }
+    template <class Handler>
+    friend void async_teardown(boost::beast::role_type role, Socket& socket, Handler&& handler) {
+        socket.tear_down(role, Completion<error_code>(std::forward<Handler>(handler)));
+    }
+    friend void beast_close_socket(Socket& socket) { socket.close(); }
+
+  private:
+    void read_some(FewBuffers<boost::asio::mutable_buffer> buffers, Bytes done);
+    void write_some(FewBuffers<boost::asio::const_buffer> buffers, Bytes done);
+    void tear_down(boost::beast::role_type role, Completion<error_code> done);
+
+    struct Streams;
+    std::unique_ptr<Streams> streams_;
+};
+
+} // namespace seaway::sockets

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sockets/web_socket.h"
+
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/websocket.hpp>
+#include <fmt/format.h>
+
+#include "sockets/upgrade.h"
+
+namespace seaway::sockets {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace http = beast::http;
+namespace websocket = beast::websocket;
+
+namespace {
+
+WebSocketEnd kind_of(error_code error) {
+    if (error == websocket::error::closed)
+        return WebSocketEnd::closed;
+    if (error == beast::error::timeout)
+        return WebSocketEnd::silent;
+    if (error == websocket::condition::protocol_violation ||
+        error == websocket::error::message_too_big || error == websocket::error::buffer_overflow)
+        return WebSocketEnd::not_understood;
+    return WebSocketEnd::broken;
+}
+
+Result<void> result(error_code error) {
+    if (error)
+        return Error{kind_of(error), error.message()};
+    return {};
+}
+
+} // namespace
+
+struct WebSocket::Impl {
+    Impl(Socket socket, const WebSocketOptions& wanted)
+        : options(wanted), stream(std::move(socket)) {}
+
+    const WebSocketOptions options;
+    websocket::stream<Socket> stream;
+    beast::flat_buffer buffer;
+    websocket::response_type response; ///< of a server
+};
+
+WebSocket::WebSocket(Socket socket, const WebSocketOptions& options)
+    : impl_(std::make_unique<Impl>(std::move(socket), options)) {
+    auto& stream = impl_->stream;
+    stream.set_option(
+        websocket::stream_base::timeout{options.handshake_patience, options.idle_patience, true});
+    stream.read_message_max(options.message_bytes_max);
+    stream.auto_fragment(false);
+    stream.binary(true);
+}
+
+WebSocket::~WebSocket() = default;
+WebSocket::WebSocket(WebSocket&&) noexcept = default;
+
+void WebSocket::accept(const Upgrade& upgrade, Done done) {
+    impl_->stream.set_option(websocket::stream_base::decorator(
+        [&options = impl_->options](websocket::response_type& response) {
+            response.set(http::field::server, options.program);
+            response.set(http::field::sec_websocket_protocol, options.subprotocol);
+        }));
+    impl_->stream.async_accept(upgrade.request,
+                               [done = std::move(done)](error_code error) { done(result(error)); });
+}
+
+void WebSocket::shake_hands(const std::string& host, const std::string& path, Done done) {
+    impl_->stream.set_option(websocket::stream_base::decorator(
+        [&options = impl_->options](websocket::request_type& request) {
+            request.set(http::field::user_agent, options.program);
+            request.set(http::field::sec_websocket_protocol, options.subprotocol);
+        }));
+    const auto answered = [impl = impl_.get(), path](error_code error) -> Result<void> {
+        if (error == websocket::error::upgrade_declined)
+            return Error{
+                fmt::format("the server answers HTTP {} at {}", impl->response.result_int(), path)};
+        if (error)
+            return Error{fmt::format("this is no WebSocket server ({})", error.message())};
+        if (impl->response[http::field::sec_websocket_protocol] != impl->options.subprotocol)
+            return Error{fmt::format("the server does not speak {}", impl->options.subprotocol)};
+        return {};
+    };
+    impl_->stream.async_handshake(
+        impl_->response, host, path,
+        [answered, done = std::move(done)](error_code error) { done(answered(error)); });
+}
+
+void WebSocket::read(std::function<void(Result<Message>)> done) {
+    Impl& impl = *impl_;
+    impl.buffer.clear();
+    if (impl.buffer.capacity() > impl.options.kept_buffer_bytes)
+        impl.buffer.shrink_to_fit();
+    impl.stream.async_read(
+        impl.buffer, [&impl, done = std::move(done)](error_code error, std::size_t) {
+            if (error)
+                return done(Error{kind_of(error), error.message()});
+            const auto data = impl.buffer.cdata();
+            done(Message{{static_cast<const std::uint8_t*>(data.data()), data.size()},
+                         impl.stream.got_binary()});
+        });
+}
+
+void WebSocket::write(std::span<const std::uint8_t> bytes, Done done) {
+    impl_->stream.async_write(
+        asio::buffer(bytes.data(), bytes.size()),
+        [done = std::move(done)](error_code error, std::size_t) { done(result(error)); });
+}
+
+void WebSocket::close(const Close& why, std::function<void()> done) {
+    websocket::close_reason reason(static_cast<websocket::close_code>(why.code));
+    reason.reason.assign(why.reason.substr(0, reason.reason.max_size()));
+    impl_->stream.async_close(reason, [done = std::move(done)](error_code) { done(); });
+}
+
+WebSocket::Close WebSocket::peer_close() const {
+    const websocket::close_reason& reason = impl_->stream.reason();
+    return {static_cast<unsigned>(reason.code), reason.reason.c_str()};
+}
+
+Socket& WebSocket::socket() {
+    return impl_->stream.next_layer();
+}
+
+} // namespace seaway::sockets

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+// WebSocket: binary messages over a Socket, of a server or of a client. Beast's templates are compiled
+// in web_socket.cpp and nowhere else.
+//
+// Of one thread, that of the socket's executor, which also runs the callbacks. At most one read() and
+// one write() are under way; whoever owns the WebSocket keeps it until each has called back, and
+// callbacks that own the owner see to that.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "base/result.h"
+#include "sockets/socket.h"
+
+namespace seaway::sockets {
+
+struct Upgrade;
+
+/// Kinds of errors.
+enum class WebSocketEnd {
+    closed,         ///< the peer said so; peer_close() has its code and reason
+    silent,         ///< nothing was heard of the peer for too long
+    not_understood, ///< what came is no WebSocket, or a message too large
+    broken,         ///< the connection is gone
+};
+
+struct WebSocketOptions {
+    std::string subprotocol;
+    /// "Server" or "User-Agent" of the handshake.
+    std::string program;
+    std::chrono::milliseconds handshake_patience{};
+    /// A peer that says nothing is pinged at half of it and given up at the end.
+    std::chrono::milliseconds idle_patience{};
+    std::size_t message_bytes_max = 0;
+    /// The read buffer, where it has become larger, is given back before the next message.
+    std::size_t kept_buffer_bytes = std::numeric_limits<std::size_t>::max();
+};
+
+class WebSocket {
+  public:
+    using Done = std::function<void(Result<void>)>;
+    struct Message {
+        std::span<const std::uint8_t> bytes; ///< until the next read()
+        bool binary = true;
+    };
+    struct Close {
+        unsigned code = 0;
+        std::string reason;
+    };
+
+    WebSocket(Socket socket, const WebSocketOptions& options);
+    ~WebSocket();
+    WebSocket(WebSocket&&) noexcept;
+    WebSocket& operator=(WebSocket&&) = delete;
+
+    /// Answers a client's request. Errors have the reason alone as message.
+    void accept(const Upgrade& upgrade, Done done);
+    /// Asks a server; errors are whole lines: that it is none, that it declines and with which
+    /// status, that it does not speak the subprotocol.
+    void shake_hands(const std::string& host, const std::string& path, Done done);
+
+    void read(std::function<void(Result<Message>)> done);
+    /// One binary message in one frame; `bytes` stay until `done`.
+    void write(std::span<const std::uint8_t> bytes, Done done);
+    /// Sends the closing frame and waits for the peer's. Reasons are cut at what a frame holds.
+    void close(const Close& why, std::function<void()> done);
+
+    /// What the peer's closing frame said; after an error of kind `closed`.
+    Close peer_close() const;
+    Socket& socket();
+
+  private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+} // namespace seaway::sockets

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sockets/web_socket.h"
+
+#include <optional>
+#include <vector>
+
+#include <boost/asio/read_until.hpp>
+#include <boost/asio/write.hpp>
+#include <gtest/gtest.h>
+
+#include "sockets/upgrade.h"
+#include "tests/sockets/pair.h"
+
+namespace seaway::sockets {
+namespace {
+
+namespace asio = boost::asio;
+namespace http = boost::beast::http;
+
+WebSocketOptions options(const std::string& subprotocol) {
+    return {.subprotocol = subprotocol,
+            .program = "test/1",
+            .handshake_patience = std::chrono::seconds(10),
+            .idle_patience = std::chrono::seconds(10),
+            .message_bytes_max = 1000,
+            .kept_buffer_bytes = 16};
+}
+
+/// A client that speaks "a.v1", and the other end, which reads its request first.
+class WebSocketTest : public ::testing::Test {
+  protected:
+    WebSocketTest() : client(std::move(*pair.ends[0]), options("a.v1")) {
+        client.shake_hands("here", "/v1/stream", [this](Result<void> done) { shaken = done; });
+        asio::async_read_until(*pair.ends[1], asio::dynamic_buffer(request), "\r\n\r\n",
+                               [](error_code, std::size_t) {});
+        while (request.find("\r\n\r\n") == std::string::npos && pair.io.run_one() > 0)
+            continue;
+    }
+    void answer(const std::string& text) {
+        asio::async_write(*pair.ends[1], asio::buffer(text), [](error_code, std::size_t) {});
+        while (!shaken && pair.io.run_one() > 0)
+            continue;
+    }
+    /// As Beast's parser would hand it over.
+    Upgrade upgrade() const {
+        Upgrade upgrade{{http::verb::get, "/v1/stream", 11}};
+        const std::string name = "\r\nSec-WebSocket-Key: ";
+        const std::size_t key = request.find(name) + name.size();
+        upgrade.request.set(http::field::host, "here");
+        upgrade.request.set(http::field::upgrade, "websocket");
+        upgrade.request.set(http::field::connection, "Upgrade");
+        upgrade.request.set(http::field::sec_websocket_version, "13");
+        upgrade.request.set(http::field::sec_websocket_key,
+                            request.substr(key, request.find("\r\n", key) - key));
+        return upgrade;
+    }
+    WebSocket& accept(const std::string& subprotocol) {
+        server.emplace(std::move(*pair.ends[1]), options(subprotocol));
+        server->accept(upgrade(), [this](Result<void> done) { accepted = done; });
+        while (!(shaken && accepted) && pair.io.run_one() > 0)
+            continue;
+        return *server;
+    }
+
+    Pair pair;
+    WebSocket client;
+    std::optional<WebSocket> server;
+    std::string request;
+    std::optional<Result<void>> shaken, accepted;
+};
+
+TEST_F(WebSocketTest, a_server_that_declines_is_told_from_one_that_is_none) {
+    answer("HTTP/1.1 404 Not Found\r\nContent-Length: 0\r\n\r\n");
+    ASSERT_TRUE(shaken && !*shaken);
+    EXPECT_EQ(shaken->error().message, "the server answers HTTP 404 at /v1/stream");
+}
+
+TEST_F(WebSocketTest, what_speaks_no_http_is_no_server) {
+    answer("220 mail.example.org ESMTP\r\n\r\n");
+    ASSERT_TRUE(shaken && !*shaken);
+    EXPECT_EQ(shaken->error().message.find("this is no WebSocket server ("), 0u);
+}
+
+TEST_F(WebSocketTest, a_server_of_another_subprotocol_is_left) {
+    accept("b.v1");
+    EXPECT_NE(request.find("Sec-WebSocket-Protocol: a.v1"), std::string::npos) << request;
+    ASSERT_TRUE(shaken && !*shaken);
+    EXPECT_EQ(shaken->error().message, "the server does not speak a.v1");
+}
+
+TEST_F(WebSocketTest, messages_go_both_ways_and_the_end_has_its_code_and_reason) {
+    WebSocket& far = accept("a.v1");
+    ASSERT_TRUE(shaken && *shaken && *accepted);
+    const std::vector<std::uint8_t> there(500, 7), back{1, 2, 3};
+    std::vector<std::vector<std::uint8_t>> received;
+    const auto keep = [&](const Result<WebSocket::Message>& message) {
+        if (message)
+            received.emplace_back(message->bytes.begin(), message->bytes.end());
+    };
+    far.read(keep);
+    client.read(keep);
+    client.write(there, [&](const Result<void>& sent) { EXPECT_TRUE(sent); });
+    while (received.empty() && pair.io.run_one() > 0)
+        continue;
+    far.write(back, [&](const Result<void>& sent) { EXPECT_TRUE(sent); });
+    while (received.size() < 2 && pair.io.run_one() > 0)
+        continue;
+    ASSERT_EQ(received.size(), 2u);
+    EXPECT_EQ(received[0], there);
+    EXPECT_EQ(received[1], back);
+
+    std::optional<Error> end;
+    client.read([&](const Result<WebSocket::Message>& message) { end = message.error(); });
+    bool closed = false;
+    far.close({4001, std::string(200, 'x')}, [&] { closed = true; });
+    pair.run();
+    EXPECT_TRUE(closed);
+    ASSERT_TRUE(end);
+    EXPECT_TRUE(end->is(WebSocketEnd::closed)) << end->message;
+    EXPECT_EQ(client.peer_close().code, 4001u);
+    EXPECT_EQ(client.peer_close().reason, std::string(123, 'x'))
+        << "a closing frame holds 125 bytes";
+}
+
+TEST_F(WebSocketTest, a_message_above_the_limit_is_not_understood) {
+    WebSocket& far = accept("a.v1");
+    std::optional<Error> end;
+    far.read([&](const Result<WebSocket::Message>& message) { end = message.error(); });
+    client.read([](const Result<WebSocket::Message>&) {}); // answers the closing frame
+    const std::vector<std::uint8_t> large(1001);
+    client.write(large, [](const Result<void>&) {});
+    while (!end && pair.io.run_one() > 0)
+        continue;
+    ASSERT_TRUE(end);
+    EXPECT_TRUE(end->is(WebSocketEnd::not_understood)) << end->message;
+}
+
+} // namespace
+} // namespace seaway::sockets
