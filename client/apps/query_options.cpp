@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/apps/query_options.h"
 
-#include <algorithm>
 #include <cstdio>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "base/command_line.h"
 #include "base/text_file.h"
 #include "client/url.h"
 
@@ -24,41 +23,45 @@ constexpr const char* footer =
     "Exit codes: 0 done, 2 usage or bad points, 5 cannot connect, lost or no answer in time,\n"
     "6 refused by the server.";
 
-void require(bool fine, const std::string& what) {
+Result<void> require(bool fine, const std::string& what) {
     if (!fine)
-        throw CLI::ValidationError(what);
+        return Error{what};
+    return {};
 }
 
-std::optional<double> parse_time(const std::string& text) {
+Result<std::optional<double>> parse_time(const std::string& text) {
     if (text == "now")
-        return std::nullopt;
+        return std::optional<double>();
     const std::optional<double> time_s = parse_number(text, time_max_s);
-    require(time_s.has_value(),
-            fmt::format("--time '{}': 'now', or sea time in seconds between {:g} and {:g}", text,
-                        -time_max_s, time_max_s));
+    SEAWAY_TRY(
+        require(time_s.has_value(),
+                fmt::format("--time '{}': 'now', or sea time in seconds between {:g} and {:g}",
+                            text, -time_max_s, time_max_s)));
     return time_s;
 }
 
-Format parse_format(const std::string& text) {
+Result<Format> parse_format(const std::string& text) {
     if (text == "json")
         return Format::json;
     if (text == "csv")
         return Format::csv;
-    require(text == "table", fmt::format("--format '{}': table, json or csv", text));
+    SEAWAY_TRY(require(text == "table", fmt::format("--format '{}': table, json or csv", text)));
     return Format::table;
 }
 
 /// --at takes any number of points, and so may swallow an address that follows it.
-void read_places(std::vector<std::string> words, QueryOptions& options) {
+Result<void> read_places(const std::vector<std::string>& words, QueryOptions& options) {
     for (const std::string& word : words) {
         if (options.url.empty() && word.find("://") != std::string::npos) {
             options.url = word;
             continue;
         }
         const Result<Place> place = parse_place(word);
-        require(place.has_value(), place ? "" : "--at: " + place.error().message);
+        if (!place)
+            return Error{"--at: " + place.error().message};
         options.at.push_back(*place);
     }
+    return {};
 }
 
 /// "-.5,3" after another point looks like an option to the parser; "--at=-.5,3" does not.
@@ -75,77 +78,83 @@ std::vector<std::string> with_negative_points_marked(int argc, const char* const
     return words;
 }
 
-void check(const QueryOptions& options) {
+Result<void> check(const QueryOptions& options) {
     if (options.url.empty())
-        throw CLI::RequiredError("URL");
-    const Result<Url> url = parse_url(options.url);
-    require(url.has_value(), url ? "" : url.error().message);
+        return Error{"URL is required"};
+    SEAWAY_TRY(parse_url(options.url));
     const bool places = !options.at.empty() || !options.points_file.empty();
-    require(options.at.empty() || options.points_file.empty(),
-            "--at and --points exclude each other");
-    require(places || options.bench_points > 0,
-            "nothing to ask: give --at X,Y or --points FILE.csv");
-    require(!(places && options.bench_points > 0), "--bench takes no --at and no --points");
-    require(!(options.exact && options.local),
-            "--exact and --local exclude each other: only the server has the exact sum");
-    require(options.watch_hz >= 0 && options.watch_hz <= watch_hz_max,
-            fmt::format("--watch {}: between 0 and {} Hz", options.watch_hz, watch_hz_max));
-    require(options.timeout_s > 0 && options.timeout_s <= 86400,
-            fmt::format("--timeout {}: above 0, up to 86400 s", options.timeout_s));
+    SEAWAY_TRY(require(options.at.empty() || options.points_file.empty(),
+                       "--at and --points exclude each other"));
+    SEAWAY_TRY(require(places || options.bench_points > 0,
+                       "nothing to ask: give --at X,Y or --points FILE.csv"));
+    SEAWAY_TRY(
+        require(!(places && options.bench_points > 0), "--bench takes no --at and no --points"));
+    SEAWAY_TRY(
+        require(!(options.exact && options.local),
+                "--exact and --local exclude each other: only the server has the exact sum"));
+    SEAWAY_TRY(
+        require(options.watch_hz >= 0 && options.watch_hz <= watch_hz_max,
+                fmt::format("--watch {}: between 0 and {} Hz", options.watch_hz, watch_hz_max)));
+    SEAWAY_TRY(require(options.timeout_s > 0 && options.timeout_s <= 86400,
+                       fmt::format("--timeout {}: above 0, up to 86400 s", options.timeout_s)));
+    return {};
+}
+
+/// Options that need reading once more.
+struct Words {
+    std::vector<std::string> at;
+    std::string time = "now";
+    std::string format = "table";
+};
+
+Result<void> take(const Words& words, QueryOptions& options) {
+    SEAWAY_TRY(read_places(words.at, options));
+    SEAWAY_TRY_LET(options.time_s, parse_time(words.time));
+    SEAWAY_TRY_LET(options.format, parse_format(words.format));
+    return check(options);
 }
 
 } // namespace
 
 std::variant<QueryOptions, int> read_query_options(int argc, const char* const* argv) {
     QueryOptions options;
-    std::vector<std::string> at;
-    std::string time = "now";
-    std::string format = "table";
-    CLI::App app{"Asks a running sea for its surface above points: height, normal, velocity."};
-    app.name("seaway-query");
-    app.set_version_flag("--version", std::string("seaway-query ") + SEAWAY_VERSION);
-    app.add_option("url", options.url, "Server: ws://HOST:PORT or wss://HOST:PORT")
-        ->type_name("URL");
-    app.add_option("--at", at, "Points, metres east and north; may be given again")
-        ->type_name("X,Y ...");
-    app.add_option("--points", options.points_file,
-                   "Rows x_m,y_m or x_m,y_m,t_s, with or without that header ('-': stdin)")
-        ->type_name("FILE.csv");
-    app.add_option("--time", time, "Sea time of points without their own")
-        ->type_name("now|SECONDS")
-        ->capture_default_str();
-    app.add_flag("--exact", options.exact, "The server sums all waves directly, in double");
-    app.add_flag("--local", options.local, "This client answers, from streamed tiles");
-    app.add_option("--format", format, "How rows are written")
-        ->type_name("table|json|csv")
-        ->capture_default_str();
-    app.add_option("--watch", options.watch_hz,
-                   "Repeat at this rate until stopped; times move on with the clock")
-        ->type_name("HZ");
-    app.add_option("--bench", options.bench_points,
-                   "Measure rates with queries of this many random points instead")
-        ->type_name("POINTS")
-        ->check(CLI::Range(1, 1000000));
-    app.add_option("--timeout", options.timeout_s, "Patience with each request")
-        ->type_name("SECONDS")
-        ->capture_default_str();
-    app.add_option("--token-file", options.token_file, "File with the token the server asks for")
-        ->type_name("FILE");
-    app.add_option("--ca-file", options.ca_file, "Certificates (PEM) to trust, for wss")
-        ->type_name("FILE");
-    app.footer(footer);
-    try {
-        std::vector<std::string> words = with_negative_points_marked(argc, argv);
-        std::reverse(words.begin(), words.end()); // as the parser wants them
-        app.parse(std::move(words));
-        read_places(std::move(at), options);
-        options.time_s = parse_time(time);
-        options.format = parse_format(format);
-        check(options);
-    } catch (const CLI::Success& asked) {
-        return status_after_output("seaway-query", app.exit(asked), exit_usage);
-    } catch (const CLI::ParseError& error) {
-        fmt::print(stderr, "seaway-query: {} (--help shows how)\n", error.what());
+    Words words;
+    CommandLine line("seaway-query",
+                     "Asks a running sea for its surface above points: height, normal, velocity.");
+    line.option("url", options.url, "Server: ws://HOST:PORT or wss://HOST:PORT").takes("URL");
+    line.option("--at", words.at, "Points, metres east and north; may be given again")
+        .takes("X,Y ...");
+    line.option("--points", options.points_file,
+                "Rows x_m,y_m or x_m,y_m,t_s, with or without that header ('-': stdin)")
+        .takes("FILE.csv");
+    line.option("--time", words.time, "Sea time of points without their own")
+        .takes("now|SECONDS")
+        .shows_default();
+    line.option("--exact", options.exact, "The server sums all waves directly, in double");
+    line.option("--local", options.local, "This client answers, from streamed tiles");
+    line.option("--format", words.format, "How rows are written")
+        .takes("table|json|csv")
+        .shows_default();
+    line.option("--watch", options.watch_hz,
+                "Repeat at this rate until stopped; times move on with the clock")
+        .takes("HZ");
+    line.option("--bench", options.bench_points,
+                "Measure rates with queries of this many random points instead")
+        .takes("POINTS")
+        .between(1, 1000000);
+    line.option("--timeout", options.timeout_s, "Patience with each request")
+        .takes("SECONDS")
+        .shows_default();
+    line.option("--token-file", options.token_file, "File with the token the server asks for")
+        .takes("FILE");
+    line.option("--ca-file", options.ca_file, "Certificates (PEM) to trust, for wss").takes("FILE");
+    line.footer(footer);
+    const Result<CommandLine::Next> next = line.read(with_negative_points_marked(argc, argv));
+    if (next && *next == CommandLine::Next::leave)
+        return status_after_output("seaway-query", 0, exit_usage);
+    const Result<void> fine = next ? take(words, options) : Result<void>(next.error());
+    if (!fine) {
+        fmt::print(stderr, "seaway-query: {} (--help shows how)\n", fine.error().message);
         return exit_usage;
     }
     return options;

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <filesystem>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "base/command_line.h"
 #include "client/url.h"
 
 namespace seaway::client {
@@ -30,9 +30,10 @@ constexpr const char* footer =
     "Exit codes: 0 done, 1 cannot write, 2 usage, 3 no usable device, 5 cannot connect or lost,\n"
     "6 refused by the server.";
 
-void require(bool fine, const std::string& what) {
+Result<void> require(bool fine, const std::string& what) {
     if (!fine)
-        throw CLI::ValidationError(what);
+        return Error{what};
+    return {};
 }
 
 bool parse_number(std::string_view text, double& value) {
@@ -40,19 +41,20 @@ bool parse_number(std::string_view text, double& value) {
     return failure == std::errc{} && end == text.data() + text.size() && std::isfinite(value);
 }
 
-void read_size(const std::string& text, Camera& camera) {
+Result<void> read_size(const std::string& text, Camera& camera) {
     const std::size_t x = text.find('x');
     double width = 0, height = 0;
-    require(x != std::string::npos && parse_number(text.substr(0, x), width) &&
-                parse_number(text.substr(x + 1), height) && width == std::floor(width) &&
-                height == std::floor(height) && width >= 16 && height >= 16 && width <= side_max &&
-                height <= side_max,
-            fmt::format("--offscreen {}: WIDTHxHEIGHT, each 16 .. {}", text, side_max));
+    SEAWAY_TRY(require(x != std::string::npos && parse_number(text.substr(0, x), width) &&
+                           parse_number(text.substr(x + 1), height) && width == std::floor(width) &&
+                           height == std::floor(height) && width >= 16 && height >= 16 &&
+                           width <= side_max && height <= side_max,
+                       fmt::format("--offscreen {}: WIDTHxHEIGHT, each 16 .. {}", text, side_max)));
     camera.width = static_cast<int>(width);
     camera.height = static_cast<int>(height);
+    return {};
 }
 
-void read_camera(const std::string& text, Camera& camera) {
+Result<void> read_camera(const std::string& text, Camera& camera) {
     std::array<double, 5> v{};
     std::size_t count = 0, from = 0;
     while (count < v.size() && from <= text.size()) {
@@ -62,41 +64,63 @@ void read_camera(const std::string& text, Camera& camera) {
         ++count;
         from = comma + 1;
     }
-    require(count == v.size() && from == text.size() + 1,
-            fmt::format("--camera {}: five numbers X,Y,Z,YAW_DEG,PITCH_DEG", text));
-    require(std::abs(v[0]) <= place_max_m && std::abs(v[1]) <= place_max_m,
-            fmt::format("--camera {}: X and Y are within {:g} m", text, place_max_m));
-    require(v[2] > 0 && v[2] <= height_max_m,
-            fmt::format("--camera {}: Z is above 0 and up to {:g} m", text, height_max_m));
-    require(std::abs(v[4]) <= 89, fmt::format("--camera {}: PITCH_DEG is -89 .. 89", text));
+    SEAWAY_TRY(require(count == v.size() && from == text.size() + 1,
+                       fmt::format("--camera {}: five numbers X,Y,Z,YAW_DEG,PITCH_DEG", text)));
+    SEAWAY_TRY(require(std::abs(v[0]) <= place_max_m && std::abs(v[1]) <= place_max_m,
+                       fmt::format("--camera {}: X and Y are within {:g} m", text, place_max_m)));
+    SEAWAY_TRY(
+        require(v[2] > 0 && v[2] <= height_max_m,
+                fmt::format("--camera {}: Z is above 0 and up to {:g} m", text, height_max_m)));
+    SEAWAY_TRY(
+        require(std::abs(v[4]) <= 89, fmt::format("--camera {}: PITCH_DEG is -89 .. 89", text)));
     camera.x_m = v[0];
     camera.y_m = v[1];
     camera.z_m = v[2];
     camera.yaw_deg = v[3];
     camera.pitch_deg = v[4];
+    return {};
 }
 
-void read_time(const std::string& text, ViewOptions& options) {
+Result<void> read_time(const std::string& text, ViewOptions& options) {
     double time_s = 0;
     if (text == "now")
-        return;
-    require(parse_number(text, time_s) && std::abs(time_s) <= time_max_s,
-            fmt::format("--time {}: 'now', or sea time in seconds", text));
+        return {};
+    SEAWAY_TRY(require(parse_number(text, time_s) && std::abs(time_s) <= time_max_s,
+                       fmt::format("--time {}: 'now', or sea time in seconds", text)));
     options.time_s = time_s;
+    return {};
 }
 
-void check(const ViewOptions& options, bool offscreen) {
-    const Result<Url> url = parse_url(options.url);
-    require(url.has_value(), url ? "" : url.error().message);
-    require(offscreen,
-            "this build draws to files only: give --offscreen WxH and --out PATTERN.png");
+Result<void> check(const ViewOptions& options, bool offscreen) {
+    if (options.url.empty())
+        return Error{"URL is required"};
+    SEAWAY_TRY(parse_url(options.url));
+    SEAWAY_TRY(require(
+        offscreen, "this build draws to files only: give --offscreen WxH and --out PATTERN.png"));
     const std::string ending = std::filesystem::path(options.out).extension().string();
-    require(ending == ".png" || ending == ".exr",
-            fmt::format("--out '{}': a path that ends in .png or .exr", options.out));
-    require(options.frames >= 1 && options.frames <= frames_max,
-            fmt::format("--frames {}: 1 .. {}", options.frames, frames_max));
-    require(options.time_of_day_h >= 0 && options.time_of_day_h <= 24,
-            fmt::format("--time-of-day {}: 0 .. 24", options.time_of_day_h));
+    SEAWAY_TRY(require(ending == ".png" || ending == ".exr",
+                       fmt::format("--out '{}': a path that ends in .png or .exr", options.out)));
+    SEAWAY_TRY(require(options.frames >= 1 && options.frames <= frames_max,
+                       fmt::format("--frames {}: 1 .. {}", options.frames, frames_max)));
+    SEAWAY_TRY(require(options.time_of_day_h >= 0 && options.time_of_day_h <= 24,
+                       fmt::format("--time-of-day {}: 0 .. 24", options.time_of_day_h)));
+    return {};
+}
+
+/// Options that need reading once more.
+struct Words {
+    std::string size, camera, debug = "final", time = "now";
+    bool list = false;
+};
+
+Result<void> take(const Words& words, ViewOptions& options) {
+    if (!words.size.empty())
+        SEAWAY_TRY(read_size(words.size, options.camera));
+    if (!words.camera.empty())
+        SEAWAY_TRY(read_camera(words.camera, options.camera));
+    SEAWAY_TRY(read_time(words.time, options));
+    SEAWAY_TRY_LET(options.debug, parse_debug_view(words.debug));
+    return check(options, !words.size.empty());
 }
 
 void list_debug() {
@@ -111,46 +135,33 @@ std::variant<ViewOptions, int> read_view_options(int argc, const char* const* ar
     options.camera.yaw_deg = 215;
     options.camera.z_m = 12;
     options.camera.pitch_deg = -6;
-    std::string size, camera, debug = "final", time = "now";
-    bool list = false;
-    CLI::App app("Draws the sea of a running server.", "seaway-view");
-    app.footer(footer);
-    app.set_version_flag("--version", SEAWAY_VERSION);
-    app.add_option("URL", options.url, "ws://HOST:PORT or wss://HOST:PORT");
-    app.add_option("--offscreen", size, "size of the picture, WIDTHxHEIGHT");
-    app.add_option("--frames", options.frames, "number of frames");
-    app.add_option("--out", options.out, "where frames go: a pattern ending in .png or .exr");
-    app.add_option("--camera", camera,
-                   "X,Y,Z,YAW_DEG,PITCH_DEG: m east, north, above the mean sea");
-    app.add_option("--time-of-day", options.time_of_day_h, "height of the sun: hour, 0 .. 24");
-    app.add_option("--time", time, "sea time of the first frame: 'now' or seconds");
-    app.add_option("--debug", debug, "what to show (--list-debug)");
-    app.add_flag("--list-debug", list, "print the views of --debug and exit");
-    app.add_option("--device", options.device, "Vulkan device: auto, an index, or part of a name");
-    app.add_option("--token-file", options.token_file, "file with the server's client token");
-    app.add_option("--ca-file", options.ca_file, "certificates to trust besides the system's, PEM");
-    app.add_option("--timeout", options.timeout_s, "seconds to wait for the server");
-    try {
-        app.parse(argc, argv);
-        if (list) {
-            list_debug();
-            return static_cast<int>(ViewExit::done);
-        }
-        if (options.url.empty())
-            throw CLI::RequiredError("URL");
-        if (!size.empty())
-            read_size(size, options.camera);
-        if (!camera.empty())
-            read_camera(camera, options.camera);
-        read_time(time, options);
-        const Result<DebugChoice> choice = parse_debug_view(debug);
-        require(choice.has_value(), choice ? "" : choice.error().message);
-        options.debug = *choice;
-        check(options, !size.empty());
-    } catch (const CLI::ParseError& problem) {
-        if (problem.get_exit_code() == 0)
-            return app.exit(problem);
-        fmt::print(stderr, "seaway-view: {}\n", problem.what());
+    Words words;
+    CommandLine line("seaway-view", "Draws the sea of a running server.");
+    line.footer(footer);
+    line.option("URL", options.url, "ws://HOST:PORT or wss://HOST:PORT");
+    line.option("--offscreen", words.size, "size of the picture, WIDTHxHEIGHT");
+    line.option("--frames", options.frames, "number of frames");
+    line.option("--out", options.out, "where frames go: a pattern ending in .png or .exr");
+    line.option("--camera", words.camera,
+                "X,Y,Z,YAW_DEG,PITCH_DEG: m east, north, above the mean sea");
+    line.option("--time-of-day", options.time_of_day_h, "height of the sun: hour, 0 .. 24");
+    line.option("--time", words.time, "sea time of the first frame: 'now' or seconds");
+    line.option("--debug", words.debug, "what to show (--list-debug)");
+    line.option("--list-debug", words.list, "print the views of --debug and exit");
+    line.option("--device", options.device, "Vulkan device: auto, an index, or part of a name");
+    line.option("--token-file", options.token_file, "file with the server's client token");
+    line.option("--ca-file", options.ca_file, "certificates to trust besides the system's, PEM");
+    line.option("--timeout", options.timeout_s, "seconds to wait for the server");
+    const Result<CommandLine::Next> next = line.read(argc, argv);
+    if (next && *next == CommandLine::Next::leave)
+        return static_cast<int>(ViewExit::done);
+    if (next && words.list) {
+        list_debug();
+        return static_cast<int>(ViewExit::done);
+    }
+    const Result<void> fine = next ? take(words, options) : Result<void>(next.error());
+    if (!fine) {
+        fmt::print(stderr, "seaway-view: {}\n", fine.error().message);
         return static_cast<int>(ViewExit::usage);
     }
     return options;

@@ -25,10 +25,10 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "base/check.h"
+#include "base/command_line.h"
 #include "server/device/vulkan_batch.h"
 #include "server/device/vulkan_synthesizer.h"
 #include "tests/bench/fftw_yardstick.h"
@@ -252,14 +252,20 @@ void time_start(const Settings& settings, int size) {
 int main(int argc, char** argv) {
     using namespace seaway;
     bench::Settings settings;
-    CLI::App app{"Vulkan kernels against FFTW"};
-    app.add_option("--sizes", settings.sizes)->delimiter(',');
-    app.add_option("--repeats", settings.repeats)->check(CLI::PositiveNumber);
-    app.add_option("--reach", settings.reach);
-    app.add_option("--device", settings.device);
-    app.add_flag("--csv", settings.csv);
-    app.add_flag("--start", settings.start);
-    CLI11_PARSE(app, argc, argv);
+    CommandLine line("bench_kernels", "Vulkan kernels against FFTW");
+    line.option("--sizes", settings.sizes).separated_by(',');
+    line.option("--repeats", settings.repeats).between(1, 1'000'000);
+    line.option("--reach", settings.reach);
+    line.option("--device", settings.device);
+    line.option("--csv", settings.csv);
+    line.option("--start", settings.start);
+    const Result<CommandLine::Next> next = line.read(argc, argv);
+    if (!next) {
+        fmt::print(stderr, "bench_kernels: {}\n", next.error().message);
+        return 2;
+    }
+    if (*next == CommandLine::Next::leave)
+        return 0;
     if (settings.start) {
         for (const int size : settings.sizes)
             bench::time_start(settings, size);

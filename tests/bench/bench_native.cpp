@@ -22,10 +22,10 @@
 #include <functional>
 #include <string>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "base/check.h"
+#include "base/command_line.h"
 #include "sea/native/native_runner.h"
 #include "tests/bench/fftw_yardstick.h"
 #include "tests/sea/native/random_modes.h"
@@ -133,7 +133,7 @@ void time_size(int size, double reach, Instructions instructions, int repeats) {
 
 int main(int argc, char** argv) {
     using namespace seaway;
-    CLI::App app{"Native synthesis against FFTW"};
+    CommandLine line("bench_native", "Native synthesis against FFTW");
     std::vector<int> sizes{128, 256, 512};
     int repeats = 40;
     double reach = 2;
@@ -141,11 +141,17 @@ int main(int argc, char** argv) {
     std::vector<std::string> known;
     for (Instructions candidate : supported_instructions())
         known.emplace_back(name(candidate));
-    app.add_option("--sizes", sizes)->delimiter(',');
-    app.add_option("--repeats", repeats)->check(CLI::PositiveNumber);
-    app.add_option("--reach", reach);
-    app.add_option("--instructions", instructions)->check(CLI::IsMember(known));
-    CLI11_PARSE(app, argc, argv);
+    line.option("--sizes", sizes).separated_by(',');
+    line.option("--repeats", repeats).between(1, 1'000'000);
+    line.option("--reach", reach);
+    line.option("--instructions", instructions).one_of(known);
+    const Result<CommandLine::Next> next = line.read(argc, argv);
+    if (!next) {
+        fmt::print(stderr, "bench_native: {}\n", next.error().message);
+        return 2;
+    }
+    if (*next == CommandLine::Next::leave)
+        return 0;
     Instructions chosen = best_instructions();
     for (Instructions candidate : supported_instructions())
         if (name(candidate) == instructions)

@@ -19,9 +19,9 @@
 #include <fstream>
 #include <map>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "base/command_line.h"
 #include "client/client.h"
 #include "tests/load/draw.h"
 #include "tests/load/random_scenes.h"
@@ -40,7 +40,7 @@ struct Options {
     double seconds = 0;
     std::uint64_t samples = 0;
     std::vector<std::string> devices{"native", "lavapipe"};
-    std::filesystem::path keep = ".";
+    std::string keep = "."; ///< folder for scenes that show a miss
 };
 
 struct Tally {
@@ -193,17 +193,26 @@ class Soak {
 } // namespace
 
 int main(int argc, char** argv) {
-    CLI::App app{"Random seas: does every answer keep its bound?"};
+    CommandLine line("load_random_seas", "Random seas: does every answer keep its bound?");
     Options options;
-    app.add_option("--seed", options.seed);
-    app.add_option("--generated", options.generated)->check(CLI::Range(0, 10'000));
-    app.add_option("--times", options.times)->check(CLI::Range(1, 1000));
-    app.add_option("--points", options.points, "a time")->check(CLI::Range(1, 10'000));
-    app.add_option("--seconds", options.seconds)->check(CLI::NonNegativeNumber);
-    app.add_option("--samples", options.samples);
-    app.add_option("--devices", options.devices)->delimiter(',');
-    app.add_option("--keep", options.keep, "folder for scenes that show a miss")
-        ->check(CLI::ExistingDirectory);
-    CLI11_PARSE(app, argc, argv);
+    line.option("--seed", options.seed);
+    line.option("--generated", options.generated).between(0, 10'000);
+    line.option("--times", options.times).between(1, 1000);
+    line.option("--points", options.points, "a time").between(1, 10'000);
+    line.option("--seconds", options.seconds).between(0.0, 1e9);
+    line.option("--samples", options.samples);
+    line.option("--devices", options.devices).separated_by(',');
+    line.option("--keep", options.keep, "folder for scenes that show a miss");
+    const Result<CommandLine::Next> next = line.read(argc, argv);
+    if (!next) {
+        fmt::print(stderr, "load_random_seas: {}\n", next.error().message);
+        return 2;
+    }
+    if (*next == CommandLine::Next::leave)
+        return 0;
+    if (!std::filesystem::is_directory(options.keep)) {
+        fmt::print(stderr, "load_random_seas: --keep {}: no such folder\n", options.keep);
+        return 2;
+    }
     return Soak(options).run();
 }

@@ -8,7 +8,6 @@
 #include <string>
 #include <thread>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #pragma GCC diagnostic push
@@ -16,6 +15,7 @@
 #include <OpenEXR/ImfThreading.h>
 #pragma GCC diagnostic pop
 
+#include "base/command_line.h"
 #include "base/text_file.h"
 #include "server/device/device_choice.h"
 #include "tools/bake/bake.h"
@@ -42,52 +42,48 @@ struct Options {
     bake::BakeOptions bake;
 };
 
-void declare(CLI::App& app, Options& o) {
-    app.add_option("scene", o.scene, "Scene file (docs/scenes.md)")
-        ->required()
-        ->type_name("SCENE.toml");
-    app.add_option("--out", o.bake.folder, "Folder for the files")->required()->type_name("DIR");
-    app.add_option("--frames", o.bake.frames, "How many")->required()->type_name("N");
-    app.add_option("--fps", o.bake.fps, "Frames a second of sea time")->required()->type_name("F");
-    app.add_option("--start", o.start_s, "Sea time of frame 0")->type_name("SECONDS");
-    app.add_option("--size", o.size, "Grid points a side of every cascade, instead of the scene's")
-        ->check(CLI::IsMember({64, 128, 256, 512, 1024}))
-        ->type_name("N");
-    app.add_option("--fields", o.fields, "Names with commas between them, or all")
-        ->capture_default_str()
-        ->type_name("LIST");
-    app.add_flag("--half", o.bake.half, "16 bits a value instead of 32");
-    app.add_option("--compression", o.compression, "none, rle, zip or piz")
-        ->capture_default_str()
-        ->type_name("NAME");
-    app.add_flag(
+void declare(CommandLine& line, Options& o) {
+    line.option("scene", o.scene, "Scene file (docs/scenes.md)").required().takes("SCENE.toml");
+    line.option("--out", o.bake.folder, "Folder for the files").required().takes("DIR");
+    line.option("--frames", o.bake.frames, "How many").required().takes("N");
+    line.option("--fps", o.bake.fps, "Frames a second of sea time").required().takes("F");
+    line.option("--start", o.start_s, "Sea time of frame 0").takes("SECONDS");
+    line.option("--size", o.size, "Grid points a side of every cascade, instead of the scene's")
+        .one_of({64, 128, 256, 512, 1024})
+        .takes("N");
+    line.option("--fields", o.fields, "Names with commas between them, or all")
+        .shows_default()
+        .takes("LIST");
+    line.option("--half", o.bake.half, "16 bits a value instead of 32");
+    line.option("--compression", o.compression, "none, rle, zip or piz")
+        .shows_default()
+        .takes("NAME");
+    line.option(
         "--summed", o.bake.summed,
         "The sea on the square of the longest tile, all cascades together: sea.<frame>.exr");
-    app.add_option("--channels", o.channels,
-                   "names: a channel a field. rgb: R, G, B say where a point goes, choppiness "
-                   "applied, A is foam if it is among the fields")
-        ->check(CLI::IsMember({"names", "rgb"}))
-        ->capture_default_str()
-        ->type_name("NAMING");
-    app.add_option("--mesh", o.mesh, "none, obj or ply: every tile as geometry beside its maps")
-        ->capture_default_str()
-        ->type_name("FORMAT");
-    app.add_option("--up", o.up,
-                   "Axis that is up in meshes and rgb: z (east, north, up) or y "
-                   "(east, up, south)")
-        ->check(CLI::IsMember({"z", "y"}))
-        ->capture_default_str()
-        ->type_name("AXIS");
-    app.add_option("--top", o.top, "First line of the images: the south or the north of the tile")
-        ->check(CLI::IsMember({"south", "north"}))
-        ->capture_default_str()
-        ->type_name("SIDE");
-    app.add_option(
-           "--device", o.device,
-           "native, auto (a GPU, else native), or index or part of a name of a Vulkan device")
-        ->capture_default_str()
-        ->type_name("NAME");
-    app.set_version_flag("--version", "seaway-bake " SEAWAY_VERSION);
+    line.option("--channels", o.channels,
+                "names: a channel a field. rgb: R, G, B say where a point goes, choppiness "
+                "applied, A is foam if it is among the fields")
+        .one_of({"names", "rgb"})
+        .shows_default()
+        .takes("NAMING");
+    line.option("--mesh", o.mesh, "none, obj or ply: every tile as geometry beside its maps")
+        .shows_default()
+        .takes("FORMAT");
+    line.option("--up", o.up,
+                "Axis that is up in meshes and rgb: z (east, north, up) or y "
+                "(east, up, south)")
+        .one_of({"z", "y"})
+        .shows_default()
+        .takes("AXIS");
+    line.option("--top", o.top, "First line of the images: the south or the north of the tile")
+        .one_of({"south", "north"})
+        .shows_default()
+        .takes("SIDE");
+    line.option("--device", o.device,
+                "native, auto (a GPU, else native), or index or part of a name of a Vulkan device")
+        .shows_default()
+        .takes("NAME");
 }
 
 int fail(int code, const std::string& message) {
@@ -143,14 +139,12 @@ int run(Options& options) {
 
 int main(int argc, char** argv) {
     Options options;
-    CLI::App app("seaway-bake: a scene as OpenEXR maps, one file a frame and cascade");
-    declare(app, options);
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::ParseError& error) {
-        if (error.get_exit_code() != 0)
-            return fail(exit_usage, error.what());
-        return status_after_output("seaway-bake", app.exit(error), exit_failed);
-    }
+    CommandLine line("seaway-bake", "A scene as OpenEXR maps, one file a frame and cascade");
+    declare(line, options);
+    const Result<CommandLine::Next> next = line.read(argc, argv);
+    if (!next)
+        return fail(exit_usage, next.error().message);
+    if (*next == CommandLine::Next::leave)
+        return status_after_output("seaway-bake", 0, exit_failed);
     return status_after_output("seaway-bake", run(options), exit_failed);
 }

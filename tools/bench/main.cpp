@@ -3,48 +3,47 @@
 #include <cstdio>
 #include <string>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "base/command_line.h"
 #include "base/text_file.h"
 #include "tools/bench/compare.h"
 #include "tools/bench/effects.h"
 
 int main(int argc, char** argv) {
     using namespace seaway;
-    CLI::App app{"Measures what Seaway costs on this machine. Variants are interleaved in one run; "
-                 "figures are medians, and ratios are what to trust."};
-    app.name("seaway-bench");
-    app.set_version_flag("--version", std::string("seaway-bench ") + SEAWAY_VERSION);
-    app.require_subcommand(1);
+    CommandLine line("seaway-bench",
+                     "Measures what Seaway costs on this machine. Variants are interleaved in one "
+                     "run; figures are medians, and ratios are what to trust.");
     bench::EffectsOptions options;
     bool quick = false;
-    CLI::App* effects =
-        app.add_subcommand("effects", "Marginal cost of every effect and every cascade");
-    effects->add_option("--scene", options.scene)->capture_default_str();
+    CommandLine& effects =
+        line.command("effects", "Marginal cost of every effect and every cascade");
+    effects.option("--scene", options.scene).shows_default();
     effects
-        ->add_option("--device", options.device,
-                     "native, auto (a GPU, else native), an index or part of a name")
-        ->capture_default_str();
-    effects->add_option("--out", options.out, "Folder for effects.csv and effects.png")
-        ->capture_default_str();
-    effects->add_flag("--quick", quick, "Fewer rounds");
+        .option("--device", options.device,
+                "native, auto (a GPU, else native), an index or part of a name")
+        .shows_default();
+    effects.option("--out", options.out, "Folder for effects.csv and effects.png").shows_default();
+    effects.option("--quick", quick, "Fewer rounds");
     bench::CompareOptions pair;
-    CLI::App* compare =
-        app.add_subcommand("compare", "Two devices on one scene: the same sea, and at what cost");
-    compare->add_option("--scene", pair.scene)->capture_default_str();
-    compare->add_option("--first", pair.first)->capture_default_str();
-    compare->add_option("--second", pair.second)->capture_default_str();
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::ParseError& error) {
-        return status_after_output("seaway-bench", app.exit(error), 2);
+    CommandLine& compare =
+        line.command("compare", "Two devices on one scene: the same sea, and at what cost");
+    compare.option("--scene", pair.scene).shows_default();
+    compare.option("--first", pair.first).shows_default();
+    compare.option("--second", pair.second).shows_default();
+    const Result<CommandLine::Next> next = line.read(argc, argv);
+    if (!next) {
+        fmt::print(stderr, "seaway-bench: {}\n", next.error().message);
+        return 2;
     }
+    if (*next == CommandLine::Next::leave)
+        return status_after_output("seaway-bench", 0, 2);
 
     if (quick)
         options.rounds = 8;
     const Result<void> done =
-        compare->parsed() ? bench::run_compare(pair) : bench::run_effects(options);
+        compare.given() ? bench::run_compare(pair) : bench::run_effects(options);
     if (!done) {
         fmt::print(stderr, "seaway-bench: {}\n", done.error().message);
         return 2;

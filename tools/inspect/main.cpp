@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "base/command_line.h"
 #include "base/text_file.h"
 #include "sea/waves/moments.h"
 #include "tools/inspect/images.h"
@@ -102,38 +102,36 @@ Result<std::string> run(const Options& options) {
     return options.format == "json" ? inspect::to_json(*report) : inspect::to_text(*report);
 }
 
-void declare(CLI::App& app, Options& options) {
-    app.add_option("scene", options.scene, "Scene file (docs/scenes.md)")
-        ->required()
-        ->type_name("SCENE.toml");
-    app.add_option("--format", options.format, "Form of the report: text or json")
-        ->check(CLI::IsMember({"text", "json"}))
-        ->type_name("FORMAT");
-    auto* spectrum = app.add_option("--spectrum", options.spectrum,
-                                    "Print S(w) at these rad/s as CSV omega_radps,s_m2s")
-                         ->type_name("W1,W2,...");
-    app.add_option("--eval", options.points,
-                   "Print the exact surface at rows x_m,y_m,t_s of a CSV file ('-': stdin)")
-        ->excludes(spectrum)
-        ->type_name("FILE.csv");
-    app.add_option("--plot", options.plot, "Draw spectrum, directions and cascades")
-        ->type_name("FILE.png");
-    auto* images = app.add_option("--images", options.images.folder,
-                                  "Draw h0(k), h(k,t), every pass and every map of each cascade")
-                       ->excludes(spectrum)
-                       ->type_name("DIR");
-    app.add_option(
-           "--device", options.images.device,
-           "Of --images: native, auto (a GPU, else native), or index or part of a name of a "
-           "Vulkan device")
-        ->needs(images)
-        ->capture_default_str()
-        ->type_name("NAME");
-    app.add_option("--time", options.time_s, "Of --images: sea time")
-        ->needs(images)
-        ->check(CLI::Range(-1e9, 1e9))
-        ->type_name("SECONDS");
-    app.set_version_flag("--version", "seaway-inspect " SEAWAY_VERSION);
+void declare(CommandLine& line, Options& options) {
+    line.option("scene", options.scene, "Scene file (docs/scenes.md)")
+        .required()
+        .takes("SCENE.toml");
+    line.option("--format", options.format, "Form of the report: text or json")
+        .one_of({"text", "json"})
+        .takes("FORMAT");
+    const CommandOption spectrum = line.option("--spectrum", options.spectrum,
+                                               "Print S(w) at these rad/s as CSV omega_radps,s_m2s")
+                                       .takes("W1,W2,...");
+    line.option("--eval", options.points,
+                "Print the exact surface at rows x_m,y_m,t_s of a CSV file ('-': stdin)")
+        .excludes(spectrum)
+        .takes("FILE.csv");
+    line.option("--plot", options.plot, "Draw spectrum, directions and cascades").takes("FILE.png");
+    const CommandOption images =
+        line.option("--images", options.images.folder,
+                    "Draw h0(k), h(k,t), every pass and every map of each cascade")
+            .excludes(spectrum)
+            .takes("DIR");
+    line.option("--device", options.images.device,
+                "Of --images: native, auto (a GPU, else native), or index or part of a name of a "
+                "Vulkan device")
+        .needs(images)
+        .shows_default()
+        .takes("NAME");
+    line.option("--time", options.time_s, "Of --images: sea time")
+        .needs(images)
+        .between(-1e9, 1e9)
+        .takes("SECONDS");
 }
 
 int fail(const std::string& message) {
@@ -147,16 +145,13 @@ int fail(const std::string& message) {
 
 int main(int argc, char** argv) {
     Options options;
-    CLI::App app("seaway-inspect: what a scene amounts to, without server or GPU");
-    declare(app, options);
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::ParseError& error) {
-        if (error.get_exit_code() != 0)
-            return fail(error.what());
-        app.exit(error); // prints help or version
+    CommandLine line("seaway-inspect", "What a scene amounts to, without server or GPU");
+    declare(line, options);
+    const Result<CommandLine::Next> next = line.read(argc, argv);
+    if (!next)
+        return fail(next.error().message);
+    if (*next == CommandLine::Next::leave)
         return status_after_output("seaway-inspect", 0, exit_usage);
-    }
     const Result<std::string> out = run(options);
     if (!out)
         return fail(out.error().message);

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "base/command_line.h"
+
+#include <algorithm>
+#include <cstdint>
+
+#include <CLI/CLI.hpp>
+
+namespace seaway {
+
+CommandOption& CommandOption::takes(const std::string& what) {
+    option_->type_name(what);
+    return *this;
+}
+CommandOption& CommandOption::shows_default() {
+    option_->capture_default_str();
+    return *this;
+}
+CommandOption& CommandOption::required() {
+    option_->required();
+    return *this;
+}
+CommandOption& CommandOption::needs(const CommandOption& other) {
+    option_->needs(other.option_);
+    return *this;
+}
+CommandOption& CommandOption::excludes(const CommandOption& other) {
+    option_->excludes(other.option_);
+    return *this;
+}
+CommandOption& CommandOption::separated_by(char delimiter) {
+    option_->delimiter(delimiter);
+    return *this;
+}
+CommandOption& CommandOption::one_of(const std::vector<std::string>& words) {
+    option_->check(CLI::IsMember(words));
+    return *this;
+}
+CommandOption& CommandOption::one_of(std::initializer_list<const char*> words) {
+    return one_of(std::vector<std::string>(words.begin(), words.end()));
+}
+CommandOption& CommandOption::one_of(std::initializer_list<int> numbers) {
+    option_->check(CLI::IsMember(std::vector<int>(numbers)));
+    return *this;
+}
+CommandOption& CommandOption::between(int least, int most) {
+    option_->check(CLI::Range(least, most));
+    return *this;
+}
+CommandOption& CommandOption::between(double least, double most) {
+    option_->check(CLI::Range(least, most));
+    return *this;
+}
+
+CommandLine::CommandLine(const std::string& program, const std::string& about)
+    : own_(std::make_unique<CLI::App>(about, program)), app_(own_.get()) {
+    app_->set_version_flag("--version", program + " " + SEAWAY_VERSION);
+}
+
+CommandLine::CommandLine(CLI::App* command) : app_(command) {}
+CommandLine::~CommandLine() = default;
+
+void CommandLine::footer(const std::string& text) {
+    app_->footer(text);
+}
+
+template <class T>
+CommandOption CommandLine::option(const std::string& names, T& value, const std::string& help) {
+    return CommandOption(app_->add_option(names, value, help));
+}
+template <>
+CommandOption CommandLine::option(const std::string& names, bool& value, const std::string& help) {
+    return CommandOption(app_->add_flag(names, value, help));
+}
+template CommandOption CommandLine::option(const std::string&, std::string&, const std::string&);
+template CommandOption CommandLine::option(const std::string&, int&, const std::string&);
+template CommandOption CommandLine::option(const std::string&, double&, const std::string&);
+template CommandOption CommandLine::option(const std::string&, std::uint64_t&, const std::string&);
+template CommandOption CommandLine::option(const std::string&, std::vector<std::string>&,
+                                           const std::string&);
+template CommandOption CommandLine::option(const std::string&, std::vector<int>&,
+                                           const std::string&);
+
+CommandLine& CommandLine::command(const std::string& name, const std::string& about) {
+    app_->require_subcommand(1);
+    commands_.emplace_back(new CommandLine(app_->add_subcommand(name, about)));
+    return *commands_.back();
+}
+
+bool CommandLine::given() const {
+    return app_->parsed();
+}
+
+Result<CommandLine::Next> CommandLine::read(int argc, const char* const* argv) {
+    return read(std::vector<std::string>(argv + std::min(argc, 1), argv + argc));
+}
+
+Result<CommandLine::Next> CommandLine::read(std::vector<std::string> words) {
+    std::reverse(words.begin(), words.end()); // as the parser wants them
+    try {
+        app_->parse(std::move(words));
+    } catch (const CLI::Success& asked) {
+        app_->exit(asked); // prints
+        return Next::leave;
+    } catch (const CLI::ParseError& error) {
+        std::string line = error.what();
+        std::replace(line.begin(), line.end(), '\n', ' ');
+        return Error{line};
+    }
+    return Next::go_on;
+}
+
+} // namespace seaway

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "base/command_line.h"
+
+#include <cstdint>
+
+#include <gtest/gtest.h>
+
+namespace seaway {
+namespace {
+
+struct Values {
+    std::string scene;
+    int frames = 7;
+    double time_s = 1.5;
+    std::uint64_t seed = 3;
+    bool quick = false;
+    std::vector<int> sizes{128, 256};
+    std::string form = "text";
+};
+
+Result<CommandLine::Next> read(Values& values, const std::vector<std::string>& words) {
+    CommandLine line("program", "Does something.");
+    line.option("scene", values.scene).required();
+    line.option("--frames", values.frames).between(1, 10);
+    const CommandOption time = line.option("--time", values.time_s).between(-1e9, 1e9);
+    line.option("--seed", values.seed).needs(time);
+    line.option("--quick", values.quick).excludes(time);
+    line.option("--sizes", values.sizes).separated_by(',').one_of({64, 128, 256});
+    line.option("--form", values.form).one_of({"text", "json"});
+    return line.read(words);
+}
+
+TEST(CommandLine, words_become_values_and_what_is_not_given_stays) {
+    Values values;
+    const auto next = read(values, {"a.toml", "--time", "-2e3", "--seed", "18446744073709551615",
+                                    "--sizes", "64,256"});
+    ASSERT_TRUE(next) << next.error().message;
+    EXPECT_EQ(*next, CommandLine::Next::go_on);
+    EXPECT_EQ(values.scene, "a.toml");
+    EXPECT_EQ(values.time_s, -2e3);
+    EXPECT_EQ(values.seed, ~std::uint64_t{0});
+    EXPECT_EQ(values.sizes, (std::vector<int>{64, 256}));
+    EXPECT_EQ(values.frames, 7);
+    EXPECT_FALSE(values.quick);
+    EXPECT_EQ(values.form, "text");
+}
+
+TEST(CommandLine, what_is_wrong_is_one_line_that_names_the_option) {
+    const struct {
+        std::vector<std::string> words;
+        std::string named;
+    } cases[] = {{{}, "scene"},
+                 {{"a", "b"}, "b"},
+                 {{"a", "--frames", "0"}, "--frames"},
+                 {{"a", "--frames", "11"}, "--frames"},
+                 {{"a", "--frames", "2.5"}, "--frames"},
+                 {{"a", "--frames"}, "--frames"},
+                 {{"a", "--time", "2e9"}, "--time"},
+                 {{"a", "--seed", "1"}, "--time"},
+                 {{"a", "--quick", "--time", "1"}, "--quick"},
+                 {{"a", "--sizes", "64,65"}, "65"},
+                 {{"a", "--form", "csv"}, "csv"},
+                 {{"a", "--nothing"}, "--nothing"}};
+    for (const auto& [words, named] : cases) {
+        Values values;
+        const auto next = read(values, words);
+        ASSERT_FALSE(next) << named;
+        EXPECT_NE(next.error().message.find(named), std::string::npos) << next.error().message;
+        EXPECT_EQ(next.error().message.find('\n'), std::string::npos) << next.error().message;
+    }
+}
+
+TEST(CommandLine, help_and_version_are_printed_and_nothing_is_left_to_do) {
+    for (const std::string word : {"--help", "--version"}) {
+        Values values;
+        testing::internal::CaptureStdout();
+        const auto next = read(values, {word});
+        const std::string printed = testing::internal::GetCapturedStdout();
+        ASSERT_TRUE(next) << next.error().message;
+        EXPECT_EQ(*next, CommandLine::Next::leave);
+        EXPECT_NE(printed.find("program"), std::string::npos) << printed;
+    }
+}
+
+TEST(CommandLine, one_of_its_commands_has_to_be_given) {
+    int frames = 0;
+    CommandLine line("program", "Does something.");
+    CommandLine& first = line.command("first", "One thing.");
+    first.option("--frames", frames);
+    CommandLine& second = line.command("second", "Another.");
+    EXPECT_FALSE(line.read(std::vector<std::string>{}));
+    ASSERT_TRUE(line.read({"first", "--frames", "3"}));
+    EXPECT_TRUE(first.given());
+    EXPECT_FALSE(second.given());
+    EXPECT_EQ(frames, 3);
+}
+
+} // namespace
+} // namespace seaway
