@@ -37,6 +37,13 @@ TEST(PickDevice, auto_takes_the_discrete_device_and_never_an_unusable_one) {
     EXPECT_THAT(pick_device(devices, "2").error().message, HasSubstr("1.3 needed"));
 }
 
+TEST(PickDevice, of_equals_the_first_is_taken) {
+    std::vector<DeviceInfo> devices = three_devices;
+    devices.push_back(named(3, "NVIDIA L4", VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU));
+    EXPECT_EQ(*pick_device(devices, "auto"), 2);
+    EXPECT_EQ(*pick_device(devices, "l4"), 2);
+}
+
 TEST(PickDevice, an_index_or_a_part_of_a_name_picks) {
     EXPECT_EQ(*pick_device(three_devices, "1"), 1);
     EXPECT_EQ(*pick_device(three_devices, "LAVApipe"), 0);

@@ -265,6 +265,28 @@ TEST(Messages, values_out_of_range_are_errors_that_name_the_field) {
     EXPECT_NE(why(query(1, points, true)).find("points"), std::string::npos);
 }
 
+// Naive: a part's height is held against its width, and what lies beyond the map is written there.
+TEST(Messages, a_part_lies_within_its_map_whatever_its_shape) {
+    MessageReader reader(Sender::server);
+    const std::vector<std::uint8_t> payload(1);
+    const auto why = [&](int x0, int y0, int width, int height) {
+        TileHeader part = some_tile();
+        part.size = 32;
+        part.x0 = x0;
+        part.y0 = y0;
+        part.width = width;
+        part.height = height;
+        const Result<void> fine = check(*read(reader, tile(part, payload)));
+        return fine ? std::string() : fine.error().message;
+    };
+    for (const auto& [width, height] : {std::pair(8, 20), std::pair(20, 8), std::pair(32, 1)}) {
+        EXPECT_EQ(why(0, 0, width, height), "");
+        EXPECT_EQ(why(32 - width, 32 - height, width, height), "");
+        EXPECT_EQ(why(33 - width, 0, width, height).find("x0 is "), 0u);
+        EXPECT_EQ(why(0, 33 - height, width, height).find("y0 is "), 0u);
+    }
+}
+
 TEST(Messages, times_and_places_beyond_their_range_are_errors_that_say_which) {
     MessageReader reader(Sender::client);
     const TileWish wish{.fields = sea::surface_fields};

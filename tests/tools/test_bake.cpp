@@ -186,6 +186,15 @@ TEST(Bake, attributes_say_what_one_has_to_know) {
     EXPECT_NEAR(mean, 1.0, 0.5); // one small tile at one moment holds a dozen crests
 }
 
+// A frame of 1/24 s is no whole number of microseconds: what it is rounded by must not add up.
+TEST(Bake, frames_lie_at_their_times_to_the_microsecond_without_drift) {
+    const std::string out = testing::folder().file("times");
+    const std::string same = " --frames 25 --fps 24 --start 100 --size 64 --fields height";
+    ASSERT_EQ(run_bake("--out " + out + same).status, 0);
+    for (const auto& [frame, time_us] : {std::pair("01", "100041667"), {"24", "101000000"}})
+        EXPECT_EQ(ExrFile(out + "/cascade1.000" + frame + ".exr").text("seaway.time_us"), time_us);
+}
+
 TEST(Bake, foam_of_a_frame_baked_alone_is_that_of_the_sequence_and_a_loop_meets_itself) {
     // 5 s of loop at 8 frames a second: frame 40 is frame 0. A history is periodic to rounding; alone
     // it starts elsewhere in the loop.

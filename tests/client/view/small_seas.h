@@ -10,19 +10,24 @@
 
 namespace seaway::client {
 
-/// amplitude cos(k x - w t) along east in a tile of `length_m`, `steps` waves on it.
-inline sea::Realization one_wave(double amplitude_m, double length_m, int steps) {
+/// amplitude cos(k.x - w t) in a tile of `length_m`, `steps` waves on it along east and `north_steps`
+/// along north.
+inline sea::Realization one_wave(double amplitude_m, double length_m, int steps,
+                                 int north_steps = 0) {
     constexpr int size = 64;
     sea::CascadeModes modes;
     modes.spec = {length_m, size};
     modes.band = {0, modes.spec.nyquist_radpm()};
     modes.h0.resize(size * size);
     modes.rate.resize(modes.h0.size());
-    const double k_radpm = steps * modes.spec.wavenumber_step_radpm();
-    modes.h0[static_cast<std::size_t>(steps)] = 0.5 * amplitude_m;
+    const double k_radpm = std::hypot(steps, north_steps) * modes.spec.wavenumber_step_radpm();
+    const auto at = [](int nx, int ny) {
+        return static_cast<std::size_t>((ny + size) % size * size + (nx + size) % size);
+    };
+    modes.h0[at(steps, north_steps)] = 0.5 * amplitude_m;
     const sea::Rate rate = sea::rate_from_omega(std::sqrt(9.81 * k_radpm));
-    modes.rate[static_cast<std::size_t>(steps)] = rate;
-    modes.rate[static_cast<std::size_t>(size - steps)] = rate;
+    modes.rate[at(steps, north_steps)] = rate;
+    modes.rate[at(-steps, -north_steps)] = rate;
     sea::Realization sea;
     sea.cascades.push_back(std::move(modes));
     return sea;

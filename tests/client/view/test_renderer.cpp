@@ -243,6 +243,61 @@ TEST_F(RendererTest, normals_are_exact_on_a_choppy_wave) {
     EXPECT_GT(compared, 500);
 }
 
+// An oblique wave that is choppier along east than along north: every term has its own factor.
+sea::Realization oblique_wave() {
+    sea::Realization sea = one_wave(2.0, 100, 3, 3);
+    sea.choppiness = {1.4, 0.6};
+    return sea;
+}
+
+TEST_F(RendererTest, normals_are_exact_where_choppiness_differs_by_direction) {
+    SyntheticSea sea(oblique_wave());
+    const SeaFrame frame = sea.at(0);
+    const sea::Surface surface = sea.surface(frame);
+    camera_.z_m = 10;
+    camera_.pitch_deg = -50;
+    const Picture slope = render(frame, Sky(sun_direction(12)), DebugView::slope);
+    const Picture place = render(frame, Sky(sun_direction(12)), DebugView::place);
+    const double lx = frame.choppiness.x, ly = frame.choppiness.y;
+    for (std::size_t i = 0; i < slope.rgba.size(); i += 4 * 37) {
+        const sea::LagrangianPoint p = surface.at(static_cast<double>(place.rgba[i]),
+                                                  static_cast<double>(place.rgba[i + 1]), 0);
+        const glm::dvec3 normal =
+            glm::cross(glm::dvec3(1 + lx * p.strain_xx, ly * p.strain_xy, p.slope_x),
+                       glm::dvec3(lx * p.strain_xy, 1 + ly * p.strain_yy, p.slope_y));
+        // As above: what a pixel blurs.
+        EXPECT_NEAR(static_cast<double>(slope.rgba[i]), -normal.x / normal.z, 0.02);
+        EXPECT_NEAR(static_cast<double>(slope.rgba[i + 1]), -normal.y / normal.z, 0.02);
+    }
+}
+
+// What is drawn stands where the picture's points are moved to, not where they were: a pixel's ray meets
+// the point that the pixel shows.
+TEST_F(RendererTest, a_pixel_shows_the_moved_point_that_its_ray_meets) {
+    SyntheticSea sea(oblique_wave());
+    const SeaFrame frame = sea.at(0);
+    const sea::Surface surface = sea.surface(frame);
+    camera_.z_m = 10;
+    camera_.pitch_deg = -50;
+    const Picture picture = render(frame, Sky(sun_direction(12)), DebugView::place);
+    double moved_most_m = 0;
+    for (int y = 0; y < picture.height; y += 7)
+        for (int x = 0; x < picture.width; x += 5) {
+            const float* place = picture.pixel(x, y);
+            const glm::dvec2 still(place[0], place[1]);
+            const sea::LagrangianPoint p = surface.at(still.x, still.y, 0);
+            const glm::dvec2 moved(frame.choppiness.x * p.displacement_x,
+                                   frame.choppiness.y * p.displacement_y);
+            moved_most_m = std::max(moved_most_m, glm::length(moved));
+            const glm::dvec3 seen(still + moved, static_cast<double>(place[2]) - camera_.z_m);
+            const glm::dvec3 through = ray(x, y);
+            const double off_m = glm::length(seen - through * glm::dot(seen, through));
+            // A pixel, and a centimetre of flat triangles.
+            EXPECT_LT(off_m, camera_.pixel_rad() * glm::length(seen) + 0.01) << x << ", " << y;
+        }
+    EXPECT_GT(moved_most_m, 1.5);
+}
+
 TEST_F(RendererTest, the_same_sea_is_the_same_bytes) {
     SyntheticSea sea = gale();
     const SeaFrame frame = sea.at(100'000'000);

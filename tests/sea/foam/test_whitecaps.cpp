@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sea/foam/whitecaps.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -43,6 +44,8 @@ TEST(Whitecaps, go_by_the_strongest_wind_that_is_given) {
     sea.systems.emplace_back(WindSea{.wind_speed_10m_mps = 11.0});
     EXPECT_EQ(foam_wind(sea).speed_10m_mps, 11.0);
     EXPECT_EQ(foam_wind(sea).origin, FoamWind::Origin::given);
+    std::reverse(sea.systems.begin(), sea.systems.end());
+    EXPECT_EQ(foam_wind(sea).speed_10m_mps, 11.0) << "whichever stands first";
 }
 
 TEST(Whitecaps, a_grown_sea_given_by_height_and_period_has_its_own_wind) {

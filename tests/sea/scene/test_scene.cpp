@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <sstream>
 
 #include <fmt/format.h>
 
@@ -84,6 +85,17 @@ TEST(Scene, errors_name_file_line_key_value_and_range) {
                          "size=64"),
                 HasSubstr("longest tile to the shortest"));
     EXPECT_THAT(read_scene("/nowhere/x.toml").error().message, HasSubstr("/nowhere/x.toml"));
+}
+
+// T38: a loop of no time has no phase.
+TEST(Scene, a_loop_is_none_or_lasts_a_second_at_least) {
+    for (const char* period : {"0.5", "0.999999", "1e-300"})
+        EXPECT_THAT(error_of(fmt::format("[sea]\nloop_period_s = {}", period)),
+                    AllOf(HasSubstr("s.toml:2"), HasSubstr("sea.loop_period_s"), HasSubstr(period),
+                          HasSubstr("1 .. 1e6")));
+    EXPECT_THAT(error_of("[sea]\nloop_period_s = -1"), HasSubstr("sea.loop_period_s"));
+    for (const char* period : {"0", "-0.0", "1", "1e6"})
+        EXPECT_EQ(error_of(fmt::format("[sea]\nloop_period_s = {}", period)), "no error");
 }
 
 // A21: NaN passes a test written as x < 0.
@@ -225,6 +237,47 @@ TEST(Scene, a_wind_at_19m5_reaches_its_spectrum_and_its_text_to_the_bit) {
         EXPECT_EQ(to_toml(*parse_scene(to_toml(*scene), "again", "")), to_toml(*scene));
         EXPECT_NEAR(std::get<WindSea>(scene->sea.systems[0]).wind_speed_10m_mps, speed / 1.0602,
                     1e-4 * speed);
+    }
+}
+
+// What is not written would be read back as its default.
+TEST(Scene, every_value_that_is_given_stands_in_the_effective_scene) {
+    const std::string shape = "from_deg = 33.5\nswell = 0.25\nisotropic = 0.125\n";
+    const std::string wind = "type = \"wind\"\nwind_speed_10m_mps = 7.5\n" + shape;
+    const std::string swell =
+        "type = \"swell\"\nsignificant_height_m = 1.25\npeak_period_s = 7.5\n" + shape;
+    const std::string ramps =
+        "type = \"sines\"\nlength_m = 77.5\ncount = 7\namplitude_m = 0.375\nwavelength_m = 33.5\n"
+        "amplitude_ratio = 0.75\nwavenumber_ratio = 1.125\nfrom_deg = 33.5\n"
+        "direction_step_deg = 11.5\ndirection_spread_deg = 22.5\nnormalise = false\n";
+    for (const std::string& system :
+         {wind + "spectrum = \"jonswap\"\nfetch_m = 12345\ngamma = 2.5\n",
+          wind + "spectrum = \"tma\"\nfetch_m = 12345\ngamma = 2.5\n",
+          wind + "spectrum = \"phillips\"\nphillips_constant = 0.0125\nphillips_upwind = true\n",
+          swell + "spectrum = \"jonswap\"\ngamma = 2.5\nspreading = \"cos2s\"\n"
+                  "spreading_exponent = 7.5\n",
+          swell + "spectrum = \"tma\"\ngamma = 2.5\nspreading = \"cos2_cos2s\"\n"
+                  "spreading_exponent = 7.5\nnarrow_share = 0.375\n",
+          swell + "spectrum = \"bretschneider\"\nspreading = \"cos2_hasselmann\"\n"
+                  "narrow_share = 0.375\n",
+          ramps + "shape = \"gerstner\"\n", ramps + "shape = \"sine\"\nspeed_ratio = 1.5\n",
+          ramps + "shape = \"exponential\"\nspeed_ratio = 1.5\nsharpness = 1.75\ndrag = 0.5\n",
+          ramps + "shape = \"noise\"\nspeed_ratio = 1.5\n"}) {
+        const std::string text =
+            "[sea]\nseed = 11\ndepth_m = 35.5\nchoppiness = [0.5, 0.25]\ngravity_mps2 = 9.5\n"
+            "surface_tension = false\nloop_period_s = 64.5\nheight_scale = 1.5\n"
+            "short_wave_fade_m = 0.25\nwavenumber_min_radpm = 0.0125\n"
+            "wavenumber_max_radpm = 12.5\n[[sea.system]]\n" +
+            system +
+            "[[cascade]]\nlength_m = 123.5\nsize = 32\n[effects]\ndisplacement = \"height\"\n"
+            "slopes = false\nfoam = false\n[foam]\nthreshold = 0.125\ndecay_s = 3.5\n"
+            "gain_per_s = 0.75\nbias = 0.0625\n[accuracy]\nheight_error_m = 0.0125\n";
+        const auto scene = parse_scene(text, "s", "");
+        ASSERT_TRUE(scene) << scene.error().message << "\n" << text;
+        const std::string effective = "\n" + to_toml(*scene);
+        std::istringstream lines(text);
+        for (std::string line; std::getline(lines, line);)
+            EXPECT_THAT(effective, HasSubstr("\n" + line + "\n"));
     }
 }
 

@@ -169,5 +169,28 @@ TEST(ModeVariances, what_few_waves_do_to_direction_and_spread_is_stated) {
     EXPECT_NEAR(good.lattice[0].spread, 1.0, 0.01);
 }
 
+// T30. Two seas whose waves against each other are known: as many either way, and none. Naive: the
+// mirror of mode i is N - 1 - i, which is its neighbour's.
+TEST(ModeVariances, scatter_counts_a_wave_together_with_the_one_against_it) {
+    const CascadeSpec tile{200.0, 64}; // two wavelengths: energy differs from mode to mode
+    const Band band = assign_bands(std::vector{tile})->front();
+    for (const bool either_way : {true, false}) {
+        SeaState sea = swell_sea(2.0, 8.0);
+        SpreadingModel& spreading = std::get<Swell>(sea.systems[0]).spreading;
+        spreading.kind = SpreadingKind::cos2; // nothing beyond 90 degrees
+        spreading.isotropic = either_way ? 1.0 : 0.0;
+        double sum = 0.0, squares = 0.0;
+        for (const double v :
+             mode_variances(DirectionalSpectrum(sea.systems[0], sea), tile, band)) {
+            sum += v;
+            squares += v * v;
+        }
+        // sqrt(2 sum E^2) / (2 sum E), E the mean of both: v, or v / 2 at either. Cells of k and -k are
+        // cut alike to 1e-4.
+        const double expected = std::sqrt((either_way ? 2.0 : 1.0) * squares) / (2.0 * sum);
+        EXPECT_NEAR(expected_hs_scatter(sea, tile, band) / expected, 1.0, 1e-3);
+    }
+}
+
 } // namespace
 } // namespace seaway::sea

@@ -282,6 +282,40 @@ TEST(Realize, T19_short_wave_fade_and_cut_offs_act_on_psi_and_are_reported) {
                 1e-12);
 }
 
+// T25: up to Nyquist a wave has two points, and whatever samples between them destroys it.
+TEST(Realize, T25_no_wave_has_fewer_than_three_and_a_third_grid_points) {
+    const auto sea = testing::realized(windy_sea(), three_cascades);
+    for (const CascadeModes& modes : sea->cascades) {
+        double shortest_m = 1e30;
+        const double step = modes.spec.wavenumber_step_radpm();
+        for (int i = 0; i < 64 * 64; ++i)
+            if (modes.h0[static_cast<std::size_t>(i)] != std::complex<double>{})
+                shortest_m =
+                    std::min(shortest_m, two_pi / (step * std::hypot(signed_index(i % 64, 64),
+                                                                     signed_index(i / 64, 64))));
+        EXPECT_GE(shortest_m, modes.spec.spacing_m() / 0.3);
+        EXPECT_LE(shortest_m, 1.1 * modes.spec.spacing_m() / 0.3) << "and the band is used";
+    }
+}
+
+// A sea that loses waves in every way at once: longer than the longest tile, shorter than the finest
+// grid, faded and cut off in between. Naive: what is below the tiles is counted as faded, too.
+TEST(Realize, variance_is_carried_or_lost_for_one_reason_alone) {
+    SeaState sea = windy_sea();
+    sea.short_wave_fade_m = 0.2;
+    sea.wavenumber_max_radpm = 3.0;
+    const std::vector<CascadeSpec> tiles{{90.0, 32}, {29.0, 32}};
+    const SeaSummary s = summarize(sea, *testing::realized(sea, tiles));
+    const double whole = requested_variance(sea, 0.0, 1e9);
+    double carried = 0.0;
+    for (const CascadeVariance& cascade : s.cascades)
+        carried += cascade.requested_m2;
+    for (const double part : {carried, s.lost_below_m2, s.lost_above_m2, s.lost_fade_m2})
+        EXPECT_GT(part, 1e-4 * whole);
+    // Quadratures of the same spectrum with different ends: they agree to about 1e-9.
+    EXPECT_NEAR(carried + s.lost_below_m2 + s.lost_above_m2 + s.lost_fade_m2, whole, 1e-6 * whole);
+}
+
 TEST(Realize, A16_hs_does_not_depend_on_how_a_narrow_beam_meets_the_lattice) {
     double lowest = 1e30, highest = 0.0;
     for (int degrees = 0; degrees <= 90; ++degrees) {

@@ -75,6 +75,24 @@ TEST(Transition, amplitudes_glide_from_the_old_to_the_new) {
     EXPECT_NEAR(last / hs(new_sea), 1.0, 1e-12);
 }
 
+// Naive: the water glides and the picture's points jump sideways.
+TEST(Transition, choppiness_glides_from_that_of_the_old_sea_to_that_of_the_new) {
+    SeaState steeper = windy_sea();
+    steeper.choppiness = {1.2, 0.3};
+    const auto old_sea = realized(windy_sea(), three_cascades);
+    const auto new_sea = realized(steeper, three_cascades);
+    const auto change = SeaTransition::create(old_sea, new_sea, 5'000'000, 6'000'000);
+    const Choppiness first = change->at(5'000'000)->choppiness;
+    const Choppiness middle = change->at(5'500'000)->choppiness;
+    const Choppiness last = change->at(6'000'000)->choppiness;
+    EXPECT_EQ(first.x, 1.0);
+    EXPECT_EQ(first.y, 1.0);
+    EXPECT_NEAR(middle.x, 1.1, 1e-12);
+    EXPECT_NEAR(middle.y, 0.65, 1e-12);
+    EXPECT_EQ(last.x, 1.2);
+    EXPECT_EQ(last.y, 0.3);
+}
+
 TEST(Transition, a_chain_of_changes_back_to_the_same_depth_leaves_a_phase_but_no_jump) {
     SeaState shallow = windy_sea();
     shallow.depth_m = 12.0;

@@ -70,6 +70,26 @@ TEST_F(NetLimits, fetches_in_flight_are_limited_a_session_and_places_come_back) 
     }
 }
 
+// Naive: the place is given back behind the way out that a refusal takes.
+TEST_F(NetLimits, what_the_sea_refuses_gives_its_place_back) {
+    host.is_busy = true;
+    start();
+    const auto client = greeted();
+    const sea::QueryPoint point{.x_m = 1, .y_m = 2, .time_us = 3};
+    std::uint32_t id = 0;
+    for (int i = 0; i < 2 * limits::queries_in_flight_max; ++i) {
+        ASSERT_FALSE(client->send(protocol::query(++id, {&point, 1}, false)));
+        expect_refused(*client, id, ErrorCode::too_many_requests, "later");
+        ASSERT_FALSE(client->send(protocol::fetch(++id, {&point.time_us, 1}, heights)));
+        expect_refused(*client, id, ErrorCode::too_many_requests, "later");
+    }
+    host.is_busy = false;
+    ASSERT_FALSE(client->send(protocol::query(++id, {&point, 1}, false)));
+    EXPECT_TRUE(client->receive(Body::QueryReply));
+    ASSERT_FALSE(client->send(protocol::fetch(++id, {&point.time_us, 1}, heights)));
+    EXPECT_TRUE(client->receive(Body::FetchDone));
+}
+
 TEST_F(NetLimits, places_out_of_range_and_times_out_of_range_are_refused_by_name) {
     start();
     const auto client = greeted();

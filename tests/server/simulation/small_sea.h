@@ -37,6 +37,7 @@ class SmallSea : public server::Host {
     std::vector<protocol::SharedBytes> states{state_message(0)};
     std::atomic<bool> answer_queries = true; ///< else they wait in `unanswered`
     std::atomic<bool> answer_fetches = true; ///< else they wait in `unanswered`
+    std::atomic<bool> is_busy = false;       ///< queries and fetches are refused
 
     static protocol::SharedBytes state_message(std::uint32_t epoch, std::size_t scene_bytes = 100) {
         protocol::SeaStateValues state;
@@ -92,6 +93,8 @@ class SmallSea : public server::Host {
         return grant;
     }
     void fetch(server::FetchRequest request, Fetched done) override {
+        if (is_busy)
+            return done(Error{server::Refusal::busy, "later"});
         if ((request.demand.fields.bits() & offered.bits()) == 0)
             return done(Error{server::Refusal::not_offered, "none of these fields"});
         std::set<std::int64_t> wanted{newest, newest + 1};
@@ -113,6 +116,8 @@ class SmallSea : public server::Host {
             unanswered.push_back([done, out] { done(out); });
     }
     void query(server::QueryBatch batch, Queried done) override {
+        if (is_busy)
+            return done(Error{server::Refusal::busy, "later"});
         server::QueryAnswers out;
         for (const sea::QueryPoint& point : batch.points) {
             sea::Answer answer;

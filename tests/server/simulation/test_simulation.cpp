@@ -75,6 +75,21 @@ TEST(Simulation, a_late_wish_widens_the_keyframes_without_a_gap_for_others) {
         EXPECT_EQ(times[i] - times[i - 1], interval);
 }
 
+// Naive: the keyframe that is computed for new fields takes the place of the one that is held.
+TEST(Simulation, fields_asked_for_one_after_the_other_are_held_together) {
+    Bench bench;
+    const FieldSet heights{Field::height, Field::height_rate};
+    const FieldSet slopes{Field::slope_x, Field::slope_y};
+    ASSERT_TRUE(bench.fetch({0}, {1u, heights}));
+    ASSERT_TRUE(bench.fetch({0}, {1u, slopes}));
+    const std::uint64_t transforms = bench.simulation->counters().synthesis.transforms;
+    const auto both = bench.fetch({0}, {1u, heights | slopes});
+    ASSERT_TRUE(both);
+    for (const sea::KeyframePtr& keyframe : *both)
+        EXPECT_TRUE(keyframe->fields.contains(heights | slopes));
+    EXPECT_EQ(bench.simulation->counters().synthesis.transforms, transforms);
+}
+
 TEST(Simulation, what_a_new_subscriber_fetches_and_the_stream_join_without_a_gap) {
     Bench bench;
     bench.advance(1'234'567);
