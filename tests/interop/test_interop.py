@@ -126,7 +126,7 @@ class Live(unittest.TestCase):
                 # over the 0.6 m of the finest tile; velocities carry the rates' bounds, some cm/s.
                 for index, axis in enumerate("xyz"):
                     self.assertAlmostEqual(mine["normal"][index], theirs["normal_" + axis], delta=0.05)
-                self.assertAlmostEqual(mine["velocity_mps"][2], theirs["velocity_z_mps"], delta=0.15)
+                    self.assertAlmostEqual(mine["velocity_mps"][index], theirs[f"velocity_{axis}_mps"], delta=0.15)
                 compared += 1
         self.assertGreaterEqual(compared, 0.9 * count * len(times_us), "hardly anything folds in this sea")
 

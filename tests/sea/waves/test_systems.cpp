@@ -404,6 +404,8 @@ TEST(Systems, all_kinds_survive_a_round_trip_through_the_effective_scene) {
         "0.1,0.02,5,0.1,0.2\n'''\n"
         "[[sea.system]]\ntype=\"measured\"\nfrom_deg=33\ndata='''\nf_hz,df_hz,s_m2_hz\n"
         "0.1,0.02,5\n'''\n"
+        "[[sea.system]]\ntype=\"measured\"\ncoefficients=\"towards_anticlockwise_east\"\n"
+        "data='''\nf_hz,df_hz,s_m2_hz,a1,b1\n0.12,0.02,3,0.3,0.4\n'''\n"
         "[[sea.system]]\ntype=\"modes\"\nlength_m=77\ndata='''\nnx,ny,amplitude_m,phase_rad\n"
         "1,2,0.1,0.7\n'''\n"
         "[[sea.system]]\ntype=\"sines\"\nshape=\"exponential\"\nfrom_deg=12.3\nlength_m=99\n"
