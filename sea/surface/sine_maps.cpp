@@ -37,11 +37,8 @@ void add_plane_waves(const SineField& field, TimeUs phase_time, Keyframe& keyfra
                 std::polar(wave.amplitude_m, wave.phase_rad - phase_rad(wave.rate, phase_time));
             for (std::size_t ix = 0; ix < size; ++ix) {
                 const std::complex<double> column = factors[w].columns[ix];
-                const double fall = row.real() * column.imag() + row.imag() * column.real();
-                nodes[ix].height += row.real() * column.real() - row.imag() * column.imag();
-                nodes[ix].slope_x -= wave.kx_radpm * fall;
-                nodes[ix].slope_y -= wave.ky_radpm * fall;
-                nodes[ix].height_rate += wave.omega_radps * fall;
+                add_plane_wave(wave, row.real() * column.real() - row.imag() * column.imag(),
+                               row.real() * column.imag() + row.imag() * column.real(), nodes[ix]);
             }
         }
         for (const Field f : keyframe.fields& linear_fields)

@@ -203,11 +203,8 @@ LagrangianPoint plain_sines_at(const SineField& field, double x_m, double y_m, T
     for (const SineField::Wave& wave : field.waves) {
         const double phase = wave.kx_radpm * x + wave.ky_radpm * y -
                              phase_rad(wave.rate, phase_time) + wave.phase_rad;
-        const double fall = wave.amplitude_m * std::sin(phase);
-        point.height += wave.amplitude_m * std::cos(phase);
-        point.slope_x -= wave.kx_radpm * fall;
-        point.slope_y -= wave.ky_radpm * fall;
-        point.height_rate += wave.omega_radps * fall;
+        add_plane_wave(wave, wave.amplitude_m * std::cos(phase),
+                       wave.amplitude_m * std::sin(phase), point);
     }
     return point;
 }

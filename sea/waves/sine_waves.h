@@ -113,6 +113,16 @@ SineField sine_field(const SineRamps& ramps, std::uint64_t seed, std::uint32_t s
 /// Realization::phase_time gives it. About 0.1 us a wave, 0.03 us an octave.
 LagrangianPoint sines_at(const SineField& field, double x_m, double y_m, TimeUs phase_time);
 
+/// What a plane sine adds to a point where amplitude times cosine of its phase is `rise_m`, and
+/// amplitude times sine `fall_m`.
+inline void add_plane_wave(const SineField::Wave& wave, double rise_m, double fall_m,
+                           LagrangianPoint& point) {
+    point.height += rise_m;
+    point.slope_x -= wave.kx_radpm * fall_m;
+    point.slope_y -= wave.ky_radpm * fall_m;
+    point.height_rate += wave.omega_radps * fall_m;
+}
+
 /// A wave or octave as statistics see it: its variance at one wavenumber, frequency and direction.
 struct SineLine {
     double variance_m2;

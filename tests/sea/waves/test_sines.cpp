@@ -262,19 +262,48 @@ TEST(Sines, keyframes_of_every_shape_are_the_sum_at_their_nodes) {
         Keyframe frame;
         frame.size = 32;
         frame.length_m = 128.0;
-        frame.fields = {Field::height, Field::slope_x, Field::slope_y, Field::height_rate,
-                        Field::displacement_x};
-        frame.values.assign(5 * 1024, 0.0f);
+        frame.fields = linear_fields;
+        frame.values.assign(static_cast<std::size_t>(linear_field_count) * 1024, 0.0f);
         const TimeUs t = us_from_seconds(7.0);
         add_sines(field, t, frame);
         for (const int node : {0, 5 * 32 + 3, 31 * 32 + 17}) {
             const auto at = static_cast<std::size_t>(node);
             const LagrangianPoint p = sines_at(field, 4.0 * (node % 32), 4.0 * (node / 32), t);
-            EXPECT_NEAR(frame.plane(Field::height)[at], p.height, 1e-6); // floats of about 1
-            EXPECT_NEAR(frame.plane(Field::slope_x)[at], p.slope_x, 1e-6);
-            EXPECT_NEAR(frame.plane(Field::slope_y)[at], p.slope_y, 1e-6);
-            EXPECT_NEAR(frame.plane(Field::height_rate)[at], p.height_rate, 1e-6);
-            EXPECT_EQ(frame.plane(Field::displacement_x)[at], 0.0f);
+            for (const Field f : linear_fields) // floats of about 1
+                EXPECT_NEAR(frame.plane(f)[at], value_of(p, f), 1e-6) << info(f).name;
+        }
+    }
+}
+
+// Each field is what its row of the table says of the height: the row's derivative of it, or nothing
+// where the row is of sideways motion. So a field that a shape forgets is seen, whichever is added.
+TEST(Sines, every_field_of_every_shape_is_the_derivative_that_its_row_names) {
+    for (const char* shape : {"sine", "exponential", "noise"}) {
+        const RealizationPtr sea = sea_of(scene_of(fmt::format(
+            "shape = \"{}\"\nfrom_deg = 40\nlength_m = 128\nwavelength_m = 40\ncount = 3\n",
+            shape)));
+        const SineField& field = field_of(*sea);
+        const double h = 1e-4;
+        for (int i = 0; i < 40; ++i) {
+            const double x = 3.17 * i, y = 1.3 * i * i;
+            const TimeUs t = us_from_seconds(0.71 * i);
+            for (const Field f : linear_fields) {
+                const FieldInfo& row = info(f);
+                const auto base = [&](double dx, double dy) {
+                    const LagrangianPoint p = sines_at(field, x + dx, y + dy, t);
+                    return row.time_rate ? p.height_rate : p.height;
+                };
+                double expected = 0; // sideways
+                if (row.basis == Basis::one)
+                    expected = base(0, 0);
+                else if (row.basis == Basis::kx)
+                    expected = (base(h, 0) - base(-h, 0)) / (2 * h);
+                else if (row.basis == Basis::ky)
+                    expected = (base(0, h) - base(0, -h)) / (2 * h);
+                // h^2 / 6 times third derivatives, and rounding of heights over h.
+                EXPECT_NEAR(value_of(sines_at(field, x, y, t), f), expected, 1e-7)
+                    << shape << ", " << row.name;
+            }
         }
     }
 }
