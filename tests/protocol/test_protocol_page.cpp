@@ -14,9 +14,13 @@
 namespace seaway::protocol {
 namespace {
 
-std::string page() {
-    std::ifstream file(std::filesystem::path(SEAWAY_SOURCE_DIR) / "docs/protocol.md");
+std::string text_of(const char* path) {
+    std::ifstream file(std::filesystem::path(SEAWAY_SOURCE_DIR) / path);
     return {std::istreambuf_iterator<char>(file), {}};
+}
+
+std::string page() {
+    return text_of("docs/protocol.md");
 }
 
 /// Lines of the page that begin so.
@@ -26,6 +30,12 @@ int rows(const std::string& text, const std::string& begin) {
          at = text.find("\n" + begin, at + 1))
         ++count;
     return count;
+}
+
+TEST(ProtocolPage, ends_with_the_schema_as_it_is) {
+    EXPECT_NE(page().find("```fbs\n" + text_of("protocol/seaway.fbs") + "```\n"),
+              std::string::npos)
+        << "copy protocol/seaway.fbs to the end of docs/protocol.md";
 }
 
 TEST(ProtocolPage, lists_number_name_and_unit_of_every_field) {
