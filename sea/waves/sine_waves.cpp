@@ -203,8 +203,8 @@ LagrangianPoint plain_sines_at(const SineField& field, double x_m, double y_m, T
     for (const SineField::Wave& wave : field.waves) {
         const double phase = wave.kx_radpm * x + wave.ky_radpm * y -
                              phase_rad(wave.rate, phase_time) + wave.phase_rad;
-        add_plane_wave(wave, wave.amplitude_m * std::cos(phase),
-                       wave.amplitude_m * std::sin(phase), point);
+        add_plane_wave(wave, wave.amplitude_m * std::cos(phase), wave.amplitude_m * std::sin(phase),
+                       point);
     }
     return point;
 }

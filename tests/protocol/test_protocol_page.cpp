@@ -33,8 +33,7 @@ int rows(const std::string& text, const std::string& begin) {
 }
 
 TEST(ProtocolPage, ends_with_the_schema_as_it_is) {
-    EXPECT_NE(page().find("```fbs\n" + text_of("protocol/seaway.fbs") + "```\n"),
-              std::string::npos)
+    EXPECT_NE(page().find("```fbs\n" + text_of("protocol/seaway.fbs") + "```\n"), std::string::npos)
         << "copy protocol/seaway.fbs to the end of docs/protocol.md";
 }
 
