@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "client/client.h"
-#include "client/failure.h"
+#include "client/link/failure.h"
 #include "protocol/limits.h"
 
 using namespace seaway;

@@ -5,7 +5,7 @@
 #include <condition_variable>
 #include <future>
 
-#include "client/failure.h"
+#include "client/link/failure.h"
 #include "client/wanted.h"
 
 namespace seaway::client {

@@ -24,9 +24,9 @@
 #include <vector>
 
 #include "base/result.h"
-#include "client/clock.h"
-#include "client/connection.h"
-#include "client/keyframe_ring.h"
+#include "client/held/keyframe_ring.h"
+#include "client/link/clock.h"
+#include "client/link/connection.h"
 #include "client/local_surface.h"
 
 namespace seaway::client {

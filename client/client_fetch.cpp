@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "client/failure.h"
+#include "client/link/failure.h"
 #include "client/wanted.h"
 #include "protocol/limits.h"
 

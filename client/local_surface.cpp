@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "client/failure.h"
+#include "client/link/failure.h"
 #include "sea/surface/error_budget.h"
 
 namespace seaway::client {

@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "base/result.h"
-#include "client/connection.h"
-#include "client/keyframe_ring.h"
+#include "client/held/keyframe_ring.h"
+#include "client/link/connection.h"
 #include "sea/surface/surface.h"
 
 namespace seaway::client {

@@ -10,7 +10,7 @@
 #include "base/text_file.h"
 #include "client/apps/query_options.h"
 #include "client/apps/query_run.h"
-#include "client/failure.h"
+#include "client/link/failure.h"
 
 namespace {
 

@@ -9,7 +9,7 @@
 
 #include "client/apps/query_output.h"
 #include "client/apps/query_run.h"
-#include "client/failure.h"
+#include "client/link/failure.h"
 
 namespace seaway::client {
 namespace {

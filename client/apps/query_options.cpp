@@ -7,7 +7,7 @@
 
 #include "base/command_line.h"
 #include "base/text_file.h"
-#include "client/url.h"
+#include "client/link/url.h"
 
 namespace seaway::client {
 namespace {

@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 
 #include "base/text_file.h"
-#include "client/failure.h"
+#include "client/link/failure.h"
 
 namespace seaway::client {
 namespace {

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "client/client.h"
-#include "client/failure.h"
+#include "client/link/failure.h"
 #include "client/view/renderer.h"
 #include "client/view/sea_source.h"
 #include "client/view/view_options.h"

@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "client/failure.h"
+#include "client/link/failure.h"
 #include "shaders/shared/view.h"
 
 namespace seaway::client {

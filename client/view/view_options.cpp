@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "base/command_line.h"
-#include "client/url.h"
+#include "client/link/url.h"
 
 namespace seaway::client {
 

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "client/client.h"
-#include "client/failure.h"
+#include "client/link/failure.h"
 #include "server/net/server.h"
 #include "tests/client/wave_sea.h"
 

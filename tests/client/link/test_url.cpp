@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include "client/failure.h"
-#include "client/url.h"
+#include "client/link/failure.h"
+#include "client/link/url.h"
 
 namespace seaway::client {
 namespace {

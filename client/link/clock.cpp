@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "client/clock.h"
+#include "client/link/clock.h"
 
 #include <algorithm>
 #include <cmath>

@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "client/connection.h"
-#include "client/failure.h"
+#include "client/link/connection.h"
+#include "client/link/failure.h"
 #include "protocol/tile_codec.h"
 
 namespace seaway::client {

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "client/clock.h"
+#include "client/link/clock.h"
 
 namespace seaway::client {
 namespace {

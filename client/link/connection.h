@@ -18,9 +18,9 @@
 #include <vector>
 
 #include "base/result.h"
-#include "client/message_stream.h"
-#include "client/requests.h"
-#include "client/tile_assembly.h"
+#include "client/held/tile_assembly.h"
+#include "client/link/message_stream.h"
+#include "client/link/requests.h"
 #include "protocol/messages.h"
 
 namespace seaway::client {

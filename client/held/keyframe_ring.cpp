@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "client/keyframe_ring.h"
+#include "client/held/keyframe_ring.h"
 
 #include <algorithm>
 

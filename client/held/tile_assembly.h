@@ -18,7 +18,7 @@
 #include <vector>
 
 #include "base/result.h"
-#include "client/keyframe_ring.h"
+#include "client/held/keyframe_ring.h"
 #include "protocol/messages.h"
 
 namespace seaway::client {

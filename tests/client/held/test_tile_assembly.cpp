@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "client/tile_assembly.h"
+#include "client/held/tile_assembly.h"
 #include "protocol/limits.h"
 #include "protocol/tile_codec.h"
 

@@ -16,8 +16,8 @@
 #include <boost/asio/steady_timer.hpp>
 #include <fmt/format.h>
 
-#include "client/failure.h"
-#include "client/message_stream.h"
+#include "client/link/failure.h"
+#include "client/link/message_stream.h"
 #include "protocol/limits.h"
 #include "sockets/web_socket.h"
 

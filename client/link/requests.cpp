@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "client/requests.h"
+#include "client/link/requests.h"
 
 #include <utility>
 
 #include <fmt/format.h>
 
-#include "client/failure.h"
+#include "client/link/failure.h"
 
 namespace seaway::client {
 namespace {

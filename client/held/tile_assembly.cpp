@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "client/tile_assembly.h"
+#include "client/held/tile_assembly.h"
 
 #include <algorithm>
 #include <bit>

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "client/failure.h"
+#include "client/link/failure.h"
 #include "client/local_surface.h"
 #include "sea/surface/error_budget.h"
 

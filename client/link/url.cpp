@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "client/url.h"
+#include "client/link/url.h"
 
 #include <charconv>
 
 #include <fmt/format.h>
 
-#include "client/failure.h"
+#include "client/link/failure.h"
 
 namespace seaway::client {
 namespace {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "client/connection.h"
+#include "client/link/connection.h"
 
 #include <algorithm>
 
 #include <fmt/format.h>
 
-#include "client/failure.h"
+#include "client/link/failure.h"
 
 namespace seaway::client {
 

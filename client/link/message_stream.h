@@ -10,7 +10,7 @@
 #include <string>
 
 #include "base/result.h"
-#include "client/url.h"
+#include "client/link/url.h"
 #include "protocol/messages.h"
 
 namespace seaway::client {

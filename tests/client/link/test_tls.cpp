@@ -12,7 +12,7 @@
 #include <unistd.h>
 
 #include "client/client.h"
-#include "client/failure.h"
+#include "client/link/failure.h"
 #include "server/net/server.h"
 #include "tests/client/wave_sea.h"
 
