@@ -153,7 +153,10 @@ Result<Realization> realize(const Scene& scene) {
     SeaState sea = scene.sea;
     if (!scene.effects.choppy)
         sea.choppiness = {0.0, 0.0}; // nothing moves sideways, for the exact sum as for the maps
-    return realize(sea, scene.cascades);
+    Result<Realization> realized = realize(sea, scene.cascades);
+    if (!realized && !scene.source.empty())
+        return Error{fmt::format("{}: {}", scene.source, realized.error().message)};
+    return realized;
 }
 
 } // namespace seaway::sea

@@ -65,7 +65,7 @@ Result<Scene> parse_scene(std::string_view text, const std::string& name,
 std::string to_toml(const Scene& scene);
 
 /// realize() of the scene's sea on the scene's cascades; without choppiness where the scene allows
-/// no horizontal displacement.
+/// no horizontal displacement. An error names the scene.
 Result<Realization> realize(const Scene& scene);
 
 /// What a user should know before trusting the picture: tiles too small for the peak, heights near

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -56,16 +57,22 @@ struct Output {
     long error_lines() const { return std::count(err.begin(), err.end(), '\n'); }
 };
 
-/// `arguments` as a shell takes them; `input` goes to stdin.
+/// `arguments` as a shell takes them; `input` goes to stdin. Any thread.
 inline Output run_program(const std::string& name, const std::string& arguments,
                           const std::string& input = {}) {
-    const std::string in = folder().write("stdin", input);
+    static std::atomic<int> runs = 0;
+    const std::string run = std::to_string(++runs);
+    const std::string in = folder().write("stdin" + run, input);
+    const std::string out = folder().file("stdout" + run);
+    const std::string err = folder().file("stderr" + run);
     const std::string command = std::string(SEAWAY_BIN_DIR) + "/" + name + " " + arguments + " <" +
-                                in + " >" + folder().file("stdout") + " 2>" +
-                                folder().file("stderr");
+                                in + " >" + out + " 2>" + err;
     const int status = std::system(command.c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_file(folder().file("stdout")),
-            read_file(folder().file("stderr"))};
+    const Output output{WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_file(out),
+                        read_file(err)};
+    for (const std::string& file : {in, out, err})
+        std::filesystem::remove(file);
+    return output;
 }
 
 } // namespace seaway::testing

@@ -1,17 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 // The odd inputs of tests/data/odd_scenes, and inputs that cannot be kept as files: each gets its
-// exit status and its words, one line of them, from the programs themselves.
+// exit status and its words, one line of them, from the programs themselves; what one of them
+// refuses all refuse in the same words, what one takes all take.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <sys/stat.h>
 
+#include "client/client.h"
+#include "tests/support/server_process.h"
 #include "tests/tools/program.h"
 
 namespace seaway {
@@ -60,6 +66,30 @@ void expect_one_line(const Output& output, const Case& c) {
     }
 }
 
+/// Of every case, on two threads: a program of a few milliseconds mostly waits for its start.
+template <class Check>
+void for_each_case(const Check& check) {
+    const std::vector<Case> all = cases();
+    std::atomic<std::size_t> next = 0;
+    const auto work = [&] {
+        for (std::size_t i = next++; i < all.size(); i = next++)
+            check(all[i], odd_scenes + all[i].name + ".toml");
+    };
+    std::thread other(work);
+    work();
+    other.join();
+}
+
+/// Of "seaway-NAME: MESSAGE", the one line of a program that refuses: the message.
+std::string refusal(const std::string& err) {
+    const std::size_t colon = err.find(": ");
+    return err.starts_with("seaway-") && colon != std::string::npos ? err.substr(colon + 2) : err;
+}
+
+std::string inspects_refusal(const std::string& scene) {
+    return refusal(run_program("seaway-inspect", scene).err);
+}
+
 TEST(OddScenes, each_gets_its_exit_status_and_one_line_of_its_words) {
     const std::vector<Case> all = cases();
     EXPECT_GE(all.size(), 100u);
@@ -67,8 +97,9 @@ TEST(OddScenes, each_gets_its_exit_status_and_one_line_of_its_words) {
     for (const auto& entry : std::filesystem::directory_iterator(odd_scenes))
         files += entry.path().extension() == ".toml";
     EXPECT_EQ(files, all.size()) << "a scene without a row, or a row without a scene";
-    for (const Case& c : all)
-        expect_one_line(run_program("seaway-inspect", odd_scenes + c.name + ".toml"), c);
+    for_each_case([](const Case& c, const std::string& scene) {
+        expect_one_line(run_program("seaway-inspect", scene), c);
+    });
 }
 
 TEST(OddScenes, a_pipe_and_an_endless_device_are_refused_at_once) {
@@ -123,17 +154,60 @@ TEST(OddScenes, a_picture_is_never_written_over_a_device) {
     EXPECT_TRUE(std::filesystem::is_symlink(link));
 }
 
-// The programs share the reader, so a few are enough; none may leave with 0 having done nothing.
-TEST(OddScenes, bake_refuses_them_as_inspect_does) {
-    for (const char* name : {"cascade_empty_array", "cascade_rectangular", "text_empty",
-                             "modes_nine_lengths_beside_three_cascades"})
-        for (const Case& c : cases())
-            if (c.name == name)
-                expect_one_line(run_program("seaway-bake", odd_scenes + c.name +
-                                                               ".toml --device native --frames 1 "
-                                                               "--fps 1 --out " +
-                                                               folder().file("baked")),
-                                c);
+TEST(OddScenes, each_is_baked_or_refused_in_the_words_of_inspect) {
+    for_each_case([](const Case& c, const std::string& scene) {
+        const std::string out = folder().file("baked_" + c.name);
+        const Output baked =
+            run_program("seaway-bake", scene + " --device native --frames 1 --fps 1 --out " + out);
+        EXPECT_EQ(baked.status, c.status) << c.name << ": " << baked.err;
+        if (c.status != 0) {
+            EXPECT_EQ(refusal(baked.err), inspects_refusal(scene)) << c.name;
+            EXPECT_FALSE(std::filesystem::exists(out)) << c.name << ": nothing is begun";
+            return;
+        }
+        std::size_t pictures = 0;
+        for (const auto& entry : std::filesystem::directory_iterator(out))
+            pictures += entry.path().extension() == ".exr" && entry.file_size() > 0;
+        EXPECT_GE(pictures, 1u) << c.name << ": none may leave with 0 having done nothing";
+        std::filesystem::remove_all(out);
+    });
+}
+
+/// One height from maps and one by the exact sum, through the socket.
+void expect_served(const std::string& url, const std::string& name) {
+    const Result<std::unique_ptr<client::Client>> client =
+        client::Client::connect({.url = url, .timeout_s = 60});
+    ASSERT_TRUE(client) << name << ": " << client.error().message;
+    const sea::QueryPoint point{12.5, -7.25, 1'234'567};
+    const auto served = (*client)->ask({&point, 1}, {.timeout_s = 60});
+    const auto exact = (*client)->ask({&point, 1}, {.exact = true, .timeout_s = 60});
+    ASSERT_TRUE(served) << name << ": " << served.error().message;
+    ASSERT_TRUE(exact) << name << ": " << exact.error().message;
+    const sea::Answer& answer = served->front();
+    EXPECT_TRUE(std::isfinite(answer.height_m) && std::isfinite(answer.error_m)) << name;
+    constexpr unsigned unbounded = sea::answer_folded | sea::answer_not_converged;
+    if (((answer.flags | exact->front().flags) & unbounded) == 0) {
+        EXPECT_LE(std::abs(answer.height_m - exact->front().height_m),
+                  answer.error_m + exact->front().error_m)
+            << name;
+    }
+}
+
+TEST(OddScenes, each_is_served_or_refused_in_the_words_of_inspect) {
+    for_each_case([](const Case& c, const std::string& scene) {
+        tests::ServerProcess server({scene, "--listen", "127.0.0.1:0", "--device", "native"});
+        const std::string url = server.wait_until_ready();
+        EXPECT_EQ(url.empty(), c.status != 0) << c.name << ": " << server.log();
+        if (!url.empty()) {
+            expect_served(url, c.name);
+            server.send(SIGTERM);
+        }
+        EXPECT_EQ(server.wait_for_exit(std::chrono::seconds(60)), c.status)
+            << c.name << ": " << server.log();
+        if (c.status != 0) {
+            EXPECT_EQ(refusal(server.log()), inspects_refusal(scene)) << c.name;
+        }
+    });
 }
 
 } // namespace

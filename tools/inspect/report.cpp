@@ -175,12 +175,10 @@ double Report::hs_scatter_expected() const {
 }
 
 Result<Report> make_report(const sea::Scene& scene) {
-    Result<sea::Realization> sea = realize(scene);
-    if (!sea)
-        return Error{fmt::format("{}: {}", scene.source, sea.error().message)};
+    SEAWAY_TRY_LET(sea::Realization sea, realize(scene));
     Report report;
     report.scene = scene;
-    report.sea = std::make_shared<const sea::Realization>(std::move(*sea));
+    report.sea = std::make_shared<const sea::Realization>(std::move(sea));
     report.summary = summarize(scene.sea, *report.sea);
     report.budget = plan_budget(*report.sea, scene.accuracy.height_error_m);
     report.warnings = scene_warnings(scene);
