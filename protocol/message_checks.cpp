@@ -7,6 +7,7 @@
 
 #include "protocol/limits.h"
 #include "protocol/messages.h"
+#include "sea/basics/foam_range.h"
 
 namespace seaway::protocol {
 namespace {
@@ -141,7 +142,7 @@ Result<void> check(const wire::SeaState& state) {
         in_range("height_error_m", state.height_error_m(), 0.0, 1e6),
         in_range("interpolation_error_m", state.interpolation_error_m(), 0.0, 1e6),
         in_range("rms_slope", state.rms_slope(), 0.0, 1e6),
-        in_range("foam_mean", state.foam_mean(), 0.0, 1e6),
+        in_range("foam_mean", state.foam_mean(), 0.0, sea::foam_mean_max),
         in_range("foam_threshold", state.foam_threshold(), -1.0, 1.0),
         in_range("displacement_reach_m", state.displacement_reach_m(), 0.0, 1e9),
         in_range("rms_strain", state.rms_strain(), 0.0, 1e9),

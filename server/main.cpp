@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // seaway-server: reads a scene, computes its sea, serves it. Exit codes: server/options.h.
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <exception>
+#include <iterator>
 
 #include <fmt/core.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
@@ -58,7 +60,9 @@ int serve(const Options& options) {
     const Result<RunningSeaPtr> sea = make_running_sea(*scene, 1);
     if (!sea)
         return fail(exit_usage, sea.error());
-    const std::vector<std::string> warnings = sea::scene_warnings(*scene);
+    std::vector<std::string> warnings = sea::scene_warnings(*scene);
+    if ((*sea)->foam_law)
+        std::ranges::move(sea::foam_warnings(*(*sea)->foam_law), std::back_inserter(warnings));
     for (const std::string& warning : warnings)
         spdlog::warn("{}: {}", scene->source, warning);
 

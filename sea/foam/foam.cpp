@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "base/check.h"
 #include "sea/foam/foam_kernel.h"
@@ -86,6 +87,7 @@ void FoamHistory::change_law(FoamLawPtr law) {
                      static_cast<std::size_t>(cascade_) < law_->cascades.size(),
                  "a foam history belongs to a cascade of its law");
     ticks_ = foam_ticks(law_->model.decay_s, interval_us_, law_->loop_period_us);
+    started_ = started_ && tick_us_ >= start_end_us_; // half a start is no history to go on with
 }
 
 void FoamHistory::restart() {
@@ -118,37 +120,66 @@ void FoamHistory::advance(const Keyframe& strains, double dt_s) {
         step(state_, strains, dt_s, law_->model.decay_s);
 }
 
-Result<void> FoamHistory::walk_to(TimeUs tick_us, const StrainsAt& strains_at) {
-    double weight = 1.0;
-    const bool goes_on = started_ && tick_us_ <= tick_us && tick_us - tick_us_ <= ticks_.memory_us;
-    if (!goes_on) {
-        // The periodic solution is what one loop leaves behind on clean water, and that of the loops
-        // before it: a geometric series.
-        if (ticks_.periodic)
-            weight = 1.0 / -std::expm1(-seconds_from_us(ticks_.loop_us) / ticks_.decay_s);
-        std::fill(state_.begin(), state_.end(), ticks_.periodic ? 0.0f : 1.0f);
-        tick_us_ = ticks_.start_for(tick_us);
-    }
-    started_ = false; // what is half-way is no history: after an error the next call starts anew
-    while (tick_us_ < tick_us) {
+bool FoamHistory::has_no_history() const {
+    return idle() || ticks_.decay_s == 0; // without memory there is nothing to walk through
+}
+
+bool FoamHistory::goes_on_to(TimeUs tick_us) const {
+    const TimeUs held_us = std::max(tick_us_, start_end_us_);
+    return started_ && held_us <= tick_us && tick_us - held_us <= ticks_.memory_us;
+}
+
+void FoamHistory::start_for(TimeUs tick_us) {
+    // The periodic solution is what one loop leaves behind on clean water, and that of the loops
+    // before it: a geometric series.
+    start_weight_ = ticks_.periodic
+                        ? 1.0 / -std::expm1(-seconds_from_us(ticks_.loop_us) / ticks_.decay_s)
+                        : 1.0;
+    std::fill(state_.begin(), state_.end(), ticks_.periodic ? 0.0f : 1.0f);
+    tick_us_ = ticks_.start_for(tick_us);
+    start_end_us_ = tick_us;
+    started_ = true;
+}
+
+int FoamHistory::ticks_to(TimeUs time_us) const {
+    if (has_no_history())
+        return 0;
+    const TimeUs end_us = ticks_.at_or_before(time_us);
+    int ticks = 0;
+    for (TimeUs at_us = goes_on_to(end_us) ? tick_us_ : ticks_.start_for(end_us); at_us < end_us;
+         at_us = ticks_.after(at_us))
+        ++ticks;
+    return ticks;
+}
+
+Result<bool> FoamHistory::walk_towards(TimeUs time_us, int ticks_max, const StrainsAt& strains_at) {
+    SEAWAY_CHECK(ticks_max >= 1, "every slice goes some way");
+    if (has_no_history())
+        return true;
+    const TimeUs end_us = ticks_.at_or_before(time_us);
+    if (!goes_on_to(end_us))
+        start_for(end_us);
+    for (int walked = 0; tick_us_ < end_us; ++walked) {
+        if (walked == ticks_max)
+            return false;
         const TimeUs next_us = ticks_.after(tick_us_);
         Result<KeyframePtr> strains = strains_at(next_us);
-        if (!strains)
+        if (!strains) {
+            started_ = false; // the next call starts anew
             return strains.error();
-        step(state_, **strains, seconds_from_us(next_us - tick_us_), ticks_.decay_s, weight);
+        }
+        step(state_, **strains, seconds_from_us(next_us - tick_us_), ticks_.decay_s,
+             tick_us_ < start_end_us_ ? start_weight_ : 1.0);
         tick_us_ = next_us;
     }
-    started_ = true;
-    return {};
+    return true;
 }
 
 Result<void> FoamHistory::advance_to(TimeUs time_us, const StrainsAt& strains_at) {
     if (idle())
         return {};
+    SEAWAY_TRY(walk_towards(time_us, std::numeric_limits<int>::max(), strains_at));
     const TimeUs tick_us = ticks_.at_or_before(time_us);
-    // Without memory there is nothing to walk through.
-    if (ticks_.decay_s > 0)
-        SEAWAY_TRY(walk_to(tick_us, strains_at));
     shown_.clear();
     const bool between = ticks_.decay_s == 0 || time_us > tick_us;
     if (!between && ticks_.departure == 1.0)

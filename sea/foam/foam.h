@@ -72,6 +72,13 @@ class FoamHistory {
     /// error is that of strains_at.
     Result<void> advance_to(TimeUs time_us, const StrainsAt& strains_at);
 
+    /// The long part of it, in slices: walks at most `ticks_max` >= 1 ticks of those that
+    /// advance_to(time_us) would have to, and says whether all are done; the map stays what it was
+    /// until then. A start that is half-way is gone on with, also to a later time.
+    Result<bool> walk_towards(TimeUs time_us, int ticks_max, const StrainsAt& strains_at);
+    /// How many ticks are left of that.
+    int ticks_to(TimeUs time_us) const;
+
     /// One step of dt >= 0 of the law itself, on no grid; the keyframe must hold foam_inputs of this
     /// cascade, size x size.
     void advance(const Keyframe& strains, double dt_s);
@@ -90,7 +97,11 @@ class FoamHistory {
     /// state -> state after dt with these strains; all that is added is multiplied by `weight`.
     void step(std::vector<float>& state, const Keyframe& strains, double dt_s, double decay_s,
               double weight = 1.0) const;
-    Result<void> walk_to(TimeUs tick_us, const StrainsAt& strains_at);
+    /// What is held, or will be at the end of the start, is on the way to this tick.
+    bool goes_on_to(TimeUs tick_us) const;
+    void start_for(TimeUs tick_us);
+    /// This cascade says nothing about where waves break, or nothing is remembered.
+    bool has_no_history() const;
     bool idle() const; ///< this cascade says nothing about where waves break
 
     FoamLawPtr law_;
@@ -99,9 +110,11 @@ class FoamHistory {
     FoamTicks ticks_;
     const FoamKernel* kernel_;
     bool started_ = false;
-    TimeUs tick_us_ = 0;       ///< the tick that state_ stands at
-    std::vector<float> state_; ///< ratio of the history
-    std::vector<float> shown_; ///< what the map is where it is not state_; else empty
+    TimeUs tick_us_ = 0;        ///< the tick that state_ stands at
+    TimeUs start_end_us_ = 0;   ///< before this tick the start is half-way, and state_ no history
+    double start_weight_ = 1.0; ///< of what is added until then
+    std::vector<float> state_;  ///< ratio of the history
+    std::vector<float> shown_;  ///< what the map is where it is not state_; else empty
 };
 
 } // namespace seaway::sea

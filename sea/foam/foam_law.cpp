@@ -296,6 +296,24 @@ FoamLawPtr make_foam_law(const Scene& scene, const Realization& sea) {
     return law;
 }
 
+namespace {
+
+bool out_of_reach(const FoamLaw& law) {
+    return law.observed && std::abs(law.mean_coverage - law.observed->share) >
+                               0.01 * law.observed->share + foam_mean_min;
+}
+
+} // namespace
+
+std::vector<std::string> foam_warnings(const FoamLaw& law) {
+    if (!out_of_reach(law))
+        return {};
+    return {fmt::format(
+        "foam covers {:.3g} % where {:.3g} % are observed {}: no threshold of -1 .. 1 "
+        "gives that with this gain and decay",
+        100.0 * law.mean_coverage, 100.0 * law.observed->share, describe(law.observed->wind))};
+}
+
 std::string describe(const FoamLaw& law) {
     std::string out = law.calm() ? std::string("no foam")
                                  : fmt::format("mean coverage {:.3g} %, threshold {:.4g}",
@@ -304,7 +322,7 @@ std::string describe(const FoamLaw& law) {
         const ObservedFoam& observed = *law.observed;
         out += fmt::format("; observed is {:.3g} % {}", 100.0 * observed.share,
                            describe(observed.wind));
-        if (std::abs(law.mean_coverage - observed.share) > 0.01 * observed.share + foam_mean_min)
+        if (out_of_reach(law))
             out += "; no threshold of -1 .. 1 gives that with this gain and decay";
     }
     if (law.mean_coverage > 1)

@@ -30,6 +30,7 @@
 #include <string>
 #include <vector>
 
+#include "sea/basics/foam_range.h"
 #include "sea/foam/whitecaps.h"
 #include "sea/scene/scene.h"
 #include "sea/waves/realization.h"
@@ -83,10 +84,6 @@ double conditional_breaking(double threshold, double bias, const OthersShape& ot
 /// Coverage below this on average is no foam at all: the law is calm and nothing is computed.
 inline constexpr double foam_mean_min = 1e-6;
 
-/// Coverage at which whatever has broken at all is white, for ratios are 0 or not below 1e-6: a sea
-/// that would have more has this much, and looks the same. Also the most that goes over the wire.
-inline constexpr double foam_mean_max = 1e6;
-
 /// Where a threshold comes from that the scene does not give.
 struct ObservedFoam {
     FoamWind wind;
@@ -99,7 +96,8 @@ struct FoamLaw {
     std::optional<ObservedFoam> observed; ///< where the model has no threshold
     Choppiness choppiness;
     TimeUs loop_period_us = 0; ///< of the sea; 0: never repeats
-    double mean_coverage = 0;  ///< F in equilibrium, before clamping: gain tau E[breaking]; or 0
+    double mean_coverage = 0;  ///< F in equilibrium, before clamping: gain tau E[breaking]; or 0;
+                               ///< at most foam_mean_max
     struct Cascade {
         OthersShape others;       ///< all cascades but this one
         double mean_breaking = 0; ///< of conditional_breaking over this cascade's own strains
@@ -123,6 +121,10 @@ FoamLawPtr make_foam_law(const Scene& scene, const Realization& sea);
 /// One line for people: mean coverage, threshold and where it comes from; says so where the observed
 /// share is out of reach of every threshold, or where the mean is above 1 and all the sea is white.
 std::string describe(const FoamLaw& law);
+
+/// What a user should know before trusting foam, as scene_warnings() of the rest of a scene: that no
+/// threshold gives the observed share.
+std::vector<std::string> foam_warnings(const FoamLaw& law);
 
 /// The scene with the threshold that was found written out, so that its TOML tells it and gives the
 /// same foam, bit for bit. A sea without foam keeps coverage = "observed", which finds none again.

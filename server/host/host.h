@@ -17,6 +17,7 @@
 #include "sea/basics/field.h"
 #include "sea/surface/answer.h"
 #include "sea/surface/keyframe.h"
+#include "server/host/asker.h"
 #include "server/host/refusal.h"
 #include "server/host/subscriptions.h"
 
@@ -37,6 +38,7 @@ struct KeyframeTiles {
 struct QueryBatch {
     bool exact = false;
     std::vector<sea::QueryPoint> points;
+    Asker asker;
 };
 
 struct QueryAnswers {
@@ -50,6 +52,7 @@ struct FetchRequest {
     /// a gap (subscribe first, then fetch this).
     std::vector<sea::TimeUs> times_us;
     Demand demand;
+    Asker asker;
 };
 
 /// Bytes of a long answer, made while they are sent. For one reader.
@@ -86,6 +89,7 @@ class Host {
     const Subscriptions& subscriptions() const { return subscriptions_; }
 
     // Each of these is answered once, by what was asked for or by why not: an Error of kind Refusal.
+    // Who has gone meanwhile is answered gone, without any work for it.
 
     /// Keyframes for the caller to encode.
     using Fetched = std::function<void(Result<std::vector<KeyframeTiles>>)>;

@@ -45,4 +45,9 @@ sea::FieldSet Subscriptions::wanted(int cascade, std::uint8_t quality) const {
         [&](const Demand& grant) { return grant.quality == quality && grant.wants(cascade); });
 }
 
+sea::FieldSet Subscriptions::wanted_without(int cascade, sea::Field field) const {
+    return union_of(
+        [&](const Demand& grant) { return grant.wants(cascade) && !grant.fields.contains(field); });
+}
+
 } // namespace seaway::server

@@ -46,6 +46,8 @@ class Subscriptions {
     /// Union of what is wanted of a cascade, at any quality and at one.
     sea::FieldSet wanted(int cascade) const;
     sea::FieldSet wanted(int cascade, std::uint8_t quality) const;
+    /// The same of those who do not want a field.
+    sea::FieldSet wanted_without(int cascade, sea::Field field) const;
 
   private:
     template <class Includes>

@@ -14,26 +14,28 @@ struct Upgrade;
 
 namespace seaway::server {
 
-/// One connection of Core::connections, for as long as it lives.
-class ConnectionSlot {
+/// One of a count of Core, for as long as it lives.
+template <int Core::*count>
+class Slot {
   public:
-    explicit ConnectionSlot(std::shared_ptr<Core> core) : core_(std::move(core)) {
-        ++core_->connections;
-    }
-    ~ConnectionSlot() {
+    explicit Slot(std::shared_ptr<Core> core) : core_(std::move(core)) { ++(*core_.*count); }
+    ~Slot() {
         if (core_ != nullptr)
-            --core_->connections;
+            --(*core_.*count);
     }
-    ConnectionSlot(ConnectionSlot&& other) noexcept : core_(std::move(other.core_)) {}
-    ConnectionSlot& operator=(ConnectionSlot&&) = delete;
-    ConnectionSlot(const ConnectionSlot&) = delete;
-    ConnectionSlot& operator=(const ConnectionSlot&) = delete;
+    Slot(Slot&& other) noexcept : core_(std::move(other.core_)) {}
+    Slot& operator=(Slot&&) = delete;
+    Slot(const Slot&) = delete;
+    Slot& operator=(const Slot&) = delete;
 
     const std::shared_ptr<Core>& core() const { return core_; }
 
   private:
     std::shared_ptr<Core> core_;
 };
+
+using ConnectionSlot = Slot<&Core::connections>;
+using UpgradeSlot = Slot<&Core::upgrades>;
 
 /// Serves HTTP on an accepted stream (TLS: handshake first) until it closes or is upgraded.
 /// Defined in http_connection.cpp.

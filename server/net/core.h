@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <string>
 
 #include "server/host/host.h"
@@ -33,6 +34,9 @@ class Core : public std::enable_shared_from_this<Core> {
     std::map<SessionId, Session*> sessions;
     SessionId next_session = 1;
     int connections = 0;
+    int upgrades = 0; ///< under way: each will be a session
+    /// Connections that wait for a map of the host: nobody else holds them. Given up with the server.
+    std::set<std::shared_ptr<void>> waiting_for_maps;
     bool stopping = false;
 
     /// Runs `work` on the io thread; does nothing after detach(). Any thread.
@@ -40,6 +44,11 @@ class Core : public std::enable_shared_from_this<Core> {
     void detach();
 
     Session* find(SessionId session) const;
+    /// There is room for one more, those under way counted.
+    bool takes_a_session() const {
+        return sessions.size() + static_cast<std::size_t>(upgrades) <
+               static_cast<std::size_t>(options.sessions_max);
+    }
     Gauges gauges() const;
 
     /// One log line, at most `log_lines_per_second_max` of them: a flood of bad clients must not

@@ -17,6 +17,10 @@ bool EncodeWorker::submit_fetched(Job job) {
     return submit(fetched_, fetches_waiting_max, std::move(job));
 }
 
+bool EncodeWorker::submit_start(Job job) {
+    return submit(starts_, starts_waiting_max, std::move(job));
+}
+
 bool EncodeWorker::submit(std::deque<Job>& line, std::size_t waiting_max, Job job) {
     {
         const std::lock_guard lock(mutex_);
@@ -29,13 +33,13 @@ bool EncodeWorker::submit(std::deque<Job>& line, std::size_t waiting_max, Job jo
 }
 
 void EncodeWorker::stop() {
-    std::deque<Job> streamed;
-    std::deque<Job> fetched; // what jobs hold is released outside the lock
+    std::deque<Job> dropped[3]; // what jobs hold is released outside the lock
     {
         const std::lock_guard lock(mutex_);
         stopping_ = true;
-        streamed.swap(streamed_);
-        fetched.swap(fetched_);
+        dropped[0].swap(streamed_);
+        dropped[1].swap(fetched_);
+        dropped[2].swap(starts_);
     }
     wake_.notify_one();
     if (thread_.joinable())
@@ -47,22 +51,33 @@ EncoderCounters EncodeWorker::counters() const {
     return counters_;
 }
 
+std::deque<EncodeWorker::Job>* EncodeWorker::next_line() {
+    if (!streamed_.empty())
+        return &streamed_;
+    starts_turn_ = !starts_turn_;
+    if (fetched_.empty() || (starts_turn_ && !starts_.empty()))
+        return starts_.empty() ? nullptr : &starts_;
+    return &fetched_;
+}
+
 void EncodeWorker::run() {
     Encoder encoder;
     std::unique_lock lock(mutex_);
     while (true) {
-        wake_.wait(lock, [&] { return stopping_ || !streamed_.empty() || !fetched_.empty(); });
+        std::deque<Job>* line = nullptr;
+        wake_.wait(lock, [&] { return stopping_ || (line = next_line()) != nullptr; });
         if (stopping_)
             return;
-        std::deque<Job>& line = streamed_.empty() ? fetched_ : streamed_;
-        {
-            Job job = std::move(line.front());
-            line.pop_front();
-            lock.unlock();
-            job(encoder);
-        }
+        Job job = std::move(line->front());
+        line->pop_front();
+        lock.unlock();
+        const bool done = job(encoder);
+        if (done)
+            job = nullptr; // what it holds is released outside the lock
         lock.lock();
         counters_ = encoder.counters();
+        if (!done && !stopping_)
+            line->push_front(std::move(job));
     }
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// EncodeWorker: the thread that owns the Encoder. Streamed keyframes go before fetched ones, and
-// both lines are bounded: what does not fit is refused to its owner, who counts it.
+// EncodeWorker: the thread that owns the Encoder. Streamed keyframes go before fetched ones, also in
+// the middle of a fetch: a large one is encoded slice by slice. The lines are bounded: what does not
+// fit is refused to its owner, who counts it.
 #pragma once
 
 #include <condition_variable>
@@ -15,12 +16,16 @@ namespace seaway::server {
 
 class EncodeWorker {
   public:
-    using Job = std::function<void(Encoder&)>;
+    /// Encodes one keyframe a call; true: that was the last.
+    using Job = std::function<bool(Encoder&)>;
 
     /// Keyframes that wait to be streamed: two of each cascade and quality in use.
     static constexpr std::size_t streamed_waiting_max = 32;
-    /// Fetches that wait, of all sessions together.
+    /// Fetches that wait, of all sessions together: each may hold keyframes that nobody else holds.
     static constexpr std::size_t fetches_waiting_max = 64;
+    /// Starts of subscriptions that wait: all hold the same few keyframes, so that there is room for
+    /// as many as all sessions may have in flight.
+    static constexpr std::size_t starts_waiting_max = 4096;
 
     EncodeWorker();
     ~EncodeWorker();
@@ -30,6 +35,7 @@ class EncodeWorker {
     /// False: full, or stopped. Any thread.
     [[nodiscard]] bool submit_streamed(Job job);
     [[nodiscard]] bool submit_fetched(Job job);
+    [[nodiscard]] bool submit_start(Job job);
 
     /// Drops what waits and joins the thread. Idempotent; not from a job.
     void stop();
@@ -39,12 +45,16 @@ class EncodeWorker {
   private:
     bool submit(std::deque<Job>& line, std::size_t waiting_max, Job job);
     void run();
+    /// The line whose turn it is, or null: streamed keyframes, then starts and fetches one by one.
+    std::deque<Job>* next_line();
 
     mutable std::mutex mutex_;
     std::condition_variable wake_;
     bool stopping_ = false;
     std::deque<Job> streamed_;
     std::deque<Job> fetched_;
+    std::deque<Job> starts_;
+    bool starts_turn_ = true;
     EncoderCounters counters_;
     std::thread thread_;
 };

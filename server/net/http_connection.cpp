@@ -119,7 +119,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
         if (buffer_.size() > 0)
             return respond({.status = 400, .body = "bytes before the upgrade was answered\n"},
                            false, false);
-        if (core().sessions.size() >= static_cast<std::size_t>(core().options.sessions_max)) {
+        if (!core().takes_a_session()) {
             ++core().counters.sessions_closed[std::string(
                 protocol::name(wire::ErrorCode::server_full))];
             core().log(fmt::format("event=session_refused peer={} reason=server_full", peer_));
@@ -180,7 +180,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
                     work(*self);
             });
         };
-        map_keeps_alive_ = shared_from_this();
+        core().waiting_for_maps.insert(shared_from_this());
         core().host.map({query_parameters(target),
                          [on_io] { on_io([](HttpConnection& self) { self.write_map(); }); }},
                         [on_io](Result<std::unique_ptr<ByteSource>> made) {
@@ -192,7 +192,8 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     void begin_map(Result<std::unique_ptr<ByteSource>>& made) {
         const bool head_only = parser_->get().method() == http::verb::head;
         if (!made) {
-            map_keeps_alive_.reset();
+            const auto self = shared_from_this();
+            core().waiting_for_maps.erase(self);
             return respond(
                 {.status = http_status(made.error()), .body = made.error().message + "\n"},
                 head_only, parser_->get().keep_alive());
@@ -247,8 +248,9 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     }
 
     void end_map() {
+        const auto self = shared_from_this();
+        core().waiting_for_maps.erase(self);
         map_.reset();
-        map_keeps_alive_.reset();
         close();
     }
 
@@ -286,7 +288,6 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     std::vector<std::uint8_t> map_chunk_; ///< being written
     std::uint64_t map_sent_ = 0;
     bool map_writing_ = false;
-    std::shared_ptr<HttpConnection> map_keeps_alive_; ///< while chunks are waited for
 };
 
 } // namespace

@@ -230,7 +230,7 @@ void NetServer::Impl::publish(KeyframeTiles tiles) {
         auto encoded = encoder.encode(*tiles.keyframe, tiles.codec_error, tiles.quality, wanted);
         const std::shared_ptr<Core> core = weak.lock();
         if (core == nullptr)
-            return;
+            return true;
         core->post([weak, encoded = std::move(encoded)] {
             const std::shared_ptr<Core> here = weak.lock();
             if (here == nullptr)
@@ -243,6 +243,7 @@ void NetServer::Impl::publish(KeyframeTiles tiles) {
             ++here->counters.keyframes_published;
             for_each_session(*here, [&](Session& session) { session.deliver(*encoded); });
         });
+        return true;
     });
     if (!taken)
         core_->post([core = core_.get()] { ++core->counters.keyframes_dropped; });
@@ -274,6 +275,7 @@ void NetServer::Impl::stop() {
         thread_.join();
     }
     core_->detach();
+    core_->waiting_for_maps.clear();
 }
 
 // ---- NetServer -----------------------------------------------------------------------------

@@ -127,12 +127,52 @@ void Session::on_fetch(const wire::Fetch& request) {
                                   .error_m = request.error_m()}});
 }
 
+/// What a fetch brought, encoded keyframe by keyframe.
+class Session::FetchJob {
+  public:
+    using GiveBack = std::function<void(Result<Encoded>)>;
+
+    FetchJob(std::vector<KeyframeTiles> tiles, sea::FieldSet wanted, Asker asker,
+             GiveBack give_back)
+        : tiles_(std::move(tiles)), wanted_(wanted), asker_(std::move(asker)),
+          give_back_(std::move(give_back)), encoded_{{}, wanted} {}
+
+    /// EncodeWorker::Job.
+    bool slice(Encoder& encoder) {
+        if (asker_.gone())
+            return true;
+        if (encoded_.keyframes.size() < tiles_.size()) {
+            const KeyframeTiles& tile = tiles_[encoded_.keyframes.size()];
+            Result<EncodedKeyframePtr> one =
+                encoder.encode(*tile.keyframe, tile.codec_error, tile.quality, wanted_);
+            if (!one) {
+                give_back_(one.error());
+                return true;
+            }
+            encoded_.fields =
+                sea::FieldSet::from_bits(encoded_.fields.bits() & (*one)->fields.bits());
+            encoded_.keyframes.push_back(*std::move(one));
+        }
+        if (encoded_.keyframes.size() < tiles_.size())
+            return false;
+        give_back_(std::move(encoded_));
+        return true;
+    }
+
+  private:
+    std::vector<KeyframeTiles> tiles_;
+    sea::FieldSet wanted_;
+    Asker asker_;
+    GiveBack give_back_;
+    Encoded encoded_;
+};
+
 void Session::fetch(std::uint32_t request_id, FetchRequest request) {
     ++fetches_in_flight_;
     ++core_.counters.fetches;
-    const sea::FieldSet wanted = request.demand.fields;
-    const auto give_back = [core = core_.weak_from_this(), session = id_,
-                            request_id](Result<Encoded> encoded) {
+    request.asker = Asker(here_);
+    const FetchJob::GiveBack give_back = [core = core_.weak_from_this(), session = id_,
+                                          request_id](Result<Encoded> encoded) {
         const std::shared_ptr<Core> alive = core.lock();
         if (alive == nullptr)
             return;
@@ -143,34 +183,21 @@ void Session::fetch(std::uint32_t request_id, FetchRequest request) {
         });
     };
     // Host answers on any thread; encoding is for the encode thread, sending for the io thread.
-    core_.host.fetch(std::move(request), [core = core_.weak_from_this(), wanted,
-                                          give_back](Result<std::vector<KeyframeTiles>> made) {
+    auto made = [core = core_.weak_from_this(), wanted = request.demand.fields,
+                 start = request.times_us.empty(), asker = request.asker,
+                 give_back](Result<std::vector<KeyframeTiles>> tiles) {
         const std::shared_ptr<Core> alive = core.lock();
         if (alive == nullptr)
             return;
-        if (!made)
-            return give_back(made.error());
-        const bool taken = alive->encoding.submit_fetched(
-            [tiles = std::move(made).value(), wanted, give_back](Encoder& encoder) {
-                give_back(encode(encoder, tiles, wanted));
-            });
-        if (!taken)
-            give_back(Error{Refusal::busy,
-                            fmt::format("{} fetches of all sessions wait to be encoded already",
-                                        EncodeWorker::fetches_waiting_max)});
-    });
-}
-
-Result<Session::Encoded> Session::encode(Encoder& encoder, std::span<const KeyframeTiles> tiles,
-                                         sea::FieldSet wanted) {
-    Encoded all{{}, wanted};
-    for (const KeyframeTiles& one : tiles) {
-        SEAWAY_TRY_LET(EncodedKeyframePtr encoded,
-                       encoder.encode(*one.keyframe, one.codec_error, one.quality, wanted));
-        all.fields = sea::FieldSet::from_bits(all.fields.bits() & encoded->fields.bits());
-        all.keyframes.push_back(std::move(encoded));
-    }
-    return all;
+        if (!tiles)
+            return give_back(tiles.error());
+        const auto job = std::make_shared<FetchJob>(*std::move(tiles), wanted, asker, give_back);
+        const auto slice = [job](Encoder& encoder) { return job->slice(encoder); };
+        EncodeWorker& encoding = alive->encoding;
+        if (!(start ? encoding.submit_start(slice) : encoding.submit_fetched(slice)))
+            give_back(Error{Refusal::busy, "too many fetches wait to be encoded already"});
+    };
+    core_.host.fetch(std::move(request), std::move(made));
 }
 
 void Session::fetched(std::uint32_t request_id, const Result<Encoded>& encoded) {
@@ -196,7 +223,7 @@ void Session::on_query(const wire::Query& query) {
         return refuse(request_id,
                       {ErrorCode::too_many_requests,
                        fmt::format("{} queries are not answered yet", queries_in_flight_)});
-    QueryBatch batch{.exact = query.exact(), .points = {}};
+    QueryBatch batch{.exact = query.exact(), .points = {}, .asker = Asker(here_)};
     if (query.points() != nullptr) {
         batch.points.reserve(query.points()->size());
         for (const wire::Point* point : *query.points())
@@ -296,6 +323,7 @@ void Session::end(std::string_view reason, std::string_view why) {
     if (ended_)
         return;
     ended_ = true;
+    here_ = nullptr;
     on_unsubscribe();
     core_.sessions.erase(id_);
     core_.counters.outboxes += outbox_.counters();

@@ -36,9 +36,10 @@ sockets::WebSocketOptions web_socket_options(const NetOptions& options) {
 class StreamConnection final : public Link, public std::enable_shared_from_this<StreamConnection> {
   public:
     StreamConnection(ConnectionSlot slot, sockets::Socket socket, std::string peer)
-        : slot_(std::move(slot)), ws_(std::move(socket), web_socket_options(core().options)),
-          peer_(std::move(peer)), hello_timer_(ws_.socket().get_executor()),
-          write_timer_(ws_.socket().get_executor()), close_timer_(ws_.socket().get_executor()) {}
+        : slot_(std::move(slot)), upgrade_(slot_.core()),
+          ws_(std::move(socket), web_socket_options(core().options)), peer_(std::move(peer)),
+          hello_timer_(ws_.socket().get_executor()), write_timer_(ws_.socket().get_executor()),
+          close_timer_(ws_.socket().get_executor()) {}
 
     void run(const sockets::Upgrade& upgrade) {
         ws_.accept(upgrade,
@@ -82,6 +83,7 @@ class StreamConnection final : public Link, public std::enable_shared_from_this<
     Core& core() { return *slot_.core(); }
 
     void on_accepted(const Result<void>& accepted) {
+        upgrade_.reset();
         if (!accepted) {
             ++core().counters.handshakes_failed;
             core().log(fmt::format("event=connection_refused peer={} reason=bad_upgrade why=\"{}\"",
@@ -172,6 +174,7 @@ class StreamConnection final : public Link, public std::enable_shared_from_this<
     }
 
     ConnectionSlot slot_;
+    std::optional<UpgradeSlot> upgrade_; ///< until there is a session
     sockets::WebSocket ws_;
     std::string peer_;
     asio::steady_timer hello_timer_;

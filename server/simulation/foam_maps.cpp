@@ -12,16 +12,29 @@ FoamMaps::FoamMaps(const RunningSea& sea) {
                                 sea.budget.cascades[c].interval_us);
 }
 
+sea::FoamHistory& FoamMaps::history(int cascade) {
+    SEAWAY_CHECK(!histories_.empty(), "foam is offered only where the scene has a law for it");
+    return histories_[static_cast<std::size_t>(cascade)];
+}
+
+int FoamMaps::ticks_to(int cascade, sea::TimeUs time_us) const {
+    return histories_[static_cast<std::size_t>(cascade)].ticks_to(time_us);
+}
+
+Result<bool> FoamMaps::walk_towards(int cascade, sea::TimeUs time_us, int ticks_max,
+                                    const sea::FoamHistory::StrainsAt& strains_at) {
+    return history(cascade).walk_towards(time_us, ticks_max, strains_at);
+}
+
 Result<void> FoamMaps::fill(const NewKeyframePtr& keyframe,
                             const sea::FoamHistory::StrainsAt& strains_at) {
-    SEAWAY_CHECK(!histories_.empty(), "foam is offered only where the scene has a law for it");
-    sea::FoamHistory& history = histories_[static_cast<std::size_t>(keyframe->cascade)];
+    sea::FoamHistory& foam = history(keyframe->cascade);
     const auto strains = [&](sea::TimeUs time_us) -> Result<sea::KeyframePtr> {
         return time_us == keyframe->time_us ? Result<sea::KeyframePtr>(keyframe)
                                             : strains_at(time_us);
     };
-    SEAWAY_TRY(history.advance_to(keyframe->time_us, strains));
-    history.fill(keyframe->plane(sea::Field::foam));
+    SEAWAY_TRY(foam.advance_to(keyframe->time_us, strains));
+    foam.fill(keyframe->plane(sea::Field::foam));
     return {};
 }
 

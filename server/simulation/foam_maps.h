@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Foam maps: the histories of a sea's cascades, and keyframes with a foam map from them.
+// Foam maps: the histories of a sea's cascades, and keyframes with a foam map from them. A history
+// that starts, or jumps in time, walks through hundreds of ticks: that is done in slices.
 // For one thread.
 #pragma once
 
@@ -17,17 +18,35 @@ inline sea::FieldSet with_foam_inputs(sea::FieldSet fields) {
     return fields.contains(sea::Field::foam) ? fields | sea::foam_inputs : fields;
 }
 
+inline sea::FieldSet without_foam(sea::FieldSet fields) {
+    return sea::FieldSet::from_bits(fields.bits() & ~sea::FieldSet{sea::Field::foam}.bits());
+}
+
 class FoamMaps {
   public:
     /// Without a foam law (RunningSea::foam_law) there is nothing to add.
     explicit FoamMaps(const RunningSea& sea);
 
-    /// Fills Field::foam of a keyframe that holds it and sea::foam_inputs. `strains_at` gives the
-    /// same cascade at earlier times, for a history that starts.
+    /// Ticks that are left before fill() of a cascade at a time.
+    int ticks_to(int cascade, sea::TimeUs time_us) const;
+
+    /// At most `ticks_max` >= 1 of them; true: none is left. `strains_at` gives the same cascade at
+    /// earlier times.
+    Result<bool> walk_towards(int cascade, sea::TimeUs time_us, int ticks_max,
+                              const sea::FoamHistory::StrainsAt& strains_at);
+
+    /// Fills Field::foam of a keyframe that holds it and sea::foam_inputs, and walks what is left.
     Result<void> fill(const NewKeyframePtr& keyframe,
                       const sea::FoamHistory::StrainsAt& strains_at);
 
+    /// Goes on from where the other is.
+    void take_over(int cascade, const FoamMaps& other) {
+        history(cascade) = other.histories_[static_cast<std::size_t>(cascade)];
+    }
+
   private:
+    sea::FoamHistory& history(int cascade);
+
     std::vector<sea::FoamHistory> histories_; ///< one a cascade
 };
 

@@ -15,10 +15,10 @@ sea::KeyframePtr KeyframeStore::find(int cascade, sea::TimeUs time_us, sea::Fiel
     return found->second.keyframe;
 }
 
-sea::FieldSet KeyframeStore::held(int cascade, sea::TimeUs time_us) const {
+sea::KeyframePtr KeyframeStore::held(int cascade, sea::TimeUs time_us) const {
     const std::scoped_lock lock(mutex_);
     const auto found = entries_.find({cascade, time_us});
-    return found == entries_.end() ? sea::FieldSet{} : found->second.keyframe->fields;
+    return found == entries_.end() ? nullptr : found->second.keyframe;
 }
 
 void KeyframeStore::insert(sea::KeyframePtr keyframe) {

@@ -34,8 +34,8 @@ class KeyframeStore {
     /// The keyframe if it is held with at least these fields, else null.
     sea::KeyframePtr find(int cascade, sea::TimeUs time_us, sea::FieldSet fields);
 
-    /// Fields with which a keyframe is held; empty if it is not.
-    sea::FieldSet held(int cascade, sea::TimeUs time_us) const;
+    /// What is held of a keyframe, with whichever fields, or null; no use of it.
+    sea::KeyframePtr held(int cascade, sea::TimeUs time_us) const;
 
     /// Replaces a keyframe of the same cascade and time. One that is larger than the store is not
     /// kept.

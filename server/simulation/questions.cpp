@@ -32,7 +32,8 @@ void Questions::ask(Question question) {
 std::optional<Question> Questions::take(std::optional<sea::TimeUs> wait_us) {
     std::unique_lock lock(mutex_);
     const auto something = [&] { return woken_ || !waiting_.empty(); };
-    if (woken_ || waiting_.empty()) {
+    if (waiting_.empty() || (woken_ && !passed_over_)) {
+        passed_over_ = !waiting_.empty();
         if (wait_us)
             changed_.wait_for(lock, std::chrono::microseconds(*wait_us), something);
         else
@@ -40,6 +41,7 @@ std::optional<Question> Questions::take(std::optional<sea::TimeUs> wait_us) {
         woken_ = false;
         return std::nullopt;
     }
+    passed_over_ = false;
     Question question = std::move(waiting_.front());
     waiting_.pop_front();
     return question;

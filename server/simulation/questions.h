@@ -14,6 +14,7 @@
 
 #include "base/result.h"
 #include "sea/basics/time.h"
+#include "server/host/asker.h"
 
 namespace seaway::server {
 
@@ -24,6 +25,7 @@ inline constexpr std::size_t questions_waiting_max = 1024;
 struct Question {
     std::function<bool()> slice; ///< true: answered
     std::function<void(const Error&)> refuse;
+    Asker asker;
 };
 
 class Questions {
@@ -33,7 +35,8 @@ class Questions {
 
     /// The one whose turn it is. Where none waits, or after wake(): none, once one has come, wake()
     /// has been called or `wait_us` have passed (for ever without it), so that who waited looks at
-    /// the clock before anything else.
+    /// the clock before anything else. Never none twice in a row while one waits, however often
+    /// wake() is called.
     std::optional<Question> take(std::optional<sea::TimeUs> wait_us);
     /// To the end of the line: a large question delays small ones by a slice at a time.
     void put_back(Question question);
@@ -51,6 +54,7 @@ class Questions {
     std::deque<Question> waiting_;
     std::optional<Error> closed_;
     bool woken_ = false;
+    bool passed_over_ = false; ///< the first one, for a wake()
     std::uint64_t asked_ = 0;
 };
 

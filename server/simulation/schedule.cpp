@@ -78,13 +78,18 @@ std::optional<TimeUs> Schedule::next_due_us(const EffectPlan& plan) const {
     return next_us;
 }
 
+TimeUs Schedule::next_us(int cascade, TimeUs now_us) const {
+    const Stream& stream = streams_[static_cast<std::size_t>(cascade)];
+    return stream.runs ? stream.next_us : stream.first_us(now_us);
+}
+
 std::vector<KeyframeRequest> Schedule::current(const Demand& demand, TimeUs now_us) const {
     std::vector<KeyframeRequest> wanted;
     for (std::size_t c = 0; c < streams_.size(); ++c) {
         const Stream& stream = streams_[c];
         if (!demand.wants(static_cast<int>(c)))
             continue;
-        const TimeUs end_us = stream.runs ? stream.next_us : stream.first_us(now_us);
+        const TimeUs end_us = next_us(static_cast<int>(c), now_us);
         for (TimeUs t_us = interval_start(now_us, stream.interval_us); t_us < end_us;
              t_us += stream.interval_us)
             wanted.push_back({static_cast<int>(c), t_us, demand.fields});

@@ -46,6 +46,9 @@ class Schedule {
     /// When something will be due; none while nobody wants anything.
     std::optional<sea::TimeUs> next_due_us(const EffectPlan& plan) const;
 
+    /// The keyframe that a cascade's stream has come to, or would start with now.
+    sea::TimeUs next_us(int cascade, sea::TimeUs now_us) const;
+
     /// What a new subscriber needs: from the keyframe before now to where the stream has come, or
     /// will start from.
     std::vector<KeyframeRequest> current(const Demand& demand, sea::TimeUs now_us) const;

@@ -28,7 +28,8 @@ Simulation::Simulation(RunningSeaPtr sea, std::unique_ptr<RebuiltSynthesizer> de
                        const Subscriptions& subscriptions, std::function<TimeUs()> now,
                        SimulationEvents events)
     : sea_(std::move(sea)), subscriptions_(subscriptions), now_(std::move(now)),
-      events_(std::move(events)), source_(sea_, std::move(device)), schedule_(sea_->budget) {}
+      events_(std::move(events)), source_(sea_, std::move(device)), schedule_(sea_->budget),
+      streamed_foam_(*sea_, source_, schedule_) {}
 
 Simulation::~Simulation() {
     stopping_ = true;
@@ -38,69 +39,106 @@ Simulation::~Simulation() {
 }
 
 void Simulation::run() {
-    while (!stopping_ && !source_.failure())
-        if (!publish_due())
-            work_on_a_question();
+    while (!stopping_ && !source_.failure()) {
+        const bool streamed = work_on_stream();
+        const bool foam = !source_.failure() && streamed_foam_.walk(now_());
+        if (streamed || foam)
+            ++stream_slices_;
+        if (!source_.failure())
+            work_on_a_question(streamed || foam);
+    }
     if (source_.failure() && events_.on_failure)
         events_.on_failure(source_.failure()->message);
     questions_.close(source_.failure().value_or(Error{Refusal::gone, "the server stops"}));
 }
 
-bool Simulation::publish_due() {
-    const Schedule::Due due = schedule_.take_due(plan(), now_());
-    if (due.keyframes.empty())
-        return false;
-    const auto made = source_.keyframes(due.keyframes, Walk::stream);
-    if (!made)
-        return false;
-    for (const sea::KeyframePtr& keyframe : *made)
-        if (events_.on_keyframe)
-            events_.on_keyframe(keyframe);
-    keyframes_published_ += made->size();
-    keyframes_skipped_ += due.left_out;
+bool Simulation::work_on_stream() {
+    if (!streaming_) {
+        const TimeUs now_us = now_();
+        streamed_plan_ = streamed_foam_.carried(plan(), subscriptions_, now_us);
+        Schedule::Due due = schedule_.take_due(streamed_plan_, now_us);
+        if (due.keyframes.empty())
+            return false;
+        keyframes_skipped_ += due.left_out;
+        streaming_.emplace(std::move(due.keyframes), Walk::stream);
+    }
+    const Result<bool> made = source_.work_on(*streaming_);
+    if (made && *made) {
+        publish(streaming_->take());
+        streaming_.reset();
+    }
     return true;
 }
 
-void Simulation::work_on_a_question() {
-    if (source_.failure())
-        return;
-    std::optional<TimeUs> wait_us = schedule_.next_due_us(plan());
-    if (wait_us)
-        wait_us = std::max<TimeUs>(*wait_us - now_(), 1);
+void Simulation::publish(const std::vector<sea::KeyframePtr>& keyframes) {
+    for (const sea::KeyframePtr& keyframe : keyframes)
+        if (events_.on_keyframe)
+            events_.on_keyframe(keyframe);
+    keyframes_published_ += keyframes.size();
+}
+
+void Simulation::work_on_a_question(bool more) {
+    std::optional<TimeUs> wait_us = 0;
+    if (!more) {
+        wait_us = schedule_.next_due_us(streamed_plan_);
+        if (wait_us)
+            wait_us = std::max<TimeUs>(*wait_us - now_(), 1);
+    }
     std::optional<Question> question = questions_.take(wait_us);
-    if (question && !question->slice())
-        questions_.put_back(std::move(*question));
+    if (!question)
+        return;
+    if (question->asker.gone())
+        question->refuse({Refusal::gone, "nobody waits for the answer"});
+    else if (!question->slice())
+        questions_.put_back(*std::move(question));
 }
 
 SimulationCounters Simulation::counters() const {
     const KeyframeSource::Report report = source_.report();
-    return {report.synthesis,   report.store,       keyframes_published_,
-            keyframes_skipped_, questions_.asked(), report.device_rebuilds};
+    return {report.synthesis, report.store,       keyframes_published_,  keyframes_skipped_,
+            stream_slices_,   questions_.asked(), report.device_rebuilds};
 }
 
 // ---- questions -----------------------------------------------------------------------------
 
-void Simulation::fetch(std::vector<TimeUs> times_us, const Demand& demand, Fetched done) {
+Question Simulation::keyframe_question(std::function<std::vector<KeyframeRequest>()> wanted,
+                                       std::function<bool()> ready, Fetched done,
+                                       const Asker& asker) {
+    auto job = std::make_shared<std::optional<KeyframeJob>>();
+    return {[this, job, wanted = std::move(wanted), ready = std::move(ready), done] {
+                if (!ready())
+                    return false;
+                if (!*job)
+                    job->emplace(wanted(), Walk::questions);
+                const Result<bool> made = source_.work_on(**job);
+                if (!made)
+                    done(made.error());
+                else if (*made)
+                    done((*job)->take());
+                return !made || *made;
+            },
+            done, asker};
+}
+
+void Simulation::fetch(std::vector<TimeUs> times_us, const Demand& demand, Fetched done,
+                       const Asker& asker) {
     for (const TimeUs time_us : times_us)
         if (const Result<void> fine = check_time(time_us); !fine)
             return done(fine.error());
-    questions_.ask({[this, times_us = std::move(times_us), demand, done] {
-                        done(source_.keyframes(keyframes_around(sea_->budget, times_us, demand),
-                                               Walk::questions));
-                        return true;
-                    },
-                    done});
+    questions_.ask(
+        keyframe_question([this, times_us = std::move(times_us),
+                           demand] { return keyframes_around(sea_->budget, times_us, demand); },
+                          [] { return true; }, std::move(done), asker));
 }
 
-void Simulation::fetch_current(const Demand& demand, Fetched done) {
-    questions_.ask({[this, demand, done] {
-                        done(source_.keyframes(schedule_.current(demand, now_()), Walk::questions));
-                        return true;
-                    },
-                    done});
+void Simulation::fetch_current(const Demand& demand, Fetched done, const Asker& asker) {
+    questions_.ask(keyframe_question([this, demand] { return schedule_.current(demand, now_()); },
+                                     [this, demand] { return !streamed_foam_.starts(demand); },
+                                     std::move(done), asker));
 }
 
-void Simulation::answer(std::vector<sea::QueryPoint> points, bool exact, Answered done) {
+void Simulation::answer(std::vector<sea::QueryPoint> points, bool exact, Answered done,
+                        const Asker& asker) {
     for (const sea::QueryPoint& point : points)
         if (const Result<void> fine = check_point(point); !fine)
             return done(fine.error());
@@ -116,7 +154,7 @@ void Simulation::answer(std::vector<sea::QueryPoint> points, bool exact, Answere
                             done(batch->take_answers());
                         return batch->complete();
                     },
-                    done});
+                    done, asker});
 }
 
 void Simulation::surface(TimeUs time_us, Surfaced done) {
@@ -127,7 +165,8 @@ void Simulation::surface(TimeUs time_us, Surfaced done) {
                         done(span ? Result<SurfacePtr>(span->surface) : span.error());
                         return true;
                     },
-                    done});
+                    done,
+                    {}});
 }
 
 } // namespace seaway::server

@@ -2,9 +2,10 @@
 // Simulation: the thread that publishes the keyframes that the effect plan calls for, ahead of time
 // (Schedule), and answers questions about any time (Questions), all from one KeyframeSource.
 //
-// Order of work: keyframes that are due, then one slice of what was asked. Without demand and
-// without questions the thread sleeps and nothing is dispatched. When the device has failed for
-// good, on_failure is called and the simulation is over.
+// Order of work, over and over: a slice of the keyframes that are due, a slice of foam that starts
+// (StreamedFoam), a slice of what was asked. None of them waits for the end of another, however far
+// the stream is behind. Without demand and without questions the thread sleeps and nothing is
+// dispatched. When the device has failed for good, on_failure is called and the simulation is over.
 //
 // All public functions may be called from any thread and return at once; callbacks come on the
 // simulation thread and must not block.
@@ -13,7 +14,7 @@
 #include <atomic>
 #include <functional>
 #include <memory>
-#include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -28,6 +29,7 @@
 #include "server/simulation/questions.h"
 #include "server/simulation/running_sea.h"
 #include "server/simulation/schedule.h"
+#include "server/simulation/streamed_foam.h"
 
 namespace seaway::server {
 
@@ -42,6 +44,7 @@ struct SimulationCounters {
     StoreCounters store;
     std::uint64_t keyframes_published = 0;
     std::uint64_t keyframes_skipped = 0; ///< too late to be of use
+    std::uint64_t stream_slices = 0;     ///< of keyframes for the stream and of its foam
     std::uint64_t questions = 0;
     std::uint64_t device_rebuilds = 0;
 };
@@ -63,18 +66,20 @@ class Simulation {
 
     // Each question is answered once, by what was asked for or by why not, an Error of kind
     // Refusal: bad_value for a time or place out of range, busy while questions_waiting_max wait,
-    // gone after the device or the simulation has ended.
+    // gone after the device or the simulation has ended, or the asker is gone.
 
     /// The two keyframes of each wanted cascade around each time.
     using Fetched = std::function<void(Result<std::vector<sea::KeyframePtr>>)>;
-    void fetch(std::vector<sea::TimeUs> times_us, const Demand& demand, Fetched done);
+    void fetch(std::vector<sea::TimeUs> times_us, const Demand& demand, Fetched done,
+               const Asker& asker = {});
 
     /// What a new subscriber needs: from the keyframe before now to the newest published one.
-    void fetch_current(const Demand& demand, Fetched done);
+    void fetch_current(const Demand& demand, Fetched done, const Asker& asker = {});
 
     /// One answer a point, in order, each at its own time, past or future.
     using Answered = std::function<void(Result<std::vector<sea::Answer>>)>;
-    void answer(std::vector<sea::QueryPoint> points, bool exact, Answered done);
+    void answer(std::vector<sea::QueryPoint> points, bool exact, Answered done,
+                const Asker& asker = {});
 
     /// The surface around a time, for who samples much of it at once.
     using Surfaced = std::function<void(Result<SurfacePtr>)>;
@@ -93,22 +98,31 @@ class Simulation {
                SimulationEvents events);
 
     void run();
-    /// False: nothing was due, or this was the end.
-    bool publish_due();
-    void work_on_a_question();
+    /// False: nothing was due.
+    bool work_on_stream();
+    void publish(const std::vector<sea::KeyframePtr>& keyframes);
+    /// `more`: there is other work, no question is waited for.
+    void work_on_a_question(bool more);
+    Question keyframe_question(std::function<std::vector<KeyframeRequest>()> wanted,
+                               std::function<bool()> ready, Fetched done, const Asker& asker);
 
     const RunningSeaPtr sea_;
     const Subscriptions& subscriptions_;
     const std::function<sea::TimeUs()> now_;
     const SimulationEvents events_;
 
-    KeyframeSource source_; ///< used by the simulation thread alone
-    Schedule schedule_;     ///< likewise
+    // Used by the simulation thread alone, but for reports.
+    KeyframeSource source_;
+    Schedule schedule_;
+    StreamedFoam streamed_foam_;
+    EffectPlan streamed_plan_;             ///< what the streams were made by last
+    std::optional<KeyframeJob> streaming_; ///< due keyframes that are being made
     Questions questions_;
 
     std::atomic<bool> stopping_ = false;
     std::atomic<std::uint64_t> keyframes_published_ = 0;
     std::atomic<std::uint64_t> keyframes_skipped_ = 0;
+    std::atomic<std::uint64_t> stream_slices_ = 0;
     std::thread thread_;
 };
 

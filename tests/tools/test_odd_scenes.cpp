@@ -193,6 +193,19 @@ void expect_served(const std::string& url, const std::string& name) {
     }
 }
 
+TEST(OddScenes, a_server_warns_of_foam_out_of_reach_as_inspect_does) {
+    const std::string scene = folder().write(
+        "little_foam.toml",
+        "[sea]\n[[sea.system]]\ntype = \"wind\"\nspectrum = \"pierson_moskowitz\"\n"
+        "wind_speed_10m_mps = 15\nfrom_deg = 250\n[[cascade]]\nlength_m = 500\nsize = 64\n"
+        "[foam]\ngain_per_s = 1e-3\n");
+    const std::string words = "no threshold of -1 .. 1 gives that with this gain and decay";
+    EXPECT_THAT(run_program("seaway-inspect", scene).out, HasSubstr(words));
+    tests::ServerProcess server({scene, "--listen", "127.0.0.1:0", "--device", "native"});
+    ASSERT_NE(server.wait_until_ready(), "") << server.log();
+    EXPECT_THAT(server.log(), HasSubstr(words));
+}
+
 TEST(OddScenes, each_is_served_or_refused_in_the_words_of_inspect) {
     for_each_case([](const Case& c, const std::string& scene) {
         tests::ServerProcess server({scene, "--listen", "127.0.0.1:0", "--device", "native"});

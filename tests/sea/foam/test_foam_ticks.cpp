@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -18,6 +19,14 @@ double largest_difference(const FoamHistory& a, const FoamHistory& b) {
     for (std::size_t i = 0; i < a.ratios().size(); ++i)
         largest = std::max(largest, static_cast<double>(std::abs(a.ratios()[i] - b.ratios()[i])));
     return largest;
+}
+
+/// The same waves in a sea that repeats. Frequencies are rounded to the loop by phase_time alone, so
+/// that the loop has a cut at its end: harder than a smooth one.
+sea::RealizationPtr looping(TimeUs loop_us) {
+    sea::Realization sea = *storm();
+    sea.loop_period_us = loop_us;
+    return std::make_shared<const sea::Realization>(std::move(sea));
 }
 
 TEST(Foam, is_the_same_for_who_has_run_for_long_and_who_starts_now_or_comes_from_elsewhere) {
@@ -42,6 +51,48 @@ TEST(Foam, is_the_same_for_who_has_run_for_long_and_who_starts_now_or_comes_from
     }
 }
 
+TEST(Foam, a_walk_in_slices_is_the_walk_at_once) {
+    for (const TimeUs loop_us : {TimeUs{0}, TimeUs{7'300'000}}) {
+        const sea::RealizationPtr sea = loop_us == 0 ? storm() : looping(loop_us);
+        const FoamLawPtr law = make_foam_law(*sea, foam_model);
+        Strains strains(sea, 0);
+        FoamHistory whole(law, 0, 64, 100'000), sliced(law, 0, 64, 100'000);
+        ASSERT_TRUE(whole.advance_to(60'000'000, strains.source()));
+        const int ticks = std::exchange(strains.asked, 0);
+        TimeUs goal_us = 60'000'000;
+        for (int left = sliced.ticks_to(goal_us), slices = 0; left > 0; ++slices) {
+            EXPECT_EQ(left, ticks - 7 * slices);
+            const Result<bool> there = sliced.walk_towards(goal_us, 7, strains.source());
+            ASSERT_TRUE(there);
+            EXPECT_EQ(*there, left <= 7);
+            left = sliced.ticks_to(goal_us);
+        }
+        EXPECT_EQ(strains.asked, ticks) << "no tick twice";
+        ASSERT_TRUE(sliced.advance_to(goal_us, strains.source()));
+        EXPECT_EQ(largest_difference(whole, sliced), 0.0);
+    }
+}
+
+TEST(Foam, a_start_that_is_half_way_goes_on_to_a_later_time_and_anew_to_an_earlier_one) {
+    const sea::RealizationPtr sea = storm();
+    const FoamLawPtr law = make_foam_law(*sea, foam_model);
+    Strains strains(sea, 0);
+    FoamHistory whole(law, 0, 64, 200'000), moved(law, 0, 64, 200'000);
+    ASSERT_TRUE(whole.advance_to(60'000'000, strains.source()));
+    ASSERT_TRUE(whole.advance_to(62'000'000, strains.source()));
+    strains.asked = 0;
+    ASSERT_FALSE(*moved.walk_towards(60'000'000, 50, strains.source()));
+    EXPECT_EQ(moved.ticks_to(62'000'000), 160) << "150 of the start, 10 behind it";
+    ASSERT_TRUE(*moved.walk_towards(62'000'000, 160, strains.source()));
+    ASSERT_TRUE(moved.advance_to(62'000'000, strains.source()));
+    EXPECT_EQ(strains.asked, 210);
+    EXPECT_EQ(largest_difference(whole, moved), 0.0);
+
+    ASSERT_FALSE(*moved.walk_towards(600'000'000, 50, strains.source()));
+    EXPECT_EQ(moved.ticks_to(599'000'000), 200) << "its state is no history of that time";
+    EXPECT_EQ(moved.ticks_to(900'000'000), 200) << "nor worth going on from";
+}
+
 TEST(Foam, does_not_know_how_many_frames_a_second_it_is_asked_for) {
     const sea::RealizationPtr sea = storm();
     const FoamLawPtr law = make_foam_law(*sea, foam_model);
@@ -52,14 +103,6 @@ TEST(Foam, does_not_know_how_many_frames_a_second_it_is_asked_for) {
     for (int frame = 0; frame <= 70; ++frame)
         ASSERT_TRUE(slow.advance_to(sea::us_from_seconds(2.0 + frame / 7.0), strains.source()));
     EXPECT_LT(largest_difference(film, slow), 1e-3);
-}
-
-/// The same waves in a sea that repeats. Frequencies are rounded to the loop by phase_time alone, so
-/// that the loop has a cut at its end: harder than a smooth one.
-sea::RealizationPtr looping(TimeUs loop_us) {
-    sea::Realization sea = *storm();
-    sea.loop_period_us = loop_us;
-    return std::make_shared<const sea::Realization>(std::move(sea));
 }
 
 TEST(Foam, of_a_loop_meets_itself_at_its_end) {

@@ -52,10 +52,10 @@ class LogCapture {
     std::shared_ptr<spdlog::logger> before_;
 };
 
-/// Waits for a condition of another thread; true if it came within 5 s.
+/// Waits for a condition of another thread; true if it came within a minute.
 template <class Condition>
 bool eventually(Condition condition) {
-    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(5);
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
     while (!condition()) {
         if (std::chrono::steady_clock::now() > deadline)
             return false;

@@ -118,6 +118,7 @@ TEST(EncodeWorker, both_lines_are_bounded_and_streamed_keyframes_go_first) {
     ASSERT_TRUE(worker.submit_fetched([&](server::Encoder&) {
         entered.set_value();
         gate.get_future().wait();
+        return true;
     }));
     entered.get_future().wait(); // nothing is taken from now on
     std::mutex mutex;
@@ -126,6 +127,7 @@ TEST(EncodeWorker, both_lines_are_bounded_and_streamed_keyframes_go_first) {
         return [&, kind](server::Encoder&) {
             const std::scoped_lock lock(mutex);
             order += kind;
+            return true;
         };
     };
     using server::EncodeWorker;
@@ -144,10 +146,40 @@ TEST(EncodeWorker, both_lines_are_bounded_and_streamed_keyframes_go_first) {
     EXPECT_EQ(order, std::string(EncodeWorker::streamed_waiting_max, 's') +
                          std::string(EncodeWorker::fetches_waiting_max, 'f'));
     std::promise<void> again;
-    EXPECT_TRUE(worker.submit_fetched([&](server::Encoder&) { again.set_value(); }));
+    EXPECT_TRUE(worker.submit_fetched([&](server::Encoder&) {
+        again.set_value();
+        return true;
+    }));
     again.get_future().wait();
     worker.stop();
     EXPECT_FALSE(worker.submit_streamed(note('S')));
+}
+
+TEST(EncodeWorker, a_large_fetch_lets_streamed_keyframes_and_starts_in_between) {
+    server::EncodeWorker worker;
+    std::promise<void> done;
+    std::string order; // of the encode thread, read when it has done
+    int slices = 0;
+    ASSERT_TRUE(worker.submit_fetched([&](server::Encoder&) {
+        order += 'f';
+        if (++slices == 1)
+            for (int i = 0; i < 2; ++i) {
+                EXPECT_TRUE(worker.submit_start([&](server::Encoder&) {
+                    order += 'b';
+                    return true;
+                }));
+                EXPECT_TRUE(worker.submit_streamed([&](server::Encoder&) {
+                    order += 's';
+                    return true;
+                }));
+            }
+        if (slices == 4)
+            done.set_value();
+        return slices == 4;
+    }));
+    done.get_future().wait();
+    EXPECT_EQ(order.substr(0, 3), "fss") << "streamed ones at once";
+    EXPECT_TRUE(order == "fssbfbff" || order == "fssfbfbf") << order << ": the others in turn";
 }
 
 TEST_F(NetLimits, keyframes_that_the_encoder_has_no_room_for_are_dropped_and_counted) {

@@ -72,6 +72,7 @@ class FailingSynthesizer final : public Synthesizer {
 struct Bench {
     RunningSeaPtr sea;
     std::atomic<TimeUs> now_us = 0;
+    std::atomic<TimeUs> leap_us = 0; ///< of the clock at each look
     std::shared_ptr<std::atomic<int>> failures = std::make_shared<std::atomic<int>>(0);
     std::mutex mutex;
     std::vector<sea::KeyframePtr> published;
@@ -91,7 +92,7 @@ struct Bench {
                 ++uploads;
                 return std::unique_ptr<Synthesizer>(std::move(made));
             },
-            subscriptions, [this] { return now_us.load(); },
+            subscriptions, [this] { return now_us += leap_us; },
             {[this](const sea::KeyframePtr& keyframe) {
                  const std::scoped_lock lock(mutex);
                  published.push_back(keyframe);
@@ -128,8 +129,15 @@ struct Bench {
         return wait<SurfacePtr>([&](const auto& done) { simulation->surface(time_us, done); });
     }
 
-    /// Lets the thread look at the clock and waits until what is due has been published.
-    void settle() { fetch_current({0, {}}); }
+    /// Lets the thread look at the clock and waits until what is due has been published: a slice of
+    /// the stream comes before each answer, until there is none to do.
+    void settle() {
+        std::uint64_t before = 0;
+        do {
+            before = simulation->counters().stream_slices;
+            fetch_current({0, {}});
+        } while (simulation->counters().stream_slices != before);
+    }
 
     void advance(TimeUs us) {
         now_us += us;

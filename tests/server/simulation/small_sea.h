@@ -93,6 +93,7 @@ class SmallSea : public server::Host {
         return grant;
     }
     void fetch(server::FetchRequest request, Fetched done) override {
+        askers.push_back(request.asker);
         if (is_busy)
             return done(Error{server::Refusal::busy, "later"});
         if ((request.demand.fields.bits() & offered.bits()) == 0)
@@ -116,6 +117,7 @@ class SmallSea : public server::Host {
             unanswered.push_back([done, out] { done(out); });
     }
     void query(server::QueryBatch batch, Queried done) override {
+        askers.push_back(batch.asker);
         if (is_busy)
             return done(Error{server::Refusal::busy, "later"});
         server::QueryAnswers out;
@@ -131,6 +133,9 @@ class SmallSea : public server::Host {
         else
             unanswered.push_back([done, out] { done(out); });
     }
+    void map(server::MapQuery, Mapped done) override {
+        done(std::unique_ptr<server::ByteSource>(std::make_unique<NeverReady>(maps_alive)));
+    }
     std::string state_json() const override { return "{\"sea\":1}"; }
     std::string plan_json() const override { return "{\"plan\":1}"; }
     std::string metrics_text() const override { return "seaway_simulation_up 1\n"; }
@@ -139,6 +144,23 @@ class SmallSea : public server::Host {
     std::atomic<std::int64_t> newest = 0;
     std::atomic<bool> well = true;
     std::vector<std::function<void()>> unanswered;
+    std::vector<server::Asker> askers; ///< of every question, in order
+    std::shared_ptr<std::atomic<int>> maps_alive = std::make_shared<std::atomic<int>>(0);
+
+  private:
+    /// A map whose rows never come.
+    class NeverReady final : public server::ByteSource {
+      public:
+        explicit NeverReady(std::shared_ptr<std::atomic<int>> alive) : alive_(std::move(alive)) {
+            ++*alive_;
+        }
+        ~NeverReady() override { --*alive_; }
+        std::uint64_t size() const override { return 1000; }
+        std::vector<std::uint8_t> next() override { return {}; }
+
+      private:
+        std::shared_ptr<std::atomic<int>> alive_;
+    };
 };
 
 } // namespace seaway::tests

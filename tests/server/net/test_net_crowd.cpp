@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+// Many sessions at once, and sessions that go in the middle of what they asked for.
+#include "protocol/limits.h"
+#include "tests/server/net/net_fixture.h"
+
+namespace seaway::tests {
+namespace {
+
+using wire::Body;
+
+const protocol::TileWish heights{.cascades = 1u, .fields = {sea::Field::height}};
+
+class NetCrowd : public NetTest {
+  protected:
+    std::unique_ptr<Client> greeted() {
+        auto client = std::make_unique<Client>(port());
+        EXPECT_FALSE(client->connect());
+        EXPECT_TRUE(client->greet());
+        return client;
+    }
+};
+
+TEST_F(NetCrowd, two_hundred_subscribers_of_mixed_qualities_start_at_once_and_each_gets_its_own) {
+    constexpr std::size_t crowd = 200;
+    host.answer_fetches = false; // all of them wait at the host, and come to the encoder in one go
+    host.size = 128;
+    start();
+    std::vector<std::unique_ptr<Client>> clients;
+    for (std::size_t i = 0; i < crowd; ++i) {
+        clients.push_back(greeted());
+        const protocol::TileWish wish{
+            .cascades = 1u, .fields = {sea::Field::height}, .error_m = SmallSea::bound(i % 2)};
+        ASSERT_FALSE(clients.back()->send(protocol::subscribe(1, wish, 8)));
+    }
+    ASSERT_TRUE(eventually([&] { return metric("seaway_net_fetches_total") == crowd; }));
+    for (const auto& answer : std::exchange(host.unanswered, {}))
+        answer();
+    for (const auto& client : clients) {
+        ASSERT_TRUE(client->receive(Body::Subscribed));
+        const wire::Message* message = client->receive();
+        while (message && message->body_as_Tile())
+            message = client->receive();
+        ASSERT_TRUE(message && message->body_as_FetchDone()) << "nobody is refused what it needs";
+    }
+    EXPECT_EQ(metric("seaway_net_subscriptions"), crowd);
+    for (const std::uint8_t quality : {0, 1})
+        net->publish(host.keyframe(0, 9, {sea::Field::height}, quality));
+    for (std::size_t i = 0; i < crowd; ++i) {
+        const wire::Message* message = clients[i]->receive();
+        ASSERT_TRUE(message && message->body_as_Tile()) << i;
+        EXPECT_EQ(message->body_as_Tile()->time_us(), 9 * interval_us);
+        EXPECT_EQ(message->body_as_Tile()->error(), codec_error * (i % 2 == 0 ? 1.0f : 8.0f));
+    }
+    clients.clear();
+    EXPECT_TRUE(eventually([&] { return metric("seaway_net_subscriptions") == 0; }));
+    EXPECT_TRUE(eventually([&] { return metric("seaway_net_sessions") == 0; }));
+}
+
+TEST_F(NetCrowd, upgrades_under_way_count_as_sessions) {
+    options.sessions_max = 4;
+    options.hello_deadline = std::chrono::minutes(5); // nobody says hello here, and nobody goes
+    start();
+    // The requests come in one go, so that several upgrades are under way before the first is over.
+    constexpr int crowd = 24;
+    const std::string_view request = "GET /v1/stream HTTP/1.1\r\nHost: x\r\nUpgrade: websocket\r\n"
+                                     "Connection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
+                                     "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"
+                                     "Sec-WebSocket-Protocol: seaway.v1\r\n\r\n";
+    std::vector<std::unique_ptr<RawPeer>> peers;
+    for (int i = 0; i < crowd; ++i)
+        peers.push_back(std::make_unique<RawPeer>(port()));
+    ASSERT_TRUE(eventually([&] { return metric("seaway_net_connections") == crowd + 1; }));
+    for (const auto& peer : peers)
+        peer->say(request);
+    int upgraded = 0;
+    for (const auto& peer : peers)
+        upgraded += peer->header().starts_with("HTTP/1.1 101");
+    EXPECT_EQ(upgraded, options.sessions_max);
+}
+
+TEST_F(NetCrowd, who_goes_in_the_middle_of_a_question_is_known_to_have_gone_and_leaves_no_trace) {
+    host.answer_queries = false;
+    host.answer_fetches = false;
+    start();
+    {
+        const auto client = greeted();
+        const sea::QueryPoint point{1, 2, 3};
+        const sea::TimeUs time_us = 0;
+        ASSERT_FALSE(client->send(protocol::subscribe(1, heights, 2)));
+        ASSERT_FALSE(client->send(protocol::query(2, {&point, 1}, false)));
+        ASSERT_FALSE(client->send(protocol::fetch(3, {&time_us, 1}, heights)));
+        ASSERT_TRUE(eventually([&] { return metric("seaway_net_queries_total") == 1; }));
+        ASSERT_TRUE(eventually([&] { return metric("seaway_net_fetches_total") == 2; }));
+        for (const server::Asker& asker : host.askers)
+            EXPECT_FALSE(asker.gone());
+    }
+    ASSERT_TRUE(eventually([&] { return metric("seaway_net_sessions") == 0; }));
+    EXPECT_EQ(host.askers.size(), 3u);
+    for (const server::Asker& asker : host.askers)
+        EXPECT_TRUE(asker.gone());
+    EXPECT_EQ(metric("seaway_net_subscriptions"), 0);
+    for (const auto& answer : std::exchange(host.unanswered, {}))
+        answer(); // too late, for nobody
+    const auto other = greeted();
+    ASSERT_FALSE(other->send(protocol::ping(1, 1)));
+    EXPECT_TRUE(other->receive(Body::Pong));
+}
+
+TEST_F(NetCrowd, a_map_that_is_never_ready_is_let_go_when_the_server_stops) {
+    start();
+    RawPeer peer(port());
+    peer.say("GET /v1/map HTTP/1.1\r\nHost: x\r\n\r\n");
+    EXPECT_TRUE(peer.header().starts_with("HTTP/1.1 200"));
+    EXPECT_EQ(*host.maps_alive, 1);
+    net.reset();
+    EXPECT_EQ(*host.maps_alive, 0);
+}
+
+} // namespace
+} // namespace seaway::tests

@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: Apache-2.0
+// Who waits for whom in the simulation: streams, foam that starts and questions take turns, and none
+// of them keeps another waiting for its end.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "tests/server/simulation/simulation_bench.h"
+
+namespace seaway::server {
+namespace {
+
+const FieldSet heights{Field::height, Field::height_rate};
+const FieldSet with_foam = heights | FieldSet{Field::foam};
+
+/// Its memory is foam_ticks_max ticks: the longest start there is.
+const std::string long_foam = "[foam]\nthreshold = 0.8\ndecay_s = 100\n";
+
+/// Long enough for any machine; a test that fails ends all the same.
+constexpr std::chrono::seconds patience{60};
+
+/// Holds the simulation thread from now until it goes.
+class Gate {
+  public:
+    explicit Gate(Bench& bench) {
+        bench.simulation->fetch({}, {}, [this](const auto&) {
+            entered_.set_value();
+            opened_.get_future().wait();
+        });
+        entered_.get_future().wait();
+    }
+    ~Gate() { opened_.set_value(); }
+    Gate(const Gate&) = delete;
+    Gate& operator=(const Gate&) = delete;
+
+  private:
+    std::promise<void> entered_;
+    std::promise<void> opened_;
+};
+
+TEST(Turns, a_stream_that_never_catches_up_keeps_no_question_waiting) {
+    Bench bench;
+    bench.subscriptions.set(1, {3u, sea::surface_fields});
+    bench.leap_us = 1'000'000; // something is due at every look at the clock
+    std::promise<void> answered;
+    bench.simulation->answer({{1.0, 2.0, 0}}, false,
+                             [&](const Result<std::vector<sea::Answer>>& answers) {
+                                 EXPECT_TRUE(answers);
+                                 answered.set_value();
+                             });
+    const bool in_time = answered.get_future().wait_for(patience) == std::future_status::ready;
+    bench.leap_us = 0;
+    bench.settle();
+    EXPECT_TRUE(in_time);
+    EXPECT_GT(bench.simulation->counters().keyframes_published, 0u);
+}
+
+TEST(Turns, a_flood_of_wakes_passes_nobody_over_twice) {
+    Questions questions;
+    int slices = 0;
+    questions.ask({[&] { return ++slices == 3; }, [](const Error&) {}});
+    for (int i = 0; i < 6; ++i) {
+        questions.wake(); // before every look
+        std::optional<Question> question = questions.take(0);
+        EXPECT_EQ(question.has_value(), i % 2 == 1) << i;
+        if (question && !question->slice())
+            questions.put_back(*std::move(question));
+    }
+    EXPECT_EQ(slices, 3);
+}
+
+TEST(Turns, foam_that_starts_delays_no_question_and_no_stream_of_who_wants_none) {
+    Bench bench(long_foam);
+    bench.subscriptions.set(1, {1u, heights});
+    bench.settle();
+    const std::uint64_t before = bench.simulation->counters().synthesis.keyframes;
+    std::promise<std::vector<sea::KeyframePtr>> fetched;
+    std::promise<std::uint64_t> made_at_answer;
+    std::promise<std::size_t> streamed_at_answer;
+    {
+        const Gate gate(bench);
+        bench.now_us += bench.sea->budget.cascades[0].interval_us;
+        bench.subscriptions.set(2, {1u, with_foam});
+        bench.simulation->answer({{1.0, 2.0, 0}}, false, [&](const auto&) {
+            made_at_answer.set_value(bench.simulation->counters().synthesis.keyframes - before);
+            streamed_at_answer.set_value(bench.times(0).size());
+        });
+        bench.simulation->fetch_current(
+            {1u, with_foam}, [&](const auto& keyframes) { fetched.set_value(*keyframes); });
+    }
+    // Two slices of the start - one before the look at the new demand, one after it - each 128 ticks
+    // of 64 x 64; one of the stream, and what the answer needs.
+    EXPECT_LT(made_at_answer.get_future().get(), 2 * 128u + 10);
+    EXPECT_EQ(streamed_at_answer.get_future().get(), 2u) << "on time, without foam";
+    const std::vector<sea::KeyframePtr> current = fetched.get_future().get();
+    EXPECT_GE(bench.simulation->counters().synthesis.keyframes - before,
+              static_cast<std::uint64_t>(sea::foam_ticks_max))
+        << "the start is as long as it was thought to be";
+    bench.settle();
+
+    // What was fetched and what was streamed with foam are one sequence.
+    const TimeUs interval_us = bench.sea->budget.cascades[0].interval_us;
+    ASSERT_FALSE(current.empty());
+    EXPECT_EQ(current.front()->time_us, interval_start(bench.now_us, interval_us));
+    for (const sea::KeyframePtr& keyframe : current)
+        EXPECT_TRUE(keyframe->fields.contains(with_foam));
+    bench.advance(interval_us);
+    const std::scoped_lock lock(bench.mutex);
+    const auto first = std::ranges::find_if(bench.published, [](const auto& keyframe) {
+        return keyframe->fields.contains(Field::foam);
+    });
+    ASSERT_NE(first, bench.published.end()) << "the stream carries foam from now on";
+    EXPECT_EQ((*first)->time_us, current.back()->time_us + interval_us);
+}
+
+TEST(Turns, fetches_with_foam_far_apart_are_all_made_and_none_starts_over_for_another) {
+    const Demand foam{1u, {Field::foam}};
+    const std::vector<TimeUs> times_us{5'000'000, 900'000'000, -40'000'000};
+    Bench bench(long_foam);
+    std::vector<std::promise<Result<std::vector<sea::KeyframePtr>>>> fetched(times_us.size());
+    {
+        const Gate gate(bench);
+        for (std::size_t i = 0; i < times_us.size(); ++i)
+            bench.simulation->fetch({times_us[i]}, foam,
+                                    [&, i](auto made) { fetched[i].set_value(std::move(made)); });
+    }
+    for (std::size_t i = 0; i < times_us.size(); ++i) {
+        auto waits = fetched[i].get_future();
+        ASSERT_EQ(waits.wait_for(patience), std::future_status::ready) << i;
+        const Result<std::vector<sea::KeyframePtr>> made = waits.get();
+        ASSERT_TRUE(made);
+        Bench alone(long_foam);
+        const auto same = alone.fetch({times_us[i]}, foam);
+        ASSERT_TRUE(same);
+        for (std::size_t k = 0; k < made->size(); ++k)
+            EXPECT_TRUE(
+                std::ranges::equal((*made)[k]->plane(Field::foam), (*same)[k]->plane(Field::foam)))
+                << "a start is the same start, in however many slices";
+    }
+    // Each a start, what lies between two keyframes, and the two themselves.
+    EXPECT_LE(bench.simulation->counters().synthesis.keyframes,
+              times_us.size() * (sea::foam_ticks_max + 20));
+}
+
+TEST(Turns, a_map_of_foam_that_is_held_is_taken_over_and_not_walked_for_again) {
+    Bench bench(long_foam);
+    const Result<std::vector<sea::KeyframePtr>> foam = bench.fetch({0}, {1u, {Field::foam}});
+    ASSERT_TRUE(foam);
+    const std::uint64_t before = bench.simulation->counters().synthesis.keyframes;
+    const Result<std::vector<sea::KeyframePtr>> more =
+        bench.fetch({0}, {1u, {Field::slope_x, Field::slope_y}});
+    ASSERT_TRUE(more);
+    EXPECT_EQ(bench.simulation->counters().synthesis.keyframes - before, more->size());
+    const Result<std::vector<sea::KeyframePtr>> again =
+        bench.fetch({0}, {1u, {Field::slope_x, Field::foam}});
+    ASSERT_TRUE(again);
+    EXPECT_EQ(bench.simulation->counters().synthesis.keyframes - before, more->size())
+        << "held by now";
+    for (std::size_t i = 0; i < foam->size(); ++i)
+        EXPECT_TRUE(
+            std::ranges::equal((*again)[i]->plane(Field::foam), (*foam)[i]->plane(Field::foam)));
+}
+
+TEST(Turns, questions_of_who_has_gone_are_dropped_without_work) {
+    Bench bench;
+    auto here = std::make_shared<char>();
+    std::vector<Error> refusals;
+    const auto note = [&](const auto& result) {
+        ASSERT_FALSE(result);
+        refusals.push_back(result.error());
+    };
+    {
+        const Gate gate(bench);
+        const Asker asker(here);
+        bench.simulation->answer({{1.0, 2.0, 0}}, false, note, asker);
+        bench.simulation->answer(std::vector<sea::QueryPoint>(500), true, note, asker);
+        bench.simulation->fetch({0}, {~0u, sea::surface_fields}, note, asker);
+        bench.simulation->fetch_current({~0u, sea::surface_fields}, note, asker);
+        here = nullptr;
+    }
+    bench.settle();
+    ASSERT_EQ(refusals.size(), 4u) << "each is answered all the same";
+    for (const Error& refusal : refusals)
+        EXPECT_TRUE(refusal.is(Refusal::gone));
+    EXPECT_EQ(bench.simulation->counters().synthesis.keyframes, 0u);
+    EXPECT_EQ(bench.answer({{1.0, 2.0, 0}}).size(), 1u);
+}
+
+TEST(Turns, a_simulation_that_ends_while_foam_starts_refuses_who_waits_for_it) {
+    std::promise<Error> refused;
+    {
+        Bench bench(long_foam);
+        const Gate gate(bench);
+        bench.subscriptions.set(1, {3u, with_foam});
+        bench.simulation->fetch_current({3u, with_foam}, [&](const auto& made) {
+            if (!made)
+                refused.set_value(made.error());
+        });
+        *bench.failures = 1000;
+    }
+    EXPECT_TRUE(refused.get_future().get().is(Refusal::gone));
+}
+
+TEST(Turns, who_gives_up_foam_while_it_starts_leaves_nobody_waiting) {
+    Bench bench(long_foam);
+    std::promise<std::size_t> fetched;
+    {
+        const Gate gate(bench);
+        bench.subscriptions.set(1, {3u, with_foam});
+        bench.simulation->fetch_current({3u, with_foam},
+                                        [&](const auto& made) { fetched.set_value(made->size()); });
+        bench.subscriptions.erase(1);
+    }
+    auto waits = fetched.get_future();
+    ASSERT_EQ(waits.wait_for(patience), std::future_status::ready);
+    EXPECT_GT(waits.get(), 0u);
+    EXPECT_TRUE(bench.times(0).empty());
+}
+
+} // namespace
+} // namespace seaway::server
