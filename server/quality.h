@@ -27,8 +27,9 @@ inline double height_error_m(const sea::ErrorBudget& budget, std::uint8_t qualit
 
 /// The cheapest rung that keeps the wanted bound; the best one if none does or 0 was asked.
 inline std::uint8_t quality_for(const sea::ErrorBudget& budget, double wanted_error_m) {
+    constexpr auto rungs = static_cast<std::uint8_t>(quality_rungs.size());
     std::uint8_t quality = 0;
-    for (std::uint8_t rung = 1; rung < quality_rungs.size(); ++rung)
+    for (std::uint8_t rung = 1; rung < rungs; ++rung)
         if (height_error_m(budget, rung) <= wanted_error_m)
             quality = rung;
     return quality;

@@ -37,7 +37,8 @@ void World::on_keyframe(const sea::KeyframePtr& keyframe) {
         const std::scoped_lock lock(mutex_);
         publish = publish_;
     }
-    for (std::uint8_t quality = 0; quality < quality_rungs.size(); ++quality)
+    constexpr auto rungs = static_cast<std::uint8_t>(quality_rungs.size());
+    for (std::uint8_t quality = 0; quality < rungs; ++quality)
         if (publish && !subscriptions().wanted(keyframe->cascade, quality).empty())
             publish(tiles(keyframe, quality));
 }
@@ -66,9 +67,9 @@ void World::fetch(FetchRequest request, Fetched done) {
         done(std::move(all));
     };
     if (request.times_us.empty())
-        simulation_->fetch_current(granted, std::move(made), request.asker);
+        simulation_->fetch_current(granted, std::move(made));
     else
-        simulation_->fetch(std::move(request.times_us), granted, std::move(made), request.asker);
+        simulation_->fetch(std::move(request.times_us), granted, std::move(made));
 }
 
 void World::query(QueryBatch batch, Queried done) {
@@ -78,8 +79,7 @@ void World::query(QueryBatch batch, Queried done) {
             if (!answers)
                 return done(answers.error());
             done(QueryAnswers{epoch, *std::move(answers)});
-        },
-        batch.asker);
+        });
 }
 
 void World::map(MapQuery query, Mapped done) {

@@ -16,21 +16,16 @@
 //
 // Medians of interleaved repeats: on a shared machine only the ratios mean much. CPU time, of all
 // threads together, is the steadier of the two there.
-#include <algorithm>
-#include <chrono>
-#include <cmath>
 #include <cstdio>
-#include <ctime>
-#include <functional>
 #include <string>
 #include <vector>
 
 #include <fmt/format.h>
 
-#include "base/check.h"
 #include "base/command_line.h"
 #include "server/device/vulkan_batch.h"
 #include "server/device/vulkan_synthesizer.h"
+#include "tests/bench/contenders.h"
 #include "tests/bench/fftw_yardstick.h"
 #include "tests/sea/native/random_modes.h"
 
@@ -38,11 +33,6 @@ namespace seaway::bench {
 namespace {
 
 using sea::Field;
-
-constexpr sea::FieldSet eight_fields{Field::height,    Field::displacement_x, Field::displacement_y,
-                                     Field::slope_x,   Field::slope_y,        Field::strain_xx,
-                                     Field::strain_yy, Field::strain_xy};
-constexpr int cascade_count = 3;
 
 struct Settings {
     std::vector<int> sizes{128, 256, 512};
@@ -67,25 +57,6 @@ void need(const Result<void>& result) {
         fmt::print(stderr, "{}\n", result.error().message);
         std::exit(1);
     }
-}
-
-struct Contender {
-    std::string name;
-    std::function<void(sea::TimeUs)> run;
-    std::vector<double> milliseconds;
-    std::vector<double> cpu_milliseconds;
-};
-
-double median(std::vector<double> values) {
-    std::sort(values.begin(), values.end());
-    return values[values.size() / 2];
-}
-
-/// Of all threads of this process, the driver's among them.
-double cpu_milliseconds() {
-    timespec now{};
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-    return static_cast<double>(now.tv_sec) * 1e3 + static_cast<double>(now.tv_nsec) * 1e-6;
 }
 
 /// The device's own maps, without the copies of the synthesizer.
@@ -139,47 +110,23 @@ class DeviceMaps {
     std::vector<std::vector<double>> passes_;
 };
 
-/// One keyframe of the synthesizer against the planes of a yardstick: the same sea or none.
-void compare(const sea::Keyframe& keyframe, std::span<const float> planes) {
-    double worst = 0, sum = 0;
-    for (std::size_t i = 0; i < keyframe.values.size(); ++i) {
-        worst = std::max(worst, std::abs(double{keyframe.values[i]} - double{planes[i]}));
-        sum += double{planes[i]} * double{planes[i]};
-    }
-    const double rms = std::sqrt(sum / static_cast<double>(keyframe.values.size()));
-    SEAWAY_CHECK(worst < 1e-4 * rms, "two programs make different seas");
-}
-
-void run_timed(Contender& contender, sea::TimeUs t_us) {
-    const double cpu = cpu_milliseconds();
-    const auto start = std::chrono::steady_clock::now();
-    contender.run(t_us);
-    const std::chrono::duration<double, std::milli> taken =
-        std::chrono::steady_clock::now() - start;
-    contender.milliseconds.push_back(taken.count());
-    contender.cpu_milliseconds.push_back(cpu_milliseconds() - cpu);
-}
-
 void report(const Settings& settings, int size, const std::vector<Contender>& contenders) {
     const Contender& plain = contenders[0];
     const Contender& strongest = contenders[1];
     for (const Contender& contender : contenders) {
-        const double ms = median(contender.milliseconds), cpu = median(contender.cpu_milliseconds);
+        const double ms = median(contender.wall_ms), cpu = median(contender.cpu_ms);
         fmt::print(fmt::runtime(settings.csv ? "{},{},{:.4f},{:.3f},{:.3f},{:.4f},{:.3f},{:.3f}\n"
                                              : "{:5} {:24} {:8.3f} {:6.2f} {:6.2f}   {:8.3f} "
                                                "{:6.2f} {:6.2f}\n"),
-                   size, contender.name, ms, ms / median(plain.milliseconds),
-                   ms / median(strongest.milliseconds), cpu, cpu / median(plain.cpu_milliseconds),
-                   cpu / median(strongest.cpu_milliseconds));
+                   size, contender.name, ms, ms / median(plain.wall_ms),
+                   ms / median(strongest.wall_ms), cpu, cpu / median(plain.cpu_ms),
+                   cpu / median(strongest.cpu_ms));
     }
     std::fflush(stdout);
 }
 
 void time_size(const Settings& settings, gpu::Device& device, int size) {
-    std::vector<sea::CascadeModes> modes;
-    for (std::uint64_t seed = 0; seed < cascade_count; ++seed)
-        modes.push_back(sea::random_modes(size, settings.reach * size / 2, seed,
-                                          50.0 * std::pow(5, static_cast<double>(seed))));
+    const std::vector<sea::CascadeModes> modes = three_cascades(size, settings.reach);
     FftwYardstick strongest(FftwProgram::split_batch, modes), plain(FftwProgram::plain, modes);
     auto sea = std::make_shared<sea::Realization>();
     sea->cascades = modes;
@@ -199,24 +146,22 @@ void time_size(const Settings& settings, gpu::Device& device, int size) {
         keyframes = need(synthesizer->synthesize(requests));
     };
     std::vector<Contender> contenders{
-        {"plain", [&](auto t) { plain.run(t, true); }, {}, {}},
-        {"strongest", [&](auto t) { strongest.run(t, true); }, {}, {}},
-        {"plain unsplit", [&](auto t) { plain.run(t, false); }, {}, {}},
-        {"strongest unsplit", [&](auto t) { strongest.run(t, false); }, {}, {}},
-        {"vulkan keyframes", synthesize, {}, {}},
-        {"maps, height only", [&](auto t) { best.run({Field::height}, cascade_count, t); }, {}, {}},
-        {"maps, one cascade", [&](auto t) { best.run(eight_fields, 1, t); }, {}, {}}};
+        {"plain", [&](auto t) { plain.run(t, true); }},
+        {"strongest", [&](auto t) { strongest.run(t, true); }},
+        {"plain unsplit", [&](auto t) { plain.run(t, false); }},
+        {"strongest unsplit", [&](auto t) { strongest.run(t, false); }},
+        {"vulkan keyframes", synthesize},
+        {"maps, height only", [&](auto t) { best.run({Field::height}, cascade_count, t); }},
+        {"maps, one cascade", [&](auto t) { best.run(eight_fields, 1, t); }}};
     for (const auto& design : designs)
         contenders.push_back({"maps " + design->name(),
-                              [&d = *design](auto t) { d.run(eight_fields, cascade_count, t); },
-                              {},
-                              {}});
+                              [&d = *design](auto t) { d.run(eight_fields, cascade_count, t); }});
     for (Contender& contender : contenders)
         contender.run(12'345'678);
     const std::size_t floats = keyframes[0]->values.size();
     for (std::size_t i = 0; i < keyframes.size(); ++i)
         for (const FftwYardstick* yardstick : {&plain, &strongest})
-            compare(*keyframes[i], yardstick->planes().subspan(i * floats, floats));
+            check_same(keyframes[i]->values, yardstick->planes().subspan(i * floats, floats));
     for (int repeat = 0; repeat < settings.repeats; ++repeat)
         for (Contender& contender : contenders)
             run_timed(contender, repeat * 33'333);

@@ -14,7 +14,7 @@ struct PlainModes {
     int size;
     const float* cosine;     ///< re, im of h0(k) + conj h0(-k)
     const float* sine;       ///< re, im of i (conj h0(-k) - h0(k))
-    const float* over_k;     ///< 1 / k
+    const float* over_k;     ///< coth(kd) / k
     const float* wavenumber; ///< by index
     const std::uint64_t* rate;
 };

@@ -29,7 +29,7 @@ struct FftwYardstick::Modes {
                     cosine.push_back(static_cast<float>(v));
                 for (double v : {q.real(), q.imag()})
                     sine.push_back(static_cast<float>(v));
-                over_k.push_back(static_cast<float>(k > 0 ? 1 / k : 0));
+                over_k.push_back(static_cast<float>(k > 0 ? modes.displacement_over_k(k) : 0));
             }
         }
         plain = {modes.spec.size, cosine.data(),     sine.data(),
