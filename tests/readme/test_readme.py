@@ -1,0 +1,73 @@
+#!/usr/bin/env python3
+"""The commands of README.md, "Use it", run as they are written, against a server on a free port.
+
+    test_readme.py BIN_DIR
+
+Taken from the page: the scene and flags of the server, and every command of the second block. Only
+the port, the folder of the programs and the folder that files go to are put in.
+"""
+import os
+import pathlib
+import re
+import shlex
+import signal
+import subprocess
+import sys
+import tempfile
+import unittest
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+BIN = pathlib.Path(sys.argv.pop(1)).resolve()
+PORT = "9430"
+FOREVER = "--watch"  # such a command goes on until it is stopped
+
+
+def use_it_blocks():
+    """The lines of each code block of the section."""
+    section = (ROOT / "README.md").read_text().split("\n## Use it\n")[1].split("\n## ")[0]
+    return [block.strip().splitlines() for block in re.findall(r"```sh\n(.*?)```", section, re.S)]
+
+
+class UseIt(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        for name in ("scenes", "docs"):  # what commands name relative to a checkout
+            os.symlink(ROOT / name, pathlib.Path(self.folder.name) / name)
+        (serve,), self.commands = use_it_blocks()
+        words = shlex.split(serve)
+        self.assertEqual(words[:2], ["./dev", "serve"])
+        self.assertIn(f"127.0.0.1:{PORT}", words)
+        self.server = subprocess.Popen([BIN / "seaway-server", *(w.replace(PORT, "0") for w in words[2:])],
+                                       cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+        self.port = re.match(r"ready ws://127\.0\.0\.1:(\d+)", self.server.stdout.readline()).group(1)
+
+    def tearDown(self):
+        self.server.terminate()
+        self.server.wait()
+        self.server.stdout.close()
+        self.folder.cleanup()
+
+    def start(self, command):
+        words = shlex.split(command.replace(PORT, self.port))
+        self.assertTrue(words[0].startswith("build/dev/bin/"), command)
+        return subprocess.Popen([BIN / pathlib.Path(words[0]).name, *words[1:]], cwd=self.folder.name,
+                                stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+    def test_every_command_runs_as_it_is_written(self):
+        self.assertGreaterEqual(len(self.commands), 4)
+        for command in self.commands:
+            with self.subTest(command):
+                program = self.start(command)
+                if FOREVER in command:
+                    self.assertTrue(program.stdout.readline(), "says nothing")
+                    program.send_signal(signal.SIGINT)
+                said, complaint = program.communicate(timeout=300)
+                if FOREVER not in command:
+                    self.assertEqual(program.returncode, 0, said + complaint)
+                for name in re.findall(r"\S+\.png", command):
+                    picture = pathlib.Path(self.folder.name) / name
+                    self.assertTrue(picture.read_bytes().startswith(b"\x89PNG"), f"{name} is no picture")
+
+
+if __name__ == "__main__":
+    unittest.main()
