@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gpu/kernel.h"
 
+#include <algorithm>
+
 #include "gpu/call.h"
 
 namespace seaway::gpu {

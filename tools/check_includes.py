@@ -4,6 +4,9 @@
 The page's two tables are read here and stand nowhere else: which room may see which, and who may
 include headers that are not ours. A header that is neither ours, nor the C++ standard's, nor in the
 table is an error too: a new dependency is a decision.
+
+Every file that calls an algorithm includes <algorithm>, itself or by a header of ours: libstdc++ 12 brings
+it with other headers, libstdc++ 14 does not.
 """
 import re
 import sys
@@ -13,6 +16,11 @@ from source_files import ROOT, source_files
 PAGE = "docs/architecture.md"
 EVERYONE = ("fmt/",)
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
+
+
+ALGORITHM = re.compile(r"\bstd::(?:(?:all|any|none)_of|(?:stable_|partial_|nth_)?(?:sort|element)|find(?:_if)?"
+                       r"|count(?:_if)?|fill(?:_n)?|copy(?:_n)?|transform|(?:min|max|minmax)(?:_element)?|equal"
+                       r"|reverse|shuffle|(?:lower|upper)_bound|unique|remove_if|for_each|clamp|rotate)\(")
 
 
 def table(heading):
@@ -67,6 +75,16 @@ def objection(path, header):
     return None
 
 
+def brings(path, known={}):
+    """All headers that a file of ours includes, directly or by others of ours."""
+    if path not in known:
+        known[path] = set()  # ends circles
+        lines = (ROOT / path).read_text().splitlines() if (ROOT / path).is_file() else []
+        for header in [match.group(1) for match in map(INCLUDE.match, lines) if match]:
+            known[path] |= {header} | brings(header)
+    return known[path]
+
+
 def main():
     files = [path for path in source_files(".h", ".hpp", ".cpp") if room_of(path)]
     found = 0
@@ -77,6 +95,11 @@ def main():
             if why:
                 print(f"{path}:{number}: <{match.group(1)}>: {why} ({PAGE}, Rooms)", file=sys.stderr)
                 found += 1
+    for path in source_files(".h", ".hpp", ".cpp"):
+        code = re.sub(r"//.*", "", (ROOT / path).read_text())
+        if (call := ALGORITHM.search(code)) and "algorithm" not in brings(path):
+            print(f"{path}: {call.group(0)}) without <algorithm>", file=sys.stderr)
+            found += 1
     if not found:
         print(f"includes: {len(files)} files, every include points the right way")
     return 1 if found else 0

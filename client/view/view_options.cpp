@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/view/view_options.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>

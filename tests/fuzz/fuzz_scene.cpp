@@ -2,6 +2,7 @@
 // Scene texts and parameter sets: an error by name, or a finite sea that reads back as itself.
 // First byte '#': all of it is TOML text (tests/data/odd_scenes/ is a corpus). Another odd byte: the rest
 // is. Even: the rest picks values, also impossible ones, for the keys of a scene.
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>

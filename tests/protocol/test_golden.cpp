@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Bytes that were written once and are read for ever: a message of every kind, a tile of every mode
 // (tests/golden/README.md).
+#include <algorithm>
 #include <cstring>
 #include <filesystem>
 #include <fstream>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sea/foam/foam_law.h"
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 

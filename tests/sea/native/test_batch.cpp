@@ -3,6 +3,7 @@
 // the maps are those of each task alone, to the bit.
 #include "sea/native/batch.h"
 
+#include <algorithm>
 #include <chrono>
 #include <numeric>
 #include <thread>

@@ -3,6 +3,7 @@
 // see a wave that is lost because of where it stands; one wave alone is lost or it is not.
 #include "sea/native/native_runner.h"
 
+#include <algorithm>
 #include <numbers>
 #include <set>
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sea/native/vector.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/server/net/clients.h"
 
+#include <algorithm>
 #include <array>
 
 #include <boost/asio/io_context.hpp>

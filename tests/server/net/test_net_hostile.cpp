@@ -3,6 +3,7 @@
 // reason, and a well-behaved subscriber next to them sees no gap.
 #include "tests/server/net/net_fixture.h"
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <random>
