@@ -120,7 +120,9 @@ def main():
     copy_sources()
     if not (BUILD / "build.ninja").exists():
         subprocess.run(["cmake", "-S", COPY, "-B", BUILD, "-G", "Ninja",
-                        "-DCMAKE_BUILD_TYPE=RelWithDebInfo"], check=True, capture_output=True)
+                        "-DCMAKE_BUILD_TYPE=RelWithDebInfo",
+                        # Half the time to compile and link; results are the same.
+                        "-DCMAKE_CXX_FLAGS_RELWITHDEBINFO=-O1"], check=True, capture_output=True)
     fresh = [m for m in mutants if not out_of_date(m)]
     errors = clean_run(fresh)
     results = [(m, f"ERROR: {why}") for m, why in stale]
