@@ -34,6 +34,7 @@ sea::MapError local_map_error(const SeaState& state, std::span<const KeyframePai
     sea::MapError error;
     error.interpolation_m = state.interpolation_error_m;
     error.interpolation_displacement_m = state.interpolation_displacement_m;
+    error.interpolation_strain = state.interpolation_strain;
     for (const KeyframePair& pair : pairs) {
         const auto cascade = static_cast<std::size_t>(pair.before->keyframe().cascade);
         const double interval_s = sea::seconds_from_us(state.cascades[cascade].interval_us);
@@ -42,8 +43,10 @@ sea::MapError local_map_error(const SeaState& state, std::span<const KeyframePai
             sampled_error(pair, Field::displacement_x, Field::displacement_x_rate, interval_s);
         const double y_m =
             sampled_error(pair, Field::displacement_y, Field::displacement_y_rate, interval_s);
-        error.codec_displacement_m +=
-            std::hypot(state.choppiness_x * x_m, state.choppiness_y * y_m);
+        const double sideways_m = std::hypot(state.choppiness_x * x_m, state.choppiness_y * y_m);
+        const sea::Keyframe& map = pair.before->keyframe();
+        error.codec_displacement_m += sideways_m;
+        error.codec_strain += sea::sampled_slope_error(sideways_m, map.length_m / map.size);
     }
     return error;
 }

@@ -146,7 +146,8 @@ Result<void> check(const wire::SeaState& state) {
         in_range("foam_threshold", state.foam_threshold(), -1.0, 1.0),
         in_range("displacement_reach_m", state.displacement_reach_m(), 0.0, 1e9),
         in_range("rms_strain", state.rms_strain(), 0.0, 1e9),
-        in_range("interpolation_displacement_m", state.interpolation_displacement_m(), 0.0, 1e9));
+        in_range("interpolation_displacement_m", state.interpolation_displacement_m(), 0.0, 1e9),
+        in_range("interpolation_strain", state.interpolation_strain(), 0.0, 1e9));
     if (!fine || state.cascades() == nullptr)
         return fine;
     for (const wire::CascadeInfo* cascade : *state.cascades()) {

@@ -133,6 +133,7 @@ struct SeaStateValues {
     double displacement_reach_m = 0;         ///< no point is moved further, choppiness included
     double rms_strain = 0;                   ///< of the divergence of D, 1
     double interpolation_displacement_m = 0; ///< as interpolation_error_m, of D
+    double interpolation_strain = 0;         ///< likewise, of grad D, 1
 };
 Bytes sea_state(const SeaStateValues& state);
 /// The inverse; `state` must have passed check().

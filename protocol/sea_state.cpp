@@ -37,7 +37,7 @@ Bytes sea_state(const SeaStateValues& state) {
         state.choppiness_y, state.height_error_m, &requested, &realised,
         state.interpolation_error_m, state.rms_slope, scene, warnings, state.foam_mean,
         state.foam_threshold, state.displacement_reach_m, state.rms_strain,
-        state.interpolation_displacement_m);
+        state.interpolation_displacement_m, state.interpolation_strain);
     built.Finish(wire::CreateMessage(built, wire::Body::SeaState, body.Union()),
                  wire::MessageIdentifier());
     return {built.GetBufferPointer(), built.GetBufferPointer() + built.GetSize()};
@@ -60,7 +60,8 @@ SeaStateValues values(const wire::SeaState& state) {
                        .foam_threshold = state.foam_threshold(),
                        .displacement_reach_m = state.displacement_reach_m(),
                        .rms_strain = state.rms_strain(),
-                       .interpolation_displacement_m = state.interpolation_displacement_m()};
+                       .interpolation_displacement_m = state.interpolation_displacement_m(),
+                       .interpolation_strain = state.interpolation_strain()};
     if (const auto* cascades = state.cascades())
         for (const wire::CascadeInfo* c : *cascades)
             out.cascades.push_back({.length_m = c->length_m(),

@@ -113,6 +113,7 @@ protocol::SeaStateValues sea_state_values(const RunningSea& sea,
     state.displacement_reach_m = sea.budget.displacement_reach_m;
     state.rms_strain = sea.budget.rms_strain;
     state.interpolation_displacement_m = sea.budget.interpolation_displacement_m;
+    state.interpolation_strain = sea.budget.interpolation_strain;
     if (sea.foam_law) {
         state.foam_mean = sea.foam_law->mean_coverage;
         state.foam_threshold = sea.foam_law->threshold;

@@ -7,7 +7,7 @@
 // between keyframes is missed by 1 - cos(u/2) - (u/4) sin(u/2) ~ u^4/384 of its amplitude; one of
 // q = k dx between grid points by 2 r / (1 + r), r = sum_{j != 0} (q / (q + 2 pi j))^4. Random
 // waves add in the square; the stated bound is six standard deviations of the sum, which one point
-// in 5e8 exceeds. Stylised waves that are no modes count with a bound of their own
+// in 5e8 exceeds. What single precision costs is added to it. Stylised waves that are no modes count with a bound of their own
 // (sea/surface/sine_error.h). The codec's bound is hard.
 //
 // Pure functions; thread-safe. Cost: a few milliseconds a cascade, and what sine_error.h says.
@@ -40,14 +40,17 @@ struct CascadeBudget {
     TimeUs interval_us = 0;
     double time_rms_m = 0;  ///< of heights, at the worst moment between two keyframes
     double space_rms_m = 0; ///< of heights, at the worst place between grid points
+    double spacing_m = 0;   ///< between them
 };
 
 struct ErrorBudget {
     double height_error_m = 0;
     BudgetShares shares;
     std::vector<CascadeBudget> cascades;
-    double interpolation_m = 0; ///< bound: six standard deviations of time and space together
+    /// Bound: six standard deviations of time and space together, and single precision.
+    double interpolation_m = 0;
     double interpolation_displacement_m = 0; ///< likewise, of D: in shallow water more than that
+    double interpolation_strain = 0;         ///< likewise, of grad D
     double rms_slope = 0;                    ///< of the realised sea, 1
     double rms_strain = 0;                   ///< of the divergence of D; in deep water rms_slope
     double displacement_reach_m = 0; ///< lambda |D| stays below this (six standard deviations)
@@ -76,6 +79,13 @@ inline constexpr double hermite_phase_max = 2.0 * std::numbers::pi;
 /// Amplitude share that a cubic spline misses at phase step q = k dx, 0 .. pi.
 double spline_error(double q);
 
+/// Largest error of the derivative of a cubic spline at phase step q, as a share of q.
+double spline_slope_error(double q);
+
+/// What single precision costs a sampled value, from the transform to the sum over cascades, as a share
+/// of four times the rms of its map: twice the largest that random points showed on any device.
+inline constexpr double single_precision_share = 5e-7;
+
 /// Bounds for the codec, one a field of `fields` in table order, in the field's unit, such that
 /// tiles of all `cascade_count` cascades together cost at most `codec_error_m` of height. Fields
 /// that no height depends on (slopes, strains, Jacobian, foam) get a fixed bound.
@@ -89,5 +99,8 @@ MapError map_error(const ErrorBudget& budget, double codec_error_m);
 /// value, when the values carry errors up to `value_error` and their time rates up to `rate_error`.
 /// What a client adds up over cascades from the bounds that its tiles state.
 double sampled_codec_error(double value_error, double rate_error, double interval_s);
+
+/// Of a gradient, per m, when the sampled value may be wrong by that much: samples `spacing_m` apart.
+double sampled_slope_error(double sampled_error, double spacing_m);
 
 } // namespace seaway::sea

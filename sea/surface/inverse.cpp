@@ -12,7 +12,7 @@ namespace seaway::sea {
 namespace {
 
 constexpr int newton_steps_max = 12;
-constexpr int halvings_max = 4;
+constexpr int halvings_max = 10;
 
 struct Sheet {
     Vec2 lagrangian;
@@ -36,10 +36,9 @@ class Solver {
     }
 
     /// Damped Newton; ends at the tolerance or at the best point it could reach.
-    Sheet solve(Vec2 start) {
+    Sheet solve(Vec2 start, double tolerance_m) {
         Sheet sheet = evaluate(start);
-        for (int step = 0; step < newton_steps_max && sheet.residual_m > options_.tolerance_m;
-             ++step) {
+        for (int step = 0; step < newton_steps_max && sheet.residual_m > tolerance_m; ++step) {
             const Vec2 delta = newton_step(sheet);
             Sheet next = sheet;
             double length = 1.0;
@@ -59,8 +58,8 @@ class Solver {
     double jacobian_min() const { return jacobian_min_; }
 
   private:
-    /// -(I + lambda grad D)^-1 residual; where the matrix is close to singular, the plain
-    /// fixed-point step. Never longer than the reach (D4).
+    /// -(I + lambda grad D)^-1 residual, which leads downhill however close to singular the matrix is;
+    /// where it is, the plain fixed-point step. Never longer than the reach (D4).
     Vec2 newton_step(const Sheet& sheet) const {
         const double a = 1.0 + options_.choppiness.x * sheet.point.strain_xx;
         const double b = options_.choppiness.x * sheet.point.strain_xy;
@@ -68,7 +67,7 @@ class Solver {
         const double d = 1.0 + options_.choppiness.y * sheet.point.strain_yy;
         const double det = a * d - b * c;
         Vec2 step{-sheet.residual.x, -sheet.residual.y};
-        if (std::abs(det) > 1e-3)
+        if (std::abs(det) > 1e-9)
             step = {-(d * sheet.residual.x - b * sheet.residual.y) / det,
                     -(a * sheet.residual.y - c * sheet.residual.x) / det};
         const double length = std::hypot(step.x, step.y);
@@ -89,6 +88,9 @@ constexpr double apart_m = 1e-3;
 
 /// The search works in single precision; Newton goes on from what it finds.
 constexpr double start_tolerance_m = 1e-4;
+/// Beside the edge of a fold a residual of 0.1 mm is a centimetre along the surface, and would make a
+/// sheet the highest that is not.
+constexpr double compared_tolerance_m = 3e-6;
 
 /// Every sheet that `sheets` leaves room for; the highest one that solves the equation, or `found` if
 /// none does.
@@ -104,9 +106,11 @@ Sheet highest_sheet(Solver& solver, const Sheet& found, Vec2 target, const Inver
                      std::max(options.tolerance_m, start_tolerance_m)},
                     sheets);
     folded |= others.folded;
-    Sheet best = found;
+    const double tolerance_m = std::min(options.tolerance_m, compared_tolerance_m);
+    Sheet best =
+        found.residual_m > tolerance_m ? solver.solve(found.lagrangian, tolerance_m) : found;
     for (const Vec2& start : others.found) {
-        const Sheet sheet = solver.solve(start);
+        const Sheet sheet = solver.solve(start, tolerance_m);
         if (sheet.residual_m > options.tolerance_m)
             continue;
         const bool best_solves = best.residual_m <= options.tolerance_m;
@@ -148,7 +152,7 @@ Answer surface_at(const QueryPoint& point, const InverseOptions& options, Lagran
     if (!std::isfinite(point.x_m) || !std::isfinite(point.y_m))
         return invalid_answer();
     Solver solver({point.x_m, point.y_m}, options, field);
-    Sheet sheet = solver.solve({point.x_m, point.y_m});
+    Sheet sheet = solver.solve({point.x_m, point.y_m}, options.tolerance_m);
     bool folded = sheets == nullptr && solver.jacobian_min() < fold_suspected_below;
     if (sheets != nullptr)
         sheet = highest_sheet(solver, sheet, {point.x_m, point.y_m}, options, *sheets, folded);

@@ -15,7 +15,8 @@ constexpr double apart_tolerances = 10;
 constexpr std::size_t edges_max = 16;
 
 /// Kantorovich: Newton from the middle of a box converges to its one solution where the gradient
-/// changes by less than this share of its smallest singular value.
+/// changes by less than this share of its smallest singular value. What the field may be wrong by does
+/// not keep Newton from converging; it is one to one all the same while both together stay below s1.
 constexpr double kantorovich = 0.4;
 
 /// X + lambda D(X) - x and its gradient at a place.
@@ -119,13 +120,13 @@ class Search {
             if (off_m > s.value[i] * spans_m + shifted_m + search_.blur_m)
                 return true;
         }
-        if (bent + search_.strain_blur < kantorovich * s.value[0]) {
+        if (bent < kantorovich * s.value[0] && bent + search_.strain_blur < s.value[0]) {
             add_solution(middle, here, radius_m);
             return true;
         }
         if (radius_m > smallest_m_)
             return false;
-        add_edge(middle);
+        add_edge(middle, s.v[0]);
         return true;
     }
 
@@ -161,8 +162,9 @@ class Search {
         return std::nullopt;
     }
 
-    /// Too small to tell: the edge of a fold. One place stands for those around it.
-    void add_edge(Vec2 at) {
+    /// Too small to tell: the edge of a fold. One place stands for those around it. Where two sheets
+    /// meet, they lie on either side along the direction that the gradient nearly puts to nothing.
+    void add_edge(Vec2 at, Vec2 across) {
         sheets_.folded = true;
         const bool known = std::any_of(edges_.begin(), edges_.end(), [&](const Vec2& other) {
             return std::hypot(other.x - at.x, other.y - at.y) < 16 * smallest_m_;
@@ -170,7 +172,9 @@ class Search {
         if (known || edges_.size() >= edges_max)
             return;
         edges_.push_back(at);
-        sheets_.found.push_back(at);
+        const double apart_m = 4 * smallest_m_;
+        for (const double side_m : {-apart_m, apart_m})
+            sheets_.found.push_back({at.x + side_m * across.x, at.y + side_m * across.y});
     }
 
     const SheetSearch& search_;

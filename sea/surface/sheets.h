@@ -58,7 +58,7 @@ struct SheetSearch {
 };
 
 struct Sheets {
-    std::vector<Vec2> found; ///< solutions, and places at the edge of a fold
+    std::vector<Vec2> found; ///< solutions, and places on both sides of the edge of a fold
     bool folded = false;     ///< there is a turned sheet, or there may be one within the blur
     int evaluations = 0;
 };

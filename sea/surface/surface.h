@@ -32,6 +32,8 @@ struct MapError {
     double codec_height_m = 0;               ///< summed over cascades
     double codec_displacement_m = 0;         ///< of x = X + lambda D, summed over cascades
     double interpolation_displacement_m = 0; ///< space and time, of D
+    double codec_strain = 0;                 ///< of lambda grad D, summed over cascades
+    double interpolation_strain = 0;         ///< space and time, of grad D
 };
 
 class Surface {

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <vector>
 
 #include "sea/surface/hermite.h"
@@ -14,8 +13,8 @@ namespace {
 
 constexpr int rounds_max = 4;
 constexpr double worth_another_round = 0.7;
-/// Single precision through a spline and a sum over cascades.
-constexpr double rounding_m = 1e-5;
+/// Patches are in single precision.
+constexpr double rounding_m = 1e-6;
 
 /// The bounds of one pair mixed at a time between its keyframes.
 class Mixed {
@@ -67,13 +66,7 @@ SurfaceSheets::SurfaceSheets(const Surface& surface, TimeUs time_us)
     const MapError& error = surface.map_error();
     blur_m_ =
         rounding_m + sideways_ * error.interpolation_displacement_m + error.codec_displacement_m;
-    for (const SplinePair& pair : surface.pairs())
-        finest_m_ = std::min(finest_m_, pair.before->length_m() / pair.before->size());
-}
-
-// What maps miss lies in their finest waves and in the images of those beyond Nyquist.
-double SurfaceSheets::strain_blur() const {
-    return blur_m_ * std::numbers::pi / finest_m_;
+    strain_blur_ = sideways_ * error.interpolation_strain + error.codec_strain;
 }
 
 std::optional<Box> SurfaceSheets::others(Vec2 target, const Vec2* root, bool) {

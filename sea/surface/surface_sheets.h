@@ -10,7 +10,6 @@
 // For one point and time; not thread-safe. About 0.1 us, nothing allocated, where there is one sheet.
 #pragma once
 
-#include <limits>
 #include <optional>
 
 #include "sea/surface/patch_sheets.h"
@@ -24,7 +23,7 @@ class SurfaceSheets final : public PatchSheets {
 
     std::optional<Box> others(Vec2 target, const Vec2* root, bool suspected) override;
     double blur_m() const override { return blur_m_; }
-    double strain_blur() const override;
+    double strain_blur() const override { return strain_blur_; }
 
   private:
     /// How far from a solution others may lie; 0: there is none.
@@ -35,7 +34,7 @@ class SurfaceSheets final : public PatchSheets {
     TimeUs time_us_;
     double sideways_;
     double blur_m_;
-    double finest_m_ = std::numeric_limits<double>::infinity(); ///< grid spacing
+    double strain_blur_;
 };
 
 } // namespace seaway::sea

@@ -123,6 +123,7 @@ class WaveSea : public server::Host {
         // less in time: 0.2 mm; doubled for the displacement's share.
         state.interpolation_error_m = 0.0004;
         state.interpolation_displacement_m = 0.0004;
+        state.interpolation_strain = 0.0004;
         state.displacement_reach_m = 1.5 * state.realised.hs_m;
         return {std::make_shared<const protocol::Bytes>(protocol::sea_state(state))};
     }

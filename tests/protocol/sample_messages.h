@@ -38,6 +38,7 @@ inline SeaStateValues some_state() {
     state.displacement_reach_m = 17.5;
     state.rms_strain = 0.3;
     state.interpolation_displacement_m = 0.02;
+    state.interpolation_strain = 0.05;
     return state;
 }
 

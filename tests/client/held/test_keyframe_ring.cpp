@@ -214,6 +214,7 @@ SeaState one_cascade_sea() {
     state.epoch = 1;
     state.cascades.push_back({.length_m = 50, .size = 16, .interval_us = interval_us});
     state.interpolation_error_m = 0.002;
+    state.interpolation_strain = 0.003;
     return state;
 }
 
@@ -237,6 +238,7 @@ TEST(LocalAnswer, a_stated_error_holds_interpolation_and_codec) {
     ASSERT_TRUE(pair);
     const sea::MapError error = local_map_error(state, {&*pair, 1});
     EXPECT_DOUBLE_EQ(error.interpolation_m, 0.002);
+    EXPECT_DOUBLE_EQ(error.interpolation_strain, 0.003);
     // Values of 1 mm and rates of 1 mm/s between keyframes 0.1 s apart, through spline weights
     // (gain 2.4 at most): a little over 2.4 mm, never below the 1 mm of a grid point.
     EXPECT_GT(error.codec_height_m, 0.001);
@@ -264,19 +266,25 @@ TEST(LocalAnswer, a_codec_error_is_that_of_the_worse_keyframe_of_every_cascade_s
             {with_errors(0, 0, first), with_errors(0, interval_us, second), true},
             {with_errors(1, 0, second), with_errors(1, 40'000, first), true}};
         const sea::MapError error = local_map_error(state, pairs);
-        double height = 0, sideways = 0;
-        for (const double interval_s : {0.1, 0.04}) {
+        double height = 0, sideways = 0, strain = 0;
+        for (std::size_t c = 0; c < 2; ++c) {
+            const double interval_s = c == 0 ? 0.1 : 0.04;
             const auto coded = [&](Field value, Field rate) {
                 return sea::sampled_codec_error(0.003f * (1 + static_cast<float>(value)),
                                                 0.003f * (1 + static_cast<float>(rate)),
                                                 interval_s);
             };
             height += coded(Field::height, Field::height_rate);
-            sideways += std::hypot(1.5 * coded(Field::displacement_x, Field::displacement_x_rate),
-                                   0.5 * coded(Field::displacement_y, Field::displacement_y_rate));
+            const double own =
+                std::hypot(1.5 * coded(Field::displacement_x, Field::displacement_x_rate),
+                           0.5 * coded(Field::displacement_y, Field::displacement_y_rate));
+            const sea::Keyframe& map = pairs[c].before->keyframe();
+            sideways += own;
+            strain += sea::sampled_slope_error(own, map.length_m / map.size);
         }
         EXPECT_NEAR(error.codec_height_m, height, 1e-9);
         EXPECT_NEAR(error.codec_displacement_m, sideways, 1e-9);
+        EXPECT_NEAR(error.codec_strain, strain, 1e-9 * strain);
     }
 }
 

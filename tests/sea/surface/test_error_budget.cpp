@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "sea/native/native_runner.h"
 #include "sea/surface/error_budget.h"
 #include "sea/surface/surface.h"
 #include "tests/support/explicit_sea.h"
@@ -140,25 +141,39 @@ TEST(ErrorBudget, what_is_stated_is_the_sum_of_all_its_parts) {
                          tests::random_cascade(41.0, 64, 15, 300, 0.004, 12)},
                         {0.7, 1.3});
     const ErrorBudget budget = plan_budget(*sea, 0.01);
-    double missed_m2 = 0, variance_m2 = 0, slope2 = 0;
+    double missed_m2 = 0, strain_missed2 = 0, variance_m2 = 0, slope2 = 0, single_m = 0,
+           single_strain = 0;
     for (std::size_t c = 0; c < 2; ++c) {
         const CascadeModes& modes = sea->cascades[c];
-        double space_m2 = 0;
+        const double dx = modes.spec.spacing_m();
+        double space_m2 = 0, own_m2 = 0;
         for (int iy = 0; iy < 64; ++iy)
             for (int ix = 0; ix < 64; ++ix) {
                 const double v = 2 * std::norm(modes.h0[static_cast<std::size_t>(iy * 64 + ix)]);
                 const double qx = two_pi / 64 * std::abs(signed_index(ix, 64));
                 const double qy = two_pi / 64 * std::abs(signed_index(iy, 64));
                 const double missed = spline_error(qx) + spline_error(qy);
-                const double dx = modes.spec.spacing_m();
+                const double slope_missed = spline_slope_error(qx) + spline_slope_error(qy);
+                const double slope_v = v * (qx * qx + qy * qy) / (dx * dx);
                 space_m2 += v * missed * missed;
-                variance_m2 += v;
-                slope2 += v * (qx * qx + qy * qy) / (dx * dx);
+                own_m2 += v;
+                slope2 += slope_v;
+                strain_missed2 += slope_v * slope_missed * slope_missed;
             }
+        variance_m2 += own_m2;
+        single_m += single_precision_share * 4 * std::sqrt(own_m2);
+        single_strain += sampled_slope_error(single_precision_share * 4 * std::sqrt(own_m2), dx);
+        EXPECT_EQ(budget.cascades[c].spacing_m, dx);
         EXPECT_NEAR(budget.cascades[c].space_rms_m, std::sqrt(space_m2), 1e-12);
         missed_m2 += space_m2 + std::pow(budget.cascades[c].time_rms_m, 2);
     }
-    EXPECT_NEAR(budget.interpolation_m, 6 * std::sqrt(missed_m2), 1e-12);
+    EXPECT_NEAR(budget.interpolation_m, 6 * std::sqrt(missed_m2) + single_m, 1e-12);
+    EXPECT_NEAR(budget.interpolation_displacement_m, 6 * std::sqrt(missed_m2) + single_m, 1e-12);
+    // Time adds to strains too: less than space here, and it cannot be less than nothing.
+    EXPECT_GT(budget.interpolation_strain, 6 * std::sqrt(strain_missed2) + single_strain);
+    EXPECT_LT(budget.interpolation_strain, 2 * (6 * std::sqrt(strain_missed2) + single_strain));
+    EXPECT_EQ(map_error(budget, 0).interpolation_strain, budget.interpolation_strain);
+    EXPECT_EQ(map_error(budget, 0).codec_strain, 0);
     EXPECT_NEAR(budget.rms_slope, std::sqrt(slope2), 1e-12);
     EXPECT_NEAR(budget.displacement_reach_m, 6 * 1.3 * std::sqrt(variance_m2), 1e-12);
     EXPECT_DOUBLE_EQ(fold_search(budget).reach_m, budget.displacement_reach_m);
@@ -180,9 +195,135 @@ TEST(ErrorBudget, codec_bounds_spend_exactly_what_they_were_given) {
     }
     const MapError error = map_error(budget, codec_m);
     EXPECT_NEAR(height, error.codec_height_m, 1e-3 * height);
+    EXPECT_NEAR(error.codec_strain,
+                0.5 *
+                    (sampled_slope_error(error.codec_displacement_m, budget.cascades[0].spacing_m) +
+                     sampled_slope_error(error.codec_displacement_m, budget.cascades[1].spacing_m)),
+                1e-12);
     // Height plus the displacement's part at three times the typical slope is the whole share.
     const double steep = std::min(1.0, 3 * budget.rms_slope);
     EXPECT_NEAR(error.codec_height_m + steep * error.codec_displacement_m, codec_m, 1e-12);
+}
+
+/// Two maps by the native device, one interval apart.
+Surface native_surface(const RealizationPtr& sea, const ErrorBudget& budget) {
+    NativeRunner runner(1);
+    std::vector<SplinePair> pairs;
+    for (std::size_t c = 0; c < sea->cascades.size(); ++c) {
+        const CascadeModes& modes = sea->cascades[c];
+        const auto transform = NativeTransform::create(modes, sea->choppiness);
+        const auto map = [&](TimeUs time_us) {
+            Keyframe keyframe;
+            keyframe.time_us = time_us;
+            keyframe.size = modes.spec.size;
+            keyframe.length_m = modes.spec.length_m;
+            keyframe.fields = surface_fields;
+            keyframe.values.resize(keyframe.plane_size() * 6);
+            const NativeTask task{&*transform, time_us, surface_fields, keyframe.values};
+            runner.run({&task, 1});
+            return std::make_shared<const SplineMap>(keyframe);
+        };
+        pairs.push_back({map(0), map(budget.cascades[c].interval_us)});
+    }
+    return Surface(std::move(pairs), sea->choppiness, fold_search(budget), map_error(budget, 0));
+}
+
+// Long waves on a fine grid, at the shortest intervals: interpolation costs next to nothing, and what
+// is left is single precision. Without it in the bound every third answer is outside.
+TEST(ErrorBudget, single_precision_is_part_of_what_is_stated) {
+    const RealizationPtr sea =
+        tests::make_sea({tests::random_cascade(4000.0, 256, 1, 20, 0.004, 5),
+                         tests::random_cascade(3900.0, 256, 1, 20, 0.004, 6)});
+    const ErrorBudget budget = plan_budget(*sea, 1e-5);
+    const Surface surface = native_surface(sea, budget);
+    const TimeUs time_us = budget.cascades[0].interval_us / 2;
+    const DirectSum sum(sea);
+    const auto moment = sum.at_time(time_us);
+    std::mt19937 random(7);
+    std::uniform_real_distribution<double> place(-1e5, 1e5);
+    double worst_share = 0;
+    for (int i = 0; i < 3000; ++i) {
+        const QueryPoint point{place(random), place(random), time_us};
+        const Answer answer = surface.answer(point);
+        const Answer truth = surface_at(point, {sea->choppiness, 1e-10, 5.0}, moment);
+        // The residual of 0.1 mm that Newton may leave is no part of this.
+        const double residual_m = answer.error_m - budget.interpolation_m -
+                                  surface_slope(answer) * budget.interpolation_displacement_m;
+        worst_share =
+            std::max(worst_share, (std::abs(answer.height_m - truth.height_m) - residual_m) /
+                                      (answer.error_m - residual_m));
+    }
+    EXPECT_LT(worst_share, 1.0);
+    EXPECT_GT(worst_share, 0.1) << "nothing ever comes near the bound";
+}
+
+// What sheets are told apart by (sea/surface/sheets.h): a bound that is too small misses folds, one
+// that is too large flags them everywhere.
+TEST(ErrorBudget, strains_of_maps_stay_inside_the_stated_bound) {
+    const RealizationPtr sea =
+        tests::make_sea({tests::random_cascade(300.0, 64, 19, 300, 0.004, 11),
+                         tests::random_cascade(41.0, 64, 19, 300, 0.004, 12)});
+    const ErrorBudget budget = plan_budget(*sea, 0.01);
+    const Surface surface = native_surface(sea, budget);
+    const DirectSum sum(sea);
+    std::mt19937 random(8);
+    std::uniform_real_distribution<double> place(-1e3, 1e3);
+    double worst = 0;
+    for (const TimeUs time_us : {0, 7, 31, 50, 60}) {
+        const TimeUs t = budget.cascades[1].interval_us * time_us / 100;
+        const auto moment = sum.at_time(t);
+        for (int i = 0; i < 1000; ++i) {
+            const double x = place(random), y = place(random);
+            const LagrangianPoint a = surface.at(x, y, t), b = moment.at(x, y);
+            const double xx = a.strain_xx - b.strain_xx, yy = a.strain_yy - b.strain_yy;
+            const double xy = a.strain_xy - b.strain_xy;
+            worst = std::max(worst, std::abs(0.5 * (xx + yy)) + std::hypot(0.5 * (xx - yy), xy));
+        }
+    }
+    EXPECT_LT(worst, budget.interpolation_strain);
+    EXPECT_GT(worst, 0.2 * budget.interpolation_strain);
+}
+
+// Errors of +-e at the grid points, as a codec may leave them: by lot, and the worst there is.
+TEST(ErrorBudget, errors_at_grid_points_tilt_a_spline_by_no_more_than_is_stated) {
+    constexpr int size = 16;
+    constexpr double length_m = 8, e = 0.01;
+    std::mt19937 random(9);
+    double worst = 0;
+    for (int round = 0; round < 200; ++round) {
+        Keyframe keyframe;
+        keyframe.size = size;
+        keyframe.length_m = length_m;
+        keyframe.fields = surface_fields;
+        keyframe.values.assign(keyframe.plane_size() * 6, 0.0f);
+        for (int y = 0; y < size; ++y)
+            for (int x = 0; x < size; ++x)
+                for (const Field field : {Field::displacement_x, Field::displacement_y}) {
+                    // Around the middle of cell (8, 8) the spline's own signs, alternating outwards.
+                    const auto out = [](int i) { return (i < 8 ? 7 - i : i - 8) % 2 ? -1 : 1; };
+                    const double sign = round > 0 ? (random() & 1 ? 1 : -1)
+                                        : field == Field::displacement_x
+                                            ? (x < 8 ? -1 : 1) * out(x) * out(y)
+                                            : (x < 8 ? -1 : 1) * out(x) * out(y);
+                    keyframe.plane(field)[static_cast<std::size_t>(y * size + x)] =
+                        static_cast<float>(e * sign);
+                }
+        const SplineMap map(keyframe);
+        for (int i = 0; i < 200; ++i) {
+            const auto place = [&] {
+                return static_cast<double>(random() % 4096) / 4096 * length_m;
+            };
+            const bool middle = round == 0 && i == 0;
+            const SplineSample s =
+                middle ? map.sample(8.0 - 3.75, 8.0 - 3.75) : map.sample(place(), place());
+            const double xx = static_cast<double>(s.d_dx[1]), yy = static_cast<double>(s.d_dy[2]);
+            const double xy = 0.5 * static_cast<double>(s.d_dy[1] + s.d_dx[2]);
+            worst = std::max(worst, std::abs(0.5 * (xx + yy)) + std::hypot(0.5 * (xx - yy), xy));
+        }
+    }
+    const double stated = sampled_slope_error(sampled_codec_error(e, 0, 1), length_m / size);
+    EXPECT_LT(worst, stated);
+    EXPECT_GT(worst, 0.4 * stated);
 }
 
 } // namespace

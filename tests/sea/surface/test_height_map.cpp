@@ -120,7 +120,7 @@ TEST(HeightMap, where_the_surface_folds_the_highest_sheet_is_found_as_by_queries
     const std::vector<float> heights = all_values(r, sea, {}, &careful);
     const Comparison found = compare(r, sea, heights);
     EXPECT_LE(found.worst_m, map_difference_max_m);
-    EXPECT_GE(found.folded, 20);
+    EXPECT_GE(found.folded, 10);
     EXPECT_LE(found.other_sheet, found.folded / 10);
     EXPECT_GE(careful, static_cast<std::uint64_t>(found.folded));
     for (const float height : heights)

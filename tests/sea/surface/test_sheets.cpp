@@ -88,7 +88,7 @@ std::vector<double> sheets_by_force(const FoldingSea& sea, Vec2 x) {
             Vec2 X = place(i + 0.5, j + 0.5);
             for (int step = 0; step < 20; ++step) {
                 const Vec2 r = residual(X, p);
-                if (std::hypot(r.x, r.y) < 2e-5) {
+                if (std::hypot(r.x, r.y) < 2e-6) {
                     const bool known = std::any_of(roots.begin(), roots.end(), [&](Vec2 other) {
                         return std::hypot(other.x - X.x, other.y - X.y) < 2e-3;
                     });
@@ -261,6 +261,26 @@ TEST(Sheets, a_sea_that_does_not_fold_is_never_searched) {
         searched += sheets.others(x, &X, false).has_value();
     }
     EXPECT_EQ(searched, 0);
+}
+
+// A long tile whose grid is too coarse for its waves beside a fine one: heights are off by centimetres,
+// but by long waves that bend nothing. An error as large in the finest waves would fold them.
+TEST(Sheets, what_a_coarse_tile_misses_flags_no_answer_where_nothing_folds) {
+    const RealizationPtr sea = tests::make_sea({tests::random_cascade(800.0, 64, 19, 300, 0.004, 5),
+                                                tests::random_cascade(6.0, 64, 15, 300, 0.004, 6)});
+    const ErrorBudget budget = plan_budget(*sea, 0.05);
+    EXPECT_GT(budget.interpolation_displacement_m, 0.04);
+    std::vector<SplinePair> pairs;
+    for (int c = 0; c < 2; ++c) {
+        const auto map = std::make_shared<const SplineMap>(*tests::exact_keyframe(sea, c, 0));
+        pairs.push_back({map, map});
+    }
+    const Surface surface(std::move(pairs), sea->choppiness, fold_search(budget),
+                          map_error(budget, 0));
+    std::mt19937 random(6);
+    std::uniform_real_distribution<double> place(-5e3, 5e3);
+    for (int i = 0; i < 500; ++i)
+        EXPECT_EQ(surface.answer({place(random), place(random), 0}).flags & answer_folded, 0u);
 }
 
 TEST(Sheets, a_patch_of_the_exact_sum_is_the_exact_sum) {
