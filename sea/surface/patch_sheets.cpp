@@ -75,7 +75,7 @@ void add(LagrangianPoint& sum, const DisplacementPatch& patch, Vec2 at) {
 
 } // namespace
 
-std::optional<Box> PatchSheets::narrowed(Box box, Vec2 target, const std::vector<double>& reach_m,
+std::optional<Box> PatchSheets::narrowed(Box box, Vec2 target, std::span<const double> reach_m,
                                          bool solved) {
     double rest_m = blur_m();
     for (const double own_m : reach_m)
@@ -116,10 +116,11 @@ bool PatchSheets::one_to_one(const Box& box) const {
     for (const DisplacementPatch& patch : patches_) {
         const SplineHull<2, 1> hull = hull_of<1>(patch, box);
         const double per_m = 1.0 / patch.spacing_m;
-        squeeze.add(per_m * static_cast<double>(hull.x.low[0]),
-                    per_m * static_cast<double>(hull.y.low[1]),
-                    0.5 * per_m * static_cast<double>(hull.y.low[0] + hull.x.low[1]),
-                    0.5 * per_m * static_cast<double>(hull.y.high[0] + hull.x.high[1]));
+        const float xy_min = hull.y.low[0] + hull.x.low[1];
+        const float xy_max = hull.y.high[0] + hull.x.high[1];
+        squeeze.add(
+            per_m * static_cast<double>(hull.x.low[0]), per_m * static_cast<double>(hull.y.low[1]),
+            0.5 * per_m * static_cast<double>(std::max(std::abs(xy_min), std::abs(xy_max))));
     }
     return squeeze.smallest() > strain_blur();
 }

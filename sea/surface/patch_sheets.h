@@ -11,6 +11,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "sea/surface/inverse.h"
@@ -31,8 +32,7 @@ class PatchSheets : public SheetBounds {
 
     /// Makes the patches; `reach_m`: how far each cascade moves points at most. Returns what is left
     /// of the box: nothing where all of it is one to one and `solved` says that a solution is known.
-    std::optional<Box> narrowed(Box box, Vec2 target, const std::vector<double>& reach_m,
-                                bool solved);
+    std::optional<Box> narrowed(Box box, Vec2 target, std::span<const double> reach_m, bool solved);
 
   private:
     Box left_of(const Box& box, Vec2 target, double rest_m) const;

@@ -24,21 +24,20 @@ class Squeeze {
     explicit Squeeze(const Choppiness& choppiness)
         : x_(choppiness.x), y_(choppiness.y), cross_(std::sqrt(choppiness.x * choppiness.y)) {}
 
-    void add(double xx_min, double yy_min, double xy_min, double xy_max) {
+    void add(double xx_min, double yy_min, double xy_size) {
         xx_ += x_ * xx_min;
         yy_ += y_ * yy_min;
-        xy_min_ += cross_ * xy_min;
-        xy_max_ += cross_ * xy_max;
+        xy_ += cross_ * xy_size;
     }
     /// It grows with both diagonal elements and falls with the size of the other one.
     double smallest() const {
-        return 0.5 * (xx_ + yy_) -
-               std::hypot(0.5 * (xx_ - yy_), std::max(std::abs(xy_min_), std::abs(xy_max_)));
+        const double half = 0.5 * (xx_ - yy_);
+        return 0.5 * (xx_ + yy_) - std::sqrt(half * half + xy_ * xy_);
     }
 
   private:
     double x_, y_, cross_;
-    double xx_ = 1, yy_ = 1, xy_min_ = 0, xy_max_ = 0;
+    double xx_ = 1, yy_ = 1, xy_ = 0;
 };
 
 } // namespace seaway::sea

@@ -45,8 +45,17 @@ class SplineMap {
         return side * side * channels * sizeof(float) + StrainWindows::bytes_of(size);
     }
 
+    /// Where a sample is taken from. Who takes several, from several maps, asks for all cells first: what
+    /// a sample waits for is memory, and it is being fetched from then on.
+    struct Cell {
+        const float* first; ///< of 4 x 4 coefficients
+        float fraction_x;
+        float fraction_y;
+    };
     /// Undisplaced coordinates, any finite value; reduced modulo the tile in double precision.
-    SplineSample sample(double x_m, double y_m) const;
+    Cell cell(double x_m, double y_m) const;
+    SplineSample sample(const Cell& cell) const;
+    SplineSample sample(double x_m, double y_m) const { return sample(cell(x_m, y_m)); }
 
     // For who samples whole grids: coefficients()[y + 1][x + 1][channel], channels as in
     // SplineSample, -1 <= x, y < size + 2; the border repeats the other side of the tile.

@@ -29,9 +29,10 @@ struct Block {
 };
 
 Block block_of(const Hull& hull, float per_m) {
+    const float xy_min = 0.5f * per_m * (hull.y.low[dx] + hull.x.low[dy]);
+    const float xy_max = 0.5f * per_m * (hull.y.high[dx] + hull.x.high[dy]);
     Block block{{per_m * hull.x.low[dx], per_m * hull.y.low[dy],
-                 0.5f * per_m * (hull.y.low[dx] + hull.x.low[dy]),
-                 0.5f * per_m * (hull.y.high[dx] + hull.x.high[dy]), per_m * hull.x.size(dx_rate),
+                 std::max(std::abs(xy_min), std::abs(xy_max)), per_m * hull.x.size(dx_rate),
                  per_m * hull.y.size(dy_rate),
                  0.5f * per_m * (hull.y.size(dx_rate) + hull.x.size(dy_rate)), 0.0f, 0.0f},
                 {},
@@ -48,8 +49,7 @@ void widen(Block& a, const Block& b) {
     StrainBounds& s = a.strains;
     s.xx_min = std::min(s.xx_min, b.strains.xx_min);
     s.yy_min = std::min(s.yy_min, b.strains.yy_min);
-    s.xy_min = std::min(s.xy_min, b.strains.xy_min);
-    s.xy_max = std::max(s.xy_max, b.strains.xy_max);
+    s.xy_size = std::max(s.xy_size, b.strains.xy_size);
     s.xx_rate = std::max(s.xx_rate, b.strains.xx_rate);
     s.yy_rate = std::max(s.yy_rate, b.strains.yy_rate);
     s.xy_rate = std::max(s.xy_rate, b.strains.xy_rate);

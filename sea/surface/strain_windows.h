@@ -15,13 +15,12 @@
 namespace seaway::sea {
 
 /// Bounds of strains and displacements at choppiness 1 over a window of a map, and of their time
-/// rates, 1/s.
-struct StrainBounds {
+/// rates, 1/s. Half a line of a cache.
+struct alignas(32) StrainBounds {
     float xx_min = 0;
     float yy_min = 0;
-    float xy_min = 0;
-    float xy_max = 0;
-    float xx_rate = 0; ///< largest absolute value, as the next two
+    float xy_size = 0; ///< largest absolute value, as the next three
+    float xx_rate = 0;
     float yy_rate = 0;
     float xy_rate = 0;
     float range_m = 0;    ///< |D(a) - D(b)| within the window

@@ -2,6 +2,7 @@
 #include "sea/surface/surface.h"
 
 #include <algorithm>
+#include <array>
 
 #include "sea/surface/hermite.h"
 #include "sea/surface/surface_sheets.h"
@@ -39,6 +40,7 @@ void add(LagrangianPoint& sum, const HermiteWeights& weights, const SplineSample
 Surface::Surface(std::vector<SplinePair> pairs, Choppiness choppiness, FoldSearch folds,
                  MapError error)
     : pairs_(std::move(pairs)), choppiness_(choppiness), folds_(folds), error_(error) {
+    SEAWAY_CHECK(pairs_.size() <= surface_pairs_max, "a surface has 16 cascades at most");
     for (const SplinePair& pair : pairs_) {
         SEAWAY_CHECK(pair.before && pair.after, "a surface needs both maps of every cascade");
         moves_sideways_ =
@@ -47,13 +49,21 @@ Surface::Surface(std::vector<SplinePair> pairs, Choppiness choppiness, FoldSearc
 }
 
 LagrangianPoint Surface::at(double x_m, double y_m, TimeUs time_us) const {
+    struct Cells {
+        SplineMap::Cell before;
+        SplineMap::Cell after;
+    };
+    std::array<Cells, surface_pairs_max> cells;
+    for (std::size_t c = 0; c < pairs_.size(); ++c)
+        cells[c] = {pairs_[c].before->cell(x_m, y_m), pairs_[c].after->cell(x_m, y_m)};
     LagrangianPoint sum;
-    for (const SplinePair& pair : pairs_) {
+    for (std::size_t c = 0; c < pairs_.size(); ++c) {
+        const SplinePair& pair = pairs_[c];
         const HermiteWeights weights =
             hermite_weights(pair.before->time_us(), pair.after->time_us(), time_us);
-        const SplineSample before = pair.before->sample(x_m, y_m);
+        const SplineSample before = pair.before->sample(cells[c].before);
         const bool single = pair.before == pair.after;
-        add(sum, weights, before, single ? before : pair.after->sample(x_m, y_m));
+        add(sum, weights, before, single ? before : pair.after->sample(cells[c].after));
     }
     return sum;
 }

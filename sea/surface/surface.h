@@ -6,8 +6,8 @@
 // answers and the height of a rendered vertex all come from here.
 //
 // Immutable; thread-safe; allocates nothing after construction. About 2 us a scattered point with
-// three cascades of 256 x 256: what it waits for is memory. Ten to
-// fifty times that in a sea that folds often, where all sheets are looked for.
+// three cascades of 256 x 256: what it waits for is memory. Ten to fifty times that in a sea that
+// folds often, where all sheets are looked for.
 #pragma once
 
 #include <span>
@@ -26,6 +26,9 @@ struct SplinePair {
     SplineMapPtr after;
 };
 
+/// A surface has no more cascades than this.
+inline constexpr std::size_t surface_pairs_max = 16;
+
 /// What the maps themselves add to the error of a height (sea/surface/error_budget.h).
 struct MapError {
     double interpolation_m = 0;              ///< space and time, of a height
@@ -38,7 +41,7 @@ struct MapError {
 
 class Surface {
   public:
-    /// `pairs` may be any subset of the cascades.
+    /// `pairs` may be any subset of the cascades, surface_pairs_max at most.
     Surface(std::vector<SplinePair> pairs, Choppiness choppiness, FoldSearch folds, MapError error);
 
     /// The undisplaced sea. A time outside a pair's span extrapolates its cubic.

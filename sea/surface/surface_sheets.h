@@ -10,8 +10,10 @@
 // For one point and time; not thread-safe. About 0.1 us, nothing allocated, where there is one sheet.
 #pragma once
 
+#include <array>
 #include <optional>
 
+#include "sea/surface/hermite.h"
 #include "sea/surface/patch_sheets.h"
 #include "sea/surface/surface.h"
 
@@ -26,12 +28,21 @@ class SurfaceSheets final : public PatchSheets {
     double strain_blur() const override { return strain_blur_; }
 
   private:
+    /// What one cascade does at most within a window at this time.
+    struct Gentleness {
+        double range_m; ///< lambda |D(a) - D(b)|
+        double xx_min;
+        double yy_min;
+        double xy_size;
+    };
+    Gentleness mixed(std::size_t cascade, const StrainBounds& before,
+                     const StrainBounds& after) const;
     /// How far from a solution others may lie; 0: there is none.
     double radius_around(Vec2 root, double radius_m) const;
     DisplacementPatch patch(std::size_t cascade, const Box& box) const override;
 
     const Surface& surface_;
-    TimeUs time_us_;
+    std::array<HermiteWeights, surface_pairs_max> weights_; ///< one a pair
     double sideways_;
     double blur_m_;
     double strain_blur_;
