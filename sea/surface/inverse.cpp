@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
+#include "sea/basics/constants.h"
 #include "sea/surface/moment_sheets.h"
 
 namespace seaway::sea {
@@ -134,6 +136,14 @@ FoldSearch fold_search(double reach_m, const Choppiness& choppiness, double rms_
     constexpr double reach_min_m = 1e-3;
     const double squeeze = std::max(choppiness.x, choppiness.y) * rms_strain;
     return {std::max(reach_m, reach_min_m), squeeze > folds_searched_above};
+}
+
+double folded_share(double squeeze) {
+    if (!(squeeze > 0))
+        return 0;
+    const double z = 1.0 / squeeze;
+    const double density = std::exp(-0.5 * z * z) / std::sqrt(two_pi);
+    return squeeze * density - 0.5 * std::erfc(z / std::numbers::sqrt2);
 }
 
 double jacobian(const LagrangianPoint& point, const Choppiness& choppiness) {

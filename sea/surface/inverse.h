@@ -51,10 +51,15 @@ struct FoldSearch {
 /// Folds are common where lambda times the rms strain is above this: on 2 % of a long-crested sea,
 /// Phi(-1 / 0.5) (I18). In deep water the rms strain is the rms slope.
 inline constexpr double folds_common_above = 0.5;
-/// Above this every exact answer is searched: Phi(-1 / 0.3) is 4e-4.
-inline constexpr double folds_searched_above = 0.3;
-/// Below this Jacobian on Newton's way, others are searched too: a fold as shallow as they are in
-/// calmer seas shows J < 0.4 on all of its sheets.
+/// The share of places above which a sea has several sheets, at most. Wherever there are several, one of
+/// them is turned over, and turned sheets cover E[max(-J, 0)] of the world. With `squeeze` s, lambda times
+/// the rms strain (in deep water the rms slope), that is s phi(1/s) - Phi(-1/s) in a long-crested Gaussian
+/// sea, where J = 1 + s z (I18), and less where crests are short.
+double folded_share(double squeeze);
+/// Above this every exact answer is searched. Below, several sheets stand above one place of 2e7, and
+/// only those are overlooked where Newton does not meet the next one.
+inline constexpr double folds_searched_above = 0.21;
+/// Below this Jacobian on Newton's way, others are searched too.
 inline constexpr double fold_suspected_below = 0.4;
 
 /// Of a sea whose points move `reach_m` sideways at most. `rms_strain` as in ErrorBudget.

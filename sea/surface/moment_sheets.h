@@ -5,9 +5,8 @@
 //
 // How far a cascade moves points at most is taken as six times its rms over the tile: statistical, one
 // point in 1e8 of a Gaussian sea. Searched are points where Newton met J < fold_suspected_below or did
-// not converge, and all of seas that fold often (FoldSearch::always). Elsewhere a sheet is missed where
-// a fold is so deep that J > 0.4 on the sheet found: below one answer in 1e6 where lambda times the rms
-// strain is under folds_searched_above.
+// not converge, and all of seas that fold more often than above one place of 2e7 (FoldSearch::always,
+// folded_share()).
 //
 // For one point; not thread-safe. Cost: 2 to 5 ms where it searches, nothing elsewhere.
 #pragma once
