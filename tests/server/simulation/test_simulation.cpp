@@ -212,6 +212,7 @@ TEST(Simulation, a_device_that_stays_lost_ends_it_with_its_reason) {
     ASSERT_FALSE(answers);
     EXPECT_TRUE(answers.error().is(Refusal::gone));
     EXPECT_NE(answers.error().message.find("DEVICE_LOST"), std::string::npos) << "the true reason";
+    EXPECT_EQ(*bench.failures, 1000 - 1 - device_rebuilds_max) << "tried, rebuilt, and no more";
     EXPECT_NE(bench.failed.get_future().get().find("DEVICE_LOST"), std::string::npos);
     EXPECT_FALSE(bench.simulation->healthy());
     // Whoever asks afterwards is told the same, at once, instead of waiting for ever.
