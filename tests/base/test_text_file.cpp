@@ -72,5 +72,12 @@ TEST(CsvTable, holds_as_many_rows_as_it_may_and_not_one_more) {
     EXPECT_THAT(beyond.error().message, HasSubstr("t:6: more than 2 rows"));
 }
 
+TEST(CsvTable, an_error_of_a_row_names_its_line_of_the_text_notes_and_blank_lines_counted) {
+    const Result<CsvTable> table = parse_csv("# note\na,b\n\n1,2\n# note\n3,4\n", "t", 10);
+    ASSERT_TRUE(table);
+    EXPECT_EQ(table->error(0, "why").message, "t:4: why");
+    EXPECT_EQ(table->error(1, "why").message, "t:6: why");
+}
+
 } // namespace
 } // namespace seaway

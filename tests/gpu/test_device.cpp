@@ -2,7 +2,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cstring>
+#include <numeric>
 #include <vector>
 
 #include "gpu/buffer.h"
@@ -100,6 +102,33 @@ TEST_F(DeviceTest, copies_obey_offsets_and_the_timer_counts_forward) {
     ASSERT_TRUE(seconds);
     ASSERT_EQ(seconds->size(), 1u);
     EXPECT_GE((*seconds)[0], 0);
+}
+
+// Naive: each span from the first stamp on; of twenty, the first one counts nineteen times.
+TEST_F(DeviceTest, spans_of_the_timer_add_up_to_no_more_than_the_time_that_passed) {
+    constexpr std::size_t bytes = std::size_t{16} << 20;
+    Result<Buffer> from = Buffer::create(*device_, "from", bytes, BufferKind::device);
+    Result<Buffer> to = Buffer::create(*device_, "to", bytes, BufferKind::device);
+    ASSERT_TRUE(from && to);
+    constexpr std::uint32_t stamps = 20;
+    Result<Timer> timer = Timer::create(*device_, stamps);
+    ASSERT_TRUE(timer);
+    const auto start = std::chrono::steady_clock::now();
+    ASSERT_TRUE(run_once(*device_, [&](Commands& commands) {
+        timer->reset(commands);
+        timer->stamp(commands);
+        for (int copy = 0; copy < 16; ++copy) {
+            commands.copy(*from, *to, bytes);
+            commands.barrier(Stage::copy, Stage::copy);
+        }
+        for (std::uint32_t i = 1; i < stamps; ++i)
+            timer->stamp(commands);
+    }));
+    const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - start;
+    const Result<std::vector<double>> seconds = timer->read(*device_);
+    ASSERT_TRUE(seconds);
+    ASSERT_EQ(seconds->size(), stamps - 1);
+    EXPECT_LE(std::accumulate(seconds->begin(), seconds->end(), 0.0), passed.count());
 }
 
 TEST_F(DeviceTest, a_buffer_larger_than_memory_is_an_error_that_names_it) {

@@ -185,6 +185,28 @@ TEST(TileCodec, f8_hostile_bytes_with_a_right_checksum_are_errors_or_finite) {
     EXPECT_GT(passed, 0) << "the test never got past the checksum";
 }
 
+TEST(TileCodec, f8_a_tile_that_holds_less_than_its_shape_is_an_error) {
+    const std::vector<float> samples = random_samples({24, 19}, 1, 9);
+    for (const float error : {0.0f, 0.01f}) {
+        Bytes bytes = encoded(samples, {24, 19}, error);
+        bytes[4] = 20; // rows
+        const std::uint32_t checksum = tile_checksum(bytes);
+        std::memcpy(&bytes[12], &checksum, 4);
+        std::vector<float> out(24 * 20);
+        EXPECT_FALSE(decode_tile(bytes, {24, 20}, 24, out).has_value());
+    }
+}
+
+// Byte 6: planes. A residual r is coded 2r or -2r - 1, so that one byte holds -128 .. 127.
+TEST(TileCodec, residuals_take_as_many_byte_planes_as_they_need_and_no_more) {
+    const float step = 0.5f - 0x1p-20f; // of an error of 0.25, near enough
+    for (const auto& [quantum, planes] :
+         {std::pair{127, 1}, {-128, 1}, {128, 2}, {-129, 2}, {32000, 2}, {40000, 3}}) {
+        const std::vector<float> samples{0.0f, static_cast<float>(quantum) * step};
+        EXPECT_EQ(encoded(samples, {2, 1}, 0.25f)[6], planes) << quantum;
+    }
+}
+
 TEST(TileCodec, f9_sizes_1_to_17_by_1_to_17_and_strides_round_trip) {
     for (int height = 1; height <= 17; ++height)
         for (int width = 1; width <= 17; ++width) {

@@ -113,6 +113,16 @@ TEST(Foam, E4_a_calm_sea_clears_to_exactly_zero_in_ten_decays) {
     EXPECT_EQ(foam_coverage(calm->mean_coverage, {history.ratios().data(), 1}), 0.0);
 }
 
+// Naive: what is too little to be seen is nothing, on a rising sea too, and foam never begins.
+TEST(Foam, begins_on_clean_water_in_steps_however_small) {
+    const FoamLawPtr rough = make_foam_law(*storm(), foam_model);
+    const double step_s = 1e-5 * foam_model.decay_s;
+    double mean = 0.0;
+    for (int step = 0; step < 1000; ++step)
+        mean = relax_foam_mean(mean, *rough, step_s);
+    EXPECT_NEAR(mean / rough->mean_coverage, -std::expm1(-0.01), 1e-9);
+}
+
 TEST(Foam, E4_what_no_longer_breaks_becomes_zero_and_not_denormal) {
     const sea::RealizationPtr one = tests::make_sea({storm()->cascades[0]}); // no others
     FoamHistory history(make_foam_law(*one, foam_model), 0, 2, interval_us);

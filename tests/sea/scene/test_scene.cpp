@@ -16,6 +16,7 @@ namespace seaway::sea {
 namespace {
 
 using ::testing::AllOf;
+using ::testing::Contains;
 using ::testing::HasSubstr;
 
 const std::string wind_system = R"(
@@ -300,6 +301,24 @@ TEST(Scene, every_spectrum_and_spreading_reads_back_under_its_name) {
         }
     EXPECT_EQ(spectrum_names.size(), 5u);
     EXPECT_EQ(spreading_names.size(), 7u);
+}
+
+// A turn to a larger angle in our frame is anticlockwise, towards a smaller bearing.
+TEST(Scene, a_beam_that_the_lattice_turns_is_told_of_in_degrees_clockwise) {
+    for (const int from_deg : {20, 340}) {
+        const Result<Scene> scene = parse_scene(
+            fmt::format("[sea]\n[[sea.system]]\ntype=\"swell\"\nsignificant_height_m=1\n"
+                        "peak_period_s=10\nfrom_deg={}\nspreading=\"cos2s\"\n"
+                        "spreading_exponent=400\n[[cascade]]\nlength_m=300\nsize=128\n",
+                        from_deg),
+            "s", "");
+        ASSERT_TRUE(scene);
+        const LatticeBias bias = summarize(scene->sea, *realize(*scene)).lattice.at(0);
+        ASSERT_GT(std::abs(bias.turned_rad), 0.01);
+        EXPECT_THAT(scene_warnings(*scene),
+                    Contains(HasSubstr(fmt::format("its direction by {:+.1f} degrees clockwise",
+                                                   -bias.turned_rad * 180.0 / pi))));
+    }
 }
 
 } // namespace

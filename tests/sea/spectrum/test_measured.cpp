@@ -256,6 +256,22 @@ TEST(Ndbc, archived_files_hold_shares_in_hundredths) {
     EXPECT_THAT(ndbc_to_csv(texts, "").error().message, HasSubstr("j: record of 2023-01-01T00:40"));
 }
 
+// The files of 1998 and before: the last two digits of the year, no minutes.
+TEST(Ndbc, years_of_two_digits_are_of_the_nineteen_hundreds) {
+    const NdbcTexts texts{{"YY MM DD hh .0400 .0500 .0600\n"
+                           "98 01 01 00 0.10 5.00 1.00\n"
+                           "98 01 01 01 0.10 7.00 1.00\n",
+                           "w"},
+                          {},
+                          {},
+                          {},
+                          {}};
+    const auto csv = ndbc_to_csv(texts, "1998-01-01T00:00");
+    ASSERT_TRUE(csv) << csv.error().message;
+    EXPECT_NEAR(spectrum_of(*csv).bins[1].density * two_pi, 5.0, 1e-12);
+    EXPECT_THAT(ndbc_to_csv(texts, "2098-01-01T00:00").error().message, HasSubstr("no record of"));
+}
+
 TEST(Ndbc, a_scene_names_the_files_and_its_effective_form_holds_the_record) {
     const std::filesystem::path folder =
         std::filesystem::temp_directory_path() / ("seaway-ndbc-" + std::to_string(getpid()));

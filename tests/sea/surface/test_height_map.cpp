@@ -2,9 +2,11 @@
 #include "sea/surface/height_map.h"
 
 #include <bit>
+#include <chrono>
 #include <cmath>
 #include <limits>
 #include <string>
+#include <thread>
 
 #include <gtest/gtest.h>
 
@@ -186,6 +188,29 @@ TEST(HeightMap, a_reader_that_leaves_stops_the_work) {
     ASSERT_TRUE(stream);
     EXPECT_TRUE((*stream)->next_chunk());
     stream->reset(); // returns: the workers end after the rows they are at
+}
+
+// Naive: who waits because enough lies ready is not told that some of it was taken.
+TEST(HeightMap, work_that_has_run_as_far_ahead_as_it_may_goes_on_as_it_is_read) {
+    const Surface sea = surface(0.02);
+    MapRequest r = request(MapKind::displacement);
+    r.columns = 4096;
+    r.rows = 2 * map_chunks_ahead_max * (map_chunk_values_max / (3 * 4096));
+    MapOptions one;
+    one.threads = 1;
+    Result<std::unique_ptr<MapStream>> stream = MapStream::start(r, sea, one);
+    ASSERT_TRUE(stream);
+    // Time to run ahead; on a machine too busy for that, the reader just waits a little.
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    const auto patience = std::chrono::steady_clock::now() + std::chrono::minutes(2);
+    for (int rows = 0; rows < r.rows;) {
+        while (!(*stream)->ready()) {
+            ASSERT_LT(std::chrono::steady_clock::now(), patience) << rows << " rows, then nothing";
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        }
+        rows += (*stream)->next_chunk()->rows;
+    }
+    EXPECT_FALSE((*stream)->next_chunk());
 }
 
 TEST(HeightMap, the_reader_is_told_when_its_next_rows_are_ready) {

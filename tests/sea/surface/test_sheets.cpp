@@ -262,6 +262,39 @@ TEST(Sheets, windows_bound_strains_and_displacements_within_their_radius) {
     EXPECT_LT(tightest, 1.5) << "a bound that nothing comes near would search everywhere";
 }
 
+// One coefficient among none: whatever a window leaves out shows in full. Naive: the spline at a place
+// depends on the grid points beside it alone, and a radius may be as long as a block.
+TEST(Sheets, windows_hold_whatever_a_spline_within_their_radius_depends_on) {
+    for (const int lone : {15, 16, 17, 18}) { // wherever in its block
+        Keyframe keyframe;
+        keyframe.size = 32;
+        keyframe.length_m = 32.0;
+        keyframe.fields = surface_fields;
+        keyframe.values.resize(6 * keyframe.plane_size());
+        for (int iy = -1; iy <= 1; ++iy)
+            for (int ix = -1; ix <= 1; ++ix) {
+                // A cubic B-spline of its own: at its node and beside it.
+                const float share = (ix == 0 ? 4.0f : 1.0f) * (iy == 0 ? 4.0f : 1.0f) / 36.0f;
+                const auto node = static_cast<std::size_t>((lone + iy) * 32 + lone + ix);
+                keyframe.plane(Field::displacement_x)[node] = share;
+                keyframe.plane(Field::displacement_y)[node] = share;
+            }
+        const SplineMap map(keyframe);
+        for (double place_m = 0; place_m < 32; place_m += 0.5)
+            for (double radius_m = 0.25; radius_m < 16; radius_m += 0.25) {
+                const float xx_min = map.windows().around(place_m, lone, radius_m).xx_min;
+                const float yy_min = map.windows().around(lone, place_m, radius_m).yy_min;
+                constexpr float rounding = 1e-5f;
+                for (double off_m = -radius_m; off_m <= radius_m; off_m += 0.25) {
+                    ASSERT_GE(map.sample(place_m + off_m, lone).d_dx[1], xx_min - rounding)
+                        << lone << " " << place_m << " " << radius_m << " " << off_m;
+                    ASSERT_GE(map.sample(lone, place_m + off_m).d_dy[2], yy_min - rounding)
+                        << lone << " " << place_m << " " << radius_m << " " << off_m;
+                }
+            }
+    }
+}
+
 TEST(Sheets, a_map_says_how_many_bytes_it_holds) {
     for (const int size : {16, 32, 64}) {
         const RealizationPtr sea =

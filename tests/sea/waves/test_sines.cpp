@@ -233,6 +233,25 @@ TEST(Noise, drifts_at_the_speed_of_its_wavelength_times_the_ramp) {
                 sines_at(one, 17.0, 5.0, 0).height, 1e-9);
 }
 
+// Naive: what is too slow for its loop stands still, or goes east and north whatever was asked for.
+TEST(Noise, too_slow_for_its_loop_it_drifts_by_one_tile_the_way_that_it_was_given) {
+    for (const auto& [from_deg, towards] :
+         {std::pair{270, "east"}, {90, "west"}, {180, "north"}, {0, "south"}}) {
+        // 8.8 m/s for 2 s are a tenth of the tile.
+        const Scene scene = scene_of(
+            fmt::format("shape = \"noise\"\nfrom_deg = {}\nlength_m = 200\nwavelength_m = 50\n"
+                        "count = 1\ndirection_spread_deg = 0\n",
+                        from_deg),
+            "loop_period_s = 2\n");
+        const NoiseOctave octave = field_of(*sea_of(scene)).octaves[0];
+        const bool along_x = from_deg % 180 == 90;
+        const double sign = from_deg == 270 || from_deg == 180 ? 1.0 : -1.0;
+        EXPECT_NEAR(along_x ? octave.speed_x_mps : octave.speed_y_mps, sign * 100.0, 1e-6)
+            << towards;
+        EXPECT_NEAR(along_x ? octave.speed_y_mps : octave.speed_x_mps, 0.0, 1e-6) << towards;
+    }
+}
+
 TEST(Noise, closes_a_loop_and_glides_without_a_jump) {
     const Scene scene = scene_of(noise, "loop_period_s = 40\n");
     const RealizationPtr sea = sea_of(scene);
@@ -251,6 +270,27 @@ TEST(Noise, closes_a_loop_and_glides_without_a_jump) {
     }
     EXPECT_NE(field_of(*sea_of(shallow)).octaves[0].rate_x,
               field_of(*sea_of(deep)).octaves[0].rate_x);
+}
+
+// Each sea takes its phases at the time of its own loop. Naive: at the change the old waves jump to
+// where that of the new loop has them.
+TEST(Sines, glide_from_loop_to_loop_of_another_length_without_a_jump) {
+    for (const std::string shape : {"sine", "exponential", "noise"}) {
+        const std::string waves =
+            "shape = \"" + shape +
+            "\"\nfrom_deg = 200\ncount = 3\nlength_m = 256\namplitude_m = 2\n";
+        const RealizationPtr from = sea_of(scene_of(waves, "loop_period_s = 10\n"));
+        const RealizationPtr to = sea_of(scene_of(waves, "loop_period_s = 13\n"));
+        // 2 s into the hundredth loop of one, 1 s into the 77th of the other.
+        const TimeUs start = us_from_seconds(1002), end = us_from_seconds(1010);
+        const auto glide = SeaTransition::create(from, to, start, end);
+        ASSERT_TRUE(glide);
+        for (const TimeUs edge : {start, end}) {
+            const double before = DirectSum(glide->at(edge - 1)).at(31, 7, edge - 1).height;
+            const double after = DirectSum(glide->at(edge)).at(31, 7, edge).height;
+            EXPECT_NEAR(before, after, 1e-4) << shape; // waves of 2 m move 1e-5 m in a microsecond
+        }
+    }
 }
 
 TEST(Sines, keyframes_of_every_shape_are_the_sum_at_their_nodes) {
