@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/bench/accuracy/configured_sea.h"
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+#include <limits>
+
+#include "protocol/limits.h"
+#include "protocol/tile_codec.h"
+#include "sea/surface/surface_sheets.h"
+#include "server/device/device_choice.h"
+#include "server/device/vulkan_synthesizer.h"
+#include "server/simulation/schedule.h"
+
+namespace seaway::bench {
+
+double cpu_seconds() {
+    return static_cast<double>(std::clock()) / static_cast<double>(CLOCKS_PER_SEC);
+}
+
+Result<server::Synthesizer*> Devices::get(const Configuration& configuration) {
+    auto& device = made_[{configuration.device, configuration.any_device_kernels}];
+    if (device)
+        return device.get();
+    SEAWAY_TRY_LET(const server::DeviceChoice choice, server::choose_device(configuration.device));
+    if (choice.vulkan && configuration.any_device_kernels) {
+        SEAWAY_TRY_LET(auto made,
+                       server::make_vulkan_synthesizer(
+                           {.device = std::to_string(*choice.vulkan), .any_device_kernels = true}));
+        device = std::move(made);
+    } else {
+        SEAWAY_TRY_LET(device, server::make_synthesizer(choice));
+    }
+    return device.get();
+}
+
+ConfiguredSea::ConfiguredSea(Waves waves, Configuration configuration, server::Synthesizer& device)
+    : waves_(std::move(waves)), configuration_(std::move(configuration)), device_(device),
+      coding_(waves_.used->cascades.size()) {}
+
+Result<std::unique_ptr<ConfiguredSea>> ConfiguredSea::create(const sea::Scene& scene,
+                                                             const Configuration& configuration,
+                                                             Devices& devices) {
+    SEAWAY_TRY_LET(Waves waves, configured_waves(scene, configuration));
+    SEAWAY_TRY_LET(server::Synthesizer * device, devices.get(configuration));
+    if (configuration.evaluator == Evaluator::maps)
+        SEAWAY_TRY(device->set_sea(waves.used, 1));
+    return std::unique_ptr<ConfiguredSea>(
+        new ConfiguredSea(std::move(waves), configuration, *device));
+}
+
+Result<void> ConfiguredSea::code(sea::Keyframe& keyframe) {
+    const double asked = configuration_.codec_error_m.value_or(waves_.budget.shares.codec *
+                                                               waves_.budget.height_error_m);
+    if (!(asked > 0))
+        return {};
+    const std::vector<float> bounds =
+        sea::codec_bounds(waves_.budget, keyframe.fields, keyframe.cascade, asked);
+    CodingCost& cost = coding_[static_cast<std::size_t>(keyframe.cascade)];
+    ++cost.keyframes;
+    const auto size = static_cast<std::size_t>(keyframe.size);
+    const int side = std::min(keyframe.size, protocol::limits::tile_side_max);
+    std::size_t f = 0;
+    for (const sea::Field field : keyframe.fields) {
+        const std::span<float> plane = keyframe.plane(field);
+        const std::vector<float> original(plane.begin(), plane.end());
+        for (int y = 0; y < keyframe.size; y += side)
+            for (int x = 0; x < keyframe.size; x += side) {
+                const auto part =
+                    plane.subspan(static_cast<std::size_t>(y) * size + static_cast<std::size_t>(x));
+                const double start = cpu_seconds();
+                SEAWAY_TRY_LET(const auto bytes,
+                               protocol::encode_tile(part, {side, side}, size, bounds[f]));
+                const double middle = cpu_seconds();
+                SEAWAY_TRY(protocol::decode_tile(bytes, {side, side}, size, part));
+                cost.encode_s += middle - start;
+                cost.decode_s += cpu_seconds() - middle;
+                cost.bytes += bytes.size();
+            }
+        for (std::size_t i = 0; i < plane.size(); ++i)
+            cost.worst_over_bound =
+                std::max(cost.worst_over_bound, std::abs(static_cast<double>(plane[i]) -
+                                                         static_cast<double>(original[i])) /
+                                                    static_cast<double>(bounds[f]));
+        ++f;
+    }
+    return {};
+}
+
+Result<sea::KeyframePtr> ConfiguredSea::keyframe(int cascade, sea::TimeUs time_us) {
+    const auto held = keyframes_.find({cascade, time_us});
+    if (held != keyframes_.end())
+        return held->second;
+    const sea::FieldSet fields =
+        configuration_.space == SpaceRule::spline ? sea::surface_fields : sea::linear_fields;
+    const server::KeyframeRequest request{cascade, time_us, fields};
+    SEAWAY_TRY_LET(const auto made, device_.synthesize({&request, 1}));
+    round_maps(*made[0], configuration_.format);
+    SEAWAY_TRY(code(*made[0]));
+    return sea::KeyframePtr(made[0]);
+}
+
+Result<void> ConfiguredSea::go_to_maps() {
+    decltype(keyframes_) keyframes;
+    decltype(splines_) splines;
+    std::vector<sea::SplinePair> pairs;
+    naive_.clear();
+    surface_of_cascade_.clear();
+    for (int c = 0; c < static_cast<int>(waves_.used->cascades.size()); ++c) {
+        const sea::TimeUs interval =
+            waves_.budget.cascades[static_cast<std::size_t>(c)].interval_us;
+        const bool frame = configuration_.time == TimeRule::every_frame;
+        const sea::TimeUs before = frame ? shown_us_ : server::interval_start(shown_us_, interval);
+        sea::SplineMapPtr maps[2];
+        sea::KeyframePtr around[2];
+        for (int i = 0; i < 2; ++i) {
+            const sea::TimeUs time = i == 0 || frame ? before : before + interval;
+            SEAWAY_TRY_LET(around[i], keyframe(c, time));
+            keyframes_[{c, time}] = keyframes[{c, time}] = around[i];
+            if (!product_rules())
+                continue;
+            sea::SplineMapPtr& map = splines_[{c, time}];
+            if (!map)
+                map = std::make_shared<const sea::SplineMap>(*around[i]);
+            maps[i] = splines[{c, time}] = map;
+        }
+        if (product_rules())
+            pairs.push_back({maps[0], maps[1]});
+        else
+            naive_.emplace_back(around[0], around[1], configuration_.space, configuration_.time);
+    }
+    keyframes_ = std::move(keyframes);
+    splines_ = std::move(splines);
+    if (product_rules()) {
+        const double codec_m = configuration_.codec_error_m.value_or(waves_.budget.shares.codec *
+                                                                     waves_.budget.height_error_m);
+        const sea::MapError error = sea::map_error(waves_.budget, codec_m);
+        for (const sea::SplinePair& pair : pairs)
+            surface_of_cascade_.emplace_back(std::vector{pair}, waves_.used->choppiness,
+                                             sea::FoldSearch{}, sea::MapError{});
+        surface_ = std::make_unique<sea::Surface>(std::move(pairs), waves_.used->choppiness,
+                                                  sea::fold_search(waves_.budget), error);
+    }
+    return {};
+}
+
+void ConfiguredSea::go_to_sum() {
+    moment_.reset();
+    if (configuration_.phase != PhaseRule::fixed_point) {
+        sum_ = std::make_unique<sea::DirectSum>(std::make_shared<const sea::Realization>(
+            as_seen_at(*waves_.used, shown_us_, configuration_.phase)));
+        moment_ = std::make_unique<sea::DirectSum::Moment>(sum_->at_time(0));
+        return;
+    }
+    if (!sum_)
+        sum_ = std::make_unique<sea::DirectSum>(waves_.used);
+    moment_ = std::make_unique<sea::DirectSum::Moment>(sum_->at_time(shown_us_));
+}
+
+Result<void> ConfiguredSea::go_to(sea::TimeUs time_us) {
+    shown_us_ = time_us - sea::us_from_seconds(configuration_.latency_s);
+    if (configuration_.evaluator == Evaluator::maps)
+        return go_to_maps();
+    go_to_sum();
+    return {};
+}
+
+sea::LagrangianPoint ConfiguredSea::at(double x_m, double y_m) const {
+    if (moment_)
+        return moment_->at(x_m, y_m);
+    if (surface_)
+        return surface_->at(x_m, y_m, shown_us_);
+    sea::LagrangianPoint sum;
+    for (const NaiveCascade& cascade : naive_)
+        cascade.add(x_m, y_m, shown_us_, sum);
+    return sum;
+}
+
+sea::LagrangianPoint ConfiguredSea::at(int cascade, double x_m, double y_m) const {
+    const auto c = static_cast<std::size_t>(cascade);
+    if (surface_)
+        return surface_of_cascade_[c].at(x_m, y_m, shown_us_);
+    sea::LagrangianPoint point;
+    naive_[c].add(x_m, y_m, shown_us_, point);
+    return point;
+}
+
+sea::Answer ConfiguredSea::solved(const sea::QueryPoint& point) const {
+    const auto field = [this](double x_m, double y_m) { return at(x_m, y_m); };
+    if (configuration_.fixed_point_steps)
+        return fixed_point_answer(point, *configuration_.fixed_point_steps, waves_.used->choppiness,
+                                  sea::LagrangianField(field));
+    const sea::InverseOptions options{waves_.used->choppiness, configuration_.tolerance_m,
+                                      sea::fold_search(waves_.budget)};
+    if (moment_)
+        return sea::surface_at(point, options, *moment_);
+    if (!surface_)
+        return sea::surface_at(point, options, sea::LagrangianField(field));
+    sea::SurfaceSheets sheets(*surface_, point.time_us);
+    return sea::surface_at(point, options, sea::LagrangianField(field), &sheets);
+}
+
+sea::Answer ConfiguredSea::answer(sea::QueryPoint point) const {
+    point.time_us = shown_us_;
+    const bool as_served = surface_ && !configuration_.fixed_point_steps &&
+                           configuration_.tolerance_m == Configuration{}.tolerance_m;
+    return as_served ? surface_->answer(point) : solved(point);
+}
+
+} // namespace seaway::bench

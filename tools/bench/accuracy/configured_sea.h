@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+// A sea computed as a configuration says: its device makes the maps, the codec writes and reads them,
+// its rules sample them. What that takes is counted on the way.
+//
+// For one thread. Holds the keyframes around the last time.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "base/result.h"
+#include "sea/surface/answer.h"
+#include "sea/surface/keyframe.h"
+#include "sea/surface/surface.h"
+#include "sea/waves/reference.h"
+#include "server/device/synthesizer.h"
+#include "tools/bench/accuracy/configuration.h"
+#include "tools/bench/accuracy/naive.h"
+#include "tools/bench/accuracy/waves.h"
+
+namespace seaway::bench {
+
+/// Devices by name, made once.
+class Devices {
+  public:
+    Result<server::Synthesizer*> get(const Configuration& configuration);
+
+  private:
+    std::map<std::pair<std::string, bool>, std::unique_ptr<server::Synthesizer>> made_;
+};
+
+/// What coding the keyframes took, one a cascade. CPU seconds, so that other programs do not count.
+struct CodingCost {
+    std::uint64_t keyframes = 0;
+    std::uint64_t bytes = 0;
+    double encode_s = 0;
+    double decode_s = 0;
+    double worst_over_bound = 0; ///< largest |decoded - original| in units of the codec's bound
+};
+
+/// CPU time of this process, s.
+double cpu_seconds();
+
+class ConfiguredSea {
+  public:
+    static Result<std::unique_ptr<ConfiguredSea>>
+    create(const sea::Scene& scene, const Configuration& configuration, Devices& devices);
+
+    /// Goes to a time; until then nothing may be asked.
+    Result<void> go_to(sea::TimeUs time_us);
+
+    /// Of the time gone to. Times of the points are not looked at.
+    sea::Answer answer(sea::QueryPoint point) const;
+    sea::LagrangianPoint at(double x_m, double y_m) const;
+    /// Of one cascade alone. Maps only.
+    sea::LagrangianPoint at(int cascade, double x_m, double y_m) const;
+    /// The time that answers are of: earlier than the one gone to by the latency.
+    sea::TimeUs shown_us() const { return shown_us_; }
+
+    const Waves& waves() const { return waves_; }
+    const Configuration& configuration() const { return configuration_; }
+    const std::vector<CodingCost>& coding() const { return coding_; }
+
+  private:
+    ConfiguredSea(Waves waves, Configuration configuration, server::Synthesizer& device);
+    Result<sea::KeyframePtr> keyframe(int cascade, sea::TimeUs time_us);
+    Result<void> code(sea::Keyframe& keyframe);
+    Result<void> go_to_maps();
+    void go_to_sum();
+    bool product_rules() const {
+        return configuration_.space == SpaceRule::spline &&
+               configuration_.time == TimeRule::hermite;
+    }
+    sea::Answer solved(const sea::QueryPoint& point) const;
+
+    Waves waves_;
+    Configuration configuration_;
+    server::Synthesizer& device_;
+    std::vector<CodingCost> coding_;
+    std::map<std::pair<int, sea::TimeUs>, sea::KeyframePtr> keyframes_; ///< cascade, time
+    std::map<std::pair<int, sea::TimeUs>, sea::SplineMapPtr> splines_;
+    sea::TimeUs shown_us_ = 0;
+    std::unique_ptr<sea::Surface> surface_;        ///< Seaway's own rules
+    std::vector<sea::Surface> surface_of_cascade_; ///< likewise, of each alone
+    std::vector<NaiveCascade> naive_;              ///< any other rules
+    std::unique_ptr<sea::DirectSum> sum_;
+    std::unique_ptr<sea::DirectSum::Moment> moment_;
+};
+
+} // namespace seaway::bench

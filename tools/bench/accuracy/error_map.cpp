@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/bench/accuracy/error_map.h"
+
+#include <filesystem>
+#include <fstream>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "tools/bench/accuracy/points.h"
+
+namespace seaway::bench {
+
+namespace {
+
+constexpr int side = 96;
+constexpr double side_m = 240.0;
+
+double coordinate(int index) {
+    return side_m * index / (side - 1);
+}
+
+/// [y][x]
+Result<std::vector<double>> heights(const sea::Scene& scene, const Configuration& configuration,
+                                    Devices& devices, sea::TimeUs time_us) {
+    SEAWAY_TRY_LET(const auto sea, ConfiguredSea::create(scene, configuration, devices));
+    SEAWAY_TRY(sea->go_to(time_us));
+    std::vector<double> all;
+    for (int y = 0; y < side; ++y)
+        for (int x = 0; x < side; ++x)
+            all.push_back(sea->answer({coordinate(x), coordinate(y), time_us}).height_m);
+    return all;
+}
+
+} // namespace
+
+Result<void> write_error_map(const sea::Scene& scene, const std::string& path, Devices& devices) {
+    if (std::filesystem::exists(path))
+        return {};
+    Configuration engine = balanced(scene);
+    engine.space = SpaceRule::bilinear;
+    engine.time = TimeRule::linear;
+    engine.format = MapFormat::f16;
+    engine.codec_error_m = 0.0;
+    engine.fixed_point_steps = 3;
+    Configuration exactly = clean(scene);
+    exactly.evaluator = Evaluator::direct_sum;
+    const sea::TimeUs time_us = sample_time_us(1);
+    SEAWAY_TRY_LET(const auto truth, heights(scene, exactly, devices, time_us));
+    SEAWAY_TRY_LET(const auto ours, heights(scene, balanced(scene), devices, time_us));
+    SEAWAY_TRY_LET(const auto theirs, heights(scene, engine, devices, time_us));
+    std::ofstream file(path);
+    file << "x_m,y_m,height_m,balanced_m,engine_m\n";
+    for (std::size_t i = 0; i < truth.size(); ++i)
+        file << fmt::format("{:.2f},{:.2f},{:.5f},{:.6f},{:.6f}\n",
+                            coordinate(static_cast<int>(i) % side),
+                            coordinate(static_cast<int>(i) / side), truth[i], ours[i] - truth[i],
+                            theirs[i] - truth[i]);
+    if (!file.flush())
+        return Error{"cannot write " + path};
+    return {};
+}
+
+} // namespace seaway::bench

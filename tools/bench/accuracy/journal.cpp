@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/bench/accuracy/journal.h"
+
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <sstream>
+#include <thread>
+#include <vector>
+
+#include <fmt/format.h>
+
+namespace seaway::bench {
+
+namespace {
+
+constexpr const char* header =
+    "state,knob,value,metric,figure,ci_low,ci_high,device,driver,machine,commit";
+constexpr std::size_t columns = 11;
+
+/// Only names hold commas or quotes: of devices and machines.
+std::string quoted(const std::string& text) {
+    if (text.find_first_of(",\"") == std::string::npos)
+        return text;
+    std::string result = "\"";
+    for (const char c : text)
+        result += c == '"' ? std::string("\"\"") : std::string(1, c);
+    return result + "\"";
+}
+
+std::vector<std::string> split(const std::string& line) {
+    std::vector<std::string> fields(1);
+    bool inside = false;
+    for (std::size_t i = 0; i < line.size(); ++i) {
+        if (line[i] == '"' && inside && i + 1 < line.size() && line[i + 1] == '"')
+            fields.back() += line[i++];
+        else if (line[i] == '"')
+            inside = !inside;
+        else if (line[i] == ',' && !inside)
+            fields.emplace_back();
+        else
+            fields.back() += line[i];
+    }
+    return fields;
+}
+
+struct Kept {
+    std::vector<std::string> lines; ///< of trials that were finished
+    std::set<std::string> done;
+};
+
+} // namespace
+
+std::string machine_name() {
+    std::ifstream file("/proc/cpuinfo");
+    const std::string label = "model name";
+    for (std::string line; std::getline(file, line);)
+        if (line.compare(0, label.size(), label) == 0) {
+            const std::size_t colon = line.find(": ");
+            if (colon != std::string::npos)
+                return fmt::format("{}, {} cores", line.substr(colon + 2),
+                                   std::thread::hardware_concurrency());
+        }
+    return fmt::format("unknown, {} cores", std::thread::hardware_concurrency());
+}
+
+std::string commit_name() {
+    const std::unique_ptr<FILE, int (*)(FILE*)> git(
+        popen("git describe --always --dirty 2>/dev/null", "r"), pclose);
+    std::array<char, 64> line{};
+    if (!git || !std::fgets(line.data(), line.size(), git.get()))
+        return "unknown";
+    const std::string name = line.data();
+    return name.substr(0, name.find('\n'));
+}
+
+std::string Journal::key(const TrialName& trial) {
+    return trial.state + '\n' + trial.knob + '\n' + trial.value + '\n' + trial.device;
+}
+
+namespace {
+
+Result<Kept> read_kept(const std::string& path, const std::string& settings) {
+    Kept kept;
+    std::ifstream file(path);
+    if (!file)
+        return kept;
+    std::string line;
+    if (!std::getline(file, line))
+        return kept;
+    if (line != "# " + settings)
+        return Error{
+            fmt::format("{} is of another run ({}); this one is \"{}\": remove the file or "
+                        "give another --out",
+                        path, line, settings)};
+    std::getline(file, line); // the header
+    std::vector<std::string> trial;
+    std::string current;
+    while (std::getline(file, line)) {
+        const std::vector<std::string> fields = split(line);
+        if (fields.size() != columns)
+            continue; // cut off when the run was stopped
+        const std::string name = fields[0] + '\n' + fields[1] + '\n' + fields[2] + '\n' + fields[7];
+        if (name != current)
+            trial.clear();
+        current = name;
+        trial.push_back(line);
+        if (fields[3] != "done")
+            continue;
+        kept.lines.insert(kept.lines.end(), trial.begin(), trial.end());
+        kept.done.insert(name);
+        trial.clear();
+    }
+    return kept;
+}
+
+} // namespace
+
+Result<Journal> Journal::open(const std::string& path, const std::string& settings) {
+    SEAWAY_TRY_LET(Kept kept, read_kept(path, settings));
+    Journal journal;
+    journal.path_ = path;
+    journal.done_ = std::move(kept.done);
+    {
+        std::ofstream whole(path + ".part");
+        whole << "# " << settings << '\n' << header << '\n';
+        for (const std::string& line : kept.lines)
+            whole << line << '\n';
+        if (!whole.flush())
+            return Error{"cannot write " + path + ".part"};
+    }
+    std::error_code failed;
+    std::filesystem::rename(path + ".part", path, failed);
+    journal.file_.open(path, std::ios::app);
+    if (failed || !journal.file_)
+        return Error{"cannot write " + path};
+    return journal;
+}
+
+Result<void> Journal::add(const TrialName& trial, const Place& place,
+                          std::span<const Figure> figures, double seconds) {
+    std::ostringstream rows;
+    const auto row = [&](const Figure& f) {
+        rows << fmt::format("{},{},{},{},{:.6g},{:.6g},{:.6g},{},{},{},{}\n", trial.state,
+                            trial.knob, quoted(trial.value), f.metric, f.value, f.low, f.high,
+                            quoted(trial.device), quoted(place.driver), quoted(place.machine),
+                            place.commit);
+    };
+    for (const Figure& figure : figures)
+        row(figure);
+    row(exact("done", seconds));
+    file_ << rows.str();
+    if (!file_.flush())
+        return Error{"cannot write " + path_};
+    done_.insert(key(trial));
+    return {};
+}
+
+} // namespace seaway::bench

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// The journal of a run, accuracy.csv: one row a figure, flushed trial by trial. A run that was stopped
+// finds there what it has done; a trial that it had not finished is measured again.
+//
+// First line: a note that says of which points the figures are. Rows:
+//     state,knob,value,metric,figure,ci_low,ci_high,device,driver,machine,commit
+// A trial's last row has the metric "done": CPU seconds that it took. For one thread.
+#pragma once
+
+#include <fstream>
+#include <set>
+#include <span>
+#include <string>
+
+#include "base/result.h"
+#include "tools/bench/accuracy/metrics.h"
+
+namespace seaway::bench {
+
+/// Where figures were taken.
+struct Place {
+    std::string device; ///< as it describes itself
+    std::string driver;
+    std::string machine; ///< processor and cores
+    std::string commit;
+};
+
+/// Of this machine and the repository in the working folder; "unknown" for what cannot be found out.
+std::string machine_name();
+std::string commit_name();
+
+struct TrialName {
+    std::string state;
+    std::string knob;
+    std::string value;
+    std::string device; ///< description
+};
+
+class Journal {
+  public:
+    /// Opens or begins `path`. `settings` is the note; an error if the file is of other settings, or
+    /// cannot be written.
+    static Result<Journal> open(const std::string& path, const std::string& settings);
+
+    bool has(const TrialName& trial) const { return done_.contains(key(trial)); }
+    std::size_t trials() const { return done_.size(); }
+
+    Result<void> add(const TrialName& trial, const Place& place, std::span<const Figure> figures,
+                     double seconds);
+
+  private:
+    static std::string key(const TrialName& trial);
+
+    std::string path_;
+    std::ofstream file_;
+    std::set<std::string> done_;
+};
+
+} // namespace seaway::bench

@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/bench/accuracy/measure.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "sea/waves/moments.h"
+#include "tools/bench/accuracy/laws.h"
+#include "tools/bench/accuracy/octaves.h"
+
+namespace seaway::bench {
+
+namespace {
+
+bool within(const SamplePoint& point, const Extent& extent) {
+    return !extent.time_base ||
+           point.time % static_cast<int>(std::size(time_bases_s)) == *extent.time_base;
+}
+
+Result<std::vector<Sample>> answers(ConfiguredSea& sea, const Truth& truth, const Extent& extent) {
+    std::vector<Sample> samples;
+    std::optional<int> time;
+    for (std::size_t i = 0; i < truth.points.size(); i += static_cast<std::size_t>(extent.every)) {
+        const SamplePoint& point = truth.points[i];
+        if (!within(point, extent))
+            continue;
+        if (time != point.time)
+            SEAWAY_TRY(sea.go_to(point.at.time_us));
+        time = point.time;
+        samples.push_back({point.kind, point.time, truth.answers[i], sea.answer(point.at)});
+    }
+    return samples;
+}
+
+Result<double> flicker(ConfiguredSea& sea, const Movie& movie) {
+    std::vector<double> heights(movie.heights_m.size());
+    for (int frame = 0; frame < Movie::frames; ++frame) {
+        SEAWAY_TRY(sea.go_to(movie.time_us(frame)));
+        for (std::size_t p = 0; p < movie.at.size(); ++p)
+            heights[p * Movie::frames + static_cast<std::size_t>(frame)] =
+                sea.answer(movie.at[p]).height_m;
+    }
+    return flicker_m(movie.heights_m, heights, Movie::frames);
+}
+
+void add_prediction(const Prediction& p, std::vector<Figure>& all) {
+    all.push_back(exact("predicted_rms_m", p.rms_m()));
+    const std::pair<const char*, double> parts[] = {
+        {"space", p.space_m},   {"time", p.time_m},       {"codec", p.codec_m},
+        {"format", p.format_m}, {"inverse", p.inverse_m}, {"modes", p.modes_m},
+        {"phase", p.phase_m},   {"latency", p.latency_m}};
+    for (const auto& [name, value] : parts)
+        if (value > 0)
+            all.push_back(exact(fmt::format("predicted_{}_m", name), value));
+}
+
+void add_missing(const Missing& missing, std::vector<Figure>& all) {
+    all.push_back(exact("missing_longer_m", missing.longer_m));
+    all.push_back(exact("missing_shorter_m", missing.shorter_m));
+    all.push_back(exact("missing_between_m", missing.between_m));
+    all.push_back(exact("missing_slope_rms", missing.slope_rms));
+    all.push_back(exact("missing_rms_m", missing.rms_m()));
+}
+
+double value_of(const std::vector<Figure>& all, std::string_view metric) {
+    const auto found =
+        std::find_if(all.begin(), all.end(), [&](const Figure& f) { return f.metric == metric; });
+    return found == all.end() ? 0.0 : found->value;
+}
+
+/// Points that answers are timed at: those anywhere of one time.
+std::vector<sea::QueryPoint> timed_points(const Truth& truth) {
+    std::vector<sea::QueryPoint> points;
+    for (const SamplePoint& point : truth.points)
+        if (point.kind == PointKind::anywhere)
+            points.push_back(point.at);
+    return points;
+}
+
+} // namespace
+
+Result<std::vector<Figure>> measure(const sea::Scene& scene, const Configuration& configuration,
+                                    const Truth& truth, const Extent& extent, Devices& devices,
+                                    StageCosts& costs) {
+    SEAWAY_TRY_LET(const auto sea, ConfiguredSea::create(scene, configuration, devices));
+    SEAWAY_TRY_LET(const std::vector<Sample> samples, answers(*sea, truth, extent));
+    const double hs_m = 4.0 * std::sqrt(variance_of(*sea->waves().all));
+    std::vector<Figure> all = figures(samples, hs_m);
+    all.push_back(exact("samples", static_cast<double>(samples.size())));
+    all.push_back(exact("hs_m", hs_m));
+    const int base = extent.time_base.value_or(0);
+    add_prediction(predict(sea->waves(), configuration, sample_time_us(base)), all);
+    add_missing(missing_waves(sea->waves()), all);
+    all.push_back(
+        exact("total_rms_m", std::hypot(value_of(all, "rms_m"), value_of(all, "missing_rms_m"))));
+    const double answer_ns = query_ns(*sea, timed_points(truth));
+    if (extent.octaves)
+        for (const Octave& octave : octaves(*sea)) {
+            all.push_back(
+                exact(fmt::format("energy_pct@{:g}", octave.k_radpm), octave.energy_error_pct));
+            all.push_back(
+                exact(fmt::format("phase_rad@{:g}", octave.k_radpm), octave.phase_error_rad));
+        }
+    if (extent.flicker) {
+        SEAWAY_TRY_LET(const double metres, flicker(*sea, truth.movie));
+        all.push_back(exact("flicker_m", metres));
+    }
+    // Last: timing takes the device to a sea of its own.
+    SEAWAY_TRY_LET(const std::vector<Figure> cost, costs.figures(*sea, devices));
+    all.insert(all.end(), cost.begin(), cost.end());
+    all.push_back(exact("query_ns", answer_ns));
+    all.push_back(exact("work_ms_per_s", value_of(cost, "keyframe_cpu_ms_per_s") +
+                                             value_of(cost, "spline_ms_per_s") +
+                                             value_of(cost, "encode_ms_per_s") +
+                                             queries_per_s * answer_ns * 1e-6));
+    return all;
+}
+
+Result<std::vector<Figure>> measure_layout(const sea::Scene& scene,
+                                           const Configuration& configuration) {
+    SEAWAY_TRY_LET(const Waves waves, configured_waves(scene, configuration));
+    std::vector<Figure> all;
+    add_missing(missing_waves(waves), all);
+    const sea::SeaSummary summary = sea::summarize(waves.state, *waves.used);
+    const double hs_m = summary.requested.significant_height_m;
+    all.push_back(exact("hs_m", hs_m));
+    double scatter2 = 0, expected = 0;
+    for (const sea::CascadeVariance& cascade : summary.cascades) {
+        // Of Hs = 4 sqrt(m0): variances of m0 add, a cascade's is (2 scatter m0)^2.
+        scatter2 += std::pow(2.0 * cascade.expected_scatter * cascade.expected_m2, 2);
+        expected += cascade.expected_m2;
+    }
+    all.push_back(exact("hs_scatter_pct", 100.0 * 0.5 * std::sqrt(scatter2) / expected));
+    all.push_back(exact("peak_wavelengths", waves.used->cascades.front().spec.length_m /
+                                                summary.longest_peak_wavelength_m));
+    std::map<int, double> held;
+    for (const sea::CascadeModes& cascade : waves.used->cascades)
+        for_each_wave(cascade, [&](std::size_t, double kx, double ky, double v, double) {
+            held[static_cast<int>(std::floor(std::log2(std::hypot(kx, ky))))] += v;
+        });
+    const sea::Dispersion dispersion = waves.state.dispersion();
+    for (const auto& [exponent, variance] : held) {
+        const double k = std::ldexp(1.0, exponent);
+        all.push_back(exact(fmt::format("held_m@{:g}", k), std::sqrt(variance)));
+        all.push_back(exact(fmt::format("asked_m@{:g}", k),
+                            std::sqrt(sea::requested_variance(waves.state, dispersion.omega(k),
+                                                              dispersion.omega(2 * k)))));
+    }
+    return all;
+}
+
+Result<std::vector<Figure>>
+measure_transform(const sea::Scene& scene, const Configuration& configuration, Devices& devices) {
+    SEAWAY_TRY_LET(const Waves waves, configured_waves(scene, configuration));
+    SEAWAY_TRY_LET(server::Synthesizer * device, devices.get(configuration));
+    SEAWAY_TRY(device->set_sea(waves.used, 1));
+    constexpr int probes = 256;
+    const sea::TimeUs time_us = sample_time_us(1);
+    const server::KeyframeRequest request{0, time_us, {sea::Field::height}};
+    SEAWAY_TRY_LET(const auto made, device->synthesize({&request, 1}));
+    const sea::Keyframe& map = *made[0];
+    const sea::DirectSum sum(waves.used);
+    const sea::DirectSum::Moment now = sum.at_time(time_us);
+    double squares = 0, errors = 0;
+    for (int i = 0; i < probes; ++i) {
+        const int x = i * 2654435 % map.size, y = i * 40503 % map.size;
+        const double spacing = map.length_m / map.size;
+        const double height = now.at(x * spacing, y * spacing).height;
+        const auto index = static_cast<std::size_t>(y) * static_cast<std::size_t>(map.size) +
+                           static_cast<std::size_t>(x);
+        errors += std::pow(static_cast<double>(map.values[index]) - height, 2);
+        squares += height * height;
+    }
+    // benchFFT: float transforms of this length have 1.3e-7 to 1.7e-7 of their rms.
+    return std::vector{exact("transform_error", std::sqrt(errors / squares)),
+                       exact("predicted_transform_error", 1.5e-7)};
+}
+
+} // namespace seaway::bench

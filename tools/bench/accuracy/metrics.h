@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+// How far answers are from the truth, in the terms that users feel: metres and percent of Hs, crests,
+// slopes, velocities, flicker. Intervals are 95 %: by resampling whole times for averages, by order
+// statistics for the 99th percentile.
+//
+// Points where the true surface folds are left out: there the two may stand on different sheets. How many
+// those are is a figure of its own, and so is how many answers are flagged as folded: at a fold, or so near
+// one that the error of the maps leaves it open. Pure functions; thread-safe.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "sea/surface/answer.h"
+#include "tools/bench/accuracy/points.h"
+
+namespace seaway::bench {
+
+struct Figure {
+    std::string metric;
+    double value;
+    double low; ///< of its 95 % interval; both as `value` where there is no scatter
+    double high;
+};
+
+inline Figure exact(std::string metric, double value) {
+    return {std::move(metric), value, value, value};
+}
+
+struct Sample {
+    PointKind kind;
+    int time;
+    sea::Answer truth;
+    sea::Answer answer;
+};
+
+/// rms_m, mean_m, p99_m          at points anywhere
+/// max_m                         at all points
+/// crest_m, crest_rms_m          mean (negative: crests too low) and rms on crests
+/// steep_rms_m                   where the surface is squeezed most
+/// rms_pct_hs, p99_pct_hs        of 4 sqrt(m0)
+/// slope_rms, normal_p99_deg     of the gradient, and the angle of the normal, anywhere
+/// velocity_rms_mps              of all three parts, anywhere
+/// folded_pct, flagged_pct       points left out; answers flagged as folded among the others
+/// beyond_bound_pct, bound_over_p99   of what answers state as error_m; only where they state one
+std::vector<Figure> figures(std::span<const Sample> samples, double hs_m);
+
+/// Root mean square of the second difference of (answer - truth) over frames, m: what is seen as
+/// flicker. [point][frame].
+double flicker_m(std::span<const double> truth, std::span<const double> answers, int frames);
+
+} // namespace seaway::bench

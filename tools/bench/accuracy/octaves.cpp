@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/bench/accuracy/octaves.h"
+
+#include <cmath>
+#include <complex>
+#include <map>
+
+#include "sea/basics/constants.h"
+
+namespace seaway::bench {
+
+namespace {
+
+using Complex = std::complex<double>;
+
+/// Octaves with less of the variance are waves that nobody asked for.
+constexpr double least_share = 1e-8;
+
+/// exp(-i 2 pi n x / count), unnormalised, in place; `count` a power of two, `stride` apart.
+void transform(Complex* values, std::size_t count, std::size_t stride) {
+    for (std::size_t i = 1, j = 0; i < count; ++i) {
+        std::size_t bit = count >> 1;
+        for (; j & bit; bit >>= 1)
+            j ^= bit;
+        j ^= bit;
+        if (i < j)
+            std::swap(values[i * stride], values[j * stride]);
+    }
+    for (std::size_t length = 2; length <= count; length *= 2)
+        for (std::size_t k = 0; k < length / 2; ++k) {
+            const Complex w = std::polar(1.0, -sea::two_pi * static_cast<double>(k) /
+                                                  static_cast<double>(length));
+            for (std::size_t i = k; i < count; i += length) {
+                Complex& a = values[i * stride];
+                Complex& b = values[(i + length / 2) * stride];
+                const Complex turned(w.real() * b.real() - w.imag() * b.imag(),
+                                     w.real() * b.imag() + w.imag() * b.real());
+                b = a - turned;
+                a += turned;
+            }
+        }
+}
+
+/// Sums over the waves of an octave.
+struct Sum {
+    double truth = 0;
+    double shown = 0;
+    double phase2 = 0; ///< squares of phase errors, by energy
+};
+
+void add_cascade(const ConfiguredSea& sea, int c, std::map<int, Sum>& octaves) {
+    const sea::CascadeModes& modes = sea.waves().used->cascades[static_cast<std::size_t>(c)];
+    const int size = modes.spec.size, fine = 2 * size;
+    const auto count = static_cast<std::size_t>(fine);
+    const double spacing = modes.spec.length_m / fine;
+    std::vector<Complex> values(count * count);
+    for (std::size_t y = 0; y < count; ++y)
+        for (std::size_t x = 0; x < count; ++x)
+            values[y * count + x] =
+                sea.at(c, static_cast<double>(x) * spacing, static_cast<double>(y) * spacing)
+                    .height;
+    for (std::size_t y = 0; y < count; ++y)
+        transform(&values[y * count], count, 1);
+    for (std::size_t x = 0; x < count; ++x)
+        transform(&values[x], count, count);
+    const double scale = 1.0 / static_cast<double>(count * count);
+    const sea::TimeUs t = sea.waves().used->phase_time(sea.shown_us());
+    const auto wrapped = [](int n, int side) {
+        return static_cast<std::size_t>((n + side) % side);
+    };
+    for_each_wave(modes, [&](std::size_t i, double kx, double ky, double, double) {
+        const int nx = sea::signed_index(static_cast<int>(i) % size, size);
+        const int ny = sea::signed_index(static_cast<int>(i) / size, size);
+        const std::size_t opposite =
+            wrapped(-ny, size) * static_cast<std::size_t>(size) + wrapped(-nx, size);
+        const Complex turn = std::polar(1.0, -sea::phase_rad(modes.rate[i], t));
+        const Complex truth = modes.h0[i] * turn + std::conj(modes.h0[opposite] * turn);
+        const Complex shown = scale * values[wrapped(ny, fine) * count + wrapped(nx, fine)];
+        Sum& sum = octaves[static_cast<int>(std::floor(std::log2(std::hypot(kx, ky))))];
+        sum.truth += std::norm(truth);
+        sum.shown += std::norm(shown);
+        const double phase = std::arg(shown * std::conj(truth));
+        sum.phase2 += std::norm(truth) * phase * phase;
+    });
+}
+
+} // namespace
+
+std::vector<Octave> octaves(const ConfiguredSea& sea) {
+    std::map<int, Sum> sums;
+    if (sea.configuration().evaluator == Evaluator::maps)
+        for (int c = 0; c < static_cast<int>(sea.waves().used->cascades.size()); ++c)
+            add_cascade(sea, c, sums);
+    double whole = 0;
+    for (const auto& [exponent, sum] : sums)
+        whole += sum.truth;
+    std::vector<Octave> all;
+    for (const auto& [exponent, sum] : sums)
+        if (sum.truth > least_share * whole)
+            all.push_back({std::ldexp(1.0, exponent), sum.truth,
+                           100.0 * (sum.shown / sum.truth - 1.0),
+                           std::sqrt(sum.phase2 / sum.truth)});
+    return all;
+}
+
+} // namespace seaway::bench

@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/bench/accuracy/truth.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <complex>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <numbers>
+#include <optional>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "protocol/checksum.h"
+#include "sea/surface/inverse.h"
+#include "sea/waves/reference.h"
+
+namespace seaway::bench {
+
+namespace {
+
+/// To be counted up when points or sums are made in another way.
+constexpr std::uint32_t truth_version = 1;
+constexpr int checked_points = 4;
+
+template <class T>
+std::span<const std::uint8_t> bytes_of(const std::vector<T>& values) {
+    return {reinterpret_cast<const std::uint8_t*>(values.data()), values.size() * sizeof(T)};
+}
+
+/// Of the waves themselves, the points and the version.
+std::string file_name(const Waves& waves, const Sampling& sampling, std::uint64_t seed) {
+    std::uint32_t sum = truth_version;
+    for (const sea::CascadeModes& cascade : waves.all->cascades) {
+        sum = protocol::crc32(bytes_of(cascade.h0), sum);
+        sum = protocol::crc32(bytes_of(cascade.rate), sum);
+    }
+    return fmt::format("truth_{:08x}_{}_{}_{:.2f}_{}.bin", sum, sampling.points, sampling.times,
+                       waves.all->choppiness.x, seed);
+}
+
+struct Header {
+    char magic[8] = {'s', 'e', 'a', 't', 'r', 'u', 't', 'h'};
+    std::uint64_t points = 0;
+    double sum_error_m = 0;
+    sea::TimeUs movie_start_us = 0;
+};
+
+template <class T>
+void put(std::ofstream& file, const std::vector<T>& values) {
+    const auto bytes = bytes_of(values);
+    file.write(reinterpret_cast<const char*>(bytes.data()),
+               static_cast<std::streamsize>(bytes.size()));
+}
+
+template <class T>
+void get(std::ifstream& file, std::vector<T>& values, std::size_t count) {
+    values.resize(count);
+    file.read(reinterpret_cast<char*>(values.data()),
+              static_cast<std::streamsize>(count * sizeof(T)));
+}
+
+std::optional<Truth> read(const std::string& path) {
+    std::ifstream file(path, std::ios::binary);
+    Header header;
+    const Header wanted;
+    file.read(reinterpret_cast<char*>(&header), sizeof header);
+    if (!file || std::memcmp(header.magic, wanted.magic, sizeof wanted.magic) != 0)
+        return std::nullopt;
+    Truth truth;
+    truth.sum_error_m = header.sum_error_m;
+    truth.movie.start_us = header.movie_start_us;
+    get(file, truth.points, header.points);
+    get(file, truth.answers, header.points);
+    get(file, truth.movie.at, Movie::points);
+    get(file, truth.movie.heights_m, static_cast<std::size_t>(Movie::points) * Movie::frames);
+    return file ? std::optional(std::move(truth)) : std::nullopt;
+}
+
+/// Under another name first: a run that is stopped here leaves no half of a file.
+Result<void> write(const std::string& path, const Truth& truth) {
+    {
+        std::ofstream file(path + ".part", std::ios::binary);
+        const Header header{.points = truth.points.size(),
+                            .sum_error_m = truth.sum_error_m,
+                            .movie_start_us = truth.movie.start_us};
+        file.write(reinterpret_cast<const char*>(&header), sizeof header);
+        put(file, truth.points);
+        put(file, truth.answers);
+        put(file, truth.movie.at);
+        put(file, truth.movie.heights_m);
+        if (!file.flush())
+            return Error{"cannot write " + path + ".part"};
+    }
+    std::error_code failed;
+    std::filesystem::rename(path + ".part", path, failed);
+    return failed ? Result<void>(Error{"cannot write " + path}) : Result<void>();
+}
+
+/// Calls work(0 .. count - 1), in as many threads as the machine runs at once.
+template <class Work>
+void in_threads(int count, const Work& work) {
+    std::atomic<int> next{0};
+    std::vector<std::jthread> threads;
+    for (unsigned i = 0; i < std::max(1u, std::thread::hardware_concurrency()); ++i)
+        threads.emplace_back([&] {
+            for (int n = next++; n < count; n = next++)
+                work(n);
+        });
+}
+
+void solve(const sea::DirectSum& sum, const sea::InverseOptions& options, int times, Truth& truth) {
+    truth.answers.resize(truth.points.size());
+    in_threads(times, [&](int time) {
+        std::optional<sea::DirectSum::Moment> now;
+        for (std::size_t i = 0; i < truth.points.size(); ++i) {
+            if (truth.points[i].time != time)
+                continue;
+            if (!now)
+                now = sum.at_time(truth.points[i].at.time_us);
+            truth.answers[i] = sea::surface_at(truth.points[i].at, options, *now);
+        }
+    });
+}
+
+void film(const sea::DirectSum& sum, const sea::InverseOptions& options, Movie& movie) {
+    movie.heights_m.resize(static_cast<std::size_t>(Movie::points) * Movie::frames);
+    in_threads(Movie::frames, [&](int frame) {
+        const sea::DirectSum::Moment now = sum.at_time(movie.time_us(frame));
+        for (std::size_t p = 0; p < Movie::points; ++p) {
+            sea::QueryPoint at = movie.at[p];
+            at.time_us = movie.time_us(frame);
+            movie.heights_m[p * Movie::frames + static_cast<std::size_t>(frame)] =
+                sea::surface_at(at, options, now).height_m;
+        }
+    });
+}
+
+double largest_difference(const sea::DirectSum& sum, const Truth& truth) {
+    double largest = 0;
+    const std::size_t stride = std::max<std::size_t>(truth.points.size() / checked_points, 1);
+    for (std::size_t i = 0; i < truth.points.size(); i += stride) {
+        const sea::QueryPoint& at = truth.points[i].at;
+        const double here = sum.at(at.x_m, at.y_m, at.time_us).height;
+        largest = std::max(
+            largest, std::abs(here - height_in_long_double(sum.sea(), at.x_m, at.y_m, at.time_us)));
+    }
+    return largest;
+}
+
+} // namespace
+
+sea::TimeUs Movie::time_us(int frame) const {
+    return start_us + std::llround(frame * sea::microseconds_per_second / frames_per_s);
+}
+
+double height_in_long_double(const sea::Realization& sea, double x_m, double y_m,
+                             sea::TimeUs time_us) {
+    using Real = long double;
+    constexpr Real turn = 2 * std::numbers::pi_v<Real>;
+    const sea::TimeUs t = sea.phase_time(time_us);
+    Real sum = 0;
+    for (const sea::CascadeModes& cascade : sea.cascades) {
+        const int size = cascade.spec.size;
+        const Real x = x_m / static_cast<Real>(cascade.spec.length_m);
+        const Real y = y_m / static_cast<Real>(cascade.spec.length_m);
+        for_each_wave(cascade, [&](std::size_t i, double, double, double, double) {
+            const int nx = sea::signed_index(static_cast<int>(i) % size, size);
+            const int ny = sea::signed_index(static_cast<int>(i) / size, size);
+            const Real turns = nx * x + ny * y -
+                               static_cast<Real>(sea::phase_turns(cascade.rate[i], t)) * 0x1p-64L;
+            const Real angle = turn * (turns - std::floor(turns));
+            // This wave and its conjugate at -k: twice the real part.
+            sum += 2 * (cascade.h0[i].real() * std::cos(angle) -
+                        cascade.h0[i].imag() * std::sin(angle));
+        });
+    }
+    return static_cast<double>(sum);
+}
+
+Result<Truth> reference_truth(const Waves& waves, const Sampling& sampling, std::uint64_t seed,
+                              const std::string& folder) {
+    const std::string path = folder + "/" + file_name(waves, sampling, seed);
+    if (std::optional<Truth> kept = read(path))
+        return *std::move(kept);
+    const sea::DirectSum sum(waves.all);
+    const sea::InverseOptions options{waves.all->choppiness, truth_tolerance_m,
+                                      sea::fold_search(waves.budget)};
+    Truth truth;
+    truth.points = sample_points(waves.all, sampling, seed);
+    truth.movie.start_us = sample_time_us(1);
+    for (std::size_t p = 0; p < Movie::points; ++p)
+        truth.movie.at.push_back(truth.points[p % truth.points.size()].at);
+    solve(sum, options, sampling.times, truth);
+    film(sum, options, truth.movie);
+    truth.sum_error_m = largest_difference(sum, truth);
+    std::error_code failed;
+    std::filesystem::create_directories(folder, failed);
+    SEAWAY_TRY(write(path, truth));
+    return truth;
+}
+
+} // namespace seaway::bench
