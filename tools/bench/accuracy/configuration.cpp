@@ -48,10 +48,11 @@ Configuration clean(const sea::Scene& scene) {
 std::vector<Named> named_configurations(const sea::Scene& scene) {
     Configuration precise = with_size(balanced(scene), 512);
     precise.height_error_m = 0.001;
-    Configuration fast = with_size(balanced(scene), 128);
-    fast.height_error_m = 0.05;
-    Configuration query_only = with_size(balanced(scene), 128);
-    query_only.height_error_m = 0.02;
+    // Four small tiles close to each other: each is asked only for waves that its grid shows well.
+    Configuration fast = balanced(scene);
+    fast.cascades = {{2111.0, 128}, {650.0, 128}, {150.0, 128}, {40.0, 128}};
+    fast.height_error_m = 0.015;
+    Configuration query_only = fast;
     query_only.codec_error_m = 0.0;
 
     Configuration all_modes = clean(scene);
