@@ -1,0 +1,226 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: Apache-2.0
+"""Writes docs/accuracy.md and docs/pictures/accuracy_*.png from what `seaway-bench accuracy` measured.
+
+    tools/accuracy_page.py [out/bench/accuracy ...] [--note TEXT]
+
+Folders hold accuracy.csv, and error_map.csv if presets were measured; the first is of the device that the
+page speaks of, each further one adds a headline plot. Needs python3-matplotlib (apt install
+python3-matplotlib), here alone.
+"""
+import argparse
+import csv
+import pathlib
+
+import accuracy_pictures as pictures
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+GALE = "gale_deep"
+STATES = ["calm_deep", "calm_shallow", "gale_deep", "gale_shallow", "storm_deep", "storm_shallow"]
+PRESETS = ["precise", "balanced", "fast", "query_only"]
+BASELINES = ["250/17/5 m of 256", "one tile of 512", "64 largest waves", "all modes summed"]
+# What is held to a factor of two, and below which error float maps, not the knob, decide (m).
+LAWS = [
+    ("K1", "cutoff", "waves above a wavenumber left out", 0),
+    ("K2", "grid", "grid points a wave, bilinear and cubic spline", 1e-6),
+    ("K5", "format", "maps of 16 bits", 0),
+    ("K7", "phase", "phases in single precision", 1e-6),
+    ("K8", "interval", "keyframe interval: Hermite, linear, hold", 0),
+    ("K9", "codec", "the codec's bound", 0),
+    ("K10", "inverse fixed point", "fixed-point steps of the inverse", 0),
+    ("K11", "modes", "only the largest waves summed", 1e-6),
+    ("K14", "latency", "answers of a while ago", 0),
+]
+
+
+class Run:
+    """One accuracy.csv: figures by state, knob and value."""
+
+    def __init__(self, folder):
+        self.folder = pathlib.Path(folder)
+        lines = (self.folder / "accuracy.csv").read_text().splitlines()
+        self.settings = lines[0].lstrip("# ")
+        self.trials = {}
+        self.places = {}
+        done = set()
+        for row in csv.DictReader(lines[1:]):
+            key = (row["state"], row["knob"], row["value"])
+            self.trials.setdefault(key, {})[row["metric"]] = tuple(
+                float(row[c]) for c in ("figure", "ci_low", "ci_high"))
+            self.places[key] = row
+            if row["metric"] == "done":
+                done.add(key)
+        self.trials = {key: figures for key, figures in self.trials.items() if key in done}
+        self.place = self.places[next(iter(self.trials))]
+
+    def figure(self, state, knob, value, metric):
+        """None where it was not measured."""
+        figures = self.trials.get((state, knob, value), {})
+        return figures[metric][0] if metric in figures else None
+
+    def values(self, state, knob):
+        return [value for (s, k, value) in self.trials if (s, k) == (state, knob)]
+
+    def curves(self, state, knob):
+        """{curve: [(x, value), ...]} of values named curve@x."""
+        found = {}
+        for value in self.values(state, knob):
+            name, _, x = value.rpartition("@")
+            found.setdefault(name, []).append((float(x), value))
+        return {name: sorted(points) for name, points in found.items()}
+
+    def worst(self, value, metric):
+        """The largest over the states in which a named configuration was measured."""
+        figures = [self.figure(state, "named", value, metric) for state in STATES]
+        figures = [f for f in figures if f is not None]
+        return max(figures) if figures else None
+
+
+def metres(value):
+    if value is None:
+        return "-"
+    for limit, scale, unit in ((0.9995, 1, "m"), (0.00995, 100, "cm"), (9.95e-6, 1e3, "mm"), (0, 1e6, "um")):
+        if value >= limit:
+            return f"{value * scale:.2g} {unit}" if value * scale < 100 else f"{value * scale:.0f} {unit}"
+    return "0"
+
+
+def number(value, digits=2):
+    if value is None:
+        return "-"
+    return f"{value:.0f}" if abs(value) >= 100 else f"{value:.{digits}g}"
+
+
+def table(head, rows):
+    lines = ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
+    return "\n".join(lines + ["| " + " | ".join(row) + " |" for row in rows])
+
+
+def ways_table(run):
+    rows = []
+    for name in PRESETS + BASELINES:
+        get = lambda metric: run.figure(GALE, "named", name, metric)
+        if get("rms_m") is None:
+            continue
+        rows.append([
+            f"**{name}**" if name in PRESETS else name,
+            metres(get("rms_m")), metres(get("p99_m")), metres(run.worst(name, "p99_m")),
+            metres(get("crest_m")) if (get("crest_m") or 0) >= 0 else "-" + metres(-get("crest_m")),
+            number(get("slope_rms")), metres(get("missing_rms_m")),
+            number(get("keyframe_cpu_ms_per_s")), number(get("encode_ms_per_s")) if get("bytes_per_s") else "-",
+            number(get("query_ns") / 1e3), number(get("work_ms_per_s")),
+            number(get("bytes_per_s") * 8e-6) if get("bytes_per_s") else "-", number(get("memory_mb")),
+            number(get("flagged_pct"))])
+    return table(["", "rms", "p99", "p99, worst of six seas", "mean at crests", "slope rms", "waves left out",
+                  "maps, ms/s", "encoding, ms/s", "an answer, us", "work, ms/s", "Mbit/s", "MB",
+                  "flagged, %"], rows)
+
+
+def states_table(run):
+    rows = []
+    for state in STATES:
+        get = lambda metric: run.figure(state, "named", "balanced", metric)
+        if get("rms_m") is None:
+            continue
+        rows.append([state.replace("_", ", "), f"{get('hs_m'):.2g} m", metres(get("rms_m")), metres(get("p99_m")),
+                     metres(get("max_m")), f"{get('p99_pct_hs'):.2g}", number(get("normal_p99_deg")),
+                     number(get("velocity_rms_mps")), metres(get("flicker_m")), metres(get("missing_rms_m")),
+                     number(get("bound_over_p99")), number(get("folded_pct"))])
+    return table(["sea", "Hs", "rms", "p99", "largest", "p99, % of Hs", "normal p99, deg", "velocity rms, m/s",
+                  "flicker", "waves left out", "stated bound / p99", "folded, %"], rows)
+
+
+def law_table(run):
+    rows = []
+    for number_, knob, what, floor in LAWS:
+        name, _, curve = knob.partition(" ")
+        ratios, predicted = [], []
+        for (_, k, value), figures in run.trials.items():
+            if k != name or not value.startswith(curve) or "predicted_rms_m" not in figures:
+                continue
+            law = figures["predicted_rms_m"][0]
+            if law > floor and law > 0:
+                ratios.append(figures["rms_m"][0] / law)
+                predicted.append(law)
+        if not ratios:
+            continue
+        rows.append([number_, what, str(len(ratios)), f"{metres(min(predicted))} to {metres(max(predicted))}",
+                     f"{min(ratios):.2f} to {max(ratios):.2f}",
+                     "yes" if 0.5 <= min(ratios) and max(ratios) <= 2 else "see below"])
+    return table(["", "knob", "points", "expected rms", "measured / expected", "within 2"], rows)
+
+
+def format_table(run):
+    rows = []
+    for state in STATES:
+        get = lambda form, metric: run.figure(state, "format", form, metric)
+        if get("f16", "rms_m") is None:
+            continue
+        added = lambda form: max(get(form, "rms_m") ** 2 - get("f32", "rms_m") ** 2, 0) ** 0.5
+        rows.append([state.replace("_", ", "), metres(get("f32", "rms_m")), metres(added("f16")),
+                     metres(get("f16", "predicted_format_m")), metres(added("snorm16")),
+                     metres(get("snorm16", "predicted_format_m"))])
+    return table(["sea", "f32, all sources", "f16 adds", "expected", "snorm16 adds", "expected"], rows)
+
+
+def octave_table(run, value="balanced", knob="named"):
+    figures = run.trials.get((GALE, knob, value), {})
+    rows = []
+    for metric, figure in figures.items():
+        if metric.startswith("energy_pct@"):
+            k = float(metric.split("@")[1])
+            phase = figures[f"phase_rad@{metric.split('@')[1]}"][0]
+            rows.append([f"{6.283 / (2 * k):.3g} to {6.283 / k:.3g}", f"{figure[0]:.2g}", f"{phase:.1g}"])
+    return table(["wavelength, m", "energy, %", "phase, rad"], rows)
+
+
+def device_table(run):
+    rows = []
+    for value in run.values(GALE, "device"):
+        get = lambda metric: run.figure(GALE, "device", value, metric)
+        rows.append([value, metres(get("rms_m")), number(get("keyframe_cpu_ms_per_s")), number(get("device_ms_per_s")),
+                     run.places[(GALE, "device", value)]["driver"]])
+    return table(["device", "rms", "CPU, ms/s", "by its own clock, ms/s", "driver"], rows)
+
+
+def fill(template, run, note):
+    get = lambda name, metric: run.figure(GALE, "named", name, metric)
+    words = {
+        "WAYS": ways_table(run), "STATES": states_table(run), "LAWS": law_table(run),
+        "FORMATS": format_table(run), "OCTAVES": octave_table(run), "DEVICES": device_table(run),
+        "BALANCED_P99": metres(get("balanced", "p99_m")), "BALANCED_RMS": metres(get("balanced", "rms_m")),
+        "BALANCED_MAPS": number(get("balanced", "keyframe_cpu_ms_per_s")),
+        "BALANCED_ENCODE": number(get("balanced", "encode_ms_per_s")),
+        "BALANCED_ANSWER": number(get("balanced", "query_ns") / 1e3),
+        "BALANCED_WORK": number(get("balanced", "work_ms_per_s")),
+        "BALANCED_MISSING": metres(get("balanced", "missing_rms_m")),
+        "SUM_ANSWER": number(get("all modes summed", "query_ns") / 1e3),
+        "SUM_RATIO": number(get("all modes summed", "query_ns") / get("balanced", "query_ns")),
+        "ENGINE_RMS": metres(get("250/17/5 m of 256", "rms_m")),
+        "ENGINE_MAPS": number(get("250/17/5 m of 256", "keyframe_cpu_ms_per_s")),
+        "GERSTNER_RMS": metres(get("64 largest waves", "rms_m")),
+        "LOOSE_FLAGGED": number(run.figure(GALE, "combination", "256@0.1", "flagged_pct")),
+        "LOOSE_ANSWER": number(run.figure(GALE, "combination", "256@0.1", "query_ns") / 1e3),
+        "LOOSE_P99": metres(run.figure(GALE, "combination", "256@0.1", "p99_m")),
+        "TRUTH": f"{max(f['truth_error_m'][0] for f in run.trials.values() if 'truth_error_m' in f):.1g} m",
+        "SETTINGS": run.settings, "MACHINE": run.place["machine"], "COMMIT": run.place["commit"],
+        "NOTE": note,
+    }
+    for word, text in words.items():
+        template = template.replace("{{" + word + "}}", text)
+    return template
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("folders", nargs="*", default=[str(ROOT / "out/bench/accuracy")])
+    parser.add_argument("--note", default="", help="a sentence about this run, for the page's end")
+    options = parser.parse_args()
+    runs = [Run(folder) for folder in options.folders]
+    pictures.draw_all(runs, ROOT / "docs/pictures")
+    template = (ROOT / "tools/accuracy_page.md.in").read_text()
+    (ROOT / "docs/accuracy.md").write_text(fill(template, runs[0], options.note))
+
+
+if __name__ == "__main__":
+    main()

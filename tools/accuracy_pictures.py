@@ -1,0 +1,173 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The plots of docs/accuracy.md, from runs as tools/accuracy_page.py reads them."""
+import csv
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt  # noqa: E402
+
+GALE = "gale_deep"
+COLOURS = ["#1f5fa8", "#c8601a", "#3c8a4b", "#7a4fa3"]
+OURS, THEIRS = COLOURS[0], COLOURS[1]
+PRESETS = ["precise", "balanced", "fast", "query_only"]
+plt.rcParams.update({"font.size": 9, "axes.grid": True, "grid.color": "#e2e2e2", "axes.axisbelow": True,
+                     "axes.spines.top": False, "axes.spines.right": False, "legend.frameon": False,
+                     "figure.dpi": 100, "savefig.bbox": "tight"})
+
+
+def error_axis(axis, label):
+    axis.set_xscale("log")
+    axis.invert_xaxis()
+    axis.set_xlabel(label)
+
+
+def front(points):
+    """The points that nothing beats in both."""
+    best, kept = float("inf"), []
+    for error, work in sorted(points):
+        if work < best:
+            best = work
+            kept.append((error, work))
+    return kept
+
+
+def headline(run, path):
+    figure, axes = plt.subplots(1, 2, figsize=(11, 4.8), sharey=True)
+    panels = [("rms_m", "rms error against the same waves, m (better to the right)"),
+              ("total_rms_m", "rms error against the spectrum, m: left out waves too")]
+    for axis, (metric, label) in zip(axes, panels):
+        tried, named = [], {}
+        for (state, knob, value), figures in run.trials.items():
+            if state != GALE or "work_ms_per_s" not in figures:
+                continue
+            point = (max(figures[metric][0], 1e-7), figures["work_ms_per_s"][0])
+            if knob == "named":
+                named[value] = point
+            if knob == "combination" or (knob == "named" and value in PRESETS):
+                tried.append(point)
+        axis.scatter(*zip(*tried), s=12, color="#b5b5b5", label="tried", zorder=2)
+        axis.plot(*zip(*front(tried)), color=OURS, lw=1.2, label="best of them", zorder=2)
+        for name, (error, work) in named.items():
+            ours = name in PRESETS
+            axis.scatter([error], [work], s=46, color=OURS if ours else THEIRS, marker="o" if ours else "D", zorder=3)
+            left = error < 1e-6 or name == "query_only"
+            axis.annotate(name, (error, work), xytext=(-6 if left else 6, 5 if name != "fast" else -10), textcoords="offset points",
+                          ha="right" if left else "left", fontsize=8, color=OURS if ours else THEIRS)
+        axis.set_yscale("log")
+        error_axis(axis, label)
+        for limit, text in ((0.01, "1 cm"), (0.05, "5 cm"), (0.2, "20 cm")):
+            axis.axvline(limit, color="#888888", lw=0.6, ls=":")
+            axis.text(limit, 0.985, text, fontsize=7, color="#666666", ha="right", va="top", rotation=90,
+                      transform=axis.get_xaxis_transform())
+    axes[0].set_ylabel("work, ms of CPU a second of sea:\nmaps, stream, 10 000 answers")
+    axes[0].legend(loc="upper left", bbox_to_anchor=(0.0, 0.9))
+    figure.suptitle(f"A gale (Hs {run.figure(GALE, 'named', 'balanced', 'hs_m'):.1f} m) on {run.place['device']}")
+    figure.savefig(path)
+    plt.close(figure)
+
+
+def sheet(run, knob, path, xlabel, cost, cost_label, title, state=GALE, only=None, xmin=None):
+    """Error on the left, measured solid and expected dashed; cost on the right."""
+    curves = {n: p for n, p in run.curves(state, knob).items() if only is None or n in only}
+    if not curves:
+        return
+    figure, (left, right) = plt.subplots(1, 2, figsize=(9, 3.3))
+    for colour, (name, points) in zip(COLOURS, curves.items()):
+        get = lambda metric: [run.figure(state, knob, value, metric) for _, value in points]
+        xs = [max(x, xmin) if xmin else x for x, _ in points]
+        trials = [run.trials[(state, knob, value)]["rms_m"] for _, value in points]
+        ys = [t[0] for t in trials]
+        left.errorbar(xs, ys, yerr=[[max(t[0] - t[1], 0) for t in trials], [max(t[2] - t[0], 0) for t in trials]],
+                      color=colour, marker="o", ms=3.5, lw=1.4, label=name, elinewidth=0.8)
+        law = [(x, y) for x, y in zip(xs, get("predicted_rms_m")) if y and y > 1e-9]
+        if law:
+            left.plot(*zip(*law), color=colour, ls="--", lw=1)
+        costs = [(x, y) for x, y in zip(xs, get(cost)) if y]
+        if costs:
+            right.plot(*zip(*costs), color=colour, marker="o", ms=3.5, lw=1.4, label=name)
+    logarithmic = all(x > 0 for points in curves.values() for x, _ in points) or xmin
+    for axis in (left, right):
+        axis.set_xscale("log" if logarithmic else "linear")
+        axis.set_yscale("log")
+        axis.set_xlabel(xlabel)
+    left.set_ylabel("rms error of height, m")
+    right.set_ylabel(cost_label)
+    left.legend(fontsize=8)
+    figure.suptitle(title + "  (solid: measured, dashed: expected)", fontsize=10)
+    figure.tight_layout()
+    figure.savefig(path)
+    plt.close(figure)
+
+
+def layout(run, path):
+    """K3 and K4: what layouts of tiles hold."""
+    figure, (left, right) = plt.subplots(1, 2, figsize=(9, 3.3))
+    for metric, label, colour in (("missing_rms_m", "height, m", OURS), ("missing_slope_rms", "slope", THEIRS)):
+        points = [(x, run.figure(GALE, "cascades", v, metric)) for x, v in run.curves(GALE, "cascades")["count"]]
+        left.plot(*zip(*points), marker="o", ms=4, color=colour, label=label)
+    left.set_yscale("log")
+    left.set_xticks([1, 2, 3, 4])
+    left.set_xlabel("cascades of 256: 2111 m, then 211 m; 317 and 53 m; and 11 m")
+    left.set_ylabel("rms of the waves left out")
+    left.legend()
+    points = [(x, run.figure(GALE, "tile", v, "hs_scatter_pct")) for x, v in run.curves(GALE, "tile")["length"]]
+    right.plot(*zip(*points), marker="o", ms=4, color=OURS)
+    right.set_xlabel("longest tile, m")
+    right.set_ylabel("scatter of Hs over seeds, %")
+    right.set_ylim(bottom=0)
+    figure.tight_layout()
+    figure.savefig(path)
+    plt.close(figure)
+
+
+def error_map(folder, path):
+    file = folder / "error_map.csv"
+    if not file.exists():
+        return
+    rows = list(csv.DictReader(file.open()))
+    side = round(len(rows) ** 0.5)
+    extent = [0, float(rows[-1]["x_m"]), 0, float(rows[-1]["y_m"])]
+    grid = lambda name, scale: [[scale * float(r[name]) for r in rows[y * side:(y + 1) * side]] for y in range(side)]
+    figure, axes = plt.subplots(1, 3, figsize=(11, 3.6))
+    height, ours, theirs = grid("height_m", 1), grid("balanced_m", 1e3), grid("engine_m", 1e3)
+    worst = max(abs(v) for row in theirs for v in row)
+    tallest = max(abs(v) for row in height for v in row)
+    for axis, values, title, span, unit in (
+            (axes[0], height, "height", tallest, "m"),
+            (axes[1], ours, "error: balanced", worst, "mm"),
+            (axes[2], theirs, "error: same maps, linear filters, 16 bits", worst, "mm")):
+        image = axis.imshow(values, origin="lower", extent=extent, cmap="RdBu_r" if unit == "mm" else "viridis",
+                            vmin=-span, vmax=span, interpolation="nearest")
+        axis.set_title(title, fontsize=9)
+        axis.grid(False)
+        figure.colorbar(image, ax=axis, shrink=0.8, label=unit)
+        axis.set_xlabel("m")
+    figure.tight_layout()
+    figure.savefig(path)
+    plt.close(figure)
+
+
+def draw_all(runs, folder):
+    run = runs[0]
+    name = lambda what: folder / f"accuracy_{what}.png"
+    headline(run, name("headline"))
+    for other in runs[1:]:
+        device = "lavapipe" if "llvmpipe" in other.place["device"] else "device"
+        headline(other, name(f"headline_{device}"))
+    sheet(run, "cutoff", name("cutoff"), "cut-off, rad/m", "query_ns", "one thread's ns an exact answer",
+          "K1: waves shorter than the cut-off are left out")
+    sheet(run, "grid", name("grid"), "grid points a side for the same waves (64 is what Seaway takes)",
+          "memory_mb", "MB of maps", "K2: between grid points")
+    sheet(run, "phase", name("phase"), "time since the epoch, s", "query_ns", "ns an exact answer",
+          "K7: phases", xmin=1)
+    sheet(run, "interval", name("interval"), "keyframe interval, s", "keyframe_cpu_ms_per_s",
+          "ms of CPU a second of sea", "K8: between keyframes")
+    sheet(run, "codec", name("codec"), "what the codec may cost of the height, m", "bytes_per_s", "bytes a second",
+          "K9: the codec's bound, with keyframes 0.25 s apart")
+    sheet(run, "inverse", name("inverse"), "steps", "query_ns", "ns an answer", "K10: fixed-point steps",
+          only=["fixed point"])
+    sheet(run, "modes", name("modes"), "waves summed", "query_ns", "ns an answer", "K11: only the largest waves")
+    sheet(run, "latency", name("latency"), "late by, s", "query_ns", "ns an answer", "K14: answers of a while ago")
+    layout(run, name("layout"))
+    error_map(run.folder, name("map"))
