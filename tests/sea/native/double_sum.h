@@ -9,6 +9,7 @@
 
 #include "sea/basics/field.h"
 #include "sea/waves/realization.h"
+#include "tests/sea/native/random_modes.h"
 
 namespace seaway::sea {
 

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+// Hard cases B3, B5, B9 beside phases in single precision. The criteria are held for whole seas in
+// tests/sea/waves.
+#include <cmath>
+#include <complex>
+
+#include <gtest/gtest.h>
+
+#include "sea/basics/time.h"
+#include "tests/hard_cases/record.h"
+#include "tests/naive/time.h"
+
+namespace seaway::hard_cases {
+namespace {
+
+constexpr long double two_pi = 6.283185307179586476925286766559005768L;
+
+double wrapped(long double angle) {
+    return static_cast<double>(std::remainder(angle, two_pi));
+}
+
+// A frequency is rounded once, to 2^-65 turns/us: 1.8e-7 rad after 1e6 s and 1.7e-4 after 1e9 s. Against
+// the frequency that was asked for, in long double (64 bits: 1e-10 rad after 1e9 s at 17 rad/s).
+TEST(HardCase, B3_a_phase_is_right_after_a_million_and_a_billion_seconds) {
+    double ours[2] = {}, floats[2] = {};
+    const long long times_s[2] = {1'000'000, 1'000'000'000};
+    for (int t = 0; t < 2; ++t)
+        for (double omega = 0.3; omega <= 17; omega += 0.0713) {
+            const long double truth = static_cast<long double>(omega) * times_s[t];
+            const double fixed =
+                sea::phase_rad(sea::rate_from_omega(omega), times_s[t] * 1'000'000);
+            ours[t] = std::max(ours[t], std::abs(wrapped(fixed - truth)));
+            const float naive = naive::phase_rad(omega, static_cast<double>(times_s[t]));
+            floats[t] = std::max(floats[t], std::abs(wrapped(naive - truth)));
+        }
+    EXPECT_LT(ours[0], 2e-6); // rates are doubles before they are rounded: 1e-16 of 1.7e7 rad
+    EXPECT_LT(ours[1], 1e-3);
+    EXPECT_GT(floats[0], 0.5);
+    record("waves of 0.3 to 17 rad/s after 1e6 s", "largest error of a phase, rad", floats[0],
+           ours[0]);
+}
+
+// 1e-5 of the energy is the case's. Phases are not accumulated, so ours is that of one sine and cosine.
+TEST(HardCase, B5_a_wave_keeps_its_energy_over_ten_million_frames) {
+    const double omega = 1.234567;
+    naive::Rotation rotation(omega, 1.0 / 60);
+    double ours = 0;
+    const sea::Rate rate = sea::rate_from_omega(omega);
+    for (int frame = 1; frame <= 10'000'000; ++frame) {
+        rotation.advance();
+        if (frame % 1000 == 0) {
+            const auto z = std::polar(1.0, sea::phase_rad(rate, frame * 16'667LL));
+            ours = std::max(ours, std::abs(std::norm(z) - 1));
+        }
+    }
+    const double drifted = std::abs(std::norm(rotation.value()) - 1);
+    EXPECT_LT(ours, 1e-5);
+    EXPECT_GT(drifted, 1e-5);
+    record("1e7 frames at 60 Hz", "energy gained or lost, of itself", drifted, ours);
+}
+
+TEST(HardCase, B9_time_since_1970_moves_every_frame) {
+    const double now_s = 1.7e9;
+    int moved = 0, moved_naive = 0;
+    for (int frame = 0; frame < 600; ++frame) {
+        const double t = now_s + frame / 60.0, next = now_s + (frame + 1) / 60.0;
+        moved += sea::us_from_seconds(next) > sea::us_from_seconds(t);
+        moved_naive += naive::seconds_since_epoch(next) > naive::seconds_since_epoch(t);
+    }
+    EXPECT_EQ(moved, 600);
+    EXPECT_LT(moved_naive, 2);
+    record("600 frames from 1.7e9 s on", "frames in which time moves", moved_naive, moved);
+}
+
+} // namespace
+} // namespace seaway::hard_cases
