@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Hard cases A2, A7, A13, A15, A23 beside the formulas as they are printed. Their criteria are held in
 // tests/sea/spectrum and tests/sea/basics as well, at more places.
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Hard cases B3, B5, B9 beside phases in single precision. The criteria are held for whole seas in
 // tests/sea/waves.
+#include <algorithm>
 #include <cmath>
 #include <complex>
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Hard cases C1 .. C4, C9 .. C11: from spectra to maps.
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <vector>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Hard case H5: a change of the sea that arrives late.
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Hard case I2: cascades that share the wavenumber plane.
+#include <algorithm>
 #include <cmath>
 #include <vector>
 

@@ -2,6 +2,7 @@
 // Maps of one cascade: ours, and the double-precision truth by a plain transform.
 #pragma once
 
+#include <algorithm>
 #include <complex>
 #include <span>
 #include <vector>
