@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "client/link/failure.h"
-#include "sea/surface/error_budget.h"
+#include "sea/surface/budget/error_budget.h"
 
 namespace seaway::client {
 

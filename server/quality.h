@@ -6,7 +6,7 @@
 #include <array>
 #include <cstdint>
 
-#include "sea/surface/error_budget.h"
+#include "sea/surface/budget/error_budget.h"
 
 namespace seaway::server {
 

@@ -23,6 +23,9 @@ FILES_MAX = 24  # a minute or two of two cores
 
 
 def git(*arguments):
+    """Words that git says; none without git, or outside a checkout."""
+    if not shutil.which("git"):
+        return []
     done = subprocess.run(["git", *arguments], cwd=ROOT, capture_output=True, text=True)
     return done.stdout.split() if done.returncode == 0 else []
 

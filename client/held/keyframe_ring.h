@@ -14,8 +14,8 @@
 #include <optional>
 #include <vector>
 
-#include "sea/surface/keyframe.h"
-#include "sea/surface/spline_map.h"
+#include "sea/surface/maps/keyframe.h"
+#include "sea/surface/maps/spline_map.h"
 
 namespace seaway::client {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "sea/basics/cascade.h"
-#include "sea/surface/keyframe.h"
+#include "sea/surface/maps/keyframe.h"
 #include "sea/surface/surface.h"
 #include "sea/waves/realization.h"
 

@@ -41,7 +41,7 @@
 #include "sea/foam/foam_kernel.h"
 #include "sea/foam/foam_law.h"
 #include "sea/foam/foam_ticks.h"
-#include "sea/surface/keyframe.h"
+#include "sea/surface/maps/keyframe.h"
 
 namespace seaway::sea {
 

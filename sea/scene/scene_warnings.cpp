@@ -6,7 +6,7 @@
 
 #include "sea/scene/scene.h"
 #include "sea/scene/scene_names.h"
-#include "sea/surface/error_budget.h"
+#include "sea/surface/budget/error_budget.h"
 #include "sea/surface/inverse.h"
 #include "sea/waves/directional_spectrum.h"
 #include "sea/waves/moments.h"

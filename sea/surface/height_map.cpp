@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "base/check.h"
-#include "sea/surface/hermite.h"
+#include "sea/surface/maps/hermite.h"
 
 namespace seaway::sea {
 

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "sea/surface/map_kernel.h"
-#include "sea/surface/spline_weights.h"
+#include "sea/surface/maps/spline_weights.h"
 
 namespace seaway::sea {
 namespace {

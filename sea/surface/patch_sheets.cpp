@@ -5,8 +5,8 @@
 #include <cmath>
 #include <cstring>
 
-#include "sea/surface/spline_hull.h"
-#include "sea/surface/spline_weights.h"
+#include "sea/surface/maps/spline_hull.h"
+#include "sea/surface/maps/spline_weights.h"
 
 namespace seaway::sea {
 

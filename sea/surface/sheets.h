@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "sea/basics/lagrangian_point.h"
-#include "sea/surface/roughness.h"
+#include "sea/surface/maps/roughness.h"
 #include "sea/waves/realization.h"
 
 namespace seaway::sea {

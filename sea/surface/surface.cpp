@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <array>
 
-#include "sea/surface/hermite.h"
+#include "sea/surface/maps/hermite.h"
 #include "sea/surface/surface_sheets.h"
 
 namespace seaway::sea {

@@ -15,7 +15,7 @@
 
 #include "sea/surface/answer.h"
 #include "sea/surface/inverse.h"
-#include "sea/surface/spline_map.h"
+#include "sea/surface/maps/spline_map.h"
 #include "sea/waves/realization.h"
 
 namespace seaway::sea {
@@ -29,7 +29,7 @@ struct SplinePair {
 /// A surface has no more cascades than this.
 inline constexpr std::size_t surface_pairs_max = 16;
 
-/// What the maps themselves add to the error of a height (sea/surface/error_budget.h).
+/// What the maps themselves add to the error of a height (sea/surface/budget/error_budget.h).
 struct MapError {
     double interpolation_m = 0;              ///< space and time, of a height
     double codec_height_m = 0;               ///< summed over cascades

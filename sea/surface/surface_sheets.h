@@ -13,7 +13,7 @@
 #include <array>
 #include <optional>
 
-#include "sea/surface/hermite.h"
+#include "sea/surface/maps/hermite.h"
 #include "sea/surface/patch_sheets.h"
 #include "sea/surface/surface.h"
 

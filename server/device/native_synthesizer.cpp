@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "base/check.h"
-#include "sea/surface/sine_maps.h"
+#include "sea/surface/maps/sine_maps.h"
 #include "server/device/spare_buffers.h"
 
 namespace seaway::server {

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "sea/surface/keyframe.h"
+#include "sea/surface/maps/keyframe.h"
 
 namespace seaway::server {
 

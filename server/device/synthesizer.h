@@ -13,7 +13,7 @@
 
 #include "base/result.h"
 #include "sea/basics/field.h"
-#include "sea/surface/keyframe.h"
+#include "sea/surface/maps/keyframe.h"
 #include "sea/waves/realization.h"
 #include "server/device/synthesis_stage.h"
 

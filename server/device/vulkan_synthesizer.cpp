@@ -8,7 +8,7 @@
 #include "base/check.h"
 #include "base/thread_pool.h"
 #include "gpu/device.h"
-#include "sea/surface/sine_maps.h"
+#include "sea/surface/maps/sine_maps.h"
 #include "server/device/spare_buffers.h"
 #include "server/device/vulkan_batch.h"
 #include "server/device/vulkan_check.h"

@@ -16,7 +16,7 @@
 #include "base/result.h"
 #include "sea/basics/field.h"
 #include "sea/surface/answer.h"
-#include "sea/surface/keyframe.h"
+#include "sea/surface/maps/keyframe.h"
 #include "server/host/asker.h"
 #include "server/host/refusal.h"
 #include "server/host/subscriptions.h"

@@ -17,7 +17,7 @@
 
 #include "base/result.h"
 #include "protocol/messages.h"
-#include "sea/surface/keyframe.h"
+#include "sea/surface/maps/keyframe.h"
 
 namespace seaway::server {
 

@@ -13,7 +13,7 @@
 
 #include "sea/basics/field.h"
 #include "sea/scene/scene.h"
-#include "sea/surface/error_budget.h"
+#include "sea/surface/budget/error_budget.h"
 #include "server/host/subscriptions.h"
 
 namespace seaway::server {

@@ -11,8 +11,8 @@
 #include <mutex>
 #include <utility>
 
-#include "sea/surface/keyframe.h"
-#include "sea/surface/spline_map.h"
+#include "sea/surface/maps/keyframe.h"
+#include "sea/surface/maps/spline_map.h"
 
 namespace seaway::server {
 

@@ -9,7 +9,7 @@
 #include "sea/basics/field.h"
 #include "sea/foam/foam_law.h"
 #include "sea/scene/scene.h"
-#include "sea/surface/error_budget.h"
+#include "sea/surface/budget/error_budget.h"
 #include "sea/waves/moments.h"
 #include "sea/waves/realization.h"
 #include "sea/waves/reference.h"

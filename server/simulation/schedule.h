@@ -11,7 +11,7 @@
 #include <span>
 #include <vector>
 
-#include "sea/surface/error_budget.h"
+#include "sea/surface/budget/error_budget.h"
 #include "server/device/synthesizer.h"
 #include "server/host/subscriptions.h"
 #include "server/simulation/effect_plan.h"

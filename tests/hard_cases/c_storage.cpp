@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sea/surface/spline_map.h"
+#include "sea/surface/maps/spline_map.h"
 #include "tests/hard_cases/maps.h"
 #include "tests/hard_cases/record.h"
 #include "tests/naive/storage.h"

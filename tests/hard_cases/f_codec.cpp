@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "protocol/tile_codec.h"
-#include "sea/surface/error_budget.h"
-#include "sea/surface/spline_map.h"
+#include "sea/surface/budget/error_budget.h"
+#include "sea/surface/maps/spline_map.h"
 #include "tests/hard_cases/maps.h"
 #include "tests/hard_cases/record.h"
 #include "tests/naive/storage.h"

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sea/surface/error_budget.h"
+#include "sea/surface/budget/error_budget.h"
 #include "sea/surface/height_map.h"
 #include "sea/surface/surface.h"
 #include "tests/hard_cases/maps.h"

@@ -8,7 +8,7 @@
 #include <random>
 
 #include "sea/basics/constants.h"
-#include "sea/surface/keyframe.h"
+#include "sea/surface/maps/keyframe.h"
 #include "sea/waves/realization.h"
 #include "sea/waves/reference.h"
 

@@ -12,7 +12,7 @@
 #include <fmt/format.h>
 
 #include "sea/foam/foam.h"
-#include "sea/surface/error_budget.h"
+#include "sea/surface/budget/error_budget.h"
 #include "sea/waves/realize.h"
 #include "tools/bake/summed.h"
 #include "tools/bake/tile_files.h"

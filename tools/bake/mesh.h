@@ -12,7 +12,7 @@
 
 #include "base/result.h"
 #include "sea/basics/field.h"
-#include "sea/surface/keyframe.h"
+#include "sea/surface/maps/keyframe.h"
 #include "sea/waves/realization.h"
 #include "tools/bake/axes.h"
 

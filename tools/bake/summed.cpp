@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "sea/foam/foam.h"
-#include "sea/surface/spline_map.h"
+#include "sea/surface/maps/spline_map.h"
 
 namespace seaway::bake {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The sea itself on one square: all cascades summed, as a keyframe of the longest tile's length.
 //
-// Each cascade's maps are sampled by the cubic splines that answers use (sea/surface/spline_map.h),
+// Each cascade's maps are sampled by the cubic splines that answers use (sea/surface/maps/spline_map.h),
 // so a cascade of the same length and size is taken over to rounding. The Jacobian is that of the
 // summed strains, foam is coverage 0 .. 1 as sea/foam/foam.h combines it.
 //
@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "sea/basics/field.h"
-#include "sea/surface/keyframe.h"
+#include "sea/surface/maps/keyframe.h"
 #include "sea/waves/realization.h"
 
 namespace seaway::bake {

@@ -10,7 +10,7 @@
 #include "base/result.h"
 #include "sea/foam/foam_law.h"
 #include "sea/scene/scene.h"
-#include "sea/surface/error_budget.h"
+#include "sea/surface/budget/error_budget.h"
 #include "sea/waves/moments.h"
 
 namespace seaway::inspect {

@@ -7,7 +7,7 @@
 
 #include "client/link/failure.h"
 #include "client/local_surface.h"
-#include "sea/surface/error_budget.h"
+#include "sea/surface/budget/error_budget.h"
 
 namespace seaway::client {
 namespace {

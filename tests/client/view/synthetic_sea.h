@@ -8,7 +8,7 @@
 
 #include "client/view/sea_frame.h"
 #include "sea/native/native_runner.h"
-#include "sea/surface/error_budget.h"
+#include "sea/surface/budget/error_budget.h"
 #include "sea/waves/realize.h"
 
 namespace seaway::client {

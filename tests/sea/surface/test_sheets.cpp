@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sea/surface/error_budget.h"
+#include "sea/surface/budget/error_budget.h"
 #include "sea/surface/moment_sheets.h"
 #include "sea/surface/surface.h"
 #include "sea/surface/surface_sheets.h"

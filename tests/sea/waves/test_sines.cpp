@@ -10,8 +10,8 @@
 #include <fmt/format.h>
 
 #include "sea/scene/scene.h"
-#include "sea/surface/error_budget.h"
-#include "sea/surface/sine_maps.h"
+#include "sea/surface/budget/error_budget.h"
+#include "sea/surface/maps/sine_maps.h"
 #include "sea/surface/surface.h"
 #include "sea/waves/moments.h"
 #include "sea/waves/reference.h"

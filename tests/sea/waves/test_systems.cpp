@@ -11,7 +11,7 @@
 
 #include "sea/scene/presets.h"
 #include "sea/scene/scene.h"
-#include "sea/surface/sine_maps.h"
+#include "sea/surface/maps/sine_maps.h"
 #include "sea/waves/directional_spectrum.h"
 #include "sea/waves/moments.h"
 #include "tests/sea/csv.h"

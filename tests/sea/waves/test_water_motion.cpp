@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "sea/foam/foam_law.h"
-#include "sea/surface/error_budget.h"
+#include "sea/surface/budget/error_budget.h"
 #include "sea/waves/moments.h"
 #include "sea/waves/transition.h"
 #include "tests/sea/csv.h"

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "sea/basics/field.h"
-#include "sea/surface/keyframe.h"
+#include "sea/surface/maps/keyframe.h"
 #include "sea/waves/realization.h"
 
 namespace seaway::server {

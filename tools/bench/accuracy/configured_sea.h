@@ -13,7 +13,7 @@
 
 #include "base/result.h"
 #include "sea/surface/answer.h"
-#include "sea/surface/keyframe.h"
+#include "sea/surface/maps/keyframe.h"
 #include "sea/surface/surface.h"
 #include "sea/waves/reference.h"
 #include "server/device/synthesizer.h"

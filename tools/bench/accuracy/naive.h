@@ -8,10 +8,10 @@
 #include <span>
 #include <vector>
 
-#include "sea/surface/hermite.h"
 #include "sea/surface/inverse.h"
-#include "sea/surface/keyframe.h"
-#include "sea/surface/spline_map.h"
+#include "sea/surface/maps/hermite.h"
+#include "sea/surface/maps/keyframe.h"
+#include "sea/surface/maps/spline_map.h"
 #include "tools/bench/accuracy/configuration.h"
 
 namespace seaway::bench {
@@ -25,7 +25,7 @@ float rounded_to_snorm16(float value, float range);
 /// Rounds every map of a keyframe; the range of snorm16 is the map's own.
 void round_maps(sea::Keyframe& keyframe, MapFormat format);
 
-/// Weights of (value before, rate before, value after, rate after) as in sea/surface/hermite.h.
+/// Weights of (value before, rate before, value after, rate after) as in sea/surface/maps/hermite.h.
 sea::HermiteWeights time_weights(TimeRule rule, sea::TimeUs before_us, sea::TimeUs after_us,
                                  sea::TimeUs time_us);
 

@@ -5,7 +5,7 @@
 
 #include "base/result.h"
 #include "sea/scene/scene.h"
-#include "sea/surface/error_budget.h"
+#include "sea/surface/budget/error_budget.h"
 #include "sea/waves/realization.h"
 #include "tools/bench/accuracy/configuration.h"
 

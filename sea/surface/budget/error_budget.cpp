@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sea/surface/error_budget.h"
+#include "sea/surface/budget/error_budget.h"
 
 #include <algorithm>
 #include <array>
@@ -8,7 +8,7 @@
 #include <iterator>
 #include <numbers>
 
-#include "sea/surface/sine_error.h"
+#include "sea/surface/budget/sine_error.h"
 
 namespace seaway::sea {
 

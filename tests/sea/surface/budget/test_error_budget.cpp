@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "sea/native/native_runner.h"
-#include "sea/surface/error_budget.h"
+#include "sea/surface/budget/error_budget.h"
 #include "sea/surface/surface.h"
 #include "tests/support/explicit_sea.h"
 

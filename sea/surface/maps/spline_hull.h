@@ -7,7 +7,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "sea/surface/roughness.h"
+#include "sea/surface/maps/roughness.h"
 
 namespace seaway::sea {
 

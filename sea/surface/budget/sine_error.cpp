@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sea/surface/sine_error.h"
+#include "sea/surface/budget/sine_error.h"
 
 #include <algorithm>
 #include <array>

@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "sea/surface/error_budget.h"
-#include "sea/surface/sine_maps.h"
+#include "sea/surface/budget/error_budget.h"
+#include "sea/surface/maps/sine_maps.h"
 #include "tests/support/explicit_sea.h"
 
 namespace seaway::sea {

@@ -17,8 +17,8 @@
 #include <vector>
 
 #include "sea/basics/lagrangian_point.h"
-#include "sea/surface/keyframe.h"
-#include "sea/surface/strain_windows.h"
+#include "sea/surface/maps/keyframe.h"
+#include "sea/surface/maps/strain_windows.h"
 
 namespace seaway::sea {
 

@@ -3,7 +3,7 @@
 // transforms. Pure; costs sines_at() a node, for plain sines 5 ns a wave and node.
 #pragma once
 
-#include "sea/surface/keyframe.h"
+#include "sea/surface/maps/keyframe.h"
 #include "sea/waves/sine_waves.h"
 
 namespace seaway::sea {

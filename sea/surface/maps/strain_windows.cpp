@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sea/surface/strain_windows.h"
+#include "sea/surface/maps/strain_windows.h"
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
 
-#include "sea/surface/spline_hull.h"
-#include "sea/surface/spline_map.h"
+#include "sea/surface/maps/spline_hull.h"
+#include "sea/surface/maps/spline_map.h"
 
 namespace seaway::sea {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sea/surface/sine_maps.h"
+#include "sea/surface/maps/sine_maps.h"
 
 #include <complex>
 #include <vector>

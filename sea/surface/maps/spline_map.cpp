@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sea/surface/spline_map.h"
+#include "sea/surface/maps/spline_map.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
 
-#include "sea/surface/spline_weights.h"
+#include "sea/surface/maps/spline_weights.h"
 
 namespace seaway::sea {
 

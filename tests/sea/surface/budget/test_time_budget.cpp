@@ -10,8 +10,8 @@
 #include <gtest/gtest.h>
 
 #include "sea/scene/scene.h"
-#include "sea/surface/error_budget.h"
-#include "sea/surface/hermite.h"
+#include "sea/surface/budget/error_budget.h"
+#include "sea/surface/maps/hermite.h"
 #include "tests/support/explicit_sea.h"
 
 namespace seaway::sea {

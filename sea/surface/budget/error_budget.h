@@ -8,7 +8,7 @@
 // q = k dx between grid points by 2 r / (1 + r), r = sum_{j != 0} (q / (q + 2 pi j))^4. Random
 // waves add in the square; the stated bound is six standard deviations of the sum, which one point
 // in 5e8 exceeds. What single precision costs is added to it. Stylised waves that are no modes count with a bound of their own
-// (sea/surface/sine_error.h). The codec's bound is hard.
+// (sea/surface/budget/sine_error.h). The codec's bound is hard.
 //
 // Pure functions; thread-safe. Cost: a few milliseconds a cascade, and what sine_error.h says.
 #pragma once
