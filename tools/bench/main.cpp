@@ -8,6 +8,7 @@
 #include "base/command_line.h"
 #include "base/text_file.h"
 #include "tools/bench/accuracy/accuracy.h"
+#include "tools/bench/accuracy/guard.h"
 #include "tools/bench/compare.h"
 #include "tools/bench/effects.h"
 
@@ -67,6 +68,11 @@ int main(int argc, char** argv) {
     compare.option("--second", pair.second).shows_default();
     bench::AccuracyOptions accuracy;
     const CommandLine& measured = add_accuracy(line, accuracy);
+    bench::GuardOptions guard;
+    CommandLine& guarded =
+        line.command("guard", "Are errors what they were? Exit code 1: one has grown by a fifth");
+    guarded.option("--baseline", guard.baseline).shows_default();
+    guarded.option("--renew", guard.renew, "Write that file anew");
     const Result<CommandLine::Next> next = line.read(argc, argv);
     if (!next) {
         fmt::print(stderr, "seaway-bench: {}\n", next.error().message);
@@ -77,6 +83,12 @@ int main(int argc, char** argv) {
 
     if (quick)
         options.rounds = 8;
+    if (guarded.given()) {
+        const Result<bool> kept = bench::run_guard(guard);
+        if (!kept)
+            fmt::print(stderr, "seaway-bench: {}\n", kept.error().message);
+        return status_after_output("seaway-bench", kept ? (*kept ? 0 : 1) : 2, 2);
+    }
     const Result<void> done = measured.given()  ? bench::run_accuracy(accuracy)
                               : compare.given() ? bench::run_compare(pair)
                                                 : bench::run_effects(options);

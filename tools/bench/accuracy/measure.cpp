@@ -72,6 +72,28 @@ double value_of(const std::vector<Figure>& all, std::string_view metric) {
     return found == all.end() ? 0.0 : found->value;
 }
 
+Result<std::vector<Figure>> errors_of(ConfiguredSea& sea, const Truth& truth,
+                                      const Extent& extent) {
+    SEAWAY_TRY_LET(const std::vector<Sample> samples, answers(sea, truth, extent));
+    const double hs_m = 4.0 * std::sqrt(variance_of(*sea.waves().all));
+    std::vector<Figure> all = figures(samples, hs_m);
+    all.push_back(exact("samples", static_cast<double>(samples.size())));
+    all.push_back(exact("hs_m", hs_m));
+    add_missing(missing_waves(sea.waves()), all);
+    all.push_back(
+        exact("total_rms_m", std::hypot(value_of(all, "rms_m"), value_of(all, "missing_rms_m"))));
+    if (extent.flicker) {
+        SEAWAY_TRY_LET(const double metres, flicker(sea, truth.movie));
+        all.push_back(exact("flicker_m", metres));
+    }
+    double over_bound = 0;
+    for (const CodingCost& coding : sea.coding())
+        over_bound = std::max(over_bound, coding.worst_over_bound);
+    if (over_bound > 0)
+        all.push_back(exact("codec_over_bound", over_bound));
+    return all;
+}
+
 /// Points that answers are timed at: those anywhere of one time.
 std::vector<sea::QueryPoint> timed_points(const Truth& truth) {
     std::vector<sea::QueryPoint> points;
@@ -83,21 +105,20 @@ std::vector<sea::QueryPoint> timed_points(const Truth& truth) {
 
 } // namespace
 
+Result<std::vector<Figure>> measure_errors(const sea::Scene& scene,
+                                           const Configuration& configuration, const Truth& truth,
+                                           const Extent& extent, Devices& devices) {
+    SEAWAY_TRY_LET(const auto sea, ConfiguredSea::create(scene, configuration, devices));
+    return errors_of(*sea, truth, extent);
+}
+
 Result<std::vector<Figure>> measure(const sea::Scene& scene, const Configuration& configuration,
                                     const Truth& truth, const Extent& extent, Devices& devices,
                                     StageCosts& costs) {
     SEAWAY_TRY_LET(const auto sea, ConfiguredSea::create(scene, configuration, devices));
-    SEAWAY_TRY_LET(const std::vector<Sample> samples, answers(*sea, truth, extent));
-    const double hs_m = 4.0 * std::sqrt(variance_of(*sea->waves().all));
-    std::vector<Figure> all = figures(samples, hs_m);
-    all.push_back(exact("samples", static_cast<double>(samples.size())));
-    all.push_back(exact("hs_m", hs_m));
+    SEAWAY_TRY_LET(std::vector<Figure> all, errors_of(*sea, truth, extent));
     const int base = extent.time_base.value_or(0);
     add_prediction(predict(sea->waves(), configuration, sample_time_us(base)), all);
-    add_missing(missing_waves(sea->waves()), all);
-    all.push_back(
-        exact("total_rms_m", std::hypot(value_of(all, "rms_m"), value_of(all, "missing_rms_m"))));
-    const double answer_ns = query_ns(*sea, timed_points(truth));
     if (extent.octaves)
         for (const Octave& octave : octaves(*sea)) {
             all.push_back(
@@ -105,10 +126,7 @@ Result<std::vector<Figure>> measure(const sea::Scene& scene, const Configuration
             all.push_back(
                 exact(fmt::format("phase_rad@{:g}", octave.k_radpm), octave.phase_error_rad));
         }
-    if (extent.flicker) {
-        SEAWAY_TRY_LET(const double metres, flicker(*sea, truth.movie));
-        all.push_back(exact("flicker_m", metres));
-    }
+    const double answer_ns = query_ns(*sea, timed_points(truth));
     // Last: timing takes the device to a sea of its own.
     SEAWAY_TRY_LET(const std::vector<Figure> cost, costs.figures(*sea, devices));
     all.insert(all.end(), cost.begin(), cost.end());

@@ -25,11 +25,16 @@ struct Extent {
     bool flicker = false;         ///< and the second of film
 };
 
-/// figures() of metrics.h; predicted_rms_m and predicted_<source>_m of laws.h; missing_<where>_m; the
-/// costs of stage_costs.h; query_ns; work_ms_per_s = keyframes + splines + encoding + queries_per_s
-/// answers; total_rms_m: error against the spectrum, what is missing included; octaves as
-/// "energy_pct@k", "phase_rad@k"; flicker_m.
-/// One ConfiguredSea at a time on a device.
+/// Errors alone, nothing is timed: figures() of metrics.h; hs_m; missing_<where>_m; total_rms_m: error
+/// against the spectrum, what is missing included; flicker_m; codec_over_bound: the codec's largest error
+/// over its bound. The same figures every time. One ConfiguredSea at a time on a device.
+Result<std::vector<Figure>> measure_errors(const sea::Scene& scene,
+                                           const Configuration& configuration, const Truth& truth,
+                                           const Extent& extent, Devices& devices);
+
+/// What measure_errors() gives; predicted_rms_m and predicted_<source>_m of laws.h; octaves as
+/// "energy_pct@k", "phase_rad@k"; the costs of stage_costs.h; query_ns; work_ms_per_s = keyframes +
+/// splines + encoding + queries_per_s answers.
 Result<std::vector<Figure>> measure(const sea::Scene& scene, const Configuration& configuration,
                                     const Truth& truth, const Extent& extent, Devices& devices,
                                     StageCosts& costs);

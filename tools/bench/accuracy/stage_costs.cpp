@@ -82,7 +82,7 @@ Result<std::vector<Figure>> StageCosts::figures(const ConfiguredSea& sea, Device
         return std::vector{exact("keyframe_cpu_ms_per_s", 0), exact("device_ms_per_s", 0),
                            exact("bytes_per_s", 0), exact("memory_mb", 0)};
     double keyframe_ms = 0, device_ms = 0, splines_ms = 0, encode_ms = 0, decode_ms = 0, bytes = 0,
-           memory = 0, worst = 0;
+           memory = 0;
     for (std::size_t c = 0; c < sea.waves().used->cascades.size(); ++c) {
         const int size = sea.waves().used->cascades[c].spec.size;
         const double a_second =
@@ -101,22 +101,18 @@ Result<std::vector<Figure>> StageCosts::figures(const ConfiguredSea& sea, Device
         const CodingCost& coding = sea.coding()[c];
         if (coding.keyframes == 0)
             continue;
-        worst = std::max(worst, coding.worst_over_bound);
         const double each = a_second / static_cast<double>(coding.keyframes);
         encode_ms += 1e3 * each * coding.encode_s;
         decode_ms += 1e3 * each * coding.decode_s;
         bytes += each * static_cast<double>(coding.bytes);
     }
-    std::vector<Figure> all{exact("keyframe_cpu_ms_per_s", keyframe_ms),
-                            exact("device_ms_per_s", device_ms),
-                            exact("spline_ms_per_s", splines_ms),
-                            exact("encode_ms_per_s", encode_ms),
-                            exact("decode_ms_per_s", decode_ms),
-                            exact("bytes_per_s", bytes),
-                            exact("memory_mb", memory / 1e6)};
-    if (worst > 0)
-        all.push_back(exact("codec_over_bound", worst));
-    return all;
+    return std::vector{exact("keyframe_cpu_ms_per_s", keyframe_ms),
+                       exact("device_ms_per_s", device_ms),
+                       exact("spline_ms_per_s", splines_ms),
+                       exact("encode_ms_per_s", encode_ms),
+                       exact("decode_ms_per_s", decode_ms),
+                       exact("bytes_per_s", bytes),
+                       exact("memory_mb", memory / 1e6)};
 }
 
 double query_ns(const ConfiguredSea& sea, std::span<const sea::QueryPoint> points) {

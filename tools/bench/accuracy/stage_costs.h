@@ -31,7 +31,6 @@ class StageCosts {
     ///   keyframe_cpu_ms_per_s, device_ms_per_s   all keyframes at their intervals
     ///   spline_ms_per_s                          making them ready to be sampled
     ///   encode_ms_per_s, decode_ms_per_s, bytes_per_s   one client's stream, if maps are coded
-    ///   codec_over_bound                         largest error of the codec over its bound
     ///   memory_mb                                the keyframes around one time
     Result<std::vector<Figure>> figures(const ConfiguredSea& sea, Devices& devices);
 

@@ -181,11 +181,7 @@ double height_in_long_double(const sea::Realization& sea, double x_m, double y_m
     return static_cast<double>(sum);
 }
 
-Result<Truth> reference_truth(const Waves& waves, const Sampling& sampling, std::uint64_t seed,
-                              const std::string& folder) {
-    const std::string path = folder + "/" + file_name(waves, sampling, seed);
-    if (std::optional<Truth> kept = read(path))
-        return *std::move(kept);
+Truth summed_truth(const Waves& waves, const Sampling& sampling, std::uint64_t seed) {
     const sea::DirectSum sum(waves.all);
     const sea::InverseOptions options{waves.all->choppiness, truth_tolerance_m,
                                       sea::fold_search(waves.budget)};
@@ -197,6 +193,15 @@ Result<Truth> reference_truth(const Waves& waves, const Sampling& sampling, std:
     solve(sum, options, sampling.times, truth);
     film(sum, options, truth.movie);
     truth.sum_error_m = largest_difference(sum, truth);
+    return truth;
+}
+
+Result<Truth> reference_truth(const Waves& waves, const Sampling& sampling, std::uint64_t seed,
+                              const std::string& folder) {
+    const std::string path = folder + "/" + file_name(waves, sampling, seed);
+    if (std::optional<Truth> kept = read(path))
+        return *std::move(kept);
+    Truth truth = summed_truth(waves, sampling, seed);
     std::error_code failed;
     std::filesystem::create_directories(folder, failed);
     SEAWAY_TRY(write(path, truth));

@@ -37,6 +37,9 @@ struct Truth {
     double sum_error_m = 0; ///< largest difference of the two sums
 };
 
+/// Summed now.
+Truth summed_truth(const Waves& waves, const Sampling& sampling, std::uint64_t seed);
+
 /// Read from `folder` where it is kept, else made and kept there. An error: the file cannot be written.
 Result<Truth> reference_truth(const Waves& waves, const Sampling& sampling, std::uint64_t seed,
                               const std::string& folder);
