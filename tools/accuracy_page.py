@@ -13,6 +13,7 @@ import csv
 import pathlib
 
 import accuracy_pictures as pictures
+from page_text import metres, number, table
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 GALE = "gale_deep"
@@ -74,26 +75,6 @@ class Run:
         figures = [self.figure(state, "named", value, metric) for state in STATES]
         figures = [f for f in figures if f is not None]
         return max(figures) if figures else None
-
-
-def metres(value):
-    if value is None:
-        return "-"
-    for limit, scale, unit in ((0.9995, 1, "m"), (0.00995, 100, "cm"), (9.95e-6, 1e3, "mm"), (0, 1e6, "um")):
-        if value >= limit:
-            return f"{value * scale:.2g} {unit}" if value * scale < 100 else f"{value * scale:.0f} {unit}"
-    return "0"
-
-
-def number(value, digits=2):
-    if value is None:
-        return "-"
-    return f"{value:.0f}" if abs(value) >= 100 else f"{value:.{digits}g}"
-
-
-def table(head, rows):
-    lines = ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
-    return "\n".join(lines + ["| " + " | ".join(row) + " |" for row in rows])
 
 
 def ways_table(run):

@@ -2,18 +2,11 @@
 """The plots of docs/accuracy.md, from runs as tools/accuracy_page.py reads them."""
 import csv
 
-import matplotlib
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402
+from plot_style import COLOURS, plt
 
 GALE = "gale_deep"
-COLOURS = ["#1f5fa8", "#c8601a", "#3c8a4b", "#7a4fa3"]
 OURS, THEIRS = COLOURS[0], COLOURS[1]
 PRESETS = ["precise", "balanced", "fast", "query_only"]
-plt.rcParams.update({"font.size": 9, "axes.grid": True, "grid.color": "#e2e2e2", "axes.axisbelow": True,
-                     "axes.spines.top": False, "axes.spines.right": False, "legend.frameon": False,
-                     "figure.dpi": 100, "savefig.bbox": "tight"})
 
 
 def error_axis(axis, label):

@@ -6,6 +6,7 @@ may differ: they are of whoever ran the tests.
 import sys
 
 from hard_cases_page import CASES, PAGE, ROOT, carries, cases, ids, page, tests_by_file, tests_of
+from source_files import report
 
 
 def problems_of(case_id, case, files):
@@ -38,10 +39,7 @@ def main():
     path = ROOT / PAGE
     if not problems and (not path.exists() or without_figures(path.read_text()) != without_figures(page({}))):
         problems.append(f"{PAGE} is out of date: tools/hard_cases_page.py writes it")
-    print(*problems, sep="\n", file=sys.stderr, end="\n" if problems else "")
-    if not problems:
-        print(f"hard cases: {len(ids())}, each has its test")
-    return 1 if problems else 0
+    return report(problems, f"hard cases: {len(ids())}, each has its test")
 
 
 if __name__ == "__main__":

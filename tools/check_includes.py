@@ -11,7 +11,7 @@ it with other headers, libstdc++ 14 does not.
 import re
 import sys
 
-from source_files import ROOT, source_files
+from source_files import ROOT, report, source_files
 
 PAGE = "docs/architecture.md"
 EVERYONE = ("fmt/",)
@@ -87,22 +87,18 @@ def brings(path, known={}):
 
 def main():
     files = [path for path in source_files(".h", ".hpp", ".cpp") if room_of(path)]
-    found = 0
+    found = []
     for path in files:
         for number, line in enumerate((ROOT / path).read_text().splitlines(), 1):
             match = INCLUDE.match(line)
             why = match and objection(path, match.group(1))
             if why:
-                print(f"{path}:{number}: <{match.group(1)}>: {why} ({PAGE}, Rooms)", file=sys.stderr)
-                found += 1
+                found.append(f"{path}:{number}: <{match.group(1)}>: {why} ({PAGE}, Rooms)")
     for path in source_files(".h", ".hpp", ".cpp"):
         code = re.sub(r"//.*", "", (ROOT / path).read_text())
         if (call := ALGORITHM.search(code)) and "algorithm" not in brings(path):
-            print(f"{path}: {call.group(0)}) without <algorithm>", file=sys.stderr)
-            found += 1
-    if not found:
-        print(f"includes: {len(files)} files, every include points the right way")
-    return 1 if found else 0
+            found.append(f"{path}: {call.group(0)}) without <algorithm>")
+    return report(found, f"includes: {len(files)} files, every include points the right way")
 
 
 if __name__ == "__main__":

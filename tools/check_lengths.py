@@ -9,7 +9,7 @@ import ast
 import re
 import sys
 
-from source_files import ROOT, source_files
+from source_files import ROOT, report, source_files
 
 FILE_LINES_MAX = 450
 FUNCTION_LINES_MAX = 60
@@ -79,10 +79,7 @@ def main():
         for name, first, length in (python_functions if path.endswith(".py") else curly_functions)(text):
             if length > FUNCTION_LINES_MAX:
                 problems.append(f"{path}:{first}: {name} has {length} lines; at most {FUNCTION_LINES_MAX}")
-    print(*problems, sep="\n", file=sys.stderr, end="\n" if problems else "")
-    if not problems:
-        print(f"lengths: {len(files)} files, every function fits a screen")
-    return 1 if problems else 0
+    return report(problems, f"lengths: {len(files)} files, every function fits a screen")
 
 
 if __name__ == "__main__":

@@ -4,7 +4,7 @@ changes the line changes the mutant with it. That it is killed is for `./dev mut
 """
 import sys
 
-from source_files import ROOT
+from source_files import ROOT, report
 
 sys.path.insert(0, str(ROOT / "tests" / "mutants"))
 from run import out_of_date, read_mutants
@@ -13,10 +13,7 @@ from run import out_of_date, read_mutants
 def main():
     mutants = read_mutants([])
     stale = [f"{mutant['name']}: {why}" for mutant in mutants if (why := out_of_date(mutant))]
-    print(*stale, sep="\n", file=sys.stderr, end="\n" if stale else "")
-    if not stale:
-        print(f"mutants: {len(mutants)}, every one has its place")
-    return 1 if stale else 0
+    return report(stale, f"mutants: {len(mutants)}, every one has its place")
 
 
 if __name__ == "__main__":

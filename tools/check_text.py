@@ -5,7 +5,7 @@ line end at the end of the file, and, in code, the words of work that is not fin
 import re
 import sys
 
-from source_files import ROOT, source_files
+from source_files import ROOT, report, source_files
 
 CODE = (".h", ".hpp", ".c", ".cpp", ".py", ".sh", ".cmake", ".glsl", ".comp", ".vert", ".frag", ".fbs",
         ".toml", "dev", "run", "CMakeLists.txt")
@@ -35,10 +35,7 @@ def problems(path):
 def main():
     files = [path for path in source_files(*TEXT) if not path.startswith(AS_IT_CAME)]
     found = [problem for path in files for problem in problems(path)]
-    print(*found, sep="\n", file=sys.stderr, end="\n" if found else "")
-    if not found:
-        print(f"text: {len(files)} files, no tab, no stray blank, nothing unfinished")
-    return 1 if found else 0
+    return report(found, f"text: {len(files)} files, no tab, no stray blank, nothing unfinished")
 
 
 if __name__ == "__main__":

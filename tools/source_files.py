@@ -1,6 +1,9 @@
-"""The files of this project, for the checks: what lies in the tree, without what is built."""
+"""What the checks share: the files of this project - what lies in the tree, without what is built -, and how
+problems are told.
+"""
 import os
 import pathlib
+import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 NOT_OURS = {".git", ".cache", "build", "out", "__pycache__"}
@@ -14,3 +17,12 @@ def source_files(*endings):
         found += [os.path.relpath(os.path.join(folder, name), ROOT) for name in names
                   if not endings or name.endswith(endings)]
     return sorted(found)
+
+
+def report(problems, well):
+    """Tells problems, one a line, or that all is well; the exit code."""
+    if problems:
+        print(*problems, sep="\n", file=sys.stderr)
+    else:
+        print(well)
+    return 1 if problems else 0

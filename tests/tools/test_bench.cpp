@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <sstream>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <gmock/gmock.h>
 
@@ -46,6 +49,79 @@ TEST(Bench, compare_names_a_device_that_is_not_there) {
     const Output ran = testing::run_program("seaway-bench", "compare --first no-such-device");
     EXPECT_NE(ran.status, 0);
     EXPECT_EQ(ran.error_lines(), 1) << ran.err;
+}
+
+/// The row that begins so, cut at its commas.
+std::vector<std::string> row_of(const std::string& csv, const std::string& begin) {
+    std::istringstream lines(csv);
+    for (std::string line; std::getline(lines, line);) {
+        if (line.rfind(begin, 0) != 0)
+            continue;
+        std::vector<std::string> cells(1);
+        for (const char c : line)
+            c == ',' ? cells.emplace_back() : cells.back() += std::string(1, c);
+        return cells;
+    }
+    ADD_FAILURE() << "no row begins with " << begin << " in\n" << csv;
+    return std::vector<std::string>(13, "0");
+}
+
+// One transform a real field and keyframe, for a second of sea: what docs/effects.md shows is counted by
+// the device. Strains that foam and gradient share are in neither of them on top of the other.
+TEST(Bench, effects_counts_what_each_effect_of_each_cascade_transforms) {
+    const std::string scene = testing::folder().write("effects.toml", scene_text);
+    const Output ran = testing::run_program(
+        "seaway-bench", "effects --quick --device native --ask height --scene " + scene +
+                            " --out " + testing::folder().file("effects"));
+    ASSERT_EQ(ran.status, 0) << ran.err;
+    const std::string csv = testing::read_file(testing::folder().file("effects/effects.csv"));
+    enum Column {
+        keyframes = 3,
+        transforms,
+        maps_ms,
+        stream_ms,
+        kilobytes,
+        more_keyframes,
+        more_transforms
+    };
+    const auto number = [&](const std::string& row, int column) {
+        return std::stod(row_of(csv, row).at(static_cast<std::size_t>(column)));
+    };
+    const double rate = number("everything", keyframes);
+    EXPECT_GT(rate, 0);
+    EXPECT_DOUBLE_EQ(number("everything", transforms), 11 * rate);
+    EXPECT_DOUBLE_EQ(number("asked,height,", transforms), 2 * number("asked,height,", keyframes));
+    double of_cascades = 0;
+    for (const std::string cascade : {"401 m of 64", "61 m of 64"}) {
+        of_cascades += number("cascade,," + cascade, keyframes);
+        const double own = number("cascade,," + cascade, keyframes);
+        const std::pair<const char*, std::pair<double, double>> alone_and_more[] = {
+            {"height", {2, 2}}, {"choppy", {4, 4}}, {"slopes", {2, 2}}, {"gradient", {3, 0}}};
+        for (const auto& [effect, fields] : alone_and_more) {
+            const std::string row = std::string("effect,") + effect + "," + cascade;
+            EXPECT_DOUBLE_EQ(number(row, transforms), fields.first * own) << row;
+            EXPECT_DOUBLE_EQ(number(row, more_transforms), fields.second * own) << row;
+            EXPECT_GT(number(row, stream_ms), 0) << row;
+        }
+        // Foam alone steps through its ticks, which are keyframes of strains at least.
+        EXPECT_GE(number("effect,foam," + cascade, transforms), 3 * own);
+    }
+    EXPECT_DOUBLE_EQ(of_cascades, rate);
+    EXPECT_GT(number("everything", kilobytes), number("asked,height,", kilobytes));
+}
+
+TEST(Bench, effects_refuses_an_effect_that_there_is_not_or_that_the_scene_does_not_allow) {
+    const std::string scene =
+        testing::folder().write("flat.toml", scene_text + "[effects]\nfoam = false\n");
+    for (const auto& [ask, why] : {std::pair("spray", "no effect is called \"spray\""),
+                                   std::pair("height,foam", "does not allow \"foam\"")}) {
+        const Output ran =
+            testing::run_program("seaway-bench", std::string("effects --device native --ask ") +
+                                                     ask + " --scene " + scene);
+        EXPECT_EQ(ran.status, 2);
+        EXPECT_EQ(ran.error_lines(), 1) << ran.err;
+        EXPECT_THAT(ran.err, HasSubstr(why));
+    }
 }
 
 } // namespace

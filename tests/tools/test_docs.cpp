@@ -49,7 +49,7 @@ std::set<std::string> tests_that_exist() {
 
 TEST(Docs, tests_that_are_named_exist) {
     const std::set<std::string> existing = tests_that_exist();
-    for (const char* page : {"physics.md", "features.md", "hard-cases.md"})
+    for (const char* page : {"physics.md", "features.md", "hard-cases.md", "effects.md"})
         for (const std::string& name :
              all_of(text_of(root / "docs" / page), R"(`([A-Z]\w+\.[A-Za-z0-9_]{6,})`)"))
             EXPECT_TRUE(existing.contains(name)) << page << " names " << name;

@@ -5,178 +5,224 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
-#include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "server/device/device_choice.h"
 #include "server/simulation/effect_costs.h"
-#include "server/simulation/effect_plan.h"
-#include "server/simulation/foam_maps.h"
-#include "server/simulation/running_sea.h"
-#include "tools/bench/timing.h"
-#include "tools/plot/plot.h"
+#include "tools/bench/accuracy/journal.h"
+#include "tools/bench/streamed_demand.h"
 
 namespace seaway::bench {
 
 using server::EffectInfo;
-using server::KeyframeRequest;
 using server::RunningSeaPtr;
-using server::Synthesizer;
 
 namespace {
 
-/// One row of the table.
+constexpr sea::TimeUs lap_us = 2'000'000;
+
+/// One row of the table: for one second of sea.
 struct Row {
-    std::string what; ///< "effect" or "cascade"
+    std::string what;
     std::string name;
-    double alone_ms;
-    double marginal_ms; ///< what leaving it out of everything saves
-    int transforms;     ///< of one keyframe of every cascade, alone
+    std::string cascade;
+    Spent alone;
+    Spent marginal; ///< on top of the rest of its cascade, or of all
 };
 
-class EffectsBench {
+/// Demands that are measured in turns, and what each lap of each took.
+class Laps {
   public:
-    EffectsBench(RunningSeaPtr sea, Synthesizer& device)
-        : sea_(std::move(sea)), device_(device), foam_(*sea_),
-          all_cascades_((1u << sea_->realization->cascades.size()) - 1u) {}
+    Laps(RunningSeaPtr sea, server::Synthesizer& device, server::FoamMaps foam)
+        : sea_(std::move(sea)), device_(device), foam_(std::move(foam)) {}
 
-    std::vector<Row> measure(int rounds);
-    double everything_ms() const { return everything_ms_; }
+    /// Its number.
+    std::size_t add(std::vector<sea::FieldSet> fields) {
+        demands_.push_back(
+            std::make_unique<StreamedDemand>(sea_, device_, std::move(fields), foam_));
+        return demands_.size() - 1;
+    }
+    /// One lap that does not count, then those that do.
+    Result<void> run(int rounds) {
+        laps_.assign(demands_.size(), {});
+        for (int round = -1; round < rounds; ++round)
+            for (std::size_t d = 0; d < demands_.size(); ++d) {
+                SEAWAY_TRY_LET(const Spent spent, demands_[d]->run(lap_us));
+                if (round >= 0)
+                    laps_[d].push_back(spent);
+            }
+        return {};
+    }
+    /// Of one second: medians of times, means of what is counted.
+    Spent a_second(std::size_t demand) const {
+        const std::vector<Spent>& laps = laps_[demand];
+        const auto median = [&](double Spent::*time) {
+            std::vector<double> times;
+            for (const Spent& lap : laps)
+                times.push_back(lap.*time);
+            std::nth_element(times.begin(),
+                             times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2),
+                             times.end());
+            return times[times.size() / 2];
+        };
+        Spent sum;
+        for (const Spent& lap : laps)
+            sum += lap;
+        Spent one = sum / static_cast<double>(laps.size());
+        one.maps_s = median(&Spent::maps_s);
+        one.stream_s = median(&Spent::stream_s);
+        return one / sea::seconds_from_us(lap_us);
+    }
 
   private:
-    /// Keyframes of these fields of these cascades, at a new time each call.
-    void synthesize(std::uint32_t cascades, sea::FieldSet fields) {
-        std::vector<KeyframeRequest> requests;
-        time_us_ += 1'000'003;
-        for (int c = 0; c < static_cast<int>(sea_->realization->cascades.size()); ++c)
-            if ((cascades >> c) & 1u)
-                requests.push_back({c, time_us_, server::with_foam_inputs(fields)});
-        if (requests.empty() || fields.empty())
-            return;
-        const Result<std::vector<server::NewKeyframePtr>> made = device_.synthesize(requests);
-        SEAWAY_CHECK(made.has_value(), made ? "" : made.error().message);
-        if (fields.contains(sea::Field::foam))
-            for (const server::NewKeyframePtr& keyframe : *made) {
-                const auto same = [&](sea::TimeUs) { return Result<sea::KeyframePtr>(keyframe); };
-                SEAWAY_CHECK(foam_.fill(keyframe, same).has_value(), "foam");
-            }
-    }
-
-    Variant variant(std::uint32_t cascades, sea::FieldSet fields) {
-        return {"", [this, cascades, fields] { synthesize(cascades, fields); }};
-    }
-
     RunningSeaPtr sea_;
-    Synthesizer& device_;
+    server::Synthesizer& device_;
     server::FoamMaps foam_;
-    std::uint32_t all_cascades_;
-    sea::TimeUs time_us_ = 0;
-    double everything_ms_ = 0;
+    std::vector<std::unique_ptr<StreamedDemand>> demands_;
+    std::vector<std::vector<Spent>> laps_;
 };
 
-std::vector<Row> EffectsBench::measure(int rounds) {
-    const sea::FieldSet offered = sea_->offered;
-    std::vector<Row> rows;
-    std::vector<Variant> variants{variant(all_cascades_, offered)};
-    for (const EffectInfo& effect : server::effect_table()) {
-        const sea::FieldSet fields = server::fields_of(effect, offered);
-        if (fields.empty())
-            continue;
-        rows.push_back({"effect", std::string(effect.name), 0, 0,
-                        server::transforms_for(fields) *
-                            static_cast<int>(sea_->realization->cascades.size())});
-        variants.push_back(variant(all_cascades_, fields));
-        variants.push_back(
-            variant(all_cascades_, sea::FieldSet::from_bits(offered.bits() & ~fields.bits())));
+std::string name_of_cascade(const server::RunningSea& sea, std::size_t c) {
+    const sea::CascadeSpec& spec = sea.realization->cascades[c].spec;
+    return fmt::format("{:g} m of {}", spec.length_m, spec.size);
+}
+
+sea::FieldSet without(sea::FieldSet fields, sea::FieldSet less) {
+    return sea::FieldSet::from_bits(fields.bits() & ~less.bits());
+}
+
+/// The fields of effects by name.
+Result<sea::FieldSet> fields_asked(const std::vector<std::string>& names, sea::FieldSet offered) {
+    sea::FieldSet fields;
+    for (const std::string& name : names) {
+        const auto table = server::effect_table();
+        const auto found = std::find_if(table.begin(), table.end(),
+                                        [&](const EffectInfo& e) { return e.name == name; });
+        if (found == table.end()) {
+            std::vector<std::string_view> known;
+            for (const EffectInfo& effect : table)
+                known.push_back(effect.name);
+            return Error{fmt::format("--ask: no effect is called \"{}\"; there are {}", name,
+                                     fmt::join(known, ", "))};
+        }
+        const sea::FieldSet of_this = server::fields_of(*found, offered);
+        if (of_this.empty())
+            return Error{fmt::format("--ask: the scene does not allow \"{}\"", name)};
+        fields |= of_this;
     }
-    for (std::size_t c = 0; c < sea_->realization->cascades.size(); ++c) {
-        const sea::CascadeSpec& spec = sea_->realization->cascades[c].spec;
-        rows.push_back({"cascade", fmt::format("{} m, {}", spec.length_m, spec.size), 0, 0,
-                        server::transforms_for(offered)});
-        variants.push_back(variant(1u << c, offered));
-        variants.push_back(variant(all_cascades_ & ~(1u << c), offered));
+    return names.empty() ? offered : fields;
+}
+
+/// Everything that there is, and each effect of each cascade alone and left out.
+Result<std::vector<Row>> measure_everything(const RunningSeaPtr& sea, server::Synthesizer& device,
+                                            int rounds) {
+    SEAWAY_TRY(device.set_sea(sea->realization, 1));
+    SEAWAY_TRY_LET(server::FoamMaps foam, foam_at_start(*sea, device));
+    Laps laps(sea, device, std::move(foam));
+    const std::size_t cascades = sea->realization->cascades.size();
+    const auto only = [&](std::size_t c, sea::FieldSet fields) {
+        std::vector<sea::FieldSet> all(cascades);
+        all[c] = fields;
+        return laps.add(all);
+    };
+    const std::size_t everything = laps.add(std::vector(cascades, sea->offered));
+    std::vector<std::size_t> whole;
+    for (std::size_t c = 0; c < cascades; ++c) {
+        whole.push_back(only(c, sea->offered));
+        for (const EffectInfo& effect : server::effect_table()) {
+            const sea::FieldSet fields = server::fields_of(effect, sea->offered);
+            only(c, fields);
+            only(c, without(sea->offered, fields));
+        }
     }
-    interleave(variants, rounds);
-    everything_ms_ = 1e3 * variants[0].median_s();
-    for (std::size_t r = 0; r < rows.size(); ++r) {
-        rows[r].alone_ms = 1e3 * variants[1 + 2 * r].median_s();
-        rows[r].marginal_ms = everything_ms_ - 1e3 * variants[2 + 2 * r].median_s();
+    SEAWAY_TRY(laps.run(rounds));
+    std::vector<Row> rows{{"everything", "", "", laps.a_second(everything), {}}};
+    rows[0].marginal = rows[0].alone;
+    for (std::size_t c = 0; c < cascades; ++c) {
+        const std::string cascade = name_of_cascade(*sea, c);
+        const Spent all = laps.a_second(whole[c]);
+        rows.push_back({"cascade", "", cascade, all, all});
+        std::size_t next = whole[c];
+        for (const EffectInfo& effect : server::effect_table()) {
+            const Spent alone = laps.a_second(++next), rest = laps.a_second(++next);
+            rows.push_back({"effect", std::string(effect.name), cascade, alone, all - rest});
+        }
     }
     return rows;
 }
 
-void print_table(const std::string& device, double everything_ms, const std::vector<Row>& rows) {
-    fmt::print("{}\none keyframe of every cascade with everything: {:.3f} ms\n\n", device,
-               everything_ms);
-    fmt::print("{:<8} {:<14} {:>10} {:>9} {:>12} {:>11}\n", "", "", "transforms", "alone ms",
-               "marginal ms", "of all");
-    for (const Row& row : rows)
-        fmt::print("{:<8} {:<14} {:>10} {:>9.3f} {:>12.3f} {:>10.0f} %\n", row.what, row.name,
-                   row.transforms, row.alone_ms, row.marginal_ms,
-                   100 * row.alone_ms / everything_ms);
+Result<Row> measure_asked(const RunningSeaPtr& sea, server::Synthesizer& device,
+                          const EffectsOptions& options) {
+    SEAWAY_TRY_LET(const sea::FieldSet fields, fields_asked(options.ask, sea->offered));
+    SEAWAY_TRY(device.set_sea(sea->realization, 1));
+    SEAWAY_TRY_LET(server::FoamMaps foam, foam_at_start(*sea, device));
+    Laps laps(sea, device, std::move(foam));
+    laps.add(std::vector(sea->realization->cascades.size(), fields));
+    SEAWAY_TRY(laps.run(options.rounds));
+    std::vector<std::string_view> names;
+    for (const EffectInfo& effect : server::effect_table())
+        if (!server::fields_of(effect, fields).empty())
+            names.push_back(effect.name);
+    const Spent spent = laps.a_second(0);
+    return Row{"asked", fmt::format("{}", fmt::join(names, " ")), "", spent, spent};
 }
 
-Result<void> write_csv(const std::string& path, const std::string& device, double everything_ms,
-                       const std::vector<Row>& rows) {
+std::string csv_row(const Row& row) {
+    std::string text = fmt::format("{},{},{}", row.what, row.name, row.cascade);
+    for (const Spent& s : {row.alone, row.marginal})
+        text += fmt::format(",{:.4g},{:.4g},{:.4g},{:.4g},{:.4g}", s.keyframes, s.transforms,
+                            1e3 * s.maps_s, 1e3 * s.stream_s, 1e-3 * s.bytes);
+    return text + "\n";
+}
+
+Result<void> write_csv(const std::string& path, const EffectsOptions& options,
+                       const std::string& device, const std::vector<Row>& rows) {
     std::ofstream file(path);
-    file << fmt::format("# {}, everything {:.4f} ms, medians of interleaved rounds\n", device,
-                        everything_ms)
-         << "what,name,transforms,alone_ms,marginal_ms\n";
+    file << fmt::format("# seaway-bench effects --scene {} on {}; {}; commit {}\n"
+                        "# of one second of sea: alone, and on top of the rest\n"
+                        "what,effect,cascade",
+                        options.scene, device, machine_name(), commit_name());
+    for (const char* prefix : {"", "more_"})
+        file << fmt::format(",{0}keyframes,{0}transforms,{0}maps_ms,{0}stream_ms,{0}kilobytes",
+                            prefix);
+    file << "\n";
     for (const Row& row : rows)
-        file << fmt::format("{},\"{}\",{},{:.5f},{:.5f}\n", row.what, row.name, row.transforms,
-                            row.alone_ms, row.marginal_ms);
+        file << csv_row(row);
     if (!file.flush())
         return Error{"cannot write " + path};
     return {};
 }
 
-Result<void> draw(const std::string& path, const std::string& device, double everything_ms,
-                  const std::vector<Row>& rows) {
-    plot::Canvas canvas(1100, 560);
-    const double count = static_cast<double>(rows.size());
-    double highest = everything_ms;
+void print_table(const std::string& device, const std::vector<Row>& rows) {
+    fmt::print("{}\nfor one second of sea, CPU time; on top of the rest:\n\n{:<10} {:<10} {:<14} "
+               "{:>11} {:>9} {:>10} {:>10}\n",
+               device, "", "", "", "transforms", "maps ms", "stream ms", "kB");
     for (const Row& row : rows)
-        highest = std::max(highest, row.alone_ms);
-    plot::Chart chart(canvas, {80, 60, 1070, 480},
-                      {"", -0.5, count - 0.5, plot::Scale::linear, 100},
-                      {"ms a keyframe of every cascade", 0.0, 1.15 * highest});
-    chart.draw_grid();
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-        const auto x = static_cast<double>(i);
-        chart.bar(x - 0.17, rows[i].alone_ms, 30, plot::series_color(0));
-        chart.bar(x + 0.17, std::max(rows[i].marginal_ms, 0.0), 30, plot::series_color(1));
-        chart.note({x, 0.0}, {0, 40}, rows[i].name, {.align = plot::Align::centre});
-    }
-    const plot::Point ends[] = {{-0.5, everything_ms}, {count - 0.5, everything_ms}};
-    chart.curve(ends, {plot::series_color(2), 1.5}, "everything");
-    chart.curve({}, {plot::series_color(0), 8}, "alone");
-    chart.curve({}, {plot::series_color(1), 8}, "on top of the rest");
-    chart.draw_frame();
-    chart.draw_legend(plot::Corner::top_right);
-    canvas.text({80, 34}, "What effects and cascades cost: " + device, {});
-    return canvas.write_png(path);
+        fmt::print("{:<10} {:<10} {:<14} {:>11.1f} {:>9.3f} {:>10.3f} {:>10.1f}\n", row.what,
+                   row.what == "asked" ? "" : row.name, row.cascade, row.marginal.transforms,
+                   1e3 * row.marginal.maps_s, 1e3 * row.marginal.stream_s,
+                   1e-3 * row.marginal.bytes);
 }
 
 } // namespace
 
 Result<void> run_effects(const EffectsOptions& options) {
-    const Result<sea::Scene> scene = sea::read_scene(options.scene);
-    if (!scene)
-        return scene.error();
-    const Result<RunningSeaPtr> sea = server::make_running_sea(*scene, 1);
-    if (!sea)
-        return sea.error();
+    SEAWAY_TRY_LET(const sea::Scene scene, sea::read_scene(options.scene));
+    SEAWAY_TRY_LET(const RunningSeaPtr as_written, server::make_running_sea(scene, 1));
+    SEAWAY_TRY(fields_asked(options.ask, as_written->offered)); // before anything takes time
+    sea::Scene all_effects = scene;
+    all_effects.effects = {.choppy = true, .slopes = true, .foam = true};
+    SEAWAY_TRY_LET(const RunningSeaPtr whole, server::make_running_sea(all_effects, 1));
     SEAWAY_TRY_LET(const auto device, server::make_synthesizer(options.device));
-    SEAWAY_TRY(device->set_sea((*sea)->realization, 1));
-    EffectsBench bench(*sea, *device);
-    const std::vector<Row> rows = bench.measure(options.rounds);
-    const std::string name = device->description();
-    print_table(name, bench.everything_ms(), rows);
+    SEAWAY_TRY_LET(std::vector<Row> rows, measure_everything(whole, *device, options.rounds));
+    SEAWAY_TRY_LET(const Row asked, measure_asked(as_written, *device, options));
+    rows.insert(rows.begin() + 1, asked);
+    print_table(device->description(), rows);
     std::error_code failed;
     std::filesystem::create_directories(options.out, failed);
-    SEAWAY_TRY(write_csv(options.out + "/effects.csv", name, bench.everything_ms(), rows));
-    return draw(options.out + "/effects.png", name, bench.everything_ms(), rows);
+    return write_csv(options.out + "/effects.csv", options, device->description(), rows);
 }
 
 } // namespace seaway::bench

@@ -58,7 +58,10 @@ int main(int argc, char** argv) {
         .option("--device", options.device,
                 "native, auto (a GPU, else native), an index or part of a name")
         .shows_default();
-    effects.option("--out", options.out, "Folder for effects.csv and effects.png").shows_default();
+    effects.option("--out", options.out, "Folder for effects.csv").shows_default();
+    effects
+        .option("--ask", options.ask, "What runs, as height,choppy; else all that the scene allows")
+        .separated_by(',');
     effects.option("--quick", quick, "Fewer rounds");
     bench::CompareOptions pair;
     CommandLine& compare =
@@ -82,7 +85,7 @@ int main(int argc, char** argv) {
         return status_after_output("seaway-bench", 0, 2);
 
     if (quick)
-        options.rounds = 8;
+        options.rounds = 3;
     if (guarded.given()) {
         const Result<bool> kept = bench::run_guard(guard);
         if (!kept)

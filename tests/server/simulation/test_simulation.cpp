@@ -52,6 +52,25 @@ TEST(Simulation, a_stream_has_every_keyframe_once_and_ends_with_its_last_subscri
     EXPECT_EQ(bench.simulation->counters().synthesis.dispatches, before);
 }
 
+// Counters by effect and cascade, as in /metrics: those of what was asked for grow, by one transform a
+// field, and no other does.
+TEST(Simulation, what_nobody_asks_for_has_no_transforms_and_no_time) {
+    Bench bench;
+    bench.subscriptions.set(1, {2u, {Field::height, Field::height_rate}}); // of cascade 1 alone
+    for (int i = 0; i < 40; ++i)
+        bench.advance(100'000);
+    const EffectCosts costs = bench.simulation->costs();
+    for (std::size_t c = 0; c < bench.sea->budget.cascades.size(); ++c)
+        for (std::size_t e = 0; e < effect_table().size(); ++e) {
+            const EffectCost& cost = costs.cost(c, e);
+            const bool asked = c == 1 && effect_table()[e].name == "height";
+            EXPECT_EQ(cost.keyframes > 0, asked) << c << ' ' << effect_table()[e].name;
+            EXPECT_DOUBLE_EQ(cost.transforms, asked ? 2.0 * static_cast<double>(cost.keyframes) : 0)
+                << c << ' ' << effect_table()[e].name;
+            EXPECT_EQ(cost.device_seconds > 0, asked) << c << ' ' << effect_table()[e].name;
+        }
+}
+
 TEST(Simulation, a_late_wish_widens_the_keyframes_without_a_gap_for_others) {
     Bench bench;
     const TimeUs interval = bench.sea->budget.cascades[0].interval_us;

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/bench/streamed_demand.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "protocol/limits.h"
+#include "protocol/tile_codec.h"
+#include "tools/bench/accuracy/configured_sea.h"
+
+namespace seaway::bench {
+
+using sea::TimeUs;
+using server::KeyframeRequest;
+
+namespace {
+
+/// Strains at earlier times, computed when foam steps through them.
+sea::FoamHistory::StrainsAt strains_of(server::Synthesizer& device, int cascade) {
+    return [&device, cascade](TimeUs time_us) -> Result<sea::KeyframePtr> {
+        const KeyframeRequest request{cascade, time_us, sea::foam_inputs};
+        SEAWAY_TRY_LET(const auto made, device.synthesize({&request, 1}));
+        return sea::KeyframePtr(made[0]);
+    };
+}
+
+} // namespace
+
+Spent& Spent::operator+=(const Spent& more) {
+    maps_s += more.maps_s;
+    stream_s += more.stream_s;
+    bytes += more.bytes;
+    transforms += more.transforms;
+    keyframes += more.keyframes;
+    return *this;
+}
+
+Spent Spent::operator-(const Spent& less) const {
+    return {maps_s - less.maps_s, stream_s - less.stream_s, bytes - less.bytes,
+            transforms - less.transforms, keyframes - less.keyframes};
+}
+
+Spent Spent::operator/(double divisor) const {
+    return {maps_s / divisor, stream_s / divisor, bytes / divisor, transforms / divisor,
+            keyframes / divisor};
+}
+
+Result<server::FoamMaps> foam_at_start(const server::RunningSea& sea, server::Synthesizer& device) {
+    server::FoamMaps foam(sea);
+    if (!sea.foam_law)
+        return foam;
+    for (int c = 0; c < static_cast<int>(sea.realization->cascades.size()); ++c) {
+        const auto strains_at = strains_of(device, c);
+        SEAWAY_TRY(foam.walk_towards(c, demand_start_us, foam.ticks_to(c, demand_start_us) + 1,
+                                     strains_at));
+    }
+    return foam;
+}
+
+StreamedDemand::StreamedDemand(server::RunningSeaPtr sea, server::Synthesizer& device,
+                               std::vector<sea::FieldSet> fields, const server::FoamMaps& foam)
+    : sea_(std::move(sea)), device_(device), fields_(std::move(fields)), schedule_(sea_->budget),
+      foam_(foam) {
+    for (std::size_t c = 0; c < fields_.size(); ++c)
+        plan_.cascades.push_back(
+            {fields_[c], sea_->budget.cascades[c].interval_us, server::transforms_for(fields_[c])});
+}
+
+Result<void> StreamedDemand::encode(const sea::Keyframe& keyframe, Spent& spent) const {
+    const sea::FieldSet fields = fields_[static_cast<std::size_t>(keyframe.cascade)];
+    const std::vector<float> bounds =
+        sea::codec_bounds(sea_->budget, fields, keyframe.cascade,
+                          sea_->budget.shares.codec * sea_->budget.height_error_m);
+    const auto size = static_cast<std::size_t>(keyframe.size);
+    const int side = std::min(keyframe.size, protocol::limits::tile_side_max);
+    std::size_t f = 0;
+    for (const sea::Field field : fields) {
+        const std::span<const float> plane = keyframe.plane(field);
+        for (int y = 0; y < keyframe.size; y += side)
+            for (int x = 0; x < keyframe.size; x += side) {
+                const auto part =
+                    plane.subspan(static_cast<std::size_t>(y) * size + static_cast<std::size_t>(x));
+                SEAWAY_TRY_LET(const auto bytes,
+                               protocol::encode_tile(part, {side, side}, size, bounds[f]));
+                spent.bytes += static_cast<double>(bytes.size());
+            }
+        ++f;
+    }
+    return {};
+}
+
+Result<void> StreamedDemand::serve(const std::vector<KeyframeRequest>& due, Spent& spent) {
+    std::vector<KeyframeRequest> requests = due;
+    for (KeyframeRequest& request : requests)
+        request.fields = server::with_foam_inputs(request.fields);
+    const double start_s = cpu_seconds();
+    SEAWAY_TRY_LET(const std::vector<server::NewKeyframePtr> made, device_.synthesize(requests));
+    for (const server::NewKeyframePtr& keyframe : made)
+        if (keyframe->fields.contains(sea::Field::foam))
+            SEAWAY_TRY(foam_.fill(keyframe, strains_of(device_, keyframe->cascade)));
+    const double made_s = cpu_seconds();
+    for (const server::NewKeyframePtr& keyframe : made)
+        SEAWAY_TRY(encode(*keyframe, spent));
+    spent.maps_s += made_s - start_s;
+    spent.stream_s += cpu_seconds() - made_s;
+    spent.keyframes += static_cast<double>(made.size());
+    return {};
+}
+
+Result<Spent> StreamedDemand::run(TimeUs duration_us) {
+    Spent spent;
+    const TimeUs end_us = now_us_ + duration_us;
+    const std::uint64_t before = device_.counters().transforms;
+    for (; now_us_ < end_us;
+         now_us_ = std::min(end_us, schedule_.next_due_us(plan_).value_or(end_us)))
+        for (;;) {
+            const server::Schedule::Due due = schedule_.take_due(plan_, now_us_);
+            SEAWAY_CHECK(due.left_out == 0, "sea time waits for the work");
+            if (due.keyframes.empty())
+                break;
+            SEAWAY_TRY(serve(due.keyframes, spent));
+        }
+    spent.transforms = static_cast<double>(device_.counters().transforms - before);
+    return spent;
+}
+
+} // namespace seaway::bench
