@@ -67,9 +67,9 @@ void World::fetch(FetchRequest request, Fetched done) {
         done(std::move(all));
     };
     if (request.times_us.empty())
-        simulation_->fetch_current(granted, std::move(made));
+        simulation_->fetch_current(granted, std::move(made), request.asker);
     else
-        simulation_->fetch(std::move(request.times_us), granted, std::move(made));
+        simulation_->fetch(std::move(request.times_us), granted, std::move(made), request.asker);
 }
 
 void World::query(QueryBatch batch, Queried done) {
@@ -79,7 +79,8 @@ void World::query(QueryBatch batch, Queried done) {
             if (!answers)
                 return done(answers.error());
             done(QueryAnswers{epoch, *std::move(answers)});
-        });
+        },
+        batch.asker);
 }
 
 void World::map(MapQuery query, Mapped done) {
