@@ -15,12 +15,15 @@ using sea::Field;
 
 namespace {
 
-/// Bound of a value of this pair at any time between the two, in the unit of the value.
-double sampled_error(const KeyframePair& pair, Field value, Field rate, double interval_s) {
+/// Adds what coding costs this field of a pair: the larger bound of the two keyframes, and the larger of
+/// several fields' where two components move a point.
+void add_codec(sea::MapLoss& loss, const KeyframePair& pair, Field value, Field rate) {
     const auto larger = [&](Field field) {
-        return static_cast<double>(std::max(pair.before->error(field), pair.after->error(field)));
+        return sea::rounded_rms(
+            static_cast<double>(std::max(pair.before->error(field), pair.after->error(field))));
     };
-    return sea::sampled_codec_error(larger(value), larger(rate), interval_s);
+    loss.value_m = std::max(loss.value_m, larger(value));
+    loss.rate_mps = std::max(loss.rate_mps, larger(rate));
 }
 
 sea::FoldSearch folds_of(const SeaState& state) {
@@ -31,23 +34,29 @@ sea::FoldSearch folds_of(const SeaState& state) {
 } // namespace
 
 sea::MapError local_map_error(const SeaState& state, std::span<const KeyframePair> pairs) {
-    sea::MapError error;
-    error.interpolation_m = state.interpolation_error_m;
-    error.interpolation_displacement_m = state.interpolation_displacement_m;
-    error.interpolation_strain = state.interpolation_strain;
+    // A server that does not say what its interpolation errors are made of has them everywhere.
+    const bool told = state.losses.size() == state.cascades.size();
+    sea::MapError error{.cascades = {},
+                        .height_bound_m =
+                            told ? state.single_precision_m : state.interpolation_error_m,
+                        .displacement_bound_m = told ? state.single_precision_displacement_m
+                                                     : state.interpolation_displacement_m,
+                        .strain_bound = state.interpolation_strain};
+    double coded_strain2 = 0;
     for (const KeyframePair& pair : pairs) {
-        const auto cascade = static_cast<std::size_t>(pair.before->keyframe().cascade);
-        const double interval_s = sea::seconds_from_us(state.cascades[cascade].interval_us);
-        error.codec_height_m += sampled_error(pair, Field::height, Field::height_rate, interval_s);
-        const double x_m =
-            sampled_error(pair, Field::displacement_x, Field::displacement_x_rate, interval_s);
-        const double y_m =
-            sampled_error(pair, Field::displacement_y, Field::displacement_y_rate, interval_s);
-        const double sideways_m = std::hypot(state.choppiness_x * x_m, state.choppiness_y * y_m);
         const sea::Keyframe& map = pair.before->keyframe();
-        error.codec_displacement_m += sideways_m;
-        error.codec_strain += sea::sampled_slope_error(sideways_m, map.length_m / map.size);
+        const auto cascade = static_cast<std::size_t>(map.cascade);
+        sea::CascadeLoss& loss =
+            error.cascades.emplace_back(told ? state.losses[cascade] : sea::CascadeLoss{});
+        add_codec(loss.height, pair, Field::height, Field::height_rate);
+        add_codec(loss.displacement, pair, Field::displacement_x, Field::displacement_x_rate);
+        add_codec(loss.displacement, pair, Field::displacement_y, Field::displacement_y_rate);
+        coded_strain2 += sea::coded_strain_variance(
+            loss.displacement, sea::seconds_from_us(state.cascades[cascade].interval_us),
+            map.length_m / map.size);
     }
+    error.codec_strain_bound =
+        std::max(state.choppiness_x, state.choppiness_y) * sea::coded_strain_bound(coded_strain2);
     return error;
 }
 
@@ -69,7 +78,8 @@ Result<LocalSurface> local_surface(const SeaState& state, const KeyframeRing& ri
         pairs.push_back(std::move(*pair));
     }
     return LocalSurface{sea::Surface(std::move(splines), {state.choppiness_x, state.choppiness_y},
-                                     folds_of(state), local_map_error(state, pairs)),
+                                     folds_of(state), local_map_error(state, pairs),
+                                     sea::inverse_tolerance_m(state.height_error_m)),
                         covered};
 }
 

@@ -133,6 +133,24 @@ Result<void> check(const wire::Welcome& welcome) {
     return in_range<int>("version", welcome.version(), version, version);
 }
 
+namespace {
+
+/// None, or one a cascade.
+Result<void> check_losses(const wire::SeaState& state) {
+    if (count(state.losses()) == 0)
+        return {};
+    SEAWAY_TRY(in_range<std::size_t>("count of losses", count(state.losses()),
+                                     count(state.cascades()), count(state.cascades())));
+    for (const wire::CascadeLoss* loss : *state.losses())
+        for (const wire::MapLoss* map : {&loss->height(), &loss->displacement()})
+            SEAWAY_TRY(all_of(in_range("time_m", map->time_m(), 0.0f, 1e9f),
+                              in_range("east_m", map->east_m(), 0.0f, 1e9f),
+                              in_range("north_m", map->north_m(), 0.0f, 1e9f)));
+    return {};
+}
+
+} // namespace
+
 Result<void> check(const wire::SeaState& state) {
     Result<void> fine = all_of(
         in_range<std::size_t>("count of cascades", count(state.cascades()), 0,
@@ -147,7 +165,11 @@ Result<void> check(const wire::SeaState& state) {
         in_range("displacement_reach_m", state.displacement_reach_m(), 0.0, 1e9),
         in_range("rms_strain", state.rms_strain(), 0.0, 1e9),
         in_range("interpolation_displacement_m", state.interpolation_displacement_m(), 0.0, 1e9),
-        in_range("interpolation_strain", state.interpolation_strain(), 0.0, 1e9));
+        in_range("interpolation_strain", state.interpolation_strain(), 0.0, 1e9),
+        in_range("single_precision_m", state.single_precision_m(), 0.0, 1e6),
+        in_range("single_precision_displacement_m", state.single_precision_displacement_m(), 0.0,
+                 1e9),
+        check_losses(state));
     if (!fine || state.cascades() == nullptr)
         return fine;
     for (const wire::CascadeInfo* cascade : *state.cascades()) {

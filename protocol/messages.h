@@ -27,6 +27,7 @@
 #include "sea/basics/field.h"
 #include "sea/basics/time.h"
 #include "sea/surface/answer.h"
+#include "sea/surface/map_error.h"
 
 namespace seaway::protocol {
 
@@ -134,6 +135,10 @@ struct SeaStateValues {
     double rms_strain = 0;                   ///< of the divergence of D, 1
     double interpolation_displacement_m = 0; ///< as interpolation_error_m, of D
     double interpolation_strain = 0;         ///< likewise, of grad D, 1
+    /// What those are made of, one a cascade; nothing of it is coded. Empty from a server that says none.
+    std::vector<sea::CascadeLoss> losses = {};
+    double single_precision_m = 0; ///< part of interpolation_error_m
+    double single_precision_displacement_m = 0;
 };
 Bytes sea_state(const SeaStateValues& state);
 /// The inverse; `state` must have passed check().

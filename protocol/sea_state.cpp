@@ -17,6 +17,17 @@ SeaNumbers from_wire(const wire::SeaNumbers* n) {
             n->mean_from_deg(), n->spread_deg(), n->mss()};
 }
 
+wire::MapLoss to_wire(const sea::MapLoss& loss) {
+    return {static_cast<float>(loss.time_m), static_cast<float>(loss.east_m),
+            static_cast<float>(loss.north_m)};
+}
+
+sea::MapLoss from_wire(const wire::MapLoss& loss) {
+    return {.time_m = static_cast<double>(loss.time_m()),
+            .east_m = static_cast<double>(loss.east_m()),
+            .north_m = static_cast<double>(loss.north_m())};
+}
+
 } // namespace
 
 Bytes sea_state(const SeaStateValues& state) {
@@ -27,6 +38,10 @@ Bytes sea_state(const SeaStateValues& state) {
     for (const CascadeInfo& c : state.cascades)
         cascades.emplace_back(c.length_m, c.k_lo_radpm, c.k_hi_radpm, c.interval_us,
                               static_cast<std::uint32_t>(c.size), 0u);
+    std::vector<wire::CascadeLoss> losses;
+    for (const sea::CascadeLoss& loss : state.losses)
+        losses.emplace_back(to_wire(loss.height), to_wire(loss.displacement));
+    const auto loss_list = built.CreateVectorOfStructs(losses);
     const auto cascade_list = built.CreateVectorOfStructs(cascades);
     const auto scene = built.CreateString(state.scene);
     const auto warnings = built.CreateVectorOfStrings(state.warnings);
@@ -37,7 +52,8 @@ Bytes sea_state(const SeaStateValues& state) {
         state.choppiness_y, state.height_error_m, &requested, &realised,
         state.interpolation_error_m, state.rms_slope, scene, warnings, state.foam_mean,
         state.foam_threshold, state.displacement_reach_m, state.rms_strain,
-        state.interpolation_displacement_m, state.interpolation_strain);
+        state.interpolation_displacement_m, state.interpolation_strain, loss_list,
+        state.single_precision_m, state.single_precision_displacement_m);
     built.Finish(wire::CreateMessage(built, wire::Body::SeaState, body.Union()),
                  wire::MessageIdentifier());
     return {built.GetBufferPointer(), built.GetBufferPointer() + built.GetSize()};
@@ -61,7 +77,13 @@ SeaStateValues values(const wire::SeaState& state) {
                        .displacement_reach_m = state.displacement_reach_m(),
                        .rms_strain = state.rms_strain(),
                        .interpolation_displacement_m = state.interpolation_displacement_m(),
-                       .interpolation_strain = state.interpolation_strain()};
+                       .interpolation_strain = state.interpolation_strain(),
+                       .losses = {},
+                       .single_precision_m = state.single_precision_m(),
+                       .single_precision_displacement_m = state.single_precision_displacement_m()};
+    if (const auto* losses = state.losses())
+        for (const wire::CascadeLoss* loss : *losses)
+            out.losses.push_back({from_wire(loss->height()), from_wire(loss->displacement())});
     if (const auto* cascades = state.cascades())
         for (const wire::CascadeInfo* c : *cascades)
             out.cascades.push_back({.length_m = c->length_m(),

@@ -14,15 +14,14 @@ namespace seaway::server {
 /// `height_error_m`; each further one saves about two bits a sample.
 inline constexpr std::array<double, 3> quality_rungs{1.0, 4.0, 16.0};
 
-/// What tiles of this rung may cost of a height, m.
+/// What tiles of this rung may cost of a height, m (ErrorBudget::codec_error_m).
 inline double codec_error_m(const sea::ErrorBudget& budget, std::uint8_t quality) {
-    return quality_rungs[quality] * budget.shares.codec * budget.height_error_m;
+    return quality_rungs[quality] * budget.codec_error_m;
 }
 
-/// Bound on a height from tiles of this rung, all parts together, at ordinary slopes, m.
+/// Bound on a height from tiles of this rung, all parts together, on level water, m.
 inline double height_error_m(const sea::ErrorBudget& budget, std::uint8_t quality) {
-    return budget.interpolation_m + codec_error_m(budget, quality) +
-           budget.shares.query * budget.height_error_m;
+    return level_error_m(budget, codec_error_m(budget, quality));
 }
 
 /// The cheapest rung that keeps the wanted bound; the best one if none does or 0 was asked.

@@ -114,6 +114,10 @@ protocol::SeaStateValues sea_state_values(const RunningSea& sea,
     state.rms_strain = sea.budget.rms_strain;
     state.interpolation_displacement_m = sea.budget.interpolation_displacement_m;
     state.interpolation_strain = sea.budget.interpolation_strain;
+    for (const sea::CascadeBudget& cascade : sea.budget.cascades)
+        state.losses.push_back(cascade.loss);
+    state.single_precision_m = sea.budget.single_precision_m;
+    state.single_precision_displacement_m = sea.budget.single_precision_displacement_m;
     if (sea.foam_law) {
         state.foam_mean = sea.foam_law->mean_coverage;
         state.foam_threshold = sea.foam_law->threshold;
@@ -141,12 +145,12 @@ std::string state_json(const RunningSea& sea, const std::vector<std::string>& wa
                             {"k_lo_radpm", state.cascades[c].k_lo_radpm},
                             {"k_hi_radpm", state.cascades[c].k_hi_radpm},
                             {"keyframe_interval_s", sea::seconds_from_us(budget.interval_us)},
-                            {"time_interpolation_rms_m", budget.time_rms_m},
-                            {"space_interpolation_rms_m", budget.space_rms_m},
+                            {"time_interpolation_rms_m", budget.loss.height.time_m},
+                            {"space_interpolation_rms_m",
+                             std::hypot(budget.loss.height.east_m, budget.loss.height.north_m)},
                             {"requested_m2", sea.summary.cascades[c].requested_m2},
                             {"realised_m2", sea.summary.cascades[c].realised_m2}});
     }
-    const sea::BudgetShares& shares = sea.budget.shares;
     const ordered_json json{{"epoch", sea.epoch},
                             {"sea_time_s", sea::seconds_from_us(now_us)},
                             {"device", device},
@@ -159,11 +163,11 @@ std::string state_json(const RunningSea& sea, const std::vector<std::string>& wa
                             {"foam_threshold", state.foam_threshold},
                             {"height_error_m", sea.budget.height_error_m},
                             {"error_budget",
-                             {{"time", shares.time},
-                              {"space", shares.space},
-                              {"codec", shares.codec},
-                              {"query", shares.query},
-                              {"interpolation_m", sea.budget.interpolation_m}}},
+                             {{"level_m", sea::level_error_m(sea.budget, sea.budget.codec_error_m)},
+                              {"interpolation_m", sea.budget.interpolation_m},
+                              {"codec_m", sea.budget.codec_error_m},
+                              {"single_precision_m", sea.budget.single_precision_m},
+                              {"inverse_m", sea::inverse_tolerance_m(sea.budget.height_error_m)}}},
                             {"warnings", warnings}};
     return json.dump(2) + "\n";
 }

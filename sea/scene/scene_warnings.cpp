@@ -124,11 +124,11 @@ void warn_of_accuracy(const Scene& scene, const Realization& realization,
                       std::vector<std::string>& warnings) {
     const double asked_m = scene.accuracy.height_error_m;
     const ErrorBudget budget = plan_budget(realization, asked_m);
-    if (level_error_m(budget) > asked_m)
+    if (const double level_m = level_error_m(budget, budget.codec_error_m); level_m > asked_m)
         warnings.push_back(fmt::format(
             "accuracy.height_error_m = {:g} cannot be reached: interpolation alone costs {:.2g} m, "
             "and heights state {:.2g} m on level water; larger sizes of the cascades bring it down",
-            asked_m, budget.interpolation_m, level_error_m(budget)));
+            asked_m, budget.interpolation_m, level_m));
 }
 
 } // namespace

@@ -86,11 +86,8 @@ Result<void> validate(const MapRequest& r) {
 }
 
 double map_height_error_m(const Surface& surface) {
-    const MapError& e = surface.map_error();
-    const double sideways = std::max(surface.choppiness().x, surface.choppiness().y);
     // A slope of one, as steep as a breaking crest.
-    return e.interpolation_m + sideways * e.interpolation_displacement_m + e.codec_height_m +
-           e.codec_displacement_m + map_difference_max_m;
+    return surface.height_bound_m(1.0) + map_difference_max_m;
 }
 
 const MapKernel& map_kernel(Instructions instructions) {

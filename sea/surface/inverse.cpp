@@ -158,7 +158,7 @@ double surface_slope(const Answer& answer) {
 }
 
 Answer surface_at(const QueryPoint& point, const InverseOptions& options, LagrangianField field,
-                  SheetBounds* sheets) {
+                  SheetBounds* sheets, Vec2* lagrangian) {
     if (!std::isfinite(point.x_m) || !std::isfinite(point.y_m))
         return invalid_answer();
     Solver solver({point.x_m, point.y_m}, options, field);
@@ -166,6 +166,8 @@ Answer surface_at(const QueryPoint& point, const InverseOptions& options, Lagran
     bool folded = sheets == nullptr && solver.jacobian_min() < fold_suspected_below;
     if (sheets != nullptr)
         sheet = highest_sheet(solver, sheet, {point.x_m, point.y_m}, options, *sheets, folded);
+    if (lagrangian != nullptr)
+        *lagrangian = sheet.lagrangian;
 
     const LagrangianPoint& p = sheet.point;
     const double lx = options.choppiness.x;

@@ -84,9 +84,10 @@ struct InverseOptions {
 /// Height, normal, velocity and flags at the point; error_m holds residual * slope alone, the
 /// caller adds what its maps cost. A point that is not finite gives NaN and answer_invalid.
 /// `sheets` knows where other sheets may lie; without it the first one found is the answer, and
-/// flagged where J came below fold_suspected_below on the way.
+/// flagged where J came below fold_suspected_below on the way. `lagrangian` gets the undisplaced place
+/// of the answer.
 Answer surface_at(const QueryPoint& point, const InverseOptions& options, LagrangianField field,
-                  SheetBounds* sheets = nullptr);
+                  SheetBounds* sheets = nullptr, Vec2* lagrangian = nullptr);
 
 /// The exact sum, with all of its sheets (sea/surface/moment_sheets.h).
 Answer surface_at(const QueryPoint& point, const InverseOptions& options,

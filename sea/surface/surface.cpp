@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <utility>
 
 #include "sea/surface/maps/hermite.h"
 #include "sea/surface/surface_sheets.h"
@@ -10,8 +12,6 @@
 namespace seaway::sea {
 
 namespace {
-
-constexpr double residual_tolerance_m = 1e-4;
 
 constexpr int rates = 4; // channel offset of the time rates in SplineSample
 
@@ -35,17 +35,66 @@ void add(LagrangianPoint& sum, const HermiteWeights& weights, const SplineSample
         0.5 * (mix(weights.value, a.d_dy, b.d_dy, 1) + mix(weights.value, a.d_dx, b.d_dx, 2));
 }
 
+double interval_s(const SplinePair& pair) {
+    return seconds_from_us(pair.after->time_us() - pair.before->time_us());
+}
+
 } // namespace
 
 Surface::Surface(std::vector<SplinePair> pairs, Choppiness choppiness, FoldSearch folds,
-                 MapError error)
-    : pairs_(std::move(pairs)), choppiness_(choppiness), folds_(folds), error_(error) {
+                 MapError error, double tolerance_m)
+    : pairs_(std::move(pairs)), choppiness_(choppiness), folds_(folds), error_(std::move(error)),
+      tolerance_m_(tolerance_m), sideways_(std::max(choppiness.x, choppiness.y)) {
     SEAWAY_CHECK(pairs_.size() <= surface_pairs_max, "a surface has 16 cascades at most");
+    SEAWAY_CHECK(error_.cascades.empty() || error_.cascades.size() == pairs_.size(),
+                 "one loss a cascade");
     for (const SplinePair& pair : pairs_) {
         SEAWAY_CHECK(pair.before && pair.after, "a surface needs both maps of every cascade");
         moves_sideways_ =
             moves_sideways_ && pair.before->moves_sideways() && pair.after->moves_sideways();
     }
+    double displacement_m2 = 0;
+    for (std::size_t c = 0; c < error_.cascades.size(); ++c)
+        displacement_m2 += error_.cascades[c].displacement.largest_variance_m2(interval_s(pairs_[c]));
+    fold_blur_m_ = sideways_ * (fold_sigmas * std::sqrt(displacement_m2) +
+                                error_.displacement_bound_m);
+    fold_strain_blur_ = sideways_ * error_.strain_bound + error_.codec_strain_bound;
+}
+
+double Surface::height_bound_m(double slope) const {
+    const double sideways = slope * sideways_;
+    double variance_m2 = 0;
+    for (std::size_t c = 0; c < error_.cascades.size(); ++c) {
+        const CascadeLoss& loss = error_.cascades[c];
+        variance_m2 += loss.height.largest_variance_m2(interval_s(pairs_[c])) +
+                       sideways * sideways *
+                           loss.displacement.largest_variance_m2(interval_s(pairs_[c]));
+    }
+    return bound_sigmas * std::sqrt(variance_m2) + error_.height_bound_m +
+           sideways * error_.displacement_bound_m;
+}
+
+double Surface::height_bound_m(Vec2 lagrangian, TimeUs time_us, double slope) const {
+    const double sideways = slope * sideways_;
+    const auto between = [](double cells) { return between_samples(cells - std::floor(cells)); };
+    double variance_m2 = 0;
+    for (std::size_t c = 0; c < error_.cascades.size(); ++c) {
+        const SplinePair& pair = pairs_[c];
+        const TimeUs start_us = pair.before->time_us();
+        const double interval = interval_s(pair);
+        const double share = interval > 0 ? seconds_from_us(time_us - start_us) / interval : 0.0;
+        const HermiteWeights weights =
+            hermite_weights(start_us, pair.after->time_us(), time_us);
+        const double cells_a_metre = pair.before->size() / pair.before->length_m();
+        const double east = between(lagrangian.x * cells_a_metre);
+        const double north = between(lagrangian.y * cells_a_metre);
+        const CascadeLoss& loss = error_.cascades[c];
+        variance_m2 += loss.height.variance_m2(share, east, north, weights) +
+                       sideways * sideways *
+                           loss.displacement.variance_m2(share, east, north, weights);
+    }
+    return bound_sigmas * std::sqrt(variance_m2) + error_.height_bound_m +
+           sideways * error_.displacement_bound_m;
 }
 
 LagrangianPoint Surface::at(double x_m, double y_m, TimeUs time_us) const {
@@ -75,16 +124,14 @@ bool Surface::covers(TimeUs time_us) const {
 }
 
 Answer Surface::answer(const QueryPoint& point) const {
-    const InverseOptions options{choppiness_, residual_tolerance_m, folds_};
+    const InverseOptions options{choppiness_, tolerance_m_, folds_};
     const auto field = [&](double x_m, double y_m) { return at(x_m, y_m, point.time_us); };
     SurfaceSheets sheets(*this, point.time_us);
-    Answer answer = surface_at(point, options, field, &sheets);
+    Vec2 lagrangian{point.x_m, point.y_m};
+    Answer answer = surface_at(point, options, field, &sheets, &lagrangian);
     if (answer.flags & answer_invalid)
         return answer;
-    const double sideways = std::max(choppiness_.x, choppiness_.y);
-    answer.error_m += error_.interpolation_m + error_.codec_height_m +
-                      surface_slope(answer) * (sideways * error_.interpolation_displacement_m +
-                                               error_.codec_displacement_m);
+    answer.error_m += height_bound_m(lagrangian, point.time_us, surface_slope(answer));
     if (!covers(point.time_us))
         answer.flags |= answer_extrapolated;
     if (!moves_sideways_)

@@ -15,6 +15,7 @@
 
 #include "sea/surface/answer.h"
 #include "sea/surface/inverse.h"
+#include "sea/surface/map_error.h"
 #include "sea/surface/maps/spline_map.h"
 #include "sea/waves/realization.h"
 
@@ -29,20 +30,11 @@ struct SplinePair {
 /// A surface has no more cascades than this.
 inline constexpr std::size_t surface_pairs_max = 16;
 
-/// What the maps themselves add to the error of a height (sea/surface/budget/error_budget.h).
-struct MapError {
-    double interpolation_m = 0;              ///< space and time, of a height
-    double codec_height_m = 0;               ///< summed over cascades
-    double codec_displacement_m = 0;         ///< of x = X + lambda D, summed over cascades
-    double interpolation_displacement_m = 0; ///< space and time, of D
-    double codec_strain = 0;                 ///< of lambda grad D, summed over cascades
-    double interpolation_strain = 0;         ///< space and time, of grad D
-};
-
 class Surface {
   public:
-    /// `pairs` may be any subset of the cascades, surface_pairs_max at most.
-    Surface(std::vector<SplinePair> pairs, Choppiness choppiness, FoldSearch folds, MapError error);
+    /// `pairs` may be any subset of the cascades, surface_pairs_max at most; `error` is of these.
+    Surface(std::vector<SplinePair> pairs, Choppiness choppiness, FoldSearch folds, MapError error,
+            double tolerance_m = InverseOptions{}.tolerance_m);
 
     /// The undisplaced sea. A time outside a pair's span extrapolates its cubic.
     LagrangianPoint at(double x_m, double y_m, TimeUs time_us) const;
@@ -57,15 +49,27 @@ class Surface {
     const Choppiness& choppiness() const { return choppiness_; }
     const FoldSearch& folds() const { return folds_; }
     const MapError& map_error() const { return error_; }
+    /// Bound on a height where the surface is that steep, at the worst place and time between samples.
+    double height_bound_m(double slope) const;
+    /// What maps may be wrong by where folds are told apart: of lambda D, m, and of lambda grad D.
+    double fold_blur_m() const { return fold_blur_m_; }
+    double fold_strain_blur() const { return fold_strain_blur_; }
 
     /// The time lies between the keyframes of every pair.
     bool covers(TimeUs time_us) const;
 
   private:
+    /// Bound on a height at an undisplaced place.
+    double height_bound_m(Vec2 lagrangian, TimeUs time_us, double slope) const;
+
     std::vector<SplinePair> pairs_;
     Choppiness choppiness_;
     FoldSearch folds_;
     MapError error_;
+    double tolerance_m_;
+    double sideways_; ///< the larger choppiness
+    double fold_blur_m_;
+    double fold_strain_blur_;
     bool moves_sideways_ = true; ///< every map holds displacements
 };
 

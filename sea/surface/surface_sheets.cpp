@@ -22,10 +22,8 @@ typedef float F4 __attribute__((vector_size(16)));
 SurfaceSheets::SurfaceSheets(const Surface& surface, TimeUs time_us)
     : PatchSheets(surface.choppiness()), surface_(surface),
       sideways_(std::max(surface.choppiness().x, surface.choppiness().y)) {
-    const MapError& error = surface.map_error();
-    blur_m_ =
-        rounding_m + sideways_ * error.interpolation_displacement_m + error.codec_displacement_m;
-    strain_blur_ = sideways_ * error.interpolation_strain + error.codec_strain;
+    blur_m_ = rounding_m + surface.fold_blur_m();
+    strain_blur_ = surface.fold_strain_blur();
     for (std::size_t c = 0; c < surface.pairs().size(); ++c) {
         const SplinePair& pair = surface.pairs()[c];
         weights_[c] = hermite_weights(pair.before->time_us(), pair.after->time_us(), time_us);

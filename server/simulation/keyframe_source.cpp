@@ -249,7 +249,8 @@ Result<KeyframeSource::SurfaceSpan> KeyframeSource::surface_around(TimeUs time_u
     }
     return SurfaceSpan{std::make_shared<const sea::Surface>(
                            std::move(pairs), sea_->realization->choppiness,
-                           fold_search(sea_->budget), map_error(sea_->budget, 0.0)),
+                           fold_search(sea_->budget), map_error(sea_->budget, 0.0),
+                           sea::inverse_tolerance_m(sea_->budget.height_error_m)),
                        end_us};
 }
 

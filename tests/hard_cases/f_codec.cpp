@@ -107,7 +107,7 @@ TEST(HardCase, F10_slopes_of_coded_heights_stay_within_their_budget) {
     const sea::CascadeModes& modes = sea->cascades[0];
     const sea::ErrorBudget budget = sea::plan_budget(*sea, 0.01);
     const sea::FieldSet fields{sea::Field::height, sea::Field::height_rate};
-    const double codec_error_m = budget.shares.codec * budget.height_error_m;
+    const double codec_error_m = budget.codec_error_m;
     const float bound = sea::codec_bounds(budget, fields, 0, codec_error_m)[0];
     sea::Keyframe exact;
     exact.size = size;

@@ -22,6 +22,7 @@
 #include <fmt/format.h>
 
 #include "base/command_line.h"
+#include "sea/surface/surface.h"
 #include "server/device/native_synthesizer.h"
 #include "server/simulation/running_sea.h"
 #include "server/simulation/schedule.h"
@@ -297,10 +298,7 @@ class Folds {
 
     /// The maps have the sheet no further away than they are wrong sideways: it ends at a fold here.
     static bool found_beside(const sea::Surface& maps, const sea::QueryPoint& point, double top_m) {
-        const sea::MapError& error = maps.map_error();
-        const double sideways = std::max(maps.choppiness().x, maps.choppiness().y);
-        const double blur_m =
-            sideways * error.interpolation_displacement_m + error.codec_displacement_m;
+        const double blur_m = maps.fold_blur_m();
         for (const double share : {0.1, 0.3, 0.6, 1.0})
             for (int i = 0; i < 8; ++i) {
                 const double angle = sea::two_pi * i / 8;

@@ -44,11 +44,19 @@ SineError::SineError(const SineField& field, double spacing_m) : field_(field) {
                             us_from_seconds(share(i, 0.5497004779019703) * time_span_s)});
     for (const Sample& s : samples_) {
         const LagrangianPoint truth = sines_at(field, s.x_m, s.y_m, s.time_us);
-        space_m_ = std::max(space_m_, spline_error_m(s, spacing_m, 0, truth.height) +
-                                          spline_error_m(s, 0, spacing_m, truth.height));
+        east_m_ = std::max(east_m_, margin * spline_error_m(s, spacing_m, 0, truth.height));
+        north_m_ = std::max(north_m_, margin * spline_error_m(s, 0, spacing_m, truth.height));
         slope_variance_ += truth.slope_x * truth.slope_x + truth.slope_y * truth.slope_y;
+        const auto at = [&](double dx_m, double dy_m) {
+            return sines_at(field, s.x_m + dx_m, s.y_m + dy_m, s.time_us);
+        };
+        const LagrangianPoint x = at(-spacing_m, 0), y = at(0, -spacing_m),
+                              xy = at(-spacing_m, -spacing_m);
+        const double detail = truth.height - x.height - y.height + xy.height;
+        const double rate = truth.height_rate - x.height_rate - y.height_rate + xy.height_rate;
+        detail_m2_ += detail * detail / sample_count;
+        rate_detail_m2ps2_ += rate * rate / sample_count;
     }
-    space_m_ *= margin;
     slope_variance_ /= sample_count;
 }
 

@@ -17,13 +17,17 @@ class SineError {
   public:
     SineError(const SineField& field, double spacing_m);
 
-    /// Bound on what the cubic spline misses between grid points: twice the largest error that was
+    /// Bound on what the cubic spline misses between grid points along x and along y: twice the largest error that was
     /// met, for those that were not. Held by tests, not proved.
-    double space_m() const { return space_m_; }
+    double east_m() const { return east_m_; }
+    double north_m() const { return north_m_; }
     /// Likewise on what cubic Hermite misses between keyframes.
     double time_m(TimeUs interval_us) const;
 
     double slope_variance() const { return slope_variance_; }
+    /// As of CascadeWaves.
+    double detail_m2() const { return detail_m2_; }
+    double rate_detail_m2ps2() const { return rate_detail_m2ps2_; }
 
   private:
     struct Sample {
@@ -35,8 +39,11 @@ class SineError {
 
     const SineField& field_;
     std::vector<Sample> samples_;
-    double space_m_ = 0;
+    double east_m_ = 0;
+    double north_m_ = 0;
     double slope_variance_ = 0;
+    double detail_m2_ = 0;
+    double rate_detail_m2ps2_ = 0;
 };
 
 } // namespace seaway::sea

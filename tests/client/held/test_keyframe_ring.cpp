@@ -229,35 +229,44 @@ TEST(LocalAnswer, names_the_cascade_of_which_nothing_is_held) {
     EXPECT_NE(surface.error().message.find("cascade 1"), std::string::npos);
 }
 
+// A server that says no more has these errors everywhere, whatever the time and place.
 TEST(LocalAnswer, a_stated_error_holds_interpolation_and_codec) {
     KeyframeRing ring;
     ring.insert(keyframe(0));
     ring.insert(keyframe(interval_us));
-    const SeaState state = one_cascade_sea();
+    SeaState state = one_cascade_sea();
+    state.interpolation_displacement_m = 0.004;
     const auto pair = ring.around(0, 1, 50'000, interval_us, height_fields);
     ASSERT_TRUE(pair);
     const sea::MapError error = local_map_error(state, {&*pair, 1});
-    EXPECT_DOUBLE_EQ(error.interpolation_m, 0.002);
-    EXPECT_DOUBLE_EQ(error.interpolation_strain, 0.003);
-    // Values of 1 mm and rates of 1 mm/s between keyframes 0.1 s apart, through spline weights
-    // (gain 2.4 at most): a little over 2.4 mm, never below the 1 mm of a grid point.
-    EXPECT_GT(error.codec_height_m, 0.001);
-    EXPECT_LT(error.codec_height_m, 0.003);
+    EXPECT_DOUBLE_EQ(error.height_bound_m, 0.002);
+    EXPECT_DOUBLE_EQ(error.displacement_bound_m, 0.004);
+    EXPECT_DOUBLE_EQ(error.strain_bound, 0.003);
+    // Values of 1 mm at most, evenly spread.
+    ASSERT_EQ(error.cascades.size(), 1u);
+    EXPECT_NEAR(error.cascades[0].height.value_m, 0.001 / std::sqrt(3.0), 1e-9);
+    EXPECT_EQ(error.cascades[0].height.time_m, 0);
 }
 
 // bound = formula, not only error <= bound: a bound that is too wide, or that forgets a keyframe,
 // holds every comparison of heights.
-TEST(LocalAnswer, a_codec_error_is_that_of_the_worse_keyframe_of_every_cascade_summed) {
+TEST(LocalAnswer, a_codec_error_is_that_of_the_worse_keyframe_of_every_cascade) {
     SeaState state = one_cascade_sea();
     state.cascades.push_back({.length_m = 10, .size = 16, .interval_us = 40'000});
     state.choppiness_x = 1.5;
     state.choppiness_y = 0.5;
+    state.losses = {{{0.1, 0.2, 0.3}, {0.4, 0.5, 0.6}}, {{0.7, 0.8, 0.9}, {1.0, 1.1, 1.2}}};
+    state.single_precision_m = 0.01;
+    state.single_precision_displacement_m = 0.02;
     const auto with_errors = [](int cascade, TimeUs time_us, float scale) {
         HeldKeyframe::FieldErrors errors{};
         for (const Field field : sea::surface_fields)
             errors[static_cast<std::size_t>(field)] = scale * (1 + static_cast<float>(field));
         sea::Keyframe made = keyframe(time_us, cascade, 1, sea::surface_fields)->keyframe();
         return std::make_shared<const HeldKeyframe>(std::move(made), errors);
+    };
+    const auto rounded = [](Field field) { // to within 3 mm times one more than the field's number
+        return 0.003 * (1 + static_cast<double>(field)) / std::sqrt(3.0);
     };
     for (const bool worse_is_first : {true, false}) {
         const float first = worse_is_first ? 0.003f : 0.001f,
@@ -266,25 +275,25 @@ TEST(LocalAnswer, a_codec_error_is_that_of_the_worse_keyframe_of_every_cascade_s
             {with_errors(0, 0, first), with_errors(0, interval_us, second), true},
             {with_errors(1, 0, second), with_errors(1, 40'000, first), true}};
         const sea::MapError error = local_map_error(state, pairs);
-        double height = 0, sideways = 0, strain = 0;
+        ASSERT_EQ(error.cascades.size(), 2u);
+        double strain = 0;
         for (std::size_t c = 0; c < 2; ++c) {
-            const double interval_s = c == 0 ? 0.1 : 0.04;
-            const auto coded = [&](Field value, Field rate) {
-                return sea::sampled_codec_error(0.003f * (1 + static_cast<float>(value)),
-                                                0.003f * (1 + static_cast<float>(rate)),
-                                                interval_s);
-            };
-            height += coded(Field::height, Field::height_rate);
-            const double own =
-                std::hypot(1.5 * coded(Field::displacement_x, Field::displacement_x_rate),
-                           0.5 * coded(Field::displacement_y, Field::displacement_y_rate));
+            const sea::CascadeLoss& loss = error.cascades[c];
+            EXPECT_EQ(loss.height.time_m, state.losses[c].height.time_m);
+            EXPECT_EQ(loss.height.north_m, state.losses[c].height.north_m);
+            EXPECT_EQ(loss.displacement.east_m, state.losses[c].displacement.east_m);
+            EXPECT_NEAR(loss.height.value_m, rounded(Field::height), 1e-9);
+            EXPECT_NEAR(loss.height.rate_mps, rounded(Field::height_rate), 1e-9);
+            // The worse of the two components.
+            EXPECT_NEAR(loss.displacement.value_m, rounded(Field::displacement_y), 1e-9);
+            EXPECT_NEAR(loss.displacement.rate_mps, rounded(Field::displacement_y_rate), 1e-9);
             const sea::Keyframe& map = pairs[c].before->keyframe();
-            sideways += own;
-            strain += sea::sampled_slope_error(own, map.length_m / map.size);
+            strain += sea::coded_strain_variance(loss.displacement, c == 0 ? 0.1 : 0.04,
+                                                 map.length_m / map.size);
         }
-        EXPECT_NEAR(error.codec_height_m, height, 1e-9);
-        EXPECT_NEAR(error.codec_displacement_m, sideways, 1e-9);
-        EXPECT_NEAR(error.codec_strain, strain, 1e-9 * strain);
+        EXPECT_EQ(error.height_bound_m, 0.01);
+        EXPECT_EQ(error.displacement_bound_m, 0.02);
+        EXPECT_NEAR(error.codec_strain_bound, 1.5 * sea::coded_strain_bound(strain), 1e-12);
     }
 }
 

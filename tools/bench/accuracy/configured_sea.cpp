@@ -51,8 +51,7 @@ Result<std::unique_ptr<ConfiguredSea>> ConfiguredSea::create(const sea::Scene& s
 }
 
 Result<void> ConfiguredSea::code(sea::Keyframe& keyframe) {
-    const double asked = configuration_.codec_error_m.value_or(waves_.budget.shares.codec *
-                                                               waves_.budget.height_error_m);
+    const double asked = configuration_.codec_error_m.value_or(waves_.budget.codec_error_m);
     if (!(asked > 0))
         return {};
     const std::vector<float> bounds =
@@ -133,8 +132,8 @@ Result<void> ConfiguredSea::go_to_maps() {
     keyframes_ = std::move(keyframes);
     splines_ = std::move(splines);
     if (product_rules()) {
-        const double codec_m = configuration_.codec_error_m.value_or(waves_.budget.shares.codec *
-                                                                     waves_.budget.height_error_m);
+        const double codec_m =
+            configuration_.codec_error_m.value_or(waves_.budget.codec_error_m);
         const sea::MapError error = sea::map_error(waves_.budget, codec_m);
         for (const sea::SplinePair& pair : pairs)
             surface_of_cascade_.emplace_back(std::vector{pair}, waves_.used->choppiness,

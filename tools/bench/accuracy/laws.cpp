@@ -149,8 +149,7 @@ void add_rounding(const Waves& waves, std::size_t c, const Moments& m, double sl
         v.format += values * step2 * (m.height_m2 + 0.5 * sideways * m.displacement_m2) +
                     rates * step2 * m.rate_m2ps2;
     }
-    const double asked_m = configuration.codec_error_m.value_or(waves.budget.shares.codec *
-                                                                waves.budget.height_error_m);
+    const double asked_m = configuration.codec_error_m.value_or(waves.budget.codec_error_m);
     if (!(asked_m > 0))
         return;
     const auto bounds =

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <complex>
+#include <optional>
 #include <tuple>
 
 #include "sea/basics/constants.h"
@@ -39,14 +40,13 @@ Result<sea::Realization> with_bands(const sea::SeaState& state,
 
 /// The budget of the sea with intervals that are set, if they are.
 sea::ErrorBudget budget_of(const sea::Realization& sea, const Configuration& configuration) {
-    sea::ErrorBudget budget = sea::plan_budget(sea, configuration.height_error_m);
-    for (sea::CascadeBudget& cascade : budget.cascades) {
-        if (configuration.interval_us)
-            cascade.interval_us = *configuration.interval_us;
-        if (configuration.time == TimeRule::every_frame)
-            cascade.interval_us = sea::us_from_seconds(1.0 / frames_per_s);
-    }
-    return budget;
+    std::optional<sea::TimeUs> interval_us = configuration.interval_us;
+    if (configuration.time == TimeRule::every_frame)
+        interval_us = sea::us_from_seconds(1.0 / frames_per_s);
+    if (!interval_us)
+        return sea::plan_budget(sea, configuration.height_error_m);
+    const std::vector<sea::TimeUs> all(sea.cascades.size(), *interval_us);
+    return sea::plan_budget(sea, configuration.height_error_m, all);
 }
 
 } // namespace

@@ -18,11 +18,6 @@ RealizationPtr some_sea() {
                             tests::random_cascade(41.0, 64, 15, 300, 0.004, 12)});
 }
 
-TEST(ErrorBudget, shares_add_up_to_one) {
-    const BudgetShares shares;
-    EXPECT_DOUBLE_EQ(shares.time + shares.space + shares.codec + shares.query, 1.0);
-}
-
 TEST(ErrorBudget, hermite_and_spline_laws_match_their_leading_order) {
     // u^4/384 to 2 % at u = 0.5 (the next term is u^6/7680); 2 (q/2pi)^4 pi^4/45 likewise.
     EXPECT_NEAR(hermite_error(0.5) / (std::pow(0.5, 4) / 384), 1.0, 0.02);
@@ -170,16 +165,25 @@ TEST(ErrorBudget, what_is_stated_is_the_sum_of_all_its_parts) {
         single_m += single_precision_share * 4 * std::sqrt(own_m2);
         single_strain += sampled_slope_error(single_precision_share * 4 * std::sqrt(own_m2), dx);
         EXPECT_EQ(budget.cascades[c].spacing_m, dx);
-        EXPECT_NEAR(budget.cascades[c].space_rms_m, std::sqrt(space_m2), 1e-12);
-        missed_m2 += space_m2 + std::pow(budget.cascades[c].time_rms_m, 2);
+        const MapLoss& height = budget.cascades[c].loss.height;
+        EXPECT_NEAR(std::hypot(height.east_m, height.north_m), std::sqrt(space_m2), 1e-12);
+        EXPECT_NEAR(height.time_m, budget.cascades[c].loss.displacement.time_m, 1e-12);
+        missed_m2 += space_m2 + height.time_m * height.time_m;
     }
-    EXPECT_NEAR(budget.interpolation_m, 6 * std::sqrt(missed_m2) + single_m, 1e-12);
-    EXPECT_NEAR(budget.interpolation_displacement_m, 6 * std::sqrt(missed_m2) + single_m, 1e-12);
+    EXPECT_NEAR(budget.single_precision_m, single_m, 1e-15);
+    EXPECT_NEAR(budget.interpolation_m, 5 * std::sqrt(missed_m2) + single_m, 1e-12);
+    EXPECT_NEAR(budget.interpolation_displacement_m, 5 * std::sqrt(missed_m2) + single_m, 1e-12);
+    // Level water sees no sideways error, and coding counts at the slope that is typical.
+    const double weight = 1.3 * budget.rms_slope, codec_m = 0.007;
+    EXPECT_NEAR(level_error_m(budget, codec_m),
+                std::sqrt(25 * missed_m2 + codec_m * codec_m / (1 + weight * weight)) + single_m,
+                1e-12);
     // The budget takes frequencies by bins, each at its upper end: a little more.
     EXPECT_GE(budget.interpolation_strain, 6 * std::sqrt(strain_missed2) + single_strain);
     EXPECT_LT(budget.interpolation_strain, 1.1 * (6 * std::sqrt(strain_missed2) + single_strain));
-    EXPECT_EQ(map_error(budget, 0).interpolation_strain, budget.interpolation_strain);
-    EXPECT_EQ(map_error(budget, 0).codec_strain, 0);
+    EXPECT_EQ(map_error(budget, 0).strain_bound, budget.interpolation_strain);
+    EXPECT_EQ(map_error(budget, 0).codec_strain_bound, 0);
+    EXPECT_EQ(map_error(budget, 0).height_bound_m, budget.single_precision_m);
     EXPECT_NEAR(budget.rms_slope, std::sqrt(slope2), 1e-12);
     EXPECT_NEAR(budget.displacement_reach_m, 6 * 1.3 * std::sqrt(variance_m2), 1e-12);
     EXPECT_DOUBLE_EQ(fold_search(budget).reach_m, budget.displacement_reach_m);
@@ -191,24 +195,29 @@ TEST(ErrorBudget, codec_bounds_spend_exactly_what_they_were_given) {
     const RealizationPtr sea = some_sea();
     const ErrorBudget budget = plan_budget(*sea, 0.01);
     const double codec_m = 0.0045;
-    double height = 0;
+    const MapError error = map_error(budget, codec_m);
+    double variance = 0, strain = 0;
     for (int c = 0; c < 2; ++c) {
+        const CascadeBudget& own = budget.cascades[static_cast<std::size_t>(c)];
+        const double interval_s = seconds_from_us(own.interval_us);
         const std::vector<float> bounds = codec_bounds(budget, surface_fields, c, codec_m);
         ASSERT_EQ(bounds.size(), 6u);
-        height += sampled_codec_error(
-            static_cast<double>(bounds[0]), static_cast<double>(bounds[3]),
-            seconds_from_us(budget.cascades[static_cast<std::size_t>(c)].interval_us));
+        // Even between plus and minus the bound: a third of its square.
+        const double value2 = std::pow(bounds[0], 2) / 3, rate2 = std::pow(bounds[3], 2) / 3;
+        const double peak = value2 * codec_peak(rate2 * interval_s * interval_s / value2);
+        EXPECT_EQ(bounds[0], bounds[1]);
+        EXPECT_EQ(bounds[3], bounds[5]);
+        const CascadeLoss& loss = error.cascades[static_cast<std::size_t>(c)];
+        for (const MapLoss* map : {&loss.height, &loss.displacement}) {
+            EXPECT_NEAR(map->value_m, std::sqrt(value2), 1e-6 * map->value_m);
+            EXPECT_NEAR(map->rate_mps, std::sqrt(rate2), 1e-6 * map->rate_mps);
+        }
+        const double weight = budget.rms_slope; // choppiness 1
+        variance += peak * (1 + weight * weight);
+        strain += peak * 3.4217 / std::pow(own.spacing_m, 2);
     }
-    const MapError error = map_error(budget, codec_m);
-    EXPECT_NEAR(height, error.codec_height_m, 1e-3 * height);
-    EXPECT_NEAR(error.codec_strain,
-                0.5 *
-                    (sampled_slope_error(error.codec_displacement_m, budget.cascades[0].spacing_m) +
-                     sampled_slope_error(error.codec_displacement_m, budget.cascades[1].spacing_m)),
-                1e-12);
-    // Height plus the displacement's part at three times the typical slope is the whole share.
-    const double steep = std::min(1.0, 3 * budget.rms_slope);
-    EXPECT_NEAR(error.codec_height_m + steep * error.codec_displacement_m, codec_m, 1e-12);
+    EXPECT_NEAR(5 * std::sqrt(variance), codec_m, 1e-5 * codec_m);
+    EXPECT_NEAR(error.codec_strain_bound, 6 * std::sqrt(2 * strain), 1e-5 * error.codec_strain_bound);
 }
 
 /// Two maps by the native device, one interval apart.
@@ -327,7 +336,7 @@ TEST(ErrorBudget, errors_at_grid_points_tilt_a_spline_by_no_more_than_is_stated)
             worst = std::max(worst, std::abs(0.5 * (xx + yy)) + std::hypot(0.5 * (xx - yy), xy));
         }
     }
-    const double stated = sampled_slope_error(sampled_codec_error(e, 0, 1), length_m / size);
+    const double stated = sampled_slope_error(spline_gain * e, length_m / size);
     EXPECT_LT(worst, stated);
     EXPECT_GT(worst, 0.4 * stated);
 }

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sea/surface/budget/interpolation_laws.h"
+
+#include <cmath>
+
+namespace seaway::sea {
+
+namespace {
+
+/// Bounded errors at the grid points on the gradient, per grid spacing: 3 along and 1.549 across, both of
+/// them most in the middle of a cell, and two components along two axes.
+constexpr double spline_slope_gain = 2.0 * 3.0 * 1.549;
+
+/// Sum of the amplitudes of the images of a wave beyond Nyquist, over its own, to a power.
+double aliases_of(double q, int power) {
+    double sum = 0;
+    for (int j = 1; j <= 8; ++j) {
+        const double shift = 2.0 * std::numbers::pi * j;
+        sum += std::pow(q / (shift + q), power) + std::pow(q / (shift - q), power);
+    }
+    return sum;
+}
+
+} // namespace
+
+double hermite_error(double u) {
+    if (u <= hermite_phase_max)
+        return 1.0 - std::cos(0.5 * u) - 0.25 * u * std::sin(0.5 * u);
+    // The wave itself, the two values, whose weights add up to one, and the two rates: to 1/4.
+    return 2.0 + 0.25 * u;
+}
+
+double spline_error(double q) {
+    const double aliases = aliases_of(q, 4);
+    return 2.0 * aliases / (1.0 + aliases);
+}
+
+double spline_slope_error(double q) {
+    // Each alias is steeper than the wave by the ratio of their wavenumbers.
+    const double aliases = aliases_of(q, 4);
+    return (aliases + aliases_of(q, 3)) / (1.0 + aliases);
+}
+
+double sampled_slope_error(double sampled_error, double spacing_m) {
+    return sampled_error * spline_slope_gain / (spline_gain * spacing_m);
+}
+
+} // namespace seaway::sea
