@@ -142,10 +142,13 @@ Result<void> check_losses(const wire::SeaState& state) {
     SEAWAY_TRY(in_range<std::size_t>("count of losses", count(state.losses()),
                                      count(state.cascades()), count(state.cascades())));
     for (const wire::CascadeLoss* loss : *state.losses())
-        for (const wire::MapLoss* map : {&loss->height(), &loss->displacement()})
-            SEAWAY_TRY(all_of(in_range("time_m", map->time_m(), 0.0f, 1e9f),
-                              in_range("east_m", map->east_m(), 0.0f, 1e9f),
-                              in_range("north_m", map->north_m(), 0.0f, 1e9f)));
+        SEAWAY_TRY(
+            all_of(in_range("time_m", loss->time_m(), 0.0f, 1e9f),
+                   in_range("east_m", loss->east_m(), 0.0f, 1e9f),
+                   in_range("north_m", loss->north_m(), 0.0f, 1e9f),
+                   in_range("displacement_time_m", loss->displacement_time_m(), 0.0f, 1e9f),
+                   in_range("displacement_east_m", loss->displacement_east_m(), 0.0f, 1e9f),
+                   in_range("displacement_north_m", loss->displacement_north_m(), 0.0f, 1e9f)));
     return {};
 }
 

@@ -17,15 +17,22 @@ SeaNumbers from_wire(const wire::SeaNumbers* n) {
             n->mean_from_deg(), n->spread_deg(), n->mss()};
 }
 
-wire::MapLoss to_wire(const sea::MapLoss& loss) {
-    return {static_cast<float>(loss.time_m), static_cast<float>(loss.east_m),
-            static_cast<float>(loss.north_m)};
+wire::CascadeLoss to_wire(const sea::CascadeLoss& loss) {
+    const sea::MapLoss &h = loss.height, &d = loss.displacement;
+    return {static_cast<float>(h.time_m),  static_cast<float>(h.east_m),
+            static_cast<float>(h.north_m), static_cast<float>(d.time_m),
+            static_cast<float>(d.east_m),  static_cast<float>(d.north_m)};
 }
 
-sea::MapLoss from_wire(const wire::MapLoss& loss) {
-    return {.time_m = static_cast<double>(loss.time_m()),
-            .east_m = static_cast<double>(loss.east_m()),
-            .north_m = static_cast<double>(loss.north_m())};
+sea::CascadeLoss from_wire(const wire::CascadeLoss& loss) {
+    sea::CascadeLoss out;
+    out.height.time_m = static_cast<double>(loss.time_m());
+    out.height.east_m = static_cast<double>(loss.east_m());
+    out.height.north_m = static_cast<double>(loss.north_m());
+    out.displacement.time_m = static_cast<double>(loss.displacement_time_m());
+    out.displacement.east_m = static_cast<double>(loss.displacement_east_m());
+    out.displacement.north_m = static_cast<double>(loss.displacement_north_m());
+    return out;
 }
 
 } // namespace
@@ -40,7 +47,7 @@ Bytes sea_state(const SeaStateValues& state) {
                               static_cast<std::uint32_t>(c.size), 0u);
     std::vector<wire::CascadeLoss> losses;
     for (const sea::CascadeLoss& loss : state.losses)
-        losses.emplace_back(to_wire(loss.height), to_wire(loss.displacement));
+        losses.push_back(to_wire(loss));
     const auto loss_list = built.CreateVectorOfStructs(losses);
     const auto cascade_list = built.CreateVectorOfStructs(cascades);
     const auto scene = built.CreateString(state.scene);
@@ -83,7 +90,7 @@ SeaStateValues values(const wire::SeaState& state) {
                        .single_precision_displacement_m = state.single_precision_displacement_m()};
     if (const auto* losses = state.losses())
         for (const wire::CascadeLoss* loss : *losses)
-            out.losses.push_back({from_wire(loss->height()), from_wire(loss->displacement())});
+            out.losses.push_back(from_wire(*loss));
     if (const auto* cascades = state.cascades())
         for (const wire::CascadeInfo* c : *cascades)
             out.cascades.push_back({.length_m = c->length_m(),

@@ -62,12 +62,16 @@ struct MapLoss {
                (value_m2 > 0 ? value_m2 * codec_peak(rate_m2 / value_m2) : rate_m2 / 32.0);
     }
     /// Between two keyframes whose weights are `w`, `share` of their interval after the first; `east` and
-    /// `north` are between_samples() of the place.
+    /// `north` are between_samples() of the place. Of independent errors at the grid points a spline makes
+    /// less between them: by axis 0.756 of their variance in the middle of a cell, and nowhere more than
+    /// 1 - 0.2 between_samples().
     double variance_m2(double share, double east, double north, const HermiteWeights& w) const {
         const double time = time_m * between_samples(share);
+        const double coded =
+            value_m * value_m * (w.value[0] * w.value[0] + w.value[2] * w.value[2]) +
+            rate_mps * rate_mps * (w.value[1] * w.value[1] + w.value[3] * w.value[3]);
         return time * time + east_m * east_m * east + north_m * north_m * north +
-               value_m * value_m * (w.value[0] * w.value[0] + w.value[2] * w.value[2]) +
-               rate_mps * rate_mps * (w.value[1] * w.value[1] + w.value[3] * w.value[3]);
+               coded * (1.0 - 0.2 * east) * (1.0 - 0.2 * north);
     }
 };
 

@@ -5,12 +5,6 @@
 
 namespace seaway::sea {
 
-namespace {
-
-constexpr double bound_sigmas = 6.0;
-
-} // namespace
-
 std::optional<Box> MomentSheets::others(Vec2 target, const Vec2* root, bool suspected) {
     if (root != nullptr && !suspected && !options_.folds.always)
         return std::nullopt;
@@ -20,9 +14,9 @@ std::optional<Box> MomentSheets::others(Vec2 target, const Vec2* root, bool susp
     blur_m_ = options_.tolerance_m;
     for (std::size_t c = 0; c < moment_.sea().cascades.size(); ++c) {
         const DirectSum::Moment::PatchScale scale = moment_.patch_scale(static_cast<int>(c));
-        reach_m.push_back(sideways * bound_sigmas * scale.displacement_m);
+        reach_m.push_back(sideways * scale.displacement_m);
         all_m += reach_m.back();
-        blur_m_ += sideways * bound_sigmas * scale.missed_m;
+        blur_m_ += sideways * scale.missed_m;
     }
     all_m += blur_m_;
     return narrowed(Box::around(target, all_m, all_m), target, reach_m, root != nullptr);

@@ -55,9 +55,10 @@ Surface::Surface(std::vector<SplinePair> pairs, Choppiness choppiness, FoldSearc
     }
     double displacement_m2 = 0;
     for (std::size_t c = 0; c < error_.cascades.size(); ++c)
-        displacement_m2 += error_.cascades[c].displacement.largest_variance_m2(interval_s(pairs_[c]));
-    fold_blur_m_ = sideways_ * (fold_sigmas * std::sqrt(displacement_m2) +
-                                error_.displacement_bound_m);
+        displacement_m2 +=
+            error_.cascades[c].displacement.largest_variance_m2(interval_s(pairs_[c]));
+    fold_blur_m_ =
+        sideways_ * (fold_sigmas * std::sqrt(displacement_m2) + error_.displacement_bound_m);
     fold_strain_blur_ = sideways_ * error_.strain_bound + error_.codec_strain_bound;
 }
 
@@ -66,9 +67,9 @@ double Surface::height_bound_m(double slope) const {
     double variance_m2 = 0;
     for (std::size_t c = 0; c < error_.cascades.size(); ++c) {
         const CascadeLoss& loss = error_.cascades[c];
-        variance_m2 += loss.height.largest_variance_m2(interval_s(pairs_[c])) +
-                       sideways * sideways *
-                           loss.displacement.largest_variance_m2(interval_s(pairs_[c]));
+        variance_m2 +=
+            loss.height.largest_variance_m2(interval_s(pairs_[c])) +
+            sideways * sideways * loss.displacement.largest_variance_m2(interval_s(pairs_[c]));
     }
     return bound_sigmas * std::sqrt(variance_m2) + error_.height_bound_m +
            sideways * error_.displacement_bound_m;
@@ -83,15 +84,14 @@ double Surface::height_bound_m(Vec2 lagrangian, TimeUs time_us, double slope) co
         const TimeUs start_us = pair.before->time_us();
         const double interval = interval_s(pair);
         const double share = interval > 0 ? seconds_from_us(time_us - start_us) / interval : 0.0;
-        const HermiteWeights weights =
-            hermite_weights(start_us, pair.after->time_us(), time_us);
+        const HermiteWeights weights = hermite_weights(start_us, pair.after->time_us(), time_us);
         const double cells_a_metre = pair.before->size() / pair.before->length_m();
         const double east = between(lagrangian.x * cells_a_metre);
         const double north = between(lagrangian.y * cells_a_metre);
         const CascadeLoss& loss = error_.cascades[c];
-        variance_m2 += loss.height.variance_m2(share, east, north, weights) +
-                       sideways * sideways *
-                           loss.displacement.variance_m2(share, east, north, weights);
+        variance_m2 +=
+            loss.height.variance_m2(share, east, north, weights) +
+            sideways * sideways * loss.displacement.variance_m2(share, east, north, weights);
     }
     return bound_sigmas * std::sqrt(variance_m2) + error_.height_bound_m +
            sideways * error_.displacement_bound_m;

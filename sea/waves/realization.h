@@ -34,11 +34,15 @@ struct CascadeModes {
     /// Phase that a change of frequency on the way has left in h0, turns 0.64 (sea/waves/transition.h);
     /// empty: none.
     std::vector<std::uint64_t> phase_offset_turns;
+    /// Not 0: a wave whose phase a scene gives, so that it may agree with others'; empty: there is none.
+    std::vector<std::uint8_t> given;
     /// False: added for explicit waves alone; the spectra's bands do not know it.
     bool carries_spectra = true;
     /// Stylised waves that are no modes, on this tile (sea/waves/sine_waves.h); mostly empty.
     std::vector<SineField> sines;
     double depth_m = deep_water_m;
+
+    bool is_given(std::size_t mode) const { return !given.empty() && given[mode] != 0; }
 
     /// coth(k d)/k: what h(k) and a wavenumber are multiplied by in D = +i (k/|k|) coth(|k| d) h
     /// and its gradients. k > 0.

@@ -147,6 +147,8 @@ void place(CascadeModes& tile, const ExplicitMode& mode, const SeaState& sea,
     tile.rate[at(mode.nx, mode.ny)] = rate;
     tile.rate[at(-mode.nx, -mode.ny)] = rate;
     const double amplitude = 0.5 * sea.height_scale * mode.amplitude_m; // may be negative
+    tile.given.resize(tile.h0.size());
+    tile.given[at(mode.nx, mode.ny)] = 1;
     tile.h0[at(mode.nx, mode.ny)] +=
         std::complex(amplitude * std::cos(mode.phase_rad), amplitude * std::sin(mode.phase_rad));
 }

@@ -54,8 +54,8 @@ void DirectSum::add_cascade(const CascadeModes& cascade) {
             if (h0 == Complex{} && h0_opposite == Complex{})
                 continue;
             modes_.push_back({h0, h0_opposite, cascade.rate[i], omega_from_rate(cascade.rate[i]),
-                              nx, step * nx,
-                              cascade.displacement_over_k(step * std::hypot(nx, ny))});
+                              nx, step * nx, cascade.displacement_over_k(step * std::hypot(nx, ny)),
+                              cascade.is_given(i) || cascade.is_given(index(-nx, -ny))});
             tile.steps_max = std::max({tile.steps_max, std::abs(nx), ny});
         }
         if (modes_.size() > begin)

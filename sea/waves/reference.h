@@ -37,7 +37,8 @@ class DirectSum {
         /// at() a column and 10 ns a coefficient and row of waves.
         DisplacementPatch patch(int cascade, double x_low_m, double x_high_m, double y_low_m,
                                 double y_high_m) const;
-        /// Root mean squares over the tile of one cascade, m.
+        /// Bounds over the tile of one cascade, m: six standard deviations of waves of random phases, and
+        /// the sum of those whose phases were given.
         struct PatchScale {
             double displacement_m;
             double missed_m; ///< by a patch's spline between its lattice points
@@ -72,6 +73,7 @@ class DirectSum {
         int nx;
         double kx_radpm;
         double displacement_over_k_m;
+        bool given; ///< CascadeModes::given
     };
     struct Row {
         int ny;

@@ -24,6 +24,8 @@ Complex turn(long n, long step, long count) {
     return {std::cos(phase), std::sin(phase)};
 }
 
+constexpr double sigmas = 6.0;
+
 /// A wave's own B-spline coefficients are the wave over this: phase step q between them.
 double spline_response(double q) {
     return (2.0 + std::cos(q)) / 3.0;
@@ -87,19 +89,22 @@ DisplacementPatch DirectSum::Moment::patch(int cascade, double x_low_m, double x
 DirectSum::Moment::PatchScale DirectSum::Moment::patch_scale(int cascade) const {
     const auto c = static_cast<std::size_t>(cascade);
     const double q_per_k = 0.5 * sum_->sea_->cascades[c].spec.spacing_m() / two_pi;
-    double variance_m2 = 0, missed_m2 = 0;
+    double variance_m2 = 0, missed_m2 = 0, given_m = 0, given_missed_m = 0;
     for (const Row& row : sum_->tiles_[c].rows)
         for (std::size_t m = row.begin; m < row.end; ++m) {
             const Mode& mode = sum_->modes_[m];
             const double per_height =
                 std::hypot(mode.kx_radpm, row.ky_radpm) * mode.displacement_over_k_m;
-            const double variance = 2.0 * std::norm(height_[m]) * per_height * per_height;
+            const double amplitude = 2.0 * std::abs(height_[m]) * per_height;
+            const double variance = 0.5 * amplitude * amplitude;
             const double missed =
                 4.33 * (std::pow(mode.kx_radpm * q_per_k, 4) + std::pow(row.ky_radpm * q_per_k, 4));
-            variance_m2 += variance;
-            missed_m2 += variance * missed * missed;
+            (mode.given ? given_m : variance_m2) += mode.given ? amplitude : variance;
+            (mode.given ? given_missed_m : missed_m2) +=
+                mode.given ? amplitude * missed : variance * missed * missed;
         }
-    return {std::sqrt(variance_m2), std::sqrt(missed_m2)};
+    return {sigmas * std::sqrt(variance_m2) + given_m,
+            sigmas * std::sqrt(missed_m2) + given_missed_m};
 }
 
 } // namespace seaway::sea

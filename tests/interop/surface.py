@@ -7,7 +7,6 @@ import numpy as np
 HEIGHT, DISPLACEMENT_X, DISPLACEMENT_Y = 0, 1, 2
 RATE_OF = {HEIGHT: 3, DISPLACEMENT_X: 4, DISPLACEMENT_Y: 5}
 FOAM = 12
-SPLINE_GAIN = 2.4
 
 
 def coefficients(samples):
@@ -59,7 +58,7 @@ class Surface:
     """The sea at one time; pairs are ((t0_us, keyframe), (t1_us, keyframe)), one a cascade."""
 
     def __init__(self, state, pairs, time_us):
-        self.state, self.pairs = state, pairs
+        self.state, self.pairs, self.time_us = state, pairs, time_us
         self.choppiness = np.array([state["choppiness_x"], state["choppiness_y"]])
         self.parts = []
         for cascade, ((t0, k0), (t1, k1)) in zip(state["cascades"], pairs):
@@ -85,7 +84,7 @@ class Surface:
         for _ in range(30):
             residual = place + self.choppiness * sea[0, 1:] - target
             length = np.hypot(*residual)
-            if length < 1e-4:
+            if length < 0.02 * self.state["height_error_m"]:
                 break
             gradient = np.array([[1 + lx * sea[2, 1], lx * sea[3, 1]], [ly * sea[2, 2], 1 + ly * sea[3, 2]]])
             step = -np.linalg.solve(gradient, residual)
@@ -103,20 +102,35 @@ class Surface:
         normal *= np.copysign(1, jacobian) / np.linalg.norm(normal)
         slope = min(np.hypot(normal[0], normal[1]) / max(normal[2], 1e-12), 10)
         return {"height_m": sea[0, 0], "normal": normal, "velocity_mps": np.array([sea[1, 1], sea[1, 2], sea[1, 0]]),
-                "error_m": self.bound(slope), "folded": jacobian <= 0, "place": place}
+                "error_m": self.bound(slope, place, length), "folded": jacobian <= 0, "place": place}
 
-    def bound(self, slope):
+    def bound(self, slope, place, residual):
         lx, ly = self.choppiness
-        interpolation = self.state["interpolation_error_m"]
-        heights = sideways = 0.0
-        for cascade, ((_, k0), (_, k1)) in zip(self.state["cascades"], self.pairs):
-            def coded(field):
-                def larger(f):
-                    return max(k0.errors.get(f, 0.0), k1.errors.get(f, 0.0))
-                return SPLINE_GAIN * (larger(field) + cascade["interval_us"] * 1e-6 * larger(RATE_OF[field]) / 4)
-            heights += coded(HEIGHT)
-            sideways += math.hypot(lx * coded(DISPLACEMENT_X), ly * coded(DISPLACEMENT_Y))
-        return interpolation + heights + slope * (max(lx, ly) * self.state["interpolation_displacement_m"] + sideways)
+        state, variance = self.state, 0.0
+        for loss, cascade, ((t0, k0), (t1, k1)) in zip(state["losses"], state["cascades"], self.pairs):
+            share = (self.time_us - t0) / (t1 - t0) if t1 > t0 else 0.0
+            weights = hermite(self.time_us, t0, t1)[0]
+            cells = [place[axis] * cascade["size"] / cascade["length_m"] for axis in (0, 1)]
+            east, north = (between(cell - math.floor(cell)) for cell in cells)
+
+            def rms(*fields):
+                return max(max(k.errors.get(f, 0.0) for k in (k0, k1)) for f in fields) / math.sqrt(3)
+
+            def missed(prefix, *fields):
+                return ((between(share) * loss[prefix + "time_m"]) ** 2 + east * loss[prefix + "east_m"] ** 2
+                        + north * loss[prefix + "north_m"] ** 2
+                        + (1 - east / 5) * (1 - north / 5)
+                        * ((weights[0] ** 2 + weights[2] ** 2) * rms(*fields) ** 2
+                           + (weights[1] ** 2 + weights[3] ** 2) * rms(*(RATE_OF[f] for f in fields)) ** 2))
+            variance += missed("", HEIGHT)
+            variance += (slope * max(lx, ly)) ** 2 * missed("displacement_", DISPLACEMENT_X, DISPLACEMENT_Y)
+        return (5 * math.sqrt(variance) + state["single_precision_m"]
+                + slope * max(lx, ly) * state["single_precision_displacement_m"] + slope * residual)
+
+
+def between(s):
+    """0 at the ends of a cell, 1 in its middle."""
+    return 16 * s * s * (1 - s) * (1 - s)
 
 
 def foam(state, pairs, time_us, place):

@@ -45,8 +45,18 @@ struct Options {
 
 struct Tally {
     std::uint64_t samples = 0, flagged = 0, misses = 0;
-    std::vector<double> share{}; ///< error over bound, of what is not flagged
+    // Of what is not flagged:
+    std::vector<double> share{}; ///< error over bound
+    std::vector<double> error_m{};
+    std::vector<double> bound_m{};
 };
+
+double quantile(std::vector<double>& values, double q) {
+    if (values.empty())
+        return 0;
+    std::sort(values.begin(), values.end());
+    return values[static_cast<std::size_t>(q * static_cast<double>(values.size() - 1))];
+}
 
 struct Scene {
     std::string kind;
@@ -155,6 +165,8 @@ class Soak {
             const double apart = std::abs(answers[i].height_m - truths[i].height_m);
             const double bound = answers[i].error_m + truths[i].error_m;
             tally.share.push_back(bound > 0 ? apart / bound : apart > 0 ? INFINITY : 0);
+            tally.error_m.push_back(apart);
+            tally.bound_m.push_back(bound);
             if (apart <= bound)
                 continue;
             ++tally.misses;
@@ -168,19 +180,17 @@ class Soak {
     }
 
     void print() {
-        fmt::print("scene,device,way,samples,flagged,misses,bound_over_p99,worst_over_bound\n");
+        fmt::print("scene,device,way,samples,flagged,misses,bound_p50_m,error_p99_m,bound_over_p99,"
+                   "worst_over_bound\n");
         for (auto& [name, of_name] : tallies_) {
             const std::string& key = name; // clang 14 lets no lambda see a structured binding
             Tally& tally = of_name;
-            std::sort(tally.share.begin(), tally.share.end());
-            const auto quantile = [&](double q) {
-                return tally.share.empty() ? 0.0
-                                           : tally.share[static_cast<std::size_t>(
-                                                 q * static_cast<double>(tally.share.size() - 1))];
-            };
-            fmt::print("{},{},{:.4f},{},{:.2f},{:.3f}\n", key, tally.samples,
+            const double bound_m = quantile(tally.bound_m, 0.5);
+            const double error_m = quantile(tally.error_m, 0.99);
+            fmt::print("{},{},{:.4f},{},{:.3g},{:.3g},{:.2f},{:.3f}\n", key, tally.samples,
                        static_cast<double>(tally.flagged) / static_cast<double>(tally.samples),
-                       tally.misses, quantile(0.99) > 0 ? 1 / quantile(0.99) : 0.0, quantile(1.0));
+                       tally.misses, bound_m, error_m, error_m > 0 ? bound_m / error_m : 0.0,
+                       quantile(tally.share, 1.0));
         }
         fmt::print("{} samples, {} misses, {} failures\n", samples_, misses_, failures_);
     }

@@ -39,6 +39,12 @@ inline SeaStateValues some_state() {
     state.rms_strain = 0.3;
     state.interpolation_displacement_m = 0.02;
     state.interpolation_strain = 0.05;
+    state.losses = {{{.time_m = 0.25, .east_m = 0.5, .north_m = 0.75},
+                     {.time_m = 1.25, .east_m = 1.5, .north_m = 1.75}},
+                    {{.time_m = 2.25, .east_m = 2.5, .north_m = 2.75},
+                     {.time_m = 3.25, .east_m = 3.5, .north_m = 3.75}}};
+    state.single_precision_m = 0.001;
+    state.single_precision_displacement_m = 0.002;
     return state;
 }
 

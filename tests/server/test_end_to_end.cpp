@@ -134,8 +134,9 @@ TEST_P(EndToEnd, ten_waves_at_finite_depth_move_water_as_linear_theory_says) {
         const auto exact = (*client)->ask(points, {.exact = true, .timeout_s = 60});
         const auto local = (*client)->fetch_and_sample(points, 60);
         ASSERT_TRUE(served && exact && local);
-        const double phase_step = sea::two_pi / wave.period_s *
-                                  sea::seconds_from_us((*client)->sea_state(0)->cascades[0].interval_us);
+        const double phase_step =
+            sea::two_pi / wave.period_s *
+            sea::seconds_from_us((*client)->sea_state(0)->cascades[0].interval_us);
         const double hermite = std::pow(phase_step, 3) * std::sqrt(3.0) / 216;
         for (std::size_t i = 0; i < points.size(); ++i) {
             const std::string what =

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <numbers>
 
 #include "sea/surface/budget/interpolation_laws.h"
 
@@ -15,19 +16,45 @@ double square(double x) {
     return x * x;
 }
 
+/// Waves that agree are missed between keyframes and between grid points at once: there the two add up to
+/// sqrt(2) times the root of their squares.
+constexpr double loss_sigmas = bound_sigmas / std::numbers::sqrt2;
+
 /// What a hard bound counts where standard deviations are added.
 double as_rms(double bound_m) {
     return bound_m / bound_sigmas;
 }
 
-/// A wave that is missed by `east` along one axis and by `north` along the other is missed by their sum
-/// in the middle of a cell. Halves of what they have in common make the two add up to that in the square.
-void miss(Motion& motion, double variance, double east, double north) {
-    motion.east_m2 += variance * east * (east + north);
-    motion.north_m2 += variance * north * (east + north);
-}
-
 } // namespace
+
+/// One mode.
+struct CascadeWaves::Wave {
+    double variance_m2;
+    double kx, ky;
+    double omega_radps;
+    double aspect; ///< of the water's orbits
+    bool given;
+};
+
+/// What a grid misses along each axis. A wave that is missed by `east` and by `north` is missed by their
+/// sum in the middle of a cell; halves of what they have in common make the two add up to that in the
+/// square.
+struct CascadeWaves::Missed {
+    WaveSum east, north;
+    double common_m2 = 0;
+
+    void add(double variance, double amplitude, double along_x, double along_y, bool given) {
+        east.add(variance * along_x * along_x, amplitude * along_x, given);
+        north.add(variance * along_y * along_y, amplitude * along_y, given);
+        common_m2 += variance * along_x * along_y;
+    }
+    void count(Motion& motion) const {
+        const double given_common_m2 = east.given_m * north.given_m / square(loss_sigmas);
+        const double common = std::max(common_m2, given_common_m2);
+        motion.east_m2 += east.variance_m2(loss_sigmas) + common;
+        motion.north_m2 += north.variance_m2(loss_sigmas) + common;
+    }
+};
 
 CascadeWaves::CascadeWaves(const CascadeModes& modes)
     : size_(modes.spec.size), spacing_m_(modes.spec.spacing_m()) {
@@ -35,6 +62,7 @@ CascadeWaves::CascadeWaves(const CascadeModes& modes)
         if (modes.h0[i] != std::complex<double>{})
             omega_max_radps_ = std::max(omega_max_radps_, omega_from_rate(modes.rate[i]));
     const double dk = modes.spec.wavenumber_step_radpm();
+    Missed missed[3];
     for (int iy = 0; iy < size_; ++iy)
         for (int ix = 0; ix < size_; ++ix) {
             const auto i = static_cast<std::size_t>(iy) * static_cast<std::size_t>(size_) +
@@ -42,40 +70,49 @@ CascadeWaves::CascadeWaves(const CascadeModes& modes)
             const double variance = 2.0 * std::norm(modes.h0[i]);
             const double kx = dk * signed_index(ix, size_), ky = dk * signed_index(iy, size_);
             if (variance > 0)
-                add(variance, kx, ky, omega_from_rate(modes.rate[i]),
-                    orbit_aspect(std::hypot(kx, ky), modes.depth_m));
+                add({variance, kx, ky, omega_from_rate(modes.rate[i]),
+                     orbit_aspect(std::hypot(kx, ky), modes.depth_m), modes.is_given(i)},
+                    missed);
         }
     for (const SineField& field : modes.sines) {
         const SineError& error = sines_.emplace_back(field, spacing_m_);
-        miss(height_, 1.0, as_rms(error.east_m()), as_rms(error.north_m()));
-        height_.gradient += error.slope_variance();
+        Missed sines;
+        sines.add(1.0, loss_sigmas, as_rms(error.east_m()), as_rms(error.north_m()), true);
+        sines.count(height_);
+        height_.gradient.given_m2 += error.slope_variance();
         detail_m2_ += error.detail_m2();
         rate_detail_m2ps2_ += error.rate_detail_m2ps2();
     }
-    height_.single_m = single_precision_share * 4.0 * std::sqrt(height_.whole_m2);
-    displacement_.single_m = single_precision_share * 4.0 * std::sqrt(displacement_.whole_m2);
+    Motion* const motions[] = {&height_, &displacement_, &strain_};
+    for (int i = 0; i < 3; ++i)
+        missed[i].count(*motions[i]);
+    for (Motion* motion : {&height_, &displacement_})
+        motion->single_m =
+            single_precision_share * 4.0 * std::sqrt(motion->whole.variance_m2(bound_sigmas));
     strain_.single_m = sampled_slope_error(displacement_.single_m, spacing_m_);
 }
 
-void CascadeWaves::add(double variance, double kx, double ky, double omega_radps, double aspect) {
-    const double share = omega_radps / omega_max_radps_;
-    const auto bin =
-        static_cast<std::size_t>(std::min(static_cast<int>(share * Motion::bins), Motion::bins - 1));
-    const double qx = std::abs(kx) * spacing_m_, qy = std::abs(ky) * spacing_m_;
-    const double k_squared = kx * kx + ky * ky;
-    const auto count = [&](Motion& motion, double part, double east, double north) {
-        motion.by_frequency_m2[bin] += part;
-        motion.whole_m2 += part;
-        motion.gradient += part * k_squared;
-        miss(motion, part, east, north);
+void CascadeWaves::add(const Wave& wave, Missed (&missed)[3]) {
+    const double share = wave.omega_radps / omega_max_radps_;
+    const auto bin = static_cast<std::size_t>(
+        std::min(static_cast<int>(share * Motion::bins), Motion::bins - 1));
+    const double qx = std::abs(wave.kx) * spacing_m_, qy = std::abs(wave.ky) * spacing_m_;
+    const double k = std::hypot(wave.kx, wave.ky);
+    const auto count = [&](Motion& motion, Missed& by_grid, double factor, double (*law)(double)) {
+        const double variance = wave.variance_m2 * square(factor);
+        const double amplitude = std::sqrt(2.0 * variance);
+        motion.by_frequency[bin].add(variance, amplitude, wave.given);
+        motion.whole.add(variance, amplitude, wave.given);
+        motion.gradient.add(variance * square(k), amplitude * k, wave.given);
+        by_grid.add(variance, amplitude, law(qx), law(qy), wave.given);
     };
-    count(height_, variance, spline_error(qx), spline_error(qy));
-    count(displacement_, variance * square(aspect), spline_error(qx), spline_error(qy));
-    count(strain_, variance * square(aspect) * k_squared, spline_slope_error(qx),
-          spline_slope_error(qy));
-    const double detail = variance * (2.0 - 2.0 * std::cos(qx)) * (2.0 - 2.0 * std::cos(qy));
+    count(height_, missed[0], 1.0, spline_error);
+    count(displacement_, missed[1], wave.aspect, spline_error);
+    count(strain_, missed[2], wave.aspect * k, spline_slope_error);
+    const double detail =
+        wave.variance_m2 * (2.0 - 2.0 * std::cos(qx)) * (2.0 - 2.0 * std::cos(qy));
     detail_m2_ += detail;
-    rate_detail_m2ps2_ += detail * square(omega_radps);
+    rate_detail_m2ps2_ += detail * square(wave.omega_radps);
 }
 
 bool CascadeWaves::told_by(TimeUs interval_us) const {
@@ -83,13 +120,13 @@ bool CascadeWaves::told_by(TimeUs interval_us) const {
 }
 
 double CascadeWaves::time_rms(const Motion& motion, TimeUs interval_us) const {
-    double sum = 0;
+    WaveSum missed;
     for (int bin = 0; bin < Motion::bins; ++bin) {
         const double omega = omega_max_radps_ * (bin + 1) / Motion::bins;
-        const double missed = hermite_error(omega * seconds_from_us(interval_us));
-        sum += motion.by_frequency_m2[static_cast<std::size_t>(bin)] * missed * missed;
+        missed.add(motion.by_frequency[static_cast<std::size_t>(bin)],
+                   hermite_error(omega * seconds_from_us(interval_us)));
     }
-    return std::sqrt(sum);
+    return std::sqrt(missed.variance_m2(loss_sigmas));
 }
 
 CascadeLoss CascadeWaves::loss(TimeUs interval_us) const {

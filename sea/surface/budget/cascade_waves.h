@@ -6,6 +6,7 @@
 // 256 x 256, and what sine_error.h says.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -15,14 +16,37 @@
 
 namespace seaway::sea {
 
-/// Variance of heights, displacements or strains by frequency, and what the grid spacing costs of it.
+/// Some quantity summed over waves. Where phases are random, variances add up; waves whose phases a scene
+/// gives may all agree somewhere, and count with the sum of their amplitudes where that is more.
+struct WaveSum {
+    double random_m2 = 0;
+    double given_m2 = 0;
+    double given_m = 0;
+
+    void add(double variance, double amplitude, bool given) {
+        (given ? given_m2 : random_m2) += variance;
+        given_m += given ? amplitude : 0.0;
+    }
+    void add(const WaveSum& part, double factor) {
+        random_m2 += part.random_m2 * factor * factor;
+        given_m2 += part.given_m2 * factor * factor;
+        given_m += part.given_m * factor;
+    }
+    double mean_square_m2() const { return random_m2 + given_m2; }
+    /// Of which `sigmas` standard deviations are a bound.
+    double variance_m2(double sigmas) const {
+        return random_m2 + std::max(given_m2, given_m * given_m / (sigmas * sigmas));
+    }
+};
+
+/// Heights, displacements or strains: by frequency, and what the grid spacing costs of them.
 struct Motion {
     static constexpr int bins = 512;
-    std::array<double, bins> by_frequency_m2{};
-    double east_m2 = 0; ///< missed in the middle of a cell
+    std::array<WaveSum, bins> by_frequency{};
+    WaveSum whole;
+    WaveSum gradient;   ///< the slope
+    double east_m2 = 0; ///< missed in the middle of a cell, as variances of bound_sigmas
     double north_m2 = 0;
-    double gradient = 0; ///< variance of the slope
-    double whole_m2 = 0;
     double single_m = 0; ///< what single precision costs
 };
 
@@ -49,7 +73,9 @@ class CascadeWaves {
     double rate_detail_m2ps2() const { return rate_detail_m2ps2_; }
 
   private:
-    void add(double variance, double kx, double ky, double omega_radps, double aspect);
+    struct Missed;
+    struct Wave;
+    void add(const Wave& wave, Missed (&missed)[3]);
     double time_rms(const Motion& motion, TimeUs interval_us) const;
 
     int size_;

@@ -39,17 +39,19 @@ ErrorBudget outline(const Realization& sea, std::span<const CascadeWaves> cascad
     ErrorBudget budget;
     budget.height_error_m = height_error_m;
     budget.choppiness = sea.choppiness;
-    double slope2 = 0, strain2 = 0, displacement_m2 = 0;
+    WaveSum slope, strain, displacement;
     for (const CascadeWaves& waves : cascades) {
-        slope2 += waves.height().gradient;
-        strain2 += waves.displacement().gradient;
-        displacement_m2 += waves.displacement().whole_m2;
+        slope.add(waves.height().gradient, 1.0);
+        strain.add(waves.displacement().gradient, 1.0);
+        displacement.add(waves.displacement().whole, 1.0);
         budget.single_precision_m += waves.height().single_m;
         budget.single_precision_displacement_m += waves.displacement().single_m;
     }
-    budget.rms_slope = std::sqrt(slope2);
-    budget.rms_strain = std::sqrt(strain2);
-    budget.displacement_reach_m = 6.0 * std::sqrt(displacement_m2) * larger(sea.choppiness);
+    budget.rms_slope = std::sqrt(slope.mean_square_m2());
+    // Waves that may agree fold the sea where their strains add up to one.
+    budget.rms_strain = std::sqrt(strain.variance_m2(1.0 / folds_searched_above));
+    budget.displacement_reach_m =
+        fold_sigmas * std::sqrt(displacement.variance_m2(fold_sigmas)) * larger(sea.choppiness);
     return budget;
 }
 
@@ -59,13 +61,13 @@ double left_to_spend(const ErrorBudget& budget, std::span<const CascadeWaves> ca
     const double beside_m = budget.single_precision_m +
                             weight * budget.single_precision_displacement_m +
                             inverse_share * budget.height_error_m;
-    const double asked_m2 =
-        square(std::max(budget.height_error_m - beside_m, 0.5 * budget.height_error_m) /
-               bound_sigmas);
+    const double asked_m2 = square(
+        std::max(budget.height_error_m - beside_m, 0.5 * budget.height_error_m) / bound_sigmas);
     double missed_m2 = 0;
     for (const CascadeWaves& waves : cascades)
-        missed_m2 += waves.height().east_m2 + waves.height().north_m2 +
-                     square(weight) * (waves.displacement().east_m2 + waves.displacement().north_m2);
+        missed_m2 +=
+            waves.height().east_m2 + waves.height().north_m2 +
+            square(weight) * (waves.displacement().east_m2 + waves.displacement().north_m2);
     return std::max(asked_m2 - missed_m2, spent_at_least * asked_m2);
 }
 
@@ -74,8 +76,8 @@ void settle(ErrorBudget& budget, std::span<const CascadeWaves> cascades, const S
     for (std::size_t c = 0; c < cascades.size(); ++c) {
         const CascadeWaves& waves = cascades[c];
         const TimeUs interval_us = spending.intervals_us[c];
-        budget.cascades.push_back({interval_us, waves.loss(interval_us), spending.codec_shares[c],
-                                   waves.spacing_m()});
+        budget.cascades.push_back(
+            {interval_us, waves.loss(interval_us), spending.codec_shares[c], waves.spacing_m()});
         const CascadeLoss& loss = budget.cascades.back().loss;
         height_m2 += loss.height.interpolation_variance_m2();
         displacement_m2 += loss.displacement.interpolation_variance_m2();
@@ -96,7 +98,7 @@ std::vector<CascadeWaves> waves_of(const Realization& sea) {
 
 /// Bound of a coded value of this cascade.
 double coded_value_bound_m(const ErrorBudget& budget, const CascadeBudget& cascade,
-                     double codec_error_m) {
+                           double codec_error_m) {
     return value_bound_m(square(codec_error_m / bound_sigmas) * cascade.codec_share,
                          sideways_weight(budget));
 }
@@ -151,9 +153,9 @@ std::vector<float> codec_bounds(const ErrorBudget& budget, FieldSet fields, int 
     for (const Field field : fields) {
         const FieldInfo& row = info(field);
         if (surface_fields.contains(field))
-            bounds.push_back(static_cast<float>(
-                row.time_rate ? rate_over_value * value_m / seconds_from_us(own.interval_us)
-                              : value_m));
+            bounds.push_back(static_cast<float>(row.time_rate ? rate_over_value * value_m /
+                                                                    seconds_from_us(own.interval_us)
+                                                              : value_m));
         else
             bounds.push_back(is_linear(field) ? slope_error : jacobian_error);
     }

@@ -49,7 +49,9 @@ struct ErrorBudget {
     double interpolation_displacement_m = 0; ///< of D: in shallow water more than that
     double interpolation_strain = 0;         ///< of grad D, fold_sigmas standard deviations
     double rms_slope = 0;                    ///< of the realised sea, 1
-    double rms_strain = 0;                   ///< of the divergence of D; in deep water rms_slope
+    /// Of the divergence of D; in deep water rms_slope. At least folds_searched_above times the strain of
+    /// all waves together whose phases were given.
+    double rms_strain = 0;
     double displacement_reach_m = 0; ///< lambda |D| stays below this (six standard deviations)
     double bits_per_s = 0;           ///< what spending.h prices a second of this at
     Choppiness choppiness;

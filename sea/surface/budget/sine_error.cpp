@@ -9,8 +9,8 @@ namespace seaway::sea {
 
 namespace {
 
-constexpr int sample_count = 2048;
-constexpr double margin = 2.0;
+constexpr int sample_count = 4096;
+constexpr double margin = 1.75;
 constexpr double time_span_s = 1e4;
 
 /// Half the nodes that the spline at the middle of a cell is summed over: what lies further weighs

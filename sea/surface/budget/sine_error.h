@@ -17,7 +17,7 @@ class SineError {
   public:
     SineError(const SineField& field, double spacing_m);
 
-    /// Bound on what the cubic spline misses between grid points along x and along y: twice the largest error that was
+    /// Bound on what the cubic spline misses between grid points along x and along y: 1.75 times the largest error that was
     /// met, for those that were not. Held by tests, not proved.
     double east_m() const { return east_m_; }
     double north_m() const { return north_m_; }

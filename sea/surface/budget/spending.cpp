@@ -59,8 +59,8 @@ class Intervals {
 /// rounding of the four neighbours that predict it is left too.
 double bits(double detail_m2, double bound_m) {
     const double step2 = 4.0 * bound_m * bound_m;
-    return 0.5 * std::log2(2.0 * std::numbers::pi * std::numbers::e *
-                           (detail_m2 / step2 + 4.0 / 12.0));
+    return 0.5 *
+           std::log2(2.0 * std::numbers::pi * std::numbers::e * (detail_m2 / step2 + 4.0 / 12.0));
 }
 
 } // namespace

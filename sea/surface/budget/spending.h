@@ -25,9 +25,9 @@ namespace seaway::sea {
 
 /// Keyframe intervals to choose from, longest first: steps of a quarter or less.
 inline constexpr TimeUs keyframe_intervals_us[] = {
-    2'000'000, 1'600'000, 1'250'000, 1'000'000, 800'000, 640'000, 500'000, 400'000, 320'000,
-    250'000,   200'000,   160'000,   125'000,   100'000, 80'000,  64'000,  50'000,  40'000,
-    32'000,    25'000,    20'000,    16'000,    12'500,  10'000};
+    2'000'000, 1'600'000, 1'250'000, 1'000'000, 800'000, 640'000, 500'000, 400'000,
+    320'000,   250'000,   200'000,   160'000,   125'000, 100'000, 80'000,  64'000,
+    50'000,    40'000,    32'000,    25'000,    20'000,  16'000,  12'500,  10'000};
 
 /// What computing a keyframe and making it ready to be sampled costs beside its bits, a grid point.
 inline constexpr double keyframe_bits = 24.0;
@@ -42,10 +42,10 @@ inline constexpr double rate_over_value = 4.9;
 inline constexpr double strain_error_max = 0.15;
 
 struct Spending {
-    std::vector<TimeUs> intervals_us;   ///< one a cascade
-    double codec_m2 = 0;                ///< variance of heights that is left to coding
-    std::vector<double> codec_shares;   ///< of codec_m2, one a cascade; they add up to 1
-    double bits_per_s = 0;              ///< the cost
+    std::vector<TimeUs> intervals_us; ///< one a cascade
+    double codec_m2 = 0;              ///< variance of heights that is left to coding
+    std::vector<double> codec_shares; ///< of codec_m2, one a cascade; they add up to 1
+    double bits_per_s = 0;            ///< the cost
 };
 
 /// Time and codec together may lose `variance_m2` of heights, a displacement counted with

@@ -28,7 +28,8 @@ Surface surface(double steepness, Choppiness choppiness = {1.0, 1.0}) {
         };
         pairs.push_back({map(0), map(200'000)});
     }
-    return Surface(std::move(pairs), choppiness, {.reach_m = 2.0}, {.height_bound_m = 0.001, .displacement_bound_m = 0.001});
+    return Surface(std::move(pairs), choppiness, {.reach_m = 2.0},
+                   {.height_bound_m = 0.001, .displacement_bound_m = 0.001});
 }
 
 MapRequest request(MapKind kind = MapKind::height) {
@@ -275,8 +276,7 @@ TEST(HeightMap, the_stated_bound_holds_height_and_sideways_errors_of_maps_and_co
     // a map counts in full. Rates of 0.01 m/s between keyframes 0.2 s apart are half of the values' 4 mm,
     // whose sum of squares is largest at a keyframe.
     const double variance = 1e-6 * (1 + 4 + 9 + 16 + 0.36 + 1.5 * 1.5 * (25 + 36));
-    const double stated =
-        5 * std::sqrt(variance) + 0.01 + 1.5 * 0.013 + map_difference_max_m;
+    const double stated = 5 * std::sqrt(variance) + 0.01 + 1.5 * 0.013 + map_difference_max_m;
     EXPECT_NEAR(map_height_error_m(coded), stated, 1e-12);
 }
 

@@ -39,7 +39,8 @@ struct FoldingSea {
             };
             pairs.push_back({map(0), map(interval_us)});
         }
-        const ErrorBudget budget = plan_budget(*self.sea, 0.01);
+        const TimeUs intervals_us[] = {interval_us, interval_us};
+        const ErrorBudget budget = plan_budget(*self.sea, 0.01, intervals_us);
         return Surface(std::move(pairs), self.sea->choppiness, fold_search(budget),
                        map_error(budget, 0));
     }

@@ -148,10 +148,11 @@ TEST(Surface, g8_answers_do_not_depend_on_batch_or_order) {
 
 /// Losses of two cascades, all different.
 MapError some_error() {
-    return {.cascades = {{{0.001, 0.002, 0.003, 0.004, 0.05}, {0.006, 0.007, 0.008, 0.009, 0.01}},
-                         {{0.0011, 0.0012, 0.0013, 0.0014, 0.15}, {0.0016, 0.017, 0.018, 0.019, 0.1}}},
-            .height_bound_m = 0.0001,
-            .displacement_bound_m = 0.0002};
+    return {
+        .cascades = {{{0.001, 0.002, 0.003, 0.004, 0.05}, {0.006, 0.007, 0.008, 0.009, 0.01}},
+                     {{0.0011, 0.0012, 0.0013, 0.0014, 0.15}, {0.0016, 0.017, 0.018, 0.019, 0.1}}},
+        .height_bound_m = 0.0001,
+        .displacement_bound_m = 0.0002};
 }
 
 // Held as a formula: most answers would stay inside their bound with any one part left out.
@@ -177,11 +178,12 @@ TEST(Surface, an_answer_states_what_its_time_and_place_miss_by_all_parts) {
                 return 16 * t * t * (1 - t) * (1 - t);
             };
             const auto of = [&](const MapLoss& loss) {
+                const double east = middle(X * cells), north = middle(Y * cells);
                 return std::pow(loss.time_m * 16 * s * s * r * r, 2) +
-                       loss.east_m * loss.east_m * middle(X * cells) +
-                       loss.north_m * loss.north_m * middle(Y * cells) +
-                       loss.value_m * loss.value_m * values +
-                       loss.rate_mps * loss.rate_mps * rates;
+                       loss.east_m * loss.east_m * east + loss.north_m * loss.north_m * north +
+                       (1 - east / 5) * (1 - north / 5) *
+                           (loss.value_m * loss.value_m * values +
+                            loss.rate_mps * loss.rate_mps * rates);
             };
             const CascadeLoss& loss = surface.map_error().cascades[c];
             variance += of(loss.height) + slope * slope * 1.4 * 1.4 * of(loss.displacement);
@@ -201,8 +203,9 @@ TEST(Surface, folds_are_told_apart_by_six_deviations_of_what_maps_miss_sideways)
     const Surface surface = surface_of(sea, error);
     // Interval times rate is below a quarter of the value: values at a keyframe are the worst.
     error.cascades[1].displacement.rate_mps = 0.01;
-    const double variance = 1e-6 * (36 + 49 + 64 + 81) + 1e-6 * (1.6 * 1.6 + 289 + 324) +
-                            std::max(1e-6 * 361, 1e-6 * 361 * codec_peak(std::pow(0.02 / 0.019, 2)));
+    const double variance =
+        1e-6 * (36 + 49 + 64 + 81) + 1e-6 * (1.6 * 1.6 + 289 + 324) +
+        std::max(1e-6 * 361, 1e-6 * 361 * codec_peak(std::pow(0.02 / 0.019, 2)));
     EXPECT_NEAR(surface.fold_blur_m(), 1.4 * (6 * std::sqrt(variance) + 0.0002), 1e-12);
     EXPECT_NEAR(surface.fold_strain_blur(), 1.4 * 0.03 + 0.05, 1e-15);
 }

@@ -317,6 +317,27 @@ TEST(Realize, variance_is_carried_or_lost_for_one_reason_alone) {
     EXPECT_NEAR(carried + s.lost_below_m2 + s.lost_above_m2 + s.lost_fade_m2, whole, 1e-6 * whole);
 }
 
+// What bounds go by: phases of a list may agree, those of a spectrum are drawn.
+TEST(Realize, waves_of_a_list_are_known_as_given_and_those_of_a_spectrum_are_not) {
+    SeaState sea = windy_sea();
+    ExplicitModes list;
+    list.length_m = 90.0;
+    list.modes = {{3, -5, 0.1, 0.0}, {-2, 1, 0.1, 1.0}};
+    sea.systems.push_back(list);
+    const std::vector<CascadeSpec> tiles{{90.0, 32}, {29.0, 32}};
+    const RealizationPtr realized = testing::realized(sea, tiles);
+    int given = 0;
+    for (int ny = -15; ny <= 15; ++ny)
+        for (int nx = -15; nx <= 15; ++nx) {
+            const auto i = static_cast<std::size_t>((ny + 32) % 32 * 32 + (nx + 32) % 32);
+            const bool is = realized->cascades[0].is_given(i);
+            EXPECT_EQ(is, (nx == 3 && ny == -5) || (nx == -2 && ny == 1)) << nx << " " << ny;
+            given += is;
+            EXPECT_FALSE(realized->cascades[1].is_given(i));
+        }
+    EXPECT_EQ(given, 2);
+}
+
 TEST(Realize, A16_hs_does_not_depend_on_how_a_narrow_beam_meets_the_lattice) {
     double lowest = 1e30, highest = 0.0;
     for (int degrees = 0; degrees <= 90; ++degrees) {

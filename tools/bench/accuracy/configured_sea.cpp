@@ -132,8 +132,7 @@ Result<void> ConfiguredSea::go_to_maps() {
     keyframes_ = std::move(keyframes);
     splines_ = std::move(splines);
     if (product_rules()) {
-        const double codec_m =
-            configuration_.codec_error_m.value_or(waves_.budget.codec_error_m);
+        const double codec_m = configuration_.codec_error_m.value_or(waves_.budget.codec_error_m);
         const sea::MapError error = sea::map_error(waves_.budget, codec_m);
         for (const sea::SplinePair& pair : pairs)
             surface_of_cascade_.emplace_back(std::vector{pair}, waves_.used->choppiness,

@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "sea/surface/budget/error_budget.h"
-#include "sea/surface/surface.h"
 #include "sea/surface/maps/sine_maps.h"
+#include "sea/surface/surface.h"
 #include "tests/support/explicit_sea.h"
 
 namespace seaway::sea {

@@ -46,8 +46,8 @@ TEST(Spending, is_within_ten_percent_of_the_cheapest_of_all_combinations) {
                     const std::array intervals{a, b, c};
                     const double left = variance - lost_m2(waves, intervals, weight);
                     if (left > 0)
-                        cheapest = std::min(
-                            cheapest, spend_at(waves, intervals, left, weight).bits_per_s);
+                        cheapest =
+                            std::min(cheapest, spend_at(waves, intervals, left, weight).bits_per_s);
                 }
         const Spending spent = spend(waves, variance, weight);
         EXPECT_LE(spent.bits_per_s, 1.1 * cheapest) << error_m;
@@ -59,7 +59,8 @@ TEST(Spending, time_and_codec_together_lose_what_they_may_and_not_more) {
     const std::vector<CascadeWaves> waves = some_waves(4);
     for (const double error_m : {0.0003, 0.001, 0.003}) {
         const Spending spent = spend(waves, error_m * error_m, 0.3);
-        EXPECT_NEAR((lost_m2(waves, spent.intervals_us, 0.3) + spent.codec_m2) / (error_m * error_m),
+        EXPECT_NEAR((lost_m2(waves, spent.intervals_us, 0.3) + spent.codec_m2) /
+                        (error_m * error_m),
                     1.0, 1e-9);
         double shares = 0;
         for (const double share : spent.codec_shares)
@@ -89,7 +90,8 @@ TEST(Spending, however_loose_a_budget_strains_are_kept) {
     double missed2 = 0, coded2 = 0;
     for (std::size_t c = 0; c < 3; ++c) {
         missed2 += std::pow(waves[c].time_strain_rms(spent.intervals_us[c]), 2);
-        coded2 += spent.codec_m2 * spent.codec_shares[c] * 3.4217 / std::pow(waves[c].spacing_m(), 2);
+        coded2 +=
+            spent.codec_m2 * spent.codec_shares[c] * 3.4217 / std::pow(waves[c].spacing_m(), 2);
     }
     EXPECT_LE(6 * std::sqrt(missed2), 0.15);
     EXPECT_NEAR(6 * std::sqrt(coded2), 0.15, 1e-6);
@@ -111,9 +113,9 @@ TEST(Spending, rounded_pairs_never_vary_more_than_the_peak_says) {
         double largest = 0;
         for (int i = 0; i <= 1000; ++i) {
             const HermiteWeights w = hermite_weights(0, 1'000'000, 1000 * i);
-            largest = std::max(largest, w.value[0] * w.value[0] + w.value[2] * w.value[2] +
-                                            rate * (w.value[1] * w.value[1] +
-                                                    w.value[3] * w.value[3]));
+            largest =
+                std::max(largest, w.value[0] * w.value[0] + w.value[2] * w.value[2] +
+                                      rate * (w.value[1] * w.value[1] + w.value[3] * w.value[3]));
         }
         // Tried at every 32nd of the interval.
         EXPECT_NEAR(codec_peak(rate) / largest, 1.0, 2e-3) << rate;
@@ -149,7 +151,8 @@ TEST(Spending, a_spline_through_rounding_errors_varies_as_the_laws_say) {
     EXPECT_NEAR(variances(0.0)[0], 1.0, 0.04);
     EXPECT_NEAR(variances(0.5)[1] / spline_slope_variance_gain, 1.0, 0.04);
     for (const double share : {0.2, 0.5, 0.7}) {
-        EXPECT_LT(variances(share)[0], 1.0);
+        // By axis; along the other one these places are grid points.
+        EXPECT_LT(variances(share)[0], (1 - 0.2 * between_samples(share)) * 1.03);
         EXPECT_LT(variances(share)[1], 1.04 * spline_slope_variance_gain);
     }
 }
