@@ -69,8 +69,7 @@ StreamedDemand::StreamedDemand(server::RunningSeaPtr sea, server::Synthesizer& d
 Result<void> StreamedDemand::encode(const sea::Keyframe& keyframe, Spent& spent) const {
     const sea::FieldSet fields = fields_[static_cast<std::size_t>(keyframe.cascade)];
     const std::vector<float> bounds =
-        sea::codec_bounds(sea_->budget, fields, keyframe.cascade,
-                          sea_->budget.shares.codec * sea_->budget.height_error_m);
+        sea::codec_bounds(sea_->budget, fields, keyframe.cascade, sea_->budget.codec_error_m);
     const auto size = static_cast<std::size_t>(keyframe.size);
     const int side = std::min(keyframe.size, protocol::limits::tile_side_max);
     std::size_t f = 0;
