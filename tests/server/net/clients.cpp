@@ -3,54 +3,149 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 
-#include <boost/asio/io_context.hpp>
-#include <boost/asio/ip/tcp.hpp>
-#include <boost/asio/read_until.hpp>
-#include <boost/asio/write.hpp>
-#include <boost/beast/core.hpp>
-#include <boost/beast/http.hpp>
-#include <boost/beast/websocket.hpp>
 #include <gtest/gtest.h>
+#include <sys/socket.h>
+
+#include "tests/server/net/tcp.h"
 
 namespace seaway::tests {
-
-namespace asio = boost::asio;
-namespace beast = boost::beast;
-namespace http = beast::http;
-namespace websocket = beast::websocket;
-using asio::ip::tcp;
-
 namespace {
 
-tcp::endpoint loopback(int port) {
-    return {asio::ip::address_v4::loopback(), static_cast<unsigned short>(port)};
+using Clock = Tcp::Clock;
+using std::chrono::milliseconds;
+
+constexpr milliseconds patience = std::chrono::seconds(5);
+/// Of a RawPeer, for which only ctest's limit holds.
+constexpr milliseconds for_ever = std::chrono::hours(1);
+
+enum class Opcode : unsigned { binary = 2, close = 8, ping = 9, pong = 10 };
+
+std::span<const std::uint8_t> bytes_of(std::string_view text) {
+    return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
 }
 
-std::string text(beast::string_view view) {
-    return {view.data(), view.size()};
+/// The frame of a client (RFC 6455, section 5.2), whole and masked with `key`.
+protocol::Bytes frame_of(Opcode opcode, std::span<const std::uint8_t> payload,
+                         std::array<std::uint8_t, 4> key) {
+    protocol::Bytes bytes{static_cast<std::uint8_t>(0x80u | static_cast<unsigned>(opcode))};
+    const int length_bytes = payload.size() < 126 ? 0 : payload.size() < 65536 ? 2 : 8;
+    const std::size_t first = length_bytes == 0 ? payload.size() : length_bytes == 2 ? 126 : 127;
+    bytes.push_back(static_cast<std::uint8_t>(0x80 | first));
+    for (int shift = 8 * (length_bytes - 1); shift >= 0; shift -= 8)
+        bytes.push_back(static_cast<std::uint8_t>(payload.size() >> shift));
+    bytes.insert(bytes.end(), key.begin(), key.end());
+    for (std::size_t i = 0; i < payload.size(); ++i)
+        bytes.push_back(payload[i] ^ key[i % 4]);
+    return bytes;
+}
+
+std::string upgrade_request(const std::string& subprotocol) {
+    return "GET /v1/stream HTTP/1.1\r\nHost: 127.0.0.1\r\nConnection: Upgrade\r\n"
+           "Upgrade: websocket\r\nSec-WebSocket-Version: 13\r\n"
+           "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Protocol: " +
+           subprotocol + "\r\n\r\n";
+}
+/// What RFC 6455 (section 1.3) says that key must be answered with.
+constexpr const char* accepted_key = "s3pPLMBiTxaQ9kYGzzhZRbK+xOo=";
+
+/// Status and fields of a header, the empty line at its end included.
+HttpAnswer parse_header(const std::string& header) {
+    HttpAnswer answer;
+    EXPECT_TRUE(header.starts_with("HTTP/1.1 ")) << header;
+    std::size_t line = header.find("\r\n");
+    if (line == std::string::npos || line < 12)
+        return answer;
+    answer.status = std::atoi(header.c_str() + 9);
+    for (line += 2; line < header.size();) {
+        const std::size_t end = header.find("\r\n", line);
+        const std::size_t colon = header.find(": ", line);
+        if (end == line || colon > end || end == std::string::npos)
+            break;
+        answer.fields[header.substr(line, colon - line)] =
+            header.substr(colon + 2, end - colon - 2);
+        line = end + 2;
+    }
+    return answer;
 }
 
 } // namespace
 
+// ---- Client ------------------------------------------------------------------------------------
+
 struct Client::Impl {
-    explicit Impl(int to) : ws(io), port(to) {}
+    explicit Impl(int to) : port(to) {}
 
-    beast::tcp_stream& socket() { return beast::get_lowest_layer(ws); }
-    void limit(std::chrono::milliseconds wait = std::chrono::seconds(5)) {
-        socket().expires_after(wait);
-    }
-    void run() {
-        io.restart();
-        io.run();
+    struct Frame {
+        Opcode opcode{};
+        protocol::Bytes payload;
+    };
+
+    /// Waits until `count` bytes are there.
+    bool have(std::size_t count, Clock::time_point end) {
+        while (!error && received.size() < count)
+            error = tcp.read(received, end);
+        return !error;
     }
 
-    asio::io_context io;
-    websocket::stream<beast::tcp_stream> ws;
+    /// The next frame, in `frame`; false with `error` set.
+    bool read_frame(Clock::time_point end) {
+        const auto at = [&](std::size_t i) { return static_cast<std::uint8_t>(received[i]); };
+        if (!have(2, end))
+            return false;
+        const std::size_t first = at(1);
+        EXPECT_LT(first, 128u) << "frames of a server are not masked";
+        const std::size_t length_bytes = first < 126 ? 0 : first == 126 ? 2 : 8;
+        if (!have(2 + length_bytes, end))
+            return false;
+        std::size_t size = length_bytes == 0 ? first : 0;
+        for (std::size_t i = 0; i < length_bytes; ++i)
+            size = size << 8 | at(2 + i);
+        EXPECT_LE(size, 1u << 20);
+        const std::size_t begin = 2 + length_bytes;
+        if (size > 1u << 20 || !have(begin + size, end)) {
+            error = error ? error : std::make_error_code(std::errc::message_size);
+            return false;
+        }
+        EXPECT_EQ(at(0) & 0xF0, 0x80) << "a message is one frame, without extensions";
+        frame.opcode = static_cast<Opcode>(at(0) & 0xF);
+        const auto payload = bytes_of(received).subspan(begin, size);
+        frame.payload.assign(payload.begin(), payload.end());
+        received.erase(0, begin + size);
+        return true;
+    }
+
+    /// The next message, in `frame`. Pings are answered and a close is, too.
+    bool read_message(Clock::time_point end) {
+        while (read_frame(end)) {
+            if (frame.opcode == Opcode::binary)
+                return true;
+            if (frame.opcode == Opcode::ping)
+                write(Opcode::pong, frame.payload);
+            if (frame.opcode == Opcode::close) {
+                if (frame.payload.size() >= 2)
+                    close_code = frame.payload[0] * 256u + frame.payload[1];
+                write(Opcode::close, frame.payload);
+                for (std::string last; !tcp.read(last, Clock::now() + patience);)
+                    continue;
+                error = std::make_error_code(std::errc::no_message_available);
+            }
+        }
+        return false;
+    }
+
+    std::error_code write(Opcode opcode, std::span<const std::uint8_t> payload) {
+        return tcp.write(frame_of(opcode, payload, {0x37, 0xfa, 0x21, 0x3d}), patience);
+    }
+
+    Tcp tcp;
     int port;
-    websocket::response_type response;
-    beast::flat_buffer buffer;
-    beast::error_code error;
+    HttpAnswer response;
+    std::string received; ///< and not yet taken apart
+    Frame frame;
+    unsigned close_code = 0;
+    std::error_code error;
     protocol::MessageReader reader{protocol::Sender::server};
 };
 
@@ -59,43 +154,32 @@ Client::~Client() = default;
 
 std::error_code Client::connect(const std::string& subprotocol) {
     Impl& c = *impl_;
-    beast::error_code result;
-    c.limit();
-    c.socket().async_connect(loopback(c.port), [&](beast::error_code error) { result = error; });
-    c.run();
-    if (result)
-        return result;
-    c.ws.set_option(websocket::stream_base::decorator([=](websocket::request_type& request) {
-        request.set(http::field::sec_websocket_protocol, subprotocol);
-    }));
-    c.ws.read_message_max(1u << 20);
-    c.limit();
-    c.ws.async_handshake(c.response, "127.0.0.1", "/v1/stream",
-                         [&](beast::error_code error) { result = error; });
-    c.run();
-    c.ws.binary(true);
-    return result;
+    if (const std::error_code error = c.tcp.connect(c.port))
+        return error;
+    if (const std::error_code error = c.tcp.write(bytes_of(upgrade_request(subprotocol)), patience))
+        return error;
+    const Clock::time_point end = Clock::now() + patience;
+    std::size_t header = std::string::npos;
+    while ((header = c.received.find("\r\n\r\n")) == std::string::npos)
+        if (const std::error_code error = c.tcp.read(c.received, end))
+            return error;
+    c.response = parse_header(c.received.substr(0, header + 4));
+    c.received.erase(0, header + 4);
+    if (c.response.status != 101)
+        return std::make_error_code(std::errc::connection_refused);
+    EXPECT_EQ(c.response.fields["Sec-WebSocket-Accept"], accepted_key);
+    return {};
 }
 
 std::error_code Client::send(const protocol::Bytes& bytes) {
-    beast::error_code result;
-    impl_->limit();
-    impl_->ws.async_write(asio::buffer(bytes),
-                          [&](beast::error_code error, std::size_t) { result = error; });
-    impl_->run();
-    return result;
+    return impl_->write(Opcode::binary, bytes);
 }
 
-const wire::Message* Client::receive(std::chrono::milliseconds wait) {
+const wire::Message* Client::receive(milliseconds wait) {
     Impl& c = *impl_;
-    c.buffer.consume(c.buffer.size());
-    c.limit(wait);
-    c.ws.async_read(c.buffer, [&](beast::error_code error, std::size_t) { c.error = error; });
-    c.run();
-    if (c.error)
+    if (c.error || !c.read_message(Clock::now() + wait))
         return nullptr;
-    const auto data = c.buffer.cdata();
-    auto message = c.reader.read({static_cast<const std::uint8_t*>(data.data()), data.size()});
+    auto message = c.reader.read(c.frame.payload);
     EXPECT_TRUE(message.has_value()) << (message ? "" : message.error().message);
     return message ? *message : nullptr;
 }
@@ -113,92 +197,79 @@ bool Client::greet(std::string_view token) {
     return !send(protocol::hello("test", token)) && receive(wire::Body::SeaState) != nullptr;
 }
 
-bool Client::stays_quiet_for(std::chrono::milliseconds wait) {
-    const auto quiet = std::make_shared<bool>(true);
-    impl_->socket().expires_never();
-    impl_->ws.async_read(impl_->buffer,
-                         [quiet](beast::error_code, std::size_t) { *quiet = false; });
-    impl_->io.restart();
-    impl_->io.run_for(wait);
-    return *quiet;
+bool Client::stays_quiet_for(milliseconds wait) {
+    return !impl_->error && !impl_->read_message(Clock::now() + wait) &&
+           impl_->error == std::errc::timed_out;
 }
 
 unsigned Client::close_code() {
-    while (!impl_->error && receive() != nullptr) {
-    }
-    return impl_->error == websocket::error::closed ? impl_->ws.reason().code : 0;
+    while (receive() != nullptr)
+        continue;
+    return impl_->close_code;
 }
 
 std::error_code Client::error() const {
     return impl_->error;
 }
 int Client::status() const {
-    return static_cast<int>(impl_->response.result_int());
+    return impl_->response.status;
 }
 std::string Client::subprotocol() const {
-    return text(impl_->response[http::field::sec_websocket_protocol]);
+    return impl_->response.fields["Sec-WebSocket-Protocol"];
 }
 
 // ---- RawPeer -----------------------------------------------------------------------------------
 
 struct RawPeer::Impl {
-    asio::io_context io;
-    tcp::socket socket{io};
-    beast::error_code end;
+    Tcp tcp;
+    std::error_code end;
 };
 
 RawPeer::RawPeer(int port, int receive_buffer_bytes) : impl_(std::make_unique<Impl>()) {
-    impl_->socket.open(tcp::v4());
     if (receive_buffer_bytes > 0)
-        impl_->socket.set_option(asio::socket_base::receive_buffer_size(receive_buffer_bytes));
-    impl_->socket.connect(loopback(port));
+        impl_->tcp.set(SO_RCVBUF, &receive_buffer_bytes, sizeof receive_buffer_bytes);
+    EXPECT_FALSE(impl_->tcp.connect(port));
 }
 RawPeer::~RawPeer() = default;
 
 void RawPeer::say(std::span<const std::uint8_t> bytes) {
-    beast::error_code ignored; // the server may have closed already
-    asio::write(impl_->socket, asio::buffer(bytes.data(), bytes.size()), ignored);
+    // The server may have closed already, which is no failure.
+    static_cast<void>(impl_->tcp.write(bytes, for_ever));
 }
 
 void RawPeer::say(std::string_view text) {
-    say({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+    say(bytes_of(text));
 }
 
 void RawPeer::upgrade() {
-    say("GET /v1/stream HTTP/1.1\r\nHost: x\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n"
-        "Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"
-        "Sec-WebSocket-Protocol: seaway.v1\r\n\r\n");
+    say(upgrade_request("seaway.v1"));
     const std::string answer = header();
     EXPECT_NE(answer.find("101"), std::string::npos) << answer;
 }
 
 void RawPeer::frame(const protocol::Bytes& payload, std::size_t bytes_sent) {
-    protocol::Bytes bytes{0x82};
-    const int length_bytes = payload.size() < 126 ? 0 : payload.size() < 65536 ? 2 : 8;
-    const std::size_t first = length_bytes == 0 ? payload.size() : length_bytes == 2 ? 126 : 127;
-    bytes.push_back(static_cast<std::uint8_t>(0x80 | first));
-    for (int shift = 8 * (length_bytes - 1); shift >= 0; shift -= 8)
-        bytes.push_back(static_cast<std::uint8_t>(payload.size() >> shift));
-    bytes.insert(bytes.end(), 4, 0);
-    bytes.insert(bytes.end(), payload.begin(), payload.end());
+    const protocol::Bytes bytes = frame_of(Opcode::binary, payload, {});
     say(std::span(bytes).first(std::min(bytes_sent, bytes.size())));
 }
 
 void RawPeer::reset() {
-    impl_->socket.set_option(asio::socket_base::linger(true, 0));
-    impl_->socket.close();
+    const linger at_once{1, 0};
+    impl_->tcp.set(SO_LINGER, &at_once, sizeof at_once);
+    impl_->tcp.close();
 }
 
 std::string RawPeer::header() {
     std::string answer;
-    asio::read_until(impl_->socket, asio::dynamic_buffer(answer), "\r\n\r\n");
+    while (answer.find("\r\n\r\n") == std::string::npos && !impl_->end)
+        impl_->end = impl_->tcp.read(answer, Clock::now() + for_ever);
+    EXPECT_FALSE(impl_->end) << impl_->end.message() << " after \"" << answer << '"';
     return answer;
 }
 
 std::string RawPeer::rest() {
     std::string all;
-    for (std::array<char, 4096> some{}; !impl_->end;)
-        all.append(some.data(), impl_->socket.read_some(asio::buffer(some), impl_->end));
+    while (!impl_->end)
+        impl_->end = impl_->tcp.read(all, Clock::now() + for_ever);
     return all;
 }
 
@@ -208,28 +279,21 @@ bool RawPeer::closed_by_server() {
 }
 
 bool RawPeer::ended_in_order() const {
-    return impl_->end == asio::error::eof;
+    return impl_->end == std::errc::no_message_available;
 }
 
 // ---- HTTP --------------------------------------------------------------------------------------
 
 HttpAnswer ask_http(int port, const std::string& target, const std::string& method) {
-    asio::io_context io;
-    tcp::socket socket(io);
-    socket.connect(loopback(port));
-    http::request<http::string_body> request(http::string_to_verb(method), target, 11);
-    request.set(http::field::host, "127.0.0.1");
-    request.set(http::field::connection, "close");
-    http::write(socket, request);
-    beast::flat_buffer buffer;
-    http::response_parser<http::string_body> parser;
-    parser.skip(method == "HEAD");
-    beast::error_code error;
-    http::read(socket, buffer, parser, error);
-    EXPECT_FALSE(error) << error.message();
-    HttpAnswer answer{static_cast<int>(parser.get().result_int()), parser.get().body(), {}};
-    for (const auto& field : parser.get())
-        answer.fields[text(field.name_string())] = text(field.value());
+    RawPeer peer(port);
+    peer.say(method + " " + target + " HTTP/1.1\r\nHost: 127.0.0.1\r\nConnection: close\r\n\r\n");
+    const std::string all = peer.rest();
+    EXPECT_TRUE(peer.ended_in_order());
+    const std::size_t body = std::min(all.find("\r\n\r\n"), all.size() - 4) + 4;
+    HttpAnswer answer = parse_header(all.substr(0, body));
+    answer.body = all.substr(body);
+    const std::size_t size = method == "HEAD" ? 0 : std::stoul(answer.fields["Content-Length"]);
+    EXPECT_EQ(answer.body.size(), size) << target;
     return answer;
 }
 
