@@ -3,15 +3,16 @@
 
     tools/tidy.py BUILD_DIR [FILE ...]
 
-Without files: the .cpp files that differ from the last commit, so that whoever writes a line hears of it
-at the next ./dev test. All of the project would take a quarter of an hour, and not every file has been
-read yet; name files to read them. Of more than FILES_MAX only some are read, spread over the list, and
-this is said. One version judges, as with the format; where it is not installed this says so and passes.
+Without files, what changed_files() finds: whoever writes a line hears of it at the next ./dev test, and
+so does whoever builds the commit or the branch. All of the project would take a quarter of an hour; name
+files to read them. Of more than FILES_MAX only some are read, spread over the list, and this is said.
+One version judges, as with the format; where it is not installed this says so and passes.
 """
 import concurrent.futures
 import json
 import os
 import pathlib
+import re
 import shutil
 import subprocess
 import sys
@@ -20,19 +21,38 @@ from source_files import ROOT
 
 JUDGE = "clang-tidy-14"
 FILES_MAX = 24  # a minute or two of two cores
+TRUNK = "origin/main"
+NO_FILES = "4b825dc642cb6eb9a060e54bf8d69288fbee4904"  # git's name of a tree without files
 
 
 def git(*arguments):
-    """Words that git says; none without git, or outside a checkout."""
+    """Words that git says; none without git, outside a checkout, or where it fails."""
     if not shutil.which("git"):
         return []
     done = subprocess.run(["git", *arguments], cwd=ROOT, capture_output=True, text=True)
     return done.stdout.split() if done.returncode == 0 else []
 
 
-def changed_files():
-    return git("diff", "--name-only", "--diff-filter=d", "HEAD") + \
+def base_commit(git):
+    """What the files are compared with: the commit where this branch left the trunk or, on the trunk itself,
+    the one before. In a clone that has no such commit everything is new."""
+    head = git("rev-parse", "HEAD")
+    fork = git("merge-base", "HEAD", TRUNK)
+    before = git("rev-parse", "--verify", "--quiet", "HEAD~1")
+    return (fork if fork != head else None) or before or [NO_FILES]
+
+
+def changed_files(git=git):
+    """Paths that differ from base_commit(), committed or not. A header stands for its source, too, where it
+    is read first."""
+    paths = git("diff", "--name-only", "--diff-filter=d", *base_commit(git)) + \
         git("ls-files", "--others", "--exclude-standard")
+    return paths + [path[:-2] + ".cpp" for path in paths if path.endswith(".h")]
+
+
+def without_precompiled(entry):
+    """A line of compile_commands.json as clang understands it: GCC's precompiled headers are GCC's."""
+    return {**entry, "command": re.sub(r" (-Winvalid-pch|-include \S+/cmake_pch\.hxx)(?= )", "", entry["command"])}
 
 
 def judge(build, path):
@@ -46,13 +66,16 @@ def main():
         print(f"tidy: not judged here, {JUDGE} is not installed")
         return 0
     build = pathlib.Path(sys.argv[1]).resolve()
-    compiled = {os.path.relpath(entry["file"], ROOT)
-                for entry in json.loads((build / "compile_commands.json").read_text())}
+    entries = json.loads((build / "compile_commands.json").read_text())
+    compiled = {os.path.relpath(entry["file"], ROOT) for entry in entries}
     wanted = sorted(compiled & set(sys.argv[2:] or changed_files()))
     step = -(-len(wanted) // FILES_MAX) if len(sys.argv) == 2 and wanted else 1
     files = wanted[::step]
+    read_from = build / "tidy"
+    read_from.mkdir(exist_ok=True)
+    (read_from / "compile_commands.json").write_text(json.dumps([*map(without_precompiled, entries)]))
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
-        answers = list(pool.map(lambda path: judge(build, path), files))
+        answers = list(pool.map(lambda path: judge(read_from, path), files))
     failed = [text for code, text in answers if code != 0]
     print(*failed, sep="\n", file=sys.stderr, end="")
     if not failed:

@@ -1,0 +1,65 @@
+#!/usr/bin/env python3
+"""Which files tools/tidy.py lets clang-tidy read. Git is played: these are rules, and a machine without git
+tests them, too."""
+import pathlib
+import sys
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "tools"))
+import tidy
+
+
+def repository(head, fork, before, differ, untracked=()):
+    """A git that says this; an empty string where it would fail."""
+    def git(*arguments):
+        match arguments:
+            case ("rev-parse", "HEAD"):
+                return head.split()
+            case ("merge-base", "HEAD", "origin/main"):
+                return fork.split()
+            case ("rev-parse", "--verify", "--quiet", "HEAD~1"):
+                return before.split()
+            case ("diff", "--name-only", "--diff-filter=d", base):
+                return differ.get(base, [])
+            case ("ls-files", "--others", "--exclude-standard"):
+                return list(untracked)
+        raise AssertionError(arguments)
+    return git
+
+
+class ChangedFiles(unittest.TestCase):
+    def test_on_a_branch_are_those_since_it_left_the_trunk(self):
+        git = repository("c3", "c1", "c2", {"c1": ["sea/a.cpp", "sea/b.cpp"], "c2": ["sea/b.cpp"]})
+        self.assertEqual(tidy.changed_files(git), ["sea/a.cpp", "sea/b.cpp"])
+
+    def test_where_all_is_committed_on_the_trunk_are_those_of_the_last_commit(self):
+        # What builds the trunk has nothing that is not committed: to compare with HEAD would judge nothing.
+        git = repository("c3", "c3", "c2", {"c2": ["sea/b.cpp"]})
+        self.assertEqual(tidy.changed_files(git), ["sea/b.cpp"])
+
+    def test_without_a_trunk_are_those_of_the_last_commit_and_what_is_not_committed(self):
+        git = repository("c3", "", "c2", {"c2": ["sea/b.cpp"]}, ["sea/new.cpp"])
+        self.assertEqual(tidy.changed_files(git), ["sea/b.cpp", "sea/new.cpp"])
+
+    def test_in_a_clone_of_one_commit_are_all(self):
+        git = repository("c3", "", "", {tidy.NO_FILES: ["sea/a.cpp", "sea/b.cpp"]})
+        self.assertEqual(tidy.changed_files(git), ["sea/a.cpp", "sea/b.cpp"])
+
+    def test_without_git_are_none(self):
+        self.assertEqual(tidy.changed_files(lambda *arguments: []), [])
+
+    def test_a_header_is_read_where_its_source_includes_it(self):
+        git = repository("c3", "c3", "c2", {"c2": ["sea/a.h"]})
+        self.assertIn("sea/a.cpp", tidy.changed_files(git))
+
+
+class CompileCommands(unittest.TestCase):
+    def test_name_no_precompiled_header(self):
+        # clang refuses to read what GCC has precompiled; it finds the headers where they are included.
+        entry = {"file": "/s/a.cpp", "command": "c++ -O1 -Winvalid-pch -include /b/cmake_pch.hxx -o a.o -c /s/a.cpp"}
+        self.assertEqual(tidy.without_precompiled(entry)["command"], "c++ -O1 -o a.o -c /s/a.cpp")
+        self.assertEqual(tidy.without_precompiled(entry)["file"], "/s/a.cpp")
+
+
+if __name__ == "__main__":
+    unittest.main()
