@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
-"""A program that adds this repository as a subfolder inherits none of our flags.
+"""A program that adds this repository as a subfolder inherits none of our flags, links and runs.
 
-    check.py SOURCE_DIR WORK_DIR
+    check.py SOURCE_DIR WORK_DIR PROGRAM
 
 Configures the project beside this file in WORK_DIR and reads how its one source would be compiled:
 no warning of ours, no -Werror, no sanitizer, no definition but the version; C++20 and our folders are
-there. Then compiles it: its code is what our own warnings refuse.
+there. Then compiles it: its code is what our own warnings refuse. PROGRAM is the same source, with the
+same flags, linked with the libraries that this build has made: what it says is what Seaway promises.
 """
 import json
 import pathlib
@@ -13,7 +14,7 @@ import shlex
 import subprocess
 import sys
 
-source, work = (pathlib.Path(argument).resolve() for argument in sys.argv[1:])
+source, work, program = (pathlib.Path(argument).resolve() for argument in sys.argv[1:])
 here = pathlib.Path(__file__).resolve().parent
 
 subprocess.run(["cmake", "-G", "Ninja", "-S", here, "-B", work, f"-DSEAWAY_SOURCE_DIR={source}"], check=True,
@@ -38,4 +39,11 @@ if "CMAKE_BUILD_TYPE:STRING=\n" not in cache:
     sys.exit("the consumer's build type was chosen for it")
 target = entry["output"] if "output" in entry else flags[flags.index("-o") + 1]
 subprocess.run(["cmake", "--build", work, "--target", target], check=True, stdout=subprocess.DEVNULL)
-print("the consumer compiles with its own flags: " + " ".join(flags[1:-4]))
+
+said = subprocess.run([program], capture_output=True, text=True, timeout=60)
+refused = "127.0.0.1:1"
+wave, client, c_client = (said.stdout.splitlines() + ["", "", ""])[:3]
+if said.returncode != 0 or wave != "a crest of 1.500 m and a trough of -1.500 m" or \
+        refused not in client or c_client != f"2 {client}":
+    sys.exit(f"the consumer ends with {said.returncode} and says:\n{said.stdout}{said.stderr}")
+print("the consumer compiles with its own flags, " + " ".join(flags[1:-4]) + ", and runs: " + wave)
