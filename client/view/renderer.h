@@ -16,8 +16,8 @@
 #include "client/view/picture.h"
 #include "client/view/sea_maps.h"
 #include "client/view/sky.h"
-#include "gpu/graphics_pipeline.h"
-#include "gpu/offscreen.h"
+#include "gpu/draw/graphics_pipeline.h"
+#include "gpu/draw/offscreen.h"
 #include "shaders/shared/view.h"
 
 namespace seaway::client {

@@ -9,8 +9,8 @@
 #include "sea/surface/budget/error_budget.h"
 #include "sea/surface/inverse.h"
 #include "sea/waves/directional_spectrum.h"
-#include "sea/waves/moments.h"
 #include "sea/waves/realize.h"
+#include "sea/waves/statistics/moments.h"
 
 namespace seaway::sea {
 

@@ -10,9 +10,9 @@
 #include "sea/foam/foam_law.h"
 #include "sea/scene/scene.h"
 #include "sea/surface/budget/error_budget.h"
-#include "sea/waves/moments.h"
 #include "sea/waves/realization.h"
 #include "sea/waves/reference.h"
+#include "sea/waves/statistics/moments.h"
 
 namespace seaway::server {
 

@@ -8,8 +8,8 @@
 #include <string>
 
 #include "sea/scene/scene.h"
-#include "sea/waves/moments.h"
 #include "sea/waves/reference.h"
+#include "sea/waves/statistics/moments.h"
 
 namespace {
 

@@ -10,8 +10,8 @@
 
 #include "sea/scene/scene.h"
 #include "sea/scene/scene_names.h"
-#include "sea/waves/moments.h"
 #include "sea/waves/reference.h"
+#include "sea/waves/statistics/moments.h"
 
 namespace {
 

@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "sea/waves/moments.h"
+#include "sea/waves/statistics/moments.h"
 #include "tools/bake/summed.h"
 
 namespace seaway::bake {

@@ -12,7 +12,7 @@
 
 #include "base/command_line.h"
 #include "base/text_file.h"
-#include "sea/waves/moments.h"
+#include "sea/waves/statistics/moments.h"
 #include "tools/inspect/images.h"
 #include "tools/inspect/picture.h"
 #include "tools/inspect/points.h"

@@ -10,7 +10,7 @@
 #include "sea/scene/scene.h"
 #include "sea/scene/scene_names.h"
 #include "sea/waves/directional_spectrum.h"
-#include "sea/waves/moments.h"
+#include "sea/waves/statistics/moments.h"
 
 namespace seaway::sea {
 namespace {

@@ -15,7 +15,7 @@
 #include "sea/scene/scene.h"
 #include "sea/spectrum/measured.h"
 #include "sea/spectrum/ndbc.h"
-#include "sea/waves/moments.h"
+#include "sea/waves/statistics/moments.h"
 #include "tests/sea/csv.h"
 
 namespace seaway::sea {

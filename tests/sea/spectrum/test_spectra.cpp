@@ -8,7 +8,7 @@
 #include "sea/basics/quadrature.h"
 #include "sea/spectrum/spectra.h"
 #include "sea/waves/directional_spectrum.h"
-#include "sea/waves/moments.h"
+#include "sea/waves/statistics/moments.h"
 #include "tests/sea/csv.h"
 
 namespace seaway::sea {

@@ -9,9 +9,9 @@
 #include <gtest/gtest.h>
 
 #include "sea/basics/constants.h"
-#include "sea/waves/moments.h"
 #include "sea/waves/realize.h"
 #include "sea/waves/reference.h"
+#include "sea/waves/statistics/moments.h"
 
 namespace seaway::sea {
 namespace {

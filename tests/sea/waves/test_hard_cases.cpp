@@ -11,7 +11,7 @@
 #include "sea/scene/scene.h"
 #include "sea/surface/inverse.h"
 #include "sea/waves/directional_spectrum.h"
-#include "sea/waves/moments.h"
+#include "sea/waves/statistics/moments.h"
 #include "sea/waves/transition.h"
 #include "tests/sea/sea_fixture.h"
 

@@ -12,7 +12,7 @@
 #include "sea/basics/gaussian.h"
 #include "sea/surface/inverse.h"
 #include "sea/waves/directional_spectrum.h"
-#include "sea/waves/moments.h"
+#include "sea/waves/statistics/moments.h"
 #include "tests/sea/csv.h"
 #include "tests/sea/sea_fixture.h"
 

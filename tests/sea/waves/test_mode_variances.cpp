@@ -8,7 +8,7 @@
 
 #include "sea/scene/scene.h"
 #include "sea/waves/mode_variances.h"
-#include "sea/waves/moments.h"
+#include "sea/waves/statistics/moments.h"
 #include "tests/sea/sea_fixture.h"
 
 namespace seaway::sea {

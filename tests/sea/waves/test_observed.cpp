@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "sea/waves/directional_spectrum.h"
-#include "sea/waves/moments.h"
+#include "sea/waves/statistics/moments.h"
 #include "tests/sea/csv.h"
 #include "tests/sea/sea_fixture.h"
 

@@ -9,7 +9,7 @@
 #include "sea/scene/scene.h"
 #include "sea/waves/directional_spectrum.h"
 #include "sea/waves/mode_variances.h"
-#include "sea/waves/moments.h"
+#include "sea/waves/statistics/moments.h"
 #include "tests/sea/csv.h"
 #include "tests/sea/sea_fixture.h"
 

@@ -13,8 +13,8 @@
 #include "sea/surface/budget/error_budget.h"
 #include "sea/surface/maps/sine_maps.h"
 #include "sea/surface/surface.h"
-#include "sea/waves/moments.h"
 #include "sea/waves/reference.h"
+#include "sea/waves/statistics/moments.h"
 #include "sea/waves/transition.h"
 #include "tests/support/explicit_sea.h"
 

@@ -13,7 +13,7 @@
 #include "sea/scene/scene.h"
 #include "sea/surface/maps/sine_maps.h"
 #include "sea/waves/directional_spectrum.h"
-#include "sea/waves/moments.h"
+#include "sea/waves/statistics/moments.h"
 #include "tests/sea/csv.h"
 #include "tests/sea/sea_fixture.h"
 

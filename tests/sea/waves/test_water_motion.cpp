@@ -6,7 +6,7 @@
 
 #include "sea/foam/foam_law.h"
 #include "sea/surface/budget/error_budget.h"
-#include "sea/waves/moments.h"
+#include "sea/waves/statistics/moments.h"
 #include "sea/waves/transition.h"
 #include "tests/sea/csv.h"
 #include "tests/sea/sea_fixture.h"

@@ -9,7 +9,7 @@
 #include <numbers>
 
 #include "sea/basics/dispersion.h"
-#include "sea/waves/moments.h"
+#include "sea/waves/statistics/moments.h"
 
 namespace seaway::bench {
 

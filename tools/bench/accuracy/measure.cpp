@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "sea/waves/moments.h"
+#include "sea/waves/statistics/moments.h"
 #include "tools/bench/accuracy/laws.h"
 #include "tools/bench/accuracy/octaves.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gpu/offscreen.h"
+#include "gpu/draw/offscreen.h"
 
 namespace seaway::gpu {
 

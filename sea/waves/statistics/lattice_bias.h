@@ -3,7 +3,7 @@
 // variances (sea/waves/mode_variances.h).
 #pragma once
 
-#include "sea/waves/moments.h"
+#include "sea/waves/statistics/moments.h"
 
 namespace seaway::sea {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sea/waves/frequency_nodes.h"
+#include "sea/waves/statistics/frequency_nodes.h"
 
 #include <algorithm>
 #include <cmath>

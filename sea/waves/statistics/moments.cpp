@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sea/waves/moments.h"
+#include "sea/waves/statistics/moments.h"
 
 #include <algorithm>
 #include <array>
@@ -9,9 +9,9 @@
 
 #include "sea/basics/quadrature.h"
 #include "sea/waves/directional_spectrum.h"
-#include "sea/waves/frequency_nodes.h"
-#include "sea/waves/lattice_bias.h"
 #include "sea/waves/realize.h"
+#include "sea/waves/statistics/frequency_nodes.h"
+#include "sea/waves/statistics/lattice_bias.h"
 
 namespace seaway::sea {
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sea/waves/lattice_bias.h"
+#include "sea/waves/statistics/lattice_bias.h"
 
 #include <algorithm>
 #include <cmath>
 #include <complex>
 
-#include "sea/waves/frequency_nodes.h"
 #include "sea/waves/mode_variances.h"
+#include "sea/waves/statistics/frequency_nodes.h"
 
 namespace seaway::sea {
 

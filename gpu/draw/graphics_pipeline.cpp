@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gpu/graphics_pipeline.h"
+#include "gpu/draw/graphics_pipeline.h"
 
 #include "gpu/call.h"
 
