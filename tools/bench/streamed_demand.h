@@ -42,7 +42,7 @@ class StreamedDemand {
     StreamedDemand(server::RunningSeaPtr sea, server::Synthesizer& device,
                    std::vector<sea::FieldSet> fields, const server::FoamMaps& foam);
 
-    /// Goes on for a time, a whole multiple of 2 s so that it holds whole intervals.
+    /// Goes on for a time; where no whole number of intervals fills it, now a keyframe more, now one less.
     Result<Spent> run(sea::TimeUs duration_us);
 
     const std::vector<sea::FieldSet>& fields() const { return fields_; }
