@@ -25,6 +25,13 @@ Where a sea by Fourier transform goes wrong, what naive code makes of it and wha
 stand, `tests/naive` was run beside ours on the same input: *naive* is its figure. Tests hold ours to the
 bound of the case, and naive code to missing it. Written by `tools/hard_cases_page.py` from
 `tests/hard_cases/cases.toml` and a run of `test_hard_cases`; names of tests carry the ids.
+
+The suite takes seconds. Its soak, `build/dev/bin/load_random_seas --minutes 60` (`tests/load/load_random_seas.cpp`), serves
+seas by lot - gaps, loops, narrow beams, seas that fold, half a metre of water, ripples of micrometres, waves of
+100 m, ill-fitting tiles - and asks at any place within 10 000 km and any time within 30 000 years, twice the same
+among them; server and client are held to the direct sum. It tells how far it is and stops at the first answer without a
+flag that is beyond its bound, with what shows it and the scene in a file. Not in it: changes of a running sea, which no
+server takes yet; A22, I7 and H5 hold them in `sea/waves/transition.h`.
 """
 
 

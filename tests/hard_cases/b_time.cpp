@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Hard cases B3, B5, B9 beside phases in single precision. The criteria are held for whole seas in
-// tests/sea/waves.
+// Hard cases of time beside clocks and phases as they are first written. The criteria are held for whole
+// seas in tests/sea/waves.
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -10,6 +10,7 @@
 #include "sea/basics/time.h"
 #include "tests/hard_cases/record.h"
 #include "tests/naive/time.h"
+#include "tests/sea/sea_fixture.h"
 
 namespace seaway::hard_cases {
 namespace {
@@ -58,6 +59,66 @@ TEST(HardCase, B5_a_wave_keeps_its_energy_over_ten_million_frames) {
     EXPECT_LT(ours, 1e-5);
     EXPECT_GT(drifted, 1e-5);
     record("1e7 frames at 60 Hz", "energy gained or lost, of itself", drifted, ours);
+}
+
+TEST(HardCase, B2_five_seconds_before_the_start_are_five_seconds_before) {
+    const double omega = 1.3;
+    const sea::Rate rate = sea::rate_from_omega(omega);
+    double ours = 0, without_sign = 0;
+    for (int frame = -300; frame < 0; ++frame) {
+        const double truth = std::cos(omega * frame / 60.0);
+        ours = std::max(
+            ours,
+            std::abs(std::cos(sea::phase_rad(rate, sea::us_from_seconds(frame / 60.0))) - truth));
+        without_sign =
+            std::max(without_sign,
+                     std::abs(std::cos(omega * naive::time_of_frame(frame, 1 / 60.0)) - truth));
+    }
+    EXPECT_LT(ours, 1e-5); // a microsecond of omega
+    EXPECT_GT(without_sign, 0.1);
+    record("a wave of 1 m, 300 frames before the start", "largest error of its height, m",
+           without_sign, ours);
+}
+
+// Velocities belong to a time, not to a pair of frames.
+TEST(HardCase, B6_a_hitch_of_three_seconds_throws_nothing_into_the_air) {
+    const sea::DirectSum sum(testing::realized(testing::swell_sea(2.0, 8.0), {{400.0, 64}}));
+    const sea::TimeUs hitch = 3'000'000, frame = 16'667, delta = 1000;
+    double ours = 0, by_frames = 0;
+    for (int i = 0; i < 40; ++i) {
+        const double x = 9.7 * i, y = 3.1 * i;
+        const auto height = [&](sea::TimeUs t) { return sum.at(x, y, t).height; };
+        const double truth =
+            (height(hitch + delta) - height(hitch - delta)) / sea::seconds_from_us(2 * delta);
+        ours = std::max(ours, std::abs(sum.at(x, y, hitch).height_rate - truth));
+        by_frames =
+            std::max(by_frames, std::abs(naive::velocity_by_frames(height(0), height(hitch),
+                                                                   sea::seconds_from_us(frame)) -
+                                         truth));
+    }
+    EXPECT_LT(ours, 1e-5); // central differences over 2 ms: omega^3 dt^2 / 6
+    EXPECT_GT(by_frames, 10);
+    record("swell of Hs 2 m after a hitch of 3 s", "largest error of the vertical velocity, m/s",
+           by_frames, ours);
+}
+
+TEST(HardCase, B7_no_wave_of_a_loop_stands_still) {
+    sea::SeaState state = testing::swell_sea(2.0, 16.0);
+    const sea::RealizationPtr free = testing::realized(state, {{2000.0, 64}});
+    state.loop_period_s = 15.0;
+    const sea::RealizationPtr looped = testing::realized(state, {{2000.0, 64}});
+    double all = 0, ours = 0, rounded_down = 0;
+    for (std::size_t i = 0; i < free->cascades[0].h0.size(); ++i) {
+        const double energy = std::norm(free->cascades[0].h0[i]);
+        const double omega = sea::omega_from_rate(free->cascades[0].rate[i]);
+        all += energy;
+        ours += looped->cascades[0].rate[i] == 0 ? energy : 0;
+        rounded_down += naive::looped_omega(omega, 15.0) == 0 ? energy : 0;
+    }
+    EXPECT_EQ(ours, 0);
+    EXPECT_GT(rounded_down / all, 0.1);
+    record("swell of 16 s in a loop of 15 s", "share of the energy that stands still",
+           rounded_down / all, ours / all);
 }
 
 TEST(HardCase, B9_time_since_1970_moves_every_frame) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Hard cases D1, D2, D4, D6, D7: the inverse displacement and its normal.
+// Hard cases of choppiness: the inverse displacement and its normal.
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -46,6 +46,47 @@ CascadeModes long_crested(std::uint64_t seed, double mss) {
     }
     modes.depth_m = sea::deep_water_m;
     return modes;
+}
+
+// Brute force: every X of a fine lattice that lands on x.
+TEST(HardCase, D3_of_three_sheets_above_a_point_the_highest_answers) {
+    const auto field = [](double X, double) { return trochoid(1.2, X); };
+    double ours = 0, met = 0;
+    for (double x = -0.06; x <= 0.06; x += 0.004) {
+        double highest = -10;
+        for (double X = -2; X < 2; X += 1e-5)
+            if ((X - 1.2 * std::sin(X) > x) != (X + 1e-5 - 1.2 * std::sin(X + 1e-5) > x))
+                highest = std::max(highest, 1.2 * std::cos(X));
+        const Answer answer =
+            sea::surface_at({x, 0, 0}, {{1, 1}, 1e-9, {.reach_m = 2, .always = true}}, field);
+        const naive::Undisplaced first = naive::fixed_point(field, x, 0, 1e-9, 200);
+        ours = std::max(ours, std::abs(answer.height_m - highest));
+        met = std::max(met, std::abs(trochoid(1.2, first.x_m).height - highest));
+        EXPECT_TRUE(answer.flags & sea::answer_folded) << x;
+    }
+    EXPECT_LT(ours, 1e-4); // the lattice of the brute force
+    EXPECT_GT(met, 0.01);
+    record("one wave of steepness 1.2 around its crest", "largest error of the height, m", met,
+           ours);
+}
+
+// Stokes: crests are sharp and short, troughs are long. Above its mean level a trochoid of steepness a is
+// 1/2 - a/pi of the way.
+TEST(HardCase, D5_crests_are_shorter_than_troughs) {
+    const double a = 0.5;
+    const auto field = [a](double X, double) { return trochoid(a, X); };
+    const naive::Field other_sign = naive::turned(field);
+    double ours = 0, turned = 0;
+    constexpr int points = 2000;
+    for (int i = 0; i < points; ++i) {
+        const double x = sea::two_pi * i / points;
+        ours += sea::surface_at({x, 0, 0}, {{1, 1}, 1e-9, {}}, field).height_m > 0;
+        turned += sea::surface_at({x, 0, 0}, {{1, 1}, 1e-9, {}}, other_sign).height_m > 0;
+    }
+    EXPECT_NEAR(ours / points, 0.5 - a / sea::pi, 2e-3);
+    EXPECT_GT(turned / points, 0.5);
+    record("one wave of steepness 0.5", "share of its length above the mean level", turned / points,
+           ours / points);
 }
 
 // J = 1 + lambda d D_x/dx is normal with deviation lambda sqrt(mss): the folded share is Phi(-1/0.5) =

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Hard case H5: a change of the sea that arrives late.
+// Hard cases of networks: clocks, counters, a change of the sea that arrives late.
 #include <algorithm>
 #include <cmath>
+#include <random>
 
 #include <gtest/gtest.h>
 
+#include "client/link/clock.h"
 #include "protocol/messages.h"
 #include "sea/waves/transition.h"
 #include "tests/hard_cases/record.h"
@@ -18,6 +20,51 @@ namespace {
 using sea::RealizationPtr;
 using sea::SeaTransition;
 using sea::TimeUs;
+
+// Replies take 10 to 30 ms each way, evenly: what the filter makes of it is milliseconds off. 1 cm is the
+// case's, for a sea of Hs 4 m and Tp 8 s.
+TEST(HardCase, H1_clocks_50_ms_apart_show_the_same_sea) {
+    const TimeUs ahead = 50'000;
+    client::ClockFilter clock;
+    std::mt19937 random(1);
+    std::uniform_int_distribution<TimeUs> delay(10'000, 30'000);
+    TimeUs sea_now = 100'000'000;
+    for (int reply = 0; reply < 20; ++reply, sea_now += 500'000) {
+        const TimeUs there = delay(random), back = delay(random);
+        clock.add(sea_now - there + ahead, sea_now + back + ahead, sea_now);
+    }
+    const TimeUs shown = clock.now(sea_now + ahead), by_local_clock = sea_now + ahead;
+    const sea::DirectSum sum(testing::realized(testing::swell_sea(4.0, 8.0), {{800.0, 64}}));
+    const auto rms_difference = [&](TimeUs time) {
+        double squares = 0;
+        for (int i = 0; i < 100; ++i) {
+            const double x = 31.0 * i, y = 17.0 * i;
+            squares += std::pow(sum.at(x, y, time).height - sum.at(x, y, sea_now).height, 2);
+        }
+        return std::sqrt(squares / 100);
+    };
+    EXPECT_LT(rms_difference(shown), 0.01);
+    EXPECT_GT(rms_difference(by_local_clock), 0.01);
+    record("Hs 4 m, Tp 8 s, a clock 50 ms ahead", "rms difference of two nodes, m",
+           rms_difference(by_local_clock), rms_difference(shown));
+}
+
+TEST(HardCase, H3_no_frame_is_taken_for_an_old_one_where_counters_wrap) {
+    std::uint16_t last_number = 65'529;
+    TimeUs last_time = 65'529LL * 100'000;
+    int ours = 0, by_number = 0;
+    for (int frame = 65'530; frame < 65'560; ++frame) {
+        const auto number = static_cast<std::uint16_t>(frame);
+        const TimeUs time = frame * 100'000LL;
+        ours += !(time > last_time);
+        by_number += !naive::newer(number, last_number);
+        last_number = std::max(last_number, number);
+        last_time = std::max(last_time, time);
+    }
+    EXPECT_EQ(ours, 0);
+    EXPECT_GT(by_number, 0);
+    record("30 frames from number 65 530 on", "new ones taken for old", by_number, ours);
+}
 
 /// When the change begins for a node that was told of it by these bytes.
 TimeUs stated_start(const protocol::Bytes& bytes) {

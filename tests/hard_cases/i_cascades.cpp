@@ -1,12 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// Hard case I2: cascades that share the wavenumber plane.
+// Hard cases of cascades, statistics and depth.
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <numeric>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "sea/waves/statistics/moments.h"
+#include "sea/waves/transition.h"
 #include "tests/hard_cases/record.h"
+#include "tests/naive/spectrum.h"
+#include "tests/naive/time.h"
 #include "tests/sea/sea_fixture.h"
 
 namespace seaway::hard_cases {
@@ -18,6 +24,104 @@ double hs_m(const sea::Realization& sea) {
     for (const sea::CascadeModes& modes : sea.cascades)
         m0 += testing::energy_of(modes);
     return 4 * std::sqrt(m0);
+}
+
+// 1e-6 of Hs is the case's.
+TEST(HardCase, I4_floats_would_sum_eight_cascades_to_other_heights_backward) {
+    std::vector<sea::CascadeSpec> tiles;
+    for (double length_m = 2000; tiles.size() < 8; length_m /= 2.3)
+        tiles.push_back({length_m, 32});
+    const sea::RealizationPtr sea = testing::realized(testing::windy_sea(), tiles);
+    auto reversed = std::make_shared<sea::Realization>(*sea);
+    std::reverse(reversed->cascades.begin(), reversed->cascades.end());
+    double hs = 0, ours = 0, in_floats = 0;
+    for (const sea::CascadeModes& modes : sea->cascades)
+        hs += testing::energy_of(modes);
+    hs = 4 * std::sqrt(hs);
+    for (int i = 0; i < 50; ++i) {
+        std::vector<float> heights;
+        for (const sea::CascadeModes& modes : sea->cascades) {
+            auto one = std::make_shared<sea::Realization>();
+            one->cascades.push_back(modes);
+            heights.push_back(static_cast<float>(sea::DirectSum(one).at(13.0 * i, 5.0, 0).height));
+        }
+        const float forward = std::accumulate(heights.begin(), heights.end(), 0.0f);
+        const float backward = std::accumulate(heights.rbegin(), heights.rend(), 0.0f);
+        in_floats = std::max(in_floats, std::abs(static_cast<double>(forward) - backward));
+        ours = std::max(ours, std::abs(sea::DirectSum(sea).at(13.0 * i, 5.0, 0).height -
+                                       sea::DirectSum(reversed).at(13.0 * i, 5.0, 0).height));
+    }
+    EXPECT_LT(ours / hs, 1e-12);
+    EXPECT_GT(in_floats / hs, 1e-12);
+    record("eight cascades, forward and backward", "largest difference of heights over Hs",
+           in_floats / hs, ours / hs);
+}
+
+// 3 times a normal frame is the case's.
+TEST(HardCase, I7_the_frame_in_which_the_depth_changes_is_like_any_other) {
+    sea::SeaState shallow = testing::windy_sea();
+    shallow.depth_m = 12.0;
+    const sea::RealizationPtr deep_sea = testing::realized(testing::windy_sea(), {{200.0, 64}});
+    const sea::RealizationPtr shallow_sea = testing::realized(shallow, {{200.0, 64}});
+    const sea::TimeUs start = 1'000'000'000'000, frame = 16'667;
+    const auto change = sea::SeaTransition::create(deep_sea, shallow_sea, start, start + 2'000'000);
+    ASSERT_TRUE(change);
+    const sea::CascadeModes& modes = deep_sea->cascades[0];
+    double normal = 0, ours = 0, by_product = 0;
+    for (int i = 0; i < 30; ++i) {
+        const double x = 6.1 * i, y = 2.3 * i;
+        const auto height = [&](const sea::RealizationPtr& sea, sea::TimeUs t) {
+            return sea::DirectSum(sea).at(x, y, t).height;
+        };
+        const double before = height(deep_sea, start);
+        normal = std::max(normal, std::abs(before - height(deep_sea, start - frame)));
+        ours = std::max(ours, std::abs(height(change->at(start + frame), start + frame) - before));
+        // The same waves with the phases that the new frequencies alone would have brought them to.
+        double jumped = 0;
+        for (std::size_t m = 0; m < modes.h0.size(); ++m) {
+            const double k = modes.spec.wavenumber_step_radpm();
+            const double kx = k * sea::signed_index(static_cast<int>(m % 64), 64);
+            const double ky = k * sea::signed_index(static_cast<int>(m / 64), 64);
+            const double omega = sea::omega_from_rate(shallow_sea->cascades[0].rate[m]);
+            const double phase =
+                kx * x + ky * y -
+                naive::phase_after_change(omega, sea::seconds_from_us(start + frame));
+            jumped +=
+                2 * (modes.h0[m].real() * std::cos(phase) - modes.h0[m].imag() * std::sin(phase));
+        }
+        by_product = std::max(by_product, std::abs(jumped - before));
+    }
+    EXPECT_LT(ours, 3 * normal);
+    EXPECT_GT(by_product, 3 * normal);
+    record("from 60 to 12 m deep after 1e6 s", "largest jump in a frame, m", by_product, ours);
+}
+
+// 0.1 to 1 % of correct seas may fail.
+TEST(HardCase, I8_a_gate_of_3_percent_fails_most_correct_seas_and_ours_none) {
+    const sea::CascadeSpec tile{500.0, 64};
+    const sea::SeaState state = testing::windy_sea();
+    const sea::Band band = sea::assign_bands(std::vector{tile})->front();
+    const double scatter = sea::expected_hs_scatter(state, tile, band);
+    const sea::Dispersion d = state.dispersion();
+    const double expected = 4 * std::sqrt(sea::requested_variance(state, d.omega(band.k_lo_radpm),
+                                                                  d.omega(band.k_hi_radpm)));
+    double ours = 0, three_percent = 0;
+    constexpr int seeds = 200;
+    for (std::uint64_t seed = 0; seed < seeds; ++seed) {
+        const sea::RealizationPtr sea = testing::realized(testing::windy_sea(5000 + seed), {tile});
+        const sea::CascadeModes& modes = sea->cascades[0];
+        double m0 = 0; // of this instant
+        for (std::size_t i = 0; i < 64 * 64; ++i)
+            m0 += std::norm(modes.h0[i] +
+                            std::conj(modes.h0[(64 - i / 64) % 64 * 64 + (64 - i % 64) % 64]));
+        const double off = std::abs(4 * std::sqrt(m0) / expected - 1);
+        ours += off > 3 * scatter;
+        three_percent += off > naive::hs_gate;
+    }
+    EXPECT_LE(ours / seeds, 0.01);
+    EXPECT_GT(three_percent / seeds, 0.3);
+    record("200 correct seas on a tile of 500 m", "share of them that the gate fails",
+           three_percent / seeds, ours / seeds);
 }
 
 // Wherever the second tile splits the plane: every wavenumber of the whole band lies in one cascade

@@ -138,4 +138,22 @@ RandomScene random_scene(std::uint64_t seed, int number) {
                                        draw.one_of({0.002, 0.01, 0.05}))};
 }
 
+std::string extreme_scene(std::uint64_t seed, int number) {
+    Draw draw(seed * 2'000'003 + static_cast<std::uint64_t>(number));
+    const int kind = number % extreme_count;
+    std::string text =
+        head(draw, kind == 0 ? draw.log_uniform(0.05, 10) : deep_m, draw.uniform(0, 1.2),
+             kind == 0 ? "" : fmt::format("height_scale = {:.3g}\n", draw.uniform(1, 2.5)));
+    if (kind != 1) // a breath of wind, and what is left of a swell
+        text += wind(draw, 0.3, 3) + swell(draw, draw.log_uniform(1e-6, 1e-3),
+                                           draw.log_uniform(0.3, 1.5), draw.log_uniform(1, 100));
+    if (kind != 0)
+        text += wind(draw, 40, 100) + swell(draw, draw.log_uniform(10, 40), draw.uniform(20, 30),
+                                            draw.log_uniform(1, 1000));
+    text += kind == 0 ? cascades(draw, draw.log_uniform(1, 30), 2, draw.uniform(3, 9))
+                      : cascades(draw, draw.log_uniform(3e3, 5e4), 3, draw.uniform(4, 12));
+    return text + fmt::format("[accuracy]\nheight_error_m = {}\n",
+                              kind == 0 ? draw.one_of({1e-4, 0.002}) : draw.one_of({0.01, 0.05}));
+}
+
 } // namespace seaway::tests

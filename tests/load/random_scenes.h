@@ -29,4 +29,9 @@ struct RandomScene {
 
 RandomScene random_scene(std::uint64_t seed, int number);
 
+/// Seas at the ends of what there is, one kind after the other: ripples of less than a millimetre on tiles
+/// of some metres; waves of 30 to 100 m, trough to crest, on tiles of many kilometres; both in one sea.
+std::string extreme_scene(std::uint64_t seed, int number);
+inline constexpr int extreme_count = 3;
+
 } // namespace seaway::tests

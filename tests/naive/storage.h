@@ -5,23 +5,16 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <span>
 #include <vector>
 
+#include "tools/bench/accuracy/half.h"
+
 namespace seaway::naive {
 
-/// C5, C7: what a half float keeps of a number (IEEE 754 binary16, to nearest).
+/// C5, C7: what a half float keeps of a number.
 inline float half(double value) {
-    if (value == 0 || !std::isfinite(value))
-        return static_cast<float>(value);
-    int exponent = 0;
-    std::frexp(value, &exponent);
-    const double ulp = std::ldexp(1.0, std::max(exponent, -13) - 11);
-    const double kept = std::nearbyint(value / ulp) * ulp;
-    return static_cast<float>(std::abs(kept) > 65504
-                                  ? std::copysign(std::numeric_limits<double>::infinity(), value)
-                                  : kept);
+    return bench::rounded_to_half(static_cast<float>(value));
 }
 
 /// C6: the same on a device that takes halves below the smallest normal one as zero.
@@ -38,6 +31,11 @@ inline std::vector<float> coded_by_range(std::span<const float> samples) {
     for (const float sample : samples)
         out.push_back(static_cast<float>(*least + step * std::nearbyint((sample - *least) / step)));
     return out;
+}
+
+/// F6: to the nearest multiple of twice the bound, in double; then it is a float.
+inline float quantised(double value, double error) {
+    return static_cast<float>(2 * error * std::nearbyint(value / (2 * error)));
 }
 
 /// F7: each frame coded as its difference to the frame before it, not to what was decoded of that:

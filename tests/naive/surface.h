@@ -43,6 +43,17 @@ inline double normal_z(const sea::LagrangianPoint& p) {
     return (1 + p.strain_xx) * (1 + p.strain_yy) - p.strain_xy * p.strain_xy;
 }
 
+/// D5: x = X + D where waves pile up at x = X - D: the other sign.
+inline Field turned(const Field& field) {
+    return [field](double X, double Y) {
+        sea::LagrangianPoint p = field(X, Y);
+        for (double* part :
+             {&p.displacement_x, &p.displacement_y, &p.strain_xx, &p.strain_yy, &p.strain_xy})
+            *part = -*part;
+        return p;
+    };
+}
+
 /// D7: the steepness from slopes alone, as if the grid had not moved. Along x.
 inline double angle_of_slope_rad(const sea::LagrangianPoint& p) {
     return std::atan(p.slope_x);

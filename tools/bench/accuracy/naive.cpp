@@ -42,19 +42,6 @@ sea::LagrangianPoint spline_point(const sea::SplineMap& map, double x_m, double 
 
 } // namespace
 
-float rounded_to_half(float value) {
-    constexpr float largest = 65504.0f;
-    if (!std::isfinite(value) || value == 0.0f)
-        return value;
-    if (std::abs(value) >= largest + 16.0f)
-        return std::copysign(std::numeric_limits<float>::infinity(), value);
-    constexpr int mantissa_bits = 11, exponent_min = -13; // 2^-14 is the smallest normal half
-    int exponent = 0;
-    std::frexp(value, &exponent);
-    const float ulp = std::ldexp(1.0f, std::max(exponent, exponent_min) - mantissa_bits);
-    return std::nearbyint(value / ulp) * ulp;
-}
-
 float rounded_to_snorm16(float value, float range) {
     if (!(range > 0.0f))
         return 0.0f;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // What Seaway does not do, done for the comparison: bilinear filtering, linear interpolation in time or
 // none, maps of 16 bits, a fixed number of fixed-point steps. Nothing outside the bench may use this.
+// Whole ways from maps to answers, whose cost and error the bench measures on real seas; tests/naive has
+// single mistakes, each beside the test of its hard case.
 //
 // Pure; thread-safe.
 #pragma once
@@ -13,11 +15,9 @@
 #include "sea/surface/maps/keyframe.h"
 #include "sea/surface/maps/spline_map.h"
 #include "tools/bench/accuracy/configuration.h"
+#include "tools/bench/accuracy/half.h"
 
 namespace seaway::bench {
-
-/// Nearest half (IEEE 754 binary16, subnormals kept) as a float; beyond 65504 infinite.
-float rounded_to_half(float value);
 
 /// Nearest of 65535 values evenly spread over +-range.
 float rounded_to_snorm16(float value, float range);
