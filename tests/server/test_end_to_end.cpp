@@ -17,6 +17,7 @@
 
 #include "client/client.h"
 #include "tests/support/airy_waves.h"
+#include "tests/support/folder.h"
 #include "tests/support/server_process.h"
 
 namespace seaway {
@@ -118,9 +119,8 @@ TEST_P(EndToEnd, stylised_waves_agree_with_the_exact_sum_on_every_device) {
 // cubic does between keyframes, u^3 sqrt(3)/216 of a wave of phase step u, and 1e-5 for single precision
 // and the spline; tiles add their codec, which keeps the same 1e-5 m: 1.5e-4 (measured 1e-4).
 TEST_P(EndToEnd, ten_waves_at_finite_depth_move_water_as_linear_theory_says) {
-    const std::string path = ::testing::TempDir() + "airy-" + GetParam() + ".toml";
     for (const tests::AiryWave& wave : tests::airy_waves) {
-        std::ofstream(path) << tests::airy_scene(wave, 1.0);
+        const std::string path = tests::folder().write("airy.toml", tests::airy_scene(wave, 1.0));
         tests::ServerProcess server({path, "--listen", "127.0.0.1:0", "--device", GetParam()});
         const std::string url = server.wait_until_ready();
         ASSERT_FALSE(url.empty()) << server.log();
@@ -158,7 +158,6 @@ TEST_P(EndToEnd, ten_waves_at_finite_depth_move_water_as_linear_theory_says) {
             velocity((*served)[i], hermite + 1e-5);
             velocity((*local)[i], hermite + 1.5e-4);
         }
-        std::filesystem::remove(path);
     }
 }
 

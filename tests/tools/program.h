@@ -3,7 +3,6 @@
 #pragma once
 
 #include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
@@ -13,37 +12,11 @@
 #include <iterator>
 #include <string>
 
+#include "tests/support/folder.h"
+
 namespace seaway::testing {
 
-/// A folder of this test process, removed at its end.
-class Folder {
-  public:
-    Folder()
-        : path_(std::filesystem::temp_directory_path() /
-                ("seaway-tools-" + std::to_string(getpid()))) {
-        std::filesystem::create_directories(path_);
-    }
-    ~Folder() {
-        std::error_code ignored;
-        std::filesystem::remove_all(path_, ignored);
-    }
-    Folder(const Folder&) = delete;
-    Folder& operator=(const Folder&) = delete;
-
-    std::string file(const std::string& name) const { return (path_ / name).string(); }
-    std::string write(const std::string& name, const std::string& text) const {
-        std::ofstream(file(name), std::ios::binary) << text;
-        return file(name);
-    }
-
-  private:
-    std::filesystem::path path_;
-};
-
-inline Folder& folder() {
-    static Folder the_folder;
-    return the_folder;
-}
+using tests::folder;
 
 inline std::string read_file(const std::string& path) {
     std::ifstream file(path, std::ios::binary);

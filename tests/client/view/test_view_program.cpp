@@ -11,6 +11,7 @@
 
 #include "server/net/server.h"
 #include "tests/client/wave_sea.h"
+#include "tests/support/folder.h"
 
 namespace seaway::client {
 namespace {
@@ -74,8 +75,7 @@ TEST(ViewProgram, draws_frames_from_streamed_tiles_at_the_height_of_the_true_sea
     options.listen = "127.0.0.1:0";
     auto net = server::NetServer::start(options, sea);
     ASSERT_TRUE(net) << net.error().message;
-    const std::filesystem::path folder =
-        std::filesystem::path(testing::TempDir()) / "seaway_view_frames";
+    const std::filesystem::path folder = tests::folder().file("frames");
     const Outcome outcome =
         run((*net)->url() + " --offscreen 96x64 --frames 2 --time 1000.5 --debug place" +
             " --camera 300,-200,8,70,-35 --out " + folder.string() + "/##.exr");
@@ -104,7 +104,6 @@ TEST(ViewProgram, draws_frames_from_streamed_tiles_at_the_height_of_the_true_sea
                 << "frame " << frame << " pixel " << i;
         }
     }
-    std::filesystem::remove_all(folder);
 }
 
 } // namespace

@@ -22,6 +22,7 @@
 #include "server/net/server.h"
 #include "tests/server/net/clients.h"
 #include "tests/server/simulation/small_sea.h"
+#include "tests/support/folder.h"
 
 namespace seaway::tests {
 

@@ -59,13 +59,8 @@ TEST_F(NetSession, versions_that_the_server_does_not_speak_end_the_session) {
 }
 
 TEST_F(NetSession, tokens_open_the_door_and_nothing_else_does) {
-    const std::string folder = ::testing::TempDir();
-    const auto write = [&](const std::string& name, const std::string& text) {
-        std::ofstream(folder + name) << text;
-        return folder + name;
-    };
-    options.client_token_file = write("client.token", "  open sesame \nsecond line\n");
-    options.admin_token_file = write("admin.token", "master\n");
+    options.client_token_file = folder().write("client.token", "  open sesame \nsecond line\n");
+    options.admin_token_file = folder().write("admin.token", "master\n");
     start();
     for (const auto& [token, allowed] : std::map<std::string, bool>{
              {"", false}, {"open", false}, {"open sesame", true}, {"master", true}, {"x", false}}) {

@@ -16,6 +16,7 @@
 
 #include "server/net/server.h"
 #include "tests/server/simulation/small_sea.h"
+#include "tests/support/folder.h"
 
 namespace seaway::tests {
 namespace {
@@ -107,8 +108,8 @@ class NetTls : public ::testing::Test {
     NetTls() {
         server::NetOptions options;
         options.listen = "127.0.0.1:0";
-        options.tls_cert_file = ::testing::TempDir() + "seaway_test_cert.pem";
-        options.tls_key_file = ::testing::TempDir() + "seaway_test_key.pem";
+        options.tls_cert_file = folder().file("cert.pem");
+        options.tls_key_file = folder().file("key.pem");
         make_certificate(options.tls_cert_file, options.tls_key_file);
         auto started = server::NetServer::start(options, host);
         EXPECT_TRUE(started.has_value()) << (started ? "" : started.error().message);
@@ -147,10 +148,10 @@ TEST_F(NetTls, versions_before_1_2_are_refused) {
 TEST_F(NetTls, a_key_of_another_certificate_is_one_helpful_line) {
     server::NetOptions options;
     options.listen = "127.0.0.1:0";
-    options.tls_cert_file = ::testing::TempDir() + "seaway_test_cert_a.pem";
-    options.tls_key_file = ::testing::TempDir() + "seaway_test_key_b.pem";
-    make_certificate(options.tls_cert_file, ::testing::TempDir() + "seaway_test_key_a.pem");
-    make_certificate(::testing::TempDir() + "seaway_test_cert_b.pem", options.tls_key_file);
+    options.tls_cert_file = folder().file("cert_a.pem");
+    options.tls_key_file = folder().file("key_b.pem");
+    make_certificate(options.tls_cert_file, folder().file("key_a.pem"));
+    make_certificate(folder().file("cert_b.pem"), options.tls_key_file);
     const auto started = server::NetServer::start(options, host);
     ASSERT_FALSE(started.has_value());
     EXPECT_NE(started.error().message.find("--tls-key"), std::string::npos);
