@@ -18,7 +18,8 @@ constexpr const char* footer =
     "One row a point: x_m,y_m,t_s,height_m,normal_x,normal_y,normal_z,velocity_x_mps,\n"
     "velocity_y_mps,velocity_z_mps,error_m,flags. error_m bounds the error of the height.\n"
     "flags is a sum: 1 folded (the highest sheet found; error_m is no bound), 2 not converged\n"
-    "(error_m covers it), 4 extrapolated (error_m is no bound), 8 invalid point, 16 exact.\n"
+    "(error_m covers it), 4 extrapolated (error_m is no bound), 8 invalid point, 16 exact,\n"
+    "32 vertical velocity alone.\n"
     "JSON is one array, with --watch one a line.\n"
     "Exit codes: 0 done, 2 usage or bad points, 5 cannot connect, lost or no answer in time,\n"
     "6 refused by the server.";

@@ -28,7 +28,7 @@ class MomentSheets final : public PatchSheets {
     DisplacementPatch patch(std::size_t cascade, const Box& box) const override;
 
     const DirectSum::Moment& moment_;
-    const InverseOptions& options_;
+    const InverseOptions options_;
     double blur_m_ = 0;
 };
 

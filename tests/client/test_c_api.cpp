@@ -47,6 +47,21 @@ TEST_F(CInterface, both_ways_to_ask_agree_within_the_bound) {
     EXPECT_GE(sea.clock().round_trip_us, 0);
 }
 
+// While the server looks at its clock at the end of a trip of 60 ms, half of it is mistaken for the way
+// back: 30 ms, until shorter trips come. Less than 10 s of them tell nothing of a drift.
+TEST_F(CInterface, what_the_clock_has_to_make_up_is_told_apart_from_its_drift) {
+    sea_served.late_ms = 60;
+    Sea sea(url);
+    const std::int64_t shown_us = sea.now_us();
+    sea_served.late_ms = 0;
+    ASSERT_TRUE(tests::eventually([&] { return sea.clock().slew_us < -10'000; }));
+    const seaway_clock_status clock = sea.clock();
+    EXPECT_LE(std::abs(clock.drift_ppm), 500);
+    EXPECT_GT(clock.round_trip_us, 0);
+    EXPECT_GE(clock.error_us, 0.5 * clock.round_trip_us);
+    EXPECT_GE(sea.now_us(), shown_us) << "it never runs backwards";
+}
+
 TEST_F(CInterface, a_failure_has_a_code_and_a_reason_and_writes_nothing) {
     seaway_client* client = nullptr;
     EXPECT_EQ(seaway_connect("nonsense", nullptr, &client), SEAWAY_BAD_ARGUMENT);

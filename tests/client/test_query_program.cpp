@@ -157,6 +157,7 @@ TEST(Output, flags_have_names_for_people) {
     EXPECT_EQ(
         flag_names(sea::answer_not_converged | sea::answer_extrapolated | sea::answer_invalid),
         "not_converged extrapolated invalid");
+    EXPECT_EQ(flag_names(sea::answer_vertical_velocity), "vertical_velocity");
 }
 
 struct Outcome {
@@ -263,6 +264,31 @@ TEST_F(Program, watches_until_it_is_stopped) {
         ++rows_seen;
     }
     EXPECT_GE(rows_seen, 2);
+}
+
+// As a clock does that was set to the time given when the first answer came.
+TEST_F(Program, watched_times_that_were_given_move_on_with_the_clock) {
+    const auto start = std::chrono::steady_clock::now();
+    const Outcome outcome =
+        run_program(net->url() + " --at 0,0 --time -3600 --watch 20 --format csv & "
+                                 "sleep 1; kill -TERM $!; wait $!");
+    const std::chrono::duration<double> ran = std::chrono::steady_clock::now() - start;
+    EXPECT_EQ(outcome.exit_code, 0);
+    std::istringstream lines(outcome.out);
+    std::vector<double> times_s;
+    for (std::string line; std::getline(lines, line);) {
+        std::istringstream fields(line);
+        std::string field;
+        for (int i = 0; i < 3; ++i)
+            std::getline(fields, field, ',');
+        if (field != "t_s")
+            times_s.push_back(std::stod(field));
+    }
+    ASSERT_GE(times_s.size(), 2u);
+    EXPECT_GE(times_s.front(), -3600);
+    for (std::size_t i = 1; i < times_s.size(); ++i)
+        EXPECT_GT(times_s[i], times_s[i - 1]);
+    EXPECT_LE(times_s.back(), -3600 + ran.count());
 }
 
 TEST_F(Program, fails_with_one_line_and_the_documented_exit_code) {

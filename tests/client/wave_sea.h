@@ -68,6 +68,7 @@ class WaveSea : public server::Host {
     std::atomic<bool> answer_queries = true;
     std::atomic<int> fetches = 0;
     std::atomic<int> queries = 0;
+    std::atomic<int> late_ms = 0; ///< it looks at its clock this much later than it is asked to
 
     sea::Answer truth(const sea::QueryPoint& point) const {
         const sea::DirectSum::Moment moment = sum_.at_time(point.time_us);
@@ -105,6 +106,7 @@ class WaveSea : public server::Host {
     // ---- Host ------------------------------------------------------------------------------
 
     sea::TimeUs sea_time_us() const override {
+        std::this_thread::sleep_for(std::chrono::milliseconds(late_ms));
         return start_us_ + std::chrono::duration_cast<std::chrono::microseconds>(
                                std::chrono::steady_clock::now() - started_)
                                .count();

@@ -52,6 +52,19 @@ TEST(PickDevice, an_index_or_a_part_of_a_name_picks) {
     EXPECT_EQ(*pick_device(three_devices, "uhd 7"), 1);
 }
 
+TEST(PickDevice, every_letter_may_be_large_or_small_on_either_side) {
+    for (char letter = 'a'; letter <= 'z'; ++letter) {
+        const std::string small(1, letter);
+        const std::string large(1, static_cast<char>(letter - 'a' + 'A'));
+        for (const std::string& name : {small, large})
+            for (const std::string& wish : {small, large})
+                EXPECT_TRUE(pick_device(
+                    std::vector{named(0, name.c_str(), VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU)},
+                    wish))
+                    << wish << " for " << name;
+    }
+}
+
 TEST(PickDevice, an_unknown_wish_lists_what_there_is) {
     EXPECT_THAT(pick_device(three_devices, "radeon").error().message, HasSubstr("2 = NVIDIA L4"));
     EXPECT_FALSE(pick_device(three_devices, "7"));

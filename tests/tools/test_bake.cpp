@@ -10,27 +10,19 @@
 
 #include <gmock/gmock.h>
 
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wold-style-cast"
-#pragma GCC diagnostic ignored "-Wshadow"
-#include <OpenEXR/ImfChannelList.h>
-#include <OpenEXR/ImfDoubleAttribute.h>
-#include <OpenEXR/ImfFrameBuffer.h>
-#include <OpenEXR/ImfHeader.h>
-#include <OpenEXR/ImfInputFile.h>
-#include <OpenEXR/ImfStringAttribute.h>
-#pragma GCC diagnostic pop
-
 #include "sea/basics/field.h"
 #include "sea/scene/scene.h"
 #include "sea/surface/inverse.h"
 #include "sea/waves/realize.h"
 #include "sea/waves/reference.h"
+#include "sea/waves/statistics/moments.h"
+#include "tests/tools/exr_file.h"
 #include "tests/tools/program.h"
 
 namespace seaway {
 namespace {
 
+using testing::ExrFile;
 using ::testing::HasSubstr;
 using testing::Output;
 
@@ -62,39 +54,6 @@ sea::Scene small_scene() {
         cascade.size = 64;
     return scene;
 }
-
-/// One file, read back; values as float whatever they are in the file.
-class ExrFile {
-  public:
-    explicit ExrFile(const std::string& path) : file_(path.c_str()) {}
-
-    int size() const { return file_.header().dataWindow().max.x + 1; }
-    bool has(const std::string& channel) const {
-        return file_.header().channels().findChannel(channel) != nullptr;
-    }
-    Imf::PixelType type(const std::string& channel) const {
-        return file_.header().channels().findChannel(channel)->type;
-    }
-    double number(const std::string& name) const {
-        return file_.header().typedAttribute<Imf::DoubleAttribute>(name).value();
-    }
-    std::string text(const std::string& name) const {
-        return file_.header().typedAttribute<Imf::StringAttribute>(name).value();
-    }
-    std::vector<float> values(const std::string& channel) {
-        const auto n = static_cast<std::size_t>(size());
-        std::vector<float> pixels(n * n);
-        Imf::FrameBuffer buffer;
-        buffer.insert(channel, Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(pixels.data()),
-                                          sizeof(float), sizeof(float) * n));
-        file_.setFrameBuffer(buffer);
-        file_.readPixels(0, size() - 1);
-        return pixels;
-    }
-
-  private:
-    Imf::InputFile file_;
-};
 
 Output run_bake(const std::string& arguments) {
     const std::string scene = testing::folder().write("bake.toml", scene_text);
@@ -186,6 +145,21 @@ TEST(Bake, attributes_say_what_one_has_to_know) {
     EXPECT_NEAR(mean, 1.0, 0.5); // one small tile at one moment holds a dozen crests
 }
 
+TEST(Bake, attributes_tell_the_sea_that_was_asked_for_from_the_one_that_was_drawn) {
+    const std::string out = testing::folder().file("statistics");
+    ASSERT_EQ(run_bake("--out " + out + " --frames 1 --fps 1 --size 64 --fields height").status, 0);
+    ExrFile file(out + "/cascade0.00000.exr");
+    const sea::Scene scene = small_scene();
+    const sea::SeaSummary summary = sea::summarize(scene.sea, sea::realize(scene).value());
+    EXPECT_EQ(file.number("seaway.requested_hs_m"), summary.requested.significant_height_m);
+    EXPECT_EQ(file.number("seaway.requested_tp_s"), summary.requested.peak_period_s);
+    EXPECT_EQ(file.number("seaway.hs_m"), summary.realised.significant_height_m);
+    EXPECT_EQ(file.number("seaway.tp_s"), summary.realised.peak_period_s);
+    EXPECT_EQ(file.number("seaway.tz_s"), summary.realised.zero_crossing_period_s);
+    EXPECT_EQ(file.number("seaway.tm01_s"), summary.realised.mean_period_s);
+    EXPECT_NE(summary.requested.peak_period_s, summary.realised.peak_period_s) << "told apart";
+}
+
 // A frame of 1/24 s is no whole number of microseconds: what it is rounded by must not add up.
 TEST(Bake, frames_lie_at_their_times_to_the_microsecond_without_drift) {
     const std::string out = testing::folder().file("times");
@@ -268,6 +242,21 @@ TEST(Bake, summed_tile_is_the_sea_of_all_cascades) {
         mean += static_cast<double>(coverage) / (64 * 64);
     }
     EXPECT_GT(mean, 0.0);
+}
+
+TEST(Bake, summed_tile_is_as_fine_as_its_finest_cascade) {
+    for (const auto& [first, second] : {std::pair{64, 128}, std::pair{128, 64}}) {
+        const std::string scene = testing::folder().write(
+            "sizes.toml", "[sea]\n[[cascade]]\nlength_m = 401\nsize = " + std::to_string(first) +
+                              "\n[[cascade]]\nlength_m = 83\nsize = " + std::to_string(second) +
+                              "\n");
+        const std::string out = testing::folder().file("sizes");
+        const Output ran = testing::run_program("seaway-bake", scene + " --out " + out +
+                                                                   " --frames 1 --fps 1 --summed "
+                                                                   "--fields height");
+        ASSERT_EQ(ran.status, 0) << ran.err;
+        EXPECT_EQ(ExrFile(out + "/sea.00000.exr").size(), 128) << first << ", then " << second;
+    }
 }
 
 TEST(Bake, rgb_is_where_a_point_goes_in_the_frame_of_the_reader) {

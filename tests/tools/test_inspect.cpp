@@ -109,6 +109,32 @@ TEST(Inspect, json_report_is_what_the_library_computes) {
     check(report.at("realised"), summary.realised);
 }
 
+TEST(Inspect, the_text_says_what_the_json_says_requested_and_realised) {
+    const Output text = run_program("seaway-inspect", gale);
+    ASSERT_EQ(text.status, 0) << text.err;
+    const json report = report_of(gale);
+    const std::pair<const char*, const char*> rows[] = {{"significant height Hs", "hs_m"},
+                                                        {"peak period Tp", "tp_s"},
+                                                        {"zero-crossing period Tz", "tz_s"},
+                                                        {"mean period Tm01", "tm01_s"},
+                                                        {"mean direction, from", "mean_from_deg"},
+                                                        {"directional spread", "spread_deg"},
+                                                        {"mean square slope", "mss"}};
+    for (const auto& [name, key] : rows) {
+        const std::size_t row = text.out.find(std::string("\n") + name);
+        ASSERT_NE(row, std::string::npos) << name;
+        double requested = 0, realised = 0;
+        const std::string numbers = text.out.substr(row + 1 + 28, 24);
+        ASSERT_EQ(std::sscanf(numbers.c_str(), "%lf %lf", &requested, &realised), 2) << numbers;
+        const double asked = report["requested"][key], made = report["realised"][key];
+        // Four digits are printed.
+        const double rounding = 0.51 * std::pow(10.0, std::floor(std::log10(made)) - 3);
+        EXPECT_NEAR(requested, asked, rounding) << name;
+        EXPECT_NEAR(realised, made, rounding) << name;
+        EXPECT_GT(std::abs(asked - made), 2 * rounding) << name << ": told apart";
+    }
+}
+
 TEST(Inspect, variances_of_cascades_and_losses_add_up_to_the_whole) {
     const json report = report_of(gale);
     double carried = 0.0;

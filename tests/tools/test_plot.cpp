@@ -28,6 +28,21 @@ TEST(Plot, slanted_line_paints_its_length_times_its_width) {
     EXPECT_NEAR(darkness(canvas), 3.0 * length + caps, 4.0);
 }
 
+TEST(Plot, a_curve_is_dashed_alike_however_many_points_it_has) {
+    const auto drawn = [](int points, double dash_px) {
+        std::vector<Point> curve;
+        for (int i = 0; i < points; ++i)
+            curve.push_back({10.0 + 180.0 * i / (points - 1), 20.0});
+        Canvas canvas(200, 40);
+        canvas.line(curve, {black, 2.0, dash_px});
+        return darkness(canvas);
+    };
+    const double solid = drawn(2, 0), dashed = drawn(2, 6);
+    EXPECT_LT(dashed, 0.75 * solid) << "gaps as long as dashes, less their round ends";
+    for (const int points : {3, 50, 600})
+        EXPECT_NEAR(drawn(points, 6), dashed, 0.02 * solid) << points;
+}
+
 TEST(Plot, joints_of_a_translucent_line_are_painted_once) {
     Canvas canvas(60, 60);
     const std::vector<Point> corner{{10, 30}, {30, 30}, {30, 50}};

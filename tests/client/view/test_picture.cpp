@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <filesystem>
+#include <algorithm>
 
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfInputFile.h>
@@ -8,6 +8,7 @@
 
 #include "client/view/picture.h"
 #include "client/view/view_options.h"
+#include "tests/support/folder.h"
 
 namespace seaway::client {
 namespace {
@@ -20,14 +21,10 @@ Picture ramp() {
     return picture;
 }
 
-std::string temporary(const char* name) {
-    return (std::filesystem::path(testing::TempDir()) / name).string();
-}
-
 TEST(Picture, png_reads_back_as_the_bytes_shown) {
     const Picture picture = ramp();
     const Display display{DebugView::final, 2.0, 1.0};
-    const std::string path = temporary("view_ramp.png");
+    const std::string path = tests::folder().file("view_ramp.png");
     ASSERT_TRUE(write_png(picture, display, path));
     png_image image{};
     image.version = PNG_IMAGE_VERSION;
@@ -37,12 +34,11 @@ TEST(Picture, png_reads_back_as_the_bytes_shown) {
     ASSERT_NE(png_image_finish_read(&image, nullptr, bytes.data(), 0, nullptr), 0);
     EXPECT_EQ(image.width, 16u);
     EXPECT_EQ(bytes, to_srgb(picture, display));
-    std::filesystem::remove(path);
 }
 
 TEST(Picture, exr_keeps_every_number) {
     const Picture picture = ramp();
-    const std::string path = temporary("view_ramp.exr");
+    const std::string path = tests::folder().file("view_ramp.exr");
     ASSERT_TRUE(write_exr(picture, path));
     std::vector<float> green(16 * 4);
     Imf::InputFile file(path.c_str());
@@ -53,7 +49,6 @@ TEST(Picture, exr_keeps_every_number) {
     file.readPixels(0, 3);
     for (std::size_t i = 0; i < green.size(); ++i)
         EXPECT_EQ(green[i], picture.rgba[4 * i + 1]);
-    std::filesystem::remove(path);
 }
 
 TEST(Picture, a_path_that_cannot_be_written_is_named) {
@@ -81,6 +76,19 @@ TEST(Picture, exposure_meets_middle_grey_but_stays_near_the_light) {
     Picture grey{8, 8, std::vector<float>(8 * 8 * 4, 2.0f)};
     EXPECT_NEAR(metered_exposure(grey, 10.0) * 2.0, 0.18, 1e-6);
     EXPECT_NEAR(metered_exposure(grey, 0.1), 3.0, 1e-6) << "0.9 / 0.1 over the range of 3";
+}
+
+// A path of glitter in the picture must not darken the rest: brighter than white is white.
+TEST(Picture, the_suns_glitter_weighs_no_more_than_a_white_sheet) {
+    constexpr double white = 10.0;
+    Picture sea{8, 8, std::vector<float>(8 * 8 * 4, 2.0f)};
+    const auto with_glint_of = [&](float radiance) {
+        Picture glitter = sea;
+        std::fill_n(glitter.rgba.begin(), 4, radiance);
+        return metered_exposure(glitter, white);
+    };
+    EXPECT_EQ(with_glint_of(1e6f), with_glint_of(10.0f));
+    EXPECT_LT(with_glint_of(10.0f), with_glint_of(5.0f)) << "up to white it counts";
 }
 
 TEST(DebugViews, are_found_by_name_and_cascades_by_number) {

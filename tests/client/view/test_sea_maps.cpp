@@ -48,7 +48,8 @@ TEST(SeaMaps, the_last_mip_knows_the_mean_square_slope) {
         << "whole waves: no mean slope";
 }
 
-/// A foam map of a cascade: rises by `step` a texel along x, starting at `first`.
+/// A foam map of a cascade: rises by `step` a texel along x and a quarter of it along y, starting at
+/// `first`.
 sea::KeyframePtr foam_ramp(const sea::CascadeSpec& spec, sea::TimeUs time_us, float first,
                            float step) {
     sea::Keyframe keyframe;
@@ -57,9 +58,10 @@ sea::KeyframePtr foam_ramp(const sea::CascadeSpec& spec, sea::TimeUs time_us, fl
     keyframe.length_m = spec.length_m;
     keyframe.fields = {sea::Field::foam};
     keyframe.values.resize(keyframe.plane_size());
+    const auto side = static_cast<std::size_t>(spec.size);
     for (std::size_t i = 0; i < keyframe.values.size(); ++i)
         keyframe.values[i] =
-            first + step * static_cast<float>(i % static_cast<std::size_t>(spec.size));
+            first + step * (static_cast<float>(i % side) + 0.25f * static_cast<float>(i / side));
     return std::make_shared<const sea::Keyframe>(std::move(keyframe));
 }
 
@@ -75,9 +77,9 @@ TEST(SeaMaps, foam_is_linear_in_space_and_time_and_its_last_mip_is_the_mean) {
     for (const int x : {0, 2, 31, 124}) // a node is half a texel of the foam map
         for (const int y : {0, 77})
             EXPECT_FLOAT_EQ(maps.displacement[4u * static_cast<std::size_t>(y * 128 + x) + 3],
-                            1.0f + 0.25f * static_cast<float>(x));
+                            1.0f + 0.25f * static_cast<float>(x) + 0.0625f * static_cast<float>(y));
     // 0 .. 63 texels, half a node's step more in the mean, but for the seam back to the first.
-    EXPECT_NEAR(static_cast<double>(maps.displacement.back()), 1.0 + 0.5 * 31.5, 1e-3);
+    EXPECT_NEAR(static_cast<double>(maps.displacement.back()), 1.0 + 0.625 * 31.5, 1e-3);
 }
 
 TEST(SeaMaps, statistics_are_those_of_the_wave) {

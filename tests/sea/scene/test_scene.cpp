@@ -174,6 +174,9 @@ TEST(Scene, warnings_say_what_the_picture_will_not_show) {
     const std::string tile = "\n[[cascade]]\nlength_m=1250\nsize=128\n";
     EXPECT_THAT(warnings(beam + "2000" + tile), HasSubstr("its waves are few on these tiles"));
     EXPECT_THAT(warnings("[sea]\nchoppiness = 3\n" + steep_waves), HasSubstr("fold about"));
+    for (const char* one_axis : {"[3, 0.1]", "[0.1, 3]"})
+        EXPECT_THAT(warnings(fmt::format("[sea]\nchoppiness = {}\n", one_axis) + steep_waves),
+                    HasSubstr("choppiness 3 "));
     EXPECT_THAT(warnings("[sea]\n" + steep_waves), ::testing::Not(HasSubstr("fold about")));
     EXPECT_THAT(warnings(beam + "10" + tile), ::testing::Not(HasSubstr("few on these tiles")));
     EXPECT_EQ(warnings("[sea]\n"), "");
@@ -279,6 +282,24 @@ TEST(Scene, every_value_that_is_given_stands_in_the_effective_scene) {
         std::istringstream lines(text);
         for (std::string line; std::getline(lines, line);)
             EXPECT_THAT(effective, HasSubstr("\n" + line + "\n"));
+    }
+}
+
+// Notes may hold anything, also what would end the table in the text that is written.
+TEST(Scene, notes_in_a_table_wherever_they_begin_are_not_in_the_effective_scene) {
+    const std::string rows = "f_hz,df_hz,s_m2_hz\n0.1,0.01,3\n0.11,0.01,4\n";
+    for (const char* note : {"# ours: '''\n", "   # ours: '''\n", "\t# ours\r\n", " \t \n"}) {
+        const auto scene = parse_scene(
+            fmt::format("[sea]\n[[sea.system]]\ntype = \"measured\"\nfrom_deg = 10\ndata = "
+                        "\"\"\"\n{0}{1}{0}\"\"\"\n",
+                        note, rows),
+            "s", "");
+        ASSERT_TRUE(scene) << scene.error().message;
+        const std::string effective = to_toml(*scene);
+        EXPECT_THAT(effective, ::testing::Not(HasSubstr("ours")));
+        const auto again = parse_scene(effective, "again", "");
+        ASSERT_TRUE(again) << again.error().message << "\n" << effective;
+        EXPECT_EQ(to_toml(*again), effective);
     }
 }
 

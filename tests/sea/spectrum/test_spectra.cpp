@@ -223,6 +223,11 @@ TEST(Spectra, A13_I27_huge_fetch_is_clamped_at_full_development_and_says_so) {
     const auto farther = FrequencySpectrum::jonswap_by_wind(10.0, 1e12, 3.3, 9.81);
     EXPECT_TRUE(far.growth_clamped());
     EXPECT_FALSE(FrequencySpectrum::jonswap_by_wind(10.0, 1e5, 3.3, 9.81).growth_clamped());
+    // An endless fetch asks for full development: nothing is held back.
+    const auto endless = FrequencySpectrum::jonswap_by_wind(
+        10.0, std::numeric_limits<double>::infinity(), 3.3, 9.81);
+    EXPECT_FALSE(endless.growth_clamped());
+    EXPECT_EQ(endless.density(0.9), far.density(0.9));
     EXPECT_EQ(far.density(0.9), farther.density(0.9));
     EXPECT_NEAR(far.peak_omega_radps(), two_pi * 0.13 * 0.981, 1e-9);
     const auto grown = FrequencySpectrum::pierson_moskowitz(10.0 * wind_19m5_over_10m, 9.81);

@@ -120,6 +120,18 @@ TEST(Inverse, d7_normal_is_that_of_the_displaced_surface) {
     }
 }
 
+// What a metre sideways costs of the height: the tangent of the tilt, not its sine.
+TEST(Inverse, the_slope_of_an_answer_is_the_tangent_of_its_tilt) {
+    for (const double slope : {0.0, 0.1, 1.0, 3.0})
+        for (const double direction_rad : {0.0, 2.0, -1.0}) {
+            Answer answer;
+            answer.normal[2] = 1.0 / std::hypot(1.0, slope);
+            answer.normal[0] = -slope * std::cos(direction_rad) * answer.normal[2];
+            answer.normal[1] = -slope * std::sin(direction_rad) * answer.normal[2];
+            EXPECT_NEAR(surface_slope(answer), slope, 1e-12);
+        }
+}
+
 // G9: a loop that waits for |residual| < tolerance never ends on NaN.
 TEST(Inverse, g9_point_that_is_not_a_number_is_refused_by_flag) {
     const Trochoid wave{0.5};

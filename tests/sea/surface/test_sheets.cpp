@@ -308,6 +308,39 @@ TEST(Sheets, a_map_says_how_many_bytes_it_holds) {
     }
 }
 
+// Both keyframes lie still and folds lie between them: each moves the water the same way until their
+// middle. Weighed with their signs, the two rates would bound nothing there.
+TEST(Sheets, sheets_that_only_time_rates_make_between_two_keyframes_are_found) {
+    constexpr double k_radpm = 2 * two_pi / 64;
+    constexpr TimeUs after_us = 1'000'000;
+    // D = -1.5 / k sin(k X) half-way: two rates, an eighth of the interval each.
+    constexpr double rate_mps = 4 * 1.5 / k_radpm;
+    const auto keyframe = [&](TimeUs time_us, double sign) {
+        Keyframe map;
+        map.time_us = time_us;
+        map.size = 64;
+        map.length_m = 64.0;
+        map.fields = surface_fields;
+        map.values.resize(6 * map.plane_size());
+        for (std::size_t i = 0; i < map.plane_size(); ++i) {
+            const double phase = k_radpm * static_cast<double>(i % 64);
+            map.plane(Field::height)[i] = static_cast<float>(1 - std::cos(phase));
+            map.plane(Field::displacement_x_rate)[i] =
+                static_cast<float>(sign * rate_mps * std::sin(phase));
+        }
+        return std::make_shared<const SplineMap>(map);
+    };
+    const Surface surface({{keyframe(0, -1), keyframe(after_us, 1)}}, {1, 1}, {.reach_m = 10.0},
+                          {});
+    // Above x = 0 stand three sheets: k X = 0, and k X = 1.5 sin(k X), where cos(k X) = 0.075.
+    for (double x_m = -0.5; x_m <= 0.5; x_m += 0.0625) {
+        const Answer answer = surface.answer({x_m, 3.0, after_us / 2});
+        EXPECT_GT(answer.height_m, 0.9) << x_m;
+        EXPECT_EQ(answer.flags & answer_folded, answer_folded) << x_m;
+        EXPECT_EQ(surface.answer({x_m, 3.0, 0}).flags & answer_folded, 0u) << x_m;
+    }
+}
+
 // A calm sea must not pay: windows alone tell that there is one sheet.
 TEST(Sheets, a_sea_that_does_not_fold_is_never_searched) {
     const FoldingSea sea({0.5, 0.5});
@@ -341,6 +374,26 @@ TEST(Sheets, what_a_coarse_tile_misses_flags_no_answer_where_nothing_folds) {
     std::uniform_real_distribution<double> place(-5e3, 5e3);
     for (int i = 0; i < 500; ++i)
         EXPECT_EQ(surface.answer({place(random), place(random), 0}).flags & answer_folded, 0u);
+}
+
+// How far other sheets are looked for: over shallow water orbits are flat, and reach further.
+TEST(Sheets, the_reach_of_a_cascade_is_that_of_its_displacements_at_any_depth) {
+    for (const double depth_m : {deep_water_m, 10.0, 1.0}) {
+        CascadeModes modes = tests::random_cascade(100.0, 64, 9, 60, 0.04, 5);
+        modes.depth_m = depth_m;
+        const DirectSum sum(tests::make_sea({modes}));
+        const DirectSum::Moment moment = sum.at_time(moment_us);
+        double squares = 0; // over the nodes of a lattice that holds the waves: exact
+        for (int y = 0; y < 32; ++y)
+            for (int x = 0; x < 32; ++x) {
+                const LagrangianPoint p = moment.at(x * 100.0 / 32, y * 100.0 / 32);
+                squares +=
+                    p.displacement_x * p.displacement_x + p.displacement_y * p.displacement_y;
+            }
+        const double rms_m = std::sqrt(squares / (32 * 32));
+        // Six standard deviations of waves of random phases (sea/waves/reference.h).
+        EXPECT_NEAR(moment.patch_scale(0).displacement_m, 6 * rms_m, 1e-9 * rms_m) << depth_m;
+    }
 }
 
 TEST(Sheets, a_patch_of_the_exact_sum_is_the_exact_sum) {

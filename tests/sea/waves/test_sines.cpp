@@ -147,6 +147,14 @@ TEST(Sines, a_list_is_what_it_says_in_metres_degrees_and_metres_a_second) {
     const Scene off = scene_of("length_m = 400\ndata = '''\n"
                                "wavelength_m,amplitude_m,from_deg,phase_rad\n74,1,270,0\n'''\n");
     EXPECT_THAT(scene_warnings(off), Contains(HasSubstr("changed by up to 8 % in length")));
+    // Half a degree to either side of a wave that fits, whichever way it runs: no more than that.
+    for (const double from_deg : {89.5, 90.5, 179.5, 180.5, 269.5, 270.5, 359.5, 0.5})
+        EXPECT_THAT(scene_warnings(scene_of(fmt::format(
+                        "length_m = 400\ndata = '''\nwavelength_m,amplitude_m,from_deg,phase_rad\n"
+                        "20,1,{},0\n'''\n",
+                        from_deg))),
+                    ::testing::Not(Contains(HasSubstr("changed by"))))
+            << from_deg;
     EXPECT_THAT(error_of("shape = \"noise\"\n" + plain), HasSubstr("noise has ramps only"));
     EXPECT_THAT(error_of("count = 3\n" + plain), HasSubstr("count: belongs to ramps"));
     EXPECT_THAT(error_of("length_m = 400\ndata = '''\n50,1.5,270,0.4\n'''\n"),

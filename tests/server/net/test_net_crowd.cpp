@@ -108,6 +108,23 @@ TEST_F(NetCrowd, who_goes_in_the_middle_of_a_question_is_known_to_have_gone_and_
     EXPECT_TRUE(other->receive(Body::Pong));
 }
 
+TEST_F(NetCrowd, maps_however_they_end_leave_no_connection_behind) {
+    host.maps_ready = true;
+    start();
+    for (int i = 0; i < 3; ++i) {
+        const HttpAnswer map = get("/v1/map");
+        EXPECT_EQ(map.status, 200);
+        EXPECT_EQ(map.body.size(), SmallSea::map_chunks * SmallSea::map_chunk_bytes);
+        EXPECT_EQ(get("/v1/map", "HEAD").status, 200) << "before a row of it is made";
+        RawPeer leaves(port());
+        leaves.say("GET /v1/map HTTP/1.1\r\nHost: x\r\n\r\n");
+        leaves.reset();
+    }
+    EXPECT_TRUE(eventually([&] { return metric("seaway_net_connections") == 1; }))
+        << "the one that asks";
+    EXPECT_EQ(*host.maps_alive, 0);
+}
+
 TEST_F(NetCrowd, a_map_that_is_never_ready_is_let_go_when_the_server_stops) {
     start();
     RawPeer peer(port());

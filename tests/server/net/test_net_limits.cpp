@@ -224,6 +224,51 @@ TEST_F(NetLimits, half_a_request_is_waited_for_until_the_deadline_and_whole_ones
     EXPECT_TRUE(half.ended_in_order());
 }
 
+TEST_F(NetLimits, connections_up_to_the_limit_are_taken_and_one_more_is_closed_at_once) {
+    options.connections_max = 2;
+    options.http_deadline = std::chrono::seconds(20); // who says nothing stays for that long
+    start();
+    auto first = std::make_unique<RawPeer>(port());
+    const RawPeer second(port());
+    RawPeer one_more(port());
+    EXPECT_TRUE(one_more.closed_by_server());
+    first->reset();
+    std::string page;
+    ASSERT_TRUE(eventually([&] {
+        RawPeer asks(port());
+        asks.say("GET /metrics HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n");
+        page = asks.rest();
+        return page.starts_with("HTTP/1.1 200");
+    })) << "a place that came back";
+    EXPECT_NE(page.find("\nseaway_net_connections_accepted_total 3\n"), std::string::npos)
+        << "the first, the second and the one that asks:\n"
+        << page;
+}
+
+// What went over the wire, counted on the other side of it.
+TEST_F(NetLimits, bytes_and_messages_are_counted_each_way) {
+    start();
+    Client client(port());
+    ASSERT_FALSE(client.connect());
+    const protocol::Bytes asked[] = {protocol::hello("counts", ""), protocol::ping(1, 2),
+                                     protocol::ping(2, 3), protocol::ping(3, 4)};
+    double asked_bytes = 0;
+    for (const protocol::Bytes& message : asked) {
+        ASSERT_FALSE(client.send(message));
+        asked_bytes += static_cast<double>(message.size());
+    }
+    const double answered_bytes = static_cast<double>(
+        protocol::welcome(1, "seaway " SEAWAY_VERSION, 0).size() +
+        SmallSea::state_message(0)->size() + 3 * protocol::pong(1, 2, 0).size());
+    for (const wire::Body kind : {wire::Body::Welcome, wire::Body::SeaState, wire::Body::Pong,
+                                  wire::Body::Pong, wire::Body::Pong})
+        ASSERT_TRUE(client.receive(kind));
+    EXPECT_EQ(metric("seaway_net_messages_received_total"), 4);
+    EXPECT_EQ(metric("seaway_net_received_bytes_total"), asked_bytes);
+    EXPECT_EQ(metric("seaway_net_messages_sent_total"), 5);
+    EXPECT_EQ(metric("seaway_net_sent_bytes_total"), answered_bytes);
+}
+
 TEST(Refusals, each_kind_has_its_wire_code_and_its_status) {
     using server::Refusal;
     const auto is = [](const Error& error, ErrorCode code, unsigned status) {
@@ -284,9 +329,7 @@ TEST_F(NetLimits, subscribers_of_different_quality_get_each_keyframe_once_in_the
 class NetTokens : public NetLimits {
   protected:
     std::string file(const std::string& name, const std::string& text) {
-        const std::string path = ::testing::TempDir() + "limits_" + name;
-        std::ofstream(path) << text;
-        return path;
+        return folder().write("limits_" + name, text);
     }
     /// 0: came in; else the code of the close.
     unsigned knock(std::string_view token) {

@@ -227,6 +227,27 @@ TEST(Outbox, fetched_and_streamed_tiles_take_turns) {
     EXPECT_EQ(outbox.fetches_waiting(), 0);
 }
 
+// An encoded keyframe holds the maps of everybody; a session waits for its own.
+TEST(Outbox, only_the_maps_that_will_be_sent_count_as_bytes_and_all_of_them_come_back) {
+    Outbox outbox;
+    auto both = std::make_shared<EncodedKeyframe>(*parcel(1, 0, 2, limits::fetch_bytes_max / 8));
+    both->fields.insert(sea::Field::foam);
+    both->maps.push_back({.field = sea::Field::foam, .error = 0, .parts = {}});
+    both->maps[1].parts.assign(3, message(limits::fetch_bytes_max / 4));
+    const EncodedKeyframePtr keyframe = both;
+    for (int fetch = 0; fetch < 10; ++fetch) {
+        ASSERT_TRUE(outbox.push_fetched(std::span(&keyframe, 1), height, message(8))) << fetch;
+        EXPECT_EQ(outbox.bytes_waiting(), limits::fetch_bytes_max / 4 + 8);
+        int messages = 0;
+        while (outbox.next())
+            ++messages;
+        EXPECT_EQ(messages, 3);
+        EXPECT_EQ(outbox.bytes_waiting(), 0u);
+    }
+    outbox.push_keyframe(keyframe, height);
+    EXPECT_EQ(outbox.bytes_waiting(), limits::fetch_bytes_max / 4) << "streamed ones likewise";
+}
+
 TEST(Outbox, a_waiting_keyframe_is_replaced_by_a_newer_one_of_its_cascade_only) {
     Outbox outbox;
     outbox.set_credit(1);

@@ -134,7 +134,7 @@ class SmallSea : public server::Host {
             unanswered.push_back([done, out] { done(out); });
     }
     void map(server::MapQuery, Mapped done) override {
-        done(std::unique_ptr<server::ByteSource>(std::make_unique<NeverReady>(maps_alive)));
+        done(std::unique_ptr<server::ByteSource>(std::make_unique<Map>(maps_alive, maps_ready)));
     }
     std::string state_json() const override { return "{\"sea\":1}"; }
     std::string plan_json() const override { return "{\"plan\":1}"; }
@@ -146,20 +146,29 @@ class SmallSea : public server::Host {
     std::vector<std::function<void()>> unanswered;
     std::vector<server::Asker> askers; ///< of every question, in order
     std::shared_ptr<std::atomic<int>> maps_alive = std::make_shared<std::atomic<int>>(0);
+    std::atomic<bool> maps_ready = false; ///< else their rows never come
+
+    static constexpr std::size_t map_chunk_bytes = 500, map_chunks = 2;
 
   private:
-    /// A map whose rows never come.
-    class NeverReady final : public server::ByteSource {
+    class Map final : public server::ByteSource {
       public:
-        explicit NeverReady(std::shared_ptr<std::atomic<int>> alive) : alive_(std::move(alive)) {
+        Map(std::shared_ptr<std::atomic<int>> alive, bool ready)
+            : alive_(std::move(alive)), left_(ready ? map_chunks : 0) {
             ++*alive_;
         }
-        ~NeverReady() override { --*alive_; }
-        std::uint64_t size() const override { return 1000; }
-        std::vector<std::uint8_t> next() override { return {}; }
+        ~Map() override { --*alive_; }
+        std::uint64_t size() const override { return map_chunks * map_chunk_bytes; }
+        std::vector<std::uint8_t> next() override {
+            if (left_ == 0)
+                return {};
+            --left_;
+            return std::vector<std::uint8_t>(map_chunk_bytes, 'm');
+        }
 
       private:
         std::shared_ptr<std::atomic<int>> alive_;
+        std::size_t left_;
     };
 };
 

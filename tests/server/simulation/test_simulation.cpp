@@ -327,6 +327,17 @@ TEST(Simulation, more_questions_than_may_wait_are_refused_at_once_and_the_rest_a
     EXPECT_EQ(answered, static_cast<int>(questions_waiting_max));
 }
 
+TEST(EffectCosts, time_beside_the_transforms_is_that_of_one_effect_of_one_cascade) {
+    EffectCosts costs({64, 32, 16});
+    costs.add_seconds(1, sea::Field::foam, 0.5);
+    costs.add_seconds(1, sea::Field::foam, 0.25);
+    for (std::size_t cascade = 0; cascade < 3; ++cascade)
+        for (std::size_t effect = 0; effect < effect_table().size(); ++effect)
+            EXPECT_EQ(costs.cost(cascade, effect).device_seconds,
+                      cascade == 1 && effect_table()[effect].name == "foam" ? 0.75 : 0.0)
+                << cascade << ' ' << effect_table()[effect].name;
+}
+
 TEST(EffectPlan, is_the_union_of_demand_within_what_the_scene_allows) {
     const RunningSeaPtr sea = running_sea();
     const FieldSet height{Field::height, Field::height_rate};
