@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // seaway-server: reads a scene, computes its sea, serves it. Exit codes: server/options.h.
-#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <exception>
-#include <iterator>
 
 #include <fmt/core.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
@@ -60,9 +58,9 @@ int serve(const Options& options) {
     const Result<RunningSeaPtr> sea = make_running_sea(*scene, 1);
     if (!sea)
         return fail(exit_usage, sea.error());
-    std::vector<std::string> warnings = sea::scene_warnings(*scene);
-    if ((*sea)->foam_law)
-        std::ranges::move(sea::foam_warnings(*(*sea)->foam_law), std::back_inserter(warnings));
+    if ((*sea)->certificate)
+        spdlog::info("{}: certified: {}", scene->source, describe(*(*sea)->certificate));
+    const std::vector<std::string> warnings = warnings_of(**sea);
     for (const std::string& warning : warnings)
         spdlog::warn("{}: {}", scene->source, warning);
 

@@ -46,7 +46,7 @@ void World::on_keyframe(const sea::KeyframePtr& keyframe) {
 Demand World::grant(const Demand& wish) const {
     Demand granted;
     granted.cascades = wish.cascades & ((1u << sea_->budget.cascades.size()) - 1u);
-    granted.fields = sea::FieldSet::from_bits(wish.fields.bits() & sea_->offered.bits());
+    granted.fields = sea::FieldSet::from_bits(wish.fields.bits() & sea_->streamed().bits());
     granted.quality = quality_for(sea_->budget, static_cast<double>(wish.error_m));
     granted.error_m = static_cast<float>(height_error_m(sea_->budget, granted.quality));
     return granted;

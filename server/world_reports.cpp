@@ -51,6 +51,19 @@ ordered_json counters_json(const SimulationCounters& c) {
             {"device_seconds", c.synthesis.device_seconds}};
 }
 
+/// Null where the scene names no certificate. `holds`: this is what was measured.
+ordered_json certificate_json(const RunningSea& sea) {
+    if (!sea.certificate)
+        return nullptr;
+    const sea::Certificate& c = *sea.certificate;
+    return {{"file", sea.scene.accuracy.certificate.name},
+            {"says", describe(c)},
+            {"height_error_m", c.promised_m},
+            {"percentile", c.percentile},
+            {"measured_m", c.worst().total_m},
+            {"holds", certificate_warnings(c, sea.scene, sea.summary.requested).empty()}};
+}
+
 /// One effect of one cascade: what it will cost by the device's measured speed, and its share of what
 /// was measured: time is taken a submission at a time and shared out by transforms.
 ordered_json effect_json(const EffectCosts& costs, std::size_t cascade, std::size_t effect,
@@ -158,7 +171,7 @@ std::string state_json(const RunningSea& sea, const std::vector<std::string>& wa
                             {"requested", to_json(state.requested)},
                             {"realised", to_json(state.realised)},
                             {"cascades", cascades},
-                            {"offered_fields", names(sea.offered)},
+                            {"offered_fields", names(sea.streamed())},
                             {"foam_mean", state.foam_mean},
                             {"foam_threshold", state.foam_threshold},
                             {"height_error_m", sea.budget.height_error_m},
@@ -168,8 +181,9 @@ std::string state_json(const RunningSea& sea, const std::vector<std::string>& wa
                               {"codec_m", sea.budget.codec_error_m},
                               {"single_precision_m", sea.budget.single_precision_m},
                               {"inverse_m", sea::inverse_tolerance_m(sea.budget.height_error_m)}}},
+                            {"certificate", certificate_json(sea)},
                             {"warnings", warnings}};
-    return json.dump(2) + "\n";
+    return json.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
 }
 
 std::string plan_json(const RunningSea& sea, const EffectPlan& plan,

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "base/text_file.h"
+#include "sea/scene/scene_names.h"
 #include "sea/scene/scene_systems.h"
 #include "sea/scene/scene_toml.h"
 
@@ -45,9 +46,10 @@ constexpr std::string_view why_square =
     "tiles are square, one number: the lattice is the same along x and y, so that a wave is as "
     "finely resolved whichever way it runs; several cascades carry several lengths";
 
+/// `cascades` holds what is taken where the scene has none.
 void read_cascades(TomlTable& root, std::vector<CascadeSpec>& cascades) {
-    if (!root.has("cascade"))
-        cascades = {{1021.0, 256}, {197.0, 256}, {37.0, 256}};
+    if (root.has("cascade"))
+        cascades.clear();
     if (root.is_empty_array("cascade"))
         root.bad_value("cascade", "an empty array",
                        fmt::format("1 .. {} tables, each [[cascade]]; without the key the default "
@@ -67,6 +69,25 @@ void read_cascades(TomlTable& root, std::vector<CascadeSpec>& cascades) {
         table.finish();
         cascades.push_back(cascade);
     }
+}
+
+/// A name that the writer can write back between quotes.
+void read_certificate_name(TomlTable& table, const std::string& base_dir, CertificateFile& file) {
+    constexpr std::size_t name_bytes_max = 1024;
+    std::string name;
+    if (!table.text("certificate", name))
+        return;
+    const auto unfit = [](char c) {
+        return c == '"' || c == '\\' || static_cast<unsigned char>(c) < 0x20 || c == 0x7f;
+    };
+    if (name.empty() || name.size() > name_bytes_max ||
+        std::any_of(name.begin(), name.end(), unfit))
+        return table.bad_value(
+            "certificate", name.empty() ? "\"\"" : "this name",
+            fmt::format("the name of a file beside the scene, 1 .. {} bytes without quotes, "
+                        "backslashes and control characters",
+                        name_bytes_max));
+    file = {name, (std::filesystem::path(base_dir) / name).string()};
 }
 
 void read_rest(TomlTable& root, Scene& scene) {
@@ -91,8 +112,21 @@ void read_rest(TomlTable& root, Scene& scene) {
         table->number("bias", scene.foam.bias, {0.0, 1.0});
         table->finish();
     }
+}
+
+/// A preset first: what else the scene says wins over it.
+void read_accuracy(TomlTable& root, const std::string& base_dir, Scene& scene) {
+    scene.cascades = {{1021.0, 256}, {197.0, 256}, {37.0, 256}};
     if (auto table = root.table("accuracy")) {
+        AccuracyPreset preset{};
+        if (table->choice("preset", preset, accuracy_preset_names)) {
+            PresetAccuracy accuracy = accuracy_of(preset);
+            scene.accuracy.preset = preset;
+            scene.accuracy.height_error_m = accuracy.height_error_m;
+            scene.cascades = std::move(accuracy.cascades);
+        }
         table->number("height_error_m", scene.accuracy.height_error_m, {1e-5, 1.0});
+        read_certificate_name(*table, base_dir, scene.accuracy.certificate);
         table->finish();
     }
 }
@@ -128,6 +162,7 @@ Result<Scene> parse_scene(std::string_view text, const std::string& name,
     root.require("sea");
     if (auto table = root.table("sea"))
         read_sea(*table, base_dir, scene.sea);
+    read_accuracy(root, base_dir, scene);
     read_cascades(root, scene.cascades);
     read_rest(root, scene);
     root.finish();

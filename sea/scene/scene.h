@@ -15,6 +15,7 @@
 
 #include "base/result.h"
 #include "sea/basics/cascade.h"
+#include "sea/scene/accuracy_presets.h"
 #include "sea/waves/realize.h"
 #include "sea/waves/sea_state.h"
 
@@ -36,8 +37,19 @@ struct FoamModel {
     double bias = 0.0;       ///< 0 .. 1; what breaking at all adds to the shortfall
 };
 
+/// What was measured of a scene's accuracy, as the scene names it (sea/certificate/certificate.h).
+struct CertificateFile {
+    std::string name; ///< as it stands in the scene; empty: there is none
+    std::string path; ///< beside the scene
+};
+
 struct Accuracy {
     double height_error_m = 0.01; ///< 1e-5 .. 1; shared by codec, keyframe interval and queries
+    std::optional<AccuracyPreset> preset = {};
+    CertificateFile certificate = {};
+
+    /// Keyframes are offered to those who subscribe or fetch; else only answers.
+    bool streams() const { return !preset || accuracy_of(*preset).streams; }
 };
 
 struct Scene {

@@ -10,6 +10,7 @@
 #include <variant>
 
 #include "sea/basics/constants.h"
+#include "sea/scene/accuracy_presets.h"
 #include "sea/scene/scene_toml.h"
 #include "sea/spectrum/spreading.h"
 #include "sea/waves/sea_state.h"
@@ -107,6 +108,7 @@ inline constexpr auto spectrum_names = named_kinds<SpectrumKind>();
 inline constexpr auto spreading_names = named_kinds<SpreadingKind>();
 inline constexpr auto sine_names = named_kinds<SineKind>();
 inline constexpr auto frame_names = named_kinds<CoefficientFrame>();
+inline constexpr auto accuracy_preset_names = named_kinds<AccuracyPreset>();
 
 /// The word of `type` of each kind of system, in the order of the variant.
 inline constexpr std::array<std::string_view, std::variant_size_v<WaveSystem>> system_names{

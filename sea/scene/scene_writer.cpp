@@ -201,7 +201,11 @@ std::string to_toml(const Scene& scene) {
     out.value("gain_per_s", scene.foam.gain_per_s);
     out.value("bias", scene.foam.bias);
     out.line("\n[accuracy]");
+    if (scene.accuracy.preset)
+        out.text("preset", name_of(*scene.accuracy.preset));
     out.value("height_error_m", scene.accuracy.height_error_m);
+    if (!scene.accuracy.certificate.name.empty())
+        out.text("certificate", scene.accuracy.certificate.name);
     return out.take();
 }
 

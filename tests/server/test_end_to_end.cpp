@@ -16,6 +16,8 @@
 #include <gtest/gtest.h>
 
 #include "client/client.h"
+#include "sea/certificate/certificate.h"
+#include "sea/waves/statistics/moments.h"
 #include "tests/support/airy_waves.h"
 #include "tests/support/folder.h"
 #include "tests/support/server_process.h"
@@ -331,6 +333,76 @@ TEST(Start, port_in_use_is_exit_code_4) {
     tests::ServerProcess second(second_arguments);
     EXPECT_EQ(second.wait_for_exit(std::chrono::seconds(60)), 4);
     EXPECT_NE(second.log().find("in use"), std::string::npos) << second.log();
+}
+
+std::string small_scene(const std::string& sea, const std::string& accuracy) {
+    return "[sea]\ndepth_m = 50\n[[sea.system]]\ntype = \"wind\"\nfrom_deg = 270\nfetch_m = "
+           "50e3\n" +
+           sea + "[[cascade]]\nlength_m = 400\nsize = 64\n[accuracy]\n" + accuracy;
+}
+
+TEST(Presets, query_only_answers_and_offers_no_stream) {
+    const tests::Folder& folder = tests::folder();
+    tests::ServerProcess server({folder.write("q.toml", small_scene("wind_speed_10m_mps = 8\n",
+                                                                    "preset = \"query_only\"\n")),
+                                 "--device", "native", "--listen", "127.0.0.1:0"});
+    const std::string url = server.wait_until_ready();
+    ASSERT_FALSE(url.empty()) << server.log();
+    Result<std::unique_ptr<Client>> client = connect(url);
+    ASSERT_TRUE(client) << client.error().message;
+    const QueryPoint here{1, 2, 3'000'000};
+    const auto answers = (*client)->ask({&here, 1}, {.timeout_s = 60});
+    ASSERT_TRUE(answers) << answers.error().message;
+    EXPECT_GT((*answers)[0].error_m, 0.0f);
+    const auto grant = (*client)->subscribe({.fields = sea::surface_fields}, 2, 10);
+    ASSERT_FALSE(grant);
+    EXPECT_NE(grant.error().message.find("offers none of these fields"), std::string::npos)
+        << grant.error().message;
+    EXPECT_NE(http_get(url, "/v1/state").second.find("\"offered_fields\": []"), std::string::npos);
+}
+
+TEST(Certificates, server_says_what_is_certified_and_warns_where_it_does_not_hold) {
+    const tests::Folder& folder = tests::folder();
+    const auto scene_with = [](const std::string& wind_mps) {
+        return small_scene("wind_speed_10m_mps = " + wind_mps + "\n",
+                           "height_error_m = 0.1\ncertificate = \"c.json\"\n");
+    };
+    const auto scene = sea::parse_scene(scene_with("10"), "s", "");
+    ASSERT_TRUE(scene) << scene.error().message;
+    const auto realized = sea::realize(*scene);
+    ASSERT_TRUE(realized);
+    sea::Certificate c;
+    c.cascades = scene->cascades;
+    c.height_error_m = scene->accuracy.height_error_m;
+    c.configuration_hash = configuration_hash(*scene);
+    c.spectrum_hash = spectrum_hash(*scene);
+    c.envelope = envelope_of(sea_point(*scene, sea::summarize(scene->sea, *realized).requested));
+    c.promised_m = 0.05;
+    c.measured.resize(1);
+    c.commit = "abc1234";
+    folder.write("c.json", to_json(c));
+    for (const bool holds : {true, false}) {
+        tests::ServerProcess server({folder.write("s.toml", scene_with(holds ? "10" : "14")),
+                                     "--device", "native", "--listen", "127.0.0.1:0"});
+        const std::string url = server.wait_until_ready();
+        ASSERT_FALSE(url.empty()) << server.log();
+        EXPECT_NE(server.log().find("certified: 5 cm at p99"), std::string::npos) << server.log();
+        const bool warned =
+            server.log().find("the sea is outside of what c.json certifies: wind 14 m/s, "
+                              "measured 10 .. 10 m/s") != std::string::npos;
+        EXPECT_EQ(warned, !holds) << server.log();
+        const std::string state = http_get(url, "/v1/state").second;
+        EXPECT_NE(state.find("\"percentile\": 99"), std::string::npos) << state;
+        EXPECT_NE(state.find(holds ? "\"holds\": true" : "\"holds\": false"), std::string::npos);
+        EXPECT_EQ(state.find("is outside of what c.json certifies") != std::string::npos, !holds);
+    }
+    folder.write("c.json", "{}");
+    tests::ServerProcess server({folder.write("s.toml", scene_with("10")), "--device", "native",
+                                 "--listen", "127.0.0.1:0"});
+    EXPECT_EQ(server.wait_until_ready(), "");
+    EXPECT_EQ(server.wait_for_exit(std::chrono::seconds(60)), 2);
+    EXPECT_NE(server.log().find("accuracy.certificate: c.json: format: missing"), std::string::npos)
+        << server.log();
 }
 
 TEST(Stop, both_signals_end_it_within_two_seconds_with_clients_connected) {

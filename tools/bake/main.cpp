@@ -17,6 +17,7 @@
 
 #include "base/command_line.h"
 #include "base/text_file.h"
+#include "sea/certificate/certificate.h"
 #include "server/device/device_choice.h"
 #include "tools/bake/bake.h"
 
@@ -97,6 +98,8 @@ int run(Options& options) {
     Result<sea::Scene> scene = sea::read_scene(options.scene);
     if (!scene)
         return fail(exit_usage, scene.error().message);
+    if (const auto certificate = sea::load_certificate(*scene); !certificate)
+        return fail(exit_usage, certificate.error().message);
     for (sea::CascadeSpec& cascade : scene->cascades)
         cascade.size = options.size > 0 ? options.size : cascade.size;
     const Result<sea::FieldSet> fields = bake::parse_fields(options.fields);

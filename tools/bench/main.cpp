@@ -11,6 +11,7 @@
 #include "tools/bench/accuracy/guard.h"
 #include "tools/bench/compare.h"
 #include "tools/bench/effects.h"
+#include "tools/bench/tune/tune.h"
 
 namespace {
 
@@ -42,6 +43,72 @@ seaway::CommandLine& add_accuracy(seaway::CommandLine& line,
     return command;
 }
 
+seaway::CommandLine& add_tune(seaway::CommandLine& line, seaway::bench::TuneCommand& options) {
+    seaway::CommandLine& command = line.command(
+        "tune", "The cheapest tiles and budget that keep heights of a scene within an error, as a "
+                "scene with a certificate of what was measured. Exit status 1: there is none; says "
+                "what there is instead, and what it would take");
+    command.option("scene", options.scene, "Scene file (docs/scenes.md)")
+        .required()
+        .takes("SCENE.toml");
+    command.option("--height-error", options.height_error_m, "m, against all waves of the spectrum")
+        .between(1e-6, 100.0)
+        .shows_default();
+    command.option("--percentile", options.percentile, "Of places and times that stay within it")
+        .between(50.0, 99.9)
+        .shows_default();
+    command
+        .option("--slope-error", options.slope_error, "And slopes, rms, of waves that tiles hold")
+        .between(1e-6, 10.0);
+    command.option("--budget-ms", options.budget_ms, "At most so much CPU a second of sea")
+        .between(1e-3, 1e6);
+    command.option("--bytes-per-second", options.bytes_per_s, "At most so much for a stream")
+        .between(1.0, 1e12);
+    command
+        .option("--envelope", options.envelope_pct,
+                "Percent by which the sea may be rougher and calmer than the scene's")
+        .between(0.0, 50.0)
+        .shows_default();
+    command
+        .option("--device", options.device,
+                "native, auto (a GPU, else native), an index or part of a name")
+        .shows_default();
+    command.option("--out", options.out, "Scene to write; NAME.tuned.toml if not given")
+        .takes("OUT.toml");
+    command.option("--work", options.work, "Folder for prices of this machine and for truths")
+        .shows_default();
+    command.option("--seed", options.seed, "Of the fresh seas").shows_default();
+    command
+        .option("--check-seeds", options.check_seeds,
+                "Afterwards measures so many seeds that the search did not see")
+        .between(0, 1000);
+    return command;
+}
+
+seaway::CommandLine& add_effects(seaway::CommandLine& line, seaway::bench::EffectsOptions& options,
+                                 bool& quick) {
+    seaway::CommandLine& command =
+        line.command("effects", "Marginal cost of every effect and every cascade");
+    command.option("--scene", options.scene).shows_default();
+    command
+        .option("--device", options.device,
+                "native, auto (a GPU, else native), an index or part of a name")
+        .shows_default();
+    command.option("--out", options.out, "Folder for effects.csv").shows_default();
+    command
+        .option("--ask", options.ask, "What runs, as height,choppy; else all that the scene allows")
+        .separated_by(',');
+    command.option("--quick", quick, "Fewer rounds");
+    return command;
+}
+
+/// An exit status, or one line on stderr and 2.
+int finished(const seaway::Result<int>& status) {
+    if (!status)
+        fmt::print(stderr, "seaway-bench: {}\n", status.error().message);
+    return seaway::status_after_output("seaway-bench", status ? *status : 2, 2);
+}
+
 } // namespace
 
 int main(int argc, char** argv) {
@@ -51,18 +118,7 @@ int main(int argc, char** argv) {
                      "run; figures are medians, and ratios are what to trust.");
     bench::EffectsOptions options;
     bool quick = false;
-    CommandLine& effects =
-        line.command("effects", "Marginal cost of every effect and every cascade");
-    effects.option("--scene", options.scene).shows_default();
-    effects
-        .option("--device", options.device,
-                "native, auto (a GPU, else native), an index or part of a name")
-        .shows_default();
-    effects.option("--out", options.out, "Folder for effects.csv").shows_default();
-    effects
-        .option("--ask", options.ask, "What runs, as height,choppy; else all that the scene allows")
-        .separated_by(',');
-    effects.option("--quick", quick, "Fewer rounds");
+    add_effects(line, options, quick);
     bench::CompareOptions pair;
     CommandLine& compare =
         line.command("compare", "Two devices on one scene: the same sea, and at what cost");
@@ -76,28 +132,25 @@ int main(int argc, char** argv) {
         line.command("guard", "Are errors what they were? Exit code 1: one has grown by a fifth");
     guarded.option("--baseline", guard.baseline).shows_default();
     guarded.option("--renew", guard.renew, "Write that file anew");
+    bench::TuneCommand wanted;
+    const CommandLine& tuned = add_tune(line, wanted);
+    for (int i = 0; i < argc; ++i)
+        wanted.words += (i == 0 ? "seaway-bench" : std::string(" ") + argv[i]);
     const Result<CommandLine::Next> next = line.read(argc, argv);
-    if (!next) {
-        fmt::print(stderr, "seaway-bench: {}\n", next.error().message);
-        return 2;
-    }
+    if (!next)
+        return finished(next.error());
     if (*next == CommandLine::Next::leave)
-        return status_after_output("seaway-bench", 0, 2);
-
+        return finished(0);
+    if (tuned.given())
+        return finished(bench::run_tune(wanted));
     if (quick)
         options.rounds = 3;
     if (guarded.given()) {
         const Result<bool> kept = bench::run_guard(guard);
-        if (!kept)
-            fmt::print(stderr, "seaway-bench: {}\n", kept.error().message);
-        return status_after_output("seaway-bench", kept ? (*kept ? 0 : 1) : 2, 2);
+        return finished(kept ? Result<int>(*kept ? 0 : 1) : Result<int>(kept.error()));
     }
     const Result<void> done = measured.given()  ? bench::run_accuracy(accuracy)
                               : compare.given() ? bench::run_compare(pair)
                                                 : bench::run_effects(options);
-    if (!done) {
-        fmt::print(stderr, "seaway-bench: {}\n", done.error().message);
-        return 2;
-    }
-    return status_after_output("seaway-bench", 0, 2);
+    return finished(done ? Result<int>(0) : Result<int>(done.error()));
 }

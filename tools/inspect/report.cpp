@@ -74,6 +74,18 @@ Json json_of_foam(const sea::FoamLaw* law) {
     return json;
 }
 
+/// Null where the scene names none.
+Json json_of_certificate(const Report& report) {
+    if (!report.certificate)
+        return nullptr;
+    const sea::Certificate& c = *report.certificate;
+    return {{"file", report.scene.accuracy.certificate.name},
+            {"says", describe(c)},
+            {"height_error_m", c.promised_m},
+            {"percentile", c.percentile},
+            {"holds", certificate_warnings(c, report.scene, report.summary.requested).empty()}};
+}
+
 /// What `tp_s` means, requested and realised.
 std::string tp_definition(const Report& report) {
     const double bin_s = report.summary.peak_bin_period_s;
@@ -182,6 +194,11 @@ Result<Report> make_report(const sea::Scene& scene) {
     report.summary = summarize(scene.sea, *report.sea);
     report.budget = plan_budget(*report.sea, scene.accuracy.height_error_m);
     report.warnings = scene_warnings(scene);
+    SEAWAY_TRY_LET(report.certificate, sea::load_certificate(scene));
+    if (report.certificate)
+        for (std::string& warning :
+             certificate_warnings(*report.certificate, scene, report.summary.requested))
+            report.warnings.push_back(std::move(warning));
     if (scene.effects.foam && scene.effects.choppy)
         report.foam = sea::make_foam_law(scene, *report.sea);
     return report;
@@ -209,6 +226,7 @@ std::string to_json(const Report& report) {
                        {"lattice_bias", json_of_lattice(report)},
                        {"cascades", json_of_cascades(report)},
                        {"foam", json_of_foam(report.foam.get())},
+                       {"certificate", json_of_certificate(report)},
                        {"warnings", report.warnings}};
     return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
 }
@@ -222,6 +240,8 @@ std::string to_text(const Report& report) {
     out += text_of_statistics(report) + '\n' + text_of_cascades(report) + text_of_losses(report);
     if (report.foam)
         out += fmt::format("foam: {}\n", describe(*report.foam));
+    if (report.certificate)
+        out += fmt::format("certified: {}\n", describe(*report.certificate));
     if (!report.warnings.empty())
         out += '\n';
     for (const std::string& warning : report.warnings)

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/result.h"
+#include "sea/certificate/certificate.h"
 #include "sea/foam/foam_law.h"
 #include "sea/scene/scene.h"
 #include "sea/surface/budget/error_budget.h"
@@ -20,7 +21,8 @@ struct Report {
     sea::RealizationPtr sea;
     sea::SeaSummary summary;
     sea::ErrorBudget budget;
-    sea::FoamLawPtr foam; ///< null where the scene allows no foam
+    sea::FoamLawPtr foam;            ///< null where the scene allows no foam
+    sea::CertificatePtr certificate; ///< null where the scene names none
     std::vector<std::string> warnings;
 
     /// Standard deviation of the realised Hs from seed to seed, relative.

@@ -303,6 +303,64 @@ TEST(Scene, notes_in_a_table_wherever_they_begin_are_not_in_the_effective_scene)
     }
 }
 
+// Both ways from one table: what a preset stands for, what the reader makes of it, what is written.
+TEST(Scene, an_accuracy_preset_stands_for_its_tiles_its_budget_and_its_streams) {
+    for (const AccuracyPreset preset : accuracy_presets()) {
+        const std::string line = fmt::format("preset = \"{}\"\n", name_of(preset));
+        const auto scene = parse_scene(wind_system + "[accuracy]\n" + line, "s", "");
+        ASSERT_TRUE(scene) << scene.error().message;
+        const PresetAccuracy meant = accuracy_of(preset);
+        EXPECT_EQ(scene->accuracy.height_error_m, meant.height_error_m);
+        EXPECT_EQ(scene->accuracy.streams(), meant.streams);
+        ASSERT_EQ(scene->cascades.size(), meant.cascades.size());
+        for (std::size_t c = 0; c < meant.cascades.size(); ++c) {
+            EXPECT_EQ(scene->cascades[c].length_m, meant.cascades[c].length_m);
+            EXPECT_EQ(scene->cascades[c].size, meant.cascades[c].size);
+        }
+        EXPECT_THAT(to_toml(*scene), HasSubstr("\n" + line));
+        EXPECT_EQ(to_toml(*parse_scene(to_toml(*scene), "again", "")), to_toml(*scene));
+    }
+    EXPECT_FALSE(accuracy_of(AccuracyPreset::query_only).streams);
+    EXPECT_EQ(accuracy_preset_names.size(), accuracy_presets().size());
+}
+
+TEST(Scene, what_a_scene_says_itself_wins_over_its_preset) {
+    const auto scene = parse_scene(wind_system + "[[cascade]]\nlength_m = 500\nsize = 64\n"
+                                                 "[accuracy]\nheight_error_m = 0.25\n"
+                                                 "preset = \"query_only\"\n",
+                                   "s", "");
+    ASSERT_TRUE(scene) << scene.error().message;
+    ASSERT_EQ(scene->cascades.size(), 1u);
+    EXPECT_EQ(scene->cascades[0].length_m, 500.0);
+    EXPECT_EQ(scene->accuracy.height_error_m, 0.25);
+    EXPECT_FALSE(scene->accuracy.streams());
+    // Without a preset all is as it was before there were any.
+    const auto plain = parse_scene(wind_system, "s", "");
+    EXPECT_EQ(plain->cascades.size(), 3u);
+    EXPECT_EQ(plain->cascades[0].length_m, 1021.0);
+    EXPECT_EQ(plain->accuracy.height_error_m, 0.01);
+    EXPECT_TRUE(plain->accuracy.streams());
+}
+
+TEST(Scene, unknown_presets_and_unfit_names_of_certificates_are_refused) {
+    EXPECT_THAT(
+        error_of(wind_system + "[accuracy]\npreset = \"exact\"\n"),
+        HasSubstr("accuracy.preset: \"exact\" is not allowed; allowed: precise | balanced | "
+                  "fast | query_only"));
+    for (const char* name : {"\"\"", "'a\"b'", "'a\\b'", "\"a\\nb\""})
+        EXPECT_THAT(error_of(wind_system + "[accuracy]\ncertificate = " + name + "\n"),
+                    HasSubstr("accuracy.certificate: "))
+            << name;
+}
+
+TEST(Scene, a_certificate_lies_beside_its_scene_and_its_name_is_written_back) {
+    const auto scene = parse_scene(wind_system + "[accuracy]\ncertificate = \"gale.json\"\n", "s",
+                                   "/somewhere/else");
+    ASSERT_TRUE(scene) << scene.error().message;
+    EXPECT_EQ(scene->accuracy.certificate.path, "/somewhere/else/gale.json");
+    EXPECT_THAT(to_toml(*scene), HasSubstr("\ncertificate = \"gale.json\"\n"));
+}
+
 // One table: what the reader takes, the writer writes.
 TEST(Scene, every_spectrum_and_spreading_reads_back_under_its_name) {
     for (const auto& [spectrum, kind] : spectrum_names)

@@ -11,7 +11,6 @@
 #include <fmt/ranges.h>
 
 #include "base/instructions.h"
-#include "gpu/device_info.h"
 #include "server/device/device_choice.h"
 #include "tools/bench/accuracy/error_map.h"
 #include "tools/bench/accuracy/journal.h"
@@ -70,7 +69,7 @@ class Run {
   public:
     Run(const AccuracyOptions& options, Journal journal)
         : options_(options), sampling_(sampling_of(options)), journal_(std::move(journal)),
-          costs_(options.quick ? 7 : 15), machine_(machine_name()), commit_(commit_name()) {}
+          costs_(options.quick ? 7 : 15) {}
 
     Result<void> all();
 
@@ -79,15 +78,12 @@ class Run {
     Result<void> one(const Job& job);
     Result<std::vector<Figure>> measured(const Job& job, const sea::Scene& scene);
     Result<const Truth*> truth_of(const Waves& waves);
-    Result<Place> place(const Configuration& configuration);
 
     const AccuracyOptions& options_;
     Sampling sampling_;
     Journal journal_;
     Devices devices_;
     StageCosts costs_;
-    std::string machine_;
-    std::string commit_;
     std::optional<Truth> truth_; ///< the last one
     sea::RealizationPtr truth_waves_;
     int added_ = 0;
@@ -112,19 +108,6 @@ Result<std::vector<Job>> Run::jobs() const {
         }
     }
     return all;
-}
-
-Result<Place> Run::place(const Configuration& configuration) {
-    SEAWAY_TRY_LET(const server::DeviceChoice choice, server::choose_device(configuration.device));
-    SEAWAY_TRY_LET(const server::Synthesizer* device, devices_.get(configuration));
-    std::string driver = "Seaway " SEAWAY_VERSION;
-    if (choice.vulkan)
-        if (const auto list = gpu::list_devices())
-            driver = (*list)[static_cast<std::size_t>(*choice.vulkan)].driver;
-    std::string description = device->description();
-    if (configuration.any_device_kernels)
-        description += ", kernels for any device";
-    return Place{std::move(description), std::move(driver), machine_, commit_};
 }
 
 Result<const Truth*> Run::truth_of(const Waves& waves) {
@@ -165,7 +148,7 @@ Result<std::vector<Figure>> Run::measured(const Job& job, const sea::Scene& scen
 }
 
 Result<void> Run::one(const Job& job) {
-    SEAWAY_TRY_LET(const Place where, place(job.trial.configuration));
+    SEAWAY_TRY_LET(const Place where, place_of(job.trial.configuration, devices_));
     const TrialName name{job.state, std::string(job.knob), job.trial.value, where.device};
     if (journal_.has(name))
         return {};

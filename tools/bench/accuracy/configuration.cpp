@@ -8,12 +8,6 @@ namespace seaway::bench {
 
 namespace {
 
-Configuration with_size(Configuration configuration, int size) {
-    for (sea::CascadeSpec& cascade : configuration.cascades)
-        cascade.size = size;
-    return configuration;
-}
-
 /// What most engines do with a map: 16 bits a value, texture filtering, a few steps of the fixed point,
 /// new maps every frame.
 Configuration as_engines_do(std::vector<sea::CascadeSpec> cascades, std::vector<sea::Band> bands) {
@@ -37,6 +31,16 @@ Configuration balanced(const sea::Scene& scene) {
     return configuration;
 }
 
+Configuration preset_configuration(sea::AccuracyPreset preset) {
+    const sea::PresetAccuracy accuracy = accuracy_of(preset);
+    Configuration configuration;
+    configuration.cascades = accuracy.cascades;
+    configuration.height_error_m = accuracy.height_error_m;
+    if (!accuracy.streams)
+        configuration.codec_error_m = 0.0;
+    return configuration;
+}
+
 Configuration clean(const sea::Scene& scene) {
     Configuration configuration = balanced(scene);
     configuration.interval_us = 20'000;
@@ -46,15 +50,9 @@ Configuration clean(const sea::Scene& scene) {
 }
 
 std::vector<Named> named_configurations(const sea::Scene& scene) {
-    Configuration precise = with_size(balanced(scene), 512);
-    precise.height_error_m = 0.001;
-    // Four small tiles close to each other: each is asked only for waves that its grid shows well.
-    Configuration fast = balanced(scene);
-    fast.cascades = {{2111.0, 128}, {650.0, 128}, {150.0, 128}, {40.0, 128}};
-    fast.height_error_m = 0.015;
-    Configuration query_only = fast;
-    query_only.codec_error_m = 0.0;
-
+    std::vector<Named> named;
+    for (const sea::AccuracyPreset preset : sea::accuracy_presets())
+        named.push_back({std::string(name_of(preset)), preset_configuration(preset), true});
     Configuration all_modes = clean(scene);
     all_modes.evaluator = Evaluator::direct_sum;
     Configuration gerstner = all_modes;
@@ -71,15 +69,12 @@ std::vector<Named> named_configurations(const sea::Scene& scene) {
         bands.push_back({start, std::min(end, next)});
         start = bands.back().k_hi_radpm;
     }
-    return {
-        {"precise", precise, true},
-        {"balanced", balanced(scene), true},
-        {"fast", fast, true},
-        {"query_only", query_only, true},
-        {"all modes summed", all_modes, false},
-        {"64 largest waves", gerstner, false},
-        {"one tile of 512", as_engines_do({{500.0, 512}}, {}), false},
-        {"250/17/5 m of 256", as_engines_do({popular[0], popular[1], popular[2]}, bands), false}};
+    named.push_back({"all modes summed", all_modes, false});
+    named.push_back({"64 largest waves", gerstner, false});
+    named.push_back({"one tile of 512", as_engines_do({{500.0, 512}}, {}), false});
+    named.push_back(
+        {"250/17/5 m of 256", as_engines_do({popular[0], popular[1], popular[2]}, bands), false});
+    return named;
 }
 
 } // namespace seaway::bench

@@ -48,8 +48,11 @@ struct Configuration {
     bool any_device_kernels = false;          ///< design W of a Vulkan device
 };
 
-/// Three cascades of 256, a budget of 1 cm, streamed as tiles.
+/// What the scene says, streamed as tiles. Of sea_states.h: the balanced preset.
 Configuration balanced(const sea::Scene& scene);
+
+/// As the server would run it.
+Configuration preset_configuration(sea::AccuracyPreset preset);
 
 /// The same cascades with every other source of error turned down: what one knob costs by itself is
 /// measured from here.

@@ -43,6 +43,11 @@ Result<std::unique_ptr<ConfiguredSea>> ConfiguredSea::create(const sea::Scene& s
                                                              const Configuration& configuration,
                                                              Devices& devices) {
     SEAWAY_TRY_LET(Waves waves, configured_waves(scene, configuration));
+    return create(std::move(waves), configuration, devices);
+}
+
+Result<std::unique_ptr<ConfiguredSea>>
+ConfiguredSea::create(Waves waves, const Configuration& configuration, Devices& devices) {
     SEAWAY_TRY_LET(server::Synthesizer * device, devices.get(configuration));
     if (configuration.evaluator == Evaluator::maps)
         SEAWAY_TRY(device->set_sea(waves.used, 1));
@@ -197,6 +202,49 @@ sea::Answer ConfiguredSea::solved(const sea::QueryPoint& point) const {
         return sea::surface_at(point, options, sea::LagrangianField(field));
     sea::SurfaceSheets sheets(*surface_, point.time_us);
     return sea::surface_at(point, options, sea::LagrangianField(field), &sheets);
+}
+
+namespace {
+
+/// Counts what a search for sheets looks at.
+class CountingSheets final : public sea::SheetBounds {
+  public:
+    CountingSheets(sea::SheetBounds& sheets, int& count) : sheets_(sheets), count_(count) {}
+
+    std::optional<sea::Box> others(sea::Vec2 target, const sea::Vec2* root,
+                                   bool suspected) override {
+        return sheets_.others(target, root, suspected);
+    }
+    double blur_m() const override { return sheets_.blur_m(); }
+    double strain_blur() const override { return sheets_.strain_blur(); }
+    sea::LagrangianPoint displaced(sea::Vec2 at) const override {
+        ++count_;
+        return sheets_.displaced(at);
+    }
+    std::vector<sea::Roughness> roughness(const sea::Box& box) const override {
+        return sheets_.roughness(box);
+    }
+
+  private:
+    sea::SheetBounds& sheets_;
+    int& count_;
+};
+
+} // namespace
+
+int ConfiguredSea::evaluations(sea::QueryPoint point) const {
+    point.time_us = shown_us_;
+    int count = 0;
+    const auto field = [this, &count](double x_m, double y_m) {
+        ++count;
+        return at(x_m, y_m);
+    };
+    const sea::InverseOptions options{waves_.used->choppiness, configuration_.tolerance_m,
+                                      sea::fold_search(waves_.budget)};
+    sea::SurfaceSheets sheets(*surface_, point.time_us);
+    CountingSheets counted(sheets, count);
+    sea::surface_at(point, options, sea::LagrangianField(field), &counted);
+    return count;
 }
 
 sea::Answer ConfiguredSea::answer(sea::QueryPoint point) const {

@@ -49,6 +49,10 @@ class ConfiguredSea {
     static Result<std::unique_ptr<ConfiguredSea>>
     create(const sea::Scene& scene, const Configuration& configuration, Devices& devices);
 
+    /// Of waves that were drawn already, with the configuration's tiles and its budget.
+    static Result<std::unique_ptr<ConfiguredSea>>
+    create(Waves waves, const Configuration& configuration, Devices& devices);
+
     /// Goes to a time; until then nothing may be asked.
     Result<void> go_to(sea::TimeUs time_us);
 
@@ -57,6 +61,9 @@ class ConfiguredSea {
     sea::LagrangianPoint at(double x_m, double y_m) const;
     /// Of one cascade alone. Maps only.
     sea::LagrangianPoint at(int cascade, double x_m, double y_m) const;
+    /// How often the sea is evaluated for the answer there, a search for sheets included. Maps and
+    /// Seaway's own rules only.
+    int evaluations(sea::QueryPoint point) const;
     /// The time that answers are of: earlier than the one gone to by the latency.
     sea::TimeUs shown_us() const { return shown_us_; }
 

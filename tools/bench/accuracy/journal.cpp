@@ -11,6 +11,9 @@
 
 #include <fmt/format.h>
 
+#include "gpu/device_info.h"
+#include "server/device/device_choice.h"
+
 namespace seaway::bench {
 
 namespace {
@@ -73,6 +76,20 @@ std::string commit_name() {
         return "unknown";
     const std::string name = line.data();
     return name.substr(0, name.find('\n'));
+}
+
+Result<Place> place_of(const Configuration& configuration, Devices& devices) {
+    static const std::string machine = machine_name(), commit = commit_name();
+    SEAWAY_TRY_LET(const server::DeviceChoice choice, server::choose_device(configuration.device));
+    SEAWAY_TRY_LET(const server::Synthesizer* device, devices.get(configuration));
+    std::string driver = "Seaway " SEAWAY_VERSION;
+    if (choice.vulkan)
+        if (const auto list = gpu::list_devices())
+            driver = (*list)[static_cast<std::size_t>(*choice.vulkan)].driver;
+    std::string description = device->description();
+    if (configuration.any_device_kernels)
+        description += ", kernels for any device";
+    return Place{std::move(description), std::move(driver), machine, commit};
 }
 
 std::string Journal::key(const TrialName& trial) {

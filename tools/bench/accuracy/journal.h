@@ -13,6 +13,7 @@
 #include <string>
 
 #include "base/result.h"
+#include "tools/bench/accuracy/configured_sea.h"
 #include "tools/bench/accuracy/metrics.h"
 
 namespace seaway::bench {
@@ -24,6 +25,9 @@ struct Place {
     std::string machine; ///< processor and cores
     std::string commit;
 };
+
+/// Where a configuration is measured. An error: there is no such device.
+Result<Place> place_of(const Configuration& configuration, Devices& devices);
 
 /// Of this machine and the repository in the working folder; "unknown" for what cannot be found out.
 std::string machine_name();

@@ -34,9 +34,13 @@ Shown shown_along(SpaceRule rule, double q) {
     }
     // sea::spline_error is 2 r / (1 + r), r the sum of the aliases; the two nearest carry their power.
     const double amplitude = 1.0 - 0.5 * sea::spline_error(q);
-    const double near = std::pow(q / (q + 2.0 * std::numbers::pi), 8) +
-                        std::pow(q / (2.0 * std::numbers::pi - q), 8);
+    const double near = square(square(square(q / (q + 2.0 * std::numbers::pi)))) +
+                        square(square(square(q / (2.0 * std::numbers::pi - q))));
     return {amplitude, square(amplitude) * (1.0 + near)};
+}
+
+double missed_between(const Shown& x, const Shown& y) {
+    return std::max(0.0, 1.0 - 2.0 * x.amplitude * y.amplitude + x.power * y.power);
 }
 
 /// Mean square of the ulp of a half over 12, for values of a normal distribution.
@@ -110,13 +114,20 @@ void add_waves(const sea::CascadeModes& cascade, double interval_s,
         omega_max = std::max(omega_max, omega);
     });
     const MissedInTime missed(configuration.time, omega_max * interval_s);
+    std::vector<Shown> shown; // of 0 .. size / 2 lattice steps
+    for (int n = 0; n <= cascade.spec.size / 2; ++n)
+        shown.push_back(
+            shown_along(configuration.space, n * cascade.spec.wavenumber_step_radpm() * dx));
+    const auto steps = [size = cascade.spec.size](std::size_t index) {
+        return static_cast<std::size_t>(std::abs(sea::signed_index(static_cast<int>(index), size)));
+    };
+    const auto side = static_cast<std::size_t>(cascade.spec.size);
     const bool maps = configuration.evaluator == Evaluator::maps;
     // Frequency, time and product are each rounded: 0.42 of 2^-24 rms, over all mantissas.
     const double rounded = configuration.phase == PhaseRule::float32 ? 0.73 * 0x1p-24 : 0x1p-54;
-    for_each_wave(cascade, [&](std::size_t, double kx, double ky, double variance, double omega) {
+    for_each_wave(cascade, [&](std::size_t i, double, double, double variance, double omega) {
         if (maps) {
-            v.space += variance *
-                       missed_in_space(configuration.space, std::abs(kx) * dx, std::abs(ky) * dx);
+            v.space += variance * missed_between(shown[steps(i % side)], shown[steps(i / side)]);
             v.time += variance * missed(omega * interval_s);
         }
         if (configuration.phase != PhaseRule::fixed_point) {
@@ -172,8 +183,7 @@ double inverse_rms(int steps, double sideways, double displacement_m2, double st
 } // namespace
 
 double missed_in_space(SpaceRule rule, double qx, double qy) {
-    const Shown x = shown_along(rule, qx), y = shown_along(rule, qy);
-    return std::max(0.0, 1.0 - 2.0 * x.amplitude * y.amplitude + x.power * y.power);
+    return missed_between(shown_along(rule, qx), shown_along(rule, qy));
 }
 
 double missed_in_time(TimeRule rule, double u) {
@@ -241,8 +251,13 @@ double Missing::rms_m() const {
 
 Missing missing_waves(const Waves& waves) {
     const sea::Dispersion dispersion = waves.state.dispersion();
+    // What the scene itself cuts off nobody misses.
     const auto variance = [&](double k_lo, double k_hi) {
-        return sea::requested_variance(waves.state, dispersion.omega(k_lo), dispersion.omega(k_hi));
+        k_lo = std::max(k_lo, waves.state.wavenumber_min_radpm);
+        k_hi = std::min(k_hi, waves.state.wavenumber_max_radpm);
+        return k_lo < k_hi ? sea::requested_variance(waves.state, dispersion.omega(k_lo),
+                                                     dispersion.omega(k_hi))
+                           : 0.0;
     };
     constexpr double longest_radpm = 1e-5, ripple_radpm = 2.0 * std::numbers::pi / 0.017;
     Missing missing;

@@ -21,21 +21,6 @@ bool within(const SamplePoint& point, const Extent& extent) {
            point.time % static_cast<int>(std::size(time_bases_s)) == *extent.time_base;
 }
 
-Result<std::vector<Sample>> answers(ConfiguredSea& sea, const Truth& truth, const Extent& extent) {
-    std::vector<Sample> samples;
-    std::optional<int> time;
-    for (std::size_t i = 0; i < truth.points.size(); i += static_cast<std::size_t>(extent.every)) {
-        const SamplePoint& point = truth.points[i];
-        if (!within(point, extent))
-            continue;
-        if (time != point.time)
-            SEAWAY_TRY(sea.go_to(point.at.time_us));
-        time = point.time;
-        samples.push_back({point.kind, point.time, truth.answers[i], sea.answer(point.at)});
-    }
-    return samples;
-}
-
 Result<double> flicker(ConfiguredSea& sea, const Movie& movie) {
     std::vector<double> heights(movie.heights_m.size());
     for (int frame = 0; frame < Movie::frames; ++frame) {
@@ -74,7 +59,7 @@ double value_of(const std::vector<Figure>& all, std::string_view metric) {
 
 Result<std::vector<Figure>> errors_of(ConfiguredSea& sea, const Truth& truth,
                                       const Extent& extent) {
-    SEAWAY_TRY_LET(const std::vector<Sample> samples, answers(sea, truth, extent));
+    SEAWAY_TRY_LET(const std::vector<Sample> samples, sample_answers(sea, truth, extent));
     const double hs_m = 4.0 * std::sqrt(variance_of(*sea.waves().all));
     std::vector<Figure> all = figures(samples, hs_m);
     all.push_back(exact("samples", static_cast<double>(samples.size())));
@@ -104,6 +89,22 @@ std::vector<sea::QueryPoint> timed_points(const Truth& truth) {
 }
 
 } // namespace
+
+Result<std::vector<Sample>> sample_answers(ConfiguredSea& sea, const Truth& truth,
+                                           const Extent& extent) {
+    std::vector<Sample> samples;
+    std::optional<int> time;
+    for (std::size_t i = 0; i < truth.points.size(); i += static_cast<std::size_t>(extent.every)) {
+        const SamplePoint& point = truth.points[i];
+        if (!within(point, extent))
+            continue;
+        if (time != point.time)
+            SEAWAY_TRY(sea.go_to(point.at.time_us));
+        time = point.time;
+        samples.push_back({point.kind, point.time, truth.answers[i], sea.answer(point.at)});
+    }
+    return samples;
+}
 
 Result<std::vector<Figure>> measure_errors(const sea::Scene& scene,
                                            const Configuration& configuration, const Truth& truth,

@@ -25,6 +25,10 @@ struct Extent {
     bool flicker = false;         ///< and the second of film
 };
 
+/// The answers of a configured sea beside the truth, at the extent's points.
+Result<std::vector<Sample>> sample_answers(ConfiguredSea& sea, const Truth& truth,
+                                           const Extent& extent);
+
 /// Errors alone, nothing is timed: figures() of metrics.h; hs_m; missing_<where>_m; total_rms_m: error
 /// against the spectrum, what is missing included; flicker_m; codec_over_bound: the codec's largest error
 /// over its bound. The same figures every time. One ConfiguredSea at a time on a device.

@@ -26,6 +26,7 @@ struct SamplePoint {
 struct Sampling {
     int points = 512; ///< a time; at least 4
     int times = 8;
+    bool film = true; ///< and heights over a second at 60 Hz; a third of the work at 128 points
 };
 
 /// Seconds since the epoch around which times lie; time number i is around the i-th, and round again.

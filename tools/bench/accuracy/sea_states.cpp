@@ -55,18 +55,9 @@ spreading = "cos2s"
 spreading_exponent = 38
 )";
 
-constexpr const char* tiles_text = R"(
-[[cascade]]
-length_m = 2111.0
-size = 256
-[[cascade]]
-length_m = 317.0
-size = 256
-[[cascade]]
-length_m = 53.0
-size = 256
+constexpr const char* accuracy_text = R"(
 [accuracy]
-height_error_m = 0.01
+preset = "balanced"
 )";
 
 } // namespace
@@ -85,7 +76,7 @@ Result<sea::Scene> sea_state(std::string_view name, std::uint64_t seed) {
         if (state.swell_height_m > 0)
             text +=
                 fmt::format(fmt::runtime(swell_text), state.swell_height_m, state.swell_period_s);
-        return sea::parse_scene(text + tiles_text, std::string(name), "");
+        return sea::parse_scene(text + accuracy_text, std::string(name), "");
     }
     return Error{
         fmt::format("no sea state is called \"{}\"; there are {}", name, fmt::join(names, ", "))};

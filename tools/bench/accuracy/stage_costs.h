@@ -34,11 +34,13 @@ class StageCosts {
     ///   memory_mb                                the keyframes around one time
     Result<std::vector<Figure>> figures(const ConfiguredSea& sea, Devices& devices);
 
+    /// One keyframe of this size, and making it ready. Measured once.
+    Result<Stage> keyframe(const Configuration& configuration, int size, Devices& devices);
+    double spline_ms(int size);
+
   private:
     using Key =
         std::tuple<std::string, bool, int, bool>; ///< device, design, size, bilinear's fields
-    Result<Stage> keyframe(const Configuration& configuration, int size, Devices& devices);
-    double spline_ms(int size);
 
     int rounds_;
     std::map<Key, Stage> keyframes_;

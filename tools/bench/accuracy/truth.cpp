@@ -38,8 +38,8 @@ std::string file_name(const Waves& waves, const Sampling& sampling, std::uint64_
         sum = protocol::crc32(bytes_of(cascade.h0), sum);
         sum = protocol::crc32(bytes_of(cascade.rate), sum);
     }
-    return fmt::format("truth_{:08x}_{}_{}_{:.2f}_{}.bin", sum, sampling.points, sampling.times,
-                       waves.all->choppiness.x, seed);
+    return fmt::format("truth_{:08x}_{}_{}_{:.2f}_{}{}.bin", sum, sampling.points, sampling.times,
+                       waves.all->choppiness.x, seed, sampling.film ? "" : "_still");
 }
 
 struct Header {
@@ -63,7 +63,7 @@ void get(std::ifstream& file, std::vector<T>& values, std::size_t count) {
               static_cast<std::streamsize>(count * sizeof(T)));
 }
 
-std::optional<Truth> read(const std::string& path) {
+std::optional<Truth> read(const std::string& path, bool film) {
     std::ifstream file(path, std::ios::binary);
     Header header;
     const Header wanted;
@@ -75,8 +75,10 @@ std::optional<Truth> read(const std::string& path) {
     truth.movie.start_us = header.movie_start_us;
     get(file, truth.points, header.points);
     get(file, truth.answers, header.points);
-    get(file, truth.movie.at, Movie::points);
-    get(file, truth.movie.heights_m, static_cast<std::size_t>(Movie::points) * Movie::frames);
+    if (film) {
+        get(file, truth.movie.at, Movie::points);
+        get(file, truth.movie.heights_m, static_cast<std::size_t>(Movie::points) * Movie::frames);
+    }
     return file ? std::optional(std::move(truth)) : std::nullopt;
 }
 
@@ -188,10 +190,11 @@ Truth summed_truth(const Waves& waves, const Sampling& sampling, std::uint64_t s
     Truth truth;
     truth.points = sample_points(waves.all, sampling, seed);
     truth.movie.start_us = sample_time_us(1);
-    for (std::size_t p = 0; p < Movie::points; ++p)
+    for (std::size_t p = 0; sampling.film && p < Movie::points; ++p)
         truth.movie.at.push_back(truth.points[p % truth.points.size()].at);
     solve(sum, options, sampling.times, truth);
-    film(sum, options, truth.movie);
+    if (sampling.film)
+        film(sum, options, truth.movie);
     truth.sum_error_m = largest_difference(sum, truth);
     return truth;
 }
@@ -199,7 +202,7 @@ Truth summed_truth(const Waves& waves, const Sampling& sampling, std::uint64_t s
 Result<Truth> reference_truth(const Waves& waves, const Sampling& sampling, std::uint64_t seed,
                               const std::string& folder) {
     const std::string path = folder + "/" + file_name(waves, sampling, seed);
-    if (std::optional<Truth> kept = read(path))
+    if (std::optional<Truth> kept = read(path, sampling.film))
         return *std::move(kept);
     Truth truth = summed_truth(waves, sampling, seed);
     std::error_code failed;

@@ -38,7 +38,8 @@ Result<sea::Realization> with_bands(const sea::SeaState& state,
     return sea;
 }
 
-/// The budget of the sea with intervals that are set, if they are.
+} // namespace
+
 sea::ErrorBudget budget_of(const sea::Realization& sea, const Configuration& configuration) {
     std::optional<sea::TimeUs> interval_us = configuration.interval_us;
     if (configuration.time == TimeRule::every_frame)
@@ -48,8 +49,6 @@ sea::ErrorBudget budget_of(const sea::Realization& sea, const Configuration& con
     const std::vector<sea::TimeUs> all(sea.cascades.size(), *interval_us);
     return sea::plan_budget(sea, configuration.height_error_m, all);
 }
-
-} // namespace
 
 Result<Waves> configured_waves(const sea::Scene& scene, const Configuration& configuration) {
     Waves waves;

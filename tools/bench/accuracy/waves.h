@@ -21,6 +21,9 @@ struct Waves {
 /// Errors: cascades that realize() refuses.
 Result<Waves> configured_waves(const sea::Scene& scene, const Configuration& configuration);
 
+/// The budget of a sea as the configuration asks, with its intervals.
+sea::ErrorBudget budget_of(const sea::Realization& sea, const Configuration& configuration);
+
 /// The same modes on grids with `factor` times as many points a side.
 sea::Realization oversampled(const sea::Realization& sea, int factor);
 
