@@ -25,6 +25,22 @@ def front(points):
     return kept
 
 
+def label_points(figure, axis, named):
+    """Names beside their points, moved up or down until none covers another."""
+    figure.canvas.draw()
+    taken = []
+    for name, (point, colour) in sorted(named.items(), key=lambda item: -item[1][0][1]):
+        inside = axis.transAxes.inverted().transform(axis.transData.transform(point))
+        for left, down in ((left, down) for down in (4, -10, 14, -20, 24, -30) for left in (inside[0] > 0.62, inside[0] <= 0.62)):
+            text = axis.annotate(name, point, xytext=(-7 if left else 7, down), textcoords="offset points",
+                                 ha="right" if left else "left", fontsize=8, color=colour)
+            box, frame = text.get_window_extent(), axis.get_window_extent()
+            if box.x0 >= frame.x0 and box.x1 <= frame.x1 and not any(box.overlaps(other) for other in taken):
+                taken.append(box)
+                break
+            text.remove()
+
+
 def headline(run, path):
     figure, axes = plt.subplots(1, 2, figsize=(11, 4.8), sharey=True)
     panels = [("rms_m", "rms error against the same waves, m (better to the right)"),
@@ -44,11 +60,9 @@ def headline(run, path):
         for name, (error, work) in named.items():
             ours = name in PRESETS
             axis.scatter([error], [work], s=46, color=OURS if ours else THEIRS, marker="o" if ours else "D", zorder=3)
-            left = error < 1e-6 or name == "query_only"
-            axis.annotate(name, (error, work), xytext=(-6 if left else 6, 5 if name != "fast" else -10), textcoords="offset points",
-                          ha="right" if left else "left", fontsize=8, color=OURS if ours else THEIRS)
         axis.set_yscale("log")
         error_axis(axis, label)
+        label_points(figure, axis, {n: (point, OURS if n in PRESETS else THEIRS) for n, point in named.items()})
         for limit, text in ((0.01, "1 cm"), (0.05, "5 cm"), (0.2, "20 cm")):
             axis.axvline(limit, color="#888888", lw=0.6, ls=":")
             axis.text(limit, 0.985, text, fontsize=7, color="#666666", ha="right", va="top", rotation=90,
@@ -84,6 +98,10 @@ def sheet(run, knob, path, xlabel, cost, cost_label, title, state=GALE, only=Non
         axis.set_xscale("log" if logarithmic else "linear")
         axis.set_yscale("log")
         axis.set_xlabel(xlabel)
+    seen = [y for line in right.get_lines() for y in line.get_ydata()]
+    if seen and max(seen) < 2 * min(seen):  # a knob that costs nothing: its noise is none of the picture
+        right.set_yscale("linear")
+        right.set_ylim(0, 1.5 * max(seen))
     left.set_ylabel("rms error of height, m")
     right.set_ylabel(cost_label)
     left.legend(fontsize=8)
@@ -122,14 +140,14 @@ def error_map(folder, path):
     side = round(len(rows) ** 0.5)
     extent = [0, float(rows[-1]["x_m"]), 0, float(rows[-1]["y_m"])]
     grid = lambda name, scale: [[scale * float(r[name]) for r in rows[y * side:(y + 1) * side]] for y in range(side)]
-    figure, axes = plt.subplots(1, 3, figsize=(11, 3.6))
+    figure, axes = plt.subplots(2, 2, figsize=(9, 7.2))
     height, ours, theirs = grid("height_m", 1), grid("balanced_m", 1e3), grid("engine_m", 1e3)
-    worst = max(abs(v) for row in theirs for v in row)
-    tallest = max(abs(v) for row in height for v in row)
+    largest = lambda values: max(abs(v) for row in values for v in row)
     for axis, values, title, span, unit in (
-            (axes[0], height, "height", tallest, "m"),
-            (axes[1], ours, "error: balanced", worst, "mm"),
-            (axes[2], theirs, "error: same maps, linear filters, 16 bits", worst, "mm")):
+            (axes[0][0], height, "height", largest(height), "m"),
+            (axes[0][1], theirs, "error: same maps, linear filters, 16 bits", largest(theirs), "mm"),
+            (axes[1][0], ours, "error: balanced, on a scale of its own", largest(ours), "mm"),
+            (axes[1][1], ours, "error: balanced, on the scale above", largest(theirs), "mm")):
         image = axis.imshow(values, origin="lower", extent=extent, cmap="RdBu_r" if unit == "mm" else "viridis",
                             vmin=-span, vmax=span, interpolation="nearest")
         axis.set_title(title, fontsize=9)
@@ -150,7 +168,7 @@ def draw_all(runs, folder):
         headline(other, name(f"headline_{device}"))
     sheet(run, "cutoff", name("cutoff"), "cut-off, rad/m", "query_ns", "one thread's ns an exact answer",
           "K1: waves shorter than the cut-off are left out")
-    sheet(run, "grid", name("grid"), "grid points a side for the same waves (64 is what Seaway takes)",
+    sheet(run, "grid", name("grid"), "grid points a side (Seaway takes 64 for these waves)",
           "memory_mb", "MB of maps", "K2: between grid points")
     sheet(run, "phase", name("phase"), "time since the epoch, s", "query_ns", "ns an exact answer",
           "K7: phases", xmin=1)
