@@ -90,13 +90,15 @@ void World::map(MapQuery query, Mapped done) {
     const Result<MapPlace> place = take_map_place(maps_running_);
     if (!place)
         return done(place.error());
-    simulation_->surface(request->time_us,
-                         [request = *request, place = *place, on_ready = query.on_ready,
-                          done = std::move(done)](const Result<SurfacePtr>& surface) {
-                             if (!surface)
-                                 return done(surface.error());
-                             done(start_map(request, **surface, place, on_ready));
-                         });
+    simulation_->surface(
+        request->time_us,
+        [request = *request, place = *place, on_ready = query.on_ready,
+         done = std::move(done)](const Result<SurfacePtr>& surface) {
+            if (!surface)
+                return done(surface.error());
+            done(start_map(request, **surface, place, on_ready));
+        },
+        query.asker);
 }
 
 std::string World::state_json() const {

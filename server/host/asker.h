@@ -11,14 +11,16 @@ namespace seaway::server {
 
 class Asker {
   public:
-    /// One who never goes.
-    Asker() = default;
+    /// One who never goes. To be said: who forgets to hand an asker on would mean this one.
+    static Asker who_stays() { return {}; }
     /// One who is there for as long as somebody holds `here`.
     explicit Asker(const std::shared_ptr<const void>& here) : here_(here), may_go_(true) {}
 
     bool gone() const { return may_go_ && here_.expired(); }
 
   private:
+    Asker() = default;
+
     std::weak_ptr<const void> here_;
     bool may_go_ = false;
 };

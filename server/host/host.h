@@ -68,6 +68,7 @@ class ByteSource {
 /// A bulk map wanted: the parameters as they came, by name (docs/protocol.md).
 struct MapQuery {
     std::map<std::string, std::string> parameters;
+    Asker asker;
     std::function<void()> on_ready; ///< any thread; must not block
 };
 

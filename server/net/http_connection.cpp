@@ -181,7 +181,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
             });
         };
         core().waiting_for_maps.insert(shared_from_this());
-        core().host.map({query_parameters(target),
+        core().host.map({query_parameters(target), Asker(here_),
                          [on_io] { on_io([](HttpConnection& self) { self.write_map(); }); }},
                         [on_io](Result<std::unique_ptr<ByteSource>> made) {
                             auto shared = std::make_shared<decltype(made)>(std::move(made));
@@ -284,6 +284,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     beast::flat_buffer buffer_{header_bytes_max + body_bytes_max};
     std::optional<Parser> parser_;
 
+    std::shared_ptr<const void> here_ = std::make_shared<char>(); ///< for who makes the map
     std::unique_ptr<ByteSource> map_;
     std::vector<std::uint8_t> map_chunk_; ///< being written
     std::uint64_t map_sent_ = 0;

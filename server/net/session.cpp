@@ -107,7 +107,7 @@ void Session::on_subscribe(const wire::Subscribe& subscribe) {
     reply(protocol::subscribed(
         request_id, {.cascades = grant.cascades, .fields = grant.fields, .error_m = grant.error_m},
         subscribe.credit()));
-    fetch(request_id, {.times_us = {}, .demand = grant});
+    fetch(request_id, {}, grant);
 }
 
 void Session::on_unsubscribe() {
@@ -121,10 +121,10 @@ void Session::on_fetch(const wire::Fetch& request) {
         return refuse(request_id, fine.error());
     if (fetches_in_flight_ + outbox_.fetches_waiting() >= limits::fetches_in_flight_max)
         return refuse(request_id, {ErrorCode::too_many_requests, "earlier fetches are not done"});
-    fetch(request_id, {.times_us = {request.times_us()->begin(), request.times_us()->end()},
-                       .demand = {.cascades = request.cascades(),
-                                  .fields = sea::FieldSet::from_bits(request.fields()),
-                                  .error_m = request.error_m()}});
+    fetch(request_id, {request.times_us()->begin(), request.times_us()->end()},
+          {.cascades = request.cascades(),
+           .fields = sea::FieldSet::from_bits(request.fields()),
+           .error_m = request.error_m()});
 }
 
 /// What a fetch brought, encoded keyframe by keyframe.
@@ -167,10 +167,11 @@ class Session::FetchJob {
     Encoded encoded_;
 };
 
-void Session::fetch(std::uint32_t request_id, FetchRequest request) {
+void Session::fetch(std::uint32_t request_id, std::vector<sea::TimeUs> times_us,
+                    const Demand& demand) {
     ++fetches_in_flight_;
     ++core_.counters.fetches;
-    request.asker = Asker(here_);
+    FetchRequest request{.times_us = std::move(times_us), .demand = demand, .asker = Asker(here_)};
     const FetchJob::GiveBack give_back = [core = core_.weak_from_this(), session = id_,
                                           request_id](Result<Encoded> encoded) {
         const std::shared_ptr<Core> alive = core.lock();

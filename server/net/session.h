@@ -67,7 +67,7 @@ class Session {
     void on_query(const wire::Query& query);
     void on_ping(const wire::Ping& ping);
 
-    void fetch(std::uint32_t request_id, FetchRequest request);
+    void fetch(std::uint32_t request_id, std::vector<sea::TimeUs> times_us, const Demand& demand);
     /// Keyframes, and the fields that each of them holds.
     struct Encoded {
         std::vector<EncodedKeyframePtr> keyframes;

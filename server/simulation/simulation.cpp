@@ -157,7 +157,7 @@ void Simulation::answer(std::vector<sea::QueryPoint> points, bool exact, Answere
                     done, asker});
 }
 
-void Simulation::surface(TimeUs time_us, Surfaced done) {
+void Simulation::surface(TimeUs time_us, Surfaced done, const Asker& asker) {
     if (const Result<void> fine = check_time(time_us); !fine)
         return done(fine.error());
     questions_.ask({[this, time_us, done] {
@@ -165,8 +165,7 @@ void Simulation::surface(TimeUs time_us, Surfaced done) {
                         done(span ? Result<SurfacePtr>(span->surface) : span.error());
                         return true;
                     },
-                    done,
-                    {}});
+                    done, asker});
 }
 
 } // namespace seaway::server

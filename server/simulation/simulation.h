@@ -71,19 +71,18 @@ class Simulation {
     /// The two keyframes of each wanted cascade around each time.
     using Fetched = std::function<void(Result<std::vector<sea::KeyframePtr>>)>;
     void fetch(std::vector<sea::TimeUs> times_us, const Demand& demand, Fetched done,
-               const Asker& asker = {});
+               const Asker& asker);
 
     /// What a new subscriber needs: from the keyframe before now to the newest published one.
-    void fetch_current(const Demand& demand, Fetched done, const Asker& asker = {});
+    void fetch_current(const Demand& demand, Fetched done, const Asker& asker);
 
     /// One answer a point, in order, each at its own time, past or future.
     using Answered = std::function<void(Result<std::vector<sea::Answer>>)>;
-    void answer(std::vector<sea::QueryPoint> points, bool exact, Answered done,
-                const Asker& asker = {});
+    void answer(std::vector<sea::QueryPoint> points, bool exact, Answered done, const Asker& asker);
 
     /// The surface around a time, for who samples much of it at once.
     using Surfaced = std::function<void(Result<SurfacePtr>)>;
-    void surface(sea::TimeUs time_us, Surfaced done);
+    void surface(sea::TimeUs time_us, Surfaced done, const Asker& asker);
 
     RunningSeaPtr sea() const { return sea_; }
     EffectPlan plan() const { return plan_effects(sea_->offered, subscriptions_, sea_->budget); }

@@ -92,7 +92,7 @@ void act(Bench& bench, Crowd& crowd, unsigned kind, const sea::QueryPoint& point
     server::Simulation& simulation = *bench.simulation;
     const bool time_fits = sea::in_time_range(point.time_us);
     const bool may_leave = kind >= 128;
-    const server::Asker asker = may_leave ? server::Asker(crowd.here) : server::Asker();
+    const server::Asker asker = may_leave ? server::Asker(crowd.here) : server::Asker::who_stays();
     switch (kind % 8) {
     case 0:
     case 1: {

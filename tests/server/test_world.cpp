@@ -30,8 +30,11 @@ TEST(World, what_who_has_gone_asked_for_is_dropped_without_work) {
     world.fetch({{0}, {~0u, with_foam}, asker}, note); // a fetch
     world.query({false, {{1.0, 2.0, 0}}, asker}, note);
     world.query({true, {{1.0, 2.0, 0}}, asker}, note);
+    world.map(
+        {{{"width_m", "10"}, {"height_m", "10"}, {"columns", "4"}, {"rows", "4"}}, asker, [] {}},
+        note);
     bench.settle();
-    EXPECT_EQ(gone, 4) << "each is answered all the same";
+    EXPECT_EQ(gone, 5) << "each is answered all the same";
     EXPECT_EQ(bench.simulation->counters().synthesis.transforms, 0u);
 }
 

@@ -40,6 +40,9 @@ size = 64
 height_error_m = 0.02
 )";
 
+/// Who asks, where it does not matter.
+inline const Asker someone = Asker::who_stays();
+
 inline RunningSeaPtr running_sea(const std::string& more = {}) {
     const Result<sea::Scene> scene = sea::parse_scene(small_sea + more, "small_sea", ".");
     EXPECT_TRUE(scene) << (scene ? "" : scene.error().message);
@@ -112,21 +115,23 @@ struct Bench {
     Result<std::vector<sea::Answer>> try_answer(std::vector<sea::QueryPoint> points,
                                                 bool exact = false) {
         return wait<std::vector<sea::Answer>>(
-            [&](const auto& done) { simulation->answer(std::move(points), exact, done); });
+            [&](const auto& done) { simulation->answer(std::move(points), exact, done, someone); });
     }
 
     std::vector<sea::KeyframePtr> fetch_current(Demand demand) {
         return *wait<std::vector<sea::KeyframePtr>>(
-            [&](const auto& done) { simulation->fetch_current(demand, done); });
+            [&](const auto& done) { simulation->fetch_current(demand, done, someone); });
     }
 
     Result<std::vector<sea::KeyframePtr>> fetch(std::vector<TimeUs> times_us, Demand demand) {
-        return wait<std::vector<sea::KeyframePtr>>(
-            [&](const auto& done) { simulation->fetch(std::move(times_us), demand, done); });
+        return wait<std::vector<sea::KeyframePtr>>([&](const auto& done) {
+            simulation->fetch(std::move(times_us), demand, done, someone);
+        });
     }
 
     Result<SurfacePtr> surface(TimeUs time_us) {
-        return wait<SurfacePtr>([&](const auto& done) { simulation->surface(time_us, done); });
+        return wait<SurfacePtr>(
+            [&](const auto& done) { simulation->surface(time_us, done, someone); });
     }
 
     /// Lets the thread look at the clock and waits until what is due has been published: a slice of

@@ -246,22 +246,29 @@ TEST(Simulation, questions_that_wait_when_it_ends_are_refused_with_the_reason) {
     std::vector<Error> refusals;
     {
         Bench bench;
-        bench.simulation->fetch({}, {}, [&](const auto&) {
-            entered.set_value();
-            gate.get_future().wait();
-        });
+        bench.simulation->fetch(
+            {}, {},
+            [&](const auto&) {
+                entered.set_value();
+                gate.get_future().wait();
+            },
+            someone);
         entered.get_future().wait();
         for (int i = 0; i < 3; ++i) // 64 slices: still under way when the end comes
-            bench.simulation->answer(std::vector<sea::QueryPoint>(512), true,
-                                     [&](const Result<std::vector<sea::Answer>>& answers) {
-                                         if (!answers)
-                                             refusals.push_back(answers.error());
-                                     });
+            bench.simulation->answer(
+                std::vector<sea::QueryPoint>(512), true,
+                [&](const Result<std::vector<sea::Answer>>& answers) {
+                    if (!answers)
+                        refusals.push_back(answers.error());
+                },
+                someone);
         *bench.failures = 1000;
-        bench.simulation->answer({{1.0, 2.0, 0}}, false,
-                                 [&](const Result<std::vector<sea::Answer>>& answers) {
-                                     refusals.push_back(answers.error());
-                                 });
+        bench.simulation->answer(
+            {{1.0, 2.0, 0}}, false,
+            [&](const Result<std::vector<sea::Answer>>& answers) {
+                refusals.push_back(answers.error());
+            },
+            someone);
         gate.set_value();
         bench.failed.get_future().wait();
     }
@@ -304,22 +311,27 @@ TEST(Simulation, more_questions_than_may_wait_are_refused_at_once_and_the_rest_a
     Bench bench;
     std::promise<void> gate;
     std::promise<void> entered;
-    bench.simulation->fetch({}, {}, [&](const auto&) {
-        entered.set_value();
-        gate.get_future().wait(); // holds the simulation thread
-    });
+    bench.simulation->fetch(
+        {}, {},
+        [&](const auto&) {
+            entered.set_value();
+            gate.get_future().wait(); // holds the simulation thread
+        },
+        someone);
     entered.get_future().wait();
     std::atomic<int> answered = 0;
     std::atomic<int> refused = 0;
     const int asked = static_cast<int>(questions_waiting_max) + 50;
     for (int i = 0; i < asked; ++i)
-        bench.simulation->answer({{1.0, 2.0, 0}}, false,
-                                 [&](const Result<std::vector<sea::Answer>>& answers) {
-                                     if (!answers) {
-                                         EXPECT_TRUE(answers.error().is(Refusal::busy));
-                                     }
-                                     ++(answers ? answered : refused);
-                                 });
+        bench.simulation->answer(
+            {{1.0, 2.0, 0}}, false,
+            [&](const Result<std::vector<sea::Answer>>& answers) {
+                if (!answers) {
+                    EXPECT_TRUE(answers.error().is(Refusal::busy));
+                }
+                ++(answers ? answered : refused);
+            },
+            someone);
     EXPECT_EQ(refused, 50);
     gate.set_value();
     while (answered + refused < asked)

@@ -23,10 +23,13 @@ constexpr std::chrono::seconds patience{60};
 class Gate {
   public:
     explicit Gate(Bench& bench) {
-        bench.simulation->fetch({}, {}, [this](const auto&) {
-            entered_.set_value();
-            opened_.get_future().wait();
-        });
+        bench.simulation->fetch(
+            {}, {},
+            [this](const auto&) {
+                entered_.set_value();
+                opened_.get_future().wait();
+            },
+            someone);
         entered_.get_future().wait();
     }
     ~Gate() { opened_.set_value(); }
@@ -43,11 +46,13 @@ TEST(Turns, a_stream_that_never_catches_up_keeps_no_question_waiting) {
     bench.subscriptions.set(1, {3u, sea::surface_fields});
     bench.leap_us = 1'000'000; // something is due at every look at the clock
     std::promise<void> answered;
-    bench.simulation->answer({{1.0, 2.0, 0}}, false,
-                             [&](const Result<std::vector<sea::Answer>>& answers) {
-                                 EXPECT_TRUE(answers);
-                                 answered.set_value();
-                             });
+    bench.simulation->answer(
+        {{1.0, 2.0, 0}}, false,
+        [&](const Result<std::vector<sea::Answer>>& answers) {
+            EXPECT_TRUE(answers);
+            answered.set_value();
+        },
+        someone);
     const bool in_time = answered.get_future().wait_for(patience) == std::future_status::ready;
     bench.leap_us = 0;
     bench.settle();
@@ -58,7 +63,7 @@ TEST(Turns, a_stream_that_never_catches_up_keeps_no_question_waiting) {
 TEST(Turns, a_flood_of_wakes_passes_nobody_over_twice) {
     Questions questions;
     int slices = 0;
-    questions.ask({[&] { return ++slices == 3; }, [](const Error&) {}});
+    questions.ask({[&] { return ++slices == 3; }, [](const Error&) {}, someone});
     for (int i = 0; i < 6; ++i) {
         questions.wake(); // before every look
         std::optional<Question> question = questions.take(0);
@@ -81,12 +86,16 @@ TEST(Turns, foam_that_starts_delays_no_question_and_no_stream_of_who_wants_none)
         const Gate gate(bench);
         bench.now_us += bench.sea->budget.cascades[0].interval_us;
         bench.subscriptions.set(2, {1u, with_foam});
-        bench.simulation->answer({{1.0, 2.0, 0}}, false, [&](const auto&) {
-            made_at_answer.set_value(bench.simulation->counters().synthesis.keyframes - before);
-            streamed_at_answer.set_value(bench.times(0).size());
-        });
+        bench.simulation->answer(
+            {{1.0, 2.0, 0}}, false,
+            [&](const auto&) {
+                made_at_answer.set_value(bench.simulation->counters().synthesis.keyframes - before);
+                streamed_at_answer.set_value(bench.times(0).size());
+            },
+            someone);
         bench.simulation->fetch_current(
-            {1u, with_foam}, [&](const auto& keyframes) { fetched.set_value(*keyframes); });
+            {1u, with_foam}, [&](const auto& keyframes) { fetched.set_value(*keyframes); },
+            someone);
     }
     // Two slices of the start - one before the look at the new demand, one after it - each 128 ticks
     // of 64 x 64; one of the stream, and what the answer needs.
@@ -123,8 +132,9 @@ TEST(Turns, fetches_with_foam_far_apart_are_all_made_and_none_starts_over_for_an
     {
         const Gate gate(bench);
         for (std::size_t i = 0; i < times_us.size(); ++i)
-            bench.simulation->fetch({times_us[i]}, foam,
-                                    [&, i](auto made) { fetched[i].set_value(std::move(made)); });
+            bench.simulation->fetch(
+                {times_us[i]}, foam, [&, i](auto made) { fetched[i].set_value(std::move(made)); },
+                someone);
     }
     for (std::size_t i = 0; i < times_us.size(); ++i) {
         auto waits = fetched[i].get_future();
@@ -194,10 +204,13 @@ TEST(Turns, a_simulation_that_ends_while_foam_starts_refuses_who_waits_for_it) {
         Bench bench(long_foam);
         const Gate gate(bench);
         bench.subscriptions.set(1, {3u, with_foam});
-        bench.simulation->fetch_current({3u, with_foam}, [&](const auto& made) {
-            if (!made)
-                refused.set_value(made.error());
-        });
+        bench.simulation->fetch_current(
+            {3u, with_foam},
+            [&](const auto& made) {
+                if (!made)
+                    refused.set_value(made.error());
+            },
+            someone);
         *bench.failures = 1000;
     }
     EXPECT_TRUE(refused.get_future().get().is(Refusal::gone));
@@ -209,8 +222,8 @@ TEST(Turns, who_gives_up_foam_while_it_starts_leaves_nobody_waiting) {
     {
         const Gate gate(bench);
         bench.subscriptions.set(1, {3u, with_foam});
-        bench.simulation->fetch_current({3u, with_foam},
-                                        [&](const auto& made) { fetched.set_value(made->size()); });
+        bench.simulation->fetch_current(
+            {3u, with_foam}, [&](const auto& made) { fetched.set_value(made->size()); }, someone);
         bench.subscriptions.erase(1);
     }
     auto waits = fetched.get_future();
