@@ -58,13 +58,13 @@ void World::fetch(FetchRequest request, Fetched done) {
         return done(
             Error{Refusal::not_offered, "this sea offers none of these fields and cascades"});
     auto made = [this, quality = granted.quality,
-                 done = std::move(done)](Result<std::vector<sea::KeyframePtr>> keyframes) {
-        if (!keyframes)
-            return done(keyframes.error());
-        std::vector<KeyframeTiles> all;
-        for (sea::KeyframePtr& keyframe : *keyframes)
-            all.push_back(tiles(std::move(keyframe), quality));
-        done(std::move(all));
+                 done = std::move(done)](Result<FetchedKeyframes> fetched) {
+        if (!fetched)
+            return done(fetched.error());
+        FetchedPart part{.tiles = {}, .last = fetched->last};
+        for (sea::KeyframePtr& keyframe : fetched->keyframes)
+            part.tiles.push_back(tiles(std::move(keyframe), quality));
+        done(std::move(part));
     };
     if (request.times_us.empty())
         simulation_->fetch_current(granted, std::move(made), request.asker);

@@ -71,7 +71,7 @@ NativeSynthesizer::synthesize(std::span<const KeyframeRequest> requests) try {
     counters_.keyframes += tasks.size();
     return keyframes;
 } catch (const std::bad_alloc&) {
-    return Error{"native synthesis: out of memory"};
+    return Error{DeviceError::out_of_memory, "native synthesis: out of memory"};
 }
 
 Result<std::vector<SynthesisStage>> NativeSynthesizer::stages(const KeyframeRequest& request) {

@@ -38,8 +38,8 @@ RebuiltSynthesizer::synthesize(std::span<const KeyframeRequest> requests) {
     for (int attempt = 0;; ++attempt) {
         if (device_) {
             Result<std::vector<NewKeyframePtr>> made = device_->synthesize(requests);
-            if (made)
-                return made;
+            if (made || made.error().is(DeviceError::out_of_memory))
+                return made; // another device would have no more of it
             last = made.error();
         }
         if (attempt == device_rebuilds_max)

@@ -39,6 +39,8 @@ using NewKeyframePtr = std::shared_ptr<sea::Keyframe>;
 enum class DeviceError {
     /// No other try would help: it has no kernels of a size, or computes wrongly.
     cannot_do_this_sea = 1,
+    /// There is no memory for these requests now; for others, or later, there may be.
+    out_of_memory,
 };
 
 /// What was done since the start; proves that nothing runs that nobody asked for.
@@ -69,7 +71,7 @@ class Synthesizer {
     virtual Result<void> set_sea(sea::RealizationPtr sea, std::uint32_t epoch) = 0;
 
     /// One keyframe a request, in order; requests of equal size may share dispatches. An error
-    /// means the device failed (lost, out of memory): the caller rebuilds or gives up.
+    /// means the device failed (lost): the caller rebuilds or gives up; but for DeviceError::out_of_memory.
     virtual Result<std::vector<NewKeyframePtr>>
     synthesize(std::span<const KeyframeRequest> requests) = 0;
 

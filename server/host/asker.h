@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Asker: whether somebody still waits for an answer. A session that ends leaves questions behind; they
-// are dropped instead of worked on, so that nobody keeps the server busy by asking and going away.
+// Asker: who waits for an answer, and whether somebody still does. A session that ends leaves
+// questions behind; they are dropped instead of worked on, so that nobody keeps the server busy by
+// asking and going away.
 //
 // A value; gone() from any thread.
 #pragma once
@@ -16,13 +17,30 @@ class Asker {
     /// One who is there for as long as somebody holds `here`.
     explicit Asker(const std::shared_ptr<const void>& here) : here_(here), may_go_(true) {}
 
-    bool gone() const { return may_go_ && here_.expired(); }
+    /// The same one, who no longer asks this as soon as nobody holds `question`.
+    Asker about(const std::shared_ptr<const void>& question) const {
+        Asker asker = *this;
+        asker.question_ = question;
+        asker.may_give_up_ = true;
+        return asker;
+    }
+
+    bool gone() const {
+        return (may_go_ && here_.expired()) || (may_give_up_ && question_.expired());
+    }
+
+    /// Both are made of the same `here`; all who stay are the same one.
+    bool same(const Asker& other) const {
+        return !here_.owner_before(other.here_) && !other.here_.owner_before(here_);
+    }
 
   private:
     Asker() = default;
 
     std::weak_ptr<const void> here_;
+    std::weak_ptr<const void> question_;
     bool may_go_ = false;
+    bool may_give_up_ = false;
 };
 
 } // namespace seaway::server

@@ -55,6 +55,12 @@ struct FetchRequest {
     Asker asker;
 };
 
+/// What a fetch brings, part by part: as much of it as the server makes at a time.
+struct FetchedPart {
+    std::vector<KeyframeTiles> tiles;
+    bool last = true;
+};
+
 /// Bytes of a long answer, made while they are sent. For one reader.
 class ByteSource {
   public:
@@ -92,8 +98,10 @@ class Host {
     // Each of these is answered once, by what was asked for or by why not: an Error of kind Refusal.
     // Who has gone meanwhile is answered gone, without any work for it.
 
-    /// Keyframes for the caller to encode.
-    using Fetched = std::function<void(Result<std::vector<KeyframeTiles>>)>;
+    /// Keyframes for the caller to encode, in parts, all of which but the last one may be followed by
+    /// an error. The caller lets each keyframe go as soon as it is encoded: while he holds much,
+    /// nothing more is made.
+    using Fetched = std::function<void(Result<FetchedPart>)>;
     virtual void fetch(FetchRequest request, Fetched done) = 0;
 
     using Queried = std::function<void(Result<QueryAnswers>)>;

@@ -19,12 +19,12 @@ class EncodeWorker {
     /// Encodes one keyframe a call; true: that was the last.
     using Job = std::function<bool(Encoder&)>;
 
-    /// Keyframes that wait to be streamed: two of each cascade and quality in use.
-    static constexpr std::size_t streamed_waiting_max = 32;
-    /// Fetches that wait, of all sessions together: each may hold keyframes that nobody else holds.
-    static constexpr std::size_t fetches_waiting_max = 64;
-    /// Starts of subscriptions that wait: all hold the same few keyframes, so that there is room for
-    /// as many as all sessions may have in flight.
+    /// Keyframes that wait to be streamed: two of each of 8 cascades at three qualities. A server that
+    /// is further behind than that leaves keyframes out.
+    static constexpr std::size_t streamed_waiting_max = 48;
+    /// Parts of fetches, and starts of subscriptions, that wait: there is room for as many as all
+    /// sessions may have in flight. How much they hold is bounded by who makes them.
+    static constexpr std::size_t fetches_waiting_max = 4096;
     static constexpr std::size_t starts_waiting_max = 4096;
 
     EncodeWorker();

@@ -2,6 +2,7 @@
 #include "server/net/session.h"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 
 #include <fmt/format.h>
@@ -14,6 +15,16 @@ namespace seaway::server {
 
 namespace limits = protocol::limits;
 using wire::ErrorCode;
+
+namespace {
+
+Error too_large() {
+    return {ErrorCode::too_large,
+            fmt::format("more than {} bytes of tiles: fetch fewer times or fields",
+                        limits::fetch_bytes_max)};
+}
+
+} // namespace
 
 Session::Session(Core& core, Link& link, std::string peer)
     : core_(core), link_(link), id_(core.next_session++), peer_(std::move(peer)) {
@@ -127,53 +138,97 @@ void Session::on_fetch(const wire::Fetch& request) {
            .error_m = request.error_m()});
 }
 
-/// What a fetch brought, encoded keyframe by keyframe.
-class Session::FetchJob {
+/// What a fetch brings, encoded keyframe by keyframe as it comes.
+class Session::FetchJob : public std::enable_shared_from_this<FetchJob> {
   public:
     using GiveBack = std::function<void(Result<Encoded>)>;
 
-    FetchJob(std::vector<KeyframeTiles> tiles, sea::FieldSet wanted, Asker asker,
+    FetchJob(std::weak_ptr<Core> core, sea::FieldSet wanted, bool start, const Asker& session,
              GiveBack give_back)
-        : tiles_(std::move(tiles)), wanted_(wanted), asker_(std::move(asker)),
+        : core_(std::move(core)), wanted_(wanted), start_(start),
+          asker_(session.about(wanted_here_)),
           give_back_(std::move(give_back)), encoded_{{}, wanted} {}
 
-    /// EncodeWorker::Job.
-    bool slice(Encoder& encoder) {
-        if (asker_.gone())
-            return true;
-        if (encoded_.keyframes.size() < tiles_.size()) {
-            const KeyframeTiles& tile = tiles_[encoded_.keyframes.size()];
-            Result<EncodedKeyframePtr> one =
-                encoder.encode(*tile.keyframe, tile.codec_error, tile.quality, wanted_);
-            if (!one) {
-                give_back_(one.error());
-                return true;
-            }
-            encoded_.fields =
-                sea::FieldSet::from_bits(encoded_.fields.bits() & (*one)->fields.bits());
-            encoded_.keyframes.push_back(*std::move(one));
-        }
-        if (encoded_.keyframes.size() < tiles_.size())
-            return false;
-        give_back_(std::move(encoded_));
-        return true;
+    /// Gone with the session, or once the fetch has ended for another reason.
+    const Asker& asker() const { return asker_; }
+
+    /// Host's answer, on any thread: encoding is for the encode thread.
+    void bring(Result<FetchedPart> fetched) {
+        const std::shared_ptr<Core> alive = core_.lock();
+        if (alive == nullptr)
+            return;
+        if (!fetched)
+            return end(fetched.error());
+        const auto slice = [self = shared_from_this(),
+                            part = std::make_shared<Part>(Part{*std::move(fetched)})](
+                               Encoder& encoder) { return self->encode(*part, encoder); };
+        EncodeWorker& encoding = alive->encoding;
+        if (!(start_ ? encoding.submit_start(slice) : encoding.submit_fetched(slice)))
+            end(Error{Refusal::busy, "too many fetches wait to be encoded already"});
     }
 
   private:
-    std::vector<KeyframeTiles> tiles_;
-    sea::FieldSet wanted_;
-    Asker asker_;
-    GiveBack give_back_;
-    Encoded encoded_;
+    struct Part {
+        FetchedPart fetched;
+        std::size_t done = 0;
+    };
+
+    /// EncodeWorker::Job.
+    bool encode(Part& part, Encoder& encoder) {
+        if (asker_.gone())
+            return true;
+        std::vector<KeyframeTiles>& tiles = part.fetched.tiles;
+        if (part.done < tiles.size()) {
+            KeyframeTiles& tile = tiles[part.done++];
+            Result<EncodedKeyframePtr> one =
+                encoder.encode(*tile.keyframe, tile.codec_error, tile.quality, wanted_);
+            tile.keyframe = nullptr;
+            if (const Result<void> taken = one ? take(*one) : one.error(); !taken) {
+                end(taken.error());
+                return true;
+            }
+        }
+        if (part.done < tiles.size())
+            return false;
+        if (part.fetched.last)
+            end(std::move(encoded_));
+        return true;
+    }
+
+    Result<void> take(const EncodedKeyframePtr& one) {
+        bytes_ += message_bytes(*one, wanted_);
+        if (bytes_ > limits::fetch_bytes_max)
+            return too_large();
+        encoded_.fields = sea::FieldSet::from_bits(encoded_.fields.bits() & one->fields.bits());
+        encoded_.keyframes.push_back(one);
+        return {};
+    }
+
+    /// Only the first end counts.
+    void end(Result<Encoded> encoded) {
+        if (ended_.exchange(true))
+            return;
+        wanted_here_ = nullptr;
+        give_back_(std::move(encoded));
+    }
+
+    const std::weak_ptr<Core> core_;
+    const sea::FieldSet wanted_;
+    const bool start_;
+    std::shared_ptr<const void> wanted_here_ = std::make_shared<char>();
+    const Asker asker_;
+    const GiveBack give_back_;
+    std::atomic<bool> ended_ = false;
+    Encoded encoded_; ///< of the encode thread
+    std::size_t bytes_ = 0;
 };
 
 void Session::fetch(std::uint32_t request_id, std::vector<sea::TimeUs> times_us,
                     const Demand& demand) {
     ++fetches_in_flight_;
     ++core_.counters.fetches;
-    FetchRequest request{.times_us = std::move(times_us), .demand = demand, .asker = Asker(here_)};
-    const FetchJob::GiveBack give_back = [core = core_.weak_from_this(), session = id_,
-                                          request_id](Result<Encoded> encoded) {
+    FetchJob::GiveBack give_back = [core = core_.weak_from_this(), session = id_,
+                                    request_id](Result<Encoded> encoded) {
         const std::shared_ptr<Core> alive = core.lock();
         if (alive == nullptr)
             return;
@@ -183,22 +238,11 @@ void Session::fetch(std::uint32_t request_id, std::vector<sea::TimeUs> times_us,
                 found->fetched(request_id, encoded);
         });
     };
-    // Host answers on any thread; encoding is for the encode thread, sending for the io thread.
-    auto made = [core = core_.weak_from_this(), wanted = request.demand.fields,
-                 start = request.times_us.empty(), asker = request.asker,
-                 give_back](Result<std::vector<KeyframeTiles>> tiles) {
-        const std::shared_ptr<Core> alive = core.lock();
-        if (alive == nullptr)
-            return;
-        if (!tiles)
-            return give_back(tiles.error());
-        const auto job = std::make_shared<FetchJob>(*std::move(tiles), wanted, asker, give_back);
-        const auto slice = [job](Encoder& encoder) { return job->slice(encoder); };
-        EncodeWorker& encoding = alive->encoding;
-        if (!(start ? encoding.submit_start(slice) : encoding.submit_fetched(slice)))
-            give_back(Error{Refusal::busy, "too many fetches wait to be encoded already"});
-    };
-    core_.host.fetch(std::move(request), std::move(made));
+    const auto job =
+        std::make_shared<FetchJob>(core_.weak_from_this(), demand.fields, times_us.empty(),
+                                   Asker(here_), std::move(give_back));
+    core_.host.fetch({.times_us = std::move(times_us), .demand = demand, .asker = job->asker()},
+                     [job](Result<FetchedPart> part) { job->bring(std::move(part)); });
 }
 
 void Session::fetched(std::uint32_t request_id, const Result<Encoded>& encoded) {
@@ -209,10 +253,7 @@ void Session::fetched(std::uint32_t request_id, const Result<Encoded>& encoded) 
     auto done = std::make_shared<const protocol::Bytes>(
         protocol::fetch_done(request_id, static_cast<std::uint32_t>(keyframes.size()), fields));
     if (!outbox_.push_fetched(keyframes, fields, std::move(done)))
-        return refuse(request_id,
-                      {ErrorCode::too_large,
-                       fmt::format("more than {} bytes of tiles: fetch fewer times or fields",
-                                   limits::fetch_bytes_max)});
+        return refuse(request_id, too_large());
     link_.send_more();
 }
 

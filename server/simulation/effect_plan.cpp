@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "sea/foam/foam_law.h"
+
 namespace seaway::server {
 
 using sea::Field;
@@ -41,7 +43,7 @@ FieldSet offered_fields(const sea::Effects& allowed) {
     FieldSet offered = effects[0].fields;
     if (allowed.choppy)
         offered |= effects[1].fields | effects[3].fields;
-    if (allowed.choppy && allowed.foam)
+    if (sea::has_foam(allowed))
         offered |= effects[4].fields;
     if (allowed.slopes)
         offered |= effects[2].fields;

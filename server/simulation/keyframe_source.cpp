@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <iterator>
 #include <limits>
 #include <utility>
 
@@ -27,7 +28,8 @@ std::vector<int> cascade_sizes(const RunningSea& sea) {
 } // namespace
 
 KeyframeSource::KeyframeSource(RunningSeaPtr sea, std::unique_ptr<RebuiltSynthesizer> device)
-    : sea_(std::move(sea)), device_(std::move(device)), streamed_foam_(*sea_), asked_foam_(*sea_),
+    : sea_(std::move(sea)), device_(std::move(device)),
+      streamed_foam_(*sea_), started_foam_{FoamMaps(*sea_)}, asked_foam_{FoamMaps(*sea_)},
       description_(device_->description()), costs_(cascade_sizes(*sea_)) {}
 
 KeyframeSource::Report KeyframeSource::report() const {
@@ -45,6 +47,8 @@ template <class T>
 Result<T> KeyframeSource::or_fail(Result<T> result) {
     if (result)
         return result;
+    if (result.error().is(DeviceError::out_of_memory))
+        return Error{Refusal::busy, result.error().message};
     failure_ = Error{Refusal::gone,
                      fmt::format("the device has failed for good: {}", result.error().message)};
     failed_ = true;
@@ -66,63 +70,109 @@ auto KeyframeSource::timed(int cascade, const Work& work) {
 
 // ---- jobs ----------------------------------------------------------------------------------
 
+std::vector<sea::KeyframePtr> KeyframeJob::take() {
+    SEAWAY_CHECK(made(), "a part is taken once it is made");
+    open_ = false;
+    std::vector<sea::KeyframePtr> part = std::move(found_);
+    if (const Room::Place place = std::move(place_))
+        for (sea::KeyframePtr& keyframe : part) {
+            const auto both = std::make_shared<std::pair<Room::Place, sea::KeyframePtr>>(
+                place, std::move(keyframe));
+            keyframe = sea::KeyframePtr(both, both->second.get());
+        }
+    return part;
+}
+
 Result<bool> KeyframeSource::work_on(KeyframeJob& job) {
+    if (failure_)
+        return *failure_;
+    std::int64_t budget = samples_per_slice;
+    return or_fail(slice(job, budget));
+}
+
+Result<bool> KeyframeSource::work_on(SurfaceJob& job) {
     if (failure_)
         return *failure_;
     return or_fail(slice(job));
 }
 
-Result<std::vector<sea::KeyframePtr>>
-KeyframeSource::keyframes(std::vector<KeyframeRequest> wanted) {
-    KeyframeJob job(std::move(wanted), Walk::questions);
-    for (bool made = false; !made;) {
-        SEAWAY_TRY_LET(made, work_on(job));
-        SEAWAY_CHECK(made || job.without_foam_.empty(), "foam is walked for in slices");
-    }
-    return job.take();
+KeyframeRequest KeyframeSource::with_held_fields(KeyframeRequest request) const {
+    if (const sea::KeyframePtr held = store_.held(request.cascade, request.time_us))
+        request.fields |= held->fields;
+    return request;
 }
 
-void KeyframeSource::look_up(KeyframeJob& job) {
-    job.begun_ = true;
-    for (std::size_t i = 0; i < job.wanted_.size(); ++i) {
-        KeyframeRequest request = job.wanted_[i];
-        job.found_[i] = store_.find(request.cascade, request.time_us, request.fields);
-        if (job.found_[i])
+bool KeyframeSource::walks_foam(const KeyframeRequest& request) const {
+    if (!request.fields.contains(sea::Field::foam))
+        return false;
+    const sea::KeyframePtr held = store_.held(request.cascade, request.time_us);
+    return !held || !held->fields.contains(sea::Field::foam);
+}
+
+bool KeyframeSource::open_part(KeyframeJob& job) {
+    const std::size_t begin = job.end_;
+    std::size_t end = begin;
+    std::int64_t part = 0;
+    bool foam = false;
+    for (; end < job.wanted_.size(); ++end) {
+        const KeyframeRequest request = with_held_fields(job.wanted_[end]);
+        const std::int64_t more =
+            samples(request.cascade) * with_foam_inputs(request.fields).size();
+        if (end > begin && part + more > samples_per_slice)
+            break;
+        part += more;
+        foam = foam || walks_foam(request);
+    }
+    job.part_bytes_ = static_cast<std::size_t>(part) * sizeof(float);
+    // First the turn, then room: who holds room never waits for somebody else.
+    if (foam && !takes_its_turn(job))
+        return false;
+    if (job.room_ && !(job.place_ = job.room_->take(job.part_bytes_)))
+        return false;
+    job.open_ = true;
+    job.end_ = end;
+    look_up(job, begin);
+    return true;
+}
+
+void KeyframeSource::look_up(KeyframeJob& job, std::size_t begin) {
+    job.found_.assign(job.end_ - begin, nullptr);
+    for (std::size_t i = begin; i < job.end_; ++i) {
+        const KeyframeRequest& request = job.wanted_[i];
+        sea::KeyframePtr& found = job.found_[i - begin];
+        found = store_.find(request.cascade, request.time_us, request.fields);
+        if (found)
             continue;
         sea::KeyframePtr held = store_.held(request.cascade, request.time_us);
-        if (held)
-            request.fields |= held->fields;
         if (held && !held->fields.contains(sea::Field::foam))
             held = nullptr;
-        job.missing_.push_back({i, request, std::move(held)});
+        job.missing_.push_back({i - begin, with_held_fields(request), std::move(held)});
     }
 }
 
-Result<bool> KeyframeSource::slice(KeyframeJob& job) {
-    if (!job.begun_)
-        look_up(job);
-    std::int64_t budget = samples_per_slice;
-    while (budget > 0 && !(job.missing_.empty() && job.without_foam_.empty())) {
+Result<bool> KeyframeSource::slice(KeyframeJob& job, std::int64_t& budget) {
+    if (!job.open_ && !open_part(job))
+        return false;
+    while (budget > 0 && !job.made()) {
         if (job.without_foam_.empty())
             SEAWAY_TRY(synthesize_some(job, budget));
-        else if (takes_its_turn(job))
-            SEAWAY_TRY(add_foam(job, budget));
         else
-            return false;
+            SEAWAY_TRY(add_foam(job, budget));
     }
-    const bool made = job.missing_.empty() && job.without_foam_.empty();
-    if (made)
+    if (job.made() && job.end_ == job.wanted_.size())
         job.turn_ = nullptr;
-    return made;
+    return job.made();
 }
 
 bool KeyframeSource::takes_its_turn(KeyframeJob& job) {
-    if (job.walk_ == Walk::questions && job.turn_ == nullptr) {
-        if (!asked_foam_turn_.expired())
-            return false;
-        job.turn_ = std::make_shared<char>();
-        asked_foam_turn_ = job.turn_;
-    }
+    if (job.walk_ == Walk::stream || job.turn_ != nullptr)
+        return true;
+    std::weak_ptr<const void>& turn = foam_of(job.walk_).turn;
+    job.awaited_turn_ = turn.expired() ? nullptr : &turn;
+    if (job.awaited_turn_)
+        return false;
+    job.turn_ = std::make_shared<char>();
+    turn = job.turn_;
     return true;
 }
 
@@ -158,7 +208,7 @@ Result<void> KeyframeSource::synthesize_some(KeyframeJob& job, std::int64_t& bud
 Result<void> KeyframeSource::add_foam(KeyframeJob& job, std::int64_t& budget) {
     const std::size_t place = job.without_foam_.front().place;
     const NewKeyframePtr keyframe = job.without_foam_.front().keyframe;
-    FoamMaps& foam = job.walk_ == Walk::stream ? streamed_foam_ : asked_foam_;
+    FoamMaps& foam = job.walk_ == Walk::stream ? streamed_foam_ : foam_of(job.walk_).maps;
     const auto strains_at = [&](TimeUs t_us) -> Result<sea::KeyframePtr> {
         return t_us == keyframe->time_us ? Result<sea::KeyframePtr>(keyframe)
                                          : strains(keyframe->cascade, t_us);
@@ -211,8 +261,9 @@ Result<bool> KeyframeSource::walk_streamed_foam(int cascade, TimeUs time_us) {
 }
 
 void KeyframeSource::share_streamed_foam(int cascade) {
-    if (asked_foam_turn_.expired()) // else someone is half-way
-        asked_foam_.take_over(cascade, streamed_foam_);
+    for (AskedFoam* foam : {&started_foam_, &asked_foam_})
+        if (foam->turn.expired()) // else someone is half-way
+            foam->maps.take_over(cascade, streamed_foam_);
 }
 
 Result<sea::KeyframePtr> KeyframeSource::strains(int cascade, TimeUs time_us) {
@@ -237,21 +288,51 @@ KeyframeSource::synthesize(std::span<const KeyframeRequest> requests,
     return made;
 }
 
-Result<KeyframeSource::SurfaceSpan> KeyframeSource::surface_around(TimeUs time_us) {
-    SEAWAY_TRY_LET(
-        const std::vector<sea::KeyframePtr> held,
-        keyframes(keyframes_around(sea_->budget, {&time_us, 1}, {~0u, sea_->sampler_fields()})));
-    std::vector<sea::SplinePair> pairs;
-    TimeUs end_us = std::numeric_limits<TimeUs>::max();
-    for (std::size_t i = 0; i < held.size(); i += 2) {
-        pairs.push_back({store_.spline(held[i]), store_.spline(held[i + 1])});
-        end_us = std::min(end_us, held[i + 1]->time_us);
+// ---- surfaces ------------------------------------------------------------------------------
+
+std::size_t KeyframeSource::surface_bytes() const {
+    std::size_t bytes = 0;
+    for (const sea::CascadeModes& modes : sea_->realization->cascades) {
+        const auto size = static_cast<std::size_t>(modes.spec.size);
+        const auto fields = static_cast<std::size_t>(sea_->sampler_fields().size());
+        bytes +=
+            2 * (fields * size * size * sizeof(float) + sea::SplineMap::bytes_of(modes.spec.size));
     }
-    return SurfaceSpan{std::make_shared<const sea::Surface>(
-                           std::move(pairs), sea_->realization->choppiness,
-                           fold_search(sea_->budget), map_error(sea_->budget, 0.0),
-                           sea::inverse_tolerance_m(sea_->budget.height_error_m)),
-                       end_us};
+    return bytes;
+}
+
+Result<bool> KeyframeSource::slice(SurfaceJob& job) {
+    if (!job.place_ && !(job.place_ = surfaces_->take(surface_bytes())))
+        return false;
+    if (!job.keyframes_)
+        job.keyframes_.emplace(
+            keyframes_around(sea_->budget, {&job.time_us_, 1}, {~0u, sea_->sampler_fields()}),
+            Walk::questions);
+    std::int64_t budget = samples_per_slice;
+    if (!job.keyframes_->complete()) {
+        SEAWAY_TRY_LET(const bool made, slice(*job.keyframes_, budget));
+        if (made)
+            std::ranges::move(job.keyframes_->take(), std::back_inserter(job.held_));
+        if (!job.keyframes_->complete())
+            return false;
+    }
+    while (budget > 0 && job.splines_.size() < job.held_.size()) {
+        const sea::KeyframePtr& next = job.held_[job.splines_.size()];
+        job.splines_.push_back(store_.spline(next));
+        budget -= samples(next->cascade) * next->fields.size();
+    }
+    if (job.splines_.size() < job.held_.size())
+        return false;
+    std::vector<sea::SplinePair> pairs;
+    job.end_us_ = std::numeric_limits<TimeUs>::max();
+    for (std::size_t i = 0; i < job.held_.size(); i += 2) {
+        pairs.push_back({job.splines_[i], job.splines_[i + 1]});
+        job.end_us_ = std::min(job.end_us_, job.held_[i + 1]->time_us);
+    }
+    job.surface_ = std::make_shared<const sea::Surface>(
+        std::move(pairs), sea_->realization->choppiness, fold_search(sea_->budget),
+        map_error(sea_->budget, 0.0), sea::inverse_tolerance_m(sea_->budget.height_error_m));
+    return true;
 }
 
 } // namespace seaway::server

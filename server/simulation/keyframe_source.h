@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Keyframe source: any keyframe of the running sea, from the store or from the device, with foam
-// where it is wanted; and what all of that has cost. What may take long - many keyframes, and a foam
-// history that starts - is a KeyframeJob, worked on slice by slice.
+// where it is wanted; and what all of that has cost. What may take long - many keyframes, a foam
+// history that starts, the splines of a surface - is a job, worked on slice by slice.
 //
-// The first failure of the device that rebuilding does not mend is the last word: from then on every
+// Where there is no memory for what is asked, that is an error of kind Refusal::busy and nothing else
+// happens. The first failure of the device that rebuilding does not mend is the last word: from then on every
 // call gives that same error, of kind Refusal::gone. For one thread, except report() and failed().
 #pragma once
 
@@ -22,29 +23,46 @@
 #include "server/simulation/effect_costs.h"
 #include "server/simulation/foam_maps.h"
 #include "server/simulation/keyframe_store.h"
+#include "server/simulation/room.h"
 #include "server/simulation/running_sea.h"
 
 namespace seaway::server {
 
 using SurfacePtr = std::shared_ptr<const sea::Surface>;
 
-/// Two walks through time, each with foam histories of its own: the stream goes step by step,
-/// questions jump to where someone asks.
-enum class Walk { stream, questions };
+/// Walks through time, each with foam histories of its own: the stream goes step by step, starts of
+/// subscriptions join it near now, questions jump to where someone asks.
+enum class Walk { stream, starts, questions };
 
 /// Samples of one field that a slice makes, at most where one keyframe has not more: 32 of 256 x 256,
 /// some 50 ms on two cores. A tick of foam counts as foam_tick_fields.
 inline constexpr std::int64_t samples_per_slice = 1 << 21;
 inline constexpr std::int64_t foam_tick_fields = 4;
 
-/// Keyframes that are being made: one a request, in order, with at least its fields.
+/// Bytes of the surfaces that questions hold together, maps and splines: those around ten times of
+/// three cascades of 256 x 256; of large ones one at a time.
+inline constexpr std::size_t surfaces_bytes_max = 256u * 1024 * 1024;
+
+/// Keyframes that are being made: one a request, in order, with at least its fields. They come in
+/// parts of at most samples_per_slice, or of one keyframe that has more: a job holds no more than
+/// that, however much is asked for.
 class KeyframeJob {
   public:
-    KeyframeJob(std::vector<KeyframeRequest> wanted, Walk walk)
-        : wanted_(std::move(wanted)), walk_(walk), found_(wanted_.size()) {}
+    /// With a `room` each part takes its bytes of it before it is made. Whoever holds a keyframe of
+    /// the part holds its place too.
+    KeyframeJob(std::vector<KeyframeRequest> wanted, Walk walk,
+                std::shared_ptr<Room> room = nullptr)
+        : wanted_(std::move(wanted)), walk_(walk), room_(std::move(room)) {}
 
-    /// All of them, once KeyframeSource::work_on() has said that they are made.
-    std::vector<sea::KeyframePtr> take() { return std::move(found_); }
+    /// The next part, once KeyframeSource::work_on() has said that it is made.
+    std::vector<sea::KeyframePtr> take();
+    /// The last part has been taken.
+    bool complete() const { return !open_ && end_ == wanted_.size(); }
+    /// A slice would come to nothing: there is no room for the next part, or another job walks foam.
+    bool waits() const {
+        return !open_ && ((awaited_turn_ && !awaited_turn_->expired()) ||
+                          (room_ && !room_->fits(part_bytes_)));
+    }
 
   private:
     friend class KeyframeSource;
@@ -61,39 +79,61 @@ class KeyframeJob {
         NewKeyframePtr keyframe;
     };
 
+    bool made() const { return open_ && missing_.empty() && without_foam_.empty(); }
+
     std::vector<KeyframeRequest> wanted_;
     Walk walk_;
-    std::vector<sea::KeyframePtr> found_;
-    bool begun_ = false;
+    std::shared_ptr<Room> room_;
+    bool open_ = false;   ///< a part is being made
+    std::size_t end_ = 0; ///< of it, among `wanted_`
+    std::size_t part_bytes_ = 0;
+    Room::Place place_;
+    std::vector<sea::KeyframePtr> found_; ///< the part
     std::deque<Missing> missing_;
     std::deque<WithoutFoam> without_foam_; ///< made but for their foam, in order
     std::shared_ptr<const void> turn_;     ///< held by the one job whose foam is walked for
+    const std::weak_ptr<const void>* awaited_turn_ = nullptr; ///< of the source
+};
+
+/// The surface around a time, from the keyframes of every cascade.
+class SurfaceJob {
+  public:
+    explicit SurfaceJob(sea::TimeUs time_us) : time_us_(time_us) {}
+
+    /// Once KeyframeSource::work_on() has said that it is there.
+    const SurfacePtr& surface() const { return surface_; }
+    /// It holds its times up to, without, this one.
+    sea::TimeUs end_us() const { return end_us_; }
+
+  private:
+    friend class KeyframeSource;
+
+    sea::TimeUs time_us_;
+    Room::Place place_;
+    std::optional<KeyframeJob> keyframes_;
+    std::vector<sea::KeyframePtr> held_;
+    std::vector<sea::SplineMapPtr> splines_; ///< of the first of `held_`
+    SurfacePtr surface_;
+    sea::TimeUs end_us_ = 0;
 };
 
 class KeyframeSource {
   public:
     KeyframeSource(RunningSeaPtr sea, std::unique_ptr<RebuiltSynthesizer> device);
 
-    /// One slice; true: all are made. Of several jobs of Walk::questions that need foam one gets on
-    /// at a time, the others wait until it is made or gone.
+    /// One slice; true: a part is made, to be taken. Of several jobs of one walk that need foam one
+    /// gets on at a time, the others wait until it is made or gone.
     Result<bool> work_on(KeyframeJob& job);
-
-    /// All at once, for what needs no foam.
-    Result<std::vector<sea::KeyframePtr>> keyframes(std::vector<KeyframeRequest> wanted);
+    /// One slice; true: the surface is there. Jobs wait while others hold surfaces_bytes_max; for as
+    /// long as this one lives it holds its own.
+    Result<bool> work_on(SurfaceJob& job);
 
     /// Ticks that the stream's foam of a cascade is away from a time.
     int foam_ticks_to(int cascade, sea::TimeUs time_us) const;
     /// A slice of them; true: none is left.
     Result<bool> walk_streamed_foam(int cascade, sea::TimeUs time_us);
-    /// The questions' foam goes on from where the stream's is.
+    /// The foam of starts and of questions goes on from where the stream's is.
     void share_streamed_foam(int cascade);
-
-    /// From the keyframes of every cascade around a time; holds its times up to, without, `end_us`.
-    struct SurfaceSpan {
-        SurfacePtr surface;
-        sea::TimeUs end_us;
-    };
-    Result<SurfaceSpan> surface_around(sea::TimeUs time_us);
 
     /// Why there are no more keyframes.
     const std::optional<Error>& failure() const { return failure_; }
@@ -109,8 +149,13 @@ class KeyframeSource {
     Report report() const;
 
   private:
-    void look_up(KeyframeJob& job);
-    Result<bool> slice(KeyframeJob& job);
+    KeyframeRequest with_held_fields(KeyframeRequest request) const;
+    bool walks_foam(const KeyframeRequest& request) const;
+    bool open_part(KeyframeJob& job);
+    void look_up(KeyframeJob& job, std::size_t begin);
+    Result<bool> slice(KeyframeJob& job, std::int64_t& budget);
+    Result<bool> slice(SurfaceJob& job);
+    std::size_t surface_bytes() const;
     bool takes_its_turn(KeyframeJob& job);
     Result<void> synthesize_some(KeyframeJob& job, std::int64_t& budget);
     Result<void> add_foam(KeyframeJob& job, std::int64_t& budget);
@@ -133,9 +178,15 @@ class KeyframeSource {
     const RunningSeaPtr sea_;
     const std::unique_ptr<RebuiltSynthesizer> device_;
     FoamMaps streamed_foam_;
-    FoamMaps asked_foam_;
-    std::weak_ptr<const void> asked_foam_turn_; ///< KeyframeJob::turn_
-    double synthesis_s_ = 0;                    ///< spent waiting for the device
+    struct AskedFoam {
+        FoamMaps maps;
+        std::weak_ptr<const void> turn = {}; ///< KeyframeJob::turn_
+    };
+    AskedFoam& foam_of(Walk walk) { return walk == Walk::starts ? started_foam_ : asked_foam_; }
+    AskedFoam started_foam_;
+    AskedFoam asked_foam_;
+    std::shared_ptr<Room> surfaces_ = Room::of(surfaces_bytes_max, nullptr);
+    double synthesis_s_ = 0; ///< spent waiting for the device
     KeyframeStore store_;
     std::optional<Error> failure_;
     std::atomic<bool> failed_ = false;

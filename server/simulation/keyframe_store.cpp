@@ -61,13 +61,6 @@ sea::SplineMapPtr KeyframeStore::spline(const sea::KeyframePtr& keyframe) {
     return spline;
 }
 
-void KeyframeStore::clear() {
-    const std::scoped_lock lock(mutex_);
-    entries_.clear();
-    by_recency_.clear();
-    counters_.bytes = 0;
-}
-
 StoreCounters KeyframeStore::counters() const {
     const std::scoped_lock lock(mutex_);
     StoreCounters counters = counters_;

@@ -44,9 +44,6 @@ class KeyframeStore {
     /// The keyframe's spline; kept beside it for as long as the keyframe is held.
     sea::SplineMapPtr spline(const sea::KeyframePtr& keyframe);
 
-    /// Forgets everything: the sea has changed.
-    void clear();
-
     StoreCounters counters() const;
 
   private:

@@ -35,20 +35,35 @@ PointQuestion::PointQuestion(std::vector<sea::QueryPoint> points)
     });
 }
 
-Result<void> PointQuestion::sample(KeyframeSource& source) {
+SliceOver over_after(std::chrono::steady_clock::duration time) {
+    return [end = std::chrono::steady_clock::now() + time] {
+        return std::chrono::steady_clock::now() >= end;
+    };
+}
+
+Result<void> PointQuestion::sample(KeyframeSource& source, const SliceOver& over) {
     if (complete())
         return {};
-    SEAWAY_TRY_LET(const KeyframeSource::SurfaceSpan span, source.surface_around(next().time_us));
-    SEAWAY_CHECK(next().time_us < span.end_us, "each slice brings a question nearer to its end");
-    for (std::size_t i = 0;
-         i < sampled_points_per_slice && !complete() && next().time_us < span.end_us; ++i)
-        put(span.surface->answer(next()));
+    if (!surface_)
+        surface_.emplace(next().time_us);
+    if (!surface_->surface()) {
+        SEAWAY_TRY_LET(const bool there, source.work_on(*surface_));
+        if (!there)
+            return {};
+    }
+    const sea::TimeUs end_us = surface_->end_us();
+    SEAWAY_CHECK(next().time_us < end_us, "each slice brings a question nearer to its end");
+    do
+        put(surface_->surface()->answer(next()));
+    while (!complete() && next().time_us < end_us && !over());
+    if (complete() || next().time_us >= end_us)
+        surface_.reset();
     return {};
 }
 
-void PointQuestion::sum_exactly(const RunningSea& sea) {
+void PointQuestion::sum_exactly(const RunningSea& sea, const SliceOver& over) {
     const sea::FoldSearch folds = fold_search(sea.budget);
-    for (std::size_t i = 0; i < exact_points_per_slice && !complete(); ++i) {
+    while (!complete()) {
         const sea::QueryPoint& point = next();
         if (!moment_ || moment_us_ != point.time_us) {
             moment_ = sea.truth.at_time(point.time_us);
@@ -62,6 +77,8 @@ void PointQuestion::sum_exactly(const RunningSea& sea) {
         answer.error_m += tolerance_m;
         answer.flags |= sea::answer_exact;
         put(answer);
+        if (over())
+            return;
     }
 }
 

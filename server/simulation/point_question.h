@@ -3,6 +3,7 @@
 // so that points which share keyframes stand together. For one thread.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <functional>
 #include <optional>
@@ -14,10 +15,12 @@
 
 namespace seaway::server {
 
-/// Exact sums between two looks at what else is due.
-inline constexpr std::size_t exact_points_per_slice = 8;
-/// Up to 50 ms in a sea that folds often, 5 ms in others.
-inline constexpr std::size_t sampled_points_per_slice = 1024;
+/// Says that a slice has lasted long enough; asked after each point, of which a slice has one at
+/// least. What a point takes depends on the sea: an exact one 0.1 ms to 0.1 s.
+using SliceOver = std::function<bool()>;
+/// By the clock, from now on.
+inline constexpr std::chrono::milliseconds points_slice{5};
+SliceOver over_after(std::chrono::steady_clock::duration time);
 
 /// Refusal::bad_value, with value and range, for times and places where no sea is computed. A place
 /// that is not a number is let through: its answer says so.
@@ -29,10 +32,11 @@ class PointQuestion {
     /// The points have passed check_point().
     explicit PointQuestion(std::vector<sea::QueryPoint> points);
 
-    /// Answers the next points, at least one, from keyframes around them.
-    Result<void> sample(KeyframeSource& source);
+    /// One slice: the next points, at least one, from the surface around them, or a slice of making
+    /// that surface.
+    Result<void> sample(KeyframeSource& source, const SliceOver& over);
     /// The same by the direct sum.
-    void sum_exactly(const RunningSea& sea);
+    void sum_exactly(const RunningSea& sea, const SliceOver& over);
 
     bool complete() const { return done_count_ == order_.size(); }
     /// One a point, in the order of the points.
@@ -46,6 +50,7 @@ class PointQuestion {
     std::vector<std::size_t> order_; ///< by time
     std::vector<sea::Answer> answers_;
     std::size_t done_count_ = 0;                   ///< of `order_`
+    std::optional<SurfaceJob> surface_;            ///< around the next one
     std::optional<sea::DirectSum::Moment> moment_; ///< the exact sea at moment_us_
     sea::TimeUs moment_us_ = 0;
 };

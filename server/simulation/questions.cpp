@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/simulation/questions.h"
 
+#include <algorithm>
 #include <chrono>
 #include <utility>
 
@@ -10,18 +11,48 @@
 
 namespace seaway::server {
 
+std::list<Questions::Line>::iterator Questions::line_of(const Asker& asker) {
+    return std::ranges::find_if(lines_,
+                                [&](const Line& line) { return line.front().asker.same(asker); });
+}
+
+void Questions::add(Question question) {
+    auto line = line_of(question.asker);
+    if (line == lines_.end())
+        line = lines_.emplace(lines_.end());
+    line->push_back(std::move(question));
+    ++waiting_;
+}
+
+std::optional<Questions::Place> Questions::first_ready() {
+    for (auto line = lines_.begin(); line != lines_.end(); ++line)
+        for (auto question = line->begin(); question != line->end(); ++question)
+            if (!question->ready || question->asker.gone() || question->ready())
+                return Place{line, question};
+    return std::nullopt;
+}
+
+std::optional<Error> Questions::why_not(const Question& question) {
+    if (closed_)
+        return closed_;
+    const auto line = line_of(question.asker);
+    const std::size_t own = line == lines_.end() ? 0 : line->size();
+    if (own >= questions_of_one_max)
+        return Error{Refusal::busy, fmt::format("{} questions of yours wait already", own)};
+    if (waiting_ >= questions_waiting_max * (own == 0 ? 2 : 1))
+        return Error{Refusal::busy, fmt::format("{} questions wait already, try again later",
+                                                questions_waiting_max)};
+    return std::nullopt;
+}
+
 void Questions::ask(Question question) {
     std::optional<Error> refusal;
     {
         const std::scoped_lock lock(mutex_);
-        if (closed_) {
-            refusal = closed_;
-        } else if (waiting_.size() >= questions_waiting_max) {
-            refusal = Error{Refusal::busy, fmt::format("{} questions wait already, try again later",
-                                                       questions_waiting_max)};
-        } else {
+        refusal = why_not(question);
+        if (!refusal) {
             ++asked_;
-            waiting_.push_back(std::move(question));
+            add(std::move(question));
         }
     }
     if (refusal)
@@ -31,9 +62,10 @@ void Questions::ask(Question question) {
 
 std::optional<Question> Questions::take(std::optional<sea::TimeUs> wait_us) {
     std::unique_lock lock(mutex_);
-    const auto something = [&] { return woken_ || !waiting_.empty(); };
-    if (waiting_.empty() || (woken_ && !passed_over_)) {
-        passed_over_ = !waiting_.empty();
+    const auto something = [&] { return woken_ || first_ready(); };
+    const std::optional<Place> first = first_ready();
+    if (!first || (woken_ && !passed_over_)) {
+        passed_over_ = first.has_value();
         if (wait_us)
             changed_.wait_for(lock, std::chrono::microseconds(*wait_us), something);
         else
@@ -42,14 +74,19 @@ std::optional<Question> Questions::take(std::optional<sea::TimeUs> wait_us) {
         return std::nullopt;
     }
     passed_over_ = false;
-    Question question = std::move(waiting_.front());
-    waiting_.pop_front();
+    Question question = std::move(*first->question);
+    first->line->erase(first->question);
+    --waiting_;
+    if (first->line->empty())
+        lines_.erase(first->line);
+    else
+        lines_.splice(lines_.end(), lines_, first->line);
     return question;
 }
 
 void Questions::put_back(Question question) {
     const std::scoped_lock lock(mutex_);
-    waiting_.push_back(std::move(question));
+    add(std::move(question));
 }
 
 void Questions::wake() {
@@ -61,14 +98,16 @@ void Questions::wake() {
 }
 
 void Questions::close(const Error& why) {
-    std::deque<Question> left;
+    std::list<Line> left;
     {
         const std::scoped_lock lock(mutex_);
         closed_ = why;
-        left.swap(waiting_);
+        left.swap(lines_);
+        waiting_ = 0;
     }
-    for (const Question& question : left)
-        question.refuse(why);
+    for (const Line& line : left)
+        for (const Question& question : line)
+            question.refuse(why);
 }
 
 std::uint64_t Questions::asked() const {

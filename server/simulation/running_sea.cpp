@@ -20,7 +20,7 @@ Result<RunningSeaPtr> make_running_sea(const sea::Scene& scene, std::uint32_t ep
     return std::make_shared<const RunningSea>(RunningSea{
         epoch, scene, realization, sea::plan_budget(*realization, scene.accuracy.height_error_m),
         offered, sea::summarize(scene.sea, *realization), sea::DirectSum(realization),
-        offered.contains(sea::Field::foam) ? sea::make_foam_law(scene, *realization) : nullptr,
+        sea::foam_law_of(scene, *realization),
         std::move(certificate)});
 }
 
@@ -29,8 +29,7 @@ std::vector<std::string> warnings_of(const RunningSea& sea) {
     const auto add = [&warnings](std::vector<std::string> more) {
         std::ranges::move(more, std::back_inserter(warnings));
     };
-    if (sea.foam_law)
-        add(sea::foam_warnings(*sea.foam_law));
+    add(sea::foam_warnings(sea.foam_law));
     if (sea.certificate)
         add(sea::certificate_warnings(*sea.certificate, sea.scene, sea.summary.requested));
     return warnings;

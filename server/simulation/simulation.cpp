@@ -2,7 +2,10 @@
 #include "server/simulation/simulation.h"
 
 #include <algorithm>
+#include <new>
 #include <utility>
+
+#include <fmt/format.h>
 
 #include "server/host/refusal.h"
 
@@ -29,9 +32,11 @@ Simulation::Simulation(RunningSeaPtr sea, std::unique_ptr<RebuiltSynthesizer> de
                        SimulationEvents events)
     : sea_(std::move(sea)), subscriptions_(subscriptions), now_(std::move(now)),
       events_(std::move(events)), source_(sea_, std::move(device)), schedule_(sea_->budget),
-      streamed_foam_(*sea_, source_, schedule_) {}
+      streamed_foam_(*sea_, source_, schedule_),
+      fetch_room_(Room::of(fetch_raw_bytes_max, [this] { questions_.wake(); })) {}
 
 Simulation::~Simulation() {
+    fetch_room_->forget();
     stopping_ = true;
     questions_.wake();
     if (thread_.joinable())
@@ -63,10 +68,12 @@ bool Simulation::work_on_stream() {
         streaming_.emplace(std::move(due.keyframes), Walk::stream);
     }
     const Result<bool> made = source_.work_on(*streaming_);
-    if (made && *made) {
+    if (made && *made)
         publish(streaming_->take());
+    if (!made && !source_.failure() && events_.on_warning)
+        events_.on_warning(fmt::format("keyframes left out: {}", made.error().message));
+    if (!made || streaming_->complete())
         streaming_.reset();
-    }
     return true;
 }
 
@@ -89,35 +96,55 @@ void Simulation::work_on_a_question(bool more) {
         return;
     if (question->asker.gone())
         question->refuse({Refusal::gone, "nobody waits for the answer"});
-    else if (!question->slice())
+    else if (!answered(*question))
         questions_.put_back(*std::move(question));
+}
+
+bool Simulation::answered(const Question& question) {
+    try {
+        return question.slice();
+    } catch (const std::bad_alloc&) {
+        question.refuse({Refusal::busy, "there is no memory for this now, try again later"});
+        return true;
+    }
 }
 
 SimulationCounters Simulation::counters() const {
     const KeyframeSource::Report report = source_.report();
-    return {report.synthesis, report.store,       keyframes_published_,  keyframes_skipped_,
-            stream_slices_,   questions_.asked(), report.device_rebuilds};
+    return {report.synthesis,
+            report.store,
+            keyframes_published_,
+            keyframes_skipped_,
+            stream_slices_,
+            questions_.asked(),
+            fetch_room_->held_bytes(),
+            fetch_room_->held_bytes_most(),
+            report.device_rebuilds};
 }
 
 // ---- questions -----------------------------------------------------------------------------
 
 Question Simulation::keyframe_question(std::function<std::vector<KeyframeRequest>()> wanted,
-                                       std::function<bool()> ready, Fetched done,
+                                       Walk walk, std::function<bool()> ready, Fetched done,
                                        const Asker& asker) {
     auto job = std::make_shared<std::optional<KeyframeJob>>();
-    return {[this, job, wanted = std::move(wanted), ready = std::move(ready), done] {
-                if (!ready())
-                    return false;
-                if (!*job)
-                    job->emplace(wanted(), Walk::questions);
-                const Result<bool> made = source_.work_on(**job);
-                if (!made)
-                    done(made.error());
-                else if (*made)
-                    done((*job)->take());
-                return !made || *made;
-            },
-            done, asker};
+    const auto slice = [this, job, wanted = std::move(wanted), walk, done] {
+        if (!*job)
+            job->emplace(wanted(), walk, fetch_room_);
+        const Result<bool> made = source_.work_on(**job);
+        if (!made) {
+            done(made.error());
+            return true;
+        }
+        if (*made) {
+            FetchedKeyframes part{(*job)->take()};
+            part.last = (*job)->complete();
+            done(std::move(part));
+        }
+        return (*job)->complete();
+    };
+    return {slice, done, asker,
+            [job, ready = std::move(ready)] { return ready() && !(*job && (*job)->waits()); }};
 }
 
 void Simulation::fetch(std::vector<TimeUs> times_us, const Demand& demand, Fetched done,
@@ -128,13 +155,13 @@ void Simulation::fetch(std::vector<TimeUs> times_us, const Demand& demand, Fetch
     questions_.ask(
         keyframe_question([this, times_us = std::move(times_us),
                            demand] { return keyframes_around(sea_->budget, times_us, demand); },
-                          [] { return true; }, std::move(done), asker));
+                          Walk::questions, [] { return true; }, std::move(done), asker));
 }
 
 void Simulation::fetch_current(const Demand& demand, Fetched done, const Asker& asker) {
-    questions_.ask(keyframe_question([this, demand] { return schedule_.current(demand, now_()); },
-                                     [this, demand] { return !streamed_foam_.starts(demand); },
-                                     std::move(done), asker));
+    questions_.ask(keyframe_question(
+        [this, demand] { return schedule_.current(demand, now_()); }, Walk::starts,
+        [this, demand] { return !streamed_foam_.starts(demand); }, std::move(done), asker));
 }
 
 void Simulation::answer(std::vector<sea::QueryPoint> points, bool exact, Answered done,
@@ -145,8 +172,10 @@ void Simulation::answer(std::vector<sea::QueryPoint> points, bool exact, Answere
     auto batch = std::make_shared<PointQuestion>(std::move(points));
     questions_.ask({[this, batch, exact, done] {
                         if (exact) {
-                            batch->sum_exactly(*sea_);
-                        } else if (const Result<void> sampled = batch->sample(source_); !sampled) {
+                            batch->sum_exactly(*sea_, over_after(points_slice));
+                        } else if (const Result<void> sampled =
+                                       batch->sample(source_, over_after(points_slice));
+                                   !sampled) {
                             done(sampled.error());
                             return true;
                         }
@@ -160,10 +189,14 @@ void Simulation::answer(std::vector<sea::QueryPoint> points, bool exact, Answere
 void Simulation::surface(TimeUs time_us, Surfaced done, const Asker& asker) {
     if (const Result<void> fine = check_time(time_us); !fine)
         return done(fine.error());
-    questions_.ask({[this, time_us, done] {
-                        const auto span = source_.surface_around(time_us);
-                        done(span ? Result<SurfacePtr>(span->surface) : span.error());
-                        return true;
+    auto job = std::make_shared<SurfaceJob>(time_us);
+    questions_.ask({[this, job, done] {
+                        const Result<bool> there = source_.work_on(*job);
+                        if (!there)
+                            done(there.error());
+                        else if (*there)
+                            done(job->surface());
+                        return !there || *there;
                     },
                     done, asker});
 }

@@ -46,7 +46,19 @@ struct SimulationCounters {
     std::uint64_t keyframes_skipped = 0; ///< too late to be of use
     std::uint64_t stream_slices = 0;     ///< of keyframes for the stream and of its foam
     std::uint64_t questions = 0;
+    std::size_t fetch_bytes = 0;      ///< raw, of fetches that are under way
+    std::size_t fetch_bytes_most = 0; ///< so far
     std::uint64_t device_rebuilds = 0;
+};
+
+/// Bytes of raw keyframes that all fetches together hold, from before they are made until they are
+/// encoded. A fetch that finds no room waits.
+inline constexpr std::size_t fetch_raw_bytes_max = 256u * 1024 * 1024;
+
+/// What a fetch brings, part by part.
+struct FetchedKeyframes {
+    std::vector<sea::KeyframePtr> keyframes;
+    bool last = true;
 };
 
 class Simulation {
@@ -65,11 +77,13 @@ class Simulation {
     void demand_changed() { questions_.wake(); }
 
     // Each question is answered once, by what was asked for or by why not, an Error of kind
-    // Refusal: bad_value for a time or place out of range, busy while questions_waiting_max wait,
-    // gone after the device or the simulation has ended, or the asker is gone.
+    // Refusal: bad_value for a time or place out of range, busy while questions_waiting_max wait or
+    // there is no memory for it, gone after the device or the simulation has ended, or the asker is
+    // gone.
 
-    /// The two keyframes of each wanted cascade around each time.
-    using Fetched = std::function<void(Result<std::vector<sea::KeyframePtr>>)>;
+    /// The two keyframes of each wanted cascade around each time, in parts, all of which but the
+    /// last one may be followed by an error. Parts that are held keep others from being made.
+    using Fetched = std::function<void(Result<FetchedKeyframes>)>;
     void fetch(std::vector<sea::TimeUs> times_us, const Demand& demand, Fetched done,
                const Asker& asker);
 
@@ -102,7 +116,8 @@ class Simulation {
     void publish(const std::vector<sea::KeyframePtr>& keyframes);
     /// `more`: there is other work, no question is waited for.
     void work_on_a_question(bool more);
-    Question keyframe_question(std::function<std::vector<KeyframeRequest>()> wanted,
+    static bool answered(const Question& question);
+    Question keyframe_question(std::function<std::vector<KeyframeRequest>()> wanted, Walk walk,
                                std::function<bool()> ready, Fetched done, const Asker& asker);
 
     const RunningSeaPtr sea_;
@@ -116,6 +131,7 @@ class Simulation {
     StreamedFoam streamed_foam_;
     EffectPlan streamed_plan_;             ///< what the streams were made by last
     std::optional<KeyframeJob> streaming_; ///< due keyframes that are being made
+    std::shared_ptr<Room> fetch_room_;
     Questions questions_;
 
     std::atomic<bool> stopping_ = false;

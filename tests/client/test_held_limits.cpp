@@ -133,7 +133,7 @@ class LargeSea : public tests::WaveSea {
                 for (const std::int64_t n : {time_us / interval_us, time_us / interval_us + 1})
                     if ((request.demand.cascades >> cascade) & 1u)
                         out.push_back(noise(cascade, n, request.demand.fields));
-        done(std::move(out));
+        done(server::FetchedPart{std::move(out)});
     }
     /// In the order of the grid of the first cascade.
     const std::vector<float>& samples() const { return samples_; }
@@ -200,15 +200,15 @@ class ChangingSea : public tests::WaveSea {
     }
     void fetch(server::FetchRequest request, Fetched done) override {
         const std::vector<sea::TimeUs> times_us = request.times_us;
-        WaveSea::fetch(std::move(request), [&](Result<std::vector<server::KeyframeTiles>> made) {
+        WaveSea::fetch(std::move(request), [&](Result<server::FetchedPart> made) {
             std::vector<server::KeyframeTiles> out;
-            for (const server::KeyframeTiles& tiles : *made)
+            for (const server::KeyframeTiles& tiles : made->tiles)
                 for (const sea::TimeUs time_us : times_us) {
                     auto own = std::make_shared<sea::Keyframe>(*tiles.keyframe);
                     own->epoch = time_us < change_us ? epoch : epoch + 1;
                     out.push_back({own, tiles.codec_error, tiles.quality});
                 }
-            done(std::move(out));
+            done(server::FetchedPart{std::move(out)});
         });
     }
 };

@@ -152,7 +152,7 @@ class WaveSea : public server::Host {
             for (const std::int64_t n : wanted)
                 out.push_back(keyframe(cascade, n, given(request.demand.fields)));
         }
-        done(std::move(out));
+        done(server::FetchedPart{std::move(out)});
     }
     void query(server::QueryBatch batch, Queried done) override {
         ++queries;

@@ -68,12 +68,25 @@ struct Asked {
     }
 };
 
+/// The parts of a fetch, put together.
+server::Simulation::Fetched whole(std::function<void(Result<std::vector<sea::KeyframePtr>>)> done) {
+    const auto all = std::make_shared<std::vector<sea::KeyframePtr>>();
+    return [done = std::move(done), all](Result<server::FetchedKeyframes> part) {
+        if (!part)
+            return done(part.error());
+        all->insert(all->end(), part->keyframes.begin(), part->keyframes.end());
+        if (part->last)
+            done(std::move(*all));
+    };
+}
+
 /// Questions that are under way, and what each must come to.
 struct Crowd {
     std::list<Asked<std::vector<sea::Answer>>> answers;
     std::list<Asked<std::vector<sea::KeyframePtr>>> fetches;
     std::list<std::function<void()>> expectations;
     std::shared_ptr<const void> here = std::make_shared<char>();
+    std::vector<std::shared_ptr<const void>> askers;
     bool left = false;
 
     template <class T, class Right>
@@ -92,7 +105,9 @@ void act(Bench& bench, Crowd& crowd, unsigned kind, const sea::QueryPoint& point
     server::Simulation& simulation = *bench.simulation;
     const bool time_fits = sea::in_time_range(point.time_us);
     const bool may_leave = kind >= 128;
-    const server::Asker asker = may_leave ? server::Asker(crowd.here) : server::Asker::who_stays();
+    // Each question is another's: one asker alone may not have as many waiting.
+    const server::Asker one(crowd.askers.emplace_back(std::make_shared<char>()));
+    const server::Asker asker = may_leave ? one.about(crowd.here) : one;
     switch (kind % 8) {
     case 0:
     case 1: {
@@ -105,7 +120,7 @@ void act(Bench& bench, Crowd& crowd, unsigned kind, const sea::QueryPoint& point
     case 3: {
         auto& asked = crowd.fetches.emplace_back();
         const sea::FieldSet fields = kind % 8 == 2 ? sea::surface_fields : with_foam;
-        simulation.fetch({point.time_us}, {1u, fields}, asked.done(), asker);
+        simulation.fetch({point.time_us}, {1u, fields}, whole(asked.done()), asker);
         return crowd.expect(asked, time_fits, may_leave, [fields, point](const auto& held) {
             return held.size() == 2 && held[0]->time_us <= point.time_us &&
                    point.time_us < held[1]->time_us && held[0]->fields.contains(fields) &&
@@ -114,7 +129,7 @@ void act(Bench& bench, Crowd& crowd, unsigned kind, const sea::QueryPoint& point
     }
     case 4: {
         auto& asked = crowd.fetches.emplace_back();
-        simulation.fetch_current({1u, with_foam}, asked.done(), asker);
+        simulation.fetch_current({1u, with_foam}, whole(asked.done()), asker);
         return crowd.expect(asked, true, may_leave, [](const auto&) { return true; });
     }
     case 5:

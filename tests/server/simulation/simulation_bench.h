@@ -40,6 +40,18 @@ size = 64
 height_error_m = 0.02
 )";
 
+/// Puts the parts of a fetch together: `done` is called once, with all keyframes or an error.
+inline Simulation::Fetched whole(std::function<void(Result<std::vector<sea::KeyframePtr>>)> done) {
+    return [done = std::move(done), all = std::make_shared<std::vector<sea::KeyframePtr>>()](
+               Result<FetchedKeyframes> part) {
+        if (!part)
+            return done(part.error());
+        all->insert(all->end(), part->keyframes.begin(), part->keyframes.end());
+        if (part->last)
+            done(std::move(*all));
+    };
+}
+
 /// Who asks, where it does not matter.
 inline const Asker someone = Asker::who_stays();
 
@@ -52,8 +64,8 @@ inline RunningSeaPtr running_sea(const std::string& more = {}) {
 /// Fails the next `failures` calls, as a lost device does.
 class FailingSynthesizer final : public Synthesizer {
   public:
-    explicit FailingSynthesizer(std::shared_ptr<std::atomic<int>> failures)
-        : failures_(std::move(failures)) {}
+    FailingSynthesizer(std::shared_ptr<std::atomic<int>> failures, std::atomic<int>& no_memory)
+        : failures_(std::move(failures)), no_memory_(no_memory) {}
     std::string description() const override { return inner_.description(); }
     Result<void> set_sea(sea::RealizationPtr sea, std::uint32_t epoch) override {
         return inner_.set_sea(std::move(sea), epoch);
@@ -62,12 +74,15 @@ class FailingSynthesizer final : public Synthesizer {
     synthesize(std::span<const KeyframeRequest> requests) override {
         if (failures_->fetch_sub(1) > 0)
             return Error{"VK_ERROR_DEVICE_LOST"};
+        if (no_memory_.fetch_sub(1) > 0)
+            return Error{DeviceError::out_of_memory, "native synthesis: out of memory"};
         return inner_.synthesize(requests);
     }
     SynthesisCounters counters() const override { return inner_.counters(); }
 
   private:
     std::shared_ptr<std::atomic<int>> failures_;
+    std::atomic<int>& no_memory_;
     NativeSynthesizer inner_{1};
 };
 
@@ -79,6 +94,7 @@ struct Bench {
     std::shared_ptr<std::atomic<int>> failures = std::make_shared<std::atomic<int>>(0);
     std::mutex mutex;
     std::vector<sea::KeyframePtr> published;
+    std::atomic<int> no_memory = 0; ///< of the next calls
     std::atomic<int> warnings = 0;
     std::atomic<int> uploads = 0; ///< of the sea to a device
     std::promise<std::string> failed;
@@ -90,7 +106,7 @@ struct Bench {
             sea,
             [this](const sea::RealizationPtr& realization,
                    std::uint32_t epoch) -> Result<std::unique_ptr<Synthesizer>> {
-                auto made = std::make_unique<FailingSynthesizer>(failures);
+                auto made = std::make_unique<FailingSynthesizer>(failures, no_memory);
                 SEAWAY_TRY(made->set_sea(realization, epoch));
                 ++uploads;
                 return std::unique_ptr<Synthesizer>(std::move(made));
@@ -120,12 +136,12 @@ struct Bench {
 
     std::vector<sea::KeyframePtr> fetch_current(Demand demand) {
         return *wait<std::vector<sea::KeyframePtr>>(
-            [&](const auto& done) { simulation->fetch_current(demand, done, someone); });
+            [&](const auto& done) { simulation->fetch_current(demand, whole(done), someone); });
     }
 
     Result<std::vector<sea::KeyframePtr>> fetch(std::vector<TimeUs> times_us, Demand demand) {
         return wait<std::vector<sea::KeyframePtr>>([&](const auto& done) {
-            simulation->fetch(std::move(times_us), demand, done, someone);
+            simulation->fetch(std::move(times_us), demand, whole(done), someone);
         });
     }
 
@@ -167,6 +183,29 @@ struct Bench {
         ask([&](Result<T> result) { promise.set_value(std::move(result)); });
         return promise.get_future().get();
     }
+};
+
+/// Holds the simulation thread from now until it goes.
+class Gate {
+  public:
+    explicit Gate(Bench& bench) {
+        std::promise<void> entered;
+        bench.simulation->fetch(
+            {}, {},
+            [&entered, opened = opened_](const auto&) {
+                auto waits = opened->get_future();
+                entered.set_value();
+                waits.wait();
+            },
+            someone);
+        entered.get_future().wait();
+    }
+    ~Gate() { opened_->set_value(); }
+    Gate(const Gate&) = delete;
+    Gate& operator=(const Gate&) = delete;
+
+  private:
+    std::shared_ptr<std::promise<void>> opened_ = std::make_shared<std::promise<void>>();
 };
 
 } // namespace seaway::server

@@ -2,6 +2,7 @@
 // A small explicit sea behind server::Host, for tests of the net without a simulation.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <functional>
@@ -112,9 +113,9 @@ class SmallSea : public server::Host {
                     out.push_back(
                         keyframe(cascade, n, request.demand.fields, quality(request.demand)));
         if (answer_fetches)
-            done(std::move(out));
+            done(server::FetchedPart{std::move(out)});
         else
-            unanswered.push_back([done, out] { done(out); });
+            unanswered.push_back([done, out] { done(server::FetchedPart{out}); });
     }
     void query(server::QueryBatch batch, Queried done) override {
         askers.push_back(batch.asker);
@@ -133,10 +134,19 @@ class SmallSea : public server::Host {
         else
             unanswered.push_back([done, out] { done(out); });
     }
-    void map(server::MapQuery, Mapped done) override {
-        done(std::unique_ptr<server::ByteSource>(std::make_unique<Map>(maps_alive, maps_ready)));
+    void map(server::MapQuery query, Mapped done) override {
+        askers.push_back(query.asker);
+        ++maps_asked;
+        if (!answer_maps)
+            return unanswered.push_back([] {});
+        auto rows = std::make_unique<Rows>(*this);
+        done(std::unique_ptr<server::ByteSource>(std::move(rows)));
     }
-    std::string state_json() const override { return "{\"sea\":1}"; }
+    std::string state_json() const override {
+        if (on_state)
+            on_state();
+        return "{\"sea\":1}";
+    }
     std::string plan_json() const override { return "{\"plan\":1}"; }
     std::string metrics_text() const override { return "seaway_simulation_up 1\n"; }
     bool healthy() const override { return well; }
@@ -146,29 +156,36 @@ class SmallSea : public server::Host {
     std::vector<std::function<void()>> unanswered;
     std::vector<server::Asker> askers; ///< of every question, in order
     std::shared_ptr<std::atomic<int>> maps_alive = std::make_shared<std::atomic<int>>(0);
-    std::atomic<bool> maps_ready = false; ///< else their rows never come
-
+    std::atomic<int> maps_asked = 0;
+    std::atomic<bool> answer_maps = true; ///< else nobody hears of them again
+    std::atomic<bool> maps_ready = false; ///< else their rows never come, but in map_piece_bytes
     static constexpr std::size_t map_chunk_bytes = 500, map_chunks = 2;
+    std::size_t map_bytes = map_chunks * map_chunk_bytes;
+    std::size_t map_piece_bytes = 0;
+    std::function<void()> on_map_end = {}; ///< where a map ends
+    std::function<void()> on_state = {};   ///< where /v1/state is made
 
   private:
-    class Map final : public server::ByteSource {
+    class Rows final : public server::ByteSource {
       public:
-        Map(std::shared_ptr<std::atomic<int>> alive, bool ready)
-            : alive_(std::move(alive)), left_(ready ? map_chunks : 0) {
-            ++*alive_;
+        explicit Rows(const SmallSea& sea) : sea_(sea), alive_(sea.maps_alive) { ++*alive_; }
+        ~Rows() override {
+            if (sea_.on_map_end)
+                sea_.on_map_end();
+            --*alive_;
         }
-        ~Map() override { --*alive_; }
-        std::uint64_t size() const override { return map_chunks * map_chunk_bytes; }
+        std::uint64_t size() const override { return sea_.map_bytes; }
         std::vector<std::uint8_t> next() override {
-            if (left_ == 0)
-                return {};
-            --left_;
-            return std::vector<std::uint8_t>(map_chunk_bytes, 'm');
+            const std::size_t most = sea_.maps_ready ? map_chunk_bytes : sea_.map_piece_bytes;
+            const std::size_t piece = std::min(most, sea_.map_bytes - given_);
+            given_ += piece;
+            return std::vector<std::uint8_t>(piece, 'm');
         }
 
       private:
+        const SmallSea& sea_;
         std::shared_ptr<std::atomic<int>> alive_;
-        std::size_t left_;
+        std::size_t given_ = 0;
     };
 };
 

@@ -254,7 +254,7 @@ TEST(Simulation, questions_that_wait_when_it_ends_are_refused_with_the_reason) {
             },
             someone);
         entered.get_future().wait();
-        for (int i = 0; i < 3; ++i) // 64 slices: still under way when the end comes
+        for (int i = 0; i < 3; ++i) // many slices: still under way when the end comes
             bench.simulation->answer(
                 std::vector<sea::QueryPoint>(512), true,
                 [&](const Result<std::vector<sea::Answer>>& answers) {
@@ -321,6 +321,10 @@ TEST(Simulation, more_questions_than_may_wait_are_refused_at_once_and_the_rest_a
     entered.get_future().wait();
     std::atomic<int> answered = 0;
     std::atomic<int> refused = 0;
+    // All are asked by those who have asked before: who asks for the first time finds room.
+    std::vector<std::shared_ptr<const void>> crowd(questions_waiting_max / 2);
+    for (auto& here : crowd)
+        here = std::make_shared<char>();
     const int asked = static_cast<int>(questions_waiting_max) + 50;
     for (int i = 0; i < asked; ++i)
         bench.simulation->answer(
@@ -331,7 +335,7 @@ TEST(Simulation, more_questions_than_may_wait_are_refused_at_once_and_the_rest_a
                 }
                 ++(answers ? answered : refused);
             },
-            someone);
+            Asker(crowd[static_cast<std::size_t>(i) % crowd.size()]));
     EXPECT_EQ(refused, 50);
     gate.set_value();
     while (answered + refused < asked)

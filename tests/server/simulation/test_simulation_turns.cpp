@@ -19,28 +19,6 @@ const std::string long_foam = "[foam]\nthreshold = 0.8\ndecay_s = 100\n";
 /// Long enough for any machine; a test that fails ends all the same.
 constexpr std::chrono::seconds patience{60};
 
-/// Holds the simulation thread from now until it goes.
-class Gate {
-  public:
-    explicit Gate(Bench& bench) {
-        bench.simulation->fetch(
-            {}, {},
-            [this](const auto&) {
-                entered_.set_value();
-                opened_.get_future().wait();
-            },
-            someone);
-        entered_.get_future().wait();
-    }
-    ~Gate() { opened_.set_value(); }
-    Gate(const Gate&) = delete;
-    Gate& operator=(const Gate&) = delete;
-
-  private:
-    std::promise<void> entered_;
-    std::promise<void> opened_;
-};
-
 TEST(Turns, a_stream_that_never_catches_up_keeps_no_question_waiting) {
     Bench bench;
     bench.subscriptions.set(1, {3u, sea::surface_fields});
@@ -94,7 +72,7 @@ TEST(Turns, foam_that_starts_delays_no_question_and_no_stream_of_who_wants_none)
             },
             someone);
         bench.simulation->fetch_current(
-            {1u, with_foam}, [&](const auto& keyframes) { fetched.set_value(*keyframes); },
+            {1u, with_foam}, whole([&](const auto& keyframes) { fetched.set_value(*keyframes); }),
             someone);
     }
     // Two slices of the start - one before the look at the new demand, one after it - each 128 ticks
@@ -133,8 +111,8 @@ TEST(Turns, fetches_with_foam_far_apart_are_all_made_and_none_starts_over_for_an
         const Gate gate(bench);
         for (std::size_t i = 0; i < times_us.size(); ++i)
             bench.simulation->fetch(
-                {times_us[i]}, foam, [&, i](auto made) { fetched[i].set_value(std::move(made)); },
-                someone);
+                {times_us[i]}, foam,
+                whole([&, i](auto made) { fetched[i].set_value(std::move(made)); }), someone);
     }
     for (std::size_t i = 0; i < times_us.size(); ++i) {
         auto waits = fetched[i].get_future();
@@ -152,6 +130,41 @@ TEST(Turns, fetches_with_foam_far_apart_are_all_made_and_none_starts_over_for_an
     // Each a start, what lies between two keyframes, and the two themselves.
     EXPECT_LE(bench.simulation->counters().synthesis.keyframes,
               times_us.size() * (sea::foam_ticks_max + 20));
+}
+
+// Naive: starts of subscriptions take their turn with all who walk through foam, and wait until the
+// last of eight walks far away is done.
+TEST(Turns, a_newcomer_to_foam_waits_for_no_fetch_of_foam_far_away) {
+    Bench bench(long_foam);
+    std::atomic<bool> far_made = false;
+    std::promise<void> far_end;
+    std::promise<bool> far_made_before;
+    const auto other = std::make_shared<char>();
+    {
+        const Gate gate(bench);
+        std::vector<TimeUs> times_us;
+        for (TimeUs i = 1; i <= 8; ++i)
+            times_us.push_back(i * 900'000'000);
+        bench.simulation->fetch(
+            times_us, {1u, {Field::foam}},
+            [&](const auto& part) {
+                if (part && !part->last)
+                    return;
+                far_made = part.has_value();
+                far_end.set_value();
+            },
+            someone);
+    }
+    bench.settle(); // it is under way
+    bench.subscriptions.set(1, {1u, with_foam});
+    bench.simulation->fetch_current({1u, with_foam}, whole([&](const auto& made) {
+                                        EXPECT_TRUE(made && !made->empty());
+                                        far_made_before.set_value(far_made);
+                                    }),
+                                    Asker(other));
+    EXPECT_FALSE(far_made_before.get_future().get());
+    far_end.get_future().wait();
+    EXPECT_TRUE(far_made);
 }
 
 TEST(Turns, a_map_of_foam_that_is_held_is_taken_over_and_not_walked_for_again) {
@@ -190,7 +203,8 @@ TEST(Turns, questions_of_who_has_gone_are_dropped_without_work) {
         bench.simulation->fetch_current({~0u, sea::surface_fields}, note, asker);
         here = nullptr;
     }
-    bench.settle();
+    for (int i = 0; i < 4; ++i)
+        bench.settle(); // askers take turns: each time it is one of theirs
     ASSERT_EQ(refusals.size(), 4u) << "each is answered all the same";
     for (const Error& refusal : refusals)
         EXPECT_TRUE(refusal.is(Refusal::gone));
@@ -218,17 +232,24 @@ TEST(Turns, a_simulation_that_ends_while_foam_starts_refuses_who_waits_for_it) {
 
 TEST(Turns, who_gives_up_foam_while_it_starts_leaves_nobody_waiting) {
     Bench bench(long_foam);
-    std::promise<std::size_t> fetched;
+    bench.subscriptions.set(1, {3u, with_foam});
+    std::promise<std::uint64_t> fetched;
+    std::uint64_t before = 0;
     {
-        const Gate gate(bench);
-        bench.subscriptions.set(1, {3u, with_foam});
-        bench.simulation->fetch_current(
-            {3u, with_foam}, [&](const auto& made) { fetched.set_value(made->size()); }, someone);
+        const Gate gate(bench); // after a look at the demand: the start is under way
+        before = bench.simulation->counters().stream_slices;
+        ASSERT_GT(before, 0u);
+        bench.simulation->fetch_current({3u, with_foam}, whole([&](const auto& made) {
+                                            EXPECT_TRUE(made && !made->empty());
+                                            fetched.set_value(
+                                                bench.simulation->counters().stream_slices);
+                                        }),
+                                        someone);
         bench.subscriptions.erase(1);
     }
     auto waits = fetched.get_future();
     ASSERT_EQ(waits.wait_for(patience), std::future_status::ready);
-    EXPECT_GT(waits.get(), 0u);
+    EXPECT_EQ(waits.get(), before) << "nobody walks on for a stream that nobody wants";
     EXPECT_TRUE(bench.times(0).empty());
 }
 

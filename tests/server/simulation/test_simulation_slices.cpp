@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: Apache-2.0
+// How much is done in one go, and how much is held: a slice is a slice however large the sea, a crowd
+// of fetches holds no more than there is room for, and one who asks much delays nobody.
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "tests/server/simulation/simulation_bench.h"
+
+namespace seaway::server {
+namespace {
+
+/// A third cascade of which two keyframes of six fields are more than a slice.
+const std::string large = "[[cascade]]\nlength_m = 6.1\nsize = 512\n";
+const FieldSet all_fields =
+    sea::surface_fields | FieldSet{Field::slope_x,   Field::slope_y,   Field::strain_xx,
+                                   Field::strain_yy, Field::strain_xy, Field::jacobian};
+
+/// What has been synthesized when a question is answered that came last and takes no work.
+std::uint64_t made_when_a_small_question_is_answered(Bench& bench) {
+    std::promise<std::uint64_t> made;
+    const auto here = std::make_shared<char>();
+    bench.simulation->fetch(
+        {}, {},
+        [&](const auto&) { made.set_value(bench.simulation->counters().synthesis.keyframes); },
+        Asker(here));
+    return made.get_future().get();
+}
+
+// Naive: all keyframes of the surface around a point in one go, and then all their splines.
+TEST(Slices, one_point_at_a_new_time_in_a_large_sea_lets_others_in_between) {
+    for (const bool map : {false, true}) {
+        Bench bench(large);
+        std::promise<bool> answered;
+        std::optional<Gate> gate(std::in_place, bench);
+        if (map)
+            bench.simulation->surface(
+                7'000'000, [&](const auto& surface) { answered.set_value(surface.has_value()); },
+                someone);
+        else
+            bench.simulation->answer(
+                {{1.0, 2.0, 7'000'000}}, false,
+                [&](const auto& answers) { answered.set_value(answers.has_value()); }, someone);
+        gate.reset();
+        EXPECT_LT(made_when_a_small_question_is_answered(bench), 6u) << "two of each cascade";
+        EXPECT_TRUE(answered.get_future().get());
+        EXPECT_EQ(bench.simulation->counters().synthesis.keyframes, 6u);
+    }
+}
+
+// Naive: a number of points a slice, whatever a point takes. A point of this sea takes some
+// milliseconds, 256 of them a second; a slice lasts 5 ms. On a slower machine it is all the more.
+TEST(Slices, exact_points_let_others_in_between_however_many_waves_there_are) {
+    Bench bench(large);
+    std::atomic<bool> answered = false;
+    std::promise<void> end;
+    std::promise<bool> answered_before;
+    const auto here = std::make_shared<char>();
+    {
+        const Gate gate(bench);
+        std::vector<sea::QueryPoint> points;
+        for (int i = 0; i < 256; ++i)
+            points.push_back({i * 7.0, i * 3.0, 1'000'000});
+        bench.simulation->answer(
+            points, true,
+            [&](const auto& answers) {
+                answered = answers.has_value();
+                end.set_value();
+            },
+            someone);
+        bench.simulation->fetch(
+            {}, {}, [&](const auto&) { answered_before.set_value(answered); }, Asker(here));
+    }
+    EXPECT_FALSE(answered_before.get_future().get());
+    end.get_future().wait();
+    EXPECT_TRUE(answered);
+}
+
+TEST(Slices, of_points_end_when_they_are_over_and_hold_one_point_at_least) {
+    const RunningSeaPtr sea = running_sea();
+    PointQuestion question({{1, 2, 0}, {3, 4, 0}, {5, 6, 1'000'000}});
+    for (int slice = 1; slice <= 3; ++slice) {
+        EXPECT_FALSE(question.complete());
+        question.sum_exactly(*sea, [] { return true; });
+    }
+    EXPECT_TRUE(question.complete());
+}
+
+// Naive: each fetch holds all its raw keyframes until the last is made: 24 fetches held 6.6 GB.
+TEST(Slices, a_crowd_of_fetches_holds_no_more_raw_keyframes_than_there_is_room_for) {
+    Bench bench(large);
+    constexpr int fetches = 8; // of 12 MiB a keyframe, 6 keyframes each: twice the room
+    std::mutex mutex;
+    std::vector<sea::KeyframePtr> held;
+    std::atomic<int> ended = 0;
+    std::vector<std::shared_ptr<const void>> sessions;
+    for (int i = 0; i < fetches; ++i)
+        bench.simulation->fetch(
+            {i * 60'000'000, i * 60'000'000 + 20'000'000, i * 60'000'000 + 40'000'000},
+            {4u, all_fields},
+            [&](Result<FetchedKeyframes> part) {
+                ASSERT_TRUE(part);
+                const std::scoped_lock lock(mutex);
+                held.insert(held.end(), part->keyframes.begin(), part->keyframes.end());
+                ended += part->last;
+            },
+            Asker(sessions.emplace_back(std::make_shared<char>())));
+    const std::size_t one = all_fields.size() * 512u * 512u * sizeof(float);
+    // Questions that need no room go on meanwhile, and those that wait for it take no turns.
+    while (bench.simulation->counters().fetch_bytes + one <= fetch_raw_bytes_max)
+        made_when_a_small_question_is_answered(bench);
+    bench.settle();
+    const std::uint64_t made = bench.simulation->counters().synthesis.keyframes;
+    bench.settle();
+    EXPECT_EQ(bench.simulation->counters().synthesis.keyframes, made) << "nothing is made ahead";
+    EXPECT_LT(ended, fetches);
+    while (ended < fetches) { // as the encoder does: each is let go
+        const std::scoped_lock lock(mutex);
+        held.clear();
+    }
+    held.clear();
+    EXPECT_EQ(bench.simulation->counters().fetch_bytes, 0u);
+    EXPECT_LE(bench.simulation->counters().fetch_bytes_most, fetch_raw_bytes_max);
+    EXPECT_GT(bench.simulation->counters().fetch_bytes_most, fetch_raw_bytes_max / 2);
+}
+
+TEST(Slices, what_is_larger_than_all_room_is_made_when_nobody_else_holds_any) {
+    const auto room = Room::of(100, nullptr);
+    const Room::Place small = room->take(1);
+    ASSERT_TRUE(small);
+    EXPECT_FALSE(room->fits(1000));
+    EXPECT_FALSE(room->take(1000));
+    EXPECT_TRUE(room->take(99));
+    const_cast<Room::Place&>(small).reset();
+    EXPECT_TRUE(room->take(1000));
+    EXPECT_EQ(room->held_bytes(), 0u);
+    EXPECT_EQ(room->held_bytes_most(), 1000u);
+}
+
+// Naive: one line for all. Ten sessions with 17 questions each let nobody else in for their time.
+TEST(Slices, one_who_asks_much_delays_one_who_asks_little_by_a_slice) {
+    Questions questions;
+    std::string order;
+    const auto ask = [&](const std::shared_ptr<const void>& who, char name, int slices) {
+        questions.ask({[&order, name, left = slices]() mutable {
+                           order += name;
+                           return --left == 0;
+                       },
+                       [](const Error&) {}, Asker(who)});
+    };
+    const std::shared_ptr<const void> busy = std::make_shared<char>();
+    const std::shared_ptr<const void> modest = std::make_shared<char>();
+    for (int i = 0; i < 16; ++i)
+        ask(busy, 'b', 2);
+    ask(modest, 'm', 2);
+    for (int i = 0; i < 6; ++i) {
+        std::optional<Question> question = questions.take(0);
+        ASSERT_TRUE(question);
+        if (!question->slice())
+            questions.put_back(*std::move(question));
+    }
+    EXPECT_EQ(order, "bmbmbb");
+}
+
+TEST(Slices, one_asker_cannot_fill_the_line_and_who_comes_first_time_finds_room) {
+    Questions questions;
+    int refused = 0;
+    const auto ask = [&](const Asker& asker) {
+        questions.ask({[] { return true; },
+                       [&](const Error& why) {
+                           EXPECT_TRUE(why.is(Refusal::busy));
+                           ++refused;
+                       },
+                       asker});
+    };
+    std::vector<std::shared_ptr<const void>> crowd;
+    for (std::size_t i = 0; i * questions_of_one_max < questions_waiting_max; ++i) {
+        crowd.push_back(std::make_shared<char>());
+        for (std::size_t k = 0; k < questions_of_one_max + 1; ++k)
+            ask(Asker(crowd.back()));
+    }
+    EXPECT_EQ(refused, static_cast<int>(crowd.size())) << "one of each is too many";
+    const auto newcomer = std::make_shared<char>();
+    ask(Asker(newcomer));
+    EXPECT_EQ(refused, static_cast<int>(crowd.size()));
+    ask(Asker(newcomer));
+    EXPECT_EQ(refused, static_cast<int>(crowd.size()) + 1)
+        << "the line is full, a second one waits";
+}
+
+// A question that is not ready is passed over, and so is who waits for nothing else.
+TEST(Slices, a_question_that_is_not_ready_holds_up_nobody_behind_it) {
+    Questions questions;
+    bool ready = false;
+    questions.ask({[] { return true; }, [](const Error&) {}, someone, [&] { return ready; }});
+    EXPECT_FALSE(questions.take(0));
+    std::string order;
+    questions.ask({[&] { return order += 'x', true; }, [](const Error&) {}, someone});
+    std::optional<Question> question = questions.take(0);
+    ASSERT_TRUE(question);
+    question->slice();
+    EXPECT_EQ(order, "x") << "the one behind it";
+    EXPECT_FALSE(questions.take(0));
+    ready = true;
+    questions.wake();
+    EXPECT_FALSE(questions.take(0)) << "the wake itself";
+    EXPECT_TRUE(questions.take(0));
+}
+
+// Naive: a device without memory for one request is taken for a lost one, three rebuilds long, and
+// then for one that is gone for good: whoever asks for much ends the server for all.
+TEST(Slices, a_request_for_which_there_is_no_memory_is_refused_and_nothing_is_lost) {
+    Bench bench;
+    bench.no_memory = 1;
+    const auto refused = bench.fetch({0}, {1u, sea::surface_fields});
+    ASSERT_FALSE(refused);
+    EXPECT_TRUE(refused.error().is(Refusal::busy)) << refused.error().message;
+    EXPECT_TRUE(bench.simulation->healthy());
+    EXPECT_EQ(bench.simulation->counters().device_rebuilds, 0u);
+    EXPECT_EQ(bench.answer({{1.0, 2.0, 0}}).size(), 1u);
+    bench.subscriptions.set(1, {1u, sea::surface_fields});
+    bench.no_memory = 1; // a keyframe of the stream: it is left out
+    bench.advance(bench.sea->budget.cascades[0].interval_us);
+    bench.advance(bench.sea->budget.cascades[0].interval_us);
+    EXPECT_FALSE(bench.times(0).empty());
+    EXPECT_TRUE(bench.simulation->healthy());
+}
+
+} // namespace
+} // namespace seaway::server
