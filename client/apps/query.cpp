@@ -3,7 +3,6 @@
 #include <csignal>
 #include <cstdio>
 #include <exception>
-#include <fstream>
 
 #include <fmt/format.h>
 
@@ -11,6 +10,7 @@
 #include "client/apps/query_options.h"
 #include "client/apps/query_run.h"
 #include "client/link/failure.h"
+#include "protocol/token_file.h"
 
 namespace {
 
@@ -38,15 +38,8 @@ int exit_code(const Error& error) {
 }
 
 Result<std::string> read_token(const std::string& path) {
-    std::string token;
-    if (path.empty())
-        return token;
-    std::ifstream file(path);
-    if (!std::getline(file, token) || token.empty())
-        return failed(Failure::bad_argument, fmt::format("no token in '{}'", path));
-    if (token.back() == '\r')
-        token.pop_back();
-    return token;
+    Result<std::string> token = path.empty() ? std::string() : protocol::read_token_file(path);
+    return token ? token : failed(Failure::bad_argument, token.error().message);
 }
 
 Result<void> run(const QueryOptions& options) {

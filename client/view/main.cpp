@@ -4,7 +4,6 @@
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
-#include <fstream>
 
 #include <fmt/format.h>
 
@@ -13,6 +12,7 @@
 #include "client/view/renderer.h"
 #include "client/view/sea_source.h"
 #include "client/view/view_options.h"
+#include "protocol/token_file.h"
 
 namespace {
 
@@ -40,11 +40,8 @@ int fail(const Error& error) {
 }
 
 Result<std::string> read_token(const std::string& path) {
-    std::string token;
-    std::ifstream file(path);
-    if (!path.empty() && (!std::getline(file, token) || token.empty()))
-        return failed(Failure::bad_argument, fmt::format("no token in '{}'", path));
-    return token;
+    Result<std::string> token = path.empty() ? std::string() : protocol::read_token_file(path);
+    return token ? token : failed(Failure::bad_argument, token.error().message);
 }
 
 Result<void> write(const Picture& picture, const Display& display, const std::string& path) {

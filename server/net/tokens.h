@@ -5,12 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "base/result.h"
-
 namespace seaway::server {
-
-/// First line of a token file, without spaces around it. Error: cannot be read, or empty.
-Result<std::string> read_token(const std::string& file);
 
 /// In a time that depends on the lengths only. Nothing equals an empty `expected`.
 bool tokens_equal(std::string_view given, std::string_view expected);
