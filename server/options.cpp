@@ -31,7 +31,8 @@ std::variant<Options, int> read_options(int argc, char** argv) {
                 "File with the token that marks a client as an administrator; also opens the door")
         .takes("FILE");
     line.option("--client-token-file", options.client_token_file,
-                "File with the token that clients then need in their first message")
+                "File with the token that clients then need in their first message, and for every "
+                "page and map but /healthz")
         .takes("FILE");
     line.option("--validation", options.validation,
                 "Vulkan validation layers on; what they report is an error");

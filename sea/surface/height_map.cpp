@@ -127,8 +127,7 @@ MapStream::MapStream(const MapRequest& request, const Surface& surface, MapOptio
         const double length_m = pair.before->length_m();
         SEAWAY_CHECK(std::has_single_bit(static_cast<unsigned>(size)), "tiles are powers of two");
         SEAWAY_CHECK(pair.after->size() == size, "a pair is of one cascade");
-        texels_.push_back(mixed_texels(pair, request_.time_us));
-        tiles_.push_back({texels_.back().data(), size, size + SplineMap::border, size / length_m,
+        tiles_.push_back({nullptr, size, size + SplineMap::border, size / length_m,
                           texel_position(base_x_m_, length_m, size),
                           texel_position(base_y_m_, length_m, size)});
     }
@@ -158,7 +157,15 @@ int MapStream::rows_of(int chunk) const {
     return std::min(rows_a_chunk_, request_.rows - chunk * rows_a_chunk_);
 }
 
+void MapStream::mix_texels() {
+    for (std::size_t c = 0; c < tiles_.size() && !stopping_; ++c) {
+        texels_.push_back(mixed_texels(surface_.pairs()[c], request_.time_us));
+        tiles_[c].texels = texels_.back().data();
+    }
+}
+
 void MapStream::work() {
+    std::call_once(mixed_, [&] { mix_texels(); });
     Scratch scratch(static_cast<std::size_t>(request_.columns));
     for (;;) {
         int mine = 0;
@@ -173,6 +180,8 @@ void MapStream::work() {
             mine = next_to_compute_++;
         }
         MapChunk chunk = compute(mine, scratch);
+        if (stopping_)
+            return; // half a chunk
         bool awaited = false;
         {
             const std::scoped_lock lock(mutex_);
@@ -194,7 +203,7 @@ MapChunk MapStream::compute(int index, Scratch& scratch) const {
     std::fill(scratch.shift_x.begin(), scratch.shift_x.end(), 0.0f);
     std::fill(scratch.shift_y.begin(), scratch.shift_y.end(), 0.0f);
     bool from_target = true;
-    for (int r = 0; r < chunk.rows; ++r) {
+    for (int r = 0; r < chunk.rows && !stopping_; ++r) {
         const double y_m =
             request_.y0_m + (chunk.first_row + r) * (request_.height_m / request_.rows);
         const MapRow row{tiles_.data(),
@@ -221,6 +230,8 @@ MapChunk MapStream::compute(int index, Scratch& scratch) const {
 
 void MapStream::solve_carefully(const MapRow& row, std::span<const int> columns) const {
     for (const int column : columns) {
+        if (stopping_)
+            return;
         const Answer answer = surface_.answer(
             {base_x_m_ + row.x0_m + column * row.step_m, base_y_m_ + row.y_m, request_.time_us});
         if (row.kind == MapKind::height) {

@@ -24,6 +24,7 @@
 // Memory: 16 bytes a texel of the cascades and map_chunks_ahead_max chunks, whatever the request.
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
 #include <cstdint>
 #include <functional>
@@ -96,7 +97,7 @@ class MapStream {
     /// shared.
     static Result<std::unique_ptr<MapStream>>
     start(const MapRequest& request, const Surface& surface, MapOptions options = {});
-    /// Stops at the end of the rows being computed.
+    /// Joins the threads, which stop at the end of the row, or of the careful point, that each is at.
     ~MapStream();
     MapStream(const MapStream&) = delete;
     MapStream& operator=(const MapStream&) = delete;
@@ -114,6 +115,7 @@ class MapStream {
     struct Scratch;
     MapStream(const MapRequest& request, const Surface& surface, MapOptions options);
     void work();
+    void mix_texels();
     MapChunk compute(int chunk, Scratch& scratch) const;
     int rows_of(int chunk) const;
     void solve_carefully(const MapRow& row, std::span<const int> columns) const;
@@ -131,7 +133,8 @@ class MapStream {
 
     mutable std::mutex mutex_;
     std::condition_variable changed_;
-    bool stopping_ = false;
+    std::atomic<bool> stopping_ = false; ///< set with the lock held, looked at without
+    std::once_flag mixed_;               ///< texels_, by the first thread
     int next_to_compute_ = 0;
     int next_to_read_ = 0;
     std::map<int, MapChunk> ready_;

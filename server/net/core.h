@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <list>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -11,6 +12,7 @@
 
 #include "server/host/host.h"
 #include "server/net/counters.h"
+#include "server/net/disposal.h"
 #include "server/net/encode_worker.h"
 #include "server/net/options.h"
 
@@ -31,12 +33,16 @@ class Core : public std::enable_shared_from_this<Core> {
 
     Counters counters;
     EncodeWorker encoding;
+    Disposal disposal;
     std::map<SessionId, Session*> sessions;
     SessionId next_session = 1;
     int connections = 0;
     int upgrades = 0; ///< under way: each will be a session
     /// Connections that wait for a map of the host: nobody else holds them. Given up with the server.
     std::set<std::shared_ptr<void>> waiting_for_maps;
+    /// How to give up a connection from which a whole request is awaited, TLS handshakes and pauses
+    /// between requests included; who waits longest first. They make room for newcomers.
+    std::list<std::function<void()>> awaiting_requests;
     bool stopping = false;
 
     /// Runs `work` on the io thread; does nothing after detach(). Any thread.

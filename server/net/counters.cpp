@@ -45,6 +45,9 @@ std::string metrics_text(const Counters& c, const Gauges& g, const EncoderCounte
     t.one("connections_accepted_total", "counter", "Connections taken", c.connections_accepted);
     t.one("connections_refused_total", "counter", "Connections above the limit, closed at once",
           c.connections_refused);
+    t.one("connections_given_up_total", "counter",
+          "Connections without a whole request that made room for a newcomer",
+          c.connections_given_up);
     t.one("handshakes_failed_total", "counter", "Connections that spoke no TLS, HTTP or WebSocket",
           c.handshakes_failed);
     t.each("http_responses_total", "status", "HTTP responses", c.http_responses);

@@ -18,8 +18,9 @@ inline constexpr std::string_view disconnected = "disconnected"; ///< without a 
 
 struct Counters {
     std::uint64_t connections_accepted = 0;
-    std::uint64_t connections_refused = 0; ///< above connections_max
-    std::uint64_t handshakes_failed = 0;   ///< TLS, HTTP or WebSocket bytes that were none
+    std::uint64_t connections_refused = 0;  ///< above connections_max
+    std::uint64_t connections_given_up = 0; ///< without a whole request, for a newcomer
+    std::uint64_t handshakes_failed = 0;    ///< TLS, HTTP or WebSocket bytes that were none
     std::map<unsigned, std::uint64_t> http_responses; ///< by status
     std::uint64_t sessions_opened = 0;
     std::map<std::string, std::uint64_t, std::less<>> sessions_closed;  ///< by reason

@@ -1,5 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <array>
+#include <chrono>
+#include <functional>
+#include <list>
 #include <map>
 #include <optional>
 #include <string>
@@ -53,10 +57,17 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   public:
     HttpConnection(ConnectionSlot slot, sockets::Socket socket, std::string peer)
         : slot_(std::move(slot)), socket_(std::move(socket)), peer_(std::move(peer)) {}
+    ~HttpConnection() {
+        if (slot_.core() != nullptr) // else it has become a stream
+            got_request();
+    }
+    HttpConnection(const HttpConnection&) = delete;
+    HttpConnection& operator=(const HttpConnection&) = delete;
 
     void run() {
         if (!socket_.has_tls())
             return read_request();
+        await_request();
         socket_.expires_after(core().options.http_deadline);
         socket_.accept_tls([self = shared_from_this()](error_code error) {
             if (error)
@@ -70,7 +81,25 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
 
     Core& core() { return *slot_.core(); }
 
+    /// Until got_request() this connection makes room for a newcomer where there is none.
+    void await_request() {
+        got_request();
+        auto& waiting = core().awaiting_requests;
+        awaits_ = waiting.insert(waiting.end(), [weak = weak_from_this()] {
+            if (const auto self = weak.lock()) {
+                self->got_request();
+                self->socket_.close();
+            }
+        });
+    }
+
+    void got_request() {
+        if (awaits_)
+            core().awaiting_requests.erase(*std::exchange(awaits_, std::nullopt));
+    }
+
     void read_request() {
+        await_request();
         parser_.emplace();
         parser_->header_limit(header_bytes_max);
         parser_->body_limit(body_bytes_max);
@@ -82,6 +111,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     }
 
     void on_request(error_code error) {
+        got_request();
         if (error == http::error::end_of_stream)
             return close();
         if (error == http::error::header_limit)
@@ -98,6 +128,8 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
         if (beast::websocket::is_upgrade(request) &&
             target.substr(0, target.find('?')) == protocol::stream_path)
             return upgrade();
+        if (!may_see(core(), target, text(request[http::field::authorization])))
+            return respond(unauthorised(), request.method() == http::verb::head, false);
         const bool reads =
             request.method() == http::verb::get || request.method() == http::verb::head;
         if (reads && target.substr(0, target.find('?')) == map_path)
@@ -140,6 +172,8 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
         response->set("X-Content-Type-Options", "nosniff");
         if (!page.allow.empty())
             response->set(http::field::allow, page.allow);
+        if (page.status == 401)
+            response->set(http::field::www_authenticate, "Bearer");
         if (page.status == 426)
             response->set(http::field::upgrade, "websocket");
         response->keep_alive(keep_alive);
@@ -172,33 +206,55 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
 
     void start_map(std::string_view target) {
         socket_.expires_never(); // the host answers; what it takes is bounded there
+        watch_peer();
         const std::weak_ptr<HttpConnection> weak = weak_from_this();
         const auto core_ptr = slot_.core();
-        const auto on_io = [weak, core_ptr](auto work) {
-            core_ptr->post([weak, work]() mutable {
+        const auto more_rows = [weak, core_ptr] {
+            core_ptr->post([weak] {
                 if (const auto self = weak.lock())
-                    work(*self);
+                    self->write_map();
             });
         };
         core().waiting_for_maps.insert(shared_from_this());
-        core().host.map({query_parameters(target), Asker(here_),
-                         [on_io] { on_io([](HttpConnection& self) { self.write_map(); }); }},
-                        [on_io](Result<std::unique_ptr<ByteSource>> made) {
+        core().host.map({query_parameters(target), Asker(here_), more_rows},
+                        [weak, core_ptr](Result<std::unique_ptr<ByteSource>> made) {
                             auto shared = std::make_shared<decltype(made)>(std::move(made));
-                            on_io([shared](HttpConnection& self) { self.begin_map(*shared); });
+                            core_ptr->post([weak, core_ptr, shared] {
+                                if (const auto self = weak.lock())
+                                    self->begin_map(*shared);
+                                else
+                                    core_ptr->disposal.take(shared);
+                            });
                         });
     }
 
+    /// A pending read notices that the peer has left, also while nothing is written to it. What it
+    /// says meanwhile is not looked at: a map ends its connection.
+    void watch_peer() {
+        socket_.async_read_some(asio::buffer(unasked_),
+                                [self = shared_from_this()](error_code error, std::size_t) {
+                                    if (self->here_ == nullptr)
+                                        return;
+                                    if (!error)
+                                        return self->watch_peer();
+                                    self->end_map();
+                                });
+    }
+
     void begin_map(Result<std::unique_ptr<ByteSource>>& made) {
+        if (made)
+            map_ = *std::move(made);
+        if (here_ == nullptr)
+            return end_map();
         const bool head_only = parser_->get().method() == http::verb::head;
         if (!made) {
             const auto self = shared_from_this();
             core().waiting_for_maps.erase(self);
+            here_ = nullptr;
             return respond(
                 {.status = http_status(made.error()), .body = made.error().message + "\n"},
-                head_only, parser_->get().keep_alive());
+                head_only, false);
         }
-        map_ = *std::move(made);
         auto header = std::make_shared<http::response<http::empty_body>>();
         header->result(200);
         header->version(11);
@@ -208,8 +264,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
         header->keep_alive(false);
         header->content_length(map_->size());
         ++core().counters.http_responses[200];
-        socket_.expires_after(core().options.write_timeout);
-        map_writing_ = true;
+        begin_map_write();
         auto serializer = std::make_shared<http::response_serializer<http::empty_body>>(*header);
         http::async_write_header(socket_, *serializer,
                                  [self = shared_from_this(), header, serializer,
@@ -230,16 +285,28 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
             return socket_.expires_never(); // waits for the next chunk, not for the peer
         }
         map_sent_ += map_chunk_.size();
-        map_writing_ = true;
-        socket_.expires_after(core().options.write_timeout);
+        begin_map_write();
         asio::async_write(socket_, asio::buffer(map_chunk_),
                           [self = shared_from_this()](error_code error, std::size_t) {
                               self->on_map_written(error);
                           });
     }
 
+    /// The peer has write_timeout for each piece, and for all that it is behind the least rate.
+    void begin_map_write() {
+        map_writing_ = true;
+        map_write_begun_ = Clock::now();
+        const std::chrono::duration<double> earned(static_cast<double>(map_sent_) /
+                                                   core().options.map_bytes_per_s_min);
+        const auto left = core().options.write_timeout - map_waited_ + earned;
+        socket_.expires_after(
+            std::clamp(std::chrono::duration_cast<std::chrono::milliseconds>(left),
+                       std::chrono::milliseconds(1), core().options.write_timeout));
+    }
+
     void on_map_written(error_code error) {
         map_writing_ = false;
+        map_waited_ += Clock::now() - map_write_begun_;
         if (error) {
             end_map();
             return failed("http", error);
@@ -250,7 +317,9 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     void end_map() {
         const auto self = shared_from_this();
         core().waiting_for_maps.erase(self);
-        map_.reset();
+        here_ = nullptr;
+        if (map_)
+            core().disposal.take(std::move(map_)); // its threads end in their own time
         close();
     }
 
@@ -283,12 +352,19 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     std::string peer_;
     beast::flat_buffer buffer_{header_bytes_max + body_bytes_max};
     std::optional<Parser> parser_;
+    std::optional<std::list<std::function<void()>>::iterator>
+        awaits_; ///< in Core::awaiting_requests
 
-    std::shared_ptr<const void> here_ = std::make_shared<char>(); ///< for who makes the map
+    using Clock = std::chrono::steady_clock;
+    std::shared_ptr<const void> here_ =
+        std::make_shared<char>(); ///< until no map is wanted any more
+    std::array<std::uint8_t, 512> unasked_{};
     std::unique_ptr<ByteSource> map_;
     std::vector<std::uint8_t> map_chunk_; ///< being written
     std::uint64_t map_sent_ = 0;
     bool map_writing_ = false;
+    Clock::time_point map_write_begun_;
+    Clock::duration map_waited_{0}; ///< for the peer, all in all
 };
 
 } // namespace

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "server/net/tokens.h"
+
 namespace seaway::server {
 namespace {
 
@@ -63,6 +65,26 @@ const std::array<Route, 5> routes{{
 }};
 
 } // namespace
+
+bool may_see(const Core& core, std::string_view target, std::string_view authorization) {
+    const std::string_view path = target.substr(0, target.find('?'));
+    if (core.client_token.empty() || path == "/healthz" || path == protocol::stream_path)
+        return true;
+    constexpr std::string_view scheme = "bearer ";
+    const bool bearer = authorization.size() > scheme.size() &&
+                        std::equal(scheme.begin(), scheme.end(), authorization.begin(),
+                                   [](char a, char b) { return a == (b | 0x20); });
+    if (!bearer)
+        return false;
+    const std::string_view token = authorization.substr(scheme.size());
+    return tokens_equal(token, core.client_token) || tokens_equal(token, core.admin_token);
+}
+
+Page unauthorised() {
+    return {.status = 401,
+            .body = "a token is needed: \"Authorization: Bearer\" and what the server's token file "
+                    "says\n"};
+}
 
 Page page_for(Core& core, std::string_view method, std::string_view target) {
     const std::string_view path = target.substr(0, target.find('?'));

@@ -19,6 +19,11 @@ struct Page {
     std::string allow = {}; ///< header of a 405
 };
 
+/// With a client token, everything but the stream, whose Hello brings it, and /healthz is for those
+/// who bring that one, or the administrator's, as "Authorization: Bearer TOKEN".
+bool may_see(const Core& core, std::string_view target, std::string_view authorization);
+Page unauthorised();
+
 /// GET and HEAD of /healthz, /metrics, /v1/state, /v1/plan and /; a query string is ignored.
 /// /healthz is 200 "ok" or 503. Anything else is 404 or 405 with a sentence.
 Page page_for(Core& core, std::string_view method, std::string_view target);

@@ -11,9 +11,9 @@
 #include <boost/asio/steady_timer.hpp>
 #include <fmt/format.h>
 
+#include "protocol/token_file.h"
 #include "server/net/connection.h"
 #include "server/net/session.h"
-#include "server/net/tokens.h"
 #include "sockets/socket.h"
 
 namespace seaway::server {
@@ -137,7 +137,7 @@ Result<void> NetServer::Impl::load_tokens() {
                                       std::pair(&options.admin_token_file, &core_->admin_token)}) {
         if (file->empty())
             continue;
-        Result<std::string> read = read_token(*file);
+        Result<std::string> read = protocol::read_token_file(*file);
         if (!read)
             return read.error();
         *token = *read;
@@ -204,8 +204,13 @@ void NetServer::Impl::on_accepted(error_code error, tcp::socket socket) {
         return;
     }
     if (core_->connections >= core_->options.connections_max) {
-        ++core_->counters.connections_refused; // closed by its destructor
-        return accept();
+        if (core_->awaiting_requests.empty()) {
+            ++core_->counters.connections_refused; // closed by its destructor
+            return accept();
+        }
+        ++core_->counters.connections_given_up;
+        const auto give_up = core_->awaiting_requests.front();
+        give_up();
     }
     ++core_->counters.connections_accepted;
     error_code ignored; // a socket that is gone already will say so when it is read

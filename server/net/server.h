@@ -46,7 +46,8 @@ class NetServer {
     void publish(KeyframeTiles tiles);
 
     /// Sends a SeaState message to every session. Durable: a session that cannot take it is closed.
-    /// Any thread; returns at once.
+    /// Any thread; returns at once. Called once seas change while a server runs, which no message of
+    /// version 1 asks for.
     void announce(protocol::SharedBytes sea_state);
 
     /// Sends GoAway, closes, joins. Idempotent. Host callbacks that come later do nothing.

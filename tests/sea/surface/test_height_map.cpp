@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sea/surface/height_map.h"
 
+#include <atomic>
 #include <bit>
 #include <chrono>
 #include <cmath>
@@ -189,6 +190,30 @@ TEST(HeightMap, a_reader_that_leaves_stops_the_work) {
     ASSERT_TRUE(stream);
     EXPECT_TRUE((*stream)->next_chunk());
     stream->reset(); // returns: the workers end after the rows they are at
+}
+
+// Naive: only between chunks do the workers look whether anybody still wants them. A chunk that is
+// under way when the reader leaves is not finished, so it is never said to be ready. It may just have
+// been: of five times once is enough.
+TEST(HeightMap, a_reader_that_leaves_stops_the_work_in_the_middle_of_a_chunk) {
+    const Surface sea = surface(0.02);
+    MapRequest r = request();
+    r.columns = r.rows = 4096;
+    int stopped = 0;
+    for (int i = 0; i < 5; ++i) {
+        std::atomic<int> told = 0;
+        MapOptions options;
+        options.on_ready = [&] { ++told; };
+        Result<std::unique_ptr<MapStream>> stream = MapStream::start(r, sea, options);
+        ASSERT_TRUE(stream);
+        do
+            ASSERT_TRUE((*stream)->next_chunk());
+        while ((*stream)->ready());
+        const int before = told;
+        stream->reset();
+        stopped += told == before;
+    }
+    EXPECT_GT(stopped, 0);
 }
 
 // Naive: who waits because enough lies ready is not told that some of it was taken.

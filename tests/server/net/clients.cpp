@@ -266,6 +266,13 @@ std::string RawPeer::header() {
     return answer;
 }
 
+bool RawPeer::reads(std::size_t bytes) {
+    std::string some;
+    while (some.size() < bytes && !impl_->end)
+        impl_->end = impl_->tcp.read(some, Clock::now() + for_ever);
+    return !impl_->end;
+}
+
 std::string RawPeer::rest() {
     std::string all;
     while (!impl_->end)
@@ -284,9 +291,11 @@ bool RawPeer::ended_in_order() const {
 
 // ---- HTTP --------------------------------------------------------------------------------------
 
-HttpAnswer ask_http(int port, const std::string& target, const std::string& method) {
+HttpAnswer ask_http(int port, const std::string& target, const std::string& method,
+                    const std::string& authorization) {
     RawPeer peer(port);
-    peer.say(method + " " + target + " HTTP/1.1\r\nHost: 127.0.0.1\r\nConnection: close\r\n\r\n");
+    peer.say(method + " " + target + " HTTP/1.1\r\nHost: 127.0.0.1\r\nConnection: close\r\n" +
+             (authorization.empty() ? "" : "Authorization: " + authorization + "\r\n") + "\r\n");
     const std::string all = peer.rest();
     EXPECT_TRUE(peer.ended_in_order());
     const std::size_t body = std::min(all.find("\r\n\r\n"), all.size() - 4) + 4;

@@ -61,6 +61,8 @@ class RawPeer {
     void reset(); ///< RST instead of FIN
     /// Reads to the end of an HTTP header.
     std::string header();
+    /// Reads this much; false: the server has closed its side before.
+    bool reads(std::size_t bytes);
     /// Reads until the server has closed its side, in order or not.
     std::string rest();
     bool closed_by_server();     ///< the same, for those who do not ask what came
@@ -78,6 +80,7 @@ struct HttpAnswer {
 };
 
 /// One request on a connection of its own.
-HttpAnswer ask_http(int port, const std::string& target, const std::string& method);
+HttpAnswer ask_http(int port, const std::string& target, const std::string& method,
+                    const std::string& authorization = {});
 
 } // namespace seaway::tests

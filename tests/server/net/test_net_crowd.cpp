@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Many sessions at once, and sessions that go in the middle of what they asked for.
+#include <future>
+
 #include "protocol/limits.h"
 #include "tests/server/net/net_fixture.h"
 
@@ -72,8 +74,18 @@ TEST_F(NetCrowd, upgrades_under_way_count_as_sessions) {
     for (int i = 0; i < crowd; ++i)
         peers.push_back(std::make_unique<RawPeer>(port()));
     ASSERT_TRUE(eventually([&] { return metric("seaway_net_connections") == crowd + 1; }));
+    std::promise<void> held;
+    std::promise<void> go_on;
+    host.on_state = [&] {
+        held.set_value();
+        go_on.get_future().wait();
+    };
+    std::thread holds([&] { get("/v1/state"); }); // the io thread
+    held.get_future().wait();
     for (const auto& peer : peers)
         peer->say(request);
+    go_on.set_value();
+    holds.join();
     int upgraded = 0;
     for (const auto& peer : peers)
         upgraded += peer->header().starts_with("HTTP/1.1 101");

@@ -51,6 +51,53 @@ TEST_F(NetHttp, head_has_the_length_and_no_body) {
     EXPECT_TRUE(head.body.empty());
 }
 
+// Naive: as many half requests as there may be connections shut everybody out.
+TEST_F(NetHttp, connections_without_a_whole_request_make_room_for_newcomers) {
+    options.connections_max = 8;
+    start();
+    std::vector<std::unique_ptr<RawPeer>> peers;
+    for (int i = 0; i < 12; ++i) {
+        peers.push_back(std::make_unique<RawPeer>(port()));
+        peers.back()->say("GET /healthz HT");
+    }
+    EXPECT_EQ(get("/healthz").status, 200);
+    EXPECT_GE(metric("seaway_net_connections_given_up_total"), 5);
+    EXPECT_TRUE(peers.front()->closed_by_server()) << "who has waited longest goes first";
+    // Sessions stay whatever comes.
+    Client client(port());
+    ASSERT_FALSE(client.connect());
+    EXPECT_TRUE(client.greet());
+    for (int i = 0; i < 12; ++i)
+        peers.push_back(std::make_unique<RawPeer>(port()));
+    EXPECT_EQ(get("/healthz").status, 200);
+    ASSERT_FALSE(client.send(protocol::ping(1, 1)));
+    EXPECT_TRUE(client.receive(wire::Body::Pong));
+}
+
+TEST_F(NetHttp, with_a_client_token_pages_and_maps_ask_for_it) {
+    const std::string file = ::testing::TempDir() + "map_token";
+    std::ofstream(file) << " open sesame \n";
+    options.client_token_file = file;
+    start();
+    const auto status = [&](const std::string& target, const std::string& authorization) {
+        return ask_http(port(), target, "GET", authorization).status;
+    };
+    for (const char* target :
+         {"/", "/v1/state", "/v1/plan", "/metrics", "/v1/map?columns=2", "/none"}) {
+        EXPECT_EQ(status(target, ""), 401) << target;
+        EXPECT_EQ(status(target, "Bearer sesame"), 401) << target;
+        EXPECT_EQ(status(target, "Basic open sesame"), 401) << target;
+    }
+    EXPECT_EQ(host.maps_asked, 0);
+    const HttpAnswer refused = ask_http(port(), "/v1/state", "GET");
+    EXPECT_EQ(refused.fields.at("WWW-Authenticate"), "Bearer");
+    EXPECT_NE(refused.body.find("Authorization"), std::string::npos);
+    EXPECT_EQ(status("/v1/state", "Bearer open sesame"), 200);
+    EXPECT_EQ(status("/metrics", "bearer open sesame"), 200) << "schemes have no case";
+    EXPECT_EQ(status("/healthz", ""), 200) << "says nothing of the sea";
+    EXPECT_EQ(status("/v1/stream", ""), 426) << "its Hello brings the token";
+}
+
 TEST_F(NetHttp, a_stream_without_the_subprotocol_is_refused) {
     start();
     Client client(port());

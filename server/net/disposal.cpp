@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/net/disposal.h"
+
+#include <utility>
+
+namespace seaway::server {
+
+Disposal::~Disposal() {
+    {
+        const std::scoped_lock lock(mutex_);
+        ending_ = true;
+    }
+    wake_.notify_one();
+    thread_.join();
+}
+
+void Disposal::take(std::shared_ptr<void> thing) {
+    {
+        const std::scoped_lock lock(mutex_);
+        things_.push_back(std::move(thing));
+    }
+    wake_.notify_one();
+}
+
+void Disposal::run() {
+    std::unique_lock lock(mutex_);
+    for (;;) {
+        wake_.wait(lock, [&] { return ending_ || !things_.empty(); });
+        if (things_.empty())
+            return;
+        std::shared_ptr<void> thing = std::move(things_.front());
+        things_.pop_front();
+        lock.unlock();
+        thing = nullptr;
+        lock.lock();
+    }
+}
+
+} // namespace seaway::server

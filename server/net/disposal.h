@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// Disposal: the thread on which ends what may take long to end, as a map whose threads are in the
+// middle of a row, so that the io thread waits for none of it. Thread-safe.
+#pragma once
+
+#include <condition_variable>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <thread>
+
+namespace seaway::server {
+
+class Disposal {
+  public:
+    Disposal() : thread_([this] { run(); }) {}
+    ~Disposal();
+    Disposal(const Disposal&) = delete;
+    Disposal& operator=(const Disposal&) = delete;
+
+    /// Lets go of it, elsewhere and soon; before the disposal itself ends.
+    void take(std::shared_ptr<void> thing);
+
+  private:
+    void run();
+
+    std::mutex mutex_;
+    std::condition_variable wake_;
+    std::deque<std::shared_ptr<void>> things_;
+    bool ending_ = false;
+    std::thread thread_;
+};
+
+} // namespace seaway::server

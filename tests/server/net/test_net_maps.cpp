@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+// Bulk maps as the net serves them: who leaves, who reads slowly, and that nobody else waits for it.
+#include <future>
+
+#include "tests/server/net/net_fixture.h"
+
+namespace seaway::tests {
+namespace {
+
+const std::string_view ask_for_a_map = "GET /v1/map HTTP/1.1\r\nHost: x\r\n\r\n";
+
+class NetMaps : public NetTest {};
+
+// Naive: the thread of all sockets lets go of a map and waits for the threads that make it.
+TEST_F(NetMaps, the_end_of_a_map_that_takes_long_delays_nobody_else) {
+    std::promise<void> ends;
+    std::promise<void> may_end;
+    host.on_map_end = [&, wait = may_end.get_future().share()] {
+        ends.set_value();
+        wait.wait_for(std::chrono::seconds(20)); // a test that fails ends all the same
+    };
+    start();
+    {
+        RawPeer peer(port());
+        peer.say(ask_for_a_map);
+        EXPECT_TRUE(peer.header().starts_with("HTTP/1.1 200"));
+    }
+    ends.get_future().wait();
+    EXPECT_EQ(get("/healthz").status, 200);
+    Client client(port());
+    ASSERT_FALSE(client.connect());
+    EXPECT_TRUE(client.greet());
+    EXPECT_EQ(*host.maps_alive, 1) << "it has not ended yet";
+    may_end.set_value();
+    EXPECT_TRUE(eventually([&] { return *host.maps_alive == 0; }));
+}
+
+TEST_F(NetMaps, who_leaves_before_its_map_begins_is_known_to_have_gone) {
+    host.answer_maps = false;
+    start();
+    {
+        RawPeer peer(port());
+        peer.say(ask_for_a_map);
+        ASSERT_TRUE(eventually([&] { return host.maps_asked == 1; }));
+        EXPECT_FALSE(host.askers.front().gone());
+    }
+    EXPECT_TRUE(eventually([&] { return host.askers.front().gone(); }));
+    EXPECT_TRUE(eventually([&] { return metric("seaway_net_connections") == 1; }));
+}
+
+TEST_F(NetMaps, who_leaves_while_rows_are_made_gives_its_place_back) {
+    start();
+    {
+        RawPeer peer(port());
+        peer.say(ask_for_a_map);
+        EXPECT_TRUE(peer.header().starts_with("HTTP/1.1 200"));
+        EXPECT_EQ(*host.maps_alive, 1);
+    }
+    EXPECT_TRUE(eventually([&] { return *host.maps_alive == 0; }));
+}
+
+// Naive: every write has a deadline of its own, so that a map of many is read for ever. The reader
+// takes a piece at a time in less than that deadline.
+TEST_F(NetMaps, who_reads_more_slowly_than_the_least_rate_loses_its_place) {
+    host.map_bytes = 64 * 1024 * 1024;
+    host.map_piece_bytes = 64 * 1024;
+    options.write_timeout = std::chrono::milliseconds(500);
+    options.map_bytes_per_s_min = 1e12; // nobody reads at that
+    start();
+    RawPeer peer(port(), 4096);
+    peer.say(ask_for_a_map);
+    peer.header();
+    std::size_t pieces = 0;
+    while (peer.reads(host.map_piece_bytes) && ++pieces < 1000)
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    EXPECT_LT(pieces, 1000u);
+    EXPECT_TRUE(eventually([&] { return *host.maps_alive == 0; }));
+}
+
+TEST_F(NetMaps, who_reads_fast_enough_gets_all_of_it) {
+    host.map_bytes = 8 * 1024 * 1024;
+    host.map_piece_bytes = 64 * 1024;
+    start();
+    const HttpAnswer answer = get("/v1/map");
+    EXPECT_EQ(answer.status, 200);
+    EXPECT_EQ(answer.body.size(), host.map_bytes);
+}
+
+} // namespace
+} // namespace seaway::tests
