@@ -81,9 +81,15 @@ std::optional<KeyframePair> KeyframeRing::around(int cascade, std::uint32_t epoc
     if (!ring)
         return std::nullopt;
     KeyframePair pair;
-    for (const HeldKeyframePtr& held : ring->by_arrival) {
+    const sea::Keyframe* newest = nullptr;
+    for (auto at = ring->by_arrival.rbegin(); at != ring->by_arrival.rend(); ++at) {
+        const HeldKeyframePtr& held = *at;
         const sea::Keyframe& keyframe = held->keyframe();
         if (keyframe.epoch != epoch || !keyframe.fields.contains(fields))
+            continue;
+        // A server that uses the number of an epoch again, long after, has other maps for it.
+        newest = newest ? newest : &keyframe;
+        if (keyframe.size != newest->size || keyframe.length_m != newest->length_m)
             continue;
         if (keyframe.time_us <= time_us &&
             (!pair.before || keyframe.time_us > pair.before->keyframe().time_us))
@@ -127,11 +133,6 @@ std::size_t KeyframeRing::bytes(int cascade) const {
     const std::scoped_lock lock(mutex_);
     const Cascade* ring = find(cascade);
     return ring ? ring->bytes : 0;
-}
-
-void KeyframeRing::clear() {
-    const std::scoped_lock lock(mutex_);
-    cascades_.clear();
 }
 
 } // namespace seaway::client

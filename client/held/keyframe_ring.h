@@ -93,7 +93,6 @@ class KeyframeRing {
     /// What all held keyframes of a cascade count for, splines included.
     std::size_t bytes(int cascade) const;
     const RingLimits& limits() const { return limits_; }
-    void clear();
 
   private:
     struct Cascade {

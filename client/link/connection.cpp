@@ -22,6 +22,13 @@ std::int64_t deadline_us(double timeout_s) {
     return local_now_us() + static_cast<std::int64_t>(timeout_s * 1e6);
 }
 
+/// Keyframes of both may be sampled together.
+bool same_maps(const SeaState& a, const SeaState& b) {
+    return std::ranges::equal(a.cascades, b.cascades, [](const auto& one, const auto& other) {
+        return one.size == other.size && one.length_m == other.length_m;
+    });
+}
+
 std::string text(const flatbuffers::String* string) {
     return string ? string->str() : std::string();
 }
@@ -197,6 +204,10 @@ Result<void> Connection::take(const wire::Welcome& welcome) {
 Result<void> Connection::take(const wire::SeaState& state) {
     SEAWAY_TRY(protocol::check(state));
     const auto value = std::make_shared<const SeaState>(protocol::values(state));
+    // What is held of an epoch is sampled with whatever comes later of it.
+    if (const SeaStatePtr known = sea_state(value->epoch); known && !same_maps(*known, *value))
+        return Error{
+            fmt::format("a sea state replaces epoch {} by one of other cascades", value->epoch)};
     sea_states_.push_back(value);
     if (sea_states_.size() > sea_states_kept)
         sea_states_.erase(sea_states_.begin());
@@ -234,10 +245,13 @@ Result<void> Connection::take(const wire::Tile& tile) {
     if (!state || static_cast<std::size_t>(header.cascade) >= state->cascades.size())
         return Error{fmt::format("a tile of cascade {} in epoch {}, which no sea state announced",
                                  header.cascade, header.epoch)};
-    const double length_m = state->cascades[static_cast<std::size_t>(header.cascade)].length_m;
+    const auto& cascade = state->cascades[static_cast<std::size_t>(header.cascade)];
+    if (header.size != cascade.size)
+        return Error{fmt::format("a tile of a map of size {}, cascade {} of epoch {} has {}",
+                                 header.size, header.cascade, header.epoch, cascade.size)};
     const std::vector<sea::FieldSet> requested = requests_.bulk_fields();
     const Result<TileAssembly::Added> added =
-        assembly_.add(header, {tile.payload()->data(), tile.payload()->size()}, length_m,
+        assembly_.add(header, {tile.payload()->data(), tile.payload()->size()}, cascade.length_m,
                       streamed_fields_, requested);
     if (!added)
         return added.error();

@@ -50,6 +50,7 @@ Surface::Surface(std::vector<SplinePair> pairs, Choppiness choppiness, FoldSearc
                  "one loss a cascade");
     for (const SplinePair& pair : pairs_) {
         SEAWAY_CHECK(pair.before && pair.after, "a surface needs both maps of every cascade");
+        SEAWAY_CHECK(pair.before->size() == pair.after->size(), "a pair is of one cascade");
         moves_sideways_ =
             moves_sideways_ && pair.before->moves_sideways() && pair.after->moves_sideways();
     }

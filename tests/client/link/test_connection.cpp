@@ -88,15 +88,17 @@ class ConnectionTest : public ::testing::Test {
             });
     }
 
-    protocol::Bytes tile(std::uint64_t keyframe, sea::Field field, std::uint32_t epoch = 1) {
-        const std::vector<float> map(16 * 16, 1.0f);
-        const auto payload = protocol::encode_tile(map, {16, 16}, 16, 0.01f);
+    protocol::Bytes tile(std::uint64_t keyframe, sea::Field field, std::uint32_t epoch = 1,
+                         int size = 16) {
+        const std::vector<float> map(static_cast<std::size_t>(size * size), 1.0f);
+        const auto payload =
+            protocol::encode_tile(map, {size, size}, static_cast<std::size_t>(size), 0.01f);
         return protocol::tile({.keyframe = keyframe,
                                .epoch = epoch,
                                .field = field,
-                               .size = 16,
-                               .width = 16,
-                               .height = 16,
+                               .size = size,
+                               .width = size,
+                               .height = size,
                                .error = 0.01f},
                               *payload);
     }
@@ -154,6 +156,40 @@ TEST_F(ConnectionTest, h6_values_out_of_range_and_unasked_answers_end_it) {
         ASSERT_TRUE(connection);
         server.send(wrong);
         EXPECT_NE(server.closed_because.find("cannot read"), std::string::npos);
+    }
+}
+
+// Naive: a keyframe has the size that its first tile says. Beside one of another size it is sampled
+// beyond its end.
+TEST_F(ConnectionTest, h6_tiles_of_another_size_than_their_sea_announced_end_it) {
+    for (const int size : {8, 32}) {
+        server.open = true;
+        const auto connection = open();
+        ASSERT_TRUE(connection);
+        server.send(tile(1, sea::Field::height, 1, size));
+        EXPECT_NE(server.closed_because.find("size"), std::string::npos) << server.closed_because;
+        EXPECT_TRUE(keyframes.empty());
+    }
+}
+
+TEST_F(ConnectionTest, h6_a_sea_state_that_changes_the_maps_of_its_epoch_ends_it) {
+    protocol::SeaStateValues state;
+    state.epoch = 1;
+    state.cascades.push_back({.length_m = 10, .size = 16, .interval_us = 100'000});
+    protocol::SeaStateValues larger = state;
+    larger.cascades[0].size = 32;
+    protocol::SeaStateValues longer = state;
+    longer.cascades[0].length_m = 11;
+    protocol::SeaStateValues more = state;
+    more.cascades.push_back(more.cascades[0]);
+    for (const protocol::SeaStateValues& wrong : {larger, longer, more}) {
+        server.open = true;
+        const auto connection = open();
+        ASSERT_TRUE(connection);
+        server.send(protocol::sea_state(state));
+        EXPECT_TRUE((*connection)->is_open()) << "said again, it is the same sea";
+        server.send(protocol::sea_state(wrong));
+        EXPECT_NE(server.closed_because.find("epoch 1"), std::string::npos);
     }
 }
 
