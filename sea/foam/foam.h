@@ -83,7 +83,8 @@ class FoamHistory {
     /// cascade, size x size.
     void advance(const Keyframe& strains, double dt_s);
 
-    /// Goes on under the law of a changed sea; what has broken under the old one fades out.
+    /// Goes on under the law of a changed sea; what has broken under the old one fades out. The
+    /// constructor's own; otherwise it waits for seas that change while a server runs.
     void change_law(FoamLawPtr law);
 
     /// Forgets: back to the average.

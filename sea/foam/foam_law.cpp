@@ -305,9 +305,14 @@ bool out_of_reach(const FoamLaw& law) {
 
 } // namespace
 
-std::vector<std::string> foam_warnings(const FoamLaw& law) {
-    if (!out_of_reach(law))
+FoamLawPtr foam_law_of(const Scene& scene, const Realization& sea) {
+    return has_foam(scene.effects) ? make_foam_law(scene, sea) : nullptr;
+}
+
+std::vector<std::string> foam_warnings(const FoamLawPtr& foam_law) {
+    if (!foam_law || !out_of_reach(*foam_law))
         return {};
+    const FoamLaw& law = *foam_law;
     return {fmt::format(
         "foam covers {:.3g} % where {:.3g} % are observed {}: no threshold of -1 .. 1 "
         "gives that with this gain and decay",

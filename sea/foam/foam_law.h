@@ -118,13 +118,20 @@ FoamLawPtr make_foam_law(const Realization& sea, const FoamModel& model);
 /// The same for a scene, realised as `sea`; about 60 ms where the threshold is to be found.
 FoamLawPtr make_foam_law(const Scene& scene, const Realization& sea);
 
+/// What a scene allows has foam: crests break where the surface moves sideways.
+inline bool has_foam(const Effects& effects) {
+    return effects.choppy && effects.foam;
+}
+/// The law of a scene that has foam, realised as `sea`; else null.
+FoamLawPtr foam_law_of(const Scene& scene, const Realization& sea);
+
 /// One line for people: mean coverage, threshold and where it comes from; says so where the observed
 /// share is out of reach of every threshold, or where the mean is above 1 and all the sea is white.
 std::string describe(const FoamLaw& law);
 
 /// What a user should know before trusting foam, as scene_warnings() of the rest of a scene: that no
-/// threshold gives the observed share.
-std::vector<std::string> foam_warnings(const FoamLaw& law);
+/// threshold gives the observed share. None without a law.
+std::vector<std::string> foam_warnings(const FoamLawPtr& law);
 
 /// The scene with the threshold that was found written out, so that its TOML tells it and gives the
 /// same foam, bit for bit. A sea without foam keeps coverage = "observed", which finds none again.

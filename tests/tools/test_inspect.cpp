@@ -180,6 +180,25 @@ TEST(Inspect, small_tile_is_warned_of_with_the_scatter_of_hs) {
     EXPECT_NE(text.out.find("warning: the largest cascade"), std::string::npos);
 }
 
+// The server says it when it starts; who looks before wants to know too.
+TEST(Inspect, foam_that_no_threshold_makes_as_much_as_is_observed_is_warned_of) {
+    const auto warned = [](const std::string& foam) {
+        const json report = report_of(folder().write(
+            "foam.toml",
+            "[sea]\nseed = 3\n[[sea.system]]\ntype = \"wind\"\nspectrum = \"jonswap\"\n"
+            "wind_speed_10m_mps = 20\nfetch_m = 300e3\nfrom_deg = 0\nspreading = "
+            "\"hasselmann\"\n[[cascade]]\nlength_m = 2000\nsize = 128\n" +
+                foam));
+        bool found = false;
+        for (const json& warning : report.at("warnings"))
+            found |= warning.get<std::string>().find("no threshold") != std::string::npos;
+        return found;
+    };
+    EXPECT_TRUE(warned("[foam]\ngain_per_s = 1e-4\n"));
+    EXPECT_FALSE(warned("[foam]\ngain_per_s = 1e-4\n[effects]\nfoam = false\n"));
+    EXPECT_FALSE(warned(""));
+}
+
 TEST(Inspect, flat_sea_is_all_zeros_and_valid_json) {
     const json report = report_of(folder().write("calm.toml", "[sea]\nseed = 1\n"));
     EXPECT_EQ(report.at("requested").at("hs_m"), 0.0);

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/inspect/report.h"
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include <fmt/format.h>
@@ -199,8 +201,8 @@ Result<Report> make_report(const sea::Scene& scene) {
         for (std::string& warning :
              certificate_warnings(*report.certificate, scene, report.summary.requested))
             report.warnings.push_back(std::move(warning));
-    if (scene.effects.foam && scene.effects.choppy)
-        report.foam = sea::make_foam_law(scene, *report.sea);
+    report.foam = sea::foam_law_of(scene, *report.sea);
+    std::ranges::move(sea::foam_warnings(report.foam), std::back_inserter(report.warnings));
     return report;
 }
 
