@@ -11,25 +11,6 @@ namespace seaway {
 
 namespace {
 
-std::string_view trimmed(std::string_view text) {
-    constexpr std::string_view blank = " \t\r";
-    const std::size_t first = text.find_first_not_of(blank);
-    if (first == std::string_view::npos)
-        return {};
-    return text.substr(first, text.find_last_not_of(blank) - first + 1);
-}
-
-std::vector<std::string_view> split(std::string_view line) {
-    std::vector<std::string_view> fields;
-    for (;;) {
-        const std::size_t comma = line.find(',');
-        fields.push_back(trimmed(line.substr(0, comma)));
-        if (comma == std::string_view::npos)
-            return fields;
-        line.remove_prefix(comma + 1);
-    }
-}
-
 std::optional<double> finite_number(std::string_view field) {
     double value = 0.0;
     const auto [end, problem] = std::from_chars(field.data(), field.data() + field.size(), value);
@@ -39,6 +20,25 @@ std::optional<double> finite_number(std::string_view field) {
 }
 
 } // namespace
+
+std::string_view trimmed(std::string_view text) {
+    constexpr std::string_view blank = " \t\r";
+    const std::size_t first = text.find_first_not_of(blank);
+    if (first == std::string_view::npos)
+        return {};
+    return text.substr(first, text.find_last_not_of(blank) - first + 1);
+}
+
+std::vector<std::string_view> split_csv(std::string_view line) {
+    std::vector<std::string_view> fields;
+    for (;;) {
+        const std::size_t comma = line.find(',');
+        fields.push_back(trimmed(line.substr(0, comma)));
+        if (comma == std::string_view::npos)
+            return fields;
+        line.remove_prefix(comma + 1);
+    }
+}
 
 std::optional<std::size_t> CsvTable::column(std::string_view title) const {
     const auto found = std::find(columns.begin(), columns.end(), title);
@@ -60,7 +60,7 @@ Result<CsvTable> parse_csv(std::string_view text, const std::string& name, std::
         text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
         if (content.empty() || content.front() == '#')
             continue;
-        const std::vector<std::string_view> fields = split(content);
+        const std::vector<std::string_view> fields = split_csv(content);
         if (table.columns.empty()) {
             if (std::all_of(fields.begin(), fields.end(), [](std::string_view field) {
                     return finite_number(field).has_value();

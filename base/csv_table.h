@@ -22,6 +22,11 @@ struct CsvTable {
     Error error(std::size_t row, const std::string& what) const;
 };
 
+/// Without spaces, tabs and carriage returns around it.
+std::string_view trimmed(std::string_view text);
+/// The fields between the commas of a line, trimmed. Views of it.
+std::vector<std::string_view> split_csv(std::string_view line);
+
 /// Errors name the line: no header (a first line of numbers alone), no rows, more than `rows_max`, a field that is not a finite
 /// number, a row of the wrong length.
 Result<CsvTable> parse_csv(std::string_view text, const std::string& name, std::size_t rows_max);

@@ -193,7 +193,8 @@ seaway_code seaway_subscribe(seaway_client* client, const seaway_subscription* s
         if (credit > protocol::limits::credit_max)
             return bad(fmt::format("seaway_subscribe: credit must be 0 to {}",
                                    protocol::limits::credit_max));
-        if (!(wanted.error_m >= 0 && wanted.error_m <= 1e6) || !timeout_fits(wanted.timeout_s))
+        if (!(wanted.error_m >= 0 && wanted.error_m <= protocol::limits::error_m_max) ||
+            !timeout_fits(wanted.timeout_s))
             return bad("seaway_subscribe: error_m must be 0 to 1e6, timeout_s 0 to 86400");
         protocol::TileWish wish;
         wish.fields = sea::surface_fields;

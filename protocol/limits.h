@@ -52,14 +52,18 @@ inline constexpr int cascades_max = 16;
 /// throughput, and above 1024 points a batch there is nothing left to win.
 inline constexpr std::uint32_t points_per_query_max = 4096;
 
-/// Points of an exact Query: each costs a direct sum over up to 200 000 modes (about a
-/// millisecond), so a full batch holds a core for a quarter of a second.
+/// Points of an exact Query: each costs a search by direct sums, 0.1 ms where there are few waves, a
+/// millisecond over 200 000 modes and some 70 ms over the three million of three cascades of 1024,
+/// where a full batch holds a core for 20 s. It is worked on 5 ms, or one point, at a time.
 inline constexpr std::uint32_t exact_points_per_query_max = 256;
 
 /// Sea times and positions that a client may ask about, either side of 0 (sea/basics/time.h,
 /// sea/surface/answer.h say why).
 inline constexpr std::int64_t time_us_max = sea::time_us_max;
 inline constexpr double position_m_max = sea::position_max_m;
+
+/// Bound on height that a Subscribe or Fetch may wish for, m: no sea is higher.
+inline constexpr float error_m_max = 1e6f;
 
 /// Times a Fetch: two keyframes of every cascade for each.
 inline constexpr std::uint32_t times_per_fetch_max = 8;
@@ -68,7 +72,8 @@ inline constexpr std::uint32_t times_per_fetch_max = 8;
 inline constexpr int queries_in_flight_max = 16;
 
 /// Fetches (and starts of subscriptions) of one session whose tiles are not all sent: what they
-/// hold is the largest thing a session can make the server keep.
+/// hold is the largest thing a session can make the server keep. Raw keyframes are held for all
+/// sessions together, in a bounded room (server/simulation/simulation.h, fetch_raw_bytes_max).
 inline constexpr int fetches_in_flight_max = 2;
 
 /// Protocol versions that a Hello may list.

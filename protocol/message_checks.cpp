@@ -99,13 +99,14 @@ Result<void> check(const wire::Hello& hello) {
 
 Result<void> check(const wire::Subscribe& subscribe) {
     return all_of(
-        check_fields(subscribe.fields()), in_range("error_m", subscribe.error_m(), 0.0f, 1e6f),
+        check_fields(subscribe.fields()),
+        in_range("error_m", subscribe.error_m(), 0.0f, limits::error_m_max),
         in_range<int>("credit", subscribe.credit(), limits::credit_min, limits::credit_max));
 }
 
 Result<void> check(const wire::Fetch& fetch) {
     SEAWAY_TRY(all_of(check_fields(fetch.fields()),
-                      in_range("error_m", fetch.error_m(), 0.0f, 1e6f),
+                      in_range("error_m", fetch.error_m(), 0.0f, limits::error_m_max),
                       in_range<std::size_t>("count of times_us", count(fetch.times_us()), 1,
                                             limits::times_per_fetch_max)));
     for (flatbuffers::uoffset_t i = 0; i < fetch.times_us()->size(); ++i)
@@ -190,7 +191,7 @@ Result<void> check(const wire::SeaState& state) {
 
 Result<void> check(const wire::Subscribed& subscribed) {
     return all_of(
-        in_range("error_m", subscribed.error_m(), 0.0f, 1e6f),
+        in_range("error_m", subscribed.error_m(), 0.0f, limits::error_m_max),
         in_range<int>("credit", subscribed.credit(), limits::credit_min, limits::credit_max));
 }
 

@@ -166,8 +166,10 @@ Result<void> decode_tile(std::span<const std::uint8_t> bytes, TileShape shape,
         add_row(memory.planes.data() + y * width, plane_bytes, header->planes, width,
                 memory.column_sums.data());
         std::uint32_t sum = 0;
-        for (std::size_t x = 0; x < width; ++x)
-            memory.row[x] = sum += memory.column_sums[x];
+        for (std::size_t x = 0; x < width; ++x) {
+            sum += memory.column_sums[x];
+            memory.row[x] = sum;
+        }
         finite &= write_row(memory.row.data(), width, *header, samples.data() + y * row_stride);
     }
     return finite ? Result<void>() : Error{"tile holds a sample that is not finite"};

@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "base/csv_table.h"
 #include "base/text_file.h"
 #include "client/link/failure.h"
 
@@ -17,24 +18,6 @@ namespace seaway::client {
 namespace {
 
 constexpr std::array<std::string_view, 3> columns{"x_m", "y_m", "t_s"};
-
-std::string_view trimmed(std::string_view text) {
-    const auto first = text.find_first_not_of(" \t\r");
-    if (first == std::string_view::npos)
-        return {};
-    return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
-}
-
-std::vector<std::string_view> split(std::string_view line) {
-    std::vector<std::string_view> fields;
-    for (;;) {
-        const auto comma = line.find(',');
-        fields.push_back(trimmed(line.substr(0, comma)));
-        if (comma == std::string_view::npos)
-            return fields;
-        line.remove_prefix(comma + 1);
-    }
-}
 
 bool is_header(const std::vector<std::string_view>& fields) {
     return fields.size() >= 2 && fields.size() <= columns.size() &&
@@ -72,7 +55,7 @@ std::optional<double> parse_number(std::string_view text, double limit) {
 }
 
 Result<Place> parse_place(std::string_view text) {
-    const std::vector<std::string_view> fields = split(text);
+    const std::vector<std::string_view> fields = split_csv(text);
     if (fields.size() != 2)
         return failed(Failure::bad_argument,
                       fmt::format("'{}' is not X,Y (metres east and north)", text));
@@ -86,7 +69,7 @@ Result<std::vector<Place>> read_places(std::istream& in, const std::string& name
         ++number;
         if (trimmed(line).empty())
             continue;
-        const std::vector<std::string_view> fields = split(line);
+        const std::vector<std::string_view> fields = split_csv(line);
         if (places.empty() && is_header(fields))
             continue;
         if (fields.size() != 2 && fields.size() != 3)

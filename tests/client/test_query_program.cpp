@@ -153,6 +153,7 @@ TEST(Output, what_is_not_a_number_is_null_in_json) {
 
 TEST(Output, flags_have_names_for_people) {
     EXPECT_EQ(flag_names(0), "-");
+    EXPECT_EQ(flag_names(sea::answer_vertical_velocity), "vertical_velocity");
     EXPECT_EQ(flag_names(sea::answer_folded | sea::answer_exact), "folded exact");
     EXPECT_EQ(
         flag_names(sea::answer_not_converged | sea::answer_extrapolated | sea::answer_invalid),
