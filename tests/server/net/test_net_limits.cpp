@@ -226,10 +226,13 @@ TEST_F(NetLimits, half_a_request_is_waited_for_until_the_deadline_and_whole_ones
 
 TEST_F(NetLimits, connections_up_to_the_limit_are_taken_and_one_more_is_closed_at_once) {
     options.connections_max = 2;
-    options.http_deadline = std::chrono::seconds(20); // who says nothing stays for that long
+    options.hello_deadline = std::chrono::minutes(5); // who says nothing stays for that long
     start();
+    // Sessions: what has not sent a whole request would make room for the newcomer.
     auto first = std::make_unique<RawPeer>(port());
-    const RawPeer second(port());
+    first->upgrade();
+    RawPeer second(port());
+    second.upgrade();
     RawPeer one_more(port());
     EXPECT_TRUE(one_more.closed_by_server());
     first->reset();
