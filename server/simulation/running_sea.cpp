@@ -20,8 +20,7 @@ Result<RunningSeaPtr> make_running_sea(const sea::Scene& scene, std::uint32_t ep
     return std::make_shared<const RunningSea>(RunningSea{
         epoch, scene, realization, sea::plan_budget(*realization, scene.accuracy.height_error_m),
         offered, sea::summarize(scene.sea, *realization), sea::DirectSum(realization),
-        sea::foam_law_of(scene, *realization),
-        std::move(certificate)});
+        sea::foam_law_of(scene, *realization), std::move(certificate)});
 }
 
 std::vector<std::string> warnings_of(const RunningSea& sea) {
