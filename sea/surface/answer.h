@@ -21,8 +21,8 @@ struct QueryPoint {
 
 /// Bits of Answer::flags.
 enum AnswerFlag : std::uint32_t {
-    /// The surface folds here: the highest sheet that was found. There may be a higher one, and
-    /// `error_m` is not a bound.
+    /// The surface has several sheets here, or comes so near to it that the error of the maps leaves
+    /// open whether it does. The height is that of the highest one.
     answer_folded = 1u << 0,
     answer_not_converged = 1u << 1, ///< residual above tolerance; `error_m` covers it
     answer_extrapolated = 1u << 2,  ///< outside the keyframes held; `error_m` is not a bound
@@ -30,6 +30,9 @@ enum AnswerFlag : std::uint32_t {
     answer_exact = 1u << 4,         ///< direct sum in double precision
     /// From maps that hold no displacement: the velocity has its vertical part alone.
     answer_vertical_velocity = 1u << 5,
+    /// With answer_folded: a sheet begins or ends so near that the error of the maps leaves open which
+    /// one is the highest, and `error_m` is not a bound. The exact sum knows.
+    answer_open = 1u << 6,
 };
 
 /// The surface above a world point.

@@ -2,6 +2,7 @@
 #include "sea/surface/inverse.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -85,6 +86,11 @@ class Solver {
     double jacobian_min_ = std::numeric_limits<double>::infinity();
 };
 
+double capped_slope(double horizontal, double vertical) {
+    constexpr double slope_max = 10.0;
+    return horizontal < slope_max * vertical ? horizontal / vertical : slope_max;
+}
+
 /// Sheets that solve the equation this far apart are two.
 constexpr double apart_m = 1e-3;
 
@@ -94,23 +100,51 @@ constexpr double start_tolerance_m = 1e-4;
 /// sheet the highest that is not.
 constexpr double compared_tolerance_m = 3e-6;
 
-/// Every sheet that `sheets` leaves room for; the highest one that solves the equation, or `found` if
-/// none does.
-Sheet highest_sheet(Solver& solver, const Sheet& found, Vec2 target, const InverseOptions& options,
-                    SheetBounds& sheets, bool& folded) {
+/// Normal to the surface, not normalised: tangent d/dX x tangent d/dY. Its z is J.
+std::array<double, 3> normal_of(const LagrangianPoint& p, const Choppiness& l) {
+    return {l.y * p.strain_xy * p.slope_y - (1.0 + l.y * p.strain_yy) * p.slope_x,
+            l.x * p.strain_xy * p.slope_x - (1.0 + l.x * p.strain_xx) * p.slope_y, jacobian(p, l)};
+}
+
+double slope_of(const LagrangianPoint& p, const Choppiness& l) {
+    const std::array<double, 3> normal = normal_of(p, l);
+    return capped_slope(std::hypot(normal[0], normal[1]), std::abs(normal[2]));
+}
+
+struct Highest {
+    Sheet sheet;
+    std::uint32_t flags = 0;
+    double error_m =
+        0; ///< beyond that of the sheet: a steeper one may rise above it within the blur
+};
+
+/// Of all sheets that `sheets` leaves room for, the highest one that solves the equation, or `found`
+/// if none does.
+Highest highest_sheet(Solver& solver, const Sheet& found, Vec2 target,
+                      const InverseOptions& options, SheetBounds& sheets) {
     const bool solved = found.residual_m <= options.tolerance_m;
     const std::optional<Box> box = sheets.others(target, solved ? &found.lagrangian : nullptr,
                                                  solver.jacobian_min() < fold_suspected_below);
     if (!box)
-        return found;
-    const Sheets others =
-        find_sheets({options.choppiness, target, *box, sheets.blur_m(), sheets.strain_blur(),
-                     std::max(options.tolerance_m, start_tolerance_m)},
-                    sheets);
-    folded |= others.folded;
+        return {found};
+    SheetSearch search{options.choppiness,
+                       target,
+                       *box,
+                       sheets.blur_m(),
+                       sheets.strain_blur(),
+                       sheets.height_blur_m(),
+                       std::max(options.tolerance_m, start_tolerance_m)};
+    if (solved)
+        search.known = found.lagrangian;
+    const Sheets others = find_sheets(search, sheets);
+    bool folded = others.folded;
     const double tolerance_m = std::min(options.tolerance_m, compared_tolerance_m);
     Sheet best =
         found.residual_m > tolerance_m ? solver.solve(found.lagrangian, tolerance_m) : found;
+    const auto reaches_m = [&](const Sheet& sheet) {
+        return sheet.point.height + slope_of(sheet.point, options.choppiness) * sheets.blur_m();
+    };
+    double reached_m = reaches_m(best);
     for (const Vec2& start : others.found) {
         const Sheet sheet = solver.solve(start, tolerance_m);
         if (sheet.residual_m > options.tolerance_m)
@@ -119,10 +153,14 @@ Sheet highest_sheet(Solver& solver, const Sheet& found, Vec2 target, const Inver
         const double distance_m = std::hypot(sheet.lagrangian.x - best.lagrangian.x,
                                              sheet.lagrangian.y - best.lagrangian.y);
         folded |= best_solves && distance_m > apart_m;
+        reached_m = std::max(reached_m, reaches_m(sheet));
         if (!best_solves || sheet.point.height > best.point.height)
             best = sheet;
     }
-    return best;
+    if (!folded)
+        return {best};
+    const bool open = others.ended_early || (others.open && !sheets.newton_decides());
+    return {best, answer_folded | (open ? answer_open : 0u), reached_m - reaches_m(best)};
 }
 
 Answer invalid_answer() {
@@ -152,9 +190,7 @@ double jacobian(const LagrangianPoint& point, const Choppiness& choppiness) {
 }
 
 double surface_slope(const Answer& answer) {
-    constexpr double slope_max = 10.0;
-    const double horizontal = std::hypot(answer.normal[0], answer.normal[1]);
-    return horizontal < slope_max * answer.normal[2] ? horizontal / answer.normal[2] : slope_max;
+    return capped_slope(std::hypot(answer.normal[0], answer.normal[1]), answer.normal[2]);
 }
 
 Answer surface_at(const QueryPoint& point, const InverseOptions& options, LagrangianField field,
@@ -162,36 +198,34 @@ Answer surface_at(const QueryPoint& point, const InverseOptions& options, Lagran
     if (!std::isfinite(point.x_m) || !std::isfinite(point.y_m))
         return invalid_answer();
     Solver solver({point.x_m, point.y_m}, options, field);
-    Sheet sheet = solver.solve({point.x_m, point.y_m}, options.tolerance_m);
-    bool folded = sheets == nullptr && solver.jacobian_min() < fold_suspected_below;
+    Highest highest{solver.solve({point.x_m, point.y_m}, options.tolerance_m)};
     if (sheets != nullptr)
-        sheet = highest_sheet(solver, sheet, {point.x_m, point.y_m}, options, *sheets, folded);
+        highest = highest_sheet(solver, highest.sheet, {point.x_m, point.y_m}, options, *sheets);
+    else if (solver.jacobian_min() < fold_suspected_below)
+        highest.flags = answer_folded | answer_open;
     if (lagrangian != nullptr)
-        *lagrangian = sheet.lagrangian;
+        *lagrangian = highest.sheet.lagrangian;
 
-    const LagrangianPoint& p = sheet.point;
-    const double lx = options.choppiness.x;
-    const double ly = options.choppiness.y;
-    const double j = jacobian(p, options.choppiness);
-    // Tangent d/dX x tangent d/dY; on the underside of a fold it points down and is turned up.
-    double normal[3] = {ly * p.strain_xy * p.slope_y - (1.0 + ly * p.strain_yy) * p.slope_x,
-                        lx * p.strain_xy * p.slope_x - (1.0 + lx * p.strain_xx) * p.slope_y, j};
+    const LagrangianPoint& p = highest.sheet.point;
+    const std::array<double, 3> normal = normal_of(p, options.choppiness);
+    // On the underside of a fold it points down and is turned up.
     const double length = std::hypot(normal[0], normal[1], normal[2]);
-    const double scale = length > 0 ? (j < 0 ? -1.0 : 1.0) / length : 0.0;
+    const double scale = length > 0 ? (normal[2] < 0 ? -1.0 : 1.0) / length : 0.0;
 
     Answer answer;
     answer.height_m = p.height;
     if (length > 0)
-        for (int i = 0; i < 3; ++i)
+        for (std::size_t i = 0; i < 3; ++i)
             answer.normal[i] = normal[i] * scale;
     answer.velocity_mps[0] = p.displacement_x_rate; // the water's: choppiness is the picture's
     answer.velocity_mps[1] = p.displacement_y_rate;
     answer.velocity_mps[2] = p.height_rate;
-    if (folded || j <= 0)
-        answer.flags |= answer_folded;
-    if (sheet.residual_m > options.tolerance_m)
+    answer.flags = highest.flags;
+    if (normal[2] <= 0 && !(answer.flags & answer_folded)) // turned sheets are never alone
+        answer.flags |= answer_folded | answer_open;
+    if (highest.sheet.residual_m > options.tolerance_m)
         answer.flags |= answer_not_converged;
-    answer.error_m = sheet.residual_m * surface_slope(answer);
+    answer.error_m = highest.sheet.residual_m * surface_slope(answer) + highest.error_m;
     return answer;
 }
 

@@ -6,7 +6,7 @@
 // surface does not fold (hard cases D2, D4). Whether another sheet may lie near is then asked of the
 // bounds that come with the field; where it may, all of them are found (sea/surface/sheets.h) and the
 // highest one is the answer (D3). Flagged answer_folded: several sheets, or so near the edge of a fold
-// that the field's own error leaves open whether there are. Normals from the cross product of the two
+// that the field's own error leaves open whether there are; answer_open as well: or which is the highest. Normals from the cross product of the two
 // tangents (traps T44, F16).
 //
 // Thread-safe. Cost: 3-6 evaluations; where sheets are looked for 20 to 200 more, and memory.
@@ -71,8 +71,11 @@ class SheetBounds : public SheetField {
     /// Where solutions other than `root` may lie; nothing: there are none. `suspected`: J came close
     /// to zero on the way to it. Without a root: where any solution may lie.
     virtual std::optional<Box> others(Vec2 target, const Vec2* root, bool suspected) = 0;
-    virtual double blur_m() const = 0;      ///< error of lambda D
-    virtual double strain_blur() const = 0; ///< error of lambda grad D
+    virtual double blur_m() const = 0;        ///< error of lambda D
+    virtual double strain_blur() const = 0;   ///< error of lambda grad D
+    virtual double height_blur_m() const = 0; ///< error of heights
+    /// What is solved in the end is no longer wrong by the blur: it settles what the search left open.
+    virtual bool newton_decides() const { return false; }
 };
 
 struct InverseOptions {

@@ -23,13 +23,16 @@ class MomentSheets final : public PatchSheets {
     std::optional<Box> others(Vec2 target, const Vec2* root, bool suspected) override;
     double blur_m() const override { return blur_m_; }
     double strain_blur() const override { return 0; }
+    double height_blur_m() const override { return height_blur_m_; }
+    bool newton_decides() const override { return true; }
 
   private:
-    DisplacementPatch patch(std::size_t cascade, const Box& box) const override;
+    SheetPatch patch(std::size_t cascade, const Box& box) const override;
 
     const DirectSum::Moment& moment_;
     const InverseOptions options_;
     double blur_m_ = 0;
+    double height_blur_m_ = 0;
 };
 
 } // namespace seaway::sea

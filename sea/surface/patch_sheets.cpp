@@ -4,9 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 
-#include "sea/surface/maps/spline_hull.h"
 #include "sea/surface/maps/spline_weights.h"
+#include "sea/surface/patch_hull.h"
 
 namespace seaway::sea {
 
@@ -17,45 +18,22 @@ constexpr double worth_another_round = 0.6;
 
 typedef float F4 __attribute__((vector_size(16)));
 
-/// First of the four lattice lines that a spline at a place is made of.
-int first_line(const DisplacementPatch& patch, double position_m, long origin) {
-    return static_cast<int>(patch.line(position_m) - 1 - origin);
-}
-
-/// Of the part of a patch that the splines in a box are made of.
-template <int order>
-SplineHull<2, order> hull_of(const DisplacementPatch& patch, const Box& box) {
-    const auto first = [&](double low_m, long origin) {
-        return std::max(first_line(patch, low_m, origin), 1);
-    };
-    const auto last = [&](double high_m, long origin, int count) {
-        return std::min(first_line(patch, high_m, origin) + 3, count - 2);
-    };
-    SplineHull<2, order> hull;
-    for (int y = first(box.low.y, patch.row0); y <= last(box.high.y, patch.row0, patch.rows); ++y)
-        for (int x = first(box.low.x, patch.column0);
-             x <= last(box.high.x, patch.column0, patch.columns); ++x)
-            hull.add(patch.at(x, y), 2 * static_cast<std::size_t>(patch.columns));
-    return hull;
-}
-
 /// Four coefficients of two channels side by side, by halves.
 struct Row {
     F4 west;
     F4 east;
 };
 
-void add(LagrangianPoint& sum, const DisplacementPatch& patch, Vec2 at) {
-    const double u = at.x / patch.spacing_m, v = at.y / patch.spacing_m;
-    const int x = std::clamp(first_line(patch, at.x, patch.column0), 0, patch.columns - 4);
-    const int y = std::clamp(first_line(patch, at.y, patch.row0), 0, patch.rows - 4);
+void add(LagrangianPoint& sum, const SheetPatch& patch, Vec2 at) {
+    const PatchLines::Place x = patch.x.place(at.x / patch.spacing_m);
+    const PatchLines::Place y = patch.y.place(at.y / patch.spacing_m);
     F4 wx, dx, wy, dy;
-    spline_weights(static_cast<float>(u - static_cast<double>(patch.column0 + x + 1)), wx, dx);
-    spline_weights(static_cast<float>(v - static_cast<double>(patch.row0 + y + 1)), wy, dy);
+    spline_weights(static_cast<float>(x.fraction), wx, dx);
+    spline_weights(static_cast<float>(y.fraction), wy, dy);
     Row column{}, slope{};
     for (int j = 0; j < 4; ++j) {
         Row row;
-        std::memcpy(&row, patch.at(x, y + j), sizeof row);
+        std::memcpy(&row, patch.moved_at(x.first, y.first + j), sizeof row);
         column.west += wy[j] * row.west;
         column.east += wy[j] * row.east;
         slope.west += dy[j] * row.west;
@@ -71,6 +49,22 @@ void add(LagrangianPoint& sum, const DisplacementPatch& patch, Vec2 at) {
     sum.strain_xx += d_dx.x / patch.spacing_m;
     sum.strain_yy += d_dy.y / patch.spacing_m;
     sum.strain_xy += 0.5 * (d_dy.x + d_dx.y) / patch.spacing_m;
+}
+
+double height_of(const SheetPatch& patch, Vec2 at) {
+    const PatchLines::Place x = patch.x.place(at.x / patch.spacing_m);
+    const PatchLines::Place y = patch.y.place(at.y / patch.spacing_m);
+    F4 wx, wy, unused;
+    spline_weights(static_cast<float>(x.fraction), wx, unused);
+    spline_weights(static_cast<float>(y.fraction), wy, unused);
+    F4 column{};
+    for (int j = 0; j < 4; ++j) {
+        F4 row;
+        std::memcpy(&row, patch.height_at(x.first, y.first + j), sizeof row);
+        column += wy[j] * row;
+    }
+    const F4 all = column * wx;
+    return static_cast<double>(all[0] + all[1] + all[2] + all[3]);
 }
 
 } // namespace
@@ -101,8 +95,8 @@ std::optional<Box> PatchSheets::narrowed(Box box, Vec2 target, std::span<const d
 /// Solutions lie at x - lambda D: what the patches' D over a box leaves of it.
 Box PatchSheets::left_of(const Box& box, Vec2 target, double rest_m) const {
     Box left{{target.x - rest_m, target.y - rest_m}, {target.x + rest_m, target.y + rest_m}};
-    for (const DisplacementPatch& patch : patches_) {
-        const SplineHull<2, 0> hull = hull_of<0>(patch, box);
+    for (const SheetPatch& patch : patches_) {
+        const SplineHull<2, 0> hull = hull_of<2, 0>(patch, patch.moved, box);
         left.low.x -= choppiness_.x * static_cast<double>(hull.value.high[0]);
         left.high.x -= choppiness_.x * static_cast<double>(hull.value.low[0]);
         left.low.y -= choppiness_.y * static_cast<double>(hull.value.high[1]);
@@ -113,8 +107,8 @@ Box PatchSheets::left_of(const Box& box, Vec2 target, double rest_m) const {
 
 bool PatchSheets::one_to_one(const Box& box) const {
     Squeeze squeeze(choppiness_);
-    for (const DisplacementPatch& patch : patches_) {
-        const SplineHull<2, 1> hull = hull_of<1>(patch, box);
+    for (const SheetPatch& patch : patches_) {
+        const SplineHull<2, 1> hull = hull_of<2, 1>(patch, patch.moved, box);
         const double per_m = 1.0 / patch.spacing_m;
         const float xy_min = hull.y.low[0] + hull.x.low[1];
         const float xy_max = hull.y.high[0] + hull.x.high[1];
@@ -127,15 +121,37 @@ bool PatchSheets::one_to_one(const Box& box) const {
 
 LagrangianPoint PatchSheets::displaced(Vec2 at) const {
     LagrangianPoint sum;
-    for (const DisplacementPatch& patch : patches_)
+    for (const SheetPatch& patch : patches_)
         add(sum, patch, at);
     return sum;
 }
 
+double PatchSheets::height(Vec2 at) const {
+    double sum_m = 0;
+    for (const SheetPatch& patch : patches_)
+        sum_m += height_of(patch, at);
+    return sum_m;
+}
+
+double PatchSheets::spacing_m() const {
+    double finest_m = std::numeric_limits<double>::infinity();
+    for (const SheetPatch& patch : patches_)
+        finest_m = std::min(finest_m, patch.spacing_m);
+    return finest_m;
+}
+
 std::vector<Roughness> PatchSheets::roughness(const Box& box) const {
     std::vector<Roughness> all;
-    for (const DisplacementPatch& patch : patches_)
-        all.push_back(hull_of<2>(patch, box).roughness(0, 1, 1.0 / patch.spacing_m));
+    for (const SheetPatch& patch : patches_)
+        all.push_back(
+            hull_of<2, 2>(patch, patch.moved, box).roughness(0, 1, 1.0 / patch.spacing_m));
+    return all;
+}
+
+std::vector<Rise> PatchSheets::rises(const Box& box) const {
+    std::vector<Rise> all;
+    for (const SheetPatch& patch : patches_)
+        all.push_back(hull_of<1, 1>(patch, patch.height, box).rise(0, 1.0 / patch.spacing_m));
     return all;
 }
 

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "sea/surface/inverse.h"
-#include "sea/waves/displacement_patch.h"
+#include "sea/waves/sheet_patch.h"
 
 namespace seaway::sea {
 
@@ -24,11 +24,17 @@ class PatchSheets : public SheetBounds {
     explicit PatchSheets(const Choppiness& choppiness) : choppiness_(choppiness) {}
 
     LagrangianPoint displaced(Vec2 at) const override;
+    double height(Vec2 at) const override;
     std::vector<Roughness> roughness(const Box& box) const override;
+    std::vector<Rise> rises(const Box& box) const override;
+    Box left_of(const Box& box, Vec2 target) const override {
+        return left_of(box, target, blur_m());
+    }
+    double spacing_m() const override;
 
   protected:
     /// The part of a cascade whose splines reach into the box, and a line more on each side.
-    virtual DisplacementPatch patch(std::size_t cascade, const Box& box) const = 0;
+    virtual SheetPatch patch(std::size_t cascade, const Box& box) const = 0;
 
     /// Makes the patches; `reach_m`: how far each cascade moves points at most. Returns what is left
     /// of the box: nothing where all of it is one to one and `solved` says that a solution is known.
@@ -39,7 +45,7 @@ class PatchSheets : public SheetBounds {
     bool one_to_one(const Box& box) const;
 
     Choppiness choppiness_;
-    std::vector<DisplacementPatch> patches_;
+    std::vector<SheetPatch> patches_;
 };
 
 } // namespace seaway::sea

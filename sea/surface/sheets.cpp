@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 namespace seaway::sea {
@@ -13,6 +14,10 @@ constexpr int newton_steps_max = 20;
 /// Solutions this many tolerances apart are two.
 constexpr double apart_tolerances = 10;
 constexpr std::size_t edges_max = 16;
+/// Bounds are worked out anew for boxes this much smaller than what they were made for, in searches
+/// that take longer than this.
+constexpr double worth_new_bounds = 1.0 / 12;
+constexpr int known_bounds_do = 500;
 
 /// Kantorovich: Newton from the middle of a box converges to its one solution where the gradient
 /// changes by less than this share of its smallest singular value. What the field may be wrong by does
@@ -51,42 +56,94 @@ struct Singular {
     }
 };
 
+/// What is known of all places in a box.
+struct Region {
+    Box box;
+    std::vector<Roughness> parts;
+    std::vector<Rise> rises{};
+    double bend_per_m = 0; ///< of lambda grad D
+    double smallest_m = 0; ///< smaller boxes are not halved
+};
+
+/// A box that may hold solutions, none of them above `upper_m`.
+struct Node {
+    double upper_m;
+    Box box;
+    std::size_t region;
+    bool operator<(const Node& other) const { return upper_m < other.upper_m; }
+};
+
 class Search {
   public:
     Search(const SheetSearch& search, const SheetField& field)
-        : search_(search), field_(field), roughness_(field.roughness(search.box)),
-          sideways_(std::max(search.choppiness.x, search.choppiness.y)) {
-        double bend = 0;
-        for (const Roughness& r : roughness_)
-            bend += sideways_ * r.bend_per_m;
-        // At the edge of a fold the residual stays within the blur over sqrt(2 blur / bend).
-        smallest_m_ = 0.25 * std::sqrt(search.blur_m / std::max(bend, 1e-9));
+        : search_(search), field_(field),
+          sideways_(std::max(search.choppiness.x, search.choppiness.y)),
+          finest_m2_(field.spacing_m() * field.spacing_m()) {
+        if (search.known) {
+            best_m_ = field.height(*search.known);
+            sheets_.folded = evaluate(*search.known).determinant() < 0;
+        }
     }
 
     Sheets run() {
-        std::vector<Box> open{search_.box};
-        while (!open.empty()) {
-            const Box box = open.back();
-            open.pop_back();
+        halve_or_settle({unbounded, search_.box, add_region(search_.box)});
+        while (!open_.empty()) {
+            std::pop_heap(open_.begin(), open_.end());
+            const Node node = open_.back();
+            open_.pop_back();
+            if (too_low(node.upper_m))
+                break;
             if (sheets_.evaluations >= sheet_evaluations_max) {
-                sheets_.folded = true;
+                sheets_.folded = sheets_.ended_early = true;
                 break;
             }
-            if (settled(box))
-                continue;
-            const Vec2 m = box.middle();
-            Box low = box, high = box;
-            if (box.high.x - box.low.x > box.high.y - box.low.y)
-                low.high.x = high.low.x = m.x;
-            else
-                low.high.y = high.low.y = m.y;
-            open.push_back(low);
-            open.push_back(high);
+            halve_or_settle(node);
         }
+        sheets_.open = !(doubtful_m_ + search_.height_blur_m < best_m_);
         return std::move(sheets_);
     }
 
   private:
+    static constexpr double unbounded = std::numeric_limits<double>::infinity();
+
+    std::size_t add_region(const Box& box) {
+        Region region{box, field_.roughness(box)};
+        region.bend_per_m = bend_of(region.parts);
+        // At the edge of a fold the residual stays within the blur over sqrt(2 blur / bend).
+        region.smallest_m = 0.25 * std::sqrt(search_.blur_m / std::max(region.bend_per_m, 1e-9));
+        regions_.push_back(std::move(region));
+        return regions_.size() - 1;
+    }
+
+    /// What is folded in any case is asked for its highest sheet alone.
+    bool too_low(double upper_m) const {
+        return sheets_.folded && upper_m + search_.height_blur_m < best_m_;
+    }
+
+    void halve_or_settle(Node node) {
+        const double known_m2 = regions_[node.region].box.area_m2();
+        if (sheets_.evaluations > known_bounds_do &&
+            node.box.area_m2() < worth_new_bounds * known_m2 && known_m2 > finest_m2_) {
+            node.box = node.box.within(field_.left_of(node.box, search_.target));
+            if (node.box.empty())
+                return;
+            node.region = add_region(node.box);
+        }
+        if (settled(node))
+            return;
+        const Box& box = node.box;
+        const Vec2 m = box.middle();
+        Node low = node, high = node;
+        if (box.high.x - box.low.x > box.high.y - box.low.y)
+            low.box.high.x = high.box.low.x = m.x;
+        else
+            low.box.high.y = high.box.low.y = m.y;
+        for (const Node& half : {low, high}) {
+            open_.push_back(half);
+            std::push_heap(open_.begin(), open_.end());
+        }
+    }
+
     Local evaluate(Vec2 at) {
         ++sheets_.evaluations;
         const LagrangianPoint p = field_.displaced(at);
@@ -99,15 +156,27 @@ class Search {
                 1 + l.y * p.strain_yy};
     }
 
-    /// Nothing more to be learnt from this box.
-    bool settled(const Box& box) {
+    /// No place within the radius is higher than this.
+    double upper_m(Region& region, Vec2 middle, double radius_m) const {
+        if (region.rises.empty())
+            region.rises = field_.rises(region.box);
+        double upper = field_.height(middle);
+        for (const Rise& r : region.rises)
+            upper += std::min(r.slope * radius_m, r.range_m);
+        return upper;
+    }
+
+    /// Nothing more to be learnt from this box. If there is, its upper bound is renewed.
+    bool settled(Node& node) {
+        Region& region = regions_[node.region];
+        const Box& box = node.box;
         const Vec2 middle = box.middle();
         const double half_x = box.high.x - middle.x, half_y = box.high.y - middle.y;
         const double radius_m = std::sqrt(half_x * half_x + half_y * half_y);
         const Local here = evaluate(middle);
         const Singular s(here);
         double bent = 0, shifted_m = 0; // of the gradient, and beyond what it says
-        for (const Roughness& r : roughness_) {
+        for (const Roughness& r : region.parts) {
             const double gradient = std::min(r.bend_per_m * radius_m, r.strain_range);
             bent += sideways_ * gradient;
             shifted_m +=
@@ -120,23 +189,33 @@ class Search {
             if (off_m > s.value[i] * spans_m + shifted_m + search_.blur_m)
                 return true;
         }
+        if (sheets_.folded) {
+            node.upper_m = std::min(node.upper_m, upper_m(region, middle, radius_m));
+            if (too_low(node.upper_m))
+                return true;
+        }
         if (bent < kantorovich * s.value[0] && bent + search_.strain_blur < s.value[0]) {
-            add_solution(middle, here, radius_m);
+            add_solution(middle, here, radius_m, region);
             return true;
         }
-        if (radius_m > smallest_m_)
+        if (radius_m > region.smallest_m)
             return false;
-        add_edge(middle, s.v[0]);
+        doubtful_m_ = std::max(doubtful_m_, upper_m(region, middle, radius_m));
+        add_edge(middle, s.v[0], region.smallest_m);
         return true;
     }
 
     /// The map is one to one here.
-    void add_solution(Vec2 start, const Local& middle, double radius_m) {
-        const std::optional<Vec2> at = newton(start, middle, 4 * radius_m);
+    void add_solution(Vec2 start, Local local, double radius_m, const Region& region) {
+        const bool turned = local.determinant() < 0;
+        const std::optional<Vec2> at = newton(start, local, 4 * radius_m);
         if (!at)
             return;
-        if (middle.determinant() < 0)
-            sheets_.folded = true;
+        sheets_.folded |= turned;
+        const double height_m = field_.height(*at);
+        best_m_ = std::max(best_m_, height_m);
+        if (!stays(*at, Singular(local).value[0] - search_.strain_blur, region))
+            doubtful_m_ = std::max(doubtful_m_, height_m);
         const bool known =
             std::any_of(sheets_.found.begin(), sheets_.found.end(), [&](const Vec2& other) {
                 return std::hypot(other.x - at->x, other.y - at->y) <
@@ -146,7 +225,29 @@ class Search {
             sheets_.found.push_back(*at);
     }
 
-    std::optional<Vec2> newton(Vec2 at, Local local, double leash_m) {
+    /// The sea has a sheet that the field has, where the blur is less than what the gradient leaves of it
+    /// over some radius (Kantorovich again): its smallest singular value is `steep` at the solution.
+    bool stays(Vec2 at, double steep, const Region& region) const {
+        const auto holds = [&](double bend_per_m) {
+            return steep * steep > 4 * bend_per_m * search_.blur_m;
+        };
+        if (!(steep > 0))
+            return false;
+        if (holds(region.bend_per_m))
+            return true;
+        const double radius_m = 2 * search_.blur_m / steep;
+        return holds(bend_of(field_.roughness(Box::around(at, radius_m, radius_m))));
+    }
+
+    double bend_of(const std::vector<Roughness>& parts) const {
+        double bend_per_m = 0;
+        for (const Roughness& r : parts)
+            bend_per_m += sideways_ * r.bend_per_m;
+        return bend_per_m;
+    }
+
+    /// Leaves in `local` what there is at the solution.
+    std::optional<Vec2> newton(Vec2 at, Local& local, double leash_m) {
         const Vec2 start = at;
         for (int step = 0; step < newton_steps_max; ++step) {
             const Vec2& r = local.residual;
@@ -164,24 +265,27 @@ class Search {
 
     /// Too small to tell: the edge of a fold. One place stands for those around it. Where two sheets
     /// meet, they lie on either side along the direction that the gradient nearly puts to nothing.
-    void add_edge(Vec2 at, Vec2 across) {
+    void add_edge(Vec2 at, Vec2 across, double smallest_m) {
         sheets_.folded = true;
         const bool known = std::any_of(edges_.begin(), edges_.end(), [&](const Vec2& other) {
-            return std::hypot(other.x - at.x, other.y - at.y) < 16 * smallest_m_;
+            return std::hypot(other.x - at.x, other.y - at.y) < 16 * smallest_m;
         });
         if (known || edges_.size() >= edges_max)
             return;
         edges_.push_back(at);
-        const double apart_m = 4 * smallest_m_;
+        const double apart_m = 4 * smallest_m;
         for (const double side_m : {-apart_m, apart_m})
             sheets_.found.push_back({at.x + side_m * across.x, at.y + side_m * across.y});
     }
 
     const SheetSearch& search_;
     const SheetField& field_;
-    std::vector<Roughness> roughness_;
-    double sideways_;
-    double smallest_m_;
+    const double sideways_;
+    const double finest_m2_;
+    std::vector<Region> regions_;
+    std::vector<Node> open_; ///< a heap, highest first
+    double best_m_ = -unbounded;
+    double doubtful_m_ = -unbounded; ///< the highest that a sheet may be which the blur leaves open
     std::vector<Vec2> edges_;
     Sheets sheets_;
 };

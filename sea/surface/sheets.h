@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// All sheets of a folded surface above a world point: every X in a box with X + lambda D(X) = x.
+// The sheets of a folded surface above a world point: X in a box with X + lambda D(X) = x.
 //
 // The box is halved again and again. With the singular values s1 <= s2 of I + lambda grad D at the
 // middle of a box, and bounds on how D and its gradient change over it (Roughness), a box is put away
@@ -8,12 +8,14 @@
 // What is left when boxes are small lies at the edge of a fold.
 //
 // Sheets come in pairs, one of them turned over (J < 0): the solutions counted with the sign of J add
-// up to one. So a point is folded where, and only where, a turned sheet comes down upon it.
+// up to one. So a point is folded where, and only where, a turned sheet comes down upon it. Once that
+// is known, the highest sheet is all that is still asked for: boxes are taken highest first, and what
+// cannot reach as high as the best solution is left.
 //
 // Thread-safe. Allocates. Cost: 20 to 200 evaluations, sheet_evaluations_max at most.
 #pragma once
 
-#include <span>
+#include <optional>
 #include <vector>
 
 #include "sea/basics/lagrangian_point.h"
@@ -44,22 +46,36 @@ class SheetField {
     virtual ~SheetField() = default;
     /// Displacements and strains; the rest need not be set. Anywhere near the box.
     virtual LagrangianPoint displaced(Vec2 at) const = 0;
+    virtual double height(Vec2 at) const = 0;
     /// How much each part varies over the box, one a cascade, at choppiness 1.
     virtual std::vector<Roughness> roughness(const Box& box) const = 0;
+    virtual std::vector<Rise> rises(const Box& box) const = 0;
+    /// What is left of the box for solutions by how far points in it are moved.
+    virtual Box left_of(const Box& box, Vec2 target) const = 0;
+    /// Smaller boxes have bounds that are no tighter.
+    virtual double spacing_m() const = 0;
 };
 
 struct SheetSearch {
     Choppiness choppiness;
-    Vec2 target;            ///< x
-    Box box;                ///< where X is looked for
-    double blur_m = 1e-6;   ///< the field may be wrong by this: so near a fold counts as folded
-    double strain_blur = 0; ///< and its lambda grad D by this
-    double solved_m = 1e-6; ///< residual that counts as solved
+    Vec2 target;              ///< x
+    Box box;                  ///< where X is looked for
+    double blur_m = 1e-6;     ///< the field may be wrong by this: so near a fold counts as folded
+    double strain_blur = 0;   ///< and its lambda grad D by this
+    double height_blur_m = 0; ///< and its heights by this
+    double solved_m = 1e-6;   ///< residual that counts as solved
+    std::optional<Vec2> known{}; ///< a solution
 };
 
 struct Sheets {
-    std::vector<Vec2> found; ///< solutions, and places on both sides of the edge of a fold
-    bool folded = false;     ///< there is a turned sheet, or there may be one within the blur
+    /// Solutions, and places on both sides of the edge of a fold. Those that are lower than the highest
+    /// may be missing.
+    std::vector<Vec2> found;
+    bool folded = false; ///< there is a turned sheet, or there may be one within the blur
+    /// A sheet as high as the highest may begin or end within the blur: which one is the highest is left
+    /// open.
+    bool open = false;
+    bool ended_early = false; ///< at sheet_evaluations_max
     int evaluations = 0;
 };
 

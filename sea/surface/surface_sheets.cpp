@@ -23,6 +23,7 @@ SurfaceSheets::SurfaceSheets(const Surface& surface, TimeUs time_us)
     : PatchSheets(surface.choppiness()), surface_(surface),
       sideways_(std::max(surface.choppiness().x, surface.choppiness().y)) {
     blur_m_ = rounding_m + surface.fold_blur_m();
+    height_blur_m_ = rounding_m + surface.height_bound_m(0.0);
     strain_blur_ = surface.fold_strain_blur();
     for (std::size_t c = 0; c < surface.pairs().size(); ++c) {
         const SplinePair& pair = surface.pairs()[c];
@@ -96,12 +97,12 @@ double SurfaceSheets::radius_around(Vec2 root, double radius_m) const {
     return radius_m;
 }
 
-DisplacementPatch SurfaceSheets::patch(std::size_t cascade, const Box& box) const {
+SheetPatch SurfaceSheets::patch(std::size_t cascade, const Box& box) const {
     const SplinePair& pair = surface_.pairs()[cascade];
     const int size = pair.before->size();
     const std::size_t pitch = static_cast<std::size_t>(size + SplineMap::border);
-    DisplacementPatch patch(box.low.x, box.high.x, box.low.y, box.high.y,
-                            pair.before->length_m() / size);
+    SheetPatch patch(box.low.x, box.high.x, box.low.y, box.high.y, pair.before->length_m() / size,
+                     size);
     const auto wrapped = [&](long line) {
         return static_cast<std::size_t>((line % size + size) % size + 1);
     };
@@ -110,19 +111,21 @@ DisplacementPatch SurfaceSheets::patch(std::size_t cascade, const Box& box) cons
         w[i] = F4{} + static_cast<float>(weights_[cascade].value[i]);
     const float* before = pair.before->coefficients().data();
     const float* after = pair.after->coefficients().data();
-    float* out = patch.coefficients.data();
-    for (int j = 0; j < patch.rows; ++j) {
-        const std::size_t row = wrapped(patch.row0 + j) * pitch;
-        std::size_t column = wrapped(patch.column0);
-        for (int i = 0; i < patch.columns; ++i, out += 2) {
+    float* moved = patch.moved.data();
+    float* height = patch.height.data();
+    for (int j = 0; j < patch.y.count; ++j) {
+        const std::size_t row = wrapped(patch.y.first + j) * pitch;
+        std::size_t column = wrapped(patch.x.first);
+        for (int i = 0; i < patch.x.count; ++i, moved += 2, ++height) {
             const std::size_t texel = (row + column) * SplineMap::channels;
             column = column < static_cast<std::size_t>(size) ? column + 1 : 1;
             F4 parts[4]; // values and rates, before and after
             std::memcpy(parts, before + texel, 2 * sizeof(F4));
             std::memcpy(parts + 2, after + texel, 2 * sizeof(F4));
             const F4 now = w[0] * parts[0] + w[1] * parts[1] + w[2] * parts[2] + w[3] * parts[3];
-            out[0] = now[1]; // D_x and D_y
-            out[1] = now[2];
+            *height = now[0];
+            moved[0] = now[1]; // D_x and D_y
+            moved[1] = now[2];
         }
     }
     return patch;

@@ -26,6 +26,7 @@ class SurfaceSheets final : public PatchSheets {
     std::optional<Box> others(Vec2 target, const Vec2* root, bool suspected) override;
     double blur_m() const override { return blur_m_; }
     double strain_blur() const override { return strain_blur_; }
+    double height_blur_m() const override { return height_blur_m_; }
 
   private:
     /// What one cascade does at most within a window at this time.
@@ -39,13 +40,14 @@ class SurfaceSheets final : public PatchSheets {
                      const StrainBounds& after) const;
     /// How far from a solution others may lie; 0: there is none.
     double radius_around(Vec2 root, double radius_m) const;
-    DisplacementPatch patch(std::size_t cascade, const Box& box) const override;
+    SheetPatch patch(std::size_t cascade, const Box& box) const override;
 
     const Surface& surface_;
     std::array<HermiteWeights, surface_pairs_max> weights_; ///< one a pair
     double sideways_;
     double blur_m_;
     double strain_blur_;
+    double height_blur_m_;
 };
 
 } // namespace seaway::sea

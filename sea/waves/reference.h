@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "sea/basics/lagrangian_point.h"
-#include "sea/waves/displacement_patch.h"
 #include "sea/waves/realization.h"
+#include "sea/waves/sheet_patch.h"
 
 namespace seaway::sea {
 
@@ -32,16 +32,17 @@ class DirectSum {
         LagrangianPoint at(double x_m, double y_m) const;
         LagrangianPoint operator()(double x_m, double y_m) const { return at(x_m, y_m); }
 
-        /// Displacements of one cascade over x_low .. x_high, y_low .. y_high and two lattice steps
-        /// around: what a search for folds needs at many places near each other. Costs a third of an
-        /// at() a column and 10 ns a coefficient and row of waves.
-        DisplacementPatch patch(int cascade, double x_low_m, double x_high_m, double y_low_m,
-                                double y_high_m) const;
+        /// One cascade over x_low .. x_high, y_low .. y_high and two lattice steps around: what a
+        /// search for folds needs at many places near each other. Costs half of an at() a column
+        /// and 15 ns a coefficient and row of waves.
+        SheetPatch patch(int cascade, double x_low_m, double x_high_m, double y_low_m,
+                         double y_high_m) const;
         /// Bounds over the tile of one cascade, m: six standard deviations of waves of random phases, and
         /// the sum of those whose phases were given.
         struct PatchScale {
             double displacement_m;
-            double missed_m; ///< by a patch's spline between its lattice points
+            double missed_m;        ///< by a patch's spline between its lattice points
+            double missed_height_m; ///< likewise, of the height
         };
         PatchScale patch_scale(int cascade) const;
         const Realization& sea() const { return sum_->sea(); }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include <fftw3.h>
 
@@ -18,6 +19,8 @@ namespace {
 
 constexpr int finer = 4;
 constexpr int lattice_max = 2048;
+
+typedef double Two __attribute__((vector_size(16)));
 
 /// Weights of the four coefficients around fraction f of a cell, and their derivatives.
 void weights(double f, double (&w)[4], double (&d)[4]) {
@@ -103,7 +106,7 @@ BruteTile::BruteTile(const sea::CascadeModes& modes, sea::TimeUs phase_time_us)
     }
     coefficients_.resize(n * n);
     for (std::size_t i = 0; i < n * n; ++i) {
-        coefficients_[i] = {moved[i].real(), moved[i].imag(), height[i].real()};
+        coefficients_[i] = {moved[i].real(), moved[i].imag(), height[i].real(), 0.0};
         reach_m_ = std::max(reach_m_, std::abs(moved[i]));
     }
 }
@@ -123,29 +126,32 @@ void BruteTile::add(LagrangianPoint& sum, double x_m, double y_m) const {
     split(y_m, row, fy);
     weights(fx, wx, dx);
     weights(fy, wy, dy);
-    double value[3]{}, by_x[3]{}, by_y[3]{};
+    Two value[2]{}, by_x[2]{}, by_y[2]{};
     for (int j = 0; j < 4; ++j) {
         const auto* line = coefficients_.data() +
                            static_cast<std::size_t>(row[j]) * static_cast<std::size_t>(count_);
-        double v[3]{}, s[3]{};
-        for (int i = 0; i < 4; ++i)
-            for (std::size_t c = 0; c < 3; ++c) {
-                v[c] += wx[i] * line[column[i]][c];
-                s[c] += dx[i] * line[column[i]][c];
+        Two v[2]{}, s[2]{};
+        for (int i = 0; i < 4; ++i) {
+            Two part[2];
+            std::memcpy(part, line[column[i]].data(), sizeof part);
+            for (int c = 0; c < 2; ++c) {
+                v[c] += wx[i] * part[c];
+                s[c] += dx[i] * part[c];
             }
-        for (std::size_t c = 0; c < 3; ++c) {
+        }
+        for (int c = 0; c < 2; ++c) {
             value[c] += wy[j] * v[c];
             by_x[c] += wy[j] * s[c];
             by_y[c] += dy[j] * v[c];
         }
     }
     const double per_m = count_ / length_m_;
-    sum.displacement_x += value[0];
-    sum.displacement_y += value[1];
-    sum.height += value[2];
-    sum.strain_xx += per_m * by_x[0];
-    sum.strain_yy += per_m * by_y[1];
-    sum.strain_xy += 0.5 * per_m * (by_y[0] + by_x[1]);
+    sum.displacement_x += value[0][0];
+    sum.displacement_y += value[0][1];
+    sum.height += value[1][0];
+    sum.strain_xx += per_m * by_x[0][0];
+    sum.strain_yy += per_m * by_y[0][1];
+    sum.strain_xy += 0.5 * per_m * (by_y[0][0] + by_x[0][1]);
 }
 
 BruteField::BruteField(const sea::Realization& sea, sea::TimeUs time_us)
@@ -238,6 +244,25 @@ std::vector<BruteSheet> BruteSheets::above(Vec2 target) const {
             add_once(sheets, {X, p.height, sea::jacobian(p, field_.choppiness())}, 1e-4);
     }
     return sheets;
+}
+
+double ends_within_m(const BruteField& field, const BruteSheet& sheet) {
+    const sea::Choppiness& l = field.choppiness();
+    const LagrangianPoint p = field.at(sheet.at);
+    const double a = 1 + l.x * p.strain_xx, b = l.x * p.strain_xy;
+    const double c = l.y * p.strain_xy, d = 1 + l.y * p.strain_yy;
+    // Eigenvectors of A^T A: v belongs to the smaller one.
+    const double half = 0.5 * (a * a + c * c - b * b - d * d), xy = a * b + c * d;
+    const double angle = 0.5 * std::atan2(xy, half) + sea::two_pi / 4;
+    const Vec2 v{std::cos(angle), std::sin(angle)};
+    const double larger = std::hypot(-a * v.y + b * v.x, -c * v.y + d * v.x);
+    const double s = sheet.jacobian / larger;
+    const double step_m = 0.05 * field.finest_m();
+    const auto j = [&](double off) {
+        return sea::jacobian(field.at({sheet.at.x + off * v.x, sheet.at.y + off * v.y}), l);
+    };
+    const double bend_per_m = (j(step_m) - j(-step_m)) / (2 * step_m * larger);
+    return s * s / (2 * std::max(std::abs(bend_per_m), 1e-9));
 }
 
 std::vector<BruteSheet> polish(const sea::DirectSum::Moment& moment, Vec2 target,

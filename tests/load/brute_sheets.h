@@ -32,7 +32,8 @@ class BruteTile {
   private:
     int count_; ///< lattice points a side
     double length_m_;
-    std::vector<std::array<double, 3>> coefficients_; ///< [y][x]: D_x, D_y, height
+    /// [y][x]: D_x, D_y, height, 0; two vectors each.
+    std::vector<std::array<double, 4>> coefficients_;
     double reach_m_ = 0;
 };
 
@@ -89,6 +90,11 @@ class BruteSheets {
     std::vector<std::vector<sea::Vec2>>
         starts_; ///< [bin]: middles of cells whose image may reach it
 };
+
+/// How far sideways of its target a sheet ends at a fold, m, to second order: the gradient's smallest
+/// singular value s falls to zero along the direction v that it nearly puts to nothing, and over that
+/// way the sheet goes on by half of s each metre.
+double ends_within_m(const BruteField& field, const BruteSheet& sheet);
 
 /// The sheets of the exact sum that Newton reaches from `starts`, each of them once.
 std::vector<BruteSheet> polish(const sea::DirectSum::Moment& moment, sea::Vec2 target,

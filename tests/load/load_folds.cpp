@@ -7,11 +7,15 @@
 //     load_folds --samples 1000000        rounds with new times, places and seas
 //     load_folds --scene FILE             of this sea alone
 //
-// What contradicts an answer is followed by the exact sum before it counts. Prints one row a sea:
-// points, share with several sheets, and of both ways: points with several sheets that are not flagged,
-// unflagged answers beyond their bound of the highest sheet, share of points with several where the
-// answer is the highest sheet, share flagged although there is one sheet.
-// Exit code 1: an unflagged miss.
+// What contradicts an answer is followed by the exact sum before it counts. Prints a row a sea and way:
+// points; those with several sheets; of these, how many without a flag; answers beyond their bound of the
+// highest sheet that are not flagged open (misses). Of the points with several sheets: the share where
+// the answer is the highest within 5 cm; where it is within its bound or 5 cm, or the maps have that
+// sheet no further away than they are wrong sideways; the share of decidable ones, whose highest sheet
+// ends further away than that, and of these the share where the answer is the highest within its bound
+// or 5 cm; the share not flagged open, and of these likewise. Of all points the share flagged though
+// there is one sheet, and CPU time.
+// Exit code 1: a miss.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -49,8 +53,8 @@ struct Options {
 };
 
 struct Way {
-    std::uint64_t points = 0, several = 0, unflagged = 0, misses = 0, highest = 0, within_5_cm = 0,
-                  beside = 0, flagged = 0;
+    std::uint64_t points = 0, several = 0, unflagged = 0, misses = 0, within_5_cm = 0, beside = 0,
+                  decidable = 0, decidable_right = 0, settled = 0, settled_right = 0, flagged = 0;
     double seconds = 0;
 };
 
@@ -187,7 +191,7 @@ class Folds {
                         sea.budget.rms_strain;
         for (int i = 0; i < options_.points; ++i) {
             const Vec2 x = near_a_fold(brute, steepest, half_m, draw);
-            judge(named.name, tally, sea, surface, moment, brute, {x.x, x.y, time_us},
+            judge(named.name, tally, sea, surface, moment, field, brute, {x.x, x.y, time_us},
                   draw.uniform(0, 1) < options_.exact_share);
         }
     }
@@ -224,7 +228,8 @@ class Folds {
 
     void judge(const std::string& name, Tally& tally, const server::RunningSea& sea,
                const sea::Surface& surface, const sea::DirectSum::Moment& moment,
-               const tests::BruteSheets& brute, const sea::QueryPoint& point, bool ask_exact) {
+               const tests::BruteField& field, const tests::BruteSheets& brute,
+               const sea::QueryPoint& point, bool ask_exact) {
         ++tally.points;
         ++points_;
         const std::vector<BruteSheet> sheets = brute.above({point.x_m, point.y_m});
@@ -232,7 +237,8 @@ class Folds {
         double start_s = processor_s();
         const Answer mapped = surface.answer(point);
         tally.maps.seconds += processor_s() - start_s;
-        judge_way(name + ", maps", tally, tally.maps, moment, sheets, point, mapped, &surface);
+        judge_way(name + ", maps", tally, tally.maps, moment, field, sheets, point, mapped,
+                  &surface);
         if (!ask_exact)
             return;
         const double tolerance_m =
@@ -242,14 +248,17 @@ class Folds {
             point, {sea.realization->choppiness, tolerance_m, fold_search(sea.budget)}, moment);
         tally.exact.seconds += processor_s() - start_s;
         exact.error_m += tolerance_m;
-        judge_way(name + ", exact", tally, tally.exact, moment, sheets, point, exact, nullptr);
+        judge_way(name + ", exact", tally, tally.exact, moment, field, sheets, point, exact,
+                  nullptr);
     }
 
     void judge_way(const std::string& name, Tally& tally, Way& way,
-                   const sea::DirectSum::Moment& moment, const std::vector<BruteSheet>& brute,
-                   const sea::QueryPoint& point, const Answer& answer, const sea::Surface* maps) {
+                   const sea::DirectSum::Moment& moment, const tests::BruteField& field,
+                   const std::vector<BruteSheet>& brute, const sea::QueryPoint& point,
+                   const Answer& answer, const sea::Surface* maps) {
         ++way.points;
         const bool flagged = (answer.flags & sea::answer_folded) != 0;
+        const bool open = (answer.flags & sea::answer_open) != 0;
         const auto top_of = [](const std::vector<BruteSheet>& sheets) {
             double top_m = -1e9;
             for (const BruteSheet& s : sheets)
@@ -261,9 +270,9 @@ class Folds {
         const double bound_m = answer.error_m + 1e-7;
         const auto settled = [&] {
             const double off_m = std::abs(answer.height_m - top_of(sheets));
-            if (flagged)
+            if (flagged && open)
                 return sheets.size() == 1 || off_m <= 1e-4;
-            return sheets.size() == 1 && off_m <= bound_m;
+            return (flagged || sheets.size() == 1) && off_m <= bound_m;
         };
         if (!settled())
             sheets = polish(moment, {point.x_m, point.y_m}, brute);
@@ -275,13 +284,21 @@ class Folds {
         way.flagged += flagged && sheets.size() == 1;
         if (sheets.size() > 1) {
             ++way.several;
-            way.highest += off_m <= std::max(answer.error_m, 1e-3);
+            const bool right = off_m <= std::max(0.05, bound_m);
+            const BruteSheet& top = *std::max_element(
+                sheets.begin(), sheets.end(),
+                [](const BruteSheet& a, const BruteSheet& b) { return a.height_m < b.height_m; });
+            const bool decidable = maps == nullptr || ends_within_m(field, top) > blur_m(*maps);
             way.within_5_cm += off_m <= 0.05;
-            way.beside += off_m <= 0.05 || (maps && found_beside(*maps, point, top_of(sheets)));
+            way.beside += right || (maps && found_beside(*maps, point, top.height_m));
+            way.decidable += decidable;
+            way.decidable_right += decidable && right;
+            way.settled += !open;
+            way.settled_right += !open && right;
         }
-        if (flagged || settled())
+        if (open || settled())
             return;
-        way.unflagged += sheets.size() > 1;
+        way.unflagged += !flagged && sheets.size() > 1;
         if (off_m > bound_m) {
             ++way.misses;
             ++misses_;
@@ -298,22 +315,28 @@ class Folds {
 
     /// The maps have the sheet no further away than they are wrong sideways: it ends at a fold here.
     static bool found_beside(const sea::Surface& maps, const sea::QueryPoint& point, double top_m) {
-        const double blur_m = maps.fold_blur_m();
         for (const double share : {0.1, 0.3, 0.6, 1.0})
             for (int i = 0; i < 8; ++i) {
                 const double angle = sea::two_pi * i / 8;
-                const Answer there =
-                    maps.answer({point.x_m + share * blur_m * std::cos(angle),
-                                 point.y_m + share * blur_m * std::sin(angle), point.time_us});
+                const Answer there = maps.answer(
+                    {point.x_m + share * blur_m(maps) * std::cos(angle),
+                     point.y_m + share * blur_m(maps) * std::sin(angle), point.time_us});
                 if (std::abs(there.height_m - top_m) <= std::max(0.05, there.error_m))
                     return true;
             }
         return false;
     }
 
+    /// How far the maps are wrong sideways.
+    static double blur_m(const sea::Surface& maps) {
+        const sea::MapError& error = maps.map_error();
+        const double sideways = std::max(maps.choppiness().x, maps.choppiness().y);
+        return sideways * error.interpolation_displacement_m + error.codec_displacement_m;
+    }
+
     void print() const {
-        fmt::print("sea,squeeze,way,points,several,unflagged,misses,highest,within_5cm,"
-                   "or_beside,flagged_with_one,us_a_point\n");
+        fmt::print("sea,squeeze,way,points,several,unflagged,misses,within_5cm,or_beside,"
+                   "decidable,right,settled,right,flagged_with_one,us_a_point\n");
         for (const auto& [name, tally] : tallies_)
             for (const auto& [way_name, way] :
                  {std::pair("maps", &tally.maps), std::pair("exact", &tally.exact)}) {
@@ -321,13 +344,16 @@ class Folds {
                     return static_cast<double>(part) /
                            static_cast<double>(std::max<std::uint64_t>(whole, 1));
                 };
-                fmt::print("{},{:.3f},{},{},{},{},{},{:.4f},{:.4f},{:.4f},{:.4f},{:.1f}\n", name,
-                           tally.squeeze, way_name, way->points, way->several, way->unflagged,
-                           way->misses, share(way->highest, way->several),
-                           share(way->within_5_cm, way->several), share(way->beside, way->several),
-                           share(way->flagged, way->points),
-                           1e6 * way->seconds /
-                               static_cast<double>(std::max<std::uint64_t>(way->points, 1)));
+                fmt::print(
+                    "{},{:.3f},{},{},{},{},{},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:."
+                    "1f}\n",
+                    name, tally.squeeze, way_name, way->points, way->several, way->unflagged,
+                    way->misses, share(way->within_5_cm, way->several),
+                    share(way->beside, way->several), share(way->decidable, way->several),
+                    share(way->decidable_right, way->decidable), share(way->settled, way->several),
+                    share(way->settled_right, way->settled), share(way->flagged, way->points),
+                    1e6 * way->seconds /
+                        static_cast<double>(std::max<std::uint64_t>(way->points, 1)));
             }
         std::uint64_t overlooked = 0;
         for (const auto& [name, tally] : tallies_)

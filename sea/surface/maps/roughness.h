@@ -16,6 +16,12 @@ struct Roughness {
     double bend_per_m = 0;   ///< |grad D(a) - grad D(b)| / |a - b|
 };
 
+/// Likewise, of its height.
+struct Rise {
+    double range_m = 0; ///< |height(a) - height(b)|
+    double slope = 0;   ///< |height(a) - height(b)| / |a - b|
+};
+
 /// Lower bound of the smallest eigenvalue of I + sqrt(lambda) grad D sqrt(lambda), from bounds of the
 /// strains of each cascade. Above zero all over a convex region, X + lambda D(X) is one to one there:
 /// a monotone map.

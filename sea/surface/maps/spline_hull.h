@@ -69,6 +69,11 @@ struct SplineHull {
                 per_m * (0.5 * (x.range(a) + y.range(b)) + std::hypot(half, cross)),
                 per_m * per_m * bend};
     }
+    /// Of the height that is channel c.
+    Rise rise(int c, double per_m) const {
+        return {value.range(c),
+                per_m * std::hypot(static_cast<double>(x.size(c)), static_cast<double>(y.size(c)))};
+    }
 };
 
 } // namespace seaway::sea
