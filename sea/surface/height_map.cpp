@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <numeric>
 
 #include <fmt/format.h>
 
@@ -34,11 +35,6 @@ std::vector<float> mixed_texels(const SplinePair& pair, TimeUs time_us) {
         }
     return mixed;
 }
-
-/// Where more points of a row than this come close to folding, the next row's points look for their
-/// solution from where queries do, so that both find the same sheets; elsewhere there is one sheet
-/// and the neighbour's solution is the better start.
-constexpr double steep_share = 0.005;
 
 /// Position on the tile of a world coordinate, texels, 0 .. size.
 double texel_position(double x_m, double length_m, int size) {
@@ -148,7 +144,6 @@ MapStream::~MapStream() {
 struct MapStream::Scratch {
     std::vector<float> shift_x, shift_y; ///< solved, of the row before
     std::vector<int> unsolved;
-    std::uint64_t careful_points = 0;
 
     explicit Scratch(std::size_t columns) : shift_x(columns), shift_y(columns), unsolved(columns) {}
 };
@@ -187,7 +182,6 @@ void MapStream::work() {
             const std::scoped_lock lock(mutex_);
             ready_.emplace(mine, std::move(chunk));
             awaited = mine == next_to_read_;
-            careful_points_ += std::exchange(scratch.careful_points, 0);
         }
         changed_.notify_all();
         if (awaited && options_.on_ready)
@@ -202,10 +196,9 @@ MapChunk MapStream::compute(int index, Scratch& scratch) const {
     chunk.values.resize(static_cast<std::size_t>(chunk.rows) * row_values);
     std::fill(scratch.shift_x.begin(), scratch.shift_x.end(), 0.0f);
     std::fill(scratch.shift_y.begin(), scratch.shift_y.end(), 0.0f);
-    bool from_target = true;
     for (int r = 0; r < chunk.rows && !stopping_; ++r) {
         const double y_m =
-            request_.y0_m + (chunk.first_row + r) * (request_.height_m / request_.rows);
+            request_.y0_m + (chunk.first_row + r) * request_.height_m / request_.rows;
         const MapRow row{tiles_.data(),
                          static_cast<int>(tiles_.size()),
                          request_.kind,
@@ -215,25 +208,26 @@ MapChunk MapStream::compute(int index, Scratch& scratch) const {
                          y_m - base_y_m_,
                          static_cast<float>(surface_.choppiness().x),
                          static_cast<float>(surface_.choppiness().y),
-                         from_target,
                          scratch.shift_x.data(),
                          scratch.shift_y.data(),
                          chunk.values.data() + static_cast<std::size_t>(r) * row_values,
                          scratch.unsolved.data()};
-        const int unsolved = kernel_.row(row);
-        solve_carefully(row, {scratch.unsolved.data(), static_cast<std::size_t>(unsolved)});
-        scratch.careful_points += static_cast<std::uint64_t>(unsolved);
-        from_target = unsolved > steep_share * request_.columns;
+        // Newton says nothing of other sheets: where they are common, every point is a query's.
+        const bool all = surface_.folds().always && request_.kind != MapKind::displacement;
+        if (all)
+            std::iota(scratch.unsolved.begin(), scratch.unsolved.end(), 0);
+        const int unsolved = all ? request_.columns : kernel_.row(row);
+        solve_carefully(row, y_m, {scratch.unsolved.data(), static_cast<std::size_t>(unsolved)});
     }
     return chunk;
 }
 
-void MapStream::solve_carefully(const MapRow& row, std::span<const int> columns) const {
+void MapStream::solve_carefully(const MapRow& row, double y_m, std::span<const int> columns) const {
     for (const int column : columns) {
         if (stopping_)
             return;
-        const Answer answer = surface_.answer(
-            {base_x_m_ + row.x0_m + column * row.step_m, base_y_m_ + row.y_m, request_.time_us});
+        const double x_m = request_.x0_m + column * request_.width_m / request_.columns;
+        const Answer answer = surface_.answer({x_m, y_m, request_.time_us});
         if (row.kind == MapKind::height) {
             row.out[column] = static_cast<float>(answer.height_m);
             continue;
@@ -262,11 +256,6 @@ std::optional<MapChunk> MapStream::next_chunk() {
 bool MapStream::ready() const {
     const std::scoped_lock lock(mutex_);
     return next_to_read_ >= chunks_ || ready_.count(next_to_read_) > 0;
-}
-
-std::uint64_t MapStream::careful_points() const {
-    const std::scoped_lock lock(mutex_);
-    return careful_points_;
 }
 
 } // namespace seaway::sea

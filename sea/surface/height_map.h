@@ -13,13 +13,12 @@
 //     normal        3: unit normal there, z up
 //     displacement  3: of the *undisplaced* grid point: lambda D_x, lambda D_y, eta, m
 //
-// Heights differ from Surface::answer by at most map_difference_max_m wherever that finds one sheet
-// and converges. Points where J comes below fold_suspected_below on the way are answered by it; of the
-// others a few in a hundred of those that are folded show another sheet than the highest. The same
-// splines are summed, mixed in time once for the whole map; each point starts from its neighbour's
-// solution, and the last Newton step is applied to the value by its derivative. Cost with three
-// cascades: about 0.1 us of a core a point for a gale, 0.2 to 0.5 where waves come close to folding
-// (docs/performance.md).
+// Heights differ from Surface::answer by at most map_difference_max_m wherever that converges: in seas
+// that fold (FoldSearch::always) every height and normal *is* its answer, and so are points elsewhere
+// for which J comes below fold_suspected_below on the way. The others are the same splines, mixed in
+// time once for the whole map; each point starts from its neighbour's solution, and the last Newton step
+// is applied to the value by its derivative. Cost with three cascades: about 0.1 us of a core a point
+// for a gale; in seas that fold what an answer costs, 4 us and more (docs/performance.md).
 //
 // Memory: 16 bytes a texel of the cascades and map_chunks_ahead_max chunks, whatever the request.
 #pragma once
@@ -108,9 +107,6 @@ class MapStream {
     /// next_chunk() would not wait.
     bool ready() const;
 
-    /// Points that took the careful solver so far: folds and near folds.
-    std::uint64_t careful_points() const;
-
   private:
     struct Scratch;
     MapStream(const MapRequest& request, const Surface& surface, MapOptions options);
@@ -118,7 +114,7 @@ class MapStream {
     void mix_texels();
     MapChunk compute(int chunk, Scratch& scratch) const;
     int rows_of(int chunk) const;
-    void solve_carefully(const MapRow& row, std::span<const int> columns) const;
+    void solve_carefully(const MapRow& row, double y_m, std::span<const int> columns) const;
 
     const MapRequest request_;
     const MapOptions options_;
@@ -138,7 +134,6 @@ class MapStream {
     int next_to_compute_ = 0;
     int next_to_read_ = 0;
     std::map<int, MapChunk> ready_;
-    std::uint64_t careful_points_ = 0;
     std::vector<std::jthread> threads_; ///< last: joined before the rest goes
 };
 

@@ -36,8 +36,7 @@ struct MapRow {
     double y_m;
     float choppiness_x;
     float choppiness_y;
-    bool from_target; ///< start at X = x, as queries do, instead of at the guess
-    float* shift_x;   ///< [columns] lambda D at the point: a guess on entry, solved on return
+    float* shift_x; ///< [columns] lambda D at the point: a guess on entry, solved on return
     float* shift_y;
     float* out;    ///< [columns][components]
     int* unsolved; ///< [columns] columns that need the careful solver: folds, no convergence

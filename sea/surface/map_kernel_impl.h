@@ -132,8 +132,7 @@ template <int W, MapKind kind>
 SEAWAY_INLINE bool solve(const MapRow& row, int column) {
     constexpr float last = kind == MapKind::normal ? last_step_normal_m : last_step_m;
     const double x_m = row.x0_m + column * row.step_m;
-    float shift_x = row.from_target ? 0.0f : row.shift_x[column];
-    float shift_y = row.from_target ? 0.0f : row.shift_y[column];
+    float shift_x = row.shift_x[column], shift_y = row.shift_y[column];
     float residual_before = 1e30f;
     for (int step = 0; step < steps_max; ++step) {
         const Point p = evaluate<W>(row.tiles, row.tile_count, x_m - static_cast<double>(shift_x),

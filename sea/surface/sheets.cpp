@@ -201,7 +201,7 @@ class Search {
         if (radius_m > region.smallest_m)
             return false;
         doubtful_m_ = std::max(doubtful_m_, upper_m(region, middle, radius_m));
-        add_edge(middle, s.v[0], region.smallest_m);
+        add_edge(middle, region.smallest_m);
         return true;
     }
 
@@ -263,19 +263,57 @@ class Search {
         return std::nullopt;
     }
 
-    /// Too small to tell: the edge of a fold. One place stands for those around it. Where two sheets
-    /// meet, they lie on either side along the direction that the gradient nearly puts to nothing.
-    void add_edge(Vec2 at, Vec2 across, double smallest_m) {
+    /// Too small to tell: near the edge of a fold. Where two sheets meet, they lie on either side of the
+    /// edge, along the direction that the gradient nearly puts to nothing.
+    void add_edge(Vec2 near, double smallest_m) {
         sheets_.folded = true;
-        const bool known = std::any_of(edges_.begin(), edges_.end(), [&](const Vec2& other) {
-            return std::hypot(other.x - at.x, other.y - at.y) < 16 * smallest_m;
-        });
-        if (known || edges_.size() >= edges_max)
-            return;
-        edges_.push_back(at);
         const double apart_m = 4 * smallest_m;
+        if (edges_.size() >= edges_max || !add_once(near_edges_, near, apart_m))
+            return;
+        const Edge edge = edge_at(near, smallest_m);
+        if (!add_once(edges_, edge.at, apart_m))
+            return;
         for (const double side_m : {-apart_m, apart_m})
-            sheets_.found.push_back({at.x + side_m * across.x, at.y + side_m * across.y});
+            sheets_.found.push_back(
+                {edge.at.x + side_m * edge.across.x, edge.at.y + side_m * edge.across.y});
+    }
+
+    /// False: there is one nearer than that.
+    static bool add_once(std::vector<Vec2>& places, Vec2 place, double apart_m) {
+        for (const Vec2& other : places)
+            if (std::hypot(other.x - place.x, other.y - place.y) < apart_m)
+                return false;
+        places.push_back(place);
+        return true;
+    }
+
+    struct Edge {
+        Vec2 at;
+        Vec2 across;
+    };
+    /// Newton to J = 0 across the edge, and to no residual in the other direction. Where several
+    /// sheets lie within the blur, boxes near an edge may all lie on one side of it.
+    Edge edge_at(Vec2 at, double smallest_m) {
+        constexpr int steps = 4;
+        Vec2 across;
+        for (int step = 0; step < steps; ++step) {
+            const Local here = evaluate(at);
+            const Singular s(here);
+            across = s.v[0];
+            const Local beside =
+                evaluate({at.x + smallest_m * across.x, at.y + smallest_m * across.y});
+            const double leash_m = 8 * smallest_m;
+            const auto held = [&](double way_m) {
+                return std::isfinite(way_m) ? std::clamp(way_m, -leash_m, leash_m) : 0.0;
+            };
+            const double to_edge_m = held(-here.determinant() * smallest_m /
+                                          (beside.determinant() - here.determinant()));
+            const double along_m =
+                held(-(s.u[1].x * here.residual.x + s.u[1].y * here.residual.y) / s.value[1]);
+            at.x += to_edge_m * across.x + along_m * s.v[1].x;
+            at.y += to_edge_m * across.y + along_m * s.v[1].y;
+        }
+        return {at, across};
     }
 
     const SheetSearch& search_;
@@ -286,7 +324,7 @@ class Search {
     std::vector<Node> open_; ///< a heap, highest first
     double best_m_ = -unbounded;
     double doubtful_m_ = -unbounded; ///< the highest that a sheet may be which the blur leaves open
-    std::vector<Vec2> edges_;
+    std::vector<Vec2> near_edges_, edges_;
     Sheets sheets_;
 };
 

@@ -303,7 +303,7 @@ class Folds {
             ++way.misses;
             ++misses_;
         }
-        fmt::print("{}: at {:.5f},{:.5f} t = {} us: {:.6f} +- {:.3g}, flags {}; sheets", name,
+        fmt::print("{}: at {},{} t = {} us: {:.6f} +- {:.3g}, flags {}; sheets", name,
                    point.x_m, point.y_m, point.time_us, answer.height_m, answer.error_m,
                    answer.flags);
         for (const BruteSheet& s : sheets)
