@@ -141,8 +141,9 @@ Highest highest_sheet(Solver& solver, const Sheet& found, Vec2 target,
     const double tolerance_m = std::min(options.tolerance_m, compared_tolerance_m);
     Sheet best =
         found.residual_m > tolerance_m ? solver.solve(found.lagrangian, tolerance_m) : found;
+    // Where a sheet stays over the blur, its gradient falls to half at most: so steep it may become.
     const auto reaches_m = [&](const Sheet& sheet) {
-        return sheet.point.height + slope_of(sheet.point, options.choppiness) * sheets.blur_m();
+        return sheet.point.height + 2 * slope_of(sheet.point, options.choppiness) * sheets.blur_m();
     };
     double reached_m = reaches_m(best);
     for (const Vec2& start : others.found) {
@@ -160,7 +161,8 @@ Highest highest_sheet(Solver& solver, const Sheet& found, Vec2 target,
     if (!folded)
         return {best};
     const bool open = others.ended_early || (others.open && !sheets.newton_decides());
-    return {best, answer_folded | (open ? answer_open : 0u), reached_m - reaches_m(best)};
+    return {best, answer_folded | (open ? answer_open : 0u),
+            sheets.newton_decides() ? 0.0 : reached_m - best.point.height};
 }
 
 Answer invalid_answer() {

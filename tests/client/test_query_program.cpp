@@ -158,7 +158,8 @@ TEST(Output, flags_have_names_for_people) {
     EXPECT_EQ(
         flag_names(sea::answer_not_converged | sea::answer_extrapolated | sea::answer_invalid),
         "not_converged extrapolated invalid");
-    EXPECT_EQ(flag_names(sea::answer_vertical_velocity), "vertical_velocity");
+    EXPECT_EQ(flag_names(sea::answer_folded | sea::answer_vertical_velocity | sea::answer_open),
+              "folded vertical_velocity open");
 }
 
 struct Outcome {

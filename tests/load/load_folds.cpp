@@ -288,7 +288,8 @@ class Folds {
             const BruteSheet& top = *std::max_element(
                 sheets.begin(), sheets.end(),
                 [](const BruteSheet& a, const BruteSheet& b) { return a.height_m < b.height_m; });
-            const bool decidable = maps == nullptr || ends_within_m(field, top) > blur_m(*maps);
+            const bool decidable =
+                maps == nullptr || ends_within_m(field, top) > maps->fold_blur_m();
             way.within_5_cm += off_m <= 0.05;
             way.beside += right || (maps && found_beside(*maps, point, top.height_m));
             way.decidable += decidable;
@@ -303,9 +304,8 @@ class Folds {
             ++way.misses;
             ++misses_;
         }
-        fmt::print("{}: at {},{} t = {} us: {:.6f} +- {:.3g}, flags {}; sheets", name,
-                   point.x_m, point.y_m, point.time_us, answer.height_m, answer.error_m,
-                   answer.flags);
+        fmt::print("{}: at {},{} t = {} us: {:.6f} +- {:.3g}, flags {}; sheets", name, point.x_m,
+                   point.y_m, point.time_us, answer.height_m, answer.error_m, answer.flags);
         for (const BruteSheet& s : sheets)
             fmt::print(" {:.6f} (J {:.4f} at {:.3f},{:.3f})", s.height_m, s.jacobian, s.at.x,
                        s.at.y);
@@ -319,19 +319,12 @@ class Folds {
             for (int i = 0; i < 8; ++i) {
                 const double angle = sea::two_pi * i / 8;
                 const Answer there = maps.answer(
-                    {point.x_m + share * blur_m(maps) * std::cos(angle),
-                     point.y_m + share * blur_m(maps) * std::sin(angle), point.time_us});
+                    {point.x_m + share * maps.fold_blur_m() * std::cos(angle),
+                     point.y_m + share * maps.fold_blur_m() * std::sin(angle), point.time_us});
                 if (std::abs(there.height_m - top_m) <= std::max(0.05, there.error_m))
                     return true;
             }
         return false;
-    }
-
-    /// How far the maps are wrong sideways.
-    static double blur_m(const sea::Surface& maps) {
-        const sea::MapError& error = maps.map_error();
-        const double sideways = std::max(maps.choppiness().x, maps.choppiness().y);
-        return sideways * error.interpolation_displacement_m + error.codec_displacement_m;
     }
 
     void print() const {

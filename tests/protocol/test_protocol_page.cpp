@@ -73,7 +73,9 @@ TEST(ProtocolPage, lists_every_flag_of_an_answer) {
         {sea::answer_not_converged, "not_converged"},
         {sea::answer_extrapolated, "extrapolated"},
         {sea::answer_invalid, "invalid"},
-        {sea::answer_exact, "exact"}};
+        {sea::answer_exact, "exact"},
+        {sea::answer_vertical_velocity, "vertical_velocity"},
+        {sea::answer_open, "open"}};
     for (const auto& [flag, name] : flags)
         EXPECT_EQ(rows(text, fmt::format("| {} | {} |", flag, name)), 1) << name;
 }

@@ -10,7 +10,6 @@
 #include "sea/scene/scene.h"
 #include "sea/surface/budget/error_budget.h"
 #include "sea/surface/inverse.h"
-#include "sea/waves/realize.h"
 #include "tests/load/brute_sheets.h"
 
 namespace seaway::sea {
@@ -28,9 +27,9 @@ struct SceneAtATime {
           moment(sum.at_time(time_us)), field(*sea, time_us) {}
 
     static RealizationPtr realized(const std::string& text) {
-        const Result<SceneFile> scene = parse_scene(text, "folds", ".");
+        const Result<Scene> scene = parse_scene(text, "folds", ".");
         EXPECT_TRUE(scene) << (scene ? "" : scene.error().message);
-        return std::make_shared<const Realization>(realize(scene->state));
+        return std::make_shared<const Realization>(*realize(*scene));
     }
 
     /// By brute force, each followed by the exact sum.

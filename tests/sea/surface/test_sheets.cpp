@@ -259,6 +259,41 @@ TEST(Sheets, a_folded_answer_keeps_its_bound_unless_it_is_flagged_open) {
     EXPECT_GT(open, 0);
 }
 
+// A sea that is the maps' own, moved sideways by as much as they are stated to be wrong: what they answer
+// at a place is true where they answer the same a little beside it.
+TEST(Sheets, a_folded_answer_that_is_not_open_holds_wherever_the_maps_may_lie) {
+    const FoldingSea& sea = folding_sea();
+    constexpr double wrong_m = 0.01;
+    const double lambda = sea.sea->choppiness.x;
+    const Surface maps(sea.surface.pairs(), sea.sea->choppiness, sea.surface.folds(),
+                       {.height_bound_m = 1e-4, .displacement_bound_m = wrong_m / lambda});
+    std::mt19937 random(14);
+    std::uniform_real_distribution<double> place(-5e3, 5e3), turn(0, two_pi);
+    int settled = 0, apart = 0;
+    for (int found = 0; found < 6000;) {
+        const Vec2 X{place(random), place(random)};
+        const LagrangianPoint p = maps.at(X.x, X.y, moment_us);
+        if (std::abs(jacobian(p, sea.sea->choppiness)) > 0.3)
+            continue;
+        ++found;
+        const Vec2 x = sea.landed(X, p);
+        const double angle = turn(random), off_m = 0.99 * wrong_m;
+        const Answer here = maps.answer({x.x, x.y, moment_us});
+        const Answer beside =
+            maps.answer({x.x + off_m * std::cos(angle), x.y + off_m * std::sin(angle), moment_us});
+        const double apart_m = std::abs(here.height_m - beside.height_m);
+        if (!(here.flags & answer_folded))
+            continue;
+        apart += apart_m > here.error_m;
+        if (here.flags & answer_open)
+            continue;
+        ++settled;
+        EXPECT_LE(apart_m, here.error_m) << x.x << " " << x.y;
+    }
+    EXPECT_GT(settled, 20) << apart;
+    EXPECT_GT(apart, 10); // as many would be wrong if none were open
+}
+
 // A tangle of up to nineteen sheets: what lies below the highest is left alone, and bounds are worked out
 // anew as boxes shrink. Without either a search takes two to three times as long, and in the steepest seas
 // that can be asked for it ends at its limit with whatever it has found.
