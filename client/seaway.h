@@ -122,14 +122,15 @@ typedef struct seaway_point {
 } seaway_point;
 
 enum {
-    SEAWAY_FOLDED = 1,        /* folds here, or may within the error of the maps: the highest sheet */
+    SEAWAY_FOLDED = 1, /* folds here, or may within the error of the maps: the highest sheet */
     SEAWAY_NOT_CONVERGED = 2, /* error_m covers it */
     SEAWAY_EXTRAPOLATED = 4,  /* outside the keyframes held; error_m is no bound */
     SEAWAY_INVALID = 8,       /* the point was not a number; the rest is NaN */
     SEAWAY_EXACT = 16,        /* direct sum in double precision */
     SEAWAY_VERTICAL_VELOCITY =
         32, /* a sea offered without sideways motion: velocity's vertical part */
-    SEAWAY_OPEN = 64 /* with SEAWAY_FOLDED: which sheet is the highest is open; error_m is no bound */
+    SEAWAY_OPEN =
+        64 /* with SEAWAY_FOLDED: which sheet is the highest is open; error_m is no bound */
 };
 
 typedef struct seaway_answer {
