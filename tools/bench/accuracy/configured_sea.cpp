@@ -217,6 +217,14 @@ class CountingSheets final : public sea::SheetBounds {
     }
     double blur_m() const override { return sheets_.blur_m(); }
     double strain_blur() const override { return sheets_.strain_blur(); }
+    double height_blur_m() const override { return sheets_.height_blur_m(); }
+    bool newton_decides() const override { return sheets_.newton_decides(); }
+    double height(sea::Vec2 at) const override { return sheets_.height(at); }
+    double spacing_m() const override { return sheets_.spacing_m(); }
+    sea::Box left_of(const sea::Box& box, sea::Vec2 target) const override {
+        return sheets_.left_of(box, target);
+    }
+    std::vector<sea::Rise> rises(const sea::Box& box) const override { return sheets_.rises(box); }
     sea::LagrangianPoint displaced(sea::Vec2 at) const override {
         ++count_;
         return sheets_.displaced(at);
