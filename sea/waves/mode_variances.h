@@ -23,7 +23,7 @@
 namespace seaway::sea {
 
 /// Expected variance of each mode, m2: [iy][ix] in transform order, zero outside the band. Their sum
-/// is the integral of Psi over the band to 1e-3 of itself.
+/// is the integral of Psi over the band to 3e-3 of itself; of most seas to 1e-3.
 std::vector<double> mode_variances(const DirectionalSpectrum& spectrum, const CascadeSpec& spec,
                                    Band band);
 

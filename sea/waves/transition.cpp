@@ -61,18 +61,28 @@ void continue_octave(const NoiseOctave& from, TimeUs from_time, TimeUs to_time, 
 
 /// Stylised waves keep their phase as the modes do.
 void continue_sines(const CascadeModes& from, CascadeModes& to, TimeUs from_time, TimeUs to_time) {
-    for (std::size_t f = 0; f < std::min(from.sines.size(), to.sines.size()); ++f)
-        for (std::size_t w = 0; w < std::min(from.sines[f].waves.size(), to.sines[f].waves.size());
-             ++w) {
-            const SineField::Wave& old_wave = from.sines[f].waves[w];
-            SineField::Wave& wave = to.sines[f].waves[w];
-            wave.phase_rad = old_wave.phase_rad + phase_rad(wave.rate, to_time) -
-                             phase_rad(old_wave.rate, from_time);
-        }
-    for (std::size_t f = 0; f < std::min(from.sines.size(), to.sines.size()); ++f)
-        for (std::size_t o = 0;
-             o < std::min(from.sines[f].octaves.size(), to.sines[f].octaves.size()); ++o)
-            continue_octave(from.sines[f].octaves[o], from_time, to_time, to.sines[f].octaves[o]);
+    for (std::size_t f = 0; f < std::min(from.sines.size(), to.sines.size()); ++f) {
+        const SineField& before = from.sines[f];
+        SineField& after = to.sines[f];
+        for (std::size_t w = 0; w < std::min(before.waves.size(), after.waves.size()); ++w)
+            after.waves[w].phase_rad = before.waves[w].phase_rad +
+                                       phase_rad(after.waves[w].rate, to_time) -
+                                       phase_rad(before.waves[w].rate, from_time);
+        for (std::size_t o = 0; o < std::min(before.octaves.size(), after.octaves.size()); ++o)
+            continue_octave(before.octaves[o], from_time, to_time, after.octaves[o]);
+    }
+}
+
+/// `source` in full, with the phases that it has at `source_time` at `time` on the clock of `onto`,
+/// and its frequencies.
+void continue_onto(const CascadeModes& source, TimeUs source_time, TimeUs time,
+                   CascadeModes& onto) {
+    const std::vector<std::uint64_t> offsets = continuous_offsets(source, onto, source_time, time);
+    onto.h0 = with_offsets(source, offsets);
+    onto.phase_offset_turns = offsets;
+    onto.depth_m = source.depth_m;
+    onto.sines = source.sines;
+    continue_sines(source, onto, source_time, time);
 }
 
 void scale(SineField& field, double share) {
@@ -107,32 +117,29 @@ Result<SeaTransition> SeaTransition::create(RealizationPtr from, RealizationPtr 
                                  from->cascades.size(), to->cascades.size())};
     const TimeUs from_time = from->phase_time(start_us);
     const TimeUs to_time = to->phase_time(start_us);
-    auto before = std::make_shared<Realization>(*to);
     auto after = std::make_shared<Realization>(*to);
-    before->choppiness = from->choppiness;
     for (std::size_t c = 0; c < to->cascades.size(); ++c) {
+        CascadeModes& modes = after->cascades[c];
         const CascadeModes& old_modes = from->cascades[c];
-        adopt_rates(old_modes, after->cascades[c]);
-        before->cascades[c].rate = after->cascades[c].rate;
-        const std::vector<std::uint64_t> offsets =
-            continuous_offsets(old_modes, after->cascades[c], from_time, to_time);
-        before->cascades[c].h0 = with_offsets(old_modes, offsets);
-        before->cascades[c].depth_m = old_modes.depth_m;
-        before->cascades[c].sines = old_modes.sines;
-        for (SineField& field : before->cascades[c].sines) {
-            for (SineField::Wave& wave : field.waves)
-                wave.phase_rad += phase_rad(wave.rate, to_time) - phase_rad(wave.rate, from_time);
-            for (NoiseOctave& octave : field.octaves)
-                continue_octave(NoiseOctave(octave), from_time, to_time, octave);
-        }
-        after->cascades[c].h0 = with_offsets(to->cascades[c], offsets);
-        before->cascades[c].phase_offset_turns = offsets;
-        after->cascades[c].phase_offset_turns = offsets;
-        continue_sines(old_modes, after->cascades[c], from_time, to_time);
+        adopt_rates(old_modes, modes);
+        modes.phase_offset_turns = continuous_offsets(old_modes, modes, from_time, to_time);
+        modes.h0 = with_offsets(to->cascades[c], modes.phase_offset_turns);
+        continue_sines(old_modes, modes, from_time, to_time);
+    }
+    // Between start and end the sea is of two, and repeats with the loop of neither: a wave that fades
+    // would jump where the loop of the new sea begins anew. Phases are taken at the time itself.
+    auto fading = std::make_shared<Realization>(*after);
+    auto growing = std::make_shared<Realization>(*after);
+    fading->loop_period_us = growing->loop_period_us = 0;
+    fading->choppiness = from->choppiness;
+    for (std::size_t c = 0; c < to->cascades.size(); ++c) {
+        continue_onto(from->cascades[c], from_time, start_us, fading->cascades[c]);
+        continue_onto(after->cascades[c], to_time, start_us, growing->cascades[c]);
     }
     SeaTransition transition;
     transition.from_ = std::move(from);
-    transition.before_ = std::move(before);
+    transition.fading_ = std::move(fading);
+    transition.growing_ = std::move(growing);
     transition.after_ = std::move(after);
     transition.start_us_ = start_us;
     transition.end_us_ = end_us;
@@ -148,19 +155,19 @@ RealizationPtr SeaTransition::at(TimeUs time_us) const {
         static_cast<double>(time_us - start_us_) / static_cast<double>(end_us_ - start_us_);
     const double share =
         x * x * x * (10.0 + x * (-15.0 + 6.0 * x)); // no jump in slope or curvature
-    auto sea = std::make_shared<Realization>(*after_);
+    auto sea = std::make_shared<Realization>(*growing_);
     const auto mix = [share](double a, double b) { return a + share * (b - a); };
-    sea->choppiness = {mix(before_->choppiness.x, after_->choppiness.x),
-                       mix(before_->choppiness.y, after_->choppiness.y)};
+    sea->choppiness = {mix(fading_->choppiness.x, growing_->choppiness.x),
+                       mix(fading_->choppiness.y, growing_->choppiness.y)};
     for (std::size_t c = 0; c < sea->cascades.size(); ++c) {
         std::vector<std::complex<double>>& h0 = sea->cascades[c].h0;
-        const std::vector<std::complex<double>>& old_h0 = before_->cascades[c].h0;
+        const std::vector<std::complex<double>>& old_h0 = fading_->cascades[c].h0;
         for (std::size_t i = 0; i < h0.size(); ++i)
             h0[i] = old_h0[i] + share * (h0[i] - old_h0[i]);
         // By its inverse: deep water is none, and coth(kd) moves without a jump.
         sea->cascades[c].depth_m =
-            1.0 / mix(1.0 / before_->cascades[c].depth_m, 1.0 / after_->cascades[c].depth_m);
-        blend_sines(before_->cascades[c], share, sea->cascades[c]);
+            1.0 / mix(1.0 / fading_->cascades[c].depth_m, 1.0 / growing_->cascades[c].depth_m);
+        blend_sines(fading_->cascades[c], share, sea->cascades[c]);
     }
     return sea;
 }

@@ -4,7 +4,8 @@
 // Both seas draw the same numbers, so what changes are amplitudes and, when depth, gravity or the
 // loop change, frequencies. At the moment of change each wave keeps its phase: what the old
 // frequency has turned it by and the new one would not have is folded into h0 as an exact number of
-// 2^-64 turns. Then the amplitudes glide over, smoothly at both ends.
+// 2^-64 turns. Then the amplitudes glide over, smoothly at both ends. While they do, phases run on
+// past the end of either loop.
 //
 //     SeaTransition change(old_sea, new_sea, start_us, end_us);    // error if the tiles differ
 //     RealizationPtr sea = change->at(time_us);                    // about 1 ms a 256 x 256
@@ -25,7 +26,9 @@ class SeaTransition {
     static Result<SeaTransition> create(RealizationPtr from, RealizationPtr to, TimeUs start_us,
                                         TimeUs end_us);
 
-    /// The sea to be evaluated at this time: `from` before the start, `after()` from the end on.
+    /// The sea to be evaluated at this time: `from` before the start, `after()` from the end on. Between
+    /// them it repeats with neither loop. Rates are those of the waves as they stand: the glide itself
+    /// adds at most 1.875 times the change of a height a duration.
     RealizationPtr at(TimeUs time_us) const;
 
     /// `to`, with every phase continuous at the start.
@@ -38,8 +41,10 @@ class SeaTransition {
     SeaTransition() = default;
 
     RealizationPtr from_;
-    RealizationPtr before_; ///< `from`'s amplitudes with the new frequencies
-    RealizationPtr after_;
+    // With the frequencies of the new sea and no loop, phases continuous at the start:
+    RealizationPtr fading_;  ///< `from`'s amplitudes
+    RealizationPtr growing_; ///< those of `to`
+    RealizationPtr after_;   ///< on the loop of `to`
     TimeUs start_us_ = 0;
     TimeUs end_us_ = 0;
 };

@@ -109,6 +109,92 @@ TEST(Transition, a_chain_of_changes_back_to_the_same_depth_leaves_a_phase_but_no
     EXPECT_EQ(again->after()->cascades[0].h0, up->after()->cascades[0].h0);
 }
 
+SineRamps one_of(SineKind kind, double amplitude_m) {
+    SineRamps ramps;
+    ramps.kind = kind;
+    ramps.length_m = 100.0;
+    ramps.count = 1;
+    ramps.amplitude_m = amplitude_m;
+    ramps.wavelength_m = 33.3;
+    return ramps;
+}
+
+ExplicitModes one_mode(int nx, int ny, double amplitude_m) {
+    return {100.0, {{nx, ny, amplitude_m, 0.3}}};
+}
+
+struct Glide {
+    const char* waves;
+    WaveSystem old_system;
+    WaveSystem new_system;
+    CascadeSpec cascade;
+};
+
+// The loop of the new sea begins anew at 10 s, within the glide; a wave of 1 m moves by 1e-6 m in a
+// microsecond. Naive: what only the old sea has, and what has frequencies of its own in each, jumps by
+// up to 1 m there.
+TEST(Transition,
+     a_glide_over_the_end_of_a_loop_is_without_a_jump_and_its_rates_are_those_of_its_heights) {
+    const CascadeSpec same_tile{100.0, 64}, other_tile{37.0, 64};
+    WindSea fresh, strong;
+    fresh.wind_speed_10m_mps = 6.0;
+    strong.wind_speed_10m_mps = 8.0;
+    const std::vector<Glide> glides{
+        {"sine", one_of(SineKind::sine, 1.0), one_of(SineKind::sine, 1.1), same_tile},
+        {"exponential", one_of(SineKind::exponential, 1.0), one_of(SineKind::exponential, 1.1),
+         same_tile},
+        {"noise", one_of(SineKind::noise, 1.0), one_of(SineKind::noise, 1.1), same_tile},
+        {"modes", one_mode(3, 0, 1.0), one_mode(3, 0, 0.5), same_tile},
+        {"modes that fade", one_mode(3, 0, 1.0), one_mode(0, 5, 0.5), same_tile},
+        {"modes that fade on a tile of their own", one_mode(3, 0, 1.0), one_mode(0, 5, 0.5),
+         other_tile},
+        {"wind sea", fresh, strong, same_tile}};
+    const TimeUs start = 8'000'000, wraps = 10'000'000, end = 14'000'000, step = 1000;
+    for (const Glide& glide : glides)
+        for (const double old_loop_s : {0.0, 7.3, 9.0}) {
+            SeaState before, after;
+            before.systems = {glide.old_system};
+            before.loop_period_s = old_loop_s;
+            after.systems = {glide.new_system};
+            after.loop_period_s = 10.0;
+            const auto change = SeaTransition::create(realized(before, {glide.cascade}),
+                                                      realized(after, {glide.cascade}), start, end);
+            ASSERT_TRUE(change);
+            for (const TimeUs edge : {start, TimeUs{9'000'000}, wraps, end, TimeUs{20'000'000}}) {
+                EXPECT_NEAR(height(change->at(edge - 1), edge - 1), height(change->at(edge), edge),
+                            2e-5)
+                    << glide.waves << " from a loop of " << old_loop_s << " s at " << edge;
+                if (edge == start || edge == end)
+                    continue;
+                // The waves of one moment, run on over the edge: differences are off by h^2 w^3/6.
+                const DirectSum sum(change->at(edge - 1));
+                const auto rise =
+                    sum.at(3.0, 4.0, edge + step).height - sum.at(3.0, 4.0, edge - step).height;
+                EXPECT_NEAR(rise / (2e-6 * step), sum.at(3.0, 4.0, edge).height_rate, 1e-3)
+                    << glide.waves << " from a loop of " << old_loop_s << " s at " << edge;
+            }
+        }
+}
+
+// A sea in the middle of a glide is one to glide from.
+TEST(Transition, a_glide_that_takes_over_from_another_goes_on_without_a_jump) {
+    SeaState first, second;
+    first.systems = {one_of(SineKind::sine, 1.0), one_mode(3, 0, 1.0)};
+    first.loop_period_s = 7.3;
+    second.systems = {one_of(SineKind::sine, 0.5), one_mode(0, 5, 0.5)};
+    second.loop_period_s = 10.0;
+    const std::vector<CascadeSpec> tiles{{37.0, 64}};
+    const auto one = SeaTransition::create(realized(first, tiles), realized(second, tiles),
+                                           8'000'000, 14'000'000);
+    const TimeUs taken_over = 11'000'000; // after the new loop has begun anew
+    const auto other =
+        SeaTransition::create(one->at(taken_over), realized(first, tiles), taken_over, 16'000'000);
+    EXPECT_NEAR(height(other->at(taken_over), taken_over), height(one->at(taken_over), taken_over),
+                1e-9);
+    const TimeUs wraps = 14'600'000;
+    EXPECT_NEAR(height(other->at(wraps - 1), wraps - 1), height(other->at(wraps), wraps), 2e-5);
+}
+
 TEST(Transition, refuses_other_tiles) {
     const auto a = realized(windy_sea(), three_cascades);
     const auto b = realized(windy_sea(), {{512.0, 128}, {97.0, 64}, {19.0, 64}});
