@@ -174,6 +174,11 @@ Result<Scene> parse_scene(std::string_view text, const std::string& name,
         return Error{fmt::format("{}: waves given one by one stand on tiles of their own: with "
                                  "{} cascades there are {} tiles; allowed: at most {}",
                                  name, scene.cascades.size(), tiles, scene_cascades_max)};
+    if (const std::size_t written = to_toml(scene).size(); written > scene_text_bytes_max)
+        return Error{
+            fmt::format("{}: sea.system: written whole, with the tables that its files hold, "
+                        "the scene has {} bytes; allowed: at most {}",
+                        name, written, scene_text_bytes_max)};
     return scene;
 }
 

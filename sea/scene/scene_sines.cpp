@@ -9,6 +9,7 @@
 #include "sea/scene/scene.h"
 #include "sea/scene/scene_names.h"
 #include "sea/scene/scene_tables.h"
+#include "sea/waves/sine_limits.h"
 
 namespace seaway::sea {
 
@@ -103,14 +104,46 @@ void read_ramps(TomlTable& table, SineRamps& ramps) {
         table.number("speed_ratio", ramps.speed_ratio, {0.1, 10.0});
 }
 
+/// The key and what it says, where waves are refused that follow from several keys.
+struct Blamed {
+    const char* key;
+    std::string value;
+};
+Blamed blamed(const TomlTable& table, const char* ramp_key, double ramp_value) {
+    if (table.has("data") || table.has("file"))
+        return {table.has("data") ? "data" : "file", "a list"};
+    return {ramp_key, fmt::format("{}", ramp_value)};
+}
+
+void refuse_short(TomlTable& table, const SineRamps& ramps) {
+    const bool noise = ramps.kind == SineKind::noise;
+    const auto [key, value] = blamed(table, "wavenumber_ratio", ramps.wavenumber_ratio);
+    table.bad_value(key, value,
+                    fmt::format("waves whose shortest fits the tile at most {} times{}; this one "
+                                "{:.3g} times",
+                                noise ? sine_steps_max / 4 : sine_steps_max,
+                                noise ? " (noise)" : "", sine_steps(ramps) / (noise ? 4.0 : 1.0)));
+}
+
+void refuse_fast(TomlTable& table, const SineRamps& ramps, const SeaState& sea) {
+    const double fastest = fastest_sine_radps(
+        ramps, sea.seed, static_cast<std::uint32_t>(sea.systems.size()), sea.dispersion());
+    if (fastest <= rate_omega_max_radps)
+        return;
+    const auto [key, value] = blamed(table, "speed_ratio", ramps.speed_ratio);
+    table.bad_value(
+        key, value,
+        fmt::format("waves whose fastest turns at most at {:g} rad/s; this one at {:.3g} rad/s",
+                    rate_omega_max_radps, fastest));
+}
+
 } // namespace
 
-SineRamps read_sines(TomlTable& table, const std::string& base_dir) {
+SineRamps read_sines(TomlTable& table, const std::string& base_dir, const SeaState& sea) {
     SineRamps ramps;
     table.choice("shape", ramps.kind, sine_names);
     table.number("length_m", ramps.length_m, {0.1, 1e6});
-    const bool list = table.has("data") || table.has("file");
-    if (list) {
+    if (table.has("data") || table.has("file")) {
         read_list(table, base_dir, ramps);
     } else {
         if (ramps.kind == SineKind::noise) { // the usual octaves: half as high, half as long
@@ -127,15 +160,10 @@ SineRamps read_sines(TomlTable& table, const std::string& base_dir) {
         for (const char* key : {"sharpness", "drag"})
             table.refuse(key, "only for shape = \"exponential\"");
     }
-    const double wavelengths = sine_steps(ramps) / (ramps.kind == SineKind::noise ? 4.0 : 1.0);
     if (!(sine_steps(ramps) <= sine_steps_max))
-        table.bad_value(
-            list ? (table.has("data") ? "data" : "file") : "wavenumber_ratio",
-            list ? std::string("a list") : fmt::format("{}", ramps.wavenumber_ratio),
-            fmt::format("waves whose shortest fits the tile at most {} times{}; this "
-                        "one {:.3g} times",
-                        ramps.kind == SineKind::noise ? sine_steps_max / 4 : sine_steps_max,
-                        ramps.kind == SineKind::noise ? " (noise)" : "", wavelengths));
+        refuse_short(table, ramps);
+    else
+        refuse_fast(table, ramps, sea);
     return ramps;
 }
 

@@ -169,7 +169,7 @@ void read_system(TomlTable& table, const std::string& base_dir, SeaState& sea) {
     case 3:
         return add(read_modes(table, base_dir));
     default:
-        return add(read_sines(table, base_dir));
+        return add(read_sines(table, base_dir, sea));
     }
 }
 
@@ -189,7 +189,12 @@ void read_preset(TomlTable& table, SeaState& sea, bool needs_direction) {
 }
 
 void read_systems(TomlTable& sea_table, const std::string& base_dir, SeaState& sea) {
-    for (TomlTable& table : sea_table.tables("system", scene_systems_max)) {
+    const std::vector<TomlTable> tables = sea_table.tables("system", scene_systems_max);
+    const std::size_t most = scene_systems_max - sea.systems.size();
+    if (tables.size() > most)
+        return sea_table.bad_value("system", fmt::format("{} of them", tables.size()),
+                                   fmt::format("at most {} beside a preset", most));
+    for (TomlTable table : tables) {
         read_system(table, base_dir, sea);
         table.finish();
     }

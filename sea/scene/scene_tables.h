@@ -17,7 +17,8 @@ SpreadingModel read_spreading(TomlTable& table, SpreadingModel model);
 
 MeasuredSea read_measured(TomlTable& table, const std::string& base_dir);
 ExplicitModes read_modes(TomlTable& table, const std::string& base_dir);
-SineRamps read_sines(TomlTable& table, const std::string& base_dir);
+/// `sea` as far as it is read: these waves will be its next system.
+SineRamps read_sines(TomlTable& table, const std::string& base_dir, const SeaState& sea);
 
 /// The table of a system: the text under `data`, or the contents of `file`, which becomes `name`.
 /// Empty on error.

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "base/check.h"
 #include "sea/basics/constants.h"
 #include "sea/basics/philox.h"
 
@@ -70,6 +71,7 @@ Rate drift_rate(double tiles_per_us, TimeUs loop_period_us, bool at_least_one) {
             tiles = tiles_per_us < 0.0 ? -1.0 : 1.0;
         tiles_per_us = tiles / period;
     }
+    SEAWAY_CHECK(std::abs(tiles_per_us) < 0.5, "noise drifts by half a tile in a microsecond");
     const auto magnitude = static_cast<Rate>(std::abs(tiles_per_us) * 0x1p64 + 0.5);
     return tiles_per_us < 0.0 ? Rate{0} - magnitude : magnitude;
 }

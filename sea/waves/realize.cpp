@@ -12,6 +12,7 @@
 #include "sea/basics/gaussian.h"
 #include "sea/waves/directional_spectrum.h"
 #include "sea/waves/mode_variances.h"
+#include "sea/waves/sine_limits.h"
 
 namespace seaway::sea {
 
@@ -78,6 +79,8 @@ class CascadeFiller {
 } // namespace
 
 Rate mode_rate(double omega_radps, TimeUs loop_period_us) {
+    SEAWAY_CHECK(omega_radps >= 0.0 && omega_radps <= rate_omega_max_radps,
+                 "the reader refuses waves that turn faster than a rate holds");
     if (loop_period_us <= 0)
         return rate_from_omega(omega_radps);
     const auto period = static_cast<double>(loop_period_us);

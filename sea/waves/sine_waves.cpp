@@ -8,6 +8,7 @@
 #include "sea/basics/constants.h"
 #include "sea/basics/philox.h"
 #include "sea/waves/realize.h"
+#include "sea/waves/sine_limits.h"
 
 namespace seaway::sea {
 
@@ -119,6 +120,28 @@ std::vector<SineWave> sine_waves(const SineRamps& ramps, std::uint64_t seed, std
     return waves;
 }
 
+namespace {
+
+double noise_wavenumber(const Asked& octave, double length_m) {
+    return pi * snapped_cells(octave) / length_m;
+}
+
+} // namespace
+
+double fastest_sine_radps(const SineRamps& ramps, std::uint64_t seed, std::uint32_t system,
+                          const Dispersion& dispersion) {
+    double fastest = 0.0;
+    if (ramps.kind != SineKind::noise) {
+        for (const SineWave& wave : sine_waves(ramps, seed, system, dispersion))
+            fastest = std::max(fastest, wave.omega_radps);
+        return fastest;
+    }
+    for (const Asked& octave : asked_waves(ramps, seed, system))
+        fastest = std::max(fastest, octave.speed_ratio *
+                                        dispersion.omega(noise_wavenumber(octave, ramps.length_m)));
+    return fastest;
+}
+
 SineSnapping sine_snapping(const SineRamps& ramps, std::uint64_t seed, std::uint32_t system) {
     SineSnapping most;
     for (const Asked& asked : asked_waves(ramps, seed, system)) {
@@ -146,7 +169,7 @@ SineField sine_field(const SineRamps& ramps, std::uint64_t seed, std::uint32_t s
         std::uint32_t i = 0;
         for (const Asked& asked : asked_waves(ramps, seed, system)) {
             const int cells = snapped_cells(asked);
-            const double k = 0.5 * step * cells;
+            const double k = noise_wavenumber(asked, ramps.length_m);
             field.octaves.push_back(
                 noise_octave(cells, height_scale * asked.amplitude_m, ramps.length_m,
                              asked.speed_ratio * dispersion.omega(k) / k, asked.towards_rad, seed,

@@ -98,7 +98,11 @@ TEST(OddScenes, each_gets_its_exit_status_and_one_line_of_its_words) {
         files += entry.path().extension() == ".toml";
     EXPECT_EQ(files, all.size()) << "a scene without a row, or a row without a scene";
     for_each_case([](const Case& c, const std::string& scene) {
-        expect_one_line(run_program("seaway-inspect", scene), c);
+        const Output output = run_program("seaway-inspect", scene);
+        expect_one_line(output, c);
+        if (c.status != 0) {
+            EXPECT_THAT(output.err, HasSubstr(c.name + ".toml:")) << "the place";
+        }
     });
 }
 
