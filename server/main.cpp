@@ -8,6 +8,7 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include "base/messages.h"
 #include "base/text_file.h"
 #include "server/devices.h"
 #include "server/net/server.h"
@@ -19,8 +20,7 @@ namespace seaway::server {
 namespace {
 
 int fail(ExitCode code, const Error& error) {
-    fmt::print(stderr, "seaway-server: {}\n", error.message);
-    return code;
+    return complain("seaway-server", code, error.message);
 }
 
 /// Microseconds since this was called first: the clock of the sea.
@@ -52,6 +52,8 @@ SimulationEvents events(World& world) {
 }
 
 int serve(const Options& options) {
+    if (const Result<void> fine = NetServer::check(net_options(options)); !fine)
+        return fail(exit_usage, fine.error());
     const Result<sea::Scene> scene = sea::read_scene(options.scene);
     if (!scene)
         return fail(exit_usage, scene.error());
@@ -79,8 +81,10 @@ int serve(const Options& options) {
                  (*net)->url());
     world.publish_to([&net](KeyframeTiles tiles) { (*net)->publish(std::move(tiles)); });
 
-    fmt::print("ready {}\n", (*net)->url());
-    std::fflush(stdout);
+    const std::string ready = fmt::format("ready {}\n", (*net)->url());
+    if (const Result<void> told = write_out(stdout, ready); !told)
+        spdlog::warn("{}",
+                     told.error().message); // who reads the log knows the address all the same
     const bool asked = stop.wait();
     (*net)->stop();
     (*simulation).reset();

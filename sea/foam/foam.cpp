@@ -12,9 +12,6 @@ namespace seaway::sea {
 
 namespace {
 
-/// Mean coverage below this on a calm sea is gone.
-constexpr double calm_mean_min = 1e-4;
-
 /// A cascade whose own waves hardly make anything break more often than this says nothing about where;
 /// single precision ends at 1e-38.
 constexpr double mean_breaking_min = 1e-30;
@@ -61,12 +58,6 @@ double foam_remains(double dt_s, double decay_s) {
     return dt_s > 0 ? std::exp(-dt_s / decay_s) : 1.0;
 }
 
-double relax_foam_mean(double mean, const FoamLaw& law, double dt_s) {
-    const double remains = foam_remains(dt_s, law.model.decay_s);
-    const double next = mean * remains + law.mean_coverage * (1.0 - remains);
-    return law.calm() && next < calm_mean_min ? 0.0 : next;
-}
-
 double foam_coverage(double mean, std::span<const float> ratios) {
     double together = 2.0;
     for (const float ratio : ratios)
@@ -88,12 +79,6 @@ void FoamHistory::change_law(FoamLawPtr law) {
                  "a foam history belongs to a cascade of its law");
     ticks_ = foam_ticks(law_->model.decay_s, interval_us_, law_->loop_period_us);
     started_ = started_ && tick_us_ >= start_end_us_; // half a start is no history to go on with
-}
-
-void FoamHistory::restart() {
-    std::fill(state_.begin(), state_.end(), 1.0f);
-    shown_.clear();
-    started_ = false;
 }
 
 bool FoamHistory::idle() const {

@@ -25,8 +25,7 @@
 //         return synthesize_one({cascade, t_us, foam_inputs});  // Result<KeyframePtr>
 //     });
 //     history.fill(keyframe.plane(Field::foam));
-//     // beside the maps, once a message: the mean; after a change of the sea it drifts to the new
-//     mean = relax_foam_mean(mean, *law, dt_s);                // starts as law->mean_coverage
+//     // beside the maps, once a message: law->mean_coverage
 //
 // A history belongs to one thread. One tick of 256 x 256 takes about 0.25 ms with AVX2, 0.5 ms
 // without.
@@ -50,10 +49,6 @@ inline constexpr FieldSet foam_inputs{Field::strain_xx, Field::strain_yy, Field:
 
 /// The share of a history that is left after dt. decay 0: none; decay infinite: all.
 double foam_remains(double dt_s, double decay_s);
-
-/// The mean coverage after dt under a law, from `mean` before; what is left below 1e-4 on a calm
-/// sea is 0 (hard case E4).
-double relax_foam_mean(double mean, const FoamLaw& law, double dt_s);
 
 /// Coverage at a point, 0 .. 1, from the mean and the sampled ratio of every cascade.
 double foam_coverage(double mean, std::span<const float> ratios);
@@ -86,9 +81,6 @@ class FoamHistory {
     /// Goes on under the law of a changed sea; what has broken under the old one fades out. The
     /// constructor's own; otherwise it waits for seas that change while a server runs.
     void change_law(FoamLawPtr law);
-
-    /// Forgets: back to the average.
-    void restart();
 
     /// The map Field::foam, [y][x], size * size values: finite, >= 0, 1 on average.
     void fill(std::span<float> plane) const;

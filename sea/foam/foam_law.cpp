@@ -180,11 +180,6 @@ OthersShape others_shape(const StrainMoments& m) {
     return shape;
 }
 
-double conditional_shortfall(double threshold, const OthersShape& others, double a, double b,
-                             double c) {
-    return conditional_breaking(threshold, 0.0, others, a, b, c);
-}
-
 double conditional_breaking(double threshold, double bias, const OthersShape& o, double a, double b,
                             double c) {
     const double difference = a - b;

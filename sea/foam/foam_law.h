@@ -72,12 +72,8 @@ struct OthersShape {
 
 OthersShape others_shape(const StrainMoments& others);
 
-/// E[max(0, threshold - J) | own a, b, c], see above, in double precision. The history computes the
-/// same in single precision (foam.cpp).
-double conditional_shortfall(double threshold, const OthersShape& others, double a, double b,
-                             double c);
-
-/// The same of breaking with a bias: conditional_shortfall() + bias P(J < threshold | own a, b, c).
+/// E[max(0, threshold - J) | own a, b, c] + bias P(J < threshold | own a, b, c), see above, in double
+/// precision. The history computes the same in single precision (foam.cpp).
 double conditional_breaking(double threshold, double bias, const OthersShape& others, double a,
                             double b, double c);
 

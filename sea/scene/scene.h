@@ -63,6 +63,7 @@ struct Scene {
 
 inline constexpr int scene_systems_max = 16;
 inline constexpr int scene_cascades_max = 8;
+/// Of a scene file, of a table, and of the effective scene with its tables in it.
 inline constexpr std::size_t scene_text_bytes_max = 1u << 20;
 
 /// Reads a scene file; files that it names are relative to its folder.
@@ -79,9 +80,5 @@ std::string to_toml(const Scene& scene);
 /// realize() of the scene's sea on the scene's cascades; without choppiness where the scene allows
 /// no horizontal displacement. An error names the scene.
 Result<Realization> realize(const Scene& scene);
-
-/// What a user should know before trusting the picture: tiles too small for the peak, heights near
-/// breaking, energy that no cascade holds, growth that was clamped. One sentence each; about 30 ms.
-std::vector<std::string> scene_warnings(const Scene& scene);
 
 } // namespace seaway::sea

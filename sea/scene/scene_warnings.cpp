@@ -1,16 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "sea/scene/scene_warnings.h"
+
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
-#include "sea/scene/scene.h"
 #include "sea/scene/scene_names.h"
-#include "sea/surface/budget/error_budget.h"
 #include "sea/surface/inverse.h"
 #include "sea/waves/directional_spectrum.h"
-#include "sea/waves/realize.h"
-#include "sea/waves/statistics/moments.h"
 
 namespace seaway::sea {
 
@@ -120,10 +118,9 @@ void warn_of_added_tiles(const Realization& realization, std::vector<std::string
                 cascade.spec.length_m, cascade.spec.size));
 }
 
-void warn_of_accuracy(const Scene& scene, const Realization& realization,
+void warn_of_accuracy(const Scene& scene, const ErrorBudget& budget,
                       std::vector<std::string>& warnings) {
     const double asked_m = scene.accuracy.height_error_m;
-    const ErrorBudget budget = plan_budget(realization, asked_m);
     if (const double level_m = level_error_m(budget, budget.codec_error_m); level_m > asked_m)
         warnings.push_back(fmt::format(
             "accuracy.height_error_m = {:g} cannot be reached: interpolation alone costs {:.2g} m, "
@@ -133,18 +130,15 @@ void warn_of_accuracy(const Scene& scene, const Realization& realization,
 
 } // namespace
 
-std::vector<std::string> scene_warnings(const Scene& scene) {
+std::vector<std::string> scene_warnings(const Scene& scene, const Realization& realization,
+                                        const SeaSummary& summary, const ErrorBudget& budget) {
     std::vector<std::string> warnings;
-    const Result<Realization> realization = realize(scene);
-    if (!realization)
-        return {realization.error().message};
-    const SeaSummary summary = summarize(scene.sea, *realization);
     const double height = summary.requested.significant_height_m;
     warn_of_systems(scene, warnings);
     warn_of_folds(scene, summary, warnings);
     warn_of_lattice_bias(summary, warnings);
-    warn_of_added_tiles(*realization, warnings);
-    warn_of_accuracy(scene, *realization, warnings);
+    warn_of_added_tiles(realization, warnings);
+    warn_of_accuracy(scene, budget, warnings);
     if (!(height > 0.0))
         return warnings;
     const double variance = height * height / 16.0;

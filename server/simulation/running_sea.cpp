@@ -5,6 +5,7 @@
 #include <iterator>
 #include <utility>
 
+#include "sea/scene/scene_warnings.h"
 #include "sea/waves/realize.h"
 #include "server/simulation/effect_plan.h"
 
@@ -24,7 +25,8 @@ Result<RunningSeaPtr> make_running_sea(const sea::Scene& scene, std::uint32_t ep
 }
 
 std::vector<std::string> warnings_of(const RunningSea& sea) {
-    std::vector<std::string> warnings = sea::scene_warnings(sea.scene);
+    std::vector<std::string> warnings =
+        sea::scene_warnings(sea.scene, *sea.realization, sea.summary, sea.budget);
     const auto add = [&warnings](std::vector<std::string> more) {
         std::ranges::move(more, std::back_inserter(warnings));
     };

@@ -70,6 +70,14 @@ TEST(Inspect, json_report_holds_what_the_design_promises) {
     EXPECT_TRUE(report.at("warnings").is_array());
 }
 
+TEST(Inspect, names_the_sea_state_of_wmo_code_table_3700) {
+    const json report = report_of(gale); // Hs 6.6 m: 6 .. 9 m are high
+    EXPECT_EQ(report.at("wmo_sea_state").at("code"), 7);
+    EXPECT_EQ(report.at("wmo_sea_state").at("name"), "high");
+    EXPECT_NE(run_program("seaway-inspect", gale).out.find("WMO sea state 7: high\n"),
+              std::string::npos);
+}
+
 TEST(Inspect, says_which_foam_a_sea_has_and_by_which_wind) {
     const json foam = report_of(gale).at("foam");
     EXPECT_NEAR(foam.at("mean_coverage").get<double>(), 0.0445, 0.0001);
@@ -391,6 +399,10 @@ TEST(Inspect, every_mistake_is_one_line_on_stderr_and_exit_status_2) {
         {"unknown flag", gale + " --loud", "--loud"},
         {"unknown format", gale + " --format xml", "xml"},
         {"negative frequency", gale + " --spectrum 1,-1", "1,-1"},
+        {"empty list", gale + " --spectrum ''", "--spectrum"},
+        {"no name for the plot", gale + " --plot ''", "--plot"},
+        {"no points", gale + " --eval ''", "--eval"},
+        {"no time", gale + " --images " + folder().file("i") + " --time nan", "--time"},
         {"no frequency", gale + " --spectrum 1,,2", "1,,2"},
         {"word for a frequency", gale + " --spectrum peak", "peak"},
         {"missing points", gale + " --eval " + folder().file("none.csv"), "none.csv"},

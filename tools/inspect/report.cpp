@@ -9,7 +9,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "sea/scene/presets.h"
 #include "sea/scene/scene_names.h"
+#include "sea/scene/scene_warnings.h"
 
 namespace seaway::inspect {
 
@@ -36,6 +38,12 @@ Json json_of(const sea::SeaStatistics& s) {
             {"tz_s", s.zero_crossing_period_s}, {"tm01_s", s.mean_period_s},
             {"mean_from_deg", from_deg(s)},     {"spread_deg", s.spread_rad * degrees_per_radian},
             {"mss", s.mean_square_slope}};
+}
+
+/// Of the height that was asked for.
+Json json_of_label(const sea::SeaStatistics& s) {
+    const sea::SeaStateLabel label = sea::wmo_sea_state(s.significant_height_m);
+    return {{"code", label.code}, {"name", label.name}};
 }
 
 Json json_of_cascades(const Report& report) {
@@ -133,6 +141,8 @@ std::string text_of_statistics(const Report& report) {
     for (const Line& line : lines)
         out += fmt::format("{:24}{:>4}{:>12.4g}{:>12.4g}\n", line.name, line.unit, line.requested,
                            line.realised);
+    const sea::SeaStateLabel label = sea::wmo_sea_state(q.significant_height_m);
+    out += fmt::format("WMO sea state {}: {}\n", label.code, label.name);
     out += fmt::format("Tp {}\n", tp_definition(report));
     out += fmt::format("Hs of one seed scatters by {:.1f} % (one standard deviation)\n",
                        100.0 * report.hs_scatter_expected());
@@ -195,7 +205,7 @@ Result<Report> make_report(const sea::Scene& scene) {
     report.sea = std::make_shared<const sea::Realization>(std::move(sea));
     report.summary = summarize(scene.sea, *report.sea);
     report.budget = plan_budget(*report.sea, scene.accuracy.height_error_m);
-    report.warnings = scene_warnings(scene);
+    report.warnings = scene_warnings(scene, *report.sea, report.summary, report.budget);
     SEAWAY_TRY_LET(report.certificate, sea::load_certificate(scene));
     if (report.certificate)
         for (std::string& warning :
@@ -213,6 +223,7 @@ std::string to_json(const Report& report) {
                        {"depth_m", std::isfinite(depth) ? Json(depth) : Json(nullptr)},
                        {"requested", json_of(report.summary.requested)},
                        {"realised", json_of(report.summary.realised)},
+                       {"wmo_sea_state", json_of_label(report.summary.requested)},
                        {"hs_scatter_expected", report.hs_scatter_expected()},
                        {"tp_definition", tp_definition(report)},
                        {"tp_bin_s", report.summary.peak_bin_period_s > 0.0

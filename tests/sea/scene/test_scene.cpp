@@ -11,6 +11,7 @@
 #include "sea/scene/scene_names.h"
 #include "sea/waves/directional_spectrum.h"
 #include "sea/waves/statistics/moments.h"
+#include "tests/sea/warnings_of.h"
 
 namespace seaway::sea {
 namespace {
@@ -43,7 +44,7 @@ TEST(Scene, the_example_of_the_design_reads_as_it_says) {
     const auto& wind = std::get<WindSea>(scene->sea.systems[0]);
     // From the north-west: towards the south-east, -45 degrees from east.
     EXPECT_NEAR(wind.towards_rad, -pi / 4, 1e-15);
-    EXPECT_TRUE(scene_warnings(*scene).empty());
+    EXPECT_TRUE(testing::warnings_of(*scene).empty());
 }
 
 TEST(Scene, bearings_are_from_and_clockwise_and_become_towards_and_anticlockwise) {
@@ -147,10 +148,28 @@ TEST(Scene, effective_scene_reads_back_as_the_same_sea_bit_for_bit) {
     }
 }
 
+// Whoever warns has the sea, its summary and its budget already: they are not made once more. Naive: each
+// start computes the sea twice.
+TEST(Scene, warnings_speak_of_the_sea_the_summary_and_the_budget_that_are_given) {
+    const auto scene = parse_scene(wind_system, "s", "");
+    ASSERT_TRUE(scene);
+    Realization sea = *realize(*scene);
+    SeaSummary summary = summarize(scene->sea, sea);
+    ErrorBudget budget = plan_budget(sea, scene->accuracy.height_error_m);
+    sea.cascades[0].carries_spectra = false;
+    sea.cascades[0].spec.length_m = 1234.0;
+    summary.lost_above_m2 = summary.requested.significant_height_m; // more than there is
+    budget.interpolation_m = budget.codec_error_m = 77.0;
+    const auto warnings = scene_warnings(*scene, sea, summary, budget);
+    EXPECT_THAT(warnings, Contains(HasSubstr("explicit waves, 1234 m")));
+    EXPECT_THAT(warnings, Contains(HasSubstr("shorter than the finest cascade")));
+    EXPECT_THAT(warnings, Contains(HasSubstr("interpolation alone costs 77 m")));
+}
+
 TEST(Scene, warnings_say_what_the_picture_will_not_show) {
     const auto warnings = [](const std::string& text) {
         std::string all;
-        for (const std::string& w : scene_warnings(*parse_scene(text, "s", "")))
+        for (const std::string& w : testing::warnings_of(*parse_scene(text, "s", "")))
             all += w + "\n";
         return all;
     };
@@ -394,7 +413,7 @@ TEST(Scene, a_beam_that_the_lattice_turns_is_told_of_in_degrees_clockwise) {
         ASSERT_TRUE(scene);
         const LatticeBias bias = summarize(scene->sea, *realize(*scene)).lattice.at(0);
         ASSERT_GT(std::abs(bias.turned_rad), 0.01);
-        EXPECT_THAT(scene_warnings(*scene),
+        EXPECT_THAT(testing::warnings_of(*scene),
                     Contains(HasSubstr(fmt::format("its direction by {:+.1f} degrees clockwise",
                                                    -bias.turned_rad * 180.0 / pi))));
     }

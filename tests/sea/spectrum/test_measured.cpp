@@ -17,6 +17,7 @@
 #include "sea/spectrum/ndbc.h"
 #include "sea/waves/statistics/moments.h"
 #include "tests/sea/csv.h"
+#include "tests/sea/warnings_of.h"
 
 namespace seaway::sea {
 namespace {
@@ -126,8 +127,9 @@ TEST(Measured, coefficients_of_both_frames_give_the_same_sea) {
     EXPECT_NEAR(summarize(scene->sea, *realize(*scene)).requested.mean_towards_rad, towards, 1e-9);
     // Nobody said which: a warning, and the words that end it.
     const auto unsaid = scene_with(csv(from), "");
-    EXPECT_THAT(scene_warnings(*unsaid), Contains(HasSubstr("coefficients = \"from_clockwise")));
-    EXPECT_THAT(scene_warnings(*scene), ::testing::Not(Contains(HasSubstr("coefficients"))));
+    EXPECT_THAT(testing::warnings_of(*unsaid),
+                Contains(HasSubstr("coefficients = \"from_clockwise")));
+    EXPECT_THAT(testing::warnings_of(*scene), ::testing::Not(Contains(HasSubstr("coefficients"))));
     EXPECT_THAT(scene_with("f_hz,df_hz,s_m2_hz\n0.1,0.01,1\n",
                            "from_deg = 0\ncoefficients = \"from_clockwise_north\"\n")
                     .error()
@@ -172,7 +174,7 @@ TEST(Measured, energy_that_is_counted_twice_or_dropped_is_told) {
     const MeasuredQuality& twice = std::get<MeasuredSea>(overlap->sea.systems[0]).spectrum->quality;
     EXPECT_EQ(twice.overlaps, 1);
     EXPECT_NEAR(twice.overlapped_share, 0.002 * 5 / (0.02 * 5), 1e-9);
-    EXPECT_THAT(scene_warnings(*overlap), Contains(HasSubstr("counted twice")));
+    EXPECT_THAT(testing::warnings_of(*overlap), Contains(HasSubstr("counted twice")));
     // m0 stays what the sum says.
     EXPECT_NEAR(
         std::pow(summarize(overlap->sea, *realize(*overlap)).requested.significant_height_m / 4, 2),
@@ -181,10 +183,10 @@ TEST(Measured, energy_that_is_counted_twice_or_dropped_is_told) {
     const MeasuredQuality& dropped = std::get<MeasuredSea>(gap->sea.systems[0]).spectrum->quality;
     EXPECT_EQ(dropped.gaps, 1);
     EXPECT_NEAR(dropped.gap_share, 0.02 * 4 / 0.11, 1e-9);
-    EXPECT_THAT(scene_warnings(*gap),
+    EXPECT_THAT(testing::warnings_of(*gap),
                 Contains(AllOf(HasSubstr("1 gaps between bins"), HasSubstr("0.105 .. 0.125 Hz"))));
     const auto whole = scene_with(header + "0.1,0.01,5\n0.11,0.01,5\n", "from_deg = 0\n");
-    EXPECT_THAT(scene_warnings(*whole), ::testing::Not(Contains(HasSubstr("bins"))));
+    EXPECT_THAT(testing::warnings_of(*whole), ::testing::Not(Contains(HasSubstr("bins"))));
     EXPECT_THAT(parse_measured(header + "0.1,0.01,5\n0.102,0.01,5\n", "t").error().message,
                 HasSubstr("t:3: f_hz = 0.102: frequencies must ascend and bins must not cover"));
 }
@@ -284,7 +286,7 @@ TEST(Ndbc, a_scene_names_the_files_and_its_effective_form_holds_the_record) {
     const auto half = scene_with("", "file = \"x.data_spec\"\nr1_file = \"x.swr1\"\n", folder);
     std::filesystem::remove_all(folder);
     ASSERT_TRUE(scene) << scene.error().message;
-    EXPECT_THAT(scene_warnings(*scene),
+    EXPECT_THAT(testing::warnings_of(*scene),
                 Contains(HasSubstr("1 of 4 frequencies have energy but no")));
     const auto again = parse_scene(to_toml(*scene), "again", "");
     ASSERT_TRUE(again) << again.error().message;

@@ -14,6 +14,7 @@
 #include "sea/waves/statistics/moments.h"
 #include "sea/waves/transition.h"
 #include "tests/sea/sea_fixture.h"
+#include "tests/sea/warnings_of.h"
 
 namespace seaway::sea {
 namespace {
@@ -48,7 +49,7 @@ TEST(HardCase, A5_one_centimetre_of_water_carries_almost_nothing_and_warns) {
     const SeaSummary s = summarize(scene->sea, *realize(*scene));
     EXPECT_GT(s.requested.significant_height_m, 0.0);
     EXPECT_LT(s.requested.significant_height_m, 0.1);
-    EXPECT_THAT(scene_warnings(*scene), ::testing::Contains(HasSubstr("such waves break")));
+    EXPECT_THAT(testing::warnings_of(*scene), ::testing::Contains(HasSubstr("such waves break")));
 }
 
 // Naive: GPU tanh is NaN above 88. Ours never leaves the processor; shaders are given frequencies.
@@ -327,7 +328,7 @@ TEST(HardCase, I8_a_correct_sea_fails_the_gate_of_3_standard_errors_in_under_1_p
     const CascadeSpec tile{500.0, 64};
     const SeaState state = windy_sea();
     const Band band = assign_bands(std::vector{tile})->front();
-    const double scatter = expected_hs_scatter(state, tile, band);
+    const double scatter = summarize(state, *realized(state, {tile})).cascades[0].expected_scatter;
     const Dispersion d = state.dispersion();
     const double expected = 4.0 * std::sqrt(requested_variance(state, d.omega(band.k_lo_radpm),
                                                                d.omega(band.k_hi_radpm)));

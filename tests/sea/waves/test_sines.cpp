@@ -16,6 +16,7 @@
 #include "sea/waves/reference.h"
 #include "sea/waves/statistics/moments.h"
 #include "sea/waves/transition.h"
+#include "tests/sea/warnings_of.h"
 #include "tests/support/explicit_sea.h"
 
 namespace seaway::sea {
@@ -129,7 +130,7 @@ TEST(Sines, a_list_is_what_it_says_in_metres_degrees_and_metres_a_second) {
                                 0.5 * std::cos(two_pi / 80 * (y - 12 * t) - 1.0);
         EXPECT_NEAR(sum.at(x, y, us_from_seconds(t)).height, expected, 1e-9);
     }
-    EXPECT_THAT(scene_warnings(scene), ::testing::Not(Contains(HasSubstr("changed by"))));
+    EXPECT_THAT(testing::warnings_of(scene), ::testing::Not(Contains(HasSubstr("changed by"))));
     // Without speeds: the speed of the wavelength; a gerstner wave moves sideways.
     const std::string plain = "length_m = 400\ndata = '''\n"
                               "wavelength_m,amplitude_m,from_deg,phase_rad\n50,1.5,270,0.4\n'''\n";
@@ -146,10 +147,10 @@ TEST(Sines, a_list_is_what_it_says_in_metres_degrees_and_metres_a_second) {
     // 70 m does not fit 400 m: 6 waves of 66.7 m stand for it.
     const Scene off = scene_of("length_m = 400\ndata = '''\n"
                                "wavelength_m,amplitude_m,from_deg,phase_rad\n74,1,270,0\n'''\n");
-    EXPECT_THAT(scene_warnings(off), Contains(HasSubstr("changed by up to 8 % in length")));
+    EXPECT_THAT(testing::warnings_of(off), Contains(HasSubstr("changed by up to 8 % in length")));
     // Half a degree to either side of a wave that fits, whichever way it runs: no more than that.
     for (const double from_deg : {89.5, 90.5, 179.5, 180.5, 269.5, 270.5, 359.5, 0.5})
-        EXPECT_THAT(scene_warnings(scene_of(fmt::format(
+        EXPECT_THAT(testing::warnings_of(scene_of(fmt::format(
                         "length_m = 400\ndata = '''\nwavelength_m,amplitude_m,from_deg,phase_rad\n"
                         "20,1,{},0\n'''\n",
                         from_deg))),
@@ -278,6 +279,30 @@ TEST(Noise, closes_a_loop_and_glides_without_a_jump) {
     }
     EXPECT_NE(field_of(*sea_of(shallow)).octaves[0].rate_x,
               field_of(*sea_of(deep)).octaves[0].rate_x);
+}
+
+// Every wave has turned a whole number of times when the loop ends, and in between the tile is what it
+// was at no other time.
+TEST(Sines, gerstner_waves_close_their_loop_and_without_one_do_not) {
+    const std::string waves =
+        "shape = \"gerstner\"\nfrom_deg = 270\ncount = 6\namplitude_m = 2\nlength_m = 256\n";
+    const DirectSum looped(sea_of(scene_of(waves, "loop_period_s = 30\n")));
+    const DirectSum endless(sea_of(scene_of(waves)));
+    const auto far_m = [](const DirectSum& sum, TimeUs t) {
+        double far = 0.0;
+        for (int i = 0; i < 20; ++i) {
+            const LagrangianPoint then = sum.at(7.0 * i, 3.0 * i, t);
+            const LagrangianPoint first = sum.at(7.0 * i, 3.0 * i, 0);
+            far = std::max({far, std::abs(then.height - first.height),
+                            std::abs(then.displacement_x - first.displacement_x)});
+        }
+        return far;
+    };
+    for (const TimeUs loops : {1, 2, -3, 1000})
+        EXPECT_EQ(far_m(looped, loops * 30'000'000), 0.0) << loops;
+    for (const TimeUs t_s : {7, 15, 29, 31})
+        EXPECT_GT(far_m(looped, t_s * 1'000'000), 0.1) << t_s;
+    EXPECT_GT(far_m(endless, 30'000'000), 0.1);
 }
 
 // Each sea takes its phases at the time of its own loop. Naive: at the change the old waves jump to

@@ -16,6 +16,7 @@
 #include "sea/waves/statistics/moments.h"
 #include "tests/sea/csv.h"
 #include "tests/sea/sea_fixture.h"
+#include "tests/sea/warnings_of.h"
 
 namespace seaway::sea {
 namespace {
@@ -113,7 +114,7 @@ TEST(Measured, coefficients_that_no_density_has_are_moved_and_counted) {
     const Scene scene = scene_of(measured_scene("f_hz,df_hz,s_m2_hz,a1,b1,a2,b2\n"
                                                 "0.1,0.01,4,0.9,0,-0.9,0\n"
                                                 "0.11,0.01,4,0.5,0,0.1,0\n"));
-    EXPECT_THAT(scene_warnings(scene), ::testing::Contains(HasSubstr("1 of 2 frequencies")));
+    EXPECT_THAT(testing::warnings_of(scene), ::testing::Contains(HasSubstr("1 of 2 frequencies")));
 }
 
 // A buoy's angles are "from, clockwise from north": a wave from the west (270) goes east (0).
@@ -209,7 +210,8 @@ TEST(Modes, each_explicit_wave_is_its_cosine) {
         }
         EXPECT_NEAR(sum.at(x, y, us_from_seconds(t)).height, expected, 1e-9);
     }
-    EXPECT_THAT(scene_warnings(scene), ::testing::Contains(HasSubstr("300 m; one of size 64")));
+    EXPECT_THAT(testing::warnings_of(scene),
+                ::testing::Contains(HasSubstr("300 m; one of size 64")));
     const SeaSummary summary = summarize(scene.sea, *sea);
     EXPECT_NEAR(summary.requested.significant_height_m, 4 * std::sqrt(1.125 + 0.125), 1e-12);
     EXPECT_NEAR(summary.realised.significant_height_m, summary.requested.significant_height_m,

@@ -12,6 +12,7 @@
 #include "sea/scene/scene.h"
 #include "sea/surface/budget/error_budget.h"
 #include "sea/surface/maps/hermite.h"
+#include "tests/sea/warnings_of.h"
 #include "tests/support/explicit_sea.h"
 
 namespace seaway::sea {
@@ -147,7 +148,7 @@ TEST(TimeBudget, no_wave_turns_more_than_once_between_two_keyframes) {
 
 TEST(TimeBudget, an_accuracy_that_the_grids_cannot_reach_is_warned_of) {
     const auto warned = [](double asked_m) {
-        const std::vector<std::string> warnings = scene_warnings(looping_swell(0, asked_m));
+        const std::vector<std::string> warnings = testing::warnings_of(looping_swell(0, asked_m));
         return std::any_of(warnings.begin(), warnings.end(), [](const std::string& warning) {
             return warning.find("accuracy.height_error_m") != std::string::npos;
         });
