@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include <CLI/CLI.hpp>
+#include <fmt/format.h>
 
 namespace seaway {
 
@@ -48,7 +49,14 @@ CommandOption& CommandOption::between(int least, int most) {
     return *this;
 }
 CommandOption& CommandOption::between(double least, double most) {
-    option_->check(CLI::Range(least, most));
+    const std::string range = fmt::format("{:g} .. {:g}", least, most);
+    const auto within = [least, most, range](const std::string& word) { // CLI::Range takes nan
+        double value = 0.0;
+        return CLI::detail::lexical_cast(word, value) && value >= least && value <= most
+                   ? std::string()
+                   : fmt::format("'{}' is not a number {}", word, range);
+    };
+    option_->check(within, range);
     return *this;
 }
 
@@ -69,10 +77,18 @@ CommandOption CommandLine::option(const std::string& names, T& value, const std:
     return CommandOption(app_->add_option(names, value, help));
 }
 template <>
+CommandOption CommandLine::option(const std::string& names, std::string& value,
+                                  const std::string& help) {
+    // An empty word is an unset variable of a script: never what was meant, and to the program as if
+    // the option were not there.
+    return CommandOption(app_->add_option(names, value, help)->check([](const std::string& word) {
+        return word.empty() ? "the empty word '' is not allowed" : "";
+    }));
+}
+template <>
 CommandOption CommandLine::option(const std::string& names, bool& value, const std::string& help) {
     return CommandOption(app_->add_flag(names, value, help));
 }
-template CommandOption CommandLine::option(const std::string&, std::string&, const std::string&);
 template CommandOption CommandLine::option(const std::string&, int&, const std::string&);
 template CommandOption CommandLine::option(const std::string&, double&, const std::string&);
 template CommandOption CommandLine::option(const std::string&, std::uint64_t&, const std::string&);

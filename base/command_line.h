@@ -59,7 +59,7 @@ class CommandLine {
     void footer(const std::string& text);
 
     /// T: std::string, int, double, std::uint64_t, bool (a flag) or a vector of strings or of ints.
-    /// What `value` holds stays where the option is not given. Names without "-" stand by place.
+    /// What `value` holds stays where the option is not given. An empty string is refused. Names without "-" stand by place.
     template <class T>
     CommandOption option(const std::string& names, T& value, const std::string& help = "");
 

@@ -83,11 +83,20 @@ Result<void> check_replaceable(const std::string& path) {
     return ::stat(path.c_str(), &status) == 0 ? check_kind(status) : Result<void>();
 }
 
+Result<void> write_out(std::FILE* out, std::string_view text) {
+    const bool written = std::fwrite(text.data(), 1, text.size(), out) == text.size();
+    if (std::fflush(out) != 0 || !written || std::ferror(out) != 0)
+        return Error{OutputError::lost,
+                     "cannot write to standard output: what was printed is lost"};
+    return {};
+}
+
 Result<void> finish_standard_output() {
     std::cout.flush();
-    const bool flushed = std::fflush(stdout) == 0;
-    if (!flushed || std::ferror(stdout) != 0 || !std::cout)
-        return Error{"cannot write to standard output: what was printed is lost"};
+    SEAWAY_TRY(write_out(stdout, {}));
+    if (!std::cout)
+        return Error{OutputError::lost,
+                     "cannot write to standard output: what was printed is lost"};
     return {};
 }
 

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdio>
 #include <string>
+#include <string_view>
 
 #include "base/result.h"
 
@@ -25,6 +27,11 @@ Result<void> check_replaceable(const std::string& path);
 /// Writes out what std::cout, fmt::print and stdio hold for standard output. An error if any of it
 /// was lost (disk full, reader gone): a program that prints an answer must not exit with 0 then.
 Result<void> finish_standard_output();
+
+/// Writes to a stream and flushes it, for who prints as it goes on. The same error, of the kind
+/// OutputError::lost: nobody reads on.
+enum class OutputError { lost = 1 };
+Result<void> write_out(std::FILE* out, std::string_view text);
 
 /// For the end of main(): `status`; or, where that is 0 but output was lost, `lost_status`, with one
 /// line on stderr in the program's name.

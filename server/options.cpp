@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "base/command_line.h"
+#include "base/messages.h"
 #include "base/text_file.h"
 
 namespace seaway::server {
@@ -44,9 +45,8 @@ std::variant<Options, int> read_options(int argc, char** argv) {
     if (next && *next == CommandLine::Next::leave)
         return status_after_output("seaway-server", 0, exit_usage);
     if (!next || lacks_scene) {
-        fmt::print(stderr, "seaway-server: {} (--help shows how)\n",
-                   next ? "SCENE.toml is required" : next.error().message);
-        return exit_usage;
+        const std::string why = next ? "SCENE.toml is required" : next.error().message;
+        return complain("seaway-server", exit_usage, why + " (--help shows how)");
     }
     return options;
 }

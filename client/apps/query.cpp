@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "base/messages.h"
 #include "base/text_file.h"
 #include "client/apps/query_options.h"
 #include "client/apps/query_run.h"
@@ -20,7 +21,9 @@ using namespace seaway::client;
 std::atomic<bool> stop = false;
 
 int exit_code(const Error& error) {
-    fmt::print(stderr, "seaway-query: {}\n", error.message);
+    complain("seaway-query", 0, error.message);
+    if (error.is(OutputError::lost))
+        return exit_output;
     switch (failure_of(error)) {
     case Failure::bad_argument:
         return exit_usage;
@@ -75,10 +78,9 @@ int main(int argc, char** argv) {
         std::signal(SIGINT, [](int) { stop = true; });
         std::signal(SIGTERM, [](int) { stop = true; });
         const Result<void> done = run(std::get<QueryOptions>(options));
-        return done ? status_after_output("seaway-query", exit_done, EXIT_FAILURE)
+        return done ? status_after_output("seaway-query", exit_done, exit_output)
                     : exit_code(done.error());
     } catch (const std::exception& problem) {
-        fmt::print(stderr, "seaway-query: {}\n", problem.what());
-        return EXIT_FAILURE;
+        return complain("seaway-query", EXIT_FAILURE, problem.what());
     }
 }

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "base/text_file.h"
 #include "client/apps/query_output.h"
 #include "client/apps/query_run.h"
 #include "client/link/failure.h"
@@ -122,10 +123,7 @@ Result<void> run_bench(Client& client, const QueryOptions& options, const std::a
             return row.error();
         rows.push_back(*row);
     }
-    const std::string text = output_bench(options.format, rows);
-    std::fwrite(text.data(), 1, text.size(), out);
-    std::fflush(out);
-    return {};
+    return write_out(out, output_bench(options.format, rows));
 }
 
 } // namespace seaway::client

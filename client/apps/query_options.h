@@ -31,6 +31,7 @@ struct QueryOptions {
 /// Exit codes of seaway-query: the public contract.
 enum ExitCode : int {
     exit_done = 0,
+    exit_output = 1,  ///< standard output cannot be written
     exit_usage = 2,   ///< command line or points that make no sense
     exit_lost = 5,    ///< cannot connect, connection lost, or no answer in time
     exit_refused = 6, ///< the server refused the request

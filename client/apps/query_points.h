@@ -9,13 +9,15 @@
 #include <vector>
 
 #include "base/result.h"
+#include "sea/basics/time.h"
 
 namespace seaway::client {
 
 /// Places are at most this far from the origin; beyond, a coordinate resolves no wave.
 inline constexpr double coordinate_max_m = 1e9;
-/// The range of times on the wire (docs/protocol.md, Limits).
-inline constexpr double time_max_s = 1e12;
+
+/// Times are within sea::in_time_range.
+inline constexpr double time_max_s = sea::seconds_from_us(sea::time_us_max);
 
 struct Place {
     double x_m = 0;

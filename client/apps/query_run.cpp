@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "base/text_file.h"
 #include "client/apps/query_output.h"
 
 namespace seaway::client {
@@ -67,8 +68,7 @@ Result<void> run_query(Client& client, const QueryOptions& options,
         if (!answers)
             return answers.error();
         text += output_rows(options.format, points, *answers, watching);
-        std::fwrite(text.data(), 1, text.size(), out);
-        std::fflush(out);
+        SEAWAY_TRY(write_out(out, text));
         text.clear();
         if (!watching)
             return {};

@@ -11,7 +11,8 @@
 
 namespace seaway::client {
 
-/// Asks once, or repeatedly until `stop` is set. Rows go to `out`, whole and flushed.
+/// Asks once, or repeatedly until `stop` is set. Rows go to `out`, whole and flushed; where they
+/// cannot be written it ends (OutputError).
 Result<void> run_query(Client& client, const QueryOptions& options,
                        const std::vector<Place>& places, const std::atomic<bool>& stop,
                        std::FILE* out);

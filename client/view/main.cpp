@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "base/messages.h"
+#include "base/text_file.h"
 #include "client/client.h"
 #include "client/link/failure.h"
 #include "client/view/renderer.h"
@@ -19,12 +21,10 @@ namespace {
 using namespace seaway;
 using namespace seaway::client;
 
-constexpr sea::TimeUs frame_rate_hz = 30;
 constexpr int stream_credit = 2;
 
 int fail(ViewExit code, const Error& error) {
-    fmt::print(stderr, "seaway-view: {}\n", error.message);
-    return static_cast<int>(code);
+    return complain("seaway-view", static_cast<int>(code), error.message);
 }
 
 int fail(const Error& error) {
@@ -60,7 +60,7 @@ int draw(Client& client, Renderer& renderer, const ViewOptions& options) {
         options.time_s ? sea::us_from_seconds(*options.time_s) : client.now_us();
     double exposure = 1;
     for (int i = 0; i < options.frames; ++i) {
-        const sea::TimeUs time_us = start_us + i * sea::TimeUs{1'000'000} / frame_rate_hz;
+        const sea::TimeUs time_us = start_us + frame_offset_us(i);
         const Result<SeaFrame> frame = sea_frame_at(client, time_us, options.timeout_s);
         if (!frame)
             return fail(frame.error());
@@ -76,8 +76,9 @@ int draw(Client& client, Renderer& renderer, const ViewOptions& options) {
         const std::string path = frame_path(options.out, i, options.frames);
         if (Result<void> written = write(*picture, display, path); !written)
             return fail(ViewExit::cannot_write, written.error());
-        fmt::print("{} t={:.3f}\n", path, sea::seconds_from_us(time_us));
-        std::fflush(stdout);
+        const std::string line = fmt::format("{} t={:.3f}\n", path, sea::seconds_from_us(time_us));
+        if (const Result<void> told = write_out(stdout, line); !told)
+            return fail(ViewExit::cannot_write, told.error());
     }
     return static_cast<int>(ViewExit::done);
 }
@@ -118,7 +119,6 @@ int main(int argc, char** argv) {
             return *code;
         return run(std::get<ViewOptions>(options));
     } catch (const std::exception& problem) {
-        fmt::print(stderr, "seaway-view: {}\n", problem.what());
-        return EXIT_FAILURE;
+        return complain("seaway-view", EXIT_FAILURE, problem.what());
     }
 }

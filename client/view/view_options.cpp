@@ -10,6 +10,8 @@
 #include <fmt/format.h>
 
 #include "base/command_line.h"
+#include "base/messages.h"
+#include "base/text_file.h"
 #include "client/link/url.h"
 
 namespace seaway::client {
@@ -20,7 +22,8 @@ constexpr int side_max = 16384;
 constexpr int frames_max = 1'000'000;
 constexpr double place_max_m = 1e7;
 constexpr double height_max_m = 20e3;
-constexpr double time_max_s = 1e12; // docs/protocol.md, Limits
+constexpr double time_max_s = sea::seconds_from_us(sea::time_us_max);
+constexpr double timeout_min_s = 1e-3, timeout_max_s = 86400;
 
 constexpr const char* footer =
     "Yaw is a bearing (0 north, 90 east), pitch is positive upwards. The hour is solar time on "
@@ -87,7 +90,8 @@ Result<void> read_time(const std::string& text, ViewOptions& options) {
     if (text == "now")
         return {};
     SEAWAY_TRY(require(parse_number(text, time_s) && std::abs(time_s) <= time_max_s,
-                       fmt::format("--time {}: 'now', or sea time in seconds", text)));
+                       fmt::format("--time {}: 'now', or sea time in seconds between {:g} and {:g}",
+                                   text, -time_max_s, time_max_s)));
     options.time_s = time_s;
     return {};
 }
@@ -105,6 +109,12 @@ Result<void> check(const ViewOptions& options, bool offscreen) {
                        fmt::format("--frames {}: 1 .. {}", options.frames, frames_max)));
     SEAWAY_TRY(require(options.time_of_day_h >= 0 && options.time_of_day_h <= 24,
                        fmt::format("--time-of-day {}: 0 .. 24", options.time_of_day_h)));
+    const double last_s = sea::seconds_from_us(frame_offset_us(options.frames - 1));
+    SEAWAY_TRY(
+        require(!options.time_s || *options.time_s + last_s <= time_max_s,
+                fmt::format("--frames {}: the last is {} s after --time {}; sea time ends at "
+                            "{:g} s",
+                            options.frames, last_s, options.time_s.value_or(0), time_max_s)));
     return {};
 }
 
@@ -152,19 +162,18 @@ std::variant<ViewOptions, int> read_view_options(int argc, const char* const* ar
     line.option("--device", options.device, "Vulkan device: auto, an index, or part of a name");
     line.option("--token-file", options.token_file, "file with the server's client token");
     line.option("--ca-file", options.ca_file, "certificates to trust besides the system's, PEM");
-    line.option("--timeout", options.timeout_s, "seconds to wait for the server");
+    line.option("--timeout", options.timeout_s, "seconds to wait for the server")
+        .between(timeout_min_s, timeout_max_s);
     const Result<CommandLine::Next> next = line.read(argc, argv);
-    if (next && *next == CommandLine::Next::leave)
-        return static_cast<int>(ViewExit::done);
-    if (next && words.list) {
+    const bool leave = next && *next == CommandLine::Next::leave;
+    if (next && !leave && words.list)
         list_debug();
-        return static_cast<int>(ViewExit::done);
-    }
+    if (leave || (next && words.list))
+        return status_after_output("seaway-view", static_cast<int>(ViewExit::done),
+                                   static_cast<int>(ViewExit::cannot_write));
     const Result<void> fine = next ? take(words, options) : Result<void>(next.error());
-    if (!fine) {
-        fmt::print(stderr, "seaway-view: {}\n", fine.error().message);
-        return static_cast<int>(ViewExit::usage);
-    }
+    if (!fine)
+        return complain("seaway-view", static_cast<int>(ViewExit::usage), fine.error().message);
     return options;
 }
 

@@ -8,8 +8,15 @@
 
 #include "client/view/camera.h"
 #include "client/view/debug_views.h"
+#include "sea/basics/time.h"
 
 namespace seaway::client {
+
+inline constexpr sea::TimeUs frame_rate_hz = 30;
+/// Sea time from the first frame to this one.
+inline constexpr sea::TimeUs frame_offset_us(int frame) {
+    return frame * sea::TimeUs{1'000'000} / frame_rate_hz;
+}
 
 struct ViewOptions {
     std::string url;

@@ -72,6 +72,42 @@ std::string why_not(const tcp::endpoint& endpoint, error_code error) {
     return fmt::format("cannot listen on {}: {}: {}", text(endpoint), error.message(), advice);
 }
 
+struct Tokens {
+    std::string client;
+    std::string admin;
+};
+
+Result<Tokens> load_tokens(const NetOptions& options) {
+    Tokens tokens;
+    for (const auto& [file, token] : {std::pair(&options.client_token_file, &tokens.client),
+                                      std::pair(&options.admin_token_file, &tokens.admin)})
+        if (!file->empty()) {
+            SEAWAY_TRY_LET(*token, protocol::read_token_file(*file));
+        }
+    return tokens;
+}
+
+/// Nothing to do without --tls-cert and --tls-key.
+Result<void> load_certificate(const NetOptions& options, asio::ssl::context& tls) {
+    if (options.tls_cert_file.empty() != options.tls_key_file.empty())
+        return Error{"--tls-cert and --tls-key belong together: give both or neither"};
+    if (options.tls_cert_file.empty())
+        return {};
+    error_code error;
+    tls.set_options(asio::ssl::context::no_tlsv1 | asio::ssl::context::no_tlsv1_1 |
+                        asio::ssl::context::no_sslv2 | asio::ssl::context::no_sslv3,
+                    error);
+    tls.use_certificate_chain_file(options.tls_cert_file, error);
+    if (error)
+        return Error{fmt::format("--tls-cert {}: {}; a PEM certificate chain is expected",
+                                 options.tls_cert_file, error.message())};
+    tls.use_private_key_file(options.tls_key_file, asio::ssl::context::pem, error);
+    if (error)
+        return Error{fmt::format("--tls-key {}: {}; the PEM key of the certificate is expected",
+                                 options.tls_key_file, error.message())};
+    return {};
+}
+
 } // namespace
 
 class NetServer::Impl {
@@ -84,9 +120,13 @@ class NetServer::Impl {
     ~Impl() { stop(); }
 
     Result<void> start() {
-        for (Result<void> step : {load_tokens(), load_certificate(), listen()})
-            if (!step)
-                return step;
+        const NetOptions& options = core_->options;
+        SEAWAY_TRY_LET(const Tokens tokens, load_tokens(options));
+        core_->client_token = tokens.client;
+        core_->admin_token = tokens.admin;
+        with_tls_ = !options.tls_cert_file.empty();
+        SEAWAY_TRY(load_certificate(options, tls_));
+        SEAWAY_TRY(listen());
         accept();
         thread_ = std::thread([this] { io_.run(); });
         return {};
@@ -106,8 +146,6 @@ class NetServer::Impl {
     void stop();
 
   private:
-    Result<void> load_tokens();
-    Result<void> load_certificate();
     Result<void> listen();
     void accept();
     void on_accepted(error_code error, tcp::socket socket);
@@ -130,42 +168,6 @@ class NetServer::Impl {
     std::shared_ptr<Core> core_;
     std::thread thread_;
 };
-
-Result<void> NetServer::Impl::load_tokens() {
-    const NetOptions& options = core_->options;
-    for (const auto& [file, token] : {std::pair(&options.client_token_file, &core_->client_token),
-                                      std::pair(&options.admin_token_file, &core_->admin_token)}) {
-        if (file->empty())
-            continue;
-        Result<std::string> read = protocol::read_token_file(*file);
-        if (!read)
-            return read.error();
-        *token = *read;
-    }
-    return {};
-}
-
-Result<void> NetServer::Impl::load_certificate() {
-    const NetOptions& options = core_->options;
-    if (options.tls_cert_file.empty() != options.tls_key_file.empty())
-        return Error{"--tls-cert and --tls-key belong together: give both or neither"};
-    with_tls_ = !options.tls_cert_file.empty();
-    if (!with_tls_)
-        return {};
-    error_code error;
-    tls_.set_options(asio::ssl::context::no_tlsv1 | asio::ssl::context::no_tlsv1_1 |
-                         asio::ssl::context::no_sslv2 | asio::ssl::context::no_sslv3,
-                     error);
-    tls_.use_certificate_chain_file(options.tls_cert_file, error);
-    if (error)
-        return Error{fmt::format("--tls-cert {}: {}; a PEM certificate chain is expected",
-                                 options.tls_cert_file, error.message())};
-    tls_.use_private_key_file(options.tls_key_file, asio::ssl::context::pem, error);
-    if (error)
-        return Error{fmt::format("--tls-key {}: {}; the PEM key of the certificate is expected",
-                                 options.tls_key_file, error.message())};
-    return {};
-}
 
 Result<void> NetServer::Impl::listen() {
     const Result<tcp::endpoint> wanted = parse_endpoint(core_->options.listen);
@@ -284,6 +286,15 @@ void NetServer::Impl::stop() {
 }
 
 // ---- NetServer -----------------------------------------------------------------------------
+
+Result<void> NetServer::check(const NetOptions& options) {
+    if (const Result<tcp::endpoint> endpoint = parse_endpoint(options.listen); !endpoint)
+        return endpoint.error();
+    if (const Result<Tokens> tokens = load_tokens(options); !tokens)
+        return tokens.error();
+    asio::ssl::context tls(asio::ssl::context::tls_server);
+    return load_certificate(options, tls);
+}
 
 Result<std::unique_ptr<NetServer>> NetServer::start(const NetOptions& options, Host& host) {
     auto impl = std::make_unique<Impl>(options, host);

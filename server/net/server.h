@@ -2,6 +2,7 @@
 // NetServer: one port for HTTP and WebSocket in front of a Host. One io thread serves every
 // connection, one encode thread turns keyframes into shared bytes; neither waits for a client.
 //
+//     Result<void> fine = NetServer::check(options);    // exit code 2, before a device is chosen
 //     Result<std::unique_ptr<NetServer>> net = NetServer::start(options, host);
 //     if (!net) ...                       // exit code 4: (*net).error().message says what to do
 //     fmt::print("ready {}\n", (*net)->url());
@@ -25,9 +26,12 @@ namespace seaway::server {
 
 class NetServer {
   public:
+    /// What can be known of these options before there is anything to serve: an address that is not
+    /// understood; a certificate, key or token file that cannot be read or is none.
+    static Result<void> check(const NetOptions& options);
+
     /// Listens, then starts its threads. `host` must outlive the NetServer; it is called from the
-    /// io thread. Errors: address not understood, in use or not allowed; a certificate, key or
-    /// token file that cannot be read.
+    /// io thread. Errors: those of check(), and an address in use or not allowed.
     static Result<std::unique_ptr<NetServer>> start(const NetOptions& options, Host& host);
 
     /// Stops.

@@ -58,6 +58,20 @@ TEST_F(TextFile, what_is_no_regular_file_is_an_error_at_once) {
     EXPECT_TRUE(check_regular_file(written("a", "x")));
 }
 
+TEST_F(TextFile, what_is_written_out_is_there_and_what_is_lost_is_an_error) {
+    std::FILE* full = std::fopen("/dev/full", "w");
+    ASSERT_NE(full, nullptr);
+    const Result<void> lost = write_out(full, "x");
+    std::fclose(full);
+    ASSERT_FALSE(lost);
+    EXPECT_TRUE(lost.error().is(OutputError::lost));
+    std::FILE* file = std::fopen(path("out").c_str(), "w");
+    ASSERT_NE(file, nullptr);
+    EXPECT_TRUE(write_out(file, "some words"));
+    EXPECT_EQ(*read_text_file(path("out"), 100), "some words") << "before it is closed";
+    std::fclose(file);
+}
+
 TEST(CsvTable, a_first_line_of_numbers_is_a_missing_header) {
     EXPECT_THAT(parse_csv("# note\n1,2,3\n4,5,6\n", "t", 10).error().message,
                 HasSubstr("t:2: no header"));

@@ -90,6 +90,11 @@ TEST(Options, that_make_no_sense_are_exit_code_2) {
                                               {"ws://a:1", "--at", "1,2", "--bench", "5"},
                                               {"ws://a:1", "--bench", "0"},
                                               {"ws://a:1", "--at", "1,2", "--watch", "-1"},
+                                              {"ws://a:1", "--at", "1,2", "--watch", "0"},
+                                              {"ws://a:1", "--at", "1,2", "--watch", "nan"},
+                                              {"ws://a:1", "--at", "1,2", "--watch", "1e-12"},
+                                              {"ws://a:1", "--at", "1,2", "--watch", "1001"},
+                                              {"ws://a:1", "--at", "1,2", "--token-file", ""},
                                               {"ws://a:1", "--at", "1,2", "--format", "xml"},
                                               {"ws://a:1", "--at", "1,2", "--timeout", "nan"},
                                               {"ws://a:1", "--at", "1,2", "--bogus"}};
@@ -314,6 +319,35 @@ TEST_F(Program, fails_with_one_line_and_the_documented_exit_code) {
     EXPECT_EQ(run_program(url + " --at 0,0 --local --watch 1 2>/dev/null").exit_code, 6);
     sea.answer_queries = false;
     EXPECT_EQ(run_program(url + " --at 0,0 --timeout 0.3 2>/dev/null").exit_code, 5);
+}
+
+// Naive: a beat is waited for, and the next is written into nothing, for ever.
+TEST_F(Program, a_full_disk_behind_standard_output_ends_it) {
+    for (const char* way : {" --at 0,0", " --at 0,0 --watch 5", " --at 0,0 --watch 5 --local",
+                            " --bench 4 --local", " --help"}) {
+        const Outcome outcome = run_program(net->url() + way + " 2>&1 >/dev/full");
+        EXPECT_EQ(outcome.exit_code, std::string(way) == " --help" ? exit_usage : exit_output)
+            << way;
+        EXPECT_EQ(outcome.out, "seaway-query: cannot write to standard output: what was printed is "
+                               "lost\n")
+            << way;
+    }
+}
+
+// Naive: 1e12 s in nanoseconds is no number of them, and every beat is over already.
+TEST_F(Program, the_slowest_watch_waits_for_its_second_beat) {
+    const Outcome outcome =
+        run_program(net->url() + " --at 0,0 --watch 1e-5 --format csv & sleep 1;"
+                                 " kill -TERM $!; wait $!");
+    EXPECT_EQ(outcome.exit_code, 0);
+    EXPECT_EQ(std::count(outcome.out.begin(), outcome.out.end(), '\n'), 2) << "a head and a row";
+}
+
+TEST_F(Program, shows_what_is_no_text_as_numbers) {
+    const Outcome outcome =
+        run_program(net->url() + " --points - <<END 2>&1\n$(printf '\\033[2J\\377,1')\nEND\n");
+    EXPECT_EQ(outcome.exit_code, 2);
+    EXPECT_NE(outcome.out.find("x_m = '\\x1b[2J\\xff'"), std::string::npos) << outcome.out;
 }
 
 TEST_F(Program, measures_rates_both_ways) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // seaway-inspect --eval against sums that this file computes for itself in long double.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <array>
@@ -290,6 +291,18 @@ TEST(InspectPoints, rows_keep_their_order_and_the_header_is_optional) {
         EXPECT_EQ(bare[i].numbers[2], times[i]);
     }
     EXPECT_NE(bare[0].numbers[3], bare[2].numbers[3]); // the sea moved
+}
+
+// Naive: what int64 holds is taken, nine times what the sea is asked for anywhere else.
+TEST(InspectPoints, times_are_those_that_every_program_takes) {
+    const std::string scene = folder().write("times.toml", "[sea]\n");
+    EXPECT_EQ(evaluate(scene, "0,0,1e12\n0,0,-1e12\n").size(), 2u);
+    for (const char* time : {"1.000000000001e12", "-9.2e12", "9.2e12", "nan"}) {
+        const Output output =
+            run_program("seaway-inspect", scene + " --eval -", std::string("0,0,") + time + "\n");
+        EXPECT_EQ(output.status, 2) << time;
+        EXPECT_THAT(output.err, ::testing::HasSubstr("between -1e+12 and 1e+12")) << time;
+    }
 }
 
 TEST(InspectPoints, no_rows_give_the_header_alone) {

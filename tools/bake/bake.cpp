@@ -144,6 +144,13 @@ Result<void> validate(const BakeOptions& options) {
         return refused(fmt::format("--frames {}: 1 .. {}", options.frames, frames_max));
     if (!(options.fps > 0 && options.fps <= fps_max))
         return refused(fmt::format("--fps {}: above 0, up to {}", options.fps, fps_max));
+    const double start_s = sea::seconds_from_us(options.start_us);
+    const double last_s = start_s + (options.frames - 1) / options.fps;
+    if (!(std::abs(start_s) <= time_max_s && last_s <= time_max_s))
+        return refused(fmt::format("--start {} --frames {} --fps {}: frames from {:g} to {:g} s; "
+                                   "allowed: {:g} .. {:g} s",
+                                   start_s, options.frames, options.fps, start_s, last_s,
+                                   -time_max_s, time_max_s));
     if (options.fields.empty())
         return refused("--fields: none is left");
     return {};

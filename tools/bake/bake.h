@@ -23,16 +23,18 @@ namespace seaway::bake {
 
 inline constexpr int frames_max = 1'000'000;
 inline constexpr double fps_max = 1000.0;
+/// Frames are within this of the sea's epoch, the first as the last.
+inline constexpr double time_max_s = 1e9;
 
 /// Errors of this kind are of the scene or the options; all others are of a file or the device.
 enum class BakeError { bad_options = 1 };
 
 struct BakeOptions {
-    std::string folder; ///< made if it is not there
-    int frames = 1;     ///< 1 .. frames_max
-    double fps = 24.0;  ///< above 0, up to fps_max
-    sea::TimeUs start_us = 0;
-    sea::FieldSet fields; ///< not empty
+    std::string folder;       ///< made if it is not there
+    int frames = 1;           ///< 1 .. frames_max
+    double fps = 24.0;        ///< above 0, up to fps_max
+    sea::TimeUs start_us = 0; ///< this and the last frame's within time_max_s
+    sea::FieldSet fields;     ///< not empty
     bool half = false;
     exr::ExrCompression compression = exr::ExrCompression::none;
     bool summed = false;   ///< the sea on the longest tile's square, not its cascades

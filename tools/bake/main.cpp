@@ -2,7 +2,6 @@
 // seaway-bake: a scene as OpenEXR maps, without a server. Errors: one line on stderr; exit 2 for
 // usage and scenes, 3 where there is no such device, 4 for files and a device that fails.
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <memory>
 #include <string>
@@ -16,6 +15,7 @@
 #pragma GCC diagnostic pop
 
 #include "base/command_line.h"
+#include "base/messages.h"
 #include "base/text_file.h"
 #include "sea/certificate/certificate.h"
 #include "server/device/device_choice.h"
@@ -48,7 +48,9 @@ void declare(CommandLine& line, Options& o) {
     line.option("--out", o.bake.folder, "Folder for the files").required().takes("DIR");
     line.option("--frames", o.bake.frames, "How many").required().takes("N");
     line.option("--fps", o.bake.fps, "Frames a second of sea time").required().takes("F");
-    line.option("--start", o.start_s, "Sea time of frame 0").takes("SECONDS");
+    line.option("--start", o.start_s, "Sea time of frame 0")
+        .takes("SECONDS")
+        .between(-bake::time_max_s, bake::time_max_s);
     line.option("--size", o.size, "Grid points a side of every cascade, instead of the scene's")
         .one_of({64, 128, 256, 512, 1024})
         .takes("N");
@@ -88,10 +90,7 @@ void declare(CommandLine& line, Options& o) {
 }
 
 int fail(int code, const std::string& message) {
-    std::string line = message;
-    std::replace(line.begin(), line.end(), '\n', ' ');
-    fmt::print(stderr, "seaway-bake: {}\n", line);
-    return code;
+    return complain("seaway-bake", code, message);
 }
 
 int run(Options& options) {
@@ -108,8 +107,6 @@ int run(Options& options) {
     const Result<exr::ExrCompression> compression = exr::exr_compression(options.compression);
     if (!compression)
         return fail(exit_usage, compression.error().message);
-    if (!(std::abs(options.start_s) <= 1e9))
-        return fail(exit_usage, fmt::format("--start {}: -1e9 .. 1e9 s", options.start_s));
     const Result<bake::MeshFormat> mesh = bake::mesh_format(options.mesh);
     if (!mesh)
         return fail(exit_usage, mesh.error().message);

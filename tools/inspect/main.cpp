@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // seaway-inspect: what a scene amounts to, without server or GPU. Errors: one line on stderr,
 // exit 2.
-#include <algorithm>
 #include <charconv>
 #include <cstdio>
 #include <iostream>
@@ -11,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "base/command_line.h"
+#include "base/messages.h"
 #include "base/text_file.h"
 #include "sea/waves/statistics/moments.h"
 #include "tools/inspect/images.h"
@@ -135,10 +135,7 @@ void declare(CommandLine& line, Options& options) {
 }
 
 int fail(const std::string& message) {
-    std::string line = message;
-    std::replace(line.begin(), line.end(), '\n', ' ');
-    fmt::print(stderr, "seaway-inspect: {}\n", line);
-    return exit_usage;
+    return complain("seaway-inspect", exit_usage, message);
 }
 
 } // namespace

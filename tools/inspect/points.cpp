@@ -23,6 +23,7 @@ namespace seaway::inspect {
 namespace {
 
 constexpr std::array<std::string_view, 3> columns{"x_m", "y_m", "t_s"};
+constexpr double time_max_s = sea::seconds_from_us(sea::time_us_max);
 constexpr double tolerance_m = 1e-9;
 /// Rounding of the direct sum, as a share of the sum of all amplitudes (sea/waves/reference.h).
 constexpr double sum_rounding = 1e-13;

@@ -15,10 +15,8 @@ namespace seaway::inspect {
 
 /// Rows are at most this far from the origin; beyond, a coordinate resolves no wave.
 inline constexpr double coordinate_max_m = 1e9;
-/// About 290000 years; int64 microseconds end there.
-inline constexpr double time_max_s = 9.2e12;
 
-/// Rows `x_m,y_m,t_s`, with or without that header; blank lines are skipped. Errors name the line.
+/// Rows `x_m,y_m,t_s`, times within sea::time_us_max, with or without that header; blank lines are skipped. Errors name the line.
 Result<std::vector<sea::QueryPoint>> read_points(std::istream& in, const std::string& name);
 
 /// The same from a file; "-" is standard input.

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "base/messages.h"
+
+#include <cstdio>
+
+#include <fmt/format.h>
+
+namespace seaway {
+
+namespace {
+
+/// Bytes of the character of UTF-8 at the start of `text`; 0 where there is none. Not those that
+/// encode control characters (U+0080 .. U+009F), surrogates or what is beyond U+10FFFF, and none that
+/// is longer than it need be.
+std::size_t character_bytes(std::string_view text) {
+    const auto byte = [&](std::size_t i) {
+        return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u;
+    };
+    const auto follows = [&](std::size_t i, unsigned lo, unsigned hi) {
+        return byte(i) >= lo && byte(i) <= hi;
+    };
+    const unsigned first = byte(0);
+    if (first < 0x80)
+        return first >= 0x20 && first != 0x7F ? 1 : 0;
+    if (first >= 0xC2 && first <= 0xDF)
+        return follows(1, first == 0xC2 ? 0xA0 : 0x80, 0xBF) ? 2 : 0;
+    if (first >= 0xE0 && first <= 0xEF)
+        return follows(1, first == 0xE0 ? 0xA0 : 0x80, first == 0xED ? 0x9F : 0xBF) &&
+                       follows(2, 0x80, 0xBF)
+                   ? 3
+                   : 0;
+    if (first >= 0xF0 && first <= 0xF4)
+        return follows(1, first == 0xF0 ? 0x90 : 0x80, first == 0xF4 ? 0x8F : 0xBF) &&
+                       follows(2, 0x80, 0xBF) && follows(3, 0x80, 0xBF)
+                   ? 4
+                   : 0;
+    return 0;
+}
+
+} // namespace
+
+std::string printable(std::string_view text) {
+    std::string shown;
+    while (!text.empty()) {
+        if (shown.size() >= printable_bytes_max)
+            return shown + " [...]";
+        const std::size_t bytes = character_bytes(text);
+        if (bytes > 0)
+            shown += text.substr(0, bytes);
+        else if (text.front() == '\n')
+            shown += ' ';
+        else
+            shown += fmt::format("\\x{:02x}", static_cast<unsigned char>(text.front()));
+        text.remove_prefix(bytes > 0 ? bytes : 1);
+    }
+    return shown;
+}
+
+int complain(const char* program, int status, std::string_view message) {
+    fmt::print(stderr, "{}: {}\n", program, printable(message));
+    return status;
+}
+
+} // namespace seaway

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a program says on stderr when it gives up: one line, whatever it quotes.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+namespace seaway {
+
+/// The text of a file or of a command line as it may be shown on a terminal: control characters and
+/// bytes that are no UTF-8 become \x1b, ends of lines become spaces, what is beyond
+/// `printable_bytes_max` becomes [...]. All other text, UTF-8 as well, stays as it is.
+std::string printable(std::string_view text);
+inline constexpr std::size_t printable_bytes_max = 1000;
+
+/// Prints "PROGRAM: MESSAGE" on stderr, printable. Returns `status`.
+int complain(const char* program, int status, std::string_view message);
+
+} // namespace seaway
