@@ -5,6 +5,9 @@
 #include "view/bindings.glsl"
 
 layout(location = 0) centroid out vec4 place; // as binding `geometry`
+/// Of the triangle's first vertex: the same, and how far the distances of the others may be from its.
+layout(location = 1) flat out vec4 corner;
+layout(location = 2) flat out float reach_m;
 
 vec4 spline_weights(float t) { // cubic B-spline
     const float u = 1.0 - t;
@@ -64,5 +67,8 @@ void main() {
     const vec2 moved = undisplaced_m + view.choppiness * d.xy;
     const vec3 position_m = vec3(moved, d.z - dot(moved, moved) * view.curvature_per_m);
     place = vec4(undisplaced_m, d.z, distance(position_m, view.camera_m));
+    corner = place;
+    // A cell and what waves move its corners by: six standard deviations either way.
+    reach_m = 3.0 * spacing + 3.0 * view.significant_height_m * (1.0 + max(view.choppiness.x, view.choppiness.y));
     gl_Position = view.clip_from_local * vec4(position_m, 1);
 }

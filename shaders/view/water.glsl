@@ -93,8 +93,7 @@ vec3 water_body(vec3 to_eye, vec3 normal, float height_m) {
 /// place: as binding `geometry`; to_eye: unit.
 vec3 water_radiance(vec4 place, vec3 to_eye) {
     const vec2 undisplaced_m = place.xy;
-    // Slivers at the horizon may extrapolate what their vertices hold: nothing is behind the eye.
-    const float distance_m = max(place.w, 0.0);
+    const float distance_m = place.w;
     const Footprint area = footprint(undisplaced_m, to_eye, distance_m);
     Gradients g = gradients_at(area);
     const float white = foam_share(area, g);
