@@ -403,39 +403,39 @@ TEST(Certificates, server_says_what_is_certified_and_warns_where_it_does_not_hol
     EXPECT_EQ(server.wait_for_exit(std::chrono::seconds(60)), 2);
     EXPECT_NE(server.log().find("accuracy.certificate: c.json: format: missing"), std::string::npos)
         << server.log();
+}
 
-    // A device that does not exist would be exit code 3: what is wrong with the words comes first.
-    TEST(Start, options_that_make_no_sense_are_exit_code_2_before_a_device_is_chosen) {
-        const std::string garbage =
-            tests::folder().write("garbage.pem", "this is no certificate\n");
-        const std::pair<std::vector<std::string>, std::string> cases[] = {
-            {{"--listen", "abc"}, "--listen abc"},
-            {{"--listen", "127.0.0.1:70000"}, "--listen 127.0.0.1:70000"},
-            {{"--tls-cert", garbage, "--tls-key", garbage}, "--tls-cert " + garbage},
-            {{"--client-token-file", "/no/such/file"}, "/no/such/file"},
-            {{"--admin-token-file", ""}, "--admin-token-file"}};
-        for (const auto& [words, named] : cases) {
-            std::vector<std::string> arguments{"scenes/calm.toml", "--device", "no such device"};
-            arguments.insert(arguments.end(), words.begin(), words.end());
-            tests::ServerProcess server(arguments);
-            EXPECT_EQ(server.wait_for_exit(std::chrono::seconds(60)), 2) << named;
-            EXPECT_NE(server.log().find(named), std::string::npos) << server.log();
-        }
+// A device that does not exist would be exit code 3: what is wrong with the words comes first.
+TEST(Start, options_that_make_no_sense_are_exit_code_2_before_a_device_is_chosen) {
+    const std::string garbage = tests::folder().write("garbage.pem", "this is no certificate\n");
+    const std::pair<std::vector<std::string>, std::string> cases[] = {
+        {{"--listen", "abc"}, "--listen abc"},
+        {{"--listen", "127.0.0.1:70000"}, "--listen 127.0.0.1:70000"},
+        {{"--tls-cert", garbage, "--tls-key", garbage}, "--tls-cert " + garbage},
+        {{"--client-token-file", "/no/such/file"}, "/no/such/file"},
+        {{"--admin-token-file", ""}, "--admin-token-file"}};
+    for (const auto& [words, named] : cases) {
+        std::vector<std::string> arguments{"scenes/calm.toml", "--device", "no such device"};
+        arguments.insert(arguments.end(), words.begin(), words.end());
+        tests::ServerProcess server(arguments);
+        EXPECT_EQ(server.wait_for_exit(std::chrono::seconds(60)), 2) << named;
+        EXPECT_NE(server.log().find(named), std::string::npos) << server.log();
     }
+}
 
-    TEST(Stop, both_signals_end_it_within_two_seconds_with_clients_connected) {
-        for (const int signal : {SIGTERM, SIGINT}) {
-            tests::ServerProcess server(
-                {"scenes/north_sea_gale.toml", "--device", "native", "--listen", "127.0.0.1:0"});
-            const std::string url = server.wait_until_ready();
-            ASSERT_FALSE(url.empty()) << server.log();
-            Result<std::unique_ptr<Client>> client = connect(url);
-            ASSERT_TRUE(client) << client.error().message;
-            ASSERT_TRUE((*client)->subscribe({.fields = sea::surface_fields}, 2, 10));
-            server.send(signal);
-            EXPECT_EQ(server.wait_for_exit(std::chrono::seconds(2)), 0) << server.log();
-        }
+TEST(Stop, both_signals_end_it_within_two_seconds_with_clients_connected) {
+    for (const int signal : {SIGTERM, SIGINT}) {
+        tests::ServerProcess server(
+            {"scenes/north_sea_gale.toml", "--device", "native", "--listen", "127.0.0.1:0"});
+        const std::string url = server.wait_until_ready();
+        ASSERT_FALSE(url.empty()) << server.log();
+        Result<std::unique_ptr<Client>> client = connect(url);
+        ASSERT_TRUE(client) << client.error().message;
+        ASSERT_TRUE((*client)->subscribe({.fields = sea::surface_fields}, 2, 10));
+        server.send(signal);
+        EXPECT_EQ(server.wait_for_exit(std::chrono::seconds(2)), 0) << server.log();
     }
+}
 
 } // namespace
 } // namespace seaway

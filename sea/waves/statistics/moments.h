@@ -61,6 +61,10 @@ struct SeaSummary {
 /// About as long as realize().
 SeaSummary summarize(const SeaState& sea, const Realization& realization);
 
+/// Standard deviation over seeds of the Hs of one tile at one instant, relative to Hs: sqrt(2 sum
+/// E^2) / (2 m0), E the mean of the variances expected of k and -k (physics.md section 5).
+double expected_hs_scatter(const SeaState& sea, const CascadeSpec& tile, Band band);
+
 /// Variance that was asked for between two frequencies, m2, to 1e-9: spectra and explicit waves.
 double requested_variance(const SeaState& sea, double omega_lo_radps, double omega_hi_radps);
 
