@@ -243,7 +243,8 @@ JointFoam joint_foam(const sea::Realization& sea) {
                                                    sums[1].at_time(time_us)};
         for (std::size_t i = 0; i < foam.exact.size(); ++i) {
             const double x = spacing_m * static_cast<double>(i % side);
-            const double y = spacing_m * static_cast<double>(i / side);
+            const std::size_t row = i / side;
+            const double y = spacing_m * static_cast<double>(row);
             sea::LagrangianPoint sum;
             for (std::size_t c = 0; c < 2; ++c) {
                 const sea::LagrangianPoint p = moments[c].at(x, y);
