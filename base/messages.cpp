@@ -57,7 +57,8 @@ std::string printable(std::string_view text) {
 }
 
 int complain(const char* program, int status, std::string_view message) {
-    fmt::print(stderr, "{}: {}\n", program, printable(message));
+    // Not fmt::print, which throws where stderr cannot be written: the status is what is left then.
+    std::fputs(fmt::format("{}: {}\n", program, printable(message)).c_str(), stderr);
     return status;
 }
 

@@ -11,6 +11,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/messages.h"
+
 namespace seaway {
 
 namespace {
@@ -104,8 +106,7 @@ int status_after_output(const char* program, int status, int lost_status) {
     const Result<void> finished = finish_standard_output();
     if (status != 0 || finished)
         return status;
-    fmt::print(stderr, "{}: {}\n", program, finished.error().message);
-    return lost_status;
+    return complain(program, lost_status, finished.error().message);
 }
 
 } // namespace seaway

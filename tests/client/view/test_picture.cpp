@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <array>
+#include <cmath>
 
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfInputFile.h>
@@ -40,15 +42,22 @@ TEST(Picture, exr_keeps_every_number) {
     const Picture picture = ramp();
     const std::string path = tests::folder().file("view_ramp.exr");
     ASSERT_TRUE(write_exr(picture, path));
-    std::vector<float> green(16 * 4);
+    std::array<std::vector<float>, 3> channels;
     Imf::InputFile file(path.c_str());
     Imf::FrameBuffer frame;
-    frame.insert("G", Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(green.data()), sizeof(float),
-                                 16 * sizeof(float)));
+    for (std::size_t c = 0; c < 3; ++c) {
+        channels[c].resize(16 * 4);
+        frame.insert(std::array{"R", "G", "B"}[c],
+                     Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(channels[c].data()),
+                                sizeof(float), 16 * sizeof(float)));
+    }
     file.setFrameBuffer(frame);
     file.readPixels(0, 3);
-    for (std::size_t i = 0; i < green.size(); ++i)
-        EXPECT_EQ(green[i], picture.rgba[4 * i + 1]);
+    for (std::size_t c = 0; c < 3; ++c)
+        for (std::size_t i = 0; i < channels[c].size(); ++i)
+            EXPECT_EQ(channels[c][i], picture.rgba[4 * i + c]);
+    EXPECT_GT(*std::max_element(picture.rgba.begin(), picture.rgba.end()), 1.0f)
+        << "beyond the white of a display";
 }
 
 TEST(Picture, a_path_that_cannot_be_written_is_named) {
@@ -59,6 +68,37 @@ TEST(Picture, a_path_that_cannot_be_written_is_named) {
         ASSERT_FALSE(written);
         EXPECT_NE(written.error().message.find(path), std::string::npos);
     }
+}
+
+/// The ACES fit by Stephen Hill for equal channels: its matrices keep grey, within their rounding.
+double hills_fit(double grey) {
+    return (grey * (grey + 0.0245786) - 0.000090537) /
+           (grey * (0.983729 * grey + 0.4329510) + 0.238081);
+}
+
+TEST(Picture, the_film_curve_of_greys_is_hills_fit_of_aces_in_srgb) {
+    for (const double grey : {0.01, 0.05, 0.18, 0.5, 1.0, 2.0, 8.0}) {
+        const auto value = static_cast<float>(grey);
+        const std::vector<std::uint8_t> bytes = to_srgb({1, 1, {value, value, value, 1.0f}}, {});
+        const double linear = hills_fit(grey);
+        const double shown =
+            linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
+        for (const std::uint8_t byte : bytes)
+            EXPECT_NEAR(byte, 255 * std::min(shown, 1.0), 1.0) << grey;
+    }
+}
+
+// Naive: the strength multiplies what is shown, so that whites turn grey and colours shift.
+TEST(Picture, strength_multiplies_linear_light_before_the_film_curve) {
+    const Picture once = ramp();
+    Picture brighter = once;
+    for (float& value : brighter.rgba)
+        value *= 3.0f;
+    Display display;
+    EXPECT_NE(to_srgb(brighter, display), to_srgb(once, display));
+    const std::vector<std::uint8_t> bytes = to_srgb(brighter, display);
+    display.exposure = 3.0;
+    EXPECT_EQ(bytes, to_srgb(once, display));
 }
 
 TEST(Picture, the_film_curve_keeps_black_and_order) {

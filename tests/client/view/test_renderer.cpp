@@ -37,17 +37,73 @@ TEST_F(RendererTest, drawn_points_are_where_a_query_finds_the_sea) {
     EXPECT_GT(compared, 200);
 }
 
+// From 3000 m the horizon lies six pixels below the level; the edge of a plane that ends where the sea
+// is out of sight would lie three below it.
 TEST_F(RendererTest, the_horizon_is_straight_and_where_geometry_says) {
-    const Picture picture = render(flat_sea(), Sky(sun_direction(15)), DebugView::place);
-    const double dip = horizon_dip_rad(camera_.z_m);
+    for (const double z_m : {14.0, 3000.0}) {
+        camera_.z_m = z_m;
+        const Picture picture = render(flat_sea(), Sky(sun_direction(15)), DebugView::place);
+        const double dip = horizon_dip_rad(z_m);
+        for (int x = 0; x < picture.width; ++x)
+            for (int y = 0; y < picture.height; ++y) {
+                const double elevation = std::asin(ray(x, y).z);
+                const float* place = picture.pixel(x, y);
+                const bool sky = place[0] == 0 && place[1] == 0;
+                // The pixel that the horizon crosses may be either.
+                if (std::abs(elevation + dip) > camera_.pixel_rad()) {
+                    EXPECT_EQ(sky, elevation > -dip) << x << ", " << y << " from " << z_m << " m";
+                }
+            }
+    }
+}
+
+// At 300 m a pixel is 1.5 m across the line of sight and 30 m along it. Waves of 25 m that run across
+// it are resolved all the same: the strip's probes keep at least sinc(6.4 m / 25 m) = 0.9 of them, less
+// what mips blur. A round filter of the strip's length would leave nothing.
+TEST_F(RendererTest, a_pixel_is_a_strip_along_the_line_of_sight_and_resolves_waves_across_it) {
+    SyntheticSea sea(one_wave(0.1, 100, 4));
+    const SeaFrame frame = sea.at(0);
+    const sea::Surface surface = sea.surface(frame);
+    camera_.yaw_deg = 0; // north; the waves run east
+    const Picture slope = render(frame, Sky(sun_direction(12)), DebugView::slope);
+    const Picture place = render(frame, Sky(sun_direction(12)), DebugView::place);
+    double product = 0, squares = 0;
+    for (std::size_t i = 0; i < place.rgba.size(); i += 4) {
+        const auto x = static_cast<double>(place.rgba[i]),
+                   y = static_cast<double>(place.rgba[i + 1]);
+        if (std::abs(y - 300) > 30 || std::abs(x) > 30)
+            continue;
+        const double truth = surface.at(x, y, 0).slope_x;
+        product += truth * static_cast<double>(slope.rgba[i]);
+        squares += truth * truth;
+    }
+    ASSERT_GT(squares, 0);
+    EXPECT_GT(product / squares, 0.6);
+    EXPECT_LT(product / squares, 1.02);
+}
+
+// Where the last cells are seen from their edge. Naive: what their corners hold is extrapolated to
+// behind the eye, and single pixels of the horizon show water at no distance, brown and blue.
+TEST_F(RendererTest, the_horizons_pixels_lie_between_the_sky_above_and_the_sea_below) {
+    const Result<sea::Scene> scene =
+        sea::read_scene(SEAWAY_SOURCE_DIR "/scenes/shallow_lagoon.toml");
+    ASSERT_TRUE(scene) << scene.error().message;
+    SyntheticSea lagoon(*sea::realize(*scene));
+    camera_ = {.z_m = 2, .yaw_deg = 40, .pitch_deg = -6, .width = 640, .height = 360};
+    const Picture picture = render(lagoon.at(60'000'000), Sky(sun_direction(11)));
+    const double horizon = -horizon_dip_rad(camera_.z_m);
     for (int x = 0; x < picture.width; ++x)
-        for (int y = 0; y < picture.height; ++y) {
-            const double elevation = std::asin(ray(x, y).z);
-            const float* place = picture.pixel(x, y);
-            const bool sky = place[0] == 0 && place[1] == 0;
-            // The pixel that the horizon crosses may be either.
-            if (std::abs(elevation + dip) > camera_.pixel_rad()) {
-                EXPECT_EQ(sky, elevation > -dip) << x << ", " << y;
+        for (int y = 3; y + 3 < picture.height; ++y) {
+            if (std::abs(std::asin(ray(x, y).z) - horizon) > camera_.pixel_rad())
+                continue;
+            for (int c = 0; c < 3; ++c) {
+                float least = 1e9f, most = 0;
+                for (const int other : {y - 3, y - 2, y + 2, y + 3}) {
+                    least = std::min(least, picture.pixel(x, other)[c]);
+                    most = std::max(most, picture.pixel(x, other)[c]);
+                }
+                EXPECT_GT(picture.pixel(x, y)[c], 0.8f * least) << x << ", " << y;
+                EXPECT_LT(picture.pixel(x, y)[c], 1.25f * most) << x << ", " << y;
             }
         }
 }

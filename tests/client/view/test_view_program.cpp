@@ -43,6 +43,11 @@ TEST(ViewProgram, lists_its_debug_views) {
         EXPECT_THAT(outcome.text, testing::HasSubstr(name));
 }
 
+TEST(ViewProgram, a_full_disk_behind_standard_output_is_an_error) {
+    EXPECT_EQ(run("--list-debug >/dev/full").code, 1);
+    EXPECT_EQ(run("--help >/dev/full").code, 1);
+}
+
 TEST(ViewProgram, says_in_one_line_what_is_wrong_with_a_command_line) {
     const std::string fine = "ws://127.0.0.1:1 --offscreen 64x48 --out /tmp/x.png ";
     const std::pair<std::string, const char*> rows[] = {
@@ -53,6 +58,11 @@ TEST(ViewProgram, says_in_one_line_what_is_wrong_with_a_command_line) {
         {fine + "--camera 1,2,-3,0,0", "Z"},
         {fine + "--debug nothing", "nothing"},
         {fine + "--time-of-day 25", "25"},
+        {fine + "--time 1e13", "between -1e+12 and 1e+12"},
+        {fine + "--time 1e12 --frames 60", "--frames 60"},
+        {fine + "--timeout nan", "--timeout"},
+        {fine + "--token-file ''", "--token-file"},
+        {fine + "--debug \"$(printf '\\033[31m')\"", "\\x1b[31m"},
         {"http://127.0.0.1:1 --offscreen 64x48 --out x.png", "http"},
     };
     for (const auto& [arguments, what] : rows) {
