@@ -82,32 +82,6 @@ TEST_F(RendererTest, a_pixel_is_a_strip_along_the_line_of_sight_and_resolves_wav
     EXPECT_LT(product / squares, 1.02);
 }
 
-// Where the last cells are seen from their edge. Naive: what their corners hold is extrapolated to
-// behind the eye, and single pixels of the horizon show water at no distance, brown and blue.
-TEST_F(RendererTest, the_horizons_pixels_lie_between_the_sky_above_and_the_sea_below) {
-    const Result<sea::Scene> scene =
-        sea::read_scene(SEAWAY_SOURCE_DIR "/scenes/shallow_lagoon.toml");
-    ASSERT_TRUE(scene) << scene.error().message;
-    SyntheticSea lagoon(*sea::realize(*scene));
-    camera_ = {.z_m = 2, .yaw_deg = 40, .pitch_deg = -6, .width = 640, .height = 360};
-    const Picture picture = render(lagoon.at(60'000'000), Sky(sun_direction(11)));
-    const double horizon = -horizon_dip_rad(camera_.z_m);
-    for (int x = 0; x < picture.width; ++x)
-        for (int y = 3; y + 3 < picture.height; ++y) {
-            if (std::abs(std::asin(ray(x, y).z) - horizon) > camera_.pixel_rad())
-                continue;
-            for (int c = 0; c < 3; ++c) {
-                float least = 1e9f, most = 0;
-                for (const int other : {y - 3, y - 2, y + 2, y + 3}) {
-                    least = std::min(least, picture.pixel(x, other)[c]);
-                    most = std::max(most, picture.pixel(x, other)[c]);
-                }
-                EXPECT_GT(picture.pixel(x, y)[c], 0.8f * least) << x << ", " << y;
-                EXPECT_LT(picture.pixel(x, y)[c], 1.25f * most) << x << ", " << y;
-            }
-        }
-}
-
 TEST_F(RendererTest, the_sky_is_that_of_the_model) {
     const Sky sky(sun_direction(15));
     const Picture picture = render(flat_sea(), sky);
