@@ -1,21 +1,44 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""Writes docs/accuracy.md, its sentence in README.md and docs/pictures/accuracy_*.png from what `seaway-bench accuracy` measured.
+"""Writes docs/accuracy.md, its sentence in README.md and docs/pictures/accuracy_*.png from the measurements in
+docs/accuracy, which `seaway-bench accuracy` made.
 
-    tools/accuracy_page.py [out/bench/accuracy ...] [--note TEXT]
+    tools/accuracy_page.py [--text]                          draws again what docs/accuracy holds
+    tools/accuracy_page.py --take FOLDER ... [--note TEXT]   first puts new measurements there
 
-Folders hold accuracy.csv, and error_map.csv if presets were measured; the first is of the device that the
-page speaks of, each further one adds a headline plot. Needs python3-matplotlib (apt install
-python3-matplotlib), here alone.
+A FOLDER is what `--out` of the bench was. Its accuracy.csv becomes docs/accuracy/native.csv, lavapipe.csv or
+that of another device, its error_map.csv goes beside it; a device that is not given stays as it is. The page
+speaks of the native one, each other adds its headline plot. Pictures need python3-matplotlib (apt install
+python3-matplotlib), the text (--text) does not. tools/check_accuracy.py holds that page and pictures are of
+the measurements beside them.
+
+To measure all of it again, on a quiet machine (2 cores: 3 minutes, 5 s, 40 s, 10 s):
+
+    build/dev/bin/seaway-bench accuracy --quick --out out/bench/accuracy
+    build/dev/bin/seaway-server scenes/north_sea_gale.toml --listen 127.0.0.1:9431 & sleep 5
+    build/dev/bin/seaway-bench accuracy --quick --knobs batch --server ws://127.0.0.1:9431 --out out/bench/accuracy
+    kill %1
+    build/dev/bin/seaway-bench accuracy --quick --device llvmpipe --states gale_deep --knobs named,combination \
+        --out out/bench/accuracy_lavapipe
+    tools/accuracy_page.py --take out/bench/accuracy out/bench/accuracy_lavapipe
+
+A run that was stopped goes on; one of another commit wants another folder, or an empty one.
 """
 import argparse
 import csv
 import pathlib
+import re
+import shutil
+import zlib
 
-import accuracy_pictures as pictures
-from page_text import metres, number, table
+from page_text import filled, metres, number, table
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
+DATA = ROOT / "docs/accuracy"
+PAGE = ROOT / "docs/accuracy.md"
+README = ROOT / "README.md"
+PICTURES = ROOT / "docs/pictures"
+MAIN = "native"
 GALE = "gale_deep"
 STATES = ["calm_deep", "calm_shallow", "gale_deep", "gale_shallow", "storm_deep", "storm_shallow"]
 PRESETS = ["precise", "balanced", "fast", "query_only"]
@@ -43,9 +66,9 @@ In a gale the balanced preset is off by {{BALANCED_P99}} at the 99th percentile,
 class Run:
     """One accuracy.csv: figures by state, knob and value."""
 
-    def __init__(self, folder):
-        self.folder = pathlib.Path(folder)
-        lines = (self.folder / "accuracy.csv").read_text().splitlines()
+    def __init__(self, path):
+        self.path = pathlib.Path(path)
+        lines = self.path.read_text().splitlines()
         self.settings = lines[0].lstrip("# ")
         self.trials = {}
         self.places = {}
@@ -59,6 +82,14 @@ class Run:
                 done.add(key)
         self.trials = {key: figures for key, figures in self.trials.items() if key in done}
         self.place = self.places[next(iter(self.trials))]
+
+    @property
+    def device(self):
+        """A word for it: of a file, and of a picture."""
+        name = self.place["device"]
+        if name.startswith("native"):
+            return MAIN
+        return "lavapipe" if "llvmpipe" in name else re.sub(r"[^a-z0-9]+", "_", name.lower()).strip("_")
 
     def figure(self, state, knob, value, metric):
         """None where it was not measured."""
@@ -77,10 +108,39 @@ class Run:
         return {name: sorted(points) for name, points in found.items()}
 
     def worst(self, value, metric):
-        """The largest over the states in which a named configuration was measured."""
-        figures = [self.figure(state, "named", value, metric) for state in STATES]
-        figures = [f for f in figures if f is not None]
-        return max(figures) if figures else None
+        """The largest over the states in which a named configuration was measured, and over the seeds."""
+        found = [self.trials[(state, "named", value)] for state in STATES if (state, "named", value) in self.trials]
+        of_seeds = metric.replace("_m", "_worst_m")
+        return max((figures.get(of_seeds, figures[metric])[0] for figures in found), default=None)
+
+
+def runs():
+    """Of all devices that docs/accuracy holds, the page's own first."""
+    paths = sorted(DATA.glob("*.csv"), key=lambda path: (path.stem != MAIN, path.stem))
+    return [Run(path) for path in paths if path.stem != "error_map"]
+
+
+def digest():
+    """Of all that pictures show; they carry it."""
+    return f"{zlib.crc32(b''.join(path.read_bytes() for path in sorted(DATA.glob('*.csv')))):08x}"
+
+
+def take(folders, note):
+    """Puts measurements into docs/accuracy."""
+    DATA.mkdir(exist_ok=True)
+    for folder in map(pathlib.Path, folders):
+        device = Run(folder / "accuracy.csv").device
+        shutil.copyfile(folder / "accuracy.csv", DATA / f"{device}.csv")
+        if device == MAIN and (folder / "error_map.csv").exists():
+            shutil.copyfile(folder / "error_map.csv", DATA / "error_map.csv")
+    (DATA / "note.txt").write_text(note + "\n" if note else "")
+
+
+def seas_measured(run):
+    """In words: what "worst" is over."""
+    seeds = sum(metric.startswith("p99_m@seed=") for metric in run.trials[(GALE, "named", "balanced")])
+    states = sum((state, "named", "balanced") in run.trials for state in STATES)
+    return f"{states} seas" if seeds < 2 else f"{states} seas, {seeds} seeds each"
 
 
 def ways_table(run):
@@ -98,7 +158,7 @@ def ways_table(run):
             number(get("query_ns") / 1e3), number(get("work_ms_per_s")),
             number(get("bytes_per_s") * 8e-6) if get("bytes_per_s") else "-", number(get("memory_mb")),
             number(get("flagged_pct"))])
-    return table(["", "rms", "p99", "p99, worst of six seas", "mean at crests", "slope rms", "waves left out",
+    return table(["", "rms", "p99", f"p99, worst of {seas_measured(run)}", "mean at crests", "slope rms", "waves left out",
                   "maps, ms/s", "encoding, ms/s", "an answer, us", "work, ms/s", "Mbit/s", "MB",
                   "flagged, %"], rows)
 
@@ -170,53 +230,100 @@ def device_table(run):
     return table(["device", "rms", "CPU, ms/s", "by its own clock, ms/s", "driver"], rows)
 
 
+def batch_table(run):
+    """K12: microseconds an answer by how many are asked for at once."""
+    curves = run.curves(GALE, "batch")
+    sizes = sorted({x for points in curves.values() for x, _ in points})
+    rows = []
+    for name, points in curves.items():
+        each = {x: run.figure(GALE, "batch", value, "batch_ns") for x, value in points}
+        rows.append([name] + [number(each[x] / 1e3) if x in each else "-" for x in sizes])
+    return table(["us an answer, batches of"] + [f"{size:,.0f}".replace(",", " ") for size in sizes], rows)
+
+
+def batch_difference(run):
+    """The largest over all batches, in words."""
+    found = [figures["batch_difference_m"][0] for figures in run.trials.values() if "batch_difference_m" in figures]
+    return "to the bit" if not any(found) else f"to {metres(max(found))}"
+
+
+def lavapipe_words(all_runs):
+    """The headline plots of the other devices."""
+    words = []
+    for run in all_runs[1:]:
+        get = lambda metric: run.figure(GALE, "named", "balanced", metric)
+        words.append(f"![Error against work on {run.device}](pictures/accuracy_headline_{run.device}.png)\n\n"
+                     f"{run.place['device']}: balanced has an rms of {metres(get('rms_m'))} there too, and its maps cost "
+                     f"{number(get('keyframe_cpu_ms_per_s'))} ms of CPU a second; {run.settings}; commit {run.place['commit']}.")
+    return "\n\n".join(words)
+
+
 def bound_range(run):
     ratios = [run.figure(state, "named", "balanced", "bound_over_p99") for state in STATES]
     return f"{min(ratios):.1f} to {max(ratios):.1f}"
 
 
-def fill(template, run, note):
+def words(all_runs):
+    run = all_runs[0]
     get = lambda name, metric: run.figure(GALE, "named", name, metric)
-    words = {
+    loose = lambda metric: run.figure(GALE, "combination", "256@0.1", metric)
+    return {
         "WAYS": ways_table(run), "STATES": states_table(run), "LAWS": law_table(run),
         "FORMATS": format_table(run), "OCTAVES": octave_table(run), "DEVICES": device_table(run),
+        "BATCHES": batch_table(run), "BATCH_DIFFERENCE": batch_difference(run),
+        "OTHER_HEADLINES": lavapipe_words(all_runs),
         "BALANCED_P99": metres(get("balanced", "p99_m")), "BALANCED_RMS": metres(get("balanced", "rms_m")),
         "BALANCED_MAPS": number(get("balanced", "keyframe_cpu_ms_per_s")),
         "BALANCED_ENCODE": number(get("balanced", "encode_ms_per_s")),
         "BALANCED_ANSWER": number(get("balanced", "query_ns") / 1e3),
         "BALANCED_WORK": number(get("balanced", "work_ms_per_s")),
+        "FAST_WORK": number(get("fast", "work_ms_per_s")),
+        "FAST_STREAM": number(get("fast", "bytes_per_s") * 8e-6),
+        "BALANCED_STREAM": number(get("balanced", "bytes_per_s") * 8e-6),
         "BALANCED_MISSING": metres(get("balanced", "missing_rms_m")),
         "SUM_ANSWER": number(get("all modes summed", "query_ns") / 1e3),
         "SUM_RATIO": number(get("all modes summed", "query_ns") / get("balanced", "query_ns")),
-        "ENGINE_RMS": metres(get("250/17/5 m of 256", "rms_m")),
-        "ENGINE_MAPS": number(get("250/17/5 m of 256", "keyframe_cpu_ms_per_s")),
         "GERSTNER_RMS": metres(get("64 largest waves", "rms_m")),
         "BOUND_OVER_P99": bound_range(run),
-        "LOOSE_FLAGGED": number(run.figure(GALE, "combination", "256@0.1", "flagged_pct")),
-        "LOOSE_ANSWER": number(run.figure(GALE, "combination", "256@0.1", "query_ns") / 1e3),
-        "LOOSE_P99": metres(run.figure(GALE, "combination", "256@0.1", "p99_m")),
+        "LOOSE_FLAGGED": number(loose("flagged_pct")),
+        "LOOSE_ANSWER": number(loose("query_ns") / 1e3),
+        "LOOSE_P99": metres(loose("p99_m")),
         "TRUTH": f"{max(f['truth_error_m'][0] for f in run.trials.values() if 'truth_error_m' in f):.1g} m",
         "SETTINGS": run.settings, "MACHINE": run.place["machine"], "COMMIT": run.place["commit"],
-        "NOTE": note,
+        "NOTE": (DATA / "note.txt").read_text().strip(),
     }
-    for word, text in words.items():
-        template = template.replace("{{" + word + "}}", text)
-    return template
+
+
+def asked_for(template, all_words):
+    return {word: text for word, text in all_words.items() if "{{" + word + "}}" in template}
+
+
+def page():
+    """The text of docs/accuracy.md."""
+    template = (ROOT / "tools/accuracy_page.md.in").read_text()
+    return filled(template, asked_for(template, words(runs())))
+
+
+def readme():
+    """README.md with the page's sentence."""
+    before, begin, rest = README.read_text().partition("<!-- written by tools/accuracy_page.py -->\n")
+    _, end, after = rest.partition("<!-- until here -->\n")
+    return before + begin + filled(HEADLINE, asked_for(HEADLINE, words(runs()))) + end + after
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("folders", nargs="*", default=[str(ROOT / "out/bench/accuracy")])
-    parser.add_argument("--note", default="", help="a sentence about this run, for the page's end")
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--take", nargs="+", metavar="FOLDER", help="puts these measurements into docs/accuracy")
+    parser.add_argument("--note", default="", help="with --take: a sentence about this run, for the page's end")
+    parser.add_argument("--text", action="store_true", help="no pictures")
     options = parser.parse_args()
-    runs = [Run(folder) for folder in options.folders]
-    pictures.draw_all(runs, ROOT / "docs/pictures")
-    template = (ROOT / "tools/accuracy_page.md.in").read_text()
-    (ROOT / "docs/accuracy.md").write_text(fill(template, runs[0], options.note))
-    readme = ROOT / "README.md"
-    before, begin, rest = readme.read_text().partition("<!-- written by tools/accuracy_page.py -->\n")
-    _, end, after = rest.partition("<!-- until here -->\n")
-    readme.write_text(before + begin + fill(HEADLINE, runs[0], "") + end + after)
+    if options.take:
+        take(options.take, options.note)
+    if not options.text:
+        import accuracy_pictures
+        accuracy_pictures.draw_all(runs(), PICTURES, digest())
+    PAGE.write_text(page())
+    README.write_text(readme())
 
 
 if __name__ == "__main__":

@@ -9,6 +9,12 @@ OURS, THEIRS = COLOURS[0], COLOURS[1]
 PRESETS = ["precise", "balanced", "fast", "query_only"]
 
 
+def save(figure, path):
+    """With the digest of what it shows, by which tools/check_accuracy.py knows it."""
+    figure.savefig(path, metadata={"Description": f"docs/accuracy {save.digest}"})
+    plt.close(figure)
+
+
 def error_axis(axis, label):
     axis.set_xscale("log")
     axis.invert_xaxis()
@@ -70,8 +76,7 @@ def headline(run, path):
     axes[0].set_ylabel("work, ms of CPU a second of sea:\nmaps, stream, 10 000 answers")
     axes[0].legend(loc="upper left", bbox_to_anchor=(0.0, 0.9))
     figure.suptitle(f"A gale (Hs {run.figure(GALE, 'named', 'balanced', 'hs_m'):.1f} m) on {run.place['device']}")
-    figure.savefig(path)
-    plt.close(figure)
+    save(figure, path)
 
 
 def sheet(run, knob, path, xlabel, cost, cost_label, title, state=GALE, only=None, xmin=None):
@@ -107,8 +112,7 @@ def sheet(run, knob, path, xlabel, cost, cost_label, title, state=GALE, only=Non
     left.legend(fontsize=8)
     figure.suptitle(title + "  (solid: measured, dashed: expected)", fontsize=10)
     figure.tight_layout()
-    figure.savefig(path)
-    plt.close(figure)
+    save(figure, path)
 
 
 def layout(run, path):
@@ -128,8 +132,29 @@ def layout(run, path):
     right.set_ylabel("scatter of Hs over seeds, %")
     right.set_ylim(bottom=0)
     figure.tight_layout()
-    figure.savefig(path)
-    plt.close(figure)
+    save(figure, path)
+
+
+def batches(run, path):
+    """K12: an answer's time by how many are asked for at once; whiskers from the fastest round to the slowest."""
+    curves = run.curves(GALE, "batch")
+    if not curves:
+        return
+    figure, axes = plt.subplots(1, 2, figsize=(9, 3.3))
+    for axis, metric, scale, label in ((axes[0], "batch_ns", 1e-3, "us an answer"), (axes[1], "batch_ms", 1, "ms a batch")):
+        for colour, (name, points) in zip(COLOURS, curves.items()):
+            trials = [run.trials[(GALE, "batch", value)][metric] for _, value in points]
+            below, above = [scale * (t[0] - t[1]) for t in trials], [scale * (t[2] - t[0]) for t in trials]
+            axis.errorbar([x for x, _ in points], [scale * t[0] for t in trials], yerr=[below, above], color=colour,
+                          marker="o", ms=3.5, lw=1.4, label=name, elinewidth=0.8)
+        axis.set_xscale("log")
+        axis.set_yscale("log")
+        axis.set_xlabel("points asked for at once")
+        axis.set_ylabel(label)
+    axes[1].legend(fontsize=8)
+    figure.suptitle("K12: batches of questions (wall time; answers are the same)", fontsize=10)
+    figure.tight_layout()
+    save(figure, path)
 
 
 def error_map(folder, path):
@@ -155,17 +180,16 @@ def error_map(folder, path):
         figure.colorbar(image, ax=axis, shrink=0.8, label=unit)
         axis.set_xlabel("m")
     figure.tight_layout()
-    figure.savefig(path)
-    plt.close(figure)
+    save(figure, path)
 
 
-def draw_all(runs, folder):
+def draw_all(runs, folder, digest):
+    save.digest = digest
     run = runs[0]
     name = lambda what: folder / f"accuracy_{what}.png"
     headline(run, name("headline"))
     for other in runs[1:]:
-        device = "lavapipe" if "llvmpipe" in other.place["device"] else "device"
-        headline(other, name(f"headline_{device}"))
+        headline(other, name(f"headline_{other.device}"))
     sheet(run, "cutoff", name("cutoff"), "cut-off, rad/m", "query_ns", "one thread's ns an exact answer",
           "K1: waves shorter than the cut-off are left out")
     sheet(run, "grid", name("grid"), "grid points a side (Seaway takes 64 for these waves)",
@@ -180,5 +204,6 @@ def draw_all(runs, folder):
           only=["fixed point"])
     sheet(run, "modes", name("modes"), "waves summed", "query_ns", "ns an answer", "K11: only the largest waves")
     sheet(run, "latency", name("latency"), "late by, s", "query_ns", "ns an answer", "K14: answers of a while ago")
+    batches(run, name("batch"))
     layout(run, name("layout"))
-    error_map(run.folder, name("map"))
+    error_map(run.path.parent, name("map"))

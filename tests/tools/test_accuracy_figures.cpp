@@ -5,11 +5,15 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <string>
 #include <string_view>
 #include <vector>
 
+#include "tools/bench/accuracy/batches.h"
 #include "tools/bench/accuracy/half.h"
+#include "tools/bench/accuracy/measure.h"
 #include "tools/bench/accuracy/metrics.h"
+#include "tools/bench/accuracy/sea_states.h"
 
 namespace seaway::bench {
 namespace {
@@ -65,6 +69,82 @@ TEST(AccuracyFigures, every_axis_of_an_answer_counts_alike) {
         EXPECT_NEAR(figure(all, "slope_rms"), 0.3, 1e-12) << axis;
         EXPECT_NEAR(figure(all, "normal_p99_deg"), std::atan(0.3) * 180.0 / 3.14159265358979, 1e-9);
     }
+}
+
+/// A small sea, drawn anew for each seed, with a few points of it.
+std::vector<DrawnSea> drawn(const Configuration& configuration, int seeds) {
+    std::vector<DrawnSea> seas;
+    for (int i = 0; i < seeds; ++i) {
+        const std::uint64_t seed = 5 + static_cast<std::uint64_t>(i);
+        const auto scene = sea_state("calm_shallow", seed);
+        const auto waves = configured_waves(*scene, configuration);
+        seas.push_back({*scene, summed_truth(*waves, {32, 8, false, i, seeds}, seed)});
+    }
+    return seas;
+}
+
+Configuration small_tile() {
+    Configuration configuration = clean(*sea_state("calm_shallow", 5));
+    configuration.cascades = {{200.0, 64}};
+    configuration.height_error_m = 0.05;
+    configuration.interval_us.reset();
+    return configuration;
+}
+
+TEST(AccuracyFigures, figures_of_several_seeds_are_of_all_their_points_and_the_worst_is_named) {
+    const Configuration configuration = small_tile();
+    const std::vector<DrawnSea> seas = drawn(configuration, 3);
+    Devices devices;
+    StageCosts costs(1);
+    const auto all = measure(seas, configuration, {}, devices, costs);
+    ASSERT_TRUE(all) << all.error().message;
+    double squares = 0, samples = 0, worst = 0, hs_before = 0;
+    for (int i = 0; i < 3; ++i) {
+        const std::string seed = std::to_string(5 + i);
+        const double points = 16.0 * (i < 2 ? 3 : 2); // anywhere; of 8 times, shared by three
+        squares += points * std::pow(figure(*all, "rms_m@seed=" + seed), 2);
+        samples += points;
+        worst = std::max(worst, figure(*all, "p99_m@seed=" + seed));
+        EXPECT_NE(figure(*all, "hs_m@seed=" + seed), hs_before); // another sea
+        hs_before = figure(*all, "hs_m@seed=" + seed);
+    }
+    EXPECT_NEAR(figure(*all, "rms_m"), std::sqrt(squares / samples), 1e-12);
+    EXPECT_EQ(figure(*all, "p99_worst_m"), worst);
+    EXPECT_EQ(figure(*all, "samples"), 32.0 * 8);
+    EXPECT_GT(figure(*all, "rms_m"), 0.0);
+}
+
+TEST(AccuracyFigures, seeds_that_share_times_take_each_time_once) {
+    std::vector<int> times;
+    for (int i = 0; i < 3; ++i) {
+        const Configuration configuration = small_tile();
+        const auto waves = configured_waves(*sea_state("calm_shallow", 5), configuration);
+        for (const SamplePoint& point : sample_points(waves->all, {4, 8, false, i, 3}, 5))
+            times.push_back(point.time);
+    }
+    std::sort(times.begin(), times.end());
+    ASSERT_EQ(times.size(), 4u * 8);
+    for (std::size_t i = 0; i < times.size(); ++i)
+        EXPECT_EQ(times[i], static_cast<int>(i / 4));
+}
+
+// K12 has no error of its own: whoever asks for many at once, in however many threads, gets the bits of
+// who asks for one.
+TEST(AccuracyFigures, an_answer_has_the_same_height_alone_and_in_a_batch_of_any_size) {
+    const auto scene = sea_state("calm_shallow", 5);
+    Devices devices;
+    for (const Evaluator evaluator : {Evaluator::maps, Evaluator::direct_sum})
+        for (const Asked asked : {Asked::one_thread, Asked::all_threads})
+            for (const int points : {1, 7, 64}) {
+                Configuration configuration = small_tile();
+                configuration.evaluator = evaluator;
+                const auto all = measure_batch(*scene, configuration, {points, asked}, "", devices);
+                ASSERT_TRUE(all) << all.error().message;
+                EXPECT_EQ(figure(*all, "batch_difference_m"), 0.0) << points;
+                EXPECT_GT(figure(*all, "batch_ns"), 0.0) << points;
+                EXPECT_NEAR(figure(*all, "batch_ms"), 1e-6 * points * figure(*all, "batch_ns"),
+                            1e-9 * figure(*all, "batch_ms"));
+            }
 }
 
 } // namespace

@@ -72,7 +72,10 @@ TEST(BenchAccuracy, journal_has_its_form_and_every_trial_ends_with_done) {
     ASSERT_EQ(ran.status, 0) << ran.err;
     const std::vector<std::string> rows = lines(testing::read_file(csv("form")));
     ASSERT_GT(rows.size(), 20u);
-    EXPECT_EQ(rows[0], "# seaway-bench accuracy, seed 7, 32 points at each of 8 times");
+    EXPECT_EQ(
+        rows[0],
+        "# seaway-bench accuracy, seed 7, 32 points at each of 8 times; named configurations on "
+        "seeds 7 to 9");
     EXPECT_EQ(rows[1],
               "state,knob,value,metric,figure,ci_low,ci_high,device,driver,machine,commit");
     for (std::size_t i = 2; i < rows.size(); ++i) {

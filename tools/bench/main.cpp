@@ -37,6 +37,16 @@ seaway::CommandLine& add_accuracy(seaway::CommandLine& line,
         .shows_default();
     command.option("--out", options.out, "Folder for accuracy.csv and the truth").shows_default();
     command.option("--seed", options.seed, "Of the seas and of the points").shows_default();
+    command
+        .option("--seeds", options.seeds,
+                "Presets and baselines are measured on so many, from --seed on; with --quick they "
+                "share the times")
+        .between(1, 1000)
+        .shows_default();
+    command
+        .option("--server", options.server,
+                "ws://HOST:PORT of a running server, for batches over a socket")
+        .takes("URL");
     command.option("--points", options.points, "A time, in place of what the extent says")
         .between(4, 65'536);
     command.option("--times", options.times, "Likewise").between(1, 1024);

@@ -20,6 +20,9 @@ struct AccuracyOptions {
     std::string device = "native";
     std::string out = "out/bench/accuracy";
     std::uint64_t seed = 1;
+    int seeds = 3; ///< named configurations are measured on seed, seed + 1, ...
+    std::string
+        server;     ///< URL of a running one, for batches over a socket; empty: those are left out
     int points = 0; ///< a time; 0: as the extent says
     int times = 0;
 };

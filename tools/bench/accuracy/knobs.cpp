@@ -185,13 +185,43 @@ Trials modes(const sea::Scene& scene, const std::string& device) {
     return trials;
 }
 
+Trials batches(const sea::Scene& scene, const std::string& device) {
+    struct Curve {
+        const char* name;
+        Asked asked;
+        Evaluator evaluator;
+        int largest;
+    };
+    constexpr Curve curves[] = {
+        {"sampled, one thread", Asked::one_thread, Evaluator::maps, 100'000},
+        {"sampled, all threads", Asked::all_threads, Evaluator::maps, 100'000},
+        {"exact, one thread", Asked::one_thread, Evaluator::direct_sum, 1000},
+        {"exact, all threads", Asked::all_threads, Evaluator::direct_sum, 1000},
+        {"over a socket", Asked::socket, Evaluator::maps, 1000}};
+    Trials trials;
+    for (const Curve& curve : curves)
+        for (int points = 1; points <= curve.largest; points *= 10) {
+            Configuration configuration = balanced(scene);
+            configuration.device = device;
+            configuration.evaluator = curve.evaluator;
+            trials.push_back({.value = on_curve(curve.name, points),
+                              .configuration = configuration,
+                              .measurement = Measurement::batch,
+                              .batch = {points, curve.asked}});
+        }
+    return trials;
+}
+
 Trials choppiness(const sea::Scene& scene, const std::string& device) {
     Trials trials;
     for (const double factor : {0.0, 0.5, 1.0, 1.5}) {
         Configuration configuration = balanced(scene);
         configuration.device = device;
         configuration.choppiness = factor;
-        trials.push_back({on_curve("factor", factor), configuration});
+        // Where the sea folds, each answer looks for sheets.
+        const int every = factor > 1.0 ? summed_every : 1;
+        trials.push_back(
+            {on_curve("factor", factor), configuration, Measurement::answers, {.every = every}});
     }
     return trials;
 }
@@ -259,23 +289,16 @@ Trials named(const sea::Scene& scene, const std::string& device) {
     return trials;
 }
 
-constexpr std::array all_knobs{Knob{"named", "", named},
-                               Knob{"grid", "K2", grid},
-                               Knob{"cutoff", "K1", cutoff},
-                               Knob{"cascades", "K3", cascades},
-                               Knob{"tile", "K4", tile},
-                               Knob{"format", "K5", format},
-                               Knob{"transform", "K6", transform},
-                               Knob{"phase", "K7", phase},
-                               Knob{"interval", "K8", interval},
-                               Knob{"codec", "K9", codec},
-                               Knob{"inverse", "K10", inverse},
-                               Knob{"modes", "K11", modes},
-                               Knob{"choppiness", "K13", choppiness},
-                               Knob{"latency", "K14", latency},
-                               Knob{"rung", "", rung},
-                               Knob{"device", "", devices},
-                               Knob{"combination", "", combination}};
+constexpr std::array all_knobs{
+    Knob{"named", "", named, true},     Knob{"grid", "K2", grid},
+    Knob{"cutoff", "K1", cutoff},       Knob{"cascades", "K3", cascades},
+    Knob{"tile", "K4", tile},           Knob{"format", "K5", format},
+    Knob{"transform", "K6", transform}, Knob{"phase", "K7", phase},
+    Knob{"interval", "K8", interval},   Knob{"codec", "K9", codec},
+    Knob{"inverse", "K10", inverse},    Knob{"modes", "K11", modes},
+    Knob{"batch", "K12", batches},      Knob{"choppiness", "K13", choppiness},
+    Knob{"latency", "K14", latency},    Knob{"rung", "", rung},
+    Knob{"device", "", devices},        Knob{"combination", "", combination}};
 
 } // namespace
 

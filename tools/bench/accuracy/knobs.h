@@ -9,24 +9,27 @@
 #include <vector>
 
 #include "sea/scene/scene.h"
+#include "tools/bench/accuracy/batches.h"
 #include "tools/bench/accuracy/configuration.h"
 #include "tools/bench/accuracy/measure.h"
 
 namespace seaway::bench {
 
-enum class Measurement { answers, layout, transform };
+enum class Measurement { answers, layout, transform, batch };
 
 struct Trial {
     std::string value; ///< "curve@x" where it is a point of a curve, else a name
     Configuration configuration;
     Measurement measurement = Measurement::answers;
     Extent extent = {};
+    Batch batch = {}; ///< of Measurement::batch
 };
 
 struct Knob {
     std::string_view name;
     std::string_view number; ///< "K8", as in docs/accuracy.md; "" for combinations
     std::vector<Trial> (*trials)(const sea::Scene& scene, const std::string& device);
+    bool fresh_seeds = false; ///< measured on every seed of a run, not on the first alone
 };
 
 /// In the order in which they run.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <iterator>
 #include <map>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -57,11 +58,67 @@ double value_of(const std::vector<Figure>& all, std::string_view metric) {
     return found == all.end() ? 0.0 : found->value;
 }
 
-Result<std::vector<Figure>> errors_of(ConfiguredSea& sea, const Truth& truth,
-                                      const Extent& extent) {
-    SEAWAY_TRY_LET(const std::vector<Sample> samples, sample_answers(sea, truth, extent));
-    const double hs_m = 4.0 * std::sqrt(variance_of(*sea.waves().all));
+double hs_of(const ConfiguredSea& sea) {
+    return 4.0 * std::sqrt(variance_of(*sea.waves().all));
+}
+
+double codec_over_bound(const ConfiguredSea& sea) {
+    double over_bound = 0;
+    for (const CodingCost& coding : sea.coding())
+        over_bound = std::max(over_bound, coding.worst_over_bound);
+    return over_bound;
+}
+
+/// What the further seas add to the first.
+struct FurtherSeas {
+    std::vector<Sample> samples;
+    std::vector<Figure> by_seed;
+    double p99_worst_m = 0;
+    double codec_over_bound = 0;
+
+    void add_seed(std::uint64_t seed, const std::vector<Sample>& of_seed, double hs_m) {
+        const std::vector<Figure> all = figures(of_seed, hs_m);
+        for (const char* metric : {"rms_m", "p99_m"})
+            for (const Figure& figure : all)
+                if (figure.metric == metric)
+                    by_seed.push_back({fmt::format("{}@seed={}", metric, seed), figure.value,
+                                       figure.low, figure.high});
+        by_seed.push_back(exact(fmt::format("hs_m@seed={}", seed), hs_m));
+        p99_worst_m = std::max(p99_worst_m, value_of(all, "p99_m"));
+    }
+};
+
+Result<FurtherSeas> further_seas(std::span<const DrawnSea> seas, const Configuration& configuration,
+                                 const Extent& extent, Devices& devices) {
+    // Times of different seas are different draws, whatever they are numbered.
+    constexpr int times_apart = 1 << 16;
+    FurtherSeas further;
+    int number = 0;
+    for (const DrawnSea& drawn : seas) {
+        SEAWAY_TRY_LET(const auto sea, ConfiguredSea::create(drawn.scene, configuration, devices));
+        SEAWAY_TRY_LET(std::vector<Sample> samples, sample_answers(*sea, drawn.truth, extent));
+        further.add_seed(drawn.scene.sea.seed, samples, hs_of(*sea));
+        further.codec_over_bound = std::max(further.codec_over_bound, codec_over_bound(*sea));
+        ++number;
+        for (Sample& sample : samples)
+            sample.time += number * times_apart;
+        further.samples.insert(further.samples.end(), samples.begin(), samples.end());
+    }
+    return further;
+}
+
+Result<std::vector<Figure>> errors_of(ConfiguredSea& sea, const Truth& truth, const Extent& extent,
+                                      std::uint64_t seed = 0, FurtherSeas further = {}) {
+    SEAWAY_TRY_LET(std::vector<Sample> samples, sample_answers(sea, truth, extent));
+    const double hs_m = hs_of(sea);
+    const bool several = !further.samples.empty();
+    if (several)
+        further.add_seed(seed, samples, hs_m);
+    samples.insert(samples.end(), further.samples.begin(), further.samples.end());
     std::vector<Figure> all = figures(samples, hs_m);
+    if (several)
+        all.push_back(exact("p99_worst_m", further.p99_worst_m));
+    all.insert(all.end(), further.by_seed.begin(), further.by_seed.end());
     all.push_back(exact("samples", static_cast<double>(samples.size())));
     all.push_back(exact("hs_m", hs_m));
     add_missing(missing_waves(sea.waves()), all);
@@ -71,9 +128,7 @@ Result<std::vector<Figure>> errors_of(ConfiguredSea& sea, const Truth& truth,
         SEAWAY_TRY_LET(const double metres, flicker(sea, truth.movie));
         all.push_back(exact("flicker_m", metres));
     }
-    double over_bound = 0;
-    for (const CodingCost& coding : sea.coding())
-        over_bound = std::max(over_bound, coding.worst_over_bound);
+    const double over_bound = std::max(further.codec_over_bound, codec_over_bound(sea));
     if (over_bound > 0)
         all.push_back(exact("codec_over_bound", over_bound));
     return all;
@@ -113,11 +168,16 @@ Result<std::vector<Figure>> measure_errors(const sea::Scene& scene,
     return errors_of(*sea, truth, extent);
 }
 
-Result<std::vector<Figure>> measure(const sea::Scene& scene, const Configuration& configuration,
-                                    const Truth& truth, const Extent& extent, Devices& devices,
-                                    StageCosts& costs) {
-    SEAWAY_TRY_LET(const auto sea, ConfiguredSea::create(scene, configuration, devices));
-    SEAWAY_TRY_LET(std::vector<Figure> all, errors_of(*sea, truth, extent));
+Result<std::vector<Figure>> measure(std::span<const DrawnSea> seas,
+                                    const Configuration& configuration, const Extent& extent,
+                                    Devices& devices, StageCosts& costs) {
+    // First the further ones: a device makes the maps of one sea at a time.
+    SEAWAY_TRY_LET(FurtherSeas further,
+                   further_seas(seas.subspan(1), configuration, extent, devices));
+    const Truth& truth = seas[0].truth;
+    SEAWAY_TRY_LET(const auto sea, ConfiguredSea::create(seas[0].scene, configuration, devices));
+    SEAWAY_TRY_LET(std::vector<Figure> all,
+                   errors_of(*sea, truth, extent, seas[0].scene.sea.seed, std::move(further)));
     const int base = extent.time_base.value_or(0);
     add_prediction(predict(sea->waves(), configuration, sample_time_us(base)), all);
     if (extent.octaves)

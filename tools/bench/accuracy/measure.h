@@ -4,6 +4,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "base/result.h"
@@ -25,6 +26,12 @@ struct Extent {
     bool flicker = false;         ///< and the second of film
 };
 
+/// One of the seas that a configuration is measured on: of one spectrum, each of a seed of its own.
+struct DrawnSea {
+    sea::Scene scene;
+    Truth truth;
+};
+
 /// The answers of a configured sea beside the truth, at the extent's points.
 Result<std::vector<Sample>> sample_answers(ConfiguredSea& sea, const Truth& truth,
                                            const Extent& extent);
@@ -36,12 +43,14 @@ Result<std::vector<Figure>> measure_errors(const sea::Scene& scene,
                                            const Configuration& configuration, const Truth& truth,
                                            const Extent& extent, Devices& devices);
 
-/// What measure_errors() gives; predicted_rms_m and predicted_<source>_m of laws.h; octaves as
-/// "energy_pct@k", "phase_rad@k"; the costs of stage_costs.h; query_ns; work_ms_per_s = keyframes +
-/// splines + encoding + queries_per_s answers.
-Result<std::vector<Figure>> measure(const sea::Scene& scene, const Configuration& configuration,
-                                    const Truth& truth, const Extent& extent, Devices& devices,
-                                    StageCosts& costs);
+/// What measure_errors() gives, over all points of all seas, and of several seas rms_m@seed=S, p99_m@seed=S,
+/// hs_m@seed=S and p99_worst_m, the largest of them; predicted_rms_m and predicted_<source>_m of laws.h;
+/// octaves as "energy_pct@k", "phase_rad@k"; the costs of stage_costs.h; query_ns; work_ms_per_s =
+/// keyframes + splines + encoding + queries_per_s answers. Laws, octaves, flicker and costs are of the
+/// first sea. `seas` is not empty.
+Result<std::vector<Figure>> measure(std::span<const DrawnSea> seas,
+                                    const Configuration& configuration, const Extent& extent,
+                                    Devices& devices, StageCosts& costs);
 
 /// What a layout of tiles holds of a spectrum, without a single answer: missing_*_m, missing_slope_rms,
 /// hs_scatter_pct (standard deviation over seeds of the tile's Hs), octaves asked for and held as

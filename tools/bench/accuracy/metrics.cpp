@@ -173,8 +173,11 @@ std::vector<Figure> figures(std::span<const Sample> all_samples, double hs_m) {
     put("p99_pct_hs", p99, percent_of_hs);
     put("mean_m", by_times(heights, mean));
     all.push_back(exact("max_m", worst));
+    all.push_back(exact("max_pct_hs", percent_of_hs * worst));
     const auto crests = sums_of(samples, of_kind(PointKind::crest), height_error);
-    put("crest_m", by_times(crests, mean));
+    const Interval crest = by_times(crests, mean);
+    put("crest_m", crest);
+    put("crest_pct_hs", crest, percent_of_hs);
     put("crest_rms_m", by_times(crests, root_mean_square));
     put("steep_rms_m",
         by_times(sums_of(samples, of_kind(PointKind::steep), height_error), root_mean_square));

@@ -39,7 +39,7 @@ struct Sample {
 /// max_m                         at all points
 /// crest_m, crest_rms_m          mean (negative: crests too low) and rms on crests
 /// steep_rms_m                   where the surface is squeezed most
-/// rms_pct_hs, p99_pct_hs        of 4 sqrt(m0)
+/// rms_pct_hs, p99_pct_hs, max_pct_hs, crest_pct_hs   of 4 sqrt(m0)
 /// slope_rms, normal_p99_deg     of the gradient, and the angle of the normal, anywhere
 /// velocity_rms_mps              of all three parts, anywhere
 /// folded_pct, flagged_pct       points left out; answers flagged as folded among the others

@@ -70,7 +70,7 @@ std::vector<SamplePoint> sample_points(const sea::RealizationPtr& sea, const Sam
     };
     const auto a_time = static_cast<std::size_t>(sampling.points);
     std::vector<SamplePoint> points;
-    for (int t = 0; t < sampling.times; ++t) {
+    for (int t = sampling.first_time; t < sampling.times; t += sampling.time_step) {
         const sea::TimeUs time_us = sample_time_us(t);
         for (std::size_t i = 0; i < a_time / 2; ++i) {
             const double x_m = uniform();

@@ -27,6 +27,9 @@ struct Sampling {
     int points = 512; ///< a time; at least 4
     int times = 8;
     bool film = true; ///< and heights over a second at 60 Hz; a third of the work at 128 points
+    /// Only the times first_time, first_time + time_step, ... of those: seeds share them.
+    int first_time = 0;
+    int time_step = 1;
 };
 
 /// Seconds since the epoch around which times lie; time number i is around the i-th, and round again.

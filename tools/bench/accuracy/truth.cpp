@@ -38,8 +38,11 @@ std::string file_name(const Waves& waves, const Sampling& sampling, std::uint64_
         sum = protocol::crc32(bytes_of(cascade.h0), sum);
         sum = protocol::crc32(bytes_of(cascade.rate), sum);
     }
-    return fmt::format("truth_{:08x}_{}_{}_{:.2f}_{}{}.bin", sum, sampling.points, sampling.times,
-                       waves.all->choppiness.x, seed, sampling.film ? "" : "_still");
+    const std::string shared =
+        sampling.time_step == 1 ? std::string()
+                                : fmt::format("_{}of{}", sampling.first_time, sampling.time_step);
+    return fmt::format("truth_{:08x}_{}_{}_{:.2f}_{}{}{}.bin", sum, sampling.points, sampling.times,
+                       waves.all->choppiness.x, seed, shared, sampling.film ? "" : "_still");
 }
 
 struct Header {

@@ -105,11 +105,12 @@ Result<sea::Certificate> certificate_of(const sea::Scene& scene, const Target& t
 
     const Configuration configuration = configuration_of(scene, options.device);
     SEAWAY_TRY_LET(const Waves waves, configured_waves(scene, configuration));
-    SEAWAY_TRY_LET(const Truth truth, reference_truth(waves, options.sampling, scene.sea.seed,
-                                                      options.folder + "/truth"));
+    SEAWAY_TRY_LET(Truth truth, reference_truth(waves, options.sampling, scene.sea.seed,
+                                                options.folder + "/truth"));
+    const DrawnSea drawn{scene, std::move(truth)};
     StageCosts costs(7);
     SEAWAY_TRY_LET(const std::vector<Figure> all,
-                   measure(scene, configuration, truth, {}, devices, costs));
+                   measure({&drawn, 1}, configuration, {}, devices, costs));
     for (const Figure& figure : all)
         for (const char* name :
              {"keyframe_cpu_ms_per_s", "spline_ms_per_s", "encode_ms_per_s", "decode_ms_per_s",
