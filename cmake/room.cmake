@@ -1,8 +1,22 @@
+# seaway_precompiled(TARGET HEADERS): the target includes what the target HEADERS has precompiled.
+function(seaway_precompiled target headers)
+  if(SEAWAY_PRECOMPILE)
+    target_precompile_headers(${target} REUSE_FROM ${headers})
+  endif()
+endfunction()
+
+# seaway_source_options(OPTIONS source.cpp ...): options of single sources, a list. What was precompiled with
+# others is refused, so they do without.
+function(seaway_source_options options)
+  set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS "${options}" SKIP_PRECOMPILE_HEADERS ON)
+endfunction()
+
 # seaway_room(NAME SOURCES a.cpp ... LINKS lib ...): a room's static library, `seaway_NAME`.
 function(seaway_room name)
   cmake_parse_arguments(R "" "" "SOURCES;LINKS" ${ARGN})
   add_library(seaway_${name} STATIC ${R_SOURCES})
   target_link_libraries(seaway_${name} PUBLIC seaway_headers ${R_LINKS} PRIVATE seaway_options)
+  seaway_precompiled(seaway_${name} seaway_common_headers)
 endfunction()
 
 # seaway_program(seaway-query SOURCES main.cpp LINKS seaway_client): a program in build/<preset>/bin.
@@ -10,6 +24,7 @@ function(seaway_program name)
   cmake_parse_arguments(P "" "" "SOURCES;LINKS" ${ARGN})
   add_executable(${name} ${P_SOURCES})
   target_link_libraries(${name} PRIVATE seaway_headers seaway_options ${P_LINKS})
+  seaway_precompiled(${name} seaway_common_headers)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
 endfunction()
 
@@ -26,9 +41,7 @@ function(seaway_test name)
   target_link_libraries(test_${name} PRIVATE seaway_headers seaway_options
     ${T_LINKS} GTest::gmock GTest::gtest_main)
   target_compile_options(test_${name} PRIVATE -O1)
-  if(SEAWAY_PRECOMPILE_TESTS)
-    target_precompile_headers(test_${name} REUSE_FROM seaway_test_headers)
-  endif()
+  seaway_precompiled(test_${name} seaway_test_headers)
   target_compile_definitions(test_${name} PRIVATE SEAWAY_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
     SEAWAY_BIN_DIR="${PROJECT_BINARY_DIR}/bin")
   add_test(NAME ${name} COMMAND test_${name} --gtest_brief=1)
@@ -44,10 +57,9 @@ endfunction()
 function(seaway_loops room name)
   set(loop_options "-O3;-ffp-contract=fast;-fno-math-errno;-fno-trapping-math;-Wno-psabi")
   target_sources(seaway_${room} PRIVATE ${name}_portable.cpp)
-  set_source_files_properties(${name}_portable.cpp PROPERTIES COMPILE_OPTIONS "${loop_options}")
+  seaway_source_options("${loop_options}" ${name}_portable.cpp)
   if(SEAWAY_X86)
     target_sources(seaway_${room} PRIVATE ${name}_avx2.cpp)
-    set_source_files_properties(${name}_avx2.cpp PROPERTIES
-      COMPILE_OPTIONS "${loop_options};-mavx2;-mfma")
+    seaway_source_options("${loop_options};-mavx2;-mfma" ${name}_avx2.cpp)
   endif()
 endfunction()

@@ -14,6 +14,16 @@ layout(binding = 3) uniform sampler2DArray gradient_maps;
 layout(binding = 4) uniform sampler2DArray moment_maps;
 /// [elevation][azimuth from the sun]: radiance of the sky, kcd/m2.
 layout(binding = 5) uniform sampler2D sky_map;
-/// [y][x], samples: undisplaced x, y (local, m), height above the mean sea (m), distance from the
-/// eye (m; 0: sky).
+/// [y][x], samples: a Place each, packed.
 layout(binding = 6) uniform sampler2DMS geometry;
+
+/// What of the sea a sample shows.
+struct Place {
+    vec2 undisplaced_m; // local
+    float height_m;     // above the mean sea
+    float distance_m;   // from the eye; 0: sky
+};
+
+vec4 packed_place(Place p) { return vec4(p.undisplaced_m, p.height_m, p.distance_m); }
+Place unpacked_place(vec4 texel) { return Place(texel.xy, texel.z, texel.w); }
+bool shows_sky(Place p) { return p.distance_m == 0.0; }

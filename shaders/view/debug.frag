@@ -32,19 +32,19 @@ vec2 mesh_cell(vec2 undisplaced_m) {
 
 void main() {
     value = vec4(0, 0, 0, 1);
-    const vec4 place = texelFetch(geometry, ivec2(gl_FragCoord.xy), 0);
-    if (place.w == 0.0)
-        return; // sky
+    const Place place = unpacked_place(texelFetch(geometry, ivec2(gl_FragCoord.xy), 0));
+    if (shows_sky(place))
+        return;
     const vec3 away = normalize(direction);
-    const Footprint area = footprint(place.xy, -away, place.w);
+    const Footprint area = footprint(place.undisplaced_m, -away, place.distance_m);
     const Gradients g = gradients_at(area);
     const vec3 scaled = scaled_normal(g);
     switch (view.what) {
     case view_height:
-        value.rgb = vec3(place.z);
+        value.rgb = vec3(place.height_m);
         break;
     case view_place:
-        value.rgb = place.xyz;
+        value.rgb = vec3(place.undisplaced_m, place.height_m);
         break;
     case view_normal:
         value.rgb = normalize(scaled);
@@ -59,13 +59,13 @@ void main() {
         value.rgb = vec3(sqrt(g.variance.x + g.variance.y));
         break;
     case view_foam:
-        value.rgb = vec3(foam_cover(foam_share(area, g), place.xy, place.w));
+        value.rgb = vec3(foam_cover(foam_share(area, g), place.undisplaced_m, place.distance_m));
         break;
     case view_cascade:
         value.rg = gradients_of_cascade(area, view.what_cascade).slope;
         break;
     case view_grid:
-        value.rgb = vec3(any(lessThan(fract(mesh_cell(place.xy) / 16.0), vec2(0.08))) ? 1.0 : 0.0);
+        value.rgb = vec3(any(lessThan(fract(mesh_cell(place.undisplaced_m) / 16.0), vec2(0.08))) ? 1.0 : 0.0);
         break;
     }
 }

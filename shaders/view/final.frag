@@ -17,13 +17,14 @@ const int samples = 4;
 void main() {
     const vec3 away = normalize(direction);
     const ivec2 pixel = ivec2(gl_FragCoord.xy);
-    vec4 place[samples];
+    Place place[samples];
     vec4 mean = vec4(0);
     vec2 span = vec2(1e9, 0);
     for (int i = 0; i < samples; ++i) {
-        place[i] = texelFetch(geometry, pixel, i);
-        mean += place[i] / float(samples);
-        span = vec2(min(span.x, place[i].w), max(span.y, place[i].w));
+        const vec4 texel = texelFetch(geometry, pixel, i);
+        mean += texel / float(samples);
+        place[i] = unpacked_place(texel);
+        span = vec2(min(span.x, place[i].distance_m), max(span.y, place[i].distance_m));
     }
     if (span.y == 0.0) {
         radiance = vec4(sky_behind(away), 1);
@@ -35,8 +36,8 @@ void main() {
     vec3 sum = vec3(0);
     const int count = edge ? samples : 1;
     for (int i = 0; i < count; ++i) {
-        const vec4 at = edge ? place[i] : mean;
-        sum += at.w == 0.0 ? sky_radiance(away, 0.0) : water_radiance(at, -away);
+        const Place at = edge ? place[i] : unpacked_place(mean);
+        sum += shows_sky(at) ? sky_radiance(away, 0.0) : water_radiance(at, -away);
     }
     radiance = vec4(sum / float(count), 1);
 }

@@ -1,13 +1,17 @@
 #version 460
 // SPDX-License-Identifier: Apache-2.0
+#extension GL_GOOGLE_include_directive : require
+#include "view/bindings.glsl"
+
 layout(location = 0) centroid in vec4 place;
 layout(location = 1) flat in vec4 corner;
 layout(location = 2) flat in float reach_m;
-layout(location = 0) out vec4 geometry;
+layout(location = 0) out vec4 shown; // packed
 
 void main() {
     // Of a triangle that is seen from its edge - the last cells before the horizon, the back of a crest -
     // the plane through its corners may be extrapolated to anywhere, behind the eye as well. What is
     // not within the triangle is not what this pixel shows; its corner is.
-    geometry = abs(place.w - corner.w) <= reach_m ? place : corner;
+    const float beyond_m = unpacked_place(place).distance_m - unpacked_place(corner).distance_m;
+    shown = abs(beyond_m) <= reach_m ? place : corner;
 }

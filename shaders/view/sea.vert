@@ -4,7 +4,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "view/bindings.glsl"
 
-layout(location = 0) centroid out vec4 place; // as binding `geometry`
+layout(location = 0) centroid out vec4 place; // packed
 /// Of the triangle's first vertex: the same, and how far the distances of the others may be from its.
 layout(location = 1) flat out vec4 corner;
 layout(location = 2) flat out float reach_m;
@@ -66,7 +66,7 @@ void main() {
     const vec3 d = displacement(undisplaced_m, spacing);
     const vec2 moved = undisplaced_m + view.choppiness * d.xy;
     const vec3 position_m = vec3(moved, d.z - dot(moved, moved) * view.curvature_per_m);
-    place = vec4(undisplaced_m, d.z, distance(position_m, view.camera_m));
+    place = packed_place(Place(undisplaced_m, d.z, distance(position_m, view.camera_m)));
     corner = place;
     // A cell and what waves move its corners by: six standard deviations either way.
     reach_m = 3.0 * spacing + 3.0 * view.significant_height_m * (1.0 + max(view.choppiness.x, view.choppiness.y));

@@ -90,11 +90,9 @@ vec3 water_body(vec3 to_eye, vec3 normal, float height_m) {
     return deep + tint * crest * facing;
 }
 
-/// place: as binding `geometry`; to_eye: unit.
-vec3 water_radiance(vec4 place, vec3 to_eye) {
-    const vec2 undisplaced_m = place.xy;
-    const float distance_m = place.w;
-    const Footprint area = footprint(undisplaced_m, to_eye, distance_m);
+/// to_eye: unit.
+vec3 water_radiance(Place place, vec3 to_eye) {
+    const Footprint area = footprint(place.undisplaced_m, to_eye, place.distance_m);
     Gradients g = gradients_at(area);
     const float white = foam_share(area, g);
     add_detail(g, area);
@@ -112,14 +110,14 @@ vec3 water_radiance(vec4 place, vec3 to_eye) {
                                      2.0 * look.x * look.y * g.variance.z, 0.0));
     const float fresnel = mean_fresnel(clamp(dot(normal, to_eye), 0.0, 1.0), sigma);
 
-    vec3 colour = mix(water_body(to_eye, normal, place.z),
+    vec3 colour = mix(water_body(to_eye, normal, place.height_m),
                       reflected_sky(to_eye, slope, g.variance), fresnel);
     colour += sun_glint(to_eye, normal, slope, g.variance);
-    const float cover = foam_cover(white, undisplaced_m, distance_m);
+    const float cover = foam_cover(white, place.undisplaced_m, place.distance_m);
     const vec3 lit = (view.sky_irradiance_klx + view.sun_irradiance_klx *
                           max(dot(normal, view.sun_direction), 0.0)) / pi;
     colour = mix(colour, 0.6 * lit, cover); // wet foam: Whitlock 1982 gives 0.5 to 0.6
 
-    const float clear = exp(-distance_m * view.extinction_per_m);
+    const float clear = exp(-place.distance_m * view.extinction_per_m);
     return mix(sky_radiance(vec3(-to_eye.xy, 0.0), 0.0), colour, clear);
 }
