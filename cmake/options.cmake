@@ -21,10 +21,12 @@ if(PROJECT_IS_TOP_LEVEL AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU"
 endif()
 option(SEAWAY_WERROR "Warnings are errors" ${judged})
 
+find_package(fmt REQUIRED) # every room may use it
 add_library(seaway_headers INTERFACE)
 target_compile_features(seaway_headers INTERFACE cxx_std_20)
 target_include_directories(seaway_headers INTERFACE ${PROJECT_SOURCE_DIR} ${PROJECT_BINARY_DIR}/generated)
 target_compile_definitions(seaway_headers INTERFACE SEAWAY_VERSION="${PROJECT_VERSION}")
+target_link_libraries(seaway_headers INTERFACE fmt::fmt)
 
 add_library(seaway_options INTERFACE)
 # Contraction off: the realised sea and the codec are the same bits with every compiler and level.
@@ -62,9 +64,8 @@ if(PROJECT_IS_TOP_LEVEL AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND NOT CMAKE_C
 endif()
 option(SEAWAY_PRECOMPILE "Compile headers of the standard library and of GoogleTest once" ${precompile})
 if(SEAWAY_PRECOMPILE)
-  find_package(fmt REQUIRED)
   add_library(seaway_common_headers OBJECT ${PROJECT_SOURCE_DIR}/cmake/precompiled.cpp)
-  target_link_libraries(seaway_common_headers PRIVATE seaway_headers seaway_options fmt::fmt)
+  target_link_libraries(seaway_common_headers PRIVATE seaway_headers seaway_options)
   target_precompile_headers(seaway_common_headers PRIVATE <algorithm> <array> <chrono> <cmath> <functional>
     <map> <memory> <mutex> <optional> <span> <string> <string_view> <utility> <vector> <fmt/format.h>)
 endif()
