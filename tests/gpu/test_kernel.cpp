@@ -100,6 +100,15 @@ TEST_F(DeviceTest, a_kernel_that_differs_from_its_program_is_refused_with_both_n
     expected.local_size = {32, 1, 1};
     EXPECT_THAT(Kernel::create(*device_, "scale", scale_comp, expected).error().message,
                 HasSubstr("64x1x1 in the shader and 32x1x1"));
+    // In another set of descriptors, under the same numbers and names.
+    std::vector<std::uint32_t> moved(std::begin(scale_comp), std::end(scale_comp));
+    constexpr std::uint32_t decorate = 4u << 16 | 71, descriptor_set = 34;
+    int sets = 0;
+    for (std::size_t i = 5; i + 3 < moved.size(); i += moved[i] >> 16)
+        if (moved[i] == decorate && moved[i + 2] == descriptor_set && ++sets > 0)
+            moved[i + 3] = 1;
+    ASSERT_EQ(sets, 2);
+    EXPECT_FALSE(Kernel::create(*device_, "scale", moved, scale_expectation()));
     expected = scale_expectation();
     expected.bindings.pop_back();
     EXPECT_FALSE(Kernel::create(*device_, "scale", scale_comp, expected));

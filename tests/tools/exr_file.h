@@ -25,6 +25,7 @@ class ExrFile {
     explicit ExrFile(const std::string& path) : file_(path.c_str()) {}
 
     int size() const { return file_.header().dataWindow().max.x + 1; }
+    Imf::Compression packing() const { return file_.header().compression(); }
     bool has(const std::string& channel) const {
         return file_.header().channels().findChannel(channel) != nullptr;
     }

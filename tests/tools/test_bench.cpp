@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cmath>
+#include <cstdio>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -66,33 +68,55 @@ std::vector<std::string> row_of(const std::string& csv, const std::string& begin
     return std::vector<std::string>(13, "0");
 }
 
+enum Column {
+    keyframes = 3,
+    transforms,
+    maps_ms,
+    stream_ms,
+    kilobytes,
+    more_keyframes,
+    more_transforms,
+    more_maps_ms,
+    more_stream_ms,
+    more_kilobytes
+};
+
+/// What effects measured of the scene: as printed, and as a table.
+struct Effects {
+    std::string printed;
+    std::string csv;
+
+    double number(const std::string& row, int column) const {
+        return std::stod(row_of(csv, row).at(static_cast<std::size_t>(column)));
+    }
+};
+
+const Effects& effects() {
+    static const Effects measured = [] {
+        const std::string scene = testing::folder().write("effects.toml", scene_text);
+        const Output ran = testing::run_program(
+            "seaway-bench", "effects --quick --device native --ask height --scene " + scene +
+                                " --out " + testing::folder().file("effects"));
+        EXPECT_EQ(ran.status, 0) << ran.err;
+        return Effects{ran.out, testing::read_file(testing::folder().file("effects/effects.csv"))};
+    }();
+    return measured;
+}
+
+// Four digits are written.
+void expect_equal(double a, double b, const std::string& what) {
+    EXPECT_NEAR(a, b, 1e-3 * b) << what;
+}
+
 // One transform a real field and keyframe, for a second of sea: what docs/effects.md shows is counted by
 // the device. Strains that foam and gradient share are in neither of them on top of the other.
 TEST(Bench, effects_counts_what_each_effect_of_each_cascade_transforms) {
-    const std::string scene = testing::folder().write("effects.toml", scene_text);
-    const Output ran = testing::run_program(
-        "seaway-bench", "effects --quick --device native --ask height --scene " + scene +
-                            " --out " + testing::folder().file("effects"));
-    ASSERT_EQ(ran.status, 0) << ran.err;
-    const std::string csv = testing::read_file(testing::folder().file("effects/effects.csv"));
-    enum Column {
-        keyframes = 3,
-        transforms,
-        maps_ms,
-        stream_ms,
-        kilobytes,
-        more_keyframes,
-        more_transforms
-    };
+    const Effects& measured = effects();
     const auto number = [&](const std::string& row, int column) {
-        return std::stod(row_of(csv, row).at(static_cast<std::size_t>(column)));
+        return measured.number(row, column);
     };
     const double rate = number("everything", keyframes);
     EXPECT_GT(rate, 0);
-    // Four digits are written.
-    const auto expect_equal = [](double a, double b, const std::string& what) {
-        EXPECT_NEAR(a, b, 1e-3 * b) << what;
-    };
     expect_equal(number("everything", transforms), 11 * rate, "everything");
     expect_equal(number("asked,height,", transforms), 2 * number("asked,height,", keyframes),
                  "height");
@@ -113,6 +137,44 @@ TEST(Bench, effects_counts_what_each_effect_of_each_cascade_transforms) {
     }
     expect_equal(of_cascades, rate, "cascades");
     EXPECT_GT(number("everything", kilobytes), number("asked,height,", kilobytes));
+}
+
+TEST(Bench, what_is_printed_is_what_effects_cost_on_top_of_the_rest) {
+    const Effects& measured = effects();
+    const auto number = [&](const std::string& row, int column) {
+        return measured.number(row, column);
+    };
+    // Maps are coded each by itself: what one costs in bytes it costs on top of any others, and the
+    // keyframes are there for these.
+    for (const std::string cascade : {"401 m of 64", "61 m of 64"})
+        for (const char* effect : {"height", "choppy", "slopes", "gradient", "foam"}) {
+            const std::string row = std::string("effect,") + effect + "," + cascade;
+            expect_equal(number(row, more_kilobytes), number(row, kilobytes), row);
+            EXPECT_GT(number(row, kilobytes), 0.1) << row;
+            EXPECT_EQ(number(row, more_keyframes), 0) << row;
+        }
+    for (const int column : {keyframes, transforms, maps_ms, stream_ms, kilobytes})
+        EXPECT_EQ(number("everything", column), number("everything", column + 5)) << column;
+    // What is printed is what is on top of the rest.
+    const auto expect_printed = [&](const std::string& row, const std::string& begin) {
+        const std::size_t at = measured.printed.find("\n" + begin);
+        ASSERT_NE(at, std::string::npos) << begin << " is not in\n" << measured.printed;
+        double printed[4] = {};
+        ASSERT_EQ(std::sscanf(measured.printed.c_str() + at + 1 + begin.size(), "%lf %lf %lf %lf",
+                              &printed[0], &printed[1], &printed[2], &printed[3]),
+                  4);
+        const int columns[] = {more_transforms, more_maps_ms, more_stream_ms, more_kilobytes};
+        const double half_unit[] = {0.05, 0.0005, 0.0005, 0.05};
+        for (std::size_t i = 0; i < 4; ++i) {
+            const double expected = number(row, columns[i]);
+            EXPECT_NEAR(printed[i], expected, 1.01 * half_unit[i] + 1e-3 * std::abs(expected))
+                << row;
+        }
+    };
+    expect_printed("everything", "everything                           ");
+    expect_printed("effect,gradient,401 m of 64", "effect     gradient   401 m of 64   ");
+    expect_printed("effect,choppy,61 m of 64", "effect     choppy     61 m of 64    ");
+    expect_printed("cascade,,61 m of 64", "cascade               61 m of 64    ");
 }
 
 TEST(Bench, effects_refuses_an_effect_that_there_is_not_or_that_the_scene_does_not_allow) {

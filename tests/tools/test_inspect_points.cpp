@@ -305,6 +305,22 @@ TEST(InspectPoints, times_are_those_that_every_program_takes) {
     }
 }
 
+TEST(InspectPoints, places_are_taken_up_to_their_limit_east_and_north_and_refused_beyond_it) {
+    const std::string scene = folder().write("places.toml", "[sea]\n");
+    EXPECT_EQ(evaluate(scene, "1e9,0,0\n-1e9,0,0\n0,1e9,0\n0,-1e9,0\n").size(), 4u);
+    for (const char* axis : {"x_m", "y_m"})
+        for (const char* place : {"1.000000000001e9", "-1.1e9", "1e12", "inf"}) {
+            const std::string row =
+                *axis == 'x' ? place + std::string(",0,0\n") : std::string("0,") + place + ",0\n";
+            const Output output = run_program("seaway-inspect", scene + " --eval -", row);
+            EXPECT_EQ(output.status, 2) << row;
+            EXPECT_THAT(output.err, ::testing::HasSubstr(std::string(axis) + " = '" + place +
+                                                         "': not a number between -1e+09 and "
+                                                         "1e+09"))
+                << row;
+        }
+}
+
 TEST(InspectPoints, no_rows_give_the_header_alone) {
     const std::string path = folder().write("two_swells.toml", two_swells);
     EXPECT_TRUE(evaluate(path, "").empty());

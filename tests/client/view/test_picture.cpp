@@ -112,6 +112,35 @@ TEST(Picture, the_film_curve_keeps_black_and_order) {
     EXPECT_GT(bytes.back(), 240);
 }
 
+// Numbers become colours as the table of views says, three channels that differ.
+TEST(Picture, every_view_shows_its_numbers_on_its_own_scale) {
+    const auto shown = [](DebugView view, double red, double green, double blue, double hs_m = 4) {
+        const Picture picture{
+            1,
+            1,
+            {static_cast<float>(red), static_cast<float>(green), static_cast<float>(blue), 1.0f}};
+        return to_srgb(picture, {view, 7.0, hs_m}); // an exposure that belongs to none of them
+    };
+    using Bytes = std::vector<std::uint8_t>;
+    for (const DebugView view :
+         {DebugView::jacobian, DebugView::roughness, DebugView::foam, DebugView::grid})
+        EXPECT_EQ(shown(view, 0.2, 0.6, 1.3), (Bytes{51, 153, 255})) << "0 .. 1 as it is";
+    for (const DebugView view : {DebugView::normal, DebugView::slope, DebugView::cascade})
+        EXPECT_EQ(shown(view, -0.6, 0.2, 1.0), (Bytes{51, 153, 255})) << "-1 .. 1";
+    EXPECT_EQ(shown(DebugView::place, 12.0, -4.0, 0.0), (Bytes{51, 153, 0})) << "tenths of 10 m";
+    // White is the mean sea; half of the significant height is red, as much below it is blue.
+    const auto expect_height = [&](double height_m, double hs_m, const Bytes& colour) {
+        const Bytes found = shown(DebugView::height, height_m, 0, 0, hs_m);
+        for (std::size_t c = 0; c < 3; ++c)
+            EXPECT_NEAR(found[c], colour[c], 1) << height_m << " of " << hs_m; // rounding of floats
+    };
+    expect_height(0, 4, {255, 255, 255});
+    expect_height(2, 4, {204, 26, 13});
+    expect_height(-2, 4, {13, 51, 179});
+    expect_height(2, 8, {230, 140, 134});
+    expect_height(9, 4, {204, 26, 13});
+}
+
 TEST(Picture, exposure_meets_middle_grey_but_stays_near_the_light) {
     Picture grey{8, 8, std::vector<float>(8 * 8 * 4, 2.0f)};
     EXPECT_NEAR(metered_exposure(grey, 10.0) * 2.0, 0.18, 1e-6);
@@ -139,7 +168,9 @@ TEST(DebugViews, are_found_by_name_and_cascades_by_number) {
         EXPECT_EQ(choice->view, row.view);
     }
     EXPECT_EQ(parse_debug_view("cascade:2")->cascade, 2);
-    for (const char* wrong : {"", "cascade:", "cascade:9", "cascade:-1", "normal:1", "sea"})
+    EXPECT_EQ(parse_debug_view("cascade:7")->cascade, 7) << "the last of eight";
+    for (const char* wrong :
+         {"", "cascade:", "cascade:8", "cascade:9", "cascade:-1", "normal:1", "sea"})
         EXPECT_FALSE(parse_debug_view(wrong)) << wrong;
 }
 
@@ -148,6 +179,10 @@ TEST(FramePath, puts_the_number_where_the_pattern_says) {
     EXPECT_EQ(frame_path("a/%04d.exr", 7, 20), "a/0007.exr");
     EXPECT_EQ(frame_path("a/b.png", 0, 1), "a/b.png");
     EXPECT_EQ(frame_path("a/b.png", 3, 4), "a/b-0003.png");
+    EXPECT_EQ(frame_path("a/%d_x.png", 123, 200), "a/123_x.png");
+    EXPECT_EQ(frame_path("50%.png", 0, 1), "50%.png") << "no pattern";
+    EXPECT_EQ(frame_path("50%.png", 2, 3), "50%-0002.png");
+    EXPECT_EQ(frame_path("#/b.png", 5, 9), "5/b.png");
 }
 
 } // namespace

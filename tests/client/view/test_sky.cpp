@@ -60,6 +60,20 @@ TEST(Sky, darkens_through_twilight_and_never_turns_black) {
     }
 }
 
+// A white sheet on the sea sends pi times less than falls on it: of a low sun's beam the sine of its
+// height, 0.25 at 17 h (15 degrees above the plane that is tilted by 45).
+TEST(Sky, a_white_sheet_is_lit_by_the_sky_and_by_the_share_of_the_beam_that_falls_on_it) {
+    const Sky sky(sun_direction(17));
+    const double sine = std::sin(pi / 12) * std::sqrt(0.5);
+    ASSERT_NEAR(sky.sun_direction().z, sine, 1e-12);
+    const auto luminance = [](const glm::dvec3& c) {
+        return 0.2126 * c.r + 0.7152 * c.g + 0.0722 * c.b;
+    };
+    EXPECT_NEAR(sky.white_radiance(),
+                (luminance(sky.sky_irradiance()) + sine * luminance(sky.sun_irradiance())) / pi,
+                1e-9);
+}
+
 TEST(Sky, the_map_holds_the_radiance_and_its_mips_the_means) {
     const Sky sky(sun_direction(15));
     const std::vector<float> map = sky.map();

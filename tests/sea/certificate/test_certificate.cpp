@@ -183,6 +183,11 @@ TEST(Certificate, a_sea_that_leaves_the_envelope_is_warned_of_by_what_leaves_it)
     EXPECT_THAT(
         certificate_warnings(c, scene_of(with(scene_text, "seed = 3", "choppiness = 1.2")), gale),
         ElementsAre(HasSubstr("choppiness 1.2, measured 1 .. 1")));
+    // The larger one of the two counts.
+    for (const char* choppiness : {"choppiness = [1.2, 0.5]", "choppiness = [0.5, 1.2]"})
+        EXPECT_THAT(
+            certificate_warnings(c, scene_of(with(scene_text, "seed = 3", choppiness)), gale),
+            ElementsAre(HasSubstr("choppiness 1.2, measured 1 .. 1")));
     EXPECT_THAT(
         certificate_warnings(c, scene_of(with(scene_text, "10m_mps = 19", "10m_mps = 25")), gale),
         ElementsAre(HasSubstr("wind 25 m/s, measured 17 .. 19 m/s")));

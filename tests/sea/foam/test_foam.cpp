@@ -93,6 +93,17 @@ TEST(Foam, E3_decay_of_zero_and_infinity_have_a_meaning_at_any_tick) {
     EXPECT_LT(history.ratios()[0], 0.1f); // forgotten at once
 }
 
+// Naive: what was shown between two ticks stays for ever.
+TEST(Foam, a_step_is_shown_that_follows_a_time_between_ticks) {
+    Strains strains(storm(), 0);
+    FoamHistory history(make_foam_law(*storm(), foam_model), 0, 64, interval_us);
+    ASSERT_TRUE(history.advance_to(1'270'000, strains.source()));
+    EXPECT_GT(*std::max_element(history.ratios().begin(), history.ratios().end()), 1.0f);
+    history.advance(uniform_strains(64, 0.6f), 1e4); // nothing breaks, all is forgotten
+    for (const float ratio : history.ratios())
+        ASSERT_LT(ratio, 0.01f);
+}
+
 TEST(Foam, E4_a_calm_sea_clears_to_exactly_zero_in_ten_decays) {
     // Naive: decays to 1e-40, denormal and never zero.
     const FoamLawPtr rough = make_foam_law(*storm(), foam_model);

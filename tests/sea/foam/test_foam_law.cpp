@@ -192,6 +192,19 @@ TEST(FoamLaw, a_mean_that_is_out_of_reach_is_said) {
     EXPECT_EQ(law->threshold, 1.0);
     EXPECT_LT(law->mean_coverage, 0.02);
     EXPECT_NE(describe(*law).find("no threshold"), std::string::npos) << describe(*law);
+    // 19 m/s whiten 4.45 % of the sea; what it is instead is said first.
+    const std::vector<std::string> warnings = foam_warnings(law);
+    ASSERT_EQ(warnings.size(), 1u);
+    double covered = 0, observed = 0, wind_mps = 0;
+    ASSERT_EQ(std::sscanf(warnings[0].c_str(),
+                          "foam covers %lf %% where %lf %% are observed at %lf m/s", &covered,
+                          &observed, &wind_mps),
+              3)
+        << warnings[0];
+    EXPECT_NEAR(covered, 100 * law->mean_coverage, 0.005 * covered); // three digits
+    EXPECT_NEAR(observed, 4.45, 0.01);
+    EXPECT_EQ(wind_mps, 19);
+    EXPECT_TRUE(foam_warnings(nullptr).empty());
 }
 
 TEST(FoamLaw, the_longest_memory_and_the_largest_gain_stay_within_what_the_wire_carries) {

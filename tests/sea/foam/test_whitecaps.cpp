@@ -51,13 +51,16 @@ TEST(Whitecaps, go_by_the_strongest_wind_that_is_given) {
 TEST(Whitecaps, a_grown_sea_given_by_height_and_period_has_its_own_wind) {
     // Pierson-Moskowitz: Hs = 0.2092 U^2/g at 19.5 m, Tp = 5.00 sqrt(Hs). 1 % for sums in steps of half a
     // percent of frequency.
-    for (const double wind : {6.0, 12.0, 20.0}) {
+    for (const auto& [wind, g] :
+         {std::pair(6.0, 9.81), {12.0, 9.81}, {20.0, 9.81}, {12.0, 3.72}, {12.0, 24.8}}) {
         const double at_19m5 = wind_19m5_over_10m * wind;
-        const double hs = 4.0 * std::sqrt(8.1e-3 / (4.0 * 0.74)) * at_19m5 * at_19m5 / 9.81;
-        const double tp = two_pi * at_19m5 / (std::pow(0.8 * 0.74, 0.25) * 9.81);
-        const FoamWind found = foam_wind(with(Swell{.spectrum = SpectrumKind::bretschneider,
-                                                    .significant_height_m = hs,
-                                                    .peak_period_s = tp}));
+        const double hs = 4.0 * std::sqrt(8.1e-3 / (4.0 * 0.74)) * at_19m5 * at_19m5 / g;
+        const double tp = two_pi * at_19m5 / (std::pow(0.8 * 0.74, 0.25) * g);
+        SeaState sea = with(Swell{.spectrum = SpectrumKind::bretschneider,
+                                  .significant_height_m = hs,
+                                  .peak_period_s = tp});
+        sea.gravity_mps2 = g;
+        const FoamWind found = foam_wind(sea);
         EXPECT_EQ(found.origin, FoamWind::Origin::equivalent);
         EXPECT_NEAR(found.speed_10m_mps, wind, 0.01 * wind);
     }

@@ -378,6 +378,13 @@ TEST(Scene, a_certificate_lies_beside_its_scene_and_its_name_is_written_back) {
     ASSERT_TRUE(scene) << scene.error().message;
     EXPECT_EQ(scene->accuracy.certificate.path, "/somewhere/else/gale.json");
     EXPECT_THAT(to_toml(*scene), HasSubstr("\ncertificate = \"gale.json\"\n"));
+    const auto both = parse_scene(
+        wind_system + "[accuracy]\npreset = \"fast\"\ncertificate = \"fast.json\"\n", "s", ".");
+    ASSERT_TRUE(both) << both.error().message;
+    const auto again = parse_scene(to_toml(*both), "written", ".");
+    ASSERT_TRUE(again) << again.error().message;
+    EXPECT_EQ(again->accuracy.preset, AccuracyPreset::fast);
+    EXPECT_EQ(again->accuracy.certificate.name, "fast.json") << "beside the preset";
 }
 
 // One table: what the reader takes, the writer writes.

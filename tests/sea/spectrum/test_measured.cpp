@@ -236,6 +236,25 @@ TEST(Ndbc, the_newest_record_becomes_a_table_and_another_by_its_time) {
     EXPECT_THAT(ndbc_to_csv(texts, "yesterday").error().message, HasSubstr("YYYY-MM-DDThh:mm"));
 }
 
+// A direction without its spread, or the reverse, is none: neither is made up.
+TEST(Ndbc, a_frequency_with_half_of_its_directions_has_none) {
+    const std::string header = "#YY  MM DD hh mm ... >\n2014 09 11 17 00 ";
+    const NdbcTexts texts{
+        {"#YY  MM DD hh mm Sep_Freq < >\n2014 09 11 17 00 0.2 1.0 (0.04) 4.0 (0.05) 9.0 (0.06) "
+         "2.0 (0.07)\n",
+         "d"},
+        NdbcText{header + "250.0 (0.04) 999.0 (0.05) 290.0 (0.06) MM (0.07)\n", "a"},
+        {},
+        NdbcText{header + "0.70 (0.04) 0.80 (0.05) 999.0 (0.06) MM (0.07)\n", "r"},
+        {}};
+    const auto csv = ndbc_to_csv(texts, "");
+    ASSERT_TRUE(csv) << csv.error().message;
+    EXPECT_EQ(csv->substr(0, csv->find('\n')), "f_hz,f_lo_hz,f_hi_hz,s_m2_hz,r1,alpha1_deg");
+    EXPECT_THAT(*csv, HasSubstr(",1,0.7,250\n"));
+    for (const char* none : {",4,0,0\n", ",9,0,0\n", ",2,0,0\n"})
+        EXPECT_THAT(*csv, HasSubstr(none));
+}
+
 // Archives have one column a frequency, and r1, r2 in hundredths.
 TEST(Ndbc, archived_files_hold_shares_in_hundredths) {
     NdbcTexts texts{

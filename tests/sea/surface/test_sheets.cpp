@@ -82,6 +82,58 @@ TEST(Sheets, below_every_turned_sheet_the_exact_sum_and_the_maps_see_a_fold) {
     EXPECT_EQ(turned, 60);
 }
 
+// What the search leaves out holds no solution, however unlike choppiness is along x and y.
+TEST(Sheets, every_place_that_lands_here_lies_where_sheets_are_looked_for) {
+    for (const Choppiness choppiness : {Choppiness{2.4, 0.3}, {0.3, 2.4}}) {
+        const FoldingSea sea(choppiness);
+        std::mt19937 random(7);
+        std::uniform_real_distribution<double> place(-5e3, 5e3);
+        double widest_m = 0, narrowest_m = 1e9;
+        for (int i = 0; i < 200; ++i) {
+            const Vec2 X{place(random), place(random)};
+            const InverseOptions options{choppiness, 1e-6, sea.surface.folds()};
+            const Vec2 mapped = sea.landed(X, sea.surface.at(X.x, X.y, moment_us));
+            const Vec2 exact = sea.landed(X, sea.moment.at(X.x, X.y));
+            SurfaceSheets of_maps(sea.surface, moment_us);
+            MomentSheets of_sum(sea.moment, options);
+            for (const auto& box :
+                 {of_maps.others(mapped, nullptr, true), of_sum.others(exact, nullptr, true)}) {
+                ASSERT_TRUE(box);
+                EXPECT_TRUE(box->low.x <= X.x && X.x <= box->high.x) << i;
+                EXPECT_TRUE(box->low.y <= X.y && X.y <= box->high.y) << i;
+                widest_m = std::max(widest_m,
+                                    std::max(box->high.x - box->low.x, box->high.y - box->low.y));
+                narrowest_m = std::min(
+                    narrowest_m, std::min(box->high.x - box->low.x, box->high.y - box->low.y));
+            }
+        }
+        EXPECT_LT(narrowest_m, 0.25 * widest_m) << "and as little as one axis needs";
+    }
+}
+
+// Patches are of modes alone: what stylised waves add may lift the lower sheet above the higher one.
+TEST(Sheets, heights_of_patches_may_be_wrong_by_what_stylised_waves_add_here_and_there) {
+    auto sea = std::make_shared<Realization>(*folding_sea().sea);
+    SineRamps ramps;
+    ramps.kind = SineKind::sine;
+    ramps.length_m = 200;
+    ramps.wavelength_m = 40;
+    ramps.count = 3;
+    ramps.amplitude_m = 0.5;
+    ramps.amplitude_ratio = 0.5;
+    ramps.normalise = false;
+    sea->cascades[0].sines.push_back(sine_field(ramps, 1, 0, Dispersion{}, 1.0, 0));
+    const auto blur_of = [](const RealizationPtr& one) {
+        const DirectSum sum(one);
+        const DirectSum::Moment moment = sum.at_time(moment_us);
+        MomentSheets sheets(moment, {one->choppiness, 1e-6, folding_sea().surface.folds()});
+        sheets.others({3, 4}, nullptr, true);
+        return sheets.height_blur_m();
+    };
+    // 0.5 + 0.25 + 0.125 m at one of the places, as much below the mean at the other.
+    EXPECT_NEAR(blur_of(sea) - blur_of(folding_sea().sea), 2 * 0.875, 1e-9);
+}
+
 TEST(Sheets, maps_and_exact_sum_answer_alike_unless_flagged) {
     for (const Choppiness choppiness : {Choppiness{2.2, 2.2}, {2.0, 1.0}, {2.5, 0.0}}) {
         const FoldingSea sea(choppiness);

@@ -318,6 +318,22 @@ TEST(Realize, variance_is_carried_or_lost_for_one_reason_alone) {
 }
 
 // What bounds go by: phases of a list may agree, those of a spectrum are drawn.
+// g Tp^2 / 2 pi in deep water; surface tension is 1e-5 of it.
+TEST(Realize, the_longest_peak_is_that_of_the_longest_system_whichever_stands_first) {
+    const Swell swell{.significant_height_m = 0.5, .peak_period_s = 13.0};
+    const Swell waves{.significant_height_m = 2.5, .peak_period_s = 5.0};
+    for (const bool swell_first : {true, false}) {
+        SeaState sea;
+        sea.systems = swell_first ? std::vector<WaveSystem>{swell, waves}
+                                  : std::vector<WaveSystem>{waves, swell};
+        const CascadeSpec tile{700.0, 64};
+        const Realization realization = *realize(sea, {&tile, 1});
+        EXPECT_NEAR(summarize(sea, realization).longest_peak_wavelength_m, 9.81 * 13 * 13 / two_pi,
+                    0.5)
+            << swell_first;
+    }
+}
+
 TEST(Realize, waves_of_a_list_are_known_as_given_and_those_of_a_spectrum_are_not) {
     SeaState sea = windy_sea();
     ExplicitModes list;

@@ -78,18 +78,19 @@ TEST(Transition, amplitudes_glide_from_the_old_to_the_new) {
 
 // Naive: the water glides and the picture's points jump sideways.
 TEST(Transition, choppiness_glides_from_that_of_the_old_sea_to_that_of_the_new) {
-    SeaState steeper = windy_sea();
+    SeaState flatter = windy_sea(), steeper = windy_sea();
+    flatter.choppiness = {0.7, 1.6};
     steeper.choppiness = {1.2, 0.3};
-    const auto old_sea = realized(windy_sea(), three_cascades);
+    const auto old_sea = realized(flatter, three_cascades);
     const auto new_sea = realized(steeper, three_cascades);
     const auto change = SeaTransition::create(old_sea, new_sea, 5'000'000, 6'000'000);
     const Choppiness first = change->at(5'000'000)->choppiness;
     const Choppiness middle = change->at(5'500'000)->choppiness;
     const Choppiness last = change->at(6'000'000)->choppiness;
-    EXPECT_EQ(first.x, 1.0);
-    EXPECT_EQ(first.y, 1.0);
-    EXPECT_NEAR(middle.x, 1.1, 1e-12);
-    EXPECT_NEAR(middle.y, 0.65, 1e-12);
+    EXPECT_EQ(first.x, 0.7);
+    EXPECT_EQ(first.y, 1.6);
+    EXPECT_NEAR(middle.x, 0.95, 1e-12);
+    EXPECT_NEAR(middle.y, 0.95, 1e-12);
     EXPECT_EQ(last.x, 1.2);
     EXPECT_EQ(last.y, 0.3);
 }

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+// The command line of seaway-view: every option reaches its own value, up to its limits and no further.
+#include <algorithm>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "client/view/view_options.h"
+
+namespace seaway::client {
+namespace {
+
+/// Words with blanks between them, behind what every command line needs.
+std::variant<ViewOptions, int> read(const std::string& more) {
+    std::istringstream words("seaway-view ws://127.0.0.1:9 --out a.png " + more);
+    std::vector<std::string> arguments;
+    for (std::string word; words >> word;)
+        arguments.push_back(word);
+    if (more.find("--offscreen") == std::string::npos)
+        arguments.insert(arguments.end(), {"--offscreen", "64x48"});
+    std::vector<const char*> argv;
+    for (const std::string& argument : arguments)
+        argv.push_back(argument.c_str());
+    return read_view_options(static_cast<int>(argv.size()), argv.data());
+}
+
+TEST(ViewOptions, every_option_reaches_its_own_value) {
+    const auto read_as =
+        read("--offscreen 320x200 --frames 7 --camera 11,-22,33,44,-55 --time-of-day 8.5 "
+             "--time 123.25 --debug cascade:3 --device some-gpu --token-file t.txt --ca-file c.pem "
+             "--timeout 4.5");
+    ASSERT_TRUE(std::holds_alternative<ViewOptions>(read_as));
+    const auto& options = std::get<ViewOptions>(read_as);
+    EXPECT_EQ(options.url, "ws://127.0.0.1:9");
+    EXPECT_EQ(options.out, "a.png");
+    EXPECT_EQ(options.camera.width, 320);
+    EXPECT_EQ(options.camera.height, 200);
+    EXPECT_EQ(options.frames, 7);
+    EXPECT_EQ(options.camera.x_m, 11);
+    EXPECT_EQ(options.camera.y_m, -22);
+    EXPECT_EQ(options.camera.z_m, 33);
+    EXPECT_EQ(options.camera.yaw_deg, 44);
+    EXPECT_EQ(options.camera.pitch_deg, -55);
+    EXPECT_EQ(options.time_of_day_h, 8.5);
+    EXPECT_EQ(options.time_s, std::optional(123.25));
+    EXPECT_EQ(options.debug.view, DebugView::cascade);
+    EXPECT_EQ(options.debug.cascade, 3);
+    EXPECT_EQ(options.device, "some-gpu");
+    EXPECT_EQ(options.token_file, "t.txt");
+    EXPECT_EQ(options.ca_file, "c.pem");
+    EXPECT_EQ(options.timeout_s, 4.5);
+}
+
+TEST(ViewOptions, now_is_no_time_of_its_own) {
+    EXPECT_EQ(std::get<ViewOptions>(read("--time now")).time_s, std::nullopt);
+    EXPECT_EQ(std::get<ViewOptions>(read("")).time_s, std::nullopt);
+}
+
+struct Limit {
+    const char* within;
+    const char* beyond;
+};
+
+TEST(ViewOptions, are_taken_at_their_limits_and_refused_beyond_them) {
+    const Limit limits[] = {
+        {"--offscreen 16x17", "--offscreen 15x17"},
+        {"--offscreen 17x16", "--offscreen 17x15"},
+        {"--offscreen 16384x16", "--offscreen 16385x16"},
+        {"--offscreen 16x16384", "--offscreen 16x16385"},
+        {"--offscreen 20x20", "--offscreen 20.5x20"},
+        {"--offscreen 20x20", "--offscreen 20x20x"},
+        {"--camera 1e7,0,1,0,0", "--camera 1.0001e7,0,1,0,0"},
+        {"--camera 0,-1e7,1,0,0", "--camera 0,-1.0001e7,1,0,0"},
+        {"--camera 0,0,2e4,0,0", "--camera 0,0,2.0001e4,0,0"},
+        {"--camera 0,0,1e-3,0,0", "--camera 0,0,0,0,0"},
+        {"--camera 0,0,1,720,89", "--camera 0,0,1,720,89.01"},
+        {"--camera 0,0,1,0,-89", "--camera 0,0,1,0,-89.01"},
+        {"--camera 1,2,3,4,5", "--camera 1,2,3,4,5,6"},
+        {"--camera 1,2,3,4,5", "--camera 1,2,3,4"},
+        {"--frames 1", "--frames 0"},
+        {"--frames 1000000", "--frames 1000001"},
+        {"--time-of-day 0", "--time-of-day -0.01"},
+        {"--time-of-day 24", "--time-of-day 24.01"},
+        {"--time 1e12", "--time 1.0000001e12"},
+        {"--time -1e12", "--time -1.0000001e12"},
+        // Thirty frames a second: the last of 31 is a second later than the first.
+        {"--time 999999999999 --frames 31", "--time 999999999999 --frames 32"},
+        {"--timeout 0.001", "--timeout 0.0009"},
+        {"--timeout 86400", "--timeout 86400.1"},
+        {"--debug cascade:7", "--debug cascade:8"},
+    };
+    for (const Limit& limit : limits) {
+        EXPECT_TRUE(std::holds_alternative<ViewOptions>(read(limit.within))) << limit.within;
+        ::testing::internal::CaptureStderr();
+        const auto refused = read(limit.beyond);
+        const std::string said = ::testing::internal::GetCapturedStderr();
+        ASSERT_TRUE(std::holds_alternative<int>(refused)) << limit.beyond;
+        EXPECT_EQ(std::get<int>(refused), 2) << limit.beyond;
+        const std::string beyond = limit.beyond;
+        const std::string name = beyond.substr(0, beyond.find(' '));
+        EXPECT_THAT(said, ::testing::HasSubstr(name == "--time" &&
+                                                       said.find("--frames") != std::string::npos
+                                                   ? "--frames 32"
+                                                   : name))
+            << limit.beyond;
+        EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 1) << said;
+    }
+}
+
+} // namespace
+} // namespace seaway::client

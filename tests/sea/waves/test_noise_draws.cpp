@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "sea/waves/noise.h"
+#include "sea/waves/sine_waves.h"
+
+namespace seaway::sea {
+namespace {
+
+// Octaves of the same cells would be one pattern that is seen again and again.
+TEST(Noise, every_octave_system_and_seed_draws_corners_of_its_own) {
+    SineRamps ramps;
+    ramps.kind = SineKind::noise;
+    ramps.length_m = 64;
+    ramps.wavelength_m = 16;
+    ramps.wavenumber_ratio = 1;
+    ramps.count = 3;
+    std::vector<std::vector<double>> drawn;
+    for (const auto& [seed, system] :
+         {std::pair<std::uint64_t, std::uint32_t>(3, 0), {3, 1}, {4, 0}, {3 + (1ull << 32), 0}})
+        for (const NoiseOctave& octave :
+             sine_field(ramps, seed, system, Dispersion{}, 1.0, 0).octaves) {
+            EXPECT_EQ(octave.cells, 8);
+            drawn.push_back(*octave.corners);
+        }
+    ASSERT_EQ(drawn.size(), 12u);
+    for (std::size_t a = 0; a < drawn.size(); ++a)
+        for (std::size_t b = 0; b < a; ++b)
+            EXPECT_NE(drawn[a], drawn[b]) << a << ", " << b;
+}
+
+} // namespace
+} // namespace seaway::sea
