@@ -73,6 +73,19 @@ TEST(CommandLine, what_is_wrong_is_one_line_that_names_the_option) {
     }
 }
 
+TEST(CommandLine, the_ends_of_a_range_belong_to_it) {
+    for (const auto& [option, ends] : {std::pair("--frames", std::pair("1", "10")),
+                                       std::pair("--time", std::pair("-1e9", "1e9"))})
+        for (const char* end : {ends.first, ends.second}) {
+            Values values;
+            const auto next = read(values, {"a", option, end});
+            EXPECT_TRUE(next) << option << ' ' << end;
+        }
+    Values values;
+    EXPECT_FALSE(read(values, {"a", "--time", "1.0000001e9"}));
+    EXPECT_FALSE(read(values, {"a", "--time", "-1.0000001e9"}));
+}
+
 TEST(CommandLine, help_and_version_are_printed_and_nothing_is_left_to_do) {
     for (const std::string word : {"--help", "--version"}) {
         Values values;

@@ -1,6 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <cstring>
+#include <set>
+#include <tuple>
+
 #include <gtest/gtest.h>
 
+#include "client/client.h"
 #include "client/seaway.hpp"
 #include "server/net/server.h"
 #include "tests/client/wave_sea.h"
@@ -90,6 +96,131 @@ TEST_F(CInterface, a_failure_has_a_code_and_a_reason_and_writes_nothing) {
     } catch (const SeaError& error) {
         EXPECT_EQ(error.code(), SEAWAY_LOST);
     }
+}
+
+/// Connects as the C++ client does, to hold one against the other.
+std::unique_ptr<client::Client> cpp_client(const std::string& url) {
+    auto connected = client::Client::connect({.url = url});
+    EXPECT_TRUE(connected) << (connected ? "" : connected.error().message);
+    return connected ? std::move(*connected) : nullptr;
+}
+
+void expect_same_answer(const seaway_answer& c, const sea::Answer& cpp) {
+    EXPECT_EQ(c.height_m, cpp.height_m);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        EXPECT_EQ(c.normal[axis], cpp.normal[axis]) << axis;
+        EXPECT_EQ(c.velocity_mps[axis], cpp.velocity_mps[axis]) << axis;
+    }
+    EXPECT_EQ(c.error_m, cpp.error_m);
+    EXPECT_EQ(c.flags, cpp.flags);
+    EXPECT_EQ(c.reserved, 0u);
+}
+
+TEST_F(CInterface, every_member_is_that_of_the_cpp_client) {
+    Sea sea(url);
+    const auto cpp = cpp_client(url);
+    ASSERT_TRUE(cpp);
+    const seaway_sea at = sea.at(5);
+    const client::SeaStatePtr state = cpp->sea_state(5);
+    EXPECT_EQ(at.start_time_us, state->start_time_us);
+    EXPECT_EQ(at.hs_m, state->realised.hs_m);
+    EXPECT_EQ(at.tp_s, state->realised.tp_s);
+    EXPECT_EQ(at.tz_s, state->realised.tz_s);
+    EXPECT_EQ(at.mean_from_deg, state->realised.mean_from_deg);
+    EXPECT_EQ(at.height_error_m, state->height_error_m);
+    EXPECT_EQ(at.epoch, state->epoch);
+    EXPECT_EQ(at.cascades, state->cascades.size());
+    const std::set<double> figures{static_cast<double>(at.start_time_us),
+                                   at.hs_m,
+                                   at.tp_s,
+                                   at.tz_s,
+                                   at.mean_from_deg,
+                                   at.height_error_m,
+                                   1.0 * at.epoch,
+                                   1.0 * at.cascades};
+    EXPECT_EQ(figures.size(), 8u) << "else they could be mixed up unseen";
+
+    const seaway_point points[] = {{12, -40, 7'250'000}, {-3.5, 90, 7'250'000}, {60, 1, -90'000}};
+    const sea::QueryPoint same[] = {{12, -40, 7'250'000}, {-3.5, 90, 7'250'000}, {60, 1, -90'000}};
+    seaway_answer answers[3];
+    for (const bool exact : {false, true}) {
+        std::memset(answers, 0xff, sizeof answers);
+        ASSERT_EQ(seaway_query(sea.handle(), points, 3, exact, 0, answers), SEAWAY_OK);
+        const auto asked = cpp->ask(same, {.exact = exact});
+        ASSERT_TRUE(asked);
+        for (std::size_t i = 0; i < 3; ++i)
+            expect_same_answer(answers[i], (*asked)[i]);
+        EXPECT_EQ(answers[0].flags, exact ? 16u : 0u);
+    }
+    const std::int64_t times_us[] = {7'250'000, -90'000};
+    ASSERT_EQ(seaway_hold(sea.handle(), times_us, 2, 0), SEAWAY_OK);
+    ASSERT_TRUE(cpp->hold(times_us, 10));
+    std::memset(answers, 0xff, sizeof answers);
+    ASSERT_EQ(seaway_sample(sea.handle(), points, 3, answers), SEAWAY_OK);
+    const auto sampled = cpp->sample(same);
+    ASSERT_TRUE(sampled);
+    for (std::size_t i = 0; i < 3; ++i)
+        expect_same_answer(answers[i], (*sampled)[i]);
+}
+
+// Each argument at its limits, which pass, and beyond them, which is said by name; nothing is asked then.
+TEST_F(CInterface, every_argument_is_taken_up_to_its_limit_and_refused_by_name_beyond_it) {
+    Sea sea(url);
+    const seaway_point point{1, 2, 3};
+    const std::int64_t time_us = 3;
+    seaway_answer answer{};
+    const auto expect = [](seaway_code code, bool fine, const std::string& names) {
+        EXPECT_EQ(code, fine ? SEAWAY_OK : SEAWAY_BAD_ARGUMENT) << names << seaway_last_error();
+        const std::string said = seaway_last_error();
+        EXPECT_EQ(said.find(names) != std::string::npos, !fine) << said;
+    };
+    for (const auto& [timeout_s, fine] :
+         {std::pair(86400.0, true), {86400.5, false}, {-0.5, false}, {std::nan(""), false}}) {
+        expect(seaway_query(sea.handle(), &point, 1, 0, timeout_s, &answer), fine,
+               "seaway_query: timeout_s");
+        expect(seaway_hold(sea.handle(), &time_us, 1, timeout_s), fine, "seaway_hold: timeout_s");
+        const seaway_subscription patient{0, 0, 0, timeout_s};
+        expect(seaway_subscribe(sea.handle(), &patient), fine, "timeout_s 0 to 86400");
+        const seaway_connect_options options{"c", nullptr, nullptr, timeout_s};
+        seaway_client* other = nullptr;
+        expect(seaway_connect(url.c_str(), &options, &other), fine, "seaway_connect: timeout_s");
+        EXPECT_EQ(other != nullptr, fine);
+        seaway_disconnect(other);
+    }
+    for (const auto& [error_m, credit, names] : {std::tuple(0.0, 1u, ""),
+                                                 {1e6, 8u, ""},
+                                                 {0.25, 9u, "credit must be 0 to 8"},
+                                                 {1.0001e6, 2u, "error_m"},
+                                                 {-0.1, 2u, "error_m"},
+                                                 {std::nan(""), 2u, "error_m"}}) {
+        sea_served.wished_error_m = -1;
+        const seaway_subscription wanted{error_m, credit, 0, 0};
+        const bool fine = *names == '\0';
+        expect(seaway_subscribe(sea.handle(), &wanted), fine, fine ? "seaway" : names);
+        EXPECT_EQ(sea_served.wished_error_m, fine ? static_cast<float>(error_m) : -1.0f);
+    }
+    seaway_clock_status clock{};
+    seaway_sea at{};
+    seaway_client* other = nullptr;
+    expect(seaway_connect(nullptr, nullptr, &other), false, "seaway_connect: url and client");
+    expect(seaway_connect(url.c_str(), nullptr, nullptr), false, "seaway_connect: url and client");
+    expect(seaway_clock(nullptr, &clock), false, "seaway_clock:");
+    expect(seaway_clock(sea.handle(), nullptr), false, "seaway_clock:");
+    expect(seaway_sea_at(nullptr, 0, &at), false, "seaway_sea_at:");
+    expect(seaway_sea_at(sea.handle(), 0, nullptr), false, "seaway_sea_at:");
+    expect(seaway_query(nullptr, &point, 1, 0, 0, &answer), false, "seaway_query:");
+    expect(seaway_query(sea.handle(), &point, 1, 0, 0, nullptr), false, "seaway_query:");
+    expect(seaway_query(sea.handle(), nullptr, 0, 0, 0, nullptr), true, "seaway_query:");
+    expect(seaway_subscribe(nullptr, nullptr), false, "seaway_subscribe:");
+    expect(seaway_unsubscribe(nullptr), false, "seaway_unsubscribe:");
+    expect(seaway_hold(nullptr, &time_us, 1, 0), false, "seaway_hold:");
+    expect(seaway_hold(sea.handle(), nullptr, 1, 0), false, "seaway_hold:");
+    expect(seaway_hold(sea.handle(), nullptr, 0, 0), true, "seaway_hold:");
+    expect(seaway_sample(sea.handle(), nullptr, 1, &answer), false, "seaway_sample:");
+    expect(seaway_sample(sea.handle(), &point, 1, nullptr), false, "seaway_sample:");
+    expect(seaway_sample(sea.handle(), nullptr, 0, nullptr), true, "seaway_sample:");
+    EXPECT_EQ(seaway_is_connected(nullptr), 0);
+    EXPECT_EQ(seaway_now_us(nullptr), 0);
 }
 
 TEST(CInterfaceAlone, says_the_version_it_was_built_with) {

@@ -317,6 +317,9 @@ TEST_F(Program, fails_with_one_line_and_the_documented_exit_code) {
     }
     sea.offered = sea::FieldSet{};
     EXPECT_EQ(run_program(url + " --at 0,0 --local --watch 1 2>/dev/null").exit_code, 6);
+    sea.offered =
+        sea::FieldSet{sea::Field::height}; // of which no height between points can be made
+    EXPECT_EQ(run_program(url + " --at 0,0 --local 2>/dev/null").exit_code, 6);
     sea.answer_queries = false;
     EXPECT_EQ(run_program(url + " --at 0,0 --timeout 0.3 2>/dev/null").exit_code, 5);
 }
@@ -353,13 +356,21 @@ TEST_F(Program, shows_what_is_no_text_as_numbers) {
 TEST_F(Program, measures_rates_both_ways) {
     for (const char* way : {"--bench 64", "--bench 64 --local"}) {
         const auto measured = rows(way);
-        ASSERT_FALSE(measured.empty()) << way;
+        const std::vector<int> in_flight =
+            std::string(way).ends_with("local") ? std::vector{1} : std::vector{1, 8};
+        ASSERT_EQ(measured.size(), in_flight.size()) << way;
+        for (std::size_t i = 0; i < in_flight.size(); ++i)
+            EXPECT_EQ(measured[i]["in_flight"].get<int>(), in_flight[i]);
         for (const auto& row : measured) {
             EXPECT_EQ(row["points_per_query"].get<int>(), 64);
             EXPECT_GT(row["queries"].get<int>(), 0);
             EXPECT_GT(row["points_per_s"].get<double>(), 0);
-            EXPECT_LE(row["round_trip_p50_ms"].get<double>(),
-                      row["round_trip_p99_ms"].get<double>());
+            const double p50_ms = row["round_trip_p50_ms"], p99_ms = row["round_trip_p99_ms"];
+            EXPECT_LE(p50_ms, p99_ms);
+            if (row["queries"].get<int>() > 200) { // no clock is so coarse
+                EXPECT_LT(p50_ms, p99_ms);
+            }
+            EXPECT_EQ(row["how"], std::string(way).ends_with("local") ? "local" : "server");
         }
     }
 }

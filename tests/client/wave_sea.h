@@ -68,6 +68,7 @@ class WaveSea : public server::Host {
     std::atomic<bool> answer_queries = true;
     std::atomic<int> fetches = 0;
     std::atomic<int> queries = 0;
+    mutable std::atomic<float> wished_error_m = -1; ///< of the last who subscribed
     std::atomic<int> late_ms = 0; ///< it looks at its clock this much later than it is asked to
 
     sea::Answer truth(const sea::QueryPoint& point) const {
@@ -120,7 +121,9 @@ class WaveSea : public server::Host {
                                       .k_hi_radpm = sea_->cascades[c].band.k_hi_radpm,
                                       .interval_us = wave_intervals_us[c]});
         state.height_error_m = 0.01;
-        state.realised.hs_m = 2.42;
+        state.start_time_us = -60'000'000;
+        state.requested = {2.5, 9.5, 7.75, 8.25, 260, 31, 0.02};
+        state.realised = {2.42, 9.25, 7.5, 8, 247, 29, 0.019};
         // Waves of at most 3 lattice steps on 32 points miss 2 (3/32)^4 of 1.2 m in space, and
         // less in time: 0.2 mm; doubled for the displacement's share.
         state.interpolation_error_m = 0.0004;
@@ -130,6 +133,7 @@ class WaveSea : public server::Host {
         return {std::make_shared<const protocol::Bytes>(protocol::sea_state(state))};
     }
     server::Demand grant(const server::Demand& wish) const override {
+        wished_error_m = wish.error_m;
         server::Demand grant = wish;
         grant.cascades &= 3u;
         grant.fields = given(wish.fields);

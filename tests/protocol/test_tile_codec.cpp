@@ -197,6 +197,76 @@ TEST(TileCodec, f8_a_tile_that_holds_less_than_its_shape_is_an_error) {
     }
 }
 
+constexpr TileShape small{5, 3};
+
+/// Signed anew.
+std::string why_not(Bytes bytes) {
+    const std::uint32_t checksum = tile_checksum(bytes);
+    std::memcpy(&bytes[12], &checksum, 4);
+    std::vector<float> out(15);
+    const auto fine = decode_tile(bytes, small, 5, out);
+    return fine ? std::string() : fine.error().message;
+}
+std::string byte(Bytes bytes, std::size_t at, int value) {
+    bytes[at] = static_cast<std::uint8_t>(value);
+    return why_not(std::move(bytes));
+}
+std::string parameter(Bytes bytes, float value) {
+    std::memcpy(&bytes[8], &value, 4);
+    return why_not(std::move(bytes));
+}
+void says(const std::string& why, const char* what) {
+    EXPECT_NE(why.find(what), std::string::npos) << '"' << why << "\" instead of " << what;
+}
+
+// Header byte by byte, as docs/protocol.md lays it out, each signed anew: the ends of each range decode or
+// are left to what follows, and one beyond is an error that says what was wrong.
+TEST(TileCodec, f8_each_value_of_a_header_has_its_range) {
+    const std::vector<float> samples = random_samples(small, 1, 9);
+    const Bytes constant = encoded(std::vector<float>(15, 2.5f), small, 0);
+    const Bytes quantised = encoded(samples, small, 0.01f);
+    const Bytes lossless = encoded(samples, small, 0);
+    ASSERT_EQ(constant[1], 0);
+    ASSERT_EQ(quantised[1], 1);
+    ASSERT_EQ(lossless[1], 2);
+    constexpr float inf = std::numeric_limits<float>::infinity();
+    constexpr float nan = std::numeric_limits<float>::quiet_NaN();
+    for (const Bytes& tile : {constant, quantised, lossless}) {
+        EXPECT_EQ(why_not(tile), "");
+        says(byte(tile, 0, 0), "tile codec version 0, 1 is known");
+        says(byte(tile, 0, 2), "tile codec version 2, 1 is known");
+        says(byte(tile, 1, 3), "tile mode 3, 0 to 2 are known");
+        says(byte(tile, 2, 6), "tile of 6 x 3 samples, 5 x 3 expected");
+        says(byte(tile, 4, 4), "tile of 5 x 4 samples, 5 x 3 expected");
+        says(byte(tile, 7, 1), "tile mode");
+        for (const float wrong : {nan, inf, -inf})
+            says(parameter(tile, wrong), "parameter");
+    }
+    for (const Bytes& tile : {quantised, lossless}) {
+        says(byte(tile, 6, 0), "with 0 byte planes");
+        says(byte(tile, 6, 5), "with 5 byte planes");
+        Bytes longer = tile;
+        longer.push_back(0);
+        EXPECT_NE(why_not(longer), "");
+    }
+    says(byte(constant, 6, 1), "with 1 byte planes");
+    Bytes longer = constant;
+    longer.push_back(0);
+    says(why_not(longer), "mode 0");
+    std::vector<float> out(15);
+    const auto cut = decode_tile(std::span(constant).first(15), small, 5, out);
+    ASSERT_FALSE(cut.has_value());
+    says(cut.error().message, "15 bytes, at least 16 are needed");
+    for (const float fine : {0.0f, -3.5f, 3e38f})
+        EXPECT_EQ(parameter(constant, fine), "") << fine;
+    for (const float fine : {1e-45f, 1.0f, 0x1p96f})
+        EXPECT_EQ(parameter(quantised, fine), "") << fine;
+    for (const float wrong : {0.0f, -0.01f, std::nextafter(0x1p96f, inf)})
+        says(parameter(quantised, wrong), "parameter");
+    for (const float wrong : {0.01f, -0.01f, 1e-45f})
+        says(parameter(lossless, wrong), "parameter");
+}
+
 // Byte 6: planes. A residual r is coded 2r or -2r - 1, so that one byte holds -128 .. 127.
 TEST(TileCodec, residuals_take_as_many_byte_planes_as_they_need_and_no_more) {
     const float step = 0.5f - 0x1p-20f; // of an error of 0.25, near enough

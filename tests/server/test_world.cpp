@@ -1,11 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // The world that sessions talk to, over a simulation.
 #include <atomic>
+#include <cmath>
+#include <map>
 #include <memory>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "server/host/refusal.h"
+#include "server/map_source.h"
 #include "server/world.h"
 #include "tests/server/simulation/simulation_bench.h"
 
@@ -37,6 +43,191 @@ TEST(World, what_who_has_gone_asked_for_is_dropped_without_work) {
         bench.settle(); // askers take turns: each time it is one of theirs
     EXPECT_EQ(gone, 5) << "each is answered all the same";
     EXPECT_EQ(bench.simulation->counters().synthesis.transforms, 0u);
+}
+
+// ---- what is granted and what is sent for it -------------------------------------------------
+
+const FieldSet heights{Field::height, Field::height_rate};
+
+TEST(World, a_grant_is_the_part_of_a_wish_that_the_sea_has_at_the_cheapest_rung_that_keeps_it) {
+    const RunningSeaPtr sea = running_sea("[effects]\nslopes = false\n"); // two cascades
+    const World world(sea, {}, [] { return TimeUs{0}; });
+    const auto granted = [&](std::uint32_t cascades, FieldSet fields, double error_m = 0) {
+        return world.grant({cascades, fields, static_cast<float>(error_m)});
+    };
+    EXPECT_EQ(granted(~0u, heights).cascades, 3u);
+    EXPECT_EQ(granted(6u, heights).cascades, 2u);
+    EXPECT_TRUE(granted(4u, heights).empty()) << "a cascade that there is not";
+    EXPECT_EQ(granted(1u, heights | FieldSet{Field::slope_x}).fields, heights);
+    EXPECT_TRUE(granted(1u, {Field::slope_x, Field::slope_y}).empty());
+    // Rungs cost a codec error 1, 4 and 16 times as large; the bound is that of level water.
+    double rung_m[3];
+    for (std::size_t rung = 0; rung < 3; ++rung)
+        rung_m[rung] =
+            sea::level_error_m(sea->budget, std::pow(4.0, rung) * sea->budget.codec_error_m);
+    ASSERT_LT(rung_m[0], rung_m[1]);
+    ASSERT_LT(rung_m[1], rung_m[2]);
+    for (const auto& [wish_m, rung] : {std::pair(0.0, 0u),
+                                       {0.5 * rung_m[0], 0u},
+                                       {0.999 * rung_m[1], 0u},
+                                       {1.001 * rung_m[1], 1u},
+                                       {0.999 * rung_m[2], 1u},
+                                       {1.001 * rung_m[2], 2u},
+                                       {1e6, 2u}}) {
+        const Demand grant = granted(1u, heights, wish_m);
+        EXPECT_EQ(grant.quality, rung) << wish_m;
+        EXPECT_EQ(grant.error_m, static_cast<float>(rung_m[rung])) << wish_m;
+    }
+}
+
+// Each keyframe at each rung that somebody has of its cascade, with the bounds of that rung.
+TEST(World, a_keyframe_is_published_once_a_rung_in_use_with_the_bounds_of_the_rung) {
+    const RunningSeaPtr sea = running_sea();
+    World world(sea, {}, [] { return TimeUs{0}; });
+    std::vector<KeyframeTiles> published;
+    world.publish_to([&](KeyframeTiles tiles) { published.push_back(std::move(tiles)); });
+    world.subscriptions().set(1, {1u, heights, 0, 2});
+    world.subscriptions().set(2, {3u, heights, 0, 0});
+    world.subscriptions().set(3, {2u, heights, 0, 1});
+    world.subscriptions().set(4, {2u, heights, 0, 1});
+    const std::vector<std::uint8_t> rungs[] = {{0, 2}, {0, 1}};
+    for (int cascade = 0; cascade < 2; ++cascade) {
+        auto keyframe = std::make_shared<sea::Keyframe>();
+        keyframe->cascade = cascade;
+        keyframe->fields = heights;
+        published.clear();
+        world.on_keyframe(keyframe);
+        const auto& expected = rungs[cascade];
+        ASSERT_EQ(published.size(), expected.size()) << cascade;
+        for (std::size_t i = 0; i < expected.size(); ++i) {
+            EXPECT_EQ(published[i].quality, expected[i]);
+            EXPECT_EQ(published[i].keyframe, keyframe);
+            EXPECT_EQ(published[i].codec_error,
+                      sea::codec_bounds(sea->budget, heights, cascade,
+                                        std::pow(4.0, expected[i]) * sea->budget.codec_error_m));
+        }
+    }
+    for (const SessionId session : {1, 2, 3, 4})
+        world.subscriptions().erase(session);
+    published.clear();
+    world.on_keyframe(std::make_shared<sea::Keyframe>());
+    EXPECT_TRUE(published.empty()) << "nobody wants it";
+}
+
+TEST(World, a_fetch_brings_what_was_granted_in_its_rung_and_the_sea_is_named_in_answers) {
+    Bench bench;
+    World world(bench.sea, {}, [] { return TimeUs{0}; });
+    world.attach(*bench.simulation);
+    std::vector<KeyframeTiles> tiles;
+    const TimeUs time_us = 5'000'001;
+    world.fetch({{time_us}, {6u, heights | FieldSet{Field::foam}, 1e6f}, someone},
+                [&](Result<FetchedPart> part) {
+                    ASSERT_TRUE(part);
+                    for (KeyframeTiles& one : part->tiles)
+                        tiles.push_back(std::move(one));
+                });
+    std::uint32_t epoch = 0;
+    world.query({false, {{1, 2, time_us}}, someone}, [&](const Result<QueryAnswers>& answers) {
+        ASSERT_TRUE(answers);
+        epoch = answers->epoch;
+    });
+    for (int i = 0; i < 20; ++i)
+        bench.settle();
+    EXPECT_EQ(epoch, bench.sea->epoch);
+    ASSERT_EQ(tiles.size(), 2u) << "of the second cascade alone, before and after";
+    const TimeUs interval_us = bench.sea->budget.cascades[1].interval_us;
+    for (std::size_t i = 0; i < 2; ++i) {
+        EXPECT_EQ(tiles[i].quality, 2);
+        EXPECT_EQ(tiles[i].keyframe->cascade, 1);
+        EXPECT_TRUE(tiles[i].keyframe->fields.contains(heights | FieldSet{Field::foam}));
+        EXPECT_EQ(tiles[i].keyframe->time_us,
+                  (time_us / interval_us + static_cast<TimeUs>(i)) * interval_us);
+        EXPECT_EQ(tiles[i].codec_error,
+                  sea::codec_bounds(bench.sea->budget, tiles[i].keyframe->fields, 1,
+                                    16 * bench.sea->budget.codec_error_m));
+    }
+    Error refusal{""};
+    world.fetch({{time_us}, {4u, heights}, someone},
+                [&](const Result<FetchedPart>& part) { refusal = part.error(); });
+    EXPECT_TRUE(refusal.is(Refusal::not_offered));
+}
+
+// ---- bulk maps --------------------------------------------------------------------------------
+
+using Parameters = std::map<std::string, std::string>;
+const Parameters some_map{
+    {"width_m", "70.5"}, {"height_m", "30.25"}, {"columns", "8"}, {"rows", "5"}};
+
+Parameters with(Parameters parameters, const std::string& name, const std::string& value) {
+    parameters[name] = value;
+    return parameters;
+}
+
+TEST(MapRequests, every_parameter_goes_where_it_says_and_has_its_default) {
+    const auto defaults = read_map_request(some_map, 77);
+    ASSERT_TRUE(defaults) << defaults.error().message;
+    EXPECT_EQ(defaults->kind, sea::MapKind::height);
+    EXPECT_EQ(defaults->x0_m, 0);
+    EXPECT_EQ(defaults->y0_m, 0);
+    EXPECT_EQ(defaults->width_m, 70.5);
+    EXPECT_EQ(defaults->height_m, 30.25);
+    EXPECT_EQ(defaults->columns, 8);
+    EXPECT_EQ(defaults->rows, 5);
+    EXPECT_EQ(defaults->time_us, 77);
+    Parameters all = some_map;
+    all.insert({{"kind", "normal"}, {"x0_m", "-3.5"}, {"y0_m", "1e3"}, {"t_s", "-2.5"}});
+    const auto request = read_map_request(all, 77);
+    ASSERT_TRUE(request) << request.error().message;
+    EXPECT_EQ(request->kind, sea::MapKind::normal);
+    EXPECT_EQ(request->x0_m, -3.5);
+    EXPECT_EQ(request->y0_m, 1000);
+    EXPECT_EQ(request->time_us, -2'500'000);
+}
+
+TEST(MapRequests, each_is_taken_up_to_its_limits_and_refused_by_name_and_value_beyond_them) {
+    const auto expect = [](const char* name, const std::string& value, bool fine) {
+        const auto request = read_map_request(with(some_map, name, value), 0);
+        EXPECT_EQ(request.has_value(), fine) << name << " = " << value;
+        if (request || fine)
+            return;
+        EXPECT_TRUE(request.error().is(Refusal::bad_value));
+        EXPECT_NE(request.error().message.find(name), std::string::npos) << request.error().message;
+    };
+    struct Limits {
+        const char* name;
+        std::vector<std::string> within, beyond;
+    };
+    for (const Limits& row : {Limits{"kind", {"height", "displacement", "normal"}, {"foam", ""}},
+                              {"x0_m", {"1e9", "-1e9"}, {"1.01e9", "-1.01e9", "nan"}},
+                              {"y0_m", {"1e9", "-1e9"}, {"1.01e9", "-1.01e9", "nan"}},
+                              {"width_m", {"1e6", "1e-3"}, {"1.01e6", "0", "-5", "nan", "inf"}},
+                              {"height_m", {"1e6", "1e-3"}, {"1.01e6", "0", "-5", "nan", "inf"}},
+                              {"columns", {"1", "4096"}, {"0", "4097", "-1", "8.5", "8x", ""}},
+                              {"rows", {"1", "4096"}, {"0", "4097", "-1", "8.5", "8x", ""}},
+                              {"t_s", {"1e12", "-1e12"}, {"1.01e12", "-1.01e12", "nan", "now"}},
+                              {"colour", {}, {"blue"}}}) {
+        for (const std::string& value : row.within)
+            expect(row.name, value, true);
+        for (const std::string& value : row.beyond)
+            expect(row.name, value, false);
+    }
+}
+
+TEST(MapRequests, there_are_two_places_and_each_comes_back_when_its_map_goes) {
+    const auto running = std::make_shared<std::atomic<int>>(0);
+    for (int round = 0; round < 3; ++round) {
+        const auto first = take_map_place(running);
+        auto second = take_map_place(running);
+        ASSERT_TRUE(first && second) << round;
+        for (int again = 0; again < 5; ++again) {
+            const auto third = take_map_place(running);
+            ASSERT_FALSE(third);
+            EXPECT_TRUE(third.error().is(Refusal::busy));
+        }
+        second = Error{"given back"};
+        EXPECT_TRUE(take_map_place(running));
+    }
+    EXPECT_EQ(*running, 0);
 }
 
 } // namespace

@@ -26,6 +26,20 @@ WebSocketOptions options(const std::string& subprotocol) {
             .kept_buffer_bytes = 16};
 }
 
+/// A request as Beast's parser would hand it over.
+Upgrade upgrade_of(const std::string& request) {
+    Upgrade upgrade{{http::verb::get, "/v1/stream", 11}};
+    const std::string name = "\r\nSec-WebSocket-Key: ";
+    const std::size_t key = request.find(name) + name.size();
+    upgrade.request.set(http::field::host, "here");
+    upgrade.request.set(http::field::upgrade, "websocket");
+    upgrade.request.set(http::field::connection, "Upgrade");
+    upgrade.request.set(http::field::sec_websocket_version, "13");
+    upgrade.request.set(http::field::sec_websocket_key,
+                        request.substr(key, request.find("\r\n", key) - key));
+    return upgrade;
+}
+
 /// A client that speaks "a.v1", and the other end, which reads its request first.
 class WebSocketTest : public ::testing::Test {
   protected:
@@ -41,22 +55,9 @@ class WebSocketTest : public ::testing::Test {
         while (!shaken && pair.io.run_one() > 0)
             continue;
     }
-    /// As Beast's parser would hand it over.
-    Upgrade upgrade() const {
-        Upgrade upgrade{{http::verb::get, "/v1/stream", 11}};
-        const std::string name = "\r\nSec-WebSocket-Key: ";
-        const std::size_t key = request.find(name) + name.size();
-        upgrade.request.set(http::field::host, "here");
-        upgrade.request.set(http::field::upgrade, "websocket");
-        upgrade.request.set(http::field::connection, "Upgrade");
-        upgrade.request.set(http::field::sec_websocket_version, "13");
-        upgrade.request.set(http::field::sec_websocket_key,
-                            request.substr(key, request.find("\r\n", key) - key));
-        return upgrade;
-    }
     WebSocket& accept(const std::string& subprotocol) {
         server.emplace(std::move(*pair.ends[1]), options(subprotocol));
-        server->accept(upgrade(), [this](Result<void> done) { accepted = done; });
+        server->accept(upgrade_of(request), [this](Result<void> done) { accepted = done; });
         while (!(shaken && accepted) && pair.io.run_one() > 0)
             continue;
         return *server;
@@ -133,6 +134,60 @@ TEST_F(WebSocketTest, a_message_above_the_limit_is_not_understood) {
         continue;
     ASSERT_TRUE(end);
     EXPECT_TRUE(end->is(WebSocketEnd::not_understood)) << end->message;
+}
+
+TEST_F(WebSocketTest, a_client_says_which_program_it_is_and_what_it_wants) {
+    EXPECT_NE(request.find("User-Agent: test/1\r\n"), std::string::npos) << request;
+    EXPECT_NE(request.find("GET /v1/stream HTTP/1.1\r\n"), std::string::npos) << request;
+    EXPECT_NE(request.find("Host: here\r\n"), std::string::npos) << request;
+}
+
+// One kind of patience is for the handshake, the other for a peer that falls silent after it. The one that
+// does not count is longer than the test waits.
+TEST(WebSocketPatience, of_the_handshake_and_of_silence_are_two) {
+    constexpr auto short_one = std::chrono::milliseconds(100);
+    constexpr auto long_one = std::chrono::hours(1);
+    {
+        Pair pair;
+        WebSocketOptions hasty = options("a.v1");
+        hasty.handshake_patience = short_one;
+        hasty.idle_patience = long_one;
+        WebSocket client(std::move(*pair.ends[0]), hasty);
+        std::optional<Result<void>> shaken;
+        client.shake_hands("here", "/", [&](Result<void> done) { shaken = done; });
+        pair.run(); // nobody answers
+        ASSERT_TRUE(shaken);
+        EXPECT_FALSE(*shaken);
+    }
+    for (const bool silent : {true, false}) {
+        Pair pair;
+        WebSocketOptions calm = options("a.v1");
+        calm.handshake_patience = silent ? long_one : short_one;
+        calm.idle_patience = silent ? short_one : long_one;
+        WebSocket client(std::move(*pair.ends[0]), calm);
+        std::string request;
+        std::optional<Result<void>> shaken;
+        client.shake_hands("here", "/", [&](Result<void> done) { shaken = done; });
+        asio::async_read_until(*pair.ends[1], asio::dynamic_buffer(request), "\r\n\r\n",
+                               [](error_code, std::size_t) {});
+        while (request.find("\r\n\r\n") == std::string::npos && pair.io.run_one() > 0)
+            continue;
+        WebSocket far(std::move(*pair.ends[1]), options("a.v1"));
+        far.accept(upgrade_of(request), [](const Result<void>&) {});
+        while (!shaken && pair.io.run_one() > 0)
+            continue;
+        if (!*shaken)
+            continue; // the machine was busy for longer than the short patience: nothing is learnt
+        std::optional<Error> end;
+        client.read([&](const Result<WebSocket::Message>& message) { end = message.error(); });
+        pair.io.restart();
+        pair.io.run_for(silent ? std::chrono::milliseconds(20'000)
+                               : std::chrono::milliseconds(300));
+        EXPECT_EQ(end.has_value(), silent);
+        if (end) {
+            EXPECT_TRUE(end->is(WebSocketEnd::silent)) << end->message;
+        }
+    }
 }
 
 } // namespace

@@ -113,6 +113,21 @@ TEST(Ring, never_mixes_epochs_cascades_or_keyframes_that_lack_a_field) {
     EXPECT_EQ(around(ring, 150'000)->before->keyframe().time_us, 300'000);
 }
 
+TEST(Ring, one_time_of_two_epochs_is_two_keyframes) {
+    KeyframeRing ring;
+    for (const std::uint32_t epoch : {1u, 2u})
+        for (const TimeUs time_us : {100'000, 200'000})
+            ring.insert(keyframe(time_us, 0, epoch));
+    EXPECT_EQ(ring.size(0), 4u);
+    for (const std::uint32_t epoch : {1u, 2u}) {
+        const auto pair = ring.around(0, epoch, 150'000, interval_us, height_fields);
+        ASSERT_TRUE(pair) << epoch;
+        EXPECT_TRUE(pair->covers);
+        EXPECT_EQ(pair->before->keyframe().epoch, epoch);
+        EXPECT_EQ(pair->after->keyframe().epoch, epoch);
+    }
+}
+
 TEST(Ring, h2_a_duplicate_replaces_unless_it_holds_less) {
     KeyframeRing ring;
     const FieldSet rich = height_fields | FieldSet{Field::foam};
@@ -257,53 +272,64 @@ TEST(LocalAnswer, a_stated_error_holds_interpolation_and_codec) {
     EXPECT_EQ(error.cascades[0].height.time_m, 0);
 }
 
-// bound = formula, not only error <= bound: a bound that is too wide, or that forgets a keyframe,
-// holds every comparison of heights.
-TEST(LocalAnswer, a_codec_error_is_that_of_the_worse_keyframe_of_every_cascade) {
+// bound = formula, not only error <= bound: a bound that is too wide, or that forgets a keyframe, a
+// component or an axis, holds every comparison of heights. Each of the four is the worst one in turn.
+TEST(LocalAnswer, a_codec_error_is_that_of_the_worst_keyframe_component_and_axis_of_every_cascade) {
     SeaState state = one_cascade_sea();
     state.cascades.push_back({.length_m = 10, .size = 16, .interval_us = 40'000});
-    state.choppiness_x = 1.5;
-    state.choppiness_y = 0.5;
     state.losses = {{{0.1, 0.2, 0.3}, {0.4, 0.5, 0.6}}, {{0.7, 0.8, 0.9}, {1.0, 1.1, 1.2}}};
     state.single_precision_m = 0.01;
     state.single_precision_displacement_m = 0.02;
-    const auto with_errors = [](int cascade, TimeUs time_us, float scale) {
-        HeldKeyframe::FieldErrors errors{};
-        for (const Field field : sea::surface_fields)
-            errors[static_cast<std::size_t>(field)] = scale * (1 + static_cast<float>(field));
+    using Errors = HeldKeyframe::FieldErrors;
+    const auto of = [](Errors& errors, Field field) -> float& {
+        return errors[static_cast<std::size_t>(field)];
+    };
+    const auto held = [](int cascade, TimeUs time_us, const Errors& errors) {
         sea::Keyframe made = keyframe(time_us, cascade, 1, sea::surface_fields)->keyframe();
         return std::make_shared<const HeldKeyframe>(std::move(made), errors);
     };
-    const auto rounded = [](Field field) { // to within 3 mm times one more than the field's number
-        return 0.003 * (1 + static_cast<double>(field)) / std::sqrt(3.0);
-    };
-    for (const bool worse_is_first : {true, false}) {
-        const float first = worse_is_first ? 0.003f : 0.001f,
-                    second = worse_is_first ? 0.001f : 0.003f;
-        const KeyframePair pairs[] = {
-            {with_errors(0, 0, first), with_errors(0, interval_us, second), true},
-            {with_errors(1, 0, second), with_errors(1, 40'000, first), true}};
-        const sea::MapError error = local_map_error(state, pairs);
-        ASSERT_EQ(error.cascades.size(), 2u);
-        double strain = 0;
-        for (std::size_t c = 0; c < 2; ++c) {
-            const sea::CascadeLoss& loss = error.cascades[c];
-            EXPECT_EQ(loss.height.time_m, state.losses[c].height.time_m);
-            EXPECT_EQ(loss.height.north_m, state.losses[c].height.north_m);
-            EXPECT_EQ(loss.displacement.east_m, state.losses[c].displacement.east_m);
-            EXPECT_NEAR(loss.height.value_m, rounded(Field::height), 1e-9);
-            EXPECT_NEAR(loss.height.rate_mps, rounded(Field::height_rate), 1e-9);
-            // The worse of the two components.
-            EXPECT_NEAR(loss.displacement.value_m, rounded(Field::displacement_y), 1e-9);
-            EXPECT_NEAR(loss.displacement.rate_mps, rounded(Field::displacement_y_rate), 1e-9);
-            const sea::Keyframe& map = pairs[c].before->keyframe();
-            strain += sea::coded_strain_variance(loss.displacement, c == 0 ? 0.1 : 0.04,
-                                                 map.length_m / map.size);
-        }
-        EXPECT_EQ(error.height_bound_m, 0.01);
-        EXPECT_EQ(error.displacement_bound_m, 0.02);
-        EXPECT_NEAR(error.codec_strain_bound, 1.5 * sea::coded_strain_bound(strain), 1e-12);
-    }
+    const double root3 = std::sqrt(3.0);
+    for (const bool worst_is_first : {true, false})
+        for (const bool worst_is_x : {true, false})
+            for (const bool wide_is_x : {true, false}) {
+                state.choppiness_x = wide_is_x ? 1.5 : 0.5;
+                state.choppiness_y = wide_is_x ? 0.5 : 1.5;
+                Errors fine{}, coarse{};
+                for (const Field field : sea::surface_fields)
+                    of(fine, field) = 1e-4f;
+                of(coarse, Field::height) = 0.003f;
+                of(coarse, Field::height_rate) = 0.005f;
+                of(coarse, worst_is_x ? Field::displacement_x : Field::displacement_y) = 0.007f;
+                of(coarse, worst_is_x ? Field::displacement_x_rate : Field::displacement_y_rate) =
+                    0.011f;
+                const Errors &first = worst_is_first ? coarse : fine,
+                             &second = worst_is_first ? fine : coarse;
+                const KeyframePair pairs[] = {
+                    {held(0, 0, first), held(0, interval_us, second), true},
+                    {held(1, 0, second), held(1, 40'000, first), true}};
+                const sea::MapError error = local_map_error(state, pairs);
+                ASSERT_EQ(error.cascades.size(), 2u);
+                double strain = 0;
+                for (std::size_t c = 0; c < 2; ++c) {
+                    const sea::CascadeLoss &loss = error.cascades[c], &told = state.losses[c];
+                    for (const auto& [got, wanted] : {std::pair(loss.height, told.height),
+                                                      {loss.displacement, told.displacement}}) {
+                        EXPECT_EQ(got.time_m, wanted.time_m);
+                        EXPECT_EQ(got.east_m, wanted.east_m);
+                        EXPECT_EQ(got.north_m, wanted.north_m);
+                    }
+                    EXPECT_NEAR(loss.height.value_m, 0.003 / root3, 1e-9);
+                    EXPECT_NEAR(loss.height.rate_mps, 0.005 / root3, 1e-9);
+                    EXPECT_NEAR(loss.displacement.value_m, 0.007 / root3, 1e-9);
+                    EXPECT_NEAR(loss.displacement.rate_mps, 0.011 / root3, 1e-9);
+                    const sea::Keyframe& map = pairs[c].before->keyframe();
+                    strain += sea::coded_strain_variance(loss.displacement, c == 0 ? 0.1 : 0.04,
+                                                         map.length_m / map.size);
+                }
+                EXPECT_EQ(error.height_bound_m, 0.01);
+                EXPECT_EQ(error.displacement_bound_m, 0.02);
+                EXPECT_NEAR(error.codec_strain_bound, 1.5 * sea::coded_strain_bound(strain), 1e-12);
+            }
 }
 
 TEST(LocalAnswer, folds_are_looked_for_as_far_as_points_move_sideways) {

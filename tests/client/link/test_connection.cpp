@@ -152,6 +152,7 @@ TEST_F(ConnectionTest, h6_values_out_of_range_and_unasked_answers_end_it) {
           tile(1, sea::Field::height, 9), protocol::welcome(2, "again", 0),
           protocol::tile({.keyframe = 1, .size = 16, .x0 = 8, .width = 16, .height = 16}, {})}) {
         server.open = true;
+        server.closed_because.clear();
         const auto connection = open();
         ASSERT_TRUE(connection);
         server.send(wrong);
@@ -164,6 +165,7 @@ TEST_F(ConnectionTest, h6_values_out_of_range_and_unasked_answers_end_it) {
 TEST_F(ConnectionTest, h6_tiles_of_another_size_than_their_sea_announced_end_it) {
     for (const int size : {8, 32}) {
         server.open = true;
+        server.closed_because.clear();
         const auto connection = open();
         ASSERT_TRUE(connection);
         server.send(tile(1, sea::Field::height, 1, size));
@@ -184,6 +186,7 @@ TEST_F(ConnectionTest, h6_a_sea_state_that_changes_the_maps_of_its_epoch_ends_it
     more.cascades.push_back(more.cascades[0]);
     for (const protocol::SeaStateValues& wrong : {larger, longer, more}) {
         server.open = true;
+        server.closed_because.clear();
         const auto connection = open();
         ASSERT_TRUE(connection);
         server.send(protocol::sea_state(state));

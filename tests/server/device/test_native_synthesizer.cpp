@@ -99,6 +99,47 @@ TEST(NativeSynthesizer, keyframes_carry_what_was_asked_in_order) {
     EXPECT_EQ(native.counters().keyframes, 2u);
 }
 
+TEST(NativeSynthesizer, keyframes_of_several_cascades_in_one_call_are_those_of_each_alone) {
+    auto sea = std::make_shared<sea::Realization>(*RandomSea(64, 500.0, 4).realization());
+    sea->cascades.push_back(RandomSea(32, 123.0, 5).cascade());
+    sea->cascades.push_back(RandomSea(64, 77.0, 6).cascade());
+    const int sizes[] = {64, 32, 64};
+    const double lengths_m[] = {500, 123, 77};
+    for (const std::size_t c : {1, 2}) { // one crosses the tile askew, another way in each
+        sea::SineField& field = sea->cascades[c].sines.emplace_back();
+        field.length_m = lengths_m[c];
+        field.sharpness = 2.0;
+        const double step = 2 * M_PI / lengths_m[c], omega = 0.6;
+        field.waves.push_back(
+            {2 * step, (c == 1 ? -1 : 3) * step, 1.5, 0.4, sea::rate_from_omega(omega), omega});
+    }
+    NativeSynthesizer together(2);
+    ASSERT_TRUE(together.set_sea(sea, 3));
+    const KeyframeRequest requests[] = {{2, 1'000'000, {Field::height}},
+                                        {0, 2'000'000, sea::surface_fields},
+                                        {1, 1'000'000, {Field::slope_x, Field::slope_y}},
+                                        {0, 1'000'000, {Field::height, Field::height_rate}}};
+    const auto made = together.synthesize(requests);
+    ASSERT_TRUE(made);
+    ASSERT_EQ(made->size(), 4u);
+    for (std::size_t i = 0; i < 4; ++i) {
+        const sea::Keyframe& map = *(*made)[i];
+        const auto c = static_cast<std::size_t>(requests[i].cascade);
+        EXPECT_EQ(map.cascade, requests[i].cascade);
+        EXPECT_EQ(map.time_us, requests[i].time_us);
+        EXPECT_EQ(map.size, sizes[c]);
+        EXPECT_EQ(map.length_m, lengths_m[c]);
+        NativeSynthesizer alone(1);
+        ASSERT_TRUE(alone.set_sea(sea, 3));
+        const auto one = alone.synthesize({&requests[i], 1});
+        ASSERT_TRUE(one);
+        EXPECT_EQ(map.values, one->front()->values) << i;
+    }
+    EXPECT_EQ(together.counters().keyframes, 4u);
+    EXPECT_EQ(together.counters().dispatches, 8u) << "two passes each";
+    EXPECT_EQ(together.counters().transforms, 1u + 6 + 2 + 2);
+}
+
 TEST(NativeSynthesizer, nothing_asked_is_nothing_done) {
     const RandomSea random(64, 500.0, 5);
     NativeSynthesizer native;
@@ -138,21 +179,23 @@ TEST(NativeSynthesizer, stylised_waves_are_added_to_the_modes) {
     sea::SineField& field = stylised->cascades[0].sines.emplace_back();
     field.length_m = 500.0;
     field.sharpness = 2.0;
-    const double k = 2 * M_PI / 500.0 * 3, omega = 0.6;
-    field.waves.push_back({k, 0.0, 1.5, 0.4, sea::rate_from_omega(omega), omega});
+    const double step = 2 * M_PI / 500.0, omega = 0.6;
+    field.waves.push_back({3 * step, -2 * step, 1.5, 0.4, sea::rate_from_omega(omega), omega});
     NativeSynthesizer native;
     ASSERT_TRUE(native.set_sea(random.realization(), 1));
-    const auto plain = keyframe(native, {Field::height, Field::slope_x}, 5'000'000);
+    const FieldSet fields{Field::height, Field::slope_x, Field::slope_y};
+    const auto plain = keyframe(native, fields, 5'000'000);
     ASSERT_TRUE(native.set_sea(stylised, 2));
-    const auto both = keyframe(native, {Field::height, Field::slope_x}, 5'000'000);
-    for (int i = 0; i < 64; ++i) {
-        const auto point = sea::sines_at(field, i * 500.0 / 64, 0.0, 5'000'000);
-        const auto at = static_cast<std::size_t>(i);
+    const auto both = keyframe(native, fields, 5'000'000);
+    for (const auto& [x, y] : random_nodes(64, 200)) {
+        const auto point = sea::sines_at(field, x * 500.0 / 64, y * 500.0 / 64, 5'000'000);
+        const auto added = [&, at = node(*both, x, y)](Field of) {
+            return both->plane(of)[at] - plain->plane(of)[at];
+        };
         // One float addition of heights of a few metres.
-        EXPECT_NEAR(both->plane(Field::height)[at] - plain->plane(Field::height)[at], point.height,
-                    2e-6);
-        EXPECT_NEAR(both->plane(Field::slope_x)[at] - plain->plane(Field::slope_x)[at],
-                    point.slope_x, 2e-7);
+        EXPECT_NEAR(added(Field::height), point.height, 2e-6);
+        EXPECT_NEAR(added(Field::slope_x), point.slope_x, 2e-7);
+        EXPECT_NEAR(added(Field::slope_y), point.slope_y, 2e-7);
     }
 }
 

@@ -2,6 +2,7 @@
 // Who wants what.
 #include <gtest/gtest.h>
 
+#include "server/host/asker.h"
 #include "server/host/subscriptions.h"
 
 namespace seaway::server {
@@ -34,6 +35,21 @@ TEST(Subscriptions, wanted_is_the_union_over_sessions_of_a_cascade_at_a_quality)
     EXPECT_EQ(all.size(), 2u);
 }
 
+TEST(Subscriptions, what_those_want_who_go_without_a_field_is_theirs_alone_and_of_the_cascade) {
+    Subscriptions all;
+    all.set(1, {.cascades = 1u, .fields = {Field::height, Field::foam}, .quality = 0});
+    all.set(2, {.cascades = 1u, .fields = {Field::slope_x}, .quality = 0});
+    all.set(3, {.cascades = 2u, .fields = {Field::slope_y}, .quality = 1});
+    all.set(4, {.cascades = 3u, .fields = {Field::displacement_x}, .quality = 2});
+    EXPECT_EQ(all.wanted_without(0, Field::foam),
+              (FieldSet{Field::slope_x, Field::displacement_x}));
+    EXPECT_EQ(all.wanted_without(1, Field::foam),
+              (FieldSet{Field::slope_y, Field::displacement_x}));
+    EXPECT_EQ(all.wanted_without(0, Field::slope_x),
+              (FieldSet{Field::height, Field::foam, Field::displacement_x}));
+    EXPECT_TRUE(all.wanted_without(2, Field::foam).empty());
+}
+
 TEST(Subscriptions, an_empty_grant_is_none_and_only_changes_are_told) {
     Subscriptions all;
     int changes = 0;
@@ -48,6 +64,33 @@ TEST(Subscriptions, an_empty_grant_is_none_and_only_changes_are_told) {
     all.set(1, {});
     EXPECT_EQ(changes, 2);
     EXPECT_EQ(all.size(), 0u);
+}
+
+// Gone with the session, or with the question that was given up; who stays and asks about nothing in
+// particular, never.
+TEST(Askers, are_there_for_as_long_as_what_they_were_made_of) {
+    for (const bool session_goes : {true, false})
+        for (const bool question_goes : {true, false}) {
+            auto session = std::make_shared<char>(), question = std::make_shared<char>();
+            const Asker asker(session);
+            const Asker about = asker.about(question);
+            const Asker stays = Asker::who_stays();
+            const Asker stays_about = stays.about(question);
+            for (const Asker& one : {asker, about, stays, stays_about})
+                EXPECT_FALSE(one.gone());
+            EXPECT_TRUE(asker.same(about));
+            EXPECT_TRUE(stays.same(stays_about));
+            EXPECT_FALSE(asker.same(stays));
+            EXPECT_FALSE(asker.same(Asker(std::make_shared<char>(1))));
+            if (session_goes)
+                session = nullptr;
+            if (question_goes)
+                question = nullptr;
+            EXPECT_EQ(asker.gone(), session_goes);
+            EXPECT_EQ(about.gone(), session_goes || question_goes);
+            EXPECT_FALSE(stays.gone());
+            EXPECT_EQ(stays_about.gone(), question_goes);
+        }
 }
 
 } // namespace

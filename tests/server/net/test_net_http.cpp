@@ -78,6 +78,7 @@ TEST_F(NetHttp, with_a_client_token_pages_and_maps_ask_for_it) {
     const std::string file = ::testing::TempDir() + "map_token";
     std::ofstream(file) << " open sesame \n";
     options.client_token_file = file;
+    options.admin_token_file = folder().write("map_admin_token", "master\n");
     start();
     const auto status = [&](const std::string& target, const std::string& authorization) {
         return ask_http(port(), target, "GET", authorization).status;
@@ -89,6 +90,8 @@ TEST_F(NetHttp, with_a_client_token_pages_and_maps_ask_for_it) {
         EXPECT_EQ(status(target, "Basic open sesame"), 401) << target;
     }
     EXPECT_EQ(host.maps_asked, 0);
+    EXPECT_EQ(status("/metrics", "Bearer master"), 200)
+        << "an administrator may see what others may";
     const HttpAnswer refused = ask_http(port(), "/v1/state", "GET");
     EXPECT_EQ(refused.fields.at("WWW-Authenticate"), "Bearer");
     EXPECT_NE(refused.body.find("Authorization"), std::string::npos);
@@ -138,6 +141,22 @@ TEST_F(NetHttp, an_address_that_cannot_be_had_is_one_helpful_line) {
             << started.error().message;
         EXPECT_EQ(started.error().message.find('\n'), std::string::npos);
     }
+}
+
+// Looked at before anything is listened to: a port that nobody may have is as good as any other.
+TEST(NetOptions, an_address_is_two_parts_each_in_its_range) {
+    const auto understood = [](const std::string& listen) {
+        server::NetOptions options;
+        options.listen = listen;
+        return server::NetServer::check(options).has_value();
+    };
+    for (const char* listen :
+         {"127.0.0.1:0", "0.0.0.0:1", "10.1.2.3:65535", "[::]:9430", "[::1]:0", "[fe80::2]:65535"})
+        EXPECT_TRUE(understood(listen)) << listen;
+    for (const char* listen : {"127.0.0.1:65536", "127.0.0.1:-1", "127.0.0.1:+1", "127.0.0.1: 1",
+                               "127.0.0.1:1x", ":9430", "9430", "::1:9430", "[::1]", "[]:9430",
+                               "[::1:9430", "256.0.0.1:9430", "[127.0.0.1:1"})
+        EXPECT_FALSE(understood(listen)) << listen;
 }
 
 TEST_F(NetHttp, files_that_cannot_be_read_are_one_helpful_line) {

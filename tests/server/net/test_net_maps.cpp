@@ -77,6 +77,27 @@ TEST_F(NetMaps, who_reads_more_slowly_than_the_least_rate_loses_its_place) {
     EXPECT_TRUE(eventually([&] { return *host.maps_alive == 0; }));
 }
 
+// Naive: what waits for the host's answer is kept where the answer is a refusal, and with it its place.
+TEST_F(NetMaps, a_refused_map_says_why_and_leaves_nothing_behind) {
+    host.is_busy = true;
+    options.connections_max = 6;
+    start();
+    for (int i = 0; i < 10; ++i) {
+        const HttpAnswer answer = get("/v1/map", i % 2 == 0 ? "GET" : "HEAD");
+        EXPECT_EQ(answer.status, 503);
+        EXPECT_EQ(answer.body, i % 2 == 0 ? "later\n" : "");
+    }
+    ASSERT_TRUE(eventually([&] { return metric("seaway_net_connections") == 1; }));
+    EXPECT_EQ(metric("seaway_net_connections_refused_total"), 0);
+    EXPECT_EQ(metric("seaway_net_http_responses_total{status=\"503\"}"), 10);
+    host.is_busy = false;
+    host.maps_ready = true;
+    for (int i = 0; i < 10; ++i)
+        EXPECT_EQ(get("/v1/map", i % 2 == 0 ? "GET" : "HEAD").status, 200);
+    ASSERT_TRUE(eventually([&] { return metric("seaway_net_connections") == 1; }));
+    EXPECT_TRUE(eventually([&] { return *host.maps_alive == 0; }));
+}
+
 TEST_F(NetMaps, who_reads_fast_enough_gets_all_of_it) {
     host.map_bytes = 8 * 1024 * 1024;
     host.map_piece_bytes = 64 * 1024;

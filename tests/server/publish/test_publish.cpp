@@ -248,6 +248,27 @@ TEST(Outbox, only_the_maps_that_will_be_sent_count_as_bytes_and_all_of_them_come
     EXPECT_EQ(outbox.bytes_waiting(), limits::fetch_bytes_max / 4) << "streamed ones likewise";
 }
 
+TEST(Outbox, the_bytes_of_all_that_waits_are_counted_and_go_with_each_message) {
+    Outbox outbox;
+    EXPECT_EQ(outbox.bytes_waiting(), 0u);
+    std::size_t bytes = 0;
+    outbox.push_reply(message(1));
+    EXPECT_EQ(outbox.bytes_waiting(), bytes += 1);
+    ASSERT_TRUE(outbox.push_durable(message(10)));
+    EXPECT_EQ(outbox.bytes_waiting(), bytes += 10);
+    const EncodedKeyframePtr fetched = parcel(1, 0, 2, 100);
+    ASSERT_TRUE(outbox.push_fetched(std::span(&fetched, 1), height, message(1000)));
+    EXPECT_EQ(outbox.bytes_waiting(), bytes += 2 * 100 + 1000);
+    outbox.push_keyframe(parcel(2, 0, 1, 30'000), height);
+    outbox.push_keyframe(parcel(3, 1, 1, 70'000), height);
+    EXPECT_EQ(outbox.bytes_waiting(), bytes += 100'000);
+    outbox.push_keyframe(parcel(4, 1, 1, 50'000), height); // in the place of the one before
+    EXPECT_EQ(outbox.bytes_waiting(), bytes -= 20'000);
+    while (const SharedBytes next = outbox.next())
+        EXPECT_EQ(outbox.bytes_waiting(), bytes -= next->size());
+    EXPECT_EQ(bytes, 0u);
+}
+
 TEST(Outbox, a_waiting_keyframe_is_replaced_by_a_newer_one_of_its_cascade_only) {
     Outbox outbox;
     outbox.set_credit(1);

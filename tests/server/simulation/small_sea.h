@@ -38,7 +38,7 @@ class SmallSea : public server::Host {
     std::vector<protocol::SharedBytes> states{state_message(0)};
     std::atomic<bool> answer_queries = true; ///< else they wait in `unanswered`
     std::atomic<bool> answer_fetches = true; ///< else they wait in `unanswered`
-    std::atomic<bool> is_busy = false;       ///< queries and fetches are refused
+    std::atomic<bool> is_busy = false;       ///< queries, fetches and maps are refused
 
     static protocol::SharedBytes state_message(std::uint32_t epoch, std::size_t scene_bytes = 100) {
         protocol::SeaStateValues state;
@@ -137,6 +137,8 @@ class SmallSea : public server::Host {
     void map(server::MapQuery query, Mapped done) override {
         askers.push_back(query.asker);
         ++maps_asked;
+        if (is_busy)
+            return done(Error{server::Refusal::busy, "later"});
         if (!answer_maps)
             return unanswered.push_back([] {});
         auto rows = std::make_unique<Rows>(*this);
@@ -148,7 +150,9 @@ class SmallSea : public server::Host {
         return "{\"sea\":1}";
     }
     std::string plan_json() const override { return "{\"plan\":1}"; }
-    std::string metrics_text() const override { return "seaway_simulation_up 1\n"; }
+    std::string metrics_text() const override {
+        return "# TYPE seaway_simulation_up gauge\nseaway_simulation_up 1\n";
+    }
     bool healthy() const override { return well; }
 
     std::atomic<std::int64_t> newest = 0;

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+// The client against a server whose sea, or whose offer, changes while it is connected, and which it asks
+// for much.
+#include <atomic>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "client/client.h"
+#include "client/link/message_stream.h"
+#include "server/net/server.h"
+#include "tests/client/wave_sea.h"
+
+namespace seaway::client {
+namespace {
+
+using sea::Field;
+using sea::FieldSet;
+using tests::eventually;
+
+class LiveSeas : public ::testing::Test {
+  protected:
+    tests::WaveSea sea;
+    std::unique_ptr<server::NetServer> net;
+    std::atomic<int> told = 0; ///< of seas
+
+    void SetUp() override {
+        server::NetOptions options;
+        options.listen = "127.0.0.1:0";
+        auto started = server::NetServer::start(options, sea);
+        ASSERT_TRUE(started) << started.error().message;
+        net = std::move(*started);
+    }
+
+    std::unique_ptr<Client> connect() {
+        auto client = Client::connect({.url = net->url()},
+                                      {.on_sea_state = [this](const SeaStatePtr&) { ++told; }});
+        EXPECT_TRUE(client) << (client ? "" : client.error().message);
+        return client ? std::move(*client) : nullptr;
+    }
+    /// Announces a sea and waits until the client knows it.
+    void announce(std::uint32_t epoch, sea::TimeUs start_us) {
+        const auto first = sea.sea_state_messages().front();
+        protocol::SeaStateValues state =
+            protocol::values(*wire::GetMessage(first->data())->body_as_SeaState());
+        state.epoch = epoch;
+        state.start_time_us = start_us;
+        const int before = told;
+        net->announce(std::make_shared<const protocol::Bytes>(protocol::sea_state(state)));
+        ASSERT_TRUE(eventually([&] { return told == before + 1; }));
+    }
+};
+
+TEST_F(LiveSeas, each_runs_from_its_start_to_the_start_of_the_next_in_whatever_order_they_came) {
+    const auto client = connect();
+    ASSERT_TRUE(client);
+    const auto epoch_at = [&](sea::TimeUs time_us) { return client->sea_state(time_us)->epoch; };
+    announce(11, 200);
+    announce(10, 100);
+    EXPECT_EQ(epoch_at(std::numeric_limits<sea::TimeUs>::min()), 3u) << "before all: the first";
+    for (const auto& [time_us, epoch] :
+         {std::pair(99, 3u), {100, 10u}, {199, 10u}, {200, 11u}, {1'000'000, 11u}})
+        EXPECT_EQ(epoch_at(time_us), epoch) << time_us;
+    announce(12, 300);
+    EXPECT_EQ(epoch_at(0), 3u) << "four are known";
+    announce(13, 400);
+    EXPECT_EQ(epoch_at(0), 10u) << "the oldest of five is forgotten";
+    EXPECT_EQ(epoch_at(399), 12u);
+    EXPECT_EQ(epoch_at(400), 13u);
+    announce(13, 350); // said again: it starts earlier than was said before
+    EXPECT_EQ(epoch_at(0), 10u) << "there are four as before";
+    EXPECT_EQ(epoch_at(349), 12u);
+    EXPECT_EQ(epoch_at(350), 13u);
+}
+
+TEST_F(LiveSeas, what_is_offered_again_is_asked_for_again) {
+    const FieldSet with_slope = sea::surface_fields | FieldSet{Field::slope_x};
+    sea.offered = sea::surface_fields;
+    const auto client = connect();
+    ASSERT_TRUE(client);
+    const auto held_at = [&](sea::TimeUs time_us) {
+        const Result<void> held = client->hold({&time_us, 1}, 10, {Field::slope_x});
+        EXPECT_TRUE(held) << held.error().message;
+        const auto pair = client->ring().around(0, sea.epoch, time_us, tests::wave_intervals_us[0],
+                                                sea::surface_fields);
+        return pair ? pair->before->keyframe().fields : FieldSet{};
+    };
+    EXPECT_EQ(held_at(1'010'000), sea::surface_fields);
+    sea.offered = with_slope;
+    EXPECT_EQ(held_at(2'010'000), sea::surface_fields) << "known not to be offered";
+    const auto grant = client->subscribe({.fields = with_slope}, 2, 10);
+    ASSERT_TRUE(grant) << grant.error().message;
+    EXPECT_EQ(grant->fields, with_slope);
+    EXPECT_EQ(held_at(3'010'000), with_slope);
+}
+
+// More bytes in all than may wait at a time, and more batches than are sent at once.
+TEST_F(LiveSeas, much_that_is_asked_one_after_the_other_is_answered) {
+    const auto client = connect();
+    ASSERT_TRUE(client);
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    const std::size_t batch = client->welcome().points_per_query_max;
+    const std::size_t batches =
+        MessageStream::waiting_bytes_max / (batch * sizeof(wire::Point)) + 4;
+    const std::vector<sea::QueryPoint> points(batch * batches, {nan, 0, 0});
+    const auto answers = client->ask(points, {.timeout_s = 60});
+    ASSERT_TRUE(answers) << answers.error().message;
+    EXPECT_EQ(answers->size(), points.size());
+    EXPECT_EQ(sea.queries, static_cast<int>(batches));
+    EXPECT_TRUE(client->ask({points.data(), 1}, {.timeout_s = 60}));
+}
+
+} // namespace
+} // namespace seaway::client

@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: Apache-2.0
+// What seaway-query prints and takes: every column of every format, every option away from its default,
+// every number at its limits. No two values are equal.
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <sstream>
+#include <variant>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "client/apps/query_options.h"
+#include "client/apps/query_output.h"
+
+namespace seaway::client {
+namespace {
+
+using nlohmann::json;
+
+constexpr const char* columns[] = {"x_m",
+                                   "y_m",
+                                   "t_s",
+                                   "height_m",
+                                   "normal_x",
+                                   "normal_y",
+                                   "normal_z",
+                                   "velocity_x_mps",
+                                   "velocity_y_mps",
+                                   "velocity_z_mps",
+                                   "error_m"};
+/// In the order of `columns`, one row each; exact in few binary digits.
+constexpr double rows[2][11] = {
+    {-12.5, 40.25, 1234.75, -1.125, -0.25, 0.375, 0.875, 1.5, -2.25, 0.625, 0.03125},
+    {3.5, -7.75, -50.5, 2.0625, 0.125, -0.5, 0.75, -3.25, 4.5, -0.0625, 0.015625}};
+constexpr std::uint32_t flags[2] = {17, 34};
+
+std::vector<sea::QueryPoint> points() {
+    std::vector<sea::QueryPoint> made;
+    for (const auto& row : rows)
+        made.push_back({row[0], row[1], std::llround(row[2] * 1e6)});
+    return made;
+}
+std::vector<sea::Answer> answers() {
+    std::vector<sea::Answer> made;
+    for (std::size_t i = 0; i < 2; ++i) {
+        const auto& r = rows[i];
+        made.push_back({.height_m = r[3],
+                        .normal = {r[4], r[5], r[6]},
+                        .velocity_mps = {r[7], r[8], r[9]},
+                        .error_m = r[10],
+                        .flags = flags[i]});
+    }
+    return made;
+}
+std::vector<std::string> lines_of(const std::string& text) {
+    std::istringstream in(text);
+    std::vector<std::string> lines;
+    for (std::string line; std::getline(in, line);)
+        lines.push_back(line);
+    return lines;
+}
+std::vector<std::string> words_of(std::string line) {
+    std::replace(line.begin(), line.end(), ',', ' ');
+    std::istringstream in(line);
+    return {std::istream_iterator<std::string>(in), {}};
+}
+
+TEST(QueryOutput, every_column_of_every_format_holds_what_it_is_called_by) {
+    for (const bool compact : {false, true}) {
+        const std::string text = output_rows(Format::json, points(), answers(), compact);
+        EXPECT_EQ(lines_of(text).size(), compact ? 1u : 2u) << text;
+        const json shown = json::parse(text);
+        ASSERT_EQ(shown.size(), 2u);
+        for (std::size_t i = 0; i < 2; ++i) {
+            EXPECT_EQ(shown[i].size(), 12u);
+            for (std::size_t c = 0; c < 11; ++c)
+                EXPECT_EQ(shown[i][columns[c]].get<double>(), rows[i][c]) << columns[c];
+            EXPECT_EQ(shown[i]["flags"].get<unsigned>(), flags[i]);
+        }
+    }
+    const auto head = words_of(output_head(Format::csv));
+    const auto csv = lines_of(output_rows(Format::csv, points(), answers(), false));
+    ASSERT_EQ(csv.size(), 2u);
+    // A table has a line of titles, columns in the same order and flags by name.
+    EXPECT_EQ(output_head(Format::table) + output_head(Format::json), "");
+    const auto table = lines_of(output_rows(Format::table, points(), answers(), false));
+    ASSERT_EQ(table.size(), 3u);
+    EXPECT_EQ(words_of(table[0]).size(), 12u);
+    const char* const named[] = {"folded exact", "not_converged vertical_velocity"};
+    for (std::size_t i = 0; i < 2; ++i) {
+        const auto values = words_of(csv[i]), cells = words_of(table[i + 1]);
+        ASSERT_EQ(values.size(), 12u);
+        ASSERT_EQ(cells.size(), 13u);
+        for (std::size_t c = 0; c < 11; ++c) {
+            EXPECT_EQ(head[c], columns[c]);
+            EXPECT_EQ(std::stod(values[c]), rows[i][c]) << columns[c];
+            EXPECT_NEAR(std::stod(cells[c]), rows[i][c], 5.1e-4) << columns[c]; // three decimals
+        }
+        EXPECT_EQ(values[11], std::to_string(flags[i]));
+        EXPECT_EQ(cells[11] + " " + cells[12], named[i]);
+    }
+}
+
+TEST(QueryOutput, every_flag_has_its_own_name) {
+    const char* const names[] = {"folded", "not_converged",     "extrapolated", "invalid",
+                                 "exact",  "vertical_velocity", "open"};
+    for (std::uint32_t bit = 0; bit < 7; ++bit)
+        EXPECT_EQ(flag_names(1u << bit), names[bit]);
+}
+
+TEST(QueryOutput, every_column_of_a_measurement_holds_what_it_is_called_by) {
+    const std::vector<BenchRow> measured{{"server", 64, 8, 1000, 2.5, 0.75, 3.25},
+                                         {"exact", 32, 1, 500, 1.25, 1.75, 2.5}};
+    const char* const names[] = {"points_per_query", "in_flight",    "queries",
+                                 "seconds",          "points_per_s", "round_trip_p50_ms",
+                                 "round_trip_p99_ms"};
+    const double values[2][7] = {{64, 8, 1000, 2.5, 25600, 0.75, 3.25},
+                                 {32, 1, 500, 1.25, 12800, 1.75, 2.5}};
+    const json shown = json::parse(output_bench(Format::json, measured));
+    const auto csv = lines_of(output_bench(Format::csv, measured));
+    const auto table = lines_of(output_bench(Format::table, measured));
+    ASSERT_EQ(shown.size(), 2u);
+    ASSERT_EQ(csv.size(), 3u);
+    ASSERT_EQ(table.size(), 3u);
+    EXPECT_EQ(words_of(csv[0]), words_of(table[0]));
+    for (std::size_t i = 0; i < 2; ++i) {
+        const auto line = words_of(csv[i + 1]), cells = words_of(table[i + 1]);
+        ASSERT_EQ(line.size(), 8u);
+        ASSERT_EQ(cells.size(), 8u);
+        EXPECT_EQ(shown[i]["how"], measured[i].how);
+        EXPECT_EQ(line[0], measured[i].how);
+        EXPECT_EQ(cells[0], measured[i].how);
+        for (std::size_t c = 0; c < 7; ++c) {
+            EXPECT_EQ(words_of(csv[0])[c + 1], names[c]);
+            EXPECT_EQ(shown[i][names[c]].get<double>(), values[i][c]) << names[c];
+            EXPECT_EQ(std::stod(line[c + 1]), values[i][c]) << names[c];
+            EXPECT_NEAR(std::stod(cells[c + 1]), values[i][c], 0.0051) << names[c]; // two decimals
+        }
+    }
+}
+
+std::variant<QueryOptions, int> options_of(std::vector<const char*> words) {
+    words.insert(words.begin(), "seaway-query");
+    testing::internal::CaptureStderr();
+    auto read = read_query_options(static_cast<int>(words.size()), words.data());
+    testing::internal::GetCapturedStderr();
+    return read;
+}
+
+TEST(QueryOptions, each_goes_where_it_says_and_has_its_default) {
+    const auto taken = [](std::vector<const char*> words) {
+        const auto read = options_of(std::move(words));
+        EXPECT_TRUE(std::holds_alternative<QueryOptions>(read));
+        return std::holds_alternative<QueryOptions>(read) ? std::get<QueryOptions>(read)
+                                                          : QueryOptions{};
+    };
+    const QueryOptions plain = taken({"ws://a:1", "--points", "p.csv"});
+    EXPECT_EQ(plain.url, "ws://a:1");
+    EXPECT_EQ(plain.points_file, "p.csv");
+    EXPECT_TRUE(plain.at.empty());
+    EXPECT_FALSE(plain.time_s || plain.exact || plain.local);
+    EXPECT_EQ(plain.format, Format::table);
+    EXPECT_EQ(plain.watch_hz, 0);
+    EXPECT_EQ(plain.bench_points, 0);
+    EXPECT_EQ(plain.timeout_s, 10);
+    EXPECT_EQ(plain.token_file + plain.ca_file, "");
+    const QueryOptions all =
+        taken({"ws://a:1", "--at", "1,-2", "3,4", "--time", "5.5", "--local", "--format", "json",
+               "--watch", "0.25", "--timeout", "7.5", "--token-file", "t", "--ca-file", "c"});
+    ASSERT_EQ(all.at.size(), 2u);
+    EXPECT_EQ(all.at[0].x_m, 1);
+    EXPECT_EQ(all.at[0].y_m, -2);
+    EXPECT_EQ(all.at[1].x_m, 3);
+    EXPECT_EQ(all.at[1].y_m, 4);
+    EXPECT_EQ(all.time_s, 5.5);
+    EXPECT_TRUE(all.local);
+    EXPECT_FALSE(all.exact);
+    EXPECT_EQ(all.format, Format::json);
+    EXPECT_EQ(all.watch_hz, 0.25);
+    EXPECT_EQ(all.timeout_s, 7.5);
+    EXPECT_EQ(all.token_file, "t");
+    EXPECT_EQ(all.ca_file, "c");
+    const QueryOptions bench = taken({"ws://a:1", "--bench", "33", "--exact", "--format", "csv"});
+    EXPECT_EQ(bench.bench_points, 33);
+    EXPECT_TRUE(bench.exact);
+    EXPECT_EQ(bench.format, Format::csv);
+    EXPECT_EQ(taken({"ws://a:1", "--at", "1,2", "--format", "table"}).format, Format::table);
+}
+
+TEST(QueryOptions, each_number_is_taken_up_to_its_limits_and_no_further) {
+    struct Limits {
+        const char* option;
+        std::vector<const char*> within, beyond;
+    };
+    for (const Limits& row :
+         {Limits{"--time", {"1e12", "-1e12", "now"}, {"1.001e12", "-1.001e12", "nan", "inf"}},
+          {"--watch", {"1e-5", "1000"}, {"9e-6", "1000.5", "-1", "inf"}},
+          {"--timeout", {"86400", "1e-3"}, {"86401", "0", "-1", "inf"}}}) {
+        for (const char* value : row.within)
+            EXPECT_EQ(options_of({"ws://a:1", "--at", "1,2", row.option, value}).index(), 0u)
+                << row.option << ' ' << value;
+        for (const char* value : row.beyond)
+            EXPECT_EQ(options_of({"ws://a:1", "--at", "1,2", row.option, value}).index(), 1u)
+                << row.option << ' ' << value;
+    }
+    for (const auto& [points, fine] :
+         {std::pair("1", true), {"1000000", true}, {"0", false}, {"1000001", false}})
+        EXPECT_EQ(options_of({"ws://a:1", "--bench", points}).index() == 0, fine) << points;
+    for (const auto& [place, fine] : {std::pair("1e9,-1e9", true),
+                                      {"-1e9,1e9", true},
+                                      {"1.1e9,0", false},
+                                      {"0,-1.1e9", false}}) {
+        EXPECT_EQ(parse_place(place).has_value(), fine) << place;
+        std::istringstream rows_in(std::string(place) + ",1e12\n");
+        EXPECT_EQ(read_places(rows_in, "p").has_value(), fine) << place;
+    }
+    for (const auto& [time_s, fine] :
+         {std::pair("1e12", true), {"-1e12", true}, {"1.1e12", false}, {"-1.1e12", false}}) {
+        std::istringstream rows_in(std::string("0,0,") + time_s);
+        EXPECT_EQ(read_places(rows_in, "p").has_value(), fine) << time_s;
+    }
+}
+
+// A wrong row is named by its line of the file, whatever is blank before it.
+TEST(QueryPoints, a_line_is_counted_though_it_is_blank_or_the_header) {
+    std::istringstream in("x_m,y_m\n\n1,2\n  \n\n3\n");
+    const auto places = read_places(in, "points.csv");
+    ASSERT_FALSE(places);
+    EXPECT_EQ(places.error().message.find("points.csv:6: "), 0u) << places.error().message;
+}
+
+} // namespace
+} // namespace seaway::client

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the simulation counts, after a known run of questions: each counter is what happened.
+#include "tests/server/simulation/simulation_bench.h"
+
+namespace seaway::server {
+namespace {
+
+// Two cascades of 64 points a side: around a time that is four keyframes, of six fields for a sampler.
+constexpr std::uint64_t around = 4, fields = 6, passes = 2, samples = 64 * 64;
+
+TEST(SimulationCounters, are_what_a_known_run_of_questions_has_made) {
+    Bench bench;
+    const auto expect = [&](std::uint64_t made, std::uint64_t hits, std::uint64_t questions,
+                            const char* when) {
+        const SimulationCounters c = bench.simulation->counters();
+        EXPECT_EQ(c.synthesis.keyframes, made * around) << when;
+        EXPECT_EQ(c.synthesis.transforms, made * around * fields) << when;
+        EXPECT_EQ(c.synthesis.dispatches, made * around * passes) << when;
+        EXPECT_EQ(c.synthesis.device_seconds > 0, made > 0) << when;
+        EXPECT_EQ(c.store.keyframes, made * around) << when;
+        EXPECT_EQ(c.store.misses, made * around) << when;
+        EXPECT_EQ(c.store.hits, hits * around) << when;
+        EXPECT_EQ(c.questions, questions) << when;
+        EXPECT_EQ(c.keyframes_published, 0u) << when;
+        EXPECT_EQ(c.keyframes_skipped, 0u) << when;
+        EXPECT_EQ(c.stream_slices, 0u) << when;
+        EXPECT_EQ(c.device_rebuilds, 0u) << when;
+    };
+    expect(0, 0, 0, "before");
+    bench.answer({{1, 2, 1'000'001}});
+    expect(1, 0, 1, "the first of its time");
+    bench.answer({{7, -2, 1'000'002}, {9, 3, 1'000'002}});
+    expect(1, 1, 2, "another place at that time");
+    const std::size_t raw = around * fields * samples * sizeof(float);
+    EXPECT_EQ(bench.simulation->counters().store.bytes,
+              raw + around * sea::SplineMap::bytes_of(64));
+    EXPECT_EQ(bench.simulation->counters().fetch_bytes_most, 0u) << "no fetch";
+    {
+        const auto fetched = bench.fetch({1'000'001}, {~0u, sea::surface_fields});
+        ASSERT_TRUE(fetched);
+        expect(1, 2, 3, "a fetch of the same");
+        EXPECT_EQ(bench.simulation->counters().fetch_bytes, raw);
+    }
+    EXPECT_EQ(bench.simulation->counters().fetch_bytes, 0u) << "nobody holds it any more";
+    EXPECT_EQ(bench.simulation->counters().fetch_bytes_most, raw);
+    bench.answer({{1, 2, 50'000'001}});
+    expect(2, 2, 4, "another time");
+    bench.answer({{1, 2, 70'000'001}}, true);
+    expect(2, 2, 5, "an exact question takes no keyframes");
+}
+
+// Shares of what was measured add up to it, whatever was asked for together; each effect has those of its
+// own fields. A strain is not a field that takes one transform: the Jacobian has three.
+TEST(SimulationCounters, shares_of_effects_follow_the_transforms_and_add_up_to_the_whole) {
+    EffectCosts costs({64, 32, 16});
+    const double weights[] = {64.0 * 64 * 6, 32.0 * 32 * 5, 16.0 * 16 * 4};
+    struct Row {
+        KeyframeRequest request;
+        double height, choppy, slopes, gradient; ///< transforms
+    };
+    const Row rows[] = {
+        {{0, 1, {Field::height, Field::height_rate, Field::slope_x}}, 2, 0, 1, 0},
+        {{2, 1, {Field::displacement_x, Field::slope_y, Field::jacobian}}, 0, 1, 1, 3},
+        {{1, 1, {Field::height, Field::displacement_y, Field::displacement_y_rate}}, 1, 2, 0, 0},
+        {{2, 2, {Field::strain_xx, Field::strain_xy, Field::slope_y}}, 0, 0, 1, 2}};
+    std::vector<KeyframeRequest> requests;
+    double whole = 0;
+    for (const Row& row : rows) {
+        requests.push_back(row.request);
+        whole +=
+            (row.height + row.choppy + row.slopes + row.gradient) * weights[row.request.cascade];
+    }
+    EXPECT_EQ(costs.predicted_seconds(1, {Field::height}), 0) << "nothing was measured yet";
+    costs.add(requests, {.dispatches = 8, .transforms = 14, .keyframes = 4, .device_seconds = 3});
+    costs.add({}, {.dispatches = 99, .transforms = 99, .keyframes = 99, .device_seconds = 99});
+    for (std::size_t c = 0; c < 3; ++c) {
+        double share[4] = {}, keyframes[4] = {};
+        for (const Row& row : rows)
+            if (row.request.cascade == static_cast<int>(c)) {
+                const double of[] = {row.height, row.choppy, row.slopes, row.gradient};
+                for (std::size_t e = 0; e < 4; ++e) {
+                    share[e] += of[e] * weights[c] / whole;
+                    keyframes[e] += of[e] > 0;
+                }
+            }
+        for (std::size_t e = 0; e < 4; ++e) {
+            const EffectCost& cost = costs.cost(c, e);
+            EXPECT_NEAR(cost.dispatches, 8 * share[e], 1e-12) << c << ' ' << e;
+            EXPECT_NEAR(cost.transforms, 14 * share[e], 1e-12) << c << ' ' << e;
+            EXPECT_NEAR(cost.device_seconds, 3 * share[e], 1e-12) << c << ' ' << e;
+            EXPECT_EQ(static_cast<double>(cost.keyframes), keyframes[e]) << c << ' ' << e;
+        }
+        EXPECT_NEAR(costs.predicted_seconds(c, {Field::jacobian, Field::slope_x}),
+                    4 * weights[c] * 3 / whole, 1e-12);
+    }
+}
+
+// The thread sleeps until the first keyframe of any cascade is due, not until the last.
+TEST(ScheduleOfAll, the_next_that_is_due_is_the_first_of_all_cascades_that_somebody_wants) {
+    sea::ErrorBudget budget;
+    budget.cascades.resize(3);
+    const TimeUs intervals_us[] = {700'000, 90'000, 400'000};
+    for (std::size_t c = 0; c < 3; ++c)
+        budget.cascades[c].interval_us = intervals_us[c];
+    const FieldSet height{Field::height};
+    for (unsigned wanted = 1; wanted < 8; ++wanted) {
+        Schedule schedule(budget);
+        EffectPlan plan;
+        for (std::size_t c = 0; c < 3; ++c)
+            plan.cascades.push_back({(wanted >> c) & 1u ? height : FieldSet{}, intervals_us[c], 0});
+        for (TimeUs now_us = -1'000'000; now_us < 1'000'000; now_us += 37'000) {
+            while (!schedule.take_due(plan, now_us).keyframes.empty())
+                continue;
+            // One microsecond before it nothing is due, and at it something is.
+            const TimeUs due_us = *schedule.next_due_us(plan);
+            Schedule early = schedule, late = schedule;
+            EXPECT_TRUE(early.take_due(plan, due_us - 1).keyframes.empty()) << wanted;
+            EXPECT_FALSE(late.take_due(plan, due_us).keyframes.empty()) << wanted;
+        }
+    }
+}
+
+TEST(QuestionLimits, as_many_of_one_asker_wait_as_may_and_one_more_is_refused) {
+    Bench bench;
+    std::atomic<std::size_t> answered = 0, refused = 0;
+    const auto here = std::make_shared<char>();
+    const auto ask = [&](const Asker& asker) {
+        bench.simulation->answer(
+            {{1, 2, 0}}, false,
+            [&](const Result<std::vector<sea::Answer>>& answers) {
+                ++(answers ? answered : refused);
+            },
+            asker);
+    };
+    {
+        const Gate gate(bench);
+        for (std::size_t i = 0; i < questions_of_one_max; ++i)
+            ask(Asker(here));
+        EXPECT_EQ(refused, 0u);
+        ask(Asker(here));
+        EXPECT_EQ(refused, 1u);
+        ask(someone);
+        EXPECT_EQ(refused, 1u) << "others have places of their own";
+    }
+    while (answered + refused < questions_of_one_max + 2)
+        std::this_thread::yield();
+    EXPECT_EQ(answered, questions_of_one_max + 1);
+    ask(Asker(here));
+    while (answered < questions_of_one_max + 2)
+        std::this_thread::yield();
+    EXPECT_EQ(refused, 1u) << "places come back";
+}
+
+} // namespace
+} // namespace seaway::server

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+// The command line of the server: every option away from its default, and what makes no sense.
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "server/options.h"
+
+namespace seaway::server {
+namespace {
+
+std::variant<Options, int> options_of(std::vector<std::string> words, std::string* said = nullptr) {
+    words.insert(words.begin(), "seaway-server");
+    std::vector<char*> pointers;
+    for (std::string& word : words)
+        pointers.push_back(word.data());
+    pointers.push_back(nullptr);
+    testing::internal::CaptureStderr();
+    auto read = read_options(static_cast<int>(words.size()), pointers.data());
+    const std::string error = testing::internal::GetCapturedStderr();
+    if (said)
+        *said = error;
+    return read;
+}
+
+TEST(ServerOptions, each_goes_where_it_says_and_has_its_default) {
+    const auto plain = options_of({"a.toml"});
+    ASSERT_TRUE(std::holds_alternative<Options>(plain));
+    const auto& bare = std::get<Options>(plain);
+    EXPECT_EQ(bare.scene, "a.toml");
+    EXPECT_EQ(bare.listen, "127.0.0.1:9430");
+    EXPECT_EQ(bare.device, "auto");
+    EXPECT_EQ(bare.tls_cert + bare.tls_key + bare.admin_token_file + bare.client_token_file, "");
+    EXPECT_FALSE(bare.validation);
+    const auto read = options_of({"--listen", "[::]:1", "--device", "2", "--tls-cert", "c.pem",
+                                  "--tls-key", "k.pem", "--admin-token-file", "admin",
+                                  "--client-token-file", "client", "--validation", "b.toml"});
+    ASSERT_TRUE(std::holds_alternative<Options>(read));
+    const auto& all = std::get<Options>(read);
+    EXPECT_EQ(all.scene, "b.toml");
+    EXPECT_EQ(all.listen, "[::]:1");
+    EXPECT_EQ(all.device, "2");
+    EXPECT_EQ(all.tls_cert, "c.pem");
+    EXPECT_EQ(all.tls_key, "k.pem");
+    EXPECT_EQ(all.admin_token_file, "admin");
+    EXPECT_EQ(all.client_token_file, "client");
+    EXPECT_TRUE(all.validation);
+    EXPECT_EQ(options_of({"--device", "list"}).index(), 0u) << "a list needs no scene";
+}
+
+TEST(ServerOptions, what_makes_no_sense_is_exit_code_2_and_one_line_that_names_it) {
+    const std::pair<std::vector<std::string>, const char*> cases[] = {
+        {{}, "SCENE.toml is required"},
+        {{"--device", "native"}, "SCENE.toml is required"},
+        {{"a.toml", "b.toml"}, "b.toml"},
+        {{"a.toml", "--tls-cert", "c.pem"}, "--tls-key"},
+        {{"a.toml", "--tls-key", "k.pem"}, "--tls-cert"},
+        {{"a.toml", "--listen", ""}, "--listen"},
+        {{"a.toml", "--bogus"}, "--bogus"}};
+    for (const auto& [words, named] : cases) {
+        std::string said;
+        const auto read = options_of(words, &said);
+        ASSERT_TRUE(std::holds_alternative<int>(read)) << named;
+        EXPECT_EQ(std::get<int>(read), 2);
+        EXPECT_NE(said.find(named), std::string::npos) << said;
+        EXPECT_EQ(said.find('\n'), said.size() - 1) << said;
+    }
+}
+
+} // namespace
+} // namespace seaway::server

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// Token files of the command line, with the real server.
+#include <string>
+#include <utility>
+
+#include <csignal>
+
+#include <gtest/gtest.h>
+
+#include "client/client.h"
+#include "tests/support/folder.h"
+#include "tests/support/server_process.h"
+
+namespace seaway {
+namespace {
+
+// Each word of the command line reaches the server that listens.
+TEST(Start, tokens_on_the_command_line_open_the_door_they_are_for) {
+    const tests::Folder& folder = tests::folder();
+    tests::ServerProcess server({"scenes/calm.toml", "--device", "native", "--listen",
+                                 "127.0.0.1:0", "--client-token-file",
+                                 folder.write("client.token", "open sesame\n"),
+                                 "--admin-token-file", folder.write("admin.token", "master\n")});
+    const std::string url = server.wait_until_ready();
+    ASSERT_FALSE(url.empty()) << server.log();
+    for (const auto& [token, in] :
+         {std::pair("", false), {"open", false}, {"open sesame", true}, {"master", true}}) {
+        const auto connected =
+            client::Client::connect({.url = url, .name = "knocks", .token = token});
+        EXPECT_EQ(connected.has_value(), in) << token;
+    }
+    server.send(SIGTERM);
+    EXPECT_EQ(server.wait_for_exit(std::chrono::seconds(20)), 0);
+    const std::string log = server.log();
+    const auto count = [&](const std::string& words) {
+        int found = 0;
+        for (std::size_t at = 0; (at = log.find(words, at)) != std::string::npos; ++at)
+            ++found;
+        return found;
+    };
+    EXPECT_EQ(count("client=\"knocks\" administrator=false"), 1) << log;
+    EXPECT_EQ(count("client=\"knocks\" administrator=true"), 1) << log;
+}
+
+} // namespace
+} // namespace seaway
