@@ -10,6 +10,7 @@
 #include "gpu/buffer.h"
 #include "gpu/call.h"
 #include "gpu/commands.h"
+#include "gpu/image.h"
 #include "gpu/timer.h"
 #include "tests/gpu/device_for_tests.h"
 
@@ -175,6 +176,13 @@ TEST(Staged, bytes_go_round_through_staging_buffers_as_on_a_discrete_device) {
     ASSERT_TRUE(download(**device, *buffer, back));
     EXPECT_EQ(back, sent);
     EXPECT_THAT((*device)->validation().validation_messages(), testing::IsEmpty());
+}
+
+TEST(Image, mips_go_down_to_a_single_texel_of_the_longer_side) {
+    EXPECT_EQ(full_mip_count(1, 1), 1u);
+    EXPECT_EQ(full_mip_count(64, 64), 7u);
+    EXPECT_EQ(full_mip_count(64, 16), 7u);
+    EXPECT_EQ(full_mip_count(3, 130), 8u);
 }
 
 TEST(Validation, a_mistake_is_counted) {

@@ -22,6 +22,9 @@ struct Push {
     std::uint32_t count;
 };
 
+/// 256 bytes: the coarsest alignment that Vulkan allows a device to ask for.
+constexpr std::size_t device_offset_texels = 16;
+
 KernelExpectation scale_expectation() {
     return {.bindings = {{"source", VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER},
                          {"Result", VK_DESCRIPTOR_TYPE_STORAGE_BUFFER}},
@@ -55,15 +58,18 @@ TEST(Spirv, a_module_cut_off_anywhere_is_an_error_or_a_smaller_module) {
 
 TEST_F(DeviceTest, a_kernel_computes_from_texels_into_storage) {
     constexpr std::uint32_t count = 1000;
-    Result<Buffer> source = Buffer::create(*device_, "source", count * 16, BufferKind::device);
+    constexpr std::size_t before = 16 * device_offset_texels; // of something else
+    Result<Buffer> source =
+        Buffer::create(*device_, "source", before + count * 16, BufferKind::device);
     Result<Buffer> result = Buffer::create(*device_, "result", count * 16, BufferKind::device);
     ASSERT_TRUE(source && result);
-    std::vector<float> values(count * 4);
+    std::vector<float> all(before / 4 + count * 4, -1.0f);
+    const std::span<float> values = std::span(all).subspan(before / 4);
     for (std::size_t i = 0; i < values.size(); ++i)
         values[i] = static_cast<float>(i);
-    ASSERT_TRUE(upload(*device_, *source, std::as_bytes(std::span(values))));
+    ASSERT_TRUE(upload(*device_, *source, std::as_bytes(std::span(all))));
     Result<TexelView> view =
-        TexelView::create(*device_, *source, VK_FORMAT_R32G32B32A32_SFLOAT, 16, 0, count * 16);
+        TexelView::create(*device_, *source, VK_FORMAT_R32G32B32A32_SFLOAT, 16, before, count * 16);
     ASSERT_TRUE(view) << view.error().message;
     Result<Kernel> kernel = Kernel::create(*device_, "scale", scale_comp, scale_expectation());
     ASSERT_TRUE(kernel) << kernel.error().message;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <string>
 #include <utility>
@@ -253,6 +254,62 @@ TEST(Bake, rgb_is_where_a_point_goes_in_the_frame_of_the_reader) {
         }
 }
 
+TEST(Bake, the_jacobian_of_the_summed_sea_is_the_determinant_of_its_strains) {
+    const std::string out = testing::folder().file("determinant");
+    ASSERT_EQ(run_bake("--out " + out +
+                       " --frames 1 --fps 8 --start 31 --size 64 --summed "
+                       "--fields strain_xx,strain_yy,strain_xy,jacobian")
+                  .status,
+              0);
+    ExrFile file(out + "/sea.00000.exr");
+    const std::vector<float> xx = file.values("strain_xx"), yy = file.values("strain_yy"),
+                             xy = file.values("strain_xy"), jacobian = file.values("jacobian");
+    double largest = 0;
+    for (std::size_t i = 0; i < xx.size(); ++i) {
+        ASSERT_NEAR(jacobian[i], (1 + 1.2 * xx[i]) * (1 + 0.8 * yy[i]) - 1.2 * 0.8 * xy[i] * xy[i],
+                    1e-6);
+        largest = std::max(largest, std::abs(static_cast<double>(xy[i])));
+    }
+    EXPECT_GT(0.4 * largest * largest, 1e-4) << "the last term is seen";
+}
+
+// North first, in 16 bits as in 32.
+TEST(Bake, half_maps_are_turned_as_others_are) {
+    const std::string south = testing::folder().file("south"),
+                      north = testing::folder().file("north");
+    const std::string same = " --frames 1 --fps 24 --size 64 --fields height --half --out ";
+    ASSERT_EQ(run_bake("--top south" + same + south).status, 0);
+    ASSERT_EQ(run_bake("--top north" + same + north).status, 0);
+    const std::vector<float> a = ExrFile(south + "/cascade0.00000.exr").values("height"),
+                             b = ExrFile(north + "/cascade0.00000.exr").values("height");
+    for (std::size_t y = 0; y < 64; ++y)
+        for (std::size_t x = 0; x < 64; ++x)
+            ASSERT_EQ(a[y * 64 + x], b[(63 - y) * 64 + x]);
+    EXPECT_NE(a[0], b[0]);
+}
+
+TEST(Bake, what_is_said_of_files_is_what_lies_there) {
+    const std::string out = testing::folder().file("counted");
+    const Output ran = run_bake("--out " + out + " --frames 3 --fps 24 --size 64 --mesh ply");
+    ASSERT_EQ(ran.status, 0) << ran.err;
+    int files = 0;
+    double bytes = 0;
+    for (const auto& entry : std::filesystem::directory_iterator(out)) {
+        ++files;
+        bytes += static_cast<double>(entry.file_size());
+    }
+    EXPECT_EQ(files, 3 * 2 * 2) << "maps and a mesh of each cascade and frame";
+    int frames = 0, said = 0;
+    double megabytes = 0;
+    ASSERT_EQ(std::sscanf(ran.out.c_str(), "baked %d frames into %d files, %lf MB", &frames, &said,
+                          &megabytes),
+              3)
+        << ran.out;
+    EXPECT_EQ(frames, 3);
+    EXPECT_EQ(said, files);
+    EXPECT_NEAR(megabytes, 1e-6 * bytes, 0.051);
+}
+
 // Losslessly, but for the bytes: a file says how it is packed.
 TEST(Bake, every_packing_is_the_one_that_was_asked_for) {
     const std::pair<const char*, Imf::Compression> packings[] = {{"none", Imf::NO_COMPRESSION},
@@ -302,6 +359,10 @@ TEST(Bake, mistakes_are_one_helpful_line_and_a_code) {
     refuses(run_bake(out + "--frames 1 --fps 24 --mesh stl"), 2, "stl");
     refuses(run_bake(out + "--frames 0 --fps 24"), 2, "--frames 0");
     refuses(run_bake(out + "--frames 1 --fps 0"), 2, "--fps 0");
+    // The last frame may lie at the end of time, and not beyond it.
+    const std::string late = "--fps 1 --size 64 --fields height --start 999999999 --frames ";
+    EXPECT_EQ(run_bake("--out " + testing::folder().file("late") + " " + late + "2").status, 0);
+    refuses(run_bake(out + late + "3"), 2, "frames from 1e+09 to 1e+09 s");
     // Frames beyond all times, and even beyond what counts them.
     for (const char* times : {"1e-9", "1e-12", "1e-300", "1 --start 1e9", "1 --start nan"})
         refuses(run_bake(out + "--frames 3 --size 64 --fps " + times), 2, "-1e+09 .. 1e+09");

@@ -10,6 +10,7 @@
 #include <gmock/gmock.h>
 
 #include "tests/tools/program.h"
+#include "tools/bench/timing.h"
 
 namespace seaway {
 namespace {
@@ -45,6 +46,35 @@ TEST(Bench, compare_prints_one_line_that_two_devices_make_the_same_sea) {
     const double difference = std::stod(ran.out.substr(at + label.size()));
     EXPECT_GT(difference, 0.0);  // two implementations: not the same bits
     EXPECT_LT(difference, 1e-5); // float transforms of 64: 1e-7, as tests of each device hold
+}
+
+// Waves on the long tile alone: the other one is flat, and nothing differs there.
+TEST(Bench, compare_tells_the_largest_difference_of_any_cascade) {
+    const std::string scene = testing::folder().write(
+        "first_only.toml", "[sea]\n[[sea.system]]\ntype = \"modes\"\nlength_m = 401\ndata = "
+                           "\"\"\"\nnx,ny,amplitude_m,phase_rad\n5,3,1.0,0.4\n2,-7,0.5,1\n\"\"\"\n"
+                           "[[cascade]]\nlength_m = 401\nsize = 64\n"
+                           "[[cascade]]\nlength_m = 61\nsize = 64\n");
+    const Output ran = testing::run_program("seaway-bench", "compare --scene " + scene);
+    ASSERT_EQ(ran.status, 0) << ran.err;
+    const std::string label = "largest difference of a map ";
+    const std::size_t at = ran.out.find(label);
+    ASSERT_NE(at, std::string::npos);
+    EXPECT_GT(std::stod(ran.out.substr(at + label.size())), 0) << ran.out;
+}
+
+TEST(Bench, rounds_go_round_the_variants_and_the_first_does_not_count) {
+    std::string calls;
+    std::vector<bench::Variant> variants{{"a", [&] { calls += 'a'; }},
+                                         {"b", [&] { calls += 'b'; }}};
+    bench::interleave(variants, 2);
+    EXPECT_EQ(calls, "aabbaabbaabb");
+    for (const bench::Variant& variant : variants)
+        EXPECT_EQ(variant.seconds.size(), 2u);
+    const bench::Variant taken{"c", {}, {5, 1, 9, 2, 3}};
+    EXPECT_EQ(taken.median_s(), 3);
+    EXPECT_EQ(taken.least_s(), 1);
+    EXPECT_EQ(bench::Variant{}.median_s(), 0);
 }
 
 TEST(Bench, compare_names_a_device_that_is_not_there) {

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // seaway-inspect --images: the numbers beside the pictures are those of the definition.
+#include <algorithm>
+#include <cmath>
 #include <complex>
 #include <filesystem>
 #include <string>
 #include <vector>
 
 #include <gmock/gmock.h>
+#include <png.h>
 
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wold-style-cast"
@@ -153,6 +156,38 @@ TEST(Images, every_map_of_both_devices_is_drawn_and_the_same) {
         }
         EXPECT_GT(squares, 0) << name;
         EXPECT_LE(worst, 1e-5 * 4 * std::sqrt(squares / (size * size))) << name;
+    }
+}
+
+// Four pixels a point, north up; red is above the middle, which is one for the Jacobian, blue below.
+TEST(Images, pictures_of_maps_show_the_numbers_beside_them) {
+    const std::string stem = draw("native");
+    for (const char* name : {"height", "slope_y", "jacobian"}) {
+        const ArrayFile map(stem + name + ".exr");
+        png_image image{};
+        image.version = PNG_IMAGE_VERSION;
+        ASSERT_NE(png_image_begin_read_from_file(&image, (stem + name + ".png").c_str()), 0);
+        image.format = PNG_FORMAT_RGB;
+        std::vector<png_byte> rgb(PNG_IMAGE_SIZE(image));
+        ASSERT_NE(png_image_finish_read(&image, nullptr, rgb.data(), 0, nullptr), 0);
+        ASSERT_EQ(image.width, 4u * size);
+        const double middle = std::string(name) == "jacobian" ? 1.0 : 0.0;
+        double largest = 0;
+        for (const float value : map.first)
+            largest = std::max(largest, std::abs(static_cast<double>(value) - middle));
+        for (int y = 0; y < size; ++y)
+            for (int x = 0; x < size; ++x) {
+                const auto value =
+                    static_cast<double>(map.first[static_cast<std::size_t>(y * size + x)]);
+                const double share = (value - middle) / largest;
+                const auto at =
+                    static_cast<std::size_t>(3 * ((4 * (size - 1 - y) + 2) * 4 * size + 4 * x + 2));
+                // White is the middle; the ends are (180, 40, 30) and (20, 80, 170).
+                ASSERT_NEAR(rgb[at], 255 - (share < 0 ? 235 : 75) * std::abs(share), 1)
+                    << name << ": " << x << ", " << y;
+                ASSERT_NEAR(rgb[at + 2], 255 - (share < 0 ? 85 : 225) * std::abs(share), 1)
+                    << name << ": " << x << ", " << y;
+            }
     }
 }
 

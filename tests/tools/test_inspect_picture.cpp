@@ -227,6 +227,12 @@ TEST(InspectPicture, bands_and_the_peak_stand_at_their_frequencies) {
             EXPECT_TRUE(tinted(hi + 5, white));
         }
     }
+    // Periods stand above at their frequencies: longer ticks where they are numbered.
+    for (const double period_s : {2.0, 5.0, 10.0}) {
+        EXPECT_LT(apart(drawn.pixels.at(axis.px(two_pi / period_s), 108), plot::ink), 10)
+            << period_s;
+        EXPECT_GT(drawn.pixels.at(axis.px(two_pi / (1.05 * period_s)), 108).red, 200) << period_s;
+    }
     // The peak is a red line of dashes.
     const auto reds = [&](double x) {
         int rows = 0;

@@ -304,6 +304,26 @@ TEST(InspectReport, a_measured_peak_deep_water_and_observed_foam_are_told) {
     EXPECT_NE(report.at("tp_bin_s"), report.at("requested").at("tp_s"));
 }
 
+TEST(InspectReport, the_sea_state_is_that_of_the_height_that_was_asked_for) {
+    // Just below 2.5 m, where moderate ends; a few waves on a small tile make it more or less.
+    for (int seed = 1; seed < 40; ++seed) {
+        const Seen seen =
+            see("label.toml", fmt::format("[sea]\nseed = {}\n[[sea.system]]\ntype = \"swell\"\n"
+                                          "significant_height_m = 2.45\npeak_period_s = 8\n"
+                                          "from_deg = 20\n[[cascade]]\nlength_m = 300\nsize = 64\n",
+                                          seed));
+        if (seen.summary.realised.significant_height_m < 2.6)
+            continue;
+        const json label = report_of(seen.path).at("wmo_sea_state");
+        EXPECT_EQ(label.at("code"), 4);
+        EXPECT_EQ(label.at("name"), "moderate");
+        EXPECT_NE(run_program("seaway-inspect", seen.path).out.find("WMO sea state 4: moderate\n"),
+                  std::string::npos);
+        return;
+    }
+    FAIL() << "no seed makes more of it";
+}
+
 /// The numbers of a line, each with half a unit of its last digit.
 struct Printed {
     double value;

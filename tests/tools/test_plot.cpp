@@ -87,6 +87,14 @@ TEST(Plot, broken_utf8_is_drawn_as_boxes) {
     EXPECT_EQ(letter("\xce").strokes.size(), 1u); // the sequence ends early
 }
 
+// A stroke without a width of its own stands 2.4 from the next one, and the last one has no next.
+TEST(Plot, letters_stand_their_gap_apart_and_none_stands_behind_the_last) {
+    EXPECT_EQ(letter("").width, 0);
+    EXPECT_EQ(letter("|").width, 0);
+    EXPECT_NEAR(letter("|||").width, 4.8, 1e-12);
+    EXPECT_NEAR(letter("MW").width, letter("M").width + letter("W").width + 2.4, 1e-12);
+}
+
 TEST(Plot, braces_raise_and_lower_and_cost_no_width_themselves) {
     const Lettering plain = letter("m2");
     const Lettering raised = letter("m^{2}");

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfInputFile.h>
@@ -145,6 +146,18 @@ TEST(Picture, exposure_meets_middle_grey_but_stays_near_the_light) {
     Picture grey{8, 8, std::vector<float>(8 * 8 * 4, 2.0f)};
     EXPECT_NEAR(metered_exposure(grey, 10.0) * 2.0, 0.18, 1e-6);
     EXPECT_NEAR(metered_exposure(grey, 0.1), 3.0, 1e-6) << "0.9 / 0.1 over the range of 3";
+}
+
+// Rec. 709: the eye sees green best and blue least.
+TEST(Picture, exposure_weighs_colours_as_the_eye_does) {
+    const std::pair<std::array<float, 3>, double> rows[] = {
+        {{5, 0, 0}, 0.2126 * 5}, {{0, 2, 0}, 0.7152 * 2}, {{0, 0, 12}, 0.0722 * 12}};
+    for (const auto& [colour, luminance] : rows) {
+        Picture picture{4, 4, {}};
+        for (int i = 0; i < 16; ++i)
+            picture.rgba.insert(picture.rgba.end(), {colour[0], colour[1], colour[2], 1.0f});
+        EXPECT_NEAR(metered_exposure(picture, 10.0) * luminance, 0.18, 1e-6);
+    }
 }
 
 // A path of glitter in the picture must not darken the rest: brighter than white is white.

@@ -328,6 +328,21 @@ TEST_F(RendererTest, a_pixel_shows_the_moved_point_that_its_ray_meets) {
     EXPECT_GT(moved_most_m, 1.5);
 }
 
+// Maps are kept from frame to frame: a sea of more tiles needs others, of the same size.
+TEST_F(RendererTest, a_sea_of_more_tiles_is_drawn_as_by_a_new_renderer) {
+    sea::Realization two = one_wave(0.7, 90, 3, -2);
+    two.cascades.push_back(one_wave(0.2, 31, -1, 4).cascades[0]);
+    const SeaFrame one = SyntheticSea(one_wave(0.7, 90, 3)).at(0);
+    const SeaFrame more = SyntheticSea(two).at(0);
+    const Sky sky(sun_direction(12));
+    Result<Renderer> renderer = Renderer::create(*device_, camera_.width, camera_.height);
+    ASSERT_TRUE(renderer) << renderer.error().message;
+    ASSERT_TRUE(renderer->render(one, camera_, sky, {DebugView::slope, 0}));
+    const Result<Picture> picture = renderer->render(more, camera_, sky, {DebugView::slope, 0});
+    ASSERT_TRUE(picture) << picture.error().message;
+    EXPECT_EQ(picture->rgba, render(more, sky, DebugView::slope).rgba);
+}
+
 TEST_F(RendererTest, the_same_sea_is_the_same_bytes) {
     SyntheticSea sea = gale();
     const SeaFrame frame = sea.at(100'000'000);

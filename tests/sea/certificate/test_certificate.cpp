@@ -137,6 +137,19 @@ TEST(Certificate, what_is_missing_or_of_another_kind_is_named_by_its_key) {
                 HasSubstr("place.commit"));
 }
 
+TEST(Certificate, lists_hold_up_to_4096_rows_and_one_at_least) {
+    for (const std::size_t rows :
+         {std::size_t{0}, std::size_t{1}, std::size_t{4096}, std::size_t{4097}}) {
+        Certificate c = certificate();
+        c.measured.assign(rows, certificate().measured[0]);
+        const std::string said = error_of(to_json(c));
+        if (rows == 1 || rows == 4096)
+            EXPECT_EQ(said, "no error") << rows;
+        else
+            EXPECT_THAT(said, HasSubstr("measured: a list of 1 .. 4096 is needed")) << rows;
+    }
+}
+
 TEST(Certificate, no_cut_and_no_flipped_byte_does_harm) {
     const std::string text = to_json(certificate());
     for (std::size_t length = 0; length + 2 < text.size(); length += 7)

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Scenes that are refused for how they are written, and by which key.
 #include <string>
+#include <utility>
+#include <variant>
 
 #include <gmock/gmock.h>
 
@@ -43,6 +45,30 @@ TEST(Scene, stylised_waves_that_are_too_short_or_too_fast_are_blamed_on_where_th
                 HasSubstr("sea.system[1].data: a list is not allowed"));
     EXPECT_THAT(error_of(sines + "length_m = 1e5\nwavelength_m = 0.02\nfrom_deg = 0\n"),
                 HasSubstr("sea.system[1].wavenumber_ratio: "));
+}
+
+// Waves of several systems that have one length stand on one tile.
+TEST(Scene, tiles_of_systems_of_one_length_are_counted_once) {
+    std::string text = "[sea]\n";
+    for (int i = 0; i < 12; ++i)
+        text += "[[sea.system]]\ntype = \"modes\"\nlength_m = " + std::to_string(100 + i % 5) +
+                "\ndata = \"\"\"\nnx,ny,amplitude_m,phase_rad\n1,0,0.1,0\n\"\"\"\n";
+    EXPECT_EQ(error_of(text), "no error") << "three default tiles and five";
+}
+
+// docs/scenes.md: what is not said.
+TEST(Scene, phillips_spreads_as_cos2_and_the_others_as_hasselmann_if_nothing_is_said) {
+    for (const auto& [spectrum, kind] : {std::pair("phillips", SpreadingKind::cos2),
+                                         {"jonswap", SpreadingKind::hasselmann},
+                                         {"pierson_moskowitz", SpreadingKind::hasselmann}}) {
+        const auto scene =
+            parse_scene("[sea]\n[[sea.system]]\ntype = \"wind\"\nwind_speed_10m_mps = 9\n"
+                        "from_deg = 0\nspectrum = \"" +
+                            std::string(spectrum) + "\"\n",
+                        "s", "");
+        ASSERT_TRUE(scene) << scene.error().message;
+        EXPECT_EQ(std::get<WindSea>(scene->sea.systems[0]).spreading.kind, kind) << spectrum;
+    }
 }
 
 } // namespace

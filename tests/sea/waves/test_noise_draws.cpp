@@ -6,7 +6,9 @@
 #include <gtest/gtest.h>
 
 #include "sea/waves/noise.h"
+#include "sea/waves/realize.h"
 #include "sea/waves/sine_waves.h"
+#include "sea/waves/statistics/moments.h"
 
 namespace seaway::sea {
 namespace {
@@ -31,6 +33,28 @@ TEST(Noise, every_octave_system_and_seed_draws_corners_of_its_own) {
     for (std::size_t a = 0; a < drawn.size(); ++a)
         for (std::size_t b = 0; b < a; ++b)
             EXPECT_NE(drawn[a], drawn[b]) << a << ", " << b;
+}
+
+// Requested and realised: sines that move nothing sideways have a direction all the same.
+TEST(Sines, the_summary_says_where_stylised_waves_go) {
+    for (const SineKind kind : {SineKind::sine, SineKind::exponential}) {
+        SineRamps ramps;
+        ramps.kind = kind;
+        ramps.length_m = 500;
+        ramps.wavelength_m = 20;
+        ramps.count = 1;
+        ramps.amplitude_m = 0.5;
+        ramps.towards_rad = 0.4;
+        ramps.direction_spread_rad = 0;
+        SeaState sea;
+        sea.systems = {ramps};
+        const CascadeSpec tile{500.0, 128};
+        const Realization realization = *realize(sea, {&tile, 1});
+        const SeaSummary summary = summarize(sea, realization);
+        // 25 steps a tile: an angle is right to a fiftieth.
+        EXPECT_NEAR(summary.requested.mean_towards_rad, 0.4, 0.03);
+        EXPECT_NEAR(summary.realised.mean_towards_rad, summary.requested.mean_towards_rad, 1e-9);
+    }
 }
 
 } // namespace
