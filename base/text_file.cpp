@@ -86,7 +86,9 @@ Result<void> check_replaceable(const std::string& path) {
 }
 
 Result<void> write_out(std::FILE* out, std::string_view text) {
-    const bool written = std::fwrite(text.data(), 1, text.size(), out) == text.size();
+    // fwrite() may not be given the null that an empty view holds.
+    const bool written =
+        text.empty() || std::fwrite(text.data(), 1, text.size(), out) == text.size();
     if (std::fflush(out) != 0 || !written || std::ferror(out) != 0)
         return Error{OutputError::lost,
                      "cannot write to standard output: what was printed is lost"};
