@@ -236,6 +236,26 @@ TEST(Ndbc, the_newest_record_becomes_a_table_and_another_by_its_time) {
     EXPECT_THAT(ndbc_to_csv(texts, "yesterday").error().message, HasSubstr("YYYY-MM-DDThh:mm"));
 }
 
+TEST(Ndbc, all_four_quantities_of_an_archive_stand_in_their_columns_shares_as_shares) {
+    const auto file = [](const std::string& values, const std::string& name) {
+        return NdbcText{"#YY  MM DD hh mm   .0400  .0500\n2023 01 01 00 40 " + values + "\n", name};
+    };
+    const NdbcTexts texts{file("1.0 5.0", "w"), file("180 190", "d"), file("20 30", "i"),
+                          file("40.0 80.0", "j"), file("25.0 50.0", "k")};
+    const auto csv = ndbc_to_csv(texts, "");
+    ASSERT_TRUE(csv) << csv.error().message;
+    EXPECT_THAT(*csv, HasSubstr("f_hz,f_lo_hz,f_hi_hz,s_m2_hz,r1,alpha1_deg,r2,alpha2_deg\n"));
+    EXPECT_THAT(*csv, HasSubstr(",1,0.4,180,0.25,20\n"));
+    EXPECT_THAT(*csv, HasSubstr(",5,0.8,190,0.5,30\n"));
+}
+
+// A peak as high in two bins lies on their edge.
+TEST(Measured, two_bins_of_one_height_have_their_peak_between_them) {
+    const MeasuredSpectrum s =
+        spectrum_of("f_hz,df_hz,s_m2_hz\n0.10,0.02,2\n0.12,0.02,5\n0.14,0.02,5\n0.16,0.02,2\n");
+    EXPECT_NEAR(s.peak_omega_radps() / two_pi, 0.13, 1e-9);
+}
+
 // A direction without its spread, or the reverse, is none: neither is made up.
 TEST(Ndbc, a_frequency_with_half_of_its_directions_has_none) {
     const std::string header = "#YY  MM DD hh mm ... >\n2014 09 11 17 00 ";
