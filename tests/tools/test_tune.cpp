@@ -156,7 +156,7 @@ TEST_F(Tune, finds_a_configuration_within_15_percent_of_the_cheapest_there_is) {
     int looked_at = 0, cheaper = 0;
     for (const Layout& layout : layouts(space, scene.cascades.front().length_m))
         for (const double height_error_m : space.height_errors_m) {
-            const Candidate candidate{layout, height_error_m, {}, 0};
+            const Candidate candidate{layout, height_error_m, {}, 0, 0};
             ++looked_at;
             if (price_ms(scene, candidate) >= found_ms / 1.15)
                 continue;
@@ -228,6 +228,35 @@ TEST_F(Tune, an_unreachable_target_is_answered_with_the_best_there_is) {
     EXPECT_NEAR(outcome.best.layout.k_end_radpm, 5.6, 0.01);
     EXPECT_GT(outcome.limits.waves_left_out_m, outcome.limits.maps_m);
     EXPECT_FALSE(outcome.without_limits);
+}
+
+// Slopes have their law: where it forbids a target no layout is measured but the best there is.
+TEST_F(Tune, slopes_that_no_layout_has_are_known_before_anything_is_measured) {
+    const Outcome outcome =
+        tuned(scene_of("gale_shallow"), {.height_error_m = 0.1, .slope_error = 1e-5});
+    EXPECT_FALSE(outcome.reached);
+    EXPECT_EQ(outcome.tried, 0);
+    EXPECT_EQ(outcome.priced, 1);
+    ASSERT_EQ(outcome.measured.size(), 1u);
+    EXPECT_LT(margin * outcome.measured[0].total_m, 0.1); // heights are not in the way
+    EXPECT_EQ(outcome.best.height_error_m, space.height_errors_m.front());
+    // 32 points anywhere: a factor of 2 is far beyond the scatter, and far below what was asked for.
+    EXPECT_GT(outcome.measured[0].slope_rms, 0.5 * outcome.best.expected_slope);
+    EXPECT_LT(outcome.measured[0].slope_rms, 2.0 * outcome.best.expected_slope);
+}
+
+TEST_F(Tune, slopes_cost_more_the_finer_they_are_asked_for_and_are_kept) {
+    const sea::Scene scene = scene_of("gale_shallow");
+    double cheaper_ms = 0;
+    space.height_errors_m = {0.003, 0.01, 0.03, 0.1, 0.3};
+    for (const double slope : {0.05, 0.02, 0.008}) {
+        const Outcome outcome = tuned(scene, {.height_error_m = 0.1, .slope_error = slope});
+        ASSERT_TRUE(outcome.reached) << slope;
+        for (const sea::MeasuredError& measured : outcome.measured)
+            EXPECT_LE(margin * measured.slope_rms, slope) << measured.sea;
+        EXPECT_GE(outcome.best.price.work_ms(), cheaper_ms) << slope;
+        cheaper_ms = outcome.best.price.work_ms();
+    }
 }
 
 TEST_F(Tune, a_limit_that_is_too_low_is_answered_with_what_it_would_take) {

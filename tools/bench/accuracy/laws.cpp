@@ -23,24 +23,35 @@ double square(double x) {
 struct Shown {
     double amplitude;
     double power;
+    double steepness; ///< mean square of its derivative by grid points; cubic splines alone
 };
 
 Shown shown_along(SpaceRule rule, double q) {
     if (q < 1e-9)
-        return {1, 1};
+        return {1, 1, q * q};
     if (rule == SpaceRule::bilinear) {
         const double sinc = std::sin(0.5 * q) / (0.5 * q);
-        return {sinc * sinc, (2.0 + std::cos(q)) / 3.0};
+        return {sinc * sinc, (2.0 + std::cos(q)) / 3.0, 0.0};
     }
     // sea::spline_error is 2 r / (1 + r), r the sum of the aliases; the two nearest carry their power.
     const double amplitude = 1.0 - 0.5 * sea::spline_error(q);
-    const double near = square(square(square(q / (q + 2.0 * std::numbers::pi)))) +
-                        square(square(square(q / (2.0 * std::numbers::pi - q))));
-    return {amplitude, square(amplitude) * (1.0 + near)};
+    const double above = q + 2.0 * std::numbers::pi, below = 2.0 * std::numbers::pi - q;
+    const double power_above = square(square(square(q / above)));
+    const double power_below = square(square(square(q / below)));
+    return {amplitude, square(amplitude) * (1.0 + power_above + power_below),
+            square(amplitude) *
+                (square(q) + power_above * square(above) + power_below * square(below))};
 }
 
 double missed_between(const Shown& x, const Shown& y) {
     return std::max(0.0, 1.0 - 2.0 * x.amplitude * y.amplitude + x.power * y.power);
+}
+
+/// Likewise of both derivatives, by grid points.
+double steepness_missed(const Shown& x, const Shown& y, double qx, double qy) {
+    const double kept = 1.0 - 2.0 * x.amplitude * y.amplitude;
+    return std::max(0.0,
+                    (qx * qx + qy * qy) * kept + x.steepness * y.power + x.power * y.steepness);
 }
 
 /// Mean square of the ulp of a half over 12, for values of a normal distribution.
@@ -64,6 +75,8 @@ constexpr double spline_noise = 0.75;
 constexpr double bilinear_noise = 4.0 / 9.0;
 constexpr double value_noise = 26.0 / 35.0;
 constexpr double rate_noise = 2.0 / 105.0;
+/// And of its slope in units of 1 / spacing^2, both axes: the energy of the cardinal spline's derivative.
+constexpr double spline_slope_noise = 2.0 * 2.475 * 0.874;
 /// A range of so many standard deviations is what a map of some 10^5 points shows.
 constexpr double map_range_sigmas = 4.5;
 
@@ -104,6 +117,7 @@ struct MissedInTime {
 
 struct Variances {
     double space = 0, time = 0, codec = 0, format = 0, phase = 0, latency = 0;
+    double slope = 0; ///< of slopes, by all of space, time and codec
 };
 
 void add_waves(const sea::CascadeModes& cascade, double interval_s,
@@ -125,10 +139,14 @@ void add_waves(const sea::CascadeModes& cascade, double interval_s,
     const bool maps = configuration.evaluator == Evaluator::maps;
     // Frequency, time and product are each rounded: 0.42 of 2^-24 rms, over all mantissas.
     const double rounded = configuration.phase == PhaseRule::float32 ? 0.73 * 0x1p-24 : 0x1p-54;
-    for_each_wave(cascade, [&](std::size_t i, double, double, double variance, double omega) {
+    for_each_wave(cascade, [&](std::size_t i, double kx, double ky, double variance, double omega) {
         if (maps) {
-            v.space += variance * missed_between(shown[steps(i % side)], shown[steps(i / side)]);
-            v.time += variance * missed(omega * interval_s);
+            const Shown &x = shown[steps(i % side)], &y = shown[steps(i / side)];
+            const double in_time = variance * missed(omega * interval_s);
+            v.space += variance * missed_between(x, y);
+            v.time += in_time;
+            v.slope += in_time * (kx * kx + ky * ky) +
+                       variance * steepness_missed(x, y, kx * dx, ky * dx) / (dx * dx);
         }
         if (configuration.phase != PhaseRule::fixed_point) {
             const double phase = rounded * omega * sea::seconds_from_us(time_us);
@@ -168,6 +186,9 @@ void add_rounding(const Waves& waves, std::size_t c, const Moments& m, double sl
     const double value2 = std::min(square(static_cast<double>(bounds[0])) / 3.0, m.height_m2);
     const double rate2 = std::min(square(static_cast<double>(bounds[3])) / 3.0, m.rate_m2ps2);
     v.codec += (values * value2 + rates * rate2) * (1.0 + sideways);
+    const double steeper =
+        spline_slope_noise / spline_noise / square(waves.used->cascades[c].spec.spacing_m());
+    v.slope += steeper * (values * value2 + rates * rate2);
 }
 
 /// Fixed-point steps: what is left of lambda D is squeezed by lambda grad D each step. Moments of a
@@ -236,6 +257,8 @@ Prediction predict(const Waves& waves, const Configuration& configuration, sea::
     p.format_m = std::sqrt(v.format);
     p.phase_m = std::sqrt(v.phase);
     p.latency_m = std::sqrt(v.latency);
+    if (configuration.space == SpaceRule::spline)
+        p.slope_rms = std::sqrt(v.slope);
     p.modes_m = std::sqrt(std::max(0.0, variance_of(*waves.all) - variance_of(*waves.used)));
     if (p.modes_m < 1e-9)
         p.modes_m = 0;

@@ -21,6 +21,9 @@ struct Prediction {
     double phase_m = 0;   ///< K7: phases that were rounded
     double latency_m = 0; ///< K14
     double rms_m() const;
+    /// Of slopes: space, time and codec together; cubic splines alone. Displacements that are off move and
+    /// bend it a little more in a steep sea.
+    double slope_rms = 0;
 };
 
 /// `time_us` matters to K7 alone.

@@ -42,6 +42,8 @@ void add_prediction(const Prediction& p, std::vector<Figure>& all) {
     for (const auto& [name, value] : parts)
         if (value > 0)
             all.push_back(exact(fmt::format("predicted_{}_m", name), value));
+    if (p.slope_rms > 0)
+        all.push_back(exact("predicted_slope_rms", p.slope_rms));
 }
 
 void add_missing(const Missing& missing, std::vector<Figure>& all) {

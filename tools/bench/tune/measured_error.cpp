@@ -47,6 +47,29 @@ Result<Measured> measured_against(const sea::Scene& scene, const Waves& truth_wa
 
 } // namespace
 
+std::uint64_t fresh_seed(std::uint64_t seed, std::uint64_t number) {
+    std::uint64_t z = seed * 0x9e3779b97f4a7c15u + (number + 1) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+    return (z ^ (z >> 31)) >> 1;
+}
+
+sea::Scene with_candidate(sea::Scene scene, const Candidate& candidate) {
+    scene.cascades = candidate.layout.cascades;
+    scene.accuracy.height_error_m = candidate.height_error_m;
+    return scene;
+}
+
+Configuration configuration_of(const sea::Scene& scene, const std::string& device) {
+    Configuration configuration = balanced(scene);
+    configuration.device = device;
+    if (!scene.accuracy.streams())
+        configuration.codec_error_m = 0.0;
+    if (!scene.effects.choppy)
+        configuration.choppiness = 0.0;
+    return configuration;
+}
+
 Result<sea::MeasuredError> measure_error(const sea::Scene& scene, const std::string& name,
                                          double percentile, const TuneOptions& options,
                                          Devices& devices) {

@@ -19,8 +19,15 @@ namespace {
 constexpr double law_slack = 1.1;
 /// Answers that cost so many times the least possible look for folds.
 constexpr double searched_above = 1.6;
-/// A slope has no law here: so many steps of ten a decade a budget is lowered for its sake.
-constexpr int lower_budgets_max = 6;
+/// The most accurate layout of all is measured at few places: it has the most waves, and folds everywhere. What
+/// it leaves out, which the spectrum gives, is most of its error.
+constexpr Sampling best_sampling{64, 2, false};
+/// Likewise of slopes, whose law leaves out what displacements do.
+constexpr double slope_law_slack = 1.2;
+/// What differs by less is the same to who asks for the best there is.
+constexpr double as_good = 1.1;
+/// So many layouts between two lines of progress.
+constexpr int layouts_a_line = 50;
 
 std::string in_words(const Candidate& c) {
     std::string tiles;
@@ -49,7 +56,6 @@ class Search {
         std::optional<std::size_t> budgets = {};
         std::optional<std::size_t> budget = {}; ///< of the candidate, in height_errors_m
         Candidate candidate = {};
-        int lowered = 0;
         bool operator<(const Entry& other) const { // the cheapest on top
             return price_ms != other.price_ms ? price_ms > other.price_ms : layout > other.layout;
         }
@@ -67,13 +73,24 @@ class Search {
     /// A layout's waves, with a budget; null where the scene's own waves do not fit it.
     const Waves* waves_of(std::size_t layout, double height_error_m);
     Configuration configuration(std::size_t layout, double height_error_m) const;
-    /// Expected at the percentile.
-    double expected(std::size_t layout, const Waves& waves) const;
+    /// What the laws expect: heights at the percentile, slopes rms.
+    struct Expected {
+        double error_m;
+        double slope_rms;
+    };
+    Expected expected(std::size_t layout, const Waves& waves) const;
+    /// What the laws may say of a configuration that is worth measuring.
+    Expected allowed() const {
+        return {target_.height_error_m * law_slack / margin,
+                target_.slope_error ? *target_.slope_error * slope_law_slack / margin
+                                    : std::numeric_limits<double>::infinity()};
+    }
     /// How many of the budgets the laws expect to be this accurate, the smallest first.
-    std::size_t budgets_within(std::size_t layout, double error_m);
+    std::size_t budgets_within(std::size_t layout, const Expected& most);
     Result<std::optional<Candidate>> priced(std::size_t layout, std::size_t budget);
     /// With the cheapest of the first `budgets`.
-    Result<void> offer(std::size_t layout, std::size_t budgets, int lowered);
+    Result<void> offer(std::size_t layout, std::size_t budgets);
+    Result<void> look_at(std::size_t layout);
     /// A bound by the intervals of the largest budget.
     Result<void> bound(std::size_t layout, std::size_t budgets);
     Result<void> try_candidate(const Entry& entry, Outcome& outcome);
@@ -86,6 +103,9 @@ class Search {
                (target_.bytes_per_s && price.bytes_per_s > *target_.bytes_per_s);
     }
     Result<void> most_accurate(Outcome& outcome);
+    /// Where slopes alone are in the way: the layout whose slopes are the best by the laws.
+    Result<bool> best_slopes(Outcome& outcome);
+    Result<void> measure_best(Outcome& outcome, const Sampling& sampling);
 
     const sea::Scene& scene_;
     const Target target_;
@@ -96,10 +116,12 @@ class Search {
     const double sigmas_;
     std::vector<Laid> laid_;
     std::vector<Price> at_least_;
+    std::vector<double>
+        least_slope_; ///< expected with the smallest budget, of layouts that were looked at
     std::size_t drawn_ = std::numeric_limits<std::size_t>::max(); ///< whose waves_ are
     std::optional<Waves> waves_;
     std::priority_queue<Entry> queue_;
-    int priced_ = 0, tried_ = 0;
+    int looked_at_ = 0, priced_ = 0, tried_ = 0;
 };
 
 double Search::missing(const Layout& layout) const {
@@ -134,13 +156,13 @@ const Waves* Search::waves_of(std::size_t layout, double height_error_m) {
     return &*waves_;
 }
 
-double Search::expected(std::size_t layout, const Waves& waves) const {
+Search::Expected Search::expected(std::size_t layout, const Waves& waves) const {
     const Prediction law = predict(waves, configuration(layout, waves.budget.height_error_m), 0);
-    return sigmas_ * std::hypot(law.rms_m(), laid_[layout].missing_m);
+    return {sigmas_ * std::hypot(law.rms_m(), laid_[layout].missing_m), law.slope_rms};
 }
 
 Result<std::optional<Candidate>> Search::priced(std::size_t layout, std::size_t budget) {
-    Candidate candidate{laid_[layout].layout, space_.height_errors_m[budget], {}, 0};
+    Candidate candidate{laid_[layout].layout, space_.height_errors_m[budget], {}, 0, 0};
     const Waves* waves = waves_of(layout, candidate.height_error_m);
     if (waves == nullptr)
         return std::optional<Candidate>();
@@ -149,19 +171,24 @@ Result<std::optional<Candidate>> Search::priced(std::size_t layout, std::size_t 
         ConfiguredSea::create(*waves, configuration(layout, candidate.height_error_m), devices_));
     SEAWAY_TRY(sea->go_to(sample_time_us(1)));
     SEAWAY_TRY_LET(candidate.price, prices_.of(*sea));
-    candidate.expected_m = expected(layout, *waves);
+    const Expected law = expected(layout, *waves);
+    candidate.expected_m = law.error_m;
+    candidate.expected_slope = law.slope_rms;
     ++priced_;
     return std::optional(candidate);
 }
 
-std::size_t Search::budgets_within(std::size_t layout, double error_m) {
+std::size_t Search::budgets_within(std::size_t layout, const Expected& most) {
     std::size_t low = 0, high = space_.height_errors_m.size(); // the first that does not do
     while (low < high) {
         const std::size_t middle = (low + high) / 2;
         const Waves* waves = waves_of(layout, space_.height_errors_m[middle]);
         if (waves == nullptr)
             return 0;
-        if (expected(layout, *waves) <= error_m)
+        const Expected law = expected(layout, *waves);
+        if (middle == 0)
+            least_slope_[layout] = law.slope_rms;
+        if (law.error_m <= most.error_m && law.slope_rms <= most.slope_rms)
             low = middle + 1;
         else
             high = middle;
@@ -171,7 +198,7 @@ std::size_t Search::budgets_within(std::size_t layout, double error_m) {
 
 /// Of the first `budgets` the largest is the cheapest, unless it is so large that answers must look for
 /// folds: then the largest with which they need not.
-Result<void> Search::offer(std::size_t layout, std::size_t budgets, int lowered) {
+Result<void> Search::offer(std::size_t layout, std::size_t budgets) {
     std::optional<Candidate> best;
     std::size_t best_budget = 0, low = 0, high = budgets;
     for (std::size_t budget = budgets - 1; low < high; budget = (low + high) / 2) {
@@ -188,7 +215,7 @@ Result<void> Search::offer(std::size_t layout, std::size_t budgets, int lowered)
             low = budget + 1;
     }
     if (best && !too_dear(best->price))
-        queue_.push({best->price.work_ms(), layout, budgets, best_budget, *best, lowered});
+        queue_.push({best->price.work_ms(), layout, budgets, best_budget, *best});
     return {};
 }
 
@@ -253,15 +280,14 @@ Result<void> Search::try_candidate(const Entry& entry, Outcome& outcome) {
     say(fmt::format("  not good enough: {}", why));
     // The laws once more, by as much as they were off.
     const sea::MeasuredError& last = measured.back();
-    std::size_t budgets = *entry.budget;
-    if (last.total_m * margin > target_.height_error_m) {
-        const double off = last.total_m / entry.candidate.expected_m;
-        budgets =
-            std::min(budgets, budgets_within(entry.layout, target_.height_error_m / margin / off));
-    } else if (entry.lowered == lower_budgets_max) {
-        return {};
-    }
-    return budgets == 0 ? Result<void>() : offer(entry.layout, budgets, entry.lowered + 1);
+    Expected most = allowed();
+    if (last.total_m * margin > target_.height_error_m)
+        most.error_m = target_.height_error_m / margin * entry.candidate.expected_m / last.total_m;
+    if (target_.slope_error && last.slope_rms * margin > *target_.slope_error)
+        most.slope_rms =
+            *target_.slope_error / margin * entry.candidate.expected_slope / last.slope_rms;
+    const std::size_t budgets = std::min(*entry.budget, budgets_within(entry.layout, most));
+    return budgets == 0 ? Result<void>() : offer(entry.layout, budgets);
 }
 
 /// The best that can be had within the limits: layouts in the order of what they leave out, each with the
@@ -304,12 +330,45 @@ Result<void> Search::most_accurate(Outcome& outcome) {
     }
     if (!std::isfinite(best_m))
         return {};
+    return measure_best(outcome, limited ? options_.sampling : best_sampling);
+}
+
+Result<bool> Search::best_slopes(Outcome& outcome) {
+    const auto best = std::min_element(least_slope_.begin(), least_slope_.end());
+    if (!target_.slope_error || target_.budget_ms || target_.bytes_per_s ||
+        best == least_slope_.end() || !std::isfinite(*best))
+        return false;
+    // The cheapest of those that are as good: the others have more points and no better slopes.
+    std::size_t layout = 0;
+    for (std::size_t i = 1; i < least_slope_.size(); ++i)
+        if (least_slope_[i] <= as_good * *best &&
+            (least_slope_[layout] > as_good * *best ||
+             at_least_[i].work_ms() < at_least_[layout].work_ms()))
+            layout = i;
+    SEAWAY_TRY_LET(const std::optional<Candidate> candidate, priced(layout, 0));
+    if (!candidate)
+        return false;
+    outcome.best = *candidate;
+    SEAWAY_TRY(measure_best(outcome, best_sampling));
+    return true;
+}
+
+Result<void> Search::measure_best(Outcome& outcome, const Sampling& sampling) {
     say(fmt::format("measuring the most accurate: {}", in_words(outcome.best)));
+    TuneOptions few = options_;
+    few.sampling = sampling;
     SEAWAY_TRY_LET(const sea::MeasuredError error,
                    measure_error(with_candidate(scene_, outcome.best), "as given",
-                                 target_.percentile, options_, devices_));
+                                 target_.percentile, few, devices_));
     outcome.measured = {error};
     return {};
+}
+
+/// Its budgets, by the laws.
+Result<void> Search::look_at(std::size_t layout) {
+    if (++looked_at_ % layouts_a_line == 0)
+        say(fmt::format("looked at {} layouts, priced {}", looked_at_, priced_));
+    return bound(layout, budgets_within(layout, allowed()));
 }
 
 Result<Outcome> Search::run() {
@@ -323,6 +382,7 @@ Result<Outcome> Search::run() {
             !(target_.budget_ms && price.work_ms() > *target_.budget_ms))
             queue_.push({price.work_ms(), laid_.size() - 1});
     }
+    least_slope_.assign(laid_.size(), std::numeric_limits<double>::infinity());
     Outcome outcome;
     outcome.layouts = static_cast<int>(queue_.size());
     say(fmt::format("{} of {} layouts hold enough waves; the cheapest costs {:.1f} ms/s or more",
@@ -333,13 +393,15 @@ Result<Outcome> Search::run() {
         if (entry.budget)
             SEAWAY_TRY(try_candidate(entry, outcome));
         else if (entry.budgets)
-            SEAWAY_TRY(offer(entry.layout, *entry.budgets, 0));
+            SEAWAY_TRY(offer(entry.layout, *entry.budgets));
         else
-            SEAWAY_TRY(bound(entry.layout, budgets_within(entry.layout, target_.height_error_m *
-                                                                            law_slack / margin)));
+            SEAWAY_TRY(look_at(entry.layout));
     }
-    if (!outcome.reached)
-        SEAWAY_TRY(most_accurate(outcome));
+    if (!outcome.reached) {
+        SEAWAY_TRY_LET(const bool slopes, best_slopes(outcome));
+        if (!slopes)
+            SEAWAY_TRY(most_accurate(outcome));
+    }
     if (!outcome.measured.empty())
         outcome.limits = {outcome.measured.front().waves_left_out_m,
                           outcome.measured.front().rms_m};
@@ -349,29 +411,6 @@ Result<Outcome> Search::run() {
 }
 
 } // namespace
-
-std::uint64_t fresh_seed(std::uint64_t seed, std::uint64_t number) {
-    std::uint64_t z = seed * 0x9e3779b97f4a7c15u + (number + 1) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return (z ^ (z >> 31)) >> 1;
-}
-
-sea::Scene with_candidate(sea::Scene scene, const Candidate& candidate) {
-    scene.cascades = candidate.layout.cascades;
-    scene.accuracy.height_error_m = candidate.height_error_m;
-    return scene;
-}
-
-Configuration configuration_of(const sea::Scene& scene, const std::string& device) {
-    Configuration configuration = balanced(scene);
-    configuration.device = device;
-    if (!scene.accuracy.streams())
-        configuration.codec_error_m = 0.0;
-    if (!scene.effects.choppy)
-        configuration.choppiness = 0.0;
-    return configuration;
-}
 
 Result<Outcome> tune(const sea::Scene& scene, const Target& target, const TuneSpace& space,
                      const TuneOptions& options, Prices& prices, Devices& devices) {

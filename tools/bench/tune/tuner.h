@@ -50,7 +50,8 @@ struct Candidate {
     Layout layout;
     double height_error_m = 0;
     Price price;
-    double expected_m = 0; ///< by the laws, at the percentile, without margin
+    double expected_m = 0;     ///< by the laws, at the percentile, without margin
+    double expected_slope = 0; ///< likewise, rms
 };
 
 /// What limits a configuration, and by how much: rms of heights.
