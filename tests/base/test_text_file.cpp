@@ -93,5 +93,26 @@ TEST(CsvTable, an_error_of_a_row_names_its_line_of_the_text_notes_and_blank_line
     EXPECT_EQ(table->error(1, "why").message, "t:6: why");
 }
 
+TEST(CsvTable, what_is_no_number_is_named_by_line_column_and_value) {
+    for (const auto& [row, says] :
+         {std::pair("x,2,3", "t:3: a = 'x'"), std::pair("1,nan,3", "t:3: b = 'nan'"),
+          std::pair("1,2,", "t:3: c = ''"), std::pair("1,2,0x3", "t:3: c = '0x3'"),
+          std::pair("1,2", "t:3: 2 fields, but the header names 3")})
+        EXPECT_THAT(parse_csv(std::string("a,b,c\n7,8,9\n") + row + "\n", "t", 10).error().message,
+                    HasSubstr(says));
+    const Result<CsvTable> table = parse_csv("a, b ,c\r\n1,-2.5,3e2\r\n", "t", 10);
+    ASSERT_TRUE(table);
+    EXPECT_EQ(table->rows, (std::vector<std::vector<double>>{{1, -2.5, 300}}));
+    EXPECT_EQ(table->column("b"), 1u);
+    EXPECT_EQ(table->column("c"), 2u);
+    EXPECT_EQ(table->column("d"), std::nullopt);
+}
+
+TEST_F(TextFile, a_path_through_a_file_leads_to_no_file) {
+    const std::string through = written("plain", "x") + "/below";
+    EXPECT_THAT(read_text_file(through, 10).error().message, HasSubstr("no such file"));
+    EXPECT_THAT(check_regular_file(through).error().message, HasSubstr("no such file"));
+}
+
 } // namespace
 } // namespace seaway

@@ -2,9 +2,12 @@
 #include <cmath>
 #include <cstring>
 #include <set>
+#include <sstream>
 #include <tuple>
 
 #include <gtest/gtest.h>
+#include <spdlog/sinks/ostream_sink.h>
+#include <spdlog/spdlog.h>
 
 #include "client/client.h"
 #include "client/seaway.hpp"
@@ -96,6 +99,21 @@ TEST_F(CInterface, a_failure_has_a_code_and_a_reason_and_writes_nothing) {
     } catch (const SeaError& error) {
         EXPECT_EQ(error.code(), SEAWAY_LOST);
     }
+}
+
+TEST_F(CInterface, the_name_that_is_given_stands_in_the_log_of_the_server) {
+    std::ostringstream text;
+    const auto before = spdlog::default_logger();
+    spdlog::set_default_logger(std::make_shared<spdlog::logger>(
+        "test", std::make_shared<spdlog::sinks::ostream_sink_mt>(text)));
+    {
+        Sea named(url, {"a buoy", nullptr, nullptr, 0});
+        Sea unnamed(url);
+    }
+    net->stop();
+    spdlog::set_default_logger(before);
+    EXPECT_NE(text.str().find("client=\"a buoy\""), std::string::npos) << text.str();
+    EXPECT_NE(text.str().find("client=\"seaway-client/"), std::string::npos) << text.str();
 }
 
 /// Connects as the C++ client does, to hold one against the other.

@@ -353,8 +353,18 @@ TEST_F(Program, shows_what_is_no_text_as_numbers) {
     EXPECT_NE(outcome.out.find("x_m = '\\x1b[2J\\xff'"), std::string::npos) << outcome.out;
 }
 
+// One array of two points an answer: a line of it while it is watched, else a line a point.
+TEST_F(Program, json_is_one_line_an_answer_while_it_is_watched) {
+    const std::string where = net->url() + " --at 1,2 3,4 --format json";
+    const Outcome once = run_program(where);
+    EXPECT_EQ(std::count(once.out.begin(), once.out.end(), '\n'), 2) << once.out;
+    const Outcome watched = run_program(where + " --watch 1e-5 & sleep 1; kill -TERM $!; wait $!");
+    EXPECT_EQ(std::count(watched.out.begin(), watched.out.end(), '\n'), 1) << watched.out;
+    EXPECT_EQ(nlohmann::json::parse(watched.out, nullptr, false).size(), 2u);
+}
+
 TEST_F(Program, measures_rates_both_ways) {
-    for (const char* way : {"--bench 64", "--bench 64 --local"}) {
+    for (const char* way : {"--bench 64 --exact", "--bench 64 --local"}) {
         const auto measured = rows(way);
         const std::vector<int> in_flight =
             std::string(way).ends_with("local") ? std::vector{1} : std::vector{1, 8};
@@ -370,9 +380,11 @@ TEST_F(Program, measures_rates_both_ways) {
             if (row["queries"].get<int>() > 200) { // no clock is so coarse
                 EXPECT_LT(p50_ms, p99_ms);
             }
-            EXPECT_EQ(row["how"], std::string(way).ends_with("local") ? "local" : "server");
+            EXPECT_EQ(row["how"], std::string(way).ends_with("local") ? "local" : "exact");
         }
     }
+    EXPECT_GT(sea.queries, 0);
+    EXPECT_EQ(sea.exact_queries, sea.queries);
 }
 
 } // namespace

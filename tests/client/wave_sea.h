@@ -68,6 +68,7 @@ class WaveSea : public server::Host {
     std::atomic<bool> answer_queries = true;
     std::atomic<int> fetches = 0;
     std::atomic<int> queries = 0;
+    std::atomic<int> exact_queries = 0;             ///< of them
     mutable std::atomic<float> wished_error_m = -1; ///< of the last who subscribed
     std::atomic<int> late_ms = 0; ///< it looks at its clock this much later than it is asked to
 
@@ -160,6 +161,7 @@ class WaveSea : public server::Host {
     }
     void query(server::QueryBatch batch, Queried done) override {
         ++queries;
+        exact_queries += batch.exact;
         server::QueryAnswers out;
         out.epoch = epoch;
         for (const sea::QueryPoint& point : batch.points) {

@@ -184,6 +184,21 @@ TEST(Messages, sizes_out_of_range_are_errors) {
     EXPECT_FALSE(reader.read(long_one).has_value());
 }
 
+TEST(Messages, a_message_as_long_as_may_be_is_read_and_one_byte_more_is_not) {
+    for (const auto& [sender, bytes_max, message] :
+         {std::tuple(Sender::client, limits::client_message_bytes_max, ping(1, 2)),
+          std::tuple(Sender::server, limits::server_message_bytes_max, pong(1, 2, 3))}) {
+        MessageReader reader(sender);
+        Bytes padded = message; // bytes that nothing points at
+        padded.resize(bytes_max);
+        EXPECT_TRUE(reader.read(padded).has_value());
+        padded.push_back(0);
+        const auto beyond = reader.read(padded);
+        ASSERT_FALSE(beyond.has_value());
+        EXPECT_NE(beyond.error().message.find(std::to_string(bytes_max)), std::string::npos);
+    }
+}
+
 TEST(Messages, the_largest_messages_of_each_side_fit_their_limits) {
     const std::vector<sea::QueryPoint> points(limits::points_per_query_max);
     EXPECT_LE(query(1, points, false).size(), limits::client_message_bytes_max);

@@ -267,6 +267,43 @@ TEST(TileCodec, f8_each_value_of_a_header_has_its_range) {
         says(parameter(lossless, wrong), "parameter");
 }
 
+// A tile that is flat but for one sample is not constant, wherever that sample lies.
+TEST(TileCodec, one_sample_that_differs_is_kept_wherever_it_lies) {
+    const TileShape shape{4, 3};
+    for (const float error : {0.0f, 0.1f})
+        for (std::size_t at = 0; at < 12; ++at) {
+            std::vector<float> samples(12, 2.0f);
+            samples[at] = 5.0f;
+            const double allowed = static_cast<double>(error);
+            EXPECT_LE(worst_error(decoded(encoded(samples, shape, error), shape), samples), allowed)
+                << at;
+        }
+}
+
+// The next float above the largest is infinity. A tile so small is not compressed: each byte is tried.
+TEST(TileCodec, f8_no_byte_makes_the_largest_float_infinite) {
+    const TileShape shape{3, 2};
+    const std::vector<float> samples(6, std::numeric_limits<float>::max());
+    std::vector<float> other = samples;
+    other[0] = 1.0f;
+    const Bytes bytes = encoded(other, shape, 0);
+    int decodable = 0;
+    for (std::size_t at = 16; at < bytes.size(); ++at)
+        for (int value = 0; value < 256; ++value) {
+            Bytes bad = bytes;
+            bad[at] = static_cast<std::uint8_t>(value);
+            const std::uint32_t checksum = tile_checksum(bad);
+            std::memcpy(&bad[12], &checksum, 4);
+            std::vector<float> out(6);
+            if (!decode_tile(bad, shape, 3, out).has_value())
+                continue;
+            ++decodable;
+            for (const float sample : out)
+                ASSERT_TRUE(std::isfinite(sample)) << at << ' ' << value;
+        }
+    EXPECT_GT(decodable, 100);
+}
+
 // Byte 6: planes. A residual r is coded 2r or -2r - 1, so that one byte holds -128 .. 127.
 TEST(TileCodec, residuals_take_as_many_byte_planes_as_they_need_and_no_more) {
     const float step = 0.5f - 0x1p-20f; // of an error of 0.25, near enough

@@ -230,5 +230,28 @@ TEST(MapRequests, there_are_two_places_and_each_comes_back_when_its_map_goes) {
     EXPECT_EQ(*running, 0);
 }
 
+// Without t_s a map is of now, and its header says so in its last eight bytes.
+TEST(World, a_map_without_a_time_is_of_now) {
+    Bench bench;
+    const TimeUs now_us = 12'345'678;
+    World world(bench.sea, {}, [now_us] { return now_us; });
+    world.attach(*bench.simulation);
+    std::unique_ptr<ByteSource> map;
+    world.map({some_map, someone, [] {}}, [&](Result<std::unique_ptr<ByteSource>> made) {
+        ASSERT_TRUE(made);
+        map = *std::move(made);
+    });
+    for (int i = 0; i < 40; ++i)
+        bench.settle();
+    ASSERT_TRUE(map);
+    EXPECT_EQ(map->size(), 64u + 8 * 5 * 4);
+    const std::vector<std::uint8_t> header = map->next();
+    ASSERT_EQ(header.size(), 64u);
+    TimeUs shown_us = 0;
+    for (std::size_t i = 0; i < 8; ++i)
+        shown_us |= static_cast<TimeUs>(header[56 + i]) << (8 * i);
+    EXPECT_EQ(shown_us, now_us);
+}
+
 } // namespace
 } // namespace seaway::server

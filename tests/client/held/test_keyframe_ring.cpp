@@ -113,6 +113,17 @@ TEST(Ring, never_mixes_epochs_cascades_or_keyframes_that_lack_a_field) {
     EXPECT_EQ(around(ring, 150'000)->before->keyframe().time_us, 300'000);
 }
 
+TEST(Ring, the_newest_is_the_latest_of_its_cascade_in_whatever_order_they_came) {
+    KeyframeRing ring;
+    EXPECT_EQ(ring.newest(0), nullptr);
+    for (const TimeUs time_us : {200'000, 400'000, -100'000, 300'000})
+        ring.insert(keyframe(time_us));
+    ring.insert(keyframe(900'000, 1));
+    EXPECT_EQ(ring.newest(0)->keyframe().time_us, 400'000);
+    EXPECT_EQ(ring.newest(1)->keyframe().time_us, 900'000);
+    EXPECT_EQ(ring.newest(2), nullptr);
+}
+
 TEST(Ring, one_time_of_two_epochs_is_two_keyframes) {
     KeyframeRing ring;
     for (const std::uint32_t epoch : {1u, 2u})

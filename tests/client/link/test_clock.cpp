@@ -60,6 +60,18 @@ TEST(Clock, h1_drift_of_100_ppm_and_one_sided_queueing_leave_less_than_3_ms) {
     EXPECT_NEAR(clock.status(120 * second_us).drift_ppm, 100, 60);
 }
 
+// However few: a share of three samples would be one, and one has no slope.
+TEST(Clock, three_samples_over_more_than_ten_seconds_tell_the_drift) {
+    for (const double drift_ppm : {100.0, -250.0}) {
+        ClockFilter clock;
+        Link link{.drift_ppm = drift_ppm};
+        for (const LocalUs at_s : {0, 6, 12})
+            link.ping(clock, at_s * second_us);
+        // Times are whole microseconds: half of one over 12 s.
+        EXPECT_NEAR(clock.status(12 * second_us).drift_ppm, drift_ppm, 0.1);
+    }
+}
+
 TEST(Clock, an_error_bound_covers_the_truth) {
     Link link{.queue_mean_us = 8000};
     ClockFilter clock;

@@ -65,6 +65,16 @@ TEST_F(RequestsTest, report_a_deadline_but_keep_the_place_until_the_server_is_do
     EXPECT_EQ(sent.size(), 2u);
 }
 
+TEST_F(RequestsTest, a_deadline_has_passed_at_its_very_time_and_not_before) {
+    start(Lane::bulk, 100); // on its way
+    start(Lane::bulk, 100); // waits
+    requests.expire(99);
+    EXPECT_EQ(outcomes, (std::vector<std::string>{"open", "open"}));
+    requests.expire(100);
+    for (const std::string& outcome : outcomes)
+        EXPECT_NE(outcome.find("in time"), std::string::npos) << outcome;
+}
+
 TEST_F(RequestsTest, one_that_waits_beyond_its_deadline_is_never_sent) {
     start(Lane::bulk, 1000);
     start(Lane::bulk, 100);

@@ -43,6 +43,66 @@ TEST_F(NetHttp, what_is_not_there_or_not_allowed_is_said_clearly) {
     EXPECT_EQ(get("/v1/stream").status, 426);
 }
 
+TEST_F(NetHttp, every_answer_says_which_program_it_is_and_is_not_to_be_kept) {
+    start();
+    for (const char* target : {"/healthz", "/none", "/v1/stream"}) {
+        const HttpAnswer answer = get(target);
+        EXPECT_EQ(answer.fields.at("Server"), "seaway/" SEAWAY_VERSION) << target;
+        EXPECT_EQ(answer.fields.at("Cache-Control"), "no-store") << target;
+        EXPECT_EQ(answer.fields.at("X-Content-Type-Options"), "nosniff") << target;
+    }
+    RawPeer peer(port());
+    peer.say("GET /v1/stream HTTP/1.1\r\nHost: x\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+             "Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"
+             "Sec-WebSocket-Protocol: seaway.v1\r\n\r\n");
+    const std::string upgraded = peer.header();
+    EXPECT_NE(upgraded.find("Server: seaway/" SEAWAY_VERSION "\r\n"), std::string::npos)
+        << upgraded;
+    EXPECT_NE(upgraded.find("Sec-WebSocket-Protocol: seaway.v1\r\n"), std::string::npos)
+        << upgraded;
+}
+
+// Two sessions, one of which subscribes, at 12.3 s.
+TEST_F(NetHttp, the_page_for_people_shows_each_figure_in_its_row) {
+    options.sessions_max = 17;
+    host.newest = 123;
+    start();
+    std::unique_ptr<Client> clients[2];
+    for (auto& client : clients) {
+        client = std::make_unique<Client>(port());
+        ASSERT_FALSE(client->connect());
+        ASSERT_TRUE(client->greet());
+    }
+    ASSERT_FALSE(clients[1]->send(
+        protocol::subscribe(1, {.cascades = 1u, .fields = {sea::Field::height}}, 2)));
+    ASSERT_TRUE(clients[1]->receive(wire::Body::Subscribed));
+    const std::string page = get("/").body;
+    for (const char* row :
+         {"Sea time<td>12.3 s<", "Sessions<td>2 of 17<", "Subscriptions<td>1<", "The sea runs."})
+        EXPECT_NE(page.find(row), std::string::npos) << row << " in " << page;
+    host.well = false;
+    EXPECT_NE(get("/").body.find("The simulation has failed."), std::string::npos);
+}
+
+TEST_F(NetHttp, requests_that_are_too_large_or_not_for_reading_have_each_a_status) {
+    start();
+    const auto status = [&](const std::string& request) {
+        RawPeer peer(port());
+        peer.say(request);
+        return peer.rest().substr(0, 12);
+    };
+    const std::string head = " HTTP/1.1\r\nHost: x\r\nConnection: close\r\n";
+    EXPECT_EQ(status("GET /healthz" + head + "X: " + std::string(9000, 'x') + "\r\n\r\n"),
+              "HTTP/1.1 431");
+    EXPECT_EQ(status("GET /healthz" + head + "Content-Length: 1025\r\n\r\n"), "HTTP/1.1 413");
+    for (const char* target : {"/", "/healthz", "/metrics", "/v1/state", "/v1/plan", "/v1/map"})
+        EXPECT_EQ(status(std::string("POST ") + target + head + "Content-Length: 0\r\n\r\n"),
+                  "HTTP/1.1 405")
+            << target;
+    EXPECT_EQ(host.maps_asked, 0);
+    EXPECT_EQ(status("POST /none" + head + "Content-Length: 0\r\n\r\n"), "HTTP/1.1 404");
+}
+
 TEST_F(NetHttp, head_has_the_length_and_no_body) {
     start();
     const auto head = get("/healthz", "HEAD");
@@ -127,6 +187,7 @@ TEST_F(NetHttp, an_address_that_cannot_be_had_is_one_helpful_line) {
     for (const auto& [listen, words] : std::map<std::string, std::string>{
              {fmt::format("127.0.0.1:{}", port()), "choose another port with --listen"},
              {"203.0.113.7:9430", "no such address"},
+             {"[2001:db8::7]:9430", "cannot listen on [2001:db8::7]:9430: "},
              {"localhost:9430", "expected ADDR:PORT"},
              {"127.0.0.1", "expected ADDR:PORT"},
              {"127.0.0.1:", "expected ADDR:PORT"},

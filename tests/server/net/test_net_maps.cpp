@@ -94,6 +94,14 @@ TEST_F(NetMaps, a_refused_map_says_why_and_leaves_nothing_behind) {
     host.maps_ready = true;
     for (int i = 0; i < 10; ++i)
         EXPECT_EQ(get("/v1/map", i % 2 == 0 ? "GET" : "HEAD").status, 200);
+    const std::string page = get("/metrics").body;
+    const auto value = [&](const std::string& name) {
+        const std::size_t at = page.find("\n" + name + " ");
+        return at == std::string::npos ? 0.0 : std::stod(page.substr(at + name.size() + 2));
+    };
+    // Every connection had one answer, but for the one that asks.
+    EXPECT_EQ(value("seaway_net_http_responses_total{status=\"200\"}"),
+              value("seaway_net_connections_accepted_total") - 10 - 1);
     ASSERT_TRUE(eventually([&] { return metric("seaway_net_connections") == 1; }));
     EXPECT_TRUE(eventually([&] { return *host.maps_alive == 0; }));
 }

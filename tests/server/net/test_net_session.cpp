@@ -156,6 +156,37 @@ TEST_F(NetSession, fields_that_are_not_offered_are_refused_and_the_session_goes_
     EXPECT_EQ(message->body_as_Pong()->client_time_us(), 99);
 }
 
+TEST_F(NetSession, a_subscription_that_is_refused_ends_the_one_before) {
+    start();
+    Client client(port());
+    ASSERT_FALSE(client.connect());
+    ASSERT_TRUE(client.greet());
+    ASSERT_FALSE(client.send(protocol::subscribe(1, {.fields = {sea::Field::height}}, 2)));
+    ASSERT_TRUE(client.receive(Body::FetchDone));
+    EXPECT_EQ(metric("seaway_net_subscriptions"), 1);
+    ASSERT_FALSE(client.send(protocol::subscribe(2, {.fields = {sea::Field::slope_x}}, 2)));
+    ASSERT_TRUE(client.receive(Body::Refused));
+    EXPECT_EQ(metric("seaway_net_subscriptions"), 0);
+}
+
+// A keyframe made for an earlier plan has less than was granted since: half of it is of no use.
+TEST_F(NetSession, keyframes_that_lack_what_was_granted_are_left_out) {
+    start();
+    Client client(port());
+    ASSERT_FALSE(client.connect());
+    ASSERT_TRUE(client.greet());
+    const sea::FieldSet both{sea::Field::height, sea::Field::foam};
+    ASSERT_FALSE(client.send(protocol::subscribe(1, {.cascades = 1u, .fields = both}, 8)));
+    ASSERT_TRUE(client.receive(Body::FetchDone));
+    net->publish(host.keyframe(0, 7, {sea::Field::height}));
+    net->publish(host.keyframe(0, 8, both));
+    for (int field = 0; field < 2; ++field) {
+        const wire::Message* message = client.receive();
+        ASSERT_TRUE(message && message->body_as_Tile());
+        EXPECT_EQ(message->body_as_Tile()->time_us(), 8 * interval_us);
+    }
+}
+
 TEST_F(NetSession, without_acknowledgements_the_credit_is_sent_and_then_only_the_newest) {
     start();
     Client client(port());

@@ -86,6 +86,18 @@ TEST(Encoder, only_what_is_wanted_is_encoded_and_nothing_twice) {
     EXPECT_EQ(encoder.counters().fields_reused, 2u);
 }
 
+TEST(Encoder, what_is_known_but_not_wanted_is_not_counted_as_reused) {
+    Encoder encoder;
+    const sea::Keyframe original =
+        keyframe(16, {sea::Field::height, sea::Field::slope_x, sea::Field::foam});
+    const float bounds[] = {0.1f, 0.2f, 0.3f};
+    ASSERT_TRUE(encoder.encode(original, bounds, 0, {sea::Field::height, sea::Field::foam}));
+    ASSERT_TRUE(encoder.encode(original, bounds, 0, {sea::Field::slope_x}));
+    EXPECT_EQ(encoder.counters().fields_encoded, 3u);
+    EXPECT_EQ(encoder.counters().fields_reused, 0u);
+    EXPECT_EQ(encoder.counters().samples, 3u * 16 * 16);
+}
+
 TEST(Encoder, qualities_epochs_times_and_cascades_are_different_keyframes) {
     Encoder encoder;
     const float fine[] = {0.001f};

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the simulation counts, after a known run of questions: each counter is what happened.
+#include "sea/scene/scene_warnings.h"
 #include "tests/server/simulation/simulation_bench.h"
 
 namespace seaway::server {
@@ -41,7 +42,9 @@ TEST(SimulationCounters, are_what_a_known_run_of_questions_has_made) {
         expect(1, 2, 3, "a fetch of the same");
         EXPECT_EQ(bench.simulation->counters().fetch_bytes, raw);
     }
-    EXPECT_EQ(bench.simulation->counters().fetch_bytes, 0u) << "nobody holds it any more";
+    // Nobody holds it any more, as soon as the thread that handed it over has let it go.
+    while (bench.simulation->counters().fetch_bytes > 0)
+        std::this_thread::yield();
     EXPECT_EQ(bench.simulation->counters().fetch_bytes_most, raw);
     bench.answer({{1, 2, 50'000'001}});
     expect(2, 2, 4, "another time");
@@ -149,6 +152,28 @@ TEST(QuestionLimits, as_many_of_one_asker_wait_as_may_and_one_more_is_refused) {
     while (answered < questions_of_one_max + 2)
         std::this_thread::yield();
     EXPECT_EQ(refused, 1u) << "places come back";
+}
+
+// A double of that size has no place nearer than that: along either axis.
+TEST(ExactAnswers, state_what_rounding_leaves_of_a_far_place_along_either_axis) {
+    Bench bench;
+    const auto answers = bench.answer({{0, 0, 0}, {1e9, 0, 0}, {0, -1e9, 0}, {3e8, 1e9, 0}}, true);
+    ASSERT_EQ(answers.size(), 4u);
+    EXPECT_LT(answers[0].error_m, 1e-7);
+    for (std::size_t i = 1; i < 4; ++i)
+        EXPECT_GE(answers[i].error_m, 4e-16 * 1e9) << i;
+}
+
+TEST(RunningSea, its_warnings_are_those_of_the_scene_the_foam_and_the_certificate) {
+    // Too slow a growth for what is observed at this wind: foam says so.
+    const RunningSeaPtr sea = running_sea("[foam]\ngain_per_s = 0.0001\n");
+    const std::vector<std::string> all = warnings_of(*sea);
+    std::vector<std::string> parts =
+        sea::scene_warnings(sea->scene, *sea->realization, sea->summary, sea->budget);
+    const std::vector<std::string> foam = sea::foam_warnings(sea->foam_law);
+    ASSERT_FALSE(foam.empty());
+    parts.insert(parts.end(), foam.begin(), foam.end());
+    EXPECT_EQ(all, parts);
 }
 
 } // namespace
