@@ -32,9 +32,6 @@ MeasuredDirections MeasuredDirections::from_moments(Complex c1, std::optional<Co
     if (!c2) {
         const double r1 = std::abs(c1);
         d.beam_ = Spreading::power(r1 / (1.0 - r1)); // r1 = s / (s + 1)
-        const double s = d.beam_->exponent();
-        const Complex direction = r1 > 0.0 ? c1 / r1 : Complex(1.0);
-        d.c2_ = direction * direction * (s * (s - 1.0) / ((s + 1.0) * (s + 2.0)));
         return d;
     }
     // |c2 - c1^2| <= 1 - |c1|^2 is what a density that is nowhere negative obeys.
@@ -44,7 +41,6 @@ MeasuredDirections MeasuredDirections::from_moments(Complex c1, std::optional<Co
         c2 = c1 * c1 + excess * (room / std::abs(excess));
         d.changed_ = true;
     }
-    d.c2_ = *c2;
     d.phi1_ = (c1 - *c2 * std::conj(c1)) / (1.0 - std::norm(c1));
     d.phi2_ = *c2 - c1 * d.phi1_;
     d.scale_ = (1.0 - d.phi1_ * std::conj(c1) - d.phi2_ * std::conj(*c2)).real() / two_pi;
@@ -61,17 +57,14 @@ MeasuredDirections MeasuredDirections::from_table(double first_rad, std::vector<
     for (double& value : density)
         value *= count / (two_pi * sum);
     d.table_ = std::move(density);
-    // Moments of the straight lines between the entries: the entries' own, times sinc^2.
+    // The first moment of the straight lines between the entries: the entries' own, times sinc^2.
     const double step = two_pi / count;
     for (std::size_t i = 0; i < d.table_.size(); ++i) {
         const double angle = first_rad + static_cast<double>(i) * step;
         d.c1_ += std::polar(d.table_[i] * step, angle);
-        d.c2_ += std::polar(d.table_[i] * step, 2.0 * angle);
     }
-    const double sinc1 = std::sin(0.5 * step) / (0.5 * step);
-    const double sinc2 = std::sin(step) / step;
-    d.c1_ *= sinc1 * sinc1;
-    d.c2_ *= sinc2 * sinc2;
+    const double sinc = std::sin(0.5 * step) / (0.5 * step);
+    d.c1_ *= sinc * sinc;
     return d;
 }
 

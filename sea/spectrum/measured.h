@@ -35,12 +35,10 @@ class MeasuredDirections {
 
     double operator()(double towards_rad) const; ///< 1/rad; integral over the circle is 1
     std::complex<double> first_moment() const { return c1_; }
-    std::complex<double> second_moment() const { return c2_; }
     bool changed() const { return changed_; }
 
   private:
     std::complex<double> c1_;
-    std::complex<double> c2_;
     std::complex<double> phi1_; ///< coefficients of the maximum entropy form
     std::complex<double> phi2_;
     double scale_ = 0.0;

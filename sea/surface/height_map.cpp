@@ -18,14 +18,15 @@ namespace {
 
 /// Splines are linear in their coefficients: one map at the time gives what two give mixed.
 std::vector<float> mixed_texels(const SplinePair& pair, TimeUs time_us) {
-    constexpr std::size_t from = SplineMap::channels, to = 4, rate = 4;
+    constexpr std::size_t from = spline_channel::count, to = spline_channel::mixed,
+                          rate = spline_channel::rate;
     const HermiteWeights w =
         hermite_weights(pair.before->time_us(), pair.after->time_us(), time_us);
     const std::vector<float>& a = pair.before->coefficients();
     const std::vector<float>& b = pair.after->coefficients();
     std::vector<float> mixed(a.size() / from * to);
     for (std::size_t i = 0; i < a.size() / from; ++i)
-        for (std::size_t c = 0; c < 3; ++c) {
+        for (std::size_t c = 0; c < spline_channel::values; ++c) {
             const std::size_t value = i * from + c;
             mixed[i * to + c] =
                 static_cast<float>(w.value[0] * static_cast<double>(a[value]) +

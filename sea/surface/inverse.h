@@ -17,6 +17,7 @@
 
 #include "sea/basics/lagrangian_point.h"
 #include "sea/surface/answer.h"
+#include "sea/surface/fold_suspicion.h"
 #include "sea/surface/sheets.h"
 #include "sea/waves/realization.h"
 #include "sea/waves/reference.h"
@@ -59,8 +60,6 @@ double folded_share(double squeeze);
 /// Above this every exact answer is searched. Below, several sheets stand above one place of 2e7, and
 /// only those are overlooked where Newton does not meet the next one.
 inline constexpr double folds_searched_above = 0.21;
-/// Below this Jacobian on Newton's way, others are searched too.
-inline constexpr double fold_suspected_below = 0.4;
 
 /// Of a sea whose points move `reach_m` sideways at most. `rms_strain` as in ErrorBudget.
 FoldSearch fold_search(double reach_m, const Choppiness& choppiness, double rms_strain);

@@ -5,7 +5,9 @@
 
 #include <utility>
 
+#include "sea/surface/fold_suspicion.h"
 #include "sea/surface/map_kernel.h"
+#include "sea/surface/maps/spline_channels.h"
 #include "sea/surface/maps/spline_weights.h"
 
 namespace seaway::sea {
@@ -91,15 +93,14 @@ SEAWAY_INLINE Point evaluate(const MapTile* tiles, int tile_count, double x_m, d
     return {fold(value), fold(d_dx), fold(d_dy)};
 }
 
-constexpr int height = 0, displacement_x = 1, displacement_y = 2; // channels
+using spline_channel::height, spline_channel::displacement_x, spline_channel::displacement_y;
 
 /// A Newton step this short ends the search: what it leaves of the height is half the curvature
 /// times its square, below 4e-5 m for the shortest waves. A normal is not corrected and needs more.
 constexpr float last_step_m = 5e-3f;
 constexpr float last_step_normal_m = 1e-4f;
 constexpr int steps_max = 8;
-/// fold_suspected_below of sea/surface/inverse.h: below this Jacobian other sheets are looked for.
-constexpr float careful_below = 0.4f;
+constexpr auto careful_below = static_cast<float>(fold_suspected_below);
 
 /// I + lambda grad D and the step that solves for the residual.
 struct Newton {

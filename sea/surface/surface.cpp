@@ -13,26 +13,27 @@ namespace seaway::sea {
 
 namespace {
 
-constexpr int rates = 4; // channel offset of the time rates in SplineSample
-
 void add(LagrangianPoint& sum, const HermiteWeights& weights, const SplineSample& a,
          const SplineSample& b) {
-    const auto mix = [](const double(&w)[4], const float(&pa)[8], const float(&pb)[8], int c) {
-        return w[0] * static_cast<double>(pa[c]) + w[1] * static_cast<double>(pa[c + rates]) +
-               w[2] * static_cast<double>(pb[c]) + w[3] * static_cast<double>(pb[c + rates]);
+    using spline_channel::height, spline_channel::displacement_x, spline_channel::displacement_y,
+        spline_channel::rate;
+    using Channels = float[spline_channel::count];
+    const auto mix = [](const double(&w)[4], const Channels& pa, const Channels& pb, int c) {
+        return w[0] * static_cast<double>(pa[c]) + w[1] * static_cast<double>(pa[c + rate]) +
+               w[2] * static_cast<double>(pb[c]) + w[3] * static_cast<double>(pb[c + rate]);
     };
-    sum.height += mix(weights.value, a.value, b.value, 0);
-    sum.displacement_x += mix(weights.value, a.value, b.value, 1);
-    sum.displacement_y += mix(weights.value, a.value, b.value, 2);
-    sum.height_rate += mix(weights.rate, a.value, b.value, 0);
-    sum.displacement_x_rate += mix(weights.rate, a.value, b.value, 1);
-    sum.displacement_y_rate += mix(weights.rate, a.value, b.value, 2);
-    sum.slope_x += mix(weights.value, a.d_dx, b.d_dx, 0);
-    sum.slope_y += mix(weights.value, a.d_dy, b.d_dy, 0);
-    sum.strain_xx += mix(weights.value, a.d_dx, b.d_dx, 1);
-    sum.strain_yy += mix(weights.value, a.d_dy, b.d_dy, 2);
-    sum.strain_xy +=
-        0.5 * (mix(weights.value, a.d_dy, b.d_dy, 1) + mix(weights.value, a.d_dx, b.d_dx, 2));
+    sum.height += mix(weights.value, a.value, b.value, height);
+    sum.displacement_x += mix(weights.value, a.value, b.value, displacement_x);
+    sum.displacement_y += mix(weights.value, a.value, b.value, displacement_y);
+    sum.height_rate += mix(weights.rate, a.value, b.value, height);
+    sum.displacement_x_rate += mix(weights.rate, a.value, b.value, displacement_x);
+    sum.displacement_y_rate += mix(weights.rate, a.value, b.value, displacement_y);
+    sum.slope_x += mix(weights.value, a.d_dx, b.d_dx, height);
+    sum.slope_y += mix(weights.value, a.d_dy, b.d_dy, height);
+    sum.strain_xx += mix(weights.value, a.d_dx, b.d_dx, displacement_x);
+    sum.strain_yy += mix(weights.value, a.d_dy, b.d_dy, displacement_y);
+    sum.strain_xy += 0.5 * (mix(weights.value, a.d_dy, b.d_dy, displacement_x) +
+                            mix(weights.value, a.d_dx, b.d_dx, displacement_y));
 }
 
 double interval_s(const SplinePair& pair) {

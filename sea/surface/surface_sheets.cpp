@@ -123,9 +123,9 @@ SheetPatch SurfaceSheets::patch(std::size_t cascade, const Box& box) const {
             std::memcpy(parts, before + texel, 2 * sizeof(F4));
             std::memcpy(parts + 2, after + texel, 2 * sizeof(F4));
             const F4 now = w[0] * parts[0] + w[1] * parts[1] + w[2] * parts[2] + w[3] * parts[3];
-            *height = now[0];
-            moved[0] = now[1]; // D_x and D_y
-            moved[1] = now[2];
+            *height = now[spline_channel::height];
+            moved[0] = now[spline_channel::displacement_x];
+            moved[1] = now[spline_channel::displacement_y];
         }
     }
     return patch;

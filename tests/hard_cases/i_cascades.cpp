@@ -101,7 +101,8 @@ TEST(HardCase, I8_a_gate_of_3_percent_fails_most_correct_seas_and_ours_none) {
     const sea::CascadeSpec tile{500.0, 64};
     const sea::SeaState state = testing::windy_sea();
     const sea::Band band = sea::assign_bands(std::vector{tile})->front();
-    const double scatter = sea::expected_hs_scatter(state, tile, band);
+    const double scatter =
+        sea::summarize(state, *testing::realized(state, {tile})).cascades[0].expected_scatter;
     const sea::Dispersion d = state.dispersion();
     const double expected = 4 * std::sqrt(sea::requested_variance(state, d.omega(band.k_lo_radpm),
                                                                   d.omega(band.k_hi_radpm)));

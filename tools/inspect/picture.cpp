@@ -187,7 +187,7 @@ void draw_compass(Canvas& canvas, const SeaSpectrum& spectrum) {
         for (int x = 0; x < side; ++x)
             values.push_back(energy(x + 0.5 - compass_radius, y + 0.5 - compass_radius));
     const double highest = *std::max_element(values.begin(), values.end());
-    // The square root of the energy is an amplitude; it shows swell beside a wind sea.
+    // The root of the energy, as amplitudes have it, shows swell beside a wind sea.
     canvas.paint(box, [&](double px, double py) {
         const auto i =
             static_cast<std::size_t>((py - box.top - 0.5) * side + (px - box.left - 0.5));
@@ -196,9 +196,9 @@ void draw_compass(Canvas& canvas, const SeaSpectrum& spectrum) {
         color.opacity = std::clamp(compass_radius - r, 0.0, 1.0);
         return color;
     });
-    draw_compass_frame(canvas, omega_end, "energy S(ω) D(θ, ω), by where waves come from");
+    draw_compass_frame(canvas, omega_end, "root of S(ω) D(θ, ω), by where waves come from");
     plot::draw_color_bar(canvas, {1126, 132, 1140, 392},
-                         {"amplitude / largest", 0.0, 1.0, Scale::linear});
+                         {"of the largest", 0.0, 1.0, Scale::linear});
 }
 
 /// A sea without spectra: each wave by itself.

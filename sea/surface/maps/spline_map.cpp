@@ -18,7 +18,12 @@ constexpr float gain = 6.0f;
 constexpr std::array<Field, 6> channel_fields{
     Field::height,      Field::displacement_x,      Field::displacement_y,
     Field::height_rate, Field::displacement_x_rate, Field::displacement_y_rate};
-constexpr std::array<int, 6> channel_of{0, 1, 2, 4, 5, 6};
+constexpr std::array<int, 6> channel_of{spline_channel::height,
+                                        spline_channel::displacement_x,
+                                        spline_channel::displacement_y,
+                                        spline_channel::height + spline_channel::rate,
+                                        spline_channel::displacement_x + spline_channel::rate,
+                                        spline_channel::displacement_y + spline_channel::rate};
 
 /// Periodic cubic B-spline prefilter of `count` samples, `stride` floats apart, for `width`
 /// neighbouring floats at once. The filter's memory is 2e-9 after 15 samples.

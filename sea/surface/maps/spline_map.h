@@ -18,16 +18,17 @@
 
 #include "sea/basics/lagrangian_point.h"
 #include "sea/surface/maps/keyframe.h"
+#include "sea/surface/maps/spline_channels.h"
 #include "sea/surface/maps/strain_windows.h"
 
 namespace seaway::sea {
 
 /// Values and horizontal derivatives of the six surface fields at one point.
 struct SplineSample {
-    // [field]: height, displacement_x, displacement_y, then their time rates; 3 and 7 are unused.
-    float value[8];
-    float d_dx[8];
-    float d_dy[8];
+    // [channel], as spline_channels.h says; 3 and 7 are unused.
+    float value[spline_channel::count];
+    float d_dx[spline_channel::count];
+    float d_dy[spline_channel::count];
 };
 
 class SplineMap {
@@ -58,8 +59,8 @@ class SplineMap {
     SplineSample sample(double x_m, double y_m) const { return sample(cell(x_m, y_m)); }
 
     // For who samples whole grids: coefficients()[y + 1][x + 1][channel], channels as in
-    // SplineSample, -1 <= x, y < size + 2; the border repeats the other side of the tile.
-    static constexpr int channels = 8;
+    // spline_channels.h, -1 <= x, y < size + 2; the border repeats the other side of the tile.
+    static constexpr int channels = spline_channel::count;
     static constexpr int border = 3; ///< one before, two after
     int size() const { return size_; }
     double length_m() const { return length_m_; }

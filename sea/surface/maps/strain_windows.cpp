@@ -13,7 +13,8 @@ namespace seaway::sea {
 namespace {
 
 constexpr int channels = SplineMap::channels;
-constexpr int dx = 1, dy = 2, dx_rate = 5, dy_rate = 6; // channels of SplineMap
+constexpr int dx = spline_channel::displacement_x, dy = spline_channel::displacement_y;
+constexpr int dx_rate = dx + spline_channel::rate, dy_rate = dy + spline_channel::rate;
 constexpr int block_min = 4;
 
 /// Grid points beyond a place that the derivatives of its spline depend on.

@@ -76,18 +76,6 @@ LatticeBias bias_of(std::size_t system, const Directed& requested, const Directe
 
 } // namespace
 
-double expected_hs_scatter(const SeaState& sea, const CascadeSpec& tile, Band band) {
-    std::vector<double> all(static_cast<std::size_t>(tile.size) *
-                            static_cast<std::size_t>(tile.size));
-    for (const WaveSystem& system : sea.systems) {
-        const std::vector<double> one =
-            mode_variances(DirectionalSpectrum(system, sea), tile, band);
-        for (std::size_t i = 0; i < all.size(); ++i)
-            all[i] += one[i];
-    }
-    return scatter_of(all, tile.size);
-}
-
 void add_expected(const SeaState& sea, const Realization& realization, SeaSummary& summary) {
     const Dispersion dispersion = sea.dispersion();
     std::vector<std::vector<double>> all(realization.cascades.size());

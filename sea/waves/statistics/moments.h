@@ -30,7 +30,8 @@ struct CascadeVariance {
     double requested_m2; ///< integral of the spectrum over the band
     double expected_m2;  ///< mean of realised_m2 over seeds: what the lattice makes of it
     double realised_m2;  ///< sum over the drawn modes, averaged over time
-    /// Relative standard deviation, over seeds, of Hs of the tile at one instant.
+    /// Relative standard deviation, over seeds, of Hs of the tile at one instant: sqrt(2 sum E^2) / (2 m0),
+    /// E the mean of the variances expected of k and -k (physics.md section 5).
     double expected_scatter;
 };
 
@@ -60,10 +61,6 @@ struct SeaSummary {
 
 /// About as long as realize().
 SeaSummary summarize(const SeaState& sea, const Realization& realization);
-
-/// Standard deviation over seeds of the Hs of one tile at one instant, relative to Hs: sqrt(2 sum
-/// E^2) / (2 m0), E the mean of the variances expected of k and -k (physics.md section 5).
-double expected_hs_scatter(const SeaState& sea, const CascadeSpec& tile, Band band);
 
 /// Variance that was asked for between two frequencies, m2, to 1e-9: spectra and explicit waves.
 double requested_variance(const SeaState& sea, double omega_lo_radps, double omega_hi_radps);

@@ -35,6 +35,17 @@ MeasuredSpectrum spectrum_of(const std::string& csv,
     return spectrum ? *spectrum : MeasuredSpectrum{};
 }
 
+/// Integral of D e^{i n phi}: a smooth density over a whole circle, so equal steps are exact.
+std::complex<double> moment(const MeasuredDirections& directions, int n) {
+    constexpr int steps = 3600;
+    std::complex<double> sum;
+    for (int i = 0; i < steps; ++i) {
+        const double towards_rad = two_pi * i / steps;
+        sum += directions(towards_rad) * std::polar(two_pi / steps, n * towards_rad);
+    }
+    return sum;
+}
+
 Result<Scene> scene_with(const std::string& csv, const std::string& keys,
                          const std::string& base_dir = "") {
     return parse_scene("[sea]\n[[sea.system]]\ntype = \"measured\"\n" + keys +
@@ -119,8 +130,8 @@ TEST(Measured, coefficients_of_both_frames_give_the_same_sea) {
     for (const MeasuredSpectrum* s : {&bearing, &going}) {
         EXPECT_NEAR(std::abs(s->bins[0].directions->first_moment() - std::polar(r1, towards)), 0,
                     1e-12);
-        EXPECT_NEAR(std::abs(s->bins[0].directions->second_moment() - std::polar(r2, 2 * towards)),
-                    0, 1e-12);
+        EXPECT_NEAR(std::abs(moment(*s->bins[0].directions, 2) - std::polar(r2, 2 * towards)), 0,
+                    1e-12);
     }
     const auto scene = scene_with(csv(towards), "coefficients = \"towards_anticlockwise_east\"\n");
     ASSERT_TRUE(scene);
@@ -156,7 +167,7 @@ TEST(Measured, polar_columns_are_ndbcs_formula) {
         fmt::format("f_hz,df_hz,s_m2_hz,r1,alpha1_deg,r2,alpha2_deg\n0.1,0.02,5,{},{},{},{}\n", r1,
                     alpha1, r2, alpha2));
     EXPECT_NEAR(std::abs(s.bins[0].directions->first_moment() - first), 0.0, 1e-12);
-    EXPECT_NEAR(std::abs(s.bins[0].directions->second_moment() - second), 0.0, 1e-12);
+    EXPECT_NEAR(std::abs(moment(*s.bins[0].directions, 2) - second), 0.0, 1e-12);
     EXPECT_FALSE(s.bins[0].directions->changed());
     const MeasuredSpectrum beam =
         spectrum_of("f_hz,df_hz,s_m2_hz,r1,alpha1_deg\n0.1,0.02,5,0.7,270\n");
