@@ -184,13 +184,13 @@ TEST(HeightMap, a_reader_that_leaves_stops_the_work) {
 
 // Naive: only between chunks do the workers look whether anybody still wants them. A chunk that is
 // under way when the reader leaves is not finished, so it is never said to be ready. It may just have
-// been: of five times once is enough.
+// been, and on a busy machine often is: of fifty times once is enough.
 TEST(HeightMap, a_reader_that_leaves_stops_the_work_in_the_middle_of_a_chunk) {
     const Surface sea = surface(0.02);
     MapRequest r = request();
     r.columns = r.rows = 4096;
-    int stopped = 0;
-    for (int i = 0; i < 5; ++i) {
+    bool stopped = false;
+    for (int i = 0; i < 50 && !stopped; ++i) {
         std::atomic<int> told = 0;
         MapOptions options;
         options.on_ready = [&] { ++told; };
@@ -201,9 +201,9 @@ TEST(HeightMap, a_reader_that_leaves_stops_the_work_in_the_middle_of_a_chunk) {
         while ((*stream)->ready());
         const int before = told;
         stream->reset();
-        stopped += told == before;
+        stopped = told == before;
     }
-    EXPECT_GT(stopped, 0);
+    EXPECT_TRUE(stopped);
 }
 
 // Naive: who waits because enough lies ready is not told that some of it was taken.
