@@ -53,9 +53,9 @@ void DirectSum::add_cascade(const CascadeModes& cascade) {
             const Complex h0_opposite = cascade.h0[index(-nx, -ny)];
             if (h0 == Complex{} && h0_opposite == Complex{})
                 continue;
-            modes_.push_back({h0, h0_opposite, cascade.rate[i], omega_from_rate(cascade.rate[i]),
-                              nx, step * nx, cascade.displacement_over_k(step * std::hypot(nx, ny)),
+            modes_.push_back({step * nx, cascade.displacement_over_k(step * std::hypot(nx, ny)), nx,
                               cascade.is_given(i) || cascade.is_given(index(-nx, -ny))});
+            phases_.push_back({h0, h0_opposite, cascade.rate[i], omega_from_rate(cascade.rate[i])});
             tile.steps_max = std::max({tile.steps_max, std::abs(nx), ny});
         }
         if (modes_.size() > begin)
@@ -70,13 +70,13 @@ DirectSum::Moment DirectSum::at_time(TimeUs time_us) const {
     moment.rate_.reserve(modes_.size());
     const TimeUs t = sea_->phase_time(time_us);
     moment.phase_time_ = t;
-    for (const Mode& mode : modes_) {
-        const double phase = phase_rad(mode.rate, t);
+    for (const Phase& wave : phases_) {
+        const double phase = phase_rad(wave.rate, t);
         const Complex turn{std::cos(phase), -std::sin(phase)};
-        const Complex forward = product(mode.h0, turn);
-        const Complex backward = std::conj(product(mode.h0_opposite, turn));
+        const Complex forward = product(wave.h0, turn);
+        const Complex backward = std::conj(product(wave.h0_opposite, turn));
         moment.height_.push_back(forward + backward);
-        moment.rate_.push_back(Complex(0.0, mode.omega_radps) * (backward - forward));
+        moment.rate_.push_back(Complex(0.0, wave.omega_radps) * (backward - forward));
     }
     return moment;
 }

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
+#include <cstdlib>
+#include <span>
+#include <vector>
 
 #include "sea/basics/constants.h"
 #include "sea/waves/reference.h"
@@ -12,17 +16,74 @@ namespace {
 
 using Complex = std::complex<double>;
 
-/// std::complex multiplication without its NaN recovery.
-Complex product(Complex a, Complex b) {
-    return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
-}
-
 /// exp(i 2 pi n step / count), exactly periodic.
 Complex turn(long n, long step, long count) {
     const double phase =
         two_pi * static_cast<double>(n * (step % count) % count) / static_cast<double>(count);
     return {std::cos(phase), std::sin(phase)};
 }
+
+/// Columns that are summed together, so that a wave is fetched from memory once for all of them.
+constexpr int together = 4;
+
+/// A complex number for each of them.
+struct Columns {
+    std::array<double, together> real{}, imag{};
+};
+
+/// Sums over a row of waves.
+struct RowSums {
+    Columns kx_h_k, h_k, h; ///< of kx h/k, h/k and h
+};
+
+template <class Mode>
+RowSums row_sums(std::span<const Mode> modes, const Complex* heights, const Columns* along_x) {
+    RowSums sums;
+    for (const Mode& mode : modes) {
+        const Complex h = *heights++;
+        const Columns& wave = along_x[std::abs(mode.nx)];
+        const double side = mode.nx < 0 ? -1.0 : 1.0; // of a wave to the west the conjugate
+        for (std::size_t c = 0; c < together; ++c) {
+            const double imag = side * wave.imag[c];
+            const double height_real = h.real() * wave.real[c] - h.imag() * imag;
+            const double height_imag = h.real() * imag + h.imag() * wave.real[c];
+            const double real_k = height_real * mode.displacement_over_k_m;
+            const double imag_k = height_imag * mode.displacement_over_k_m;
+            sums.h.real[c] += height_real;
+            sums.h.imag[c] += height_imag;
+            sums.h_k.real[c] += real_k;
+            sums.h_k.imag[c] += imag_k;
+            sums.kx_h_k.real[c] += mode.kx_radpm * real_k;
+            sums.kx_h_k.imag[c] += mode.kx_radpm * imag_k;
+        }
+    }
+    return sums;
+}
+
+/// Displacement and height where a line of y meets the columns; e: a number for each row of waves.
+struct Crossings {
+    std::array<double, together> east{}, north{}, up{};
+
+    void add(const RowSums& row, double ky_radpm, Complex e) {
+        // k and -k together; +i z has real part -imag z.
+        for (std::size_t c = 0; c < together; ++c) {
+            const double north_real = ky_radpm * row.h_k.real[c];
+            const double north_imag = ky_radpm * row.h_k.imag[c];
+            east[c] -= 2.0 * (row.kx_h_k.real[c] * e.imag() + row.kx_h_k.imag[c] * e.real());
+            north[c] -= 2.0 * (north_real * e.imag() + north_imag * e.real());
+            up[c] += 2.0 * (row.h.real[c] * e.real() - row.h.imag[c] * e.imag());
+        }
+    }
+    void write(int column, int row, SheetPatch& patch) const {
+        for (int c = 0; c < std::min(together, patch.x.count - column); ++c) {
+            const std::size_t at = patch.at(column + c, row);
+            const auto from = static_cast<std::size_t>(c);
+            patch.moved[2 * at] = static_cast<float>(east[from]);
+            patch.moved[2 * at + 1] = static_cast<float>(north[from]);
+            patch.height[at] = static_cast<float>(up[from]);
+        }
+    }
+};
 
 constexpr double sigmas = 6.0;
 
@@ -53,7 +114,7 @@ SheetPatch DirectSum::Moment::patch(int cascade, double x_low_m, double x_high_m
     SheetPatch patch(x_low_m, x_high_m, y_low_m, y_high_m,
                      tile.length_m / static_cast<double>(count), static_cast<int>(count));
 
-    std::vector<Complex> along_x(static_cast<std::size_t>(tile.steps_max) + 1);
+    std::vector<Columns> along_x(static_cast<std::size_t>(tile.steps_max) + 1);
     std::vector<double> x_share(along_x.size());
     for (std::size_t n = 0; n < along_x.size(); ++n)
         x_share[n] =
@@ -64,37 +125,27 @@ SheetPatch DirectSum::Moment::patch(int cascade, double x_low_m, double x_high_m
             along_y[static_cast<std::size_t>(j) * tile.rows.size() + r] =
                 turn(tile.rows[r].ny, patch.y.first + j, count) /
                 spline_response(two_pi * tile.rows[r].ny / static_cast<double>(count));
-    std::vector<Complex> east(tile.rows.size()), north(east.size()), up(east.size());
-    for (int i = 0; i < patch.x.count; ++i) {
+    std::vector<RowSums> sums(tile.rows.size());
+    for (int i = 0; i < patch.x.count; i += together) {
         for (std::size_t n = 0; n < along_x.size(); ++n)
-            along_x[n] = turn(static_cast<long>(n), patch.x.first + i, count) * x_share[n];
-        for (std::size_t r = 0; r < tile.rows.size(); ++r) {
-            Complex h_k, kx_h_k, h; // sums over the row of h/k, kx h/k and h
-            for (std::size_t m = tile.rows[r].begin; m < tile.rows[r].end; ++m) {
-                const Mode& mode = sum_->modes_[m];
-                const Complex wave = along_x[static_cast<std::size_t>(std::abs(mode.nx))];
-                const Complex height = product(height_[m], mode.nx < 0 ? std::conj(wave) : wave);
-                const Complex height_k = height * mode.displacement_over_k_m;
-                h += height;
-                h_k += height_k;
-                kx_h_k += mode.kx_radpm * height_k;
+            for (std::size_t c = 0; c < together; ++c) {
+                const Complex wave =
+                    x_share[n] *
+                    turn(static_cast<long>(n), patch.x.first + i + static_cast<long>(c), count);
+                along_x[n].real[c] = wave.real();
+                along_x[n].imag[c] = wave.imag();
             }
-            east[r] = kx_h_k;
-            north[r] = tile.rows[r].ky_radpm * h_k;
-            up[r] = h;
+        for (std::size_t r = 0; r < sums.size(); ++r) {
+            const std::size_t begin = tile.rows[r].begin;
+            sums[r] = row_sums(std::span(sum_->modes_).subspan(begin, tile.rows[r].end - begin),
+                               height_.data() + begin, along_x.data());
         }
         for (int j = 0; j < patch.y.count; ++j) {
-            const Complex* e = along_y.data() + static_cast<std::size_t>(j) * tile.rows.size();
-            double dx = 0, dy = 0, z = 0; // k and -k together; +i z has real part -imag z
-            for (std::size_t r = 0; r < tile.rows.size(); ++r) {
-                dx -= 2.0 * (east[r].real() * e[r].imag() + east[r].imag() * e[r].real());
-                dy -= 2.0 * (north[r].real() * e[r].imag() + north[r].imag() * e[r].real());
-                z += 2.0 * (up[r].real() * e[r].real() - up[r].imag() * e[r].imag());
-            }
-            const std::size_t at = patch.at(i, j);
-            patch.moved[2 * at] = static_cast<float>(dx);
-            patch.moved[2 * at + 1] = static_cast<float>(dy);
-            patch.height[at] = static_cast<float>(z);
+            const Complex* e = along_y.data() + static_cast<std::size_t>(j) * sums.size();
+            Crossings crossings;
+            for (std::size_t r = 0; r < sums.size(); ++r)
+                crossings.add(sums[r], tile.rows[r].ky_radpm, e[r]);
+            crossings.write(i, j, patch);
         }
     }
     return patch;
