@@ -196,6 +196,7 @@ class ChangingSea : public tests::WaveSea {
             protocol::values(*reader.read(*first).value()->body_as_SeaState());
         state.epoch = epoch + 1;
         state.start_time_us = change_us;
+        state.interpolation_error_m += 1; // its maps are worse
         return {first, std::make_shared<const protocol::Bytes>(protocol::sea_state(state))};
     }
     void fetch(server::FetchRequest request, Fetched done) override {
@@ -221,7 +222,10 @@ TEST(HeldLimits, times_in_one_interval_on_both_sides_of_a_change_have_keyframes_
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
     ASSERT_EQ(link.client->sea_state(80'000)->epoch, sea.epoch + 1);
     const QueryPoint points[] = {{1, 2, 20'000}, {1, 2, 80'000}};
-    expect_true_heights(sea, points, link.client->fetch_and_sample(points, 60));
+    const auto answers = link.client->fetch_and_sample(points, 60);
+    expect_true_heights(sea, points, answers);
+    EXPECT_LT((*answers)[0].error_m, 0.1);
+    EXPECT_GT((*answers)[1].error_m, 1) << "sampled of its own sea";
 }
 
 } // namespace

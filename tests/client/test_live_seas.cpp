@@ -110,5 +110,22 @@ TEST_F(LiveSeas, much_that_is_asked_one_after_the_other_is_answered) {
     EXPECT_TRUE(client->ask({points.data(), 1}, {.timeout_s = 60}));
 }
 
+// What is refused leaves no trace: who has asked for too much may still say little.
+TEST_F(LiveSeas, bytes_of_a_message_that_is_refused_take_no_room) {
+    const auto url = parse_url(net->url());
+    ASSERT_TRUE(url);
+    const auto opened = open_websocket(*url, {});
+    ASSERT_TRUE(opened) << opened.error().message;
+    std::atomic<int> heard = 0;
+    (*opened)->start(
+        {[&](std::span<const std::uint8_t>) { ++heard; }, [] {}, [](const std::string&) {}});
+    for (int i = 0; i < 5; ++i)
+        EXPECT_FALSE((*opened)->send(protocol::Bytes(MessageStream::waiting_bytes_max + 1)));
+    EXPECT_TRUE((*opened)->send(protocol::hello("small", "")));
+    EXPECT_TRUE(eventually([&] { return heard >= 2; })) << "a welcome and a sea";
+    (*opened)->close("enough");
+    EXPECT_FALSE((*opened)->send(protocol::hello("late", "")));
+}
+
 } // namespace
 } // namespace seaway::client

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // The command line of the server: every option away from its default, and what makes no sense.
+#include <algorithm>
+#include <sstream>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "gpu/device_info.h"
+#include "server/devices.h"
 #include "server/options.h"
 
 namespace seaway::server {
@@ -66,6 +70,29 @@ TEST(ServerOptions, what_makes_no_sense_is_exit_code_2_and_one_line_that_names_i
         EXPECT_NE(said.find(named), std::string::npos) << said;
         EXPECT_EQ(said.find('\n'), said.size() - 1) << said;
     }
+}
+
+// What --device list prints is what --device takes: numbers in order, then the processor by its name.
+TEST(DeviceList, has_a_line_for_each_device_in_order_and_the_processor_last) {
+    const auto list = device_list();
+    ASSERT_TRUE(list);
+    std::istringstream lines(*list);
+    std::string line;
+    const auto devices = gpu::list_devices(); // none where there is no Vulkan
+    const std::size_t count = devices ? devices->size() : 0;
+    for (std::size_t i = 0; i < count; ++i) {
+        ASSERT_TRUE(std::getline(lines, line));
+        const gpu::DeviceInfo& device = (*devices)[i];
+        ASSERT_NE(device.name, device.driver);
+        const std::string known = std::to_string(i) + ": " + device.name + ", " + device.driver;
+        EXPECT_EQ(line.substr(0, known.size()), known);
+        const std::string rest = line.substr(std::min(known.size(), line.size()));
+        EXPECT_EQ(rest.empty(), device.is_usable()) << line;
+        EXPECT_NE(rest.find(device.unusable), std::string::npos) << line;
+    }
+    ASSERT_TRUE(std::getline(lines, line));
+    EXPECT_EQ(line.substr(0, 8), "native: ");
+    EXPECT_FALSE(std::getline(lines, line));
 }
 
 } // namespace

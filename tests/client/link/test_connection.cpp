@@ -3,6 +3,7 @@
 // sockets, whose other end is the test.
 #include <deque>
 #include <mutex>
+#include <thread>
 
 #include <gtest/gtest.h>
 
@@ -234,12 +235,104 @@ TEST_F(ConnectionTest, a_subscription_gets_and_acknowledges_whole_keyframes) {
 TEST_F(ConnectionTest, what_is_too_much_for_the_server_is_said_without_asking_it) {
     const auto connection = open();
     ASSERT_TRUE(connection);
-    const std::vector<sea::QueryPoint> points((*connection)->welcome().points_per_query_max + 1);
-    Failure failure = Failure::none;
-    (*connection)->query(points, false, 1, [&](const Result<Reply>& reply) {
-        failure = failure_of(reply.error());
-    });
-    EXPECT_EQ(failure, Failure::bad_argument);
+    // As much as the server said is asked for, one more is not: plain points, exact ones, times.
+    int asked = 0;
+    server.on_message = [&](const wire::Message& message) {
+        if (const auto* query = message.body_as_Query()) {
+            ++asked;
+            const std::vector<sea::Answer> answers(query->points()->size());
+            server.send(protocol::query_reply(query->request_id(), 1, answers));
+        } else if (const auto* fetch = message.body_as_Fetch()) {
+            ++asked;
+            server.send(protocol::fetch_done(fetch->request_id(), 0, {}));
+        }
+    };
+    const Welcome& welcome = (*connection)->welcome();
+    ASSERT_NE(welcome.points_per_query_max, welcome.exact_points_per_query_max);
+    const auto query = [&](std::size_t count, bool exact) {
+        const std::vector<sea::QueryPoint> points(count);
+        Failure failure = Failure::none;
+        (*connection)->query(points, exact, 1, [&](const Result<Reply>& reply) {
+            failure = reply ? Failure::none : failure_of(reply.error());
+        });
+        return failure;
+    };
+    const auto fetch = [&](std::size_t count) {
+        const std::vector<sea::TimeUs> times_us(count);
+        Failure failure = Failure::none;
+        (*connection)->fetch(times_us, {}, 1, [&](const Result<Reply>& reply) {
+            failure = reply ? Failure::none : failure_of(reply.error());
+        });
+        return failure;
+    };
+    for (const bool exact : {false, true}) {
+        const std::size_t most =
+            exact ? welcome.exact_points_per_query_max : welcome.points_per_query_max;
+        EXPECT_EQ(query(most, exact), Failure::none) << exact;
+        EXPECT_EQ(query(most + 1, exact), Failure::bad_argument) << exact;
+    }
+    EXPECT_EQ(fetch(1), Failure::none);
+    EXPECT_EQ(fetch(welcome.times_per_fetch_max), Failure::none);
+    EXPECT_EQ(asked, 4) << "what is too much never left";
+    EXPECT_EQ(fetch(0), Failure::bad_argument);
+    EXPECT_EQ(fetch(welcome.times_per_fetch_max + 1), Failure::bad_argument);
+    EXPECT_EQ(asked, 4);
+}
+
+// A burst for the clock, then two a second: never earlier, and at the first look when one is due. The
+// pings say themselves when they were sent.
+TEST_F(ConnectionTest, pings_come_in_a_burst_of_nine_and_then_every_half_second) {
+    const auto connection = open();
+    ASSERT_TRUE(connection);
+    std::vector<std::int64_t> sent_us;
+    std::vector<std::uint32_t> nonces;
+    server.on_message = [&](const wire::Message& message) {
+        if (const auto* ping = message.body_as_Ping()) {
+            sent_us.push_back(ping->client_time_us());
+            nonces.push_back(ping->request_id());
+        }
+    };
+    const auto next = [&](std::int64_t after_us) {
+        const std::size_t before = sent_us.size();
+        while (sent_us.size() == before && local_now_us() < sent_us.back() + after_us) {
+            server.events.on_tick(); // too early: it would say so itself
+            std::this_thread::sleep_for(std::chrono::milliseconds(2));
+        }
+        if (sent_us.size() == before)
+            server.events.on_tick();
+        ASSERT_EQ(sent_us.size(), before + 1);
+        EXPECT_GE(sent_us.back() - sent_us[before - 1], after_us);
+    };
+    server.events.on_tick();
+    ASSERT_EQ(sent_us.size(), 1u) << "the first at once";
+    for (int i = 0; i < 8; ++i)
+        next(50'000);
+    for (int i = 0; i < 2; ++i)
+        next(500'000);
+    for (std::size_t i = 0; i < nonces.size(); ++i)
+        EXPECT_EQ(nonces[i], i + 1);
+}
+
+// Tiles of the sea before may still be on their way; of five seas the oldest is forgotten.
+TEST_F(ConnectionTest, tiles_of_the_last_four_seas_are_taken_and_of_no_earlier_one) {
+    const auto connection = open();
+    ASSERT_TRUE(connection);
+    for (std::uint32_t epoch = 2; epoch <= 4; ++epoch) {
+        protocol::SeaStateValues state;
+        state.epoch = epoch;
+        state.cascades.push_back({.length_m = 10, .size = 16, .interval_us = 100'000});
+        server.send(protocol::sea_state(state));
+        server.send(tile(epoch, sea::Field::height, 1));
+        EXPECT_TRUE((*connection)->is_open()) << epoch << ": the first is one of four";
+    }
+    protocol::SeaStateValues fifth;
+    fifth.epoch = 5;
+    fifth.cascades.push_back({.length_m = 10, .size = 16, .interval_us = 100'000});
+    server.send(protocol::sea_state(fifth));
+    server.send(tile(20, sea::Field::height, 2));
+    EXPECT_TRUE((*connection)->is_open());
+    server.send(tile(21, sea::Field::height, 1));
+    EXPECT_NE(server.closed_because.find("epoch 1"), std::string::npos) << server.closed_because;
 }
 
 TEST_F(ConnectionTest, an_answer_of_the_wrong_length_fails_its_query_alone) {

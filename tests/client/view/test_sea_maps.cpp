@@ -78,6 +78,14 @@ TEST(SeaMaps, foam_is_linear_in_space_and_time_and_its_last_mip_is_the_mean) {
         for (const int y : {0, 77})
             EXPECT_FLOAT_EQ(maps.displacement[4u * static_cast<std::size_t>(y * 128 + x) + 3],
                             1.0f + 0.25f * static_cast<float>(x) + 0.0625f * static_cast<float>(y));
+    // A share of the way that is not its own rest, and foam that differs in shape, not in height alone.
+    frame.time_us = 1'300'000;
+    frame.cascades[0].foam_after = foam_ramp(frame.cascades[0].spec, 2'000'000, 5, 1.5f);
+    const SeaMaps later = build_maps(frame);
+    for (const int x : {3, 31, 124})
+        EXPECT_NEAR(later.displacement[4u * static_cast<std::size_t>(6 * 128 + x) + 3],
+                    0.3f * 5 + (0.7f * 0.5f + 0.3f * 1.5f) * (0.5f * static_cast<float>(x) + 0.75f),
+                    1e-4f);
     // 0 .. 63 texels, half a node's step more in the mean, but for the seam back to the first.
     EXPECT_NEAR(static_cast<double>(maps.displacement.back()), 1.0 + 0.625 * 31.5, 1e-3);
 }

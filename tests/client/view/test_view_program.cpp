@@ -3,12 +3,16 @@
 #include <array>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfInputFile.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "client/view/picture.h"
+#include "client/view/sky.h"
 #include "server/net/server.h"
 #include "tests/client/wave_sea.h"
 #include "tests/support/folder.h"
@@ -34,6 +38,26 @@ Outcome run(const std::string& arguments) {
 
 long lines_of(const std::string& text) {
     return std::count(text.begin(), text.end(), '\n');
+}
+
+Picture read_exr(const std::string& path, int width, int height) {
+    const auto texels = static_cast<std::size_t>(width * height);
+    Picture picture{width, height, std::vector<float>(4 * texels, 1.0f)};
+    Imf::InputFile file(path.c_str());
+    Imf::FrameBuffer buffer;
+    for (std::size_t c = 0; c < 3; ++c)
+        buffer.insert(std::string("RGB").substr(c, 1).c_str(),
+                      Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(picture.rgba.data() + c),
+                                 4 * sizeof(float),
+                                 4 * sizeof(float) * static_cast<std::size_t>(width)));
+    file.setFrameBuffer(buffer);
+    file.readPixels(0, height - 1);
+    return picture;
+}
+
+std::string bytes_of(const std::string& path) {
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
 }
 
 TEST(ViewProgram, lists_its_debug_views) {
@@ -91,28 +115,50 @@ TEST(ViewProgram, draws_frames_from_streamed_tiles_at_the_height_of_the_true_sea
             " --camera 300,-200,8,70,-35 --out " + folder.string() + "/##.exr");
     ASSERT_EQ(outcome.code, 0) << outcome.text;
     for (int frame = 0; frame < 2; ++frame) {
-        std::vector<float> channels[3];
-        Imf::InputFile file((folder / ("0" + std::to_string(frame) + ".exr")).c_str());
-        Imf::FrameBuffer buffer;
-        for (std::size_t c = 0; c < 3; ++c) {
-            channels[c].resize(96 * 64);
-            buffer.insert(std::string("RGB").substr(c, 1).c_str(),
-                          Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(channels[c].data()),
-                                     sizeof(float), 96 * sizeof(float)));
-        }
-        file.setFrameBuffer(buffer);
-        file.readPixels(0, 63);
+        const Picture places =
+            read_exr((folder / ("0" + std::to_string(frame) + ".exr")).string(), 96, 64);
         const sea::TimeUs time_us = 1'000'500'000 + frame * 1'000'000 / 30;
         const sea::DirectSum sum(tests::few_waves());
         const sea::DirectSum::Moment moment = sum.at_time(time_us);
         for (std::size_t i = 96 * 20; i < 96 * 64; i += 97) {
-            const double x = 300 + static_cast<double>(channels[0][i]);
-            const double y = -200 + static_cast<double>(channels[1][i]);
+            const double x = 300 + static_cast<double>(places.rgba[4 * i]);
+            const double y = -200 + static_cast<double>(places.rgba[4 * i + 1]);
             // Codec 0.5 mm a cascade, its rates, interpolation, flat triangles: together below 1
             // cm.
-            EXPECT_NEAR(static_cast<double>(channels[2][i]), moment.at(x, y).height, 0.01)
+            EXPECT_NEAR(static_cast<double>(places.rgba[4 * i + 2]), moment.at(x, y).height, 0.01)
                 << "frame " << frame << " pixel " << i;
         }
+    }
+}
+
+// A film does not flicker: what the first frame was metered at serves all, however another is lit.
+TEST(ViewProgram, a_film_is_exposed_as_its_first_frame) {
+    tests::WaveSea sea;
+    server::NetOptions options;
+    options.listen = "127.0.0.1:0";
+    auto net = server::NetServer::start(options, sea);
+    ASSERT_TRUE(net) << net.error().message;
+    const std::filesystem::path folder = tests::folder().file("film");
+    const std::string film = (*net)->url() + " --offscreen 64x48 --frames 4 --time 1000.5" +
+                             " --time-of-day 16.5 --camera 30,-20,2,70,-15 --out " +
+                             folder.string();
+    ASSERT_EQ(run(film + "/##.exr").code, 0);
+    ASSERT_EQ(run(film + "/##.png").code, 0);
+    const double white = Sky(sun_direction(16.5)).white_radiance();
+    double first = 0;
+    for (int frame = 0; frame < 4; ++frame) {
+        const std::string name = (folder / ("0" + std::to_string(frame))).string();
+        const Picture radiance = read_exr(name + ".exr", 64, 48);
+        const double own = metered_exposure(radiance, white);
+        first = frame == 0 ? own : first;
+        const auto expected = [&](double exposure) {
+            const std::string path = tests::folder().file("expected.png");
+            EXPECT_TRUE(write_png(radiance, {DebugView::final, exposure, 1}, path));
+            return bytes_of(path);
+        };
+        EXPECT_EQ(bytes_of(name + ".png") == expected(first), true) << frame;
+        EXPECT_NE(frame == 3 && expected(first) == expected(own), true)
+            << "else this test sees nothing";
     }
 }
 

@@ -126,6 +126,41 @@ TEST(FoamLaw, a_tick_is_the_conditional_shortfall_in_single_precision) {
     }
 }
 
+// The others' strains lean to one side, and choppiness is not the same along both axes: every term of the
+// tick has its own say. Own waves of all signs, so that no term is even in them.
+TEST(FoamLaw, a_tick_is_the_conditional_shortfall_where_the_others_lean_and_axes_differ) {
+    FoamLaw law = *make_foam_law(*storm(), {0.6, 4.0, 3.0, 0.1});
+    law.choppiness = {1.3, 0.7};
+    std::mt19937_64 random(5);
+    std::uniform_real_distribution<float> strain(-0.5f, 0.5f);
+    for (const StrainMoments& m : {StrainMoments{0.02, 0.012, 0.005, 0.005, 0.004, 0.001},
+                                   {0.006, 0.02, 0.007, 0.003, -0.002, 0.005}}) {
+        law.cascades[0].others = others_shape(m);
+        ASSERT_GT(std::abs(law.cascades[0].others.cross_rest), 1e-5);
+        double farthest = 0;
+        for (int i = 0; i < 1000; ++i) {
+            const float a = strain(random), b = strain(random), c = strain(random);
+            FoamHistory history(std::make_shared<const FoamLaw>(law), 0, 1, interval_us);
+            history.advance(uniform_strains(1, a, b, c), 1e9); // nothing remains of the start
+            const auto breaking = [&](const OthersShape& others) {
+                return conditional_breaking(law.threshold, 0.1, others,
+                                            1.3 * static_cast<double>(a),
+                                            0.7 * static_cast<double>(b),
+                                            std::sqrt(1.3 * 0.7) * static_cast<double>(c)) /
+                       law.cascades[0].mean_breaking;
+            };
+            const double expected = breaking(law.cascades[0].others);
+            OthersShape even = law.cascades[0].others;
+            even.cross_rest = 0;
+            farthest = std::max(farthest, std::abs(breaking(even) - expected) - 2e-5 * expected);
+            // As above: fitted functions, single precision, and what is floored to zero.
+            EXPECT_NEAR(static_cast<double>(history.ratios()[0]), expected, 2e-5 * expected + 2e-5)
+                << a << " " << b << " " << c;
+        }
+        EXPECT_GT(farthest, 1e-3) << "without the cross term it would be seen";
+    }
+}
+
 TEST(FoamLaw, a_bias_adds_the_breaking_share_and_is_foam_from_a_bias_apart_from_the_threshold) {
     // The form with two numbers: foam += bias - J where bias - J is above a threshold. Here threshold
     // = bias - threshold, bias = threshold.

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <cmath>
 #include <cstdint>
 #include <utility>
 #include <vector>
@@ -33,6 +34,32 @@ TEST(Noise, every_octave_system_and_seed_draws_corners_of_its_own) {
     for (std::size_t a = 0; a < drawn.size(); ++a)
         for (std::size_t b = 0; b < a; ++b)
             EXPECT_NE(drawn[a], drawn[b]) << a << ", " << b;
+}
+
+// Noise repeats after whole cells, two to a wavelength, and keeps its way; a wave has a whole number of
+// crests along each axis. 100 m of 30 m: 20/3 cells become 7, the next octave's 34/3 become 11.
+TEST(Noise, what_repeating_changes_is_counted_by_cells_and_never_turns_it) {
+    SineRamps ramps;
+    ramps.length_m = 100;
+    ramps.wavelength_m = 30;
+    ramps.wavenumber_ratio = 1.7;
+    ramps.towards_rad = 0.4;
+    ramps.direction_spread_rad = 0;
+    ramps.kind = SineKind::noise;
+    for (const auto& [count, share] : {std::pair(1, 1 / 21.0), {2, 1 / 21.0}, {3, 1 / 21.0}}) {
+        ramps.count = count;
+        const SineSnapping moved = sine_snapping(ramps, 1, 0);
+        EXPECT_NEAR(moved.wavelength_share, share, 1e-12) << count;
+        EXPECT_EQ(moved.direction_rad, 0) << count;
+    }
+    ramps.wavelength_m = 48; // 25/6 cells become 4; then 85/12 become 7: the first moves most
+    EXPECT_NEAR(sine_snapping(ramps, 1, 0).wavelength_share, 25 / 24.0 - 1, 1e-12);
+    ramps.wavelength_m = 30;
+    ramps.kind = SineKind::sine;
+    ramps.count = 1; // 10/3 steps at 0.4 rad become 3 east and 1 north
+    const SineSnapping moved = sine_snapping(ramps, 1, 0);
+    EXPECT_NEAR(moved.wavelength_share, 10 / 3.0 / std::sqrt(10.0) - 1, 1e-12);
+    EXPECT_NEAR(moved.direction_rad, 0.4 - std::atan2(1, 3), 1e-12);
 }
 
 // Requested and realised: sines that move nothing sideways have a direction all the same.

@@ -375,6 +375,19 @@ TEST(EffectPlan, each_real_field_is_one_transform_and_the_jacobian_takes_three) 
     EXPECT_EQ(transforms_for(sea::surface_fields), 6);
     EXPECT_EQ(transforms_for({Field::jacobian}), 3) << "three strains";
     EXPECT_EQ(transforms_for({Field::jacobian, Field::strain_xx}), 3);
+    EXPECT_EQ(transforms_for({Field::foam}), 3) << "it breaks where the Jacobian says";
+    EXPECT_EQ(transforms_for({Field::foam, Field::jacobian, Field::strain_xy}), 3);
+    EXPECT_EQ(transforms_for({Field::foam, Field::height, Field::slope_y}), 5);
+    Subscriptions subscriptions;
+    subscriptions.set(1, {2u, {Field::foam, Field::slope_x}});
+    const FieldSet all = sea::surface_fields | FieldSet{Field::foam, Field::slope_x};
+    const EffectPlan plan = plan_effects(all, subscriptions, running_sea()->budget);
+    EXPECT_EQ(plan.cascades[0].transforms, 0);
+    EXPECT_EQ(plan.cascades[1].transforms, 4);
+    EXPECT_EQ(
+        plan_effects({Field::slope_x}, subscriptions, running_sea()->budget).cascades[1].transforms,
+        1)
+        << "foam that the scene does not allow takes none";
 }
 
 } // namespace

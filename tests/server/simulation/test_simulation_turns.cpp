@@ -167,6 +167,52 @@ TEST(Turns, a_newcomer_to_foam_waits_for_no_fetch_of_foam_far_away) {
     EXPECT_TRUE(far_made);
 }
 
+// Where the stream has walked to, nobody walks again: neither who starts there nor who asks about now.
+TEST(Turns, one_walk_to_now_serves_the_stream_the_starts_and_the_questions) {
+    Bench bench(long_foam);
+    const auto made = [&] { return bench.simulation->counters().synthesis.keyframes; };
+    const auto starts_left = [&](const auto& ask) {
+        const std::uint64_t before = made();
+        EXPECT_TRUE(ask());
+        return made() - before;
+    };
+    bench.subscriptions.set(1, {1u, with_foam});
+    bench.settle();
+    const TimeUs interval_us = bench.sea->budget.cascades[0].interval_us;
+    EXPECT_LT(starts_left([&] { return !bench.fetch_current({1u, with_foam}).empty(); }), 50u);
+    EXPECT_LT(starts_left([&] {
+                  return bench.fetch({bench.now_us + 3 * interval_us}, {1u, with_foam}).has_value();
+              }),
+              50u)
+        << "a question about nearly now goes on from there";
+    EXPECT_GE(starts_left([&] {
+                  return bench.fetch({bench.now_us}, {2u, with_foam}).has_value();
+              }),
+              static_cast<std::uint64_t>(sea::foam_ticks_max))
+        << "of the other cascade there is none yet";
+}
+
+// What the stream shares is no use to who is half-way to somewhere else.
+TEST(Turns, a_walk_of_foam_to_far_away_goes_on_where_it_was_though_foam_starts_for_the_stream) {
+    Bench bench(long_foam);
+    const auto made = [&] { return bench.simulation->counters().synthesis.keyframes; };
+    const auto ticks = static_cast<std::uint64_t>(sea::foam_ticks_max);
+    std::promise<bool> far;
+    {
+        const Gate gate(bench);
+        bench.simulation->fetch(
+            {5'000'000'000, 10'000'000'000, 15'000'000'000}, {1u, {Field::foam}},
+            whole([&](const auto& all) { far.set_value(all.has_value()); }), someone);
+    }
+    while (made() < ticks / 2)
+        std::this_thread::yield();
+    bench.subscriptions.set(1, {1u, with_foam});
+    EXPECT_TRUE(far.get_future().get());
+    bench.settle();
+    EXPECT_GE(made(), 4 * ticks) << "each of them is as long as it was thought to be";
+    EXPECT_LT(made(), 4 * ticks + ticks / 8) << "and none was begun anew";
+}
+
 TEST(Turns, a_map_of_foam_that_is_held_is_taken_over_and_not_walked_for_again) {
     Bench bench(long_foam);
     const Result<std::vector<sea::KeyframePtr>> foam = bench.fetch({0}, {1u, {Field::foam}});
