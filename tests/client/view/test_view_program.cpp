@@ -11,7 +11,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "client/client.h"
 #include "client/view/picture.h"
+#include "client/view/sea_source.h"
 #include "client/view/sky.h"
 #include "server/net/server.h"
 #include "tests/client/wave_sea.h"
@@ -159,6 +161,83 @@ TEST(ViewProgram, a_film_is_exposed_as_its_first_frame) {
         EXPECT_EQ(bytes_of(name + ".png") == expected(first), true) << frame;
         EXPECT_NE(frame == 3 && expected(first) == expected(own), true)
             << "else this test sees nothing";
+    }
+}
+
+/// The same waves with foam, all of it as many times the mean as its keyframe is seconds old, and a tenth
+/// of its cascade; and a sea state in which no two figures are equal.
+class FoamySea : public tests::WaveSea {
+  public:
+    FoamySea() { offered = drawn_fields; }
+    std::vector<server::SharedBytes> sea_state_messages() const override {
+        protocol::MessageReader reader(protocol::Sender::server);
+        const auto first = WaveSea::sea_state_messages().front();
+        protocol::SeaStateValues state =
+            protocol::values(*reader.read(*first).value()->body_as_SeaState());
+        state.choppiness_x = 0.9;
+        state.choppiness_y = 1.1;
+        state.foam_mean = 0.03;
+        state.foam_threshold = 0.55;
+        state.cascades[0].k_lo_radpm = 0.01;
+        return {std::make_shared<const protocol::Bytes>(protocol::sea_state(state))};
+    }
+    static float ratio(const sea::Keyframe& keyframe) {
+        return static_cast<float>(sea::seconds_from_us(keyframe.time_us)) +
+               0.1f * static_cast<float>(keyframe.cascade);
+    }
+    void fetch(server::FetchRequest request, Fetched done) override {
+        const sea::FieldSet wanted = request.demand.fields;
+        request.demand.fields = wanted & sea::surface_fields;
+        WaveSea::fetch(std::move(request), [&](Result<server::FetchedPart> made) {
+            std::vector<server::KeyframeTiles> out;
+            for (const server::KeyframeTiles& tiles : made->tiles) {
+                auto own = std::make_shared<sea::Keyframe>(*tiles.keyframe);
+                std::vector<float> errors = tiles.codec_error;
+                if (wanted.contains(sea::Field::foam)) { // the last of all fields
+                    own->fields |= sea::FieldSet{sea::Field::foam};
+                    own->values.resize(own->values.size() + own->plane_size(), ratio(*own));
+                    errors.push_back(0.001f);
+                }
+                out.push_back({own, errors, tiles.quality});
+            }
+            done(server::FetchedPart{std::move(out)});
+        });
+    }
+};
+
+TEST(SeaSource, a_frame_has_every_figure_of_its_sea_and_the_foam_of_both_keyframes) {
+    FoamySea sea;
+    server::NetOptions options;
+    options.listen = "127.0.0.1:0";
+    auto net = server::NetServer::start(options, sea);
+    ASSERT_TRUE(net) << net.error().message;
+    const auto client = Client::connect({.url = (*net)->url()});
+    ASSERT_TRUE(client) << client.error().message;
+    const sea::TimeUs time_us = 3'130'000;
+    const Result<SeaFrame> frame = sea_frame_at(**client, time_us, 10);
+    ASSERT_TRUE(frame) << frame.error().message;
+    EXPECT_EQ(frame->time_us, time_us);
+    EXPECT_EQ(frame->choppiness.x, 0.9);
+    EXPECT_EQ(frame->choppiness.y, 1.1);
+    EXPECT_EQ(frame->foam_mean, 0.03);
+    EXPECT_EQ(frame->foam_threshold, 0.55);
+    EXPECT_EQ(frame->significant_height_m, 2.42);
+    const sea::TimeUs before_us[] = {3'000'000, 3'100'000}, after_us[] = {3'200'000, 3'200'000};
+    const double length_m[] = {160, 29};
+    ASSERT_EQ(frame->cascades.size(), 2u);
+    for (std::size_t c = 0; c < 2; ++c) {
+        const CascadeFrame& cascade = frame->cascades[c];
+        EXPECT_EQ(cascade.spec.length_m, length_m[c]);
+        EXPECT_EQ(cascade.spec.size, tests::wave_map_size);
+        EXPECT_EQ(cascade.band.k_lo_radpm, c == 0 ? 0.01 : 0);
+        EXPECT_GT(cascade.band.k_hi_radpm, 0.1);
+        EXPECT_EQ(cascade.keyframes.before->time_us(), before_us[c]);
+        EXPECT_EQ(cascade.keyframes.after->time_us(), after_us[c]);
+        ASSERT_TRUE(cascade.foam_before && cascade.foam_after);
+        EXPECT_EQ(cascade.foam_before->time_us, before_us[c]);
+        EXPECT_EQ(cascade.foam_after->time_us, after_us[c]);
+        for (const sea::KeyframePtr& foam : {cascade.foam_before, cascade.foam_after})
+            EXPECT_NEAR(foam->plane(sea::Field::foam)[7], FoamySea::ratio(*foam), 0.0011f);
     }
 }
 
