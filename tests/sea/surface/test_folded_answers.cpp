@@ -111,5 +111,127 @@ TEST(Sheets, in_a_tangle_the_highest_sheet_is_found_without_visiting_all) {
     EXPECT_GT(most, 15);
 }
 
+/// One wave of wavenumber 1 along (0.8, 0.6): eta = a cos s, D = -a sin s along it, J = 1 - a cos s.
+class OneWave final : public SheetField {
+  public:
+    explicit OneWave(double amplitude_m) : a_(amplitude_m) {}
+    static constexpr Vec2 along{0.8, 0.6};
+    static Vec2 at(double s_m, double off_m = 0) {
+        return {along.x * s_m - along.y * off_m, along.y * s_m + along.x * off_m};
+    }
+    static double s_of(Vec2 X) { return along.x * X.x + along.y * X.y; }
+    double landed_m(double s_m) const { return s_m - a_ * std::sin(s_m); }
+
+    LagrangianPoint displaced(Vec2 X) const override {
+        const double s = s_of(X);
+        LagrangianPoint p;
+        p.displacement_x = -a_ * std::sin(s) * along.x;
+        p.displacement_y = -a_ * std::sin(s) * along.y;
+        p.strain_xx = -a_ * std::cos(s) * along.x * along.x;
+        p.strain_yy = -a_ * std::cos(s) * along.y * along.y;
+        p.strain_xy = -a_ * std::cos(s) * along.x * along.y;
+        return p;
+    }
+    double height(Vec2 X) const override { return a_ * std::cos(s_of(X)); }
+    std::vector<Roughness> roughness(const Box&) const override {
+        return {{.range_m = 2 * a_, .strain_range = 2 * a_, .bend_per_m = a_}};
+    }
+    std::vector<Rise> rises(const Box&) const override {
+        return {{.range_m = 2 * a_, .slope = a_}};
+    }
+    Box left_of(const Box& box, Vec2) const override { return box; }
+    double spacing_m() const override { return 1; }
+
+  private:
+    double a_;
+};
+
+SheetSearch search_around(Vec2 target, Vec2 middle, double half_m, double blur_m) {
+    return {.choppiness = {1, 1},
+            .target = target,
+            .box = Box::around(middle, half_m, half_m),
+            .blur_m = blur_m,
+            .strain_blur = 0,
+            .height_blur_m = 0,
+            .solved_m = 1e-9};
+}
+
+// Above the middle of a folded crest lie three sheets; the one in the middle is turned.
+TEST(SheetSearch, a_turned_sheet_that_is_known_is_a_fold_wherever_the_rest_is_looked_for) {
+    const OneWave wave(1.2);
+    double side_m = 1; // s = 1.2 sin s
+    for (int i = 0; i < 100; ++i)
+        side_m = 1.2 * std::sin(side_m);
+    SheetSearch search = search_around({0, 0}, OneWave::at(side_m + 0.05), 0.1, 1e-9);
+    const Sheets alone = find_sheets(search, wave);
+    EXPECT_FALSE(alone.folded);
+    EXPECT_FALSE(alone.open);
+    ASSERT_EQ(alone.found.size(), 1u);
+    EXPECT_NEAR(alone.found[0].x, 0.8 * side_m, 1e-8);
+    EXPECT_NEAR(alone.found[0].y, 0.6 * side_m, 1e-8);
+    search.known = Vec2{0, 0};
+    EXPECT_TRUE(find_sheets(search, wave).folded) << "the known one is turned";
+    search.known = OneWave::at(-side_m);
+    const Sheets beside = find_sheets(search, wave);
+    EXPECT_FALSE(beside.folded) << "neither of these is";
+    EXPECT_EQ(beside.found.size(), 1u);
+    // All three, and each once.
+    search = search_around({0, 0}, OneWave::at(0.07, 0.03), 1.5, 1e-9);
+    const Sheets all = find_sheets(search, wave);
+    EXPECT_TRUE(all.folded);
+    EXPECT_FALSE(all.ended_early);
+    for (std::size_t i = 0; i < all.found.size(); ++i)
+        for (std::size_t k = 0; k < i; ++k)
+            EXPECT_GT(std::hypot(all.found[i].x - all.found[k].x, all.found[i].y - all.found[k].y),
+                      0.5);
+    const auto highest =
+        std::ranges::max_element(all.found, {}, [&](Vec2 X) { return wave.height(X); });
+    ASSERT_NE(highest, all.found.end());
+    EXPECT_NEAR(wave.height(*highest), 1.2, 1e-12) << "the turned one is the highest here";
+}
+
+// Nearly folded: J = 5e-4 over the crest. Where the field may be wrong by a micrometre, that may be a
+// fold, and which sheet is the highest is open; where by a nanometre, it is neither.
+TEST(SheetSearch, what_is_nearer_to_a_fold_than_the_blur_counts_as_folded_and_open) {
+    const OneWave wave(0.9995);
+    const auto found = [&](double blur_m) {
+        return find_sheets(search_around({0, 0}, OneWave::at(0.11, -0.07), 0.4, blur_m), wave);
+    };
+    EXPECT_FALSE(found(1e-11).folded);
+    EXPECT_FALSE(found(1e-11).open);
+    EXPECT_EQ(found(1e-11).found.size(), 1u);
+    // One to one still, s1^2 = 2.5e-7, but below 4 bends of 1 / m times the blur.
+    EXPECT_FALSE(found(1e-7).folded);
+    EXPECT_TRUE(found(1e-7).open);
+    EXPECT_TRUE(found(1e-6).folded);
+    EXPECT_TRUE(found(1e-6).open);
+}
+
+// At the edge of a fold two sheets meet: both sides of it are found, the residual there within the blur.
+TEST(SheetSearch, places_on_both_sides_of_an_edge_are_found) {
+    const OneWave wave(1.2);
+    constexpr double blur_m = 1e-6;
+    const double edge_m = std::acos(1 / 1.2); // J = 0
+    for (const double side : {1.0, -1.0}) {
+        const double s = side * edge_m;
+        const Vec2 target = OneWave::at(wave.landed_m(s));
+        const Sheets sheets =
+            find_sheets(search_around(target, OneWave::at(s + 0.013, 0.02), 0.1, blur_m), wave);
+        EXPECT_TRUE(sheets.folded);
+        EXPECT_TRUE(sheets.open);
+        int before = 0, beyond = 0;
+        for (const Vec2& X : sheets.found) {
+            const double off_m = OneWave::s_of(X) - s;
+            EXPECT_LT(std::abs(wave.landed_m(OneWave::s_of(X)) - wave.landed_m(s)), blur_m);
+            EXPECT_NEAR(OneWave::along.x * X.y - OneWave::along.y * X.x, 0, 1e-6)
+                << "across the wave nothing moves it";
+            before += off_m < -2e-4;
+            beyond += off_m > 2e-4;
+        }
+        EXPECT_GE(before, 1);
+        EXPECT_GE(beyond, 1);
+    }
+}
+
 } // namespace
 } // namespace seaway::sea
