@@ -293,7 +293,7 @@ def words(all_runs):
         "LOOSE_P99": metres(loose("p99_m")),
         "TRUTH": f"{max(f['truth_error_m'][0] for f in run.trials.values() if 'truth_error_m' in f):.1g} m",
         "SETTINGS": run.settings, "MACHINE": run.place["machine"], "COMMIT": run.place["commit"],
-        "NOTE": (DATA / "note.txt").read_text().strip(),
+        "NOTE": ((DATA / "note.txt").read_text().strip() + " ").lstrip(),
     }
 
 

@@ -22,27 +22,22 @@ Requests::~Requests() {
 
 void Requests::start(Lane lane, const Encode& encode, TimeUs deadline_us, ReplyHandler handler,
                      sea::FieldSet fields) {
-    std::optional<Error> refusal;
-    {
-        const std::scoped_lock lock(mutex_);
-        if (end_) {
-            refusal = end_;
-        } else if (state(lane).waiting.size() >= waiting_max) {
-            refusal = failed(Failure::refused,
-                             fmt::format("{} requests wait already, which is the limit of this "
-                                         "client",
-                                         waiting_max));
-        } else {
-            if (++last_id_ == 0) // 0 stands for no request
-                ++last_id_;
-            state(lane).waiting.push_back(
-                {last_id_, encode(last_id_), deadline_us, std::move(handler), fields});
-        }
+    std::unique_lock lock(mutex_);
+    std::optional<Error> refusal = end_;
+    if (!refusal && state(lane).waiting.size() >= waiting_max)
+        refusal = failed(Failure::refused,
+                         fmt::format("{} requests wait already, which is the limit of this client",
+                                     waiting_max));
+    if (refusal) {
+        lock.unlock();
+        return handler(*refusal);
     }
-    if (refusal)
-        handler(*refusal);
-    else
-        send_waiting(lane);
+    if (++last_id_ == 0) // 0 stands for no request
+        ++last_id_;
+    state(lane).waiting.push_back(
+        {last_id_, encode(last_id_), deadline_us, std::move(handler), fields});
+    lock.unlock();
+    send_waiting(lane);
 }
 
 void Requests::send_waiting(Lane lane) {

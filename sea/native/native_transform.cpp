@@ -126,7 +126,8 @@ void write_tables(const CascadeSpec& spec, TransformState& state) {
     };
     const int r2 = state.kernels->r2;
     const auto angle = [&](int i) {
-        return 2 * std::numbers::pi * ((i / r2) * (i % r2)) / spec.size;
+        const int row = i / r2, column = i % r2;
+        return 2 * std::numbers::pi * (row * column) / spec.size;
     };
     state.plan.cos = add_table([&](int i) { return std::cos(angle(i)); });
     state.plan.sin = add_table([&](int i) { return std::sin(angle(i)); });

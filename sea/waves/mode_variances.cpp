@@ -49,8 +49,8 @@ class Cells {
   public:
     Cells(const DirectionalSpectrum& spectrum, const CascadeSpec& spec, Band band)
         : spectrum_(spectrum), size_(spec.size), step_(spec.wavenumber_step_radpm()), band_(band),
-          reach_(static_cast<int>(std::min(std::ceil(band.k_hi_radpm / step_),
-                                           static_cast<double>(spec.size / 2 - 1)))),
+          reach_(static_cast<int>(
+              std::min(std::ceil(band.k_hi_radpm / step_), 0.5 * spec.size - 1.0))),
           variances_(static_cast<std::size_t>(size_) * static_cast<std::size_t>(size_)) {}
 
     std::vector<double> integrate() {

@@ -24,7 +24,7 @@ class CascadeFiller {
     CascadeFiller(const SeaState& sea, CascadeModes& modes)
         : sea_(sea), modes_(modes), step_(modes.spec.wavenumber_step_radpm()),
           steps_max_(static_cast<int>(
-              std::min(std::ceil(modes.band.k_hi_radpm / step_), modes.spec.size / 2 - 1.0))) {}
+              std::min(std::ceil(modes.band.k_hi_radpm / step_), 0.5 * modes.spec.size - 1.0))) {}
 
     void add(const DirectionalSpectrum& spectrum, std::uint32_t system) {
         if (spectrum.empty())

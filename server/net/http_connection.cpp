@@ -242,12 +242,10 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     }
 
     void begin_map(Result<std::unique_ptr<ByteSource>>& made) {
-        if (made)
-            map_ = *std::move(made);
-        if (here_ == nullptr)
-            return end_map();
         const bool head_only = parser_->get().method() == http::verb::head;
         if (!made) {
+            if (here_ == nullptr)
+                return end_map();
             const auto self = shared_from_this();
             core().waiting_for_maps.erase(self);
             here_ = nullptr;
@@ -255,6 +253,9 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
                 {.status = http_status(made.error()), .body = made.error().message + "\n"},
                 head_only, false);
         }
+        map_ = *std::move(made);
+        if (here_ == nullptr)
+            return end_map();
         auto header = std::make_shared<http::response<http::empty_body>>();
         header->result(200);
         header->version(11);

@@ -46,17 +46,14 @@ std::optional<Error> Questions::why_not(const Question& question) {
 }
 
 void Questions::ask(Question question) {
-    std::optional<Error> refusal;
-    {
-        const std::scoped_lock lock(mutex_);
-        refusal = why_not(question);
-        if (!refusal) {
-            ++asked_;
-            add(std::move(question));
-        }
-    }
-    if (refusal)
+    std::unique_lock lock(mutex_);
+    if (const std::optional<Error> refusal = why_not(question)) {
+        lock.unlock();
         return question.refuse(*refusal);
+    }
+    ++asked_;
+    add(std::move(question));
+    lock.unlock();
     changed_.notify_all();
 }
 

@@ -204,7 +204,8 @@ TEST(HardCase, G7_a_boat_floats_on_the_surface_that_is_drawn) {
         double worst = 0;
         for (int i = 0; i < 48 * 48; ++i) {
             const float* vertex = &points[static_cast<std::size_t>(3 * i)];
-            const double x = 300 + 90.0 * (i % 48) / 48, y = -100 + 90.0 * (i / 48) / 48;
+            const int row = i / 48, column = i % 48;
+            const double x = 300 + 90.0 * column / 48, y = -100 + 90.0 * row / 48;
             const sea::Answer answer = surface.answer({x + vertex[0], y + vertex[1], 70'000});
             worst = std::max(worst, std::abs(answer.height_m - vertex[2]));
         }

@@ -17,9 +17,10 @@
 // Exit code 1: a miss (with --go-on: more than one in 100 000 samples, or one beyond one and a half times
 // its bound: docs/decisions/0024-a-budget-is-spent.md), or a program that failed.
 #include <algorithm>
+#include <bit>
 #include <chrono>
+#include <cstdint>
 #include <cstdio>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -205,7 +206,8 @@ class Soak {
             for (std::size_t j = i + 1; j < points.size(); ++j)
                 if (points[i].x_m == points[j].x_m && points[i].y_m == points[j].y_m &&
                     points[i].time_us == points[j].time_us &&
-                    std::memcmp(&answers[i].height_m, &answers[j].height_m, sizeof(double)) != 0)
+                    std::bit_cast<std::uint64_t>(answers[i].height_m) !=
+                        std::bit_cast<std::uint64_t>(answers[j].height_m))
                     return false;
         return true;
     }

@@ -22,8 +22,6 @@
 namespace seaway::bench {
 namespace {
 
-using ::testing::HasSubstr;
-
 /// Points by keyframes a second, bytes, and tiles that an answer looks at.
 class FormulaPrices final : public Prices {
   public:

@@ -59,9 +59,11 @@ sea::KeyframePtr foam_ramp(const sea::CascadeSpec& spec, sea::TimeUs time_us, fl
     keyframe.fields = {sea::Field::foam};
     keyframe.values.resize(keyframe.plane_size());
     const auto side = static_cast<std::size_t>(spec.size);
-    for (std::size_t i = 0; i < keyframe.values.size(); ++i)
+    for (std::size_t i = 0; i < keyframe.values.size(); ++i) {
+        const std::size_t row = i / side, column = i % side;
         keyframe.values[i] =
-            first + step * (static_cast<float>(i % side) + 0.25f * static_cast<float>(i / side));
+            first + step * (static_cast<float>(column) + 0.25f * static_cast<float>(row));
+    }
     return std::make_shared<const sea::Keyframe>(std::move(keyframe));
 }
 

@@ -25,7 +25,6 @@ namespace {
 using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::HasSubstr;
-using ::testing::IsEmpty;
 using testing::Table;
 
 MeasuredSpectrum spectrum_of(const std::string& csv,

@@ -64,8 +64,9 @@ std::vector<float> all_values(const MapRequest& r, const Surface& surface,
 
 QueryPoint point(const MapRequest& r, std::size_t i) {
     const auto columns = static_cast<std::size_t>(r.columns);
-    return {r.x0_m + static_cast<double>(i % columns) * r.width_m / r.columns,
-            r.y0_m + static_cast<double>(i / columns) * r.height_m / r.rows, r.time_us};
+    const std::size_t row = i / columns, column = i % columns;
+    return {r.x0_m + static_cast<double>(column) * r.width_m / r.columns,
+            r.y0_m + static_cast<double>(row) * r.height_m / r.rows, r.time_us};
 }
 
 /// Largest difference where a query finds one sheet and converges, m.

@@ -341,7 +341,8 @@ TEST(Sines, keyframes_of_every_shape_are_the_sum_at_their_nodes) {
         add_sines(field, t, frame);
         for (const int node : {0, 5 * 32 + 3, 31 * 32 + 17}) {
             const auto at = static_cast<std::size_t>(node);
-            const LagrangianPoint p = sines_at(field, 4.0 * (node % 32), 4.0 * (node / 32), t);
+            const int row = node / 32, column = node % 32;
+            const LagrangianPoint p = sines_at(field, 4.0 * column, 4.0 * row, t);
             for (const Field f : linear_fields) // floats of about 1
                 EXPECT_NEAR(frame.plane(f)[at], value_of(p, f), 1e-6) << info(f).name;
         }
