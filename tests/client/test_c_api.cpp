@@ -13,6 +13,7 @@
 #include "client/seaway.hpp"
 #include "server/net/server.h"
 #include "tests/client/wave_sea.h"
+#include "tests/server/net/tcp.h"
 
 extern "C" seaway_code one_frame_in_c(const char* url, seaway_answer* water);
 
@@ -239,6 +240,40 @@ TEST_F(CInterface, every_argument_is_taken_up_to_its_limit_and_refused_by_name_b
     expect(seaway_sample(sea.handle(), nullptr, 0, nullptr), true, "seaway_sample:");
     EXPECT_EQ(seaway_is_connected(nullptr), 0);
     EXPECT_EQ(seaway_now_us(nullptr), 0);
+}
+
+/// A figure of /metrics, -1 if there is none of that name.
+double metric(int port, const std::string& name) {
+    tests::Tcp tcp;
+    EXPECT_FALSE(tcp.connect(port));
+    const std::string request = "GET /metrics HTTP/1.1\r\nHost: a\r\nConnection: close\r\n\r\n";
+    const std::vector<std::uint8_t> bytes(request.begin(), request.end());
+    EXPECT_FALSE(tcp.write(bytes, std::chrono::seconds(10)));
+    std::string page;
+    while (!tcp.read(page, tests::Tcp::Clock::now() + std::chrono::seconds(10)))
+        continue;
+    const std::size_t at = page.find("\n" + name + " ");
+    return at == std::string::npos ? -1 : std::stod(page.substr(at + name.size() + 2));
+}
+
+// Who lets eight keyframes be under way never makes one of the first eight wait; where the server knew of
+// the default's two only, most would.
+TEST_F(CInterface, as_many_keyframes_are_under_way_as_credit_says) {
+    const auto count = [&](const std::string& name) {
+        return metric(net->port(), "seaway_net_keyframes_" + name + "_total");
+    };
+    const auto settled = [&] { return count("sent") + count("replaced") + count("dropped"); };
+    for (int trial = 0; trial < 10; ++trial) {
+        Sea sea(url);
+        const seaway_subscription wanted{0, 8, 0, 0};
+        ASSERT_EQ(seaway_subscribe(sea.handle(), &wanted), SEAWAY_OK) << seaway_last_error();
+        const double before = settled();
+        for (std::int64_t n = 0; n < 8; ++n)
+            net->publish(sea_served.keyframe(1, 1000 + n, seaway::sea::surface_fields));
+        ASSERT_TRUE(tests::eventually([&] { return settled() >= before + 8; }));
+    }
+    EXPECT_GT(count("sent"), 10);
+    EXPECT_EQ(count("awaiting_credit"), 0);
 }
 
 TEST(CInterfaceAlone, says_the_version_it_was_built_with) {

@@ -226,6 +226,15 @@ TEST(HeldLimits, times_in_one_interval_on_both_sides_of_a_change_have_keyframes_
     expect_true_heights(sea, points, answers);
     EXPECT_LT((*answers)[0].error_m, 0.1);
     EXPECT_GT((*answers)[1].error_m, 1) << "sampled of its own sea";
+    // Sampled together, too, and back again.
+    const sea::TimeUs times_us[] = {20'000, 80'000};
+    const Result<void> held = link.client->hold(times_us, 60);
+    ASSERT_TRUE(held) << held.error().message;
+    const QueryPoint mixed[] = {{1, 2, 20'000}, {1, 2, 80'000}, {3, 2, 20'001}, {3, 2, 20'002}};
+    const auto sampled = link.client->sample(mixed);
+    ASSERT_TRUE(sampled) << sampled.error().message;
+    for (std::size_t i = 0; i < 4; ++i)
+        EXPECT_EQ((*sampled)[i].error_m > 1, i == 1) << i << ' ' << (*sampled)[i].error_m;
 }
 
 } // namespace

@@ -2,6 +2,7 @@
 // The client against a server whose sea, or whose offer, changes while it is connected, and which it asks
 // for much.
 #include <atomic>
+#include <future>
 #include <limits>
 
 #include <gtest/gtest.h>
@@ -108,6 +109,20 @@ TEST_F(LiveSeas, much_that_is_asked_one_after_the_other_is_answered) {
     EXPECT_EQ(answers->size(), points.size());
     EXPECT_EQ(sea.queries, static_cast<int>(batches));
     EXPECT_TRUE(client->ask({points.data(), 1}, {.timeout_s = 60}));
+}
+
+TEST_F(LiveSeas, a_server_that_closes_is_quoted_with_its_code_and_its_reason) {
+    const auto opened = open_websocket(*parse_url(net->url()), {});
+    ASSERT_TRUE(opened) << opened.error().message;
+    std::atomic<int> heard = 0;
+    std::promise<std::string> closed;
+    (*opened)->start({[&](std::span<const std::uint8_t>) { ++heard; }, [] {},
+                      [&](const std::string& why) { closed.set_value(why); }});
+    ASSERT_TRUE((*opened)->send(protocol::hello("small", "")));
+    ASSERT_TRUE(eventually([&] { return heard >= 2; }));
+    net->stop();
+    EXPECT_EQ(closed.get_future().get(),
+              "the server closed the connection (code 1001: the server stops)");
 }
 
 // What is refused leaves no trace: who has asked for too much may still say little.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // seaway-view as its users run it, against the real net server over a sea of known waves.
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -13,6 +14,7 @@
 
 #include "client/client.h"
 #include "client/view/picture.h"
+#include "client/view/sea_maps.h"
 #include "client/view/sea_source.h"
 #include "client/view/sky.h"
 #include "server/net/server.h"
@@ -162,6 +164,29 @@ TEST(ViewProgram, a_film_is_exposed_as_its_first_frame) {
         EXPECT_NE(frame == 3 && expected(first) == expected(own), true)
             << "else this test sees nothing";
     }
+}
+
+// Heights are shown on the scale of the sea that is seen.
+TEST(ViewProgram, a_picture_of_heights_has_the_scale_of_its_sea) {
+    tests::WaveSea sea;
+    server::NetOptions options;
+    options.listen = "127.0.0.1:0";
+    auto net = server::NetServer::start(options, sea);
+    ASSERT_TRUE(net) << net.error().message;
+    const std::string path = tests::folder().file("heights");
+    const std::string one = (*net)->url() + " --offscreen 64x48 --time 1000.5 --debug height" +
+                            " --camera 30,-20,9,70,-30 --out " + path;
+    ASSERT_EQ(run(one + ".exr").code, 0);
+    ASSERT_EQ(run(one + ".png").code, 0);
+    const auto client = Client::connect({.url = (*net)->url()});
+    ASSERT_TRUE(client) << client.error().message;
+    const Result<SeaFrame> frame = sea_frame_at(**client, 1'000'500'000, 10);
+    ASSERT_TRUE(frame) << frame.error().message;
+    const double hs_m = build_maps(*frame).statistics.significant_height_m;
+    EXPECT_NEAR(hs_m, 4 * std::sqrt(0.5 * (0.64 + 0.09 + 0.0016 + 0.0009)), 0.02);
+    const std::string expected = tests::folder().file("expected_heights.png");
+    ASSERT_TRUE(write_png(read_exr(path + ".exr", 64, 48), {DebugView::height, 1, hs_m}, expected));
+    EXPECT_EQ(bytes_of(path + ".png") == bytes_of(expected), true);
 }
 
 /// The same waves with foam, all of it as many times the mean as its keyframe is seconds old, and a tenth

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <random>
 #include <vector>
 
@@ -231,6 +232,36 @@ TEST(SheetSearch, places_on_both_sides_of_an_edge_are_found) {
         EXPECT_GE(before, 1);
         EXPECT_GE(beyond, 1);
     }
+}
+
+// Gradients that may be wrong by more than a sheet is steep: it may turn. By a little less: it may end.
+TEST(SheetSearch, what_gradients_may_be_wrong_by_counts_as_if_the_sheet_were_less_steep) {
+    const OneWave wave(0.9995); // 5e-4 over the crest
+    const auto found = [&](double strain_blur) {
+        SheetSearch search = search_around({0, 0}, OneWave::at(0.11, -0.07), 0.4, 1e-11);
+        search.strain_blur = strain_blur;
+        return find_sheets(search, wave);
+    };
+    EXPECT_FALSE(found(4.5e-4).folded); // (5e-5)^2 is above 4 bends of 1 / m times the blur
+    EXPECT_FALSE(found(4.5e-4).open);
+    EXPECT_FALSE(found(4.97e-4).folded); // (3e-6)^2 is below
+    EXPECT_TRUE(found(4.97e-4).open);
+    EXPECT_TRUE(found(5.5e-4).folded);
+}
+
+// The sheet beside a crest is 0.62 m high and may end within this blur; the one over it, 1.2 m.
+TEST(SheetSearch, a_lower_sheet_that_may_end_leaves_open_only_what_it_may_reach) {
+    const OneWave wave(1.2);
+    const auto open = [&](std::optional<Vec2> known, double height_blur_m) {
+        SheetSearch search = search_around({0, 0}, OneWave::at(1.0), 0.2, 0.03);
+        search.height_blur_m = height_blur_m;
+        search.known = known;
+        return find_sheets(search, wave).open;
+    };
+    EXPECT_TRUE(open({}, 0)) << "nothing higher is known";
+    EXPECT_FALSE(open(Vec2{0, 0}, 0));
+    EXPECT_FALSE(open(Vec2{0, 0}, 0.3));
+    EXPECT_TRUE(open(Vec2{0, 0}, 0.8)) << "heights may be wrong by that much";
 }
 
 } // namespace

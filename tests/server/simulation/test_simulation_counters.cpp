@@ -52,6 +52,17 @@ TEST(SimulationCounters, are_what_a_known_run_of_questions_has_made) {
     expect(2, 2, 5, "an exact question takes no keyframes");
 }
 
+TEST(SimulationCounters, count_each_keyframe_of_every_cascade_that_was_published) {
+    Bench bench;
+    bench.subscriptions.set(1, {3u, {Field::height, Field::height_rate}});
+    bench.settle();
+    for (int i = 0; i < 3; ++i)
+        bench.advance(bench.sea->budget.cascades[0].interval_us);
+    const std::scoped_lock lock(bench.mutex);
+    EXPECT_GT(bench.published.size(), 6u);
+    EXPECT_EQ(bench.simulation->counters().keyframes_published, bench.published.size());
+}
+
 // Shares of what was measured add up to it, whatever was asked for together; each effect has those of its
 // own fields. A strain is not a field that takes one transform: the Jacobian has three.
 TEST(SimulationCounters, shares_of_effects_follow_the_transforms_and_add_up_to_the_whole) {

@@ -192,6 +192,74 @@ TEST(Turns, one_walk_to_now_serves_the_stream_the_starts_and_the_questions) {
         << "of the other cascade there is none yet";
 }
 
+// Foam that paused for an interval is one tick away, as it is from keyframe to keyframe: no keyframe of
+// who asks again comes without it.
+TEST(Turns, foam_that_is_asked_for_again_an_interval_later_comes_with_the_next_keyframe) {
+    Bench bench(long_foam);
+    const TimeUs interval_us = bench.sea->budget.cascades[0].interval_us;
+    bench.subscriptions.set(1, {1u, with_foam});
+    bench.settle();
+    bench.advance(interval_us);
+    bench.subscriptions.erase(1);
+    bench.settle();
+    std::size_t before = 0;
+    {
+        const std::scoped_lock lock(bench.mutex);
+        before = bench.published.size();
+        ASSERT_TRUE(bench.published.back()->fields.contains(Field::foam));
+    }
+    bench.now_us += interval_us;
+    bench.subscriptions.set(1, {1u, with_foam});
+    bench.settle();
+    const std::scoped_lock lock(bench.mutex);
+    ASSERT_GT(bench.published.size(), before);
+    for (std::size_t i = before; i < bench.published.size(); ++i)
+        EXPECT_TRUE(bench.published[i]->fields.contains(Field::foam)) << i;
+}
+
+// Two walk to the foam of now: who asks for more is there first, and who asks for less takes nothing away.
+TEST(Turns, a_keyframe_with_fewer_fields_that_is_made_later_replaces_none_with_more) {
+    Bench bench(long_foam);
+    std::promise<bool> less, more;
+    std::atomic<bool> more_made = false, more_was_first = false;
+    const auto other = std::make_shared<char>();
+    {
+        const Gate gate(bench);
+        bench.simulation->fetch({-5'000'000'000, 0}, {1u, {Field::foam}},
+                                whole([&](const auto& all) {
+                                    more_was_first = more_made.load();
+                                    less.set_value(all.has_value());
+                                }),
+                                someone);
+        bench.simulation->fetch_current({1u, with_foam}, whole([&](const auto& all) {
+                                            more_made = true;
+                                            more.set_value(all.has_value());
+                                        }),
+                                        Asker(other));
+    }
+    EXPECT_TRUE(more.get_future().get());
+    EXPECT_TRUE(less.get_future().get());
+    EXPECT_TRUE(more_was_first) << "one walk is shorter than two";
+    const std::uint64_t before = bench.simulation->counters().synthesis.keyframes;
+    EXPECT_FALSE(bench.fetch_current({1u, heights}).empty());
+    EXPECT_EQ(bench.simulation->counters().synthesis.keyframes, before) << "all of it is held";
+}
+
+// One thread makes it all: what effects have cost together is no more than the time that has passed.
+TEST(Turns, what_effects_cost_together_is_time_that_has_passed_once) {
+    Bench bench(long_foam);
+    const auto start = std::chrono::steady_clock::now();
+    ASSERT_TRUE(bench.fetch({0}, {3u, {Field::foam}}));
+    const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - start;
+    const EffectCosts costs = bench.simulation->costs();
+    double together_s = 0;
+    for (std::size_t cascade = 0; cascade < 2; ++cascade)
+        for (std::size_t effect = 0; effect < effect_table().size(); ++effect)
+            together_s += costs.cost(cascade, effect).device_seconds;
+    EXPECT_GT(together_s, 0);
+    EXPECT_LE(together_s, passed.count());
+}
+
 // What the stream shares is no use to who is half-way to somewhere else.
 TEST(Turns, a_walk_of_foam_to_far_away_goes_on_where_it_was_though_foam_starts_for_the_stream) {
     Bench bench(long_foam);
