@@ -122,7 +122,7 @@ TEST_F(LiveSeas, a_server_that_closes_is_quoted_with_its_code_and_its_reason) {
     ASSERT_TRUE(eventually([&] { return heard >= 2; }));
     net->stop();
     EXPECT_EQ(closed.get_future().get(),
-              "the server closed the connection (code 1001: the server stops)");
+              "the server closed the connection (code 4010: the server stops)");
 }
 
 // What is refused leaves no trace: who has asked for too much may still say little.

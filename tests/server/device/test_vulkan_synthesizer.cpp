@@ -277,6 +277,39 @@ TEST_F(VulkanSynthesizerTest, cost_follows_the_demand) {
     keyframe(0, 0, all_linear);
     EXPECT_EQ(synthesizer_->counters().transforms - before.transforms, 11u);
     EXPECT_GT(synthesizer_->counters().device_seconds, before.device_seconds);
+    // The Jacobian is one dispatch more than the strains that it is made of, and no transform.
+    const auto growth = [&](FieldSet fields) {
+        const SynthesisCounters start = synthesizer_->counters();
+        keyframe(0, 0, fields);
+        return synthesizer_->counters() - start;
+    };
+    const SynthesisCounters strains =
+        growth({Field::strain_xx, Field::strain_yy, Field::strain_xy});
+    const SynthesisCounters jacobian = growth({Field::jacobian});
+    EXPECT_EQ(jacobian.dispatches, strains.dispatches + 1);
+    EXPECT_EQ(jacobian.transforms, 3u);
+}
+
+// More and fewer tiles of a size that was there before: each is what it is alone.
+TEST_F(VulkanSynthesizerTest, a_sea_of_another_number_of_tiles_is_the_one_that_was_set) {
+    const RandomSea tiles[] = {{64, 400.0, 7}, {64, 90.0, 8}, {64, 31.0, 9}};
+    for (const std::size_t count : {1u, 3u, 2u}) {
+        auto sea = std::make_shared<sea::Realization>();
+        for (std::size_t c = 0; c < count; ++c)
+            sea->cascades.push_back(tiles[c].cascade());
+        set_sea(sea, 1);
+        std::vector<sea::KeyframePtr> together;
+        for (std::size_t c = 0; c < count; ++c)
+            together.push_back(keyframe(static_cast<int>(c), 1'000'000, {Field::height}));
+        for (std::size_t c = 0; c < count; ++c) {
+            const FieldSum sum(tiles[c].cascade(), Field::height, 1'000'000);
+            for (const auto& [x, y] : random_nodes(64, 5))
+                EXPECT_NEAR(static_cast<double>(together[c]->plane(
+                                Field::height)[static_cast<std::size_t>(y * 64 + x)]),
+                            sum.at(x, y), 1e-4 * sum.rms())
+                    << count << ' ' << c;
+        }
+    }
 }
 
 TEST_F(VulkanSynthesizerTest, the_same_time_gives_the_same_bits_alone_and_in_company) {
