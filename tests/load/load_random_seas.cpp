@@ -6,7 +6,7 @@
 //
 //     load_random_seas                        one round: a minute on two cores
 //     load_random_seas --minutes 60           rounds with new scenes for an hour
-//     load_random_seas --samples 1000000      as many rounds as that needs
+//     load_random_seas --samples 1000000      as many rounds as that needs, or as --minutes allow
 //     load_random_seas --go-on ...            counts misses instead of stopping at the first one
 //
 // An answer further from the sum than the two bounds together is a miss, unless it is flagged folded,
@@ -93,9 +93,10 @@ class Soak {
     explicit Soak(Options options) : options_(std::move(options)) {}
 
     int run() {
+        const bool one_round = options_.samples == 0 && options_.minutes == 0;
         const auto over = [&] {
-            return (options_.samples == 0 || samples_ >= options_.samples) &&
-                   minutes_spent() >= options_.minutes;
+            return one_round || time_is_up() ||
+                   (options_.samples > 0 && samples_ >= options_.samples);
         };
         for (std::uint64_t round = 0; (round == 0 || !over()) && !stopped(); ++round)
             this->round(round);
