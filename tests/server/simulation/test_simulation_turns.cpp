@@ -195,9 +195,11 @@ TEST(Turns, one_walk_to_now_serves_the_stream_the_starts_and_the_questions) {
 // Foam that paused for an interval is one tick away, as it is from keyframe to keyframe: no keyframe of
 // who asks again comes without it.
 TEST(Turns, foam_that_is_asked_for_again_an_interval_later_comes_with_the_next_keyframe) {
-    Bench bench(long_foam);
+    // Of so short a memory that there is a tick a keyframe.
+    Bench bench("[foam]\nthreshold = 0.8\ndecay_s = 5\n");
     const TimeUs interval_us = bench.sea->budget.cascades[0].interval_us;
     bench.subscriptions.set(1, {1u, with_foam});
+    bench.subscriptions.set(2, {1u, heights}); // has its keyframes with foam or without
     bench.settle();
     bench.advance(interval_us);
     bench.subscriptions.erase(1);
@@ -208,8 +210,11 @@ TEST(Turns, foam_that_is_asked_for_again_an_interval_later_comes_with_the_next_k
         before = bench.published.size();
         ASSERT_TRUE(bench.published.back()->fields.contains(Field::foam));
     }
-    bench.now_us += interval_us;
-    bench.subscriptions.set(1, {1u, with_foam});
+    {
+        const Gate gate(bench);
+        bench.now_us += interval_us;
+        bench.subscriptions.set(1, {1u, with_foam});
+    }
     bench.settle();
     const std::scoped_lock lock(bench.mutex);
     ASSERT_GT(bench.published.size(), before);
