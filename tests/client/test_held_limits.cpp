@@ -9,8 +9,7 @@
 
 #include "client/client.h"
 #include "client/link/failure.h"
-#include "server/net/server.h"
-#include "tests/client/wave_sea.h"
+#include "tests/client/wave_server.h"
 
 namespace seaway::client {
 namespace {
@@ -23,12 +22,7 @@ struct Link {
     std::unique_ptr<server::NetServer> net;
     std::unique_ptr<Client> client;
 
-    explicit Link(server::Host& sea, RingLimits limits = {}) {
-        server::NetOptions options;
-        options.listen = "127.0.0.1:0";
-        auto started = server::NetServer::start(options, sea);
-        EXPECT_TRUE(started) << started.error().message;
-        net = std::move(*started);
+    explicit Link(server::Host& sea, RingLimits limits = {}) : net(tests::serve(sea)) {
         auto connected = Client::connect({.url = net->url(), .timeout_s = 60}, {}, limits);
         EXPECT_TRUE(connected) << connected.error().message;
         client = std::move(*connected);

@@ -6,8 +6,7 @@
 
 #include "client/client.h"
 #include "client/link/failure.h"
-#include "server/net/server.h"
-#include "tests/client/wave_sea.h"
+#include "tests/client/wave_server.h"
 
 namespace seaway::client {
 namespace {
@@ -16,20 +15,8 @@ using sea::Answer;
 using sea::QueryPoint;
 using tests::eventually;
 
-class Live : public ::testing::Test {
+class Live : public tests::WaveServer {
   protected:
-    tests::WaveSea sea;
-    std::unique_ptr<server::NetServer> net;
-
-    void SetUp() override {
-        server::NetOptions options;
-        options.listen = "127.0.0.1:0";
-        auto started = server::NetServer::start(options, sea);
-        ASSERT_TRUE(started) << started.error().message;
-        net = std::move(*started);
-    }
-    void TearDown() override { net.reset(); }
-
     std::unique_ptr<Client> connect(ClientEvents events = {}) {
         auto client = Client::connect({.url = net->url()}, std::move(events));
         EXPECT_TRUE(client) << client.error().message;

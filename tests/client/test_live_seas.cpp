@@ -9,8 +9,7 @@
 
 #include "client/client.h"
 #include "client/link/message_stream.h"
-#include "server/net/server.h"
-#include "tests/client/wave_sea.h"
+#include "tests/client/wave_server.h"
 
 namespace seaway::client {
 namespace {
@@ -19,19 +18,9 @@ using sea::Field;
 using sea::FieldSet;
 using tests::eventually;
 
-class LiveSeas : public ::testing::Test {
+class LiveSeas : public tests::WaveServer {
   protected:
-    tests::WaveSea sea;
-    std::unique_ptr<server::NetServer> net;
     std::atomic<int> told = 0; ///< of seas
-
-    void SetUp() override {
-        server::NetOptions options;
-        options.listen = "127.0.0.1:0";
-        auto started = server::NetServer::start(options, sea);
-        ASSERT_TRUE(started) << started.error().message;
-        net = std::move(*started);
-    }
 
     std::unique_ptr<Client> connect() {
         auto client = Client::connect({.url = net->url()},

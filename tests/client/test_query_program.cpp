@@ -11,8 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "client/apps/query_output.h"
-#include "server/net/server.h"
-#include "tests/client/wave_sea.h"
+#include "tests/client/wave_server.h"
 
 namespace seaway::client {
 namespace {
@@ -184,19 +183,8 @@ Outcome run_program(const std::string& arguments) {
     return outcome;
 }
 
-class Program : public ::testing::Test {
+class Program : public tests::WaveServer {
   protected:
-    tests::WaveSea sea;
-    std::unique_ptr<server::NetServer> net;
-
-    void SetUp() override {
-        server::NetOptions options;
-        options.listen = "127.0.0.1:0";
-        auto started = server::NetServer::start(options, sea);
-        ASSERT_TRUE(started) << started.error().message;
-        net = std::move(*started);
-    }
-
     nlohmann::json rows(const std::string& arguments) {
         const Outcome outcome = run_program(net->url() + " --format json " + arguments);
         EXPECT_EQ(outcome.exit_code, 0) << arguments;

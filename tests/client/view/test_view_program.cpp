@@ -17,8 +17,7 @@
 #include "client/view/sea_maps.h"
 #include "client/view/sea_source.h"
 #include "client/view/sky.h"
-#include "server/net/server.h"
-#include "tests/client/wave_sea.h"
+#include "tests/client/wave_server.h"
 #include "tests/support/folder.h"
 
 namespace seaway::client {
@@ -109,13 +108,11 @@ TEST(ViewProgram, says_when_there_is_no_server) {
 
 TEST(ViewProgram, draws_frames_from_streamed_tiles_at_the_height_of_the_true_sea) {
     tests::WaveSea sea;
-    server::NetOptions options;
-    options.listen = "127.0.0.1:0";
-    auto net = server::NetServer::start(options, sea);
-    ASSERT_TRUE(net) << net.error().message;
+    const auto net = tests::serve(sea);
+    ASSERT_TRUE(net);
     const std::filesystem::path folder = tests::folder().file("frames");
     const Outcome outcome =
-        run((*net)->url() + " --offscreen 96x64 --frames 2 --time 1000.5 --debug place" +
+        run(net->url() + " --offscreen 96x64 --frames 2 --time 1000.5 --debug place" +
             " --camera 300,-200,8,70,-35 --out " + folder.string() + "/##.exr");
     ASSERT_EQ(outcome.code, 0) << outcome.text;
     for (int frame = 0; frame < 2; ++frame) {
@@ -138,12 +135,10 @@ TEST(ViewProgram, draws_frames_from_streamed_tiles_at_the_height_of_the_true_sea
 // A film does not flicker: what the first frame was metered at serves all, however another is lit.
 TEST(ViewProgram, a_film_is_exposed_as_its_first_frame) {
     tests::WaveSea sea;
-    server::NetOptions options;
-    options.listen = "127.0.0.1:0";
-    auto net = server::NetServer::start(options, sea);
-    ASSERT_TRUE(net) << net.error().message;
+    const auto net = tests::serve(sea);
+    ASSERT_TRUE(net);
     const std::filesystem::path folder = tests::folder().file("film");
-    const std::string film = (*net)->url() + " --offscreen 64x48 --frames 4 --time 1000.5" +
+    const std::string film = net->url() + " --offscreen 64x48 --frames 4 --time 1000.5" +
                              " --time-of-day 16.5 --camera 30,-20,2,70,-15 --out " +
                              folder.string();
     ASSERT_EQ(run(film + "/##.exr").code, 0);
@@ -169,16 +164,14 @@ TEST(ViewProgram, a_film_is_exposed_as_its_first_frame) {
 // Heights are shown on the scale of the sea that is seen.
 TEST(ViewProgram, a_picture_of_heights_has_the_scale_of_its_sea) {
     tests::WaveSea sea;
-    server::NetOptions options;
-    options.listen = "127.0.0.1:0";
-    auto net = server::NetServer::start(options, sea);
-    ASSERT_TRUE(net) << net.error().message;
+    const auto net = tests::serve(sea);
+    ASSERT_TRUE(net);
     const std::string path = tests::folder().file("heights");
-    const std::string one = (*net)->url() + " --offscreen 64x48 --time 1000.5 --debug height" +
+    const std::string one = net->url() + " --offscreen 64x48 --time 1000.5 --debug height" +
                             " --camera 30,-20,9,70,-30 --out " + path;
     ASSERT_EQ(run(one + ".exr").code, 0);
     ASSERT_EQ(run(one + ".png").code, 0);
-    const auto client = Client::connect({.url = (*net)->url()});
+    const auto client = Client::connect({.url = net->url()});
     ASSERT_TRUE(client) << client.error().message;
     const Result<SeaFrame> frame = sea_frame_at(**client, 1'000'500'000, 10);
     ASSERT_TRUE(frame) << frame.error().message;
@@ -232,11 +225,9 @@ class FoamySea : public tests::WaveSea {
 
 TEST(SeaSource, a_frame_has_every_figure_of_its_sea_and_the_foam_of_both_keyframes) {
     FoamySea sea;
-    server::NetOptions options;
-    options.listen = "127.0.0.1:0";
-    auto net = server::NetServer::start(options, sea);
-    ASSERT_TRUE(net) << net.error().message;
-    const auto client = Client::connect({.url = (*net)->url()});
+    const auto net = tests::serve(sea);
+    ASSERT_TRUE(net);
+    const auto client = Client::connect({.url = net->url()});
     ASSERT_TRUE(client) << client.error().message;
     const sea::TimeUs time_us = 3'130'000;
     const Result<SeaFrame> frame = sea_frame_at(**client, time_us, 10);

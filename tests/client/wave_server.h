@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// The real net server on loopback, on a free port, over a sea that is known (wave_sea.h).
+#pragma once
+
+#include <memory>
+#include <utility>
+
+#include <gtest/gtest.h>
+
+#include "server/net/server.h"
+#include "tests/client/wave_sea.h"
+
+namespace seaway::tests {
+
+/// nullptr, and a failure of the test, if it does not start. The sea outlives it.
+inline std::unique_ptr<server::NetServer> serve(server::Host& sea) {
+    server::NetOptions options;
+    options.listen = "127.0.0.1:0";
+    auto started = server::NetServer::start(options, sea);
+    EXPECT_TRUE(started) << started.error().message;
+    return started ? *std::move(started) : nullptr;
+}
+
+/// Has one for each test.
+class WaveServer : public ::testing::Test {
+  protected:
+    WaveSea sea;
+    std::unique_ptr<server::NetServer> net;
+
+    void SetUp() override {
+        net = serve(sea);
+        ASSERT_TRUE(net);
+    }
+};
+
+} // namespace seaway::tests
