@@ -8,10 +8,11 @@
 // ago makes room. Bytes that make no sense are an error, after which the connection should be
 // closed.
 //
-// For one thread.
+// For one thread, but for dropped().
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <list>
 #include <span>
@@ -47,7 +48,7 @@ class TileAssembly {
 
     std::size_t keyframes() const { return pending_.size(); }
     std::size_t bytes() const { return bytes_; }
-    /// Keyframes that made room for others before anybody got them.
+    /// Keyframes that made room for others before anybody got them. From any thread.
     std::uint64_t dropped() const { return dropped_; }
 
   private:
@@ -78,7 +79,7 @@ class TileAssembly {
 
     std::list<Pending> pending_; ///< touched last: at the back
     std::size_t bytes_ = 0;
-    std::uint64_t dropped_ = 0;
+    std::atomic<std::uint64_t> dropped_ = 0;
 };
 
 } // namespace seaway::client

@@ -259,7 +259,6 @@ Result<void> Connection::take(const wire::Tile& tile) {
         send(protocol::ack(header.keyframe));
     if (added->complete && events_.on_keyframe)
         events_.on_keyframe(added->complete);
-    keyframes_dropped_ = assembly_.dropped();
     return {};
 }
 

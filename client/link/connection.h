@@ -94,8 +94,8 @@ class Connection {
 
     void unsubscribe();
 
-    /// Streamed keyframes that never became whole.
-    std::uint64_t keyframes_dropped() const { return keyframes_dropped_; }
+    /// Keyframes that made room for others before they were whole.
+    std::uint64_t keyframes_dropped() const { return assembly_.dropped(); }
 
   private:
     explicit Connection(ConnectionEvents events);
@@ -128,7 +128,7 @@ class Connection {
     std::optional<Error> end_; ///< why the connection is over
     Welcome welcome_;
 
-    // Of the connection's thread alone.
+    // Of the connection's thread alone, but for assembly_.dropped().
     protocol::MessageReader reader_{protocol::Sender::server};
     std::vector<SeaStatePtr> sea_states_; ///< the newest few
     std::int64_t next_ping_us_ = 0;
@@ -138,7 +138,6 @@ class Connection {
     sea::FieldSet streamed_fields_;
     TileAssembly assembly_;
 
-    std::atomic<std::uint64_t> keyframes_dropped_ = 0;
     Requests requests_;
 
     /// Last, so that it goes first: until its thread has ended, that uses all of the above.

@@ -57,7 +57,7 @@ void Requests::send_waiting(Lane lane) {
             ++queue.in_flight;
         }
         if (!send_(request_id, std::move(message)))
-            finish(lane, request_id,
+            settle(lane, request_id,
                    failed(Failure::lost, "the connection takes no more messages"));
     }
 }
@@ -72,6 +72,13 @@ void Requests::note_grant(std::uint32_t request_id, const Grant& grant) {
 }
 
 bool Requests::finish(Lane lane, std::uint32_t request_id, Result<Reply> reply) {
+    if (!settle(lane, request_id, std::move(reply)))
+        return false;
+    send_waiting(lane);
+    return true;
+}
+
+bool Requests::settle(Lane lane, std::uint32_t request_id, Result<Reply> reply) {
     ReplyHandler handler;
     {
         const std::scoped_lock lock(mutex_);
@@ -86,7 +93,6 @@ bool Requests::finish(Lane lane, std::uint32_t request_id, Result<Reply> reply) 
     }
     if (handler)
         handler(std::move(reply));
-    send_waiting(lane);
     return true;
 }
 

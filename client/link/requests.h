@@ -110,6 +110,8 @@ class Requests {
         return lane == Lane::query ? queries_in_flight_max : bulk_in_flight_max;
     }
     void send_waiting(Lane lane);
+    /// Calls the handler and frees the place, which is not given to another. False: see finish().
+    bool settle(Lane lane, std::uint32_t request_id, Result<Reply> reply);
 
     const Send send_;
     mutable std::mutex mutex_;

@@ -5,18 +5,21 @@
 
 namespace seaway::server {
 
-Disposal::~Disposal() {
+void Disposal::stop() {
     {
         const std::scoped_lock lock(mutex_);
         ending_ = true;
     }
     wake_.notify_one();
-    thread_.join();
+    if (thread_.joinable())
+        thread_.join();
 }
 
 void Disposal::take(std::shared_ptr<void> thing) {
     {
         const std::scoped_lock lock(mutex_);
+        if (ending_)
+            return;
         things_.push_back(std::move(thing));
     }
     wake_.notify_one();

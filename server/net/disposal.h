@@ -14,12 +14,16 @@ namespace seaway::server {
 class Disposal {
   public:
     Disposal() : thread_([this] { run(); }) {}
-    ~Disposal();
+    ~Disposal() { stop(); }
     Disposal(const Disposal&) = delete;
     Disposal& operator=(const Disposal&) = delete;
 
-    /// Lets go of it, elsewhere and soon; before the disposal itself ends.
+    /// Lets go of it, elsewhere and soon; after stop() here and at once.
     void take(std::shared_ptr<void> thing);
+
+    /// Waits until all that was taken has ended. Idempotent. What is taken may hold the owner of this:
+    /// who has taken anything stops before it lets go of the owner.
+    void stop();
 
   private:
     void run();

@@ -283,6 +283,7 @@ void NetServer::Impl::stop() {
     }
     core_->detach();
     core_->waiting_for_maps.clear();
+    core_->disposal.stop(); // maps hold the core, and its last holder must not be its own thread
 }
 
 // ---- NetServer -----------------------------------------------------------------------------

@@ -150,6 +150,22 @@ TEST(Ring, h2_a_duplicate_replaces_unless_it_holds_less) {
     EXPECT_EQ(ring.size(0), 1u);
 }
 
+// What comes again is the newest: it goes last when there is no room.
+TEST(Ring, an_equal_copy_takes_the_place_of_the_first_and_counts_as_having_come_last) {
+    KeyframeRing ring({.keyframes_per_cascade = 4});
+    for (const TimeUs n : {1, 2, 3, 4})
+        ring.insert(keyframe(n * interval_us));
+    const HeldKeyframePtr again = keyframe(interval_us);
+    ring.insert(again);
+    EXPECT_EQ(around(ring, interval_us)->before, again);
+    for (const TimeUs n : {5, 6, 7})
+        ring.insert(keyframe(n * interval_us));
+    EXPECT_EQ(around(ring, interval_us)->before, again) << "the fourth and last to go";
+    EXPECT_TRUE(around(ring, interval_us)->covers);
+    ring.insert(keyframe(8 * interval_us));
+    EXPECT_FALSE(around(ring, interval_us)->covers);
+}
+
 TEST(Ring, is_bounded_by_count_and_the_first_to_come_goes_first) {
     KeyframeRing ring({.keyframes_per_cascade = 5});
     for (TimeUs n = 0; n < 100; ++n)

@@ -9,6 +9,7 @@
 
 #include "client/link/connection.h"
 #include "client/link/failure.h"
+#include "protocol/limits.h"
 #include "protocol/tile_codec.h"
 
 namespace seaway::client {
@@ -237,6 +238,66 @@ TEST_F(ConnectionTest, a_subscription_gets_and_acknowledges_whole_keyframes) {
         server.send(tile(number, sea::Field::height));
     EXPECT_EQ((*connection)->keyframes_dropped(), 3u);
     EXPECT_EQ(server.acknowledged.size(), 2u);
+}
+
+// Naive: the count is looked at with the next tile, which may never come.
+TEST_F(ConnectionTest, keyframes_that_make_room_are_counted_when_it_happens) {
+    const auto connection = open();
+    ASSERT_TRUE(connection);
+    std::uint32_t request_id = 0;
+    server.on_message = [&](const wire::Message& message) {
+        if (const auto* fetch = message.body_as_Fetch())
+            request_id = fetch->request_id();
+    };
+    const sea::TimeUs time_us = 0;
+    const sea::FieldSet pair{sea::Field::height, sea::Field::height_rate};
+    (*connection)->fetch({&time_us, 1}, {.fields = pair}, 1, [](const Result<Reply>&) {});
+    // At the end of a fetch as many halves are kept as can be under way in a stream.
+    constexpr std::uint64_t kept = protocol::limits::credit_max;
+    for (std::uint64_t number = 1; number <= kept + 3; ++number)
+        server.send(tile(number, sea::Field::height));
+    EXPECT_EQ((*connection)->keyframes_dropped(), 0u);
+    server.send(protocol::fetch_done(request_id, 0, pair));
+    EXPECT_EQ((*connection)->keyframes_dropped(), 3u);
+
+    // A tile that is wrong has made room all the same.
+    const std::uint64_t more = TileAssembly::keyframes_max - kept;
+    for (std::uint64_t number = 20; number < 20 + more; ++number)
+        server.send(tile(number, sea::Field::height));
+    EXPECT_EQ((*connection)->keyframes_dropped(), 3u);
+    server.send(protocol::tile(
+        {.keyframe = 999, .epoch = 1, .size = 16, .width = 16, .height = 16, .error = 0.01f},
+        protocol::Bytes(20, 7)));
+    EXPECT_FALSE((*connection)->is_open());
+    EXPECT_EQ((*connection)->keyframes_dropped(), 4u);
+}
+
+// What is on its way, what waits for a place, and what is asked by who is being told of the end.
+TEST_F(ConnectionTest, whoever_waits_is_told_once_that_the_connection_was_given_up) {
+    std::vector<std::string> outcomes;
+    {
+        auto connection = open();
+        ASSERT_TRUE(connection);
+        Connection* const link = connection->get();
+        const sea::TimeUs time_us = 0;
+        const sea::QueryPoint point{};
+        const protocol::TileWish wish{.fields = {sea::Field::height}};
+        const auto note = [&](const Result<Reply>& reply) {
+            outcomes.push_back(reply ? "answered" : reply.error().message);
+        };
+        for (int i = 0; i < Requests::queries_in_flight_max + 2; ++i)
+            link->query({&point, 1}, false, 1, note);
+        link->subscribe(wish, 2, 1, note);
+        link->fetch({&time_us, 1}, wish, 1, [&, link](const Result<Reply>& reply) {
+            note(reply);
+            link->query({&point, 1}, true, 1, note);
+        });
+        EXPECT_TRUE(outcomes.empty());
+    }
+    EXPECT_EQ(outcomes.size(), static_cast<std::size_t>(Requests::queries_in_flight_max) + 5);
+    for (const std::string& outcome : outcomes)
+        EXPECT_EQ(outcome, "destroyed");
+    EXPECT_EQ(lost, "destroyed");
 }
 
 TEST_F(ConnectionTest, what_is_too_much_for_the_server_is_said_without_asking_it) {

@@ -1,4 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <pthread.h>
+
+#include <algorithm>
+#include <functional>
+
 #include <gtest/gtest.h>
 
 #include "client/link/failure.h"
@@ -108,6 +113,36 @@ TEST_F(RequestsTest, fail_at_once_when_nothing_can_be_sent) {
     send_works = false;
     start(Lane::query);
     EXPECT_NE(outcomes[0], "open");
+}
+
+/// Runs it on a thread whose stack is small.
+void with_a_stack_of(std::size_t bytes, std::function<void()> work) {
+    pthread_attr_t attributes;
+    ASSERT_EQ(pthread_attr_init(&attributes), 0);
+    ASSERT_EQ(pthread_attr_setstacksize(&attributes, bytes), 0);
+    pthread_t thread{};
+    const auto run = [](void* given) -> void* {
+        (*static_cast<std::function<void()>*>(given))();
+        return nullptr;
+    };
+    ASSERT_EQ(pthread_create(&thread, &attributes, run, &work), 0);
+    ASSERT_EQ(pthread_join(thread, nullptr), 0);
+    pthread_attr_destroy(&attributes);
+}
+
+// Naive: each that fails begins the next from within. The stack is then as deep as many wait: a megabyte
+// and more, where a thread of a program may have less.
+TEST_F(RequestsTest, all_that_wait_fail_on_a_small_stack_when_nothing_more_can_be_sent) {
+    constexpr std::size_t many = Requests::waiting_max + Requests::queries_in_flight_max;
+    for (std::size_t i = 0; i < many; ++i)
+        start(Lane::query);
+    send_works = false;
+    with_a_stack_of(512 * 1024,
+                    [&] { EXPECT_TRUE(requests.finish(Lane::query, sent[0], Reply())); });
+    EXPECT_EQ(sent.size(), many) << "each is tried";
+    EXPECT_EQ(std::count(outcomes.begin(), outcomes.end(), "open"),
+              Requests::queries_in_flight_max - 1);
+    EXPECT_EQ(std::count(outcomes.begin(), outcomes.end(), "done"), 1);
 }
 
 TEST_F(RequestsTest, are_bounded) {

@@ -223,6 +223,14 @@ std::string Client::subprotocol() const {
 struct RawPeer::Impl {
     Tcp tcp;
     std::error_code end;
+    std::size_t bytes_read = 0;
+
+    /// Appends what is there; `end` is set when there will be no more.
+    void read(std::string& to) {
+        const std::size_t before = to.size();
+        end = tcp.read(to, Clock::now() + for_ever);
+        bytes_read += to.size() - before;
+    }
 };
 
 RawPeer::RawPeer(int port, int receive_buffer_bytes) : impl_(std::make_unique<Impl>()) {
@@ -261,7 +269,7 @@ void RawPeer::reset() {
 std::string RawPeer::header() {
     std::string answer;
     while (answer.find("\r\n\r\n") == std::string::npos && !impl_->end)
-        impl_->end = impl_->tcp.read(answer, Clock::now() + for_ever);
+        impl_->read(answer);
     EXPECT_FALSE(impl_->end) << impl_->end.message() << " after \"" << answer << '"';
     return answer;
 }
@@ -269,14 +277,14 @@ std::string RawPeer::header() {
 bool RawPeer::reads(std::size_t bytes) {
     std::string some;
     while (some.size() < bytes && !impl_->end)
-        impl_->end = impl_->tcp.read(some, Clock::now() + for_ever);
+        impl_->read(some);
     return !impl_->end;
 }
 
 std::string RawPeer::rest() {
     std::string all;
     while (!impl_->end)
-        impl_->end = impl_->tcp.read(all, Clock::now() + for_ever);
+        impl_->read(all);
     return all;
 }
 
@@ -287,6 +295,10 @@ bool RawPeer::closed_by_server() {
 
 bool RawPeer::ended_in_order() const {
     return impl_->end == std::errc::no_message_available;
+}
+
+std::size_t RawPeer::bytes_read() const {
+    return impl_->bytes_read;
 }
 
 // ---- HTTP --------------------------------------------------------------------------------------

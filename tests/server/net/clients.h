@@ -65,8 +65,9 @@ class RawPeer {
     bool reads(std::size_t bytes);
     /// Reads until the server has closed its side, in order or not.
     std::string rest();
-    bool closed_by_server();     ///< the same, for those who do not ask what came
-    bool ended_in_order() const; ///< after rest(): FIN, not RST
+    bool closed_by_server();        ///< the same, for those who do not ask what came
+    bool ended_in_order() const;    ///< after rest(): FIN, not RST
+    std::size_t bytes_read() const; ///< of everything, headers included
 
   private:
     struct Impl;

@@ -106,6 +106,72 @@ TEST_F(NetMaps, a_refused_map_says_why_and_leaves_nothing_behind) {
     EXPECT_TRUE(eventually([&] { return *host.maps_alive == 0; }));
 }
 
+// Naive: what a map costs the peer in all is held against the patience for one piece. This reader lets
+// the server wait for longer than that, but has earned it by what it has read.
+TEST_F(NetMaps, who_reads_faster_than_the_least_rate_may_take_as_long_as_it_needs) {
+    host.map_bytes = 8 * 1024 * 1024;
+    host.map_piece_bytes = 64 * 1024;
+    options.write_timeout = std::chrono::milliseconds(1200);
+    options.map_bytes_per_s_min = 1024; // 8192 s for all of it
+    start();
+    RawPeer peer(port(), 4096);
+    peer.say(ask_for_a_map);
+    const std::string header = peer.header();
+    const std::size_t header_bytes = header.find("\r\n\r\n") + 4;
+    for (int pause = 0; pause < 18; ++pause) { // 2.1 s of them
+        ASSERT_TRUE(peer.reads(host.map_bytes / 20)) << pause;
+        std::this_thread::sleep_for(std::chrono::milliseconds(120));
+    }
+    peer.rest();
+    EXPECT_TRUE(peer.ended_in_order());
+    EXPECT_EQ(peer.bytes_read(), header_bytes + host.map_bytes);
+}
+
+TEST_F(NetMaps, parameters_go_to_the_sea_under_their_names) {
+    host.maps_ready = true;
+    start();
+    using Parameters = std::map<std::string, std::string>;
+    for (const auto& [target, parameters] : std::map<std::string, Parameters>{
+             {"/v1/map", {}},
+             {"/v1/map?columns=2", {{"columns", "2"}}},
+             {"/v1/map?columns=2&rows=31&t_s=-1.5",
+              {{"columns", "2"}, {"rows", "31"}, {"t_s", "-1.5"}}},
+             {"/v1/map?x0_m=&kind&y0_m=a=b&rows=4",
+              {{"x0_m", ""}, {"kind", ""}, {"y0_m", "a=b"}, {"rows", "4"}}}}) {
+        EXPECT_EQ(get(target).status, 200) << target;
+        EXPECT_EQ(host.map_parameters, parameters) << target;
+    }
+}
+
+// Naive: a map that is still being let go of outlives its server, and the last that knows the server is
+// the thread that lets go.
+TEST_F(NetMaps, a_server_that_has_ended_has_let_go_of_every_map) {
+    std::promise<void> first_ends;
+    std::promise<void> stopping;
+    std::atomic<int> ends = 0;
+    host.on_map_end = [&, wait = stopping.get_future().share()] {
+        if (++ends > 1)
+            return;
+        first_ends.set_value();
+        wait.wait_for(std::chrono::seconds(20)); // a test that fails ends all the same
+        std::this_thread::sleep_for(std::chrono::milliseconds(100)); // in the middle of a row
+    };
+    start();
+    {
+        RawPeer peers[] = {RawPeer(port()), RawPeer(port())};
+        for (RawPeer& peer : peers) {
+            peer.say(ask_for_a_map);
+            EXPECT_TRUE(peer.header().starts_with("HTTP/1.1 200"));
+        }
+    }
+    first_ends.get_future().wait();
+    ASSERT_TRUE(eventually([&] { return metric("seaway_net_connections") == 1; }));
+    EXPECT_EQ(*host.maps_alive, 2) << "the second waits for the first";
+    stopping.set_value();
+    net.reset();
+    EXPECT_EQ(*host.maps_alive, 0);
+}
+
 TEST_F(NetMaps, who_reads_fast_enough_gets_all_of_it) {
     host.map_bytes = 8 * 1024 * 1024;
     host.map_piece_bytes = 64 * 1024;

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cmath>
 #include <functional>
+#include <map>
 #include <memory>
 #include <set>
 #include <string>
@@ -110,8 +111,8 @@ class SmallSea : public server::Host {
         for (int cascade = 0; cascade < 2; ++cascade)
             if ((request.demand.cascades >> cascade) & 1u)
                 for (const std::int64_t n : wanted)
-                    out.push_back(
-                        keyframe(cascade, n, request.demand.fields, quality(request.demand)));
+                    out.push_back(keyframe(cascade, n, held(cascade, request.demand.fields),
+                                           quality(request.demand)));
         if (answer_fetches)
             done(server::FetchedPart{std::move(out)});
         else
@@ -137,11 +138,12 @@ class SmallSea : public server::Host {
     void map(server::MapQuery query, Mapped done) override {
         askers.push_back(query.asker);
         ++maps_asked;
+        map_parameters = query.parameters;
         if (is_busy)
             return done(Error{server::Refusal::busy, "later"});
         if (!answer_maps)
             return unanswered.push_back([] {});
-        auto rows = std::make_unique<Rows>(*this);
+        auto rows = std::make_unique<Rows>(*this, std::move(query.on_ready));
         done(std::unique_ptr<server::ByteSource>(std::move(rows)));
     }
     std::string state_json() const override {
@@ -161,18 +163,31 @@ class SmallSea : public server::Host {
     std::vector<server::Asker> askers; ///< of every question, in order
     std::shared_ptr<std::atomic<int>> maps_alive = std::make_shared<std::atomic<int>>(0);
     std::atomic<int> maps_asked = 0;
-    std::atomic<bool> answer_maps = true; ///< else nobody hears of them again
+    std::map<std::string, std::string> map_parameters; ///< of the last one
+    std::atomic<bool> answer_maps = true;              ///< else nobody hears of them again
     std::atomic<bool> maps_ready = false; ///< else their rows never come, but in map_piece_bytes
     static constexpr std::size_t map_chunk_bytes = 500, map_chunks = 2;
     std::size_t map_bytes = map_chunks * map_chunk_bytes;
     std::size_t map_piece_bytes = 0;
-    std::function<void()> on_map_end = {}; ///< where a map ends
-    std::function<void()> on_state = {};   ///< where /v1/state is made
+    std::function<void()> on_map_end = {};   ///< where a map ends
+    std::function<void()> on_state = {};     ///< where /v1/state is made
+    std::map<int, sea::FieldSet> lacks = {}; ///< fields that keyframes of a cascade do not hold
 
   private:
+    sea::FieldSet held(int cascade, sea::FieldSet fields) const {
+        const auto found = lacks.find(cascade);
+        return found == lacks.end()
+                   ? fields
+                   : sea::FieldSet::from_bits(fields.bits() & ~found->second.bits());
+    }
+
     class Rows final : public server::ByteSource {
       public:
-        explicit Rows(const SmallSea& sea) : sea_(sea), alive_(sea.maps_alive) { ++*alive_; }
+        /// Keeps `on_ready` for as long as it lives, as who makes rows on threads of its own does.
+        Rows(const SmallSea& sea, std::function<void()> on_ready)
+            : on_ready_(std::move(on_ready)), sea_(sea), alive_(sea.maps_alive) {
+            ++*alive_;
+        }
         ~Rows() override {
             if (sea_.on_map_end)
                 sea_.on_map_end();
@@ -187,6 +202,7 @@ class SmallSea : public server::Host {
         }
 
       private:
+        const std::function<void()> on_ready_;
         const SmallSea& sea_;
         std::shared_ptr<std::atomic<int>> alive_;
         std::size_t given_ = 0;

@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: Apache-2.0
+// How requests and answers flow: reading is taken up again, connections go on or end as they say, what
+// is begun is finished, and what is told is all that there is.
+#include "tests/server/net/net_fixture.h"
+
+#include <future>
+
+#include "protocol/limits.h"
+#include "server/net/encode_worker.h"
+
+namespace seaway::tests {
+namespace {
+
+using server::EncodeWorker;
+using wire::Body;
+namespace limits = protocol::limits;
+
+class NetFlow : public NetTest {
+  protected:
+    std::unique_ptr<Client> greeted() {
+        auto client = std::make_unique<Client>(port());
+        EXPECT_FALSE(client->connect());
+        EXPECT_TRUE(client->greet());
+        return client;
+    }
+};
+
+// 40 replies are 6 MB: more than the kernel and the outbox hold together, so that the server reads no
+// further until the client does. Naive: nothing begins it again.
+TEST_F(NetFlow, who_asks_much_and_reads_late_gets_every_answer_in_order) {
+    options.write_timeout = std::chrono::minutes(5);
+    start();
+    const auto client = greeted();
+    const std::vector<sea::QueryPoint> points(limits::points_per_query_max);
+    constexpr std::uint32_t count = 40;
+    std::thread asks([&] {
+        for (std::uint32_t id = 1; id <= count; ++id)
+            EXPECT_FALSE(client->send(protocol::query(id, points, false)));
+    });
+    EXPECT_TRUE(eventually([&] {
+        return metric("seaway_net_outbox_bytes") >= static_cast<double>(limits::replies_bytes_max);
+    }));
+    EXPECT_LT(metric("seaway_net_queries_total"), count) << "reading has paused";
+    for (std::uint32_t id = 1; id <= count; ++id) {
+        const wire::Message* message = client->receive();
+        if (!message || !message->body_as_QueryReply()) {
+            ADD_FAILURE() << "no answer to " << id;
+            break;
+        }
+        EXPECT_EQ(message->body_as_QueryReply()->request_id(), id);
+    }
+    asks.join();
+}
+
+struct Exchange {
+    std::string request;
+    int status;
+    bool goes_on;
+};
+
+TEST_F(NetFlow, every_answer_says_whether_the_connection_goes_on_and_so_it_does) {
+    options.http_deadline = std::chrono::minutes(5);
+    options.client_token_file = folder().write("flow_token", "open sesame\n");
+    options.sessions_max = 1;
+    host.is_busy = true; // maps are refused
+    start();
+    Client only(port());
+    ASSERT_FALSE(only.connect());
+    const std::string rest = " HTTP/1.1\r\nHost: x\r\nAuthorization: Bearer open sesame\r\n";
+    const std::string upgrade =
+        "Connection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: "
+        "13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"
+        "Sec-WebSocket-Protocol: ";
+    const Exchange exchanges[] = {
+        {"GET /v1/state" + rest + "\r\n", 200, true},
+        {"GET /v1/state" + rest + "Connection: close\r\n\r\n", 200, false},
+        {"GET /healthz HTTP/1.0\r\n\r\n", 200, false},
+        {"GET /healthz HTTP/1.0\r\nConnection: keep-alive\r\n\r\n", 200, true},
+        {"HEAD /healthz" + rest + "\r\n", 200, true},
+        {"HEAD /healthz" + rest + "Connection: close\r\n\r\n", 200, false},
+        {"GET /none" + rest + "\r\n", 404, true},
+        {"POST /v1/plan" + rest + "Content-Length: 3\r\n\r\nabc", 405, true},
+        {"GET /v1/stream" + rest + "\r\n", 426, true},
+        {"GET /v1/state HTTP/1.1\r\nHost: x\r\n\r\n", 401, false},
+        {"GET /v1/map" + rest + "\r\n", 503, false},
+        {"HEAD /v1/map" + rest + "\r\n", 503, false},
+        {"GET /v1/stream" + rest + upgrade + "other.v1\r\n\r\n", 400, false},
+        {"GET /v1/stream" + rest + upgrade + "seaway.v1\r\n\r\n", 503, false},
+        {"GET /healthz" + rest + "X: " + std::string(9000, 'x') + "\r\n\r\n", 431, false},
+        {"GET /healthz" + rest + "Content-Length: 1025\r\n\r\n", 413, false},
+        {"nonsense\r\n\r\n", 400, false}};
+    for (const auto& [request, status, goes_on] : exchanges) {
+        RawPeer peer(port());
+        peer.say(request);
+        const std::string header = peer.header();
+        EXPECT_TRUE(header.starts_with("HTTP/1.1 " + std::to_string(status))) << header;
+        EXPECT_EQ(header.find("Connection: close\r\n") == std::string::npos, goes_on)
+            << request << header;
+        peer.say("GET /healthz HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n");
+        const std::string next = peer.rest();
+        EXPECT_EQ(next.find("HTTP/1.1 200 OK") != std::string::npos, goes_on) << request << next;
+    }
+}
+
+// Of four that wait with half a request the second has waited longest, since the first had an answer.
+TEST_F(NetFlow, who_has_waited_longest_without_a_whole_request_makes_room_and_nobody_else) {
+    options.connections_max = 4;
+    options.http_deadline = std::chrono::minutes(5);
+    start();
+    std::unique_ptr<RawPeer> peers[4];
+    for (auto& peer : peers) {
+        peer = std::make_unique<RawPeer>(port());
+        peer->say("GET /healthz HTTP/1.1\r\nHost: x\r\n");
+    }
+    peers[0]->say("\r\n");
+    EXPECT_TRUE(peers[0]->header().starts_with("HTTP/1.1 200"));
+    peers[0]->say("GET /healthz HTTP/1.1\r\nHost: x\r\n");
+    EXPECT_EQ(get("/healthz").status, 200) << "the newcomer";
+    for (const int stays : {0, 2, 3, 1}) {
+        peers[stays]->say("Connection: close\r\n\r\n");
+        EXPECT_EQ(peers[stays]->rest().find("HTTP/1.1 200") != std::string::npos, stays != 1)
+            << stays;
+    }
+    EXPECT_EQ(metric("seaway_net_connections_given_up_total"), 1);
+    EXPECT_EQ(metric("seaway_net_connections_refused_total"), 0);
+}
+
+// A query behind a path is part of no path.
+TEST_F(NetFlow, every_path_is_the_same_with_a_query_behind_it) {
+    host.maps_ready = true;
+    start();
+    for (const auto& [path, status] : std::map<std::string, int>{{"/", 200},
+                                                                 {"/healthz", 200},
+                                                                 {"/metrics", 200},
+                                                                 {"/v1/state", 200},
+                                                                 {"/v1/plan", 200},
+                                                                 {"/v1/map", 200},
+                                                                 {"/v1/stream", 426},
+                                                                 {"/none", 404}})
+        for (const char* query : {"", "?", "?a=1", "?a=1&b=/v1/stream"})
+            EXPECT_EQ(get(path + query).status, status) << path << query;
+    EXPECT_EQ(get("/v1/plan?a=1", "POST").status, 405);
+    EXPECT_EQ(get("/v1/map?a=1", "POST").status, 405);
+    RawPeer peer(port());
+    peer.say("GET /v1/stream?name=x HTTP/1.1\r\nHost: x\r\nUpgrade: websocket\r\n"
+             "Connection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
+             "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"
+             "Sec-WebSocket-Protocol: seaway.v1\r\n\r\n");
+    EXPECT_TRUE(peer.header().starts_with("HTTP/1.1 101"));
+}
+
+TEST_F(NetFlow, hello_is_answered_with_every_sea_that_is_known_in_their_order) {
+    host.states = {SmallSea::state_message(4), SmallSea::state_message(9),
+                   SmallSea::state_message(6)};
+    start();
+    Client client(port());
+    ASSERT_FALSE(client.connect());
+    ASSERT_FALSE(client.send(protocol::hello("test", "")));
+    ASSERT_TRUE(client.receive(Body::Welcome));
+    for (const std::uint32_t epoch : {4u, 9u, 6u}) {
+        const wire::Message* message = client.receive();
+        ASSERT_TRUE(message && message->body_as_SeaState());
+        EXPECT_EQ(message->body_as_SeaState()->epoch(), epoch);
+    }
+}
+
+// A keyframe made for an earlier plan may lack a field. What is said to have come is what all have, and
+// nothing else is sent.
+TEST_F(NetFlow, a_fetch_brings_and_names_the_fields_that_every_keyframe_of_it_holds) {
+    const sea::FieldSet both{sea::Field::height, sea::Field::foam};
+    for (const int lacking : {0, 1}) {
+        host.lacks = {{lacking, {sea::Field::foam}}};
+        net = nullptr;
+        start();
+        const auto client = greeted();
+        const sea::TimeUs time_us = (10 + lacking) * interval_us;
+        ASSERT_FALSE(client->send(protocol::fetch(1, {&time_us, 1}, {.fields = both})));
+        int tiles = 0;
+        const wire::Message* message = client->receive();
+        for (; message && message->body_as_Tile(); message = client->receive(), ++tiles)
+            EXPECT_EQ(message->body_as_Tile()->field(), wire::Field::height);
+        EXPECT_EQ(tiles, 4) << "two keyframes of two cascades";
+        ASSERT_TRUE(message && message->body_as_FetchDone());
+        EXPECT_EQ(message->body_as_FetchDone()->keyframes(), 4u);
+        EXPECT_EQ(message->body_as_FetchDone()->fields(), sea::FieldSet{sea::Field::height}.bits())
+            << "cascade " << lacking << " lacks foam";
+    }
+}
+
+TEST(EncodeWorker, what_has_begun_is_finished_before_the_next_of_its_line) {
+    for (const bool starts : {false, true}) {
+        EncodeWorker worker;
+        const auto submit = [&](EncodeWorker::Job job) {
+            return starts ? worker.submit_start(std::move(job))
+                          : worker.submit_fetched(std::move(job));
+        };
+        std::promise<void> gate;
+        ASSERT_TRUE(submit([opened = gate.get_future().share()](server::Encoder&) {
+            opened.wait();
+            return true;
+        }));
+        std::string order; // of the encode thread, read when it has done
+        std::promise<void> done;
+        const auto slices = [&](char name, int count, bool last) {
+            return [&, name, left = count, last](server::Encoder&) mutable {
+                order += name;
+                if (--left == 0 && last)
+                    done.set_value();
+                return left == 0;
+            };
+        };
+        ASSERT_TRUE(submit(slices('a', 3, false)));
+        ASSERT_TRUE(submit(slices('b', 1, false)));
+        ASSERT_TRUE(submit(slices('c', 2, true)));
+        gate.set_value();
+        done.get_future().wait();
+        worker.stop();
+        EXPECT_EQ(order, "aaabcc") << (starts ? "starts" : "fetches");
+    }
+}
+
+} // namespace
+} // namespace seaway::tests
