@@ -2,6 +2,7 @@
 // The real net server on loopback, on a free port, over a sea that is known (wave_sea.h).
 #pragma once
 
+#include <chrono>
 #include <memory>
 #include <utility>
 
@@ -16,6 +17,8 @@ namespace seaway::tests {
 inline std::unique_ptr<server::NetServer> serve(server::Host& sea) {
     server::NetOptions options;
     options.listen = "127.0.0.1:0";
+    // A machine that is busy with other things is no reason to cut a client off.
+    options.write_timeout = options.idle_timeout = std::chrono::minutes(5);
     auto started = server::NetServer::start(options, sea);
     EXPECT_TRUE(started) << started.error().message;
     return started ? *std::move(started) : nullptr;
