@@ -107,17 +107,19 @@ TEST(Slices, a_crowd_of_fetches_holds_no_more_raw_keyframes_than_there_is_room_f
             Asker(sessions.emplace_back(std::make_shared<char>())));
     const std::size_t one = all_fields.size() * 512u * 512u * sizeof(float);
     // Questions that need no room go on meanwhile, and those that wait for it take no turns.
-    while (bench.simulation->counters().fetch_bytes + one <= fetch_raw_bytes_max)
+    while (bench.simulation->counters().fetch_bytes + one <= fetch_raw_bytes_max && ended < fetches)
         made_when_a_small_question_is_answered(bench);
     bench.settle();
     const std::uint64_t made = bench.simulation->counters().synthesis.keyframes;
     bench.settle();
     EXPECT_EQ(bench.simulation->counters().synthesis.keyframes, made) << "nothing is made ahead";
     EXPECT_LT(ended, fetches);
-    while (ended < fetches) { // as the encoder does: each is let go
+    const auto patience = std::chrono::steady_clock::now() + std::chrono::minutes(2);
+    while (ended < fetches && std::chrono::steady_clock::now() < patience) {
         const std::scoped_lock lock(mutex);
-        held.clear();
+        held.clear(); // as the encoder does: each is let go
     }
+    ASSERT_EQ(ended, fetches) << "some wait for room that nobody holds";
     held.clear();
     EXPECT_EQ(bench.simulation->counters().fetch_bytes, 0u);
     EXPECT_LE(bench.simulation->counters().fetch_bytes_most, fetch_raw_bytes_max);
