@@ -31,7 +31,8 @@ target_link_libraries(seaway_headers INTERFACE fmt::fmt)
 add_library(seaway_options INTERFACE)
 # Contraction off: the realised sea and the codec are the same bits with every compiler and level.
 # What designated initialisers leave out is zero on purpose.
-target_compile_options(seaway_options INTERFACE -ffp-contract=off -Wall -Wextra -Wpedantic -Wshadow
+target_compile_options(seaway_options INTERFACE -ffp-contract=off -Wall -Wextra -Wpedantic
+  $<$<NOT:$<BOOL:$<TARGET_PROPERTY:UNITY_BUILD>>>:-Wshadow>
   -Wnon-virtual-dtor -Wcast-align -Wold-style-cast -Woverloaded-virtual
   -Wno-missing-field-initializers -Werror=switch)
 # GCC collects garbage in what it holds while it compiles, a tenth of its time; up to 512 MB of it may lie.
@@ -66,7 +67,7 @@ set(precompile OFF)
 if(PROJECT_IS_TOP_LEVEL AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
   set(precompile ON)
 endif()
-option(SEAWAY_PRECOMPILE "Compile headers of the standard library and of GoogleTest once" ${precompile})
+option(SEAWAY_PRECOMPILE "Compile common headers once, and tests some files at a time" ${precompile})
 if(SEAWAY_PRECOMPILE)
   add_library(seaway_common_headers OBJECT ${PROJECT_SOURCE_DIR}/cmake/precompiled.cpp)
   target_link_libraries(seaway_common_headers PRIVATE seaway_headers seaway_options)

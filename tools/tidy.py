@@ -55,6 +55,15 @@ def without_precompiled(entry):
     return {**entry, "command": re.sub(r" (-Winvalid-pch|-include \S+/cmake_pch\.hxx)(?= )", "", entry["command"])}
 
 
+def each_source(entry):
+    """A line of compile_commands.json for each source: tests are compiled some at a time, by a file of CMake's
+    that includes them."""
+    if not re.search(r"/Unity/unity_\d+_cxx\.cxx$", entry["file"]):
+        return [entry]
+    included = re.findall(r'^#include "(.*)"$', pathlib.Path(entry["file"]).read_text(), re.MULTILINE)
+    return [{**entry, "file": path, "command": entry["command"].replace(entry["file"], path)} for path in included]
+
+
 def judge(build, path):
     # Not clang's own warnings: the commands are GCC's, which warns where it compiles.
     done = subprocess.run([JUDGE, "--quiet", "--extra-arg=-w", "-p", str(build), path], cwd=ROOT,
@@ -67,7 +76,8 @@ def main():
         print(f"tidy: not judged here, {JUDGE} is not installed")
         return 0
     build = pathlib.Path(sys.argv[1]).resolve()
-    entries = json.loads((build / "compile_commands.json").read_text())
+    database = json.loads((build / "compile_commands.json").read_text())
+    entries = [source for entry in database for source in each_source(entry)]
     compiled = {os.path.relpath(entry["file"], ROOT) for entry in entries}
     wanted = sorted(compiled & set(sys.argv[2:] or changed_files()))
     step = -(-len(wanted) // FILES_MAX) if len(sys.argv) == 2 and wanted else 1

@@ -18,11 +18,11 @@ using sea::Answer;
 using sea::QueryPoint;
 
 /// A server of some sea, and a client of it.
-struct Link {
+struct Served {
     std::unique_ptr<server::NetServer> net;
     std::unique_ptr<Client> client;
 
-    explicit Link(server::Host& sea, RingLimits limits = {}) : net(tests::serve(sea)) {
+    explicit Served(server::Host& sea, RingLimits limits = {}) : net(tests::serve(sea)) {
         auto connected = Client::connect({.url = net->url(), .timeout_s = 60}, {}, limits);
         EXPECT_TRUE(connected) << connected.error().message;
         client = std::move(*connected);
@@ -52,7 +52,7 @@ void expect_true_heights(const tests::WaveSea& sea, std::span<const QueryPoint> 
 TEST(HeldLimits, many_times_are_answered_truly_however_few_keyframes_the_ring_holds) {
     for (const std::size_t room : {4u, 5u, 13u}) {
         tests::WaveSea sea;
-        Link link(sea, {.keyframes_per_cascade = room});
+        Served link(sea, {.keyframes_per_cascade = room});
         const std::vector<QueryPoint> points = points_at_times(30, 1'000'000);
         expect_true_heights(sea, points, link.client->fetch_and_sample(points, 60));
     }
@@ -60,7 +60,7 @@ TEST(HeldLimits, many_times_are_answered_truly_however_few_keyframes_the_ring_ho
 
 TEST(HeldLimits, what_the_stream_brings_pushes_nothing_out_that_is_being_answered) {
     tests::WaveSea sea;
-    Link link(sea, {.keyframes_per_cascade = 4});
+    Served link(sea, {.keyframes_per_cascade = 4});
     ASSERT_TRUE(link.client->subscribe({.fields = sea::surface_fields}, 8, 60));
     std::atomic<bool> stop = false;
     std::thread publisher([&] {
@@ -79,7 +79,7 @@ TEST(HeldLimits, what_the_stream_brings_pushes_nothing_out_that_is_being_answere
 
 TEST(HeldLimits, holding_more_never_drops_what_is_asked_for_together) {
     tests::WaveSea sea;
-    Link link(sea, {.keyframes_per_cascade = 5});
+    Served link(sea, {.keyframes_per_cascade = 5});
     const sea::TimeUs first = 1'000'000, second = 2'000'000, third = 3'000'000;
     ASSERT_TRUE(link.client->hold({&first, 1}, 60));
     ASSERT_TRUE(link.client->hold({&second, 1}, 60));
@@ -91,7 +91,7 @@ TEST(HeldLimits, holding_more_never_drops_what_is_asked_for_together) {
 
 TEST(HeldLimits, holding_more_times_than_there_is_room_for_is_an_error_that_says_so) {
     tests::WaveSea sea;
-    Link link(sea, {.keyframes_per_cascade = 5});
+    Served link(sea, {.keyframes_per_cascade = 5});
     const sea::TimeUs times[] = {1'000'000, 2'000'000, 3'000'000};
     const Result<void> held = link.client->hold(times, 60);
     ASSERT_FALSE(held);
@@ -159,7 +159,7 @@ class LargeSea : public tests::WaveSea {
 
 TEST(HeldLimits, tiles_too_large_for_one_answer_are_asked_for_a_cascade_at_a_time) {
     LargeSea sea;
-    Link link(sea);
+    Served link(sea);
     const std::vector<QueryPoint> points{{0, 0, 0}, {0, 0, 1'000'000}};
     const auto answers = link.client->fetch_and_sample(points, 120);
     ASSERT_TRUE(answers) << answers.error().message;
@@ -210,7 +210,7 @@ class ChangingSea : public tests::WaveSea {
 
 TEST(HeldLimits, times_in_one_interval_on_both_sides_of_a_change_have_keyframes_of_their_own_sea) {
     ChangingSea sea;
-    Link link(sea);
+    Served link(sea);
     // Connecting waits for the sea of now; that of later is a message of its own, just behind it.
     for (int i = 0; i < 20'000 && link.client->sea_state(80'000)->epoch != sea.epoch + 1; ++i)
         std::this_thread::sleep_for(std::chrono::milliseconds(1));

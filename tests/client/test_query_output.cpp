@@ -12,6 +12,7 @@
 
 #include "client/apps/query_options.h"
 #include "client/apps/query_output.h"
+#include "tests/client/query_options_of.h"
 
 namespace seaway::client {
 namespace {
@@ -140,17 +141,9 @@ TEST(QueryOutput, every_column_of_a_measurement_holds_what_it_is_called_by) {
     }
 }
 
-std::variant<QueryOptions, int> options_of(std::vector<const char*> words) {
-    words.insert(words.begin(), "seaway-query");
-    testing::internal::CaptureStderr();
-    auto read = read_query_options(static_cast<int>(words.size()), words.data());
-    testing::internal::GetCapturedStderr();
-    return read;
-}
-
 TEST(QueryOptions, each_goes_where_it_says_and_has_its_default) {
     const auto taken = [](std::vector<const char*> words) {
-        const auto read = options_of(std::move(words));
+        const auto read = query_options_of(std::move(words));
         EXPECT_TRUE(std::holds_alternative<QueryOptions>(read));
         return std::holds_alternative<QueryOptions>(read) ? std::get<QueryOptions>(read)
                                                           : QueryOptions{};
@@ -198,15 +191,15 @@ TEST(QueryOptions, each_number_is_taken_up_to_its_limits_and_no_further) {
           {"--watch", {"1e-5", "1000"}, {"9e-6", "1000.5", "-1", "inf"}},
           {"--timeout", {"86400", "1e-3"}, {"86401", "0", "-1", "inf"}}}) {
         for (const char* value : row.within)
-            EXPECT_EQ(options_of({"ws://a:1", "--at", "1,2", row.option, value}).index(), 0u)
+            EXPECT_EQ(query_options_of({"ws://a:1", "--at", "1,2", row.option, value}).index(), 0u)
                 << row.option << ' ' << value;
         for (const char* value : row.beyond)
-            EXPECT_EQ(options_of({"ws://a:1", "--at", "1,2", row.option, value}).index(), 1u)
+            EXPECT_EQ(query_options_of({"ws://a:1", "--at", "1,2", row.option, value}).index(), 1u)
                 << row.option << ' ' << value;
     }
     for (const auto& [points, fine] :
          {std::pair("1", true), {"1000000", true}, {"0", false}, {"1000001", false}})
-        EXPECT_EQ(options_of({"ws://a:1", "--bench", points}).index() == 0, fine) << points;
+        EXPECT_EQ(query_options_of({"ws://a:1", "--bench", points}).index() == 0, fine) << points;
     for (const auto& [place, fine] : {std::pair("1e9,-1e9", true),
                                       {"-1e9,1e9", true},
                                       {"1.1e9,0", false},

@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "client/apps/query_output.h"
+#include "tests/client/query_options_of.h"
 #include "tests/client/wave_server.h"
 
 namespace seaway::client {
@@ -51,14 +52,9 @@ TEST(Points, a_wrong_row_is_named_by_file_line_and_value) {
     }
 }
 
-std::variant<QueryOptions, int> options_of(std::vector<const char*> arguments) {
-    arguments.insert(arguments.begin(), "seaway-query");
-    return read_query_options(static_cast<int>(arguments.size()), arguments.data());
-}
-
 TEST(Options, of_a_full_command_line) {
-    const auto read = options_of({"ws://a:1", "--at", "-1,2", "-.5,-3", "--at=4,5", "--time",
-                                  "-12.5", "--exact", "--format", "csv", "--watch", "10"});
+    const auto read = query_options_of({"ws://a:1", "--at", "-1,2", "-.5,-3", "--at=4,5", "--time",
+                                        "-12.5", "--exact", "--format", "csv", "--watch", "10"});
     ASSERT_TRUE(std::holds_alternative<QueryOptions>(read));
     const auto& options = std::get<QueryOptions>(read);
     ASSERT_EQ(options.at.size(), 3u);
@@ -72,7 +68,7 @@ TEST(Options, of_a_full_command_line) {
 }
 
 TEST(Options, the_address_may_follow_the_points) {
-    const auto read = options_of({"--at", "1,2", "ws://a:1"});
+    const auto read = query_options_of({"--at", "1,2", "ws://a:1"});
     ASSERT_TRUE(std::holds_alternative<QueryOptions>(read));
     EXPECT_EQ(std::get<QueryOptions>(read).url, "ws://a:1");
     EXPECT_FALSE(std::get<QueryOptions>(read).time_s) << "now";
@@ -98,7 +94,7 @@ TEST(Options, that_make_no_sense_are_exit_code_2) {
                                               {"ws://a:1", "--at", "1,2", "--timeout", "nan"},
                                               {"ws://a:1", "--at", "1,2", "--bogus"}};
     for (const auto& arguments : wrong) {
-        const auto read = options_of(arguments);
+        const auto read = query_options_of(arguments);
         ASSERT_TRUE(std::holds_alternative<int>(read)) << arguments.back();
         EXPECT_EQ(std::get<int>(read), exit_usage);
     }

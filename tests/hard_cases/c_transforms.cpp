@@ -46,7 +46,7 @@ TEST(HardCase, C1_transforms_of_every_size_are_as_good_as_rounding_allows) {
         modes.spec.size = size;
         const auto refused = sea::NativeTransform::create(modes, {});
         ASSERT_FALSE(refused) << size;
-        EXPECT_THAT(refused.error().message, testing::HasSubstr(std::to_string(size)));
+        EXPECT_THAT(refused.error().message, ::testing::HasSubstr(std::to_string(size)));
     }
 }
 
@@ -70,7 +70,7 @@ TEST(HardCase, C2_a_wave_of_three_steps_east_and_one_north_runs_so_and_oblong_ti
     const auto oblong =
         sea::parse_scene("[sea]\n[[cascade]]\nlength_m = [100, 50]\nsize = 64", "s", "");
     ASSERT_FALSE(oblong);
-    EXPECT_THAT(oblong.error().message, testing::HasSubstr("tiles are square"));
+    EXPECT_THAT(oblong.error().message, ::testing::HasSubstr("tiles are square"));
 }
 
 TEST(HardCase, C3_a_wave_of_one_metre_is_one_metre_high) {

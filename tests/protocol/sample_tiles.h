@@ -10,7 +10,7 @@
 #include <random>
 #include <vector>
 
-namespace seaway::tests {
+namespace seaway::protocol::tests {
 
 struct SampleBand {
     double length_m;
@@ -94,4 +94,4 @@ inline std::vector<float> sample_map(const SampleBand& band, int size, double wi
     return out;
 }
 
-} // namespace seaway::tests
+} // namespace seaway::protocol::tests

@@ -74,4 +74,12 @@ inline double energy_of(const sea::CascadeModes& modes) {
     return sum;
 }
 
+/// Significant height of the realised sea, 4 sqrt(m0).
+inline double hs_of(const sea::RealizationPtr& sea) {
+    double sum = 0.0;
+    for (const sea::CascadeModes& modes : sea->cascades)
+        sum += energy_of(modes);
+    return 4.0 * std::sqrt(sum);
+}
+
 } // namespace seaway::testing

@@ -67,6 +67,12 @@ inline sea::RealizationPtr make_sea(std::vector<sea::CascadeModes> cascades,
         sea::Realization{std::move(cascades), choppiness, 0});
 }
 
+/// Random waves in a tile of 300 m and in one of 41 m.
+inline sea::RealizationPtr two_cascades() {
+    return make_sea({random_cascade(300.0, 64, 12, 300, 0.004, 11),
+                     random_cascade(41.0, 64, 15, 300, 0.004, 12)});
+}
+
 /// The surface fields of one cascade at one time, by direct sum in double precision.
 inline sea::KeyframePtr exact_keyframe(const sea::RealizationPtr& sea, int cascade,
                                        sea::TimeUs time_us) {

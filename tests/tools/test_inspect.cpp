@@ -12,6 +12,7 @@
 #include "sea/scene/scene_names.h"
 #include "sea/waves/statistics/moments.h"
 #include "tests/sea/csv.h"
+#include "tests/tools/inspect_json.h"
 #include "tests/tools/program.h"
 
 namespace seaway {
@@ -20,17 +21,11 @@ namespace {
 using nlohmann::json;
 using testing::folder;
 using testing::Output;
+using testing::report_of;
 using testing::run_program;
 using testing::Table;
 
 const std::string gale = std::string(SEAWAY_SOURCE_DIR) + "/scenes/north_sea_gale.toml";
-
-json report_of(const std::string& scene) {
-    const Output output = run_program("seaway-inspect", scene + " --format json");
-    EXPECT_EQ(output.status, 0) << output.err;
-    EXPECT_EQ(output.err, "");
-    return json::parse(output.out, nullptr, false);
-}
 
 /// S(w) as the program prints it.
 double density_of(const std::string& scene, double omega) {

@@ -21,7 +21,7 @@ namespace {
 using plot::Color;
 using testing::folder;
 
-constexpr double two_pi = 2 * std::numbers::pi;
+using sea::two_pi;
 
 struct Pixels {
     int width = 0, height = 0;

@@ -25,7 +25,7 @@ using testing::folder;
 using testing::Output;
 using testing::run_program;
 
-constexpr Real two_pi = 2.0L * std::numbers::pi_v<Real>;
+constexpr Real turn_rad = 2.0L * std::numbers::pi_v<Real>;
 
 const char* const two_swells = R"([sea]
 seed = 7
@@ -100,8 +100,8 @@ class LongSum {
                     continue;
                 const int nx = sea::signed_index(i % n, n);
                 const int ny = sea::signed_index(i / n, n);
-                const Real kx = two_pi * nx / length;
-                const Real ky = two_pi * ny / length;
+                const Real kx = turn_rad * nx / length;
+                const Real ky = turn_rad * ny / length;
                 const Real k = std::hypot(kx, ky);
                 // Water moves coth(kd) times as far sideways.
                 const Real d = k * std::tanh(k * static_cast<Real>(scene_.sea.depth_m));
@@ -110,7 +110,7 @@ class LongSum {
                                    ny * std::fmod(y, length) / length -
                                    turns_in_time(tile, i, k, time_us);
                 const Complex e =
-                    2.0L * h0 * std::polar(1.0L, two_pi * std::remainder(turns, 1.0L));
+                    2.0L * h0 * std::polar(1.0L, turn_rad * std::remainder(turns, 1.0L));
                 const Complex rate = Complex(0, -omega(tile, i, k)) * e;
                 const Complex i_unit(0, 1);
                 p.eta += e.real();
@@ -147,7 +147,7 @@ class LongSum {
   private:
     Real omega(const sea::CascadeModes& tile, int i, Real k) const {
         if (frequencies_ == Frequencies::stored)
-            return static_cast<Real>(tile.rate[static_cast<std::size_t>(i)]) * 0x1p-64L * two_pi *
+            return static_cast<Real>(tile.rate[static_cast<std::size_t>(i)]) * 0x1p-64L * turn_rad *
                    1e6L;
         const Real g = scene_.sea.gravity_mps2;
         return std::sqrt((g * k + 7.4e-5L * k * k * k) *
@@ -155,7 +155,7 @@ class LongSum {
     }
     Real turns_in_time(const sea::CascadeModes& tile, int i, Real k, std::int64_t time_us) const {
         if (frequencies_ == Frequencies::from_dispersion)
-            return omega(tile, i, k) * static_cast<Real>(time_us) / 1e6L / two_pi;
+            return omega(tile, i, k) * static_cast<Real>(time_us) / 1e6L / turn_rad;
         // Whole turns drop out of the product modulo 2^64.
         const std::uint64_t product =
             tile.rate[static_cast<std::size_t>(i)] * static_cast<std::uint64_t>(time_us);
@@ -242,10 +242,10 @@ TEST(InspectPoints, explicit_waves_are_the_cosines_that_their_file_names) {
         const auto& n = row.numbers;
         Real eta = 0;
         for (const auto& [nx, ny, amplitude, phase] : waves) {
-            const Real k = two_pi / 512 * std::hypot(nx, ny);
+            const Real k = turn_rad / 512 * std::hypot(nx, ny);
             const Real omega = std::sqrt((9.81L * k + 7.4e-5L * k * k * k) * std::tanh(k * 20));
             eta += amplitude *
-                   std::cos(two_pi / 512 *
+                   std::cos(turn_rad / 512 *
                                 (nx * static_cast<Real>(n[0]) + ny * static_cast<Real>(n[1])) -
                             omega * static_cast<Real>(n[2]) + phase);
         }

@@ -17,6 +17,7 @@
 #include "sea/scene/scene_warnings.h"
 #include "sea/surface/budget/error_budget.h"
 #include "sea/waves/statistics/moments.h"
+#include "tests/tools/inspect_json.h"
 #include "tests/tools/program.h"
 
 namespace seaway {
@@ -25,6 +26,7 @@ namespace {
 using nlohmann::json;
 using testing::folder;
 using testing::Output;
+using testing::report_of;
 using testing::run_program;
 
 constexpr double degrees = 180.0 / sea::pi;
@@ -260,12 +262,6 @@ void expect_no_two_equal(const json& report) {
     std::sort(figures.begin(), figures.end());
     const auto same = std::adjacent_find(figures.begin(), figures.end());
     EXPECT_TRUE(same == figures.end()) << *same << " stands twice: one can be told as the other";
-}
-
-json report_of(const std::string& path) {
-    const Output output = run_program("seaway-inspect", path + " --format json");
-    EXPECT_EQ(output.status, 0) << output.err;
-    return json::parse(output.out, nullptr, false);
 }
 
 TEST(InspectReport, every_figure_of_the_json_is_the_one_of_its_name) {

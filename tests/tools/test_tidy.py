@@ -3,6 +3,7 @@
 tests them, too."""
 import pathlib
 import sys
+import tempfile
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "tools"))
@@ -59,6 +60,20 @@ class CompileCommands(unittest.TestCase):
         entry = {"file": "/s/a.cpp", "command": "c++ -O1 -Winvalid-pch -include /b/cmake_pch.hxx -o a.o -c /s/a.cpp"}
         self.assertEqual(tidy.without_precompiled(entry)["command"], "c++ -O1 -o a.o -c /s/a.cpp")
         self.assertEqual(tidy.without_precompiled(entry)["file"], "/s/a.cpp")
+
+    def test_name_each_source_of_those_that_are_compiled_together(self):
+        with tempfile.TemporaryDirectory() as folder:
+            together = pathlib.Path(folder) / "Unity" / "unity_0_cxx.cxx"
+            together.parent.mkdir()
+            together.write_text('/* generated */\n\n#include "/s/a.cpp"\n\n#include "/s/b.cpp"\n')
+            entry = {"directory": "/b", "file": str(together), "command": f"c++ -O1 -o u.o -c {together}"}
+            self.assertEqual(tidy.each_source(entry), [
+                {"directory": "/b", "file": "/s/a.cpp", "command": "c++ -O1 -o u.o -c /s/a.cpp"},
+                {"directory": "/b", "file": "/s/b.cpp", "command": "c++ -O1 -o u.o -c /s/b.cpp"}])
+
+    def test_are_left_alone_where_a_source_is_compiled_alone(self):
+        entry = {"file": "/s/a.cpp", "command": "c++ -c /s/a.cpp"}
+        self.assertEqual(tidy.each_source(entry), [entry])
 
 
 if __name__ == "__main__":

@@ -4,11 +4,11 @@
 #pragma once
 
 #include <cmath>
-#include <numbers>
 
 #include <gtest/gtest.h>
 
 #include "client/view/renderer.h"
+#include "sea/basics/constants.h"
 #include "sea/scene/scene.h"
 #include "tests/client/view/small_seas.h"
 #include "tests/client/view/synthetic_sea.h"
@@ -16,7 +16,7 @@
 
 namespace seaway::client {
 
-inline constexpr double pi = std::numbers::pi;
+using sea::pi;
 
 class RendererTest : public gpu::DeviceTest {
   protected:

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
-#include <numbers>
 
 #include <gtest/gtest.h>
 
 #include "client/view/mesh.h"
+#include "sea/basics/constants.h"
 
 namespace seaway::client {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using sea::pi;
 
 /// Picture row of a local point, 0 .. height.
 double row_of(const Camera& camera, const glm::dvec3& local) {

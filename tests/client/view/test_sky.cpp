@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
-#include <numbers>
 
 #include <gtest/gtest.h>
 
 #include "client/view/sky.h"
+#include "sea/basics/constants.h"
 
 namespace seaway::client {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using sea::pi;
 
 TEST(Sky, the_sun_rises_in_the_east_and_stands_45_degrees_high_in_the_south_at_noon) {
     EXPECT_NEAR(sun_direction(6).x, 1, 1e-12);

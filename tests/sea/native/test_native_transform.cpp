@@ -6,9 +6,9 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/sea/native/random_modes.h"
-
 #include "tests/sea/native/double_sum.h"
+#include "tests/sea/native/every_transform.h"
+#include "tests/sea/native/random_modes.h"
 
 namespace seaway::sea {
 namespace {
@@ -49,12 +49,7 @@ double worst_error(std::span<const float> map, std::span<const double> truth, st
 // such errors is five times their rms: 1.5e-6 rms, 4e-7 of 4 rms. The bound leaves a factor of two.
 constexpr double tolerance = 1e-6;
 
-struct Case {
-    Instructions instructions;
-    int size;
-};
-
-class EverySize : public testing::TestWithParam<Case> {};
+class EverySize : public testing::TestWithParam<TransformCase> {};
 
 TEST_P(EverySize, fields_equal_the_double_sum) {
     const auto [instructions, size] = GetParam();
@@ -73,20 +68,7 @@ TEST_P(EverySize, fields_equal_the_double_sum) {
     }
 }
 
-std::vector<Case> every_size() {
-    std::vector<Case> cases;
-    for (Instructions instructions : supported_instructions())
-        for (int size = NativeTransform::smallest_size; size <= NativeTransform::largest_size;
-             size *= 2)
-            cases.push_back({instructions, size});
-    return cases;
-}
-
-INSTANTIATE_TEST_SUITE_P(Native, EverySize, testing::ValuesIn(every_size()), [](const auto& test) {
-    std::string name(seaway::name(test.param.instructions));
-    std::erase(name, '-');
-    return name + "_" + std::to_string(test.param.size);
-});
+INSTANTIATE_TEST_SUITE_P(Native, EverySize, testing::ValuesIn(every_transform()), name_of);
 
 TEST(NativeTransform, phases_are_as_good_after_thirty_years_as_at_the_start) {
     const CascadeModes modes = random_modes(64, 64, 2);

@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/sea/native/every_transform.h"
 #include "tests/sea/native/random_modes.h"
 
 namespace seaway::sea {
@@ -42,11 +43,7 @@ struct Wave {
     void take(CascadeModes& modes) const { modes.h0[index(modes.spec.size)] = 0; }
 };
 
-struct Case {
-    Instructions instructions;
-    int size;
-};
-class OneWave : public testing::TestWithParam<Case> {};
+class OneWave : public testing::TestWithParam<TransformCase> {};
 
 /// kx at both edges of every block of columns. Blocks are 4, 8 or 16 wide: the small sizes are cut at
 /// every 4, which is the edge of all; the large ones at every 16, and at 4 and 8 at either end.
@@ -142,20 +139,7 @@ TEST_P(OneWave, on_nyquist_is_taken_as_zero_as_the_header_says) {
     }
 }
 
-std::vector<Case> every_size() {
-    std::vector<Case> cases;
-    for (Instructions instructions : supported_instructions())
-        for (int size = NativeTransform::smallest_size; size <= NativeTransform::largest_size;
-             size *= 2)
-            cases.push_back({instructions, size});
-    return cases;
-}
-
-INSTANTIATE_TEST_SUITE_P(Native, OneWave, testing::ValuesIn(every_size()), [](const auto& test) {
-    std::string name(seaway::name(test.param.instructions));
-    std::erase(name, '-');
-    return name + "_" + std::to_string(test.param.size);
-});
+INSTANTIATE_TEST_SUITE_P(Native, OneWave, testing::ValuesIn(every_transform()), name_of);
 
 } // namespace
 } // namespace seaway::sea

@@ -11,6 +11,7 @@
 #include "sea/scene/scene_names.h"
 #include "sea/waves/directional_spectrum.h"
 #include "sea/waves/statistics/moments.h"
+#include "tests/sea/scene_of.h"
 #include "tests/sea/warnings_of.h"
 
 namespace seaway::sea {
@@ -18,6 +19,7 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::Contains;
+using testing::error_of;
 using ::testing::HasSubstr;
 
 const std::string wind_system = R"(
@@ -28,11 +30,6 @@ wind_speed_10m_mps = 10
 from_deg = 225
 fetch_m = 100e3
 )";
-
-std::string error_of(const std::string& text) {
-    const Result<Scene> scene = parse_scene(text, "s.toml", "");
-    return scene ? "no error" : scene.error().message;
-}
 
 TEST(Scene, the_example_of_the_design_reads_as_it_says) {
     const Result<Scene> scene =

@@ -7,16 +7,13 @@
 #include <gmock/gmock.h>
 
 #include "sea/scene/scene.h"
+#include "tests/sea/scene_of.h"
 
 namespace seaway::sea {
 namespace {
 
+using testing::error_of;
 using ::testing::HasSubstr;
-
-std::string error_of(const std::string& text) {
-    const Result<Scene> scene = parse_scene(text, "s.toml", "");
-    return scene ? "no error" : scene.error().message;
-}
 
 // Strings of three quotes may end with one or two more that belong to them.
 TEST(Scene, bytes_beyond_ascii_are_allowed_in_strings_however_these_end) {

@@ -21,6 +21,7 @@ namespace {
 
 using testing::energy_of;
 using ::testing::HasSubstr;
+using testing::hs_of;
 using testing::realized;
 using testing::swell_sea;
 using testing::three_cascades;
@@ -30,13 +31,6 @@ SeaState wind_sea(double wind_mps) {
     SeaState state = windy_sea();
     std::get<WindSea>(state.systems[0]).wind_speed_10m_mps = wind_mps;
     return state;
-}
-
-double hs(const RealizationPtr& sea) {
-    double sum = 0.0;
-    for (const CascadeModes& modes : sea->cascades)
-        sum += energy_of(modes);
-    return 4.0 * std::sqrt(sum);
 }
 
 // Naive: tanh's fit of the depth factor gives 0.018 in place of 5e-5, and Hs above the depth.
@@ -63,7 +57,7 @@ TEST(HardCase, A8_frequencies_are_finite_at_every_depth_and_wave) {
 
 // Naive: omega^5 overflows at a peak of 1e7 rad/m.
 TEST(HardCase, A10_a_breath_of_wind_raises_less_than_a_micrometre_and_grows_steadily) {
-    EXPECT_LT(hs(realized(wind_sea(1e-3), three_cascades)), 1e-6);
+    EXPECT_LT(hs_of(realized(wind_sea(1e-3), three_cascades)), 1e-6);
     double last = -1.0;
     for (double wind = 1e-6; wind <= 1.0; wind *= 2.0) {
         const double height = 4.0 * std::sqrt(requested_variance(wind_sea(wind), 0.0, 1e30));
@@ -320,7 +314,7 @@ TEST(HardCase, I6_depth_is_positive_and_the_sea_continuous_in_it) {
     deeper.depth_m *= 1.001;
     const double a = DirectSum(realized(windy_sea(), three_cascades)).at(1, 2, 10'000'000).height;
     const double b = DirectSum(realized(deeper, three_cascades)).at(1, 2, 10'000'000).height;
-    EXPECT_NEAR(a, b, 0.01 * hs(realized(deeper, three_cascades)));
+    EXPECT_NEAR(a, b, 0.01 * hs_of(realized(deeper, three_cascades)));
 }
 
 // Naive: a 3 % tolerance on one tile fails 60 % of correct seeds.

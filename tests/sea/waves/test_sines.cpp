@@ -16,6 +16,7 @@
 #include "sea/waves/reference.h"
 #include "sea/waves/statistics/moments.h"
 #include "sea/waves/transition.h"
+#include "tests/sea/scene_of.h"
 #include "tests/sea/warnings_of.h"
 #include "tests/support/explicit_sea.h"
 
@@ -25,17 +26,13 @@ namespace {
 using ::testing::Contains;
 using ::testing::HasSubstr;
 
-Scene scene_of(const std::string& system, const std::string& sea_keys = "") {
-    Result<Scene> scene = parse_scene(
-        "[sea]\nseed = 3\n" + sea_keys + "[[sea.system]]\ntype = \"sines\"\n" + system, "s", "");
-    EXPECT_TRUE(scene) << (scene ? "" : scene.error().message);
-    return scene ? *scene : Scene{};
+Scene scene_of_sines(const std::string& system, const std::string& sea_keys = "") {
+    return testing::scene_of("[sea]\nseed = 3\n" + sea_keys + "[[sea.system]]\ntype = \"sines\"\n" +
+                             system);
 }
 
-std::string error_of(const std::string& system) {
-    const Result<Scene> scene =
-        parse_scene("[sea]\n[[sea.system]]\ntype = \"sines\"\n" + system, "s", "");
-    return scene ? "no error" : scene.error().message;
+std::string error_of_sines(const std::string& system) {
+    return testing::error_of("[sea]\n[[sea.system]]\ntype = \"sines\"\n" + system);
 }
 
 RealizationPtr sea_of(const Scene& scene) {
@@ -59,8 +56,8 @@ const SineField& field_of(const Realization& sea) {
 const std::string six_waves = "from_deg = 200\ncount = 6\nlength_m = 256\namplitude_m = 2\n";
 
 TEST(Sines, a_sine_has_the_height_of_a_gerstner_wave_and_moves_nothing_sideways) {
-    const DirectSum sine(sea_of(scene_of("shape = \"sine\"\n" + six_waves)));
-    const DirectSum gerstner(sea_of(scene_of("shape = \"gerstner\"\n" + six_waves)));
+    const DirectSum sine(sea_of(scene_of_sines("shape = \"sine\"\n" + six_waves)));
+    const DirectSum gerstner(sea_of(scene_of_sines("shape = \"gerstner\"\n" + six_waves)));
     double sideways = 0.0;
     for (int i = 0; i < 30; ++i) {
         const TimeUs t = us_from_seconds(1.7 * i);
@@ -80,9 +77,10 @@ TEST(Sines, a_sine_has_the_height_of_a_gerstner_wave_and_moves_nothing_sideways)
 
 /// Of a ramp on a tile so long that snapping to its lattice changes little.
 std::vector<SineWave> long_ramp(const std::string& keys) {
-    const Scene scene = scene_of("shape = \"sine\"\nlength_m = 10000\nfrom_deg = 270\nnormalise = "
-                                 "false\ncount = 5\nwavelength_m = 200\namplitude_m = 2\n" +
-                                 keys);
+    const Scene scene =
+        scene_of_sines("shape = \"sine\"\nlength_m = 10000\nfrom_deg = 270\nnormalise = "
+                       "false\ncount = 5\nwavelength_m = 200\namplitude_m = 2\n" +
+                       keys);
     return sine_waves(ramps_of(scene), 3, 0, Dispersion{});
 }
 
@@ -112,17 +110,17 @@ TEST(Sines, every_ramp_has_its_effect_and_no_other) {
         widest = std::max(widest, std::abs(angle(spread[at])));
     }
     EXPECT_GT(widest, 0.2);
-    EXPECT_THAT(error_of("shape = \"gerstner\"\nspeed_ratio = 1.1\n" + six_waves),
+    EXPECT_THAT(error_of_sines("shape = \"gerstner\"\nspeed_ratio = 1.1\n" + six_waves),
                 HasSubstr("gerstner waves have the speed of their wavelength"));
-    EXPECT_THAT(error_of("shape = \"sine\"\ndrag = 0.1\n" + six_waves),
+    EXPECT_THAT(error_of_sines("shape = \"sine\"\ndrag = 0.1\n" + six_waves),
                 HasSubstr("drag: only for shape = \"exponential\""));
 }
 
 TEST(Sines, a_list_is_what_it_says_in_metres_degrees_and_metres_a_second) {
     // Both fit the tile of 400 m exactly: 8 waves towards east, 5 towards north.
-    const Scene scene = scene_of("shape = \"sine\"\nlength_m = 400\ndata = '''\n"
-                                 "wavelength_m,amplitude_m,from_deg,phase_rad,speed_mps\n"
-                                 "50,1.5,270,0.4,3\n80,0.5,180,-1,12\n'''\n");
+    const Scene scene = scene_of_sines("shape = \"sine\"\nlength_m = 400\ndata = '''\n"
+                                       "wavelength_m,amplitude_m,from_deg,phase_rad,speed_mps\n"
+                                       "50,1.5,270,0.4,3\n80,0.5,180,-1,12\n'''\n");
     const DirectSum sum(sea_of(scene));
     for (const double t : {0.0, 7.5}) {
         const double x = 33.0, y = -12.0;
@@ -134,45 +132,48 @@ TEST(Sines, a_list_is_what_it_says_in_metres_degrees_and_metres_a_second) {
     // Without speeds: the speed of the wavelength; a gerstner wave moves sideways.
     const std::string plain = "length_m = 400\ndata = '''\n"
                               "wavelength_m,amplitude_m,from_deg,phase_rad\n50,1.5,270,0.4\n'''\n";
-    const DirectSum gerstner(sea_of(scene_of("shape = \"gerstner\"\n" + plain)));
+    const DirectSum gerstner(sea_of(scene_of_sines("shape = \"gerstner\"\n" + plain)));
     const double omega = Dispersion{}.omega(two_pi / 50);
     EXPECT_NEAR(gerstner.at(10, 0, us_from_seconds(2)).height,
                 1.5 * std::cos(two_pi / 50 * 10 - 2 * omega + 0.4), 1e-9);
     EXPECT_NEAR(gerstner.at(10, 0, us_from_seconds(2)).displacement_x,
                 -1.5 * std::sin(two_pi / 50 * 10 - 2 * omega + 0.4), 1e-9);
     // The crest of an exponential one stands where the cosine's stands.
-    const DirectSum sharp(sea_of(scene_of("shape = \"exponential\"\nsharpness = 3\n" + plain)));
+    const DirectSum sharp(
+        sea_of(scene_of_sines("shape = \"exponential\"\nsharpness = 3\n" + plain)));
     EXPECT_NEAR(sharp.at(-0.4 * 50 / two_pi, 0, 0).height, 1.5 * (1.0 - exponential_sine(3.0).mean),
                 1e-9);
     // 70 m does not fit 400 m: 6 waves of 66.7 m stand for it.
-    const Scene off = scene_of("length_m = 400\ndata = '''\n"
-                               "wavelength_m,amplitude_m,from_deg,phase_rad\n74,1,270,0\n'''\n");
+    const Scene off =
+        scene_of_sines("length_m = 400\ndata = '''\n"
+                       "wavelength_m,amplitude_m,from_deg,phase_rad\n74,1,270,0\n'''\n");
     EXPECT_THAT(testing::warnings_of(off), Contains(HasSubstr("changed by up to 8 % in length")));
     // Half a degree to either side of a wave that fits, whichever way it runs: no more than that.
     for (const double from_deg : {89.5, 90.5, 179.5, 180.5, 269.5, 270.5, 359.5, 0.5})
-        EXPECT_THAT(testing::warnings_of(scene_of(fmt::format(
+        EXPECT_THAT(testing::warnings_of(scene_of_sines(fmt::format(
                         "length_m = 400\ndata = '''\nwavelength_m,amplitude_m,from_deg,phase_rad\n"
                         "20,1,{},0\n'''\n",
                         from_deg))),
                     ::testing::Not(Contains(HasSubstr("changed by"))))
             << from_deg;
-    EXPECT_THAT(error_of("shape = \"noise\"\n" + plain), HasSubstr("noise has ramps only"));
-    EXPECT_THAT(error_of("count = 3\n" + plain), HasSubstr("count: belongs to ramps"));
-    EXPECT_THAT(error_of("length_m = 400\ndata = '''\n50,1.5,270,0.4\n'''\n"),
+    EXPECT_THAT(error_of_sines("shape = \"noise\"\n" + plain), HasSubstr("noise has ramps only"));
+    EXPECT_THAT(error_of_sines("count = 3\n" + plain), HasSubstr("count: belongs to ramps"));
+    EXPECT_THAT(error_of_sines("length_m = 400\ndata = '''\n50,1.5,270,0.4\n'''\n"),
                 HasSubstr("data:1: no header"));
-    EXPECT_THAT(error_of("shape = \"gerstner\"\nlength_m = 400\ndata = '''\nwavelength_m,"
-                         "amplitude_m,from_deg,phase_rad,speed_mps\n50,1,0,0,2\n'''\n"),
+    EXPECT_THAT(error_of_sines("shape = \"gerstner\"\nlength_m = 400\ndata = '''\nwavelength_m,"
+                               "amplitude_m,from_deg,phase_rad,speed_mps\n50,1,0,0,2\n'''\n"),
                 HasSubstr("speed_mps"));
-    EXPECT_THAT(error_of("length_m = 400\ndata = '''\nwavelength_m,amplitude_m,from_deg,phase_rad\n"
-                         "50,101,0,0\n'''\n"),
-                HasSubstr("amplitude_m = 101; allowed: 0 .. 100"));
+    EXPECT_THAT(
+        error_of_sines("length_m = 400\ndata = '''\nwavelength_m,amplitude_m,from_deg,phase_rad\n"
+                       "50,101,0,0\n'''\n"),
+        HasSubstr("amplitude_m = 101; allowed: 0 .. 100"));
 }
 
 const std::string noise = "shape = \"noise\"\nfrom_deg = 250\nlength_m = 200\nwavelength_m = 50\n"
                           "count = 3\namplitude_m = 1.5\n";
 
 TEST(Noise, has_exact_derivatives_mean_zero_and_repeats_with_its_tile) {
-    const DirectSum sum(sea_of(scene_of(noise)));
+    const DirectSum sum(sea_of(scene_of_sines(noise)));
     const double h = 1e-4;
     for (int i = 0; i < 60; ++i) {
         const double x = 2.33 * i, y = 1.17 * i * i;
@@ -191,7 +192,7 @@ TEST(Noise, has_exact_derivatives_mean_zero_and_repeats_with_its_tile) {
 }
 
 TEST(Noise, level_variance_and_slopes_are_what_the_summary_says) {
-    const Scene scene = scene_of(noise);
+    const Scene scene = scene_of_sines(noise);
     const RealizationPtr sea = sea_of(scene);
     const SineField& field = field_of(*sea);
     ASSERT_EQ(field.octaves.size(), 3u);
@@ -229,8 +230,8 @@ TEST(Noise, level_variance_and_slopes_are_what_the_summary_says) {
 
 TEST(Noise, drifts_at_the_speed_of_its_wavelength_times_the_ramp) {
     const Scene scene =
-        scene_of("shape = \"noise\"\nfrom_deg = 270\nlength_m = 200\nwavelength_m = "
-                 "50\ncount = 2\nspeed_ratio = 1.4\ndirection_spread_deg = 0\n");
+        scene_of_sines("shape = \"noise\"\nfrom_deg = 270\nlength_m = 200\nwavelength_m = "
+                       "50\ncount = 2\nspeed_ratio = 1.4\ndirection_spread_deg = 0\n");
     const SineField field = field_of(*sea_of(scene));
     const Dispersion d;
     EXPECT_NEAR(field.octaves[0].speed_x_mps, d.omega(two_pi / 50) / (two_pi / 50), 1e-6);
@@ -247,7 +248,7 @@ TEST(Noise, too_slow_for_its_loop_it_drifts_by_one_tile_the_way_that_it_was_give
     for (const auto& [from_deg, towards] :
          {std::pair{270, "east"}, {90, "west"}, {180, "north"}, {0, "south"}}) {
         // 8.8 m/s for 2 s are a tenth of the tile.
-        const Scene scene = scene_of(
+        const Scene scene = scene_of_sines(
             fmt::format("shape = \"noise\"\nfrom_deg = {}\nlength_m = 200\nwavelength_m = 50\n"
                         "count = 1\ndirection_spread_deg = 0\n",
                         from_deg),
@@ -262,13 +263,13 @@ TEST(Noise, too_slow_for_its_loop_it_drifts_by_one_tile_the_way_that_it_was_give
 }
 
 TEST(Noise, closes_a_loop_and_glides_without_a_jump) {
-    const Scene scene = scene_of(noise, "loop_period_s = 40\n");
+    const Scene scene = scene_of_sines(noise, "loop_period_s = 40\n");
     const RealizationPtr sea = sea_of(scene);
     const DirectSum sum(sea);
     EXPECT_NEAR(sum.at(3, 4, us_from_seconds(39.999999)).height, sum.at(3, 4, 0).height, 1e-4);
     EXPECT_NE(sum.at(3, 4, us_from_seconds(20)).height, sum.at(3, 4, 0).height);
     // Another depth, so another speed: at the change the pattern stands where it stood.
-    const Scene deep = scene_of(noise), shallow = scene_of(noise, "depth_m = 4\n");
+    const Scene deep = scene_of_sines(noise), shallow = scene_of_sines(noise, "depth_m = 4\n");
     const TimeUs start = us_from_seconds(1000), end = us_from_seconds(1010);
     const auto glide = SeaTransition::create(sea_of(deep), sea_of(shallow), start, end);
     ASSERT_TRUE(glide);
@@ -286,8 +287,8 @@ TEST(Noise, closes_a_loop_and_glides_without_a_jump) {
 TEST(Sines, gerstner_waves_close_their_loop_and_without_one_do_not) {
     const std::string waves =
         "shape = \"gerstner\"\nfrom_deg = 270\ncount = 6\namplitude_m = 2\nlength_m = 256\n";
-    const DirectSum looped(sea_of(scene_of(waves, "loop_period_s = 30\n")));
-    const DirectSum endless(sea_of(scene_of(waves)));
+    const DirectSum looped(sea_of(scene_of_sines(waves, "loop_period_s = 30\n")));
+    const DirectSum endless(sea_of(scene_of_sines(waves)));
     const auto far_m = [](const DirectSum& sum, TimeUs t) {
         double far = 0.0;
         for (int i = 0; i < 20; ++i) {
@@ -312,8 +313,8 @@ TEST(Sines, glide_from_loop_to_loop_of_another_length_without_a_jump) {
         const std::string waves =
             "shape = \"" + shape +
             "\"\nfrom_deg = 200\ncount = 3\nlength_m = 256\namplitude_m = 2\n";
-        const RealizationPtr from = sea_of(scene_of(waves, "loop_period_s = 10\n"));
-        const RealizationPtr to = sea_of(scene_of(waves, "loop_period_s = 13\n"));
+        const RealizationPtr from = sea_of(scene_of_sines(waves, "loop_period_s = 10\n"));
+        const RealizationPtr to = sea_of(scene_of_sines(waves, "loop_period_s = 13\n"));
         // 2 s into the hundredth loop of one, 1 s into the 77th of the other.
         const TimeUs start = us_from_seconds(1002), end = us_from_seconds(1010);
         const auto glide = SeaTransition::create(from, to, start, end);
@@ -328,7 +329,7 @@ TEST(Sines, glide_from_loop_to_loop_of_another_length_without_a_jump) {
 
 TEST(Sines, keyframes_of_every_shape_are_the_sum_at_their_nodes) {
     for (const char* shape : {"sine", "exponential", "noise"}) {
-        const RealizationPtr sea = sea_of(scene_of(fmt::format(
+        const RealizationPtr sea = sea_of(scene_of_sines(fmt::format(
             "shape = \"{}\"\nfrom_deg = 40\nlength_m = 128\nwavelength_m = 40\ncount = 3\n",
             shape)));
         const SineField& field = field_of(*sea);
@@ -353,7 +354,7 @@ TEST(Sines, keyframes_of_every_shape_are_the_sum_at_their_nodes) {
 // where the row is of sideways motion. So a field that a shape forgets is seen, whichever is added.
 TEST(Sines, every_field_of_every_shape_is_the_derivative_that_its_row_names) {
     for (const char* shape : {"sine", "exponential", "noise"}) {
-        const RealizationPtr sea = sea_of(scene_of(fmt::format(
+        const RealizationPtr sea = sea_of(scene_of_sines(fmt::format(
             "shape = \"{}\"\nfrom_deg = 40\nlength_m = 128\nwavelength_m = 40\ncount = 3\n",
             shape)));
         const SineField& field = field_of(*sea);
@@ -385,7 +386,7 @@ TEST(Sines, every_field_of_every_shape_is_the_derivative_that_its_row_names) {
 // Sampling between nodes and keyframes stays inside the bound that is stated, and comes near it.
 TEST(Sines, sampled_sines_and_noise_stay_inside_the_stated_bound) {
     for (const char* shape : {"sine", "noise"}) {
-        const Scene scene = scene_of(
+        const Scene scene = scene_of_sines(
             fmt::format("shape = \"{}\"\nfrom_deg = 40\nlength_m = 200\nwavelength_m = 50\n"
                         "count = 3\namplitude_m = 1.5\n",
                         shape) +
@@ -422,7 +423,7 @@ TEST(Sines, every_shape_survives_a_round_trip_through_the_effective_scene) {
                       "from_deg,phase_rad,speed_mps\n50,1.5,271.3,0.4,3.3\n'''\n"),
           std::string("shape = \"exponential\"\nsharpness = 2\nlength_m = 400\ndata = '''\n"
                       "wavelength_m,amplitude_m,from_deg,phase_rad\n51.7,1.5,33.3,0.4\n'''\n")}) {
-        const Scene scene = scene_of(system);
+        const Scene scene = scene_of_sines(system);
         const Result<Scene> again = parse_scene(to_toml(scene), "again", "");
         ASSERT_TRUE(again) << again.error().message << to_toml(scene);
         EXPECT_EQ(to_toml(*again), to_toml(scene));

@@ -15,28 +15,20 @@
 #include "sea/waves/directional_spectrum.h"
 #include "sea/waves/statistics/moments.h"
 #include "tests/sea/csv.h"
+#include "tests/sea/scene_of.h"
 #include "tests/sea/sea_fixture.h"
 #include "tests/sea/warnings_of.h"
 
 namespace seaway::sea {
 namespace {
 
+using testing::error_of;
 using ::testing::HasSubstr;
+using testing::scene_of;
 using testing::Table;
 
 std::string measured_scene(const std::string& csv, const std::string& more = "") {
     return "[sea]\n[[sea.system]]\ntype = \"measured\"\n" + more + "data = '''\n" + csv + "'''\n";
-}
-
-Scene scene_of(const std::string& text) {
-    Result<Scene> scene = parse_scene(text, "s", "");
-    EXPECT_TRUE(scene) << (scene ? "" : scene.error().message);
-    return scene ? *scene : Scene{};
-}
-
-std::string error_of(const std::string& text) {
-    const Result<Scene> scene = parse_scene(text, "s", "");
-    return scene ? "no error" : scene.error().message;
 }
 
 /// A buoy table of one record of a reference file.

@@ -11,19 +11,13 @@
 namespace seaway::sea {
 namespace {
 
+using testing::hs_of;
 using testing::realized;
 using testing::three_cascades;
 using testing::windy_sea;
 
 double height(const RealizationPtr& sea, TimeUs t) {
     return DirectSum(sea).at(3.0, 4.0, t).height;
-}
-
-double hs(const RealizationPtr& sea) {
-    double sum = 0.0;
-    for (const CascadeModes& modes : sea->cascades)
-        sum += testing::energy_of(modes);
-    return 4.0 * std::sqrt(sum);
 }
 
 // Naive: a new draw or a phase reset, and the sea jumps.
@@ -34,7 +28,7 @@ TEST(Transition, A22_a_small_gust_moves_the_sea_little) {
     const auto after = realized(stronger, three_cascades);
     for (const double t : {0.0, 1e3, 1e6})
         EXPECT_LT(std::abs(height(after, us_from_seconds(t)) - height(before, us_from_seconds(t))),
-                  0.01 * hs(before));
+                  0.01 * hs_of(before));
 }
 
 // Naive: omega'(depth) * t is 100 rad after a day.
@@ -66,14 +60,14 @@ TEST(Transition, amplitudes_glide_from_the_old_to_the_new) {
     const auto old_sea = realized(windy_sea(), three_cascades);
     const auto new_sea = realized(stronger, three_cascades);
     const auto change = SeaTransition::create(old_sea, new_sea, 5'000'000, 6'000'000);
-    double last = hs(old_sea) * (1 - 1e-12);
+    double last = hs_of(old_sea) * (1 - 1e-12);
     for (TimeUs t = 4'900'000; t <= 6'100'000; t += 50'000) {
-        const double now = hs(change->at(t));
+        const double now = hs_of(change->at(t));
         EXPECT_GE(now, last * (1 - 1e-12));
         last = now;
     }
     EXPECT_EQ(change->at(4'999'999), old_sea);
-    EXPECT_NEAR(last / hs(new_sea), 1.0, 1e-12);
+    EXPECT_NEAR(last / hs_of(new_sea), 1.0, 1e-12);
 }
 
 // Naive: the water glides and the picture's points jump sideways.
@@ -104,7 +98,7 @@ TEST(Transition, a_chain_of_changes_back_to_the_same_depth_leaves_a_phase_but_no
     const auto up = SeaTransition::create(down->after(), deep_sea, 9'000'000, 10'000'000);
     const TimeUs at = 9'000'000;
     EXPECT_NEAR(height(up->at(at), at), height(down->at(at), at), 1e-9);
-    EXPECT_NEAR(hs(up->after()) / hs(deep_sea), 1.0, 1e-12);
+    EXPECT_NEAR(hs_of(up->after()) / hs_of(deep_sea), 1.0, 1e-12);
     // The same history gives the same bits.
     const auto again = SeaTransition::create(down->after(), deep_sea, 9'000'000, 10'000'000);
     EXPECT_EQ(again->after()->cascades[0].h0, up->after()->cascades[0].h0);

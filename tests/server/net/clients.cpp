@@ -11,6 +11,10 @@
 #include "tests/server/net/tcp.h"
 
 namespace seaway::tests {
+
+/// Of a frame (RFC 6455, section 5.2).
+enum class Opcode : unsigned { binary = 2, close = 8, ping = 9, pong = 10 };
+
 namespace {
 
 using Clock = Tcp::Clock;
@@ -19,8 +23,6 @@ using std::chrono::milliseconds;
 constexpr milliseconds patience = std::chrono::seconds(5);
 /// Of a RawPeer, for which only ctest's limit holds.
 constexpr milliseconds for_ever = std::chrono::hours(1);
-
-enum class Opcode : unsigned { binary = 2, close = 8, ping = 9, pong = 10 };
 
 std::span<const std::uint8_t> bytes_of(std::string_view text) {
     return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};

@@ -65,12 +65,21 @@ bool eventually(Condition condition) {
     return true;
 }
 
+/// Heights of the first cascade.
+inline const protocol::TileWish heights{.cascades = 1u, .fields = {sea::Field::height}};
+
 /// The server under test; options that make waiting short.
 class NetTest : public ::testing::Test {
   protected:
     NetTest() {
         options.listen = "127.0.0.1:0";
         options.hello_deadline = std::chrono::milliseconds(2000);
+    }
+    std::unique_ptr<Client> greeted(std::string_view token = "") {
+        auto client = std::make_unique<Client>(port());
+        EXPECT_FALSE(client->connect());
+        EXPECT_TRUE(client->greet(token));
+        return client;
     }
     void start() {
         auto started = server::NetServer::start(options, host);

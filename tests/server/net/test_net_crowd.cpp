@@ -10,17 +10,7 @@ namespace {
 
 using wire::Body;
 
-const protocol::TileWish heights{.cascades = 1u, .fields = {sea::Field::height}};
-
-class NetCrowd : public NetTest {
-  protected:
-    std::unique_ptr<Client> greeted() {
-        auto client = std::make_unique<Client>(port());
-        EXPECT_FALSE(client->connect());
-        EXPECT_TRUE(client->greet());
-        return client;
-    }
-};
+class NetCrowd : public NetTest {};
 
 TEST_F(NetCrowd, two_hundred_subscribers_of_mixed_qualities_start_at_once_and_each_gets_its_own) {
     constexpr std::size_t crowd = 200;

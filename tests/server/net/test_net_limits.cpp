@@ -17,16 +17,8 @@ using wire::Body;
 using wire::ErrorCode;
 namespace limits = protocol::limits;
 
-const protocol::TileWish heights{.cascades = 1u, .fields = {sea::Field::height}};
-
 class NetLimits : public NetTest {
   protected:
-    std::unique_ptr<Client> greeted(std::string_view token = "") {
-        auto client = std::make_unique<Client>(port());
-        EXPECT_FALSE(client->connect());
-        EXPECT_TRUE(client->greet(token));
-        return client;
-    }
     void expect_refused(Client& client, std::uint32_t request_id, ErrorCode code,
                         std::string_view why) {
         const wire::Message* message = client.receive();

@@ -12,7 +12,7 @@ namespace seaway::sea {
 namespace {
 
 /// A wave that runs east and south, more south.
-struct OneWave {
+struct ObliqueWave {
     static constexpr double amplitude_m = 0.31, depth_m = 4, spacing_m = 90.0 / 64;
     const double step = two_pi / 90, kx = 5 * step, ky = -9 * step, k = std::hypot(kx, ky);
     const double qx = kx * spacing_m, qy = -ky * spacing_m;
@@ -34,11 +34,11 @@ void expect(double found, double expected, const char* what) {
 }
 
 TEST(CascadeWaves, every_figure_of_one_wave_is_what_its_definition_gives) {
-    const OneWave one;
+    const ObliqueWave one;
     const CascadeWaves& waves = one.waves;
     const double k = one.k, omega = one.omega, variance = one.variance, aspect = one.aspect;
     ASSERT_GT(aspect, 1.005);
-    expect(waves.spacing_m(), OneWave::spacing_m, "spacing");
+    expect(waves.spacing_m(), ObliqueWave::spacing_m, "spacing");
     expect(waves.points(), 64 * 64, "points");
     expect(waves.height().whole.mean_square_m2(), variance, "height");
     expect(waves.height().gradient.mean_square_m2(), variance * k * k, "slope");
@@ -65,7 +65,7 @@ TEST(CascadeWaves, every_figure_of_one_wave_is_what_its_definition_gives) {
 }
 
 TEST(CascadeWaves, what_is_missed_between_keyframes_is_hermites_law_of_the_frequency) {
-    const OneWave one;
+    const ObliqueWave one;
     const CascadeWaves& waves = one.waves;
     const double k = one.k, omega = one.omega, variance = one.variance, aspect = one.aspect;
     // Missed between keyframes, in the middle of the two.

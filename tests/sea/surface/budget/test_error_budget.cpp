@@ -13,11 +13,6 @@
 namespace seaway::sea {
 namespace {
 
-RealizationPtr some_sea() {
-    return tests::make_sea({tests::random_cascade(300.0, 64, 12, 300, 0.004, 11),
-                            tests::random_cascade(41.0, 64, 15, 300, 0.004, 12)});
-}
-
 TEST(ErrorBudget, hermite_and_spline_laws_match_their_leading_order) {
     // u^4/384 to 2 % at u = 0.5 (the next term is u^6/7680); 2 (q/2pi)^4 pi^4/45 likewise.
     EXPECT_NEAR(hermite_error(0.5) / (std::pow(0.5, 4) / 384), 1.0, 0.02);
@@ -28,7 +23,7 @@ TEST(ErrorBudget, hermite_and_spline_laws_match_their_leading_order) {
 }
 
 TEST(ErrorBudget, a_tighter_budget_never_gets_longer_intervals) {
-    const RealizationPtr sea = some_sea();
+    const RealizationPtr sea = tests::two_cascades();
     TimeUs before[2] = {keyframe_intervals_us[0], keyframe_intervals_us[0]};
     for (const double error_m : {1.0, 0.1, 0.03, 0.01, 0.003, 0.001, 1e-4}) {
         const ErrorBudget budget = plan_budget(*sea, error_m);
@@ -41,7 +36,7 @@ TEST(ErrorBudget, a_tighter_budget_never_gets_longer_intervals) {
 }
 
 TEST(ErrorBudget, realised_error_stays_inside_the_stated_bound) {
-    const RealizationPtr sea = some_sea();
+    const RealizationPtr sea = tests::two_cascades();
     const ErrorBudget budget = plan_budget(*sea, 0.01);
     const DirectSum sum(sea);
     std::vector<SplinePair> pairs;
@@ -192,7 +187,7 @@ TEST(ErrorBudget, what_is_stated_is_the_sum_of_all_its_parts) {
 }
 
 TEST(ErrorBudget, given_intervals_leave_the_codec_what_is_left) {
-    const RealizationPtr sea = some_sea();
+    const RealizationPtr sea = tests::two_cascades();
     const ErrorBudget chosen = plan_budget(*sea, 0.01);
     const TimeUs same[] = {chosen.cascades[0].interval_us, chosen.cascades[1].interval_us};
     const ErrorBudget given = plan_budget(*sea, 0.01, same);
@@ -211,7 +206,7 @@ TEST(ErrorBudget, given_intervals_leave_the_codec_what_is_left) {
 }
 
 TEST(ErrorBudget, codec_bounds_spend_exactly_what_they_were_given) {
-    const RealizationPtr sea = some_sea();
+    const RealizationPtr sea = tests::two_cascades();
     const ErrorBudget budget = plan_budget(*sea, 0.01);
     const double codec_m = 0.0045;
     const MapError error = map_error(budget, codec_m);

@@ -18,11 +18,6 @@
 namespace seaway::sea {
 namespace {
 
-RealizationPtr some_sea() {
-    return tests::make_sea({tests::random_cascade(300.0, 64, 12, 300, 0.004, 11),
-                            tests::random_cascade(41.0, 64, 15, 300, 0.004, 12)});
-}
-
 /// Largest error of cubic Hermite on the complex wave e^(i u s), s = 0 .. 1: its size is that of the
 /// real wave of the worst phase.
 double largest_hermite_error(double u) {
@@ -132,7 +127,7 @@ TEST(TimeBudget, in_a_loop_of_any_length_heights_between_keyframes_stay_inside_t
 // Energy that no keyframe tells of is not worth longer intervals, however little it is.
 TEST(TimeBudget, no_wave_turns_more_than_once_between_two_keyframes) {
     for (const double error_m : {0.01, 1.0, 1000.0}) {
-        const RealizationPtr sea = some_sea();
+        const RealizationPtr sea = tests::two_cascades();
         const ErrorBudget budget = plan_budget(*sea, error_m);
         for (std::size_t c = 0; c < sea->cascades.size(); ++c) {
             const CascadeModes& modes = sea->cascades[c];
@@ -155,7 +150,7 @@ TEST(TimeBudget, an_accuracy_that_the_grids_cannot_reach_is_warned_of) {
     };
     EXPECT_TRUE(warned(1e-4));
     EXPECT_FALSE(warned(1.0));
-    const RealizationPtr sea = some_sea();
+    const RealizationPtr sea = tests::two_cascades();
     const ErrorBudget budget = plan_budget(*sea, 1e-4);
     EXPECT_GT(level_error_m(budget, budget.codec_error_m), budget.interpolation_m);
     EXPECT_GT(budget.interpolation_m, 1e-4);
