@@ -7,6 +7,7 @@
 import argparse
 import json
 import math
+import pathlib
 import re
 import sys
 import tomllib
@@ -62,7 +63,7 @@ def tests_of(case_id, case, files):
 
 def figures(path):
     """Test -> the properties that it recorded."""
-    suites = json.loads(open(path).read())["testsuites"]
+    suites = json.loads(pathlib.Path(path).read_text())["testsuites"]
     tests = [(f"{suite['name']}.{test['name']}", test) for suite in suites for test in suite["testsuite"]]
     failed = [name for name, test in tests if test.get("failures") or test.get("status") != "RUN"]
     if failed:

@@ -7,14 +7,15 @@ def metres(value):
         return "-"
     for limit, scale, unit in ((0.9995, 1, "m"), (0.00995, 100, "cm"), (9.95e-6, 1e3, "mm"), (0, 1e6, "um")):
         if value >= limit:
-            return f"{value * scale:.2g} {unit}" if value * scale < 100 else f"{value * scale:.0f} {unit}"
+            return f"{number(value * scale)} {unit}"
     return "0"
 
 
 def number(value, digits=2):
     if value is None:
         return "-"
-    return f"{value:.0f}" if abs(value) >= 100 else f"{value:.{digits}g}"
+    text = f"{value:.{digits}g}"
+    return f"{value:.0f}" if abs(value) >= 100 or "e+" in text else text  # 99.7 is 100, not 1e+02
 
 
 def table(head, rows):

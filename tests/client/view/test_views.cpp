@@ -1,0 +1,286 @@
+// SPDX-License-Identifier: Apache-2.0
+// Views of numbers and the edges of things: each held against what the sea, the mesh or the sun says.
+#include <algorithm>
+
+#include "client/view/mesh.h"
+#include "client/view/sea_maps.h"
+#include "tests/client/view/renderer_fixture.h"
+
+namespace seaway::client {
+namespace {
+
+class ViewsTest : public RendererTest {
+  protected:
+    ViewsTest() {
+        camera_ = {.x_m = 311.5,
+                   .y_m = -77.25,
+                   .z_m = 12,
+                   .yaw_deg = 130,
+                   .pitch_deg = -45,
+                   .width = 160,
+                   .height = 90};
+    }
+    /// Two oblique waves of different tiles, choppier along east.
+    static sea::Realization crossing() {
+        sea::Realization sea = one_wave(1.1, 90, 3, -2);
+        sea.cascades.push_back(one_wave(0.3, 31, -1, 4).cascades[0]);
+        sea.choppiness = {1.1, 0.5};
+        return sea;
+    }
+    glm::dvec2 world(const float* place) const {
+        return {camera_.x_m + static_cast<double>(place[0]),
+                camera_.y_m + static_cast<double>(place[1])};
+    }
+};
+
+TEST_F(ViewsTest, each_cascade_shows_its_own_slopes) {
+    SyntheticSea sea(crossing());
+    const SeaFrame frame = sea.at(0);
+    const Picture place = render(frame, Sky(sun_direction(12)), DebugView::place);
+    for (int cascade = 0; cascade < 2; ++cascade) {
+        const auto index = static_cast<std::size_t>(cascade);
+        const sea::Surface alone({frame.cascades[index].keyframes}, frame.choppiness, {}, {});
+        Result<Renderer> renderer = Renderer::create(*device_, camera_.width, camera_.height);
+        ASSERT_TRUE(renderer) << renderer.error().message;
+        const Result<Picture> picture =
+            renderer->render(frame, camera_, Sky(sun_direction(12)), {DebugView::cascade, cascade});
+        ASSERT_TRUE(picture) << picture.error().message;
+        for (int y = 3; y < place.height; y += 11)
+            for (int x = 3; x < place.width; x += 13) {
+                const glm::dvec2 at = world(place.pixel(x, y));
+                const sea::LagrangianPoint p = alone.at(at.x, at.y, 0);
+                // What a pixel of some decimetres blurs of the waves of 7 m and 25 m.
+                EXPECT_NEAR(static_cast<double>(picture->pixel(x, y)[0]), p.slope_x, 0.01);
+                EXPECT_NEAR(static_cast<double>(picture->pixel(x, y)[1]), p.slope_y, 0.01);
+            }
+    }
+}
+
+TEST_F(ViewsTest, normals_are_unit_vectors_square_to_both_tangents) {
+    SyntheticSea sea(crossing());
+    const SeaFrame frame = sea.at(0);
+    const sea::Surface surface = sea.surface(frame);
+    const Sky sky(sun_direction(12));
+    const Picture place = render(frame, sky, DebugView::place);
+    const Picture normal = render(frame, sky, DebugView::normal);
+    const Picture jacobian = render(frame, sky, DebugView::jacobian);
+    const double lx = frame.choppiness.x, ly = frame.choppiness.y;
+    for (int y = 3; y < place.height; y += 11)
+        for (int x = 3; x < place.width; x += 13) {
+            const glm::dvec2 at = world(place.pixel(x, y));
+            const sea::LagrangianPoint p = surface.at(at.x, at.y, 0);
+            const float* found = normal.pixel(x, y);
+            const glm::dvec3 n(found[0], found[1], found[2]);
+            EXPECT_NEAR(glm::length(n), 1, 1e-6);
+            // As above: what a pixel blurs.
+            EXPECT_NEAR(glm::dot(n, {1 + lx * p.strain_xx, ly * p.strain_xy, p.slope_x}), 0, 0.015);
+            EXPECT_NEAR(glm::dot(n, {lx * p.strain_xy, 1 + ly * p.strain_yy, p.slope_y}), 0, 0.015);
+            EXPECT_NEAR(static_cast<double>(jacobian.pixel(x, y)[0]),
+                        sea::jacobian(p, frame.choppiness), 0.015);
+        }
+}
+
+TEST_F(ViewsTest, the_grid_is_every_sixteenth_row_and_column_of_the_mesh) {
+    SyntheticSea sea(crossing());
+    const SeaFrame frame = sea.at(0);
+    for (const double pitch_deg : {-12.0, -45.0}) { // a fan, and a whole circle
+        camera_.pitch_deg = pitch_deg;
+        const Sky sky(sun_direction(12));
+        const Picture place = render(frame, sky, DebugView::place);
+        const Picture grid = render(frame, sky, DebugView::grid);
+        const Mesh mesh = build_mesh(camera_, build_maps(frame).statistics,
+                                     frame.cascades.back().spec.spacing_m() / 2, 2.5);
+        int lines = 0, compared = 0, wrong = 0;
+        for (int y = 0; y < place.height; ++y)
+            for (int x = 0; x < place.width; ++x) {
+                const float* at = place.pixel(x, y);
+                if (at[0] == 0 && at[1] == 0)
+                    continue; // sky
+                const glm::dvec2 from_apex = glm::dvec2(at[0], at[1]) - mesh.apex_m;
+                const auto r = static_cast<float>(glm::length(from_apex));
+                const auto after = std::upper_bound(mesh.rows_m.begin(), mesh.rows_m.end(), r);
+                if (after == mesh.rows_m.begin() || after == mesh.rows_m.end())
+                    continue;
+                const double row = static_cast<double>(after - mesh.rows_m.begin() - 1) +
+                                   static_cast<double>((r - after[-1]) / (after[0] - after[-1]));
+                const double turn = std::atan2(from_apex.y, from_apex.x) - mesh.azimuth_rad;
+                const double column = (turn - 2 * pi * std::floor(turn / (2 * pi))) / mesh.step_rad;
+                const auto on_line = [](double cell) {
+                    return cell / 16 - std::floor(cell / 16) < 0.08;
+                };
+                const bool line = on_line(row) || on_line(column);
+                lines += line;
+                ++compared;
+                wrong += line != (grid.pixel(x, y)[0] > 0.5f);
+            }
+        EXPECT_GT(lines, 0.1 * compared);
+        EXPECT_LT(lines, 0.25 * compared);
+        EXPECT_LT(wrong, 0.01 * compared) << "rounding of floats at the edge of a line";
+    }
+}
+
+// From within a gale crests hide the sea behind them. What a pixel shows lies where its ray goes, not on
+// the plane of a triangle that the pixel grazes.
+TEST_F(ViewsTest, at_the_edges_of_crests_a_pixel_shows_what_lies_on_its_ray) {
+    SyntheticSea sea = gale();
+    const SeaFrame frame = sea.at(100'000'000);
+    camera_ = {.z_m = 6, .yaw_deg = 40, .pitch_deg = -2, .width = 240, .height = 136};
+    const sea::Surface surface = sea.surface(frame);
+    const Picture picture = render(frame, Sky(sun_direction(15)), DebugView::place);
+    int sea_pixels = 0, far_off = 0;
+    for (int y = 0; y < picture.height; ++y)
+        for (int x = 0; x < picture.width; ++x) {
+            const float* place = picture.pixel(x, y);
+            if (place[0] == 0 && place[1] == 0)
+                continue;
+            const glm::dvec2 still(place[0], place[1]);
+            const double distance_m = glm::length(still);
+            if (distance_m > 2000)
+                continue; // the planet curves, and cells are as large as waves
+            const sea::LagrangianPoint p = surface.at(still.x, still.y, frame.time_us);
+            const glm::dvec3 seen(still.x + frame.choppiness.x * p.displacement_x,
+                                  still.y + frame.choppiness.y * p.displacement_y,
+                                  static_cast<double>(place[2]) - camera_.z_m);
+            const glm::dvec3 through = ray(x, y);
+            ++sea_pixels;
+            const double along = glm::dot(seen, through);
+            const double off = glm::length(seen - along * through) / std::max(along, 1e-3);
+            if (off > 8 * camera_.pixel_rad())
+                ++far_off;
+        }
+    EXPECT_GT(sea_pixels, 5000);
+    EXPECT_LE(far_off, sea_pixels / 1000); // on an edge a sample may be of the crest's other side
+}
+
+// A cascade without foam maps is as white as the average; here all of it is.
+SeaFrame white_sea() {
+    SeaFrame frame = flat_sea();
+    frame.foam_mean = 1;
+    return frame;
+}
+
+// Wet foam reflects six tenths (Whitlock 1982) of what falls on it: of the sky and of the beam of the sun
+// by the sine of its height.
+TEST_F(ViewsTest, a_sea_that_is_all_foam_is_a_sheet_in_the_light_of_sky_and_sun) {
+    const Sky sky(sun_direction(16));
+    const Picture picture = render(white_sea(), sky, DebugView::final, {.visibility_m = 1e12});
+    const glm::dvec3 lit =
+        0.6 / pi * (sky.sky_irradiance() + sky.sun_irradiance() * sky.sun_direction().z);
+    for (int y = 30; y < picture.height; y += 10)
+        for (int x = 5; x < picture.width; x += 20)
+            for (int c = 0; c < 3; ++c)
+                EXPECT_NEAR(static_cast<double>(picture.pixel(x, y)[c]) / lit[c], 1, 1e-3);
+}
+
+// A white sea is brighter than the sky behind it; where the horizon runs through a pixel, each of its
+// four samples counts.
+TEST_F(ViewsTest, a_pixel_on_the_horizon_is_sky_and_sea_by_their_shares) {
+    const Sky sky(sun_direction(12));
+    camera_.z_m = 14;
+    int mixed = 0;
+    for (const double part : {0.2, 0.4, 0.6, 0.8}) {
+        // The horizon lies this part of a pixel below the upper edge of row 45.
+        camera_.pitch_deg = (-horizon_dip_rad(camera_.z_m) + part * camera_.pixel_rad()) * 180 / pi;
+        const Picture picture = render(white_sea(), sky, DebugView::final, {.visibility_m = 1e12});
+        const int x = picture.width / 2;
+        const double above = luminance(picture.pixel(x, 43));
+        const double below = luminance(picture.pixel(x, 47));
+        const double share = (luminance(picture.pixel(x, 45)) - above) / (below - above);
+        EXPECT_GT(below, 1.2 * above);
+        EXPECT_NEAR(share, 1 - part, 0.3) << "samples lie at eighths: within a quarter";
+        mixed += share > 0.2 && share < 0.8;
+    }
+    EXPECT_GE(mixed, 2);
+}
+
+TEST_F(ViewsTest, the_disk_of_the_sun_sends_all_of_its_light_and_no_more) {
+    const Sky sky(sun_direction(16));
+    const glm::dvec3 sun = sky.sun_direction();
+    camera_ = {.z_m = 12,
+               .yaw_deg = 90 - std::atan2(sun.y, sun.x) * 180 / pi,
+               .pitch_deg = std::asin(sun.z) * 180 / pi,
+               .view_deg = 3,
+               .width = 96,
+               .height = 96};
+    const Picture picture = render(flat_sea(), sky);
+    const double pixel_sr = camera_.pixel_rad() * camera_.pixel_rad();
+    const glm::dvec3 behind = sky.radiance(std::asin(sun.z), 0);
+    glm::dvec3 light(0);
+    for (std::size_t i = 0; i < picture.rgba.size(); i += 4)
+        for (int c = 0; c < 3; ++c)
+            light[c] +=
+                (static_cast<double>(picture.rgba[i + static_cast<std::size_t>(c)]) - behind[c]) *
+                pixel_sr;
+    for (int c = 0; c < 3; ++c) // the edge is smooth over two pixels of a disk of 17
+        EXPECT_NEAR(light[c] / sky.sun_irradiance()[c], 1, 0.03);
+    // The centre is the sun, beyond its radius of half a hundredth of a radian is the sky.
+    EXPECT_GT(luminance(picture.pixel(48, 48)), 1e3 * luminance(picture.pixel(48, 30)));
+    EXPECT_GT(luminance(picture.pixel(48, 48)), 1e3 * luminance(picture.pixel(30, 48)));
+}
+
+// Patches of foam have soft edges: a pixel that is much finer than the finest patches is nearly as white
+// as its neighbours.
+TEST_F(ViewsTest, patches_of_foam_have_no_seams) {
+    SeaFrame frame = flat_sea();
+    frame.foam_mean = 0.5;
+    frame.significant_height_m = 100; // cells of 16 m down to 1/8 m
+    double least = 1, most = 0, jump = 0;
+    for (int look = 0; look < 8; ++look) { // a look is half a metre of patches of metres
+        camera_ = {.x_m = 7.3 * look,
+                   .y_m = -4.1 * look,
+                   .z_m = 2.5,
+                   .pitch_deg = -80,
+                   .view_deg = 12,
+                   .width = 240,
+                   .height = 136};
+        const Picture foam = render(frame, Sky(sun_direction(12)), DebugView::foam);
+        for (int y = 1; y < foam.height; ++y)
+            for (int x = 1; x < foam.width; ++x) {
+                const auto here = static_cast<double>(foam.pixel(x, y)[0]);
+                least = std::min(least, here);
+                most = std::max(most, here);
+                for (const float* beside : {foam.pixel(x - 1, y), foam.pixel(x, y - 1)})
+                    jump = std::max(jump, std::abs(here - static_cast<double>(beside[0])));
+            }
+    }
+    EXPECT_LT(least, 0.01);
+    EXPECT_GT(most, 0.99);
+    EXPECT_LT(jump, 0.3);
+}
+
+// Ripples of 6 cm that a pixel does not resolve let the Jacobian of a long wave vary by choppiness times
+// their rms slope: by so much of the normal distribution lies below the threshold.
+TEST_F(ViewsTest, a_crest_breaks_by_what_the_pixel_does_not_resolve) {
+    sea::Realization waves = one_wave(1.2, 100, 3, 3);
+    waves.choppiness = {0.8, 0.3};
+    waves.cascades.push_back(one_wave(0.0014, 0.5, 8).cascades[0]);
+    SyntheticSea sea(waves);
+    SeaFrame frame = sea.at(0);
+    const sea::Surface swell({frame.cascades[0].keyframes}, frame.choppiness, {}, {});
+    frame.foam_threshold = 0.85;
+    frame.foam_mean = 1e-7;            // what broke before is next to nothing
+    frame.significant_height_m = 1e-3; // patches finer than pixels: the share itself is seen
+    camera_.z_m = 40;
+    const Sky sky(sun_direction(12));
+    const Picture place = render(frame, sky, DebugView::place);
+    const Picture foam = render(frame, sky, DebugView::foam);
+    const double k = 2 * pi / 0.5 * 8, variance = 0.5 * std::pow(0.0014 * k, 2);
+    const double k_swell = 2 * pi / 100 * std::hypot(3, 3);
+    const double resolved = 1 - variance / (variance + 0.5 * std::pow(1.2 * k_swell, 2));
+    const double sigma = std::sqrt(0.8 * 0.8 * variance + 0.03 * 0.03);
+    int half = 0;
+    for (int y = 3; y < place.height; y += 7)
+        for (int x = 3; x < place.width; x += 9) {
+            const glm::dvec2 at = world(place.pixel(x, y));
+            const double j = sea::jacobian(swell.at(at.x, at.y, 0), frame.choppiness);
+            const double share = resolved * resolved * 0.5 *
+                                 std::erfc((j - frame.foam_threshold) / sigma / std::sqrt(2.0));
+            half += share > 0.2 && share < 0.5;
+            // The logistic function is within 0.01 of the normal one; the rest is what a pixel blurs.
+            EXPECT_NEAR(static_cast<double>(foam.pixel(x, y)[0]), share, 0.022) << j;
+        }
+    EXPECT_GT(half, 10);
+}
+
+} // namespace
+} // namespace seaway::client
