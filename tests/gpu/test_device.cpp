@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstring>
 #include <numeric>
@@ -77,6 +78,15 @@ TEST(ListDevices, finds_one_that_can_be_used) {
     const Result<std::vector<DeviceInfo>> devices = list_devices();
     ASSERT_TRUE(devices) << devices.error().message;
     EXPECT_TRUE(pick_device(*devices, "auto"));
+}
+
+TEST(PickDevice, what_there_is_says_why_which_cannot_be_used) {
+    std::vector<DeviceInfo> devices = three_devices;
+    devices[1].unusable = "no compute queue";
+    const std::string list =
+        "0 = lavapipe (llvmpipe), 1 = Intel UHD 770 [no compute queue], 2 = NVIDIA L4";
+    for (const char* wish : {"radeon", "7"})
+        EXPECT_THAT(pick_device(devices, wish).error().message, HasSubstr(list)) << wish;
 }
 
 TEST_F(DeviceTest, bytes_go_to_the_device_and_come_back) {
@@ -183,6 +193,53 @@ TEST(Image, mips_go_down_to_a_single_texel_of_the_longer_side) {
     EXPECT_EQ(full_mip_count(64, 64), 7u);
     EXPECT_EQ(full_mip_count(64, 16), 7u);
     EXPECT_EQ(full_mip_count(3, 130), 8u);
+}
+
+// An image that is wider than high, of two layers, comes back mip by mip as it was sent: the packing that
+// texel_count() tells.
+TEST_F(DeviceTest, every_mip_and_layer_of_an_image_holds_its_own_texels) {
+    const ImageSpec spec{.width = 32,
+                         .height = 8,
+                         .layers = 2,
+                         .mips = 4,
+                         .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT |
+                                  VK_IMAGE_USAGE_TRANSFER_SRC_BIT,
+                         .array = true};
+    Result<Image> image = Image::create(*device_, "wide", spec);
+    ASSERT_TRUE(image) << image.error().message;
+    constexpr std::size_t texels = 2 * (32 * 8 + 16 * 4 + 8 * 2 + 4 * 1), texel_bytes = 16;
+    ASSERT_EQ(image->texel_count(), texels);
+    Result<Buffer> sent =
+        Buffer::create(*device_, "sent", texels * texel_bytes, BufferKind::upload);
+    ASSERT_TRUE(sent);
+    std::vector<float> numbers(4 * texels);
+    std::iota(numbers.begin(), numbers.end(), 1.0f);
+    std::memcpy(sent->mapped().data(), numbers.data(), 4 * numbers.size());
+    std::size_t first = 0;
+    for (std::uint32_t mip = 0; mip < spec.mips; ++mip) {
+        const std::uint32_t width = 32u >> mip, height = 8u >> mip;
+        const std::size_t count = std::size_t{4} * 2 * width * height;
+        Result<Buffer> back =
+            Buffer::create(*device_, "back", count * sizeof(float), BufferKind::readback);
+        ASSERT_TRUE(back);
+        ASSERT_TRUE(run_once(*device_, [&](Commands& commands) {
+            record_upload(commands, *sent, *image, texel_bytes);
+            record_transition(commands, *image, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL,
+                              VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+            const VkBufferImageCopy region{
+                .imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, mip, 0, 2},
+                .imageExtent = {width, height, 1}};
+            vkCmdCopyImageToBuffer(commands.get(), image->get(),
+                                   VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, back->get(), 1, &region);
+            commands.barrier(Stage::copy, Stage::host);
+        }));
+        std::vector<float> held(count);
+        std::memcpy(held.data(), back->mapped().data(), count * sizeof(float));
+        const auto begin = numbers.begin() + static_cast<std::ptrdiff_t>(first);
+        EXPECT_TRUE(std::equal(held.begin(), held.end(), begin)) << "mip " << mip;
+        first += count;
+    }
+    EXPECT_EQ(first, numbers.size());
 }
 
 TEST(Validation, a_mistake_is_counted) {

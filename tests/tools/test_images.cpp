@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // seaway-inspect --images: the numbers beside the pictures are those of the definition.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
 #include <filesystem>
@@ -22,6 +23,7 @@
 #include "sea/basics/field.h"
 #include "sea/scene/scene.h"
 #include "tests/tools/program.h"
+#include "tools/plot/canvas.h"
 
 namespace seaway {
 namespace {
@@ -159,18 +161,32 @@ TEST(Images, every_map_of_both_devices_is_drawn_and_the_same) {
     }
 }
 
+/// A PNG as bytes.
+struct Pixels {
+    int width = 0;
+    std::vector<png_byte> rgb;
+
+    explicit Pixels(const std::string& path) {
+        png_image image{};
+        image.version = PNG_IMAGE_VERSION;
+        EXPECT_NE(png_image_begin_read_from_file(&image, path.c_str()), 0) << path;
+        image.format = PNG_FORMAT_RGB;
+        rgb.resize(PNG_IMAGE_SIZE(image));
+        EXPECT_NE(png_image_finish_read(&image, nullptr, rgb.data(), 0, nullptr), 0) << path;
+        width = static_cast<int>(image.width);
+    }
+    const png_byte* at(int x, int y) const {
+        return &rgb.at(static_cast<std::size_t>(3 * (y * width + x)));
+    }
+};
+
 // Four pixels a point, north up; red is above the middle, which is one for the Jacobian, blue below.
 TEST(Images, pictures_of_maps_show_the_numbers_beside_them) {
     const std::string stem = draw("native");
     for (const char* name : {"height", "slope_y", "jacobian"}) {
         const ArrayFile map(stem + name + ".exr");
-        png_image image{};
-        image.version = PNG_IMAGE_VERSION;
-        ASSERT_NE(png_image_begin_read_from_file(&image, (stem + name + ".png").c_str()), 0);
-        image.format = PNG_FORMAT_RGB;
-        std::vector<png_byte> rgb(PNG_IMAGE_SIZE(image));
-        ASSERT_NE(png_image_finish_read(&image, nullptr, rgb.data(), 0, nullptr), 0);
-        ASSERT_EQ(image.width, 4u * size);
+        const Pixels pixels(stem + name + ".png");
+        ASSERT_EQ(pixels.width, 4 * size);
         const double middle = std::string(name) == "jacobian" ? 1.0 : 0.0;
         double largest = 0;
         for (const float value : map.first)
@@ -180,15 +196,39 @@ TEST(Images, pictures_of_maps_show_the_numbers_beside_them) {
                 const auto value =
                     static_cast<double>(map.first[static_cast<std::size_t>(y * size + x)]);
                 const double share = (value - middle) / largest;
-                const auto at =
-                    static_cast<std::size_t>(3 * ((4 * (size - 1 - y) + 2) * 4 * size + 4 * x + 2));
+                const png_byte* at = pixels.at(4 * x + 2, 4 * (size - 1 - y) + 2);
                 // White is the middle; the ends are (180, 40, 30) and (20, 80, 170).
-                ASSERT_NEAR(rgb[at], 255 - (share < 0 ? 235 : 75) * std::abs(share), 1)
+                ASSERT_NEAR(at[0], 255 - (share < 0 ? 235 : 75) * std::abs(share), 1)
                     << name << ": " << x << ", " << y;
-                ASSERT_NEAR(rgb[at + 2], 255 - (share < 0 ? 85 : 225) * std::abs(share), 1)
+                ASSERT_NEAR(at[2], 255 - (share < 0 ? 85 : 225) * std::abs(share), 1)
                     << name << ": " << x << ", " << y;
             }
     }
+}
+
+// Magnitudes over six decades, from white to dark; the middle of the picture is k = 0, which is none.
+TEST(Images, pictures_of_spectra_show_magnitudes_on_a_logarithmic_scale) {
+    const std::string stem = draw("native");
+    const ArrayFile h0(stem + "h0.exr");
+    const Pixels pixels(stem + "h0.png");
+    ASSERT_EQ(pixels.width, 4 * size);
+    double largest = 0;
+    for (int row = 0; row < size; ++row)
+        for (int column = 0; column < size; ++column)
+            largest = std::max(largest, std::abs(h0.at(row, column)));
+    std::array<int, 3> seen{};
+    for (int row = 0; row < size; ++row)
+        for (int column = 0; column < size; ++column) {
+            const double magnitude = std::abs(h0.at(row, column));
+            const double level = magnitude > 0 ? 1 + std::log10(magnitude / largest) / 6 : 0.0;
+            const plot::Color color = plot::sea_color(std::clamp(level, 0.0, 1.0));
+            const png_byte* at = pixels.at(4 * column + 2, 4 * (size - 1 - row) + 2);
+            ASSERT_NEAR(at[0], color.red, 2) << row << ", " << column;
+            ASSERT_NEAR(at[2], color.blue, 2) << row << ", " << column;
+            ++seen[level <= 0 ? 0 : level < 0.7 ? 1 : 2];
+        }
+    for (const int count : seen)
+        EXPECT_GT(count, 30) << "none, little and much are all there";
 }
 
 TEST(Images, a_device_that_is_not_there_is_one_line) {

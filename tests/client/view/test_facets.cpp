@@ -202,6 +202,38 @@ TEST_F(FacetsTest, roughness_is_the_root_of_the_variance_along_both_axes) {
                     1e-3);
 }
 
+// Ripples of 1.2 m on a long wave, 40 m away. On level water a pixel is a metre long and resolves hardly
+// any of them; where the long wave tilts towards the eye it is a third of that, and what it resolves is no
+// roughness.
+TEST_F(FacetsTest, a_face_towards_the_eye_is_seen_more_finely_than_level_water) {
+    sea::Realization waves = one_wave(1.6, 100, 4);
+    waves.choppiness = {0, 0};
+    constexpr double k = 2 * pi / 9.6 * 8, rms = 0.05;
+    waves.cascades.push_back(one_wave(rms * std::numbers::sqrt2 / k, 9.6, 8).cascades[0]);
+    SyntheticSea sea(waves);
+    const SeaFrame frame = sea.at(0);
+    const sea::Surface swell({frame.cascades[0].keyframes}, frame.choppiness, {}, {});
+    camera_ = {.z_m = 8, .yaw_deg = 270, .pitch_deg = -12, .width = 240, .height = 136};
+    const Sky sky(sun_direction(12));
+    const Picture place = render(frame, sky, DebugView::place);
+    const Picture rough = render(frame, sky, DebugView::roughness);
+    double towards = 0;
+    int count = 0;
+    for (int y = 0; y < place.height; ++y)
+        for (int x = 0; x < place.width; x += 3) {
+            const auto east = static_cast<double>(place.pixel(x, y)[0]);
+            const auto north = static_cast<double>(place.pixel(x, y)[1]);
+            if (east < -56 || east > -28 || std::abs(north) > 15)
+                continue;
+            const double slope = swell.at(east, north, 0).slope_x; // the eye is in the east
+            if (slope < -0.3)
+                towards += static_cast<double>(rough.pixel(x, y)[0]) / rms, ++count;
+        }
+    ASSERT_GT(count, 200);
+    // With strips as long as those of level water, all of the ripples and some of the swell are rough.
+    EXPECT_LT(towards / count, 0.9);
+}
+
 // The copy, where pixels resolve it: half as long and turned by 0.37 rad. It has no other picture than
 // the light itself.
 TEST_F(FacetsTest, a_resolved_copy_of_the_finest_waves_is_turned_with_its_slopes) {

@@ -41,6 +41,20 @@ TEST(Sky, a_low_sun_is_red_and_its_side_of_the_sky_is_the_bright_one) {
     EXPECT_GT(sky.radiance(0.1, 0).g, 2 * sky.radiance(0.1, pi / 2).g);
 }
 
+// The disk sets behind a line: as much of its light is left as of its height. The air that the light
+// passes is that of the horizon until all of it is gone.
+TEST(Sky, a_setting_sun_loses_light_as_its_disk_goes_under) {
+    const auto green = [](double radii) {
+        const double elevation = radii * Sky::sun_radius_rad;
+        return Sky({std::cos(elevation), 0, std::sin(elevation)}).sun_irradiance().g;
+    };
+    EXPECT_EQ(green(-1), 0);
+    EXPECT_EQ(green(-3), 0);
+    EXPECT_GT(green(0), 0);
+    for (const double radii : {-0.9, -0.5, -0.25})
+        EXPECT_NEAR(green(radii) / green(0), 1 + radii, 1e-6) << radii;
+}
+
 TEST(Sky, is_smooth_where_view_and_sun_are_equally_high) {
     const Sky sky(sun_direction(15));
     const double elevation = std::asin(sky.sun_direction().z);

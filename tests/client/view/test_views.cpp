@@ -4,6 +4,9 @@
 
 #include "client/view/mesh.h"
 #include "client/view/sea_maps.h"
+#include "gpu/draw/graphics_pipeline.h"
+#include "shaders/view/final_frag.h"
+#include "shaders/view/picture_vert.h"
 #include "tests/client/view/renderer_fixture.h"
 
 namespace seaway::client {
@@ -280,6 +283,35 @@ TEST_F(ViewsTest, a_crest_breaks_by_what_the_pixel_does_not_resolve) {
             EXPECT_NEAR(static_cast<double>(foam.pixel(x, y)[0]), share, 0.022) << j;
         }
     EXPECT_GT(half, 10);
+}
+
+TEST_F(ViewsTest, a_shader_that_reads_something_else_than_the_program_binds_is_refused) {
+    using gpu::ExpectedBinding;
+    constexpr VkDescriptorType image = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
+    const std::vector<ExpectedBinding> fine{{"View", VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER},
+                                            {"Rows", VK_DESCRIPTOR_TYPE_STORAGE_BUFFER},
+                                            {"displacement_maps", image},
+                                            {"gradient_maps", image},
+                                            {"moment_maps", image},
+                                            {"sky_map", image},
+                                            {"geometry", image}};
+    const auto error_with = [&](std::vector<ExpectedBinding> bindings) {
+        const auto made =
+            gpu::GraphicsPipeline::create(*device_, "test", picture_vert, final_frag, bindings, {});
+        return made ? "none" : made.error().message;
+    };
+    EXPECT_EQ(error_with(fine), "none");
+    std::vector<ExpectedBinding> other_type = fine, other_name = fine, fewer = fine;
+    other_type[5].type = VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE;
+    other_name[5].name = "moon_map";
+    fewer.pop_back();
+    const std::string held = "pipeline \"test\": binding 5 of set 0 is \"sky_map\" (combined image "
+                             "sampler) in the shader and ";
+    EXPECT_EQ(error_with(other_type), held + "\"sky_map\" (sampled image) in the program");
+    EXPECT_EQ(error_with(other_name),
+              held + "\"moon_map\" (combined image sampler) in the program");
+    EXPECT_EQ(error_with(fewer), "pipeline \"test\": binding 6 of set 0 is \"geometry\" (combined "
+                                 "image sampler) in the shader and nothing in the program");
 }
 
 } // namespace

@@ -247,5 +247,42 @@ TEST(Certificate, is_read_beside_its_scene_and_errors_name_both) {
     std::filesystem::remove_all(folder);
 }
 
+// The wind that counts is the strongest, wherever it stands; of choppiness the larger.
+TEST(Certificate, a_sea_point_has_the_strongest_wind_and_the_larger_choppiness) {
+    const auto with_winds = [](double first_mps, double second_mps, const char* effects) {
+        return scene_of(fmt::format("[sea]\ndepth_m = 33\nchoppiness = [0.4, 1.2]\n"
+                                    "[[sea.system]]\ntype = \"wind\"\nwind_speed_10m_mps = {}\n"
+                                    "from_deg = 10\n"
+                                    "[[sea.system]]\ntype = \"swell\"\nsignificant_height_m = 2\n"
+                                    "peak_period_s = 12\nfrom_deg = 20\n"
+                                    "[[sea.system]]\ntype = \"wind\"\nwind_speed_10m_mps = {}\n"
+                                    "from_deg = 30\n{}",
+                                    first_mps, second_mps, effects));
+    };
+    for (const auto& [first_mps, second_mps] : {std::pair(17.0, 6.0), {6.0, 17.0}}) {
+        const SeaPoint point = sea_point(with_winds(first_mps, second_mps, ""), gale);
+        EXPECT_EQ(point.wind_speed_10m_mps, 17);
+        EXPECT_EQ(point.choppiness, 1.2);
+        EXPECT_EQ(point.depth_m, 33);
+        EXPECT_EQ(point.hs_m, 6.6);
+        EXPECT_EQ(point.tp_s, 10.8);
+    }
+    const Scene still = with_winds(5, 4, "[effects]\ndisplacement = \"height\"\n");
+    EXPECT_EQ(sea_point(still, gale).choppiness, 0) << "nothing moves sideways";
+}
+
+// What is promised is a percentile: the sea that is worst by it need not have the largest rms.
+TEST(Certificate, is_told_by_the_sea_that_is_worst_at_the_percentile) {
+    Certificate c = certificate();
+    c.measured = {{"as given", 3, 6.5, 0.0041, 0.011, 0.02, 0.0142, 0.0191, 0.0376, 0.01},
+                  {"calmer", 5, 5.4, 0.0063, 0.012, 0.03, 0.0155, 0.0184, 0.0412, 0.02},
+                  {"rougher", 7, 7.7, 0.0022, 0.013, 0.04, 0.0117, 0.0203, 0.0398, 0.03}};
+    EXPECT_EQ(c.worst().sea, "calmer");
+    EXPECT_EQ(describe(c),
+              "5 cm at p99, measured 4.12 cm (rms 1.84 cm, of which maps 6.3 mm and waves "
+              "left out 1.55 cm) in the worst of 3 seas, by seaway-bench tune of abc1234 on "
+              "a machine, 2 cores, 2026-11-22T08:00Z");
+}
+
 } // namespace
 } // namespace seaway::sea

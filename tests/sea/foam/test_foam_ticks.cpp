@@ -227,5 +227,31 @@ TEST(Foam, every_legal_model_gives_finite_ratios_and_a_coverage_of_0_to_1) {
                     }
 }
 
+// A history of 512 ticks of 0.2 s holds ten decay times of 10.24 s at most. A longer decay averages over
+// more: its departure from the average scatters as one over the root of how much. A loop holds no more
+// independent moments than it is long, two decay times being one.
+TEST(FoamTicks, a_decay_that_is_walked_shorter_departs_less_by_the_root_of_what_it_would_average) {
+    constexpr double walked_s = 0.2 * 512 / 10;
+    struct Row {
+        double decay_s, loop_s, averaged_s;
+    };
+    for (const Row& row : {Row{5, 0, 0},
+                           {walked_s, 0, 0},
+                           {40, 0, 40},
+                           {5000, 0, 5000},
+                           {5000, 300, 150},
+                           {5000, 120, 60},
+                           {40, 300, 40},
+                           {5000, 15, walked_s}}) {
+        const FoamTicks ticks = foam_ticks(row.decay_s, 200'000, us_from_seconds(row.loop_s));
+        EXPECT_EQ(ticks.tick_us, 200'000);
+        EXPECT_NEAR(ticks.decay_s, std::min(row.decay_s, walked_s), 1e-12);
+        EXPECT_NEAR(ticks.departure,
+                    row.averaged_s > 0 ? std::sqrt(walked_s / row.averaged_s) : 1.0, 1e-12)
+            << row.decay_s << " s in a loop of " << row.loop_s << " s";
+        EXPECT_EQ(ticks.periodic, row.loop_s == 15);
+    }
+}
+
 } // namespace
 } // namespace seaway::sea

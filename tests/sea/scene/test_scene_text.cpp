@@ -4,6 +4,7 @@
 #include <utility>
 #include <variant>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include "sea/scene/scene.h"
@@ -42,6 +43,17 @@ TEST(Scene, stylised_waves_that_are_too_short_or_too_fast_are_blamed_on_where_th
                 HasSubstr("sea.system[1].data: a list is not allowed"));
     EXPECT_THAT(error_of(sines + "length_m = 1e5\nwavelength_m = 0.02\nfrom_deg = 0\n"),
                 HasSubstr("sea.system[1].wavenumber_ratio: "));
+    // Told in wavelengths a tile; noise, whose cells are finer than its waves, holds a quarter as many.
+    const std::string ramps = "[sea]\n[[sea.system]]\ntype = \"sines\"\nlength_m = 3000\n"
+                              "from_deg = 0\n"
+                              "wavelength_m = 2\ncount = 2\nwavenumber_ratio = 1.5\nshape = ";
+    EXPECT_THAT(error_of(ramps + "\"sine\"\n"),
+                HasSubstr(fmt::format("fits the tile at most {} times; this one 2.25e+03 times",
+                                      sine_steps_max)));
+    EXPECT_THAT(
+        error_of(ramps + "\"noise\"\n"),
+        HasSubstr(fmt::format("fits the tile at most {} times (noise); this one 2.25e+03 times",
+                              sine_steps_max / 4)));
 }
 
 // Waves of several systems that have one length stand on one tile.

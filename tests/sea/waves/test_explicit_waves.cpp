@@ -106,5 +106,22 @@ TEST(ExplicitWaves, a_tile_that_is_added_keeps_its_waves_below_the_band_end) {
     }
 }
 
+// A tile that is added for waves holds all of them, also those at its lattice's corners.
+TEST(ExplicitWaves, the_band_of_a_tile_that_is_added_holds_every_wave_of_it) {
+    for (const int steps : {1, 2, 7, 30}) {
+        const std::vector<ExplicitMode> modes{
+            {steps, steps, 0.1, 0}, {-steps, steps, 0.1, 0}, {0, 1, 0.1, 0}, {1, 0, 0.1, 0}};
+        SeaState sea = sea_of(modes);
+        const CascadeSpec other{77.0, size};
+        const Realization realization = *realize(sea, {&other, 1});
+        ASSERT_EQ(realization.cascades.size(), 2u);
+        const CascadeModes& added = realization.cascades[0]; // the longer one
+        ASSERT_EQ(added.spec.length_m, length_m);
+        for (const ExplicitMode& mode : modes)
+            EXPECT_TRUE(added.band.contains(two_pi / length_m * std::hypot(mode.nx, mode.ny)))
+                << mode.nx << ", " << mode.ny;
+    }
+}
+
 } // namespace
 } // namespace seaway::sea
