@@ -178,6 +178,52 @@ TEST(HeldLimits, tiles_too_large_for_one_answer_are_asked_for_a_cascade_at_a_tim
     EXPECT_EQ(sea.fetches, 2 + 2 * 3 + 3);
 }
 
+/// A large cascade and a small one of which no keyframe is ever sent.
+class SilentSea : public tests::WaveSea {
+  public:
+    static constexpr int large = 1024, small = 64;
+    std::vector<std::size_t> times_asked; ///< by request
+
+    std::vector<server::SharedBytes> sea_state_messages() const override {
+        protocol::SeaStateValues state;
+        state.epoch = epoch;
+        state.cascades.push_back({.length_m = 900, .size = large, .interval_us = 500'000});
+        state.cascades.push_back({.length_m = 31, .size = small, .interval_us = 500'000});
+        return {std::make_shared<const protocol::Bytes>(protocol::sea_state(state))};
+    }
+    void fetch(server::FetchRequest request, Fetched done) override {
+        times_asked.push_back(request.times_us.size());
+        done(server::FetchedPart{});
+    }
+};
+
+std::vector<sea::TimeUs> times_apart(int count) {
+    std::vector<sea::TimeUs> times_us;
+    for (int i = 0; i < count; ++i)
+        times_us.push_back(i * 1'000'000 + 30'000);
+    return times_us;
+}
+
+// At a byte a sample two keyframes of six fields are 12 MiB of the large cascade around each time: of the
+// 32 MiB that a server sends at once two times take 24, three would take 36.
+TEST(HeldLimits, as_many_times_are_asked_for_at_once_as_a_server_can_answer) {
+    SilentSea sea;
+    Link link(sea, {.bytes_per_cascade = std::size_t{16} << 30});
+    ASSERT_TRUE(link.client->hold(times_apart(5), 60));
+    EXPECT_EQ(sea.times_asked, (std::vector<std::size_t>{2, 2, 1}));
+}
+
+TEST(HeldLimits, the_largest_cascade_says_how_many_times_have_room) {
+    SilentSea sea;
+    Link link(sea, {.bytes_per_cascade =
+                        6 * HeldKeyframe::bytes_of(sea::surface_fields, SilentSea::large)});
+    EXPECT_TRUE(link.client->hold(times_apart(3), 60)) << "six keyframes";
+    const Result<void> held = link.client->hold(times_apart(4), 60);
+    ASSERT_FALSE(held);
+    EXPECT_NE(held.error().message.find("around 3 of them"), std::string::npos)
+        << held.error().message;
+}
+
 /// The same waves under another number from `change_us` on, in the middle of an interval.
 class ChangingSea : public tests::WaveSea {
   public:

@@ -84,6 +84,26 @@ TEST_F(LiveSeas, what_is_offered_again_is_asked_for_again) {
     EXPECT_EQ(held_at(3'010'000), with_slope);
 }
 
+TEST_F(LiveSeas, each_keyframe_is_told_of_once_and_is_held_by_then) {
+    std::atomic<const Client*> who = nullptr;
+    std::atomic<int> keyframes = 0;
+    std::atomic<int> not_held = 0;
+    const auto client =
+        Client::connect({.url = net->url()}, {.on_keyframe = [&](const HeldKeyframePtr& held) {
+                            const sea::Keyframe& k = held->keyframe();
+                            const auto pair =
+                                who.load()->ring().around(k.cascade, k.epoch, k.time_us, 1, {});
+                            not_held += !pair || pair->before != held;
+                            ++keyframes;
+                        }});
+    ASSERT_TRUE(client) << client.error().message;
+    who = client->get();
+    const sea::TimeUs times_us[] = {1'010'000, 7'770'000};
+    ASSERT_TRUE((*client)->hold(times_us, 10));
+    EXPECT_EQ(keyframes, 8) << "two around each time, of two cascades";
+    EXPECT_EQ(not_held, 0);
+}
+
 // More bytes in all than may wait at a time, and more batches than are sent at once.
 TEST_F(LiveSeas, much_that_is_asked_one_after_the_other_is_answered) {
     const auto client = connect();

@@ -253,5 +253,36 @@ TEST(World, a_map_without_a_time_is_of_now) {
     EXPECT_EQ(shown_us, now_us);
 }
 
+// Heights are one number a point, directions and places are three.
+TEST(World, a_map_of_each_kind_is_as_long_as_it_says) {
+    for (const auto& [kind, numbers] :
+         std::map<std::string, std::uint64_t>{{"height", 1}, {"displacement", 3}, {"normal", 3}}) {
+        Bench bench;
+        World world(bench.sea, {}, [] { return TimeUs{0}; });
+        world.attach(*bench.simulation);
+        std::map<std::string, std::string> parameters = some_map;
+        parameters["kind"] = kind;
+        std::unique_ptr<ByteSource> map;
+        world.map({parameters, someone, [] {}}, [&](Result<std::unique_ptr<ByteSource>> made) {
+            ASSERT_TRUE(made) << kind;
+            map = *std::move(made);
+        });
+        for (int i = 0; i < 40; ++i)
+            bench.settle();
+        ASSERT_TRUE(map);
+        EXPECT_EQ(map->size(), 64 + 8 * 5 * 4 * numbers) << kind;
+        std::uint64_t bytes = 0;
+        const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+        while (bytes < map->size() && std::chrono::steady_clock::now() < deadline) {
+            const std::size_t more = map->next().size();
+            bytes += more;
+            if (more == 0) // not ready yet
+                std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        }
+        EXPECT_EQ(bytes, map->size()) << kind;
+        EXPECT_TRUE(map->next().empty()) << kind;
+    }
+}
+
 } // namespace
 } // namespace seaway::server

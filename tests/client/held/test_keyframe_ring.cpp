@@ -21,13 +21,13 @@ constexpr FieldSet height_fields{Field::height, Field::height_rate};
 
 /// A keyframe that is its own time everywhere, so that a torn one would show.
 HeldKeyframePtr keyframe(TimeUs time_us, int cascade = 0, std::uint32_t epoch = 1,
-                         FieldSet fields = height_fields, int size = 16) {
+                         FieldSet fields = height_fields, int size = 16, double length_m = 50) {
     sea::Keyframe made;
     made.epoch = epoch;
     made.cascade = cascade;
     made.time_us = time_us;
     made.size = size;
-    made.length_m = 50;
+    made.length_m = length_m;
     made.fields = fields;
     made.values.assign(made.plane_size() * static_cast<std::size_t>(fields.size()),
                        static_cast<float>(time_us));
@@ -51,15 +51,18 @@ TEST(Ring, gives_the_two_keyframes_around_a_time_in_whatever_order_they_came) {
     EXPECT_TRUE(pair->covers);
 }
 
-TEST(Ring, keyframes_of_different_sizes_make_no_pair) {
-    KeyframeRing ring;
-    ring.insert(keyframe(200'000));
-    ring.insert(keyframe(300'000, 0, 1, height_fields, 32));
-    const auto pair = around(ring, 250'000);
-    ASSERT_TRUE(pair);
-    EXPECT_EQ(pair->before, pair->after) << "what came last counts";
-    EXPECT_EQ(pair->after->keyframe().size, 32);
-    EXPECT_FALSE(pair->covers);
+TEST(Ring, keyframes_of_different_sizes_or_lengths_make_no_pair) {
+    for (const auto& [size, length_m] : {std::pair(32, 50.0), {16, 51.0}}) {
+        KeyframeRing ring;
+        ring.insert(keyframe(200'000));
+        const HeldKeyframePtr other = keyframe(300'000, 0, 1, height_fields, size, length_m);
+        ring.insert(other);
+        const auto pair = around(ring, 250'000);
+        ASSERT_TRUE(pair);
+        EXPECT_EQ(pair->before, pair->after) << "what came last counts";
+        EXPECT_EQ(pair->after, other);
+        EXPECT_FALSE(pair->covers);
+    }
 }
 
 TEST(Ring, a_keyframe_covers_its_very_time_alone_and_begins_the_pair_after_it) {

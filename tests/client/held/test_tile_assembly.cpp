@@ -161,6 +161,41 @@ TEST(TileAssembly, the_end_of_a_request_hands_out_keyframes_that_lack_what_is_no
     EXPECT_EQ(assembly.keyframes(), 0u);
 }
 
+// Naive: what has been handed out to a request is forgotten with it, and what the stream still sends of it
+// is acknowledged by nobody.
+TEST(TileAssembly, what_the_stream_has_not_finished_outlives_the_request_that_had_enough) {
+    TileAssembly assembly;
+    const auto part = [](Field field) { return parts_of(field, 16, 16).front(); };
+    add(assembly, part(Field::height), three_fields, {pair_fields});
+    ASSERT_TRUE(add(assembly, part(Field::height_rate), three_fields, {pair_fields}).complete);
+    EXPECT_TRUE(assembly.finish(pair_fields).empty()) << "it was handed out";
+    const auto last = add(assembly, part(Field::displacement_x), three_fields);
+    EXPECT_TRUE(last.acknowledge);
+    ASSERT_TRUE(last.complete);
+    EXPECT_EQ(last.complete->keyframe().fields, three_fields);
+    EXPECT_EQ(assembly.keyframes(), 0u);
+}
+
+TEST(TileAssembly, parts_belong_together_by_number_epoch_cascade_and_time) {
+    const std::vector<Part> parts = parts_of(Field::height, 32, 16);
+    for (int differs = -1; differs < 4; ++differs) {
+        TileAssembly assembly;
+        HeldKeyframePtr complete;
+        for (std::size_t i = 0; i < parts.size(); ++i) {
+            Part part = parts[i];
+            if (i == 2) {
+                part.header.keyframe += differs == 0;
+                part.header.epoch += differs == 1;
+                part.header.cascade += differs == 2;
+                part.header.time_us += differs == 3;
+            }
+            complete = add(assembly, part, {Field::height}).complete;
+        }
+        EXPECT_EQ(complete != nullptr, differs == -1) << differs;
+        EXPECT_EQ(assembly.keyframes(), differs == -1 ? 0u : 2u) << differs;
+    }
+}
+
 TEST(TileAssembly, a_keyframe_begun_under_an_earlier_grant_is_acknowledged_under_it) {
     TileAssembly assembly;
     add(assembly, parts_of(Field::height, 16, 16).front(), pair_fields);

@@ -220,8 +220,10 @@ TEST_F(ConnectionTest, a_subscription_gets_and_acknowledges_whole_keyframes) {
     EXPECT_FALSE(granted) << "the keyframes around now come first";
     server.send(tile(8, sea::Field::height));
     server.send(tile(8, sea::Field::height_rate));
-    server.send(protocol::fetch_done(request_id, 1, fields));
+    server.send(protocol::fetch_done(request_id, 5, fields));
     ASSERT_TRUE(granted);
+    EXPECT_EQ(got.keyframes, 5u) << "as the server counts them";
+    EXPECT_EQ(got.fields, fields);
     EXPECT_EQ(got.grant.fields, fields);
     EXPECT_FLOAT_EQ(got.grant.error_m, 0.02f);
     ASSERT_EQ(keyframes.size(), 1u);

@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // wss://: a server is trusted by its certificate and name, or not at all.
+#include <netinet/in.h>
+#include <sys/socket.h>
+
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <thread>
 
 #include <gtest/gtest.h>
 #include <openssl/evp.h>
@@ -136,6 +141,36 @@ TEST(Tls, a_certificate_file_that_cannot_be_read_is_named) {
     ASSERT_FALSE(client);
     EXPECT_EQ(failure_of(client.error()), Failure::bad_argument);
     EXPECT_NE(client.error().message.find("/no/such.pem"), std::string::npos);
+}
+
+/// What a client says first to a server under this name, which then closes.
+std::string first_words(const std::string& host) {
+    const int listener = ::socket(AF_INET, SOCK_STREAM, 0);
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t size = sizeof address;
+    EXPECT_EQ(::bind(listener, reinterpret_cast<sockaddr*>(&address), size), 0);
+    EXPECT_EQ(::listen(listener, 1), 0);
+    EXPECT_EQ(::getsockname(listener, reinterpret_cast<sockaddr*>(&address), &size), 0);
+    const std::string url = "wss://" + host + ":" + std::to_string(ntohs(address.sin_port));
+    std::thread connects([&] { EXPECT_FALSE(Client::connect({.url = url, .timeout_s = 60})); });
+    const int peer = ::accept(listener, nullptr, nullptr);
+    std::string words(4096, '\0');
+    const ssize_t read = ::recv(peer, words.data(), words.size(), 0);
+    ::close(peer);
+    ::close(listener);
+    connects.join();
+    words.resize(static_cast<std::size_t>(std::max<ssize_t>(read, 0)));
+    return words;
+}
+
+// RFC 6066, 3: names are told to the server in the clear, addresses are not allowed there.
+TEST(Tls, the_server_is_told_the_name_that_it_is_asked_by_but_no_address) {
+    EXPECT_NE(first_words("localhost").find("localhost"), std::string::npos);
+    const std::string by_address = first_words("127.0.0.1");
+    EXPECT_GT(by_address.size(), 100u) << "a ClientHello";
+    EXPECT_EQ(by_address.find("127.0.0.1"), std::string::npos);
 }
 
 } // namespace

@@ -80,8 +80,11 @@ TEST(Askers, are_there_for_as_long_as_what_they_were_made_of) {
                 EXPECT_FALSE(one.gone());
             EXPECT_TRUE(asker.same(about));
             EXPECT_TRUE(stays.same(stays_about));
-            EXPECT_FALSE(asker.same(stays));
-            EXPECT_FALSE(asker.same(Asker(std::make_shared<char>(1))));
+            const std::shared_ptr<const void> elsewhere = std::make_shared<char>(1);
+            for (const Asker& other : {stays, Asker(elsewhere)}) {
+                EXPECT_FALSE(asker.same(other));
+                EXPECT_FALSE(other.same(asker));
+            }
             if (session_goes)
                 session = nullptr;
             if (question_goes)

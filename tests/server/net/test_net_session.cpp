@@ -250,6 +250,7 @@ TEST_F(NetSession, a_query_is_answered_in_order_and_limits_are_refusals) {
     ASSERT_FALSE(client.send(protocol::query(5, points, false)));
     const wire::Message* message = client.receive();
     ASSERT_TRUE(message && message->body_as_QueryReply());
+    EXPECT_EQ(message->body_as_QueryReply()->epoch(), SmallSea::answering_epoch);
     const auto* answers = message->body_as_QueryReply()->answers();
     ASSERT_EQ(answers->size(), points.size());
     for (std::uint32_t i = 0; i < answers->size(); ++i)

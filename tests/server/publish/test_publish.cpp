@@ -368,6 +368,16 @@ TEST(Outbox, a_fetch_that_does_not_fit_is_refused_whole) {
     EXPECT_TRUE(outbox.push_fetched(std::span(&half, 1), height, message()));
 }
 
+TEST(Outbox, a_fetch_of_exactly_what_may_wait_fits_and_a_byte_more_does_not) {
+    constexpr std::size_t done_bytes = 24;
+    for (const std::size_t more : {0u, 1u}) {
+        Outbox outbox;
+        const EncodedKeyframePtr all = parcel(1, 0, 1, limits::fetch_bytes_max - done_bytes + more);
+        EXPECT_EQ(outbox.push_fetched(std::span(&all, 1), height, message(done_bytes)), more == 0);
+        EXPECT_EQ(outbox.bytes_waiting(), more == 0 ? limits::fetch_bytes_max : 0);
+    }
+}
+
 TEST(Outbox, requests_are_accepted_until_enough_replies_wait) {
     Outbox outbox;
     for (std::size_t i = 0; i < limits::replies_waiting_max; ++i) {

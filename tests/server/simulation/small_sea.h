@@ -122,7 +122,7 @@ class SmallSea : public server::Host {
         askers.push_back(batch.asker);
         if (is_busy)
             return done(Error{server::Refusal::busy, "later"});
-        server::QueryAnswers out;
+        server::QueryAnswers out{.epoch = answering_epoch, .answers = {}};
         for (const sea::QueryPoint& point : batch.points) {
             sea::Answer answer;
             answer.height_m = point.x_m + point.y_m;
@@ -157,6 +157,7 @@ class SmallSea : public server::Host {
     }
     bool healthy() const override { return well; }
 
+    static constexpr std::uint32_t answering_epoch = 7; ///< of queries
     std::atomic<std::int64_t> newest = 0;
     std::atomic<bool> well = true;
     std::vector<std::function<void()>> unanswered;
