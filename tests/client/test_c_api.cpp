@@ -258,6 +258,21 @@ double metric(int port, const std::string& name) {
 
 // Who lets eight keyframes be under way never makes one of the first eight wait; where the server knew of
 // the default's two only, most would.
+// 0 stands for ten seconds: a server that takes a few looks at the deadlines is no failure.
+TEST_F(CInterface, a_timeout_of_zero_is_the_default_for_every_question) {
+    seaway_client* client = nullptr;
+    ASSERT_EQ(seaway_connect(url.c_str(), nullptr, &client), SEAWAY_OK);
+    sea_served.late_ms = 200;
+    const seaway_point point{1, 2, 5'010'000};
+    seaway_answer answer{};
+    EXPECT_EQ(seaway_query(client, &point, 1, 0, 0, &answer), SEAWAY_OK) << seaway_last_error();
+    EXPECT_EQ(seaway_hold(client, &point.time_us, 1, 0), SEAWAY_OK) << seaway_last_error();
+    const seaway_subscription wanted{};
+    EXPECT_EQ(seaway_subscribe(client, &wanted), SEAWAY_OK) << seaway_last_error();
+    sea_served.late_ms = 0;
+    seaway_disconnect(client);
+}
+
 TEST_F(CInterface, as_many_keyframes_are_under_way_as_credit_says) {
     const auto count = [&](const std::string& name) {
         return metric(net->port(), "seaway_net_keyframes_" + name + "_total");

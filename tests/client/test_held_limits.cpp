@@ -208,15 +208,15 @@ std::vector<sea::TimeUs> times_apart(int count) {
 // 32 MiB that a server sends at once two times take 24, three would take 36.
 TEST(HeldLimits, as_many_times_are_asked_for_at_once_as_a_server_can_answer) {
     SilentSea sea;
-    Link link(sea, {.bytes_per_cascade = std::size_t{16} << 30});
+    Served link(sea, {.bytes_per_cascade = std::size_t{16} << 30});
     ASSERT_TRUE(link.client->hold(times_apart(5), 60));
     EXPECT_EQ(sea.times_asked, (std::vector<std::size_t>{2, 2, 1}));
 }
 
 TEST(HeldLimits, the_largest_cascade_says_how_many_times_have_room) {
     SilentSea sea;
-    Link link(sea, {.bytes_per_cascade =
-                        6 * HeldKeyframe::bytes_of(sea::surface_fields, SilentSea::large)});
+    Served link(sea, {.bytes_per_cascade =
+                          6 * HeldKeyframe::bytes_of(sea::surface_fields, SilentSea::large)});
     EXPECT_TRUE(link.client->hold(times_apart(3), 60)) << "six keyframes";
     const Result<void> held = link.client->hold(times_apart(4), 60);
     ASSERT_FALSE(held);

@@ -8,7 +8,9 @@
 #include <gtest/gtest.h>
 
 #include "client/client.h"
+#include "client/link/failure.h"
 #include "client/link/message_stream.h"
+#include "server/host/refusal.h"
 #include "tests/client/wave_server.h"
 
 namespace seaway::client {
@@ -102,6 +104,28 @@ TEST_F(LiveSeas, each_keyframe_is_told_of_once_and_is_held_by_then) {
     ASSERT_TRUE((*client)->hold(times_us, 10));
     EXPECT_EQ(keyframes, 8) << "two around each time, of two cascades";
     EXPECT_EQ(not_held, 0);
+}
+
+class RefusingSea : public tests::WaveSea {
+  public:
+    void query(server::QueryBatch, Queried done) override {
+        ++queries;
+        done(Error{server::Refusal::busy, "later"});
+    }
+};
+
+// As many batches as are under way at once, and none after the first that is refused.
+TEST(Asking, ends_with_the_first_batch_that_is_refused) {
+    RefusingSea sea;
+    const auto net = tests::serve(sea);
+    const auto client = Client::connect({.url = net->url()});
+    ASSERT_TRUE(client) << client.error().message;
+    const std::size_t batch = (*client)->welcome().points_per_query_max;
+    const std::vector<sea::QueryPoint> points(batch * 12);
+    const auto answers = (*client)->ask(points, {.timeout_s = 60});
+    ASSERT_FALSE(answers);
+    EXPECT_EQ(failure_of(answers.error()), Failure::refused);
+    EXPECT_LE(sea.queries, 4);
 }
 
 // More bytes in all than may wait at a time, and more batches than are sent at once.

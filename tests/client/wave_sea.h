@@ -70,7 +70,8 @@ class WaveSea : public server::Host {
     std::atomic<int> queries = 0;
     std::atomic<int> exact_queries = 0;             ///< of them
     mutable std::atomic<float> wished_error_m = -1; ///< of the last who subscribed
-    std::atomic<int> late_ms = 0; ///< it looks at its clock this much later than it is asked to
+    std::atomic<int> late_ms =
+        0; ///< it looks at its clock, and answers, this much later than asked
 
     sea::Answer truth(const sea::QueryPoint& point) const {
         const sea::DirectSum::Moment moment = sum_.at_time(point.time_us);
@@ -143,6 +144,7 @@ class WaveSea : public server::Host {
     }
     void fetch(server::FetchRequest request, Fetched done) override {
         ++fetches;
+        std::this_thread::sleep_for(std::chrono::milliseconds(late_ms));
         if (request.times_us.empty())
             request.times_us = {sea_time_us(), sea_time_us() + wave_intervals_us[0]};
         std::vector<server::KeyframeTiles> out;
@@ -161,6 +163,7 @@ class WaveSea : public server::Host {
     }
     void query(server::QueryBatch batch, Queried done) override {
         ++queries;
+        std::this_thread::sleep_for(std::chrono::milliseconds(late_ms));
         exact_queries += batch.exact;
         server::QueryAnswers out;
         out.epoch = epoch;

@@ -63,12 +63,14 @@ TEST(TileCodec, f1_f2_all_zero_and_constant_tiles_are_sixteen_bytes_and_exact) {
 }
 
 TEST(TileCodec, a_tile_flatter_than_its_bound_is_constant) {
-    std::vector<float> samples = random_samples({32, 32}, 1e-5, 1);
-    for (float& sample : samples)
-        sample += 2.0f;
-    const Bytes bytes = encoded(samples, {32, 32}, 0.05f);
-    EXPECT_EQ(bytes.size(), 16u);
-    EXPECT_LE(worst_error(samples, decoded(bytes, {32, 32})), 0.05);
+    for (const float mean : {2.0f, 0.7f, -0.7f, -2.0f, -1e4f}) {
+        std::vector<float> samples = random_samples({32, 32}, 1e-5, 1);
+        for (float& sample : samples)
+            sample += mean;
+        const Bytes bytes = encoded(samples, {32, 32}, 0.05f);
+        EXPECT_EQ(bytes.size(), 16u) << mean;
+        EXPECT_LE(worst_error(samples, decoded(bytes, {32, 32})), 0.05) << mean;
+    }
 }
 
 TEST(TileCodec, f3_samples_that_are_not_finite_are_refused) {

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The world that sessions talk to, over a simulation.
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <map>
 #include <memory>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
