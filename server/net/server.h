@@ -54,7 +54,8 @@ class NetServer {
     /// version 1 asks for.
     void announce(protocol::SharedBytes sea_state);
 
-    /// Sends GoAway, closes, joins. Idempotent. Host callbacks that come later do nothing.
+    /// Sends GoAway, closes, joins; maps that are being let go have ended then. Idempotent. Host
+    /// callbacks that come later do nothing.
     void stop();
 
   private:
