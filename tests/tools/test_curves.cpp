@@ -2,6 +2,7 @@
 // The numbers behind the picture of a scene: points of the realised spectrum and waves given one by one.
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <vector>
 
 #include <fmt/format.h>
@@ -99,6 +100,22 @@ TEST(Curves, points_of_many_seeds_lie_on_the_spectrum_of_their_rings) {
                     100;
         EXPECT_NEAR(std::log(sums[i].y / mean), 0, 0.4) << "ring " << n;
     }
+}
+
+// From below the lowest peak or the longest tile to beyond the highest peak or the finest tile.
+TEST(Curves, the_picture_reaches_from_below_the_lowest_peak_to_beyond_the_highest) {
+    Report report;
+    report.scene = sea::parse_scene("[sea]\n[[sea.system]]\ntype = \"swell\"\n"
+                                    "significant_height_m = 1\npeak_period_s = 3\nfrom_deg = 75\n"
+                                    "[[sea.system]]\ntype = \"swell\"\n"
+                                    "significant_height_m = 2\npeak_period_s = 14\nfrom_deg = 10\n"
+                                    "[[cascade]]\nlength_m = 6000\nsize = 64\n",
+                                    "curves", "")
+                       .value();
+    report.sea = std::make_shared<const sea::Realization>(sea::realize(report.scene).value());
+    const FrequencyRange range = frequency_range(report, SeaSpectrum(report.scene.sea));
+    EXPECT_NEAR(range.lo_radps, 0.45 * 2 * sea::pi / 14, 1e-9);
+    EXPECT_NEAR(range.hi_radps, 3 * 2 * sea::pi / 3, 1e-9);
 }
 
 TEST(Curves, waves_given_by_hand_have_their_amplitude_direction_and_frequency) {

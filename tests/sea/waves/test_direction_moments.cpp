@@ -51,5 +51,20 @@ TEST(DirectionalSpectrum, direction_moments_are_integrals_of_the_energy_over_dir
     }
 }
 
+// Bretschneider 1959: its peak has no enhancement.
+TEST(DirectionalSpectrum, a_bretschneider_swell_has_that_spectrum_by_height_and_peak_period) {
+    const Scene scene = scene_of("[sea]\n[[sea.system]]\ntype = \"swell\"\nspectrum = "
+                                 "\"bretschneider\"\nsignificant_height_m = 2.5\n"
+                                 "peak_period_s = 11\nfrom_deg = 300\n");
+    const DirectionalSpectrum spectrum(scene.sea.systems[0], scene.sea);
+    const double peak = two_pi / 11;
+    for (const double omega : {0.7 * peak, peak, 1.5 * peak, 3 * peak})
+        EXPECT_NEAR(spectrum.frequency_density(omega) /
+                        (5.0 / 16 * 2.5 * 2.5 * std::pow(peak, 4) / std::pow(omega, 5) *
+                         std::exp(-1.25 * std::pow(peak / omega, 4))),
+                    1, 1e-6)
+            << omega;
+}
+
 } // namespace
 } // namespace seaway::sea
