@@ -423,5 +423,24 @@ TEST(Scene, a_beam_that_the_lattice_turns_is_told_of_in_degrees_clockwise) {
     }
 }
 
+// Strains are nearly normal: the surface folds where choppiness times their rms, by the normal
+// distribution, is beyond one.
+TEST(Scene, a_sea_that_folds_is_told_by_how_much_of_it_does) {
+    const Result<Scene> scene = parse_scene(
+        "[sea]\nchoppiness = [0.2, 2.9]\n[[sea.system]]\ntype = \"wind\"\n"
+        "wind_speed_10m_mps = 20\nfrom_deg = 30\n[[cascade]]\nlength_m = 200\nsize = 256\n"
+        "[[cascade]]\nlength_m = 11\nsize = 128\n",
+        "folds", "");
+    ASSERT_TRUE(scene) << scene.error().message;
+    const SeaSummary summary = summarize(scene->sea, *realize(*scene));
+    const double z = 1 / (2.9 * std::sqrt(summary.realised.mean_square_strain));
+    const double percent = 100 * (0.5 - 0.5 * std::erf(z / std::sqrt(2.0)));
+    ASSERT_GT(percent, 0.01);
+    EXPECT_THAT(testing::warnings_of(*scene),
+                ::testing::Contains(::testing::HasSubstr(fmt::format(
+                    "choppiness 2.9 and an rms strain of {:.2g} fold about {:.2g} % of the surface",
+                    std::sqrt(summary.realised.mean_square_strain), percent))));
+}
+
 } // namespace
 } // namespace seaway::sea

@@ -206,9 +206,11 @@ TEST(Measured, a_table_without_a_header_says_so) {
                 HasSubstr("data:1: no header"));
 }
 
-// One record of NDBC's real-time form, newest first, as its header names it.
+// Two records of NDBC's real-time form, newest first, as its header names it; units and blank lines may
+// stand between.
 const char* const density_text =
     "#YY  MM DD hh mm Sep_Freq  < spec_1 (freq_1) spec_2 (freq_2) spec_3 (freq_3) ... >\n"
+    "#yr  mo dy hr mn Hz         m*m/Hz Hz       m*m/Hz Hz       m*m/Hz Hz\n\n"
     "2014 09 11 17 00 0.176 0.000 (0.033) 4.000 (0.043) 9.000 (0.053) 2.000 (0.073) \n"
     "2014 09 11 16 00 9.999 0.000 (0.033) 1.000 (0.043) 1.000 (0.053) MM (0.073) \n";
 const char* const alpha1_text =
