@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "tools/bench/accuracy/in_threads.h"
 #include "tools/bench/accuracy/points.h"
 
 namespace seaway::bench {
@@ -25,10 +26,12 @@ Result<std::vector<double>> heights(const sea::Scene& scene, const Configuration
                                     Devices& devices, sea::TimeUs time_us) {
     SEAWAY_TRY_LET(const auto sea, ConfiguredSea::create(scene, configuration, devices));
     SEAWAY_TRY(sea->go_to(time_us));
-    std::vector<double> all;
-    for (int y = 0; y < side; ++y)
+    std::vector<double> all(side * side);
+    in_threads(side, [&](int y) {
         for (int x = 0; x < side; ++x)
-            all.push_back(sea->answer({coordinate(x), coordinate(y), time_us}).height_m);
+            all[static_cast<std::size_t>(y * side + x)] =
+                sea->answer({coordinate(x), coordinate(y), time_us}).height_m;
+    });
     return all;
 }
 

@@ -10,12 +10,16 @@
 #include <fmt/format.h>
 
 #include "sea/waves/statistics/moments.h"
+#include "tools/bench/accuracy/in_threads.h"
 #include "tools/bench/accuracy/laws.h"
 #include "tools/bench/accuracy/octaves.h"
 
 namespace seaway::bench {
 
 namespace {
+
+/// Some 2 us each from maps, 30 ms and more where all waves are summed.
+constexpr std::size_t points_a_part = 16;
 
 bool within(const SamplePoint& point, const Extent& extent) {
     return !extent.time_base ||
@@ -26,9 +30,11 @@ Result<double> flicker(ConfiguredSea& sea, const Movie& movie) {
     std::vector<double> heights(movie.heights_m.size());
     for (int frame = 0; frame < Movie::frames; ++frame) {
         SEAWAY_TRY(sea.go_to(movie.time_us(frame)));
-        for (std::size_t p = 0; p < movie.at.size(); ++p)
-            heights[p * Movie::frames + static_cast<std::size_t>(frame)] =
-                sea.answer(movie.at[p]).height_m;
+        in_parts(movie.at.size(), points_a_part, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t p = begin; p < end; ++p)
+                heights[p * Movie::frames + static_cast<std::size_t>(frame)] =
+                    sea.answer(movie.at[p]).height_m;
+        });
     }
     return flicker_m(movie.heights_m, heights, Movie::frames);
 }
@@ -149,16 +155,23 @@ std::vector<sea::QueryPoint> timed_points(const Truth& truth) {
 
 Result<std::vector<Sample>> sample_answers(ConfiguredSea& sea, const Truth& truth,
                                            const Extent& extent) {
-    std::vector<Sample> samples;
-    std::optional<int> time;
-    for (std::size_t i = 0; i < truth.points.size(); i += static_cast<std::size_t>(extent.every)) {
-        const SamplePoint& point = truth.points[i];
-        if (!within(point, extent))
-            continue;
-        if (time != point.time)
-            SEAWAY_TRY(sea.go_to(point.at.time_us));
-        time = point.time;
-        samples.push_back({point.kind, point.time, truth.answers[i], sea.answer(point.at)});
+    std::vector<std::size_t> wanted;
+    for (std::size_t i = 0; i < truth.points.size(); i += static_cast<std::size_t>(extent.every))
+        if (within(truth.points[i], extent))
+            wanted.push_back(i);
+    std::vector<Sample> samples(wanted.size());
+    for (std::size_t first = 0, last = 0; first < wanted.size(); first = last) {
+        const SamplePoint& now = truth.points[wanted[first]];
+        while (last < wanted.size() && truth.points[wanted[last]].time == now.time)
+            ++last;
+        SEAWAY_TRY(sea.go_to(now.at.time_us));
+        in_parts(last - first, points_a_part, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = first + begin; i < first + end; ++i) {
+                const SamplePoint& point = truth.points[wanted[i]];
+                samples[i] = {point.kind, point.time, truth.answers[wanted[i]],
+                              sea.answer(point.at)};
+            }
+        });
     }
     return samples;
 }

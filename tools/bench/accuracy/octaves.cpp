@@ -6,6 +6,7 @@
 #include <map>
 
 #include "sea/basics/constants.h"
+#include "tools/bench/accuracy/in_threads.h"
 
 namespace seaway::bench {
 
@@ -54,15 +55,17 @@ void add_cascade(const ConfiguredSea& sea, int c, std::map<int, Sum>& octaves) {
     const auto count = static_cast<std::size_t>(fine);
     const double spacing = modes.spec.length_m / fine;
     std::vector<Complex> values(count * count);
-    for (std::size_t y = 0; y < count; ++y)
+    in_threads(fine, [&](int row) {
+        const auto y = static_cast<std::size_t>(row);
         for (std::size_t x = 0; x < count; ++x)
             values[y * count + x] =
                 sea.at(c, static_cast<double>(x) * spacing, static_cast<double>(y) * spacing)
                     .height;
-    for (std::size_t y = 0; y < count; ++y)
         transform(&values[y * count], count, 1);
-    for (std::size_t x = 0; x < count; ++x)
-        transform(&values[x], count, count);
+    });
+    in_threads(fine, [&](int column) {
+        transform(&values[static_cast<std::size_t>(column)], count, count);
+    });
     const double scale = 1.0 / static_cast<double>(count * count);
     const sea::TimeUs t = sea.waves().used->phase_time(sea.shown_us());
     const auto wrapped = [](int n, int side) {

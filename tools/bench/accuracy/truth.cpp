@@ -2,7 +2,6 @@
 #include "tools/bench/accuracy/truth.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <complex>
 #include <cstring>
@@ -10,13 +9,13 @@
 #include <fstream>
 #include <numbers>
 #include <optional>
-#include <thread>
 
 #include <fmt/format.h>
 
 #include "protocol/checksum.h"
 #include "sea/surface/inverse.h"
 #include "sea/waves/reference.h"
+#include "tools/bench/accuracy/in_threads.h"
 
 namespace seaway::bench {
 
@@ -105,27 +104,14 @@ Result<void> write(const std::string& path, const Truth& truth) {
     return failed ? Result<void>(Error{"cannot write " + path}) : Result<void>();
 }
 
-/// Calls work(0 .. count - 1), in as many threads as the machine runs at once.
-template <class Work>
-void in_threads(int count, const Work& work) {
-    std::atomic<int> next{0};
-    std::vector<std::jthread> threads;
-    for (unsigned i = 0; i < std::max(1u, std::thread::hardware_concurrency()); ++i)
-        threads.emplace_back([&] {
-            for (int n = next++; n < count; n = next++)
-                work(n);
-        });
-}
-
 void solve(const sea::DirectSum& sum, const sea::InverseOptions& options, Truth& truth) {
     // Some 30 ms and more each, of which a new moment is 2: threads end together.
     constexpr std::size_t points_a_part = 128;
     const std::size_t count = truth.points.size();
     truth.answers.resize(count);
-    in_threads(static_cast<int>((count + points_a_part - 1) / points_a_part), [&](int part) {
-        const std::size_t begin = static_cast<std::size_t>(part) * points_a_part;
+    in_parts(count, points_a_part, [&](std::size_t begin, std::size_t end) {
         std::optional<sea::DirectSum::Moment> now;
-        for (std::size_t i = begin; i < std::min(count, begin + points_a_part); ++i) {
+        for (std::size_t i = begin; i < end; ++i) {
             const sea::QueryPoint& at = truth.points[i].at;
             if (i == begin || at.time_us != truth.points[i - 1].at.time_us)
                 now = sum.at_time(at.time_us);
