@@ -54,6 +54,7 @@ LAWS = [
     ("K10", "inverse fixed point", "fixed-point steps of the inverse", 0),
     ("K11", "modes", "only the largest waves summed", 1e-6),
     ("K14", "latency", "answers of a while ago", 0),
+    ("", "combination", "grid, interval and codec together", 0),
 ]
 
 HEADLINE = """\

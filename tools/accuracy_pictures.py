@@ -117,7 +117,7 @@ def sheet(run, knob, path, xlabel, cost, cost_label, title, state=GALE, only=Non
 
 def layout(run, path):
     """K3 and K4: what layouts of tiles hold."""
-    figure, (left, right) = plt.subplots(1, 2, figsize=(9, 3.3))
+    figure, (left, middle, right) = plt.subplots(1, 3, figsize=(11, 3.3))
     for metric, label, colour in (("missing_rms_m", "height, m", OURS), ("missing_slope_rms", "slope", THEIRS)):
         points = [(x, run.figure(GALE, "cascades", v, metric)) for x, v in run.curves(GALE, "cascades")["count"]]
         left.plot(*zip(*points), marker="o", ms=4, color=colour, label=label)
@@ -126,11 +126,39 @@ def layout(run, path):
     left.set_xlabel("cascades of 256: 2111 m, then 211 m; 317 and 53 m; and 11 m")
     left.set_ylabel("rms of the waves left out")
     left.legend()
-    points = [(x, run.figure(GALE, "tile", v, "hs_scatter_pct")) for x, v in run.curves(GALE, "tile")["length"]]
-    right.plot(*zip(*points), marker="o", ms=4, color=OURS)
-    right.set_xlabel("longest tile, m")
-    right.set_ylabel("scatter of Hs over seeds, %")
-    right.set_ylim(bottom=0)
+    for axis, knob, curve, label in ((middle, "cascades", "split", "second tile, m (first 2111 m, third 53 m)"),
+                                     (right, "tile", "length", "longest tile, m")):
+        points = [(x, run.figure(GALE, knob, v, "hs_scatter_pct")) for x, v in run.curves(GALE, knob)[curve]]
+        axis.plot(*zip(*points), marker="o", ms=4, color=OURS)
+        axis.set_xlabel(label)
+        axis.set_ylabel("scatter of Hs over seeds, %")
+        axis.set_ylim(bottom=0)
+    figure.tight_layout()
+    save(figure, path)
+
+
+def together(run, path):
+    """Grid, interval and codec together: whether their errors add up as the laws say, and whether a choice by hand
+    beats a budget's."""
+    figure, (left, right) = plt.subplots(1, 2, figsize=(9, 3.6))
+    for label, colour, by_hand in (("by a budget", OURS, False), ("by hand", THEIRS, True)):
+        trials = [figures for (state, knob, value), figures in run.trials.items()
+                  if (state, knob) == (GALE, "combination") and (" s@" in value) == by_hand]
+        if not trials:
+            continue
+        errors = [figures["rms_m"][0] for figures in trials]
+        expected = [figures["predicted_rms_m"][0] for figures in trials]
+        left.scatter(expected, errors, s=16, color=colour, label=label)
+        left.plot([min(expected), max(expected)], [min(expected), max(expected)], color="#888888", lw=0.8, ls="--")
+        right.scatter(errors, [figures["work_ms_per_s"][0] for figures in trials], s=16, color=colour, label=label)
+    for axis in (left, right):
+        axis.set_xscale("log")
+        axis.set_yscale("log")
+    left.set_xlabel("expected rms, m: the laws' errors, added in the square")
+    left.set_ylabel("measured rms, m")
+    error_axis(right, "measured rms, m (better to the right)")
+    right.set_ylabel("work, ms of CPU a second of sea")
+    left.legend(fontsize=8)
     figure.tight_layout()
     save(figure, path)
 
@@ -206,4 +234,5 @@ def draw_all(runs, folder, digest):
     sheet(run, "latency", name("latency"), "late by, s", "query_ns", "ns an answer", "K14: answers of a while ago")
     batches(run, name("batch"))
     layout(run, name("layout"))
+    together(run, name("together"))
     error_map(run.path.parent, name("map"))

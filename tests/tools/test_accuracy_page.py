@@ -215,6 +215,20 @@ class Pictures(unittest.TestCase):
         left.set_ylabel.assert_called_with("rms error of height, m")
         right.set_ylabel.assert_called_with("ms")
 
+    def test_knobs_together_stand_beside_what_was_expected_and_hands_beside_budgets(self):
+        run = run_of({(GALE, "combination", "128@0.01"): {"rms_m": 0.003, "predicted_rms_m": 0.004, "work_ms_per_s": 40},
+                      (GALE, "combination", "256@0.03"): {"rms_m": 0.009, "predicted_rms_m": 0.01, "work_ms_per_s": 30},
+                      (GALE, "combination", "128, 0.5 s@0.03"): {"rms_m": 0.02, "predicted_rms_m": 0.03,
+                                                                  "work_ms_per_s": 50}})
+        drawn = Drawn(2)
+        accuracy_pictures.together(run, "x.png")
+        left, right = drawn.axes
+        for number, (label, expected, errors, work) in enumerate((
+                ("by a budget", [0.004, 0.01], [0.003, 0.009], [40, 30]), ("by hand", [0.03], [0.02], [50]))):
+            self.assertEqual(left.scatter.call_args_list[number][0], (expected, errors))
+            self.assertEqual(left.scatter.call_args_list[number][1]["label"], label)
+            self.assertEqual(right.scatter.call_args_list[number][0], (errors, work))
+
     def test_a_batch_reaches_from_its_fastest_round_to_its_slowest(self):
         run = run_of({(GALE, "batch", "alone@10"): {"batch_ns": (3000, 2500, 4500), "batch_ms": (0.03, 0.025, 0.045)}})
         drawn = Drawn(2)

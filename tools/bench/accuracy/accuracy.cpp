@@ -106,10 +106,14 @@ Result<std::vector<Job>> Run::jobs() const {
                 continue;
             if (!swept && !holds(everywhere, knob.name))
                 continue;
-            for (Trial& trial : knob.trials(scene, options_.device))
-                if (trial.batch.asked != Asked::socket || !options_.server.empty())
-                    all.push_back(
-                        {std::string(state), knob.name, std::move(trial), knob.fresh_seeds});
+            for (Trial& trial : knob.trials(scene, options_.device)) {
+                if (trial.batch.asked == Asked::socket && options_.server.empty())
+                    continue;
+                // Half a second of two cores each: a quick run has them where they tell most.
+                if (!options_.quick && trial.configuration.evaluator == Evaluator::maps)
+                    trial.extent.octaves = trial.extent.flicker = true;
+                all.push_back({std::string(state), knob.name, std::move(trial), knob.fresh_seeds});
+            }
         }
     }
     return all;

@@ -72,6 +72,12 @@ Trials cascades(const sea::Scene& scene, const std::string& device) {
         trials.push_back(
             {on_curve("count", static_cast<double>(i + 1)), configuration, Measurement::layout});
     }
+    // Where the first band ends: six lattice steps of the second tile out.
+    for (const double length_m : {200.0, 317.0, 400.0, 500.0, 650.0}) {
+        Configuration configuration = clean_on(scene, device);
+        configuration.cascades = {{2111, 256}, {length_m, 256}, {53, 256}};
+        trials.push_back({on_curve("split", length_m), configuration, Measurement::layout});
+    }
     return trials;
 }
 
@@ -273,6 +279,19 @@ Trials combination(const sea::Scene& scene, const std::string& device) {
             configuration.height_error_m = error_m;
             trials.push_back({fmt::format("{}@{:g}", size, error_m), configuration});
         }
+    // And by hand, each knob with each other, which no budget has weighed.
+    for (const int size : {128, 256})
+        for (const double interval_s : {0.25, 0.5, 1.0})
+            for (const double codec_m : {0.003, 0.03}) {
+                Configuration configuration = balanced(scene);
+                configuration.device = device;
+                for (sea::CascadeSpec& cascade : configuration.cascades)
+                    cascade.size = size;
+                configuration.interval_us = sea::us_from_seconds(interval_s);
+                configuration.codec_error_m = codec_m;
+                trials.push_back(
+                    {fmt::format("{}, {:g} s@{:g}", size, interval_s, codec_m), configuration});
+            }
     return trials;
 }
 
