@@ -118,11 +118,11 @@ def main():
         sys.exit("no mutant has such a name or file")
     stale = [(m, why) for m in mutants if (why := out_of_date(m))]
     copy_sources()
-    if not (BUILD / "build.ninja").exists():
-        subprocess.run(["cmake", "-S", COPY, "-B", BUILD, "-G", "Ninja",
-                        "-DCMAKE_BUILD_TYPE=RelWithDebInfo",
-                        # Half the time to compile and link; results are the same.
-                        "-DCMAKE_CXX_FLAGS_RELWITHDEBINFO=-O1"], check=True, capture_output=True)
+    subprocess.run(["cmake", "-S", COPY, "-B", BUILD, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=RelWithDebInfo",
+                    # Half the time to compile and link; results are the same.
+                    "-DCMAKE_CXX_FLAGS_RELWITHDEBINFO=-O1",
+                    # What a mistake leaves unused is for tests to see, not for warnings.
+                    "-DSEAWAY_WERROR=OFF"], check=True, capture_output=True)
     fresh = [m for m in mutants if not out_of_date(m)]
     errors = clean_run(fresh)
     results = [(m, f"ERROR: {why}") for m, why in stale]

@@ -93,25 +93,28 @@ Configuration small_tile() {
 
 TEST(AccuracyFigures, figures_of_several_seeds_are_of_all_their_points_and_the_worst_is_named) {
     const Configuration configuration = small_tile();
-    const std::vector<DrawnSea> seas = drawn(configuration, 3);
+    std::vector<DrawnSea> seas = drawn(configuration, 3);
     Devices devices;
     StageCosts costs(1);
-    const auto all = measure(seas, configuration, {}, devices, costs);
-    ASSERT_TRUE(all) << all.error().message;
-    double squares = 0, samples = 0, worst = 0, hs_before = 0;
-    for (int i = 0; i < 3; ++i) {
-        const std::string seed = std::to_string(5 + i);
-        const double points = 16.0 * (i < 2 ? 3 : 2); // anywhere; of 8 times, shared by three
-        squares += points * std::pow(figure(*all, "rms_m@seed=" + seed), 2);
-        samples += points;
-        worst = std::max(worst, figure(*all, "p99_m@seed=" + seed));
-        EXPECT_NE(figure(*all, "hs_m@seed=" + seed), hs_before); // another sea
-        hs_before = figure(*all, "hs_m@seed=" + seed);
+    for (int first = 0; first < 3; ++first) { // the worst comes first, last and between
+        const auto all = measure(seas, configuration, {}, devices, costs);
+        ASSERT_TRUE(all) << all.error().message;
+        double squares = 0, samples = 0, worst = 0, hs_before = 0;
+        for (int i = 0; i < 3; ++i) {
+            const std::string seed = std::to_string(5 + i);
+            const double points = 16.0 * (i < 2 ? 3 : 2); // anywhere; of 8 times, shared by three
+            squares += points * std::pow(figure(*all, "rms_m@seed=" + seed), 2);
+            samples += points;
+            worst = std::max(worst, figure(*all, "p99_m@seed=" + seed));
+            EXPECT_NE(figure(*all, "hs_m@seed=" + seed), hs_before); // another sea
+            hs_before = figure(*all, "hs_m@seed=" + seed);
+        }
+        EXPECT_NEAR(figure(*all, "rms_m"), std::sqrt(squares / samples), 1e-12);
+        EXPECT_EQ(figure(*all, "p99_worst_m"), worst);
+        EXPECT_EQ(figure(*all, "samples"), 32.0 * 8);
+        EXPECT_GT(figure(*all, "rms_m"), 0.0);
+        std::rotate(seas.begin(), seas.begin() + 1, seas.end());
     }
-    EXPECT_NEAR(figure(*all, "rms_m"), std::sqrt(squares / samples), 1e-12);
-    EXPECT_EQ(figure(*all, "p99_worst_m"), worst);
-    EXPECT_EQ(figure(*all, "samples"), 32.0 * 8);
-    EXPECT_GT(figure(*all, "rms_m"), 0.0);
 }
 
 TEST(AccuracyFigures, seeds_that_share_times_take_each_time_once) {

@@ -57,6 +57,29 @@ TEST(ExplicitWaves, height_scale_multiplies_what_is_requested_and_what_is_realis
     }
 }
 
+// In a loop every wave turns a whole number of times, without one each has its own period.
+TEST(ExplicitWaves, close_the_loop_that_they_are_given) {
+    const auto moved_m = [](double loop_s, double t_s) {
+        SeaState sea = sea_of({{3, -5, 1.5, 0.3}, {-4, 2, -0.5, -2.0}});
+        sea.loop_period_s = loop_s;
+        const DirectSum sum(std::make_shared<const Realization>(*realize(sea, {&tile, 1})));
+        return std::abs(sum.at(12.5, -40.0, us_from_seconds(t_s)).height -
+                        sum.at(12.5, -40.0, 0).height);
+    };
+    EXPECT_LT(moved_m(29.0, 29.0), 1e-12);
+    EXPECT_LT(moved_m(29.0, -58.0), 1e-12);
+    EXPECT_GT(moved_m(29.0, 14.0), 0.01);
+    EXPECT_GT(moved_m(0.0, 29.0), 0.01);
+    // The frequencies themselves are whole in the loop: at the end of it without beginning anew.
+    SeaState sea = sea_of({{3, -5, 1.5, 0.3}});
+    sea.loop_period_s = 29.0;
+    const Realization realization = *realize(sea, {&tile, 1});
+    const double turns =
+        omega_from_rate(realization.cascades[0].rate[59 * size + 3]) * 29.0 / two_pi;
+    EXPECT_NEAR(turns, std::round(turns), 1e-9);
+    EXPECT_GT(turns, 1.0);
+}
+
 // One wave alone, of every sign, up to the last index before Nyquist: frequencies are stored to 1e-13
 // rad/s, so after 1000 s the sum is the cosine to 1e-9.
 TEST(ExplicitWaves, one_wave_of_every_sign_is_its_cosine_up_to_the_last_index_before_nyquist) {

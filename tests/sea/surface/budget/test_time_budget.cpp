@@ -126,8 +126,11 @@ TEST(TimeBudget, in_a_loop_of_any_length_heights_between_keyframes_stay_inside_t
 
 // Energy that no keyframe tells of is not worth longer intervals, however little it is.
 TEST(TimeBudget, no_wave_turns_more_than_once_between_two_keyframes) {
-    for (const double error_m : {0.01, 1.0, 1000.0}) {
-        const RealizationPtr sea = tests::two_cascades();
+    const RealizationPtr steep = tests::two_cascades();
+    const RealizationPtr flat =
+        tests::make_sea({tests::random_cascade(41.0, 64, 15, 300, 4e-9, 12)});
+    for (const auto& [sea, error_m] :
+         {std::pair(steep, 0.01), std::pair(steep, 1.0), std::pair(flat, 1.0)}) {
         const ErrorBudget budget = plan_budget(*sea, error_m);
         for (std::size_t c = 0; c < sea->cascades.size(); ++c) {
             const CascadeModes& modes = sea->cascades[c];
