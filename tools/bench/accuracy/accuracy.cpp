@@ -33,7 +33,7 @@ bool holds(const Range& range, std::string_view name) {
 }
 
 Sampling sampling_of(const AccuracyOptions& options) {
-    Sampling sampling = options.quick  ? Sampling{512, 8}
+    Sampling sampling = options.quick  ? Sampling{384, 8}
                         : options.full ? Sampling{4096, 32}
                                        : Sampling{1024, 16};
     if (options.points > 0)
