@@ -23,7 +23,7 @@ seaway::CommandLine& add_accuracy(seaway::CommandLine& line,
                                  "stopped goes on where it was; tools/accuracy_page.py draws "
                                  "docs/accuracy.md from it");
     const auto quick = command.option(
-        "--quick", options.quick, "512 points at each of 8 times, knobs on the gale: 3 minutes");
+        "--quick", options.quick, "384 points at each of 8 times, knobs on the gale: 3 minutes");
     command
         .option("--full", options.full,
                 "4096 points at each of 32 times, every knob on all six sea states: hours")

@@ -13,7 +13,7 @@
 namespace seaway::bench {
 
 struct AccuracyOptions {
-    bool quick = false;              ///< 512 points a time, 8 times; knobs on one sea state
+    bool quick = false;              ///< 384 points a time, 8 times; knobs on one sea state
     bool full = false;               ///< 4096 points a time, 32 times; knobs on all six
     std::vector<std::string> knobs;  ///< empty: all
     std::vector<std::string> states; ///< empty: all that the extent says

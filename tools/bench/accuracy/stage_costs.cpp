@@ -116,18 +116,25 @@ Result<std::vector<Figure>> StageCosts::figures(const ConfiguredSea& sea, Device
 }
 
 double query_ns(const ConfiguredSea& sea, std::span<const sea::QueryPoint> points) {
-    const bool slow = sea.configuration().evaluator == Evaluator::direct_sum;
-    const std::size_t count = std::min<std::size_t>(points.size(), slow ? 64 : 2048);
-    std::vector<double> each;
-    for (int repeat = 0; repeat < 3; ++repeat) {
+    const auto timed = [&](std::size_t count) {
         const double before = cpu_seconds();
         double sum = 0;
         for (std::size_t i = 0; i < count; ++i)
             sum += sea.answer(points[i]).height_m;
         const double spent = cpu_seconds() - before;
         // Used, so that no compiler leaves the answers out.
-        each.push_back(sum == 1e300 ? 0.0 : spent * 1e9 / static_cast<double>(count));
-    }
+        return sum == 1e300 ? 0.0 : spent * 1e9 / static_cast<double>(count);
+    };
+    // Sums of all waves and searches for sheets take a thousand times a plain answer: a twentieth of
+    // a second is enough of any of them.
+    const std::size_t few = std::min<std::size_t>(points.size(), 64);
+    const double affordable = 0.05e9 / std::max(timed(few), 1.0);
+    const auto count = static_cast<std::size_t>(
+        std::clamp(affordable, static_cast<double>(few),
+                   static_cast<double>(std::min<std::size_t>(points.size(), 2048))));
+    std::vector<double> each;
+    for (int repeat = 0; repeat < 3; ++repeat)
+        each.push_back(timed(count));
     return median(each);
 }
 
