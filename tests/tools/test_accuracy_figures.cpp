@@ -78,7 +78,7 @@ std::vector<DrawnSea> drawn(const Configuration& configuration, int seeds) {
         const std::uint64_t seed = 5 + static_cast<std::uint64_t>(i);
         const auto scene = sea_state("calm_shallow", seed);
         const auto waves = configured_waves(*scene, configuration);
-        seas.push_back({*scene, summed_truth(*waves, {32, 8, false, i, seeds}, seed)});
+        seas.push_back({*waves, summed_truth(*waves, {32, 8, false, i, seeds}, seed)});
     }
     return seas;
 }

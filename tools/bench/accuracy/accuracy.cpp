@@ -131,10 +131,10 @@ Result<std::vector<DrawnSea>> Run::drawn(const Job& job) const {
         }
         sampling.film = i == 0;
         SEAWAY_TRY_LET(const sea::Scene scene, sea_state(job.state, seed));
-        SEAWAY_TRY_LET(const Waves waves, configured_waves(scene, job.trial.configuration));
+        SEAWAY_TRY_LET(Waves waves, configured_waves(scene, job.trial.configuration));
         SEAWAY_TRY_LET(Truth truth,
                        reference_truth(waves, sampling, seed, options_.out + "/truth"));
-        seas.push_back({scene, std::move(truth)});
+        seas.push_back({std::move(waves), std::move(truth)});
     }
     return seas;
 }

@@ -103,9 +103,9 @@ Result<FurtherSeas> further_seas(std::span<const DrawnSea> seas, const Configura
     FurtherSeas further;
     int number = 0;
     for (const DrawnSea& drawn : seas) {
-        SEAWAY_TRY_LET(const auto sea, ConfiguredSea::create(drawn.scene, configuration, devices));
+        SEAWAY_TRY_LET(const auto sea, ConfiguredSea::create(drawn.waves, configuration, devices));
         SEAWAY_TRY_LET(std::vector<Sample> samples, sample_answers(*sea, drawn.truth, extent));
-        further.add_seed(drawn.scene.sea.seed, samples, hs_of(*sea));
+        further.add_seed(drawn.waves.state.seed, samples, hs_of(*sea));
         further.codec_over_bound = std::max(further.codec_over_bound, codec_over_bound(*sea));
         ++number;
         for (Sample& sample : samples)
@@ -190,9 +190,9 @@ Result<std::vector<Figure>> measure(std::span<const DrawnSea> seas,
     SEAWAY_TRY_LET(FurtherSeas further,
                    further_seas(seas.subspan(1), configuration, extent, devices));
     const Truth& truth = seas[0].truth;
-    SEAWAY_TRY_LET(const auto sea, ConfiguredSea::create(seas[0].scene, configuration, devices));
+    SEAWAY_TRY_LET(const auto sea, ConfiguredSea::create(seas[0].waves, configuration, devices));
     SEAWAY_TRY_LET(std::vector<Figure> all,
-                   errors_of(*sea, truth, extent, seas[0].scene.sea.seed, std::move(further)));
+                   errors_of(*sea, truth, extent, seas[0].waves.state.seed, std::move(further)));
     const int base = extent.time_base.value_or(0);
     add_prediction(predict(sea->waves(), configuration, sample_time_us(base)), all);
     if (extent.octaves)

@@ -26,9 +26,10 @@ struct Extent {
     bool flicker = false;         ///< and the second of film
 };
 
-/// One of the seas that a configuration is measured on: of one spectrum, each of a seed of its own.
+/// One of the seas that a configuration is measured on: of one spectrum, each of a seed of its own, as
+/// configured_waves() has it of that configuration.
 struct DrawnSea {
-    sea::Scene scene;
+    Waves waves;
     Truth truth;
 };
 

@@ -107,7 +107,7 @@ Result<sea::Certificate> certificate_of(const sea::Scene& scene, const Target& t
     SEAWAY_TRY_LET(const Waves waves, configured_waves(scene, configuration));
     SEAWAY_TRY_LET(Truth truth, reference_truth(waves, options.sampling, scene.sea.seed,
                                                 options.folder + "/truth"));
-    const DrawnSea drawn{scene, std::move(truth)};
+    const DrawnSea drawn{waves, std::move(truth)};
     StageCosts costs(7);
     SEAWAY_TRY_LET(const std::vector<Figure> all,
                    measure({&drawn, 1}, configuration, {}, devices, costs));
