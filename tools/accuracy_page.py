@@ -12,13 +12,13 @@ speaks of the native one, each other adds its headline plot. Pictures need pytho
 python3-matplotlib), the text (--text) does not. tools/check_accuracy.py holds that page and pictures are of
 the measurements beside them.
 
-To measure all of it again, on a quiet machine (2 cores: 3 minutes, 5 s, 40 s, 10 s):
+To measure all of it again, on a quiet machine (2 cores: 4 minutes):
 
-    build/dev/bin/seaway-bench accuracy --quick --out out/bench/accuracy
+    build/dev/bin/seaway-bench accuracy --quick --points 512 --out out/bench/accuracy
     build/dev/bin/seaway-server scenes/north_sea_gale.toml --listen 127.0.0.1:9431 & sleep 5
-    build/dev/bin/seaway-bench accuracy --quick --knobs batch --server ws://127.0.0.1:9431 --out out/bench/accuracy
+    build/dev/bin/seaway-bench accuracy --quick --points 512 --knobs batch --server ws://127.0.0.1:9431 --out out/bench/accuracy
     kill %1
-    build/dev/bin/seaway-bench accuracy --quick --device llvmpipe --states gale_deep --knobs named,combination \
+    build/dev/bin/seaway-bench accuracy --quick --points 512 --device llvmpipe --states gale_deep --knobs named,combination \
         --out out/bench/accuracy_lavapipe
     tools/accuracy_page.py --take out/bench/accuracy out/bench/accuracy_lavapipe
 

@@ -123,7 +123,7 @@ def layout(run, path):
         left.plot(*zip(*points), marker="o", ms=4, color=colour, label=label)
     left.set_yscale("log")
     left.set_xticks([1, 2, 3, 4])
-    left.set_xlabel("cascades of 256: 2111 m, then 211 m; 317 and 53 m; and 11 m")
+    left.set_xlabel("cascades: 2111; 211; 317, 53; and 11 m")
     left.set_ylabel("rms of the waves left out")
     left.legend()
     for axis, knob, curve, label in ((middle, "cascades", "split", "second tile, m (first 2111 m, third 53 m)"),
@@ -132,7 +132,7 @@ def layout(run, path):
         axis.plot(*zip(*points), marker="o", ms=4, color=OURS)
         axis.set_xlabel(label)
         axis.set_ylabel("scatter of Hs over seeds, %")
-        axis.set_ylim(bottom=0)
+        axis.set_ylim(0, 1.15 * max(y for _, y in points))
     figure.tight_layout()
     save(figure, path)
 
