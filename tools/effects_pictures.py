@@ -10,6 +10,7 @@ def costs(all_costs, path):
     figure, axes = plt.subplots(1, len(all_costs), figsize=(11, 3.8))
     for axis, (name, cost) in zip(axes, all_costs.values()):
         cascades = cost.cascades()
+        highest = 0
         for place, (part, shade) in enumerate((("maps", 1.0), ("stream", 0.45))):
             bottom = [0.0] * len(cascades)
             xs = [i + 0.4 * place - 0.2 for i in range(len(cascades))]
@@ -21,6 +22,7 @@ def costs(all_costs, path):
                 axis.bar(xs, heights, 0.36, bottom=bottom, color=colour, alpha=shade,
                          label=effect if part == "maps" else None)
                 bottom = [b + h for b, h in zip(bottom, heights)]
+            highest = max([highest, *bottom])
             for x, top in zip(xs, bottom):
                 axis.annotate(part, (x, top), xytext=(0, 2), textcoords="offset points", ha="center", fontsize=7,
                               color="#555555")
@@ -28,7 +30,7 @@ def costs(all_costs, path):
         axis.set_title(name, fontsize=10)
         axis.set_xlim(-0.6, len(cascades) - 0.4)
         axis.grid(axis="x", visible=False)
-        axis.margins(y=0.12)
+        axis.set_ylim(0, 1.12 * highest)
     axes[0].set_ylabel("ms of CPU a second of sea,\non top of the other effects")
     axes[0].legend(fontsize=8)
     figure.tight_layout()
@@ -58,9 +60,11 @@ def demand(minute, path):
         axis.set_ylabel(f"transforms a second,\n{title}")
         axis.legend(loc="upper left", fontsize=8)
         axis.set_ylim(0, ceiling)
-        peak = max(range(len(edges)), key=lambda i: everything[i])
-        axis.annotate(f"foam starts: {everything[peak]:.0f}", (times[peak] + 1, ceiling), xytext=(14, -12),
-                      textcoords="offset points", fontsize=8)
+        for i, rate in enumerate(everything):
+            if rate > ceiling:
+                foam = "foam starts: " if rate == max(everything) else ""
+                axis.annotate(f"{foam}{rate:.0f}", (times[i] + 1, ceiling), xytext=(4, -12), textcoords="offset points",
+                              fontsize=8)
     for row, (name, joins, leaves) in enumerate(minute.guests):
         lower.plot([joins, leaves], [-row, -row], color="#444444", lw=3, solid_capstyle="butt")
         lower.annotate(name, (joins, -row), xytext=(0, 4), textcoords="offset points", fontsize=7.5)
