@@ -9,6 +9,7 @@ import csv
 import pathlib
 import shutil
 import subprocess
+from math import fsum  # the same with every version of Python: sum() adds up more carefully from 3.12 on
 
 from page_text import filled, number, table
 
@@ -49,7 +50,7 @@ class Costs:
         return row[prefix + "maps_ms"] + row[prefix + "stream_ms"]
 
     def of_effect(self, effect, column):
-        return sum(self.effect(effect, c["cascade"])[column] for c in self.cascades())
+        return fsum(self.effect(effect, c["cascade"])[column] for c in self.cascades())
 
 
 class Minute:
@@ -101,15 +102,15 @@ def marginal_table(cost):
     for effect in EFFECTS:
         cells = [cost.effect(effect, c["cascade"]) for c in cascades]
         rows.append([effect] + [f"{cell(r['more_maps_ms'])} + {cell(r['more_stream_ms'])}" for r in cells] +
-                    [cell(sum(cost.work(r, "more_") for r in cells)), cell(sum(r["more_kilobytes"] for r in cells)),
-                     number(sum(r["more_transforms"] for r in cells), 3)])
-    shared = [{k: c[k] - sum(cost.effect(e, c["cascade"])["more_" + k] for e in EFFECTS) for k in COUNTS} for c in cascades]
+                    [cell(fsum(cost.work(r, "more_") for r in cells)), cell(fsum(r["more_kilobytes"] for r in cells)),
+                     number(fsum(r["more_transforms"] for r in cells), 3)])
+    shared = [{k: c[k] - fsum(cost.effect(e, c["cascade"])["more_" + k] for e in EFFECTS) for k in COUNTS} for c in cascades]
     rows.append(["shared by foam and gradient"] + [f"{cell(s['maps_ms'])} + {cell(s['stream_ms'])}" for s in shared] +
-                [cell(sum(cost.work(s) for s in shared)), cell(sum(s["kilobytes"] for s in shared)),
-                 number(sum(s["transforms"] for s in shared), 3)])
+                [cell(fsum(cost.work(s) for s in shared)), cell(fsum(s["kilobytes"] for s in shared)),
+                 number(fsum(s["transforms"] for s in shared), 3)])
     rows.append(["**all of a cascade**"] + [f"**{cell(c['maps_ms'])} + {cell(c['stream_ms'])}**" for c in cascades] +
-                [cell(sum(cost.work(c) for c in cascades)), cell(sum(c["kilobytes"] for c in cascades)),
-                 number(sum(c["transforms"] for c in cascades), 3)])
+                [cell(fsum(cost.work(c) for c in cascades)), cell(fsum(c["kilobytes"] for c in cascades)),
+                 number(fsum(c["transforms"] for c in cascades), 3)])
     rows.append(["keyframes/s"] + [number(c["keyframes"], 3) for c in cascades] + ["", "", ""])
     return table(["", *[c["cascade"] for c in cascades], "all tiles, ms/s", "kB/s", "transforms/s"], rows)
 
@@ -130,7 +131,7 @@ def words(costs, minute):
         "STREAM_SHARE": number(100 * gale.row("everything")["stream_ms"] / everything, 2),
         "GRADIENT_SHARE": number(100 * gale.of_effect("gradient", "more_stream_ms") / gale.row("everything")["stream_ms"], 2),
         "SHORTEST_SHARE": number(100 * gale.work(gale.cascades()[-1]) / everything, 2),
-        "SUM_OFF": number(100 * abs(sum(gale.work(c) for c in gale.cascades()) / everything - 1), 1),
+        "SUM_OFF": number(100 * abs(fsum(gale.work(c) for c in gale.cascades()) / everything - 1), 1),
         "BUOY_RATE": number(minute.rate(buoy[1] + 2, hulls[1] - 1), 3),
         "HULLS_RATE": number(minute.rate(hulls[1] + 2, viewer[1] - 1), 3),
         "SECOND_BEFORE": number(minute.rate(viewer[1] + 4, second[1] - 0.5), 3), "SECOND_AFTER": number(steady, 3),

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The plots of docs/effects.md, from costs and counters as tools/effects_page.py reads them."""
+from math import fsum
+
 from plot_style import COLOURS, plt
 
 EFFECTS = ["height", "choppy", "slopes", "gradient", "foam"]
@@ -15,7 +17,7 @@ def costs(all_costs, path):
             bottom = [0.0] * len(cascades)
             xs = [i + 0.4 * place - 0.2 for i in range(len(cascades))]
             marginal = {e: [cost.effect(e, c["cascade"])[f"more_{part}_ms"] for c in cascades] for e in EFFECTS}
-            marginal["strains, shared"] = [c[f"{part}_ms"] - sum(m[i] for m in marginal.values())
+            marginal["strains, shared"] = [c[f"{part}_ms"] - fsum(m[i] for m in marginal.values())
                                            for i, c in enumerate(cascades)]
             for colour, (effect, of_cascades) in zip([*COLOURS, "#d9b310"], marginal.items()):
                 heights = [max(ms, 0) for ms in of_cascades]

@@ -257,8 +257,11 @@ TEST(World, a_map_without_a_time_is_of_now) {
 
 // Heights are one number a point, directions and places are three.
 TEST(World, a_map_of_each_kind_is_as_long_as_it_says) {
-    for (const auto& [kind, numbers] :
-         std::map<std::string, std::uint64_t>{{"height", 1}, {"displacement", 3}, {"normal", 3}}) {
+    const std::pair<std::string, std::uint64_t> kinds[] = {
+        {"height", 1}, {"displacement", 3}, {"normal", 3}};
+    for (const auto& row : kinds) {
+        const std::string& kind = row.first;
+        const std::uint64_t numbers = row.second;
         Bench bench;
         World world(bench.sea, {}, [] { return TimeUs{0}; });
         world.attach(*bench.simulation);

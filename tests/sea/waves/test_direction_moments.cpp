@@ -17,15 +17,17 @@ using testing::scene_of;
 
 TEST(DirectionalSpectrum, direction_moments_are_integrals_of_the_energy_over_directions) {
     const std::string wind = "type = \"wind\"\nwind_speed_10m_mps = 11\nfrom_deg = 237\n";
+    const std::string measured =
+        "type = \"measured\"\ndata = \"\"\"\nf_hz,df_hz,s_m2_hz,r1,alpha1_deg,r2,alpha2_deg\n"
+        "0.08,0.04,3,0.8,100,0.5,110\n0.12,0.04,5,0.6,140,0.3,20\n0.16,0.04,2,0.4,320,0.2,300\n"
+        "\"\"\"\n";
     std::vector<std::string> systems{
         wind + "spectrum = \"phillips\"\nphillips_upwind = true\n",
         wind + "spectrum = \"phillips\"\n",
         wind + "isotropic = 0.3\n",
         wind + "swell = 0.6\n",
         "type = \"swell\"\nsignificant_height_m = 2\npeak_period_s = 8\nfrom_deg = 12\n",
-        "type = \"measured\"\ndata = \"\"\"\nf_hz,df_hz,s_m2_hz,r1,alpha1_deg,r2,alpha2_deg\n"
-        "0.08,0.04,3,0.8,100,0.5,110\n0.12,0.04,5,0.6,140,0.3,20\n0.16,0.04,2,0.4,320,0.2,300\n"
-        "\"\"\"\n"};
+        measured};
     for (const char* spreading : {"cos2", "cos2s", "mitsuyasu", "hasselmann", "donelan_banner"})
         systems.push_back(wind + "spreading = \"" + spreading + "\"\n" +
                           (std::string(spreading) == "cos2s" ? "spreading_exponent = 7\n" : ""));
