@@ -151,6 +151,8 @@ std::string first_words(const std::string& host) {
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     socklen_t size = sizeof address;
     EXPECT_EQ(::bind(listener, reinterpret_cast<sockaddr*>(&address), size), 0);
+    const timeval patience{60, 0}; // of accept(), too: whoever cannot connect is no hang
+    ::setsockopt(listener, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
     EXPECT_EQ(::listen(listener, 1), 0);
     EXPECT_EQ(::getsockname(listener, reinterpret_cast<sockaddr*>(&address), &size), 0);
     const std::string url = "wss://" + host + ":" + std::to_string(ntohs(address.sin_port));
@@ -165,9 +167,10 @@ std::string first_words(const std::string& host) {
     return words;
 }
 
-// RFC 6066, 3: names are told to the server in the clear, addresses are not allowed there.
+// RFC 6066, 3: names are told to the server in the clear, addresses are not allowed there. "127.1" is a name
+// that every resolver takes for the loopback address; a machine need not know "localhost".
 TEST(Tls, the_server_is_told_the_name_that_it_is_asked_by_but_no_address) {
-    EXPECT_NE(first_words("localhost").find("localhost"), std::string::npos);
+    EXPECT_NE(first_words("127.1").find("127.1"), std::string::npos);
     const std::string by_address = first_words("127.0.0.1");
     EXPECT_GT(by_address.size(), 100u) << "a ClientHello";
     EXPECT_EQ(by_address.find("127.0.0.1"), std::string::npos);
