@@ -12,12 +12,6 @@ using wire::ErrorCode;
 
 class NetEnds : public NetTest {
   protected:
-    std::unique_ptr<Client> greeted() {
-        auto client = std::make_unique<Client>(port());
-        EXPECT_FALSE(client->connect());
-        EXPECT_TRUE(client->greet());
-        return client;
-    }
     /// All connections but the one that asks are gone.
     bool all_gone() {
         return eventually([&] { return metric("seaway_net_connections") == 1; });

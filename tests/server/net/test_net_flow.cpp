@@ -15,15 +15,7 @@ using server::EncodeWorker;
 using wire::Body;
 namespace limits = protocol::limits;
 
-class NetFlow : public NetTest {
-  protected:
-    std::unique_ptr<Client> greeted() {
-        auto client = std::make_unique<Client>(port());
-        EXPECT_FALSE(client->connect());
-        EXPECT_TRUE(client->greet());
-        return client;
-    }
-};
+class NetFlow : public NetTest {};
 
 // 40 replies are 6 MB: more than the kernel and the outbox hold together, so that the server reads no
 // further until the client does. Naive: nothing begins it again.

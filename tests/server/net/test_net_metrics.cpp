@@ -83,12 +83,6 @@ TEST(NetMetricsText, every_line_shows_the_figure_that_it_names) {
 class NetMetrics : public NetTest {
   protected:
     MetricsPage page() { return read_metrics(get("/metrics").body); }
-    std::unique_ptr<Client> greeted() {
-        auto client = std::make_unique<Client>(port());
-        EXPECT_FALSE(client->connect());
-        EXPECT_TRUE(client->greet());
-        return client;
-    }
     /// Four ask for pages, one says garbage, one is rude, one is lost: so many connections.
     double strangers() {
         double connections = 0;
