@@ -5,6 +5,8 @@
 
 #include <glm/glm.hpp>
 
+#include "client/view/sky/atmosphere.h"
+
 namespace seaway::client {
 
 struct Camera {
@@ -30,7 +32,5 @@ struct Camera {
 
 /// Angle by which the horizon lies below the level, rad: acos(R / (R + z)).
 double horizon_dip_rad(double z_m);
-
-inline constexpr double earth_radius_m = 6371e3;
 
 } // namespace seaway::client

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/view/sky/almanac.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <numbers>
+#include <string>
+
+namespace seaway::client {
+
+namespace {
+
+constexpr double pi = std::numbers::pi;
+constexpr double degree = pi / 180;
+
+double sine(double angle_deg) {
+    return std::sin(angle_deg * degree);
+}
+double cosine(double angle_deg) {
+    return std::cos(angle_deg * degree);
+}
+
+/// Of the ecliptic of the date.
+Equatorial from_ecliptic(double longitude_deg, double latitude_deg, double distance, double days) {
+    const double tilt = 23.439 - 4e-7 * days;
+    const glm::dvec3 ecliptic(cosine(latitude_deg) * cosine(longitude_deg),
+                              cosine(latitude_deg) * sine(longitude_deg), sine(latitude_deg));
+    const double y = ecliptic.y * cosine(tilt) - ecliptic.z * sine(tilt);
+    const double z = ecliptic.y * sine(tilt) + ecliptic.z * cosine(tilt);
+    return {std::atan2(y, ecliptic.x), std::asin(std::clamp(z, -1.0, 1.0)), distance};
+}
+
+glm::dvec3 unit(const Equatorial& body) {
+    const double level = std::cos(body.declination_rad);
+    return {level * std::cos(body.right_ascension_rad), level * std::sin(body.right_ascension_rad),
+            std::sin(body.declination_rad)};
+}
+
+/// Columns: east, north, up at a place, as seen from among the stars.
+glm::dmat3 equatorial_from_local(double sidereal_rad, double latitude_rad) {
+    const double c = std::cos(sidereal_rad), s = std::sin(sidereal_rad);
+    const double cl = std::cos(latitude_rad), sl = std::sin(latitude_rad);
+    return {glm::dvec3(-s, c, 0), glm::dvec3(-sl * c, -sl * s, cl), glm::dvec3(cl * c, cl * s, sl)};
+}
+
+/// Days from 1 January 2000 to a day of the Gregorian calendar (Meeus 1991, chapter 7).
+int day_number(int year, int month, int day) {
+    const int y = month > 2 ? year : year - 1, m = month > 2 ? month : month + 12;
+    const int julian = 1461 * (y + 4716) / 4 + 153 * (m + 1) / 5 + day + 2 - y / 100 + y / 400;
+    const int y0 = 1999, m0 = 13;
+    return julian - (1461 * (y0 + 4716) / 4 + 153 * (m0 + 1) / 5 + 1 + 2 - y0 / 100 + y0 / 400);
+}
+
+int days_of(int year, int month) {
+    constexpr std::array<int, 12> days{31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31};
+    const bool leap = year % 4 == 0 && (year % 100 != 0 || year % 400 == 0);
+    return days[static_cast<std::size_t>(month - 1)] + (month == 2 && leap ? 1 : 0);
+}
+
+bool two_digits(std::string_view text, std::size_t at, char before, int lo, int hi, int& out) {
+    if (text.size() < at + 2 || text[at - 1] != before)
+        return false;
+    const auto [end, failure] = std::from_chars(&text[at], &text[at] + 2, out);
+    return failure == std::errc{} && end == &text[at] + 2 && out >= lo && out <= hi;
+}
+
+} // namespace
+
+Result<Instant> parse_instant(std::string_view text) {
+    int year = 0, month = 0, day = 0, hour = 0, minute = 0, second = 0;
+    const bool digits =
+        text.size() >= 4 && std::from_chars(text.data(), text.data() + 4, year).ptr == &text[3] + 1;
+    const bool seconds = text.size() == 20;
+    if (!digits || year < year_min || year > year_max || !(seconds || text.size() == 17) ||
+        text.back() != 'Z' || !two_digits(text, 5, '-', 1, 12, month) ||
+        !two_digits(text, 8, '-', 1, days_of(year, month), day) ||
+        !two_digits(text, 11, 'T', 0, 23, hour) || !two_digits(text, 14, ':', 0, 59, minute) ||
+        (seconds && !two_digits(text, 17, ':', 0, 59, second)))
+        return Error{"'" + std::string(text) + "' is not an instant as 2026-06-21T04:30Z, " +
+                     std::to_string(year_min) + " .. " + std::to_string(year_max)};
+    const double hours = hour + minute / 60.0 + second / 3600.0;
+    return Instant{day_number(year, month, day) + (hours - 12) / 24};
+}
+
+Equatorial sun_at(Instant when) {
+    const double n = when.days_j2000;
+    const double anomaly = 357.528 + 0.9856003 * n;
+    const double longitude =
+        280.460 + 0.9856474 * n + 1.915 * sine(anomaly) + 0.020 * sine(2 * anomaly);
+    const double distance = 1.00014 - 0.01671 * cosine(anomaly) - 0.00014 * cosine(2 * anomaly);
+    return from_ecliptic(longitude, 0, distance, n);
+}
+
+Equatorial moon_at(Instant when) {
+    const double t = when.days_j2000 / 36525;
+    const double centre = 134.9 + 477198.85 * t, evection = 259.2 - 413335.38 * t;
+    const double variation = 235.7 + 890534.23 * t, twice = 269.9 + 954397.70 * t;
+    const double longitude = 218.32 + 481267.8813 * t + 6.29 * sine(centre) -
+                             1.27 * sine(evection) + 0.66 * sine(variation) + 0.21 * sine(twice) -
+                             0.19 * sine(357.5 + 35999.05 * t) - 0.11 * sine(186.6 + 966404.05 * t);
+    const double latitude = 5.13 * sine(93.3 + 483202.03 * t) + 0.28 * sine(228.2 + 960400.87 * t) -
+                            0.28 * sine(318.3 + 6003.18 * t) - 0.17 * sine(217.6 - 407332.20 * t);
+    const double parallax = 0.9508 + 0.0518 * cosine(centre) + 0.0095 * cosine(evection) +
+                            0.0078 * cosine(variation) + 0.0028 * cosine(twice);
+    return from_ecliptic(longitude, latitude, 1 / sine(parallax), when.days_j2000);
+}
+
+Heavens heavens_at(Instant when, double latitude_deg, double longitude_deg) {
+    const double sidereal =
+        (280.46061837 + 360.98564736629 * when.days_j2000 + longitude_deg) * degree;
+    const Equatorial sun = sun_at(when), moon = moon_at(when);
+    Heavens out;
+    out.equatorial_from_local = equatorial_from_local(sidereal, latitude_deg * degree);
+    const glm::dmat3 local = glm::transpose(out.equatorial_from_local);
+    out.to_sun = glm::normalize(local * unit(sun));
+    // The place is one earth's radius from the centre that the moon's distance is counted from.
+    out.to_moon = glm::normalize(local * (moon.distance * unit(moon)) - glm::dvec3(0, 0, 1));
+    out.sun_distance_au = sun.distance;
+    // The sun is 389 times as far as the moon: seen from there it stands as it does from here.
+    out.moon_phase_rad = pi - std::acos(std::clamp(glm::dot(unit(sun), unit(moon)), -1.0, 1.0));
+    return out;
+}
+
+Heavens heavens_at_hour(double time_of_day_h) {
+    // The sun stands where the equator rises from the ecliptic, so the sidereal time is its hour angle.
+    const double hour_angle = (time_of_day_h - 12) * pi / 12;
+    Heavens out;
+    out.equatorial_from_local = equatorial_from_local(hour_angle, pi / 4);
+    out.to_sun = glm::transpose(out.equatorial_from_local) * glm::dvec3(1, 0, 0);
+    out.to_moon = -out.to_sun;
+    return out;
+}
+
+double moon_brightness(double phase_rad) {
+    const double angle_deg = std::abs(phase_rad) / degree;
+    return std::pow(10.0, -0.4 * (0.026 * angle_deg + 4e-9 * std::pow(angle_deg, 4)));
+}
+
+} // namespace seaway::client

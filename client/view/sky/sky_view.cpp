@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/view/sky/sky_view.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace seaway::client {
+
+SkyView::SkyView(const AirTables& tables, double height_m, const glm::dvec3& to_sun,
+                 ThreadPool& pool)
+    : height_m_(std::max(height_m, height_min_m)),
+      dome_(columns, rows, std::atan2(to_sun.y, to_sun.x), dip_rad(tables.air, height_m_)) {
+    for_rows(pool, rows, [&](int row) {
+        const bool sky = row >= rows / 2;
+        for (int x = 0; x < columns / 2; ++x) {
+            glm::dvec3 direction = dome_.direction(x, row);
+            // The rows at the horizon are to lie on their own side of it, whatever is rounded.
+            direction.z += sky ? 1e-9 : -1e-9;
+            const Ray ray = ray_from(tables.air, height_m_, direction.z);
+            const AirLight light =
+                air_light(tables, height_m_, direction, to_sun, length_m(tables.air, ray));
+            glm::dvec3 value = light.radiance;
+            if (!sky)
+                value /= glm::max(1.0 - light.transmittance, glm::dvec3(1e-12));
+            dome_.at(x, row) = dome_.at(columns - 1 - x, row) = glm::vec3(value);
+        }
+    });
+}
+
+double height_on_ladder_m(double height_m) {
+    const double lowest = SkyView::height_min_m;
+    const double rung = std::log(1.04);
+    return lowest *
+           std::exp(rung * std::round(std::log(std::max(height_m, lowest) / lowest) / rung));
+}
+
+} // namespace seaway::client
