@@ -2,6 +2,7 @@
 #include "sea/waves/reference.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <utility>
@@ -14,25 +15,78 @@ namespace {
 
 using Complex = std::complex<double>;
 
-/// exp(i 2 pi n x / length) for n = 0 .. steps; each from its own sine and cosine.
-std::vector<Complex> waves_along(double x_m, double length_m, int steps) {
-    const double turns = std::fmod(x_m, length_m) / length_m;
-    std::vector<Complex> waves(static_cast<std::size_t>(steps) + 1);
-    for (int n = 0; n <= steps; ++n) {
-        const double phase = two_pi * std::remainder(n * turns, 1.0);
-        waves[static_cast<std::size_t>(n)] = {std::cos(phase), std::sin(phase)};
-    }
-    return waves;
-}
-
 /// std::complex multiplication without its NaN recovery.
 Complex product(Complex a, Complex b) {
     return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
 }
 
+/// exp(i 2 pi n x / length) for n = 0 .. 8 blocks - 1, to 1e-15: every eighth from its own sine and cosine,
+/// times one of the first eight.
+std::vector<Turns> turns_along(double x_m, double length_m, std::size_t blocks) {
+    // The turns of the first wave, once more what rounding left of them; n times the first 30 bits is exact.
+    const double rest_m = std::remainder(x_m, length_m);
+    const double turns = rest_m / length_m;
+    const double coarse = std::nearbyint(turns * 0x1p30) * 0x1p-30;
+    const double fine = (turns - coarse) + std::fma(-turns, length_m, rest_m) / length_m;
+    const auto wave = [=](double n) {
+        const double phase = two_pi * ((n * coarse - std::nearbyint(n * coarse)) + n * fine);
+        return Complex{std::cos(phase), std::sin(phase)};
+    };
+    std::array<Complex, sum_lanes> first;
+    for (std::size_t n = 0; n < sum_lanes; ++n)
+        first[n] = wave(static_cast<double>(n));
+    std::vector<Turns> all(blocks);
+    for (std::size_t b = 0; b < blocks; ++b) {
+        const Complex eighth = wave(static_cast<double>(b * sum_lanes));
+        for (std::size_t n = 0; n < sum_lanes; ++n) {
+            const Complex turned = product(eighth, first[n]);
+            all[b].cos.at[n] = turned.real();
+            all[b].sin.at[n] = turned.imag();
+        }
+    }
+    return all;
+}
+
+/// Adds h or dh/dt of a wave to its pair (wave_sums.h).
+void add_to_pair(int nx, Complex value, PairBlock& block) {
+    const double side = nx < 0 ? -1.0 : 1.0;
+    const auto lane = static_cast<std::size_t>(std::abs(nx) % sum_lanes);
+    block.even[0].at[lane] += value.real();
+    block.even[1].at[lane] += value.imag();
+    block.odd[0].at[lane] -= side * value.imag();
+    block.odd[1].at[lane] += side * value.real();
+}
+
+/// exp(i 2 pi n / count), exactly periodic.
+std::vector<Complex> circle_of(int count) {
+    std::vector<Complex> circle;
+    for (int n = 0; n < count; ++n) {
+        const double phase = two_pi * n / count;
+        circle.emplace_back(std::cos(phase), std::sin(phase));
+    }
+    return circle;
+}
+
 } // namespace
 
-DirectSum::DirectSum(RealizationPtr sea) : sea_(std::move(sea)) {
+const WaveSums& wave_sums(Instructions instructions) {
+#if defined(SEAWAY_X86)
+    switch (instructions) {
+    case Instructions::portable:
+        break;
+    case Instructions::avx2:
+        return wave_sums_avx2();
+    case Instructions::avx512:
+        return wave_sums_avx512();
+    }
+#else
+    SEAWAY_CHECK(instructions == Instructions::portable, "no other loops are built");
+#endif
+    return wave_sums_portable();
+}
+
+DirectSum::DirectSum(RealizationPtr sea, Instructions instructions)
+    : sea_(std::move(sea)), sums_(&wave_sums(instructions)) {
     SEAWAY_CHECK(sea_ != nullptr, "direct sum of no sea");
     for (const CascadeModes& cascade : sea_->cascades)
         add_cascade(cascade);
@@ -41,87 +95,91 @@ DirectSum::DirectSum(RealizationPtr sea) : sea_(std::move(sea)) {
 void DirectSum::add_cascade(const CascadeModes& cascade) {
     const int size = cascade.spec.size;
     const double step = cascade.spec.wavenumber_step_radpm();
-    const auto index = [size](int nx, int ny) {
-        return static_cast<std::size_t>((ny + size) % size * size + (nx + size) % size);
-    };
-    Tile& tile = tiles_.emplace_back(Tile{cascade.spec.length_m, 0, {}});
-    for (int ny = 0; ny < size / 2; ++ny) {
-        const std::size_t begin = modes_.size();
-        for (int nx = ny == 0 ? 1 : 1 - size / 2; nx < size / 2; ++nx) {
-            const std::size_t i = index(nx, ny);
-            const Complex h0 = cascade.h0[i];
-            const Complex h0_opposite = cascade.h0[index(-nx, -ny)];
-            if (h0 == Complex{} && h0_opposite == Complex{})
+    Tile& tile = tiles_.emplace_back(
+        Tile{cascade.spec.length_m, {}, {}, waves_.size(), circle_of(2 * cascade.spec.size)});
+    int blocks = 0; // along an axis
+    int next = 0;   // nx after the last block that is held
+    for (int ny = 0; ny < size / 2; ++ny)
+        for (int first = 0; first < size / 2; first += sum_lanes) {
+            const std::size_t block = displacement_over_k_m_.size();
+            const std::size_t waves_before = waves_.size();
+            for (int nx = first; nx < first + sum_lanes; ++nx)
+                add_pair(cascade, nx, ny);
+            if (waves_.size() == waves_before)
                 continue;
-            modes_.push_back({step * nx, cascade.displacement_over_k(step * std::hypot(nx, ny)), nx,
-                              cascade.is_given(i) || cascade.is_given(index(-nx, -ny))});
-            phases_.push_back({h0, h0_opposite, cascade.rate[i], omega_from_rate(cascade.rate[i])});
-            tile.steps_max = std::max({tile.steps_max, std::abs(nx), ny});
+            Lanes& over_k_m = displacement_over_k_m_.emplace_back();
+            for (int lane = 0; lane < sum_lanes; ++lane)
+                if (first + lane > 0 || ny > 0)
+                    over_k_m.at[lane] =
+                        cascade.displacement_over_k(step * std::hypot(first + lane, ny));
+            if (tile.runs.empty() || tile.runs.back().ny != ny || next != first)
+                tile.runs.push_back({ny, first, block, block, step * ny});
+            tile.runs.back().end = block + 1;
+            next = first + sum_lanes;
+            blocks = std::max({blocks, first / sum_lanes + 1, ny / sum_lanes + 1});
         }
-        if (modes_.size() > begin)
-            tile.rows.push_back({ny, step * ny, begin, modes_.size()});
-    }
+    tile.kx_radpm.resize(static_cast<std::size_t>(blocks));
+    for (int nx = 0; nx < blocks * sum_lanes; ++nx)
+        tile.kx_radpm[static_cast<std::size_t>(nx / sum_lanes)].at[nx % sum_lanes] = step * nx;
+}
+
+/// The waves (nx, ny) and (-nx, ny), where they carry anything.
+void DirectSum::add_pair(const CascadeModes& cascade, int nx, int ny) {
+    const int size = cascade.spec.size;
+    const auto index = [size](int x, int y) {
+        return static_cast<std::size_t>((y + size) % size * size + (x + size) % size);
+    };
+    const auto add = [&](int x) {
+        const std::size_t i = index(x, ny), opposite = index(-x, -ny);
+        const Complex h0 = cascade.h0[i], h0_opposite = cascade.h0[opposite];
+        if (h0 == Complex{} && h0_opposite == Complex{})
+            return;
+        waves_.push_back({h0, h0_opposite, cascade.rate[i], omega_from_rate(cascade.rate[i]), x, ny,
+                          static_cast<std::uint32_t>(displacement_over_k_m_.size()),
+                          cascade.is_given(i) || cascade.is_given(opposite)});
+    };
+    if (nx > 0 || ny > 0)
+        add(nx);
+    if (nx > 0 && ny > 0)
+        add(-nx);
 }
 
 DirectSum::Moment DirectSum::at_time(TimeUs time_us) const {
     Moment moment;
     moment.sum_ = this;
-    moment.height_.reserve(modes_.size());
-    moment.rate_.reserve(modes_.size());
+    moment.height_.resize(displacement_over_k_m_.size());
+    moment.rate_.resize(displacement_over_k_m_.size());
     const TimeUs t = sea_->phase_time(time_us);
     moment.phase_time_ = t;
-    for (const Phase& wave : phases_) {
+    for (const Wave& wave : waves_) {
         const double phase = phase_rad(wave.rate, t);
         const Complex turn{std::cos(phase), -std::sin(phase)};
         const Complex forward = product(wave.h0, turn);
         const Complex backward = std::conj(product(wave.h0_opposite, turn));
-        moment.height_.push_back(forward + backward);
-        moment.rate_.push_back(Complex(0.0, wave.omega_radps) * (backward - forward));
+        add_to_pair(wave.nx, forward + backward, moment.height_[wave.block]);
+        add_to_pair(wave.nx, Complex(0.0, wave.omega_radps) * (backward - forward),
+                    moment.rate_[wave.block]);
     }
     return moment;
 }
 
+TileWaves DirectSum::Moment::waves(std::size_t tile) const {
+    const Tile& t = sum_->tiles_[tile];
+    return {t.runs.data(),
+            t.runs.size(),
+            height_.data(),
+            rate_.data(),
+            sum_->displacement_over_k_m_.data(),
+            t.kx_radpm.data()};
+}
+
 LagrangianPoint DirectSum::Moment::at(double x_m, double y_m) const {
     LagrangianPoint point;
-    for (const Tile& tile : sum_->tiles_) {
-        const std::vector<Complex> along_x = waves_along(x_m, tile.length_m, tile.steps_max);
-        const std::vector<Complex> along_y = waves_along(y_m, tile.length_m, tile.steps_max);
-        for (const Row& row : tile.rows) {
-            // Sums over the row of h, kx h, h/k, kx h/k, kx^2 h/k, and of dh/dt likewise; 1/k stands
-            // for coth(kd)/k.
-            Complex h, kx_h, h_k, kx_h_k, kxx_h_k, r, r_k, kx_r_k;
-            for (std::size_t m = row.begin; m < row.end; ++m) {
-                const Mode& mode = sum_->modes_[m];
-                const Complex wave = along_x[static_cast<std::size_t>(std::abs(mode.nx))];
-                const Complex e = mode.nx < 0 ? std::conj(wave) : wave;
-                const Complex height = product(height_[m], e);
-                const Complex rate = product(rate_[m], e);
-                const Complex height_k = height * mode.displacement_over_k_m;
-                const Complex rate_k = rate * mode.displacement_over_k_m;
-                h += height;
-                kx_h += mode.kx_radpm * height;
-                h_k += height_k;
-                kx_h_k += mode.kx_radpm * height_k;
-                kxx_h_k += mode.kx_radpm * mode.kx_radpm * height_k;
-                r += rate;
-                r_k += rate_k;
-                kx_r_k += mode.kx_radpm * rate_k;
-            }
-            // k and -k together: twice the real part; +i z has real part -imag z.
-            const Complex e = along_y[static_cast<std::size_t>(row.ny)];
-            const double ky = row.ky_radpm;
-            point.height += 2.0 * product(h, e).real();
-            point.displacement_x -= 2.0 * product(kx_h_k, e).imag();
-            point.displacement_y -= 2.0 * ky * product(h_k, e).imag();
-            point.height_rate += 2.0 * product(r, e).real();
-            point.displacement_x_rate -= 2.0 * product(kx_r_k, e).imag();
-            point.displacement_y_rate -= 2.0 * ky * product(r_k, e).imag();
-            point.slope_x -= 2.0 * product(kx_h, e).imag();
-            point.slope_y -= 2.0 * ky * product(h, e).imag();
-            point.strain_xx -= 2.0 * product(kxx_h_k, e).real();
-            point.strain_yy -= 2.0 * ky * ky * product(h_k, e).real();
-            point.strain_xy -= 2.0 * ky * product(kx_h_k, e).real();
-        }
+    for (std::size_t t = 0; t < sum_->tiles_.size(); ++t) {
+        const Tile& tile = sum_->tiles_[t];
+        const std::vector<Turns> east = turns_along(x_m, tile.length_m, tile.kx_radpm.size());
+        const std::vector<Turns> north = turns_along(y_m, tile.length_m, tile.kx_radpm.size());
+        sum_->sums_->point(waves(t), east.data(), north.data(), point);
     }
     for (const CascadeModes& cascade : sum_->sea_->cascades)
         for (const SineField& field : cascade.sines) {

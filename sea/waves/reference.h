@@ -11,19 +11,27 @@
 #pragma once
 
 #include <complex>
+#include <cstdint>
 #include <vector>
 
+#include "base/instructions.h"
 #include "sea/basics/lagrangian_point.h"
 #include "sea/waves/realization.h"
 #include "sea/waves/sheet_patch.h"
+#include "sea/waves/wave_sums.h"
 
 namespace seaway::sea {
 
 class DirectSum {
   public:
-    /// Keeps one of each pair k, -k that carries anything.
-    explicit DirectSum(RealizationPtr sea);
+    /// Keeps one of each pair k, -k that carries anything. The instructions, which the machine must have,
+    /// change no bit of any result.
+    explicit DirectSum(RealizationPtr sea, Instructions instructions = best_instructions());
 
+  private:
+    struct Wave;
+
+  public:
     /// The sea at one instant, ready to be evaluated anywhere. Refers to its DirectSum, which must
     /// outlive it.
     class Moment {
@@ -49,9 +57,12 @@ class DirectSum {
 
       private:
         friend class DirectSum;
+        TileWaves waves(std::size_t tile) const;
+        double amplitude_m(const Wave& wave) const;
+
         const DirectSum* sum_ = nullptr;
-        std::vector<std::complex<double>> height_; ///< h(k,t), in the order of modes_
-        std::vector<std::complex<double>> rate_;   ///< dh/dt
+        std::vector<PairBlock> height_; ///< h(k,t), in the order of blocks
+        std::vector<PairBlock> rate_;   ///< dh/dt
         TimeUs phase_time_ = 0;
     };
 
@@ -65,37 +76,34 @@ class DirectSum {
     const Realization& sea() const { return *sea_; }
 
   private:
-    /// What a place asks of a wave. Half plane: ny > 0, or ny = 0 and nx > 0; the other half is its
+    /// What a time asks of a wave. Half plane: ny > 0, or ny = 0 and nx > 0; the other half is its
     /// conjugate.
-    struct Mode {
-        double kx_radpm;
-        double displacement_over_k_m;
-        int nx;
-        bool given; ///< CascadeModes::given
-    };
-    /// What a time asks of it: apart, because places are asked for far more often, and wait for memory.
-    struct Phase {
+    struct Wave {
         std::complex<double> h0;          ///< h0(k)
         std::complex<double> h0_opposite; ///< h0(-k)
         Rate rate;
         double omega_radps;
-    };
-    struct Row {
+        int nx;
         int ny;
-        double ky_radpm;
-        std::size_t begin; ///< modes_[begin, end)
-        std::size_t end;
+        std::uint32_t block; ///< where it is summed, in lane |nx| % 8
+        bool given;          ///< CascadeModes::given
     };
+    /// What places ask of waves lies apart, in blocks (wave_sums.h).
     struct Tile {
         double length_m;
-        int steps_max; ///< largest |nx| or |ny|
-        std::vector<Row> rows;
+        std::vector<WaveRun> runs;
+        std::vector<Lanes> kx_radpm; ///< [n / 8] up to the largest |nx| or |ny|
+        std::size_t first_wave;      ///< in waves_; those of the next tile follow
+        std::vector<std::complex<double>>
+            circle; ///< exp(i 2 pi n / (2 size)): the lattice of patches
     };
     void add_cascade(const CascadeModes& cascade);
+    void add_pair(const CascadeModes& cascade, int nx, int ny);
 
     RealizationPtr sea_;
-    std::vector<Mode> modes_;
-    std::vector<Phase> phases_; ///< in the order of modes_
+    const WaveSums* sums_;
+    std::vector<Wave> waves_;
+    std::vector<Lanes> displacement_over_k_m_; ///< of each block
     std::vector<Tile> tiles_;
 };
 

@@ -10,7 +10,7 @@ shift 2
 mkdir -p "$work_dir"
 cd "$source_dir"
 # Rooms as a whole: a file that realisation comes to need is in the list by itself.
-sources="tests/sea/hash/print_hash.cpp base/check.cpp base/csv_table.cpp base/messages.cpp base/text_file.cpp
+sources="tests/sea/hash/print_hash.cpp base/check.cpp base/csv_table.cpp base/instructions.cpp base/messages.cpp base/text_file.cpp
   $(ls sea/basics/*.cpp sea/spectrum/*.cpp sea/waves/*.cpp)"
 hashes=
 for compiler in "$@"; do
