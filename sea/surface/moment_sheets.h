@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the exact sum may have other sheets. A value of it costs 0.1 ms, so the search works on
+// Where the exact sum may have other sheets. A value of it costs 10 us, so the search works on
 // patches of its displacement (DirectSum::Moment::patch), and Newton solves the exact sum from every
 // sheet that they show.
 //
@@ -8,7 +8,7 @@
 // not converge, and all of seas that fold more often than above one place of 2e7 (FoldSearch::always,
 // folded_share()).
 //
-// For one point; not thread-safe. Cost: 2 to 5 ms where it searches, nothing elsewhere.
+// For one point; not thread-safe. Cost: 0.2 to 5 ms where it searches, nothing elsewhere.
 #pragma once
 
 #include "sea/surface/patch_sheets.h"

@@ -16,7 +16,7 @@
 namespace seaway::server {
 
 /// Says that a slice has lasted long enough; asked after each point, of which a slice has one at
-/// least. What a point takes depends on the sea: an exact one 0.1 ms to 0.1 s.
+/// least. What a point takes depends on the sea: an exact one 10 us to 0.1 s.
 using SliceOver = std::function<bool()>;
 /// By the clock, from now on.
 inline constexpr std::chrono::milliseconds points_slice{5};

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Prints a hash over the bits of a realised sea of every kind of system, for same_bits.sh.
+// Prints a hash over the bits of a realised sea of every kind of system, and of its exact sum, for same_bits.sh.
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
+#include <memory>
 
+#include "sea/basics/field.h"
 #include "sea/waves/realize.h"
+#include "sea/waves/reference.h"
 
 namespace {
 
@@ -66,7 +69,7 @@ SeaState every_system() {
 
 int main() {
     const std::vector<CascadeSpec> cascades{{400.0, 128}, {71.0, 128}, {13.0, 64}};
-    const auto sea = realize(every_system(), cascades);
+    const auto sea = std::make_shared<const Realization>(*realize(every_system(), cascades));
     Hash hash;
     for (const CascadeModes& modes : sea->cascades)
         for (std::size_t i = 0; i < modes.h0.size(); ++i) {
@@ -74,5 +77,8 @@ int main() {
             hash.add(modes.h0[i].imag());
             hash.add(modes.rate[i]);
         }
+    const LagrangianPoint point = DirectSum(sea).at(123.4, -56.7, 8'901'234);
+    for (const Field field : linear_fields)
+        hash.add(value_of(point, field));
     std::printf("%016llx\n", static_cast<unsigned long long>(hash.value()));
 }

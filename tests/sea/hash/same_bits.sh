@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# The realised sea is the same bits whatever the compiler and its level: compiles what makes it with
+# The realised sea and its exact sum are the same bits whatever the compiler and its level: compiles what makes it with
 # each compiler at -O0 and -O2, contraction off, and compares the printed hashes.
 #   same_bits.sh SOURCE_DIR WORK_DIR COMPILER...
 set -eu
