@@ -24,12 +24,12 @@ enum class DebugView : int {
 };
 
 /// How a view's numbers become colours in a PNG; an EXR holds the numbers themselves.
-enum class ColourMap {
-    film,      ///< exposure and film curve
-    height,    ///< blue, white, red: -Hs/2 .. Hs/2
-    repeat,    ///< fraction of 10 m, each channel
-    signed_1,  ///< -1 .. 1 to 0 .. 1, each channel
-    unsigned_1 ///< as it is, 0 .. 1
+enum class ColourMap : int {
+    film = shaders::view_colours_film,            ///< exposure and film curve
+    height = shaders::view_colours_height,        ///< blue, white, red: -Hs/2 .. Hs/2
+    repeat = shaders::view_colours_repeat,        ///< fraction of 10 m, each channel
+    signed_1 = shaders::view_colours_signed_1,    ///< -1 .. 1 to 0 .. 1, each channel
+    unsigned_1 = shaders::view_colours_unsigned_1 ///< as it is, 0 .. 1
 };
 
 struct DebugViewInfo {

@@ -11,8 +11,9 @@
 #include "base/text_file.h"
 #include "client/client.h"
 #include "client/link/failure.h"
+#include "client/view/bench.h"
 #include "client/view/renderer.h"
-#include "client/view/sea_source.h"
+#include "client/view/sea/sea_source.h"
 #include "client/view/view_options.h"
 #include "protocol/token_file.h"
 
@@ -71,8 +72,7 @@ int draw(Client& client, Renderer& renderer, const ViewOptions& options) {
             return fail(ViewExit::no_device, picture.error());
         if (i == 0) // metered once: frames of a film do not flicker
             exposure = metered_exposure(*picture, sky.white_radiance());
-        const Display display{options.debug.view, exposure,
-                              renderer.statistics().significant_height_m};
+        const Display display{options.debug.view, exposure, frame->significant_height_m};
         const std::string path = frame_path(options.out, i, options.frames);
         if (Result<void> written = write(*picture, display, path); !written)
             return fail(ViewExit::cannot_write, written.error());
@@ -88,8 +88,8 @@ int run(const ViewOptions& options) {
         gpu::Device::create({.pick = options.device});
     if (!device)
         return fail(ViewExit::no_device, device.error());
-    Result<Renderer> renderer =
-        Renderer::create(**device, options.camera.width, options.camera.height);
+    Result<Renderer> renderer = Renderer::create(
+        **device, options.camera.width, options.camera.height, {.quality = options.quality});
     if (!renderer)
         return fail(ViewExit::no_device, renderer.error());
     const Result<std::string> token = read_token(options.token_file);
@@ -107,6 +107,10 @@ int run(const ViewOptions& options) {
         (*client)->subscribe({.fields = drawn_fields}, stream_credit, options.timeout_s);
     if (!grant)
         return fail(grant.error());
+    if (options.bench_frames > 0) {
+        const Result<void> done = bench(**client, *renderer, options);
+        return done ? static_cast<int>(ViewExit::done) : fail(done.error());
+    }
     return draw(**client, *renderer, options);
 }
 

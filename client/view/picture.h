@@ -23,6 +23,13 @@ struct Picture {
     }
 };
 
+/// As it is shown: sRGB.
+struct ShownPicture {
+    int width = 0;
+    int height = 0;
+    std::vector<std::uint8_t> rgba; ///< [y][x][4], row 0 on top; alpha is 255
+};
+
 /// How numbers become colours.
 struct Display {
     DebugView view = DebugView::final;

@@ -2,14 +2,19 @@
 #include "client/view/renderer.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 
 #include "base/check.h"
 #include "shaders/view/debug_frag.h"
+#include "shaders/view/debug_one_frag.h"
 #include "shaders/view/final_frag.h"
+#include "shaders/view/final_one_frag.h"
+#include "shaders/view/mesh_comp.h"
 #include "shaders/view/picture_vert.h"
 #include "shaders/view/sea_frag.h"
 #include "shaders/view/sea_vert.h"
+#include "shaders/view/shown_frag.h"
 
 namespace seaway::client {
 
@@ -17,16 +22,18 @@ namespace {
 
 constexpr int rows_a_strip = 16;
 constexpr std::size_t texel_bytes = 4 * sizeof(float);
+constexpr std::size_t vertex_bytes = 2 * texel_bytes; ///< of shaders/view/bindings.glsl
 
-constexpr gpu::ExpectedBinding view_bindings[] = {
-    {"View", VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER},
-    {"Rows", VK_DESCRIPTOR_TYPE_STORAGE_BUFFER},
-    {"displacement_maps", VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER},
-    {"gradient_maps", VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER},
-    {"moment_maps", VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER},
-    {"sky_map", VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER},
-    {"geometry", VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER},
+constexpr VkDescriptorType uniform = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
+constexpr VkDescriptorType storage = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+constexpr VkDescriptorType texel_buffer = VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
+constexpr VkDescriptorType texture = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
+
+constexpr gpu::ExpectedBinding draw_bindings[] = {
+    {"View", uniform},           {"Rows", storage},    {"vertices", texel_buffer},
+    {"gradients", texel_buffer}, {"sky_map", texture}, {"geometry", texture},
 };
+constexpr gpu::ExpectedBinding shown_bindings[] = {{"View", uniform}, {"picture", texture}};
 
 /// Takes the value out of a Result, or returns its error from the calling function's point of view.
 template <class T>
@@ -42,145 +49,252 @@ void put(gpu::Buffer& buffer, const void* data, std::size_t bytes) {
     std::memcpy(buffer.mapped().data(), data, bytes);
 }
 
+std::uint32_t scaled(int side, double scale) {
+    return static_cast<std::uint32_t>(std::max(std::lround(side * scale), 1L));
+}
+
 } // namespace
 
 Result<Renderer> Renderer::create(gpu::Device& device, int width, int height,
                                   const RenderOptions& options) {
     Renderer made(device, options);
-    SEAWAY_TRY(keep(made.target_, gpu::Offscreen::create(device, static_cast<std::uint32_t>(width),
-                                                         static_cast<std::uint32_t>(height))));
-    SEAWAY_TRY(keep(made.commands_, gpu::Commands::create(device)));
+    const Quality& quality = options.quality;
+    const gpu::OffscreenSize size{.width = scaled(width, quality.scale),
+                                  .height = scaled(height, quality.scale),
+                                  .shown_width = static_cast<std::uint32_t>(width),
+                                  .shown_height = static_cast<std::uint32_t>(height),
+                                  .samples = quality.samples == 1 ? VK_SAMPLE_COUNT_1_BIT
+                                                                  : VK_SAMPLE_COUNT_4_BIT};
+    SEAWAY_TRY(keep(made.target_, gpu::Offscreen::create(device, size)));
+    SEAWAY_TRY(
+        keep(made.sea_, DeviceSea::create(device, {.nodes_a_point = quality.nodes_a_point})));
     SEAWAY_TRY(made.create_pipelines());
-    SEAWAY_TRY(made.create_mesh_buffers());
+    SEAWAY_TRY(made.create_sky());
+    constexpr std::size_t strip_bytes =
+        std::size_t{rows_a_strip} * Mesh::columns_max * 6 * sizeof(std::uint32_t);
+    SEAWAY_TRY(keep(made.indices_, gpu::Buffer::create(device, "mesh indices", strip_bytes,
+                                                       gpu::BufferKind::upload)));
+    for (Flight& flight : made.flights_)
+        SEAWAY_TRY(made.create_flight(flight));
     return made;
 }
 
 Result<void> Renderer::create_pipelines() {
     const gpu::GraphicsOptions geometry{.depth_format = gpu::Offscreen::depth_format,
-                                        .samples = gpu::Offscreen::samples};
+                                        .samples = target_.size().samples};
     using gpu::GraphicsPipeline;
-    SEAWAY_TRY(keep(sea_, GraphicsPipeline::create(*device_, "sea", sea_vert, sea_frag,
-                                                   view_bindings, geometry)));
-    SEAWAY_TRY(keep(final_, GraphicsPipeline::create(*device_, "final", picture_vert, final_frag,
-                                                     view_bindings, {})));
-    SEAWAY_TRY(keep(debug_, GraphicsPipeline::create(*device_, "debug", picture_vert, debug_frag,
-                                                     view_bindings, {})));
-    SEAWAY_TRY(keep(sea_sampler_, gpu::create_sampler(*device_, {.repeat = true})));
-    return keep(sky_sampler_, gpu::create_sampler(*device_, {}));
+    const auto pipeline = [&](GraphicsPipeline& target, const char* name,
+                              std::span<const std::uint32_t> vertex,
+                              std::span<const std::uint32_t> fragment,
+                              std::span<const gpu::ExpectedBinding> bindings,
+                              const gpu::GraphicsOptions& options) {
+        return keep(target,
+                    GraphicsPipeline::create(*device_, name, vertex, fragment, bindings, options));
+    };
+    const bool one = geometry.samples == VK_SAMPLE_COUNT_1_BIT;
+    const auto either = [&](std::span<const std::uint32_t> many,
+                            std::span<const std::uint32_t> single) { return one ? single : many; };
+    SEAWAY_TRY(pipeline(geometry_, "sea", sea_vert, sea_frag, draw_bindings, geometry));
+    SEAWAY_TRY(pipeline(light_, "light", picture_vert, either(final_frag, final_one_frag),
+                        draw_bindings, {}));
+    SEAWAY_TRY(pipeline(debug_, "debug", picture_vert, either(debug_frag, debug_one_frag),
+                        draw_bindings, {}));
+    SEAWAY_TRY(pipeline(shown_, "film", picture_vert, shown_frag, shown_bindings,
+                        {.colour_format = gpu::Offscreen::shown_format}));
+    return keep(mesh_, gpu::Kernel::create(*device_, "mesh", mesh_comp,
+                                           {{{"View", uniform},
+                                             {"Rows", storage},
+                                             {"displacements", texel_buffer},
+                                             {"Vertices", storage}},
+                                            0,
+                                            {shaders::view_group, 1, 1}}));
 }
 
-Result<void> Renderer::create_mesh_buffers() {
-    using gpu::Buffer;
-    using gpu::BufferKind;
-    SEAWAY_TRY(keep(values_, Buffer::create(*device_, "view values", sizeof(shaders::ViewValues),
-                                            BufferKind::upload)));
-    SEAWAY_TRY(keep(rows_, Buffer::create(*device_, "mesh rows", Mesh::rows_max * sizeof(float),
-                                          BufferKind::upload)));
-    constexpr std::size_t strip_bytes =
-        std::size_t{rows_a_strip} * Mesh::columns_max * 6 * sizeof(std::uint32_t);
-    return keep(indices_,
-                Buffer::create(*device_, "mesh indices", strip_bytes, BufferKind::upload));
-}
-
-Result<Renderer::Upload> Renderer::create_upload(std::string_view name,
-                                                 const gpu::ImageSpec& spec) {
-    Upload made;
-    SEAWAY_TRY(keep(made.image, gpu::Image::create(*device_, name, spec)));
-    SEAWAY_TRY(keep(made.staging,
-                    gpu::Buffer::create(*device_, name, made.image.texel_count() * texel_bytes,
-                                        gpu::BufferKind::upload)));
-    return made;
-}
-
-Result<void> Renderer::create_images(int nodes, int cascades) {
-    const auto side = static_cast<std::uint32_t>(nodes);
-    const gpu::ImageSpec maps{.width = side,
-                              .height = side,
-                              .layers = static_cast<std::uint32_t>(cascades),
-                              .mips = gpu::full_mip_count(side, side),
-                              .array = true};
-    if (displacement_.image.view() != VK_NULL_HANDLE &&
-        displacement_.image.spec().width == maps.width &&
-        displacement_.image.spec().layers == maps.layers)
-        return {};
-    for (Upload* upload : {&displacement_, &gradient_, &moment_})
-        SEAWAY_TRY(keep(*upload, create_upload("sea maps", maps)));
+Result<void> Renderer::create_sky() {
+    SEAWAY_TRY(keep(sampler_, gpu::create_sampler(*device_, {})));
     const gpu::ImageSpec sky{.width = Sky::map_width,
                              .height = Sky::map_height,
                              .mips = gpu::full_mip_count(Sky::map_width, Sky::map_height)};
-    SEAWAY_TRY(keep(sky_map_, create_upload("sky map", sky)));
-    return bind();
+    SEAWAY_TRY(keep(sky_map_.image, gpu::Image::create(*device_, "sky map", sky)));
+    return keep(sky_map_.staging,
+                gpu::Buffer::create(*device_, "sky map", sky_map_.image.texel_count() * texel_bytes,
+                                    gpu::BufferKind::upload));
 }
 
-Result<void> Renderer::bind() {
-    const auto map = [](const Upload& upload, const gpu::OwnedSampler& sampler) {
-        return gpu::sampled(sampler.get(), upload.image.view(),
-                            VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
-    };
-    const gpu::Resource resources[] = {gpu::whole(values_),
-                                       gpu::whole(rows_),
-                                       map(displacement_, sea_sampler_),
-                                       map(gradient_, sea_sampler_),
-                                       map(moment_, sea_sampler_),
-                                       map(sky_map_, sky_sampler_),
-                                       gpu::sampled(sea_sampler_.get(), target_.geometry().view(),
-                                                    VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL)};
-    // All pipelines have the same bindings: one set serves them.
-    return keep(bindings_, sea_.bind(*device_, resources));
+Result<void> Renderer::create_flight(Flight& flight) {
+    using gpu::Buffer;
+    using gpu::BufferKind;
+    SEAWAY_TRY(
+        keep(flight.values, Buffer::create(*device_, "view values", sizeof(shaders::ViewValues),
+                                           BufferKind::upload)));
+    SEAWAY_TRY(
+        keep(flight.rows, Buffer::create(*device_, "mesh rows", Mesh::rows_max * sizeof(float),
+                                         BufferKind::upload)));
+    SEAWAY_TRY(keep(flight.timer, gpu::Timer::create(*device_, passes + 1)));
+    return keep(flight.commands, gpu::Commands::create(*device_));
 }
 
-void Renderer::fill_mesh(const Mesh& mesh) {
-    put(rows_, mesh.rows_m.data(), mesh.rows_m.size() * sizeof(float));
-    if (columns_ == mesh.columns)
-        return;
+Result<void> Renderer::take_sky(const Sky& sky) {
+    if (sky_of_ == sky.sun_direction())
+        return {};
+    SEAWAY_TRY(finish()); // of a frame that still copies the old one
+    const std::vector<float> texels = sky.map();
+    put(sky_map_.staging, texels.data(), texels.size() * sizeof(float));
+    sky_of_ = sky.sun_direction();
+    sky_is_new_ = true;
+    return {};
+}
+
+Result<void> Renderer::take_mesh(Flight& flight, const Mesh& mesh) {
+    put(flight.rows, mesh.rows_m.data(), mesh.rows_m.size() * sizeof(float));
+    const std::size_t bytes = std::max<std::size_t>(mesh.vertices(), 1) * vertex_bytes;
+    if (vertices_.size_bytes() < bytes) {
+        SEAWAY_TRY(finish());
+        SEAWAY_TRY(keep(vertices_, gpu::Buffer::create(*device_, "mesh vertices", bytes,
+                                                       gpu::BufferKind::device)));
+        SEAWAY_TRY(keep(vertex_texels_,
+                        gpu::TexelView::create(*device_, vertices_, VK_FORMAT_R32G32B32A32_SFLOAT,
+                                               texel_bytes, 0, bytes)));
+        ++generation_;
+    }
+    if (columns_ == mesh.columns || mesh.columns == 0)
+        return {};
+    SEAWAY_TRY(finish());
     columns_ = mesh.columns;
     const std::vector<std::uint32_t> strip = strip_indices(columns_, rows_a_strip);
     put(indices_, strip.data(), strip.size() * sizeof(std::uint32_t));
+    return {};
 }
 
-Result<void> Renderer::record(const Mesh& mesh, DebugView view) {
-    SEAWAY_TRY(commands_.begin());
-    for (const Upload* upload : {&displacement_, &gradient_, &moment_, &sky_map_})
-        gpu::record_upload(commands_, upload->staging, upload->image, texel_bytes);
-    target_.begin_geometry(commands_);
-    sea_.record_bind(commands_, bindings_);
-    vkCmdBindIndexBuffer(commands_.get(), indices_.get(), 0, VK_INDEX_TYPE_UINT32);
-    const int cells = static_cast<int>(mesh.rows_m.size()) - 1;
-    for (int row = 0; row < cells; row += rows_a_strip) {
-        const int rows = std::min(rows_a_strip, cells - row);
-        vkCmdDrawIndexed(commands_.get(), static_cast<std::uint32_t>(rows * (mesh.columns - 1) * 6),
-                         1, 0, row * mesh.columns, 0);
+Result<void> Renderer::bind(Flight& flight) {
+    if (flight.generation == generation_ + sea_.generation())
+        return {};
+    const auto image = [&](const gpu::Image& of) {
+        return gpu::sampled(sampler_.get(), of.view(), VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
+    };
+    SEAWAY_TRY(
+        keep(flight.mesh,
+             mesh_.bind(*device_, {gpu::whole(flight.values), gpu::whole(flight.rows),
+                                   gpu::texels(sea_.displacements()), gpu::whole(vertices_)})));
+    // All pipelines that draw the sea have the same bindings: one set serves them.
+    const gpu::Resource drawn[] = {gpu::whole(flight.values),   gpu::whole(flight.rows),
+                                   gpu::texels(vertex_texels_), gpu::texels(sea_.gradients()),
+                                   image(sky_map_.image),       image(target_.geometry())};
+    SEAWAY_TRY(keep(flight.draw, geometry_.bind(*device_, drawn)));
+    const gpu::Resource shown[] = {gpu::whole(flight.values), image(target_.picture())};
+    SEAWAY_TRY(keep(flight.shown, shown_.bind(*device_, shown)));
+    flight.generation = generation_ + sea_.generation();
+    return {};
+}
+
+void Renderer::record_geometry(Flight& flight, const Mesh& mesh) {
+    gpu::Commands& commands = flight.commands;
+    target_.begin_geometry(commands);
+    if (mesh.columns > 0) {
+        geometry_.record_bind(commands, flight.draw);
+        vkCmdBindIndexBuffer(commands.get(), indices_.get(), 0, VK_INDEX_TYPE_UINT32);
+        const int cells = static_cast<int>(mesh.rows_m.size()) - 1;
+        // A strip's indices count from its first vertex. The last strip is shorter: rows come first in a block of
+        // columns, so it is drawn block by block.
+        for (int row = 0; row < cells; row += rows_a_strip)
+            for (const IndexRange& range :
+                 strip_ranges(mesh.columns, rows_a_strip, std::min(rows_a_strip, cells - row)))
+                vkCmdDrawIndexed(commands.get(), range.count, 1, range.first, row * mesh.columns,
+                                 0);
     }
-    target_.end_geometry(commands_);
-    target_.begin_picture(commands_);
-    (view == DebugView::final ? final_ : debug_).record_bind(commands_, bindings_);
-    vkCmdDraw(commands_.get(), 3, 1, 0, 0);
-    target_.end_picture(commands_);
-    return commands_.end();
+    target_.end_geometry(commands);
+}
+
+Result<void> Renderer::record(Flight& flight, const Mesh& mesh, DebugView view, Wanted wanted) {
+    gpu::Commands& commands = flight.commands;
+    SEAWAY_TRY(commands.begin());
+    flight.timer.reset(commands);
+    const auto stamp = [&] { flight.timer.stamp(commands); };
+    if (std::exchange(sky_is_new_, false))
+        gpu::record_upload(commands, sky_map_.staging, sky_map_.image, texel_bytes);
+    commands.barrier(gpu::Stage::graphics, gpu::Stage::compute); // the frame before reads its maps
+    stamp();
+    sea_.record(commands, flight.values);
+    stamp();
+    if (mesh.columns > 0)
+        commands.dispatch(mesh_, flight.mesh, {},
+                          static_cast<std::uint32_t>((mesh.vertices() + shaders::view_group - 1) /
+                                                     shaders::view_group));
+    commands.barrier(gpu::Stage::compute, gpu::Stage::graphics);
+    stamp();
+    record_geometry(flight, mesh);
+    stamp();
+    target_.begin_picture(commands);
+    (view == DebugView::final ? light_ : debug_).record_bind(commands, flight.draw);
+    vkCmdDraw(commands.get(), 3, 1, 0, 0);
+    target_.end_picture(commands);
+    stamp();
+    if (wanted == Wanted::numbers) {
+        target_.read_picture(commands);
+    } else {
+        target_.begin_shown(commands);
+        shown_.record_bind(commands, flight.shown);
+        vkCmdDraw(commands.get(), 3, 1, 0, 0);
+        target_.end_shown(commands);
+        if (wanted == Wanted::bytes)
+            target_.read_shown(commands);
+    }
+    stamp();
+    return commands.end();
+}
+
+Result<void> Renderer::draw(const SeaFrame& frame, const Camera& camera, const Sky& sky,
+                            const DebugChoice& debug, const Display& display, Wanted wanted) {
+    Flight& flight = flights_[next_];
+    if (flight.ticket != 0)
+        SEAWAY_TRY(device_->wait(std::exchange(flight.ticket, 0)));
+    Camera drawn = camera; // at the size that is drawn
+    drawn.width = static_cast<int>(target_.size().width);
+    drawn.height = static_cast<int>(target_.size().height);
+    SEAWAY_TRY(take_sky(sky));
+    SEAWAY_TRY(sea_.take(frame, flight.values));
+    const Mesh mesh = build_mesh(drawn, frame, options_.quality.cell_pixels);
+    SEAWAY_TRY(take_mesh(flight, mesh));
+    SEAWAY_TRY(bind(flight));
+    shaders::ViewValues values = view_values(frame, drawn, sky, mesh, options_, debug, display);
+    sea_.describe(frame, {camera.x_m, camera.y_m}, values);
+    put(flight.values, &values, sizeof values);
+    SEAWAY_TRY(record(flight, mesh, debug.view, wanted));
+    SEAWAY_TRY_LET(flight.ticket, device_->submit(flight.commands));
+    next_ = (next_ + 1) % flights_.size();
+    return {};
+}
+
+Result<void> Renderer::finish() {
+    for (Flight& flight : flights_)
+        if (flight.ticket != 0)
+            SEAWAY_TRY(device_->wait(std::exchange(flight.ticket, 0)));
+    return {};
 }
 
 Result<Picture> Renderer::render(const SeaFrame& frame, const Camera& camera, const Sky& sky,
                                  const DebugChoice& debug) {
-    SEAWAY_CHECK(!frame.cascades.empty() && frame.cascades.size() <= shaders::view_cascades_max,
-                 "1 .. view_cascades_max cascades");
-    const SeaMaps maps = build_maps(frame);
-    statistics_ = maps.statistics;
-    SEAWAY_TRY(create_images(maps.nodes, maps.cascades));
-    const double finest_m = frame.cascades.back().spec.spacing_m() / 2;
-    const Mesh mesh = build_mesh(camera, maps.statistics, finest_m, options_.cell_pixels);
-    fill_mesh(mesh);
-    const shaders::ViewValues values = view_values(frame, maps, camera, sky, mesh, options_, debug);
-    put(values_, &values, sizeof values);
-    const std::vector<float> sky_texels = sky.map();
-    put(displacement_.staging, maps.displacement.data(), maps.displacement.size() * sizeof(float));
-    put(gradient_.staging, maps.gradient.data(), maps.gradient.size() * sizeof(float));
-    put(moment_.staging, maps.moment.data(), maps.moment.size() * sizeof(float));
-    put(sky_map_.staging, sky_texels.data(), sky_texels.size() * sizeof(float));
-    SEAWAY_TRY(record(mesh, debug.view));
-    SEAWAY_TRY(device_->submit_and_wait(commands_));
-    Picture picture{static_cast<int>(target_.width()), static_cast<int>(target_.height()), {}};
+    SEAWAY_TRY(draw(frame, camera, sky, debug, {}, Wanted::numbers));
+    SEAWAY_TRY(finish());
+    const gpu::OffscreenSize& size = target_.size();
+    Picture picture{static_cast<int>(size.width), static_cast<int>(size.height), {}};
     picture.rgba.assign(target_.pixels().begin(), target_.pixels().end());
     return picture;
+}
+
+Result<ShownPicture> Renderer::show(const SeaFrame& frame, const Camera& camera, const Sky& sky,
+                                    const DebugChoice& debug, const Display& display) {
+    SEAWAY_TRY(draw(frame, camera, sky, debug, display, Wanted::bytes));
+    SEAWAY_TRY(finish());
+    const gpu::OffscreenSize& size = target_.size();
+    ShownPicture picture{
+        static_cast<int>(size.shown_width), static_cast<int>(size.shown_height), {}};
+    picture.rgba.assign(target_.bytes().begin(), target_.bytes().end());
+    return picture;
+}
+
+Result<std::vector<double>> Renderer::pass_times() const {
+    return flights_[(next_ + flights_.size() - 1) % flights_.size()].timer.read(*device_);
 }
 
 } // namespace seaway::client

@@ -3,76 +3,116 @@
 // draw.
 //
 //     Result<Renderer> renderer = Renderer::create(*device, camera.width, camera.height);
-//     Result<Picture> picture = renderer->render(frame, camera, sky);
+//     Result<Picture> picture = renderer->render(frame, camera, sky);   // linear numbers
+//     Result<ShownPicture> shown = renderer->show(frame, camera, sky, debug, display);  // bytes
 //
-// The same inputs give the same bytes on one device. Not thread-safe. A picture of 960 x 540 takes
-// about a second and a half on two cores without a GPU.
+// Passes: keyframes to maps (client/view/sea/device_sea.h), mesh, geometry, light, and for bytes the film curve.
+// Two frames may be under way: draw() returns while the device works. The same inputs give the same bytes on one
+// device. Not thread-safe. Cost by quality: docs/performance.md.
 #pragma once
+
+#include <array>
+#include <string_view>
+#include <vector>
 
 #include "base/result.h"
 #include "client/view/camera.h"
 #include "client/view/debug_views.h"
-#include "client/view/mesh.h"
 #include "client/view/picture.h"
-#include "client/view/sea_maps.h"
+#include "client/view/quality.h"
+#include "client/view/sea/device_sea.h"
+#include "client/view/sea/mesh.h"
 #include "client/view/sky.h"
 #include "gpu/draw/graphics_pipeline.h"
 #include "gpu/draw/offscreen.h"
+#include "gpu/timer.h"
 #include "shaders/shared/view.h"
 
 namespace seaway::client {
 
 struct RenderOptions {
-    double cell_pixels = 2.5;   ///< size of the mesh's cells
+    Quality quality = quality_table[quality_high];
     double visibility_m = 40e3; ///< distance at which 2 % of contrast is left (Koschmieder)
     bool detail = true;         ///< continue the waves beyond the finest cascade
 };
 
+/// What of a frame the CPU wants to see.
+enum class Wanted { nothing, numbers, bytes };
+
 class Renderer {
   public:
+    static constexpr std::size_t passes = 5;
+    static constexpr std::array<std::string_view, passes> pass_names{"maps", "mesh", "geometry",
+                                                                     "light", "film"};
+
     static Result<Renderer> create(gpu::Device& device, int width, int height,
                                    const RenderOptions& options = {});
 
-    /// An error means that the device failed or lacks something. frame: 1 ..
-    /// shaders::view_cascades_max cascades; camera of the renderer's width and height.
+    /// Starts a frame; waits for the one before the last. An error means that the device failed or lacks something.
+    /// frame: 1 .. shaders::view_cascades_max cascades; camera of the renderer's width and height.
+    Result<void> draw(const SeaFrame& frame, const Camera& camera, const Sky& sky,
+                      const DebugChoice& debug, const Display& display, Wanted wanted);
+    /// Until everything that was started is done.
+    Result<void> finish();
+
     Result<Picture> render(const SeaFrame& frame, const Camera& camera, const Sky& sky,
                            const DebugChoice& debug = {});
+    Result<ShownPicture> show(const SeaFrame& frame, const Camera& camera, const Sky& sky,
+                              const DebugChoice& debug, const Display& display);
 
-    /// The sea in the last frame that was rendered.
-    const SeaStatistics& statistics() const { return statistics_; }
+    /// Seconds of the passes of the last finished frame, [pass]; 0 on a device without time stamps.
+    Result<std::vector<double>> pass_times() const;
+    /// See DeviceSea::copies().
+    std::uint64_t copies() const { return sea_.copies(); }
 
   private:
     struct Upload {
         gpu::Buffer staging;
         gpu::Image image;
     };
+    /// What one frame under way needs for itself.
+    struct Flight {
+        gpu::Buffer values, rows;
+        gpu::Bindings mesh, draw, shown;
+        gpu::Commands commands;
+        gpu::Timer timer;
+        std::uint64_t generation = 0; ///< of the sea's buffers that the bindings are of
+        std::uint64_t ticket = 0;     ///< 0: none
+    };
     Renderer(gpu::Device& device, const RenderOptions& options)
         : device_(&device), options_(options) {}
 
     Result<void> create_pipelines();
-    Result<void> create_mesh_buffers();
-    Result<void> create_images(int nodes, int cascades);
-    Result<Upload> create_upload(std::string_view name, const gpu::ImageSpec& spec);
-    Result<void> bind();
-    void fill_mesh(const Mesh& mesh);
-    Result<void> record(const Mesh& mesh, DebugView view);
+    Result<void> create_sky();
+    Result<void> create_flight(Flight& flight);
+    Result<void> take_sky(const Sky& sky);
+    Result<void> take_mesh(Flight& flight, const Mesh& mesh);
+    Result<void> bind(Flight& flight);
+    void record_geometry(Flight& flight, const Mesh& mesh);
+    Result<void> record(Flight& flight, const Mesh& mesh, DebugView view, Wanted wanted);
 
     gpu::Device* device_;
     RenderOptions options_;
+    DeviceSea sea_;
     gpu::Offscreen target_;
-    gpu::GraphicsPipeline sea_, final_, debug_;
-    gpu::OwnedSampler sea_sampler_, sky_sampler_;
-    gpu::Buffer values_, rows_, indices_;
-    Upload displacement_, gradient_, moment_, sky_map_;
-    gpu::Bindings bindings_;
-    gpu::Commands commands_;
-    int columns_ = 0; ///< that the indices are of
-    SeaStatistics statistics_;
+    gpu::Kernel mesh_;
+    gpu::GraphicsPipeline geometry_, light_, debug_, shown_;
+    gpu::OwnedSampler sampler_;
+    gpu::Buffer vertices_, indices_;
+    gpu::TexelView vertex_texels_;
+    Upload sky_map_;
+    bool sky_is_new_ = false;
+    glm::dvec3 sky_of_{0.0}; ///< direction of the sun
+    int columns_ = 0;        ///< that the indices are of
+    std::uint64_t generation_ = 1;
+    std::array<Flight, 2> flights_;
+    std::size_t next_ = 0;
 };
 
-/// What the shaders are told of a frame; separate so that it can be read and tested by itself.
-shaders::ViewValues view_values(const SeaFrame& frame, const SeaMaps& maps, const Camera& camera,
-                                const Sky& sky, const Mesh& mesh, const RenderOptions& options,
-                                const DebugChoice& debug);
+/// What the shaders are told of a frame, but for where its maps lie in memory; separate so that it can be read and
+/// tested by itself.
+shaders::ViewValues view_values(const SeaFrame& frame, const Camera& camera, const Sky& sky,
+                                const Mesh& mesh, const RenderOptions& options,
+                                const DebugChoice& debug, const Display& display);
 
 } // namespace seaway::client

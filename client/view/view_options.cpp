@@ -103,7 +103,9 @@ Result<void> check(const ViewOptions& options, bool offscreen) {
     SEAWAY_TRY(require(
         offscreen, "this build draws to files only: give --offscreen WxH and --out PATTERN.png"));
     const std::string ending = std::filesystem::path(options.out).extension().string();
-    SEAWAY_TRY(require(ending == ".png" || ending == ".exr",
+    SEAWAY_TRY(require(options.bench_frames >= 0 && options.bench_frames <= frames_max,
+                       fmt::format("--bench {}: 1 .. {}", options.bench_frames, frames_max)));
+    SEAWAY_TRY(require(options.bench_frames > 0 || ending == ".png" || ending == ".exr",
                        fmt::format("--out '{}': a path that ends in .png or .exr", options.out)));
     SEAWAY_TRY(require(options.frames >= 1 && options.frames <= frames_max,
                        fmt::format("--frames {}: 1 .. {}", options.frames, frames_max)));
@@ -120,7 +122,7 @@ Result<void> check(const ViewOptions& options, bool offscreen) {
 
 /// Options that need reading once more.
 struct Words {
-    std::string size, camera, debug = "final", time = "now";
+    std::string size, camera, debug = "final", time = "now", quality = "high";
     bool list = false;
 };
 
@@ -131,6 +133,7 @@ Result<void> take(const Words& words, ViewOptions& options) {
         SEAWAY_TRY(read_camera(words.camera, options.camera));
     SEAWAY_TRY(read_time(words.time, options));
     SEAWAY_TRY_LET(options.debug, parse_debug_view(words.debug));
+    SEAWAY_TRY_LET(options.quality, parse_quality(words.quality));
     return check(options, !words.size.empty());
 }
 
@@ -157,6 +160,9 @@ std::variant<ViewOptions, int> read_view_options(int argc, const char* const* ar
                 "X,Y,Z,YAW_DEG,PITCH_DEG: m east, north, above the mean sea");
     line.option("--time-of-day", options.time_of_day_h, "height of the sun: hour, 0 .. 24");
     line.option("--time", words.time, "sea time of the first frame: 'now' or seconds");
+    line.option("--quality", words.quality, "low, default, high or film: how much work a frame is");
+    line.option("--bench", options.bench_frames,
+                "draw so many frames instead of files, print what each pass takes");
     line.option("--debug", words.debug, "what to show (--list-debug)");
     line.option("--list-debug", words.list, "print the views of --debug and exit");
     line.option("--device", options.device, "Vulkan device: auto, an index, or part of a name");

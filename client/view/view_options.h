@@ -8,6 +8,7 @@
 
 #include "client/view/camera.h"
 #include "client/view/debug_views.h"
+#include "client/view/quality.h"
 #include "sea/basics/time.h"
 
 namespace seaway::client {
@@ -26,6 +27,8 @@ struct ViewOptions {
     double time_of_day_h = 15.5;
     std::optional<double> time_s; ///< sea time of the first frame; nothing: now
     DebugChoice debug;
+    Quality quality = quality_table[quality_high];
+    int bench_frames = 0; ///< above 0: these are drawn and timed, no file is written
     std::string device = "auto";
     double timeout_s = 20;
     std::string token_file;

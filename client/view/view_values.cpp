@@ -50,10 +50,11 @@ int foam_level(double significant_height_m) {
 struct Tail {
     double copy_scale = 1;     ///< the finest cascade's copy is this much smaller
     double copy_amplitude = 0; ///< 0: no copy
-    double slope_variance = 0; ///< of what lies beyond the copy, each axis
+    double slope_share =
+        0; ///< variance of slope beyond the copy, each axis, over that of the copy, both axes
 };
 
-Tail tail_of(const SeaFrame& frame, const SeaStatistics& sea) {
+Tail tail_of(const SeaFrame& frame) {
     Tail tail;
     const sea::Band& band = frame.cascades.back().band;
     // A single cascade holds the peak too: its slopes say nothing of shorter waves.
@@ -61,15 +62,9 @@ Tail tail_of(const SeaFrame& frame, const SeaStatistics& sea) {
         return tail;
     tail.copy_scale = band.k_hi_radpm / band.k_lo_radpm;
     tail.copy_amplitude = 1;
-    const double per_octave = sea.finest_slope_variance / std::log(tail.copy_scale);
     const double beyond = shortest_waves_radpm / (band.k_hi_radpm * tail.copy_scale);
-    tail.slope_variance = 0.5 * per_octave * std::log(std::max(beyond, 1.0));
+    tail.slope_share = 0.5 * std::log(std::max(beyond, 1.0)) / std::log(tail.copy_scale);
     return tail;
-}
-
-/// A node lies in the middle of its texel.
-double half_texel(const SeaMaps& maps) {
-    return 0.5 / maps.nodes;
 }
 
 void set_light(shaders::ViewValues& out, const Sky& sky) {
@@ -82,24 +77,24 @@ void set_light(shaders::ViewValues& out, const Sky& sky) {
     out.sky_irradiance_klx = narrow(sky.sky_irradiance());
 }
 
-void set_detail(shaders::ViewValues& out, const SeaFrame& frame, const SeaMaps& maps,
-                const glm::dvec2& camera_m, const RenderOptions& options) {
-    const Tail tail = tail_of(frame, maps.statistics);
+void set_detail(shaders::ViewValues& out, const SeaFrame& frame, const glm::dvec2& camera_m,
+                const RenderOptions& options) {
+    const Tail tail = tail_of(frame);
     const double maps_per_m = tail.copy_scale / frame.cascades.back().spec.length_m;
     const double c = std::cos(detail_turn_rad), s = std::sin(detail_turn_rad);
     const glm::dvec2 turned(c * camera_m.x - s * camera_m.y, s * camera_m.x + c * camera_m.y);
-    out.detail_origin = narrow(fraction(turned * maps_per_m + half_texel(maps)));
+    out.detail_origin = narrow(fraction(turned * maps_per_m));
     out.detail_maps_per_m = narrow(maps_per_m);
     out.detail_turn = narrow(glm::dvec2(c, s));
     out.detail_amplitude = options.detail ? narrow(tail.copy_amplitude) : 0.0f;
-    out.detail_slope_variance = options.detail ? narrow(tail.slope_variance) : 0.0f;
+    out.detail_slope_share = options.detail ? narrow(tail.slope_share) : 0.0f;
 }
 
 } // namespace
 
-shaders::ViewValues view_values(const SeaFrame& frame, const SeaMaps& maps, const Camera& camera,
-                                const Sky& sky, const Mesh& mesh, const RenderOptions& options,
-                                const DebugChoice& debug) {
+shaders::ViewValues view_values(const SeaFrame& frame, const Camera& camera, const Sky& sky,
+                                const Mesh& mesh, const RenderOptions& options,
+                                const DebugChoice& debug, const Display& display) {
     shaders::ViewValues out;
     const glm::dmat4 clip_from_local = camera.clip_from_local();
     out.clip_from_local = narrow(clip_from_local);
@@ -108,7 +103,7 @@ shaders::ViewValues view_values(const SeaFrame& frame, const SeaMaps& maps, cons
     out.pixel_rad = narrow(camera.pixel_rad());
     set_light(out, sky);
     out.water_reflectance = narrow(water_reflectance);
-    out.significant_height_m = narrow(maps.statistics.significant_height_m);
+    out.significant_height_m = narrow(frame.significant_height_m);
     out.extinction_per_m = narrow(std::log(50.0) / options.visibility_m);
 
     out.mesh_apex_m = narrow(mesh.apex_m);
@@ -118,7 +113,7 @@ shaders::ViewValues view_values(const SeaFrame& frame, const SeaMaps& maps, cons
     out.mesh_rows = static_cast<int>(mesh.rows_m.size());
     out.choppiness = {narrow(frame.choppiness.x), narrow(frame.choppiness.y)};
     out.curvature_per_m = narrow(1 / (2 * earth_radius_m));
-    out.slope_variance = narrow(maps.statistics.slope_variance);
+    out.reach_m = narrow(frame.reach_m);
 
     const glm::dvec2 camera_m(camera.x_m, camera.y_m);
     const double noise_m = shaders::view_noise_period_m;
@@ -127,16 +122,16 @@ shaders::ViewValues view_values(const SeaFrame& frame, const SeaMaps& maps, cons
     out.foam_softness = narrow(breaking_softness);
     out.foam_mean = narrow(frame.foam_mean);
     out.foam_level = foam_level(frame.significant_height_m);
-    set_detail(out, frame, maps, camera_m, options);
+    set_detail(out, frame, camera_m, options);
 
     out.what = static_cast<int>(debug.view);
-    out.what_cascade = std::min(debug.cascade, maps.cascades - 1);
-    out.cascades = maps.cascades;
-    for (std::size_t i = 0; i < frame.cascades.size(); ++i) {
-        const double length_m = frame.cascades[i].spec.length_m;
-        out.cascade[i] = {narrow(fraction(camera_m / length_m) + half_texel(maps)),
-                          narrow(1 / length_m), narrow(length_m / maps.nodes)};
-    }
+    out.what_cascade = std::min(debug.cascade, static_cast<int>(frame.cascades.size()) - 1);
+    out.probes = options.quality.probes;
+    out.between_levels = options.quality.between_levels ? 1 : 0;
+    out.colours = static_cast<int>(info(debug.view).colours);
+    out.exposure = narrow(display.exposure);
+    out.height_scale_m = narrow(std::max(display.significant_height_m / 2, 1e-3));
+    out.picture_per_shown = narrow(glm::dvec2(options.quality.scale));
     return out;
 }
 

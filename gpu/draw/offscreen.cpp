@@ -5,6 +5,11 @@ namespace seaway::gpu {
 
 namespace {
 
+constexpr VkImageLayout to_colour = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
+constexpr VkImageLayout to_depth = VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL;
+constexpr VkImageLayout to_sample = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;
+constexpr VkImageLayout to_copy = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;
+
 VkRenderingAttachmentInfo attachment(const Image& image, VkImageLayout layout) {
     return {.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
             .imageView = image.view(),
@@ -13,52 +18,63 @@ VkRenderingAttachmentInfo attachment(const Image& image, VkImageLayout layout) {
             .storeOp = VK_ATTACHMENT_STORE_OP_STORE};
 }
 
+template <class T>
+Result<void> keep(T& target, Result<T> made) {
+    if (!made)
+        return made.error();
+    target = std::move(*made);
+    return {};
+}
+
 } // namespace
 
-Result<Offscreen> Offscreen::create(Device& device, std::uint32_t width, std::uint32_t height) {
-    struct Wish {
-        Image Offscreen::*image;
-        const char* name;
-        ImageSpec spec;
-    };
-    const Wish wishes[] = {
-        {&Offscreen::geometry_,
-         "geometry",
-         {.format = format,
-          .usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT,
-          .samples = samples,
-          .filtered = false}},
-        {&Offscreen::depth_,
-         "depth",
-         {.format = depth_format,
-          .usage = VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT,
-          .samples = samples}},
-        {&Offscreen::picture_,
-         "picture",
-         {.format = format,
-          .usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT}}};
+Result<Offscreen> Offscreen::create(Device& device, const OffscreenSize& size) {
     Offscreen made;
-    for (const Wish& wish : wishes) {
-        ImageSpec spec = wish.spec;
-        spec.width = width;
-        spec.height = height;
-        Result<Image> image = Image::create(device, wish.name, spec);
-        if (!image)
-            return image.error();
-        made.*wish.image = std::move(*image);
-    }
-    Result<Buffer> readback =
-        Buffer::create(device, "picture read back", std::size_t{width} * height * 4 * sizeof(float),
-                       BufferKind::readback);
-    if (!readback)
-        return readback.error();
-    made.readback_ = std::move(*readback);
+    made.size_ = size;
+    constexpr VkImageUsageFlags drawn =
+        VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT;
+    const auto image = [&](Image& target, const char* name, ImageSpec spec) {
+        return keep(target, Image::create(device, name, spec));
+    };
+    SEAWAY_TRY(image(made.geometry_, "geometry",
+                     {.width = size.width,
+                      .height = size.height,
+                      .format = format,
+                      .usage = drawn,
+                      .samples = size.samples,
+                      .filtered = false}));
+    SEAWAY_TRY(image(made.depth_, "depth",
+                     {.width = size.width,
+                      .height = size.height,
+                      .format = depth_format,
+                      .usage = VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT,
+                      .samples = size.samples}));
+    SEAWAY_TRY(image(made.picture_, "picture",
+                     {.width = size.width,
+                      .height = size.height,
+                      .format = format,
+                      .usage = drawn | VK_IMAGE_USAGE_TRANSFER_SRC_BIT}));
+    SEAWAY_TRY(image(made.shown_, "shown picture",
+                     {.width = size.shown_width,
+                      .height = size.shown_height,
+                      .format = shown_format,
+                      .usage = drawn | VK_IMAGE_USAGE_TRANSFER_SRC_BIT}));
+    SEAWAY_TRY(
+        keep(made.pixels_, Buffer::create(device, "picture read back",
+                                          std::size_t{size.width} * size.height * 4 * sizeof(float),
+                                          BufferKind::readback)));
+    SEAWAY_TRY(
+        keep(made.bytes_, Buffer::create(device, "shown picture read back",
+                                         std::size_t{size.shown_width} * size.shown_height * 4,
+                                         BufferKind::readback)));
     return made;
 }
 
-void Offscreen::begin(Commands& commands, const VkRenderingAttachmentInfo& colour,
+void Offscreen::begin(Commands& commands, const Image& image,
                       const VkRenderingAttachmentInfo* depth) {
-    const VkRect2D area{{0, 0}, {width(), height()}};
+    record_transition(commands, image, VK_IMAGE_LAYOUT_UNDEFINED, to_colour);
+    const VkRenderingAttachmentInfo colour = attachment(image, to_colour);
+    const VkRect2D area{{0, 0}, {image.spec().width, image.spec().height}};
     const VkRenderingInfo info{.sType = VK_STRUCTURE_TYPE_RENDERING_INFO,
                                .renderArea = area,
                                .layerCount = 1,
@@ -66,43 +82,56 @@ void Offscreen::begin(Commands& commands, const VkRenderingAttachmentInfo& colou
                                .pColorAttachments = &colour,
                                .pDepthAttachment = depth};
     vkCmdBeginRendering(commands.get(), &info);
-    const VkViewport viewport{0, 0, static_cast<float>(width()), static_cast<float>(height()),
-                              0, 1};
+    const VkViewport viewport{
+        0, 0, static_cast<float>(area.extent.width), static_cast<float>(area.extent.height), 0, 1};
     vkCmdSetViewport(commands.get(), 0, 1, &viewport);
     vkCmdSetScissor(commands.get(), 0, 1, &area);
 }
 
 void Offscreen::begin_geometry(Commands& commands) {
-    constexpr VkImageLayout to_colour = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
-    constexpr VkImageLayout to_depth = VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL;
-    record_transition(commands, geometry_, VK_IMAGE_LAYOUT_UNDEFINED, to_colour);
     record_transition(commands, depth_, VK_IMAGE_LAYOUT_UNDEFINED, to_depth);
     VkRenderingAttachmentInfo depth = attachment(depth_, to_depth);
     depth.storeOp = VK_ATTACHMENT_STORE_OP_DONT_CARE;
-    begin(commands, attachment(geometry_, to_colour), &depth);
+    begin(commands, geometry_, &depth);
 }
 
 void Offscreen::end_geometry(Commands& commands) {
     vkCmdEndRendering(commands.get());
-    record_transition(commands, geometry_, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
-                      VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
+    record_transition(commands, geometry_, to_colour, to_sample);
 }
 
 void Offscreen::begin_picture(Commands& commands) {
-    constexpr VkImageLayout to_colour = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
-    record_transition(commands, picture_, VK_IMAGE_LAYOUT_UNDEFINED, to_colour);
-    begin(commands, attachment(picture_, to_colour), nullptr);
+    begin(commands, picture_, nullptr);
 }
 
 void Offscreen::end_picture(Commands& commands) {
     vkCmdEndRendering(commands.get());
-    record_transition(commands, picture_, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
-                      VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+    record_transition(commands, picture_, to_colour, to_sample);
+}
+
+void Offscreen::begin_shown(Commands& commands) {
+    begin(commands, shown_, nullptr);
+}
+
+void Offscreen::end_shown(Commands& commands) {
+    vkCmdEndRendering(commands.get());
+    record_transition(commands, shown_, to_colour, to_sample);
+}
+
+void Offscreen::read(Commands& commands, const Image& image, const Buffer& into) {
+    record_transition(commands, image, to_sample, to_copy);
     const VkBufferImageCopy region{.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
-                                   .imageExtent = {width(), height(), 1}};
-    vkCmdCopyImageToBuffer(commands.get(), picture_.get(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
-                           readback_.get(), 1, &region);
+                                   .imageExtent = {image.spec().width, image.spec().height, 1}};
+    vkCmdCopyImageToBuffer(commands.get(), image.get(), to_copy, into.get(), 1, &region);
     commands.barrier(Stage::copy, Stage::host);
+}
+
+void Offscreen::read_picture(Commands& commands) {
+    read(commands, picture_, pixels_);
+}
+
+void Offscreen::read_shown(Commands& commands) {
+    read(commands, shown_, bytes_);
 }
 
 } // namespace seaway::gpu

@@ -18,6 +18,9 @@ struct alignas(8) vec2 {
 struct vec3 {
     float x = 0, y = 0, z = 0;
 };
+struct alignas(16) vec4 {
+    float x = 0, y = 0, z = 0, w = 0;
+};
 struct alignas(16) mat4 {
     std::array<float, 16> column_major{};
 };
@@ -29,6 +32,16 @@ struct alignas(16) mat4 {
 #endif
 
 SEAWAY_SHARED_CONSTANT view_cascades_max = 8;
+
+/// Invocations of a group of the view's compute shaders.
+SEAWAY_SHARED_CONSTANT view_group = 64;
+
+// How numbers become colours (client/view/debug_views.h).
+SEAWAY_SHARED_CONSTANT view_colours_film = 0;
+SEAWAY_SHARED_CONSTANT view_colours_height = 1;
+SEAWAY_SHARED_CONSTANT view_colours_repeat = 2;
+SEAWAY_SHARED_CONSTANT view_colours_signed_1 = 3;
+SEAWAY_SHARED_CONSTANT view_colours_unsigned_1 = 4;
 
 /// Foam noise repeats after this many metres.
 SEAWAY_SHARED_CONSTANT view_noise_period_m = 256;
@@ -45,11 +58,24 @@ SEAWAY_SHARED_CONSTANT view_foam = 7;
 SEAWAY_SHARED_CONSTANT view_cascade = 8;
 SEAWAY_SHARED_CONSTANT view_grid = 9;
 
-/// Where the maps of a cascade lie in the local frame.
+/// A cascade on the device: where its maps lie in the local frame, and in the buffers
+/// (client/view/sea/device_sea.h).
 struct SEAWAY_STD140_ELEMENT ViewCascade {
-    vec2 origin;      ///< of the local frame in the map, 0 .. 1
-    float maps_per_m; ///< 1 / length of the tile
-    float texel_m;
+    vec4 hermite;           ///< weights of value and rate before, value and rate after
+    vec2 origin;            ///< of the local frame in the tile, 0 .. 1
+    float maps_per_m;       ///< 1 / length of the tile
+    float foam_share;       ///< of the keyframe after, in time; below 0: no foam
+    int points;             ///< of the keyframes' grid, a side
+    int nodes;              ///< of the gradients' grid, a side: a power of two times as many
+    int displacement_first; ///< where level 0 lies, texels
+    int gradient_first;     ///< likewise
+    int before_first;       ///< where the keyframes lie, four floats each
+    int after_first;
+    int foam_before_first;
+    int foam_after_first;
+    int gradient_levels; ///< from this one on a texel is as long as the longest wave: the tile's mean
+    int displacement_levels; ///< likewise
+    int spare_0, spare_1;
 };
 
 struct ViewValues {
@@ -72,7 +98,7 @@ struct ViewValues {
     float mesh_step_rad;    ///< from column to column
     vec2 choppiness;
     float curvature_per_m; ///< 1 / (2 earth radius): a point drops by this times distance squared
-    float slope_variance;  ///< of all maps, both axes
+    float reach_m;         ///< no point is moved further by the waves
 
     vec2 foam_noise_origin_m;
     float foam_threshold; ///< Jacobian that breaks
@@ -83,22 +109,30 @@ struct ViewValues {
     // Waves beyond the finest cascade: a copy of it, smaller and turned.
     float detail_amplitude; ///< 1; 0: no copy
     float detail_maps_per_m;
-    vec2 detail_origin;          ///< of the local frame in the copy, 0 .. 1
-    vec2 detail_turn;            ///< cosine and sine
-    float detail_slope_variance; ///< of waves beyond the copy, each axis
+    vec2 detail_origin; ///< of the local frame in the copy, 0 .. 1
+    vec2 detail_turn;   ///< cosine and sine
+    float
+        detail_slope_share; ///< of waves beyond the copy, each axis, over that of the copy, both axes
 
     int cascades;
     int mesh_columns;
     int mesh_rows;
-    int what;         ///< view_final ..
-    int what_cascade; ///< that view_cascade shows
+    int what;               ///< view_final ..
+    int what_cascade;       ///< that view_cascade shows
+    int probes;             ///< of a pixel's strip, at most
+    int between_levels;     ///< 1: linear between levels of maps; 0: the nearest
+    int colours;            ///< how numbers become bytes: ColourMap of client/view/debug_views.h
+    float exposure;         ///< factor to a picture in which white is 1
+    float height_scale_m;   ///< where heights have their full colour
+    vec2 picture_per_shown; ///< pixels drawn a pixel shown
     ViewCascade cascade[view_cascades_max];
 };
 
 #ifdef __cplusplus
 static_assert(offsetof(ViewValues, camera_m) == 128 && offsetof(ViewValues, foam_mean) == 256);
-static_assert(offsetof(ViewValues, detail_origin) == 272 && offsetof(ViewValues, cascade) == 320);
-static_assert(sizeof(ViewValues) == 320 + 16 * view_cascades_max);
+static_assert(offsetof(ViewValues, detail_origin) == 272 && offsetof(ViewValues, cascade) == 352);
+static_assert(sizeof(ViewCascade) == 80);
+static_assert(sizeof(ViewValues) == 352 + 80 * view_cascades_max);
 } // namespace seaway::shaders
 #endif
 #undef SEAWAY_SHARED_CONSTANT

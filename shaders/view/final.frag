@@ -12,8 +12,6 @@
 layout(location = 0) in vec3 direction;
 layout(location = 0) out vec4 radiance;
 
-const int samples = 4;
-
 void main() {
     const vec3 away = normalize(direction);
     const ivec2 pixel = ivec2(gl_FragCoord.xy);

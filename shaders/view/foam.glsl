@@ -34,17 +34,19 @@ float seen_share(int level, float pixel_m) {
 /// area is the share.
 float foam_cover(float share, vec2 undisplaced_m, float distance_m) {
     const float pixel_m = distance_m * view.pixel_rad;
-    if (share < 0.002)
-        return 0.0;
     vec2 at = undisplaced_m + view.foam_noise_origin_m;
     const int coarsest = view.foam_level;
-    // Tears the patches' edges.
-    const int torn = coarsest + 3;
-    at += 0.15 * exp2(-float(coarsest)) * vec2(noise(at, torn), noise(at + 37.0, torn));
+    // A loop, not a return: see gradients.glsl.
+    const bool some = share >= 0.002;
+    const int finest = some ? coarsest + 7 : coarsest - 1;
+    for (int once = 0; once < int(some); ++once) { // tears the patches' edges
+        const int torn = coarsest + 3;
+        at += 0.15 * exp2(-float(coarsest)) * vec2(noise(at, torn), noise(at + 37.0, torn));
+    }
     float pattern = 0.0;
     float variance = 1e-6;
     float amplitude = 1.0;
-    for (int level = coarsest; level <= coarsest + 7; ++level) {
+    for (int level = coarsest; level <= finest; ++level) {
         const float seen = amplitude * seen_share(level, pixel_m);
         if (seen > 0.0)
             pattern += seen * (noise(at, level) - 0.5);
@@ -56,5 +58,5 @@ float foam_cover(float share, vec2 undisplaced_m, float distance_m) {
     const float uniform_noise = 1.0 / (1.0 + exp(-1.702 * pattern * inversesqrt(variance)));
     const float edge = min(0.12, 0.9 * min(share, 1.0 - share) + 0.005);
     const float patches = smoothstep(-edge, edge, uniform_noise - (1.0 - share));
-    return mix(share, patches, seen_share(coarsest + 1, pixel_m));
+    return !some ? 0.0 : mix(share, patches, seen_share(coarsest + 1, pixel_m));
 }

@@ -6,7 +6,28 @@ struct Gradients {
     vec2 slope;    ///< d eta / d(X, Y)
     vec3 strain;   ///< d Dx/dX, d Dy/dY, d Dx/dY
     vec3 variance; ///< of slope within the pixel: xx, yy, xy
+    float foam;    ///< product over cascades of (1 + foam / its mean) / 2
 };
+
+GradientTexel gradient_texel(int at) { return unpacked_gradient(texelFetch(gradients, at)); }
+
+void add_level(inout GradientSum sum, ViewCascade tile, vec2 tile_place, int level, float weight) {
+    const Around around = texels_around(tile_place, tile.nodes, level);
+    const int first = tile.gradient_first + texels_above(tile.nodes, level);
+    for (int i = 0; i < 4; ++i)
+        add(sum, gradient_texel(first + around.texel[i]), weight * around.weight[i]);
+}
+
+/// The whole tile.
+GradientTexel tile_mean(ViewCascade tile) {
+    return gradient_texel(tile.gradient_first + texels_above(tile.nodes, last_level(tile.nodes)));
+}
+
+/// Bilinear in the levels around `level` and between them.
+void add_filtered(inout GradientSum sum, ViewCascade tile, vec2 tile_place, float level, float weight) {
+    for (int l = int(floor(level)); l <= int(ceil(level)); ++l)
+        add_level(sum, tile, tile_place, l, weight * (1.0 - abs(level - float(l))));
+}
 
 /// The part of the sea that a pixel covers: a strip of probes along the line of sight. The shader
 /// does this itself because the anisotropic filters of software devices take minutes at grazing
@@ -18,56 +39,67 @@ struct Footprint {
     float width_m; ///< that one probe averages over
 };
 
-const int probes_max = 5;
 const float facing_min = 0.015; ///< crests near the horizon are not seen flatter than this
 
 Footprint footprint(vec2 undisplaced_m, vec3 to_eye, float distance_m) {
     const float width_m = max(distance_m * view.pixel_rad, 1e-4);
     // The long waves tilt the pixel's piece of sea towards the eye or away.
     const ViewCascade tile = view.cascade[0];
-    const vec3 at = vec3(tile.origin + undisplaced_m * tile.maps_per_m, 0.0);
-    const vec2 slope = textureLod(gradient_maps, at, max(log2(width_m / tile.texel_m), 2.0)).xy;
-    const float facing = max(dot(normalize(vec3(-slope, 1)), to_eye), facing_min);
+    const float last = float(last_level(tile.nodes));
+    const float level = clamp(ceil(log2(width_m * float(tile.nodes) * tile.maps_per_m)), 2.0, last);
+    GradientSum long_waves = no_gradients;
+    add_level(long_waves, tile, tile.origin + undisplaced_m * tile.maps_per_m, int(level), 1.0);
+    const float facing =
+        max(dot(normalize(vec3(-long_waves.slope, 1)), to_eye), facing_min);
     const float length_m = width_m / facing;
-    const int probes = clamp(int(ceil(length_m / width_m)), 1, probes_max);
+    const int probes = clamp(int(ceil(length_m / width_m)), 1, view.probes);
     const vec2 along = normalize(to_eye.xy + vec2(1e-6, 0)) * length_m / float(probes);
     return Footprint(undisplaced_m, along, probes, max(length_m / float(probes), width_m));
 }
 
-/// Means over the pixel of gradient and moment maps.
-void filtered(Footprint area, vec2 origin, mat2 map_from_m, float texels_a_metre, float layer,
-              out vec4 gradient, out vec4 moment) {
-    const float level = log2(area.width_m * texels_a_metre);
-    gradient = vec4(0);
-    moment = vec4(0);
-    for (int i = 0; i < area.probes; ++i) {
+/// Devices without a GPU take both sides of every branch, but leave a loop that nobody is in: what is dear stands in
+/// loops that are run once or not at all.
+/// Means over the pixel of a tile that lies `origin` and `tile_from_m` from the local frame.
+GradientTexel filtered(Footprint area, ViewCascade tile, vec2 origin, mat2 tile_from_m, float tiles_a_metre) {
+    float level = max(log2(area.width_m * float(tile.nodes) * tiles_a_metre), 0.0);
+    const bool resolved = level < float(tile.gradient_levels);
+    if (view.between_levels == 0)
+        level = round(level);
+    GradientSum sum = no_gradients;
+    const int probes = resolved ? area.probes : 0;
+    for (int i = 0; i < probes; ++i) {
         const float along = float(i) - 0.5 * float(area.probes - 1);
-        const vec3 at = vec3(origin + map_from_m * (area.centre_m + along * area.step_m), layer);
-        gradient += textureLod(gradient_maps, at, level);
-        moment += textureLod(moment_maps, at, level);
+        add_filtered(sum, tile, origin + tile_from_m * (area.centre_m + along * area.step_m), level,
+                     1.0 / float(area.probes));
     }
-    gradient /= float(area.probes);
-    moment /= float(area.probes);
+    if (!resolved)
+        add(sum, tile_mean(tile), 1.0);
+    return mean_of(sum);
 }
 
-Gradients gradients_of_cascade(Footprint area, int cascade) {
+GradientTexel gradients_of_cascade(Footprint area, int cascade) {
     const ViewCascade tile = view.cascade[cascade];
-    vec4 gradient, moment;
-    filtered(area, tile.origin, mat2(tile.maps_per_m), 1.0 / tile.texel_m, float(cascade), gradient, moment);
-    // The filtered square less the square of the filtered: what the pixel does not resolve.
-    const vec3 resolved = vec3(gradient.xy * gradient.xy, gradient.x * gradient.y);
-    vec3 variance = moment.yzw - resolved;
-    variance.xy = max(variance.xy, vec2(0));
-    return Gradients(gradient.xy, vec3(gradient.zw, moment.x), variance);
+    return filtered(area, tile, tile.origin, mat2(tile.maps_per_m), tile.maps_per_m);
 }
 
 Gradients gradients_at(Footprint area) {
-    Gradients sum = Gradients(vec2(0), vec3(0), vec3(0));
+    Gradients sum = Gradients(vec2(0), vec3(0), vec3(0), 1.0);
     for (int c = 0; c < view.cascades; ++c) {
-        const Gradients one = gradients_of_cascade(area, c);
+        const GradientTexel one = gradients_of_cascade(area, c);
         sum.slope += one.slope;
         sum.strain += one.strain;
         sum.variance += one.variance;
+        sum.foam *= 0.5 * (1.0 + one.foam);
+    }
+    return sum;
+}
+
+/// Of all waves, both axes.
+float slope_variance() {
+    float sum = 0.0;
+    for (int c = 0; c < view.cascades; ++c) {
+        const GradientTexel all = tile_mean(view.cascade[c]);
+        sum += all.variance.x + all.variance.y;
     }
     return sum;
 }
@@ -75,18 +107,17 @@ Gradients gradients_at(Footprint area) {
 /// Waves shorter than the finest cascade, as a smaller copy of it: in the equilibrium range the
 /// variance of slope is the same in every octave, so a copy needs a scale and no new amplitude.
 void add_detail(inout Gradients sum, Footprint area) {
-    sum.variance.xy += vec2(view.detail_slope_variance);
+    const ViewCascade tile = view.cascade[view.cascades - 1];
+    const GradientTexel all = tile_mean(tile);
+    sum.variance.xy += vec2(view.detail_slope_share * (all.variance.x + all.variance.y));
     if (view.detail_amplitude == 0.0)
         return;
     const vec2 turn = view.detail_turn;
     const mat2 rotation = mat2(turn.x, turn.y, -turn.y, turn.x);
-    vec4 gradient, moment;
-    filtered(area, view.detail_origin, rotation * view.detail_maps_per_m,
-             view.detail_maps_per_m * float(textureSize(gradient_maps, 0).x), float(view.cascades - 1),
-             gradient, moment);
-    sum.slope += transpose(rotation) * gradient.xy;
-    sum.variance.xy +=
-        vec2(0.5 * max(moment.y + moment.z - dot(gradient.xy, gradient.xy), 0.0));
+    const GradientTexel copy =
+        filtered(area, tile, view.detail_origin, rotation * view.detail_maps_per_m, view.detail_maps_per_m);
+    sum.slope += transpose(rotation) * copy.slope;
+    sum.variance.xy += vec2(0.5 * (copy.variance.x + copy.variance.y));
 }
 
 /// Cross product of the two tangents: exact, and safe where the surface folds. Not unit length;
@@ -108,30 +139,18 @@ float breaking_share(float jacobian, vec3 variance) {
 }
 
 /// Share of the pixel that what has broken lately covers (docs/foam.md).
-float history_share(Footprint area) {
-    float together = 2.0;
-    for (int c = 0; c < view.cascades; ++c) {
-        const ViewCascade tile = view.cascade[c];
-        const float level = log2(area.width_m / tile.texel_m);
-        float ratio = 0.0;
-        for (int i = 0; i < area.probes; ++i) {
-            const float along = float(i) - 0.5 * float(area.probes - 1);
-            const vec2 at = tile.origin + (area.centre_m + along * area.step_m) * tile.maps_per_m;
-            ratio += textureLod(displacement_maps, vec3(at, float(c)), level).w;
-        }
-        together *= 0.5 * (1.0 + ratio / float(area.probes));
-    }
-    return clamp(view.foam_mean * (together - 1.0), 0.0, 1.0);
+float history_share(Gradients g) {
+    return clamp(view.foam_mean * (2.0 * g.foam - 1.0), 0.0, 1.0);
 }
 
 /// What has broken, and where the pixel resolves the waves, what breaks at this moment: of what it
 /// does not resolve, the history is the mean. `g` without detail.
-float foam_share(Footprint area, Gradients g) {
+float foam_share(Gradients g) {
     if (view.foam_mean <= 0.0)
         return 0.0;
-    const float history = history_share(area);
+    const float history = history_share(g);
     const float resolved =
-        max(1.0 - (g.variance.x + g.variance.y) / max(view.slope_variance, 1e-6), 0.0);
+        max(1.0 - (g.variance.x + g.variance.y) / max(slope_variance(), 1e-6), 0.0);
     const float breaking = breaking_share(scaled_normal(g).z, g.variance);
     return mix(history, max(history, breaking), resolved * resolved);
 }

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // One triangle over the picture.
 #extension GL_GOOGLE_include_directive : require
-#include "view/bindings.glsl"
+#include "view/frame.glsl"
 
 layout(location = 0) out vec3 direction;
 

@@ -94,7 +94,7 @@ vec3 water_body(vec3 to_eye, vec3 normal, float height_m) {
 vec3 water_radiance(Place place, vec3 to_eye) {
     const Footprint area = footprint(place.undisplaced_m, to_eye, place.distance_m);
     Gradients g = gradients_at(area);
-    const float white = foam_share(area, g);
+    const float white = foam_share(g);
     add_detail(g, area);
     g.variance.xy += vec2(sun_blur);
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <complex>
 
-#include "client/view/sea_frame.h"
+#include "client/view/sea/sea_frame.h"
 #include "sea/waves/realize.h"
 
 namespace seaway::client {

@@ -3,10 +3,13 @@
 // the error budget gives.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+#include <complex>
 #include <memory>
 #include <string>
 
-#include "client/view/sea_frame.h"
+#include "client/view/sea/sea_frame.h"
 #include "sea/native/native_runner.h"
 #include "sea/surface/budget/error_budget.h"
 #include "sea/waves/realize.h"
@@ -23,6 +26,9 @@ class SyntheticSea {
         SeaFrame frame;
         frame.time_us = time_us;
         frame.choppiness = sea_->choppiness;
+        frame.significant_height_m = 4 * std::sqrt(variance());
+        frame.reach_m =
+            6 * std::sqrt(variance()) * std::max(sea_->choppiness.x, sea_->choppiness.y);
         for (std::size_t c = 0; c < sea_->cascades.size(); ++c) {
             const sea::TimeUs interval_us = budget_.cascades[c].interval_us;
             const sea::TimeUs before_us = time_us - time_us % interval_us;
@@ -42,6 +48,15 @@ class SyntheticSea {
     }
 
     const sea::Realization& realization() const { return *sea_; }
+
+    /// Of heights, m2.
+    double variance() const {
+        double sum = 0;
+        for (const sea::CascadeModes& cascade : sea_->cascades)
+            for (const auto& h0 : cascade.h0)
+                sum += 2 * std::norm(h0);
+        return sum;
+    }
 
   private:
     sea::SplineMapPtr map(std::size_t cascade, sea::TimeUs time_us) {

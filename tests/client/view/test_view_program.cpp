@@ -14,8 +14,7 @@
 
 #include "client/client.h"
 #include "client/view/picture.h"
-#include "client/view/sea_maps.h"
-#include "client/view/sea_source.h"
+#include "client/view/sea/sea_source.h"
 #include "client/view/sky.h"
 #include "tests/client/wave_server.h"
 #include "tests/support/folder.h"
@@ -175,7 +174,7 @@ TEST(ViewProgram, a_picture_of_heights_has_the_scale_of_its_sea) {
     ASSERT_TRUE(client) << client.error().message;
     const Result<SeaFrame> frame = sea_frame_at(**client, 1'000'500'000, 10);
     ASSERT_TRUE(frame) << frame.error().message;
-    const double hs_m = build_maps(*frame).statistics.significant_height_m;
+    const double hs_m = frame->significant_height_m;
     EXPECT_NEAR(hs_m, 4 * std::sqrt(0.5 * (0.64 + 0.09 + 0.0016 + 0.0009)), 0.02);
     const std::string expected = tests::folder().file("expected_heights.png");
     ASSERT_TRUE(write_png(read_exr(path + ".exr", 64, 48), {DebugView::height, 1, hs_m}, expected));

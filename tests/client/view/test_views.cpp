@@ -2,8 +2,7 @@
 // Views of numbers and the edges of things: each held against what the sea, the mesh or the sun says.
 #include <algorithm>
 
-#include "client/view/mesh.h"
-#include "client/view/sea_maps.h"
+#include "client/view/sea/mesh.h"
 #include "gpu/draw/graphics_pipeline.h"
 #include "shaders/view/final_frag.h"
 #include "shaders/view/picture_vert.h"
@@ -91,8 +90,7 @@ TEST_F(ViewsTest, the_grid_is_every_sixteenth_row_and_column_of_the_mesh) {
         const Sky sky(sun_direction(12));
         const Picture place = render(frame, sky, DebugView::place);
         const Picture grid = render(frame, sky, DebugView::grid);
-        const Mesh mesh = build_mesh(camera_, build_maps(frame).statistics,
-                                     frame.cascades.back().spec.spacing_m() / 2, 2.5);
+        const Mesh mesh = build_mesh(camera_, frame, 2.5);
         int lines = 0, compared = 0, wrong = 0;
         for (int y = 0; y < place.height; ++y)
             for (int x = 0; x < place.width; ++x) {
@@ -290,9 +288,8 @@ TEST_F(ViewsTest, a_shader_that_reads_something_else_than_the_program_binds_is_r
     constexpr VkDescriptorType image = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
     const std::vector<ExpectedBinding> fine{{"View", VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER},
                                             {"Rows", VK_DESCRIPTOR_TYPE_STORAGE_BUFFER},
-                                            {"displacement_maps", image},
-                                            {"gradient_maps", image},
-                                            {"moment_maps", image},
+                                            {"vertices", VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER},
+                                            {"gradients", VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER},
                                             {"sky_map", image},
                                             {"geometry", image}};
     const auto error_with = [&](std::vector<ExpectedBinding> bindings) {
@@ -302,15 +299,15 @@ TEST_F(ViewsTest, a_shader_that_reads_something_else_than_the_program_binds_is_r
     };
     EXPECT_EQ(error_with(fine), "none");
     std::vector<ExpectedBinding> other_type = fine, other_name = fine, fewer = fine;
-    other_type[5].type = VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE;
-    other_name[5].name = "moon_map";
+    other_type[4].type = VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE;
+    other_name[4].name = "moon_map";
     fewer.pop_back();
-    const std::string held = "pipeline \"test\": binding 5 of set 0 is \"sky_map\" (combined image "
+    const std::string held = "pipeline \"test\": binding 4 of set 0 is \"sky_map\" (combined image "
                              "sampler) in the shader and ";
     EXPECT_EQ(error_with(other_type), held + "\"sky_map\" (sampled image) in the program");
     EXPECT_EQ(error_with(other_name),
               held + "\"moon_map\" (combined image sampler) in the program");
-    EXPECT_EQ(error_with(fewer), "pipeline \"test\": binding 6 of set 0 is \"geometry\" (combined "
+    EXPECT_EQ(error_with(fewer), "pipeline \"test\": binding 5 of set 0 is \"geometry\" (combined "
                                  "image sampler) in the shader and nothing in the program");
 }
 

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "client/view/sea_source.h"
+#include "client/view/sea/sea_source.h"
+
+#include <algorithm>
 
 #include <fmt/format.h>
 
@@ -35,6 +37,14 @@ Result<CascadeFrame> cascade_frame(const Client& client, const SeaState& state, 
     return frame;
 }
 
+/// Six standard deviations; in deep water displacements are as large as heights. For a server that says none.
+double reach_of(const SeaState& state) {
+    constexpr double sigmas = 6;
+    if (state.displacement_reach_m > 0)
+        return state.displacement_reach_m;
+    return sigmas / 4 * state.realised.hs_m * std::max(state.choppiness_x, state.choppiness_y);
+}
+
 } // namespace
 
 Result<SeaFrame> sea_frame_at(Client& client, sea::TimeUs time_us, double timeout_s) {
@@ -48,6 +58,7 @@ Result<SeaFrame> sea_frame_at(Client& client, sea::TimeUs time_us, double timeou
     frame.time_us = time_us;
     frame.choppiness = {state->choppiness_x, state->choppiness_y};
     frame.significant_height_m = state->realised.hs_m;
+    frame.reach_m = reach_of(*state);
     frame.foam_mean = state->foam_mean;
     frame.foam_threshold = state->foam_threshold;
     for (std::size_t c = 0; c < state->cascades.size(); ++c) {

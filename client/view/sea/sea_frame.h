@@ -24,9 +24,11 @@ struct SeaFrame {
     sea::TimeUs time_us = 0;
     std::vector<CascadeFrame> cascades; ///< longest tile first; 1 .. shaders::view_cascades_max
     sea::Choppiness choppiness;
-    double significant_height_m = 1; ///< of the sea state: foam's patches are scaled by it
-    double foam_threshold = 0.45;    ///< Jacobian below which a crest breaks
-    double foam_mean = 0; ///< mean coverage by what has broken (docs/foam.md); 0: no foam
+    // Of the sea state, so that nothing that is built from them changes from frame to frame.
+    double significant_height_m = 1;
+    double reach_m = 1;           ///< no point is moved sideways further, choppiness included
+    double foam_threshold = 0.45; ///< Jacobian below which a crest breaks
+    double foam_mean = 0;         ///< mean coverage by what has broken (docs/foam.md); 0: no foam
 };
 
 } // namespace seaway::client

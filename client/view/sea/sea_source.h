@@ -4,7 +4,7 @@
 
 #include "base/result.h"
 #include "client/client.h"
-#include "client/view/sea_frame.h"
+#include "client/view/sea/sea_frame.h"
 
 namespace seaway::client {
 

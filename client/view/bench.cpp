@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/view/bench.h"
+
+#include <algorithm>
+#include <chrono>
+#include <ctime>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "base/text_file.h"
+#include "client/view/sea/sea_source.h"
+
+namespace seaway::client {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double median(std::vector<double> values) {
+    std::nth_element(values.begin(),
+                     values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
+    return values[values.size() / 2];
+}
+
+double cpu_s() {
+    return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
+}
+
+} // namespace
+
+Result<void> bench(Client& client, Renderer& renderer, const ViewOptions& options) {
+    const Sky sky(sun_direction(options.time_of_day_h));
+    const sea::TimeUs start_us =
+        options.time_s ? sea::us_from_seconds(*options.time_s) : client.now_us();
+    std::vector<SeaFrame> frames; // fetched before: what is timed is drawing
+    for (int i = 0; i < options.bench_frames; ++i) {
+        SEAWAY_TRY_LET(SeaFrame frame,
+                       sea_frame_at(client, start_us + frame_offset_us(i), options.timeout_s));
+        frames.push_back(std::move(frame));
+    }
+    client.unsubscribe();
+    const Display display{options.debug.view, 0.1, frames[0].significant_height_m};
+    SEAWAY_TRY(renderer.show(frames[0], options.camera, sky, options.debug, display));
+    std::vector<std::vector<double>> passes(Renderer::passes);
+    const Clock::time_point start = Clock::now();
+    const double cpu_start_s = cpu_s();
+    for (const SeaFrame& frame : frames) {
+        SEAWAY_TRY(
+            renderer.draw(frame, options.camera, sky, options.debug, display, Wanted::nothing));
+        SEAWAY_TRY(renderer.finish());
+        SEAWAY_TRY_LET(const std::vector<double> times, renderer.pass_times());
+        for (std::size_t pass = 0; pass < times.size(); ++pass)
+            passes[pass].push_back(times[pass]);
+    }
+    const double count = static_cast<double>(frames.size());
+    const double wall_s = std::chrono::duration<double>(Clock::now() - start).count() / count;
+    const double frame_cpu_s = (cpu_s() - cpu_start_s) / count;
+    std::string text;
+    for (std::size_t pass = 0; pass < passes.size(); ++pass)
+        text += fmt::format("{:<10}{:9.2f} ms\n", Renderer::pass_names[pass],
+                            1e3 * median(passes[pass]));
+    text += fmt::format("{:<10}{:9.2f} ms, {:.2f} frames/s, {:.1f} ms of CPU\n", "frame",
+                        1e3 * wall_s, 1 / wall_s, 1e3 * frame_cpu_s);
+    return write_out(stdout, text);
+}
+
+} // namespace seaway::client

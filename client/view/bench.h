@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+// seaway-view --bench: what a frame costs, pass by pass.
+#pragma once
+
+#include "base/result.h"
+#include "client/client.h"
+#include "client/view/renderer.h"
+#include "client/view/view_options.h"
+
+namespace seaway::client {
+
+/// Draws options.bench_frames frames, 1/30 s of sea apart, without waiting for each, and prints medians of the passes
+/// by the device's clock, frames a second by the wall's, and CPU time of the whole process a frame, on stdout.
+Result<void> bench(Client& client, Renderer& renderer, const ViewOptions& options);
+
+} // namespace seaway::client

@@ -1,0 +1,313 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/view/sea/device_sea.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <span>
+#include <utility>
+
+#include "base/check.h"
+#include "sea/basics/constants.h"
+#include "sea/surface/maps/hermite.h"
+#include "shaders/view/gradients_comp.h"
+#include "shaders/view/mips_comp.h"
+#include "shaders/view/mix_comp.h"
+
+namespace seaway::client {
+
+namespace {
+
+constexpr VkDescriptorType uniform = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
+constexpr VkFormat floats = VK_FORMAT_R32G32B32A32_SFLOAT;
+constexpr std::size_t texel_bytes = 4 * sizeof(float);
+constexpr VkDescriptorType storage = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+constexpr VkDescriptorType texel_buffer = VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
+constexpr std::array<std::uint32_t, 3> group{shaders::view_group, 1, 1};
+
+std::size_t spline_floats(int points) {
+    const auto side = static_cast<std::size_t>(points + sea::SplineMap::border);
+    return side * side * sea::SplineMap::channels;
+}
+
+std::size_t foam_floats(int points) {
+    return static_cast<std::size_t>(points) * static_cast<std::size_t>(points);
+}
+
+/// Texels of all levels of a map.
+int chain_texels(int side) {
+    return (4 * side * side - 1) / 3;
+}
+
+int nodes_of(int points, const DeviceSeaOptions& options) {
+    const int wished = std::clamp(points * options.nodes_a_point, DeviceSeaOptions::nodes_min,
+                                  DeviceSeaOptions::nodes_max);
+    return std::max(wished, points);
+}
+
+std::uint32_t groups_of(int side) {
+    return (static_cast<std::uint32_t>(side * side) + shaders::view_group - 1) /
+           shaders::view_group;
+}
+
+template <class T>
+Result<void> keep(T& target, Result<T> made) {
+    if (!made)
+        return made.error();
+    target = std::move(*made);
+    return {};
+}
+
+/// The level from which on a texel of a map is as long as the cascade's longest wave, whose mean is nothing then.
+int levels_of(int side, const CascadeFrame& from) {
+    const int last = static_cast<int>(std::bit_width(static_cast<unsigned>(side))) - 1;
+    if (from.band.k_lo_radpm <= 0)
+        return last;
+    const double texels = 2 * sea::pi / from.band.k_lo_radpm / from.spec.length_m * side;
+    return std::clamp(static_cast<int>(std::ceil(std::log2(texels))), 1, last);
+}
+
+shaders::vec4 narrow(const double (&weights)[4]) {
+    return {static_cast<float>(weights[0]), static_cast<float>(weights[1]),
+            static_cast<float>(weights[2]), static_cast<float>(weights[3])};
+}
+
+} // namespace
+
+int DeviceSea::Slots::find(const void* map) const {
+    for (int i = 0; i < slots; ++i)
+        if (holds[i].get() == map)
+            return i;
+    return -1;
+}
+
+int DeviceSea::Slots::oldest() const {
+    return static_cast<int>(std::min_element(std::begin(used), std::end(used)) - std::begin(used));
+}
+
+Result<DeviceSea> DeviceSea::create(gpu::Device& device, const DeviceSeaOptions& options) {
+    DeviceSea made;
+    made.device_ = &device;
+    made.options_ = options;
+    SEAWAY_TRY(made.create_kernels());
+    return made;
+}
+
+Result<void> DeviceSea::create_kernels() {
+    using gpu::Kernel;
+    SEAWAY_TRY(keep(
+        mix_, Kernel::create(
+                  *device_, "mix of keyframes", mix_comp,
+                  {{{"View", uniform}, {"keyframes", texel_buffer}, {"DisplacementMaps", storage}},
+                   sizeof(std::int32_t),
+                   group})));
+    SEAWAY_TRY(keep(level_0_, Kernel::create(*device_, "gradients", gradients_comp,
+                                             {{{"View", uniform},
+                                               {"displacements", texel_buffer},
+                                               {"GradientMaps", storage}},
+                                              0,
+                                              group})));
+    return keep(mips_, Kernel::create(*device_, "mip levels", mips_comp,
+                                      {{{"View", uniform},
+                                        {"DisplacementMaps", storage},
+                                        {"GradientMaps", storage},
+                                        {"displacements_above", texel_buffer},
+                                        {"gradients_above", texel_buffer}},
+                                       sizeof(std::int32_t),
+                                       group}));
+}
+
+bool DeviceSea::fits(const SeaFrame& frame) const {
+    if (frame.cascades.size() != cascades_.size())
+        return false;
+    for (std::size_t c = 0; c < cascades_.size(); ++c)
+        if (frame.cascades[c].keyframes.before->size() != cascades_[c].points)
+            return false;
+    return true;
+}
+
+Result<void> DeviceSea::allocate(const SeaFrame& frame) {
+    cascades_.clear();
+    sets_.clear();
+    int displacement_texels = 0, gradient_texels = 0;
+    for (const CascadeFrame& from : frame.cascades) {
+        Cascade made;
+        made.points = from.keyframes.before->size();
+        made.nodes = nodes_of(made.points, options_);
+        made.displacement_first =
+            std::exchange(displacement_texels, displacement_texels + chain_texels(made.points));
+        made.gradient_first =
+            std::exchange(gradient_texels, gradient_texels + chain_texels(made.nodes));
+        const std::size_t bytes =
+            slots * (spline_floats(made.points) + foam_floats(made.points)) * sizeof(float);
+        SEAWAY_TRY(keep(made.keyframes, gpu::Buffer::create(*device_, "keyframes of a tile", bytes,
+                                                            gpu::BufferKind::device)));
+        SEAWAY_TRY(keep(made.texels, gpu::TexelView::create(*device_, made.keyframes, floats,
+                                                            texel_bytes, 0, bytes)));
+        if (made.keyframes.mapped().empty())
+            SEAWAY_TRY(keep(made.staging, gpu::Buffer::create(*device_, "new keyframes", bytes,
+                                                              gpu::BufferKind::upload)));
+        cascades_.push_back(std::move(made));
+    }
+    const auto buffer = [&](gpu::Buffer& target, gpu::TexelView& view, const char* name,
+                            VkFormat format, int texels) -> Result<void> {
+        const std::size_t bytes = static_cast<std::size_t>(texels) * texel_bytes;
+        SEAWAY_TRY(
+            keep(target, gpu::Buffer::create(*device_, name, bytes, gpu::BufferKind::device)));
+        return keep(view, gpu::TexelView::create(*device_, target, format, texel_bytes, 0, bytes));
+    };
+    SEAWAY_TRY(buffer(displacements_, displacement_texels_, "displacement maps", floats,
+                      displacement_texels));
+    SEAWAY_TRY(buffer(gradients_, gradient_texels_, "gradient maps", VK_FORMAT_R32G32B32A32_UINT,
+                      gradient_texels));
+    ++generation_;
+    return {};
+}
+
+Result<void> DeviceSea::bind(const gpu::Buffer& values) {
+    if (sets_.contains(values.get()))
+        return {};
+    for (Cascade& cascade : cascades_)
+        SEAWAY_TRY(keep(cascade.mix[values.get()],
+                        mix_.bind(*device_, {gpu::whole(values), gpu::texels(cascade.texels),
+                                             gpu::whole(displacements_)})));
+    Sets& sets = sets_[values.get()];
+    SEAWAY_TRY(keep(sets.gradients,
+                    level_0_.bind(*device_, {gpu::whole(values), gpu::texels(displacement_texels_),
+                                             gpu::whole(gradients_)})));
+    return keep(sets.mips,
+                mips_.bind(*device_,
+                           {gpu::whole(values), gpu::whole(displacements_), gpu::whole(gradients_),
+                            gpu::texels(displacement_texels_), gpu::texels(gradient_texels_)}));
+}
+
+void DeviceSea::copy(std::size_t cascade, Slots& kept, std::shared_ptr<const void> map,
+                     std::span<const float> floats, std::size_t first, std::size_t stride) {
+    if (kept.find(map.get()) >= 0)
+        return;
+    const int slot = kept.oldest();
+    kept.holds[slot] = std::move(map);
+    kept.used[slot] = frame_;
+    Cascade& to = cascades_[cascade];
+    const std::size_t at = first + static_cast<std::size_t>(slot) * stride;
+    const bool staged = to.keyframes.mapped().empty();
+    std::copy(floats.begin(), floats.end(),
+              (staged ? to.staging : to.keyframes).mapped_as<float>().begin() +
+                  static_cast<std::ptrdiff_t>(at));
+    if (staged)
+        pending_.push_back({cascade, at, floats.size()});
+    ++copies_;
+}
+
+void DeviceSea::put(std::size_t cascade, const CascadeFrame& from) {
+    Cascade& to = cascades_[cascade];
+    const auto take_both = [&](Slots& kept, const auto& before, const auto& after, auto&& floats_of,
+                               std::size_t first, std::size_t stride) {
+        // What is there already is marked first: room is made of what neither needs.
+        for (const void* map :
+             {static_cast<const void*>(before.get()), static_cast<const void*>(after.get())})
+            if (const int at = kept.find(map); at >= 0)
+                kept.used[at] = frame_;
+        copy(cascade, kept, before, floats_of(*before), first, stride);
+        copy(cascade, kept, after, floats_of(*after), first, stride);
+    };
+    const auto coefficients = [&](const sea::SplineMap& map) {
+        SEAWAY_CHECK(map.size() == to.points, "both keyframes of a tile have its size");
+        return std::span(map.coefficients());
+    };
+    const auto foam = [&](const sea::Keyframe& map) {
+        SEAWAY_CHECK(map.size == to.points, "foam has the size of its tile");
+        return map.plane(sea::Field::foam);
+    };
+    const std::size_t stride = spline_floats(to.points);
+    take_both(to.splines, from.keyframes.before, from.keyframes.after, coefficients, 0, stride);
+    if (from.foam_before && from.foam_after)
+        take_both(to.foams, from.foam_before, from.foam_after, foam, slots * stride,
+                  foam_floats(to.points));
+}
+
+Result<void> DeviceSea::take(const SeaFrame& frame, const gpu::Buffer& values) {
+    SEAWAY_CHECK(!frame.cascades.empty() && frame.cascades.size() <= shaders::view_cascades_max,
+                 "1 .. view_cascades_max cascades");
+    if (!fits(frame))
+        SEAWAY_TRY(allocate(frame));
+    ++frame_;
+    for (std::size_t c = 0; c < cascades_.size(); ++c)
+        put(c, frame.cascades[c]);
+    return bind(values);
+}
+
+void DeviceSea::describe(const SeaFrame& frame, const glm::dvec2& camera_m,
+                         shaders::ViewValues& values) const {
+    values.cascades = static_cast<int>(cascades_.size());
+    for (std::size_t c = 0; c < cascades_.size(); ++c) {
+        const Cascade& kept = cascades_[c];
+        const CascadeFrame& from = frame.cascades[c];
+        shaders::ViewCascade& out = values.cascade[c];
+        const glm::dvec2 tiles = camera_m / from.spec.length_m;
+        const glm::dvec2 origin = tiles - glm::floor(tiles);
+        out.origin = {static_cast<float>(origin.x), static_cast<float>(origin.y)};
+        out.maps_per_m = static_cast<float>(1 / from.spec.length_m);
+        out.points = kept.points;
+        out.nodes = kept.nodes;
+        out.gradient_levels = levels_of(kept.nodes, from);
+        out.displacement_levels = levels_of(kept.points, from);
+        out.displacement_first = kept.displacement_first;
+        out.gradient_first = kept.gradient_first;
+        const auto place = [](const Slots& kept_slots, const void* map, std::size_t first,
+                              std::size_t stride) {
+            return static_cast<int>(
+                (first + static_cast<std::size_t>(kept_slots.find(map)) * stride) / 4);
+        };
+        const std::size_t stride = spline_floats(kept.points);
+        out.before_first = place(kept.splines, from.keyframes.before.get(), 0, stride);
+        out.after_first = place(kept.splines, from.keyframes.after.get(), 0, stride);
+        out.hermite = narrow(sea::hermite_weights(from.keyframes.before->time_us(),
+                                                  from.keyframes.after->time_us(), frame.time_us)
+                                 .value);
+        out.foam_share = -1;
+        if (!from.foam_before || !from.foam_after)
+            continue;
+        const std::size_t foams = foam_floats(kept.points);
+        out.foam_before_first = place(kept.foams, from.foam_before.get(), slots * stride, foams);
+        out.foam_after_first = place(kept.foams, from.foam_after.get(), slots * stride, foams);
+        const sea::TimeUs interval_us = from.foam_after->time_us - from.foam_before->time_us;
+        out.foam_share = interval_us <= 0
+                             ? 0.0f
+                             : static_cast<float>(frame.time_us - from.foam_before->time_us) /
+                                   static_cast<float>(interval_us);
+    }
+}
+
+void DeviceSea::record(gpu::Commands& commands, const gpu::Buffer& values) {
+    using gpu::Stage;
+    for (const Copy& part : pending_)
+        commands.copy(cascades_[part.cascade].staging, cascades_[part.cascade].keyframes,
+                      part.count * sizeof(float), part.first * sizeof(float),
+                      part.first * sizeof(float));
+    if (!pending_.empty())
+        commands.barrier(Stage::copy, Stage::compute);
+    pending_.clear();
+    int points = 0, nodes = 0;
+    for (std::size_t c = 0; c < cascades_.size(); ++c) {
+        const auto index = static_cast<std::int32_t>(c);
+        commands.dispatch(mix_, cascades_[c].mix.at(values.get()),
+                          std::as_bytes(std::span(&index, 1)), groups_of(cascades_[c].points));
+        points = std::max(points, cascades_[c].points);
+        nodes = std::max(nodes, cascades_[c].nodes);
+    }
+    commands.barrier(Stage::compute, Stage::compute);
+    const auto layers = static_cast<std::uint32_t>(cascades_.size());
+    const Sets& sets = sets_.at(values.get());
+    commands.dispatch(level_0_, sets.gradients, {}, groups_of(nodes), 1, layers);
+    commands.barrier(Stage::compute, Stage::compute);
+    for (std::int32_t level = 1;
+         level < static_cast<int>(std::bit_width(static_cast<unsigned>(nodes))); ++level) {
+        commands.dispatch(mips_, sets.mips, std::as_bytes(std::span(&level, 1)),
+                          groups_of(std::max(nodes >> level, points >> level)), 1, layers);
+        commands.barrier(Stage::compute, Stage::compute);
+    }
+}
+
+} // namespace seaway::client

@@ -1,0 +1,50 @@
+#version 460
+// SPDX-License-Identifier: Apache-2.0
+// The picture as it is shown: numbers become sRGB bytes, and pixels drawn become pixels of the screen.
+#extension GL_GOOGLE_include_directive : require
+#include "view/frame.glsl"
+
+layout(binding = 1) uniform sampler2D picture;
+layout(location = 0) out vec4 shown;
+
+vec3 srgb(vec3 linear) {
+    linear = clamp(linear, 0.0, 1.0);
+    return mix(12.92 * linear, 1.055 * pow(linear, vec3(1.0 / 2.4)) - 0.055,
+               greaterThan(linear, vec3(0.0031308)));
+}
+
+/// ACES reference rendering and sRGB output transform, the fit by Stephen Hill (BakingLab, MIT).
+vec3 film(vec3 linear) {
+    const mat3 into = mat3(0.59719, 0.07600, 0.02840, 0.35458, 0.90834, 0.13383, 0.04823, 0.01566, 0.83777);
+    const mat3 back = mat3(1.60475, -0.10208, -0.00327, -0.53108, 1.10813, -0.07276, -0.07367, -0.00605, 1.07602);
+    const vec3 v = into * linear;
+    return back * ((v * (v + 0.0245786) - 0.000090537) / (v * (0.983729 * v + 0.4329510) + 0.238081));
+}
+
+/// Blue, white, red.
+vec3 height_colour(float height_m) {
+    const float t = clamp(height_m / view.height_scale_m, -1.0, 1.0);
+    return mix(vec3(1), t < 0.0 ? vec3(0.05, 0.2, 0.7) : vec3(0.8, 0.1, 0.05), abs(t));
+}
+
+void main() {
+    const vec2 at = gl_FragCoord.xy * view.picture_per_shown;
+    vec3 v = view.picture_per_shown.x == 1.0
+                 ? texelFetch(picture, ivec2(gl_FragCoord.xy), 0).rgb
+                 : textureLod(picture, at / vec2(textureSize(picture, 0)), 0.0).rgb;
+    switch (view.colours) {
+    case view_colours_film:
+        v = srgb(film(view.exposure * v));
+        break;
+    case view_colours_height:
+        v = height_colour(v.r);
+        break;
+    case view_colours_repeat:
+        v = fract(v / 10.0);
+        break;
+    case view_colours_signed_1:
+        v = 0.5 * v + 0.5;
+        break;
+    }
+    shown = vec4(v, 1);
+}
