@@ -25,11 +25,13 @@ enum class DebugView : int {
 
 /// How a view's numbers become colours in a PNG; an EXR holds the numbers themselves.
 enum class ColourMap : int {
-    film = shaders::view_colours_film,            ///< exposure and film curve
-    height = shaders::view_colours_height,        ///< blue, white, red: -Hs/2 .. Hs/2
-    repeat = shaders::view_colours_repeat,        ///< fraction of 10 m, each channel
-    signed_1 = shaders::view_colours_signed_1,    ///< -1 .. 1 to 0 .. 1, each channel
-    unsigned_1 = shaders::view_colours_unsigned_1 ///< as it is, 0 .. 1
+    film = shaders::view_colours_film,             ///< exposure and film curve
+    height = shaders::view_colours_height,         ///< blue, white, red: -Hs/2 .. Hs/2
+    repeat = shaders::view_colours_repeat,         ///< fraction of 10 m, each channel
+    signed_1 = shaders::view_colours_signed_1,     ///< -1 .. 1 to 0 .. 1, each channel
+    unsigned_1 = shaders::view_colours_unsigned_1, ///< as it is, 0 .. 1
+    jacobian = shaders::view_colours_jacobian,     ///< 0 .. 2 in grey; below 0, where it folds, red
+    roughness = shaders::view_colours_roughness    ///< black, orange, white: 0 .. 0.4
 };
 
 struct DebugViewInfo {
@@ -46,9 +48,9 @@ inline constexpr std::array<DebugViewInfo, 10> debug_view_table{{
      "undisplaced place, m east and north of the camera; height above the mean sea, m"},
     {DebugView::normal, "normal", ColourMap::signed_1, "unit normal, filtered over the pixel"},
     {DebugView::slope, "slope", ColourMap::signed_1, "slope of the surface, east and north"},
-    {DebugView::jacobian, "jacobian", ColourMap::unsigned_1,
+    {DebugView::jacobian, "jacobian", ColourMap::jacobian,
      "determinant of the summed gradients; below 0 the surface folds"},
-    {DebugView::roughness, "roughness", ColourMap::unsigned_1,
+    {DebugView::roughness, "roughness", ColourMap::roughness,
      "rms slope of the waves that the pixel does not resolve"},
     {DebugView::foam, "foam", ColourMap::unsigned_1, "share of the pixel that is white"},
     {DebugView::cascade, "cascade", ColourMap::signed_1,

@@ -45,14 +45,14 @@ Result<std::string> read_token(const std::string& path) {
     return token ? token : failed(Failure::bad_argument, token.error().message);
 }
 
-Result<void> write(const Picture& picture, const Display& display, const std::string& path) {
+Result<void> make_folder_of(const std::string& path) {
     const std::filesystem::path folder = std::filesystem::path(path).parent_path();
     std::error_code failure;
     if (!folder.empty())
         std::filesystem::create_directories(folder, failure);
     if (failure)
         return Error{fmt::format("cannot make folder {}: {}", folder.string(), failure.message())};
-    return path.ends_with(".exr") ? write_exr(picture, path) : write_png(picture, display, path);
+    return {};
 }
 
 int draw(Client& client, Renderer& renderer, const ViewOptions& options) {
@@ -72,10 +72,19 @@ int draw(Client& client, Renderer& renderer, const ViewOptions& options) {
             return fail(ViewExit::no_device, picture.error());
         if (i == 0) // metered once: frames of a film do not flicker
             exposure = metered_exposure(*picture, sky.white_radiance());
-        const Display display{options.debug.view, exposure, frame->significant_height_m};
         const std::string path = frame_path(options.out, i, options.frames);
-        if (Result<void> written = write(*picture, display, path); !written)
+        if (Result<void> made = make_folder_of(path); !made)
+            return fail(ViewExit::cannot_write, made.error());
+        if (!path.ends_with(".exr")) {
+            const Result<ShownPicture> shown = renderer.develop(
+                *picture, {options.debug.view, exposure, frame->significant_height_m});
+            if (!shown)
+                return fail(ViewExit::no_device, shown.error());
+            if (Result<void> written = write_png(*shown, path); !written)
+                return fail(ViewExit::cannot_write, written.error());
+        } else if (Result<void> written = write_exr(*picture, path); !written) {
             return fail(ViewExit::cannot_write, written.error());
+        }
         const std::string line = fmt::format("{} t={:.3f}\n", path, sea::seconds_from_us(time_us));
         if (const Result<void> told = write_out(stdout, line); !told)
             return fail(ViewExit::cannot_write, told.error());

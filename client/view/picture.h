@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Picture: linear values as rendered, and what becomes of them on disk: EXR keeps them, PNG shows
-// them - lit pictures through exposure and a film curve, debug views through their own colours.
+// Picture: linear values as rendered, which EXR keeps, and ShownPicture: what one sees of them, which PNG keeps - lit
+// pictures through exposure and a film curve, debug views through their own colours (shaders/view/shown.frag).
 #pragma once
 
 #include <cstdint>
@@ -43,11 +43,8 @@ struct Display {
 /// stays dark.
 double metered_exposure(const Picture& picture, double white_radiance);
 
-/// [y][x][rgb], sRGB.
-std::vector<std::uint8_t> to_srgb(const Picture& picture, const Display& display);
-
 /// 8 bits sRGB. An error names the path.
-Result<void> write_png(const Picture& picture, const Display& display, const std::string& path);
+Result<void> write_png(const ShownPicture& picture, const std::string& path);
 
 /// 32-bit floats, channels R, G, B as rendered: not exposed, not mapped.
 Result<void> write_exr(const Picture& picture, const std::string& path);

@@ -15,10 +15,13 @@
 
 namespace seaway::client {
 
-Result<void> write_png(const Picture& picture, const Display& display, const std::string& path) {
+Result<void> write_png(const ShownPicture& picture, const std::string& path) {
     if (const Result<void> file = check_replaceable(path); !file)
         return Error{"cannot write " + path + ": " + file.error().message};
-    const std::vector<std::uint8_t> bytes = to_srgb(picture, display);
+    std::vector<std::uint8_t> bytes; // without alpha
+    bytes.reserve(picture.rgba.size() / 4 * 3);
+    for (std::size_t i = 0; i < picture.rgba.size(); i += 4)
+        bytes.insert(bytes.end(), &picture.rgba[i], &picture.rgba[i + 3]);
     png_image image{};
     image.version = PNG_IMAGE_VERSION;
     image.width = static_cast<png_uint_32>(picture.width);

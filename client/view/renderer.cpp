@@ -131,6 +131,7 @@ Result<void> Renderer::create_flight(Flight& flight) {
         keep(flight.rows, Buffer::create(*device_, "mesh rows", Mesh::rows_max * sizeof(float),
                                          BufferKind::upload)));
     SEAWAY_TRY(keep(flight.timer, gpu::Timer::create(*device_, passes + 1)));
+    SEAWAY_TRY(bind_film(flight));
     return keep(flight.commands, gpu::Commands::create(*device_));
 }
 
@@ -181,10 +182,22 @@ Result<void> Renderer::bind(Flight& flight) {
                                    gpu::texels(vertex_texels_), gpu::texels(sea_.gradients()),
                                    image(sky_map_.image),       image(target_.geometry())};
     SEAWAY_TRY(keep(flight.draw, geometry_.bind(*device_, drawn)));
-    const gpu::Resource shown[] = {gpu::whole(flight.values), image(target_.picture())};
-    SEAWAY_TRY(keep(flight.shown, shown_.bind(*device_, shown)));
     flight.generation = generation_ + sea_.generation();
     return {};
+}
+
+Result<void> Renderer::bind_film(Flight& flight) {
+    const gpu::Resource shown[] = {gpu::whole(flight.values),
+                                   gpu::sampled(sampler_.get(), target_.picture().view(),
+                                                VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL)};
+    return keep(flight.shown, shown_.bind(*device_, shown));
+}
+
+void Renderer::record_film(Flight& flight) {
+    target_.begin_shown(flight.commands);
+    shown_.record_bind(flight.commands, flight.shown);
+    vkCmdDraw(flight.commands.get(), 3, 1, 0, 0);
+    target_.end_shown(flight.commands);
 }
 
 void Renderer::record_geometry(Flight& flight, const Mesh& mesh) {
@@ -232,10 +245,7 @@ Result<void> Renderer::record(Flight& flight, const Mesh& mesh, DebugView view, 
     if (wanted == Wanted::numbers) {
         target_.read_picture(commands);
     } else {
-        target_.begin_shown(commands);
-        shown_.record_bind(commands, flight.shown);
-        vkCmdDraw(commands.get(), 3, 1, 0, 0);
-        target_.end_shown(commands);
+        record_film(flight);
         if (wanted == Wanted::bytes)
             target_.read_shown(commands);
     }
@@ -286,11 +296,35 @@ Result<ShownPicture> Renderer::show(const SeaFrame& frame, const Camera& camera,
                                     const DebugChoice& debug, const Display& display) {
     SEAWAY_TRY(draw(frame, camera, sky, debug, display, Wanted::bytes));
     SEAWAY_TRY(finish());
+    return shown_picture();
+}
+
+ShownPicture Renderer::shown_picture() const {
     const gpu::OffscreenSize& size = target_.size();
     ShownPicture picture{
         static_cast<int>(size.shown_width), static_cast<int>(size.shown_height), {}};
     picture.rgba.assign(target_.bytes().begin(), target_.bytes().end());
     return picture;
+}
+
+Result<ShownPicture> Renderer::develop(const Picture& picture, const Display& display) {
+    SEAWAY_TRY(finish());
+    Flight& flight = flights_[next_];
+    const std::size_t bytes = picture.rgba.size() * sizeof(float);
+    if (undeveloped_.size_bytes() < bytes)
+        SEAWAY_TRY(keep(undeveloped_, gpu::Buffer::create(*device_, "undeveloped picture", bytes,
+                                                          gpu::BufferKind::upload)));
+    put(undeveloped_, picture.rgba.data(), bytes);
+    shaders::ViewValues values;
+    set_display(values, display, options_.quality.scale);
+    put(flight.values, &values, sizeof values);
+    SEAWAY_TRY(flight.commands.begin());
+    gpu::record_upload(flight.commands, undeveloped_, target_.picture(), texel_bytes);
+    record_film(flight);
+    target_.read_shown(flight.commands);
+    SEAWAY_TRY(flight.commands.end());
+    SEAWAY_TRY(device_->submit_and_wait(flight.commands));
+    return shown_picture();
 }
 
 Result<std::vector<double>> Renderer::pass_times() const {

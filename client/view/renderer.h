@@ -59,6 +59,8 @@ class Renderer {
                            const DebugChoice& debug = {});
     Result<ShownPicture> show(const SeaFrame& frame, const Camera& camera, const Sky& sky,
                               const DebugChoice& debug, const Display& display);
+    /// Numbers to bytes, without drawing: a picture of the size that is drawn, as render() gives it.
+    Result<ShownPicture> develop(const Picture& picture, const Display& display);
 
     /// Seconds of the passes of the last finished frame, [pass]; 0 on a device without time stamps.
     Result<std::vector<double>> pass_times() const;
@@ -88,6 +90,9 @@ class Renderer {
     Result<void> take_sky(const Sky& sky);
     Result<void> take_mesh(Flight& flight, const Mesh& mesh);
     Result<void> bind(Flight& flight);
+    Result<void> bind_film(Flight& flight);
+    void record_film(Flight& flight);
+    ShownPicture shown_picture() const;
     void record_geometry(Flight& flight, const Mesh& mesh);
     Result<void> record(Flight& flight, const Mesh& mesh, DebugView view, Wanted wanted);
 
@@ -98,7 +103,7 @@ class Renderer {
     gpu::Kernel mesh_;
     gpu::GraphicsPipeline geometry_, light_, debug_, shown_;
     gpu::OwnedSampler sampler_;
-    gpu::Buffer vertices_, indices_;
+    gpu::Buffer vertices_, indices_, undeveloped_;
     gpu::TexelView vertex_texels_;
     Upload sky_map_;
     bool sky_is_new_ = false;
@@ -108,6 +113,9 @@ class Renderer {
     std::array<Flight, 2> flights_;
     std::size_t next_ = 0;
 };
+
+/// The part of what shaders are told that is of how numbers become bytes.
+void set_display(shaders::ViewValues& values, const Display& display, double scale);
 
 /// What the shaders are told of a frame, but for where its maps lie in memory; separate so that it can be read and
 /// tested by itself.

@@ -92,6 +92,13 @@ void set_detail(shaders::ViewValues& out, const SeaFrame& frame, const glm::dvec
 
 } // namespace
 
+void set_display(shaders::ViewValues& values, const Display& display, double scale) {
+    values.colours = static_cast<int>(info(display.view).colours);
+    values.exposure = narrow(display.exposure);
+    values.height_scale_m = narrow(std::max(display.significant_height_m / 2, 1e-3));
+    values.picture_per_shown = narrow(glm::dvec2(scale));
+}
+
 shaders::ViewValues view_values(const SeaFrame& frame, const Camera& camera, const Sky& sky,
                                 const Mesh& mesh, const RenderOptions& options,
                                 const DebugChoice& debug, const Display& display) {
@@ -128,10 +135,7 @@ shaders::ViewValues view_values(const SeaFrame& frame, const Camera& camera, con
     out.what_cascade = std::min(debug.cascade, static_cast<int>(frame.cascades.size()) - 1);
     out.probes = options.quality.probes;
     out.between_levels = options.quality.between_levels ? 1 : 0;
-    out.colours = static_cast<int>(info(debug.view).colours);
-    out.exposure = narrow(display.exposure);
-    out.height_scale_m = narrow(std::max(display.significant_height_m / 2, 1e-3));
-    out.picture_per_shown = narrow(glm::dvec2(options.quality.scale));
+    set_display(out, display, options.quality.scale);
     return out;
 }
 

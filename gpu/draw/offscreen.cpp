@@ -49,11 +49,12 @@ Result<Offscreen> Offscreen::create(Device& device, const OffscreenSize& size) {
                       .format = depth_format,
                       .usage = VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT,
                       .samples = size.samples}));
-    SEAWAY_TRY(image(made.picture_, "picture",
-                     {.width = size.width,
-                      .height = size.height,
-                      .format = format,
-                      .usage = drawn | VK_IMAGE_USAGE_TRANSFER_SRC_BIT}));
+    SEAWAY_TRY(image(
+        made.picture_, "picture",
+        {.width = size.width,
+         .height = size.height,
+         .format = format,
+         .usage = drawn | VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT}));
     SEAWAY_TRY(image(made.shown_, "shown picture",
                      {.width = size.shown_width,
                       .height = size.shown_height,

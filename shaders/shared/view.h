@@ -42,6 +42,8 @@ SEAWAY_SHARED_CONSTANT view_colours_height = 1;
 SEAWAY_SHARED_CONSTANT view_colours_repeat = 2;
 SEAWAY_SHARED_CONSTANT view_colours_signed_1 = 3;
 SEAWAY_SHARED_CONSTANT view_colours_unsigned_1 = 4;
+SEAWAY_SHARED_CONSTANT view_colours_jacobian = 5;
+SEAWAY_SHARED_CONSTANT view_colours_roughness = 6;
 
 /// Foam noise repeats after this many metres.
 SEAWAY_SHARED_CONSTANT view_noise_period_m = 256;

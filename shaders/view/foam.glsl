@@ -32,8 +32,7 @@ float seen_share(int level, float pixel_m) {
 
 /// What of a pixel is white. Far away that is the share itself; near, patches of full cover whose
 /// area is the share.
-float foam_cover(float share, vec2 undisplaced_m, float distance_m) {
-    const float pixel_m = distance_m * view.pixel_rad;
+float foam_cover(float share, vec2 undisplaced_m, float pixel_m) {
     vec2 at = undisplaced_m + view.foam_noise_origin_m;
     const int coarsest = view.foam_level;
     // A loop, not a return: see gradients.glsl.

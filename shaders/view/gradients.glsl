@@ -37,6 +37,7 @@ struct Footprint {
     vec2 step_m;   ///< from probe to probe
     int probes;
     float width_m; ///< that one probe averages over
+    float pixel_m; ///< side of a square of the strip's area
 };
 
 const float facing_min = 0.015; ///< crests near the horizon are not seen flatter than this
@@ -54,7 +55,8 @@ Footprint footprint(vec2 undisplaced_m, vec3 to_eye, float distance_m) {
     const float length_m = width_m / facing;
     const int probes = clamp(int(ceil(length_m / width_m)), 1, view.probes);
     const vec2 along = normalize(to_eye.xy + vec2(1e-6, 0)) * length_m / float(probes);
-    return Footprint(undisplaced_m, along, probes, max(length_m / float(probes), width_m));
+    return Footprint(undisplaced_m, along, probes, max(length_m / float(probes), width_m),
+                     sqrt(length_m * width_m));
 }
 
 /// Devices without a GPU take both sides of every branch, but leave a loop that nobody is in: what is dear stands in

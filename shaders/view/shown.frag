@@ -21,6 +21,12 @@ vec3 film(vec3 linear) {
     return back * ((v * (v + 0.0245786) - 0.000090537) / (v * (0.983729 * v + 0.4329510) + 0.238081));
 }
 
+/// Noise of a byte's step, so that slow gradients have no bands: interleaved gradient noise (Jimenez 2014).
+vec3 dither(ivec2 pixel) {
+    const float noise = fract(52.9829189 * fract(dot(vec2(pixel), vec2(0.06711056, 0.00583715))));
+    return vec3((noise - 0.5) / 255.0);
+}
+
 /// Blue, white, red.
 vec3 height_colour(float height_m) {
     const float t = clamp(height_m / view.height_scale_m, -1.0, 1.0);
@@ -34,13 +40,19 @@ void main() {
                  : textureLod(picture, at / vec2(textureSize(picture, 0)), 0.0).rgb;
     switch (view.colours) {
     case view_colours_film:
-        v = srgb(film(view.exposure * v));
+        v = srgb(film(view.exposure * v)) + dither(ivec2(gl_FragCoord.xy));
         break;
     case view_colours_height:
         v = height_colour(v.r);
         break;
     case view_colours_repeat:
         v = fract(v / 10.0);
+        break;
+    case view_colours_jacobian: // grey, 1 in the middle; folds in a colour that nothing else has
+        v = v.r < 0.0 ? vec3(0.9, 0.05, 0.1) : vec3(0.5 * v.r);
+        break;
+    case view_colours_roughness:
+        v = clamp(v.r / 0.4 * vec3(3.0, 1.5, 1.0) - vec3(0.0, 0.3, 0.5), 0.0, 1.0);
         break;
     case view_colours_signed_1:
         v = 0.5 * v + 0.5;

@@ -3,9 +3,10 @@
 //
 // Facets: slopes within a pixel are Gaussian with the mean and covariance of the filtered maps.
 // Mean Fresnel and sun term after Bruneton, Neyret, Holzschuch 2010; the mean reflected sky is a
-// three-point quadrature over the slopes that face the eye.
+// quadrature over the slopes that face the eye.
 
 const float reflectance_at_normal = 0.02; // water, n = 1.33
+const float reflectance_of_waves = 0.06; // the same at 60 degrees: of a wave that a reflected ray meets
 
 /// The sun's disk blurs its mirror image as this variance of slope does: (radius / 4)^2 an axis.
 const float sun_blur = 1.4e-6;
@@ -21,29 +22,49 @@ float mean_fresnel(float cosine, float sigma) {
                                        (1.0 + 22.7 * pow(sigma, 1.5));
 }
 
-/// Facets that the eye sees tilt towards it: the sky is looked up where they mirror it.
+/// Diffuse light that comes out of deep water.
+vec3 deep_water() {
+    const vec3 down = view.sky_irradiance_klx + view.sun_irradiance_klx * max(view.sun_direction.z, 0.0);
+    return view.water_reflectance * down / pi;
+}
+
+/// What a facet mirrors. A ray that goes down meets another wave, which is dark: it mirrors little of the sky above it.
+/// Waves hide the sky near the horizon before the ray is level.
+vec3 mirrored_radiance(vec3 direction, float blur) {
+    const float open = smoothstep(-0.15, 0.05, direction.z);
+    const vec3 sky = sky_radiance(normalize(vec3(direction.xy, max(direction.z, 0.0) + 1e-4)), blur);
+    const vec3 wave = deep_water() + reflectance_of_waves * view.sky_irradiance_klx / pi;
+    return mix(wave, sky, open);
+}
+
+/// Adds what the facet of this slope mirrors; facets that lean towards the eye are seen larger.
+void add_facet(inout vec4 sum, vec3 to_eye, vec2 slope, float weight, float blur) {
+    const vec3 facet = vec3(-slope, 1.0);
+    const float facing = dot(facet, to_eye);
+    const vec3 normal = normalize(facet);
+    const float seen = facing > 0.0 ? weight * facing * schlick(dot(normal, to_eye)) : 0.0;
+    sum += seen * vec4(mirrored_radiance(reflect(-to_eye, normal), blur), 1.0);
+}
+
+/// Mean over the slopes within the pixel: three points along the line of sight, and where the eye looks down, so that
+/// no direction is special, two across it. The inner points of the Gauss-Hermite rule of five, without the outermost, which
+/// weigh 1 %: the bright sky lies near the horizon, and few facets mirror it from further out.
 vec3 reflected_sky(vec3 to_eye, vec2 slope, vec3 variance) {
     const vec2 away = normalize(to_eye.xy + vec2(1e-6, 0));
-    const float sigma = sqrt(max(dot(away * away, variance.xy) +
-                                     2.0 * away.x * away.y * variance.z, 1e-6));
+    const vec2 aside = vec2(-away.y, away.x);
+    const float sigma = sqrt(max(dot(away * away, variance.xy) + 2.0 * away.x * away.y * variance.z, 1e-6));
     const float across = sqrt(max(variance.x + variance.y - sigma * sigma, 0.0));
-    const float nodes[3] = float[](-1.7320508, 0.0, 1.7320508);
-    const float weights[3] = float[](1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0);
-    vec3 sum = vec3(0);
-    float total = 1e-6;
-    for (int i = 0; i < 3; ++i) {
-        const vec3 facet = vec3(-slope + away * sigma * nodes[i], 1.0); // leans towards the eye
-        const float facing = dot(facet, to_eye);
-        if (facing <= 0.0)
-            continue;
-        const vec3 normal = normalize(facet);
-        vec3 mirrored = reflect(-to_eye, normal);
-        mirrored.z = abs(mirrored.z); // a ray that goes down meets another wave and goes up
-        const float weight = weights[i] * facing * schlick(dot(normal, to_eye));
-        sum += weight * sky_radiance(mirrored, min(across + 0.5 * sigma, 1.0));
-        total += weight;
-    }
-    return sum / total;
+    const float down = smoothstep(0.6, 0.3, length(to_eye.xy));
+    const float outer = 1.3556262;
+    const float blur = min((1.0 - down) * across + 0.5 * sigma, 1.0);
+    vec4 sum = vec4(vec3(0), 1e-6);
+    const float share = 0.2272;
+    add_facet(sum, to_eye, slope, 1.0 - 2.0 * share * (1.0 + down), blur);
+    add_facet(sum, to_eye, slope - away * sigma * outer, share, blur);
+    add_facet(sum, to_eye, slope + away * sigma * outer, share, blur);
+    for (int side = 0; side < (down > 0.0 ? 2 : 0); ++side)
+        add_facet(sum, to_eye, slope + aside * across * (side == 0 ? outer : -outer), share * down, blur);
+    return sum.rgb / sum.a;
 }
 
 float smith_lambda(vec3 direction, vec2 slope, vec3 variance) {
@@ -75,11 +96,10 @@ vec3 sun_glint(vec3 to_eye, vec3 normal, vec2 slope, vec3 variance) {
            (4.0 * cosine * pow(half_way.z, 4.0) * shadowing);
 }
 
-/// Light that entered the water and comes out again; more where the sun shines through a crest.
-vec3 water_body(vec3 to_eye, vec3 normal, float height_m) {
+/// Light that entered the water and comes out again; more where the sun shines through a crest, the more so the thinner
+/// it is: where the surface is squeezed to a sharp edge, its Jacobian is small.
+vec3 water_body(vec3 to_eye, vec3 normal, float height_m, float jacobian) {
     const vec3 to_sun = view.sun_direction;
-    const vec3 down = view.sky_irradiance_klx + view.sun_irradiance_klx * max(to_sun.z, 0.0);
-    const vec3 deep = view.water_reflectance * down / pi;
     const float crest = smoothstep(0.0, 0.9, height_m / max(view.significant_height_m, 0.1));
     const vec2 eye_level = normalize(to_eye.xy + vec2(1e-6, 0));
     const vec2 sun_level = normalize(to_sun.xy + vec2(1e-6, 0));
@@ -87,7 +107,8 @@ vec3 water_body(vec3 to_eye, vec3 normal, float height_m) {
     const float facing = clamp(1.0 - normal.z + 0.15, 0.0, 1.0);
     const vec3 tint = vec3(0.012, 0.055, 0.048) * (view.sun_irradiance_klx * through +
                                                    0.4 * view.sky_irradiance_klx);
-    return deep + tint * crest * facing;
+    const float thin = mix(0.5, 2.0, smoothstep(1.0, 0.3, jacobian));
+    return deep_water() + tint * crest * facing * thin;
 }
 
 /// to_eye: unit.
@@ -110,10 +131,10 @@ vec3 water_radiance(Place place, vec3 to_eye) {
                                      2.0 * look.x * look.y * g.variance.z, 0.0));
     const float fresnel = mean_fresnel(clamp(dot(normal, to_eye), 0.0, 1.0), sigma);
 
-    vec3 colour = mix(water_body(to_eye, normal, place.height_m),
+    vec3 colour = mix(water_body(to_eye, normal, place.height_m, scaled.z),
                       reflected_sky(to_eye, slope, g.variance), fresnel);
     colour += sun_glint(to_eye, normal, slope, g.variance);
-    const float cover = foam_cover(white, place.undisplaced_m, place.distance_m);
+    const float cover = foam_cover(white, place.undisplaced_m, area.pixel_m);
     const vec3 lit = (view.sky_irradiance_klx + view.sun_irradiance_klx *
                           max(dot(normal, view.sun_direction), 0.0)) / pi;
     colour = mix(colour, 0.6 * lit, cover); // wet foam: Whitlock 1982 gives 0.5 to 0.6

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Waves finer than a pixel: their slopes are those of Gaussian facets, whose moments are known of waves
 // that are given. What such a sea mirrors is held against an integral over all facets.
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -61,6 +62,22 @@ glm::dvec3 sky_at(const Sky& sky, const glm::dvec3& direction) {
                         std::abs(std::remainder(azimuth, 2 * pi)));
 }
 
+/// Light that enters the water and comes out again.
+glm::dvec3 deep_water(const Sky& sky) {
+    return glm::dvec3(0.008, 0.024, 0.026) / pi *
+           (sky.sky_irradiance() + sky.sun_irradiance() * sky.sun_direction().z);
+}
+
+/// What a facet mirrors: a ray that goes down meets another wave, which mirrors 6 % of the mean sky.
+glm::dvec3 mirrored(const Sky& sky, const glm::dvec3& direction) {
+    const double t = std::clamp((direction.z + 0.15) / 0.2, 0.0, 1.0);
+    const double open = t * t * (3 - 2 * t);
+    const glm::dvec3 level =
+        glm::normalize(glm::dvec3(direction.x, direction.y, std::max(direction.z, 0.0) + 1e-4));
+    return open * sky_at(sky, level) +
+           (1 - open) * (deep_water(sky) + 0.06 / pi * sky.sky_irradiance());
+}
+
 /// The mean of the sky over all facets that face the eye, by how much of each is seen and what it
 /// reflects.
 glm::dvec3 mirrored_sky(const Sky& sky, const glm::dvec3& to_eye, const Facets& facets) {
@@ -78,7 +95,7 @@ glm::dvec3 mirrored_sky(const Sky& sky, const glm::dvec3& to_eye, const Facets& 
             const double weight =
                 std::exp(-0.5 * (p * p + q * q)) * seen * schlick(glm::dot(normal, to_eye));
             const glm::dvec3 away = -to_eye;
-            sum += weight * sky_at(sky, away - 2.0 * glm::dot(away, normal) * normal);
+            sum += weight * mirrored(sky, away - 2.0 * glm::dot(away, normal) * normal);
             total += weight;
         }
     return sum / total;
@@ -93,10 +110,8 @@ double mean_reflectance(const glm::dvec3& to_eye, const Facets& facets) {
 
 /// All light of waves that no pixel resolves but that of the sun's disk.
 glm::dvec3 without_glitter(const Sky& sky, const glm::dvec3& to_eye, const Facets& facets) {
-    const glm::dvec3 down = sky.sky_irradiance() + sky.sun_irradiance() * sky.sun_direction().z;
     const double reflected = mean_reflectance(to_eye, facets);
-    return (1 - reflected) * glm::dvec3(0.008, 0.024, 0.026) * down / pi +
-           reflected * mirrored_sky(sky, to_eye, facets);
+    return (1 - reflected) * deep_water(sky) + reflected * mirrored_sky(sky, to_eye, facets);
 }
 
 class FacetsTest : public RendererTest {
@@ -193,6 +208,30 @@ TEST_F(FacetsTest, what_is_mirrored_of_the_sky_is_the_mean_over_all_facets) {
     EXPECT_GT(compared, 20);
 }
 
+// Straight below the camera no direction is special: what rough water mirrors there is the mean over its facets, under
+// whatever bearing a pixel is seen.
+TEST_F(FacetsTest, rough_water_below_has_the_colour_of_its_facets_all_around) {
+    SyntheticSea sea(ripples());
+    const Sky sky(sun_direction(15));
+    const Facets facets = facets_of_ripples();
+    camera_ = {.z_m = 3000, .pitch_deg = -89, .view_deg = 30, .width = 64, .height = 64};
+    const Picture picture =
+        render(sea.at(0), sky, DebugView::final, {.visibility_m = 1e12, .detail = false});
+    int compared = 0;
+    for (int y = 2; y < 64; y += 3)
+        for (int x = 2; x < 64; x += 3) {
+            const glm::dvec3 to_eye = -ray(x, y);
+            const glm::dvec3 expected = without_glitter(sky, to_eye, facets);
+            if (glitter(sky, to_eye, facets).g > 1e-2 * expected.g)
+                continue;
+            ++compared;
+            for (int c = 0; c < 3; ++c) // five facets and a blurred sky stand for all of them
+                EXPECT_NEAR(static_cast<double>(picture.pixel(x, y)[c]) / expected[c], 1, 0.12)
+                    << x << ", " << y;
+        }
+    EXPECT_GT(compared, 100);
+}
+
 TEST_F(FacetsTest, roughness_is_the_root_of_the_variance_along_both_axes) {
     SyntheticSea sea(ripples());
     const Picture picture = render(sea.at(0), Sky(sun_direction(12)), DebugView::roughness);
@@ -275,10 +314,8 @@ TEST_F(FacetsTest, a_resolved_copy_of_the_finest_waves_is_turned_with_its_slopes
                 const glm::dvec3 normal = glm::normalize(glm::dvec3(-all.x, -all.y, 1));
                 const glm::dvec3 away = ray(x, y);
                 const double cosine = -glm::dot(away, normal), reflected = schlick(cosine);
-                const glm::dvec3 down =
-                    sky.sky_irradiance() + sky.sun_irradiance() * sky.sun_direction().z;
-                return (1 - reflected) * 0.026 * down.b / pi +
-                       reflected * sky_at(sky, away + 2 * cosine * normal).b;
+                return (1 - reflected) * deep_water(sky).b +
+                       reflected * mirrored(sky, away + 2 * cosine * normal).b;
             };
             const double found = static_cast<double>(picture.pixel(x, y)[2]);
             apart +=

@@ -74,6 +74,34 @@ TEST_F(LightTest, crests_glow_where_the_sun_shines_through_them_and_troughs_do_n
     EXPECT_GT(towards.crest - towards.trough, 2 * (away.crest - away.trough));
 }
 
+// The thinner a crest, the more light comes through. The same wave with and without choppiness: at its crest the Jacobian is
+// 1 - ka = 0.5 and 1.
+TEST_F(LightTest, sharp_crests_glow_more_than_round_ones) {
+    const Sky sky(sun_direction(16.5));
+    camera_.z_m = 20;
+    camera_.pitch_deg = -35;
+    camera_.yaw_deg = bearing_of_sun_deg(sky);
+    const auto glow = [&](double choppiness) {
+        sea::Realization waves = one_wave(2.0, 100, 4);
+        waves.choppiness = {choppiness, choppiness};
+        SyntheticSea sea(waves);
+        const SeaFrame frame = sea.at(0);
+        const Picture place = render(frame, sky, DebugView::place);
+        const Picture picture = render(frame, sky, DebugView::final, {.visibility_m = 1e9});
+        double sum = 0;
+        int count = 0;
+        for (std::size_t i = 0; i < place.rgba.size(); i += 4)
+            if (place.rgba[i + 2] > 1.9f) {
+                sum += static_cast<double>(picture.rgba[i + 1] - picture.rgba[i]);
+                ++count;
+            }
+        EXPECT_GT(count, 50);
+        return sum / count;
+    };
+    // Both mirror more red of the evening than green; by their shapes alone they would differ by 0.03.
+    EXPECT_GT(glow(1) - glow(0), 0.1);
+}
+
 TEST_F(LightTest, deep_water_has_the_colour_of_its_body) {
     const Sky sky(sun_direction(12));
     camera_.pitch_deg = -75; // down: 2 % is mirrored, the rest is the water

@@ -13,7 +13,7 @@
 #include <gtest/gtest.h>
 
 #include "client/client.h"
-#include "client/view/picture.h"
+#include "client/view/renderer.h"
 #include "client/view/sea/sea_source.h"
 #include "client/view/sky.h"
 #include "tests/client/wave_server.h"
@@ -131,6 +131,18 @@ TEST(ViewProgram, draws_frames_from_streamed_tiles_at_the_height_of_the_true_sea
     }
 }
 
+/// Numbers to a PNG, by the same last pass.
+bool develop(const Picture& picture, const Display& display, const std::string& path) {
+    const auto device = gpu::Device::create({});
+    if (!device)
+        return false;
+    Result<Renderer> renderer = Renderer::create(**device, picture.width, picture.height);
+    if (!renderer)
+        return false;
+    const Result<ShownPicture> shown = renderer->develop(picture, display);
+    return shown && write_png(*shown, path);
+}
+
 // A film does not flicker: what the first frame was metered at serves all, however another is lit.
 TEST(ViewProgram, a_film_is_exposed_as_its_first_frame) {
     tests::WaveSea sea;
@@ -151,7 +163,7 @@ TEST(ViewProgram, a_film_is_exposed_as_its_first_frame) {
         first = frame == 0 ? own : first;
         const auto expected = [&](double exposure) {
             const std::string path = tests::folder().file("expected.png");
-            EXPECT_TRUE(write_png(radiance, {DebugView::final, exposure, 1}, path));
+            EXPECT_TRUE(develop(radiance, {DebugView::final, exposure, 1}, path));
             return bytes_of(path);
         };
         EXPECT_EQ(bytes_of(name + ".png") == expected(first), true) << frame;
@@ -177,7 +189,7 @@ TEST(ViewProgram, a_picture_of_heights_has_the_scale_of_its_sea) {
     const double hs_m = frame->significant_height_m;
     EXPECT_NEAR(hs_m, 4 * std::sqrt(0.5 * (0.64 + 0.09 + 0.0016 + 0.0009)), 0.02);
     const std::string expected = tests::folder().file("expected_heights.png");
-    ASSERT_TRUE(write_png(read_exr(path + ".exr", 64, 48), {DebugView::height, 1, hs_m}, expected));
+    ASSERT_TRUE(develop(read_exr(path + ".exr", 64, 48), {DebugView::height, 1, hs_m}, expected));
     EXPECT_EQ(bytes_of(path + ".png") == bytes_of(expected), true);
 }
 

@@ -60,7 +60,7 @@ struct Shown {
 
 TEST(ViewValues, every_value_is_the_one_of_its_name) {
     const Shown shown;
-    const shaders::ViewValues v = shown.values({DebugView::cascade, 1});
+    const shaders::ViewValues v = shown.values({DebugView::cascade, 1}, {DebugView::cascade, 1, 1});
     const auto expect = [](double value, double expected, const char* what) {
         EXPECT_NEAR(value, expected, 1e-6 * std::abs(expected) + 1e-9) << what; // floats
     };

@@ -249,6 +249,27 @@ TEST_F(ViewsTest, patches_of_foam_have_no_seams) {
     EXPECT_LT(jump, 0.3);
 }
 
+// At 400 m, from 10 m, a pixel is 2 m wide and 80 m long: patches of 8 m are not seen one by one, or they would flicker
+// as waves go by; the pixel is as white as their share.
+TEST_F(ViewsTest, foam_in_the_distance_is_its_share_where_a_pixel_is_longer_than_a_patch) {
+    SeaFrame frame = flat_sea();
+    frame.foam_mean = 0.3;
+    frame.significant_height_m = 13; // cells of 8 m and less
+    camera_ = {.z_m = 10, .pitch_deg = -2, .width = 240, .height = 136};
+    const Picture foam = render(frame, Sky(sun_direction(12)), DebugView::foam);
+    const Picture place = render(frame, Sky(sun_direction(12)), DebugView::place);
+    int compared = 0;
+    for (std::size_t i = 0; i < foam.rgba.size(); i += 4) {
+        const double away =
+            std::hypot(static_cast<double>(place.rgba[i]), static_cast<double>(place.rgba[i + 1]));
+        if (away < 250 || away > 600)
+            continue;
+        ++compared;
+        EXPECT_NEAR(foam.rgba[i], 0.3, 0.02) << away;
+    }
+    EXPECT_GT(compared, 100);
+}
+
 // Ripples of 6 cm that a pixel does not resolve let the Jacobian of a long wave vary by choppiness times
 // their rms slope: by so much of the normal distribution lies below the threshold.
 TEST_F(ViewsTest, a_crest_breaks_by_what_the_pixel_does_not_resolve) {
