@@ -71,6 +71,119 @@ TEST(AccuracyFigures, every_axis_of_an_answer_counts_alike) {
     }
 }
 
+/// A sample whose height is off by this, below a bound that it states; the truth is good to `truth_m`.
+Sample off_by(double error_m, double stated_m, PointKind kind = PointKind::anywhere, int time = 0,
+              double truth_m = 0.0) {
+    Sample sample{kind, time, {}, {}};
+    sample.truth.height_m = 2.0;
+    sample.truth.error_m = truth_m;
+    sample.answer.height_m = 2.0 + error_m;
+    sample.answer.error_m = stated_m;
+    return sample;
+}
+
+// Ten answers state 0.1 m each. Whoever is off by more is beyond, upwards and downwards, on crests and
+// elsewhere; what the truth itself is not sure of is not held against an answer.
+TEST(AccuracyFigures, an_answer_is_beyond_its_bound_upwards_and_downwards) {
+    std::vector<Sample> samples(7, off_by(0.05, 0.1));
+    samples.push_back(off_by(-0.15, 0.1));
+    samples.push_back(off_by(-0.15, 0.1, PointKind::anywhere, 0, 0.06));
+    samples.push_back(off_by(0.05, 0.1));
+    EXPECT_NEAR(figure(figures(samples, 1.0), "beyond_bound_pct"), 10.0, 1e-12) << "one downwards";
+    samples.back() = off_by(0.15, 0.1, PointKind::crest);
+    EXPECT_NEAR(figure(figures(samples, 1.0), "beyond_bound_pct"), 20.0, 1e-12) << "and one up";
+    samples.back() = off_by(-0.15, 0.1, PointKind::crest, 0, 0.06);
+    EXPECT_NEAR(figure(figures(samples, 1.0), "beyond_bound_pct"), 10.0, 1e-12);
+}
+
+// Flagged answers state no bound, and points where the truth folds are left out altogether: neither is
+// beyond anything, and each has a share of its own.
+TEST(AccuracyFigures, folded_points_and_flagged_answers_have_shares_of_their_own) {
+    std::vector<Sample> samples(8, off_by(0.01, 0.1));
+    samples.push_back(off_by(-0.15, 0.1));
+    samples.push_back(off_by(5.0, 0.1));
+    samples.back().answer.flags = sea::answer_folded;
+    for (int i = 0; i < 10; ++i) {
+        samples.push_back(off_by(-9.0, 0.1));
+        samples.back().truth.flags = sea::answer_folded;
+    }
+    const std::vector<Figure> all = figures(samples, 1.0);
+    EXPECT_NEAR(figure(all, "folded_pct"), 50.0, 1e-12) << "of all";
+    EXPECT_NEAR(figure(all, "flagged_pct"), 10.0, 1e-12) << "of the others";
+    EXPECT_NEAR(figure(all, "beyond_bound_pct"), 100.0 / 9, 1e-12) << "of those that state a bound";
+    EXPECT_NEAR(figure(all, "max_m"), 5.0, 1e-12);
+}
+
+// The middle one of what is stated over what 99 of 100 keep, however they are off; who states no bound at
+// all has neither figure.
+TEST(AccuracyFigures, what_is_stated_is_compared_with_the_size_of_errors_whatever_their_sign) {
+    std::vector<Sample> samples;
+    for (int i = 1; i <= 201; ++i)
+        samples.push_back(off_by(i % 2 ? -0.001 * i : 0.001 * i, 0.01 * i));
+    const double p99_m = 0.2; // order statistic 199 of 201, counted from 0: 0.99 * 201 = 198.99
+    EXPECT_NEAR(figure(figures(samples, 1.0), "p99_m"), p99_m, 0.0011);
+    EXPECT_NEAR(figure(figures(samples, 1.0), "bound_over_p99"),
+                1.01 / figure(figures(samples, 1.0), "p99_m"), 1e-9);
+    samples.back().answer.error_m = 0.0;
+    EXPECT_TRUE(std::isnan(figure(figures(samples, 1.0), "bound_over_p99")));
+    EXPECT_TRUE(std::isnan(figure(figures(samples, 1.0), "beyond_bound_pct")));
+}
+
+// Averages have signs, sizes have none, and each is of the points that its name says.
+TEST(AccuracyFigures, every_figure_is_of_its_own_points_in_metres_and_in_percent_of_hs) {
+    const std::vector<Sample> samples = {
+        off_by(0.3, 0.1), off_by(-0.1, 0.1), off_by(-0.5, 0.1, PointKind::crest),
+        off_by(0.1, 0.1, PointKind::crest), off_by(-0.7, 0.1, PointKind::steep)};
+    const std::vector<Figure> all = figures(samples, 4.0);
+    EXPECT_NEAR(figure(all, "mean_m"), 0.1, 1e-12);
+    EXPECT_NEAR(figure(all, "rms_m"), std::sqrt((0.09 + 0.01) / 2), 1e-12);
+    EXPECT_NEAR(figure(all, "p99_m"), 0.3, 1e-12) << "the largest of few";
+    EXPECT_NEAR(figure(all, "max_m"), 0.7, 1e-12) << "of all kinds";
+    EXPECT_NEAR(figure(all, "crest_m"), -0.2, 1e-12) << "crests too low";
+    EXPECT_NEAR(figure(all, "crest_rms_m"), std::sqrt((0.25 + 0.01) / 2), 1e-12);
+    EXPECT_NEAR(figure(all, "steep_rms_m"), 0.7, 1e-12);
+    for (const auto& [percent, metres] :
+         {std::pair{"rms_pct_hs", "rms_m"}, std::pair{"p99_pct_hs", "p99_m"},
+          std::pair{"max_pct_hs", "max_m"}, std::pair{"crest_pct_hs", "crest_m"}})
+        EXPECT_NEAR(figure(all, percent), 25.0 * figure(all, metres), 1e-12) << percent;
+}
+
+// Points of one time belong together: where every time has the same errors a mean is sure, however many
+// there are; where each time has an error of its own it is as unsure as so few numbers are.
+TEST(AccuracyFigures, intervals_are_by_whole_times) {
+    std::vector<Sample> alike, apart;
+    for (int time = 0; time < 16; ++time)
+        for (int i = 0; i < 50; ++i) {
+            alike.push_back(off_by(i % 2 ? 0.1 : -0.1, 1.0, PointKind::anywhere, time));
+            apart.push_back(off_by(time % 2 ? 0.1 : -0.1, 1.0, PointKind::anywhere, time));
+        }
+    const auto mean = [](const std::vector<Sample>& samples) {
+        const std::vector<Figure> all = figures(samples, 1.0);
+        return *std::find_if(all.begin(), all.end(),
+                             [](const Figure& f) { return f.metric == "mean_m"; });
+    };
+    EXPECT_NEAR(mean(alike).low, 0.0, 1e-12);
+    EXPECT_NEAR(mean(alike).high, 0.0, 1e-12);
+    EXPECT_NEAR(mean(apart).value, 0.0, 1e-12);
+    // Of 16 numbers +-0.1 the mean scatters by 0.1 / 4; 1.96 of it either way, drawn 200 times.
+    EXPECT_NEAR(mean(apart).low, -0.049, 0.02);
+    EXPECT_NEAR(mean(apart).high, 0.049, 0.02);
+}
+
+// Second differences: a shift, or a drift that is even, is no flicker; what comes and goes from frame to
+// frame by a is one of 4 a, and no point is told from the next one's frames.
+TEST(AccuracyFigures, flicker_is_what_comes_and_goes_between_frames) {
+    constexpr int frames = 5;
+    const std::vector<double> truth = {1, 2, 4, 8, 16, -1, -2, -3, -4, -5};
+    std::vector<double> answers = truth;
+    for (std::size_t i = 0; i < answers.size(); ++i)
+        answers[i] += i < frames ? 0.5 : 0.1 * static_cast<double>(i);
+    EXPECT_NEAR(flicker_m(truth, answers, frames), 0.0, 1e-12);
+    for (std::size_t i = 0; i < answers.size(); ++i)
+        answers[i] = truth[i] + (i % 2 ? 0.1 : -0.1);
+    EXPECT_NEAR(flicker_m(truth, answers, frames), 0.4, 1e-12);
+}
+
 /// A small sea, drawn anew for each seed, with a few points of it.
 std::vector<DrawnSea> drawn(const Configuration& configuration, int seeds) {
     std::vector<DrawnSea> seas;

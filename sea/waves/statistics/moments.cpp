@@ -6,6 +6,7 @@
 #include <cmath>
 #include <complex>
 #include <limits>
+#include <map>
 
 #include "sea/basics/quadrature.h"
 #include "sea/waves/directional_spectrum.h"
@@ -166,18 +167,18 @@ SeaStatistics requested_statistics(const SeaState& sea,
                                orbit_aspect(k, sea.depth_m));
         }
     }
-    double strongest = 0.0;
-    double strongest_omega = 1.0;
+    std::map<double, double> lines; // energy of each frequency, whatever the directions
     over_explicit(sea, [&](double energy, double omega, double k, double direction, bool still) {
         sums.add(energy, omega, std::polar(1.0, direction));
         sums.add_gradients(energy, k, still ? 0.0 : orbit_aspect(k, sea.depth_m));
-        if (energy > strongest) {
-            strongest = energy;
-            strongest_omega = omega;
-        }
+        lines[omega] += energy;
     });
-    if (spectra.empty())
-        return statistics(sums, strongest_omega);
+    if (spectra.empty()) {
+        const auto strongest =
+            std::max_element(lines.begin(), lines.end(),
+                             [](const auto& a, const auto& b) { return a.second < b.second; });
+        return statistics(sums, strongest == lines.end() ? 0.0 : strongest->first);
+    }
     const DirectionalSpectrum::Peak peak = peak_of(spectra);
     peak_bin_period_s = peak.bin_omega_radps > 0.0 ? two_pi / peak.bin_omega_radps : 0.0;
     return statistics(sums, peak.omega_radps);

@@ -57,6 +57,126 @@ TEST(ExplicitWaves, height_scale_multiplies_what_is_requested_and_what_is_realis
     }
 }
 
+double period_s(const SeaState& sea, double lattice_steps) {
+    return two_pi / sea.dispersion().omega(two_pi / length_m * lattice_steps);
+}
+
+SeaSummary summary_of(const SeaState& sea) {
+    return summarize(sea, *realize(sea, {&tile, 1}));
+}
+
+// The peak is where most energy is, wherever it stands in the list. Other lines are more than the 20 %
+// away in frequency that the realised peak looks at; stored frequencies are good to 1e-13 rad/s.
+TEST(ExplicitWaves, the_peak_is_the_strongest_waves_in_whatever_order_they_are_given) {
+    std::vector<ExplicitMode> modes{{3, 0, -1.0, 0.3}, {0, -6, 0.5, 1.0}, {-9, 0, 0.1, -2.0}};
+    for (int order = 0; order < 3; ++order) {
+        const SeaState sea = sea_of(modes);
+        const SeaSummary summary = summary_of(sea);
+        EXPECT_NEAR(summary.requested.peak_period_s, period_s(sea, 3), 1e-12) << order;
+        EXPECT_NEAR(summary.realised.peak_period_s, period_s(sea, 3), 1e-9) << order;
+        std::rotate(modes.begin(), modes.begin() + 1, modes.end());
+    }
+}
+
+// Two waves that run against each other or across have one frequency, and together more energy than a
+// third that is higher than either: 0.8^2 + 0.8^2 > 1.
+TEST(ExplicitWaves, waves_of_one_frequency_are_one_line_of_the_spectrum) {
+    for (const std::vector<ExplicitMode>& pair :
+         {std::vector<ExplicitMode>{{5, 0, 0.8, 0}, {-5, 0, 0.8, 1}},
+          std::vector<ExplicitMode>{{5, 0, 0.8, 0}, {3, -4, -0.8, 1}}})
+        for (const std::size_t place : {0u, 1u, 2u}) {
+            std::vector<ExplicitMode> modes = pair;
+            modes.insert(modes.begin() + static_cast<std::ptrdiff_t>(place), {0, 15, 1.0, 0});
+            const SeaState sea = sea_of(modes);
+            const SeaSummary summary = summary_of(sea);
+            EXPECT_NEAR(summary.requested.peak_period_s, period_s(sea, 5), 1e-12) << place;
+            EXPECT_NEAR(summary.realised.peak_period_s, period_s(sea, 5), 1e-9) << place;
+        }
+}
+
+void expect_equal(const SeaStatistics& a, const SeaStatistics& b) {
+    const auto expect_near = [](double one, double other, const char* what) {
+        EXPECT_NEAR(one, other, 1e-9 * std::max(1.0, std::abs(one))) << what;
+    };
+    expect_near(a.significant_height_m, b.significant_height_m, "Hs");
+    expect_near(a.peak_period_s, b.peak_period_s, "Tp");
+    expect_near(a.zero_crossing_period_s, b.zero_crossing_period_s, "Tz");
+    expect_near(a.mean_period_s, b.mean_period_s, "Tm01");
+    expect_near(a.mean_towards_rad, b.mean_towards_rad, "direction");
+    expect_near(a.spread_rad, b.spread_rad, "spread");
+    expect_near(a.mean_square_slope, b.mean_square_slope, "slope");
+    expect_near(a.mean_square_strain, b.mean_square_strain, "strain");
+}
+
+// Nothing is drawn: each statistic of these waves, requested and realised, is the same sum over them. Their
+// frequencies are further apart than the 20 % over which the realised peak averages.
+TEST(ExplicitWaves, every_statistic_is_the_sum_over_the_waves_asked_for_and_realised) {
+    const std::vector<ExplicitMode> modes{
+        {3, -5, 1.5, 0.3}, {-2, 1, -0.5, -2.0}, {1, 14, 0.2, 1.0}};
+    const SeaState sea = sea_of(modes, 2.0);
+    const double step = two_pi / length_m;
+    double m0 = 0, m1 = 0, m2 = 0, slope = 0, strain = 0, east = 0, north = 0;
+    for (const ExplicitMode& mode : modes) {
+        const double energy = 0.5 * std::pow(2.0 * mode.amplitude_m, 2);
+        const double length = std::hypot(mode.nx, mode.ny), k = step * length;
+        const double omega = two_pi / period_s(sea, length);
+        m0 += energy;
+        m1 += energy * omega;
+        m2 += energy * omega * omega;
+        slope += energy * k * k;
+        // Orbits of water of finite depth are coth(kh) times as wide as high.
+        strain += energy * std::pow(k / std::tanh(k * sea.depth_m), 2);
+        east += energy * mode.nx / length;
+        north += energy * mode.ny / length;
+    }
+    SeaStatistics sums;
+    sums.significant_height_m = 4 * std::sqrt(m0);
+    sums.peak_period_s = period_s(sea, std::hypot(3, 5));
+    sums.zero_crossing_period_s = two_pi * std::sqrt(m0 / m2);
+    sums.mean_period_s = two_pi * m0 / m1;
+    sums.mean_towards_rad = std::atan2(north, east);
+    sums.spread_rad = std::sqrt(2 * (1 - std::hypot(east, north) / m0));
+    sums.mean_square_slope = slope;
+    sums.mean_square_strain = strain;
+    const SeaSummary summary = summary_of(sea);
+    expect_equal(summary.requested, sums);
+    expect_equal(summary.realised, sums);
+    // Between frequencies: from the lower one on, up to the higher one without it.
+    const double low = two_pi / period_s(sea, std::hypot(2, 1)),
+                 high = two_pi / period_s(sea, std::hypot(1, 14));
+    EXPECT_NEAR(requested_variance(sea, low, high), 2 * (1.5 * 1.5 + 0.5 * 0.5), 1e-12);
+    EXPECT_NEAR(requested_variance(sea, high, 1e9), 2 * 0.2 * 0.2, 1e-12);
+    EXPECT_EQ(requested_variance(sea, 0.0, low), 0.0);
+}
+
+// Stylised waves are lines too, but move nothing sideways. Here 14 waves go towards east and 5 towards north,
+// of which the second, the higher one, is not first in the list; each is its own half of amplitude squared,
+// or the variance of exp(p (cos - 1)), between 0 and a half of it.
+TEST(ExplicitWaves, stylised_waves_are_lines_that_strain_nothing) {
+    for (const SineKind kind : {SineKind::sine, SineKind::exponential}) {
+        SeaState sea = sea_of({});
+        sea.choppiness = {1, 1};
+        SineRamps ramps;
+        ramps.kind = kind;
+        ramps.length_m = length_m;
+        ramps.by_hand = {{length_m / 14, 0.5, 0.0, 0.3}, {length_m / 5, 0.75, two_pi / 4, 1.0}};
+        sea.systems = {ramps};
+        const SeaSummary summary = summary_of(sea);
+        expect_equal(summary.requested, summary.realised);
+        EXPECT_NEAR(summary.requested.peak_period_s, period_s(sea, 5), 1e-9);
+        const double half = 0.5 * (0.5 * 0.5 + 0.75 * 0.75);
+        const double variance = std::pow(summary.requested.significant_height_m / 4, 2);
+        if (kind == SineKind::sine) {
+            EXPECT_NEAR(variance, half, 1e-12);
+        } else {
+            EXPECT_LT(variance, half);
+        }
+        EXPECT_GT(summary.requested.mean_square_slope, 0.0);
+        EXPECT_EQ(summary.requested.mean_square_strain, 0.0);
+        EXPECT_EQ(summary.realised.mean_square_strain, 0.0);
+    }
+}
+
 // In a loop every wave turns a whole number of times, without one each has its own period.
 TEST(ExplicitWaves, close_the_loop_that_they_are_given) {
     const auto moved_m = [](double loop_s, double t_s) {

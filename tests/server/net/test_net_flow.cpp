@@ -179,6 +179,112 @@ TEST_F(NetFlow, a_fetch_brings_and_names_the_fields_that_every_keyframe_of_it_ho
     }
 }
 
+class NetStream : public NetTest {
+  protected:
+    /// A client that has had keyframe 10 of the first cascade, its whole credit, while 11 waits; gives
+    /// the number to acknowledge.
+    std::uint64_t client_with_one_waiting() {
+        start();
+        client = greeted();
+        EXPECT_FALSE(client->send(protocol::subscribe(1, heights, 1)));
+        EXPECT_TRUE(client->receive(Body::FetchDone));
+        publish(10);
+        const std::uint64_t number = streamed(10, wire::Field::height);
+        publish(11);
+        EXPECT_TRUE(eventually([&] { return metric("seaway_net_outbox_bytes") > 0; }));
+        return number;
+    }
+    /// The next message is a tile of keyframe n; gives its number.
+    std::uint64_t streamed(std::int64_t n, wire::Field field) {
+        const wire::Message* message = client->receive();
+        const wire::Tile* tile = message ? message->body_as_Tile() : nullptr;
+        EXPECT_TRUE(tile) << n;
+        if (tile == nullptr)
+            return 0;
+        EXPECT_EQ(tile->time_us(), n * interval_us);
+        EXPECT_EQ(tile->field(), field);
+        return tile->keyframe();
+    }
+    /// Three answers and no tile before them: what may go out has gone by then.
+    void expect_no_tile() {
+        for (std::uint32_t id = 100; id < 103; ++id) {
+            ASSERT_FALSE(client->send(protocol::ping(id, 0)));
+            const wire::Message* message = client->receive();
+            ASSERT_TRUE(message);
+            ASSERT_TRUE(message->body_as_Pong())
+                << "kind " << static_cast<int>(message->body_type());
+        }
+    }
+    /// Another subscription, and the tiles that it begins with, which are all of its field.
+    void subscribe_again(sea::Field field, std::uint8_t credit) {
+        ASSERT_FALSE(
+            client->send(protocol::subscribe(2, {.cascades = 1u, .fields = {field}}, credit)));
+        const wire::Message* message = client->receive();
+        ASSERT_TRUE(message && message->body_as_Subscribed());
+        EXPECT_EQ(message->body_as_Subscribed()->credit(), credit);
+        for (message = client->receive(); message && message->body_as_Tile();
+             message = client->receive())
+            EXPECT_EQ(message->body_as_Tile()->field(), static_cast<wire::Field>(field));
+        ASSERT_TRUE(message && message->body_as_FetchDone());
+    }
+
+    std::unique_ptr<Client> client;
+};
+
+TEST_F(NetStream, who_unsubscribes_gets_no_keyframe_that_waited_for_credit) {
+    const std::uint64_t number = client_with_one_waiting();
+    ASSERT_FALSE(client->send(protocol::unsubscribe()));
+    EXPECT_TRUE(eventually([&] { return metric("seaway_net_subscriptions") == 0; }));
+    EXPECT_EQ(metric("seaway_net_outbox_bytes"), 0) << "what waited is released now";
+    ASSERT_FALSE(client->send(protocol::ack(number)));
+    expect_no_tile();
+    publish(12);
+    expect_no_tile();
+}
+
+// What waited was of the earlier subscription. What has been sent of it is still on its way: it is in the
+// window until it is acknowledged, whichever subscription it was of.
+TEST_F(NetStream, another_subscription_begins_without_what_waited_and_with_what_is_on_its_way) {
+    const std::uint64_t number = client_with_one_waiting();
+    subscribe_again(sea::Field::foam, 1);
+    publish(12, {sea::Field::height, sea::Field::foam});
+    EXPECT_TRUE(eventually([&] { return metric("seaway_net_outbox_bytes") > 0; }));
+    expect_no_tile();
+    ASSERT_FALSE(client->send(protocol::ack(number)));
+    streamed(12, wire::Field::foam);
+    expect_no_tile();
+}
+
+TEST_F(NetStream, each_subscription_has_the_credit_that_it_asks_for) {
+    client_with_one_waiting();
+    subscribe_again(sea::Field::foam, 3);
+    for (const std::int64_t n : {12, 13, 14}) {
+        publish(n, {sea::Field::foam});
+        if (n < 14)
+            streamed(n, wire::Field::foam);
+    }
+    EXPECT_TRUE(eventually([&] { return metric("seaway_net_outbox_bytes") > 0; }));
+    expect_no_tile(); // 10, 12 and 13 are on their way
+}
+
+// A request that is wrong changes nothing; one that this sea cannot grant ends what there was.
+TEST_F(NetStream, a_refused_subscription_leaves_what_waits_unless_nothing_of_it_is_offered) {
+    for (const bool offered : {true, false}) {
+        net = nullptr;
+        const std::uint64_t number = client_with_one_waiting();
+        const sea::FieldSet fields = offered ? sea::FieldSet{} : sea::FieldSet{sea::Field::slope_x};
+        ASSERT_FALSE(client->send(protocol::subscribe(2, {.fields = fields}, 1)));
+        const wire::Message* message = client->receive();
+        ASSERT_TRUE(message && message->body_as_Refused());
+        EXPECT_EQ(message->body_as_Refused()->code(),
+                  offered ? wire::ErrorCode::bad_value : wire::ErrorCode::not_offered);
+        ASSERT_FALSE(client->send(protocol::ack(number)));
+        if (offered)
+            streamed(11, wire::Field::height);
+        expect_no_tile();
+    }
+}
+
 TEST(EncodeWorker, what_has_begun_is_finished_before_the_next_of_its_line) {
     for (const bool starts : {false, true}) {
         EncodeWorker worker;

@@ -117,4 +117,20 @@ sea::Scene grown(sea::Scene scene, double factor) {
     return scene;
 }
 
+Result<sea::Envelope> measured_envelope(const sea::Scene& scene, double share) {
+    const auto point = [](const sea::Scene& one) -> Result<sea::SeaPoint> {
+        SEAWAY_TRY_LET(const sea::Realization realized, sea::realize(one));
+        return sea_point(one, sea::summarize(one.sea, realized).requested);
+    };
+    SEAWAY_TRY_LET(const sea::SeaPoint given, point(scene));
+    sea::Envelope seas = envelope_of(given);
+    if (!(share > 0))
+        return seas;
+    for (const double factor : {1.0 - share, 1.0 + share}) {
+        SEAWAY_TRY_LET(const sea::SeaPoint other, point(grown(scene, factor)));
+        seas.add(other);
+    }
+    return seas;
+}
+
 } // namespace seaway::bench

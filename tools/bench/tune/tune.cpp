@@ -70,23 +70,6 @@ std::string target_in_words(const Target& target) {
     return words;
 }
 
-/// The seas that were measured, from the smallest to the largest.
-Result<sea::Envelope> envelope(const sea::Scene& scene, double share) {
-    const auto point = [](const sea::Scene& one) -> Result<sea::SeaPoint> {
-        SEAWAY_TRY_LET(const sea::Realization realized, sea::realize(one));
-        return sea_point(one, sea::summarize(one.sea, realized).requested);
-    };
-    SEAWAY_TRY_LET(const sea::SeaPoint given, point(scene));
-    sea::Envelope seas = envelope_of(given);
-    if (!(share > 0))
-        return seas;
-    for (const double factor : {1.0 - share, 1.0 + share}) {
-        SEAWAY_TRY_LET(const sea::SeaPoint other, point(grown(scene, factor)));
-        seas.add(other);
-    }
-    return seas;
-}
-
 Result<sea::Certificate> certificate_of(const sea::Scene& scene, const Target& target,
                                         const Outcome& outcome, const TuneOptions& options,
                                         const std::string& words, Devices& devices) {
@@ -96,7 +79,7 @@ Result<sea::Certificate> certificate_of(const sea::Scene& scene, const Target& t
     c.streams = scene.accuracy.streams();
     c.configuration_hash = configuration_hash(scene);
     c.spectrum_hash = spectrum_hash(scene);
-    SEAWAY_TRY_LET(c.envelope, envelope(scene, options.envelope_share));
+    SEAWAY_TRY_LET(c.envelope, measured_envelope(scene, options.envelope_share));
     c.promised_m = target.height_error_m;
     c.percentile = target.percentile;
     c.promised_slope = target.slope_error;

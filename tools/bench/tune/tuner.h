@@ -81,6 +81,10 @@ Configuration configuration_of(const sea::Scene& scene, const std::string& devic
 /// that are given wave by wave or measured stay.
 sea::Scene grown(sea::Scene scene, double factor);
 
+/// From the smallest to the largest of the scene and of what it is grown to by 1 - share and 1 + share, as
+/// they are requested; of share 0 the scene alone.
+Result<sea::Envelope> measured_envelope(const sea::Scene& scene, double share);
+
 /// Seeds of no other use: number 0, 1, ... of what the options' seed gives.
 std::uint64_t fresh_seed(std::uint64_t seed, std::uint64_t number);
 
