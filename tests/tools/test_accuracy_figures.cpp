@@ -177,7 +177,7 @@ TEST(AccuracyFigures, flicker_is_what_comes_and_goes_between_frames) {
     const std::vector<double> truth = {1, 2, 4, 8, 16, -1, -2, -3, -4, -5};
     std::vector<double> answers = truth;
     for (std::size_t i = 0; i < answers.size(); ++i)
-        answers[i] += i < frames ? 0.5 : 0.1 * static_cast<double>(i);
+        answers[i] += i < frames ? 0.7 : 0.1 * static_cast<double>(i);
     EXPECT_NEAR(flicker_m(truth, answers, frames), 0.0, 1e-12);
     for (std::size_t i = 0; i < answers.size(); ++i)
         answers[i] = truth[i] + (i % 2 ? 0.1 : -0.1);

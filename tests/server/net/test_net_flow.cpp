@@ -247,6 +247,7 @@ TEST_F(NetStream, who_unsubscribes_gets_no_keyframe_that_waited_for_credit) {
 TEST_F(NetStream, another_subscription_begins_without_what_waited_and_with_what_is_on_its_way) {
     const std::uint64_t number = client_with_one_waiting();
     subscribe_again(sea::Field::foam, 1);
+    EXPECT_EQ(metric("seaway_net_outbox_bytes"), 0) << "nothing waits any more";
     publish(12, {sea::Field::height, sea::Field::foam});
     EXPECT_TRUE(eventually([&] { return metric("seaway_net_outbox_bytes") > 0; }));
     expect_no_tile();
