@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "tools/bench/accuracy/half.h"
+#include "tools/bench/accuracy/seas/half.h"
 
 namespace seaway::naive {
 

@@ -9,11 +9,11 @@
 #include <string_view>
 #include <vector>
 
-#include "tools/bench/accuracy/batches.h"
-#include "tools/bench/accuracy/half.h"
-#include "tools/bench/accuracy/measure.h"
-#include "tools/bench/accuracy/metrics.h"
-#include "tools/bench/accuracy/sea_states.h"
+#include "tools/bench/accuracy/measure/batches.h"
+#include "tools/bench/accuracy/measure/measure.h"
+#include "tools/bench/accuracy/measure/metrics.h"
+#include "tools/bench/accuracy/seas/half.h"
+#include "tools/bench/accuracy/seas/sea_states.h"
 
 namespace seaway::bench {
 namespace {

@@ -14,8 +14,8 @@
 
 #include <fmt/format.h>
 
-#include "tools/bench/accuracy/laws.h"
-#include "tools/bench/accuracy/sea_states.h"
+#include "tools/bench/accuracy/measure/laws.h"
+#include "tools/bench/accuracy/seas/sea_states.h"
 #include "tools/bench/tune/total_error.h"
 #include "tools/bench/tune/tuner.h"
 

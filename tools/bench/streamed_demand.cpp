@@ -6,7 +6,7 @@
 
 #include "protocol/limits.h"
 #include "protocol/tile_codec.h"
-#include "tools/bench/accuracy/configured_sea.h"
+#include "tools/bench/accuracy/seas/configured_sea.h"
 
 namespace seaway::bench {
 

@@ -10,12 +10,12 @@
 
 #include "base/instructions.h"
 #include "server/device/device_choice.h"
-#include "tools/bench/accuracy/error_map.h"
 #include "tools/bench/accuracy/journal.h"
 #include "tools/bench/accuracy/knobs.h"
-#include "tools/bench/accuracy/measure.h"
+#include "tools/bench/accuracy/measure/error_map.h"
+#include "tools/bench/accuracy/measure/measure.h"
 #include "tools/bench/accuracy/progress.h"
-#include "tools/bench/accuracy/sea_states.h"
+#include "tools/bench/accuracy/seas/sea_states.h"
 
 namespace seaway::bench {
 

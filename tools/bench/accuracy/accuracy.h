@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/result.h"
-#include "tools/bench/accuracy/points.h"
+#include "tools/bench/accuracy/truth/points.h"
 
 namespace seaway::bench {
 

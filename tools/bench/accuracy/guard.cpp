@@ -12,11 +12,11 @@
 #include <fmt/format.h>
 
 #include "base/text_file.h"
-#include "tools/bench/accuracy/configured_sea.h"
 #include "tools/bench/accuracy/knobs.h"
-#include "tools/bench/accuracy/measure.h"
-#include "tools/bench/accuracy/sea_states.h"
-#include "tools/bench/accuracy/truth.h"
+#include "tools/bench/accuracy/measure/measure.h"
+#include "tools/bench/accuracy/seas/configured_sea.h"
+#include "tools/bench/accuracy/seas/sea_states.h"
+#include "tools/bench/accuracy/truth/truth.h"
 
 namespace seaway::bench {
 

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "sea/scene/scene.h"
-#include "tools/bench/accuracy/batches.h"
-#include "tools/bench/accuracy/configuration.h"
-#include "tools/bench/accuracy/measure.h"
+#include "tools/bench/accuracy/measure/batches.h"
+#include "tools/bench/accuracy/measure/measure.h"
+#include "tools/bench/accuracy/seas/configuration.h"
 
 namespace seaway::bench {
 

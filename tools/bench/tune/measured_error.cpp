@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tools/bench/accuracy/laws.h"
-#include "tools/bench/accuracy/measure.h"
+#include "tools/bench/accuracy/measure/laws.h"
+#include "tools/bench/accuracy/measure/measure.h"
 #include "tools/bench/tune/total_error.h"
 #include "tools/bench/tune/tuner.h"
 

@@ -14,8 +14,8 @@
 
 #include "base/text_file.h"
 #include "tools/bench/accuracy/journal.h"
-#include "tools/bench/accuracy/measure.h"
-#include "tools/bench/accuracy/sea_states.h"
+#include "tools/bench/accuracy/measure/measure.h"
+#include "tools/bench/accuracy/seas/sea_states.h"
 
 namespace seaway::bench {
 

@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "base/result.h"
-#include "tools/bench/accuracy/configured_sea.h"
-#include "tools/bench/accuracy/stage_costs.h"
+#include "tools/bench/accuracy/measure/stage_costs.h"
+#include "tools/bench/accuracy/seas/configured_sea.h"
 
 namespace seaway::bench {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "sea/scene/scene.h"
-#include "tools/bench/accuracy/configuration.h"
+#include "tools/bench/accuracy/seas/configuration.h"
 
 namespace seaway::bench {
 

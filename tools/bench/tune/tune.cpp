@@ -14,7 +14,7 @@
 #include "base/text_file.h"
 #include "sea/certificate/certificate.h"
 #include "tools/bench/accuracy/journal.h"
-#include "tools/bench/accuracy/measure.h"
+#include "tools/bench/accuracy/measure/measure.h"
 #include "tools/bench/tune/tuner.h"
 
 namespace seaway::bench {

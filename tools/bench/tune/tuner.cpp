@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "tools/bench/accuracy/laws.h"
+#include "tools/bench/accuracy/measure/laws.h"
 #include "tools/bench/tune/total_error.h"
 
 namespace seaway::bench {

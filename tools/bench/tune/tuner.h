@@ -18,7 +18,7 @@
 
 #include "base/result.h"
 #include "sea/certificate/certificate.h"
-#include "tools/bench/accuracy/truth.h"
+#include "tools/bench/accuracy/truth/truth.h"
 #include "tools/bench/tune/prices.h"
 #include "tools/bench/tune/space.h"
 

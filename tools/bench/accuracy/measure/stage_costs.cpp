@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/bench/accuracy/stage_costs.h"
+#include "tools/bench/accuracy/measure/stage_costs.h"
 
 #include <algorithm>
 
-#include "tools/bench/accuracy/sea_states.h"
+#include "tools/bench/accuracy/seas/sea_states.h"
 
 namespace seaway::bench {
 

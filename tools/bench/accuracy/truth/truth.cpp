@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/bench/accuracy/truth.h"
+#include "tools/bench/accuracy/truth/truth.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,7 +15,7 @@
 #include "protocol/checksum.h"
 #include "sea/surface/inverse.h"
 #include "sea/waves/reference.h"
-#include "tools/bench/accuracy/in_threads.h"
+#include "tools/bench/accuracy/truth/in_threads.h"
 
 namespace seaway::bench {
 

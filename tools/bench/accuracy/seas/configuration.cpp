@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/bench/accuracy/configuration.h"
+#include "tools/bench/accuracy/seas/configuration.h"
 
 #include <algorithm>
 #include <utility>

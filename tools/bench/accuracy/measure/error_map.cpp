@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/bench/accuracy/error_map.h"
+#include "tools/bench/accuracy/measure/error_map.h"
 
 #include <filesystem>
 #include <fstream>
@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "tools/bench/accuracy/in_threads.h"
-#include "tools/bench/accuracy/points.h"
+#include "tools/bench/accuracy/truth/in_threads.h"
+#include "tools/bench/accuracy/truth/points.h"
 
 namespace seaway::bench {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/bench/accuracy/measure.h"
+#include "tools/bench/accuracy/measure/measure.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,9 +10,9 @@
 #include <fmt/format.h>
 
 #include "sea/waves/statistics/moments.h"
-#include "tools/bench/accuracy/in_threads.h"
-#include "tools/bench/accuracy/laws.h"
-#include "tools/bench/accuracy/octaves.h"
+#include "tools/bench/accuracy/measure/laws.h"
+#include "tools/bench/accuracy/measure/octaves.h"
+#include "tools/bench/accuracy/truth/in_threads.h"
 
 namespace seaway::bench {
 

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "base/result.h"
-#include "tools/bench/accuracy/configured_sea.h"
-#include "tools/bench/accuracy/metrics.h"
+#include "tools/bench/accuracy/measure/metrics.h"
+#include "tools/bench/accuracy/seas/configured_sea.h"
 
 namespace seaway::bench {
 

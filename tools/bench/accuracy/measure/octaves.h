@@ -7,7 +7,7 @@
 
 #include <vector>
 
-#include "tools/bench/accuracy/configured_sea.h"
+#include "tools/bench/accuracy/seas/configured_sea.h"
 
 namespace seaway::bench {
 

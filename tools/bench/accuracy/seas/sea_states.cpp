@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/bench/accuracy/sea_states.h"
+#include "tools/bench/accuracy/seas/sea_states.h"
 
 #include <array>
 #include <string>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/bench/accuracy/configured_sea.h"
+#include "tools/bench/accuracy/seas/configured_sea.h"
 
 #include <algorithm>
 #include <cmath>

@@ -14,8 +14,8 @@
 #include "sea/surface/maps/hermite.h"
 #include "sea/surface/maps/keyframe.h"
 #include "sea/surface/maps/spline_map.h"
-#include "tools/bench/accuracy/configuration.h"
-#include "tools/bench/accuracy/half.h"
+#include "tools/bench/accuracy/seas/configuration.h"
+#include "tools/bench/accuracy/seas/half.h"
 
 namespace seaway::bench {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/bench/accuracy/batches.h"
+#include "tools/bench/accuracy/measure/batches.h"
 
 #include <algorithm>
 #include <chrono>
@@ -11,7 +11,7 @@
 
 #include "base/thread_pool.h"
 #include "client/client.h"
-#include "tools/bench/accuracy/points.h"
+#include "tools/bench/accuracy/truth/points.h"
 
 namespace seaway::bench {
 

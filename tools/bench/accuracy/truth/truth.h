@@ -12,8 +12,8 @@
 
 #include "base/result.h"
 #include "sea/surface/answer.h"
-#include "tools/bench/accuracy/points.h"
-#include "tools/bench/accuracy/waves.h"
+#include "tools/bench/accuracy/seas/waves.h"
+#include "tools/bench/accuracy/truth/points.h"
 
 namespace seaway::bench {
 

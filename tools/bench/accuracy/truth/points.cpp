@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/bench/accuracy/points.h"
+#include "tools/bench/accuracy/truth/points.h"
 
 #include <algorithm>
 #include <cmath>

@@ -7,7 +7,7 @@
 #include "sea/scene/scene.h"
 #include "sea/surface/budget/error_budget.h"
 #include "sea/waves/realization.h"
-#include "tools/bench/accuracy/configuration.h"
+#include "tools/bench/accuracy/seas/configuration.h"
 
 namespace seaway::bench {
 

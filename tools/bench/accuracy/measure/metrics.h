@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "sea/surface/answer.h"
-#include "tools/bench/accuracy/points.h"
+#include "tools/bench/accuracy/truth/points.h"
 
 namespace seaway::bench {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/bench/accuracy/waves.h"
+#include "tools/bench/accuracy/seas/waves.h"
 
 #include <algorithm>
 #include <array>

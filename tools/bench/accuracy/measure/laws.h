@@ -6,7 +6,7 @@
 // Pure functions; thread-safe. Some milliseconds.
 #pragma once
 
-#include "tools/bench/accuracy/configured_sea.h"
+#include "tools/bench/accuracy/seas/configured_sea.h"
 
 namespace seaway::bench {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/bench/accuracy/laws.h"
+#include "tools/bench/accuracy/measure/laws.h"
 
 #include <algorithm>
 #include <array>

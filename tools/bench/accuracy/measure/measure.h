@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "base/result.h"
-#include "tools/bench/accuracy/configured_sea.h"
-#include "tools/bench/accuracy/metrics.h"
-#include "tools/bench/accuracy/stage_costs.h"
-#include "tools/bench/accuracy/truth.h"
+#include "tools/bench/accuracy/measure/metrics.h"
+#include "tools/bench/accuracy/measure/stage_costs.h"
+#include "tools/bench/accuracy/seas/configured_sea.h"
+#include "tools/bench/accuracy/truth/truth.h"
 
 namespace seaway::bench {
 

@@ -17,9 +17,9 @@
 #include "sea/surface/surface.h"
 #include "sea/waves/reference.h"
 #include "server/device/synthesizer.h"
-#include "tools/bench/accuracy/configuration.h"
-#include "tools/bench/accuracy/naive.h"
-#include "tools/bench/accuracy/waves.h"
+#include "tools/bench/accuracy/seas/configuration.h"
+#include "tools/bench/accuracy/seas/naive.h"
+#include "tools/bench/accuracy/seas/waves.h"
 
 namespace seaway::bench {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/bench/accuracy/metrics.h"
+#include "tools/bench/accuracy/measure/metrics.h"
 
 #include <algorithm>
 #include <cmath>

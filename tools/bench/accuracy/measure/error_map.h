@@ -7,7 +7,7 @@
 
 #include "base/result.h"
 #include "sea/scene/scene.h"
-#include "tools/bench/accuracy/configured_sea.h"
+#include "tools/bench/accuracy/seas/configured_sea.h"
 
 namespace seaway::bench {
 

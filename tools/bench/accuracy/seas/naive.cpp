@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/bench/accuracy/naive.h"
+#include "tools/bench/accuracy/seas/naive.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/bench/accuracy/octaves.h"
+#include "tools/bench/accuracy/measure/octaves.h"
 
 #include <cmath>
 #include <complex>
 #include <map>
 
 #include "sea/basics/constants.h"
-#include "tools/bench/accuracy/in_threads.h"
+#include "tools/bench/accuracy/truth/in_threads.h"
 
 namespace seaway::bench {
 
