@@ -43,8 +43,8 @@ std::string result_name(VkResult result) {
 Error call_error(const char* name, VkResult result) {
     for (const Known& known : known_results)
         if (known.result == result)
-            return {std::string(name) + ": " + known.words + " (" + known.name + ")"};
-    return {std::string(name) + ": failed (" + result_name(result) + ")"};
+            return {result, std::string(name) + ": " + known.words + " (" + known.name + ")"};
+    return {result, std::string(name) + ": failed (" + result_name(result) + ")"};
 }
 
 namespace fault {

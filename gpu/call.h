@@ -21,7 +21,7 @@ namespace seaway::gpu {
 /// "VK_ERROR_DEVICE_LOST"; unknown codes as a number.
 std::string result_name(VkResult result);
 
-/// "vkQueueSubmit2: device lost (VK_ERROR_DEVICE_LOST)".
+/// "vkQueueSubmit2: device lost (VK_ERROR_DEVICE_LOST)"; its kind is the VkResult.
 Error call_error(const char* name, VkResult result);
 
 namespace fault {

@@ -143,23 +143,36 @@ int Device::memory_type(std::uint32_t bits, VkMemoryPropertyFlags required,
     return best;
 }
 
-Result<std::uint64_t> Device::submit(const Commands& commands) {
+Result<std::uint64_t> Device::submit(const Commands& commands, VkSemaphore after,
+                                     VkSemaphore done) {
     const std::lock_guard lock(submit_mutex_);
     const std::uint64_t ticket = last_ticket_ + 1;
     const VkCommandBufferSubmitInfo buffer{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO,
                                            .commandBuffer = commands.get()};
-    const VkSemaphoreSubmitInfo signal{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO,
-                                       .semaphore = timeline_.get(),
-                                       .value = ticket,
-                                       .stageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT};
+    const auto semaphore = [](VkSemaphore handle, std::uint64_t value) {
+        return VkSemaphoreSubmitInfo{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO,
+                                     .semaphore = handle,
+                                     .value = value,
+                                     .stageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT};
+    };
+    const VkSemaphoreSubmitInfo wait = semaphore(after, 0);
+    const VkSemaphoreSubmitInfo signals[] = {semaphore(timeline_.get(), ticket),
+                                             semaphore(done, 0)};
     const VkSubmitInfo2 info{.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2,
+                             .waitSemaphoreInfoCount = after != VK_NULL_HANDLE ? 1u : 0u,
+                             .pWaitSemaphoreInfos = &wait,
                              .commandBufferInfoCount = 1,
                              .pCommandBufferInfos = &buffer,
-                             .signalSemaphoreInfoCount = 1,
-                             .pSignalSemaphoreInfos = &signal};
+                             .signalSemaphoreInfoCount = done != VK_NULL_HANDLE ? 2u : 1u,
+                             .pSignalSemaphoreInfos = signals};
     SEAWAY_TRY(call("vkQueueSubmit2", vkQueueSubmit2, queue_, 1u, &info, VkFence(VK_NULL_HANDLE)));
     last_ticket_ = ticket;
     return ticket;
+}
+
+Result<void> Device::present(const VkPresentInfoKHR& info) {
+    const std::lock_guard lock(submit_mutex_);
+    return call("vkQueuePresentKHR", vkQueuePresentKHR, queue_, &info);
 }
 
 Result<void> Device::wait(std::uint64_t ticket, double timeout_s) {

@@ -60,8 +60,11 @@ class Device {
     int memory_type(std::uint32_t bits, VkMemoryPropertyFlags required,
                     VkMemoryPropertyFlags preferred) const;
 
-    /// Queues recorded commands; the ticket is for wait(). Tickets grow.
-    Result<std::uint64_t> submit(const Commands& commands);
+    /// Queues recorded commands; the ticket is for wait(). Tickets grow. They start when `after` is signalled, and
+    /// signal `done`, where a window system gives and wants semaphores.
+    Result<std::uint64_t> submit(const Commands& commands, VkSemaphore after = VK_NULL_HANDLE,
+                                 VkSemaphore done = VK_NULL_HANDLE);
+    Result<void> present(const VkPresentInfoKHR& info);
     /// Until that ticket's work is done; an error after `timeout_s` or if the device is lost. After
     /// an error nothing of this device runs any more.
     Result<void> wait(std::uint64_t ticket, double timeout_s = 60);

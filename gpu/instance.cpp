@@ -10,9 +10,10 @@ namespace {
 constexpr const char* validation_layer = "VK_LAYER_KHRONOS_validation";
 constexpr std::size_t kept_messages = 16;
 
-// volk's pointers are global and, taken from the loader, the same for every instance: load once.
+// volk's pointers are global and, taken from the loader, the same for every instance: load once, and once more
+// for an instance with extensions of a window system, whose functions the others do not have.
 std::mutex load_mutex;
-bool functions_loaded = false;
+bool functions_loaded = false, window_functions_loaded = false;
 
 std::atomic<std::size_t> messages_of_all{0};
 
@@ -24,11 +25,12 @@ Result<void> load_loader() {
     return {};
 }
 
-void load_functions(VkInstance instance) {
+void load_functions(VkInstance instance, bool of_a_window) {
     const std::lock_guard lock(load_mutex);
-    if (!functions_loaded)
+    if (!functions_loaded || (of_a_window && !window_functions_loaded))
         volkLoadInstance(instance);
     functions_loaded = true;
+    window_functions_loaded |= of_a_window;
 }
 
 VKAPI_ATTR VkBool32 VKAPI_CALL on_message(VkDebugUtilsMessageSeverityFlagBitsEXT,
@@ -68,7 +70,7 @@ Result<std::unique_ptr<Instance>> Instance::create(bool validation,
                                     .ppEnabledExtensionNames = names.data()};
     std::unique_ptr<Instance> made(new Instance);
     SEAWAY_TRY(call("vkCreateInstance", vkCreateInstance, &info, nullptr, &made->instance_));
-    load_functions(made->instance_);
+    load_functions(made->instance_, !extensions.empty());
     if (validation)
         SEAWAY_TRY(made->create_messenger());
     return made;

@@ -53,6 +53,7 @@ using OwnedPipelineLayout = Owned<VkPipelineLayout, &vkDestroyPipelineLayout>;
 using OwnedSetLayout = Owned<VkDescriptorSetLayout, &vkDestroyDescriptorSetLayout>;
 using OwnedDescriptorPool = Owned<VkDescriptorPool, &vkDestroyDescriptorPool>;
 using OwnedCommandPool = Owned<VkCommandPool, &vkDestroyCommandPool>;
+using OwnedSwapchain = Owned<VkSwapchainKHR, &vkDestroySwapchainKHR>;
 using OwnedSemaphore = Owned<VkSemaphore, &vkDestroySemaphore>;
 using OwnedQueryPool = Owned<VkQueryPool, &vkDestroyQueryPool>;
 

@@ -50,7 +50,7 @@ Result<void> bench(Client& client, Renderer& renderer, const ViewOptions& option
         SEAWAY_TRY(
             renderer.draw(frame, options.camera, sky, options.debug, display, Wanted::nothing));
         SEAWAY_TRY(renderer.finish());
-        SEAWAY_TRY_LET(const std::vector<double> times, renderer.pass_times());
+        const std::vector<double>& times = renderer.pass_times();
         for (std::size_t pass = 0; pass < times.size(); ++pass)
             passes[pass].push_back(times[pass]);
     }

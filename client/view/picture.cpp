@@ -6,11 +6,15 @@
 
 namespace seaway::client {
 
+double exposure_by_light(double white_radiance) {
+    constexpr double white_sheet = 0.9;
+    constexpr double darkest_white = 1e-4; ///< kcd/m2: below it the eye gives up
+    return white_sheet / std::max(white_radiance, darkest_white);
+}
+
 double metered_exposure(const Picture& picture, double white_radiance) {
     constexpr double middle_grey = 0.18;
-    constexpr double white_sheet = 0.9; ///< a white sheet on the sea becomes this
     constexpr double range = 3;
-    constexpr double darkest_white = 1e-4; ///< kcd/m2: below it the eye gives up
     double logarithms = 0;
     std::size_t count = 0;
     for (std::size_t i = 0; i < picture.rgba.size(); i += 4) {
@@ -21,7 +25,7 @@ double metered_exposure(const Picture& picture, double white_radiance) {
         ++count;
     }
     const double mean = std::exp(logarithms / static_cast<double>(std::max<std::size_t>(count, 1)));
-    const double by_light = white_sheet / std::max(white_radiance, darkest_white);
+    const double by_light = exposure_by_light(white_radiance);
     return std::clamp(middle_grey / mean, by_light / range, by_light * range);
 }
 

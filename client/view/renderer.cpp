@@ -254,16 +254,20 @@ Result<void> Renderer::record(Flight& flight, const Mesh& mesh, DebugView view, 
 }
 
 Result<void> Renderer::draw(const SeaFrame& frame, const Camera& camera, const Sky& sky,
-                            const DebugChoice& debug, const Display& display, Wanted wanted) {
+                            const DebugChoice& debug, const Display& display, Wanted wanted,
+                            const Camera* mesh_of) {
     Flight& flight = flights_[next_];
-    if (flight.ticket != 0)
-        SEAWAY_TRY(device_->wait(std::exchange(flight.ticket, 0)));
+    SEAWAY_TRY(wait(flight));
     Camera drawn = camera; // at the size that is drawn
     drawn.width = static_cast<int>(target_.size().width);
     drawn.height = static_cast<int>(target_.size().height);
     SEAWAY_TRY(take_sky(sky));
     SEAWAY_TRY(sea_.take(frame, flight.values));
-    const Mesh mesh = build_mesh(drawn, frame, options_.quality.cell_pixels);
+    Camera meshed = mesh_of ? *mesh_of : drawn;
+    meshed.width = drawn.width;
+    meshed.height = drawn.height;
+    Mesh mesh = build_mesh(meshed, frame, options_.quality.cell_pixels);
+    mesh.apex_m += glm::dvec2(meshed.x_m - camera.x_m, meshed.y_m - camera.y_m);
     SEAWAY_TRY(take_mesh(flight, mesh));
     SEAWAY_TRY(bind(flight));
     shaders::ViewValues values = view_values(frame, drawn, sky, mesh, options_, debug, display);
@@ -275,10 +279,17 @@ Result<void> Renderer::draw(const SeaFrame& frame, const Camera& camera, const S
     return {};
 }
 
+Result<void> Renderer::wait(Flight& flight) {
+    if (flight.ticket == 0)
+        return {};
+    SEAWAY_TRY(device_->wait(std::exchange(flight.ticket, 0)));
+    SEAWAY_TRY_LET(pass_times_, flight.timer.read(*device_));
+    return {};
+}
+
 Result<void> Renderer::finish() {
-    for (Flight& flight : flights_)
-        if (flight.ticket != 0)
-            SEAWAY_TRY(device_->wait(std::exchange(flight.ticket, 0)));
+    for (std::size_t i = 0; i < flights_.size(); ++i) // the older one first
+        SEAWAY_TRY(wait(flights_[(next_ + i) % flights_.size()]));
     return {};
 }
 
@@ -325,10 +336,6 @@ Result<ShownPicture> Renderer::develop(const Picture& picture, const Display& di
     SEAWAY_TRY(flight.commands.end());
     SEAWAY_TRY(device_->submit_and_wait(flight.commands));
     return shown_picture();
-}
-
-Result<std::vector<double>> Renderer::pass_times() const {
-    return flights_[(next_ + flights_.size() - 1) % flights_.size()].timer.read(*device_);
 }
 
 } // namespace seaway::client

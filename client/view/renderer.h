@@ -49,9 +49,11 @@ class Renderer {
                                    const RenderOptions& options = {});
 
     /// Starts a frame; waits for the one before the last. An error means that the device failed or lacks something.
-    /// frame: 1 .. shaders::view_cascades_max cascades; camera of the renderer's width and height.
+    /// frame: 1 .. shaders::view_cascades_max cascades; camera of the renderer's width and height. `mesh_of`: the
+    /// camera that the mesh is built for, if it is looked at by another.
     Result<void> draw(const SeaFrame& frame, const Camera& camera, const Sky& sky,
-                      const DebugChoice& debug, const Display& display, Wanted wanted);
+                      const DebugChoice& debug, const Display& display, Wanted wanted,
+                      const Camera* mesh_of = nullptr);
     /// Until everything that was started is done.
     Result<void> finish();
 
@@ -62,8 +64,13 @@ class Renderer {
     /// Numbers to bytes, without drawing: a picture of the size that is drawn, as render() gives it.
     Result<ShownPicture> develop(const Picture& picture, const Display& display);
 
-    /// Seconds of the passes of the last finished frame, [pass]; 0 on a device without time stamps.
-    Result<std::vector<double>> pass_times() const;
+    /// Of frames that are drawn from now on.
+    void set_visibility(double visibility_m) { options_.visibility_m = visibility_m; }
+    /// The last frame that was drawn for bytes, or for nothing: sRGB, on the device, ready to be sampled.
+    const gpu::Image& shown() const { return target_.shown(); }
+    /// Seconds of the passes of the last frame that was waited for, [pass]; empty before, 0 on a device without time
+    /// stamps.
+    const std::vector<double>& pass_times() const { return pass_times_; }
     /// See DeviceSea::copies().
     std::uint64_t copies() const { return sea_.copies(); }
 
@@ -93,6 +100,7 @@ class Renderer {
     Result<void> bind_film(Flight& flight);
     void record_film(Flight& flight);
     ShownPicture shown_picture() const;
+    Result<void> wait(Flight& flight);
     void record_geometry(Flight& flight, const Mesh& mesh);
     Result<void> record(Flight& flight, const Mesh& mesh, DebugView view, Wanted wanted);
 
@@ -112,6 +120,7 @@ class Renderer {
     std::uint64_t generation_ = 1;
     std::array<Flight, 2> flights_;
     std::size_t next_ = 0;
+    std::vector<double> pass_times_;
 };
 
 /// The part of what shaders are told that is of how numbers become bytes.

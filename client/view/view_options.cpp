@@ -30,9 +30,9 @@ constexpr const char* footer =
     "the\n"
     "day of equinox at 45 degrees north: sunrise at 6 in the east, noon 45 degrees high. Frames\n"
     "are 1/30 s of sea time apart. In --out, #### or %04d is the frame's number. PNG is sRGB, EXR\n"
-    "holds linear numbers.\n"
-    "Exit codes: 0 done, 1 cannot write, 2 usage, 3 no usable device, 5 cannot connect or lost,\n"
-    "6 refused by the server.";
+    "holds linear numbers. Without --offscreen a window opens; it connects again by itself.\n"
+    "Exit codes: 0 done or closed, 1 cannot write, 2 usage, 3 no usable device or no display,\n"
+    "5 cannot connect or lost, 6 refused by the server.";
 
 Result<void> require(bool fine, const std::string& what) {
     if (!fine)
@@ -45,14 +45,14 @@ bool parse_number(std::string_view text, double& value) {
     return failure == std::errc{} && end == text.data() + text.size() && std::isfinite(value);
 }
 
-Result<void> read_size(const std::string& text, Camera& camera) {
+Result<void> read_size(const char* option, const std::string& text, Camera& camera) {
     const std::size_t x = text.find('x');
     double width = 0, height = 0;
     SEAWAY_TRY(require(x != std::string::npos && parse_number(text.substr(0, x), width) &&
                            parse_number(text.substr(x + 1), height) && width == std::floor(width) &&
                            height == std::floor(height) && width >= 16 && height >= 16 &&
                            width <= side_max && height <= side_max,
-                       fmt::format("--offscreen {}: WIDTHxHEIGHT, each 16 .. {}", text, side_max)));
+                       fmt::format("{} {}: WIDTHxHEIGHT, each 16 .. {}", option, text, side_max)));
     camera.width = static_cast<int>(width);
     camera.height = static_cast<int>(height);
     return {};
@@ -96,12 +96,8 @@ Result<void> read_time(const std::string& text, ViewOptions& options) {
     return {};
 }
 
-Result<void> check(const ViewOptions& options, bool offscreen) {
-    if (options.url.empty())
-        return Error{"URL is required"};
-    SEAWAY_TRY(parse_url(options.url));
-    SEAWAY_TRY(require(
-        offscreen, "this build draws to files only: give --offscreen WxH and --out PATTERN.png"));
+/// What is of files alone.
+Result<void> check_files(const ViewOptions& options) {
     const std::string ending = std::filesystem::path(options.out).extension().string();
     SEAWAY_TRY(require(options.bench_frames >= 0 && options.bench_frames <= frames_max,
                        fmt::format("--bench {}: 1 .. {}", options.bench_frames, frames_max)));
@@ -109,8 +105,6 @@ Result<void> check(const ViewOptions& options, bool offscreen) {
                        fmt::format("--out '{}': a path that ends in .png or .exr", options.out)));
     SEAWAY_TRY(require(options.frames >= 1 && options.frames <= frames_max,
                        fmt::format("--frames {}: 1 .. {}", options.frames, frames_max)));
-    SEAWAY_TRY(require(options.time_of_day_h >= 0 && options.time_of_day_h <= 24,
-                       fmt::format("--time-of-day {}: 0 .. 24", options.time_of_day_h)));
     const double last_s = sea::seconds_from_us(frame_offset_us(options.frames - 1));
     SEAWAY_TRY(
         require(!options.time_s || *options.time_s + last_s <= time_max_s,
@@ -122,19 +116,50 @@ Result<void> check(const ViewOptions& options, bool offscreen) {
 
 /// Options that need reading once more.
 struct Words {
-    std::string size, camera, debug = "final", time = "now", quality = "high";
+    std::string size, window, camera, debug = "final", time = "now", quality;
     bool list = false;
 };
 
+/// A window shows the sea of now and writes nothing: what is of files alone is not passed over in silence.
+Result<void> check_window(const Words& words, const ViewOptions& options) {
+    const std::pair<bool, const char*> of_files[] = {{!options.out.empty(), "--out"},
+                                                     {options.frames != 1, "--frames"},
+                                                     {options.bench_frames != 0, "--bench"},
+                                                     {words.time != "now", "--time"}};
+    for (const auto& [given, name] : of_files)
+        SEAWAY_TRY(require(!given, fmt::format("{} is of pictures in files: give --offscreen "
+                                               "WxH, too",
+                                               name)));
+    return {};
+}
+
+Result<void> check(const Words& words, const ViewOptions& options) {
+    if (options.url.empty())
+        return Error{"URL is required"};
+    SEAWAY_TRY(parse_url(options.url));
+    SEAWAY_TRY(require(options.time_of_day_h >= 0 && options.time_of_day_h <= 24,
+                       fmt::format("--time-of-day {}: 0 .. 24", options.time_of_day_h)));
+    return options.offscreen ? check_files(options) : check_window(words, options);
+}
+
 Result<void> take(const Words& words, ViewOptions& options) {
-    if (!words.size.empty())
-        SEAWAY_TRY(read_size(words.size, options.camera));
+    options.offscreen = !words.size.empty();
+    SEAWAY_TRY(require(!options.offscreen || words.window.empty(),
+                       "--offscreen and --window: one of them"));
+    if (options.offscreen)
+        SEAWAY_TRY(read_size("--offscreen", words.size, options.camera));
+    else
+        SEAWAY_TRY(read_size("--window", words.window.empty() ? "1280x720" : words.window,
+                             options.camera));
     if (!words.camera.empty())
         SEAWAY_TRY(read_camera(words.camera, options.camera));
     SEAWAY_TRY(read_time(words.time, options));
     SEAWAY_TRY_LET(options.debug, parse_debug_view(words.debug));
-    SEAWAY_TRY_LET(options.quality, parse_quality(words.quality));
-    return check(options, !words.size.empty());
+    options.quality = quality_table[options.offscreen ? quality_high : quality_default];
+    if (!words.quality.empty()) {
+        SEAWAY_TRY_LET(options.quality, parse_quality(words.quality));
+    }
+    return check(words, options);
 }
 
 void list_debug() {
@@ -150,17 +175,21 @@ std::variant<ViewOptions, int> read_view_options(int argc, const char* const* ar
     options.camera.z_m = 12;
     options.camera.pitch_deg = -6;
     Words words;
-    CommandLine line("seaway-view", "Draws the sea of a running server.");
+    CommandLine line("seaway-view",
+                     "Shows the sea of a running server: in a window, or drawn to files.");
     line.footer(footer);
     line.option("URL", options.url, "ws://HOST:PORT or wss://HOST:PORT");
-    line.option("--offscreen", words.size, "size of the picture, WIDTHxHEIGHT");
+    line.option("--window", words.window, "size of the window, WIDTHxHEIGHT (1280x720)");
+    line.option("--offscreen", words.size, "draw to files: size of the picture, WIDTHxHEIGHT");
     line.option("--frames", options.frames, "number of frames");
     line.option("--out", options.out, "where frames go: a pattern ending in .png or .exr");
     line.option("--camera", words.camera,
                 "X,Y,Z,YAW_DEG,PITCH_DEG: m east, north, above the mean sea");
     line.option("--time-of-day", options.time_of_day_h, "height of the sun: hour, 0 .. 24");
     line.option("--time", words.time, "sea time of the first frame: 'now' or seconds");
-    line.option("--quality", words.quality, "low, default, high or film: how much work a frame is");
+    line.option(
+        "--quality", words.quality,
+        "low, default, high or film: how much work a frame is (window: default, files: high)");
     line.option("--bench", options.bench_frames,
                 "draw so many frames instead of files, print what each pass takes");
     line.option("--debug", words.debug, "what to show (--list-debug)");

@@ -21,7 +21,8 @@ inline constexpr sea::TimeUs frame_offset_us(int frame) {
 
 struct ViewOptions {
     std::string url;
-    Camera camera; ///< with the size of the picture
+    bool offscreen = false; ///< to files; else in a window
+    Camera camera;          ///< with the size of the picture, or of the window
     int frames = 1;
     std::string out; ///< pattern of paths, see frame_path()
     double time_of_day_h = 15.5;

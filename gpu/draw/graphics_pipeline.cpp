@@ -52,10 +52,15 @@ constexpr VkPipelineRasterizationStateCreateInfo raster{
     .cullMode = VK_CULL_MODE_NONE,
     .lineWidth = 1};
 constexpr VkPipelineColorBlendAttachmentState opaque{.colorWriteMask = 0xf};
-constexpr VkPipelineColorBlendStateCreateInfo blend{
-    .sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO,
-    .attachmentCount = 1,
-    .pAttachments = &opaque};
+constexpr VkPipelineColorBlendAttachmentState over{
+    .blendEnable = VK_TRUE,
+    .srcColorBlendFactor = VK_BLEND_FACTOR_SRC_ALPHA,
+    .dstColorBlendFactor = VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA,
+    .colorBlendOp = VK_BLEND_OP_ADD,
+    .srcAlphaBlendFactor = VK_BLEND_FACTOR_ONE,
+    .dstAlphaBlendFactor = VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA,
+    .alphaBlendOp = VK_BLEND_OP_ADD,
+    .colorWriteMask = 0xf};
 constexpr VkDynamicState dynamic_states[] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
 constexpr VkPipelineDynamicStateCreateInfo dynamic{
     .sType = VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO,
@@ -73,6 +78,10 @@ Result<OwnedPipeline> create_pipeline(Device& device, VkPipelineLayout layout,
         .depthTestEnable = options.depth_format != VK_FORMAT_UNDEFINED,
         .depthWriteEnable = options.depth_format != VK_FORMAT_UNDEFINED,
         .depthCompareOp = VK_COMPARE_OP_GREATER_OR_EQUAL};
+    const VkPipelineColorBlendStateCreateInfo blend{
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO,
+        .attachmentCount = 1,
+        .pAttachments = options.blended ? &over : &opaque};
     const VkPipelineRenderingCreateInfo rendering{
         .sType = VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO,
         .colorAttachmentCount = 1,

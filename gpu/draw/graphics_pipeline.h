@@ -22,6 +22,7 @@ struct GraphicsOptions {
     /// VK_FORMAT_UNDEFINED: no depth; else the test is "nearer or equal", with reversed depth.
     VkFormat depth_format = VK_FORMAT_UNDEFINED;
     VkSampleCountFlagBits samples = VK_SAMPLE_COUNT_1_BIT;
+    bool blended = false; ///< laid over what is there, by alpha
 };
 
 class GraphicsPipeline {

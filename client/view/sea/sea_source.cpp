@@ -49,6 +49,10 @@ double reach_of(const SeaState& state) {
 
 Result<SeaFrame> sea_frame_at(Client& client, sea::TimeUs time_us, double timeout_s) {
     SEAWAY_TRY(client.hold({&time_us, 1}, timeout_s, drawn_fields));
+    return held_sea_frame(client, time_us);
+}
+
+Result<SeaFrame> held_sea_frame(const Client& client, sea::TimeUs time_us) {
     const SeaStatePtr state = client.sea_state(time_us);
     if (state->cascades.size() > shaders::view_cascades_max)
         return failed(Failure::refused,

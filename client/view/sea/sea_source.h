@@ -15,4 +15,8 @@ inline constexpr sea::FieldSet drawn_fields = sea::surface_fields | sea::FieldSe
 /// fetches. Blocks for `timeout_s` at most. Not for use in an event of the client.
 Result<SeaFrame> sea_frame_at(Client& client, sea::TimeUs time_us, double timeout_s);
 
+/// The same from what the client holds alone: at once. An error (not_held) names the cascade of which nothing is held
+/// around this time.
+Result<SeaFrame> held_sea_frame(const Client& client, sea::TimeUs time_us);
+
 } // namespace seaway::client

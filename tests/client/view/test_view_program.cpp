@@ -78,6 +78,11 @@ TEST(ViewProgram, says_in_one_line_what_is_wrong_with_a_command_line) {
     const std::string fine = "ws://127.0.0.1:1 --offscreen 64x48 --out /tmp/x.png ";
     const std::pair<std::string, const char*> rows[] = {
         {"ws://127.0.0.1:1 --out x.png", "--offscreen"},
+        {"ws://127.0.0.1:1 --frames 3", "--frames is of pictures in files"},
+        {"ws://127.0.0.1:1 --time 12", "--time is of pictures in files"},
+        {"ws://127.0.0.1:1 --bench 3", "--bench is of pictures in files"},
+        {"ws://127.0.0.1:1 --window 8x8", "--window 8x8"},
+        {fine + "--window 640x480", "--offscreen and --window"},
         {"ws://127.0.0.1:1 --offscreen 64x --out x.png", "64x"},
         {"ws://127.0.0.1:1 --offscreen 64x48 --out x.jpg", "x.jpg"},
         {fine + "--camera 1,2,3", "1,2,3"},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// seaway-view: pictures of the sea of a running server.
+// seaway-view: the sea of a running server, in a window or as pictures in files.
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -15,6 +15,7 @@
 #include "client/view/renderer.h"
 #include "client/view/sea/sea_source.h"
 #include "client/view/view_options.h"
+#include "client/window/viewer.h"
 #include "protocol/token_file.h"
 
 namespace {
@@ -92,7 +93,20 @@ int draw(Client& client, Renderer& renderer, const ViewOptions& options) {
     return static_cast<int>(ViewExit::done);
 }
 
-int run(const ViewOptions& options) {
+int show(const ViewOptions& options, const ConnectOptions& connect) {
+    const Result<std::unique_ptr<Viewer>> viewer = Viewer::open(options, connect);
+    if (!viewer)
+        return fail(ViewExit::no_device, viewer.error());
+    for (;;) {
+        const Result<bool> open = (*viewer)->step();
+        if (!open)
+            return fail(ViewExit::no_device, open.error());
+        if (!*open)
+            return static_cast<int>(ViewExit::done);
+    }
+}
+
+int draw_files(const ViewOptions& options, const ConnectOptions& connect) {
     const Result<std::unique_ptr<gpu::Device>> device =
         gpu::Device::create({.pick = options.device});
     if (!device)
@@ -101,15 +115,7 @@ int run(const ViewOptions& options) {
         **device, options.camera.width, options.camera.height, {.quality = options.quality});
     if (!renderer)
         return fail(ViewExit::no_device, renderer.error());
-    const Result<std::string> token = read_token(options.token_file);
-    if (!token)
-        return fail(token.error());
-    const Result<std::unique_ptr<Client>> client =
-        Client::connect({.url = options.url,
-                         .name = "seaway-view/" SEAWAY_VERSION,
-                         .token = *token,
-                         .ca_file = options.ca_file,
-                         .timeout_s = options.timeout_s});
+    const Result<std::unique_ptr<Client>> client = Client::connect(connect);
     if (!client)
         return fail(client.error());
     const Result<Grant> grant =
@@ -121,6 +127,18 @@ int run(const ViewOptions& options) {
         return done ? static_cast<int>(ViewExit::done) : fail(done.error());
     }
     return draw(**client, *renderer, options);
+}
+
+int run(const ViewOptions& options) {
+    const Result<std::string> token = read_token(options.token_file);
+    if (!token)
+        return fail(token.error());
+    const ConnectOptions connect{.url = options.url,
+                                 .name = "seaway-view/" SEAWAY_VERSION,
+                                 .token = *token,
+                                 .ca_file = options.ca_file,
+                                 .timeout_s = options.timeout_s};
+    return options.offscreen ? draw_files(options, connect) : show(options, connect);
 }
 
 } // namespace

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/window/feed.h"
+
+#include <algorithm>
+#include <thread>
+
+#include "client/view/sea/sea_source.h"
+
+namespace seaway::client {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+std::chrono::duration<double> seconds(double s) {
+    return std::chrono::duration<double>(s);
+}
+
+} // namespace
+
+double Feed::next_wait_s(double wait_s) {
+    return std::min(2 * wait_s, wait_max_s);
+}
+
+Feed::Feed(const ConnectOptions& options) : state_(std::make_shared<State>()) {
+    state_->options = options;
+    std::thread([state = state_] { run(state); }).detach();
+}
+
+Feed::~Feed() {
+    std::unique_lock lock(state_->mutex);
+    state_->stop = true;
+    state_->changed.notify_all();
+    state_->changed.wait_for(lock, seconds(0.3), [&] { return state_->ended; });
+    state_->client.reset();
+}
+
+std::shared_ptr<Client> Feed::client() const {
+    const std::scoped_lock lock(state_->mutex);
+    return state_->client;
+}
+
+FeedStatus Feed::status() const {
+    const std::scoped_lock lock(state_->mutex);
+    FeedStatus status = state_->status;
+    status.keyframes = state_->keyframes;
+    status.bytes = state_->bytes;
+    if (status.link == Link::waiting)
+        status.next_s =
+            std::max(std::chrono::duration<double>(state_->next - Clock::now()).count(), 0.0);
+    return status;
+}
+
+/// Returns why it has ended, or could not begin.
+Error Feed::one_connection(const std::shared_ptr<State>& state) {
+    ClientEvents events;
+    events.on_keyframe = [state = state.get()](const HeldKeyframePtr& keyframe) {
+        ++state->keyframes;
+        state->bytes += keyframe->keyframe().values.size() * sizeof(float);
+    };
+    Result<std::unique_ptr<Client>> made = Client::connect(state->options, std::move(events));
+    if (!made)
+        return made.error();
+    const std::shared_ptr<Client> client = std::move(*made);
+    const Result<Grant> grant =
+        client->subscribe({.fields = drawn_fields}, credit, state->options.timeout_s);
+    if (!grant)
+        return grant.error();
+    std::unique_lock lock(state->mutex);
+    std::shared_ptr<Client> before = std::exchange(state->client, client);
+    state->status.link = Link::live;
+    state->status.grant = *grant;
+    ++state->status.connections;
+    lock.unlock();
+    before.reset(); // waits for its connection's thread
+    lock.lock();
+    while (!state->stop && client->is_open())
+        state->changed.wait_for(lock, seconds(0.1));
+    return Error{client->closed_reason()};
+}
+
+void Feed::run(const std::shared_ptr<State>& state) {
+    double wait_s = wait_min_s;
+    std::unique_lock lock(state->mutex);
+    while (!state->stop) {
+        const int connections = state->status.connections;
+        state->status.link = Link::connecting;
+        lock.unlock();
+        const Error ended = one_connection(state);
+        lock.lock();
+        if (state->status.connections > connections)
+            wait_s = wait_min_s;
+        state->status.link = Link::waiting;
+        state->status.reason = ended.message;
+        state->next = Clock::now() + std::chrono::duration_cast<Clock::duration>(seconds(wait_s));
+        state->changed.wait_until(lock, state->next, [&] { return state->stop; });
+        wait_s = next_wait_s(wait_s);
+    }
+    state->ended = true;
+    state->changed.notify_all();
+}
+
+} // namespace seaway::client

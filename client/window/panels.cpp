@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/window/panels.h"
+
+#include <algorithm>
+
+#include <imgui.h>
+
+namespace seaway::client {
+
+namespace {
+
+constexpr ImU32 warning_colour = IM_COL32(255, 190, 80, 255);
+constexpr float width_letters = 46, curve_lines = 5;
+
+void table(const char* name, const std::vector<PanelRow>& rows) {
+    if (!ImGui::BeginTable(name, 2))
+        return;
+    ImGui::TableSetupColumn("", ImGuiTableColumnFlags_WidthFixed);
+    ImGui::TableSetupColumn("", ImGuiTableColumnFlags_WidthStretch);
+    for (const PanelRow& row : rows) {
+        ImGui::TableNextColumn();
+        ImGui::TextDisabled("%s", row.label.c_str());
+        ImGui::TableNextColumn();
+        ImGui::TextWrapped("%s", row.value.c_str());
+    }
+    ImGui::EndTable();
+}
+
+void plot(const char* name, const Curve& curve) {
+    if (!curve.values.empty())
+        ImGui::PlotLines(name, curve.values.data(), static_cast<int>(curve.values.size()), 0,
+                         nullptr, curve.least, curve.most,
+                         {-1, curve_lines * ImGui::GetTextLineHeight()});
+    if (!curve.caption.empty())
+        ImGui::TextWrapped("%s", curve.caption.c_str());
+}
+
+/// A slider of doubles.
+bool slide(const char* name, double& value, double least, double most, const char* format,
+           ImGuiSliderFlags flags = 0) {
+    return ImGui::SliderScalar(name, ImGuiDataType_Double, &value, &least, &most, format,
+                               flags | ImGuiSliderFlags_AlwaysClamp);
+}
+
+void overlay(const WindowModel& model) {
+    ImDrawList& draw = *ImGui::GetBackgroundDrawList();
+    const ImVec2 size = ImGui::GetIO().DisplaySize;
+    if (!model.notice.empty()) {
+        const ImVec2 text = ImGui::CalcTextSize(model.notice.c_str());
+        const ImVec2 at((size.x - text.x) / 2, size.y / 12);
+        draw.AddRectFilled({at.x - 12, at.y - 8}, {at.x + text.x + 12, at.y + text.y + 8},
+                           IM_COL32(20, 20, 20, 200), 4);
+        draw.AddText(at, warning_colour, model.notice.c_str());
+    }
+    if (model.probe_mark) {
+        const ImVec2 at(static_cast<float>((model.probe_mark->x + 1) / 2) * size.x,
+                        static_cast<float>((model.probe_mark->y + 1) / 2) * size.y);
+        draw.AddCircle(at, 8.5f, IM_COL32(0, 0, 0, 230), 0, 1.5f);
+        draw.AddCircle(at, 7, IM_COL32(255, 255, 255, 230), 0, 2);
+        draw.AddCircleFilled(at, 2, IM_COL32(255, 60, 40, 255));
+    }
+}
+
+} // namespace
+
+void Panels::note(const char* name) {
+    const ImVec2 low = ImGui::GetItemRectMin(), high = ImGui::GetItemRectMax();
+    places_[name] = {{low.x, low.y}, {high.x, high.y}};
+}
+
+bool Panels::header(const char* name, bool open) {
+    const bool shown = ImGui::CollapsingHeader(name, open ? ImGuiTreeNodeFlags_DefaultOpen : 0);
+    note(name);
+    return shown;
+}
+
+void Panels::view(const WindowModel& model, ViewChoice& choice) {
+    slide("time of day", choice.time_of_day_h, 0, 24, "%.2f h");
+    note("hour");
+    slide("exposure", choice.exposure_ev, -ViewChoice::exposure_max_ev, ViewChoice::exposure_max_ev,
+          "%+.2f EV");
+    note("exposure");
+    slide("visibility", choice.visibility_m, ViewChoice::visibility_min_m,
+          ViewChoice::visibility_max_m, "%.0f m", ImGuiSliderFlags_Logarithmic);
+    note("visibility");
+    if (ImGui::BeginCombo("quality", quality_table[choice.quality].name.data())) {
+        for (std::size_t i = 0; i < quality_table.size(); ++i) {
+            if (ImGui::Selectable(quality_table[i].name.data(), i == choice.quality))
+                choice.quality = i;
+            if (ImGui::IsItemHovered())
+                ImGui::SetTooltip("%s", quality_table[i].meaning.data());
+        }
+        ImGui::EndCombo();
+    }
+    note("quality");
+    if (ImGui::BeginCombo("show", info(choice.debug.view).name.data())) {
+        for (const DebugViewInfo& row : debug_view_table) {
+            if (ImGui::Selectable(row.name.data(), row.view == choice.debug.view))
+                choice.debug.view = row.view;
+            if (ImGui::IsItemHovered())
+                ImGui::SetTooltip("%s", row.meaning.data());
+        }
+        ImGui::EndCombo();
+    }
+    note("show");
+    if (choice.debug.view == DebugView::cascade) {
+        ImGui::SliderInt("cascade", &choice.debug.cascade, 0, std::max(model.cascades - 1, 0), "%d",
+                         ImGuiSliderFlags_AlwaysClamp);
+        note("cascade");
+    }
+    if (choice.debug.view != DebugView::final)
+        ImGui::TextWrapped("%s", info(choice.debug.view).meaning.data());
+}
+
+void Panels::camera(const WindowModel& model, ViewChoice& choice, Asked& asked) {
+    constexpr std::pair<CameraMode, const char*> modes[] = {{CameraMode::fly, "1 fly"},
+                                                            {CameraMode::orbit, "2 orbit"},
+                                                            {CameraMode::follow, "3 float"}};
+    for (const auto& [mode, name] : modes) {
+        if (ImGui::RadioButton(name, model.camera == mode)) {
+            asked.mode_changed = true;
+            asked.mode = mode;
+        }
+        note(name + 2);
+        ImGui::SameLine();
+    }
+    ImGui::NewLine();
+    double speed_mps = model.speed_mps;
+    if (slide("speed", speed_mps, Pilot::speed_min_mps, Pilot::speed_max_mps, "%.1f m/s",
+              ImGuiSliderFlags_Logarithmic))
+        asked.speed_mps = speed_mps;
+    note("speed");
+    ImGui::Checkbox("M second camera, the mesh stays", &choice.second_camera);
+    note("second camera");
+    ImGui::TextWrapped("W A S D, Q E; Shift: faster; drag to look; wheel: speed or distance");
+}
+
+void Panels::sea_itself() {
+    ImGui::TextWrapped("This server takes no changes yet.");
+    ImGui::BeginDisabled();
+    float wind_mps = 0, from_deg = 0, depth_m = 0;
+    ImGui::SliderFloat("wind", &wind_mps, 0, 40, "- m/s");
+    note("wind");
+    ImGui::SliderFloat("from", &from_deg, 0, 360, "- deg");
+    ImGui::SliderFloat("depth", &depth_m, 0, 1000, "- m");
+    ImGui::EndDisabled();
+}
+
+Panels::Asked Panels::draw(const WindowModel& model, ViewChoice& choice) {
+    Asked asked;
+    overlay(model);
+    places_.clear();
+    box_ = {};
+    if (!choice.panels)
+        return asked;
+    const float letter = ImGui::GetFontSize() / 2;
+    const ImVec2 window = ImGui::GetIO().DisplaySize;
+    const float width = std::min(width_letters * letter, window.x / 2);
+    ImGui::SetNextWindowPos({letter, letter}, ImGuiCond_FirstUseEver);
+    ImGui::SetNextWindowSize({width, window.y - 2 * letter}, ImGuiCond_FirstUseEver);
+    ImGui::Begin("Seaway (Tab hides this)");
+    ImGui::PushItemWidth(-14 * letter);
+    if (header("Connection", true))
+        table("connection", model.connection);
+    if (header("View", true))
+        view(model, choice);
+    if (header("Camera", true))
+        camera(model, choice, asked);
+    if (header("Probe", true)) {
+        table("probe", model.probe);
+        plot("##trace", model.trace);
+        if (!model.trace.values.empty()) {
+            asked.forget_probe = ImGui::Button("forget it");
+            note("forget");
+        }
+    }
+    if (header("Sea", true)) {
+        table("sea", model.sea);
+        plot("##spectrum", model.spectrum);
+    }
+    if (header("Rates", false))
+        table("rates", model.rates);
+    if (header("Time a pass", false))
+        table("passes", model.passes);
+    if (header("Change the sea", false))
+        sea_itself();
+    ImGui::PopItemWidth();
+    const ImVec2 low = ImGui::GetWindowPos(), size = ImGui::GetWindowSize();
+    box_ = {{low.x, low.y}, {low.x + size.x, low.y + size.y}};
+    ImGui::End();
+    return asked;
+}
+
+} // namespace seaway::client

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+// Probe: a place on the sea that was clicked, what the client says of it now, and its last minute.
+#pragma once
+
+#include <deque>
+#include <optional>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "client/local_surface.h"
+#include "client/view/camera.h"
+
+namespace seaway::client {
+
+/// Where the ray through a point of the picture (-1 .. 1, y down) first meets the surface, world, m; the earth's
+/// curvature included. Nothing: it goes into the sky, or meets nothing within 20 km. `crest_m`: no crest is higher. A
+/// few hundred answers of the surface, a millisecond.
+std::optional<glm::dvec2> where_ray_meets(const sea::Surface& surface, const Camera& camera,
+                                          double picture_x, double picture_y, sea::TimeUs time_us,
+                                          double crest_m);
+
+/// A world place on the picture, -1 .. 1, y down; nothing if it is behind the camera.
+std::optional<glm::dvec2> on_picture(const Camera& camera, double x_m, double y_m, double z_m);
+
+class Probe {
+  public:
+    static constexpr double trace_s = 60;
+    struct Sample {
+        sea::TimeUs time_us;
+        float height_m;
+    };
+
+    explicit Probe(const glm::dvec2& place_m) : place_m_(place_m) {}
+
+    const glm::dvec2& place_m() const { return place_m_; }
+    /// Asks the surface, if it covers the time; times that run backwards are a new trace.
+    void read(const LocalSurface& surface, sea::TimeUs time_us);
+    /// The last one that was covered.
+    const std::optional<sea::Answer>& answer() const { return answer_; }
+    sea::TimeUs time_us() const { return trace_.empty() ? 0 : trace_.back().time_us; }
+    const std::deque<Sample>& trace() const { return trace_; }
+
+  private:
+    glm::dvec2 place_m_;
+    std::optional<sea::Answer> answer_;
+    std::deque<Sample> trace_;
+};
+
+} // namespace seaway::client

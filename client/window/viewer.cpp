@@ -1,0 +1,334 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/window/viewer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "base/text_file.h"
+#include "client/view/sea/sea_source.h"
+#include "client/window/spectrum_curve.h"
+
+namespace seaway::client {
+
+namespace {
+
+constexpr double frame_s = 1.0 / 60; ///< no faster, where the screen sets no pace
+constexpr double settled_s =
+    0.25;                        ///< a window that changes its size is drawn anew when it has ended
+constexpr double stale_s = 0.25; ///< what is older is not of now
+constexpr double stale_brightness = 0.45;
+constexpr double longest_step_s = 0.25; ///< after a pause nothing jumps
+constexpr double crest_heights = 2;     ///< no crest is higher than so many significant heights
+
+double seconds_since(std::chrono::steady_clock::time_point then) {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - then).count();
+}
+
+} // namespace
+
+Viewer::Viewer(const ViewOptions& options)
+    : options_(options), wanted_since_(Clock::now()), pilot_(options.camera),
+      live_at_(Clock::now()), stepped_(Clock::now()), measured_(Clock::now()) {
+    choice_.time_of_day_h = options.time_of_day_h;
+    choice_.debug = options.debug;
+    for (std::size_t i = 0; i < quality_table.size(); ++i)
+        if (quality_table[i].name == options.quality.name)
+            choice_.quality = i;
+}
+
+Result<std::unique_ptr<Viewer>> Viewer::open(const ViewOptions& options,
+                                             const ConnectOptions& connect, bool validation) {
+    std::unique_ptr<Viewer> made(new Viewer(options));
+    SEAWAY_TRY(made->create(connect, validation));
+    return made;
+}
+
+Result<void> Viewer::create(const ConnectOptions& connect, bool validation) {
+    SEAWAY_TRY_LET(window_, GlfwWindow::open("Seaway " + connect.url, options_.camera.width,
+                                             options_.camera.height));
+    SEAWAY_TRY_LET(device_,
+                   gpu::Device::create({.pick = options_.device,
+                                        .validation = validation,
+                                        .instance_extensions = window_->instance_extensions(),
+                                        .device_extensions = {"VK_KHR_swapchain"}}));
+    Result<gpu::Swapchain> swapchain = gpu::Swapchain::create(
+        *device_, [this](VkInstance instance) { return window_->make_surface(instance); });
+    if (!swapchain)
+        return swapchain.error();
+    swapchain_.emplace(std::move(*swapchain));
+    for (gpu::Commands& commands : commands_) {
+        SEAWAY_TRY_LET(commands, gpu::Commands::create(*device_));
+    }
+    SEAWAY_TRY_LET(gui_, Gui::create(*device_, *window_, *swapchain_));
+    window_->set_taken([this](double x, double y) { return panels_.taken(x, y); });
+    feed_.emplace(connect);
+    return {};
+}
+
+Viewer::~Viewer() {
+    feed_.reset();
+    if (device_)
+        vkDeviceWaitIdle(device_->get());
+}
+
+double Viewer::age_s() const {
+    return seconds_since(live_at_);
+}
+
+Result<bool> Viewer::step() {
+    const double since_s = seconds_since(stepped_);
+    window_->poll(model_.stale_s ? frame_s : std::max(frame_s - since_s, 0.0));
+    if (window_->should_close())
+        return false;
+    const double passed_s = std::min(seconds_since(stepped_), longest_step_s);
+    stepped_ = Clock::now();
+    const glm::ivec2 pixels = window_->pixels();
+    if (pixels.x == 0 || pixels.y == 0) { // minimised
+        window_->poll(0.1);
+        return true;
+    }
+    take_sea();
+    gui_->begin();
+    take_input(passed_s);
+    move_with_the_sea(passed_s);
+    take_probe();
+    measure();
+    fill_model();
+    gui_->background(model_.stale_s ? stale_brightness : 1);
+    const Panels::Asked asked = panels_.draw(model_, choice_);
+    if (asked.mode_changed)
+        pilot_.choose(asked.mode);
+    if (asked.speed_mps > 0)
+        pilot_.set_speed(asked.speed_mps);
+    if (asked.forget_probe)
+        probe_.reset();
+    // What was set in this frame is drawn in the next: the picture that the panels lie on stands already.
+    SEAWAY_TRY(show(pixels));
+    SEAWAY_TRY(fit_renderer(pixels));
+    SEAWAY_TRY(draw_sea());
+    return true;
+}
+
+void Viewer::take_sea() {
+    if (std::shared_ptr<Client> client = feed_->client(); client != client_)
+        client_ = std::move(client);
+    if (!client_)
+        return;
+    const sea::TimeUs now_us = client_->now_us();
+    Result<SeaFrame> frame = held_sea_frame(*client_, now_us);
+    if (!frame)
+        return;
+    Result<LocalSurface> surface = client_->surface(now_us);
+    if (!surface)
+        return;
+    frame_ = std::move(*frame);
+    surface_.emplace(std::move(*surface));
+    live_at_ = Clock::now();
+    if (const SeaStatePtr state = client_->sea_state(now_us); state != state_) {
+        state_ = state;
+        model_.spectrum = spectrum_curve(state_->scene);
+    }
+}
+
+void Viewer::take_input(double seconds) {
+    const bool typing = gui_->wants_keys();
+    for (const GlfwWindow::Command command : window_->take_commands(typing))
+        switch (command) {
+        case GlfwWindow::Command::fly:
+            pilot_.choose(CameraMode::fly);
+            break;
+        case GlfwWindow::Command::orbit:
+            pilot_.choose(CameraMode::orbit);
+            break;
+        case GlfwWindow::Command::follow:
+            pilot_.choose(CameraMode::follow);
+            break;
+        case GlfwWindow::Command::second_camera:
+            choice_.second_camera = !choice_.second_camera;
+            break;
+        case GlfwWindow::Command::panels:
+            choice_.panels = !choice_.panels;
+            break;
+        }
+    pilot_.steer(window_->take_steering(typing), seconds);
+    if (!choice_.second_camera)
+        mesh_camera_ = pilot_.camera();
+}
+
+void Viewer::move_with_the_sea(double seconds) {
+    if (!surface_ || age_s() > stale_s)
+        return;
+    const auto at = [&](double x_m, double y_m) {
+        return surface_->surface.answer({x_m, y_m, frame_->time_us});
+    };
+    if (pilot_.mode() == CameraMode::follow) {
+        const Float& on = pilot_.floating();
+        const sea::Answer answer = at(on.x_m, on.y_m);
+        pilot_.ride(answer.height_m, {answer.velocity_mps[0], answer.velocity_mps[1]}, seconds);
+    } else if (camera().z_m < crest_heights * frame_->significant_height_m) {
+        pilot_.stay_above(at(camera().x_m, camera().y_m).height_m);
+    }
+}
+
+void Viewer::take_probe() {
+    const std::optional<glm::dvec2> click = window_->take_click();
+    if (!surface_)
+        return;
+    if (click) {
+        Camera seen = camera();
+        seen.width = drawn_pixels_.x;
+        seen.height = drawn_pixels_.y;
+        const glm::dvec2 at = 2.0 * *click / glm::dvec2(window_->points()) - 1.0;
+        if (const auto place = where_ray_meets(surface_->surface, seen, at.x, at.y, frame_->time_us,
+                                               crest_heights * frame_->significant_height_m)) {
+            probe_.emplace(*place);
+            probe_->read(*surface_, frame_->time_us);
+            // A window whose output nobody reads goes on.
+            (void)write_out(stdout, probe_line(*probe_));
+        }
+    }
+    if (probe_)
+        probe_->read(*surface_, frame_->time_us);
+}
+
+Result<void> Viewer::fit_renderer(const glm::ivec2& pixels) {
+    if (pixels != wanted_pixels_) {
+        wanted_pixels_ = pixels;
+        wanted_since_ = Clock::now();
+    }
+    const bool other_quality = choice_.quality != drawn_quality_;
+    const bool other_size = pixels != drawn_pixels_ && seconds_since(wanted_since_) > settled_s;
+    if (renderer_ && !other_quality && !other_size)
+        return {};
+    return create_renderer(pixels);
+}
+
+Result<void> Viewer::create_renderer(const glm::ivec2& pixels) {
+    if (renderer_)
+        SEAWAY_TRY(renderer_->finish());
+    vkDeviceWaitIdle(device_->get());
+    gui_->set_picture(nullptr);
+    picture_is_set_ = false;
+    renderer_.reset(); // two do not lie in memory at once
+    Result<Renderer> made = Renderer::create(
+        *device_, pixels.x, pixels.y,
+        {.quality = quality_table[choice_.quality], .visibility_m = choice_.visibility_m});
+    if (!made)
+        return made.error();
+    renderer_.emplace(std::move(*made));
+    drawn_pixels_ = pixels;
+    drawn_quality_ = choice_.quality;
+    drawn_inputs_.clear();
+    return {};
+}
+
+std::vector<double> Viewer::inputs() const {
+    std::vector<double> values{choice_.time_of_day_h,
+                               choice_.exposure_ev,
+                               choice_.visibility_m,
+                               static_cast<double>(choice_.debug.view),
+                               static_cast<double>(choice_.debug.cascade),
+                               static_cast<double>(frame_->time_us)};
+    for (const Camera& of : {camera(), mesh_camera_})
+        values.insert(values.end(), {of.x_m, of.y_m, of.z_m, of.yaw_deg, of.pitch_deg});
+    return values;
+}
+
+Result<void> Viewer::draw_sea() {
+    if (!frame_)
+        return {};
+    std::vector<double> wanted = inputs();
+    if (wanted == drawn_inputs_) // it stands on the device
+        return {};
+    if (!sky_ || sky_hour_ != choice_.time_of_day_h) {
+        sky_.emplace(sun_direction(choice_.time_of_day_h));
+        sky_hour_ = choice_.time_of_day_h;
+    }
+    Camera seen = camera();
+    seen.width = drawn_pixels_.x;
+    seen.height = drawn_pixels_.y;
+    DebugChoice debug = choice_.debug;
+    debug.cascade = std::min(debug.cascade, static_cast<int>(frame_->cascades.size()) - 1);
+    const Display display{
+        debug.view, exposure_by_light(sky_->white_radiance()) * std::exp2(choice_.exposure_ev),
+        frame_->significant_height_m};
+    renderer_->set_visibility(choice_.visibility_m);
+    SEAWAY_TRY(renderer_->draw(*frame_, seen, *sky_, debug, display, Wanted::nothing,
+                               choice_.second_camera ? &mesh_camera_ : nullptr));
+    drawn_inputs_ = std::move(wanted);
+    ++sea_frames_;
+    if (!picture_is_set_) {
+        vkDeviceWaitIdle(device_->get());
+        gui_->set_picture(&renderer_->shown());
+        picture_is_set_ = true;
+    }
+    return {};
+}
+
+void Viewer::measure() {
+    const double passed_s = seconds_since(measured_);
+    if (passed_s < 1)
+        return;
+    const FeedStatus feed = feed_->status();
+    const auto rate = [&](std::uint64_t now, std::uint64_t then) {
+        return static_cast<double>(now - then) / passed_s;
+    };
+    keyframes_hz_ = rate(feed.keyframes, measured_feed_.keyframes);
+    bytes_hz_ = rate(feed.bytes, measured_feed_.bytes);
+    frames_hz_ = rate(sea_frames_, measured_frames_);
+    measured_feed_ = feed;
+    measured_frames_ = sea_frames_;
+    measured_ = Clock::now();
+}
+
+void Viewer::fill_model() {
+    const FeedStatus feed = feed_->status();
+    model_.shows_sea = frame_.has_value();
+    model_.stale_s.reset();
+    if (frame_ && age_s() > stale_s)
+        model_.stale_s = age_s();
+    model_.notice.clear();
+    if (model_.stale_s)
+        model_.notice = stale_text(*model_.stale_s);
+    else if (!frame_)
+        model_.notice =
+            "no sea yet: " + options_.url + (feed.reason.empty() ? "" : " (" + feed.reason + ")");
+    model_.connection = connection_rows(options_.url, feed, client_.get(), model_.stale_s);
+    model_.rates = rate_rows(feed, keyframes_hz_, bytes_hz_, frames_hz_);
+    model_.sea = state_ ? sea_rows(*state_, frame_->time_us) : std::vector<PanelRow>{};
+    model_.passes = renderer_ ? pass_rows(renderer_->pass_times()) : std::vector<PanelRow>{};
+    const Probe* probe = probe_ ? &*probe_ : nullptr;
+    model_.probe = probe_rows(probe);
+    model_.trace = trace_curve(probe);
+    model_.probe_mark.reset();
+    if (probe && probe->answer()) {
+        Camera seen = camera();
+        seen.width = std::max(drawn_pixels_.x, 1);
+        seen.height = std::max(drawn_pixels_.y, 1);
+        model_.probe_mark =
+            on_picture(seen, probe->place_m().x, probe->place_m().y, probe->answer()->height_m);
+    }
+    model_.cascades = frame_ ? static_cast<int>(frame_->cascades.size()) : 0;
+    model_.speed_mps = pilot_.speed_mps();
+    model_.camera = pilot_.mode();
+}
+
+Result<void> Viewer::show(const glm::ivec2& pixels) {
+    SEAWAY_TRY_LET(const gpu::Swapchain::Next next,
+                   swapchain_->acquire(static_cast<std::uint32_t>(pixels.x),
+                                       static_cast<std::uint32_t>(pixels.y)));
+    if (next == gpu::Swapchain::Next::wait) {
+        gui_->drop();
+        return {};
+    }
+    gpu::Commands& commands = commands_[swapchain_->flight()];
+    SEAWAY_TRY(commands.begin());
+    swapchain_->begin(commands);
+    SEAWAY_TRY(gui_->record(commands, *swapchain_));
+    swapchain_->end(commands);
+    SEAWAY_TRY(commands.end());
+    return swapchain_->present(commands);
+}
+
+} // namespace seaway::client

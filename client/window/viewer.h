@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+// Viewer: the window of seaway-view. Keeps a connection, draws the sea of now at the client's clock, and panels over it.
+//
+//     Result<std::unique_ptr<Viewer>> viewer = Viewer::open(options, connect_options);
+//     for (;;) {
+//         Result<bool> open = (*viewer)->step();   // one frame
+//         if (!open || !*open) break;
+//     }
+//
+// Where no keyframes cover the time the last frame stays, dimmed, with its age. One at a time; for the thread that
+// made it.
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "client/view/renderer.h"
+#include "client/view/view_options.h"
+#include "client/window/feed.h"
+#include "client/window/glfw_window.h"
+#include "client/window/gui.h"
+#include "client/window/model.h"
+#include "client/window/panels.h"
+#include "client/window/pilot.h"
+#include "client/window/probe.h"
+#include "gpu/draw/swapchain.h"
+
+namespace seaway::client {
+
+class Viewer {
+  public:
+    /// An error is one line: no display, no device that can show pictures in a window, or not enough memory. That
+    /// there is no server is none: it is tried again. `validation`: for tests.
+    static Result<std::unique_ptr<Viewer>>
+    open(const ViewOptions& options, const ConnectOptions& connect, bool validation = false);
+    ~Viewer();
+    Viewer(const Viewer&) = delete;
+    Viewer& operator=(const Viewer&) = delete;
+
+    /// One frame. False: the window was closed. An error: the device is lost.
+    Result<bool> step();
+
+    const WindowModel& model() const { return model_; }
+    const ViewChoice& choice() const { return choice_; }
+    const Panels& panels() const { return panels_; }
+    const Camera& camera() const { return pilot_.camera(); }
+    const std::optional<Probe>& probe() const { return probe_; }
+    const gpu::Device& device() const { return *device_; }
+    glm::ivec2 pixels() const { return window_->pixels(); }
+    /// The size that the sea is drawn for; the window's, but for a moment after that has changed.
+    glm::ivec2 drawn_pixels() const { return drawn_pixels_; }
+    /// Frames of the sea that were drawn.
+    std::uint64_t sea_frames() const { return sea_frames_; }
+
+  private:
+    using Clock = std::chrono::steady_clock;
+
+    explicit Viewer(const ViewOptions& options);
+    Result<void> create(const ConnectOptions& connect, bool validation);
+    Result<void> fit_renderer(const glm::ivec2& pixels);
+    Result<void> create_renderer(const glm::ivec2& pixels);
+    void take_sea();
+    void take_input(double seconds);
+    void move_with_the_sea(double seconds);
+    void take_probe();
+    Result<void> draw_sea();
+    void measure();
+    void fill_model();
+    Result<void> show(const glm::ivec2& pixels);
+    std::vector<double> inputs() const;
+    double age_s() const;
+
+    ViewOptions options_;
+    std::unique_ptr<GlfwWindow> window_;
+    std::unique_ptr<gpu::Device> device_;
+    std::optional<gpu::Swapchain> swapchain_;
+    std::array<gpu::Commands, gpu::Swapchain::flights> commands_;
+    std::optional<Renderer> renderer_;
+    glm::ivec2 drawn_pixels_{0}, wanted_pixels_{0};
+    std::size_t drawn_quality_ = 0;
+    Clock::time_point wanted_since_;
+    bool picture_is_set_ = false;
+    std::unique_ptr<Gui> gui_;
+    std::optional<Feed> feed_;
+
+    Pilot pilot_;
+    Camera mesh_camera_;
+    ViewChoice choice_;
+    Panels panels_;
+    WindowModel model_;
+    std::optional<Probe> probe_;
+    std::optional<Sky> sky_;
+    double sky_hour_ = -1;
+
+    std::shared_ptr<Client> client_;
+    std::optional<SeaFrame> frame_;       ///< the last that was held
+    std::optional<LocalSurface> surface_; ///< of that time
+    SeaStatePtr state_;
+    Clock::time_point live_at_; ///< when it was of now
+    std::vector<double> drawn_inputs_;
+    std::uint64_t sea_frames_ = 0;
+
+    Clock::time_point stepped_, measured_;
+    FeedStatus measured_feed_;
+    std::uint64_t measured_frames_ = 0;
+    double keyframes_hz_ = 0, bytes_hz_ = 0, frames_hz_ = 0;
+};
+
+} // namespace seaway::client

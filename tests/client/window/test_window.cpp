@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gmock/gmock.h>
+
+#include "client/link/failure.h"
+#include "sea/basics/constants.h"
+#include "tests/client/window/window_fixture.h"
+
+namespace seaway::client {
+namespace {
+
+TEST_F(WindowTest, shows_the_sea_with_its_horizon_where_geometry_says) {
+    open(options());
+    step();
+    const tests::Screenshot seen = shot();
+    EXPECT_GT(seen.mean(), 20) << "black";
+    // Drawn at half the size, so a row of it is two; the waves' crests lift the horizon by less.
+    EXPECT_NEAR(darkest_step(seen), horizon_row(viewer_->camera(), width, height), 3);
+    EXPECT_FALSE(viewer_->model().stale_s);
+    EXPECT_EQ(viewer_->model().notice, "");
+}
+
+TEST_F(WindowTest, is_drawn_anew_in_the_size_that_the_window_is_given) {
+    open(options());
+    for (const glm::ivec2 size : {glm::ivec2(1000, 700), glm::ivec2(500, 300)}) {
+        display_->tool(fmt::format("windowsize {} {} {}", window_id(), size.x, size.y));
+        ASSERT_TRUE(step_until([&] { return viewer_->drawn_pixels() == size; }));
+        step();
+        const tests::Screenshot seen = shot();
+        ASSERT_EQ(seen.width, size.x);
+        EXPECT_NEAR(darkest_step(seen), horizon_row(viewer_->camera(), size.x, size.y), 3);
+        EXPECT_GT(seen.row(size.y - 1, 0, size.x), 5) << "the last row is drawn, too";
+    }
+}
+
+TEST_F(WindowTest, a_click_on_the_sea_shows_what_the_server_says_of_that_place) {
+    open(options());
+    const double x = 600, y = 330;
+    mouse(x, y);
+    display_->tool("click 1");
+    ASSERT_TRUE(step_until([&] { return viewer_->probe().has_value(); }));
+    const Probe& probe = *viewer_->probe();
+    ASSERT_TRUE(probe.answer());
+    const auto client = Client::connect({.url = url_});
+    ASSERT_TRUE(client) << client.error().message;
+    const sea::QueryPoint point{probe.place_m().x, probe.place_m().y, probe.time_us()};
+    const auto exact = (*client)->ask({&point, 1}, {.exact = true});
+    ASSERT_TRUE(exact) << exact.error().message;
+    const sea::Answer truth = exact->front();
+    EXPECT_NEAR(probe.answer()->height_m, truth.height_m, probe.answer()->error_m + truth.error_m);
+    EXPECT_LT(probe.answer()->error_m, 0.05);
+    // That place is below the mouse: projection knows nothing of how it was found. A click is of whole points, and
+    // its waves have moved by a frame since.
+    Camera camera = viewer_->camera();
+    camera.width = width;
+    camera.height = height;
+    const auto mark = on_picture(camera, probe.place_m().x, probe.place_m().y, truth.height_m);
+    ASSERT_TRUE(mark);
+    EXPECT_NEAR((mark->x + 1) / 2 * width, x, 2);
+    EXPECT_NEAR((mark->y + 1) / 2 * height, y, 2);
+    // And the panel says so, and draws its trace.
+    step(30);
+    EXPECT_GT(viewer_->model().trace.values.size(), 10u);
+    std::string said;
+    for (const PanelRow& row : viewer_->model().probe)
+        said += row.label + " " + row.value + "\n";
+    EXPECT_THAT(said, testing::HasSubstr(fmt::format("height {:.3f} m, within",
+                                                     viewer_->probe()->answer()->height_m)));
+    EXPECT_THAT(said, testing::HasSubstr("velocity"));
+}
+
+TEST_F(WindowTest, a_click_on_a_panel_is_no_click_on_the_sea) {
+    open(options());
+    const Panels::Box& at = viewer_->panels().places().at("exposure");
+    mouse(at.low.x + 5, (at.low.y + at.high.y) / 2);
+    step();
+    display_->tool("click 1");
+    ASSERT_TRUE(step_until([&] { return viewer_->choice().exposure_ev < -1; }));
+    step();
+    EXPECT_FALSE(viewer_->probe());
+}
+
+TEST_F(WindowTest, the_slider_of_the_hour_makes_night) {
+    open(options());
+    step();
+    const double noon = shot().mean();
+    const Panels::Box at = viewer_->panels().places().at("hour");
+    const double middle = (at.low.y + at.high.y) / 2;
+    mouse((at.low.x + at.high.x) / 2, middle);
+    step();
+    display_->tool("mousedown 1");
+    step();
+    mouse(at.low.x + 3, middle);
+    ASSERT_TRUE(step_until([&] { return viewer_->choice().time_of_day_h < 1; }));
+    display_->tool("mouseup 1");
+    step(10);
+    EXPECT_LT(shot().mean(), 0.7 * noon);
+}
+
+TEST_F(WindowTest, a_server_that_goes_is_stale_and_one_that_comes_back_is_live) {
+    open(options());
+    step();
+    const double live = shot().row(20, width * 6 / 10, width);
+    server_->send(SIGKILL);
+    server_->wait_for_exit(std::chrono::seconds(10));
+    ASSERT_TRUE(step_until([&] { return viewer_->model().stale_s.value_or(0) > 0.5; })) << text();
+    step();
+    EXPECT_THAT(viewer_->model().notice, testing::StartsWith("stale, "));
+    const double stale = shot().row(20, width * 6 / 10, width);
+    EXPECT_LT(stale, 0.7 * live) << "dimmed";
+    EXPECT_GT(stale, 0.2 * live) << "but there";
+    const std::uint64_t drawn = viewer_->sea_frames();
+    step(10);
+    EXPECT_LE(viewer_->sea_frames(), drawn + 1) << "a frame that stands is not drawn again";
+
+    start_server(url_.substr(std::string("ws://").size()));
+    ASSERT_FALSE(url_.empty()) << server_->log();
+    ASSERT_TRUE(step_until([&] { return !viewer_->model().stale_s; })) << text();
+    step();
+    EXPECT_GT(shot().row(20, width * 6 / 10, width), 0.8 * live);
+    EXPECT_THAT(text(), testing::HasSubstr("connections: 2"));
+}
+
+TEST_F(WindowTest, opens_without_a_server_and_says_why_there_is_no_sea) {
+    ViewOptions nowhere = options();
+    nowhere.url = "ws://127.0.0.1:1";
+    Result<std::unique_ptr<Viewer>> made = Viewer::open(nowhere, {.url = nowhere.url}, true);
+    ASSERT_TRUE(made) << made.error().message;
+    viewer_ = std::move(*made);
+    ASSERT_TRUE(step_until([&] {
+        return viewer_->model().notice.find("no sea yet: ws://127.0.0.1:1 (") == 0;
+    })) << text();
+    step();
+    EXPECT_THAT(text(), testing::HasSubstr("state: next attempt in"));
+    EXPECT_EQ(viewer_->sea_frames(), 0u);
+}
+
+} // namespace
+} // namespace seaway::client
