@@ -149,6 +149,24 @@ DirectionalSpectrum::Peak peak_of(std::span<const DirectionalSpectrum> spectra) 
     return strongest->peak_around(best_omega);
 }
 
+/// Of energies by frequency, whatever the directions, where most is. Waves of one length on tiles of several
+/// lengths differ in their last bits: they are one line.
+double strongest_line(const std::map<double, double>& energy_by_omega) {
+    double best_omega = 0.0, best = 0.0, line_omega = 0.0, sum = 0.0;
+    for (const auto& [omega, energy] : energy_by_omega) {
+        if (omega > line_omega * (1.0 + 1e-9)) {
+            line_omega = omega;
+            sum = 0.0;
+        }
+        sum += energy;
+        if (sum > best) {
+            best = sum;
+            best_omega = line_omega;
+        }
+    }
+    return best_omega;
+}
+
 SeaStatistics requested_statistics(const SeaState& sea,
                                    std::span<const DirectionalSpectrum> spectra, double finest_k_hi,
                                    double& peak_bin_period_s) {
@@ -167,18 +185,14 @@ SeaStatistics requested_statistics(const SeaState& sea,
                                orbit_aspect(k, sea.depth_m));
         }
     }
-    std::map<double, double> lines; // energy of each frequency, whatever the directions
+    std::map<double, double> lines;
     over_explicit(sea, [&](double energy, double omega, double k, double direction, bool still) {
         sums.add(energy, omega, std::polar(1.0, direction));
         sums.add_gradients(energy, k, still ? 0.0 : orbit_aspect(k, sea.depth_m));
         lines[omega] += energy;
     });
-    if (spectra.empty()) {
-        const auto strongest =
-            std::max_element(lines.begin(), lines.end(),
-                             [](const auto& a, const auto& b) { return a.second < b.second; });
-        return statistics(sums, strongest == lines.end() ? 0.0 : strongest->first);
-    }
+    if (spectra.empty())
+        return statistics(sums, strongest_line(lines));
     const DirectionalSpectrum::Peak peak = peak_of(spectra);
     peak_bin_period_s = peak.bin_omega_radps > 0.0 ? two_pi / peak.bin_omega_radps : 0.0;
     return statistics(sums, peak.omega_radps);

@@ -94,6 +94,18 @@ TEST(ExplicitWaves, waves_of_one_frequency_are_one_line_of_the_spectrum) {
         }
 }
 
+// The same wave on a tile of a third of the length: wavenumbers differ in their last bit for some of them.
+TEST(ExplicitWaves, waves_of_one_length_on_two_tiles_are_one_line) {
+    for (int steps = 1; steps <= 10; ++steps) {
+        SeaState sea = sea_of({{3 * steps, 0, 0.8, 0}, {0, 4 * steps, 1.0, 0}});
+        sea.systems.emplace_back(ExplicitModes{length_m / 3, {{0, -steps, 0.8, 1}}});
+        const CascadeSpec wide{length_m, 128};
+        EXPECT_NEAR(summarize(sea, *realize(sea, {&wide, 1})).requested.peak_period_s,
+                    period_s(sea, 3 * steps), 1e-9)
+            << steps;
+    }
+}
+
 void expect_equal(const SeaStatistics& a, const SeaStatistics& b) {
     const auto expect_near = [](double one, double other, const char* what) {
         EXPECT_NEAR(one, other, 1e-9 * std::max(1.0, std::abs(one))) << what;
