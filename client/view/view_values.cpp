@@ -77,6 +77,22 @@ void set_light(shaders::ViewValues& out, const Sky& sky) {
     out.sky_irradiance_klx = narrow(sky.sky_irradiance());
 }
 
+/// Rows of foam along the wind begin at 10 m/s (Beaufort 5 to 6), where foam covers half a percent.
+void set_rows_of_wind(shaders::ViewValues& out, const SeaFrame& frame, const glm::dvec2& camera_m) {
+    constexpr double first_cover = 0.005, full_cover = 0.02, strongest = 0.8;
+    const double azimuth_rad = glm::radians(90 - (frame.mean_from_deg + 180));
+    const glm::dvec2 turn(std::cos(azimuth_rad), std::sin(azimuth_rad));
+    const glm::dvec2 downwind(glm::dot(turn, camera_m), turn.x * camera_m.y - turn.y * camera_m.x);
+    const glm::dvec2 cells =
+        downwind * glm::dvec2(shaders::view_rows_a_metre_along, shaders::view_rows_a_metre_across);
+    const double period = shaders::view_noise_period_m; // of noise in cells of one
+    out.wind_turn = narrow(turn);
+    out.foam_rows_origin = narrow(fraction(cells / period) * period);
+    out.foam_rows =
+        narrow(strongest *
+               std::clamp((frame.foam_mean - first_cover) / (full_cover - first_cover), 0.0, 1.0));
+}
+
 void set_detail(shaders::ViewValues& out, const SeaFrame& frame, const glm::dvec2& camera_m,
                 const RenderOptions& options) {
     const Tail tail = tail_of(frame);
@@ -129,6 +145,7 @@ shaders::ViewValues view_values(const SeaFrame& frame, const Camera& camera, con
     out.foam_softness = narrow(breaking_softness);
     out.foam_mean = narrow(frame.foam_mean);
     out.foam_level = foam_level(frame.significant_height_m);
+    set_rows_of_wind(out, frame, camera_m);
     set_detail(out, frame, camera_m, options);
 
     out.what = static_cast<int>(debug.view);

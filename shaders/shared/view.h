@@ -25,9 +25,11 @@ struct alignas(16) mat4 {
     std::array<float, 16> column_major{};
 };
 #define SEAWAY_SHARED_CONSTANT inline constexpr int
+#define SEAWAY_SHARED_NUMBER inline constexpr float
 #define SEAWAY_STD140_ELEMENT alignas(16)
 #else
 #define SEAWAY_SHARED_CONSTANT const int
+#define SEAWAY_SHARED_NUMBER const float
 #define SEAWAY_STD140_ELEMENT
 #endif
 
@@ -44,6 +46,10 @@ SEAWAY_SHARED_CONSTANT view_colours_signed_1 = 3;
 SEAWAY_SHARED_CONSTANT view_colours_unsigned_1 = 4;
 SEAWAY_SHARED_CONSTANT view_colours_jacobian = 5;
 SEAWAY_SHARED_CONSTANT view_colours_roughness = 6;
+
+/// Rows of foam along the wind: cells of 40 m by 5 m.
+SEAWAY_SHARED_NUMBER view_rows_a_metre_along = 0.025f;
+SEAWAY_SHARED_NUMBER view_rows_a_metre_across = 0.2f;
 
 /// Foam noise repeats after this many metres.
 SEAWAY_SHARED_CONSTANT view_noise_period_m = 256;
@@ -127,17 +133,21 @@ struct ViewValues {
     float exposure;         ///< factor to a picture in which white is 1
     float height_scale_m;   ///< where heights have their full colour
     vec2 picture_per_shown; ///< pixels drawn a pixel shown
+    vec2 wind_turn;         ///< where waves run to, unit
+    vec2 foam_rows_origin;  ///< of the local frame in the rows along the wind, cells
+    float foam_rows;        ///< how strong those are, 0 .. 1
     ViewCascade cascade[view_cascades_max];
 };
 
 #ifdef __cplusplus
 static_assert(offsetof(ViewValues, camera_m) == 128 && offsetof(ViewValues, foam_mean) == 256);
-static_assert(offsetof(ViewValues, detail_origin) == 272 && offsetof(ViewValues, cascade) == 352);
+static_assert(offsetof(ViewValues, detail_origin) == 272 && offsetof(ViewValues, cascade) == 368);
 static_assert(sizeof(ViewCascade) == 80);
-static_assert(sizeof(ViewValues) == 352 + 80 * view_cascades_max);
+static_assert(sizeof(ViewValues) == 368 + 80 * view_cascades_max);
 } // namespace seaway::shaders
 #endif
 #undef SEAWAY_SHARED_CONSTANT
+#undef SEAWAY_SHARED_NUMBER
 #undef SEAWAY_STD140_ELEMENT
 
 #endif

@@ -59,7 +59,7 @@ void main() {
         value.rgb = vec3(sqrt(g.variance.x + g.variance.y));
         break;
     case view_foam:
-        value.rgb = vec3(foam_cover(foam_share(g), place.undisplaced_m, area.pixel_m));
+        value.rgb = vec3(foam_at(foam_share(g), place.undisplaced_m, area.pixel_m).cover);
         break;
     case view_cascade:
         value.rg = gradients_of_cascade(area, view.what_cascade).slope;

@@ -111,6 +111,20 @@ vec3 water_body(vec3 to_eye, vec3 normal, float height_m, float jacobian) {
     return deep_water() + tint * crest * facing * thin;
 }
 
+/// Foam scatters as a sheet does, by its own bumps: tilted faces are larger, so their normals are not of unit length, and
+/// bumps send back what a sheet would. Wet foam reflects 0.5 to 0.6 (Whitlock 1982): less at thin edges.
+vec3 foam_radiance(Foam foam, vec3 normal) {
+    const vec3 bumped = normal + vec3(foam.tilt, 0.0);
+    const float albedo = mix(0.5, 0.7, foam.thick);
+    return albedo / pi * (view.sky_irradiance_klx + view.sun_irradiance_klx * max(dot(bumped, view.sun_direction), 0.0));
+}
+
+/// Where waves have broken, bubbles in the water send light back before red is swallowed.
+vec3 bubbles_below(float white) {
+    const vec3 down = view.sky_irradiance_klx + view.sun_irradiance_klx * max(view.sun_direction.z, 0.0);
+    return 0.25 * min(2.0 * white, 1.0) * vec3(0.10, 0.32, 0.30) * down / pi;
+}
+
 /// to_eye: unit.
 vec3 water_radiance(Place place, vec3 to_eye) {
     const Footprint area = footprint(place.undisplaced_m, to_eye, place.distance_m);
@@ -131,13 +145,11 @@ vec3 water_radiance(Place place, vec3 to_eye) {
                                      2.0 * look.x * look.y * g.variance.z, 0.0));
     const float fresnel = mean_fresnel(clamp(dot(normal, to_eye), 0.0, 1.0), sigma);
 
-    vec3 colour = mix(water_body(to_eye, normal, place.height_m, scaled.z),
+    vec3 colour = mix(bubbles_below(white) + water_body(to_eye, normal, place.height_m, scaled.z),
                       reflected_sky(to_eye, slope, g.variance), fresnel);
     colour += sun_glint(to_eye, normal, slope, g.variance);
-    const float cover = foam_cover(white, place.undisplaced_m, area.pixel_m);
-    const vec3 lit = (view.sky_irradiance_klx + view.sun_irradiance_klx *
-                          max(dot(normal, view.sun_direction), 0.0)) / pi;
-    colour = mix(colour, 0.6 * lit, cover); // wet foam: Whitlock 1982 gives 0.5 to 0.6
+    const Foam foam = foam_at(white, place.undisplaced_m, area.pixel_m);
+    colour = mix(colour, foam_radiance(foam, normal), foam.cover);
 
     const float clear = exp(-place.distance_m * view.extinction_per_m);
     return mix(sky_radiance(vec3(-to_eye.xy, 0.0), 0.0), colour, clear);

@@ -26,6 +26,7 @@ struct SeaFrame {
     sea::Choppiness choppiness;
     // Of the sea state, so that nothing that is built from them changes from frame to frame.
     double significant_height_m = 1;
+    double mean_from_deg = 0;     ///< bearing that waves come from
     double reach_m = 1;           ///< no point is moved sideways further, choppiness included
     double foam_threshold = 0.45; ///< Jacobian below which a crest breaks
     double foam_mean = 0;         ///< mean coverage by what has broken (docs/foam.md); 0: no foam

@@ -63,6 +63,7 @@ Result<SeaFrame> held_sea_frame(const Client& client, sea::TimeUs time_us) {
     frame.choppiness = {state->choppiness_x, state->choppiness_y};
     frame.significant_height_m = state->realised.hs_m;
     frame.reach_m = reach_of(*state);
+    frame.mean_from_deg = state->realised.mean_from_deg;
     frame.foam_mean = state->foam_mean;
     frame.foam_threshold = state->foam_threshold;
     for (std::size_t c = 0; c < state->cascades.size(); ++c) {

@@ -163,6 +163,26 @@ TEST(ViewValues, waves_beyond_the_finest_cascade_are_a_smaller_turned_copy_of_it
     EXPECT_EQ(one.values().detail_amplitude, 0) << "its peak says nothing of shorter waves";
 }
 
+TEST(ViewValues, rows_of_foam_run_with_the_waves_and_stay_where_they_are) {
+    Shown shown;
+    shown.frame.mean_from_deg = 300; // they run towards 120: east and a little south
+    const shaders::ViewValues v = shown.values();
+    const double east = std::sin(two_pi / 3), north = std::cos(two_pi / 3);
+    EXPECT_NEAR(v.wind_turn.x, east, 1e-6);
+    EXPECT_NEAR(v.wind_turn.y, north, 1e-6);
+    // Cells of 40 m along and 5 m across; the noise repeats after 256 of them.
+    const double along = (-1234.5 * east + 777.25 * north) / 40;
+    const double across = (777.25 * east + 1234.5 * north) / 5;
+    EXPECT_NEAR(v.foam_rows_origin.x, along - 256 * std::floor(along / 256), 1e-3);
+    EXPECT_NEAR(v.foam_rows_origin.y, across - 256 * std::floor(across / 256), 1e-3);
+    EXPECT_FLOAT_EQ(v.foam_rows, 0.8f) << "foam covers 2.1 %";
+    for (const auto& [cover, rows] :
+         {std::pair(0.0, 0.0), {0.005, 0.0}, {0.0125, 0.4}, {0.02, 0.8}, {0.5, 0.8}}) {
+        shown.frame.foam_mean = cover;
+        EXPECT_NEAR(shown.values().foam_rows, rows, 1e-6) << cover;
+    }
+}
+
 TEST(ViewValues, patches_of_foam_are_as_large_as_the_sea_is_high) {
     Shown shown;
     for (const auto& [hs_m, level] :

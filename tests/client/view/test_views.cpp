@@ -167,10 +167,25 @@ TEST_F(ViewsTest, a_sea_that_is_all_foam_is_a_sheet_in_the_light_of_sky_and_sun)
     const Picture picture = render(white_sea(), sky, DebugView::final, {.visibility_m = 1e12});
     const glm::dvec3 lit =
         0.6 / pi * (sky.sky_irradiance() + sky.sun_irradiance() * sky.sun_direction().z);
-    for (int y = 30; y < picture.height; y += 10)
-        for (int x = 5; x < picture.width; x += 20)
+    glm::dvec3 sum(0);
+    int count = 0;
+    double least = 1e9, most = 0;
+    for (int y = 30; y < picture.height; ++y)
+        for (int x = 0; x < picture.width; ++x) {
             for (int c = 0; c < 3; ++c)
-                EXPECT_NEAR(static_cast<double>(picture.pixel(x, y)[c]) / lit[c], 1, 1e-3);
+                sum[c] += static_cast<double>(picture.pixel(x, y)[c]);
+            const double share = static_cast<double>(picture.pixel(x, y)[1]) / lit[1];
+            least = std::min(least, share);
+            most = std::max(most, share);
+            ++count;
+        }
+    // Bumps and thin places are lighter and darker; all of them together are the sheet. Some 400 bumps are in the
+    // picture, of 20 % each.
+    for (int c = 0; c < 3; ++c)
+        EXPECT_NEAR(sum[c] / count / lit[c], 1, 0.03);
+    EXPECT_GT(least, 0.2);
+    EXPECT_LT(most, 1.8);
+    EXPECT_GT(most - least, 0.2) << "it has a surface of its own";
 }
 
 // A white sea is brighter than the sky behind it; where the horizon runs through a pixel, each of its
@@ -224,16 +239,17 @@ TEST_F(ViewsTest, the_disk_of_the_sun_sends_all_of_its_light_and_no_more) {
 TEST_F(ViewsTest, patches_of_foam_have_no_seams) {
     SeaFrame frame = flat_sea();
     frame.foam_mean = 0.5;
-    frame.significant_height_m = 100; // cells of 16 m down to 1/8 m
+    frame.significant_height_m = 100; // patches of 16 m, lace of 1 m and 1/4 m
     double least = 1, most = 0, jump = 0;
-    for (int look = 0; look < 8; ++look) { // a look is half a metre of patches of metres
+    for (int look = 0; look < 20;
+         ++look) { // a look is a tenth of a metre: edges are some pixels wide
         camera_ = {.x_m = 7.3 * look,
                    .y_m = -4.1 * look,
                    .z_m = 2.5,
                    .pitch_deg = -80,
-                   .view_deg = 12,
-                   .width = 240,
-                   .height = 136};
+                   .view_deg = 2,
+                   .width = 120,
+                   .height = 68};
         const Picture foam = render(frame, Sky(sun_direction(12)), DebugView::foam);
         for (int y = 1; y < foam.height; ++y)
             for (int x = 1; x < foam.width; ++x) {
@@ -247,6 +263,69 @@ TEST_F(ViewsTest, patches_of_foam_have_no_seams) {
     EXPECT_LT(least, 0.01);
     EXPECT_GT(most, 0.99);
     EXPECT_LT(jump, 0.3);
+}
+
+// From 60 m the picture is 72 m wide, east to the right: six rows of 10 m. Waves run east; so do the rows, and means along
+// them differ by more than means across them.
+TEST_F(ViewsTest, foam_gathers_in_rows_along_the_wind_once_there_is_enough_of_it) {
+    SeaFrame frame = flat_sea();
+    frame.mean_from_deg = 270;
+    frame.significant_height_m = 0.5; // patches are small
+    camera_ = {.z_m = 60, .yaw_deg = 0, .pitch_deg = -89, .width = 160, .height = 160};
+    struct Scatter {
+        double of_rows, of_columns;
+    };
+    const auto scatter = [&](double foam_mean) {
+        frame.foam_mean = foam_mean;
+        const Picture foam = render(frame, Sky(sun_direction(12)), DebugView::foam);
+        std::vector<double> rows(160), columns(160);
+        for (int y = 0; y < 160; ++y)
+            for (int x = 0; x < 160; ++x) {
+                const double share = static_cast<double>(foam.pixel(x, y)[0]) / 160;
+                rows[static_cast<std::size_t>(y)] += share;
+                columns[static_cast<std::size_t>(x)] += share;
+            }
+        const auto of = [](const std::vector<double>& means) {
+            double sum = 0, squares = 0;
+            for (const double mean : means)
+                sum += mean, squares += mean * mean;
+            return std::sqrt(std::max(squares - sum * sum / 160, 0.0));
+        };
+        return Scatter{of(rows), of(columns)};
+    };
+    const Scatter gale = scatter(0.1);
+    EXPECT_GT(gale.of_rows, 1.8 * gale.of_columns);
+    EXPECT_GT(gale.of_rows, 0.05);
+    EXPECT_LT(scatter(0.004).of_rows, 1e-4) << "below 10 m/s there are none";
+}
+
+// Near, where every bubble of the lace is seen, holes and all. Looks lie in other rows of the wind: their shares differ.
+TEST_F(ViewsTest, lace_leaves_as_much_white_as_the_share_says) {
+    SeaFrame frame = flat_sea();
+    frame.significant_height_m = 0.1; // patches of 6 cm
+    for (const double share : {0.05, 0.3, 0.7}) {
+        frame.foam_mean = share;
+        double sum = 0, white = 0, dark = 0, pixels = 0;
+        for (int look = 0; look < 24; ++look) {
+            camera_ = {.x_m = 41.3 * look,
+                       .y_m = -17.7 * look,
+                       .z_m = 0.7,
+                       .pitch_deg = -80,
+                       .view_deg = 20,
+                       .width = 240,
+                       .height = 136};
+            const Picture foam = render(frame, Sky(sun_direction(12)), DebugView::foam);
+            for (std::size_t i = 0; i < foam.rgba.size(); i += 4) {
+                sum += static_cast<double>(foam.rgba[i]);
+                white += foam.rgba[i] > 0.9f;
+                dark += foam.rgba[i] < 0.1f;
+                ++pixels;
+            }
+        }
+        // Places are the same every time; rows scatter their mean by 6 % of s (1 - s), patches by as much.
+        EXPECT_NEAR(sum / pixels, share, 0.03) << share;
+        EXPECT_GT((white + dark) / pixels, 0.5) << "it is seen, not averaged";
+    }
 }
 
 // At 400 m, from 10 m, a pixel is 2 m wide and 80 m long: patches of 8 m are not seen one by one, or they would flicker
