@@ -62,7 +62,7 @@ std::vector<PanelRow> connection_rows(const std::string& url, const FeedStatus& 
         {"round trip", fmt::format("{:.2f} ms", 1e-3 * static_cast<double>(clock.round_trip_us))});
     rows.push_back({"clock", fmt::format("known to {:.2f} ms, {:.2f} ms to make up",
                                          1e-3 * clock.error_us, 1e-3 * clock.slew_us)});
-    rows.push_back({"offset", fmt::format("{:.3f} s", 1e-6 * clock.offset_us)});
+    rows.push_back({"sea less local clock", fmt::format("{:.3f} s", 1e-6 * clock.offset_us)});
     rows.push_back({"connections", fmt::format("{}", feed.connections)});
     return rows;
 }

@@ -26,15 +26,6 @@ void table(const char* name, const std::vector<PanelRow>& rows) {
     ImGui::EndTable();
 }
 
-void plot(const char* name, const Curve& curve) {
-    if (!curve.values.empty())
-        ImGui::PlotLines(name, curve.values.data(), static_cast<int>(curve.values.size()), 0,
-                         nullptr, curve.least, curve.most,
-                         {-1, curve_lines * ImGui::GetTextLineHeight()});
-    if (!curve.caption.empty())
-        ImGui::TextWrapped("%s", curve.caption.c_str());
-}
-
 /// A slider of doubles.
 bool slide(const char* name, double& value, double least, double most, const char* format,
            ImGuiSliderFlags flags = 0) {
@@ -66,6 +57,20 @@ void overlay(const WindowModel& model) {
 void Panels::note(const char* name) {
     const ImVec2 low = ImGui::GetItemRectMin(), high = ImGui::GetItemRectMax();
     places_[name] = {{low.x, low.y}, {high.x, high.y}};
+}
+
+void Panels::plot(const char* name, const Curve& curve) {
+    if (!curve.values.empty()) {
+        // Unlike most of ImGui, a plot does not take a negative width for what is left.
+        const ImVec2 size(ImGui::GetContentRegionAvail().x,
+                          curve_lines * ImGui::GetTextLineHeight());
+        ImGui::PlotLines((std::string("##") + name).c_str(), curve.values.data(),
+                         static_cast<int>(curve.values.size()), 0, nullptr, curve.least, curve.most,
+                         size);
+        note(name);
+    }
+    if (!curve.caption.empty())
+        ImGui::TextWrapped("%s", curve.caption.c_str());
 }
 
 bool Panels::header(const char* name, bool open) {
@@ -168,7 +173,7 @@ Panels::Asked Panels::draw(const WindowModel& model, ViewChoice& choice) {
         camera(model, choice, asked);
     if (header("Probe", true)) {
         table("probe", model.probe);
-        plot("##trace", model.trace);
+        plot("trace", model.trace);
         if (!model.trace.values.empty()) {
             asked.forget_probe = ImGui::Button("forget it");
             note("forget");
@@ -176,7 +181,7 @@ Panels::Asked Panels::draw(const WindowModel& model, ViewChoice& choice) {
     }
     if (header("Sea", true)) {
         table("sea", model.sea);
-        plot("##spectrum", model.spectrum);
+        plot("spectrum", model.spectrum);
     }
     if (header("Rates", false))
         table("rates", model.rates);

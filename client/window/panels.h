@@ -37,6 +37,7 @@ class Panels {
 
   private:
     void note(const char* name);
+    void plot(const char* name, const Curve& curve);
     bool header(const char* name, bool open);
     void view(const WindowModel& model, ViewChoice& choice);
     void camera(const WindowModel& model, ViewChoice& choice, Asked& asked);

@@ -67,13 +67,22 @@ std::optional<glm::dvec2> on_picture(const Camera& camera, double x_m, double y_
 void Probe::read(const LocalSurface& surface, sea::TimeUs time_us) {
     if (!surface.covers)
         return;
-    answer_ = surface.surface.answer({place_m_.x, place_m_.y, time_us});
-    if (!trace_.empty() && time_us < trace_.back().time_us)
+    const auto answer = [&](sea::TimeUs t_us) {
+        return surface.surface.answer({place_m_.x, place_m_.y, t_us});
+    };
+    if (answer_ && time_us < time_us_)
         trace_.clear();
-    if (trace_.empty() || time_us > trace_.back().time_us)
-        trace_.push_back({time_us, static_cast<float>(answer_->height_m)});
-    while (trace_.front().time_us < time_us - sea::us_from_seconds(trace_s))
+    const sea::TimeUs oldest_us = time_us - sea::us_from_seconds(trace_s);
+    sea::TimeUs next_us = time_us - (time_us % step_us + step_us) % step_us; // the last multiple
+    if (!trace_.empty())
+        next_us = std::max(trace_.back().time_us + step_us, oldest_us);
+    for (; next_us <= time_us; next_us += step_us)
+        if (surface.surface.covers(next_us))
+            trace_.push_back({next_us, static_cast<float>(answer(next_us).height_m)});
+    while (!trace_.empty() && trace_.front().time_us < oldest_us)
         trace_.pop_front();
+    answer_ = answer(time_us);
+    time_us_ = time_us;
 }
 
 } // namespace seaway::client

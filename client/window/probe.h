@@ -26,6 +26,8 @@ std::optional<glm::dvec2> on_picture(const Camera& camera, double x_m, double y_
 class Probe {
   public:
     static constexpr double trace_s = 60;
+    /// Samples lie at whole multiples of this, also those between two frames.
+    static constexpr sea::TimeUs step_us = 100'000;
     struct Sample {
         sea::TimeUs time_us;
         float height_m;
@@ -38,12 +40,13 @@ class Probe {
     void read(const LocalSurface& surface, sea::TimeUs time_us);
     /// The last one that was covered.
     const std::optional<sea::Answer>& answer() const { return answer_; }
-    sea::TimeUs time_us() const { return trace_.empty() ? 0 : trace_.back().time_us; }
+    sea::TimeUs time_us() const { return time_us_; } ///< of the answer
     const std::deque<Sample>& trace() const { return trace_; }
 
   private:
     glm::dvec2 place_m_;
     std::optional<sea::Answer> answer_;
+    sea::TimeUs time_us_ = 0;
     std::deque<Sample> trace_;
 };
 

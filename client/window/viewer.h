@@ -53,6 +53,8 @@ class Viewer {
     glm::ivec2 pixels() const { return window_->pixels(); }
     /// The size that the sea is drawn for; the window's, but for a moment after that has changed.
     glm::ivec2 drawn_pixels() const { return drawn_pixels_; }
+    /// Of the sea that is shown; 0 before there is one.
+    sea::TimeUs sea_time_us() const { return frame_ ? frame_->time_us : 0; }
     /// Frames of the sea that were drawn.
     std::uint64_t sea_frames() const { return sea_frames_; }
 

@@ -54,7 +54,8 @@ class Display {
   public:
     static constexpr int width = 1400, height = 900;
 
-    /// DISPLAY names it from then on, until it goes.
+    /// DISPLAY names it from then on, until it goes. -noreset: else it starts anew, and takes no calls for a moment,
+    /// whenever its last window goes.
     Display() {
         int numbers[2];
         if (pipe(numbers) != 0)
@@ -71,7 +72,7 @@ class Display {
             dup2(nothing, STDERR_FILENO);
             close(numbers[0]);
             execlp("Xvfb", "Xvfb", "-displayfd", number.c_str(), "-screen", "0", screen.c_str(),
-                   "-fbdir", folder_.c_str(), "-nolisten", "tcp", nullptr);
+                   "-fbdir", folder_.c_str(), "-nolisten", "tcp", "-noreset", nullptr);
             _exit(127);
         }
         close(numbers[1]);

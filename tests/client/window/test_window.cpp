@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
 
-#include "client/link/failure.h"
+#include "gpu/call.h"
 #include "sea/basics/constants.h"
 #include "tests/client/window/window_fixture.h"
 
@@ -66,6 +66,11 @@ TEST_F(WindowTest, a_click_on_the_sea_shows_what_the_server_says_of_that_place) 
     EXPECT_THAT(said, testing::HasSubstr(fmt::format("height {:.3f} m, within",
                                                      viewer_->probe()->answer()->height_m)));
     EXPECT_THAT(said, testing::HasSubstr("velocity"));
+    for (const char* curve : {"trace", "spectrum"}) {
+        const Panels::Box box = viewer_->panels().places().at(curve);
+        EXPECT_GT(box.high.x - box.low.x, 150) << curve;
+        EXPECT_GT(box.high.y - box.low.y, 30) << curve;
+    }
 }
 
 TEST_F(WindowTest, a_click_on_a_panel_is_no_click_on_the_sea) {
@@ -96,6 +101,60 @@ TEST_F(WindowTest, the_slider_of_the_hour_makes_night) {
     EXPECT_LT(shot().mean(), 0.7 * noon);
 }
 
+// Shown as heights, the sea has colours and its absence is white.
+TEST_F(WindowTest, the_mesh_of_another_camera_stays_where_it_is) {
+    ViewOptions heights = options();
+    heights.debug.view = DebugView::height;
+    open(heights);
+    const auto turn = [&] { // by 300 of 720 points: 26 degrees of 62, to the right
+        mouse(700, 350);
+        display_->tool("mousedown 1");
+        step(2);
+        mouse(550, 350);
+        step(2);
+        mouse(400, 350);
+        step(2);
+        display_->tool("mouseup 1");
+        step(2);
+    };
+    const auto light_on_the_right = [&] {
+        step();
+        return shot().row(height - 40, width - 40, width);
+    };
+    EXPECT_LT(light_on_the_right(), 252);
+    turn();
+    EXPECT_NEAR(viewer_->camera().yaw_deg, 20 + 62 * 300.0 / 720, 0.5)
+        << "what is dragged stays below the mouse";
+    EXPECT_LT(light_on_the_right(), 252);
+    display_->tool(fmt::format("windowfocus {}", window_id()));
+    step();
+    display_->tool("key m");
+    ASSERT_TRUE(step_until([&] { return viewer_->choice().second_camera; }));
+    EXPECT_LT(light_on_the_right(), 252);
+    turn();
+    EXPECT_GT(light_on_the_right(), 254.5);
+}
+
+TEST_F(WindowTest, rides_on_a_float_as_high_as_the_sea_is) {
+    open(options());
+    display_->tool(fmt::format("windowfocus {}", window_id()));
+    step();
+    display_->tool("key 3");
+    ASSERT_TRUE(step_until([&] { return viewer_->model().camera == CameraMode::follow; }));
+    const auto client = Client::connect({.url = url_});
+    ASSERT_TRUE(client) << client.error().message;
+    step();
+    for (int i = 0; i < 5; ++i) {
+        step(10);
+        const sea::QueryPoint point{viewer_->camera().x_m, viewer_->camera().y_m,
+                                    viewer_->sea_time_us()};
+        const auto answer = (*client)->ask({&point, 1}, {});
+        ASSERT_TRUE(answer) << answer.error().message;
+        // The float moved with the water after its height was asked: by its speed times a frame, times the slope.
+        EXPECT_NEAR(viewer_->camera().z_m - Pilot::eye_m, answer->front().height_m, 0.03);
+    }
+}
+
 TEST_F(WindowTest, a_server_that_goes_is_stale_and_one_that_comes_back_is_live) {
     open(options());
     step();
@@ -118,6 +177,17 @@ TEST_F(WindowTest, a_server_that_goes_is_stale_and_one_that_comes_back_is_live) 
     step();
     EXPECT_GT(shot().row(20, width * 6 / 10, width), 0.8 * live);
     EXPECT_THAT(text(), testing::HasSubstr("connections: 2"));
+}
+
+TEST_F(WindowTest, a_lost_device_is_said_by_the_call_that_found_it) {
+    open(options());
+    gpu::fault::arm(1, VK_ERROR_DEVICE_LOST, true);
+    Result<bool> stepped = true;
+    for (int i = 0; i < 5 && stepped; ++i)
+        stepped = viewer_->step();
+    gpu::fault::disarm();
+    ASSERT_FALSE(stepped);
+    EXPECT_THAT(stepped.error().message, testing::HasSubstr("device lost"));
 }
 
 TEST_F(WindowTest, opens_without_a_server_and_says_why_there_is_no_sea) {
