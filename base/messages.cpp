@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 namespace seaway {
 
@@ -60,6 +61,10 @@ int complain(const char* program, int status, std::string_view message) {
     // Not fmt::print, which throws where stderr cannot be written: the status is what is left then.
     std::fputs(fmt::format("{}: {}\n", program, printable(message)).c_str(), stderr);
     return status;
+}
+
+bool stderr_is_terminal() {
+    return ::isatty(STDERR_FILENO) != 0;
 }
 
 } // namespace seaway

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a program says on stderr when it gives up: one line, whatever it quotes.
+// What a program says on stderr when it gives up: one line, whatever it quotes; and whether anybody reads along.
 #pragma once
 
 #include <cstddef>
@@ -16,5 +16,8 @@ inline constexpr std::size_t printable_bytes_max = 1000;
 
 /// Prints "PROGRAM: MESSAGE" on stderr, printable. Returns `status`.
 int complain(const char* program, int status, std::string_view message);
+
+/// Does somebody look at stderr? Progress is shown to people alone.
+bool stderr_is_terminal();
 
 } // namespace seaway

@@ -13,6 +13,7 @@
 #include "base/messages.h"
 #include "base/text_file.h"
 #include "client/link/url.h"
+#include "client/view/film_file.h"
 
 namespace seaway::client {
 
@@ -20,8 +21,6 @@ namespace {
 
 constexpr int side_max = 16384;
 constexpr int frames_max = 1'000'000;
-constexpr double place_max_m = 1e7;
-constexpr double height_max_m = 20e3;
 constexpr double time_max_s = sea::seconds_from_us(sea::time_us_max);
 constexpr double timeout_min_s = 1e-3, timeout_max_s = 86400;
 
@@ -70,13 +69,14 @@ Result<void> read_camera(const std::string& text, Camera& camera) {
     }
     SEAWAY_TRY(require(count == v.size() && from == text.size() + 1,
                        fmt::format("--camera {}: five numbers X,Y,Z,YAW_DEG,PITCH_DEG", text)));
-    SEAWAY_TRY(require(std::abs(v[0]) <= place_max_m && std::abs(v[1]) <= place_max_m,
-                       fmt::format("--camera {}: X and Y are within {:g} m", text, place_max_m)));
     SEAWAY_TRY(
-        require(v[2] > 0 && v[2] <= height_max_m,
-                fmt::format("--camera {}: Z is above 0 and up to {:g} m", text, height_max_m)));
-    SEAWAY_TRY(
-        require(std::abs(v[4]) <= 89, fmt::format("--camera {}: PITCH_DEG is -89 .. 89", text)));
+        require(std::abs(v[0]) <= camera_place_max_m && std::abs(v[1]) <= camera_place_max_m,
+                fmt::format("--camera {}: X and Y are within {:g} m", text, camera_place_max_m)));
+    SEAWAY_TRY(require(
+        v[2] > 0 && v[2] <= camera_height_max_m,
+        fmt::format("--camera {}: Z is above 0 and up to {:g} m", text, camera_height_max_m)));
+    SEAWAY_TRY(require(std::abs(v[4]) <= camera_pitch_max_deg,
+                       fmt::format("--camera {}: PITCH_DEG is -89 .. 89", text)));
     camera.x_m = v[0];
     camera.y_m = v[1];
     camera.z_m = v[2];
@@ -101,8 +101,11 @@ Result<void> check_files(const ViewOptions& options) {
     const std::string ending = std::filesystem::path(options.out).extension().string();
     SEAWAY_TRY(require(options.bench_frames >= 0 && options.bench_frames <= frames_max,
                        fmt::format("--bench {}: 1 .. {}", options.bench_frames, frames_max)));
-    SEAWAY_TRY(require(options.bench_frames > 0 || ending == ".png" || ending == ".exr",
-                       fmt::format("--out '{}': a path that ends in .png or .exr", options.out)));
+    SEAWAY_TRY(require(
+        options.bench_frames > 0 || ending == ".png" || ending == ".exr" || is_film(options.out),
+        fmt::format("--out '{}': a path that ends in .png, .exr, .mp4 or .webm", options.out)));
+    SEAWAY_TRY(
+        require(options.path.empty() || !options.turntable, "--path and --turntable: one of them"));
     SEAWAY_TRY(require(options.frames >= 1 && options.frames <= frames_max,
                        fmt::format("--frames {}: 1 .. {}", options.frames, frames_max)));
     const double last_s = sea::seconds_from_us(frame_offset_us(options.frames - 1));
@@ -122,10 +125,10 @@ struct Words {
 
 /// A window shows the sea of now and writes nothing: what is of files alone is not passed over in silence.
 Result<void> check_window(const Words& words, const ViewOptions& options) {
-    const std::pair<bool, const char*> of_files[] = {{!options.out.empty(), "--out"},
-                                                     {options.frames != 1, "--frames"},
-                                                     {options.bench_frames != 0, "--bench"},
-                                                     {words.time != "now", "--time"}};
+    const std::pair<bool, const char*> of_files[] = {
+        {!options.out.empty(), "--out"},        {options.frames != 1, "--frames"},
+        {options.bench_frames != 0, "--bench"}, {!options.path.empty(), "--path"},
+        {options.turntable, "--turntable"},     {words.time != "now", "--time"}};
     for (const auto& [given, name] : of_files)
         SEAWAY_TRY(require(!given, fmt::format("{} is of pictures in files: give --offscreen "
                                                "WxH, too",
@@ -139,6 +142,10 @@ Result<void> check(const Words& words, const ViewOptions& options) {
     SEAWAY_TRY(parse_url(options.url));
     SEAWAY_TRY(require(options.time_of_day_h >= 0 && options.time_of_day_h <= 24,
                        fmt::format("--time-of-day {}: 0 .. 24", options.time_of_day_h)));
+    SEAWAY_TRY(require(options.camera.view_deg >= camera_view_min_deg &&
+                           options.camera.view_deg <= camera_view_max_deg,
+                       fmt::format("--fov {:g}: {:g} .. {:g} degrees", options.camera.view_deg,
+                                   camera_view_min_deg, camera_view_max_deg)));
     return options.offscreen ? check_files(options) : check_window(words, options);
 }
 
@@ -182,9 +189,14 @@ std::variant<ViewOptions, int> read_view_options(int argc, const char* const* ar
     line.option("--window", words.window, "size of the window, WIDTHxHEIGHT (1280x720)");
     line.option("--offscreen", words.size, "draw to files: size of the picture, WIDTHxHEIGHT");
     line.option("--frames", options.frames, "number of frames");
-    line.option("--out", options.out, "where frames go: a pattern ending in .png or .exr");
+    line.option("--out", options.out,
+                "where frames go: a pattern ending in .png or .exr, or a film, .mp4 or .webm");
+    line.option("--path", options.path,
+                "CSV file with the camera over time: t_s,x_m,y_m,z_m,yaw_deg,pitch_deg[,fov_deg]");
+    line.option("--turntable", options.turntable, "go once around what the camera looks at");
     line.option("--camera", words.camera,
                 "X,Y,Z,YAW_DEG,PITCH_DEG: m east, north, above the mean sea");
+    line.option("--fov", options.camera.view_deg, "width of the picture, degrees (62)");
     line.option("--time-of-day", options.time_of_day_h, "height of the sun: hour, 0 .. 24");
     line.option("--time", words.time, "sea time of the first frame: 'now' or seconds");
     line.option(

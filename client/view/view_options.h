@@ -24,7 +24,9 @@ struct ViewOptions {
     bool offscreen = false; ///< to files; else in a window
     Camera camera;          ///< with the size of the picture, or of the window
     int frames = 1;
-    std::string out; ///< pattern of paths, see frame_path()
+    std::string out;        ///< pattern of paths, see frame_path()
+    std::string path;       ///< CSV file of a CameraPath; empty: none
+    bool turntable = false; ///< see CameraPath::turntable()
     double time_of_day_h = 15.5;
     std::optional<double> time_s; ///< sea time of the first frame; nothing: now
     DebugChoice debug;

@@ -3,7 +3,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
-#include <filesystem>
 
 #include <fmt/format.h>
 
@@ -12,6 +11,8 @@
 #include "client/client.h"
 #include "client/link/failure.h"
 #include "client/view/bench.h"
+#include "client/view/camera_path.h"
+#include "client/view/frame_writer.h"
 #include "client/view/renderer.h"
 #include "client/view/sea/sea_source.h"
 #include "client/view/view_options.h"
@@ -24,6 +25,7 @@ using namespace seaway;
 using namespace seaway::client;
 
 constexpr int stream_credit = 2;
+constexpr std::size_t path_bytes_max = 16u << 20;
 
 int fail(ViewExit code, const Error& error) {
     return complain("seaway-view", static_cast<int>(code), error.message);
@@ -46,20 +48,22 @@ Result<std::string> read_token(const std::string& path) {
     return token ? token : failed(Failure::bad_argument, token.error().message);
 }
 
-Result<void> make_folder_of(const std::string& path) {
-    const std::filesystem::path folder = std::filesystem::path(path).parent_path();
-    std::error_code failure;
-    if (!folder.empty())
-        std::filesystem::create_directories(folder, failure);
-    if (failure)
-        return Error{fmt::format("cannot make folder {}: {}", folder.string(), failure.message())};
-    return {};
+Result<CameraPath> camera_path(const ViewOptions& options) {
+    const double duration_s = sea::seconds_from_us(frame_offset_us(options.frames));
+    if (options.turntable)
+        return CameraPath::turntable(options.camera, duration_s);
+    if (options.path.empty())
+        return CameraPath(options.camera);
+    const Result<std::string> text = read_text_file(options.path, path_bytes_max);
+    return text ? CameraPath::parse(*text, options.path, options.camera)
+                : Error{"--path " + options.path + ": " + text.error().message};
 }
 
-int draw(Client& client, Renderer& renderer, const ViewOptions& options) {
+int draw(Client& client, Renderer& renderer, const ViewOptions& options, const CameraPath& path) {
     const Sky sky(sun_direction(options.time_of_day_h));
     const sea::TimeUs start_us =
         options.time_s ? sea::us_from_seconds(*options.time_s) : client.now_us();
+    FrameWriter writer(options);
     double exposure = 1;
     for (int i = 0; i < options.frames; ++i) {
         const sea::TimeUs time_us = start_us + frame_offset_us(i);
@@ -68,29 +72,30 @@ int draw(Client& client, Renderer& renderer, const ViewOptions& options) {
             return fail(frame.error());
         if (i == 0) // what later frames need is fetched: they are drawn slower than the sea moves
             client.unsubscribe();
-        const Result<Picture> picture = renderer.render(*frame, options.camera, sky, options.debug);
+        const Camera camera = path.at(sea::seconds_from_us(frame_offset_us(i)));
+        const Result<Picture> picture = renderer.render(*frame, camera, sky, options.debug);
         if (!picture)
             return fail(ViewExit::no_device, picture.error());
         if (i == 0) // metered once: frames of a film do not flicker
             exposure = metered_exposure(*picture, sky.white_radiance());
-        const std::string path = frame_path(options.out, i, options.frames);
-        if (Result<void> made = make_folder_of(path); !made)
-            return fail(ViewExit::cannot_write, made.error());
-        if (!path.ends_with(".exr")) {
+        Result<std::string> written = writer.shows() ? std::string() : writer.write(*picture, i);
+        if (writer.shows()) {
             const Result<ShownPicture> shown = renderer.develop(
                 *picture, {options.debug.view, exposure, frame->significant_height_m});
             if (!shown)
                 return fail(ViewExit::no_device, shown.error());
-            if (Result<void> written = write_png(*shown, path); !written)
-                return fail(ViewExit::cannot_write, written.error());
-        } else if (Result<void> written = write_exr(*picture, path); !written) {
-            return fail(ViewExit::cannot_write, written.error());
+            written = writer.write(*shown, i);
         }
-        const std::string line = fmt::format("{} t={:.3f}\n", path, sea::seconds_from_us(time_us));
+        if (!written)
+            return fail(ViewExit::cannot_write, written.error());
+        const std::string line =
+            fmt::format("{} t={:.3f}\n", *written, sea::seconds_from_us(time_us));
         if (const Result<void> told = write_out(stdout, line); !told)
             return fail(ViewExit::cannot_write, told.error());
+        writer.tell(i + 1);
     }
-    return static_cast<int>(ViewExit::done);
+    const Result<void> closed = writer.close();
+    return closed ? static_cast<int>(ViewExit::done) : fail(ViewExit::cannot_write, closed.error());
 }
 
 int show(const ViewOptions& options, const ConnectOptions& connect) {
@@ -107,6 +112,9 @@ int show(const ViewOptions& options, const ConnectOptions& connect) {
 }
 
 int draw_files(const ViewOptions& options, const ConnectOptions& connect) {
+    const Result<CameraPath> path = camera_path(options);
+    if (!path)
+        return fail(ViewExit::usage, path.error());
     const Result<std::unique_ptr<gpu::Device>> device =
         gpu::Device::create({.pick = options.device});
     if (!device)
@@ -126,7 +134,7 @@ int draw_files(const ViewOptions& options, const ConnectOptions& connect) {
         const Result<void> done = bench(**client, *renderer, options);
         return done ? static_cast<int>(ViewExit::done) : fail(done.error());
     }
-    return draw(**client, *renderer, options);
+    return draw(**client, *renderer, options, *path);
 }
 
 int run(const ViewOptions& options) {

@@ -32,7 +32,7 @@ TEST(ViewOptions, every_option_reaches_its_own_value) {
     const auto read_as =
         read("--offscreen 320x200 --frames 7 --camera 11,-22,33,44,-55 --time-of-day 8.5 "
              "--time 123.25 --debug cascade:3 --device some-gpu --token-file t.txt --ca-file c.pem "
-             "--timeout 4.5");
+             "--timeout 4.5 --path p.csv --fov 35.5 --quality film");
     ASSERT_TRUE(std::holds_alternative<ViewOptions>(read_as));
     const auto& options = std::get<ViewOptions>(read_as);
     EXPECT_EQ(options.url, "ws://127.0.0.1:9");
@@ -53,6 +53,11 @@ TEST(ViewOptions, every_option_reaches_its_own_value) {
     EXPECT_EQ(options.token_file, "t.txt");
     EXPECT_EQ(options.ca_file, "c.pem");
     EXPECT_EQ(options.timeout_s, 4.5);
+    EXPECT_EQ(options.path, "p.csv");
+    EXPECT_EQ(options.camera.view_deg, 35.5);
+    EXPECT_EQ(options.quality.name, "film");
+    EXPECT_FALSE(options.turntable);
+    EXPECT_TRUE(std::get<ViewOptions>(read("--turntable")).turntable);
 }
 
 TEST(ViewOptions, now_is_no_time_of_its_own) {
@@ -68,6 +73,9 @@ struct Limit {
 TEST(ViewOptions, are_taken_at_their_limits_and_refused_beyond_them) {
     const Limit limits[] = {
         {"--offscreen 16x17", "--offscreen 15x17"},
+        {"--fov 1", "--fov 0.99"},
+        {"--fov 150", "--fov 150.5"},
+        {"--turntable", "--turntable --path p.csv"},
         {"--offscreen 17x16", "--offscreen 17x15"},
         {"--offscreen 16384x16", "--offscreen 16385x16"},
         {"--offscreen 16x16384", "--offscreen 16x16385"},

@@ -86,6 +86,8 @@ TEST(ViewProgram, says_in_one_line_what_is_wrong_with_a_command_line) {
         {"ws://127.0.0.1:1 --offscreen 64x --out x.png", "64x"},
         {"ws://127.0.0.1:1 --offscreen 64x48 --out x.jpg", "x.jpg"},
         {fine + "--camera 1,2,3", "1,2,3"},
+        {fine + "--path /nonexistent.csv", "/nonexistent.csv"},
+        {"ws://127.0.0.1:1 --turntable", "--turntable is of pictures in files"},
         {fine + "--camera 1,2,-3,0,0", "Z"},
         {fine + "--debug nothing", "nothing"},
         {fine + "--time-of-day 25", "25"},
@@ -175,6 +177,27 @@ TEST(ViewProgram, a_film_is_exposed_as_its_first_frame) {
         EXPECT_NE(frame == 3 && expected(first) == expected(own), true)
             << "else this test sees nothing";
     }
+}
+
+// The camera goes where the file says, frame by frame: below it lies the place that it names.
+TEST(ViewProgram, a_path_moves_the_camera_from_frame_to_frame) {
+    tests::WaveSea sea;
+    const auto net = tests::serve(sea);
+    ASSERT_TRUE(net);
+    const std::string file = tests::folder().file("path.csv");
+    std::ofstream(file)
+        << "t_s,x_m,y_m,z_m,yaw_deg,pitch_deg\n0,0,0,40,0,-89\n0.0333333,0,0,80,0,-89\n";
+    const std::string out = tests::folder().file("path");
+    const Outcome drawn =
+        run(net->url() + " --offscreen 64x48 --frames 2 --time 1000.5 --debug place --path " +
+            file + " --out " + out + "/##.exr");
+    ASSERT_EQ(drawn.code, 0) << drawn.text;
+    const auto width_m = [&](const char* name) {
+        const Picture place = read_exr(out + name, 64, 48);
+        return static_cast<double>(place.pixel(63, 24)[0] - place.pixel(0, 24)[0]);
+    };
+    // Twice as high, twice as much of the sea; waves of a metre move what is seen by so much.
+    EXPECT_NEAR(width_m("/01.exr") / width_m("/00.exr"), 2, 0.1);
 }
 
 // Heights are shown on the scale of the sea that is seen.

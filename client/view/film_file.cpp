@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/view/film_file.h"
+
+#include <vector>
+
+#include <fmt/format.h>
+
+namespace seaway::client {
+
+namespace {
+
+std::vector<std::string> words_for(const std::string& path, int width, int height,
+                                   int frames_a_second) {
+    std::vector<std::string> words{"ffmpeg",
+                                   "-hide_banner",
+                                   "-loglevel",
+                                   "error",
+                                   "-y",
+                                   "-f",
+                                   "rawvideo",
+                                   "-pixel_format",
+                                   "rgba",
+                                   "-video_size",
+                                   fmt::format("{}x{}", width, height),
+                                   "-framerate",
+                                   std::to_string(frames_a_second),
+                                   "-i",
+                                   "pipe:0",
+                                   "-vf",
+                                   "pad=ceil(iw/2)*2:ceil(ih/2)*2", // colours go by 2 x 2
+                                   "-pix_fmt",
+                                   "yuv420p"};
+    const std::vector<std::string> coder =
+        path.ends_with(".webm")
+            ? std::vector<std::string>{"-c:v", "libvpx-vp9", "-crf", "24", "-b:v", "0"}
+            : std::vector<std::string>{"-c:v", "libx264", "-crf", "18", "-movflags", "+faststart"};
+    words.insert(words.end(), coder.begin(), coder.end());
+    words.push_back("file:" + path);
+    return words;
+}
+
+} // namespace
+
+bool is_film(const std::string& path) {
+    return path.ends_with(".mp4") || path.ends_with(".webm");
+}
+
+Result<FilmFile> FilmFile::open(const std::string& path, int width, int height,
+                                int frames_a_second) {
+    Result<ChildProcess> coder =
+        ChildProcess::start(words_for(path, width, height, frames_a_second));
+    if (coder)
+        return FilmFile(path, std::move(*coder));
+    const std::string why =
+        ChildProcess::is_missing(coder.error())
+            ? "films are written by ffmpeg, which is not there: apt install ffmpeg, or give a "
+              "pattern of .png files"
+            : "cannot start ffmpeg: " + coder.error().message;
+    return Error{"cannot write " + path + ": " + why};
+}
+
+Result<void> FilmFile::add(const ShownPicture& picture) {
+    if (!coder_.write(picture.rgba))
+        return Error{"cannot write " + path_ + ": ffmpeg has ended before the film did"};
+    return {};
+}
+
+Result<void> FilmFile::close() {
+    const ChildProcess::End end = coder_.wait();
+    if (!end.by_signal && end.code == 0)
+        return {};
+    return Error{fmt::format("cannot write {}: ffmpeg ended with {} {}", path_,
+                             end.by_signal ? "signal" : "status", end.code)};
+}
+
+} // namespace seaway::client

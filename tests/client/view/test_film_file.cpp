@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+// Films, with a program of the test's own in ffmpeg's place, which keeps what it was told.
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "base/text_file.h"
+#include "client/view/film_file.h"
+#include "tests/support/folder.h"
+
+namespace seaway::client {
+namespace {
+
+using testing::HasSubstr;
+
+/// Puts a script of this name first where programs are looked for, alone or before the others.
+class FilmFileTest : public testing::Test {
+  protected:
+    void SetUp() override {
+        old_path_ = std::getenv("PATH");
+        std::filesystem::create_directories(folder_);
+    }
+    void TearDown() override { ::setenv("PATH", old_path_.c_str(), 1); }
+    void stand_in(const std::string& script) {
+        const std::filesystem::path file = folder_ / "ffmpeg";
+        std::ofstream(file) << "#!/bin/sh\n" << script << "\n";
+        std::filesystem::permissions(file, std::filesystem::perms::owner_all);
+        ::setenv("PATH", (folder_.string() + ":" + old_path_).c_str(), 1);
+    }
+    std::string kept(const char* name) const {
+        const Result<std::string> text = read_text_file((folder_ / name).string(), 1 << 20);
+        return text ? *text : "";
+    }
+    static ShownPicture picture(std::uint8_t first) {
+        ShownPicture made{3, 2, {}};
+        for (int i = 0; i < 3 * 2 * 4; ++i)
+            made.rgba.push_back(static_cast<std::uint8_t>(first + i));
+        return made;
+    }
+    std::filesystem::path folder_ = tests::folder().file("stand_in");
+    std::string old_path_;
+};
+
+TEST_F(FilmFileTest, hands_every_frame_over_in_order_and_says_what_they_are) {
+    stand_in("echo \"$@\" > " + folder_.string() + "/words; cat > " + folder_.string() + "/frames");
+    Result<FilmFile> film = FilmFile::open("-sea.mp4", 3, 2, 30);
+    ASSERT_TRUE(film) << film.error().message;
+    std::string expected;
+    for (const std::uint8_t first : {0, 100, 200}) {
+        ASSERT_TRUE(film->add(picture(first)));
+        for (const std::uint8_t byte : picture(first).rgba)
+            expected += static_cast<char>(byte);
+    }
+    ASSERT_TRUE(film->close());
+    EXPECT_EQ(kept("frames"), expected);
+    const std::string words = kept("words");
+    EXPECT_THAT(
+        words, HasSubstr("-f rawvideo -pixel_format rgba -video_size 3x2 -framerate 30 -i pipe:0"));
+    EXPECT_THAT(words, HasSubstr("libx264"));
+    EXPECT_THAT(words, HasSubstr("file:-sea.mp4")) << "a path is no option";
+    EXPECT_THAT(words, HasSubstr("ceil(iw/2)*2")) << "odd sides";
+}
+
+TEST_F(FilmFileTest, a_webm_is_vp9) {
+    stand_in("echo \"$@\" > " + folder_.string() + "/words; cat > /dev/null");
+    Result<FilmFile> film = FilmFile::open("sea.webm", 3, 2, 30);
+    ASSERT_TRUE(film);
+    ASSERT_TRUE(film->close());
+    EXPECT_THAT(kept("words"), HasSubstr("libvpx-vp9"));
+}
+
+TEST_F(FilmFileTest, says_that_the_coder_is_missing_and_what_has_it) {
+    ::setenv("PATH", folder_.c_str(), 1);
+    std::filesystem::remove(folder_ / "ffmpeg");
+    const Result<FilmFile> film = FilmFile::open("sea.mp4", 3, 2, 30);
+    ASSERT_FALSE(film);
+    EXPECT_THAT(film.error().message, HasSubstr("sea.mp4"));
+    EXPECT_THAT(film.error().message, HasSubstr("apt install ffmpeg"));
+}
+
+// It ends while frames are still coming, as on a full disk: an error of that film, not the end of this program.
+TEST_F(FilmFileTest, a_coder_that_ends_early_is_an_error) {
+    stand_in("exit 7");
+    Result<FilmFile> film = FilmFile::open("sea.mp4", 3, 2, 30);
+    ASSERT_TRUE(film);
+    Result<void> taken;
+    for (int i = 0; i < 1'000'000 && taken; ++i) // until what lies between the two is full
+        taken = film->add(picture(0));
+    ASSERT_FALSE(taken);
+    EXPECT_THAT(taken.error().message, HasSubstr("sea.mp4"));
+    const Result<void> closed = film->close();
+    ASSERT_FALSE(closed);
+    EXPECT_THAT(closed.error().message, HasSubstr("status 7"));
+}
+
+} // namespace
+} // namespace seaway::client
