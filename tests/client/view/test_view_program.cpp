@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <sstream>
 
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfInputFile.h>
@@ -177,6 +178,34 @@ TEST(ViewProgram, a_film_is_exposed_as_its_first_frame) {
         EXPECT_NE(frame == 3 && expected(first) == expected(own), true)
             << "else this test sees nothing";
     }
+}
+
+// What a frame costs, pass by pass, by the device's own clock: together no more than the frame took.
+TEST(ViewProgram, a_bench_says_what_each_pass_takes) {
+    tests::WaveSea sea;
+    const auto net = tests::serve(sea);
+    ASSERT_TRUE(net);
+    const Outcome outcome =
+        run(net->url() + " --offscreen 320x180 --time 1000.5 --quality default --bench 5");
+    ASSERT_EQ(outcome.code, 0) << outcome.text;
+    double passes_ms = 0, frame_ms = 0;
+    std::istringstream lines(outcome.text);
+    for (std::string line; std::getline(lines, line);) {
+        std::istringstream words(line);
+        std::string name;
+        double ms = 0;
+        words >> name >> ms;
+        for (const std::string_view pass : Renderer::pass_names)
+            if (name == pass)
+                passes_ms += ms;
+        if (name == "frame")
+            frame_ms = ms;
+    }
+    EXPECT_GT(passes_ms, 0);
+    EXPECT_LT(passes_ms, 2 * frame_ms) << "medians of passes against the mean of frames";
+    EXPECT_THAT(outcome.text, testing::HasSubstr("frames/s"));
+    for (const std::string_view pass : Renderer::pass_names)
+        EXPECT_THAT(outcome.text, testing::HasSubstr(std::string(pass))) << pass;
 }
 
 // The camera goes where the file says, frame by frame: below it lies the place that it names.
