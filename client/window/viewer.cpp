@@ -88,11 +88,15 @@ Result<bool> Viewer::step() {
         window_->poll(0.1);
         return true;
     }
+    take_click(); // on what is shown, before that is another moment's
     take_sea();
+    SEAWAY_TRY(fit_renderer(pixels));
     gui_->begin();
     take_input(passed_s);
     move_with_the_sea(passed_s);
-    take_probe();
+    if (probe_)
+        probe_->read(*surface_, frame_->time_us);
+    SEAWAY_TRY(draw_sea());
     measure();
     fill_model();
     gui_->background(model_.stale_s ? stale_brightness : 1);
@@ -103,10 +107,7 @@ Result<bool> Viewer::step() {
         pilot_.set_speed(asked.speed_mps);
     if (asked.forget_probe)
         probe_.reset();
-    // What was set in this frame is drawn in the next: the picture that the panels lie on stands already.
-    SEAWAY_TRY(show(pixels));
-    SEAWAY_TRY(fit_renderer(pixels));
-    SEAWAY_TRY(draw_sea());
+    SEAWAY_TRY(show(pixels)); // what panels have set is drawn in the next frame
     return true;
 }
 
@@ -171,25 +172,27 @@ void Viewer::move_with_the_sea(double seconds) {
     }
 }
 
-void Viewer::take_probe() {
+Camera Viewer::seen_by() const {
+    Camera seen = camera();
+    seen.width = std::max(drawn_pixels_.x, 1);
+    seen.height = std::max(drawn_pixels_.y, 1);
+    return seen;
+}
+
+void Viewer::take_click() {
     const std::optional<glm::dvec2> click = window_->take_click();
-    if (!surface_)
+    if (!click || !surface_)
         return;
-    if (click) {
-        Camera seen = camera();
-        seen.width = drawn_pixels_.x;
-        seen.height = drawn_pixels_.y;
-        const glm::dvec2 at = 2.0 * *click / glm::dvec2(window_->points()) - 1.0;
-        if (const auto place = where_ray_meets(surface_->surface, seen, at.x, at.y, frame_->time_us,
-                                               crest_heights * frame_->significant_height_m)) {
-            probe_.emplace(*place);
-            probe_->read(*surface_, frame_->time_us);
-            // A window whose output nobody reads goes on.
-            (void)write_out(stdout, probe_line(*probe_));
-        }
-    }
-    if (probe_)
-        probe_->read(*surface_, frame_->time_us);
+    const glm::dvec2 at = 2.0 * *click / glm::dvec2(window_->points()) - 1.0;
+    const std::optional<glm::dvec2> place =
+        where_ray_meets(surface_->surface, seen_by(), at.x, at.y, frame_->time_us,
+                        crest_heights * frame_->significant_height_m);
+    if (!place)
+        return;
+    probe_.emplace(*place);
+    probe_->read(*surface_, frame_->time_us);
+    // A window whose output nobody reads goes on.
+    (void)write_out(stdout, probe_line(*probe_));
 }
 
 Result<void> Viewer::fit_renderer(const glm::ivec2& pixels) {
@@ -245,16 +248,13 @@ Result<void> Viewer::draw_sea() {
         sky_.emplace(sun_direction(choice_.time_of_day_h));
         sky_hour_ = choice_.time_of_day_h;
     }
-    Camera seen = camera();
-    seen.width = drawn_pixels_.x;
-    seen.height = drawn_pixels_.y;
     DebugChoice debug = choice_.debug;
     debug.cascade = std::min(debug.cascade, static_cast<int>(frame_->cascades.size()) - 1);
     const Display display{
         debug.view, exposure_by_light(sky_->white_radiance()) * std::exp2(choice_.exposure_ev),
         frame_->significant_height_m};
     renderer_->set_visibility(choice_.visibility_m);
-    SEAWAY_TRY(renderer_->draw(*frame_, seen, *sky_, debug, display, Wanted::nothing,
+    SEAWAY_TRY(renderer_->draw(*frame_, seen_by(), *sky_, debug, display, Wanted::nothing,
                                choice_.second_camera ? &mesh_camera_ : nullptr));
     drawn_inputs_ = std::move(wanted);
     ++sea_frames_;
@@ -302,13 +302,9 @@ void Viewer::fill_model() {
     model_.probe = probe_rows(probe);
     model_.trace = trace_curve(probe);
     model_.probe_mark.reset();
-    if (probe && probe->answer()) {
-        Camera seen = camera();
-        seen.width = std::max(drawn_pixels_.x, 1);
-        seen.height = std::max(drawn_pixels_.y, 1);
-        model_.probe_mark =
-            on_picture(seen, probe->place_m().x, probe->place_m().y, probe->answer()->height_m);
-    }
+    if (probe && probe->answer())
+        model_.probe_mark = on_picture(seen_by(), probe->place_m().x, probe->place_m().y,
+                                       probe->answer()->height_m);
     model_.cascades = frame_ ? static_cast<int>(frame_->cascades.size()) : 0;
     model_.speed_mps = pilot_.speed_mps();
     model_.camera = pilot_.mode();

@@ -68,7 +68,9 @@ class Viewer {
     void take_sea();
     void take_input(double seconds);
     void move_with_the_sea(double seconds);
-    void take_probe();
+    void take_click();
+    /// The camera, of the size that is drawn.
+    Camera seen_by() const;
     Result<void> draw_sea();
     void measure();
     void fill_model();

@@ -56,9 +56,9 @@ TEST(Probe, a_ray_stops_at_the_first_wave_that_it_meets) {
     std::mt19937 random(4);
     std::uniform_real_distribution<double> side(-1, 1);
     int met = 0;
-    for (int i = 0; i < 60; ++i) {
-        Camera camera{.x_m = 40.0 * i, .z_m = i % 2 ? 9.0 : 60.0, .yaw_deg = 37.0 * i};
-        camera.pitch_deg = -12;
+    for (int i = 0; i < 80; ++i) {
+        Camera camera{.x_m = 40.0 * i, .z_m = i % 4 ? 7.0 : 60.0, .yaw_deg = 37.0 * i};
+        camera.pitch_deg = i % 4 ? -3 : -20; // most of them graze crest after crest
         const double px = side(random), py = side(random);
         const auto place = where_ray_meets(surface, camera, px, py, frame.time_us, crest_m);
         if (!place)
