@@ -60,6 +60,8 @@ TEST(Probe, a_ray_stops_at_the_first_wave_that_it_meets) {
         Camera camera{.x_m = 40.0 * i, .z_m = i % 4 ? 7.0 : 60.0, .yaw_deg = 37.0 * i};
         camera.pitch_deg = i % 4 ? -3 : -20; // most of them graze crest after crest
         const double px = side(random), py = side(random);
+        if (surface.answer({camera.x_m, camera.y_m, frame.time_us}).height_m > camera.z_m)
+            continue; // below a crest
         const auto place = where_ray_meets(surface, camera, px, py, frame.time_us, crest_m);
         if (!place)
             continue;
