@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <cstdlib>
+#include <cstdint>
 #include <vector>
 
 #include "sea/basics/constants.h"
@@ -64,6 +64,15 @@ void write(const Crossings& crossings, int column, int row, SheetPatch& patch) {
     }
 }
 
+/// Of one wave of a pair and its conjugate at -k: twice |h(k,t)|.
+double amplitude_m(const PairBlock& pair, int lane, bool west) {
+    // h of the wave to the east is (even - i odd) / 2, of the one to the west (even + i odd) / 2.
+    const double side = west ? -1.0 : 1.0;
+    const double real = pair.even[0].at[lane] + side * pair.odd[1].at[lane];
+    const double imag = pair.even[1].at[lane] - side * pair.odd[0].at[lane];
+    return std::sqrt(real * real + imag * imag);
+}
+
 } // namespace
 
 SheetPatch DirectSum::Moment::patch(int cascade, double x_low_m, double x_high_m, double y_low_m,
@@ -107,38 +116,29 @@ SheetPatch DirectSum::Moment::patch(int cascade, double x_low_m, double x_high_m
     return patch;
 }
 
-/// Of both waves k and -k: twice |h(k,t)|.
-double DirectSum::Moment::amplitude_m(const Wave& wave) const {
-    // h of the wave to the east is (even - i odd) / 2, of the one to the west (even + i odd) / 2.
-    const PairBlock& pair = height_[wave.block];
-    const int lane = std::abs(wave.nx) % sum_lanes;
-    const double side = wave.nx < 0 ? -1.0 : 1.0;
-    const double real = pair.even[0].at[lane] + side * pair.odd[1].at[lane];
-    const double imag = pair.even[1].at[lane] - side * pair.odd[0].at[lane];
-    return std::sqrt(real * real + imag * imag);
-}
-
 DirectSum::Moment::PatchScale DirectSum::Moment::patch_scale(int cascade) const {
     const auto c = static_cast<std::size_t>(cascade);
     const CascadeSpec& spec = sum_->sea_->cascades[c].spec;
     const double step = spec.wavenumber_step_radpm();
     const double q_step = 0.5 * spec.spacing_m() / two_pi * step;
     const auto fourth = [](double q) { return q * q * (q * q); };
-    const std::size_t end =
-        c + 1 < sum_->tiles_.size() ? sum_->tiles_[c + 1].first_wave : sum_->waves_.size();
     Bound displacement, missed, missed_height;
-    for (std::size_t w = sum_->tiles_[c].first_wave; w < end; ++w) {
-        const Wave& wave = sum_->waves_[w];
-        const double nx = wave.nx, ny = wave.ny;
-        const double per_height =
-            step * std::sqrt(nx * nx + ny * ny) *
-            sum_->displacement_over_k_m_[wave.block].at[std::abs(wave.nx) % sum_lanes];
-        const double height = amplitude_m(wave);
-        const double share = 4.33 * (fourth(nx * q_step) + fourth(ny * q_step));
-        displacement.add(height * per_height, wave.given);
-        missed.add(height * per_height * share, wave.given);
-        missed_height.add(height * share, wave.given);
-    }
+    for (const WaveRun& run : sum_->tiles_[c].runs)
+        for (std::size_t b = run.begin; b < run.end; ++b)
+            for (int lane = 0; lane < sum_lanes; ++lane) {
+                const double nx = run.first + static_cast<int>(b - run.begin) * sum_lanes + lane;
+                const double per_height = step * std::sqrt(nx * nx + run.ny * run.ny) *
+                                          sum_->displacement_over_k_m_[b].at[lane];
+                const double share = 4.33 * (fourth(nx * q_step) + fourth(run.ny * q_step));
+                const Given given = sum_->given_[b];
+                for (const bool west : {false, true}) {
+                    const double height = amplitude_m(height_[b], lane, west);
+                    const bool is_given = ((west ? given.west : given.east) >> lane & 1) != 0;
+                    displacement.add(height * per_height, is_given);
+                    missed.add(height * per_height * share, is_given);
+                    missed_height.add(height * share, is_given);
+                }
+            }
     return {displacement.bound_m(), missed.bound_m(), missed_height.bound_m()};
 }
 

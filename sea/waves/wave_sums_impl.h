@@ -18,6 +18,9 @@ template <int W>
 struct Vector {
     typedef double D __attribute__((vector_size(W * 8)));
     typedef double Held __attribute__((vector_size(W * 8), may_alias));
+    typedef std::int64_t I __attribute__((vector_size(W * 8)));
+    typedef std::uint64_t U __attribute__((vector_size(W * 8)));
+    typedef std::uint64_t HeldU __attribute__((vector_size(W * 8), may_alias));
     static constexpr int parts = sum_lanes / W;
 };
 
@@ -31,10 +34,106 @@ SEAWAY_INLINE void store(Lanes& to, int part, typename Vector<W>::D value) {
     *reinterpret_cast<typename Vector<W>::Held*>(to.at + part * W) = value;
 }
 
+template <int W>
+SEAWAY_INLINE typename Vector<W>::U load(const std::uint64_t* from, int part) {
+    return *reinterpret_cast<const typename Vector<W>::HeldU*>(from + part * W);
+}
+
 /// In one order for every W.
 SEAWAY_INLINE double total(const Lanes& v) {
     return ((v.at[0] + v.at[4]) + (v.at[2] + v.at[6])) +
            ((v.at[1] + v.at[5]) + (v.at[3] + v.at[7]));
+}
+
+template <int W>
+struct Turned {
+    typename Vector<W>::D cos, sin;
+};
+
+/// Cosine and sine of phases in turns, 0.64 fixed point: the nearest quarter by integer, what is left in
+/// [-pi/4, pi/4] by their Taylor series, of which the next terms are below 1e-16.
+template <int W>
+SEAWAY_INLINE Turned<W> turned(typename Vector<W>::U turns) {
+    using D = typename Vector<W>::D;
+    using I = typename Vector<W>::I;
+    using U = typename Vector<W>::U;
+    constexpr double rad = 3.14159265358979323846 / 0x1p63;
+    const U quarter = (turns + (std::uint64_t{1} << 61)) >> 62;
+    const D x = __builtin_convertvector(I(turns - (quarter << 62)), D) * rad;
+    const D xx = x * x;
+    // Factors are one over products of two numbers that follow each other, from 16 to 1.
+    D cos = 1.0 - xx * (1.0 / (16 * 15));
+#pragma GCC unroll 8
+    for (int n = 14; n > 0; n -= 2)
+        cos = 1.0 - xx * cos * (1.0 / (n * (n - 1)));
+    D sin = 1.0 - xx * (1.0 / (15 * 14));
+#pragma GCC unroll 8
+    for (int n = 13; n > 1; n -= 2)
+        sin = 1.0 - xx * sin * (1.0 / (n * (n - 1)));
+    sin *= x;
+    const I odd = I(quarter << 63) != 0;
+    const U cos_sign = ((quarter + 1) & 2) << 62, sin_sign = (quarter & 2) << 62;
+    return {D(U(odd ? sin : cos) ^ cos_sign), D(U(odd ? cos : sin) ^ sin_sign)};
+}
+
+template <int W>
+void turns_of(std::uint64_t phase, std::size_t blocks, Turns* out) {
+    constexpr std::uint64_t lanes[] = {0, 1, 2, 3, 4, 5, 6, 7};
+    static_assert(sizeof lanes / sizeof *lanes == sum_lanes);
+    for (std::size_t b = 0; b < blocks; ++b)
+        for (int part = 0; part < Vector<W>::parts; ++part) {
+            const Turned<W> wave = turned<W>((load<W>(lanes, part) + b * sum_lanes) * phase);
+            store<W>(out[b].cos, part, wave.cos);
+            store<W>(out[b].sin, part, wave.sin);
+        }
+}
+
+/// A complex number a lane.
+template <int W>
+struct Complexes {
+    typename Vector<W>::D real, imag;
+};
+
+/// Of one side: h = h0 exp(-i w t) + conj(h0(-k)) exp(i w t), and dh/dt.
+template <int W>
+SEAWAY_INLINE void evolve_side(const SpectrumBlock& waves, std::uint64_t time, int part,
+                               Complexes<W>& height, Complexes<W>& rate) {
+    using D = typename Vector<W>::D;
+    const Turned<W> turn = turned<W>(load<W>(waves.rate, part) * time);
+    const D real = load<W>(waves.h0[0], part), imag = load<W>(waves.h0[1], part);
+    const D real_opposite = load<W>(waves.h0_opposite[0], part);
+    const D imag_opposite = load<W>(waves.h0_opposite[1], part);
+    const D forward_real = real * turn.cos + imag * turn.sin;
+    const D forward_imag = imag * turn.cos - real * turn.sin;
+    const D backward_real = real_opposite * turn.cos + imag_opposite * turn.sin;
+    const D backward_imag = real_opposite * turn.sin - imag_opposite * turn.cos;
+    const D omega = load<W>(waves.omega_radps, part);
+    height = {forward_real + backward_real, forward_imag + backward_imag};
+    rate = {omega * (forward_imag - backward_imag), omega * (backward_real - forward_real)};
+}
+
+template <int W>
+SEAWAY_INLINE void join(const Complexes<W>& east, const Complexes<W>& west, int part,
+                        PairBlock& pair) {
+    store<W>(pair.even[0], part, east.real + west.real);
+    store<W>(pair.even[1], part, east.imag + west.imag);
+    store<W>(pair.odd[0], part, west.imag - east.imag);
+    store<W>(pair.odd[1], part, east.real - west.real);
+}
+
+template <int W>
+void evolve_pairs(const PairSpectrum* waves, std::size_t count, TimeUs time, PairBlock* height,
+                  PairBlock* rate) {
+    for (std::size_t b = 0; b < count; ++b)
+        for (int part = 0; part < Vector<W>::parts; ++part) {
+            Complexes<W> height_east, height_west, rate_east, rate_west;
+            evolve_side<W>(waves[b].east, static_cast<std::uint64_t>(time), part, height_east,
+                           rate_east);
+            evolve_side<W>(waves[b].west, static_cast<std::uint64_t>(time), part, height_west,
+                           rate_west);
+            join<W>(height_east, height_west, part, height[b]);
+            join<W>(rate_east, rate_west, part, rate[b]);
+        }
 }
 
 /// Sums over a run: the real parts or the imaginary parts. _x, _xx: derivatives to x.
@@ -197,7 +296,8 @@ void cross_columns(const TileWaves& tile, const ColumnSums* sums, const RunTurn*
 
 template <int W>
 const WaveSums& sums_of() {
-    static constexpr WaveSums sums{add_point<W>, sum_columns<W>, cross_columns<W>};
+    static constexpr WaveSums sums{turns_of<W>, evolve_pairs<W>, add_point<W>, sum_columns<W>,
+                                   cross_columns<W>};
     return sums;
 }
 

@@ -151,6 +151,30 @@ TEST(Reference, the_shortest_waves_of_a_large_tile_are_as_exact_as_the_longest) 
     }
 }
 
+// Along a wave of amplitude 1 every phase is met. Two of 4e-16, that of time and that of place, and what
+// their product is rounded by.
+TEST(Reference, sines_and_cosines_are_as_exact_as_doubles_are) {
+    for (const Instructions instructions : supported_instructions()) {
+        const DirectSum sum(one_wave(1.0, 16, 1, 0, 1.0), instructions);
+        const DirectSum::Moment moment = sum.at_time(0);
+        for (int i = 0; i <= 4096; ++i) {
+            const double x = i / 4096.0;
+            const Real phase = 2 * std::numbers::pi_v<Real> * x;
+            const LagrangianPoint p = moment.at(x, 0.0);
+            ASSERT_NEAR(p.height, static_cast<double>(std::cos(phase)), 6e-16) << x;
+            ASSERT_NEAR(p.displacement_x, static_cast<double>(-std::sin(phase)), 6e-16) << x;
+        }
+    }
+}
+
+TEST(Reference, a_place_that_is_no_number_has_no_height) {
+    const DirectSum sum(one_wave(100.0, 64, 3, 4, 1.0));
+    for (const double bad : {std::nan(""), HUGE_VAL})
+        for (const LagrangianPoint& p : {sum.at(bad, 0.0, 0), sum.at(0.0, bad, 0)})
+            for (const Field field : linear_fields)
+                EXPECT_TRUE(std::isnan(value_of(p, field))) << info(field).name;
+}
+
 TEST(Reference, is_the_same_bits_with_every_instruction_set) {
     const auto sea = testing::realized(windy_sea(), testing::three_cascades);
     const DirectSum portable(sea, Instructions::portable);

@@ -105,7 +105,7 @@ Result<void> write(const std::string& path, const Truth& truth) {
 }
 
 void solve(const sea::DirectSum& sum, const sea::InverseOptions& options, Truth& truth) {
-    // Some 5 ms and more each, of which a new moment is 0.2: threads end together.
+    // Some 5 ms and more each, of which a new moment is 0.05: threads end together.
     constexpr std::size_t points_a_part = 128;
     const std::size_t count = truth.points.size();
     truth.answers.resize(count);
