@@ -51,7 +51,7 @@ struct Turned {
 };
 
 /// Cosine and sine of phases in turns, 0.64 fixed point: the nearest quarter by integer, what is left in
-/// [-pi/4, pi/4] by their Taylor series, of which the next terms are below 1e-16.
+/// [-pi/4, pi/4] by their Taylor series, of which the next terms are below 5e-17.
 template <int W>
 SEAWAY_INLINE Turned<W> turned(typename Vector<W>::U turns) {
     using D = typename Vector<W>::D;

@@ -327,6 +327,36 @@ TEST(Sheets, the_reach_of_a_cascade_is_that_of_its_displacements_at_any_depth) {
     }
 }
 
+// Phases that a scene gives may agree: the amplitudes of such waves add up, in deep water those of their
+// heights. Beside each of them in its pair, to the east or to the west, lies one of a random phase or none.
+TEST(Sheets, the_reach_of_waves_whose_phases_are_given_is_the_sum_of_their_amplitudes) {
+    struct Wave {
+        int nx, ny;
+        double amplitude_m;
+        bool given;
+    };
+    CascadeModes modes = tests::calm_cascade(100.0, 64);
+    modes.given.resize(modes.h0.size());
+    double given_m = 0, variance_m2 = 0;
+    for (const Wave& wave : {Wave{3, 5, 0.4, true},
+                             {-3, 5, 0.3, false},
+                             {-9, 2, 0.2, true},
+                             {9, 2, 0.5, false},
+                             {6, 0, 0.7, true},
+                             {0, 11, 0.6, false},
+                             {-12, -7, 0.8, true}}) {
+        tests::add_wave(modes, wave.nx, wave.ny, wave.amplitude_m, 0.3 * wave.nx);
+        modes.given[static_cast<std::size_t>((wave.ny + 64) % 64 * 64 + (wave.nx + 64) % 64)] =
+            wave.given;
+        (wave.given ? given_m : variance_m2) +=
+            wave.given ? wave.amplitude_m : 0.5 * wave.amplitude_m * wave.amplitude_m;
+    }
+    const DirectSum sum(tests::make_sea({modes}));
+    const double reach_m = given_m + 6 * std::sqrt(variance_m2);
+    for (const TimeUs t : {TimeUs{0}, moment_us})
+        EXPECT_NEAR(sum.at_time(t).patch_scale(0).displacement_m, reach_m, 1e-13 * reach_m);
+}
+
 TEST(Sheets, a_patch_of_the_exact_sum_is_the_exact_sum) {
     const FoldingSea& sea = folding_sea();
     MomentSheets sheets(sea.moment, {sea.sea->choppiness, 1e-9, {}});

@@ -1,16 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <complex>
+#include <cstdint>
+#include <functional>
 #include <initializer_list>
+#include <iterator>
+#include <limits>
 #include <numbers>
+#include <random>
 #include <tuple>
 #include <utility>
+#include <vector>
 
 #include "sea/basics/field.h"
 #include "sea/waves/reference.h"
+#include "sea/waves/wave_sums.h"
 #include "tests/sea/csv.h"
 #include "tests/sea/sea_fixture.h"
 #include "tests/support/explicit_sea.h"
@@ -151,25 +159,78 @@ TEST(Reference, the_shortest_waves_of_a_large_tile_are_as_exact_as_the_longest) 
     }
 }
 
-// Along a wave of amplitude 1 every phase is met. Two of 4e-16, that of time and that of place, and what
-// their product is rounded by.
-TEST(Reference, sines_and_cosines_are_as_exact_as_doubles_are) {
+// The error of a sine or a cosine that sea/waves/wave_sums.h states.
+constexpr Real stated_turn_error = 4e-16L;
+constexpr Real rad_per_turn = 2 * std::numbers::pi_v<Real>;
+
+/// 0.64 fixed point: 64 bits are what a long double holds.
+Real rad_of(std::uint64_t turns) {
+    return rad_per_turn * static_cast<Real>(static_cast<std::int64_t>(turns)) * 0x1p-64L;
+}
+
+// On both sides of every eighth of a turn, where quarters and signs change, and at phases that are drawn.
+TEST(Reference, sines_and_cosines_are_as_exact_as_stated_at_any_phase) {
+    std::vector<std::uint64_t> phases;
+    for (std::uint64_t eighth = 0; eighth < 8; ++eighth)
+        for (int bit = 0; bit < 61; ++bit)
+            for (const std::uint64_t side : {std::uint64_t{1}, ~std::uint64_t{0}})
+                phases.push_back((eighth << 61) + (side << bit));
+    std::mt19937_64 random(1);
+    std::generate_n(std::back_inserter(phases), 2000, std::ref(random));
+    for (const Instructions instructions : supported_instructions())
+        for (const std::uint64_t phase : phases) {
+            std::array<Turns, 2> turns{};
+            wave_sums(instructions).turns(phase, turns.size(), turns.data());
+            for (std::size_t n = 0; n < turns.size() * sum_lanes; ++n) {
+                const Turns& eight = turns[n / sum_lanes];
+                const Real rad = rad_of(n * phase);
+                ASSERT_LE(std::abs(eight.cos.at[n % sum_lanes] - std::cos(rad)), stated_turn_error)
+                    << phase;
+                ASSERT_LE(std::abs(eight.sin.at[n % sum_lanes] - std::sin(rad)), stated_turn_error)
+                    << phase;
+            }
+        }
+}
+
+// What a place is rounded by is in it: wave 1023 of the largest grid, at 1024ths of a metre on a tile of 3 m,
+// where whole numbers say which part of its length is left. Its height is a cosine, without another rounding.
+TEST(Reference, the_shortest_wave_of_the_largest_tile_is_as_exact_as_stated) {
+    const RealizationPtr sea = one_wave(3.0, 2048, 1023, 0, 1.0);
     for (const Instructions instructions : supported_instructions()) {
-        const DirectSum sum(one_wave(1.0, 16, 1, 0, 1.0), instructions);
+        const DirectSum sum(sea, instructions);
         const DirectSum::Moment moment = sum.at_time(0);
-        for (int i = 0; i <= 4096; ++i) {
-            const double x = i / 4096.0;
-            const Real phase = 2 * std::numbers::pi_v<Real> * x;
-            const LagrangianPoint p = moment.at(x, 0.0);
-            ASSERT_NEAR(p.height, static_cast<double>(std::cos(phase)), 6e-16) << x;
-            ASSERT_NEAR(p.displacement_x, static_cast<double>(-std::sin(phase)), 6e-16) << x;
+        for (int i = -5000; i <= 5000; i += 3) {
+            const Real rad = rad_per_turn * static_cast<Real>(1023 * i % 3072) / 3072;
+            ASSERT_LE(std::abs(moment.at(i / 1024.0, 0.0).height - std::cos(rad)),
+                      stated_turn_error)
+                << i;
+        }
+    }
+}
+
+// The rate of change is rounded once more, when it is multiplied by the frequency.
+TEST(Reference, a_wave_is_where_it_must_be_at_both_ends_of_time) {
+    const RealizationPtr sea = one_wave(100.0, 64, 2, 0, 1.0);
+    const Rate rate = sea->cascades[0].rate[2];
+    const Real omega = omega_from_rate(rate);
+    using Limits = std::numeric_limits<TimeUs>;
+    for (const Instructions instructions : supported_instructions()) {
+        const DirectSum sum(sea, instructions);
+        for (const TimeUs t : {Limits::min(), Limits::min() + 1, -time_us_max, TimeUs{-1},
+                               TimeUs{1}, time_us_max, Limits::max() - 1, Limits::max()}) {
+            const LagrangianPoint p = sum.at(0.0, 0.0, t);
+            const Real rad = rad_of(phase_turns(rate, t));
+            EXPECT_LE(std::abs(p.height - std::cos(rad)), stated_turn_error) << t;
+            EXPECT_LE(std::abs(p.height_rate + omega * std::sin(rad)),
+                      omega * (stated_turn_error + std::numeric_limits<double>::epsilon()))
+                << t;
         }
     }
 }
 
 TEST(Reference, a_place_that_is_no_number_has_no_height) {
     const DirectSum sum(one_wave(100.0, 64, 3, 4, 1.0));
-    for (const double bad : {std::nan(""), HUGE_VAL})
+    for (const double bad : {std::nan(""), HUGE_VAL, -HUGE_VAL})
         for (const LagrangianPoint& p : {sum.at(bad, 0.0, 0), sum.at(0.0, bad, 0)})
             for (const Field field : linear_fields)
                 EXPECT_TRUE(std::isnan(value_of(p, field))) << info(field).name;
@@ -178,12 +239,12 @@ TEST(Reference, a_place_that_is_no_number_has_no_height) {
 TEST(Reference, is_the_same_bits_with_every_instruction_set) {
     const auto sea = testing::realized(windy_sea(), testing::three_cascades);
     const DirectSum portable(sea, Instructions::portable);
-    const DirectSum::Moment expected = portable.at_time(5'000'000);
+    const DirectSum::Moment expected = portable.at_time(-5'000'000'000'001);
     const SheetPatch expected_patch = expected.patch(1, -3.0, 9.0, 11.0, 19.0);
     for (const Instructions instructions : supported_instructions()) {
         SCOPED_TRACE(name(instructions));
         const DirectSum sum(sea, instructions);
-        const DirectSum::Moment moment = sum.at_time(5'000'000);
+        const DirectSum::Moment moment = sum.at_time(-5'000'000'000'001);
         for (const double x : {0.0, 13.7, -250.3}) {
             const LagrangianPoint a = moment.at(x, 7.7), b = expected.at(x, 7.7);
             for (const Field field : linear_fields)
