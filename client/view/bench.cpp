@@ -11,6 +11,7 @@
 
 #include "base/text_file.h"
 #include "client/view/sea/sea_source.h"
+#include "client/view/view_sky.h"
 
 namespace seaway::client {
 
@@ -31,9 +32,10 @@ double cpu_s() {
 } // namespace
 
 Result<void> bench(Client& client, Renderer& renderer, const ViewOptions& options) {
-    const Sky sky(sun_direction(options.time_of_day_h));
     const sea::TimeUs start_us =
         options.time_s ? sea::us_from_seconds(*options.time_s) : client.now_us();
+    SkyMaker skies;
+    SEAWAY_TRY_LET(const Sky sky, sky_of_frame(skies, options.look, options.camera, start_us));
     std::vector<SeaFrame> frames; // fetched before: what is timed is drawing
     for (int i = 0; i < options.bench_frames; ++i) {
         SEAWAY_TRY_LET(SeaFrame frame,

@@ -6,10 +6,26 @@
 
 namespace seaway::client {
 
+namespace {
+
+/// How bright a white sheet looks, of full daylight: eyes adapt to anything down to twilight, below that in
+/// part, so that a moonlit night is a third of the day and a starlit one still tells sea from sky.
+double adapted(double white_radiance) {
+    constexpr double twilight = 1e-3; ///< kcd/m2
+    constexpr double power = 0.4;
+    return std::pow(std::min(white_radiance / twilight, 1.0), power);
+}
+
+double at_least_dark(double white_radiance) {
+    return std::max(white_radiance, 1e-9);
+}
+
+} // namespace
+
 double exposure_by_light(double white_radiance) {
     constexpr double white_sheet = 0.9;
-    constexpr double darkest_white = 1e-4; ///< kcd/m2: below it the eye gives up
-    return white_sheet / std::max(white_radiance, darkest_white);
+    const double white = at_least_dark(white_radiance);
+    return white_sheet * adapted(white) / white;
 }
 
 double metered_exposure(const Picture& picture, double white_radiance) {
@@ -26,7 +42,8 @@ double metered_exposure(const Picture& picture, double white_radiance) {
     }
     const double mean = std::exp(logarithms / static_cast<double>(std::max<std::size_t>(count, 1)));
     const double by_light = exposure_by_light(white_radiance);
-    return std::clamp(middle_grey / mean, by_light / range, by_light * range);
+    return std::clamp(middle_grey * adapted(at_least_dark(white_radiance)) / mean, by_light / range,
+                      by_light * range);
 }
 
 } // namespace seaway::client

@@ -37,12 +37,12 @@ struct Display {
     double significant_height_m = 1; ///< scale of heights
 };
 
-/// The factor that a light meter on the sea says: a white sheet there, of this radiance in kcd/m2, becomes 0.9. Darker
-/// than night it stays as at night.
+/// The factor that a light meter on the sea says: a white sheet there, of this radiance in kcd/m2, becomes 0.9; below
+/// the light of twilight (1e-3) less, as eyes see it: 0.3 under a full moon.
 double exposure_by_light(double white_radiance);
 
 /// The factor that brings the geometric mean of a lit picture's luminance to middle grey; what is
-/// brighter than a white sheet (`white_radiance`, client/view/sky.h) counts as one, so that glint
+/// brighter than a white sheet (`white_radiance`, client/view/sky/sky.h) counts as one, so that glint
 /// does not blacken the sea. Within a factor of 3 of what a light meter on the sea says: night
 /// stays dark.
 double metered_exposure(const Picture& picture, double white_radiance);

@@ -111,10 +111,12 @@ Result<void> Renderer::create_pipelines() {
 }
 
 Result<void> Renderer::create_sky() {
-    SEAWAY_TRY(keep(sampler_, gpu::create_sampler(*device_, {})));
-    const gpu::ImageSpec sky{.width = Sky::map_width,
-                             .height = Sky::map_height,
-                             .mips = gpu::full_mip_count(Sky::map_width, Sky::map_height)};
+    SEAWAY_TRY(keep(sampler_, gpu::create_sampler(*device_, {.repeat = true})));
+    const gpu::ImageSpec sky{.width = shaders::sky_columns,
+                             .height = shaders::sky_rows,
+                             .layers = shaders::sky_layers,
+                             .mips = gpu::full_mip_count(shaders::sky_columns, shaders::sky_rows),
+                             .array = true};
     SEAWAY_TRY(keep(sky_map_.image, gpu::Image::create(*device_, "sky map", sky)));
     return keep(sky_map_.staging,
                 gpu::Buffer::create(*device_, "sky map", sky_map_.image.texel_count() * texel_bytes,
@@ -136,12 +138,11 @@ Result<void> Renderer::create_flight(Flight& flight) {
 }
 
 Result<void> Renderer::take_sky(const Sky& sky) {
-    if (sky_of_ == sky.sun_direction())
+    if (sky_texels_ == sky.texels())
         return {};
     SEAWAY_TRY(finish()); // of a frame that still copies the old one
-    const std::vector<float> texels = sky.map();
-    put(sky_map_.staging, texels.data(), texels.size() * sizeof(float));
-    sky_of_ = sky.sun_direction();
+    sky_texels_ = sky.texels();
+    put(sky_map_.staging, sky_texels_->data(), sky_texels_->size() * sizeof(float));
     sky_is_new_ = true;
     return {};
 }

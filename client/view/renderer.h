@@ -12,6 +12,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <string_view>
 #include <vector>
 
@@ -22,7 +23,7 @@
 #include "client/view/quality.h"
 #include "client/view/sea/device_sea.h"
 #include "client/view/sea/mesh.h"
-#include "client/view/sky.h"
+#include "client/view/sky/sky.h"
 #include "gpu/draw/graphics_pipeline.h"
 #include "gpu/draw/offscreen.h"
 #include "gpu/timer.h"
@@ -32,8 +33,8 @@ namespace seaway::client {
 
 struct RenderOptions {
     Quality quality = quality_table[quality_high];
-    double visibility_m = 40e3; ///< distance at which 2 % of contrast is left (Koschmieder)
-    bool detail = true;         ///< continue the waves beyond the finest cascade
+    bool air = true;    ///< between the eye and the sea
+    bool detail = true; ///< continue the waves beyond the finest cascade
 };
 
 /// What of a frame the CPU wants to see.
@@ -64,8 +65,6 @@ class Renderer {
     /// Numbers to bytes, without drawing: a picture of the size that is drawn, as render() gives it.
     Result<ShownPicture> develop(const Picture& picture, const Display& display);
 
-    /// Of frames that are drawn from now on.
-    void set_visibility(double visibility_m) { options_.visibility_m = visibility_m; }
     /// The last frame that was drawn for bytes, or for nothing: sRGB, on the device, ready to be sampled.
     const gpu::Image& shown() const { return target_.shown(); }
     /// Seconds of the passes of the last frame that was waited for, [pass]; empty before, 0 on a device without time
@@ -115,8 +114,8 @@ class Renderer {
     gpu::TexelView vertex_texels_;
     Upload sky_map_;
     bool sky_is_new_ = false;
-    glm::dvec3 sky_of_{0.0}; ///< direction of the sun
-    int columns_ = 0;        ///< that the indices are of
+    std::shared_ptr<const std::vector<float>> sky_texels_; ///< that it is made of
+    int columns_ = 0;                                      ///< that the indices are of
     std::uint64_t generation_ = 1;
     std::array<Flight, 2> flights_;
     std::size_t next_ = 0;

@@ -140,8 +140,8 @@ Result<void> check(const Words& words, const ViewOptions& options) {
     if (options.url.empty())
         return Error{"URL is required"};
     SEAWAY_TRY(parse_url(options.url));
-    SEAWAY_TRY(require(options.time_of_day_h >= 0 && options.time_of_day_h <= 24,
-                       fmt::format("--time-of-day {}: 0 .. 24", options.time_of_day_h)));
+    SEAWAY_TRY(require(options.look.hour >= 0 && options.look.hour <= 24,
+                       fmt::format("--time-of-day {}: 0 .. 24", options.look.hour)));
     SEAWAY_TRY(require(options.camera.view_deg >= camera_view_min_deg &&
                            options.camera.view_deg <= camera_view_max_deg,
                        fmt::format("--fov {:g}: {:g} .. {:g} degrees", options.camera.view_deg,
@@ -197,7 +197,7 @@ std::variant<ViewOptions, int> read_view_options(int argc, const char* const* ar
     line.option("--camera", words.camera,
                 "X,Y,Z,YAW_DEG,PITCH_DEG: m east, north, above the mean sea");
     line.option("--fov", options.camera.view_deg, "width of the picture, degrees (62)");
-    line.option("--time-of-day", options.time_of_day_h, "height of the sun: hour, 0 .. 24");
+    line.option("--time-of-day", options.look.hour, "height of the sun: hour, 0 .. 24");
     line.option("--time", words.time, "sea time of the first frame: 'now' or seconds");
     line.option(
         "--quality", words.quality,

@@ -9,6 +9,7 @@
 #include "client/view/camera.h"
 #include "client/view/debug_views.h"
 #include "client/view/quality.h"
+#include "client/view/sky/look.h"
 #include "sea/basics/time.h"
 
 namespace seaway::client {
@@ -24,10 +25,10 @@ struct ViewOptions {
     bool offscreen = false; ///< to files; else in a window
     Camera camera;          ///< with the size of the picture, or of the window
     int frames = 1;
-    std::string out;        ///< pattern of paths, see frame_path()
-    std::string path;       ///< CSV file of a CameraPath; empty: none
-    bool turntable = false; ///< see CameraPath::turntable()
-    double time_of_day_h = 15.5;
+    std::string out;              ///< pattern of paths, see frame_path()
+    std::string path;             ///< CSV file of a CameraPath; empty: none
+    bool turntable = false;       ///< see CameraPath::turntable()
+    Look look;                    ///< with the hour of --time-of-day
     std::optional<double> time_s; ///< sea time of the first frame; nothing: now
     DebugChoice debug;
     Quality quality = quality_table[quality_high];

@@ -9,9 +9,6 @@ namespace seaway::client {
 
 namespace {
 
-/// North Sea water: diffuse reflectance of the body below the surface, red, green, blue.
-const glm::dvec3 water_reflectance(0.008, 0.024, 0.026);
-
 constexpr double detail_turn_rad = 0.37;
 /// Gravity waves give way to capillary ones here, and slopes fade, rad/m (Cox and Munk 1954).
 constexpr double shortest_waves_radpm = 370;
@@ -70,11 +67,12 @@ Tail tail_of(const SeaFrame& frame) {
 void set_light(shaders::ViewValues& out, const Sky& sky) {
     const double disk_cosine = std::cos(Sky::sun_radius_rad);
     const double disk_sr = 2 * std::numbers::pi * (1 - disk_cosine);
-    out.sun_direction = narrow(sky.sun_direction());
+    out.sun_direction = narrow(sky.light_direction());
     out.sun_disk_cosine = narrow(disk_cosine);
-    out.sun_irradiance_klx = narrow(sky.sun_irradiance());
+    out.sun_irradiance_klx = narrow(sky.light_irradiance());
     out.sun_disk_per_sr = narrow(1 / disk_sr);
     out.sky_irradiance_klx = narrow(sky.sky_irradiance());
+    out.sky = sky.values();
 }
 
 /// Rows of foam along the wind begin at 10 m/s (Beaufort 5 to 6), where foam covers half a percent.
@@ -127,7 +125,8 @@ shaders::ViewValues view_values(const SeaFrame& frame, const Camera& camera, con
     set_light(out, sky);
     out.water_reflectance = narrow(water_reflectance);
     out.significant_height_m = narrow(frame.significant_height_m);
-    out.extinction_per_m = narrow(std::log(50.0) / options.visibility_m);
+    if (!options.air)
+        out.sky.rayleigh_per_m = out.sky.aerosol_per_m = {};
 
     out.mesh_apex_m = narrow(mesh.apex_m);
     out.mesh_azimuth_rad = narrow(mesh.azimuth_rad);

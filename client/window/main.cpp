@@ -16,6 +16,7 @@
 #include "client/view/renderer.h"
 #include "client/view/sea/sea_source.h"
 #include "client/view/view_options.h"
+#include "client/view/view_sky.h"
 #include "client/window/viewer.h"
 #include "protocol/token_file.h"
 
@@ -60,7 +61,7 @@ Result<CameraPath> camera_path(const ViewOptions& options) {
 }
 
 int draw(Client& client, Renderer& renderer, const ViewOptions& options, const CameraPath& path) {
-    const Sky sky(sun_direction(options.time_of_day_h));
+    SkyMaker skies;
     const sea::TimeUs start_us =
         options.time_s ? sea::us_from_seconds(*options.time_s) : client.now_us();
     FrameWriter writer(options);
@@ -73,11 +74,14 @@ int draw(Client& client, Renderer& renderer, const ViewOptions& options, const C
         if (i == 0) // what later frames need is fetched: they are drawn slower than the sea moves
             client.unsubscribe();
         const Camera camera = path.at(sea::seconds_from_us(frame_offset_us(i)));
-        const Result<Picture> picture = renderer.render(*frame, camera, sky, options.debug);
+        const Result<Sky> sky = sky_of_frame(skies, options.look, camera, time_us);
+        if (!sky)
+            return fail(ViewExit::usage, sky.error());
+        const Result<Picture> picture = renderer.render(*frame, camera, *sky, options.debug);
         if (!picture)
             return fail(ViewExit::no_device, picture.error());
         if (i == 0) // metered once: frames of a film do not flicker
-            exposure = metered_exposure(*picture, sky.white_radiance());
+            exposure = metered_exposure(*picture, sky->white_radiance());
         Result<std::string> written = writer.shows() ? std::string() : writer.write(*picture, i);
         if (writer.shows()) {
             const Result<ShownPicture> shown = renderer.develop(

@@ -30,7 +30,8 @@ double seconds_since(std::chrono::steady_clock::time_point then) {
 Viewer::Viewer(const ViewOptions& options)
     : options_(options), wanted_since_(Clock::now()), pilot_(options.camera),
       live_at_(Clock::now()), stepped_(Clock::now()), measured_(Clock::now()) {
-    choice_.time_of_day_h = options.time_of_day_h;
+    choice_.time_of_day_h = options.look.hour;
+    choice_.visibility_m = options.look.air.visibility_m;
     choice_.debug = options.debug;
     for (std::size_t i = 0; i < quality_table.size(); ++i)
         if (quality_table[i].name == options.quality.name)
@@ -214,9 +215,8 @@ Result<void> Viewer::create_renderer(const glm::ivec2& pixels) {
     gui_->set_picture(nullptr);
     picture_is_set_ = false;
     renderer_.reset(); // two do not lie in memory at once
-    Result<Renderer> made = Renderer::create(
-        *device_, pixels.x, pixels.y,
-        {.quality = quality_table[choice_.quality], .visibility_m = choice_.visibility_m});
+    Result<Renderer> made =
+        Renderer::create(*device_, pixels.x, pixels.y, {.quality = quality_table[choice_.quality]});
     if (!made)
         return made.error();
     renderer_.emplace(std::move(*made));
@@ -244,17 +244,17 @@ Result<void> Viewer::draw_sea() {
     std::vector<double> wanted = inputs();
     if (wanted == drawn_inputs_) // it stands on the device
         return {};
-    if (!sky_ || sky_hour_ != choice_.time_of_day_h) {
-        sky_.emplace(sun_direction(choice_.time_of_day_h));
-        sky_hour_ = choice_.time_of_day_h;
-    }
+    Look look = options_.look;
+    if (!look.place)
+        look.hour = choice_.time_of_day_h;
+    look.air.visibility_m = choice_.visibility_m;
+    SEAWAY_TRY_LET(const Sky sky, sky_of_frame(skies_, look, camera(), frame_->time_us));
     DebugChoice debug = choice_.debug;
     debug.cascade = std::min(debug.cascade, static_cast<int>(frame_->cascades.size()) - 1);
-    const Display display{
-        debug.view, exposure_by_light(sky_->white_radiance()) * std::exp2(choice_.exposure_ev),
-        frame_->significant_height_m};
-    renderer_->set_visibility(choice_.visibility_m);
-    SEAWAY_TRY(renderer_->draw(*frame_, seen_by(), *sky_, debug, display, Wanted::nothing,
+    const Display display{debug.view,
+                          exposure_by_light(sky.white_radiance()) * std::exp2(choice_.exposure_ev),
+                          frame_->significant_height_m};
+    SEAWAY_TRY(renderer_->draw(*frame_, seen_by(), sky, debug, display, Wanted::nothing,
                                choice_.second_camera ? &mesh_camera_ : nullptr));
     drawn_inputs_ = std::move(wanted);
     ++sea_frames_;

@@ -20,6 +20,7 @@
 
 #include "client/view/renderer.h"
 #include "client/view/view_options.h"
+#include "client/view/view_sky.h"
 #include "client/window/feed.h"
 #include "client/window/glfw_window.h"
 #include "client/window/gui.h"
@@ -97,8 +98,7 @@ class Viewer {
     Panels panels_;
     WindowModel model_;
     std::optional<Probe> probe_;
-    std::optional<Sky> sky_;
-    double sky_hour_ = -1;
+    SkyMaker skies_;
 
     std::shared_ptr<Client> client_;
     std::optional<SeaFrame> frame_;       ///< the last that was held

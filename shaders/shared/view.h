@@ -86,19 +86,64 @@ struct SEAWAY_STD140_ELEMENT ViewCascade {
     int spare_0, spare_1;
 };
 
+// Tables of the sky, layers of one array of images: see client/view/sky/sky.h.
+SEAWAY_SHARED_CONSTANT sky_columns = 384;
+SEAWAY_SHARED_CONSTANT sky_rows = 128;
+SEAWAY_SHARED_CONSTANT sky_layer_sea = 0; ///< all around a point of the sea; mips are blurred
+SEAWAY_SHARED_CONSTANT sky_layer_eye =
+    1; ///< sky above, source of the air's light below the horizon
+SEAWAY_SHARED_CONSTANT sky_layer_cloud = 2; ///< noise of clouds, periodic
+SEAWAY_SHARED_CONSTANT sky_layers = 3;
+SEAWAY_SHARED_CONSTANT sky_mips = 6; ///< that are blurred: 0, 0.04, 0.08 .. 0.64 rad
+
+struct SEAWAY_STD140_ELEMENT SkyValues {
+    vec3 to_sun;
+    float azimuth_rad; ///< of the tables' first column
+    vec3 sun_low;      ///< mean radiance of the disc at its lower edge, kcd/m2
+    float dip_rad;     ///< of the horizon, at the eye
+    vec3 sun_high;     ///< and at its upper edge
+    float disc_rad;    ///< radius of sun and moon
+    vec3 to_moon;
+    float star_klx;        ///< of a star of magnitude 0; 0: none are drawn
+    vec3 moon;             ///< radiance of its lit part
+    float curvature_per_m; ///< 1 / (2 radius of the planet)
+    vec3 star_x;           ///< rows of the turn from the local frame to that of the stars
+    float cloud_height_m;  ///< above the eye; below 0: below it
+    vec3 star_y;
+    float cloud_threshold; ///< of the noise; above 1.5: no clouds
+    vec3 star_z;
+    float cloud_depth;   ///< optical, where they are thickest
+    vec3 rayleigh_per_m; ///< at the sea
+    float rayleigh_scale_m;
+    vec3 aerosol_per_m; ///< extinction at the sea
+    float aerosol_scale_m;
+    vec3 zenith_depth;  ///< optical depth of the air above the eye
+    float cloud_sunlit; ///< share of the air below the clouds that the light reaches
+    vec3 cloud_light;   ///< of sun or moon, normal to the beam, at the clouds, klx
+    float unused_2;
+    vec3 cloud_sky; ///< of the sky, on the level, at the clouds, klx
+    float unused_3;
+    vec3 to_light; ///< sun or moon, whichever is brighter
+    float unused_4;
+    vec3 cloud_shaded; ///< source of that air's light elsewhere, kcd/m2
+    float unused_5;
+    vec2 cloud_origin; ///< of the eye in the noise, periods
+    vec2 cloud_per_m;  ///< periods a metre
+};
+
 struct ViewValues {
     mat4 clip_from_local;
     mat4 local_from_clip; ///< directions: of a point at depth 0 on the picture
 
     vec3 camera_m;           ///< local position
     float pixel_rad;         ///< angle of a pixel
-    vec3 sun_direction;      ///< towards it, unit
+    vec3 sun_direction;      ///< towards sun or moon, whichever is brighter; unit
     float sun_disk_cosine;   ///< of the angle of the disk's radius
     vec3 sun_irradiance_klx; ///< at the sea, normal to the beam
     float sun_disk_per_sr;   ///< radiance of the disk over that irradiance
     vec3 sky_irradiance_klx; ///< on a horizontal plane
-    float extinction_per_m;  ///< of light in the air
-    vec3 water_reflectance;  ///< diffuse, of the water body
+    float unused;
+    vec3 water_reflectance; ///< diffuse, of the water body
     float significant_height_m;
 
     vec2 mesh_apex_m;       ///< local
@@ -137,13 +182,15 @@ struct ViewValues {
     vec2 foam_rows_origin;  ///< of the local frame in the rows along the wind, cells
     float foam_rows;        ///< how strong those are, 0 .. 1
     ViewCascade cascade[view_cascades_max];
+    SkyValues sky;
 };
 
 #ifdef __cplusplus
 static_assert(offsetof(ViewValues, camera_m) == 128 && offsetof(ViewValues, foam_mean) == 256);
 static_assert(offsetof(ViewValues, detail_origin) == 272 && offsetof(ViewValues, cascade) == 368);
 static_assert(sizeof(ViewCascade) == 80);
-static_assert(sizeof(ViewValues) == 368 + 80 * view_cascades_max);
+static_assert(sizeof(SkyValues) == 16 * 16);
+static_assert(offsetof(ViewValues, sky) == 368 + 80 * view_cascades_max);
 } // namespace seaway::shaders
 #endif
 #undef SEAWAY_SHARED_CONSTANT

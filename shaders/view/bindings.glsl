@@ -10,8 +10,8 @@ layout(std430, binding = 1) readonly buffer Rows { float row_distance_m[]; };
 layout(binding = 2) uniform samplerBuffer vertices;
 /// [cascade][level][y][x]: a GradientTexel, packed.
 layout(binding = 3) uniform usamplerBuffer gradients;
-/// [elevation][azimuth from the sun]: radiance of the sky, kcd/m2.
-layout(binding = 4) uniform sampler2D sky_map;
+/// [layer][row][column]: tables of the sky, shared/view.h.
+layout(binding = 4) uniform sampler2DArray sky_map;
 /// [y][x], samples: a Place each, packed.
 #ifdef SEAWAY_ONE_SAMPLE
 layout(binding = 5) uniform sampler2D geometry;

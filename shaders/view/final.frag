@@ -35,7 +35,7 @@ void main() {
     const int count = edge ? samples : 1;
     for (int i = 0; i < count; ++i) {
         const Place at = edge ? place[i] : unpacked_place(mean);
-        sum += shows_sky(at) ? sky_radiance(away, 0.0) : water_radiance(at, -away);
+        sum += shows_sky(at) ? sky_behind(away) : water_radiance(at, -away);
     }
     radiance = vec4(sum / float(count), 1);
 }

@@ -1,26 +1,174 @@
 // SPDX-License-Identifier: Apache-2.0
-// Looks up the sky that the CPU has computed (client/view/sky.h): square root of elevation by
-// azimuth from the sun.
+// The sky, from the tables that the CPU has made (client/view/sky/sky.h). What water and the picture see of
+// it are sky_radiance, sky_behind and through_air.
 const float pi = 3.14159265;
 
-/// Unit direction; below the horizon is as the horizon. blur: 0 sharp .. 1 the whole sky.
-vec3 sky_radiance(vec3 direction, float blur) {
-    const float elevation = asin(clamp(direction.z, 0.0, 1.0));
-    const vec2 sun = normalize(view.sun_direction.xy + vec2(1e-6, 0));
-    const float along = dot(direction.xy, sun) / max(length(direction.xy), 1e-6);
-    const float azimuth = acos(clamp(along, -1.0, 1.0));
-    const vec2 at = vec2(azimuth / pi, sqrt(elevation / (0.5 * pi)));
-    // Texel centres of the first and last row and column lie on the ends of the range.
-    const vec2 size = vec2(textureSize(sky_map, 0));
-    const vec2 uv = (at * (size - 1.0) + 0.5) / size;
-    return textureLod(sky_map, uv, blur * 5.0).rgb;
+/// Column and row of a direction in a table, 0 .. 1: rows are dense at the horizon, nothing is mixed across it.
+vec2 dome_place(vec3 direction, float dip) {
+    const float above = asin(clamp(direction.z, -1.0, 1.0)) + dip;
+    const float range = 0.5 * pi + (above < 0.0 ? -dip : dip);
+    const float half_rows = 0.5 * float(sky_rows);
+    const float row = sqrt(min(abs(above) / range, 1.0)) * (half_rows - 1.0);
+    const float turn = atan(direction.y, direction.x) - view.sky.azimuth_rad;
+    return vec2(turn / (2.0 * pi),
+                (half_rows + (above < 0.0 ? -0.5 - row : 0.5 + row)) / float(sky_rows));
 }
 
-/// The sky that is seen directly: with the disk of the sun.
+/// What arrives at a point of the sea from around a direction: the sky with its clouds, and below the horizon
+/// what the sea shows there. blur: standard deviation of the lobe of directions, rad an axis; 0 sharp.
+vec3 sky_radiance(vec3 direction, float blur) {
+    const float share = blur / 0.04;
+    const float level = clamp(share < 1.0 ? share : 1.0 + log2(share), 0.0, float(sky_mips - 1));
+    vec2 at = dome_place(direction, 0.0);
+    // Rows do not repeat as columns do.
+    const float edge = 0.5 * exp2(ceil(level)) / float(sky_rows);
+    at.y = clamp(at.y, edge, 1.0 - edge);
+    return textureLod(sky_map, vec3(at, sky_layer_sea), level).rgb;
+}
+
+/// Share of light that the air lets through, towards a point near the sea or at a cloud.
+vec3 air_left(float distance_m, vec3 direction) {
+    const vec4 nodes = vec4(0.0694318442, 0.3300094782, 0.6699905218, 0.9305681558);
+    const vec4 weights = 2.0 * nodes * vec4(0.1739274226, 0.3260725774, 0.3260725774, 0.1739274226);
+    const vec4 share = nodes * nodes;
+    const vec4 t = distance_m * (direction.z < 0.0 ? 1.0 - share : share);
+    const float bend = view.sky.curvature_per_m * (1.0 - direction.z * direction.z);
+    const vec4 h = max(view.camera_m.z + t * (direction.z + bend * t), vec4(0));
+    const float rayleigh = dot(weights, exp(-h / view.sky.rayleigh_scale_m));
+    const float aerosol = dot(weights, exp(-h / view.sky.aerosol_scale_m));
+    return exp(-distance_m * (rayleigh * view.sky.rayleigh_per_m + aerosol * view.sky.aerosol_per_m));
+}
+
+/// A colour at a distance as the eye sees it through the air. Unit direction.
+vec3 through_air(vec3 colour, float distance_m, vec3 direction) {
+    vec2 at = dome_place(direction, view.sky.dip_rad);
+    at.y = min(at.y, 0.5 - 0.5 / float(sky_rows)); // the air's source lies below the horizon
+    const vec3 source = textureLod(sky_map, vec3(at, sky_layer_eye), 0.0).rgb;
+    return mix(source, colour, air_left(distance_m, direction));
+}
+
+// Clouds: client/view/sky/clouds.cpp has the same formula.
+const float cloud_diffuse_loss = 0.1125;
+
+float cloud_depth(vec2 at, float lod) {
+    const float pattern = textureLod(sky_map, vec3(at, sky_layer_cloud), lod).r;
+    const float detail = textureLod(sky_map, vec3(at * 4.0, sky_layer_cloud), lod + 2.0).g;
+    const float region = textureLod(sky_map, vec3(at * 0.27, sky_layer_cloud), max(lod - 1.9, 0.0)).r;
+    const float above = pattern + 0.25 * (detail - 0.5) + 0.5 * (region - 0.5) - view.sky.cloud_threshold;
+    return view.sky.cloud_depth * clamp(above / 0.35, 0.0, 1.0);
+}
+
+float henyey(float g, float cosine) {
+    const float base = 1.0 + g * g - 2.0 * g * cosine;
+    return (1.0 - g * g) / (4.0 * pi * base * sqrt(base));
+}
+
+/// The layer of clouds before a colour that is infinitely far; share of what lies behind it that is left in w.
+vec4 clouds_before(vec3 clear, vec3 direction) {
+    if (view.sky.cloud_threshold > 1.5)
+        return vec4(clear, 1);
+    const float rise = view.sky.cloud_height_m * 4.0 * view.sky.curvature_per_m;
+    const float under = direction.z * direction.z + rise;
+    if (under <= 0.0 || (rise > 0.0) != (direction.z >= 0.0))
+        return vec4(clear, 1);
+    const float cosine = sqrt(under);
+    const float distance_m = 2.0 * abs(view.sky.cloud_height_m) / (abs(direction.z) + cosine);
+    const vec2 at = view.sky.cloud_origin + direction.xy * distance_m * view.sky.cloud_per_m;
+    const float footprint = distance_m * view.pixel_rad / max(cosine, 0.15);
+    const float lod = max(log2(footprint * view.sky.cloud_per_m.x * float(sky_columns)), 0.0);
+    const float depth = cloud_depth(at, lod);
+    const float mu = max(view.sky.to_light.z, 0.2);
+    const vec2 aside = view.sky.to_light.xy * (500.0 / mu) * view.sky.cloud_per_m;
+    const float shade = clamp((1.0 + cloud_diffuse_loss * depth) /
+                              (1.0 + cloud_diffuse_loss * cloud_depth(at + aside, lod)), 0.5, 1.6);
+    const float slant = depth / max(cosine, 0.05);
+    const float left = exp(-slant);
+    const float passing = 1.0 / (1.0 + cloud_diffuse_loss * depth);
+    const vec3 beam = view.sky.cloud_light * mu * (passing - exp(-depth / mu)) * shade;
+    const vec3 sky = view.sky.cloud_sky * (passing - exp(-1.66 * depth));
+    const float angle = dot(direction, view.sky.to_light);
+    const float lobes = 0.8 * henyey(0.85, angle) + 0.2 * henyey(-0.3, angle);
+    const vec3 passed = beam * mix(1.0 / pi, lobes / mu, exp(-0.25 * depth)) + sky / pi;
+    const vec3 returned = (view.sky.cloud_light * mu * shade + view.sky.cloud_sky) *
+                          ((1.0 - passing) / pi);
+    const vec3 radiance = rise > 0.0 ? passed : returned;
+    // The air before the clouds.
+    const vec3 through = air_left(distance_m, direction);
+    const vec3 held = 1.0 - exp(-view.sky.zenith_depth / max(direction.z, 0.03));
+    const vec3 source = mix(view.sky.cloud_shaded, clear / held, view.sky.cloud_sunlit);
+    return vec4(clear * left + through * radiance + (1.0 - left) * (1.0 - through) * source, left);
+}
+
+uint star_hash(uvec3 cell) { // PCG 3d (Jarzynski and Olano 2020), one of three
+    cell = cell * 1664525u + 1013904223u;
+    cell.x += cell.y * cell.z;
+    cell.y += cell.z * cell.x;
+    cell.z += cell.x * cell.y;
+    cell ^= cell >> 16u;
+    cell.x += cell.y * cell.z;
+    return cell.x;
+}
+
+/// Stars: one in most cells of a cube around the eye, their number rising by 10^0.51 a magnitude, 6.5 the faintest
+/// (as counted, Allen 1973: some 9000 to 6.5).
+vec3 stars(vec3 direction) {
+    const vec3 d = vec3(dot(view.sky.star_x, direction), dot(view.sky.star_y, direction),
+                        dot(view.sky.star_z, direction));
+    const vec3 size = abs(d);
+    const int face = size.x > size.y && size.x > size.z ? 0 : size.y > size.z ? 1 : 2;
+    const float along = face == 0 ? d.x : face == 1 ? d.y : d.z;
+    const vec2 side = (face == 0 ? d.yz : face == 1 ? d.zx : d.xy) / abs(along);
+    const float cells = 40.0;
+    const vec2 at = (side * 0.5 + 0.5) * cells;
+    const uint seed = star_hash(uvec3(uvec2(at), uint(face) * 2u + (along > 0.0 ? 1u : 0u)));
+    const vec4 random = vec4(float(seed & 1023u), float((seed >> 10u) & 1023u),
+                             float((seed >> 20u) & 1023u), float(seed >> 22u)) / 1023.0;
+    // Away from the cell's edge, so that no star is cut.
+    const vec2 off = (fract(at) - 0.2 - 0.6 * random.xy) * 2.0 / cells;
+    const float bend = 1.0 + dot(side, side); // a cube's side is seen aslant
+    const float angle2 = dot(off, off) / (bend * sqrt(bend));
+    const float width = 0.7 * view.pixel_rad;
+    const float magnitude = 6.5 + log2(max(random.z, 1e-3)) * (0.30103 / 0.51);
+    const float klx = view.sky.star_klx * exp2(-1.32877 * magnitude);
+    const vec3 colour = mix(vec3(1.15, 0.97, 0.8), vec3(0.85, 1.0, 1.25), random.w);
+    return colour * klx * exp(-0.5 * angle2 / (width * width)) / (2.0 * pi * width * width) *
+           exp(-view.sky.zenith_depth / max(direction.z, 0.02));
+}
+
+/// Discs of sun and moon.
+vec3 discs(vec3 direction) {
+    const float soft = 0.5 * view.pixel_rad;
+    const float radius = view.sky.disc_rad;
+    vec3 sum = vec3(0);
+    const float off_sun = length(direction - view.sky.to_sun); // exact where it is small
+    if (off_sun < radius + 2.0 * soft) {
+        const float cover = 1.0 - smoothstep(radius - soft, radius + soft, off_sun);
+        const float height = clamp(0.5 + 0.5 * (direction.z - view.sky.to_sun.z) / radius, 0.0, 1.0);
+        // Limb darkening: 1 - u (1 - mu), mean 1 - u / 3 (Allen 1973 at 610, 550, 445 nm).
+        const float mu = sqrt(max(1.0 - off_sun * off_sun / (radius * radius), 0.0));
+        const vec3 u = vec3(0.52, 0.60, 0.76);
+        sum += cover * mix(view.sky.sun_low, view.sky.sun_high, height) * (1.0 - u * (1.0 - mu)) /
+               (1.0 - u / 3.0);
+    }
+    const vec3 off_moon = direction - view.sky.to_moon;
+    const float off = length(off_moon);
+    if (off < radius + 2.0 * soft && view.sky.moon.g > 0.0) {
+        const float cover = 1.0 - smoothstep(radius - soft, radius + soft, off);
+        const vec3 normal = off_moon / radius -
+                            view.sky.to_moon * sqrt(max(1.0 - off * off / (radius * radius), 0.0));
+        sum += cover * view.sky.moon * smoothstep(-0.02, 0.05, dot(normal, view.sky.to_sun));
+    }
+    return sum;
+}
+
+/// The sky that the eye sees directly, with all that stands in it.
 vec3 sky_behind(vec3 direction) {
-    const float off_sun = acos(clamp(dot(direction, view.sun_direction), -1.0, 1.0));
-    const float edge = acos(view.sun_disk_cosine);
-    const float disk = 1.0 - smoothstep(edge - view.pixel_rad, edge + view.pixel_rad, off_sun);
-    return sky_radiance(direction, 0.0) +
-           disk * view.sun_irradiance_klx * view.sun_disk_per_sr;
+    vec2 at = dome_place(direction, view.sky.dip_rad);
+    at.y = max(at.y, 0.5 + 0.5 / float(sky_rows));
+    const vec3 clear = textureLod(sky_map, vec3(at, sky_layer_eye), 0.0).rgb;
+    const vec4 seen = clouds_before(clear, direction);
+    vec3 beyond = discs(direction);
+    if (view.sky.star_klx > 0.0)
+        beyond += stars(direction);
+    return seen.rgb + seen.w * beyond;
 }

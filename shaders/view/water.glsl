@@ -151,6 +151,5 @@ vec3 water_radiance(Place place, vec3 to_eye) {
     const Foam foam = foam_at(white, place.undisplaced_m, area.pixel_m);
     colour = mix(colour, foam_radiance(foam, normal), foam.cover);
 
-    const float clear = exp(-place.distance_m * view.extinction_per_m);
-    return mix(sky_radiance(vec3(-to_eye.xy, 0.0), 0.0), colour, clear);
+    return through_air(colour, place.distance_m, -to_eye);
 }

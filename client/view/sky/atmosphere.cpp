@@ -10,9 +10,17 @@ namespace seaway::client {
 namespace {
 
 constexpr double pi = std::numbers::pi;
-const glm::dvec3 wavelengths_nm(680, 550, 440);
+const glm::dvec3 wavelengths_nm(610, 550, 445);
+/// Columns: what each wavelength adds to red, green and blue, klx.
+const glm::dmat3 klx_of_shares(glm::dvec3(184.14, -19.397, -14.029),
+                               glm::dvec3(-56.811, 149.747, 13.660),
+                               glm::dvec3(0.671, -2.350, 128.369));
 
 } // namespace
+
+glm::dvec3 sunlight_klx(const glm::dvec3& shares) {
+    return glm::max(klx_of_shares * shares, glm::dvec3(0));
+}
 
 Air::Air(const Atmosphere& atmosphere) : Atmosphere(atmosphere) {
     const double all = std::log(50.0) / visibility_m; // 2 % = 1/50
@@ -26,6 +34,14 @@ Medium Air::at(double height_m) const {
     const glm::dvec3 aerosol = aerosol_extinction_per_m_ * std::exp(-height_m / aerosol_scale_m);
     const double tent = std::max(0.0, 1 - std::abs(height_m - ozone_centre_m) / ozone_half_width_m);
     return {rayleigh, aerosol_albedo * aerosol, rayleigh + aerosol + ozone_absorption_per_m * tent};
+}
+
+glm::dvec3 Air::rayleigh_rgb_per_m() const {
+    return sunlight_klx(rayleigh_scattering_per_m) / sunlight_klx(glm::dvec3(1));
+}
+
+glm::dvec3 Air::aerosol_rgb_per_m() const {
+    return sunlight_klx(aerosol_extinction_per_m_) / sunlight_klx(glm::dvec3(1));
 }
 
 double rayleigh_phase(double cosine) {

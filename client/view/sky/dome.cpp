@@ -18,12 +18,16 @@ Dome::Dome(int columns, int rows, double azimuth_rad, double dip_rad)
       texels_(static_cast<std::size_t>(columns * rows)) {}
 
 glm::dvec3 Dome::direction(int column, int row) const {
-    const int half = rows_ / 2;
-    const bool sky = row >= half;
-    const double root = static_cast<double>(sky ? row - half : half - 1 - row) / (half - 1);
+    return direction_at((column + 0.5) / columns_, (row + 0.5) / rows_);
+}
+
+glm::dvec3 Dome::direction_at(double across, double up) const {
+    const double half = 0.5 * rows_, row = up * rows_ - 0.5;
+    const bool sky = row >= half - 0.5;
+    const double root = std::clamp((sky ? row - half : half - 1 - row) / (half - 1), 0.0, 1.0);
     const double elevation =
         (sky ? root * root * (pi / 2 + dip_rad_) : -root * root * (pi / 2 - dip_rad_)) - dip_rad_;
-    const double turn = azimuth_rad_ + 2 * pi * (column + 0.5) / columns_;
+    const double turn = azimuth_rad_ + 2 * pi * across;
     const double level = std::cos(elevation);
     return {level * std::cos(turn), level * std::sin(turn), std::sin(elevation)};
 }

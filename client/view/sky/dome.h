@@ -39,6 +39,8 @@ class Dome {
 
     /// Unit direction of the middle of a texel.
     glm::dvec3 direction(int column, int row) const;
+    /// Of a place on the picture, 0 .. 1 each: what lies between the middle rows is the horizon.
+    glm::dvec3 direction_at(double across, double up) const;
     DomePlace place(const glm::dvec3& direction) const;
     /// Linear between texels.
     glm::dvec3 sample(const glm::dvec3& direction) const;

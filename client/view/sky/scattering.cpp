@@ -145,6 +145,11 @@ glm::dvec3 MultipleScattering::at(double height_m, double sun_cosine) const {
 AirTables::AirTables(const Atmosphere& atmosphere, ThreadPool& pool)
     : air(atmosphere), transmittance(air, pool), multiple(air, transmittance, pool) {}
 
+glm::dvec3 depth_above(const AirTables& tables, double height_m) {
+    const glm::dvec3 left = sunlight_klx(tables.transmittance.to_space(height_m, 1));
+    return -glm::log(left / sunlight_klx(glm::dvec3(1)));
+}
+
 AirLight air_light(const AirTables& tables, double height_m, const glm::dvec3& direction,
                    const glm::dvec3& to_sun, double distance_m, int steps) {
     return integrate(tables, height_m, direction, to_sun, distance_m, steps, false);

@@ -50,6 +50,9 @@ struct AirTables {
     MultipleScattering multiple;
 };
 
+/// Optical depth by colour of the air above a height, straight up.
+glm::dvec3 depth_above(const AirTables& tables, double height_m);
+
 /// Air between an eye and a point.
 struct AirLight {
     glm::dvec3 radiance; ///< sent towards the eye

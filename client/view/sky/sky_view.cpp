@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "client/view/sky/air_between.h"
+
 namespace seaway::client {
 
 SkyView::SkyView(const AirTables& tables, double height_m, const glm::dvec3& to_sun,
@@ -17,11 +19,12 @@ SkyView::SkyView(const AirTables& tables, double height_m, const glm::dvec3& to_
             // The rows at the horizon are to lie on their own side of it, whatever is rounded.
             direction.z += sky ? 1e-9 : -1e-9;
             const Ray ray = ray_from(tables.air, height_m_, direction.z);
-            const AirLight light =
-                air_light(tables, height_m_, direction, to_sun, length_m(tables.air, ray));
-            glm::dvec3 value = light.radiance;
+            const double distance_m = length_m(tables.air, ray);
+            glm::dvec3 value =
+                sunlight_klx(air_light(tables, height_m_, direction, to_sun, distance_m).radiance);
             if (!sky)
-                value /= glm::max(1.0 - light.transmittance, glm::dvec3(1e-12));
+                value /= glm::max(1.0 - air_left(tables.air, height_m_, distance_m, direction.z),
+                                  glm::dvec3(1e-12));
             dome_.at(x, row) = dome_.at(columns - 1 - x, row) = glm::vec3(value);
         }
     });

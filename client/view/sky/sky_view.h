@@ -1,24 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
-// SkyView: what the air shows an eye at a height, lit by one sun of illuminance 1.
+// SkyView: what the air shows an eye at a height, lit by the sun at its full strength: kcd/m2, linear sRGB.
 //
-// A Dome of 192 columns for half a turn (the other half is its mirror image) by 108 rows. Above the
+// A Dome of 192 columns for half a turn (the other half is its mirror image) by 128 rows. Above the
 // horizon it holds the radiance of the sky. Below it holds the source of the air's light on the way to
 // the sea: radiance over 1 - transmittance, of each colour, so that
 //     light from a point = its radiance T + source (1 - T)
-// for every distance, T being what the air lets through. That is the aerial perspective.
+// for every distance, T being what the air lets through (client/view/sky/air_between.h). That is the
+// aerial perspective: exact for points of the sea, near it for what stands on it.
 //
 // Immutable; thread-safe. Some 40 ms on two cores.
 #pragma once
 
 #include "client/view/sky/dome.h"
 #include "client/view/sky/scattering.h"
+#include "shaders/shared/view.h"
 
 namespace seaway::client {
 
 class SkyView {
   public:
-    static constexpr int columns = 384; ///< of the whole turn
-    static constexpr int rows = 108;
+    static constexpr int columns = shaders::sky_columns; ///< of the whole turn
+    static constexpr int rows = shaders::sky_rows;
     /// Below this height the air's source hardly changes.
     static constexpr double height_min_m = 1;
 

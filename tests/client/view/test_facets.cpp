@@ -56,10 +56,7 @@ glm::dvec3 glitter(const Sky& sky, const glm::dvec3& to_eye, const Facets& facet
 }
 
 glm::dvec3 sky_at(const Sky& sky, const glm::dvec3& direction) {
-    const double azimuth = std::atan2(direction.y, direction.x) -
-                           std::atan2(sky.sun_direction().y, sky.sun_direction().x);
-    return sky.radiance(std::asin(std::min(std::abs(direction.z), 1.0)),
-                        std::abs(std::remainder(azimuth, 2 * pi)));
+    return sky.radiance(direction);
 }
 
 /// Light that enters the water and comes out again.
@@ -150,8 +147,8 @@ class FacetsTest : public RendererTest {
                     continue;
                 ++compared;
                 // Smith's function is a fit in the shader, and of the sky, a fifth of the light at
-                // most, three facets stand for all.
-                EXPECT_NEAR(static_cast<double>(picture.pixel(x, y)[1]) / (glint + rest), 1, 0.07)
+                // most and steep around the sun, three facets stand for all.
+                EXPECT_NEAR(static_cast<double>(picture.pixel(x, y)[1]) / (glint + rest), 1, 0.09)
                     << x << ", " << y;
             }
         EXPECT_GT(compared, 10);
@@ -165,9 +162,8 @@ TEST_F(FacetsTest, the_sun_glitters_by_as_many_facets_as_mirror_it_to_the_eye) {
     for (const double hour : {17.3, 15.0}) {
         const Sky sky(sun_direction(hour));
         look_towards_the_sun(sky, 5);
-        expect_glitter(
-            render(frame, sky, DebugView::final, {.visibility_m = 1e12, .detail = false}), sky,
-            facets_of_ripples());
+        expect_glitter(render(frame, sky, DebugView::final, {.air = false, .detail = false}), sky,
+                       facets_of_ripples());
     }
 }
 
@@ -183,7 +179,7 @@ TEST_F(FacetsTest, waves_beyond_the_finest_cascade_glitter_too) {
     const double beyond = variance / std::log(20.0 / 4) * std::log(370.0 / (20 * 20.0 / 4));
     all.xx += 0.5 * (variance + beyond);
     all.yy += 0.5 * (variance + beyond);
-    expect_glitter(render(sea.at(0), sky, DebugView::final, {.visibility_m = 1e12}), sky, all);
+    expect_glitter(render(sea.at(0), sky, DebugView::final, {.air = false}), sky, all);
 }
 
 TEST_F(FacetsTest, what_is_mirrored_of_the_sky_is_the_mean_over_all_facets) {
@@ -192,7 +188,7 @@ TEST_F(FacetsTest, what_is_mirrored_of_the_sky_is_the_mean_over_all_facets) {
     const Facets facets = facets_of_ripples();
     look_towards_the_sun(sky, 75);
     const Picture picture =
-        render(sea.at(0), sky, DebugView::final, {.visibility_m = 1e12, .detail = false});
+        render(sea.at(0), sky, DebugView::final, {.air = false, .detail = false});
     int compared = 0;
     for (int y = 24; y < picture.height; y += 8) // nearer to the horizon facets hide each other
         for (int x = 4; x < picture.width; x += 16) {
@@ -216,7 +212,7 @@ TEST_F(FacetsTest, rough_water_below_has_the_colour_of_its_facets_all_around) {
     const Facets facets = facets_of_ripples();
     camera_ = {.z_m = 3000, .pitch_deg = -89, .view_deg = 30, .width = 64, .height = 64};
     const Picture picture =
-        render(sea.at(0), sky, DebugView::final, {.visibility_m = 1e12, .detail = false});
+        render(sea.at(0), sky, DebugView::final, {.air = false, .detail = false});
     int compared = 0;
     for (int y = 2; y < 64; y += 3)
         for (int x = 2; x < 64; x += 3) {
@@ -292,7 +288,7 @@ TEST_F(FacetsTest, a_resolved_copy_of_the_finest_waves_is_turned_with_its_slopes
     const Sky sky(sun_direction(9)); // in the south-east; the copy is told by the blue of the sky
     const SeaFrame frame = sea.at(0);
     const Picture place = render(frame, sky, DebugView::place);
-    const Picture picture = render(frame, sky, DebugView::final, {.visibility_m = 1e12});
+    const Picture picture = render(frame, sky, DebugView::final, {.air = false});
     const double c = std::cos(0.37), s = std::sin(0.37);
     const auto slope = [&](double x, double y) {
         const double steep = -amplitude_m * std::sin(kx * x + ky * y);
@@ -325,7 +321,7 @@ TEST_F(FacetsTest, a_resolved_copy_of_the_finest_waves_is_turned_with_its_slopes
         }
     ASSERT_GT(compared, 100);
     EXPECT_LT(apart / compared, 0.01);
-    EXPECT_GT(unturned / compared, 0.03) << "a slope that is not turned back is told apart";
+    EXPECT_GT(unturned / compared, 0.025) << "a slope that is not turned back is told apart";
 }
 
 } // namespace

@@ -11,28 +11,82 @@ double bearing_of_sun_deg(const Sky& sky) {
     return 90 - std::atan2(sky.sun_direction().y, sky.sun_direction().x) * 180 / pi;
 }
 
-TEST_F(LightTest, water_fades_into_the_horizon_sky_with_distance) {
-    const Sky sky(sun_direction(12)); // in the south; the camera looks north-east: no glint
-    const double visibility_m = 400;
-    const Picture clear = render(flat_sea(), sky, DebugView::final, {.visibility_m = 1e9});
-    const Picture hazy = render(flat_sea(), sky, DebugView::final, {.visibility_m = visibility_m});
-    const double sun_azimuth = std::atan2(sky.sun_direction().y, sky.sun_direction().x);
-    for (int y = camera_.height / 2; y < camera_.height; y += 7)
-        for (int x = 4; x < clear.width; x += 33) {
-            const glm::dvec3 d = ray(x, y);
-            const double distance_m = camera_.z_m / -d.z; // the planet's curve is millimetres here
-            const double left = std::exp(-std::log(50.0) * distance_m / visibility_m);
-            const double turn = std::remainder(std::atan2(d.y, d.x) - sun_azimuth, 2 * pi);
-            const glm::dvec3 air = sky.radiance(0.0, std::abs(turn));
-            for (int c = 0; c < 3; ++c) {
-                const double water = static_cast<double>(clear.pixel(x, y)[c]);
-                // 3 %: texels of the sky, whose brightness is steep at the horizon.
-                EXPECT_NEAR(static_cast<double>(hazy.pixel(x, y)[c]) /
-                                (left * water + (1 - left) * air[c]),
-                            1, 0.03)
-                    << x << ", " << y << " channel " << c;
+TEST_F(LightTest, water_fades_into_the_air_with_distance) {
+    Look fog;
+    fog.air.visibility_m = 2e3;
+    SkyMaker maker;
+    for (const double z_m : {14.0, 900.0}) {
+        camera_.z_m = z_m;
+        camera_.pitch_deg = -14;
+        const Result<Sky> sky = maker.make(fog, heavens_at_hour(12), {.height_m = z_m});
+        ASSERT_TRUE(sky) << sky.error().message;
+        const Picture clear = render(flat_sea(), *sky, DebugView::final, {.air = false});
+        const Picture hazy = render(flat_sea(), *sky);
+        const Picture place = render(flat_sea(), *sky, DebugView::place);
+        for (int y = 60; y < camera_.height; y += 7)
+            for (int x = 4; x < clear.width; x += 33) {
+                const float* at = place.pixel(x, y);
+                const double level_m =
+                    std::hypot(static_cast<double>(at[0]), static_cast<double>(at[1]));
+                if (level_m == 0)
+                    continue; // sky
+                const double distance_m = std::hypot(level_m, z_m);
+                const float* water = clear.pixel(x, y);
+                const glm::dvec3 seen = sky->through_air(glm::dvec3(static_cast<double>(water[0]),
+                                                                    static_cast<double>(water[1]),
+                                                                    static_cast<double>(water[2])),
+                                                         distance_m, ray(x, y));
+                for (int c = 0; c < 3; ++c) // single precision, a pixel's width of distance
+                    EXPECT_NEAR(static_cast<double>(hazy.pixel(x, y)[c]) / seen[c], 1, 0.01)
+                        << x << ", " << y << " channel " << c << " from " << z_m;
             }
-        }
+    }
+}
+
+// Shader and CPU have the same clouds: what is mirrored of them is what stands above.
+TEST_F(LightTest, clouds_on_the_device_are_those_of_the_cpu) {
+    Look cloudy;
+    cloudy.clouds.coverage = 0.6;
+    cloudy.clouds.optical_depth = 6;
+    SkyMaker maker;
+    camera_.z_m = 14;
+    camera_.pitch_deg = 50;
+    camera_.view_deg = 30;
+    for (const double hour : {10.0, 16.5}) {
+        const Result<Sky> sky =
+            maker.make(cloudy, heavens_at_hour(hour), {.height_m = camera_.z_m});
+        ASSERT_TRUE(sky) << sky.error().message;
+        const Picture picture = render(flat_sea(), *sky);
+        double apart = 0, mean = 0, spread = 0;
+        int count = 0;
+        for (int y = 3; y < picture.height; y += 5)
+            for (int x = 3; x < picture.width; x += 5) {
+                const double truth = luminance_of(sky->behind(ray(x, y)));
+                const double found = luminance(picture.pixel(x, y));
+                apart += std::abs(found - truth);
+                mean += truth;
+                spread += truth * truth;
+                ++count;
+            }
+        mean /= count;
+        EXPECT_GT(std::sqrt(spread / count - mean * mean), 0.2 * mean)
+            << "clouds and gaps are seen";
+        EXPECT_LT(apart / count, 0.05 * mean) << "the device blurs what is finer than a pixel";
+    }
+}
+
+// The air between goes over into the sky: from ten kilometres the last sea is as bright as the first sky.
+TEST_F(LightTest, the_horizon_of_a_high_eye_has_no_edge) {
+    camera_.z_m = 10e3;
+    camera_.view_deg = 5;
+    camera_.pitch_deg = -horizon_dip_rad(camera_.z_m) * 180 / pi;
+    const Sky sky(sun_direction(12), camera_.z_m);
+    const Picture picture = render(flat_sea(), sky);
+    for (int x = 10; x < picture.width; x += 20) {
+        const double above = luminance(picture.pixel(x, camera_.height / 2 - 3));
+        const double below = luminance(picture.pixel(x, camera_.height / 2 + 3));
+        EXPECT_NEAR(below / above, 1, 0.1) << x;
+    }
 }
 
 /// How much greener crests are than troughs, looking down at a wave; slopes are zero on both, so they
@@ -51,7 +105,7 @@ TEST_F(LightTest, crests_glow_where_the_sun_shines_through_them_and_troughs_do_n
     const auto green = [&](double yaw_deg) {
         camera_.yaw_deg = yaw_deg;
         const Picture place = render(frame, sky, DebugView::place);
-        const Picture picture = render(frame, sky, DebugView::final, {.visibility_m = 1e9});
+        const Picture picture = render(frame, sky, DebugView::final, {.air = false});
         double sums[2] = {0, 0};
         int counts[2] = {0, 0};
         for (std::size_t i = 0; i < place.rgba.size(); i += 4) {
@@ -87,7 +141,7 @@ TEST_F(LightTest, sharp_crests_glow_more_than_round_ones) {
         SyntheticSea sea(waves);
         const SeaFrame frame = sea.at(0);
         const Picture place = render(frame, sky, DebugView::place);
-        const Picture picture = render(frame, sky, DebugView::final, {.visibility_m = 1e9});
+        const Picture picture = render(frame, sky, DebugView::final, {.air = false});
         double sum = 0;
         int count = 0;
         for (std::size_t i = 0; i < place.rgba.size(); i += 4)
@@ -105,7 +159,7 @@ TEST_F(LightTest, sharp_crests_glow_more_than_round_ones) {
 TEST_F(LightTest, deep_water_has_the_colour_of_its_body) {
     const Sky sky(sun_direction(12));
     camera_.pitch_deg = -75; // down: 2 % is mirrored, the rest is the water
-    const Picture picture = render(flat_sea(), sky, DebugView::final, {.visibility_m = 1e9});
+    const Picture picture = render(flat_sea(), sky, DebugView::final, {.air = false});
     const float* pixel = picture.pixel(picture.width / 2, picture.height / 2);
     EXPECT_GT(pixel[2], pixel[1]); // blue before green before red: clear ocean water
     EXPECT_GT(pixel[1], 1.5f * pixel[0]);

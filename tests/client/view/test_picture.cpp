@@ -84,6 +84,17 @@ TEST(Picture, exposure_meets_middle_grey_but_stays_near_the_light) {
 }
 
 // Rec. 709: the eye sees green best and blue least.
+// A white sheet by day, in twilight, under the full moon (0.2 lx) and under stars (half a millilux).
+TEST(Picture, night_is_shown_darker_than_day_and_never_black) {
+    const auto shown = [](double white) { return white * exposure_by_light(white); };
+    EXPECT_NEAR(shown(25), 0.9, 1e-12);
+    EXPECT_NEAR(shown(1e-3), 0.9, 1e-12);
+    EXPECT_NEAR(shown(6e-5), 0.3, 0.03);
+    EXPECT_NEAR(shown(1.6e-7), 0.03, 0.005);
+    const Picture moonlit{1, 1, {2e-5f, 2e-5f, 2e-5f, 1}};
+    EXPECT_LT(metered_exposure(moonlit, 6e-5) * 2e-5, 0.1);
+}
+
 TEST(Picture, exposure_weighs_colours_as_the_eye_does) {
     const std::pair<std::array<float, 3>, double> rows[] = {
         {{5, 0, 0}, 0.2126 * 5}, {{0, 2, 0}, 0.7152 * 2}, {{0, 0, 12}, 0.0722 * 12}};

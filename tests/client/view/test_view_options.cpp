@@ -45,7 +45,7 @@ TEST(ViewOptions, every_option_reaches_its_own_value) {
     EXPECT_EQ(options.camera.z_m, 33);
     EXPECT_EQ(options.camera.yaw_deg, 44);
     EXPECT_EQ(options.camera.pitch_deg, -55);
-    EXPECT_EQ(options.time_of_day_h, 8.5);
+    EXPECT_EQ(options.look.hour, 8.5);
     EXPECT_EQ(options.time_s, std::optional(123.25));
     EXPECT_EQ(options.debug.view, DebugView::cascade);
     EXPECT_EQ(options.debug.cascade, 3);

@@ -16,7 +16,7 @@
 #include "client/client.h"
 #include "client/view/renderer.h"
 #include "client/view/sea/sea_source.h"
-#include "client/view/sky.h"
+#include "client/view/sky/sky.h"
 #include "tests/client/wave_server.h"
 #include "tests/support/folder.h"
 

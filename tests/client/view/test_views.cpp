@@ -164,7 +164,7 @@ SeaFrame white_sea() {
 // by the sine of its height.
 TEST_F(ViewsTest, a_sea_that_is_all_foam_is_a_sheet_in_the_light_of_sky_and_sun) {
     const Sky sky(sun_direction(16));
-    const Picture picture = render(white_sea(), sky, DebugView::final, {.visibility_m = 1e12});
+    const Picture picture = render(white_sea(), sky, DebugView::final, {.air = false});
     const glm::dvec3 lit =
         0.6 / pi * (sky.sky_irradiance() + sky.sun_irradiance() * sky.sun_direction().z);
     glm::dvec3 sum(0);
@@ -197,7 +197,7 @@ TEST_F(ViewsTest, a_pixel_on_the_horizon_is_sky_and_sea_by_their_shares) {
     for (const double part : {0.2, 0.4, 0.6, 0.8}) {
         // The horizon lies this part of a pixel below the upper edge of row 45.
         camera_.pitch_deg = (-horizon_dip_rad(camera_.z_m) + part * camera_.pixel_rad()) * 180 / pi;
-        const Picture picture = render(white_sea(), sky, DebugView::final, {.visibility_m = 1e12});
+        const Picture picture = render(white_sea(), sky, DebugView::final, {.air = false});
         const int x = picture.width / 2;
         const double above = luminance(picture.pixel(x, 43));
         const double below = luminance(picture.pixel(x, 47));

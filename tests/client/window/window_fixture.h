@@ -74,7 +74,7 @@ class WindowTest : public testing::Test {
         made.url = url_;
         // Away from the sun, from so high that waves do not lift the horizon.
         made.camera = {.z_m = 30, .yaw_deg = 20, .pitch_deg = -6, .width = width, .height = height};
-        made.time_of_day_h = 12;
+        made.look.hour = 12;
         made.quality = quality_table[quality_low];
         return made;
     }

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // The sky of an eye at a height, and the dome that holds it.
+#include "client/view/sky/air_between.h"
 #include "client/view/sky/sky_view.h"
 #include "tests/client/view/sky/air_fixture.h"
 
 namespace seaway::client {
 namespace {
 
-/// Illuminance of a level plane by the half of a dome above it, of a sun of 1.
+/// Illuminance of a level plane by the half of a dome above it, klx.
 glm::dvec3 level_irradiance(const Dome& dome) {
     constexpr int steps = 96;
     glm::dvec3 sum(0);
@@ -72,9 +73,10 @@ TEST(SkyView, holds_the_light_of_the_air_between_its_nodes) {
             for (const double from_sun_deg : {3.0, 47.0, 121.0, -60.0}) {
                 const glm::dvec3 d =
                     towards(above_deg - v.dome().dip_rad() / air_degree, 200 + from_sun_deg);
-                const glm::dvec3 truth = air_light(clear_air(), height_m, d, towards(30, 200),
-                                                   whole_length_m(clear_air().air, height_m, d))
-                                             .radiance;
+                const glm::dvec3 truth =
+                    sunlight_klx(air_light(clear_air(), height_m, d, towards(30, 200),
+                                           whole_length_m(clear_air().air, height_m, d))
+                                     .radiance);
                 const glm::dvec3 found = v.dome().sample(d);
                 for (int c = 0; c < 3; ++c)
                     EXPECT_NEAR(found[c] / truth[c], 1, 0.015)
@@ -83,28 +85,54 @@ TEST(SkyView, holds_the_light_of_the_air_between_its_nodes) {
     }
 }
 
-// Source and transmittance give the light on the way to the sea back.
+// Source and transmittance give the light on the way to the sea back. 3 %: the steps of the view.
 TEST(SkyView, air_before_the_sea_sends_its_source_times_what_it_holds_back) {
+    const Air& air = clear_air().air;
     for (const double height_m : {20.0, 10e3}) {
         const SkyView v = view(height_m, 50);
         for (const double below_deg : {0.2, 2.0, 20.0, 70.0}) {
             const glm::dvec3 d = towards(-below_deg - v.dome().dip_rad() / air_degree, 200 + 35);
-            const AirLight truth = air_light(clear_air(), height_m, d, towards(50, 200),
-                                             whole_length_m(clear_air().air, height_m, d), 200);
-            const glm::dvec3 found = v.dome().sample(d) * (1.0 - truth.transmittance);
+            const double distance_m = whole_length_m(air, height_m, d);
+            const glm::dvec3 truth = sunlight_klx(
+                air_light(clear_air(), height_m, d, towards(50, 200), distance_m, 200).radiance);
+            const glm::dvec3 found =
+                v.dome().sample(d) * (1.0 - air_left(air, height_m, distance_m, d.z));
             for (int c = 0; c < 3; ++c)
-                EXPECT_NEAR(found[c] / truth.radiance[c], 1, 0.03) << height_m << " " << below_deg;
+                EXPECT_NEAR(found[c] / truth[c], 1, 0.03) << height_m << " " << below_deg;
         }
     }
+}
+
+// Few exponentials stand for the integral: 1 % of the light from beyond.
+TEST(SkyView, air_on_the_way_to_the_sea_is_beers_law_by_colour) {
+    const Air& air = clear_air().air;
+    for (const double height_m : {0.3, 12.0, 400.0, 3000.0, 10e3, 20e3})
+        for (const double below_deg : {0.01, 0.5, 4.0, 30.0, 89.0}) {
+            const glm::dvec3 d = towards(-below_deg - dip_rad(air, height_m) / air_degree);
+            const double distance_m = whole_length_m(air, height_m, d);
+            double rayleigh_m = 0, aerosol_m = 0; // what of air at the sea the way is worth
+            constexpr int steps = 20'000;
+            for (int i = 0; i < steps; ++i) {
+                const double h = height_after_m(air, ray_from(air, height_m, d.z),
+                                                distance_m * (i + 0.5) / steps);
+                rayleigh_m += distance_m / steps * std::exp(-h / air.rayleigh_scale_m);
+                aerosol_m += distance_m / steps * std::exp(-h / air.aerosol_scale_m);
+            }
+            const glm::dvec3 truth = glm::exp(-rayleigh_m * air.rayleigh_rgb_per_m() -
+                                              aerosol_m * air.aerosol_rgb_per_m());
+            const glm::dvec3 found = air_left(air, height_m, distance_m, d.z);
+            for (int c = 0; c < 3; ++c)
+                EXPECT_NEAR(found[c], truth[c], 0.01) << height_m << " " << below_deg;
+        }
 }
 
 // Clear sky, sun 60 degrees high: 10 to 20 % of what falls on the level comes from the sky. IES 1984
 // (recommended practice for the calculation of daylight availability) gives 15 klx for a clear sky.
 TEST(SkyView, a_seventh_of_noons_light_comes_from_the_sky) {
     const double sine = std::sin(60 * air_degree);
-    const glm::dvec3 sky = 128.0 * level_irradiance(view(2, 60).dome());
+    const glm::dvec3 sky = level_irradiance(view(2, 60).dome());
     const glm::dvec3 sun =
-        128.0 * clear_air().transmittance.to_disc(2, sine, disc_radius_rad) * sine;
+        sunlight_klx(clear_air().transmittance.to_disc(2, sine, disc_radius_rad)) * sine;
     EXPECT_GT(sky.g / (sky.g + sun.g), 0.10);
     EXPECT_LT(sky.g / (sky.g + sun.g), 0.20);
     EXPECT_NEAR(sky.g, 15, 3);
@@ -115,8 +143,8 @@ TEST(SkyView, a_seventh_of_noons_light_comes_from_the_sky) {
 // (sun 6 and 12 degrees down), some 0.7 klx at sunset; half an order either way for haze and ozone.
 TEST(SkyView, twilight_fades_as_lux_meters_have_it) {
     const auto lux = [](double sun_deg) {
-        return 128e3 * glm::dot(level_irradiance(view(2, sun_deg).dome()),
-                                glm::dvec3(0.2126, 0.7152, 0.0722));
+        return 1e3 * glm::dot(level_irradiance(view(2, sun_deg).dome()),
+                              glm::dvec3(0.2126, 0.7152, 0.0722));
     };
     EXPECT_NEAR(std::log10(lux(0)), std::log10(700), 0.3);
     EXPECT_NEAR(std::log10(lux(-6)), std::log10(3.4), 0.5);

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// Look: all that makes the light of a picture, but for the sea and the camera. A value; a file of it is
+// read by client/view/sky/look_file.h and described in docs/look.md.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "client/view/sky/almanac.h"
+#include "client/view/sky/atmosphere.h"
+
+namespace seaway::client {
+
+/// Diffuse reflectance of the water body below the surface, red, green, blue: the North Sea's.
+inline const glm::dvec3 water_reflectance(0.008, 0.024, 0.026);
+
+inline double luminance_of(const glm::dvec3& colour) {
+    return glm::dot(colour, glm::dvec3(0.2126, 0.7152, 0.0722));
+}
+
+/// One layer of clouds.
+struct Clouds {
+    double coverage = 0;        ///< share of the sky, 0 .. 1; at 1 no hole is left
+    double base_m = 1500;       ///< height above the sea
+    double optical_depth = 12;  ///< where thickest: 4 thin, 12 fair weather, 60 a storm, dark below
+    double size_m = 1300;       ///< of the larger ones; their pattern repeats after 12 of it
+    glm::dvec2 drift_mps{8, 3}; ///< east, north
+    bool operator==(const Clouds&) const = default;
+};
+
+/// Where and when, for sun, moon and stars; without it the hour of the simple day counts.
+struct PlaceAndTime {
+    double latitude_deg = 0;
+    double longitude_deg = 0; ///< east is positive
+    Instant when;             ///< at sea time 0
+};
+
+struct Look {
+    Atmosphere air;
+    Clouds clouds;
+    double sun_strength = 1; ///< multiplies sun, moon and all that they light
+    double hour = 15.5;      ///< of the simple day (heavens_at_hour), without a place
+    std::optional<PlaceAndTime> place;
+    std::string environment;             ///< OpenEXR lat-long image instead of the sky; empty: none
+    double environment_turn_deg = 0;     ///< clockwise
+    double environment_klx_per_unit = 1; ///< radiance in kcd/m2 of a value of 1
+};
+
+} // namespace seaway::client

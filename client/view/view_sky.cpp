@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/view/view_sky.h"
+
+#include <cmath>
+
+namespace seaway::client {
+
+Heavens heavens_of(const Look& look, sea::TimeUs time_us) {
+    constexpr double step_s = 30, day_s = 86400;
+    if (!look.place)
+        return heavens_at_hour(look.hour);
+    const double time_s = std::round(sea::seconds_from_us(time_us) / step_s) * step_s;
+    return heavens_at({look.place->when.days_j2000 + time_s / day_s}, look.place->latitude_deg,
+                      look.place->longitude_deg);
+}
+
+Result<Sky> sky_of_frame(SkyMaker& maker, const Look& look, const Camera& camera,
+                         sea::TimeUs time_us) {
+    const double time_s = sea::seconds_from_us(time_us);
+    return maker.make(look, heavens_of(look, time_us),
+                      {.height_m = camera.z_m,
+                       .east_m = camera.x_m,
+                       .north_m = camera.y_m,
+                       .cloud_drift_m = look.clouds.drift_mps * time_s});
+}
+
+} // namespace seaway::client

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+// The sky of a frame: a look, a camera and the time of the sea.
+#pragma once
+
+#include "client/view/camera.h"
+#include "client/view/sky/sky.h"
+#include "sea/basics/time.h"
+
+namespace seaway::client {
+
+/// Where sun, moon and stars stand for a look: of its place and time, which goes on with the sea's in steps
+/// of half a minute, a quarter of the sun's width; without a place, of its hour, at which they stand still.
+Heavens heavens_of(const Look& look, sea::TimeUs time_us);
+
+/// Clouds drift with the wind of the look. An error is of a file that the look names.
+Result<Sky> sky_of_frame(SkyMaker& maker, const Look& look, const Camera& camera,
+                         sea::TimeUs time_us);
+
+} // namespace seaway::client

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+// One layer of clouds: how much sky it takes, and what becomes of the light.
+#include "client/view/sky/clouds.h"
+#include "client/view/sky/sky.h"
+#include "tests/client/view/sky/air_fixture.h"
+
+namespace seaway::client {
+namespace {
+
+constexpr int noise_columns = 192, noise_rows = 64;
+
+const std::vector<glm::vec2>& small_noise() {
+    static const std::vector<glm::vec2> noise = cloud_noise(noise_columns, noise_rows, air_pool());
+    return noise;
+}
+
+Sky under_clouds(double coverage, double optical_depth, double hour = 13) {
+    SkyMaker maker;
+    Look look;
+    look.clouds.coverage = coverage;
+    look.clouds.optical_depth = optical_depth;
+    Result<Sky> made = maker.make(look, heavens_at_hour(hour), {});
+    EXPECT_TRUE(made) << made.error().message;
+    return *made;
+}
+
+TEST(Clouds, noise_is_evenly_distributed_and_repeats_without_a_seam) {
+    int below = 0;
+    for (const glm::vec2& texel : small_noise()) {
+        ASSERT_TRUE(texel.x > 0 && texel.x < 1 && texel.y > 0 && texel.y < 1);
+        below += texel.x < 0.3f ? 1 : 0;
+    }
+    EXPECT_NEAR(below / double{noise_columns * noise_rows}, 0.3, 1e-3);
+    double across = 0, inside = 0;
+    for (int y = 0; y < noise_rows; ++y) {
+        const auto at = [&](int x) {
+            return static_cast<double>(
+                small_noise()[static_cast<std::size_t>(y * noise_columns + x)].x);
+        };
+        across += std::abs(at(0) - at(noise_columns - 1));
+        inside += std::abs(at(noise_columns / 2) - at(noise_columns / 2 - 1));
+    }
+    EXPECT_LT(across, 2 * inside + 0.5);
+}
+
+// Pattern, detail and region are independent, so the share of the sky that is covered follows the
+// coverage within a few hundredths; the ends are exact.
+TEST(Clouds, cover_the_share_of_the_sky_that_was_asked_for) {
+    for (const double coverage : {0.0, 0.2, 0.5, 0.7, 1.0}) {
+        CloudLayer layer;
+        layer.threshold = cloud_threshold(coverage);
+        layer.optical_depth = 10;
+        int covered = 0, count = 0;
+        for (double pattern = 0.05; pattern < 1; pattern += 0.1)
+            for (double detail = 0.05; detail < 1; detail += 0.1)
+                for (double region = 0.05; region < 1; region += 0.1) {
+                    covered += cloud_depth(layer, pattern, detail, region) > 0 ? 1 : 0;
+                    ++count;
+                }
+        EXPECT_NEAR(covered / double(count), coverage, coverage == 0 || coverage == 1 ? 0 : 0.06);
+    }
+}
+
+TEST(Clouds, a_closed_thick_layer_hides_the_sun_and_is_darker_the_thicker_it_is) {
+    const Sky clear = under_clouds(0, 12), fair = under_clouds(0.4, 12);
+    const Sky grey = under_clouds(1, 12), storm = under_clouds(1, 60);
+    EXPECT_LT(fair.sun_irradiance().g, clear.sun_irradiance().g);
+    EXPECT_GT(fair.sky_irradiance().g, clear.sky_irradiance().g) << "white clouds light the sea";
+    EXPECT_LT(grey.sun_irradiance().g, 1e-3 * clear.sun_irradiance().g);
+    EXPECT_LT(storm.sky_irradiance().g, 0.5 * grey.sky_irradiance().g);
+    // CIE: an overcast sky gives some tenth of a clear noon's light; a storm less.
+    const double noon = clear.white_radiance();
+    EXPECT_NEAR(grey.white_radiance() / noon, 0.35, 0.2);
+    EXPECT_LT(storm.white_radiance(), 0.25 * noon);
+    EXPECT_GT(storm.white_radiance(), 0.03 * noon);
+}
+
+// No layer gives away more light than it was given. 15 %: the sky has the clouds that stand there, the
+// beam is that of all of them.
+TEST(Clouds, make_no_light) {
+    const double clear = under_clouds(0, 12).white_radiance();
+    for (const double depth : {0.5, 2.0, 8.0, 60.0})
+        for (const double coverage : {0.3, 0.7, 1.0})
+            EXPECT_LT(under_clouds(coverage, depth).white_radiance(), 1.15 * clear)
+                << coverage << ", " << depth;
+}
+
+TEST(Clouds, stand_above_an_eye_below_them_and_below_one_above) {
+    CloudLayer layer;
+    layer.threshold = -1;
+    layer.optical_depth = 5;
+    layer.period_m = {15e3, 5e3};
+    layer.curvature_per_m = 0.5 / earth_radius_m;
+    layer.light = glm::dvec3(100);
+    const auto seen = [&](double height_m, double elevation_deg) {
+        layer.height_m = height_m;
+        return clouds_seen(layer, small_noise(), noise_columns, noise_rows, towards(elevation_deg));
+    };
+    EXPECT_EQ(seen(1500, -5).distance_m, 0);
+    EXPECT_NEAR(seen(1500, 90).distance_m, 1500, 0.5);
+    EXPECT_NEAR(seen(1500, 30).distance_m, 3000, 5);
+    EXPECT_EQ(seen(-8500, 5).distance_m, 0);
+    EXPECT_NEAR(seen(-8500, -90).distance_m, 8500, 10);
+    EXPECT_EQ(seen(-8500, -1).distance_m, 0) << "below the level, above the clouds' horizon";
+    // The layer bends with the earth: level, it is met where the sphere is.
+    EXPECT_NEAR(seen(1500, 0).distance_m, std::sqrt(2 * earth_radius_m * 1500), 200);
+    EXPECT_LT(seen(1500, 20).left, 1e-5);
+}
+
+} // namespace
+} // namespace seaway::client
