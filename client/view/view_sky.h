@@ -12,7 +12,7 @@ namespace seaway::client {
 /// of half a minute, a quarter of the sun's width; without a place, of its hour, at which they stand still.
 Heavens heavens_of(const Look& look, sea::TimeUs time_us);
 
-/// Clouds drift with the wind of the look. An error is of a file that the look names.
+/// Clouds drift with the wind of the look.
 Result<Sky> sky_of_frame(SkyMaker& maker, const Look& look, const Camera& camera,
                          sea::TimeUs time_us);
 

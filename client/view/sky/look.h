@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Look: all that makes the light of a picture, but for the sea and the camera. A value; a file of it is
-// read by client/view/sky/look_file.h and described in docs/look.md.
+// Look: all that makes the light of a picture, but for the sea and the camera. A value.
 #pragma once
 
 #include <optional>
-#include <string>
 
 #include "client/view/sky/almanac.h"
 #include "client/view/sky/atmosphere.h"
@@ -41,9 +39,6 @@ struct Look {
     double sun_strength = 1; ///< multiplies sun, moon and all that they light
     double hour = 15.5;      ///< of the simple day (heavens_at_hour), without a place
     std::optional<PlaceAndTime> place;
-    std::string environment;             ///< OpenEXR lat-long image instead of the sky; empty: none
-    double environment_turn_deg = 0;     ///< clockwise
-    double environment_klx_per_unit = 1; ///< radiance in kcd/m2 of a value of 1
 };
 
 } // namespace seaway::client

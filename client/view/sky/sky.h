@@ -79,14 +79,13 @@ class Sky {
     CloudLayer clouds_; ///< over the eye
     glm::dvec3 sun_{0.0}, light_{0.0}, sky_irradiance_{0.0}, to_light_{0, 0, 1};
     double sun_strength_ = 1, moon_strength_ = 0; ///< outside the air, of the sun's 128 klx
-    bool discs_ = true;                           ///< an environment brings its own
+    bool discs_ = true;                           ///< of sun and moon, and stars
 };
 
 class SkyMaker {
   public:
     SkyMaker();
     ~SkyMaker();
-    /// An error is of the environment's file.
     Result<Sky> make(const Look& look, const Heavens& heavens, const Eye& eye);
 
     /// How often tables were made.
