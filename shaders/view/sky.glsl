@@ -18,7 +18,9 @@ vec2 dome_place(vec3 direction, float dip) {
 /// what the sea shows there. blur: standard deviation of the lobe of directions, rad an axis; 0 sharp.
 vec3 sky_radiance(vec3 direction, float blur) {
     const float share = blur / 0.04;
-    const float level = clamp(share < 1.0 ? share : 1.0 + log2(share), 0.0, float(sky_mips - 1));
+    float level = clamp(share < 1.0 ? share : 1.0 + log2(share), 0.0, float(sky_mips - 1));
+    if (view.between_levels == 0)
+        level = round(level); // one level is looked up, not two
     vec2 at = dome_place(direction, 0.0);
     // Rows do not repeat as columns do.
     const float edge = 0.5 * exp2(ceil(level)) / float(sky_rows);
@@ -63,14 +65,9 @@ float henyey(float g, float cosine) {
     return (1.0 - g * g) / (4.0 * pi * base * sqrt(base));
 }
 
-/// The layer of clouds before a colour that is infinitely far; share of what lies behind it that is left in w.
-vec4 clouds_before(vec3 clear, vec3 direction) {
-    if (view.sky.cloud_threshold > 1.5)
-        return vec4(clear, 1);
-    const float rise = view.sky.cloud_height_m * 4.0 * view.sky.curvature_per_m;
-    const float under = direction.z * direction.z + rise;
-    if (under <= 0.0 || (rise > 0.0) != (direction.z >= 0.0))
-        return vec4(clear, 1);
+/// The layer of clouds before a colour that is infinitely far, where a ray meets it; share of what lies behind it that is
+/// left in w. `under`: square of the cosine at which it does.
+vec4 clouds_met(vec3 clear, vec3 direction, float rise, float under) {
     const float cosine = sqrt(under);
     const float distance_m = 2.0 * abs(view.sky.cloud_height_m) / (abs(direction.z) + cosine);
     const vec2 at = view.sky.cloud_origin + direction.xy * distance_m * view.sky.cloud_per_m;
@@ -97,6 +94,18 @@ vec4 clouds_before(vec3 clear, vec3 direction) {
     const vec3 held = 1.0 - exp(-view.sky.zenith_depth / max(direction.z, 0.03));
     const vec3 source = mix(view.sky.cloud_shaded, clear / held, view.sky.cloud_sunlit);
     return vec4(clear * left + through * radiance + (1.0 - left) * (1.0 - through) * source, left);
+}
+
+/// Devices without a GPU take both sides of every branch, but leave a loop that nobody is in: what is dear and seldom
+/// seen - clouds, stars, discs - stands in loops that are run once or not at all.
+vec4 clouds_before(vec3 clear, vec3 direction) {
+    const float rise = view.sky.cloud_height_m * 4.0 * view.sky.curvature_per_m;
+    const float under = direction.z * direction.z + rise;
+    const bool met = view.sky.cloud_threshold <= 1.5 && under > 0.0 && (rise > 0.0) == (direction.z >= 0.0);
+    vec4 seen = vec4(clear, 1);
+    for (int once = 0; once < int(met); ++once)
+        seen = clouds_met(clear, direction, rise, under);
+    return seen;
 }
 
 uint star_hash(uvec3 cell) { // PCG 3d (Jarzynski and Olano 2020), one of three
@@ -141,7 +150,7 @@ vec3 discs(vec3 direction) {
     const float radius = view.sky.disc_rad;
     vec3 sum = vec3(0);
     const float off_sun = length(direction - view.sky.to_sun); // exact where it is small
-    if (off_sun < radius + 2.0 * soft) {
+    for (int once = 0; once < int(off_sun < radius + 2.0 * soft); ++once) {
         const float cover = 1.0 - smoothstep(radius - soft, radius + soft, off_sun);
         const float height = clamp(0.5 + 0.5 * (direction.z - view.sky.to_sun.z) / radius, 0.0, 1.0);
         // Limb darkening: 1 - u (1 - mu), mean 1 - u / 3 (Allen 1973 at 610, 550, 445 nm).
@@ -152,7 +161,7 @@ vec3 discs(vec3 direction) {
     }
     const vec3 off_moon = direction - view.sky.to_moon;
     const float off = length(off_moon);
-    if (off < radius + 2.0 * soft && view.sky.moon.g > 0.0) {
+    for (int once = 0; once < int(off < radius + 2.0 * soft && view.sky.moon.g > 0.0); ++once) {
         const float cover = 1.0 - smoothstep(radius - soft, radius + soft, off);
         const vec3 normal = off_moon / radius -
                             view.sky.to_moon * sqrt(max(1.0 - off * off / (radius * radius), 0.0));
@@ -168,7 +177,7 @@ vec3 sky_behind(vec3 direction) {
     const vec3 clear = textureLod(sky_map, vec3(at, sky_layer_eye), 0.0).rgb;
     const vec4 seen = clouds_before(clear, direction);
     vec3 beyond = discs(direction);
-    if (view.sky.star_klx > 0.0)
+    for (int once = 0; once < int(view.sky.star_klx > 0.0); ++once)
         beyond += stars(direction);
     return seen.rgb + seen.w * beyond;
 }
