@@ -22,7 +22,7 @@ struct Quality {
 
 inline constexpr std::array<Quality, 4> quality_table{{
     {"low", "two cores without a GPU at 10 frames a second", 10, 1, 1, 1, false, 0.5},
-    {"default", "two cores without a GPU at 4 frames a second", 6.4, 1, 2, 1, false, 1},
+    {"default", "two cores without a GPU at 4 frames a second", 6.4, 1, 2, 1, false, 0.8},
     {"high", "stills and GPUs", 2.5, 4, 5, 2, true, 1},
     {"film", "stills that are looked at closely", 1.5, 4, 9, 2, true, 1},
 }};

@@ -228,9 +228,11 @@ Result<void> Renderer::record(Flight& flight, const Mesh& mesh, DebugView view, 
         gpu::record_upload(commands, sky_map_.staging, sky_map_.image, texel_bytes);
     commands.barrier(gpu::Stage::graphics, gpu::Stage::compute); // the frame before reads its maps
     stamp();
-    sea_.record(commands, flight.values);
+    const bool sees_sea = mesh.columns > 0;
+    if (sees_sea)
+        sea_.record(commands, flight.values);
     stamp();
-    if (mesh.columns > 0)
+    if (sees_sea)
         commands.dispatch(mesh_, flight.mesh, {},
                           static_cast<std::uint32_t>((mesh.vertices() + shaders::view_group - 1) /
                                                      shaders::view_group));
