@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
-#include <numbers>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "client/view/camera_path.h"
+#include "sea/basics/constants.h"
 
 namespace seaway::client {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using sea::pi;
 using testing::HasSubstr;
 
 CameraPath path_of(const std::string& text) {
