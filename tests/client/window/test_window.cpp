@@ -119,7 +119,8 @@ TEST_F(WindowTest, the_mesh_of_another_camera_stays_where_it_is) {
     };
     const auto light_on_the_right = [&] {
         step();
-        return shot().row(height - 40, width - 40, width);
+        // Not at the bottom: there waves move points into the picture from all around the first camera.
+        return shot().row(height - 120, width - 40, width);
     };
     EXPECT_LT(light_on_the_right(), 252);
     turn();
