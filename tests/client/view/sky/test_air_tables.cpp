@@ -93,6 +93,24 @@ TEST(AirTables, air_that_absorbs_sends_back_less_than_it_is_given) {
     }
 }
 
+// Of what is scattered a share is scattered once more, and again: all orders together are the sum of that series, term by
+// term, where the sun stands overhead.
+TEST(AirTables, the_table_holds_light_of_every_order) {
+    const AirTables& t = clear_air();
+    for (const int row : {0, 7, 16}) { // of the table: heights between them are interpolated
+        const double height_m = t.air.thickness_m * (row / 31.0) * (row / 31.0);
+        const Transfer transfer = transfer_at(t.air, t.transmittance, height_m, 1.0);
+        const glm::dvec3 table = t.multiple.at(height_m, 1.0);
+        for (int c = 0; c < 3; ++c) {
+            double sum = 0, term = transfer.lit[c];
+            for (int order = 2; order < 200; ++order, term *= transfer.scattered[c])
+                sum += term;
+            EXPECT_NEAR(table[c] / sum, 1, 1e-5) << row; // floats
+            EXPECT_GT(sum, 1.01 * transfer.lit[c]) << "else this test sees nothing";
+        }
+    }
+}
+
 // Scattering twice is a quarter of once where the optical depth is some tenths (Bruneton 2017): most for
 // blue, and by day everywhere.
 TEST(AirTables, light_scattered_again_is_bluest_and_never_negative) {
