@@ -58,8 +58,7 @@ TEST_F(WindowTest, a_click_on_the_sea_shows_what_the_server_says_of_that_place) 
     EXPECT_NEAR((mark->x + 1) / 2 * width, x, 2);
     EXPECT_NEAR((mark->y + 1) / 2 * height, y, 2);
     // And the panel says so, and draws its trace.
-    step(30);
-    EXPECT_GT(viewer_->model().trace.values.size(), 10u);
+    EXPECT_TRUE(step_until([&] { return viewer_->model().trace.values.size() > 10; }));
     std::string said;
     for (const PanelRow& row : viewer_->model().probe)
         said += row.label + " " + row.value + "\n";
@@ -120,7 +119,7 @@ TEST_F(WindowTest, the_mesh_of_another_camera_stays_where_it_is) {
     const auto light_on_the_right = [&] {
         step();
         // Not at the bottom: there waves move points into the picture from all around the first camera.
-        return shot().row(height - 120, width - 40, width);
+        return shot().row(height - 200, width - 40, width);
     };
     EXPECT_LT(light_on_the_right(), 252);
     turn();
@@ -133,7 +132,7 @@ TEST_F(WindowTest, the_mesh_of_another_camera_stays_where_it_is) {
     ASSERT_TRUE(step_until([&] { return viewer_->choice().second_camera; }));
     EXPECT_LT(light_on_the_right(), 252);
     turn();
-    EXPECT_GT(light_on_the_right(), 254.5);
+    EXPECT_GT(light_on_the_right(), 254); // white, but for its rounding
 }
 
 TEST_F(WindowTest, rides_on_a_float_as_high_as_the_sea_is) {
