@@ -1,11 +1,11 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""Draws the pictures of docs/gallery.md: sheets in docs/pictures/gallery_*.png.
+"""Draws the pictures of docs/gallery.md: sheets in docs/pictures/gallery_*.jpg (of debug views: .png).
 
     tools/gallery.py BUILD_DIR [SHEET ...]
 
 Every picture is drawn from the tiles of a server that is started for its scene and stopped again. Needs
-python3-matplotlib (apt install python3-matplotlib) to put pictures side by side. gallery_before.png is of the renderer
+python3-matplotlib (apt install python3-matplotlib) to put pictures side by side. gallery_before.jpg is of the renderer
 before it kept the sea on the device and is not drawn again. All of it: some minutes on two cores.
 """
 import argparse
@@ -68,8 +68,10 @@ def draw(programs, sheets):
             across, _, rows = SHEETS[name]
             pictures = [matplotlib.image.imread(f"{folder}/{name}_{i}.png")[..., :3] for i in range(len(rows))]
             lines = [numpy.hstack(pictures[i:i + across]) for i in range(0, len(pictures), across)]
-            matplotlib.image.imsave(PICTURES / f"gallery_{name}.png", numpy.vstack(lines))
-            print(f"docs/pictures/gallery_{name}.png")
+            # Photographs of the sea are ten times smaller as JPEG; edges of debug views would smear.
+            ending, how = ("png", {}) if name == "views" else ("jpg", {"pil_kwargs": {"quality": 85, "optimize": True}})
+            matplotlib.image.imsave(PICTURES / f"gallery_{name}.{ending}", numpy.vstack(lines), **how)
+            print(f"docs/pictures/gallery_{name}.{ending}")
 
 
 def main():
