@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "base/check.h"
+#include "gpu/keep.h"
 #include "shaders/view/debug_frag.h"
 #include "shaders/view/debug_one_frag.h"
 #include "shaders/view/final_frag.h"
@@ -35,14 +36,7 @@ constexpr gpu::ExpectedBinding draw_bindings[] = {
 };
 constexpr gpu::ExpectedBinding shown_bindings[] = {{"View", uniform}, {"picture", texture}};
 
-/// Takes the value out of a Result, or returns its error from the calling function's point of view.
-template <class T>
-Result<void> keep(T& target, Result<T> made) {
-    if (!made)
-        return made.error();
-    target = std::move(*made);
-    return {};
-}
+using gpu::keep;
 
 void put(gpu::Buffer& buffer, const void* data, std::size_t bytes) {
     SEAWAY_CHECK(bytes <= buffer.mapped().size(), "upload is longer than its buffer");

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gpu/draw/offscreen.h"
 
+#include "gpu/keep.h"
+
 namespace seaway::gpu {
 
 namespace {
@@ -16,14 +18,6 @@ VkRenderingAttachmentInfo attachment(const Image& image, VkImageLayout layout) {
             .imageLayout = layout,
             .loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR,
             .storeOp = VK_ATTACHMENT_STORE_OP_STORE};
-}
-
-template <class T>
-Result<void> keep(T& target, Result<T> made) {
-    if (!made)
-        return made.error();
-    target = std::move(*made);
-    return {};
 }
 
 } // namespace

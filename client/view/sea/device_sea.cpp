@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "base/check.h"
+#include "gpu/keep.h"
 #include "sea/basics/constants.h"
 #include "sea/surface/maps/hermite.h"
 #include "shaders/view/gradients_comp.h"
@@ -51,13 +52,7 @@ std::uint32_t groups_of(int side) {
            shaders::view_group;
 }
 
-template <class T>
-Result<void> keep(T& target, Result<T> made) {
-    if (!made)
-        return made.error();
-    target = std::move(*made);
-    return {};
-}
+using gpu::keep;
 
 /// The level from which on a texel of a map is as long as the cascade's longest wave, whose mean is nothing then.
 int levels_of(int side, const CascadeFrame& from) {
