@@ -8,14 +8,15 @@
 //     load_folds --scene FILE             of this sea alone
 //
 // What contradicts an answer is followed by the exact sum before it counts. Prints a row a sea and way:
-// points; those with several sheets; of these, how many without a flag; answers beyond their bound of the
-// highest sheet that are not flagged open (misses). Of the points with several sheets: the share where
-// the answer is the highest within 5 cm; where it is within its bound or 5 cm, or the maps have that
-// sheet no further away than they are wrong sideways; the share of decidable ones, whose highest sheet
-// ends further away than that, and of these the share where the answer is the highest within its bound
-// or 5 cm; the share not flagged open, and of these likewise. Of all points the share flagged though
-// there is one sheet, and CPU time.
-// Exit code 1: a miss.
+// points; those with several sheets; of these, how many without a flag; answers not flagged open that are of
+// another sheet than the highest, or further off than half as much again as their bound (misses): there may be
+// none; those beyond their bound by less (beyond): 1 in 100 000 at most, of a bound that is stated for 99.9 %.
+// Of the points with several sheets: the share where the answer is the highest within 5 cm; where it is
+// within its bound or 5 cm, or the maps have that sheet no further away than they are wrong sideways; the
+// share of decidable ones, whose highest sheet ends further away than that, and of these the share where
+// the answer is the highest within its bound or 5 cm; the share not flagged open, and of these likewise.
+// Of all points the share flagged though there is one sheet, and CPU time.
+// Exit code 1: a miss, or more beyond their bound than that.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -53,8 +54,9 @@ struct Options {
 };
 
 struct Way {
-    std::uint64_t points = 0, several = 0, unflagged = 0, misses = 0, within_5_cm = 0, beside = 0,
-                  decidable = 0, decidable_right = 0, settled = 0, settled_right = 0, flagged = 0;
+    std::uint64_t points = 0, several = 0, unflagged = 0, misses = 0, beyond = 0, within_5_cm = 0,
+                  beside = 0, decidable = 0, decidable_right = 0, settled = 0, settled_right = 0,
+                  flagged = 0;
     double seconds = 0;
 };
 
@@ -146,7 +148,7 @@ class Folds {
             }
         }
         print();
-        return misses_ > 0 ? 1 : 0;
+        return misses_ > 0 || beyond_ * 100'000 > points_ ? 1 : 0;
     }
 
   private:
@@ -300,9 +302,12 @@ class Folds {
         if (open || settled())
             return;
         way.unflagged += !flagged && sheets.size() > 1;
-        if (off_m > bound_m) {
+        if (off_m > 1.5 * bound_m || (off_m > bound_m && sheets.size() > 1)) {
             ++way.misses;
             ++misses_;
+        } else if (off_m > bound_m) {
+            ++way.beyond;
+            ++beyond_;
         }
         fmt::print("{}: at {},{} t = {} us: {:.6f} +- {:.3g}, flags {}; sheets", name, point.x_m,
                    point.y_m, point.time_us, answer.height_m, answer.error_m, answer.flags);
@@ -328,7 +333,7 @@ class Folds {
     }
 
     void print() const {
-        fmt::print("sea,squeeze,way,points,several,unflagged,misses,within_5cm,or_beside,"
+        fmt::print("sea,squeeze,way,points,several,unflagged,misses,beyond,within_5cm,or_beside,"
                    "decidable,right,settled,right,flagged_with_one,us_a_point\n");
         for (const auto& [name, tally] : tallies_)
             for (const auto& [way_name, way] :
@@ -338,10 +343,10 @@ class Folds {
                            static_cast<double>(std::max<std::uint64_t>(whole, 1));
                 };
                 fmt::print(
-                    "{},{:.3f},{},{},{},{},{},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:."
-                    "1f}\n",
+                    "{},{:.3f},{},{},{},{},{},{},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},"
+                    "{:.1f}\n",
                     name, tally.squeeze, way_name, way->points, way->several, way->unflagged,
-                    way->misses, share(way->within_5_cm, way->several),
+                    way->misses, way->beyond, share(way->within_5_cm, way->several),
                     share(way->beside, way->several), share(way->decidable, way->several),
                     share(way->decidable_right, way->decidable), share(way->settled, way->several),
                     share(way->settled_right, way->settled), share(way->flagged, way->points),
@@ -351,14 +356,15 @@ class Folds {
         std::uint64_t overlooked = 0;
         for (const auto& [name, tally] : tallies_)
             overlooked += tally.overlooked;
-        fmt::print("{} points, {} misses, {} where brute force found nothing\n", points_, misses_,
-                   overlooked);
+        fmt::print(
+            "{} points, {} misses, {} beyond their bound, {} where brute force found nothing\n",
+            points_, misses_, beyond_, overlooked);
     }
 
     const Options options_;
     server::NativeSynthesizer native_{1};
     std::map<std::string, Tally> tallies_;
-    std::uint64_t points_ = 0, misses_ = 0;
+    std::uint64_t points_ = 0, misses_ = 0, beyond_ = 0;
 };
 
 } // namespace
