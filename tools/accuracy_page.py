@@ -12,13 +12,13 @@ speaks of the native one, each other adds its headline plot. Pictures need pytho
 python3-matplotlib), the text (--text) does not. tools/check_accuracy.py holds that page and pictures are of
 the measurements beside them.
 
-To measure all of it again, on a quiet machine (2 cores: 4 minutes):
+To measure all of it again, on a quiet machine (2 cores: 15 minutes; with --points 512 --times 8 in each command 4):
 
-    build/dev/bin/seaway-bench accuracy --quick --points 512 --out out/bench/accuracy
+    build/dev/bin/seaway-bench accuracy --quick --points 4096 --times 32 --out out/bench/accuracy
     build/dev/bin/seaway-server scenes/north_sea_gale.toml --listen 127.0.0.1:9431 & sleep 5
-    build/dev/bin/seaway-bench accuracy --quick --points 512 --knobs batch --server ws://127.0.0.1:9431 --out out/bench/accuracy
+    build/dev/bin/seaway-bench accuracy --quick --points 4096 --times 32 --knobs batch --server ws://127.0.0.1:9431 --out out/bench/accuracy
     kill %1
-    build/dev/bin/seaway-bench accuracy --quick --points 512 --device llvmpipe --states gale_deep --knobs named,combination \
+    build/dev/bin/seaway-bench accuracy --quick --points 4096 --times 32 --device llvmpipe --states gale_deep --knobs named,combination \
         --out out/bench/accuracy_lavapipe
     tools/accuracy_page.py --take out/bench/accuracy out/bench/accuracy_lavapipe
 
@@ -287,6 +287,7 @@ def words(all_runs):
         "BALANCED_MISSING": metres(get("balanced", "missing_rms_m")),
         "SUM_ANSWER": number(get("all modes summed", "query_ns") / 1e3),
         "SUM_RATIO": number(get("all modes summed", "query_ns") / get("balanced", "query_ns")),
+        "SUM_WORK": number(get("all modes summed", "work_ms_per_s")), "SUM_EVEN": f"{exact_even(run):.0f}",
         "GERSTNER_RMS": metres(get("64 largest waves", "rms_m")),
         "BOUND_OVER_P99": bound_range(run),
         "LOOSE_FLAGGED": number(loose("flagged_pct")),
@@ -296,6 +297,13 @@ def words(all_runs):
         "SETTINGS": run.settings, "MACHINE": run.place["machine"], "COMMIT": run.place["commit"],
         "NOTE": ((DATA / "note.txt").read_text().strip() + " ").lstrip(),
     }
+
+
+def exact_even(run):
+    """So many exact answers a second cost what the maps of `query_only` and as many of its answers do."""
+    get = lambda name, metric: run.figure(GALE, "named", name, metric)
+    maps_ms = get("query_only", "keyframe_cpu_ms_per_s") + get("query_only", "spline_ms_per_s")
+    return maps_ms * 1e6 / (get("all modes summed", "query_ns") - get("query_only", "query_ns"))
 
 
 def asked_for(template, all_words):

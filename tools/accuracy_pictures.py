@@ -2,6 +2,8 @@
 """The plots of docs/accuracy.md, from runs as tools/accuracy_page.py reads them."""
 import csv
 
+from matplotlib.transforms import Bbox
+
 from plot_style import COLOURS, plt
 
 GALE = "gale_deep"
@@ -32,12 +34,13 @@ def front(points):
 
 
 def label_points(figure, axis, named):
-    """Names beside their points, moved up or down until none covers another."""
+    """Names beside their points, moved up or down until none covers another, or a point."""
     figure.canvas.draw()
-    taken = []
+    places = [axis.transData.transform(point) for point, _ in named.values()]
+    taken = [Bbox.from_bounds(x - 5, y - 5, 10, 10) for x, y in places]
     for name, (point, colour) in sorted(named.items(), key=lambda item: -item[1][0][1]):
         inside = axis.transAxes.inverted().transform(axis.transData.transform(point))
-        for left, down in ((left, down) for down in (4, -10, 14, -20, 24, -30) for left in (inside[0] > 0.62, inside[0] <= 0.62)):
+        for left, down in ((left, down) for down in (-3, 6, -12, 16, -22, 26, -32) for left in (inside[0] > 0.62, inside[0] <= 0.62)):
             text = axis.annotate(name, point, xytext=(-7 if left else 7, down), textcoords="offset points",
                                  ha="right" if left else "left", fontsize=8, color=colour)
             box, frame = text.get_window_extent(), axis.get_window_extent()

@@ -309,6 +309,11 @@ class Folds {
             ++way.beyond;
             ++beyond_;
         }
+        report(name, point, answer, sheets);
+    }
+
+    static void report(const std::string& name, const sea::QueryPoint& point, const Answer& answer,
+                       const std::vector<BruteSheet>& sheets) {
         fmt::print("{}: at {},{} t = {} us: {:.6f} +- {:.3g}, flags {}; sheets", name, point.x_m,
                    point.y_m, point.time_us, answer.height_m, answer.error_m, answer.flags);
         for (const BruteSheet& s : sheets)
