@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <optional>
 
 #include "base/check.h"
 #include "gpu/keep.h"
@@ -16,6 +17,7 @@
 #include "shaders/view/sea_frag.h"
 #include "shaders/view/sea_vert.h"
 #include "shaders/view/shown_frag.h"
+#include "shaders/view/sky_frag.h"
 
 namespace seaway::client {
 
@@ -85,14 +87,8 @@ Result<void> Renderer::create_pipelines() {
         return keep(target,
                     GraphicsPipeline::create(*device_, name, vertex, fragment, bindings, options));
     };
-    const bool one = geometry.samples == VK_SAMPLE_COUNT_1_BIT;
-    const auto either = [&](std::span<const std::uint32_t> many,
-                            std::span<const std::uint32_t> single) { return one ? single : many; };
     SEAWAY_TRY(pipeline(geometry_, "sea", sea_vert, sea_frag, draw_bindings, geometry));
-    SEAWAY_TRY(pipeline(light_, "light", picture_vert, either(final_frag, final_one_frag),
-                        draw_bindings, {}));
-    SEAWAY_TRY(pipeline(debug_, "debug", picture_vert, either(debug_frag, debug_one_frag),
-                        draw_bindings, {}));
+    SEAWAY_TRY(create_light());
     SEAWAY_TRY(pipeline(shown_, "film", picture_vert, shown_frag, shown_bindings,
                         {.colour_format = gpu::Offscreen::shown_format}));
     return keep(mesh_, gpu::Kernel::create(*device_, "mesh", mesh_comp,
@@ -102,6 +98,32 @@ Result<void> Renderer::create_pipelines() {
                                              {"Vertices", storage}},
                                             0,
                                             {shaders::view_group, 1, 1}}));
+}
+
+/// With one sample a pixel is sea or sky: each has a pipeline of its own, because a device without a GPU takes both sides
+/// of a branch. With four the sea's draws the sky between crests too.
+Result<void> Renderer::create_light() {
+    const bool one = target_.size().samples == VK_SAMPLE_COUNT_1_BIT;
+    const auto pipeline = [&](gpu::GraphicsPipeline& target, const char* name,
+                              std::span<const std::uint32_t> fragment,
+                              std::optional<gpu::DepthTest> test) {
+        gpu::GraphicsOptions options;
+        if (test) {
+            options.depth_format = gpu::Offscreen::depth_format;
+            options.test = *test;
+        }
+        return keep(target, gpu::GraphicsPipeline::create(*device_, name, picture_vert, fragment,
+                                                          draw_bindings, options));
+    };
+    using gpu::DepthTest;
+    SEAWAY_TRY(pipeline(sky_, "sky", sky_frag, {}));
+    if (one) {
+        SEAWAY_TRY(pipeline(light_, "light", final_one_frag, DepthTest::covered));
+        SEAWAY_TRY(pipeline(sky_around_, "sky around", sky_frag, DepthTest::bare));
+        return pipeline(debug_, "debug", debug_one_frag, {});
+    }
+    SEAWAY_TRY(pipeline(light_, "light", final_frag, {}));
+    return pipeline(debug_, "debug", debug_frag, {});
 }
 
 Result<void> Renderer::create_sky() {
@@ -213,6 +235,21 @@ void Renderer::record_geometry(Flight& flight, const Mesh& mesh) {
     target_.end_geometry(commands);
 }
 
+void Renderer::record_light(Flight& flight, const Mesh& mesh, DebugView view) {
+    gpu::Commands& commands = flight.commands;
+    const bool final = view == DebugView::final, sees_sea = mesh.columns > 0;
+    const bool split = final && sees_sea && target_.size().samples == VK_SAMPLE_COUNT_1_BIT;
+    const auto draw = [&](const gpu::GraphicsPipeline& pipeline) {
+        pipeline.record_bind(commands, flight.draw);
+        vkCmdDraw(commands.get(), 3, 1, 0, 0);
+    };
+    target_.begin_picture(commands, split);
+    draw(!final ? debug_ : sees_sea ? light_ : sky_);
+    if (split)
+        draw(sky_around_);
+    target_.end_picture(commands);
+}
+
 Result<void> Renderer::record(Flight& flight, const Mesh& mesh, DebugView view, Wanted wanted) {
     gpu::Commands& commands = flight.commands;
     SEAWAY_TRY(commands.begin());
@@ -232,12 +269,10 @@ Result<void> Renderer::record(Flight& flight, const Mesh& mesh, DebugView view, 
                                                      shaders::view_group));
     commands.barrier(gpu::Stage::compute, gpu::Stage::graphics);
     stamp();
-    record_geometry(flight, mesh);
+    if (sees_sea || view != DebugView::final)
+        record_geometry(flight, mesh);
     stamp();
-    target_.begin_picture(commands);
-    (view == DebugView::final ? light_ : debug_).record_bind(commands, flight.draw);
-    vkCmdDraw(commands.get(), 3, 1, 0, 0);
-    target_.end_picture(commands);
+    record_light(flight, mesh, view);
     stamp();
     if (wanted == Wanted::numbers) {
         target_.read_picture(commands);

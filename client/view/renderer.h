@@ -91,6 +91,7 @@ class Renderer {
         : device_(&device), options_(options) {}
 
     Result<void> create_pipelines();
+    Result<void> create_light();
     Result<void> create_sky();
     Result<void> create_flight(Flight& flight);
     Result<void> take_sky(const Sky& sky);
@@ -101,6 +102,7 @@ class Renderer {
     ShownPicture shown_picture() const;
     Result<void> wait(Flight& flight);
     void record_geometry(Flight& flight, const Mesh& mesh);
+    void record_light(Flight& flight, const Mesh& mesh, DebugView view);
     Result<void> record(Flight& flight, const Mesh& mesh, DebugView view, Wanted wanted);
 
     gpu::Device* device_;
@@ -109,6 +111,7 @@ class Renderer {
     gpu::Offscreen target_;
     gpu::Kernel mesh_;
     gpu::GraphicsPipeline geometry_, light_, debug_, shown_;
+    gpu::GraphicsPipeline sky_, sky_around_; ///< where no sea is seen; around it
     gpu::OwnedSampler sampler_;
     gpu::Buffer vertices_, indices_, undeveloped_;
     gpu::TexelView vertex_texels_;

@@ -67,6 +67,18 @@ constexpr VkPipelineDynamicStateCreateInfo dynamic{
     .dynamicStateCount = 2,
     .pDynamicStates = dynamic_states};
 
+VkCompareOp compare_of(DepthTest test) {
+    switch (test) {
+    case DepthTest::covered:
+        return VK_COMPARE_OP_LESS;
+    case DepthTest::bare:
+        return VK_COMPARE_OP_EQUAL;
+    case DepthTest::nearer:
+        break;
+    }
+    return VK_COMPARE_OP_GREATER_OR_EQUAL;
+}
+
 Result<OwnedPipeline> create_pipeline(Device& device, VkPipelineLayout layout,
                                       std::span<const VkPipelineShaderStageCreateInfo> stages,
                                       const GraphicsOptions& options) {
@@ -76,8 +88,9 @@ Result<OwnedPipeline> create_pipeline(Device& device, VkPipelineLayout layout,
     const VkPipelineDepthStencilStateCreateInfo depth{
         .sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
         .depthTestEnable = options.depth_format != VK_FORMAT_UNDEFINED,
-        .depthWriteEnable = options.depth_format != VK_FORMAT_UNDEFINED,
-        .depthCompareOp = VK_COMPARE_OP_GREATER_OR_EQUAL};
+        .depthWriteEnable =
+            options.depth_format != VK_FORMAT_UNDEFINED && options.test == DepthTest::nearer,
+        .depthCompareOp = compare_of(options.test)};
     const VkPipelineColorBlendStateCreateInfo blend{
         .sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO,
         .attachmentCount = 1,

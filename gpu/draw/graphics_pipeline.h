@@ -17,10 +17,17 @@
 
 namespace seaway::gpu {
 
+/// Which fragments are kept, by reversed depth (0: infinitely far).
+enum class DepthTest {
+    nearer,  ///< or equally near; they become what is nearest
+    covered, ///< infinitely far ones where something has been drawn; depth stays
+    bare,    ///< infinitely far ones where nothing has been drawn; depth stays
+};
+
 struct GraphicsOptions {
     VkFormat colour_format = VK_FORMAT_R32G32B32A32_SFLOAT;
-    /// VK_FORMAT_UNDEFINED: no depth; else the test is "nearer or equal", with reversed depth.
-    VkFormat depth_format = VK_FORMAT_UNDEFINED;
+    VkFormat depth_format = VK_FORMAT_UNDEFINED; ///< VK_FORMAT_UNDEFINED: no depth, no test
+    DepthTest test = DepthTest::nearer;
     VkSampleCountFlagBits samples = VK_SAMPLE_COUNT_1_BIT;
     bool blended = false; ///< laid over what is there, by alpha
 };

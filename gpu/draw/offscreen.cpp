@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gpu/draw/offscreen.h"
 
+#include "base/check.h"
 #include "gpu/keep.h"
 
 namespace seaway::gpu {
@@ -86,7 +87,8 @@ void Offscreen::begin(Commands& commands, const Image& image,
 void Offscreen::begin_geometry(Commands& commands) {
     record_transition(commands, depth_, VK_IMAGE_LAYOUT_UNDEFINED, to_depth);
     VkRenderingAttachmentInfo depth = attachment(depth_, to_depth);
-    depth.storeOp = VK_ATTACHMENT_STORE_OP_DONT_CARE;
+    if (size_.samples != VK_SAMPLE_COUNT_1_BIT) // else begin_picture() may ask for it
+        depth.storeOp = VK_ATTACHMENT_STORE_OP_DONT_CARE;
     begin(commands, geometry_, &depth);
 }
 
@@ -95,8 +97,16 @@ void Offscreen::end_geometry(Commands& commands) {
     record_transition(commands, geometry_, to_colour, to_sample);
 }
 
-void Offscreen::begin_picture(Commands& commands) {
-    begin(commands, picture_, nullptr);
+void Offscreen::begin_picture(Commands& commands, bool by_depth) {
+    if (!by_depth) {
+        begin(commands, picture_, nullptr);
+        return;
+    }
+    SEAWAY_CHECK(size_.samples == VK_SAMPLE_COUNT_1_BIT, "the picture has one sample");
+    record_transition(commands, depth_, to_depth, to_depth); // it is written before
+    VkRenderingAttachmentInfo depth = attachment(depth_, to_depth);
+    depth.loadOp = VK_ATTACHMENT_LOAD_OP_LOAD;
+    begin(commands, picture_, &depth);
 }
 
 void Offscreen::end_picture(Commands& commands) {

@@ -44,7 +44,9 @@ class Offscreen {
     /// What the picture pass samples: as sampler2DMS, or sampler2D if it has one sample.
     const Image& geometry() const { return geometry_; }
 
-    void begin_picture(Commands& commands);
+    /// `by_depth`: pipelines may ask whether the geometry has drawn a pixel (GraphicsOptions::test), where that has one
+    /// sample.
+    void begin_picture(Commands& commands, bool by_depth = false);
     void end_picture(Commands& commands);
     const Image& picture() const { return picture_; }
 

@@ -117,11 +117,11 @@ struct SEAWAY_STD140_ELEMENT SkyValues {
     float rayleigh_scale_m;
     vec3 aerosol_per_m; ///< extinction at the sea
     float aerosol_scale_m;
-    vec3 zenith_depth;  ///< optical depth of the air above the eye
-    float cloud_sunlit; ///< share of the air below the clouds that the light reaches
-    vec3 cloud_light;   ///< of sun or moon, normal to the beam, at the clouds, klx
-    float unused_2;
-    vec3 cloud_sky; ///< of the sky, on the level, at the clouds, klx
+    vec3 zenith_depth;   ///< optical depth of the air above the eye
+    float cloud_sunlit;  ///< share of the air below the clouds that the light reaches
+    vec3 cloud_light;    ///< of sun or moon, normal to the beam, at the clouds, klx
+    float cloud_patches; ///< clear beam over its mean below the clouds; 0: one light everywhere
+    vec3 cloud_sky;      ///< of the sky, on the level, at the clouds, klx
     float unused_3;
     vec3 to_light; ///< sun or moon, whichever is brighter
     float unused_4;

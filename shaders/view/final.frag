@@ -1,7 +1,7 @@
 #version 460
 // SPDX-License-Identifier: Apache-2.0
-// The picture: sky where there is no sea, else the sea. A pixel that one piece of sea fills is lit
-// once; where a crest's edge or the horizon runs through it, each sample is lit.
+// The sea's light. With four samples a pixel, what one piece of sea fills is lit once; where a crest's edge or the horizon
+// runs through it each sample is lit, as sky where there is no sea. With one sample sky.frag draws the sky.
 #extension GL_GOOGLE_include_directive : require
 #include "view/bindings.glsl"
 #include "view/gradients.glsl"
@@ -12,6 +12,12 @@
 layout(location = 0) in vec3 direction;
 layout(location = 0) out vec4 radiance;
 
+#ifdef SEAWAY_ONE_SAMPLE
+void main() {
+    const Place place = unpacked_place(texelFetch(geometry, ivec2(gl_FragCoord.xy), 0));
+    radiance = vec4(water_radiance(place, -normalize(direction)), 1);
+}
+#else
 void main() {
     const vec3 away = normalize(direction);
     const ivec2 pixel = ivec2(gl_FragCoord.xy);
@@ -39,3 +45,4 @@ void main() {
     }
     radiance = vec4(sum / float(count), 1);
 }
+#endif

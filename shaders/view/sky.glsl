@@ -96,6 +96,26 @@ vec4 clouds_met(vec3 clear, vec3 direction, float rise, float under) {
     return vec4(clear * left + through * radiance + (1.0 - left) * (1.0 - through) * source, left);
 }
 
+/// Light of sun or moon at the point of the sea that is lit, normal to the beam, klx; its mean under all clouds until
+/// light_place() has said where that is.
+vec3 beam_klx = view.sun_irradiance_klx;
+
+/// Patches of light: clouds let the beam through here and hold it there. Where a pixel is as large as a cloud the mean is
+/// left. client/view/sky/clouds.cpp has the same formula.
+void light_place(vec2 place_m, float pixel_m) {
+    for (int once = 0; once < int(view.sky.cloud_patches > 0.0); ++once) {
+        const float height_m = view.sky.cloud_height_m + view.camera_m.z;
+        const float rise = height_m * 4.0 * view.sky.curvature_per_m;
+        const float s = view.sky.to_light.z;
+        const float distance_m = 2.0 * height_m / (s + sqrt(s * s + rise));
+        const vec2 at = view.sky.cloud_origin +
+                        (place_m + view.sky.to_light.xy * distance_m) * view.sky.cloud_per_m;
+        const float lod = max(log2(pixel_m * view.sky.cloud_per_m.x * float(sky_columns)), 0.0);
+        const float share = exp(-cloud_depth(at, lod) / max(s, 0.2)) * view.sky.cloud_patches;
+        beam_klx *= mix(share, 1.0, smoothstep(2.0, 5.0, lod));
+    }
+}
+
 /// Devices without a GPU take both sides of every branch, but leave a loop that nobody is in: what is dear and seldom
 /// seen - clouds, stars, discs - stands in loops that are run once or not at all.
 vec4 clouds_before(vec3 clear, vec3 direction) {
@@ -118,8 +138,9 @@ uint star_hash(uvec3 cell) { // PCG 3d (Jarzynski and Olano 2020), one of three
     return cell.x;
 }
 
-/// Stars: one in most cells of a cube around the eye, their number rising by 10^0.51 a magnitude, 6.5 the faintest
-/// (as counted, Allen 1973: some 9000 to 6.5).
+/// Stars: one in each of 9126 cells of a cube around the eye, their number rising by 10^0.51 a magnitude, 6.5 the
+/// faintest. The Bright Star Catalogue has 9096 to 6.5 (Hoffleit 1991), Hipparcos 4968 to 6, 1600 to 5, 511 to 4 (OEIS
+/// A053406); the law 5080, 1570, 485.
 vec3 stars(vec3 direction) {
     const vec3 d = vec3(dot(view.sky.star_x, direction), dot(view.sky.star_y, direction),
                         dot(view.sky.star_z, direction));
@@ -127,17 +148,17 @@ vec3 stars(vec3 direction) {
     const int face = size.x > size.y && size.x > size.z ? 0 : size.y > size.z ? 1 : 2;
     const float along = face == 0 ? d.x : face == 1 ? d.y : d.z;
     const vec2 side = (face == 0 ? d.yz : face == 1 ? d.zx : d.xy) / abs(along);
-    const float cells = 40.0;
+    const float cells = 39.0;
     const vec2 at = (side * 0.5 + 0.5) * cells;
     const uint seed = star_hash(uvec3(uvec2(at), uint(face) * 2u + (along > 0.0 ? 1u : 0u)));
-    const vec4 random = vec4(float(seed & 1023u), float((seed >> 10u) & 1023u),
-                             float((seed >> 20u) & 1023u), float(seed >> 22u)) / 1023.0;
+    const vec4 random = vec4(float(seed & 255u) / 255.0, float((seed >> 8u) & 255u) / 255.0,
+                             (float((seed >> 16u) & 4095u) + 0.5) / 4096.0, float(seed >> 28u) / 15.0);
     // Away from the cell's edge, so that no star is cut.
     const vec2 off = (fract(at) - 0.2 - 0.6 * random.xy) * 2.0 / cells;
     const float bend = 1.0 + dot(side, side); // a cube's side is seen aslant
     const float angle2 = dot(off, off) / (bend * sqrt(bend));
     const float width = 0.7 * view.pixel_rad;
-    const float magnitude = 6.5 + log2(max(random.z, 1e-3)) * (0.30103 / 0.51);
+    const float magnitude = 6.5 + log2(random.z) * (0.30103 / 0.51);
     const float klx = view.sky.star_klx * exp2(-1.32877 * magnitude);
     const vec3 colour = mix(vec3(1.15, 0.97, 0.8), vec3(0.85, 1.0, 1.25), random.w);
     return colour * klx * exp(-0.5 * angle2 / (width * width)) / (2.0 * pi * width * width) *
@@ -153,11 +174,12 @@ vec3 discs(vec3 direction) {
     for (int once = 0; once < int(off_sun < radius + 2.0 * soft); ++once) {
         const float cover = 1.0 - smoothstep(radius - soft, radius + soft, off_sun);
         const float height = clamp(0.5 + 0.5 * (direction.z - view.sky.to_sun.z) / radius, 0.0, 1.0);
-        // Limb darkening: 1 - u (1 - mu), mean 1 - u / 3 (Allen 1973 at 610, 550, 445 nm).
-        const float mu = sqrt(max(1.0 - off_sun * off_sun / (radius * radius), 0.0));
-        const vec3 u = vec3(0.52, 0.60, 0.76);
-        sum += cover * mix(view.sky.sun_low, view.sky.sun_high, height) * (1.0 - u * (1.0 - mu)) /
-               (1.0 - u / 3.0);
+        // Limb darkening: a fit to the polynomials of Neckel and Labs 1994 (Solar Physics 153, table 1) at 611, 550
+        // and 445 nm, within 1 % but for the last hundredth of the radius.
+        const float rim = 1.0 - sqrt(max(1.0 - off_sun * off_sun / (radius * radius), 0.0));
+        const vec3 u = vec3(0.425, 0.488, 0.632), v = vec3(0.213, 0.203, 0.174);
+        sum += cover * mix(view.sky.sun_low, view.sky.sun_high, height) * (1.0 - rim * (u + v * rim)) /
+               (1.0 - u / 3.0 - v / 6.0); // of the disc's mean
     }
     const vec3 off_moon = direction - view.sky.to_moon;
     const float off = length(off_moon);

@@ -24,7 +24,7 @@ float mean_fresnel(float cosine, float sigma) {
 
 /// Diffuse light that comes out of deep water.
 vec3 deep_water() {
-    const vec3 down = view.sky_irradiance_klx + view.sun_irradiance_klx * max(view.sun_direction.z, 0.0);
+    const vec3 down = view.sky_irradiance_klx + beam_klx * max(view.sun_direction.z, 0.0);
     return view.water_reflectance * down / pi;
 }
 
@@ -92,7 +92,7 @@ vec3 sun_glint(vec3 to_eye, vec3 normal, vec2 slope, vec3 variance) {
     const float shadowing =
         1.0 + smith_lambda(to_eye, slope, variance) + smith_lambda(to_sun, slope, variance);
     const float cosine = max(dot(to_eye, normal), 0.02);
-    return view.sun_irradiance_klx * schlick(dot(to_eye, half_way)) * density /
+    return beam_klx * schlick(dot(to_eye, half_way)) * density /
            (4.0 * cosine * pow(half_way.z, 4.0) * shadowing);
 }
 
@@ -105,7 +105,7 @@ vec3 water_body(vec3 to_eye, vec3 normal, float height_m, float jacobian) {
     const vec2 sun_level = normalize(to_sun.xy + vec2(1e-6, 0));
     const float through = pow(max(0.5 - 0.5 * dot(eye_level, sun_level), 0.0), 3.0);
     const float facing = clamp(1.0 - normal.z + 0.15, 0.0, 1.0);
-    const vec3 tint = vec3(0.012, 0.055, 0.048) * (view.sun_irradiance_klx * through +
+    const vec3 tint = vec3(0.012, 0.055, 0.048) * (beam_klx * through +
                                                    0.4 * view.sky_irradiance_klx);
     const float thin = mix(0.5, 2.0, smoothstep(1.0, 0.3, jacobian));
     return deep_water() + tint * crest * facing * thin;
@@ -116,18 +116,19 @@ vec3 water_body(vec3 to_eye, vec3 normal, float height_m, float jacobian) {
 vec3 foam_radiance(Foam foam, vec3 normal) {
     const vec3 bumped = normal + vec3(foam.tilt, 0.0);
     const float albedo = mix(0.5, 0.7, foam.thick);
-    return albedo / pi * (view.sky_irradiance_klx + view.sun_irradiance_klx * max(dot(bumped, view.sun_direction), 0.0));
+    return albedo / pi * (view.sky_irradiance_klx + beam_klx * max(dot(bumped, view.sun_direction), 0.0));
 }
 
 /// Where waves have broken, bubbles in the water send light back before red is swallowed.
 vec3 bubbles_below(float white) {
-    const vec3 down = view.sky_irradiance_klx + view.sun_irradiance_klx * max(view.sun_direction.z, 0.0);
+    const vec3 down = view.sky_irradiance_klx + beam_klx * max(view.sun_direction.z, 0.0);
     return 0.25 * min(2.0 * white, 1.0) * vec3(0.10, 0.32, 0.30) * down / pi;
 }
 
 /// to_eye: unit.
 vec3 water_radiance(Place place, vec3 to_eye) {
     const Footprint area = footprint(place.undisplaced_m, to_eye, place.distance_m);
+    light_place(place.undisplaced_m, area.pixel_m);
     Gradients g = gradients_at(area);
     const float white = foam_share(g);
     add_detail(g, area);

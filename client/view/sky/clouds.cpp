@@ -92,6 +92,18 @@ double light_cosine(const CloudLayer& layer) {
     return std::max(layer.to_light.z, 0.2); // clouds have sides: a low sun lights them
 }
 
+double depth_at(const CloudLayer& layer, const std::vector<glm::vec2>& noise, int columns, int rows,
+                const glm::dvec2& at) {
+    return cloud_depth(layer, sample(noise, columns, rows, at).x,
+                       sample(noise, columns, rows, at * cloud_detail_scale).y,
+                       sample(noise, columns, rows, at * cloud_region_scale).x);
+}
+
+/// Of the square of the cosine at which a ray meets a layer, what the layer's height over the sphere adds.
+double bent(const CloudLayer& layer) {
+    return 4 * layer.height_m * layer.curvature_per_m;
+}
+
 } // namespace
 
 std::vector<glm::vec2> cloud_noise(int columns, int rows, ThreadPool& pool) {
@@ -126,24 +138,19 @@ CloudSeen clouds_seen(const CloudLayer& layer, const std::vector<glm::vec2>& noi
                       int rows, const glm::dvec3& direction) {
     if (layer.threshold > 1.5)
         return {};
-    const double s = direction.z, rise = layer.height_m * 2 * layer.curvature_per_m; // in radii
-    const double under = s * s + 2 * rise;
+    const double s = direction.z, rise = bent(layer), under = s * s + rise;
     if (under <= 0 || (rise > 0 && s < 0) || (rise <= 0 && s >= 0))
         return {};
     const double cosine = std::sqrt(under);
     CloudSeen seen;
     seen.distance_m = 2 * std::abs(layer.height_m) / (std::abs(s) + cosine);
     const glm::dvec2 at = layer.origin + glm::dvec2(direction) * seen.distance_m / layer.period_m;
-    const auto depth_at = [&](const glm::dvec2& place) {
-        return cloud_depth(layer, sample(noise, columns, rows, place).x,
-                           sample(noise, columns, rows, place * cloud_detail_scale).y,
-                           sample(noise, columns, rows, place * cloud_region_scale).x);
-    };
-    const double depth = depth_at(at);
+    const double depth = depth_at(layer, noise, columns, rows, at);
     const double mu = light_cosine(layer);
     const glm::dvec2 aside = glm::dvec2(layer.to_light) * (thickness_m / mu) / layer.period_m;
-    const double shade = std::clamp(
-        (1 + diffuse_loss * depth) / (1 + diffuse_loss * depth_at(at + aside)), 0.5, 1.6);
+    const double lightwards = depth_at(layer, noise, columns, rows, at + aside);
+    const double shade =
+        std::clamp((1 + diffuse_loss * depth) / (1 + diffuse_loss * lightwards), 0.5, 1.6);
     const double slant = depth / std::max(cosine, 0.05);
     seen.left = std::exp(-slant);
     const double through = 1 / (1 + diffuse_loss * depth);
@@ -166,6 +173,17 @@ glm::dvec3 behind_clouds(const CloudLayer& layer, const CloudSeen& seen, const g
     const glm::dvec3 held = 1.0 - glm::exp(-depth / std::max(direction_z, 0.03));
     const glm::dvec3 source = glm::mix(layer.shaded, clear / held, layer.sunlit);
     return clear * seen.left + left * seen.radiance + (1 - seen.left) * (1.0 - left) * source;
+}
+
+double beam_share(const CloudLayer& sea, const std::vector<glm::vec2>& noise, int columns, int rows,
+                  const glm::dvec2& place_m) {
+    if (sea.threshold > 1.5)
+        return 1;
+    const double s = sea.to_light.z;
+    const double distance_m = 2 * sea.height_m / (s + std::sqrt(s * s + bent(sea)));
+    const glm::dvec2 at =
+        sea.origin + (place_m + distance_m * glm::dvec2(sea.to_light)) / sea.period_m;
+    return std::exp(-depth_at(sea, noise, columns, rows, at) / light_cosine(sea));
 }
 
 CloudShare mean_cloud_share(const CloudLayer& layer, const std::vector<glm::vec2>& noise) {

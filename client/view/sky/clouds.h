@@ -55,6 +55,10 @@ inline constexpr double cloud_detail_scale = 4, cloud_region_scale = 0.27;
 /// noise: as cloud_noise made it.
 CloudSeen clouds_seen(const CloudLayer& layer, const std::vector<glm::vec2>& noise, int columns,
                       int rows, const glm::dvec3& direction);
+/// Share of the beam of sun or moon that goes straight through the clouds to a point of the sea. `sea`: the layer as it
+/// stands over the sea, its origin at the point that `place_m` counts from.
+double beam_share(const CloudLayer& sea, const std::vector<glm::vec2>& noise, int columns, int rows,
+                  const glm::dvec2& place_m);
 /// Of light that falls on the level through clouds, averaged over the layer: what goes straight, of the
 /// beam, and what comes through at all.
 struct CloudShare {

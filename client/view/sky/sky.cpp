@@ -13,7 +13,7 @@ namespace seaway::client {
 namespace {
 
 constexpr double pi = std::numbers::pi;
-/// Illuminance of a star of magnitude 0: 2.54e-6 lx (Allen 1973).
+/// Illuminance of a star of magnitude 0: 2.54e-6 lx (Allen 1973), as 10.8e4 cd/m2 for magnitude 0 a square arc second.
 constexpr double star_klx = 2.54e-9;
 /// Beside a zenith of this radiance, kcd/m2, no star is seen.
 constexpr double star_zenith = 0.05;
@@ -25,6 +25,9 @@ shaders::vec3 narrow(const glm::dvec3& v) {
 double disc_sr() {
     return 2 * pi * (1 - std::cos(disc_radius_rad));
 }
+
+/// Below a layer that lets less of the beam through no patches are told apart.
+constexpr double least_beam = 1e-3;
 
 /// Of a disc with this share of the sun's light, `radii` above its middle.
 glm::dvec3 disc_radiance(const AirTables& air, double strength, double height_m,
@@ -54,6 +57,15 @@ glm::dvec3 Sky::radiance(double elevation_rad, double azimuth_from_sun_rad) cons
     const double turn = std::atan2(heavens_.to_sun.y, heavens_.to_sun.x) + azimuth_from_sun_rad;
     const double level = std::cos(elevation_rad);
     return radiance({level * std::cos(turn), level * std::sin(turn), std::sin(elevation_rad)});
+}
+
+double Sky::beam_over_mean(const glm::dvec2& local_m) const {
+    if (clouds_.sunlit < least_beam || to_light_.z <= 0)
+        return 1;
+    CloudLayer over_sea = clouds_;
+    over_sea.height_m += eye_.height_m;
+    return beam_share(over_sea, *noise_, shaders::sky_columns, shaders::sky_rows, local_m) /
+           clouds_.sunlit;
 }
 
 glm::dvec3 Sky::behind(const glm::dvec3& direction) const {
@@ -114,6 +126,8 @@ shaders::SkyValues Sky::values() const {
     out.cloud_per_m = {static_cast<float>(1 / clouds_.period_m.x),
                        static_cast<float>(1 / clouds_.period_m.y)};
     out.cloud_light = narrow(clouds_.light);
+    const bool patchy = clouds_.threshold < 1.5 && clouds_.sunlit >= least_beam && to_light_.z > 0;
+    out.cloud_patches = static_cast<float>(patchy ? 1 / clouds_.sunlit : 0);
     out.cloud_sky = narrow(clouds_.sky);
     out.cloud_shaded = narrow(clouds_.shaded);
     out.cloud_sunlit = static_cast<float>(clouds_.sunlit);

@@ -42,6 +42,9 @@ class Sky {
     /// Sun or moon, whichever sends more, and what arrives of it.
     const glm::dvec3& light_direction() const { return to_light_; }
     const glm::dvec3& light_irradiance() const { return light_; }
+    /// Of light_irradiance(), which is the mean below all clouds, at a point of the sea so far east and north of the eye:
+    /// patches of light below a patchy sky.
+    double beam_over_mean(const glm::dvec2& local_m) const;
     /// What the sky without sun and moon sends to the level, klx.
     const glm::dvec3& sky_irradiance() const { return sky_irradiance_; }
 

@@ -14,8 +14,8 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 
-/// A full moon's light is this share of the sun's.
-constexpr double moon_share = 1 / 4e5;
+/// A full moon's light is this share of the sun's: magnitudes -12.73 and -26.74 (Allen 1973).
+constexpr double moon_share = 1 / 4.02e5;
 /// Light of the moon is left out where the sun's is this much more.
 constexpr double moon_matters = 1e-3;
 /// Of moonlight on the level, what the sky sends to clouds.

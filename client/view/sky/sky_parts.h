@@ -11,9 +11,10 @@
 
 namespace seaway::client {
 
-/// Airglow and stars too faint to be drawn: 22 magnitudes a square arc second at the zenith of a dark
-/// sky, 1.7e-4 cd/m2 (Patat 2003: 21.6 to 22); kcd/m2.
-inline const glm::dvec3 airglow = 1.7e-7 * glm::dvec3(0.75, 1.02, 1.15);
+/// Airglow, zodiacal light and stars too faint to be drawn, above the air, kcd/m2. A fifth of it is lost on the way to the
+/// sea, where the zenith of a dark clear sky has 22 magnitudes a square arc second, 1.7e-4 cd/m2 (Falchi 2016, Science
+/// Advances 2, e1600377; Patat 2003 has 21.6 in a year of many sunspots).
+inline const glm::dvec3 airglow = 2.15e-7 * glm::dvec3(0.77, 1.05, 1.18);
 
 /// What a dome sends to the level, klx.
 glm::dvec3 level_irradiance(const Dome& dome);

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What light does in the water and in the air, held against the formulas of the shaders' sources.
+#include <algorithm>
+
 #include "tests/client/view/renderer_fixture.h"
 
 namespace seaway::client {
@@ -73,6 +75,47 @@ TEST_F(LightTest, clouds_on_the_device_are_those_of_the_cpu) {
             << "clouds and gaps are seen";
         EXPECT_LT(apart / count, 0.05 * mean) << "the device blurs what is finer than a pixel";
     }
+}
+
+// Patches of light on the sea: looking down, what comes out of the water goes with the beam that falls there.
+TEST_F(LightTest, clouds_shade_the_sea_below_them) {
+    Look patchy;
+    patchy.clouds.coverage = 0.5;
+    patchy.clouds.size_m = 150; // several in the picture; texels of noise are 4.7 m, pixels 2 m
+    patchy.clouds.base_m = 1000;
+    SkyMaker maker;
+    camera_.z_m = 400;
+    camera_.pitch_deg = -80;
+    const Result<Sky> sky = maker.make(patchy, heavens_at_hour(12), {.height_m = camera_.z_m});
+    ASSERT_TRUE(sky) << sky.error().message;
+    const Picture picture = render(flat_sea(), *sky, DebugView::final, {.air = false});
+    const Picture place = render(flat_sea(), *sky, DebugView::place);
+    double least = 9, most = 0, apart = 0, even = 0;
+    int count = 0;
+    for (int y = 4; y < picture.height; y += 8)
+        for (int x = 4; x < picture.width; x += 8) {
+            const glm::dvec2 at(static_cast<double>(place.pixel(x, y)[0]),
+                                static_cast<double>(place.pixel(x, y)[1]));
+            const glm::dvec3 d = ray(x, y);
+            const double fresnel = 0.02 + 0.98 * std::pow(1 + d.z, 5);
+            const double mirrored = fresnel * sky->radiance({d.x, d.y, -d.z}).g;
+            const double sine = sky->light_direction().z, beam = sky->light_irradiance().g * sine;
+            const double share = sky->beam_over_mean(at);
+            const auto seen = [&](double of_beam) {
+                return mirrored +
+                       (1 - fresnel) * 0.024 / pi * (sky->sky_irradiance().g + of_beam * beam);
+            };
+            const double found = static_cast<double>(picture.pixel(x, y)[1]);
+            apart += std::abs(found / seen(share) - 1);
+            even += std::abs(found / seen(1) - 1);
+            least = std::min(least, share);
+            most = std::max(most, share);
+            ++count;
+        }
+    EXPECT_LT(least, 0.1);
+    EXPECT_GT(most, 1.5);
+    EXPECT_LT(apart / count, 0.03) << "weights of 8 bits in steep noise";
+    EXPECT_GT(even / count, 0.2) << "else this test sees nothing";
 }
 
 // The air between goes over into the sky: from ten kilometres the last sea is as bright as the first sky.

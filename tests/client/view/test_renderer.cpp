@@ -97,6 +97,24 @@ TEST_F(RendererTest, the_sky_is_that_of_the_model) {
     }
 }
 
+// With one sample a pixel is sea or sky, each drawn by a pipeline of its own: no pixel is left out, none is drawn as the
+// other. Four samples differ along crests and at the horizon alone.
+TEST_F(RendererTest, sea_and_sky_of_one_sample_a_pixel_are_those_of_four) {
+    SyntheticSea sea = gale();
+    const SeaFrame frame = sea.at(100'000'000);
+    const Sky sky(sun_direction(15));
+    Quality one = quality_table[quality_high];
+    one.samples = 1;
+    const Picture many = render(frame, sky);
+    const Picture single = render(frame, sky, DebugView::final, {.quality = one});
+    int other = 0, pixels = 0;
+    for (std::size_t i = 0; i < many.rgba.size(); i += 4, ++pixels)
+        other += std::abs(single.rgba[i + 1] / many.rgba[i + 1] - 1) > 0.1f ? 1 : 0;
+    EXPECT_LT(other, 0.04 * pixels);
+    camera_.pitch_deg = 40; // sky alone
+    EXPECT_EQ(render(frame, sky).rgba, render(frame, sky, DebugView::final, {.quality = one}).rgba);
+}
+
 TEST_F(RendererTest, a_flat_sea_mirrors_the_sky_by_fresnel) {
     const Sky sky(sun_direction(12)); // in the south; the camera looks north-east: no glint
     const RenderOptions clear_air{.air = false};

@@ -76,10 +76,19 @@ TEST(Almanac, moon_and_sun_meet_where_and_when_an_eclipse_was) {
         << "from the other side of the earth: twice the parallax of 0.95 degrees, of a sun 70 down";
 }
 
-TEST(Almanac, a_half_moon_gives_a_tenth_of_the_light_of_a_full_one) {
+// Allen 1973, third edition, page 143: magnitudes below the full moon's by phase. The formula leaves out the surge of
+// the last five degrees, where the table itself has 0.08 a step.
+TEST(Almanac, the_moon_wanes_as_it_was_measured_to) {
+    constexpr double table[][2] = {{0, 0},      {10, 0.23},  {20, 0.51},  {30, 0.79},
+                                   {40, 1.06},  {50, 1.35},  {60, 1.62},  {70, 1.91},
+                                   {80, 2.24},  {90, 2.63},  {100, 3.04}, {110, 3.48},
+                                   {120, 3.93}, {130, 4.44}, {140, 5.07}, {150, 5.9}};
     EXPECT_EQ(moon_brightness(0), 1);
-    // Allen 1973: 2.6 magnitudes at 90 degrees.
-    EXPECT_NEAR(moon_brightness(90 * degree), std::pow(10.0, -0.4 * 2.6), 0.01);
+    for (const auto& [phase_deg, magnitudes] : table)
+        for (const double side : {-1.0, 1.0})
+            EXPECT_NEAR(-2.5 * std::log10(moon_brightness(side * phase_deg * degree)), magnitudes,
+                        0.11) // at 140 degrees; up to 120 it is 0.06
+                << phase_deg;
 }
 
 // Polaris stands 0.74 degrees from the pole (2000), which is as high as the latitude.

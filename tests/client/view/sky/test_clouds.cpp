@@ -85,6 +85,60 @@ TEST(Clouds, make_no_light) {
                 << coverage << ", " << depth;
 }
 
+CloudLayer patchy_layer(const glm::dvec3& to_light) {
+    CloudLayer layer;
+    layer.threshold = cloud_threshold(0.5);
+    layer.optical_depth = 8;
+    layer.height_m = 1500;
+    layer.period_m = {15e3, 5e3};
+    layer.curvature_per_m = 0.5 / earth_radius_m;
+    layer.to_light = to_light;
+    return layer;
+}
+
+// What an eye on the sea sees left of the sun's disc is what falls of its beam there.
+TEST(Clouds, shade_the_places_from_which_they_hide_the_sun) {
+    for (const double elevation_deg : {75.0, 35.0, 15.0}) {
+        const CloudLayer layer = patchy_layer(towards(elevation_deg, 130));
+        int lit = 0, shaded = 0;
+        for (double east_m = -9e3; east_m < 9e3; east_m += 700)
+            for (double north_m = -9e3; north_m < 9e3; north_m += 700) {
+                const double share =
+                    beam_share(layer, small_noise(), noise_columns, noise_rows, {east_m, north_m});
+                CloudLayer from_there = layer;
+                from_there.origin += glm::dvec2(east_m, north_m) / layer.period_m;
+                const CloudSeen seen = clouds_seen(from_there, small_noise(), noise_columns,
+                                                   noise_rows, layer.to_light);
+                // The one goes by the sun's height, the other by the angle at the layer: 1 % at 15 degrees.
+                EXPECT_NEAR(std::log(share), std::log(seen.left), 1e-6 - 0.01 * std::log(share));
+                lit += share > 0.99 ? 1 : 0;
+                shaded += share < 0.01 ? 1 : 0;
+            }
+        EXPECT_GT(lit, 100);
+        EXPECT_GT(shaded, 20) << elevation_deg;
+    }
+}
+
+// The mean beam is what the light of a whole picture goes by. 0.04: it takes pattern, detail and region for independent.
+TEST(Clouds, patches_of_light_have_the_mean_of_the_beam) {
+    const CloudLayer layer = patchy_layer(towards(40, 20));
+    double sum = 0;
+    int count = 0;
+    for (double east_m = 0; east_m < 200e3; east_m += 777) // many periods of the region
+        for (double north_m = 0; north_m < 200e3; north_m += 777, ++count)
+            sum += beam_share(layer, small_noise(), noise_columns, noise_rows, {east_m, north_m});
+    EXPECT_NEAR(sum / count, mean_cloud_share(layer, small_noise()).straight, 0.04);
+}
+
+TEST(Clouds, without_clouds_every_place_has_the_same_light) {
+    const Sky clear = under_clouds(0, 12);
+    EXPECT_EQ(clear.beam_over_mean({300, -7000}), 1);
+    EXPECT_EQ(clear.values().cloud_patches, 0) << "shaders do nothing for it";
+    const Sky closed = under_clouds(1, 60);
+    EXPECT_EQ(closed.values().cloud_patches, 0) << "nothing comes straight through";
+    EXPECT_GT(under_clouds(0.5, 12).values().cloud_patches, 1);
+}
+
 TEST(Clouds, stand_above_an_eye_below_them_and_below_one_above) {
     CloudLayer layer;
     layer.threshold = -1;

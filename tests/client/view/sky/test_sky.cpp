@@ -77,10 +77,45 @@ TEST(Sky, night_is_lit_by_the_moon_and_without_it_by_the_airs_own_glow) {
     Heavens moonless = heavens_at_hour(24);
     moonless.moon_phase_rad = air_pi;
     const Result<Sky> dark = maker.make({}, moonless, {});
+    // 22 magnitudes a square arc second are 1.7e-4 cd/m2 (Falchi 2016); 0.1 magnitudes.
+    EXPECT_NEAR(luminance_of(dark->behind({0, 0, 1})) / 1.7e-7, 1, 0.1);
     const double lux = 1e3 * air_pi * dark->white_radiance();
     EXPECT_GT(lux, 2e-4);
     EXPECT_LT(lux, 2e-3);
     EXPECT_LT(dark->white_radiance(), 1e-5 * day);
+}
+
+// At the end of astronomical twilight scattered sunlight gives 0.0006 lx, less than what is above the air (AMS Glossary of
+// Meteorology): from then on night does not darken.
+TEST(Sky, night_is_reached_when_the_sun_is_eighteen_degrees_down) {
+    SkyMaker maker;
+    const auto lux = [&](double sun_deg) {
+        Heavens night;
+        night.to_sun = towards(sun_deg);
+        night.to_moon = {0, 0, -1};
+        night.moon_phase_rad = air_pi;
+        return 1e3 * luminance_of(maker.make({}, night, {})->sky_irradiance());
+    };
+    const double dark = lux(-40);
+    EXPECT_LT(lux(-18), 2 * dark);
+    EXPECT_GT(lux(-12), 5 * dark);
+    EXPECT_NEAR(std::log10(dark), std::log10(6e-4), 0.3);
+}
+
+// A full moon has magnitude -12.73 (Allen 1973), 0.31 lx above the air; 0.2 to 0.3 are measured of it high in a clear
+// sky (Kyba 2017, Astronomy and Geophysics 58: 0.32 at the most, in the tropics at its nearest).
+TEST(Sky, a_high_full_moon_gives_a_quarter_of_a_lux) {
+    SkyMaker maker;
+    Heavens night;
+    night.to_sun = towards(-80);
+    night.to_moon = towards(80);
+    const Result<Sky> full = maker.make({}, night, {});
+    ASSERT_TRUE(full) << full.error().message;
+    EXPECT_NEAR(1e3 * luminance_of(full->light_irradiance()), 0.25, 0.05);
+    night.moon_phase_rad = air_pi / 2;
+    const Result<Sky> half = maker.make({}, night, {});
+    EXPECT_NEAR(luminance_of(half->light_irradiance()) / luminance_of(full->light_irradiance()),
+                std::pow(10, -0.4 * 2.63), 0.005);
 }
 
 // What is strong of the sun is multiplied last: doubling it doubles every number, to the last bit.
