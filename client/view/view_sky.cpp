@@ -5,6 +5,17 @@
 
 namespace seaway::client {
 
+namespace {
+
+Eye eye_of(const Look& look, const Camera& camera, sea::TimeUs time_us) {
+    return {.height_m = camera.z_m,
+            .east_m = camera.x_m,
+            .north_m = camera.y_m,
+            .cloud_drift_m = look.clouds.drift_mps * sea::seconds_from_us(time_us)};
+}
+
+} // namespace
+
 Heavens heavens_of(const Look& look, sea::TimeUs time_us) {
     constexpr double step_s = 30, day_s = 86400;
     if (!look.place)
@@ -16,12 +27,12 @@ Heavens heavens_of(const Look& look, sea::TimeUs time_us) {
 
 Result<Sky> sky_of_frame(SkyMaker& maker, const Look& look, const Camera& camera,
                          sea::TimeUs time_us) {
-    const double time_s = sea::seconds_from_us(time_us);
-    return maker.make(look, heavens_of(look, time_us),
-                      {.height_m = camera.z_m,
-                       .east_m = camera.x_m,
-                       .north_m = camera.y_m,
-                       .cloud_drift_m = look.clouds.drift_mps * time_s});
+    return maker.make(look, heavens_of(look, time_us), eye_of(look, camera, time_us));
+}
+
+Result<Sky> sky_of_frame(SkyFeed& feed, const Look& look, const Camera& camera,
+                         sea::TimeUs time_us) {
+    return feed.at(look, heavens_of(look, time_us), eye_of(look, camera, time_us));
 }
 
 } // namespace seaway::client

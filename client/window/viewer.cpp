@@ -242,7 +242,7 @@ Result<void> Viewer::draw_sea() {
     if (!frame_)
         return {};
     std::vector<double> wanted = inputs();
-    if (wanted == drawn_inputs_) // it stands on the device
+    if (wanted == drawn_inputs_ && skies_.settled()) // it stands on the device
         return {};
     Look look = options_.look;
     if (!look.place)

@@ -58,6 +58,7 @@ class Viewer {
     sea::TimeUs sea_time_us() const { return frame_ ? frame_->time_us : 0; }
     /// Frames of the sea that were drawn.
     std::uint64_t sea_frames() const { return sea_frames_; }
+    const SkyFeed& skies() const { return skies_; }
 
   private:
     using Clock = std::chrono::steady_clock;
@@ -98,7 +99,7 @@ class Viewer {
     Panels panels_;
     WindowModel model_;
     std::optional<Probe> probe_;
-    SkyMaker skies_;
+    SkyFeed skies_;
 
     std::shared_ptr<Client> client_;
     std::optional<SeaFrame> frame_;       ///< the last that was held

@@ -19,6 +19,7 @@ namespace seaway::client {
 /// Days since noon of 1 January 2000, universal time.
 struct Instant {
     double days_j2000 = 0;
+    bool operator==(const Instant&) const = default;
 };
 inline constexpr int year_min = 1950, year_max = 2050; ///< where the errors above hold
 
@@ -40,6 +41,7 @@ struct Heavens {
     double sun_distance_au = 1;
     double moon_phase_rad = 0; ///< angle between sun and eye as the moon sees them; 0: full
     glm::dmat3 equatorial_from_local{1.0};
+    bool operator==(const Heavens&) const = default;
 };
 Heavens heavens_at(Instant when, double latitude_deg, double longitude_deg);
 

@@ -31,6 +31,7 @@ struct PlaceAndTime {
     double latitude_deg = 0;
     double longitude_deg = 0; ///< east is positive
     Instant when;             ///< at sea time 0
+    bool operator==(const PlaceAndTime&) const = default;
 };
 
 struct Look {
@@ -39,6 +40,7 @@ struct Look {
     double sun_strength = 1; ///< multiplies sun, moon and all that they light
     double hour = 15.5;      ///< of the simple day (heavens_at_hour), without a place
     std::optional<PlaceAndTime> place;
+    bool operator==(const Look&) const = default;
 };
 
 } // namespace seaway::client

@@ -29,7 +29,11 @@ struct Eye {
     double height_m = 10;
     double east_m = 0, north_m = 0;
     glm::dvec2 cloud_drift_m{0.0};
+    bool operator==(const Eye&) const = default;
 };
+/// The eye as tables know it: its height is a rung of height_on_ladder_m(), its place among clouds a step of 250 m.
+/// Eyes that share it share tables.
+Eye eye_on_steps(const Look& look, const Eye& eye);
 
 class Sky {
   public:
@@ -66,10 +70,15 @@ class Sky {
     const std::shared_ptr<const std::vector<float>>& texels() const { return texels_; }
     shaders::SkyValues values() const;
 
+    /// The same light and the same tables, as another eye sees them; exact for eyes on the same steps.
+    Sky seen_from(const Look& look, const Eye& eye) const;
+
     static constexpr double sun_radius_rad = disc_radius_rad;
 
   private:
     friend class SkyMaker;
+    friend bool may_be_mixed(const Sky& from, const Sky& to);
+    friend Sky mixed(const Sky& from, const Sky& to, double share);
     Sky() = default;
 
     Heavens heavens_;
@@ -85,9 +94,15 @@ class Sky {
     bool discs_ = true;                           ///< of sun and moon, and stars
 };
 
+/// Between one sky and the next, for shaders: 0 .. 1 of the other; what the CPU looks up is the other's. Some 3 ms.
+Sky mixed(const Sky& from, const Sky& to, double share);
+/// Tables lie over each other: the sun has not turned by a column. False where they are the same.
+bool may_be_mixed(const Sky& from, const Sky& to);
+
 class SkyMaker {
   public:
-    SkyMaker();
+    /// threads: that make tables; 0: as many as the machine runs at once.
+    explicit SkyMaker(int threads = 0);
     ~SkyMaker();
     Result<Sky> make(const Look& look, const Heavens& heavens, const Eye& eye);
 

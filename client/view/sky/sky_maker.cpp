@@ -27,6 +27,14 @@ glm::dvec2 fraction(const glm::dvec2& value) {
     return value - glm::floor(value);
 }
 
+/// From where clouds drift.
+glm::dvec2 among_clouds(const Eye& eye) {
+    return glm::dvec2(eye.east_m, eye.north_m) - eye.cloud_drift_m;
+}
+glm::dvec2 on_cloud_steps(const Eye& eye) {
+    return glm::round(among_clouds(eye) / cloud_step_m) * cloud_step_m;
+}
+
 /// Of a disc with this share of the sun's light, normal to its beam.
 glm::dvec3 beam_klx(const AirTables& air, double strength, const glm::dvec3& direction,
                     double height_m) {
@@ -38,6 +46,7 @@ glm::dvec3 beam_klx(const AirTables& air, double strength, const glm::dvec3& dir
 
 /// What the last sky was made of.
 struct SkyMaker::Kept {
+    explicit Kept(int threads) : pool(threads) {}
     ThreadPool pool;
     std::shared_ptr<const std::vector<glm::vec2>> noise;
     Atmosphere medium;
@@ -109,7 +118,7 @@ CloudLayer SkyMaker::Kept::layer_over_sea(const Clouds& clouds, const Sky& out,
     layer.period_m = clouds.size_m * cloud_periods;
     layer.curvature_per_m = 0.5 / medium.planet_radius_m;
     layer.height_m = clouds.base_m;
-    layer.origin = fraction(glm::round(place_m / cloud_step_m) * cloud_step_m / layer.period_m);
+    layer.origin = fraction(place_m / layer.period_m);
     const bool moonlit = out.to_light_ == to_moon;
     layer.to_light = out.to_light_;
     layer.light = beam_klx(*air, moonlit ? out.moon_strength_ : out.sun_strength_, out.to_light_,
@@ -142,7 +151,7 @@ void SkyMaker::Kept::make_picture(Sky& out, const CloudLayer& layer, bool below)
         std::make_shared<const std::vector<float>>(picture_of(*out.sea_, *out.eye_dome_, *noise));
 }
 
-SkyMaker::SkyMaker() : kept_(std::make_unique<Kept>()) {
+SkyMaker::SkyMaker(int threads) : kept_(std::make_unique<Kept>(threads)) {
     kept_->noise = std::make_shared<const std::vector<glm::vec2>>(
         cloud_noise(shaders::sky_columns, shaders::sky_rows, kept_->pool));
 }
@@ -170,8 +179,7 @@ Result<Sky> SkyMaker::make(const Look& look, const Heavens& heavens, const Eye& 
     const glm::dvec3 moon = beam_klx(*kept.air, out.moon_strength_, heavens.to_moon, 0);
     const bool moonlit = luminance_of(moon) > luminance_of(sun);
     out.to_light_ = moonlit ? heavens.to_moon : heavens.to_sun;
-    const glm::dvec2 place_m = glm::dvec2(eye.east_m, eye.north_m) - eye.cloud_drift_m;
-    CloudLayer layer = kept.layer_over_sea(look.clouds, out, place_m);
+    CloudLayer layer = kept.layer_over_sea(look.clouds, out, on_cloud_steps(eye));
     out.sun_ = sun * layer.sunlit;
     out.light_ = (moonlit ? moon : sun) * layer.sunlit;
 
@@ -192,10 +200,53 @@ Result<Sky> SkyMaker::make(const Look& look, const Heavens& heavens, const Eye& 
     counts_.sun += new_sun;
     counts_.eye += new_eye;
     counts_.picture += new_picture;
-    layer.height_m = look.clouds.base_m - eye.height_m;
-    layer.origin = fraction(place_m / layer.period_m);
     out.clouds_ = layer;
     kept.sky = out;
+    return out.seen_from(look, eye);
+}
+
+Eye eye_on_steps(const Look& look, const Eye& eye) {
+    Eye out{.height_m = height_on_ladder_m(eye.height_m)};
+    if (look.clouds.coverage > 0) {
+        const glm::dvec2 place_m = on_cloud_steps(eye);
+        out.east_m = place_m.x;
+        out.north_m = place_m.y;
+    }
+    return out;
+}
+
+Sky Sky::seen_from(const Look& look, const Eye& eye) const {
+    Sky out = *this;
+    out.eye_ = eye;
+    out.clouds_.height_m = look.clouds.base_m - eye.height_m;
+    out.clouds_.origin = fraction(among_clouds(eye) / clouds_.period_m);
+    return out;
+}
+
+bool may_be_mixed(const Sky& from, const Sky& to) {
+    const double turned =
+        std::remainder(to.sea_->sharp().azimuth_rad() - from.sea_->sharp().azimuth_rad(), 2 * pi);
+    return from.texels_ != to.texels_ && std::abs(turned) < 2 * pi / shaders::sky_columns;
+}
+
+Sky mixed(const Sky& from, const Sky& to, double share) {
+    Sky out = to;
+    const auto mix = [&](auto& value, const auto& before) {
+        value = glm::mix(before, value, share);
+    };
+    mix(out.heavens_.to_sun, from.heavens_.to_sun);
+    out.heavens_.to_sun = glm::normalize(out.heavens_.to_sun);
+    mix(out.sun_, from.sun_);
+    mix(out.light_, from.light_);
+    mix(out.sky_irradiance_, from.sky_irradiance_);
+    mix(out.clouds_.light, from.clouds_.light);
+    mix(out.clouds_.sky, from.clouds_.sky);
+    mix(out.clouds_.shaded, from.clouds_.shaded);
+    auto texels = std::make_shared<std::vector<float>>(to.texels_->size());
+    const auto weight = static_cast<float>(share);
+    std::transform(from.texels_->begin(), from.texels_->end(), to.texels_->begin(), texels->begin(),
+                   [weight](float a, float b) { return a + weight * (b - a); });
+    out.texels_ = std::move(texels);
     return out;
 }
 

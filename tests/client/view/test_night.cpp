@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "client/view/view_sky.h"
 #include "tests/client/view/renderer_fixture.h"
 
 namespace seaway::client {
@@ -72,6 +73,25 @@ class NightTest : public RendererTest {
     }
     SkyMaker maker_;
 };
+
+// The sun of a place moves on by half a minute at a time, so that 60 seconds of frames ask for three skies at the most; it
+// is never further from where it stands than half of that, 0.0625 degrees.
+TEST(HeavensOfFrames, a_clock_that_goes_on_asks_for_a_new_sun_each_half_minute) {
+    Look look;
+    look.place = PlaceAndTime{54, 7.9, *parse_instant("2026-06-21T18:30Z")};
+    std::vector<Heavens> seen;
+    for (int frame = 0; frame < 60 * 30; ++frame) {
+        const sea::TimeUs time_us = 1'000'000'000 + frame * sea::TimeUs{33'333};
+        const Heavens now = heavens_of(look, time_us);
+        if (seen.empty() || !(seen.back() == now))
+            seen.push_back(now);
+        const double days = look.place->when.days_j2000 + sea::seconds_from_us(time_us) / 86400;
+        const Heavens exact = heavens_at({days}, 54, 7.9);
+        ASSERT_LT(glm::length(now.to_sun - exact.to_sun), 0.0626 * pi / 180);
+    }
+    EXPECT_GE(seen.size(), 2u);
+    EXPECT_LE(seen.size(), 3u);
+}
 
 constexpr double magnitude_0_klx = 2.54e-9;
 

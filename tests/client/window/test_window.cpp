@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+
 #include <gmock/gmock.h>
 
 #include "gpu/call.h"
@@ -96,8 +98,32 @@ TEST_F(WindowTest, the_slider_of_the_hour_makes_night) {
     mouse(at.low.x + 3, middle);
     ASSERT_TRUE(step_until([&] { return viewer_->choice().time_of_day_h < 1; }));
     display_->tool("mouseup 1");
-    step(10);
+    ASSERT_TRUE(step_until([&] { return viewer_->skies().settled(); }));
+    step();
     EXPECT_LT(shot().mean(), 0.7 * noon);
+}
+
+// Tables of a new sun take longer than a frame: frames go on meanwhile.
+TEST_F(WindowTest, dragging_the_hour_holds_no_frame_up) {
+    open(options());
+    step();
+    const Panels::Box at = viewer_->panels().places().at("hour");
+    const double middle = (at.low.y + at.high.y) / 2;
+    mouse((at.low.x + at.high.x) / 2, middle);
+    step();
+    display_->tool("mousedown 1");
+    const int made = viewer_->skies().counts().made;
+    const std::uint64_t frames = viewer_->sea_frames();
+    for (double share = 0.5; share < 0.8; share += 0.05) {
+        mouse(std::lerp(at.low.x, at.high.x, share), middle);
+        step(2);
+    }
+    display_->tool("mouseup 1");
+    ASSERT_TRUE(step_until([&] { return viewer_->skies().settled(); }));
+    EXPECT_GT(viewer_->choice().time_of_day_h, 14);
+    EXPECT_GT(viewer_->skies().counts().made, made);
+    EXPECT_GT(viewer_->skies().counts().frames_meanwhile, 0);
+    EXPECT_GT(viewer_->sea_frames(), frames);
 }
 
 // Shown as heights, the sea has colours and its absence is white.
