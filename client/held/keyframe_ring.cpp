@@ -2,6 +2,7 @@
 #include "client/held/keyframe_ring.h"
 
 #include <algorithm>
+#include <cstdlib>
 
 #include "base/check.h"
 #include "protocol/limits.h"
@@ -61,12 +62,22 @@ void KeyframeRing::insert(HeldKeyframePtr keyframe) {
     }
     cascade.bytes += keyframe->bytes();
     cascade.by_arrival.push_back(std::move(keyframe));
+    make_room(cascade, fresh.time_us);
+}
+
+void KeyframeRing::make_room(Cascade& cascade, TimeUs now_us) {
+    const auto drop = [&](std::deque<HeldKeyframePtr>::iterator at) {
+        cascade.bytes -= (*at)->bytes();
+        return cascade.by_arrival.erase(at);
+    };
+    for (auto at = cascade.by_arrival.begin();
+         at != cascade.by_arrival.end() &&
+         cascade.by_arrival.size() > RingLimits::keyframes_per_cascade_min;)
+        at = std::abs(now_us - (*at)->keyframe().time_us) > limits_.reach_us ? drop(at) : at + 1;
     while (cascade.by_arrival.size() > limits_.keyframes_per_cascade ||
            (cascade.bytes > limits_.bytes_per_cascade &&
-            cascade.by_arrival.size() > RingLimits::keyframes_per_cascade_min)) {
-        cascade.bytes -= cascade.by_arrival.front()->bytes();
-        cascade.by_arrival.pop_front();
-    }
+            cascade.by_arrival.size() > RingLimits::keyframes_per_cascade_min))
+        drop(cascade.by_arrival.begin());
 }
 
 const KeyframeRing::Cascade* KeyframeRing::find(int cascade) const {

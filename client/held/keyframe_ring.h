@@ -9,6 +9,7 @@
 #include <array>
 #include <cstddef>
 #include <deque>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -67,6 +68,10 @@ struct RingLimits {
     std::size_t keyframes_per_cascade = 48;
     /// Splines included. At least `keyframes_per_cascade_min` are held all the same.
     std::size_t bytes_per_cascade = 192u * 1024 * 1024;
+    /// A keyframe that comes drops those of its cascade that are further away in sea time than this, but for the
+    /// last `keyframes_per_cascade_min`: for who follows a stream and never fetches. It must be more than the server
+    /// sends ahead.
+    sea::TimeUs reach_us = std::numeric_limits<sea::TimeUs>::max();
     static constexpr std::size_t keyframes_per_cascade_min = 4;
 
     /// How many keyframes of so many bytes each are held of one cascade.
@@ -101,6 +106,7 @@ class KeyframeRing {
     };
 
     const Cascade* find(int cascade) const;
+    void make_room(Cascade& cascade, sea::TimeUs now_us);
 
     const RingLimits limits_;
     mutable std::mutex mutex_;

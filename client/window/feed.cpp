@@ -12,6 +12,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+/// A window shows the sea of now: around it lie what is sent ahead and the keyframes of a late frame.
+constexpr sea::TimeUs reach_us = 3'000'000;
+
 std::chrono::duration<double> seconds(double s) {
     return std::chrono::duration<double>(s);
 }
@@ -58,7 +61,8 @@ Error Feed::one_connection(const std::shared_ptr<State>& state) {
         ++state->keyframes;
         state->bytes += keyframe->keyframe().values.size() * sizeof(float);
     };
-    Result<std::unique_ptr<Client>> made = Client::connect(state->options, std::move(events));
+    Result<std::unique_ptr<Client>> made =
+        Client::connect(state->options, std::move(events), {.reach_us = reach_us});
     if (!made)
         return made.error();
     const std::shared_ptr<Client> client = std::move(*made);
