@@ -34,10 +34,12 @@ vec3 height_colour(float height_m) {
 }
 
 void main() {
-    const vec2 at = gl_FragCoord.xy * view.picture_per_shown;
+    // The sampler repeats: half a texel at the border would be of the opposite one.
+    const vec2 size = vec2(textureSize(picture, 0));
+    const vec2 at = clamp(gl_FragCoord.xy * view.picture_per_shown, vec2(0.5), size - 0.5);
     vec3 v = view.picture_per_shown.x == 1.0
                  ? texelFetch(picture, ivec2(gl_FragCoord.xy), 0).rgb
-                 : textureLod(picture, at / vec2(textureSize(picture, 0)), 0.0).rgb;
+                 : textureLod(picture, at / size, 0.0).rgb;
     switch (view.colours) {
     case view_colours_film:
         v = srgb(film(view.exposure * v)) + dither(ivec2(gl_FragCoord.xy));

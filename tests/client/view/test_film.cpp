@@ -64,6 +64,30 @@ TEST_F(FilmTest, strength_multiplies_linear_light_before_the_film_curve) {
     EXPECT_EQ(bytes, bytes_of(once, display));
 }
 
+// Naive: the picture is brought to the screen's size by a sampler that repeats, and a bright right edge shines on the left.
+TEST_F(FilmTest, a_border_shows_nothing_of_the_opposite_one) {
+    RenderOptions half;
+    half.quality.scale = 0.5;
+    Result<Renderer> renderer = Renderer::create(*device_, 32, 16, half);
+    ASSERT_TRUE(renderer) << renderer.error().message;
+    Picture picture{16, 8, std::vector<float>(4 * 16 * 8, 0.0f)};
+    for (int y = 0; y < 8; ++y)
+        for (int x = 0; x < 16; ++x)
+            if (x == 15 || y == 7)
+                std::fill_n(&picture.rgba[4 * static_cast<std::size_t>(16 * y + x)], 4, 1.0f);
+    const Result<ShownPicture> shown = renderer->develop(picture, {});
+    ASSERT_TRUE(shown) << shown.error().message;
+    const auto byte = [&](int x, int y) {
+        return int{shown->rgba[4 * static_cast<std::size_t>(32 * y + x)]};
+    };
+    for (int y = 0; y < 12; ++y)
+        EXPECT_LE(byte(0, y), 1) << y;
+    for (int x = 0; x < 28; ++x)
+        EXPECT_LE(byte(x, 0), 1) << x;
+    EXPECT_GT(byte(31, 4), 150);
+    EXPECT_GT(byte(4, 15), 150);
+}
+
 TEST_F(FilmTest, the_film_curve_keeps_black_and_order) {
     Picture picture{64, 1, {}};
     for (int i = 0; i < 64; ++i)
