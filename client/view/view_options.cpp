@@ -198,6 +198,8 @@ std::variant<ViewOptions, int> read_view_options(int argc, const char* const* ar
                 "X,Y,Z,YAW_DEG,PITCH_DEG: m east, north, above the mean sea");
     line.option("--fov", options.camera.view_deg, "width of the picture, degrees (62)");
     line.option("--time-of-day", options.look.hour, "height of the sun: hour, 0 .. 24");
+    line.option("--sky", options.look.environment,
+                "a picture of the sky: OpenEXR, latitude-longitude, kcd/m2, north in the middle");
     line.option("--time", words.time, "sea time of the first frame: 'now' or seconds");
     line.option(
         "--quality", words.quality,

@@ -15,6 +15,7 @@
 #include "client/view/frame_writer.h"
 #include "client/view/renderer.h"
 #include "client/view/sea/sea_source.h"
+#include "client/view/sky/environment.h"
 #include "client/view/view_options.h"
 #include "client/view/view_sky.h"
 #include "client/window/viewer.h"
@@ -150,6 +151,9 @@ int run(const ViewOptions& options) {
                                  .token = *token,
                                  .ca_file = options.ca_file,
                                  .timeout_s = options.timeout_s};
+    if (!options.look.environment.empty()) // before a window opens
+        if (const auto picture = read_environment(options.look.environment); !picture)
+            return fail(ViewExit::usage, picture.error());
     return options.offscreen ? draw_files(options, connect) : show(options, connect);
 }
 

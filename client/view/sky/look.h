@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include "client/view/sky/almanac.h"
 #include "client/view/sky/atmosphere.h"
@@ -40,6 +41,10 @@ struct Look {
     double sun_strength = 1; ///< multiplies sun, moon and all that they light
     double hour = 15.5;      ///< of the simple day (heavens_at_hour), without a place
     std::optional<PlaceAndTime> place;
+    /// A picture instead of sun, moon, stars, clouds and scattered light (environment.h): an OpenEXR file, read once as
+    /// long as the path stays; empty: none. The air still takes light on the way to the sea.
+    std::string environment;
+    double environment_turn_deg = 0; ///< clockwise
     bool operator==(const Look&) const = default;
 };
 

@@ -100,7 +100,9 @@ shaders::SkyValues Sky::values() const {
     out.azimuth_rad = static_cast<float>(sea_->sharp().azimuth_rad());
     out.dip_rad = static_cast<float>(dip_rad(air_->air, height_m));
     out.disc_rad = static_cast<float>(disc_radius_rad);
-    if (discs_) {
+    if (picture_sun_) {
+        out.sun_low = out.sun_high = narrow(*picture_sun_ / disc_sr());
+    } else {
         out.sun_low = narrow(disc_radiance(*air_, sun_strength_, height_m, heavens_.to_sun, -1));
         out.sun_high = narrow(disc_radiance(*air_, sun_strength_, height_m, heavens_.to_sun, 1));
         const double lit = std::max(0.5 + 0.5 * std::cos(heavens_.moon_phase_rad), 1e-3);

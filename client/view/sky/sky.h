@@ -10,6 +10,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "client/view/sky/blurred_dome.h"
@@ -91,7 +92,7 @@ class Sky {
     CloudLayer clouds_; ///< over the eye
     glm::dvec3 sun_{0.0}, light_{0.0}, sky_irradiance_{0.0}, to_light_{0, 0, 1};
     double sun_strength_ = 1, moon_strength_ = 0; ///< outside the air, of the sun's 128 klx
-    bool discs_ = true;                           ///< of sun and moon, and stars
+    std::optional<glm::dvec3> picture_sun_;       ///< of a picture's sky: what its sun sends, klx
 };
 
 /// Between one sky and the next, for shaders: 0 .. 1 of the other; what the CPU looks up is the other's. Some 3 ms.

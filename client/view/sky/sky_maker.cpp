@@ -5,6 +5,7 @@
 #include <numbers>
 #include <utility>
 
+#include "client/view/sky/environment.h"
 #include "client/view/sky/sky.h"
 #include "client/view/sky/sky_parts.h"
 
@@ -64,6 +65,14 @@ struct SkyMaker::Kept {
         bool operator==(const Key&) const = default;
     };
     std::optional<Key> key;
+    struct {
+        std::string path;
+        double turn_deg = 0, strength = 0;
+        std::shared_ptr<const BlurredDome> sea;
+        std::shared_ptr<const Dome> eye;
+        glm::dvec3 sky_irradiance{0.0}, sun_klx{0.0}, to_sun{0, 0, 1};
+        std::shared_ptr<const std::vector<float>> texels;
+    } picture;
     CloudShare cloud_share{1, 1};
     std::pair<Clouds, double> share_of; ///< clouds, and height of the light
     Sky sky;
@@ -76,6 +85,8 @@ struct SkyMaker::Kept {
     bool take_eye(double height_m);
     CloudLayer layer_over_sea(const Clouds& clouds, const Sky& out, const glm::dvec2& place_m);
     void make_picture(Sky& out, const CloudLayer& layer, bool below);
+    Result<bool> take_environment(const Look& look);
+    Sky of_environment(double height_m) const;
 };
 
 bool SkyMaker::Kept::take_medium(const Atmosphere& wanted) {
@@ -151,6 +162,49 @@ void SkyMaker::Kept::make_picture(Sky& out, const CloudLayer& layer, bool below)
         std::make_shared<const std::vector<float>>(picture_of(*out.sea_, *out.eye_dome_, *noise));
 }
 
+/// True: tables are new.
+Result<bool> SkyMaker::Kept::take_environment(const Look& look) {
+    if (picture.texels && picture.path == look.environment &&
+        picture.turn_deg == look.environment_turn_deg && picture.strength == look.sun_strength)
+        return false;
+    SEAWAY_TRY_LET(EnvironmentPicture read, read_environment(look.environment));
+    Environment made = environment_of(std::move(read), look.environment_turn_deg, pool);
+    for (glm::vec3& texel : made.sky.texels())
+        texel *= static_cast<float>(look.sun_strength);
+    picture.path = look.environment;
+    picture.turn_deg = look.environment_turn_deg;
+    picture.strength = look.sun_strength;
+    picture.to_sun = made.to_sun;
+    picture.sun_klx = look.sun_strength * made.sun_klx;
+    picture.sky_irradiance = level_irradiance(made.sky);
+    Dome sea = made.sky;
+    lay_sea(sea, picture.sky_irradiance + picture.sun_klx * std::max(made.to_sun.z, 0.0), pool);
+    picture.sea = std::make_shared<const BlurredDome>(std::move(sea), pool);
+    picture.texels =
+        std::make_shared<const std::vector<float>>(picture_of(*picture.sea, made.sky, *noise));
+    picture.eye = std::make_shared<const Dome>(std::move(made.sky));
+    return true;
+}
+
+Sky SkyMaker::Kept::of_environment(double height_m) const {
+    Sky out;
+    out.heavens_.to_sun = out.to_light_ = picture.to_sun;
+    out.heavens_.to_moon = {0, 0, -1};
+    out.air_ = air;
+    out.noise_ = noise;
+    out.sea_ = picture.sea;
+    // The picture's horizon is that of the eye, however high it is.
+    Dome eye(picture.eye->columns(), picture.eye->rows(), picture.eye->azimuth_rad(),
+             dip_rad(medium, height_m));
+    eye.texels() = picture.eye->texels();
+    out.eye_dome_ = std::make_shared<const Dome>(std::move(eye));
+    out.texels_ = picture.texels;
+    out.sun_ = out.light_ = picture.sun_klx;
+    out.picture_sun_ = picture.sun_klx;
+    out.sky_irradiance_ = picture.sky_irradiance;
+    return out;
+}
+
 SkyMaker::SkyMaker(int threads) : kept_(std::make_unique<Kept>(threads)) {
     kept_->noise = std::make_shared<const std::vector<glm::vec2>>(
         cloud_noise(shaders::sky_columns, shaders::sky_rows, kept_->pool));
@@ -167,8 +221,14 @@ Result<Sky> SkyMaker::make(const Look& look, const Heavens& heavens, const Eye& 
     out.moon_strength_ = out.sun_strength_ * moon_share * moon_brightness(heavens.moon_phase_rad);
 
     const bool new_medium = kept.take_medium(look.air);
+    counts_.medium += new_medium;
     if (new_medium)
         kept.at_sea = kept.at_eye = {};
+    if (!look.environment.empty()) {
+        SEAWAY_TRY_LET(const bool new_tables, kept.take_environment(look));
+        counts_.picture += new_tables;
+        return kept.of_environment(eye.height_m).seen_from(look, eye);
+    }
     const bool new_sun = kept.take_sun(heavens, out.moon_strength_, out.sun_strength_);
     if (new_sun)
         kept.at_eye = {};
@@ -196,7 +256,6 @@ Result<Sky> SkyMaker::make(const Look& look, const Heavens& heavens, const Eye& 
         out.texels_ = kept.sky.texels_;
     }
     kept.key = key;
-    counts_.medium += new_medium;
     counts_.sun += new_sun;
     counts_.eye += new_eye;
     counts_.picture += new_picture;

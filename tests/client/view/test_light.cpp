@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "tests/client/view/renderer_fixture.h"
+#include "tests/client/view/sky/sky_files.h"
 
 namespace seaway::client {
 namespace {
@@ -116,6 +117,45 @@ TEST_F(LightTest, clouds_shade_the_sea_below_them) {
     EXPECT_GT(most, 1.5);
     EXPECT_LT(apart / count, 0.03) << "weights of 8 bits in steep noise";
     EXPECT_GT(even / count, 0.2) << "else this test sees nothing";
+}
+
+// A sky from a picture goes the same way: it stands behind, its sun is a disc, and the sea mirrors it.
+TEST_F(LightTest, a_sky_from_a_picture_is_drawn_and_mirrored) {
+    constexpr double even = 3;
+    const glm::dvec3 lamp = glm::normalize(glm::dvec3(0.5, 0.6, 0.07));
+    camera_.pitch_deg = 0;
+    camera_.view_deg = 30;
+    Look look;
+    look.environment =
+        sky_file("lamp.exr", sky_picture(512, 256, [&](const glm::dvec3& d) {
+                     return glm::dvec3(glm::dot(d, lamp) > std::cos(0.01) ? 1e5 : even);
+                 }));
+    SkyMaker maker;
+    const Result<Sky> sky = maker.make(look, heavens_at_hour(12), {.height_m = camera_.z_m});
+    ASSERT_TRUE(sky) << sky.error().message;
+    const Picture picture = render(flat_sea(), *sky, DebugView::final, {.air = false});
+    const double level = sky->light_irradiance().g * sky->light_direction().z;
+    EXPECT_LT(glm::length(sky->light_direction() - lamp), 4e-3)
+        << "a third of the picture's texels";
+    int sun = 0;
+    for (int y = 4; y < picture.height; y += 1)
+        for (int x = 4; x < picture.width; x += 1) {
+            const glm::dvec3 d = ray(x, y);
+            const double found = static_cast<double>(picture.pixel(x, y)[1]);
+            const double off = glm::length(d - sky->light_direction()), pixel = camera_.pixel_rad();
+            if (d.z > 0.01 && off < Sky::sun_radius_rad - pixel) {
+                EXPECT_GT(found, 1e4);
+                ++sun;
+            } else if (d.z > 0.01 && off > Sky::sun_radius_rad + 2 * pixel) {
+                EXPECT_NEAR(found, even, 0.02 * even);
+            } else if (d.z < -0.05 && std::abs(d.x / d.y - lamp.x / lamp.y) > 0.3) {
+                const double fresnel = 0.02 + 0.98 * std::pow(1 + d.z, 5);
+                const double body = 0.024 / pi * (pi * even + level);
+                EXPECT_NEAR(found, fresnel * even + (1 - fresnel) * body, 0.03 * found)
+                    << x << ", " << y;
+            }
+        }
+    EXPECT_GT(sun, 0);
 }
 
 // The air between goes over into the sky: from ten kilometres the last sea is as bright as the first sky.
