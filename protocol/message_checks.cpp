@@ -2,6 +2,7 @@
 // Ranges of the values in a verified message (protocol/messages.h). Only the shape of a message is
 // proven by the verifier; a cascade number, a size or a count can still be anything.
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -173,7 +174,10 @@ Result<void> check(const wire::SeaState& state) {
         in_range("single_precision_m", state.single_precision_m(), 0.0, 1e6),
         in_range("single_precision_displacement_m", state.single_precision_displacement_m(), 0.0,
                  1e9),
-        check_losses(state));
+        in_range("depth_m", state.depth_m(), 0.0, std::numeric_limits<double>::infinity()),
+        in_range("bottom_red", state.bottom_red(), 0.0f, 1.0f),
+        in_range("bottom_green", state.bottom_green(), 0.0f, 1.0f),
+        in_range("bottom_blue", state.bottom_blue(), 0.0f, 1.0f), check_losses(state));
     if (!fine || state.cascades() == nullptr)
         return fine;
     for (const wire::CascadeInfo* cascade : *state.cascades()) {

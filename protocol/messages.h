@@ -26,6 +26,7 @@
 #include "protocol/seaway_generated.h"
 #include "sea/basics/field.h"
 #include "sea/basics/time.h"
+#include "sea/basics/water_type.h"
 #include "sea/surface/answer.h"
 #include "sea/surface/map_error.h"
 
@@ -139,6 +140,9 @@ struct SeaStateValues {
     std::vector<sea::CascadeLoss> losses = {};
     double single_precision_m = 0; ///< part of interpolation_error_m
     double single_precision_displacement_m = 0;
+    /// Still depth; 0: of a server that says none, deep.
+    double depth_m = 0;
+    sea::Water water = {}; ///< a type that this version does not know is the default
 };
 Bytes sea_state(const SeaStateValues& state);
 /// The inverse; `state` must have passed check().

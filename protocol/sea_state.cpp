@@ -35,6 +35,18 @@ sea::CascadeLoss from_wire(const wire::CascadeLoss& loss) {
     return out;
 }
 
+/// A server that says nothing says zeros: a black sea floor is then none that somebody chose.
+sea::Water water_of(const wire::SeaState& state) {
+    sea::Water water;
+    if (state.water() < sea::water_types.size())
+        water.type = static_cast<sea::WaterType>(state.water());
+    if (state.depth_m() > 0)
+        water.bottom_albedo = {static_cast<double>(state.bottom_red()),
+                               static_cast<double>(state.bottom_green()),
+                               static_cast<double>(state.bottom_blue())};
+    return water;
+}
+
 } // namespace
 
 Bytes sea_state(const SeaStateValues& state) {
@@ -54,13 +66,17 @@ Bytes sea_state(const SeaStateValues& state) {
     const auto warnings = built.CreateVectorOfStrings(state.warnings);
     const wire::SeaNumbers requested = to_wire(state.requested);
     const wire::SeaNumbers realised = to_wire(state.realised);
+    const auto bottom = [&](std::size_t colour) {
+        return static_cast<float>(state.water.bottom_albedo[colour]);
+    };
     const auto body = wire::CreateSeaState(
         built, state.epoch, state.start_time_us, cascade_list, state.choppiness_x,
         state.choppiness_y, state.height_error_m, &requested, &realised,
         state.interpolation_error_m, state.rms_slope, scene, warnings, state.foam_mean,
         state.foam_threshold, state.displacement_reach_m, state.rms_strain,
         state.interpolation_displacement_m, state.interpolation_strain, loss_list,
-        state.single_precision_m, state.single_precision_displacement_m);
+        state.single_precision_m, state.single_precision_displacement_m, state.depth_m,
+        static_cast<std::uint8_t>(state.water.type), bottom(0), bottom(1), bottom(2));
     built.Finish(wire::CreateMessage(built, wire::Body::SeaState, body.Union()),
                  wire::MessageIdentifier());
     return {built.GetBufferPointer(), built.GetBufferPointer() + built.GetSize()};
@@ -87,7 +103,9 @@ SeaStateValues values(const wire::SeaState& state) {
                        .interpolation_strain = state.interpolation_strain(),
                        .losses = {},
                        .single_precision_m = state.single_precision_m(),
-                       .single_precision_displacement_m = state.single_precision_displacement_m()};
+                       .single_precision_displacement_m = state.single_precision_displacement_m(),
+                       .depth_m = state.depth_m(),
+                       .water = water_of(state)};
     if (const auto* losses = state.losses())
         for (const wire::CascadeLoss* loss : *losses)
             out.losses.push_back(from_wire(*loss));

@@ -131,6 +131,8 @@ protocol::SeaStateValues sea_state_values(const RunningSea& sea,
         state.losses.push_back(cascade.loss);
     state.single_precision_m = sea.budget.single_precision_m;
     state.single_precision_displacement_m = sea.budget.single_precision_displacement_m;
+    state.depth_m = sea.scene.sea.depth_m;
+    state.water = sea.scene.water;
     if (sea.foam_law) {
         state.foam_mean = sea.foam_law->mean_coverage;
         state.foam_threshold = sea.foam_law->threshold;

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "base/text_file.h"
+#include "client/view/look_file.h"
 #include "client/view/sea/sea_source.h"
 #include "client/view/view_sky.h"
 
@@ -40,6 +41,7 @@ Result<void> bench(Client& client, Renderer& renderer, const ViewOptions& option
     for (int i = 0; i < options.bench_frames; ++i) {
         SEAWAY_TRY_LET(SeaFrame frame,
                        sea_frame_at(client, start_us + frame_offset_us(i), options.timeout_s));
+        set_water(frame, options.look);
         frames.push_back(std::move(frame));
     }
     client.unsubscribe();

@@ -28,7 +28,8 @@ struct ViewOptions {
     std::string out;              ///< pattern of paths, see frame_path()
     std::string path;             ///< CSV file of a CameraPath; empty: none
     bool turntable = false;       ///< see CameraPath::turntable()
-    Look look;                    ///< with the hour of --time-of-day
+    std::string look_path;        ///< of --look; empty: none
+    Look look;                    ///< of --look, and what options say over it
     std::optional<double> time_s; ///< sea time of the first frame; nothing: now
     DebugChoice debug;
     Quality quality = quality_table[quality_high];

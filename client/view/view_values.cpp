@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "client/view/renderer.h"
+#include "client/view/water_optics.h"
 
 namespace seaway::client {
 
@@ -75,6 +76,30 @@ void set_light(shaders::ViewValues& out, const Sky& sky) {
     out.sky = sky.values();
 }
 
+/// The way of daylight to the sea floor over its depth: of the beam, bent by the surface, and of light from all over the
+/// sky, whose mean cosine under water is 0.86.
+double down_path(const Sky& sky) {
+    constexpr double index = 1.34, path_of_sky = 1 / 0.86;
+    const double up = std::max(sky.light_direction().z, 0.0);
+    const double beam = luminance_of(sky.light_irradiance()) * up;
+    const double all = beam + luminance_of(sky.sky_irradiance());
+    const double path_of_beam = 1 / std::sqrt(1 - (1 - up * up) / (index * index));
+    return all > 0 ? (beam * path_of_beam + (all - beam) * path_of_sky) / all : path_of_sky;
+}
+
+void set_water(shaders::ViewValues& out, const SeaFrame& frame, const Sky& sky) {
+    const WaterLook look = water_look(frame.water, frame.depth_m, frame.significant_height_m);
+    out.water_reflectance = narrow(look.reflectance);
+    out.water.attenuation_per_m = narrow(look.attenuation_per_m);
+    out.water.depth_m = narrow(frame.depth_m);
+    out.water.crest = narrow(look.crest);
+    out.water.floor_seen = look.floor_seen ? 1 : 0;
+    out.water.bubbles = narrow(look.bubbles);
+    out.water.down_path = narrow(down_path(sky));
+    out.water.floor_reflectance = narrow(look.floor);
+    out.water.floor_attenuation_per_m = narrow(look.floor_attenuation_per_m);
+}
+
 /// Rows of foam along the wind begin at 10 m/s (Beaufort 5 to 6), where foam covers half a percent.
 void set_rows_of_wind(shaders::ViewValues& out, const SeaFrame& frame, const glm::dvec2& camera_m) {
     constexpr double first_cover = 0.005, full_cover = 0.02, strongest = 0.8;
@@ -123,7 +148,7 @@ shaders::ViewValues view_values(const SeaFrame& frame, const Camera& camera, con
     out.camera_m = narrow(glm::dvec3(0, 0, camera.z_m));
     out.pixel_rad = narrow(camera.pixel_rad());
     set_light(out, sky);
-    out.water_reflectance = narrow(water_reflectance);
+    set_water(out, frame, sky);
     out.significant_height_m = narrow(frame.significant_height_m);
     if (!options.air)
         out.sky.rayleigh_per_m = out.sky.aerosol_per_m = {};

@@ -13,6 +13,7 @@
 #include "client/view/bench.h"
 #include "client/view/camera_path.h"
 #include "client/view/frame_writer.h"
+#include "client/view/look_file.h"
 #include "client/view/renderer.h"
 #include "client/view/sea/sea_source.h"
 #include "client/view/sky/environment.h"
@@ -69,9 +70,10 @@ int draw(Client& client, Renderer& renderer, const ViewOptions& options, const C
     double exposure = 1;
     for (int i = 0; i < options.frames; ++i) {
         const sea::TimeUs time_us = start_us + frame_offset_us(i);
-        const Result<SeaFrame> frame = sea_frame_at(client, time_us, options.timeout_s);
+        Result<SeaFrame> frame = sea_frame_at(client, time_us, options.timeout_s);
         if (!frame)
             return fail(frame.error());
+        set_water(*frame, options.look);
         if (i == 0) // what later frames need is fetched: they are drawn slower than the sea moves
             client.unsubscribe();
         const Camera camera = path.at(sea::seconds_from_us(frame_offset_us(i)));
@@ -82,7 +84,8 @@ int draw(Client& client, Renderer& renderer, const ViewOptions& options, const C
         if (!picture)
             return fail(ViewExit::no_device, picture.error());
         if (i == 0) // metered once: frames of a film do not flicker
-            exposure = metered_exposure(*picture, sky->white_radiance());
+            exposure = fixed_exposure(options.look.exposure)
+                           .value_or(metered_exposure(*picture, sky->white_radiance()));
         Result<std::string> written = writer.shows() ? std::string() : writer.write(*picture, i);
         if (writer.shows()) {
             const Result<ShownPicture> shown = renderer.develop(

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "client/view/look_file.h"
 #include "client/view/renderer.h"
 
 namespace seaway::client {
@@ -153,6 +154,19 @@ std::string probe_line(const Probe& probe) {
     return fmt::format("probe x_m={:.4f} y_m={:.4f} t_s={:.6f} height_m={:.5f} error_m={:.3g}\n",
                        probe.place_m().x, probe.place_m().y, sea::seconds_from_us(probe.time_us()),
                        probe.answer()->height_m, probe.answer()->error_m);
+}
+
+std::string load_look(ViewChoice& choice) {
+    const Result<Look> look = read_look(choice.look_path);
+    if (!look)
+        return look.error().message;
+    choice.look = *look;
+    return "loaded " + choice.look_path;
+}
+
+std::string save_look(const ViewChoice& choice) {
+    const Result<void> written = write_look(choice.look, choice.look_path);
+    return written ? "saved " + choice.look_path : written.error().message;
 }
 
 } // namespace seaway::client

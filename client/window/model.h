@@ -11,6 +11,7 @@
 #include "client/client.h"
 #include "client/view/debug_views.h"
 #include "client/view/quality.h"
+#include "client/view/sky/look.h"
 #include "client/window/feed.h"
 #include "client/window/pilot.h"
 #include "client/window/probe.h"
@@ -23,16 +24,15 @@ struct PanelRow {
 
 /// What the user sets.
 struct ViewChoice {
-    double time_of_day_h = 15.5;
-    double exposure_ev = 0; ///< from what a light meter on the sea says: +1 is twice as bright
-    double visibility_m = 40e3;
+    Look look;
+    double exposure_ev = 0; ///< stops more than what the look or a light meter on the sea says
     std::size_t quality = quality_default; ///< place in quality_table
     DebugChoice debug;
     bool second_camera = false; ///< the mesh stays as it is for the camera that it was built for
     bool panels = true;
+    std::string look_path = "look.toml"; ///< that is loaded and saved
 
     static constexpr double exposure_max_ev = 4;
-    static constexpr double visibility_min_m = 500, visibility_max_m = 200e3;
 };
 
 /// A curve over even steps.
@@ -48,6 +48,8 @@ struct WindowModel {
     std::string notice;            ///< over the sea; empty: none
     std::vector<PanelRow> connection, rates, sea, passes, probe;
     Curve spectrum, trace;
+    std::string look_said;         ///< what became of loading or saving; an error is one line
+    sea::WaterType water_of_sea{}; ///< what the sea says of itself
     std::optional<glm::dvec2> probe_mark; ///< on the picture, -1 .. 1
     int cascades = 0;
     double speed_mps = 0;
@@ -66,6 +68,10 @@ std::vector<PanelRow> sea_rows(const SeaState& state, sea::TimeUs time_us);
 std::vector<PanelRow> pass_rows(std::span<const double> pass_times_s);
 std::vector<PanelRow> probe_rows(const Probe* probe);
 Curve trace_curve(const Probe* probe);
+
+/// Reads or writes the file of choice.look_path; what to say of it.
+std::string load_look(ViewChoice& choice);
+std::string save_look(const ViewChoice& choice);
 
 /// A probe's reading as one line of output: probe x_m=.. y_m=.. t_s=.. height_m=.. error_m=..
 std::string probe_line(const Probe& probe);

@@ -2,8 +2,11 @@
 #include "client/window/panels.h"
 
 #include <algorithm>
+#include <array>
 
 #include <imgui.h>
+
+#include "client/view/look_keys.h"
 
 namespace seaway::client {
 
@@ -11,6 +14,7 @@ namespace {
 
 constexpr ImU32 warning_colour = IM_COL32(255, 190, 80, 255);
 constexpr float width_letters = 46, curve_lines = 5;
+constexpr std::size_t path_bytes_max = 1024;
 
 void table(const char* name, const std::vector<PanelRow>& rows) {
     if (!ImGui::BeginTable(name, 2))
@@ -79,15 +83,56 @@ bool Panels::header(const char* name, bool open) {
     return shown;
 }
 
+void Panels::light(const WindowModel& model, ViewChoice& choice) {
+    Look& look = choice.look;
+    if (look.place) {
+        ImGui::TextWrapped("%s at %.2f, %.2f", to_text(look.place->when).c_str(),
+                           look.place->latitude_deg, look.place->longitude_deg);
+        if (ImGui::Button("by the hour"))
+            look.place.reset();
+        note("by the hour");
+    } else {
+        slide("time of day", look.hour, hours.lo, hours.hi, "%.2f h");
+        note("hour");
+    }
+    slide("visibility", look.air.visibility_m, visibility_min_m, visibility_max_m, "%.0f m",
+          ImGuiSliderFlags_Logarithmic);
+    note("visibility");
+    slide("clouds", look.clouds.coverage, cloud_shares.lo, cloud_shares.hi, "%.2f");
+    note("clouds");
+    const auto name = [](sea::WaterType type) { return std::string(sea::name_of(type)); };
+    const std::string of_sea = name(model.water_of_sea) + ", of the sea";
+    if (ImGui::BeginCombo("water", look.water ? name(*look.water).c_str() : of_sea.c_str())) {
+        if (ImGui::Selectable(of_sea.c_str(), !look.water))
+            look.water.reset();
+        for (const auto& [word, type] : sea::water_types)
+            if (ImGui::Selectable(word.data(), look.water == type))
+                look.water = type;
+        ImGui::EndCombo();
+    }
+    note("water");
+}
+
+void Panels::look_file(const WindowModel& model, ViewChoice& choice, Asked& asked) {
+    std::array<char, path_bytes_max> path{};
+    choice.look_path.copy(path.data(), path.size() - 1);
+    if (ImGui::InputText("file", path.data(), path.size()))
+        choice.look_path = path.data();
+    note("look path");
+    asked.load_look = ImGui::Button("load");
+    note("load look");
+    ImGui::SameLine();
+    asked.save_look = ImGui::Button("save");
+    note("save look");
+    if (!model.look_said.empty())
+        ImGui::TextWrapped("%s", model.look_said.c_str());
+}
+
 void Panels::view(const WindowModel& model, ViewChoice& choice) {
-    slide("time of day", choice.time_of_day_h, 0, 24, "%.2f h");
-    note("hour");
+    light(model, choice);
     slide("exposure", choice.exposure_ev, -ViewChoice::exposure_max_ev, ViewChoice::exposure_max_ev,
           "%+.2f EV");
     note("exposure");
-    slide("visibility", choice.visibility_m, ViewChoice::visibility_min_m,
-          ViewChoice::visibility_max_m, "%.0f m", ImGuiSliderFlags_Logarithmic);
-    note("visibility");
     if (ImGui::BeginCombo("quality", quality_table[choice.quality].name.data())) {
         for (std::size_t i = 0; i < quality_table.size(); ++i) {
             if (ImGui::Selectable(quality_table[i].name.data(), i == choice.quality))
@@ -169,6 +214,8 @@ Panels::Asked Panels::draw(const WindowModel& model, ViewChoice& choice) {
         table("connection", model.connection);
     if (header("View", true))
         view(model, choice);
+    if (header("Look", false))
+        look_file(model, choice, asked);
     if (header("Camera", true))
         camera(model, choice, asked);
     if (header("Probe", true)) {

@@ -25,6 +25,7 @@ class Panels {
         bool mode_changed = false;
         CameraMode mode = CameraMode::fly;
         bool forget_probe = false;
+        bool load_look = false, save_look = false;
         double speed_mps = 0; ///< 0: as it is
     };
 
@@ -40,6 +41,8 @@ class Panels {
     void plot(const char* name, const Curve& curve);
     bool header(const char* name, bool open);
     void view(const WindowModel& model, ViewChoice& choice);
+    void light(const WindowModel& model, ViewChoice& choice);
+    void look_file(const WindowModel& model, ViewChoice& choice, Asked& asked);
     void camera(const WindowModel& model, ViewChoice& choice, Asked& asked);
     void sea_itself();
 

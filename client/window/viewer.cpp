@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "base/text_file.h"
+#include "client/view/look_file.h"
 #include "client/view/sea/sea_source.h"
 #include "client/window/spectrum_curve.h"
 
@@ -30,8 +31,9 @@ double seconds_since(std::chrono::steady_clock::time_point then) {
 Viewer::Viewer(const ViewOptions& options)
     : options_(options), wanted_since_(Clock::now()), pilot_(options.camera),
       live_at_(Clock::now()), stepped_(Clock::now()), measured_(Clock::now()) {
-    choice_.time_of_day_h = options.look.hour;
-    choice_.visibility_m = options.look.air.visibility_m;
+    choice_.look = options.look;
+    if (!options.look_path.empty())
+        choice_.look_path = options.look_path;
     choice_.debug = options.debug;
     for (std::size_t i = 0; i < quality_table.size(); ++i)
         if (quality_table[i].name == options.quality.name)
@@ -106,6 +108,10 @@ Result<bool> Viewer::step() {
         pilot_.choose(asked.mode);
     if (asked.speed_mps > 0)
         pilot_.set_speed(asked.speed_mps);
+    if (asked.load_look)
+        model_.look_said = load_look(choice_);
+    if (asked.save_look)
+        model_.look_said = save_look(choice_);
     if (asked.forget_probe)
         probe_.reset();
     SEAWAY_TRY(show(pixels)); // what panels have set is drawn in the next frame
@@ -222,39 +228,36 @@ Result<void> Viewer::create_renderer(const glm::ivec2& pixels) {
     renderer_.emplace(std::move(*made));
     drawn_pixels_ = pixels;
     drawn_quality_ = choice_.quality;
-    drawn_inputs_.clear();
+    drawn_inputs_ = {};
     return {};
 }
 
-std::vector<double> Viewer::inputs() const {
-    std::vector<double> values{choice_.time_of_day_h,
-                               choice_.exposure_ev,
-                               choice_.visibility_m,
-                               static_cast<double>(choice_.debug.view),
+Viewer::Inputs Viewer::inputs() const {
+    std::vector<double> values{choice_.exposure_ev, static_cast<double>(choice_.debug.view),
                                static_cast<double>(choice_.debug.cascade),
                                static_cast<double>(frame_->time_us)};
     for (const Camera& of : {camera(), mesh_camera_})
         values.insert(values.end(), {of.x_m, of.y_m, of.z_m, of.yaw_deg, of.pitch_deg});
-    return values;
+    return {std::move(values), to_toml(choice_.look)};
 }
 
 Result<void> Viewer::draw_sea() {
     if (!frame_)
         return {};
-    std::vector<double> wanted = inputs();
+    Inputs wanted = inputs();
     if (wanted == drawn_inputs_ && skies_.settled()) // it stands on the device
         return {};
-    Look look = options_.look;
-    if (!look.place)
-        look.hour = choice_.time_of_day_h;
-    look.air.visibility_m = choice_.visibility_m;
+    const Look& look = choice_.look;
     SEAWAY_TRY_LET(const Sky sky, sky_of_frame(skies_, look, camera(), frame_->time_us));
+    SeaFrame frame = *frame_;
+    set_water(frame, look);
+    const double by_look =
+        fixed_exposure(look.exposure).value_or(exposure_by_light(sky.white_radiance()));
     DebugChoice debug = choice_.debug;
     debug.cascade = std::min(debug.cascade, static_cast<int>(frame_->cascades.size()) - 1);
-    const Display display{debug.view,
-                          exposure_by_light(sky.white_radiance()) * std::exp2(choice_.exposure_ev),
+    const Display display{debug.view, by_look * std::exp2(choice_.exposure_ev),
                           frame_->significant_height_m};
-    SEAWAY_TRY(renderer_->draw(*frame_, seen_by(), sky, debug, display, Wanted::nothing,
+    SEAWAY_TRY(renderer_->draw(frame, seen_by(), sky, debug, display, Wanted::nothing,
                                choice_.second_camera ? &mesh_camera_ : nullptr));
     drawn_inputs_ = std::move(wanted);
     ++sea_frames_;
@@ -305,6 +308,7 @@ void Viewer::fill_model() {
     if (probe && probe->answer())
         model_.probe_mark = on_picture(seen_by(), probe->place_m().x, probe->place_m().y,
                                        probe->answer()->height_m);
+    model_.water_of_sea = frame_ ? frame_->water.type : sea::WaterType{};
     model_.cascades = frame_ ? static_cast<int>(frame_->cascades.size()) : 0;
     model_.speed_mps = pilot_.speed_mps();
     model_.camera = pilot_.mode();

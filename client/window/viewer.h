@@ -16,6 +16,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "client/view/renderer.h"
@@ -62,6 +63,8 @@ class Viewer {
 
   private:
     using Clock = std::chrono::steady_clock;
+    /// What a picture is of.
+    using Inputs = std::pair<std::vector<double>, std::string>;
 
     explicit Viewer(const ViewOptions& options);
     Result<void> create(const ConnectOptions& connect, bool validation);
@@ -77,7 +80,7 @@ class Viewer {
     void measure();
     void fill_model();
     Result<void> show(const glm::ivec2& pixels);
-    std::vector<double> inputs() const;
+    Inputs inputs() const;
     double age_s() const;
 
     ViewOptions options_;
@@ -106,7 +109,7 @@ class Viewer {
     std::optional<LocalSurface> surface_; ///< of that time
     SeaStatePtr state_;
     Clock::time_point live_at_; ///< when it was of now
-    std::vector<double> drawn_inputs_;
+    Inputs drawn_inputs_;
     std::uint64_t sea_frames_ = 0;
 
     Clock::time_point stepped_, measured_;

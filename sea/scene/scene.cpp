@@ -12,7 +12,7 @@
 #include "base/text_file.h"
 #include "sea/scene/scene_names.h"
 #include "sea/scene/scene_systems.h"
-#include "sea/scene/scene_toml.h"
+#include "base/toml_document.h"
 
 namespace seaway::sea {
 
@@ -110,6 +110,11 @@ void read_rest(TomlTable& root, Scene& scene) {
         table->number("decay_s", scene.foam.decay_s, {0.0, 1e6});
         table->number("gain_per_s", scene.foam.gain_per_s, {0.0, 1000.0});
         table->number("bias", scene.foam.bias, {0.0, 1.0});
+        table->finish();
+    }
+    if (auto table = root.table("water")) {
+        table->choice("type", scene.water.type, water_types);
+        table->triple("bottom_albedo", scene.water.bottom_albedo, {0.0, 1.0});
         table->finish();
     }
 }

@@ -15,6 +15,7 @@
 
 #include "base/result.h"
 #include "sea/basics/cascade.h"
+#include "sea/basics/water_type.h"
 #include "sea/scene/accuracy_presets.h"
 #include "sea/waves/realize.h"
 #include "sea/waves/sea_state.h"
@@ -58,6 +59,7 @@ struct Scene {
     std::vector<CascadeSpec> cascades; ///< longest tile first; 1 .. 8
     Effects effects;
     FoamModel foam;
+    Water water; ///< for those who draw it; waves do not hang on it
     Accuracy accuracy;
 };
 

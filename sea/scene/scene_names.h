@@ -11,7 +11,7 @@
 
 #include "sea/basics/constants.h"
 #include "sea/scene/accuracy_presets.h"
-#include "sea/scene/scene_toml.h"
+#include "base/toml_document.h"
 #include "sea/spectrum/spreading.h"
 #include "sea/waves/sea_state.h"
 

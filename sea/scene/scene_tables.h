@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "sea/scene/scene_toml.h"
+#include "base/toml_document.h"
 #include "sea/waves/sea_state.h"
 
 namespace seaway::sea {

@@ -200,6 +200,12 @@ std::string to_toml(const Scene& scene) {
     out.value("decay_s", scene.foam.decay_s);
     out.value("gain_per_s", scene.foam.gain_per_s);
     out.value("bias", scene.foam.bias);
+    if (scene.water != Water{}) { // not known to clients before there was one
+        out.line("\n[water]");
+        out.text("type", name_of(scene.water.type));
+        const auto& [red, green, blue] = scene.water.bottom_albedo;
+        out.value("bottom_albedo", fmt::format("[{}, {}, {}]", red, green, blue));
+    }
     out.line("\n[accuracy]");
     if (scene.accuracy.preset)
         out.text("preset", name_of(*scene.accuracy.preset));

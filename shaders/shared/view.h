@@ -131,6 +131,20 @@ struct SEAWAY_STD140_ELEMENT SkyValues {
     vec2 cloud_per_m;  ///< periods a metre
 };
 
+/// Water by its optical type: client/view/water_optics.h.
+struct SEAWAY_STD140_ELEMENT WaterValues {
+    vec3 attenuation_per_m; ///< of light under water
+    float depth_m;          ///< still
+    vec3 crest;             ///< of light that shines through a crest, what comes out
+    int floor_seen;         ///< 1: through the water
+    vec3 bubbles;           ///< of light on water full of bubbles, likewise
+    float down_path;        ///< of daylight to the floor, over the depth
+    vec3 floor_reflectance; ///< of the sea floor, above the surface, through no water
+    float unused_6;
+    vec3 floor_attenuation_per_m; ///< of light that has been there
+    float unused_7;
+};
+
 struct ViewValues {
     mat4 clip_from_local;
     mat4 local_from_clip; ///< directions: of a point at depth 0 on the picture
@@ -143,7 +157,7 @@ struct ViewValues {
     float sun_disk_per_sr;   ///< radiance of the disk over that irradiance
     vec3 sky_irradiance_klx; ///< on a horizontal plane
     float unused;
-    vec3 water_reflectance; ///< diffuse, of the water body
+    vec3 water_reflectance; ///< diffuse, of deep water
     float significant_height_m;
 
     vec2 mesh_apex_m;       ///< local
@@ -183,6 +197,7 @@ struct ViewValues {
     float foam_rows;        ///< how strong those are, 0 .. 1
     ViewCascade cascade[view_cascades_max];
     SkyValues sky;
+    WaterValues water;
 };
 
 #ifdef __cplusplus
@@ -190,7 +205,9 @@ static_assert(offsetof(ViewValues, camera_m) == 128 && offsetof(ViewValues, foam
 static_assert(offsetof(ViewValues, detail_origin) == 272 && offsetof(ViewValues, cascade) == 368);
 static_assert(sizeof(ViewCascade) == 80);
 static_assert(sizeof(SkyValues) == 16 * 16);
+static_assert(sizeof(WaterValues) == 5 * 16);
 static_assert(offsetof(ViewValues, sky) == 368 + 80 * view_cascades_max);
+static_assert(offsetof(ViewValues, water) == offsetof(ViewValues, sky) + sizeof(SkyValues));
 } // namespace seaway::shaders
 #endif
 #undef SEAWAY_SHARED_CONSTANT

@@ -22,10 +22,35 @@ float mean_fresnel(float cosine, float sigma) {
                                        (1.0 + 22.7 * pow(sigma, 1.5));
 }
 
-/// Diffuse light that comes out of deep water.
-vec3 deep_water() {
+/// Diffuse light that comes out of water of this reflectance.
+vec3 out_of_water(vec3 reflectance) {
     const vec3 down = view.sky_irradiance_klx + beam_klx * max(view.sun_direction.z, 0.0);
-    return view.water_reflectance * down / pi;
+    return reflectance * down / pi;
+}
+
+/// Index of refraction of the sea in air.
+const float water_index = 1.34;
+/// Sand lies in patches: its reflectance varies by so much.
+const float patches_of_floor = 0.35;
+
+/// Reflectance of the water under a facet: of deep water, or where its floor is seen, R = R_deep + (R_floor - R_deep)
+/// exp(-K path) (Maritorena, Morel, Gentili 1994), along the bent ray to the eye and the way of daylight down.
+vec3 water_reflectance(vec3 to_eye, vec3 normal, Place place) {
+    vec3 reflectance = view.water_reflectance;
+    // A loop, not a branch: see gradients.glsl.
+    for (int once = 0; once < view.water.floor_seen; ++once) {
+        const vec3 ray = refract(-to_eye, normal, 1.0 / water_index);
+        const float up_path = 1.0 / max(-ray.z, 0.3);
+        const float depth_m = max(view.water.depth_m + place.height_m, 0.0);
+        const vec2 at_m = depth_m * up_path * ray.xy - place.distance_m * to_eye.xy + view.foam_noise_origin_m;
+        const float pixel_m = place.distance_m * view.pixel_rad / max(to_eye.z, 0.05);
+        const float patchy = (noise(at_m, -3) - 0.5) * seen_share(-3, pixel_m) +
+                             0.5 * (noise(at_m + 19.0, 0) - 0.5) * seen_share(0, pixel_m);
+        const vec3 floor_there = view.water.floor_reflectance * (1.0 + patches_of_floor * patchy);
+        const float path_m = depth_m * (up_path + view.water.down_path);
+        reflectance = mix(reflectance, floor_there, exp(-view.water.floor_attenuation_per_m * path_m));
+    }
+    return reflectance;
 }
 
 /// What a facet mirrors. A ray that goes down meets another wave, which is dark: it mirrors little of the sky above it.
@@ -33,7 +58,7 @@ vec3 deep_water() {
 vec3 mirrored_radiance(vec3 direction, float blur) {
     const float open = smoothstep(-0.15, 0.05, direction.z);
     const vec3 sky = sky_radiance(normalize(vec3(direction.xy, max(direction.z, 0.0) + 1e-4)), blur);
-    const vec3 wave = deep_water() + reflectance_of_waves * view.sky_irradiance_klx / pi;
+    const vec3 wave = out_of_water(view.water_reflectance) + reflectance_of_waves * view.sky_irradiance_klx / pi;
     return mix(wave, sky, open);
 }
 
@@ -98,17 +123,17 @@ vec3 sun_glint(vec3 to_eye, vec3 normal, vec2 slope, vec3 variance) {
 
 /// Light that entered the water and comes out again; more where the sun shines through a crest, the more so the thinner
 /// it is: where the surface is squeezed to a sharp edge, its Jacobian is small.
-vec3 water_body(vec3 to_eye, vec3 normal, float height_m, float jacobian) {
+vec3 water_body(vec3 to_eye, vec3 normal, Place place, float jacobian) {
     const vec3 to_sun = view.sun_direction;
-    const float crest = smoothstep(0.0, 0.9, height_m / max(view.significant_height_m, 0.1));
+    const float crest = smoothstep(0.0, 0.9, place.height_m / max(view.significant_height_m, 0.1));
     const vec2 eye_level = normalize(to_eye.xy + vec2(1e-6, 0));
     const vec2 sun_level = normalize(to_sun.xy + vec2(1e-6, 0));
     const float through = pow(max(0.5 - 0.5 * dot(eye_level, sun_level), 0.0), 3.0);
     const float facing = clamp(1.0 - normal.z + 0.15, 0.0, 1.0);
-    const vec3 tint = vec3(0.012, 0.055, 0.048) * (beam_klx * through +
-                                                   0.4 * view.sky_irradiance_klx);
+    const vec3 tint = view.water.crest * (beam_klx * through +
+                                         0.4 * view.sky_irradiance_klx);
     const float thin = mix(0.5, 2.0, smoothstep(1.0, 0.3, jacobian));
-    return deep_water() + tint * crest * facing * thin;
+    return out_of_water(water_reflectance(to_eye, normal, place)) + tint * crest * facing * thin;
 }
 
 /// Foam scatters as a sheet does, by its own bumps: tilted faces are larger, so their normals are not of unit length, and
@@ -122,7 +147,7 @@ vec3 foam_radiance(Foam foam, vec3 normal) {
 /// Where waves have broken, bubbles in the water send light back before red is swallowed.
 vec3 bubbles_below(float white) {
     const vec3 down = view.sky_irradiance_klx + beam_klx * max(view.sun_direction.z, 0.0);
-    return 0.25 * min(2.0 * white, 1.0) * vec3(0.10, 0.32, 0.30) * down / pi;
+    return 0.25 * min(2.0 * white, 1.0) * view.water.bubbles * down / pi;
 }
 
 /// to_eye: unit.
@@ -146,7 +171,7 @@ vec3 water_radiance(Place place, vec3 to_eye) {
                                      2.0 * look.x * look.y * g.variance.z, 0.0));
     const float fresnel = mean_fresnel(clamp(dot(normal, to_eye), 0.0, 1.0), sigma);
 
-    vec3 colour = mix(bubbles_below(white) + water_body(to_eye, normal, place.height_m, scaled.z),
+    vec3 colour = mix(bubbles_below(white) + water_body(to_eye, normal, place, scaled.z),
                       reflected_sky(to_eye, slope, g.variance), fresnel);
     colour += sun_glint(to_eye, normal, slope, g.variance);
     const Foam foam = foam_at(white, place.undisplaced_m, area.pixel_m);

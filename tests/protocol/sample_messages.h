@@ -45,6 +45,8 @@ inline SeaStateValues some_state() {
                      {.time_m = 3.25, .east_m = 3.5, .north_m = 3.75}}};
     state.single_precision_m = 0.001;
     state.single_precision_displacement_m = 0.002;
+    state.depth_m = 12.5;
+    state.water = {sea::WaterType::coastal_3, {0.5, 0.25, 0.125}};
     return state;
 }
 

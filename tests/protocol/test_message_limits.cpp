@@ -85,6 +85,25 @@ TEST(MessageLimits, each_number_of_a_sea_state_has_its_own_range) {
     range("single_precision_displacement_m", &S::single_precision_displacement_m, 0, 1e9);
 }
 
+TEST(MessageLimits, depth_may_be_without_end_and_a_sea_floor_sends_back_a_share_of_light) {
+    const auto with_depth = [](double depth_m) {
+        SeaStateValues state = tests::some_state();
+        state.depth_m = depth_m;
+        return why_not(Sender::server, sea_state(state));
+    };
+    EXPECT_EQ(with_depth(0), "");
+    EXPECT_EQ(with_depth(INFINITY), "");
+    expect_refused(with_depth(-1e-9), "depth_m");
+    expect_refused(with_depth(nan), "depth_m");
+    const char* const names[] = {"bottom_red", "bottom_green", "bottom_blue"};
+    for (std::size_t i = 0; i < 3; ++i)
+        expect_range(names[i], 0, 1, true, [i](double value) {
+            SeaStateValues state = tests::some_state();
+            state.water.bottom_albedo[i] = value;
+            return why_not(Sender::server, sea_state(state));
+        });
+}
+
 // Of the second cascade: the first one is fine.
 TEST(MessageLimits, each_number_of_each_cascade_has_its_own_range) {
     const auto with = [](const std::function<void(SeaStateValues&)>& change) {

@@ -212,6 +212,27 @@ TEST(Messages, the_largest_messages_of_each_side_fit_their_limits) {
     EXPECT_LE(sea_state(state).size(), limits::server_message_bytes_max);
 }
 
+// What draws the sea is the same at both ends; a type of a later version is the default, and a server that says
+// nothing of its water - zeros - has not chosen a black sea floor.
+TEST(Messages, water_travels_and_nothing_said_of_it_is_the_default) {
+    const auto read_back = [](const SeaStateValues& state) {
+        const Bytes bytes = sea_state(state);
+        MessageReader reader(Sender::server);
+        return values(*(*reader.read(bytes))->body_as_SeaState());
+    };
+    SeaStateValues state = some_state();
+    for (const auto& [name, type] : sea::water_types) {
+        state.water.type = type;
+        EXPECT_EQ(read_back(state).water, state.water) << name;
+    }
+    EXPECT_EQ(read_back(state).depth_m, 12.5);
+    state.water.type = static_cast<sea::WaterType>(sea::water_types.size());
+    EXPECT_EQ(read_back(state).water.type, sea::WaterType::north_sea);
+    state.depth_m = 0;
+    state.water = {sea::WaterType::north_sea, {0, 0, 0}};
+    EXPECT_EQ(read_back(state).water, sea::Water{});
+}
+
 TEST(Messages, h6_damaged_messages_are_errors_or_can_be_read_whole) {
     // Structure that passes the verifier may hold any value; check() and every accessor must then
     // be safe (run under the address sanitizer).

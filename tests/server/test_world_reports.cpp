@@ -41,6 +41,8 @@ RunningSea some_sea() {
     sea.epoch = 6;
     sea.scene.source = "some.toml";
     sea.scene.accuracy.certificate.name = "c.json";
+    sea.scene.sea.depth_m = 23;
+    sea.scene.water = {sea::WaterType::jerlov_3, {0.1, 0.2, 0.3}};
     sea.budget.height_error_m = 0.051;
     sea.budget.codec_error_m = 0.013;
     sea.budget.single_precision_m = 0.0017;
@@ -104,6 +106,8 @@ TEST(SeaStateValues, every_member_is_that_of_the_running_sea) {
     EXPECT_EQ(state.rms_slope, 0.37);
     EXPECT_EQ(state.rms_strain, 0.41);
     EXPECT_EQ(state.displacement_reach_m, 43);
+    EXPECT_EQ(state.depth_m, 23);
+    EXPECT_EQ(state.water, (sea::Water{sea::WaterType::jerlov_3, {0.1, 0.2, 0.3}}));
     EXPECT_EQ(state.foam_mean, 0.031);
     EXPECT_EQ(state.foam_threshold, -0.27);
     EXPECT_NE(state.scene.find("threshold = -0.27"), std::string::npos) << state.scene;

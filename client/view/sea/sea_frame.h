@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "sea/basics/cascade.h"
+#include "sea/basics/dispersion.h"
+#include "sea/basics/water_type.h"
 #include "sea/surface/maps/keyframe.h"
 #include "sea/surface/surface.h"
 #include "sea/waves/realization.h"
@@ -30,6 +32,8 @@ struct SeaFrame {
     double reach_m = 1;           ///< no point is moved sideways further, choppiness included
     double foam_threshold = 0.45; ///< Jacobian below which a crest breaks
     double foam_mean = 0;         ///< mean coverage by what has broken (docs/foam.md); 0: no foam
+    double depth_m = sea::deep_water_m; ///< still
+    sea::Water water;
 };
 
 } // namespace seaway::client

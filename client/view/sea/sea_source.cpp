@@ -66,6 +66,9 @@ Result<SeaFrame> held_sea_frame(const Client& client, sea::TimeUs time_us) {
     frame.mean_from_deg = state->realised.mean_from_deg;
     frame.foam_mean = state->foam_mean;
     frame.foam_threshold = state->foam_threshold;
+    if (state->depth_m > 0)
+        frame.depth_m = state->depth_m;
+    frame.water = state->water;
     for (std::size_t c = 0; c < state->cascades.size(); ++c) {
         Result<CascadeFrame> cascade = cascade_frame(client, *state, c, time_us);
         if (!cascade)

@@ -4,9 +4,12 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <chrono>
 #include <cmath>
 #include <numbers>
 #include <string>
+
+#include <fmt/format.h>
 
 namespace seaway::client {
 
@@ -82,6 +85,18 @@ Result<Instant> parse_instant(std::string_view text) {
                      std::to_string(year_min) + " .. " + std::to_string(year_max)};
     const double hours = hour + minute / 60.0 + second / 3600.0;
     return Instant{day_number(year, month, day) + (hours - 12) / 24};
+}
+
+std::string to_text(Instant when) {
+    using namespace std::chrono;
+    const auto since = seconds(std::llround((when.days_j2000 + 0.5) * 86400));
+    const sys_seconds at = sys_days(year(2000) / January / 1) + since;
+    const sys_days midnight = floor<days>(at);
+    const year_month_day date(midnight);
+    const hh_mm_ss time(at - midnight);
+    return fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}Z", static_cast<int>(date.year()),
+                       static_cast<unsigned>(date.month()), static_cast<unsigned>(date.day()),
+                       time.hours().count(), time.minutes().count(), time.seconds().count());
 }
 
 Equatorial sun_at(Instant when) {

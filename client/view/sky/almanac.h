@@ -8,6 +8,7 @@
 // Local frame: x east, y north, z up. Pure functions.
 #pragma once
 
+#include <string>
 #include <string_view>
 
 #include <glm/glm.hpp>
@@ -25,6 +26,8 @@ inline constexpr int year_min = 1950, year_max = 2050; ///< where the errors abo
 
 /// "2026-06-21T04:30Z" or with seconds: years 1950 .. 2050.
 Result<Instant> parse_instant(std::string_view text);
+/// The inverse, to the second.
+std::string to_text(Instant when);
 
 struct Equatorial {
     double right_ascension_rad;

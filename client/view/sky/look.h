@@ -2,15 +2,17 @@
 // Look: all that makes the light of a picture, but for the sea and the camera. A value.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 
 #include "client/view/sky/almanac.h"
 #include "client/view/sky/atmosphere.h"
+#include "sea/basics/water_type.h"
 
 namespace seaway::client {
 
-/// Diffuse reflectance of the water body below the surface, red, green, blue: the North Sea's.
+/// Diffuse reflectance of deep water, red, green, blue, as a sky sees it below its horizon.
 inline const glm::dvec3 water_reflectance(0.008, 0.024, 0.026);
 
 inline double luminance_of(const glm::dvec3& colour) {
@@ -35,6 +37,18 @@ struct PlaceAndTime {
     bool operator==(const PlaceAndTime&) const = default;
 };
 
+/// How bright a picture of a light is.
+struct Exposure {
+    enum class By {
+        meter,          ///< of the picture in files, of the light on the sea in a window
+        exposure_value, ///< as a camera is set: EV at ISO 100
+        factor,         ///< to kcd/m2; 1 is white
+    };
+    By by = By::meter;
+    double value = 0; ///< not of a meter
+    bool operator==(const Exposure&) const = default;
+};
+
 struct Look {
     Atmosphere air;
     Clouds clouds;
@@ -45,6 +59,10 @@ struct Look {
     /// long as the path stays; empty: none. The air still takes light on the way to the sea.
     std::string environment;
     double environment_turn_deg = 0; ///< clockwise
+    Exposure exposure;
+    // In place of what the sea says of itself.
+    std::optional<sea::WaterType> water;
+    std::optional<std::array<double, 3>> bottom_albedo;
     bool operator==(const Look&) const = default;
 };
 

@@ -6,10 +6,14 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "client/view/look_file.h"
+#include "client/view/look_keys.h"
 #include "client/view/view_options.h"
+#include "tests/support/folder.h"
 
 namespace seaway::client {
 namespace {
@@ -65,6 +69,60 @@ TEST(ViewOptions, now_is_no_time_of_its_own) {
     EXPECT_EQ(std::get<ViewOptions>(read("")).time_s, std::nullopt);
 }
 
+TEST(ViewOptions, what_is_said_of_the_look_wins_over_its_file) {
+    const std::string file = tests::folder().write("options_look.toml", R"([time]
+latitude_deg = 54
+longitude_deg = 2
+utc = 2026-06-21T03:30:00Z
+[light]
+exposure = "12ev"
+[air]
+visibility_km = 9
+aerosol_albedo = 0.8
+[clouds]
+coverage = 0.7
+[water]
+type = "II"
+)");
+    const auto look = [&](const std::string& more) {
+        return std::get<ViewOptions>(read("--look " + file + more)).look;
+    };
+    const Look as_it_is = look("");
+    EXPECT_EQ(to_toml(as_it_is), to_toml(*read_look(file)));
+    EXPECT_EQ(std::get<ViewOptions>(read("--look " + file)).look_path, file);
+    const Look over = look(" --visibility 30 --clouds 0.1 --water 5C --exposure 0.02 "
+                           "--place -33.9,18.4 --date 2026-12-24T20:15Z");
+    EXPECT_EQ(over.air.visibility_m, 30e3);
+    EXPECT_EQ(over.air.aerosol_albedo, 0.8) << "of the file, still";
+    EXPECT_EQ(over.clouds.coverage, 0.1);
+    EXPECT_EQ(over.water, sea::WaterType::coastal_5);
+    EXPECT_EQ(over.exposure, (Exposure{Exposure::By::factor, 0.02}));
+    ASSERT_TRUE(over.place);
+    EXPECT_EQ(over.place->latitude_deg, -33.9);
+    EXPECT_EQ(over.place->longitude_deg, 18.4);
+    EXPECT_EQ(to_text(over.place->when), "2026-12-24T20:15:00Z");
+    EXPECT_EQ(look(" --exposure auto").exposure, Exposure{});
+    EXPECT_EQ(to_text(look(" --date 2027-01-01T00:00Z").place->when), "2027-01-01T00:00:00Z")
+        << "at the file's place";
+    const Look by_hour = look(" --time-of-day 8");
+    EXPECT_FALSE(by_hour.place);
+    EXPECT_EQ(by_hour.hour, 8);
+    EXPECT_EQ(std::get<ViewOptions>(read("--quality low --density 3.5")).quality.cell_pixels, 3.5);
+    ::testing::internal::CaptureStderr();
+    EXPECT_EQ(std::get<int>(read("--look /nowhere/look.toml")), 2);
+    EXPECT_THAT(::testing::internal::GetCapturedStderr(),
+                ::testing::HasSubstr("cannot read look '/nowhere/look.toml'"));
+}
+
+TEST(ViewOptions, the_keys_of_looks_are_printed_with_their_ranges) {
+    ::testing::internal::CaptureStdout();
+    const char* const argv[] = {"seaway-view", "--list-look"};
+    EXPECT_EQ(std::get<int>(read_view_options(2, argv)), 0);
+    const std::string said = ::testing::internal::GetCapturedStdout();
+    for (const LookKey& row : look_keys())
+        EXPECT_THAT(said, ::testing::HasSubstr(fmt::format("{}: {}\n", allowed(row), row.meaning)));
+}
+
 struct Limit {
     const char* within;
     const char* beyond;
@@ -97,6 +155,22 @@ TEST(ViewOptions, are_taken_at_their_limits_and_refused_beyond_them) {
         {"--time -1e12", "--time -1.0000001e12"},
         // Thirty frames a second: the last of 31 is a second later than the first.
         {"--time 999999999999 --frames 31", "--time 999999999999 --frames 32"},
+        {"--visibility 0.2", "--visibility 0.199"},
+        {"--visibility 280", "--visibility 280.1"},
+        {"--clouds 0", "--clouds -0.01"},
+        {"--clouds 1", "--clouds 1.01"},
+        {"--density 1", "--density 0.99"},
+        {"--density 64", "--density 64.1"},
+        {"--water 9C", "--water 10C"},
+        {"--exposure auto", "--exposure bright"},
+        {"--exposure 32ev", "--exposure 33ev"},
+        {"--exposure 1e-9", "--exposure 0"},
+        {"--place 90,-180 --date 2026-06-21T18:30Z", "--place 91,0 --date 2026-06-21T18:30Z"},
+        {"--place -90,180 --date 2026-06-21T18:30Z", "--place 0,181 --date 2026-06-21T18:30Z"},
+        {"--place 1,2 --date 2026-06-21T18:30:01Z", "--place 1,2"},
+        {"--place 1,2 --date 2026-06-21T18:30:01Z", "--date 2026-06-31T18:30Z --place 1,2"},
+        {"--place 1,2 --date 2026-06-21T18:30:01Z",
+         "--time-of-day 3 --place 1,2 --date 2026-06-21T18:30:01Z"},
         {"--timeout 0.001", "--timeout 0.0009"},
         {"--timeout 86400", "--timeout 86400.1"},
         {"--debug cascade:7", "--debug cascade:8"},

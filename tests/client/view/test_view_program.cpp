@@ -264,6 +264,8 @@ class FoamySea : public tests::WaveSea {
         state.choppiness_y = 1.1;
         state.foam_mean = 0.03;
         state.foam_threshold = 0.55;
+        state.depth_m = 7.5;
+        state.water = {sea::WaterType::coastal_5, {0.125, 0.25, 0.5}};
         state.cascades[0].k_lo_radpm = 0.01;
         return {std::make_shared<const protocol::Bytes>(protocol::sea_state(state))};
     }
@@ -305,6 +307,8 @@ TEST(SeaSource, a_frame_has_every_figure_of_its_sea_and_the_foam_of_both_keyfram
     EXPECT_EQ(frame->choppiness.y, 1.1);
     EXPECT_EQ(frame->foam_mean, 0.03);
     EXPECT_EQ(frame->foam_threshold, 0.55);
+    EXPECT_EQ(frame->depth_m, 7.5);
+    EXPECT_EQ(frame->water, (sea::Water{sea::WaterType::coastal_5, {0.125, 0.25, 0.5}}));
     EXPECT_EQ(frame->significant_height_m, 2.42);
     const sea::TimeUs before_us[] = {3'000'000, 3'100'000}, after_us[] = {3'200'000, 3'200'000};
     const double length_m[] = {160, 29};

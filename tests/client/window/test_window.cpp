@@ -96,7 +96,7 @@ TEST_F(WindowTest, the_slider_of_the_hour_makes_night) {
     display_->tool("mousedown 1");
     step();
     mouse(at.low.x + 3, middle);
-    ASSERT_TRUE(step_until([&] { return viewer_->choice().time_of_day_h < 1; }));
+    ASSERT_TRUE(step_until([&] { return viewer_->choice().look.hour < 1; }));
     display_->tool("mouseup 1");
     ASSERT_TRUE(step_until([&] { return viewer_->skies().settled(); }));
     step();

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sea/scene/scene_toml.h"
+#include "base/toml_document.h"
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include <fmt/format.h>
 
@@ -13,7 +14,7 @@
 #define TOML_EXCEPTIONS 0
 #include <toml++/toml.h>
 
-namespace seaway::sea {
+namespace seaway {
 
 namespace {
 
@@ -38,9 +39,19 @@ std::optional<double> as_number(const toml::node& node) {
     return std::nullopt;
 }
 
-} // namespace
-
-namespace {
+/// How many letters are changed, left out or put in to make one word of the other (Levenshtein).
+std::size_t changes_between(std::string_view a, std::string_view b) {
+    std::vector<std::size_t> row(b.size() + 1);
+    std::iota(row.begin(), row.end(), std::size_t{0});
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        std::size_t corner = std::exchange(row[0], i + 1);
+        for (std::size_t j = 0; j < b.size(); ++j) {
+            const std::size_t changed = corner + (a[i] == b[j] ? 0 : 1);
+            corner = std::exchange(row[j + 1], std::min({changed, row[j] + 1, row[j + 1] + 1}));
+        }
+    }
+    return row.back();
+}
 
 /// Walks a TOML text as far as comments and strings go.
 class Lexer {
@@ -103,7 +114,7 @@ class Lexer {
 std::optional<Error> find_strange_byte(std::string_view text, const std::string& document) {
     if (const auto found = Lexer(text).first_strange())
         return Error{fmt::format("{}:{}: byte 0x{:02x} is not allowed here; outside of strings and "
-                                 "comments a scene is printable ASCII",
+                                 "comments there is printable ASCII alone",
                                  document, found->first, found->second)};
     return std::nullopt;
 }
@@ -132,6 +143,11 @@ bool TomlTable::has(std::string_view key) const {
 bool TomlTable::is_array(std::string_view key) const {
     const toml::node* node = table_.get(key);
     return node != nullptr && node->is_array();
+}
+
+bool TomlTable::is_text(std::string_view key) const {
+    const toml::node* node = table_.get(key);
+    return node != nullptr && node->is_string();
 }
 
 bool TomlTable::is_empty_array(std::string_view key) const {
@@ -217,6 +233,43 @@ bool TomlTable::text(std::string_view key, std::string& out) {
     return node->is_string();
 }
 
+bool TomlTable::text_or_instant(std::string_view key, std::string& out) {
+    const toml::node* node = table_.get(key);
+    const toml::value<toml::date_time>* value = node != nullptr ? node->as_date_time() : nullptr;
+    if (value == nullptr)
+        return text(key, out);
+    asked_.emplace_back(key);
+    const toml::date_time& at = value->get();
+    if (!at.offset || at.offset->minutes != 0 || at.time.nanosecond != 0) {
+        bad_value(key, "this date", "whole seconds of UTC, as 2026-06-21T18:30:00Z");
+        return false;
+    }
+    out = fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}Z", at.date.year, at.date.month,
+                      at.date.day, at.time.hour, at.time.minute, at.time.second);
+    return true;
+}
+
+bool TomlTable::triple(std::string_view key, std::array<double, 3>& out, Range range) {
+    const toml::node* node = find(key);
+    if (node == nullptr)
+        return false;
+    const toml::array* list = node->as_array();
+    std::array<double, 3> values{};
+    bool fine = list != nullptr && list->size() == values.size();
+    for (std::size_t i = 0; fine && i < values.size(); ++i) {
+        const std::optional<double> value = as_number(*list->get(i));
+        fine = value && range.contains(*value);
+        values[i] = value.value_or(0);
+    }
+    if (!fine) {
+        bad_value(key, list != nullptr ? "the array" : shown(*node),
+                  fmt::format("three numbers {} .. {} in brackets", range.lo, range.hi));
+        return false;
+    }
+    out = values;
+    return true;
+}
+
 bool TomlTable::number_or_pair(std::string_view key, double& x, double& y, Range range) {
     const toml::node* node = table_.get(key);
     const toml::array* pair = node != nullptr ? node->as_array() : nullptr;
@@ -273,11 +326,24 @@ std::vector<TomlTable> TomlTable::tables(std::string_view key, int count_max) {
     return subs;
 }
 
+std::string TomlTable::nearest(std::string_view key) const {
+    std::string best;
+    std::size_t fewest = key.size() / 2; // more is another word, not a slip
+    for (const std::string& asked : asked_)
+        if (const std::size_t changes = changes_between(key, asked); changes <= fewest) {
+            if (changes == fewest && !best.empty())
+                continue;
+            fewest = changes;
+            best = asked;
+        }
+    return best.empty() ? "" : "; the nearest is " + best;
+}
+
 void TomlTable::finish() {
     for (const auto& [key, node] : table_)
         if (std::find(asked_.begin(), asked_.end(), key.str()) == asked_.end())
             errors_.add((key.source().begin ? key.source() : node.source()).begin.line,
-                        fmt::format("{}: unknown key", path(key.str())));
+                        fmt::format("{}: unknown key{}", path(key.str()), nearest(key.str())));
 }
 
-} // namespace seaway::sea
+} // namespace seaway

@@ -1,8 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// Strict reading of one TOML table: every key is asked for once with its range, what nobody asked
-// for is an error. Used by the scene reader only.
+// Strict reading of TOML that people write, as scenes and looks: every key is asked for once with its range, what
+// nobody asked for is an error that names the key that is nearest to it.
+//
+//     const Result<TomlDocument> document = TomlDocument::parse(text, name);
+//     TomlErrors errors(name);
+//     TomlTable root = document->root(errors);
+//     if (auto table = root.table("air"))
+//         table->number("visibility_m", visibility_m, {200, 280e3}), table->finish();
+//     root.finish();
+//     if (errors.first()) ...   // "look.toml:3: air.visibility_m: 1 is not allowed; allowed: a number 200 .. 280000"
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <initializer_list>
 #include <memory>
@@ -23,7 +32,7 @@ class table;
 } // namespace v3
 } // namespace toml
 
-namespace seaway::sea {
+namespace seaway {
 
 /// Allowed values, both ends included; NaN is never allowed.
 struct Range {
@@ -53,6 +62,7 @@ class TomlTable {
 
     bool has(std::string_view key) const;
     bool is_array(std::string_view key) const;
+    bool is_text(std::string_view key) const;
     bool is_empty_array(std::string_view key) const;
 
     /// Leave `out` as it is where the key is absent. True if it was read.
@@ -60,8 +70,12 @@ class TomlTable {
     bool integer(std::string_view key, std::int64_t& out, std::int64_t lo, std::int64_t hi);
     bool flag(std::string_view key, bool& out);
     bool text(std::string_view key, std::string& out);
+    /// A text, or TOML's own date and time of UTC, as 2026-06-21T18:30:00Z.
+    bool text_or_instant(std::string_view key, std::string& out);
     /// A number for both, or [x, y].
     bool number_or_pair(std::string_view key, double& x, double& y, Range range);
+    /// [a, b, c].
+    bool triple(std::string_view key, std::array<double, 3>& out, Range range);
     template <class E>
     using Choice = std::pair<std::string_view, E>;
     template <class E>
@@ -100,6 +114,8 @@ class TomlTable {
   private:
     const toml::node* find(std::string_view key);
     std::string path(std::string_view key) const;
+    /// "; the nearest is depth_m", or nothing.
+    std::string nearest(std::string_view key) const;
 
     const toml::table& table_;
     std::string name_;
@@ -121,4 +137,4 @@ class TomlDocument {
     std::shared_ptr<const toml::table> table_;
 };
 
-} // namespace seaway::sea
+} // namespace seaway

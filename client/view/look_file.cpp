@@ -1,0 +1,285 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/view/look_file.h"
+
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "base/text_file.h"
+#include "client/view/look_keys.h"
+
+namespace seaway::client {
+
+namespace {
+
+std::optional<double> number_of(std::string_view text) {
+    double value = 0;
+    const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (failure != std::errc{} || end != text.data() + text.size())
+        return std::nullopt;
+    return value;
+}
+
+/// The number of a file that reads back as this one of a look: a product may be off by a last bit.
+double in_units(double value, double unit) {
+    double up = value / unit, down = up;
+    for (int step = 0; step < 8; ++step) {
+        if (up * unit == value)
+            return up;
+        if (down * unit == value)
+            return down;
+        up = std::nextafter(up, INFINITY);
+        down = std::nextafter(down, -INFINITY);
+    }
+    return value / unit;
+}
+
+/// The place, which is there once one of its keys is.
+PlaceAndTime& place_of(Look& look) {
+    if (!look.place)
+        look.place.emplace();
+    return *look.place;
+}
+
+void read_utc(TomlTable& table, std::string_view key, Look& look) {
+    std::string text;
+    if (!table.text_or_instant(key, text))
+        return;
+    if (const Result<Instant> when = parse_instant(text))
+        place_of(look).when = *when;
+    else
+        table.fail(key, when.error().message);
+}
+
+void read_exposure(TomlTable& table, std::string_view key, Look& look) {
+    if (std::string text; table.is_text(key) && table.text(key, text)) {
+        if (const Result<Exposure> exposure = parse_exposure(text))
+            look.exposure = *exposure;
+        else
+            table.fail(key, exposure.error().message);
+    } else if (double factor = 0; table.number(key, factor, exposure_factors)) {
+        look.exposure = {Exposure::By::factor, factor};
+    }
+}
+
+void read_word(TomlTable& table, std::string_view key, LookWord word, Look& look) {
+    double angle_deg = 0;
+    switch (word) {
+    case LookWord::hour:
+        table.number(key, look.hour, hours);
+        break;
+    case LookWord::latitude:
+        if (table.number(key, angle_deg, latitudes_deg))
+            place_of(look).latitude_deg = angle_deg;
+        break;
+    case LookWord::longitude:
+        if (table.number(key, angle_deg, longitudes_deg))
+            place_of(look).longitude_deg = angle_deg;
+        break;
+    case LookWord::utc:
+        read_utc(table, key, look);
+        break;
+    case LookWord::exposure:
+        read_exposure(table, key, look);
+        break;
+    case LookWord::water:
+        if (sea::WaterType type{}; table.choice(key, type, sea::water_types))
+            look.water = type;
+        break;
+    case LookWord::bottom:
+        if (std::array<double, 3> albedo{}; table.triple(key, albedo, albedos))
+            look.bottom_albedo = albedo;
+        break;
+    }
+}
+
+void read_key(TomlTable& table, const LookKey& row, Look& look) {
+    if (const auto* number = std::get_if<LookNumber>(&row.value)) {
+        if (double value = 0; table.number(row.key, value, number->range))
+            number->of(look) = value * number->unit;
+    } else if (const auto* triple = std::get_if<LookTriple>(&row.value)) {
+        if (std::array<double, 3> v{}; table.triple(row.key, v, triple->range))
+            triple->of(look) = {v[0], v[1], v[2]};
+    } else {
+        read_word(table, row.key, std::get<LookWord>(row.value), look);
+    }
+}
+
+/// An hour, or a place and an instant, whole.
+void check_time(TomlTable& table, const Look& look) {
+    constexpr const char* of_place[] = {"latitude_deg", "longitude_deg", "utc"};
+    if (!look.place)
+        return;
+    if (table.has("hour"))
+        table.fail("hour", "not beside a place: the hour follows from it and utc");
+    for (const char* key : of_place)
+        table.require(key);
+}
+
+std::string value_of(const LookKey& row, Look& look) {
+    if (const auto* number = std::get_if<LookNumber>(&row.value))
+        return fmt::format("{}", in_units(number->of(look), number->unit));
+    if (const auto* triple = std::get_if<LookTriple>(&row.value)) {
+        const glm::dvec3& v = triple->of(look);
+        return fmt::format("[{}, {}, {}]", v.x, v.y, v.z);
+    }
+    switch (std::get<LookWord>(row.value)) {
+    case LookWord::hour:
+        return look.place ? "" : fmt::format("{}", look.hour);
+    case LookWord::latitude:
+        return look.place ? fmt::format("{}", look.place->latitude_deg) : "";
+    case LookWord::longitude:
+        return look.place ? fmt::format("{}", look.place->longitude_deg) : "";
+    case LookWord::utc:
+        return look.place ? to_text(look.place->when) : "";
+    case LookWord::exposure:
+        return look.exposure.by == Exposure::By::factor ? to_text(look.exposure)
+                                                        : '"' + to_text(look.exposure) + '"';
+    case LookWord::water:
+        return look.water ? fmt::format("\"{}\"", sea::name_of(*look.water)) : "";
+    case LookWord::bottom:
+        break;
+    }
+    if (!look.bottom_albedo)
+        return "";
+    const auto& [red, green, blue] = *look.bottom_albedo;
+    return fmt::format("[{}, {}, {}]", red, green, blue);
+}
+
+} // namespace
+
+Result<Look> parse_look(std::string_view text, const std::string& name) {
+    if (text.size() > look_text_bytes_max)
+        return Error{fmt::format("{}: {} bytes; a look has at most {}", name, text.size(),
+                                 look_text_bytes_max)};
+    const Result<TomlDocument> document = TomlDocument::parse(text, name);
+    if (!document)
+        return document.error();
+    Look look;
+    TomlErrors errors(name);
+    TomlTable root = document->root(errors);
+    const std::span<const LookKey> keys = look_keys();
+    for (std::size_t i = 0; i < keys.size(); ++i) {
+        const std::string_view heading = keys[i].table;
+        if (i > 0 && keys[i - 1].table == heading)
+            continue;
+        std::optional<TomlTable> table = root.table(heading);
+        if (!table)
+            continue;
+        for (const LookKey& row : keys.subspan(i))
+            if (row.table == heading)
+                read_key(*table, row, look);
+        if (heading == "time")
+            check_time(*table, look);
+        table->finish();
+    }
+    root.finish();
+    if (errors.first())
+        return *errors.first();
+    return look;
+}
+
+Result<Look> read_look(const std::string& path) {
+    const Result<std::string> text = read_text_file(path, look_text_bytes_max);
+    if (!text)
+        return Error{fmt::format("cannot read look '{}': {}", path, text.error().message)};
+    return parse_look(*text, path);
+}
+
+std::string to_toml(const Look& look) {
+    Look copy = look;
+    std::string out;
+    std::string_view heading;
+    for (const LookKey& row : look_keys()) {
+        const std::string value = value_of(row, copy);
+        if (value.empty())
+            continue;
+        if (row.table != heading)
+            out += fmt::format("{}[{}]\n", out.empty() ? "" : "\n", row.table);
+        heading = row.table;
+        out += fmt::format("{} = {}\n", row.key, value);
+    }
+    return out;
+}
+
+Result<void> write_look(const Look& look, const std::string& path) {
+    const auto failed = [&](const std::string& why) {
+        return Error{fmt::format("cannot write look '{}': {}", path, why)};
+    };
+    if (path.empty())
+        return failed("no name");
+    if (const Result<void> free = check_replaceable(path); !free)
+        return failed(free.error().message);
+    const std::string beside = path + ".part";
+    if (const Result<void> free = check_replaceable(beside); !free)
+        return failed(beside + " " + free.error().message);
+    std::FILE* file = std::fopen(beside.c_str(), "wb");
+    if (file == nullptr)
+        return failed(std::generic_category().message(errno));
+    const std::string text = to_toml(look);
+    bool fine = std::fwrite(text.data(), 1, text.size(), file) == text.size();
+    fine = std::fclose(file) == 0 && fine;
+    std::error_code problem;
+    if (fine)
+        std::filesystem::rename(beside, path, problem);
+    if (fine && !problem)
+        return {};
+    std::error_code ignored;
+    std::filesystem::remove(beside, ignored);
+    return failed(problem ? problem.message() : "the disk took less than was written");
+}
+
+Result<Exposure> parse_exposure(std::string_view text) {
+    constexpr std::string_view unit = "ev";
+    if (text == "auto")
+        return Exposure{};
+    const bool by_value = text.ends_with(unit);
+    const Range& range = by_value ? exposure_values : exposure_factors;
+    const std::optional<double> value =
+        number_of(by_value ? text.substr(0, text.size() - unit.size()) : text);
+    if (!value || !range.contains(*value))
+        return Error{fmt::format("\"{}\" is not allowed; allowed: auto (metered), {:g}ev .. {:g}ev "
+                                 "(as a camera is set, ISO 100), or a factor {:g} .. {:g}",
+                                 text, exposure_values.lo, exposure_values.hi, exposure_factors.lo,
+                                 exposure_factors.hi)};
+    return Exposure{by_value ? Exposure::By::exposure_value : Exposure::By::factor, *value};
+}
+
+std::string to_text(const Exposure& exposure) {
+    switch (exposure.by) {
+    case Exposure::By::meter:
+        return "auto";
+    case Exposure::By::exposure_value:
+        return fmt::format("{}ev", exposure.value);
+    case Exposure::By::factor:
+        break;
+    }
+    return fmt::format("{}", exposure.value);
+}
+
+std::optional<double> fixed_exposure(const Exposure& exposure) {
+    constexpr double grey = 0.18, meter_kcdpm2 = 12.5 / 100 / 1000; // at EV 0 and ISO 100
+    switch (exposure.by) {
+    case Exposure::By::meter:
+        return std::nullopt;
+    case Exposure::By::exposure_value:
+        return grey / (meter_kcdpm2 * std::exp2(exposure.value));
+    case Exposure::By::factor:
+        break;
+    }
+    return exposure.value;
+}
+
+void set_water(SeaFrame& frame, const Look& look) {
+    if (look.water)
+        frame.water.type = *look.water;
+    if (look.bottom_albedo)
+        frame.water.bottom_albedo = *look.bottom_albedo;
+}
+
+} // namespace seaway::client

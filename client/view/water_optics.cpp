@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/view/water_optics.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace seaway::client {
+
+namespace {
+
+/// Jerlov 1976, table XXVII: types I to 9C, 1/m.
+constexpr std::array<WaterSpectrum, 10> jerlov_per_m{{
+    {0.027, 0.022, 0.019, 0.018, 0.027, 0.043, 0.063, 0.089, 0.235, 0.305, 0.36, 0.42, 0.56},
+    {0.038, 0.031, 0.026, 0.025, 0.032, 0.048, 0.067, 0.094, 0.24, 0.31, 0.37, 0.43, 0.57},
+    {0.051, 0.042, 0.036, 0.033, 0.042, 0.054, 0.072, 0.099, 0.245, 0.315, 0.375, 0.435, 0.58},
+    {0.096, 0.081, 0.068, 0.062, 0.07, 0.076, 0.089, 0.115, 0.26, 0.335, 0.4, 0.465, 0.61},
+    {0.185, 0.16, 0.135, 0.116, 0.115, 0.116, 0.12, 0.148, 0.295, 0.375, 0.445, 0.52, 0.66},
+    {0.51, 0.36, 0.25, 0.17, 0.14, 0.13, 0.12, 0.15, 0.3, 0.37, 0.45, 0.51, 0.65},
+    {0.78, 0.54, 0.39, 0.29, 0.22, 0.2, 0.19, 0.21, 0.33, 0.4, 0.46, 0.56, 0.71},
+    {1.1, 0.78, 0.56, 0.43, 0.36, 0.31, 0.3, 0.33, 0.4, 0.48, 0.54, 0.65, 0.8},
+    {1.6, 1.2, 0.89, 0.71, 0.58, 0.49, 0.46, 0.46, 0.48, 0.54, 0.63, 0.78, 0.92},
+    {2.4, 1.9, 1.6, 1.23, 0.99, 0.78, 0.63, 0.58, 0.6, 0.65, 0.76, 0.92, 1.1},
+}};
+/// Scattering of pure sea water (Morel 1974), 1/m.
+constexpr WaterSpectrum pure_scattering_per_m{0.0076, 0.0058, 0.0045, 0.0036, 0.0029,
+                                              0.0023, 0.0019, 0.0016, 0.0014, 0.0011,
+                                              0.0010, 0.0008, 0.0007};
+constexpr std::size_t green = 6; ///< 550 nm
+
+/// North_sea, by eye: what comes out of deep water, through crests and of bubbles.
+const glm::dvec3 north_sea_reflectance(0.008, 0.024, 0.026);
+const glm::dvec3 north_sea_crest(0.012, 0.055, 0.048);
+const glm::dvec3 north_sea_bubbles(0.10, 0.32, 0.30);
+
+// Those colours of crests and bubbles are what type III leaves of white after so far, within an eighth. So for
+// other waters.
+constexpr double crest_white = 0.107, crest_path_m = 5.5;
+constexpr double bubbles_white = 0.53, bubbles_path_m = 4.2;
+/// Attenuation by colour is that of light that went so far: further, red is outside of sRGB.
+constexpr double near_m = 4;
+
+double lobe(double x, double middle, double below, double above) {
+    const double t = (x - middle) / (x < middle ? below : above);
+    return std::exp(-0.5 * t * t);
+}
+
+/// CIE 1931 after Wyman, Sloan, Shirley 2013, to linear sRGB.
+glm::dvec3 eye(double nm) {
+    const double x = 1.056 * lobe(nm, 599.8, 37.9, 31.0) + 0.362 * lobe(nm, 442.0, 16.0, 26.7) -
+                     0.065 * lobe(nm, 501.1, 20.4, 26.2);
+    const double y = 0.821 * lobe(nm, 568.8, 46.9, 40.5) + 0.286 * lobe(nm, 530.9, 16.3, 31.1);
+    const double z = 1.217 * lobe(nm, 437.0, 11.8, 36.0) + 0.681 * lobe(nm, 459.0, 26.0, 13.8);
+    return {3.2406 * x - 1.5372 * y - 0.4986 * z, -0.9689 * x + 1.8758 * y + 0.0415 * z,
+            0.0557 * x - 0.2040 * y + 1.0570 * z};
+}
+
+/// Planck's law at 5778 K, in parts of what it is at 550 nm.
+double daylight(double nm) {
+    constexpr double hc_over_kt_nm = 1.4387769e7 / 5778;
+    const auto law = [](double at) { return std::pow(at, -5) / std::expm1(hc_over_kt_nm / at); };
+    return law(nm) / law(550);
+}
+
+double between(const WaterSpectrum& spectrum, double nm) {
+    const double at = std::clamp((nm - water_band_nm(0)) / 25, 0.0, water_bands - 1.0);
+    const std::size_t low = std::min(static_cast<std::size_t>(at), water_bands - 2);
+    const double t = at - static_cast<double>(low);
+    return (1 - t) * spectrum[low] + t * spectrum[low + 1];
+}
+
+/// Sum over what eyes see; `share` of a wavelength in nm.
+template <class F>
+glm::dvec3 colour(const F& share) {
+    glm::dvec3 sum(0), white(0);
+    for (double nm = 400; nm <= 700; nm += 5) {
+        const glm::dvec3 seen = daylight(nm) * eye(nm);
+        sum += share(nm) * seen;
+        white += seen;
+    }
+    return glm::max(sum / white, glm::dvec3(0));
+}
+
+/// Left of white by a way through water.
+glm::dvec3 left_after(const glm::dvec3& attenuation_per_m, double path_m) {
+    return glm::exp(-attenuation_per_m * path_m);
+}
+
+} // namespace
+
+WaterSpectrum diffuse_attenuation_per_m(sea::WaterType type) {
+    const sea::WaterType like = type == sea::WaterType::north_sea ? sea::WaterType::jerlov_3 : type;
+    return jerlov_per_m[static_cast<std::size_t>(like) - 1];
+}
+
+double pigment_mgpm3(double attenuation_550_per_m) {
+    return std::pow(std::max(attenuation_550_per_m - 0.0640, 0.0) / 0.0410, 1 / 0.650);
+}
+
+double particle_scattering_per_m(double pigment_mgpm3) {
+    return 0.30 * std::pow(pigment_mgpm3, 0.62);
+}
+
+WaterSpectrum reflectance_below(sea::WaterType type) {
+    const WaterSpectrum attenuation_per_m = diffuse_attenuation_per_m(type);
+    const double pigment = pigment_mgpm3(attenuation_per_m[green]);
+    const double b = particle_scattering_per_m(pigment);
+    WaterSpectrum out{};
+    for (std::size_t i = 0; i < water_bands; ++i) {
+        const double back = pigment > 0 ? 0.002 + 0.02 * (0.5 - 0.25 * std::log10(pigment)) *
+                                                      water_band_nm(green) / water_band_nm(i)
+                                        : 0;
+        const double ratio =
+            0.33 * (pure_scattering_per_m[i] / 2 + b * back) / attenuation_per_m[i];
+        double r = ratio;
+        for (int step = 0; step < 50; ++step) // contracts by 3.25 R a step, R below a tenth
+            r = ratio * (1 + 2.25 * r) / (0.90 * (1 - r));
+        out[i] = r;
+    }
+    return out;
+}
+
+double reflectance_above(double below) {
+    return 0.41 * below / (1 - 0.48 * below);
+}
+
+glm::dvec3 colour_of(const WaterSpectrum& shares) {
+    return colour([&](double nm) { return between(shares, nm); });
+}
+
+glm::dvec3 attenuation_rgb_per_m(sea::WaterType type, double path_m) {
+    constexpr double least = 1e-30; // black
+    const WaterSpectrum per_m = diffuse_attenuation_per_m(type);
+    const glm::dvec3 left =
+        colour([&](double nm) { return std::exp(-path_m * between(per_m, nm)); });
+    return -glm::log(glm::max(left, glm::dvec3(least))) / path_m;
+}
+
+WaterLook water_look(const sea::Water& water, double depth_m, double wave_m) {
+    constexpr double matters = 1e-4; ///< of the reflectance of deep water
+    WaterLook look;
+    const bool by_eye = water.type == sea::WaterType::north_sea;
+    WaterSpectrum above = reflectance_below(water.type);
+    for (double& value : above)
+        value = reflectance_above(value);
+    look.reflectance = by_eye ? north_sea_reflectance : colour_of(above);
+    const glm::dvec3 near = attenuation_rgb_per_m(water.type, crest_path_m);
+    look.crest = by_eye ? north_sea_crest : crest_white * left_after(near, crest_path_m);
+    look.bubbles = by_eye ? north_sea_bubbles : bubbles_white * left_after(near, bubbles_path_m);
+    const bool has_floor = std::isfinite(depth_m);
+    look.attenuation_per_m = attenuation_rgb_per_m(water.type, near_m);
+    look.floor_attenuation_per_m =
+        has_floor ? attenuation_rgb_per_m(water.type, 2 * depth_m) : look.attenuation_per_m;
+    for (int c = 0; c < 3; ++c)
+        look.floor[c] = reflectance_above(water.bottom_albedo[static_cast<std::size_t>(c)]);
+    const double least_m = has_floor ? std::max(depth_m - wave_m, 0.0) : 0;
+    const glm::dvec3 most = look.floor * left_after(look.floor_attenuation_per_m, 2 * least_m);
+    look.floor_seen = has_floor && glm::any(glm::greaterThan(most, matters * look.reflectance));
+    return look;
+}
+
+} // namespace seaway::client

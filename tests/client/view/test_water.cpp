@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+// Water and sea floor as the device draws them, held against client/view/water_optics.h.
+#include "client/view/water_optics.h"
+#include "tests/client/view/renderer_fixture.h"
+
+namespace seaway::client {
+namespace {
+
+class WaterTest : public RendererTest {
+  protected:
+    /// Mean radiance of the middle of a picture, straight down on a flat sea at noon.
+    glm::dvec3 straight_down(const sea::Water& water, double depth_m) {
+        SeaFrame frame = flat_sea();
+        frame.water = water;
+        frame.depth_m = depth_m;
+        frame.significant_height_m = 0.1;
+        camera_.z_m = 30;
+        camera_.pitch_deg = -89;
+        camera_.view_deg = 40;
+        const Picture picture = render(frame, sky_, DebugView::final, {.air = false});
+        glm::dvec3 sum(0);
+        int count = 0;
+        for (int y = 20; y < picture.height - 20; ++y)
+            for (int x = 20; x < picture.width - 20; ++x, ++count)
+                for (int c = 0; c < 3; ++c)
+                    sum[c] += static_cast<double>(picture.pixel(x, y)[c]);
+        return sum / static_cast<double>(count);
+    }
+    Sky sky_{glm::normalize(glm::dvec3(0.3, -0.2, 0.9))};
+};
+
+constexpr double deep_m = sea::deep_water_m;
+
+// What a white floor adds to a black one, twice as deep, is less by the way down and up through that water.
+TEST_F(WaterTest, light_from_the_floor_falls_with_depth_as_its_attenuation_says) {
+    const sea::WaterType type = sea::WaterType::jerlov_2;
+    const auto from_floor = [&](double depth_m) {
+        return straight_down({type, {1, 1, 1}}, depth_m) -
+               straight_down({type, {0.5, 0.5, 0.5}}, depth_m);
+    };
+    const glm::dvec3 three = from_floor(3), six = from_floor(6);
+    const glm::dvec3 k3 = water_look({type}, 3, 0).floor_attenuation_per_m;
+    const glm::dvec3 k6 = water_look({type}, 6, 0).floor_attenuation_per_m;
+    // The sun stands at 22 degrees from the zenith, 16 in the water: 1.04, with light of the sky 1.05; up: 1 to 1.03.
+    const double path = 2.06;
+    for (int c = 1; c < 3; ++c) { // of red nothing is left that single precision could tell
+        const double expected = std::exp(-(6 * k6[c] - 3 * k3[c]) * path);
+        EXPECT_NEAR(six[c] / three[c] / expected, 1, 0.03) << c;
+    }
+    EXPECT_LT(six.r, 0.3 * three.r);
+}
+
+TEST_F(WaterTest, a_lagoon_over_sand_is_turquoise_and_brighter_than_the_deep) {
+    for (const sea::WaterType type : {sea::WaterType::jerlov_1b, sea::WaterType::jerlov_2}) {
+        const glm::dvec3 lagoon = straight_down({type}, 2), deep = straight_down({type}, deep_m);
+        EXPECT_GT(lagoon.g, 2 * deep.g);
+        EXPECT_GT(lagoon.g, 1.8 * lagoon.r);
+        EXPECT_GT(lagoon.b, 1.5 * lagoon.r);
+        EXPECT_GT(deep.b, 1.5 * deep.g) << "where there is no floor it is blue";
+    }
+}
+
+TEST_F(WaterTest, a_floor_that_no_light_reaches_changes_no_bit) {
+    SyntheticSea waves = gale();
+    SeaFrame frame = waves.at(1'300'000);
+    const Picture without = render(frame, sky_);
+    frame.depth_m = 120;
+    EXPECT_EQ(render(frame, sky_).rgba, without.rgba);
+    frame.water.bottom_albedo = {1, 0, 0};
+    EXPECT_EQ(render(frame, sky_).rgba, without.rgba);
+    frame.depth_m = 3;
+    EXPECT_NE(render(frame, sky_).rgba, without.rgba);
+}
+
+TEST_F(WaterTest, the_type_of_the_water_colours_the_deep_and_the_crests) {
+    SyntheticSea waves = gale();
+    SeaFrame frame = waves.at(1'300'000);
+    camera_.pitch_deg = -30;
+    const auto mean = [&](sea::WaterType type) {
+        frame.water.type = type;
+        const Picture picture = render(frame, sky_);
+        glm::dvec3 sum(0);
+        for (int y = picture.height / 2; y < picture.height; ++y)
+            for (int x = 0; x < picture.width; ++x)
+                for (int c = 0; c < 3; ++c)
+                    sum[c] += static_cast<double>(picture.pixel(x, y)[c]);
+        return sum / sum.g;
+    };
+    const glm::dvec3 clear = mean(sea::WaterType::jerlov_1),
+                     coast = mean(sea::WaterType::coastal_3);
+    EXPECT_GT(clear.b, 1.3 * coast.b);
+    EXPECT_LT(clear.r, coast.r);
+}
+
+} // namespace
+} // namespace seaway::client
