@@ -87,7 +87,9 @@ constexpr std::array keys{
 };
 
 std::string allowed_word(LookWord word) {
-    const auto numbers = [](Range range) { return fmt::format("{:g} .. {:g}", range.lo, range.hi); };
+    const auto numbers = [](Range range) {
+        return fmt::format("{:g} .. {:g}", range.lo, range.hi);
+    };
     switch (word) {
     case LookWord::hour:
         return numbers(hours);

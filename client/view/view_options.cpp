@@ -6,7 +6,6 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
-#include <limits>
 
 #include <fmt/format.h>
 
@@ -15,8 +14,7 @@
 #include "base/text_file.h"
 #include "client/link/url.h"
 #include "client/view/film_file.h"
-#include "client/view/look_file.h"
-#include "client/view/look_keys.h"
+#include "client/view/look_options.h"
 
 namespace seaway::client {
 
@@ -36,12 +34,6 @@ constexpr const char* footer =
     "holds linear numbers. Without --offscreen a window opens; it connects again by itself.\n"
     "Exit codes: 0 done or closed, 1 cannot write, 2 usage, 3 no usable device or no display,\n"
     "5 cannot connect or lost, 6 refused by the server.";
-
-constexpr double nothing =
-    std::numeric_limits<double>::quiet_NaN(); ///< an option that is not given
-
-/// Of a cell of the mesh: what a device can hold, to coarser than any picture wants.
-constexpr Range cell_pixels{1, 64};
 
 Result<void> require(bool fine, const std::string& what) {
     if (!fine)
@@ -130,80 +122,9 @@ Result<void> check_files(const ViewOptions& options) {
 /// Options that need reading once more.
 struct Words {
     std::string size, window, camera, debug = "final", time = "now", quality;
-    std::string look, exposure, water, place, date;
-    double hour = nothing, visibility_km = nothing, clouds = nothing, density = nothing;
-    bool list = false, list_look = false;
+    LookWords look;
+    bool list = false;
 };
-
-Result<void> take_number(const char* option, double given, Range range, double unit, double& out) {
-    if (std::isnan(given))
-        return {};
-    SEAWAY_TRY(require(range.contains(given),
-                       fmt::format("{} {:g}: {:g} .. {:g}", option, given, range.lo, range.hi)));
-    out = given * unit;
-    return {};
-}
-
-/// LAT,LON and an instant, each in place of what the look says.
-Result<void> take_place(const Words& words, Look& look) {
-    if (words.place.empty() && words.date.empty())
-        return {};
-    PlaceAndTime place = look.place.value_or(PlaceAndTime{});
-    SEAWAY_TRY(require(look.place || (!words.place.empty() && !words.date.empty()),
-                       "--place and --date: both, or one of them over a look that has a place"));
-    if (!words.place.empty()) {
-        const std::size_t comma = words.place.find(',');
-        const std::string_view text = words.place;
-        SEAWAY_TRY(require(comma != std::string::npos &&
-                               parse_number(text.substr(0, comma), place.latitude_deg) &&
-                               parse_number(text.substr(comma + 1), place.longitude_deg) &&
-                               latitudes_deg.contains(place.latitude_deg) &&
-                               longitudes_deg.contains(place.longitude_deg),
-                           fmt::format("--place {}: LAT,LON: {} .. {} and {} .. {} degrees, north "
-                                       "and east are positive",
-                                       words.place, latitudes_deg.lo, latitudes_deg.hi,
-                                       longitudes_deg.lo, longitudes_deg.hi)));
-    }
-    if (!words.date.empty()) {
-        const Result<Instant> when = parse_instant(words.date);
-        SEAWAY_TRY(require(when.has_value(), "--date: " + (when ? "" : when.error().message)));
-        place.when = *when;
-    }
-    look.place = place;
-    return {};
-}
-
-/// The look's file, then what wins over it.
-Result<void> take_look(const Words& words, Look& look) {
-    if (!words.look.empty()) {
-        SEAWAY_TRY_LET(look, read_look(words.look));
-    }
-    SEAWAY_TRY(take_number("--visibility", words.visibility_km, visibilities_km, 1000,
-                           look.air.visibility_m));
-    SEAWAY_TRY(take_number("--clouds", words.clouds, cloud_shares, 1, look.clouds.coverage));
-    SEAWAY_TRY(require(std::isnan(words.hour) || (words.place.empty() && words.date.empty()),
-                       "--time-of-day and --place, --date: one or the other"));
-    SEAWAY_TRY(take_number("--time-of-day", words.hour, hours, 1, look.hour));
-    if (!std::isnan(words.hour))
-        look.place.reset();
-    SEAWAY_TRY(take_place(words, look));
-    if (!words.exposure.empty()) {
-        const Result<Exposure> exposure = parse_exposure(words.exposure);
-        SEAWAY_TRY(require(exposure.has_value(),
-                           "--exposure: " + (exposure ? "" : exposure.error().message)));
-        look.exposure = *exposure;
-    }
-    if (words.water.empty())
-        return {};
-    std::string names;
-    for (const auto& [name, type] : sea::water_types) {
-        if (name == words.water)
-            look.water = type;
-        names += fmt::format("{}{}", names.empty() ? "" : ", ", name);
-    }
-    return require(look.water && sea::name_of(*look.water) == words.water,
-                   fmt::format("--water {}: no such type; there are {}", words.water, names));
-}
 
 /// A window shows the sea of now and writes nothing: what is of files alone is not passed over in silence.
 Result<void> check_window(const Words& words, const ViewOptions& options) {
@@ -246,22 +167,14 @@ Result<void> take(const Words& words, ViewOptions& options) {
     if (!words.quality.empty()) {
         SEAWAY_TRY_LET(options.quality, parse_quality(words.quality));
     }
-    SEAWAY_TRY(
-        take_number("--density", words.density, cell_pixels, 1, options.quality.cell_pixels));
-    options.look_path = words.look;
-    SEAWAY_TRY(take_look(words, options.look));
+    options.look_path = words.look.path;
+    SEAWAY_TRY(words.look.take(options.look, options.quality));
     return check(words, options);
 }
 
 void list_debug() {
     for (const DebugViewInfo& row : debug_view_table)
         fmt::print("{:<10} {}\n", row.name, row.meaning);
-}
-
-void list_look() {
-    for (const LookKey& row : look_keys())
-        fmt::print("{:<24} {}: {}\n", fmt::format("{}.{}", row.table, row.key), allowed(row),
-                   row.meaning);
 }
 
 } // namespace
@@ -287,19 +200,7 @@ std::variant<ViewOptions, int> read_view_options(int argc, const char* const* ar
     line.option("--camera", words.camera,
                 "X,Y,Z,YAW_DEG,PITCH_DEG: m east, north, above the mean sea");
     line.option("--fov", options.camera.view_deg, "width of the picture, degrees (62)");
-    line.option("--look", words.look, "file of light, air, clouds and water (--list-look)");
-    line.option("--list-look", words.list_look, "print the keys of looks and exit");
-    line.option("--time-of-day", words.hour, "height of the sun: hour, 0 .. 24");
-    line.option("--place", words.place, "LAT,LON: sun, moon and stars by almanac, with --date");
-    line.option("--date", words.date, "UTC at sea time 0, as 2026-06-21T18:30Z");
-    line.option("--visibility", words.visibility_km, "where 2 % of contrast is left, km");
-    line.option("--clouds", words.clouds, "share of the sky, 0 .. 1");
-    line.option("--water", words.water,
-                "Jerlov's optical type, I, IA .. 9C, or north_sea (what the sea says)");
-    line.option("--exposure", words.exposure,
-                "auto: metered; 14.5ev: as a camera is set, ISO 100; or a factor to kcd/m2");
-    line.option("--density", words.density,
-                "side of the mesh's far cells, pixels: finer or coarser than the quality's");
+    words.look.describe(line);
     line.option("--time", words.time, "sea time of the first frame: 'now' or seconds");
     line.option(
         "--quality", words.quality,
@@ -317,9 +218,9 @@ std::variant<ViewOptions, int> read_view_options(int argc, const char* const* ar
     const bool leave = next && *next == CommandLine::Next::leave;
     if (next && !leave && words.list)
         list_debug();
-    if (next && !leave && words.list_look)
-        list_look();
-    if (leave || (next && (words.list || words.list_look)))
+    if (next && !leave && words.look.list)
+        list_look_keys();
+    if (leave || (next && (words.list || words.look.list)))
         return status_after_output("seaway-view", static_cast<int>(ViewExit::done),
                                    static_cast<int>(ViewExit::cannot_write));
     const Result<void> fine = next ? take(words, options) : Result<void>(next.error());

@@ -10,9 +10,9 @@
 #include <fmt/format.h>
 
 #include "base/text_file.h"
+#include "base/toml_document.h"
 #include "sea/scene/scene_names.h"
 #include "sea/scene/scene_systems.h"
-#include "base/toml_document.h"
 
 namespace seaway::sea {
 

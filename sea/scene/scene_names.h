@@ -9,9 +9,9 @@
 #include <utility>
 #include <variant>
 
+#include "base/toml_document.h"
 #include "sea/basics/constants.h"
 #include "sea/scene/accuracy_presets.h"
-#include "base/toml_document.h"
 #include "sea/spectrum/spreading.h"
 #include "sea/waves/sea_state.h"
 

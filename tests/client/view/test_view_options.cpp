@@ -2,6 +2,7 @@
 // The command line of seaway-view: every option reaches its own value, up to its limits and no further.
 #include <algorithm>
 #include <optional>
+#include <span>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -128,6 +129,25 @@ struct Limit {
     const char* beyond;
 };
 
+void expect_limits(std::span<const Limit> limits) {
+    for (const Limit& limit : limits) {
+        EXPECT_TRUE(std::holds_alternative<ViewOptions>(read(limit.within))) << limit.within;
+        ::testing::internal::CaptureStderr();
+        const auto refused = read(limit.beyond);
+        const std::string said = ::testing::internal::GetCapturedStderr();
+        ASSERT_TRUE(std::holds_alternative<int>(refused)) << limit.beyond;
+        EXPECT_EQ(std::get<int>(refused), 2) << limit.beyond;
+        const std::string beyond = limit.beyond;
+        const std::string name = beyond.substr(0, beyond.find(' '));
+        EXPECT_THAT(said, ::testing::HasSubstr(name == "--time" &&
+                                                       said.find("--frames") != std::string::npos
+                                                   ? "--frames 32"
+                                                   : name))
+            << limit.beyond;
+        EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 1) << said;
+    }
+}
+
 TEST(ViewOptions, are_taken_at_their_limits_and_refused_beyond_them) {
     const Limit limits[] = {
         {"--offscreen 16x17", "--offscreen 15x17"},
@@ -155,6 +175,15 @@ TEST(ViewOptions, are_taken_at_their_limits_and_refused_beyond_them) {
         {"--time -1e12", "--time -1.0000001e12"},
         // Thirty frames a second: the last of 31 is a second later than the first.
         {"--time 999999999999 --frames 31", "--time 999999999999 --frames 32"},
+        {"--timeout 0.001", "--timeout 0.0009"},
+        {"--timeout 86400", "--timeout 86400.1"},
+        {"--debug cascade:7", "--debug cascade:8"},
+    };
+    expect_limits(limits);
+}
+
+TEST(ViewOptions, of_the_look_are_taken_at_their_limits_and_refused_beyond_them) {
+    const Limit limits[] = {
         {"--visibility 0.2", "--visibility 0.199"},
         {"--visibility 280", "--visibility 280.1"},
         {"--clouds 0", "--clouds -0.01"},
@@ -171,26 +200,8 @@ TEST(ViewOptions, are_taken_at_their_limits_and_refused_beyond_them) {
         {"--place 1,2 --date 2026-06-21T18:30:01Z", "--date 2026-06-31T18:30Z --place 1,2"},
         {"--place 1,2 --date 2026-06-21T18:30:01Z",
          "--time-of-day 3 --place 1,2 --date 2026-06-21T18:30:01Z"},
-        {"--timeout 0.001", "--timeout 0.0009"},
-        {"--timeout 86400", "--timeout 86400.1"},
-        {"--debug cascade:7", "--debug cascade:8"},
     };
-    for (const Limit& limit : limits) {
-        EXPECT_TRUE(std::holds_alternative<ViewOptions>(read(limit.within))) << limit.within;
-        ::testing::internal::CaptureStderr();
-        const auto refused = read(limit.beyond);
-        const std::string said = ::testing::internal::GetCapturedStderr();
-        ASSERT_TRUE(std::holds_alternative<int>(refused)) << limit.beyond;
-        EXPECT_EQ(std::get<int>(refused), 2) << limit.beyond;
-        const std::string beyond = limit.beyond;
-        const std::string name = beyond.substr(0, beyond.find(' '));
-        EXPECT_THAT(said, ::testing::HasSubstr(name == "--time" &&
-                                                       said.find("--frames") != std::string::npos
-                                                   ? "--frames 32"
-                                                   : name))
-            << limit.beyond;
-        EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 1) << said;
-    }
+    expect_limits(limits);
 }
 
 } // namespace

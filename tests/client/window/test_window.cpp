@@ -120,7 +120,7 @@ TEST_F(WindowTest, dragging_the_hour_holds_no_frame_up) {
     }
     display_->tool("mouseup 1");
     ASSERT_TRUE(step_until([&] { return viewer_->skies().settled(); }));
-    EXPECT_GT(viewer_->choice().time_of_day_h, 14);
+    EXPECT_GT(viewer_->choice().look.hour, 14);
     EXPECT_GT(viewer_->skies().counts().made, made);
     EXPECT_GT(viewer_->skies().counts().frames_meanwhile, 0);
     EXPECT_GT(viewer_->sea_frames(), frames);

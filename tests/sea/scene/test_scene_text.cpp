@@ -13,6 +13,7 @@
 namespace seaway::sea {
 namespace {
 
+using ::testing::AllOf;
 using testing::error_of;
 using ::testing::HasSubstr;
 
@@ -78,6 +79,28 @@ TEST(Scene, phillips_spreads_as_cos2_and_the_others_as_hasselmann_if_nothing_is_
         ASSERT_TRUE(scene) << scene.error().message;
         EXPECT_EQ(std::get<WindSea>(scene->sea.systems[0]).spreading.kind, kind) << spectrum;
     }
+}
+
+TEST(Scene, water_has_an_optical_type_and_a_sea_floor) {
+    EXPECT_EQ(testing::scene_of("[sea]").water, Water{});
+    for (const auto& [name, type] : water_types) {
+        const Scene scene = testing::scene_of(
+            fmt::format("[sea]\n[water]\ntype = \"{}\"\nbottom_albedo = [0, 0.5, 1]", name));
+        EXPECT_EQ(scene.water, (Water{type, {0, 0.5, 1}})) << name;
+        EXPECT_EQ(testing::scene_of(to_toml(scene)).water, scene.water) << to_toml(scene);
+        EXPECT_EQ(name_of(type), name);
+    }
+    EXPECT_THAT(to_toml(testing::scene_of("[sea]")), ::testing::Not(HasSubstr("water")))
+        << "clients that know no water read the scene of one that names none";
+    EXPECT_THAT(error_of("[sea]\n[water]\ntype = \"2C\""),
+                AllOf(HasSubstr("s.toml:3"), HasSubstr("water.type"), HasSubstr("\"2C\""),
+                      HasSubstr("IB | II | III | 1C")));
+    for (const char* bad : {"0.5", "[0.1, 0.2]", "[0.1, 0.2, 1.01]", "[0.1, nan, 0.3]",
+                            "[0.1, \"a\", 0.3]", "[0.1, 0.2, 0.3, 0.4]"})
+        EXPECT_THAT(error_of(fmt::format("[sea]\n[water]\nbottom_albedo = {}", bad)),
+                    AllOf(HasSubstr("water.bottom_albedo"), HasSubstr("three numbers 0 .. 1")));
+    EXPECT_THAT(error_of("[sea]\n[water]\ntyp = \"I\""),
+                HasSubstr("water.typ: unknown key; the nearest is type"));
 }
 
 } // namespace
