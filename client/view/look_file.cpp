@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/view/look_file.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <charconv>
 #include <cmath>
@@ -16,6 +17,8 @@
 namespace seaway::client {
 
 namespace {
+
+constexpr std::size_t path_bytes_max = 1024;
 
 std::optional<double> number_of(std::string_view text) {
     double value = 0;
@@ -67,7 +70,29 @@ void read_exposure(TomlTable& table, std::string_view key, Look& look) {
     }
 }
 
-void read_word(TomlTable& table, std::string_view key, LookWord word, Look& look) {
+/// One that the writer can write between quotes.
+bool fits_quotes(const std::string& name) {
+    const auto unfit = [](char c) {
+        return c == '"' || c == '\\' || static_cast<unsigned char>(c) < 0x20 || c == 0x7f;
+    };
+    return std::none_of(name.begin(), name.end(), unfit);
+}
+
+void read_environment_name(TomlTable& table, std::string_view key, const std::string& base_dir,
+                           Look& look) {
+    std::string name;
+    if (!table.text(key, name))
+        return;
+    if (name.empty() || name.size() > path_bytes_max || !fits_quotes(name))
+        return table.bad_value(key, name.empty() ? "\"\"" : "this name",
+                               fmt::format("the name of a file, 1 .. {} bytes without quotes, "
+                                           "backslashes and control characters",
+                                           path_bytes_max));
+    look.environment = (std::filesystem::path(base_dir) / name).lexically_normal().string();
+}
+
+void read_word(TomlTable& table, std::string_view key, LookWord word, const std::string& base_dir,
+               Look& look) {
     double angle_deg = 0;
     switch (word) {
     case LookWord::hour:
@@ -87,6 +112,9 @@ void read_word(TomlTable& table, std::string_view key, LookWord word, Look& look
     case LookWord::exposure:
         read_exposure(table, key, look);
         break;
+    case LookWord::environment:
+        read_environment_name(table, key, base_dir, look);
+        break;
     case LookWord::water:
         if (sea::WaterType type{}; table.choice(key, type, sea::water_types))
             look.water = type;
@@ -98,7 +126,7 @@ void read_word(TomlTable& table, std::string_view key, LookWord word, Look& look
     }
 }
 
-void read_key(TomlTable& table, const LookKey& row, Look& look) {
+void read_key(TomlTable& table, const LookKey& row, const std::string& base_dir, Look& look) {
     if (const auto* number = std::get_if<LookNumber>(&row.value)) {
         if (double value = 0; table.number(row.key, value, number->range))
             number->of(look) = value * number->unit;
@@ -106,7 +134,7 @@ void read_key(TomlTable& table, const LookKey& row, Look& look) {
         if (std::array<double, 3> v{}; table.triple(row.key, v, triple->range))
             triple->of(look) = {v[0], v[1], v[2]};
     } else {
-        read_word(table, row.key, std::get<LookWord>(row.value), look);
+        read_word(table, row.key, std::get<LookWord>(row.value), base_dir, look);
     }
 }
 
@@ -140,6 +168,8 @@ std::string value_of(const LookKey& row, Look& look) {
     case LookWord::exposure:
         return look.exposure.by == Exposure::By::factor ? to_text(look.exposure)
                                                         : '"' + to_text(look.exposure) + '"';
+    case LookWord::environment:
+        return look.environment.empty() ? "" : '"' + look.environment + '"';
     case LookWord::water:
         return look.water ? fmt::format("\"{}\"", sea::name_of(*look.water)) : "";
     case LookWord::bottom:
@@ -153,7 +183,8 @@ std::string value_of(const LookKey& row, Look& look) {
 
 } // namespace
 
-Result<Look> parse_look(std::string_view text, const std::string& name) {
+Result<Look> parse_look(std::string_view text, const std::string& name,
+                        const std::string& base_dir) {
     if (text.size() > look_text_bytes_max)
         return Error{fmt::format("{}: {} bytes; a look has at most {}", name, text.size(),
                                  look_text_bytes_max)};
@@ -173,7 +204,7 @@ Result<Look> parse_look(std::string_view text, const std::string& name) {
             continue;
         for (const LookKey& row : keys.subspan(i))
             if (row.table == heading)
-                read_key(*table, row, look);
+                read_key(*table, row, base_dir, look);
         if (heading == "time")
             check_time(*table, look);
         table->finish();
@@ -188,7 +219,7 @@ Result<Look> read_look(const std::string& path) {
     const Result<std::string> text = read_text_file(path, look_text_bytes_max);
     if (!text)
         return Error{fmt::format("cannot read look '{}': {}", path, text.error().message)};
-    return parse_look(*text, path);
+    return parse_look(*text, path, std::filesystem::path(path).parent_path().string());
 }
 
 std::string to_toml(const Look& look) {
@@ -215,13 +246,23 @@ Result<void> write_look(const Look& look, const std::string& path) {
         return failed("no name");
     if (const Result<void> free = check_replaceable(path); !free)
         return failed(free.error().message);
+    if (!fits_quotes(look.environment))
+        return failed("the name of its sky has quotes, backslashes or control characters");
+    Look beside_it = look;
+    if (!look.environment.empty()) {
+        namespace fs = std::filesystem;
+        const fs::path from = fs::absolute(path).parent_path();
+        beside_it.environment = fs::absolute(look.environment)
+                                    .lexically_normal()
+                                    .lexically_proximate(from.lexically_normal());
+    }
     const std::string beside = path + ".part";
     if (const Result<void> free = check_replaceable(beside); !free)
         return failed(beside + " " + free.error().message);
     std::FILE* file = std::fopen(beside.c_str(), "wb");
     if (file == nullptr)
         return failed(std::generic_category().message(errno));
-    const std::string text = to_toml(look);
+    const std::string text = to_toml(beside_it);
     bool fine = std::fwrite(text.data(), 1, text.size(), file) == text.size();
     fine = std::fclose(file) == 0 && fine;
     std::error_code problem;

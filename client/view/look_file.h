@@ -20,8 +20,9 @@ namespace seaway::client {
 inline constexpr std::size_t look_text_bytes_max = 1u << 16;
 
 Result<Look> read_look(const std::string& path);
-/// `name` is quoted in errors.
-Result<Look> parse_look(std::string_view text, const std::string& name);
+/// `name` is quoted in errors; files that the text names are relative to `base_dir`.
+Result<Look> parse_look(std::string_view text, const std::string& name,
+                        const std::string& base_dir);
 
 /// Every value; reads back as the same look.
 std::string to_toml(const Look& look);

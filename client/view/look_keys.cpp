@@ -80,6 +80,12 @@ constexpr std::array keys{
     LookKey{"clouds", "drift_north_mps",
             LookNumber{{-200, 200}, [](Look& look) -> double& { return look.clouds.drift_mps.y; }},
             "likewise"},
+    LookKey{"sky", "environment", LookWord::environment,
+            "a picture of the sky in place of a computed one, beside the look"},
+    LookKey{
+        "sky", "turn_deg",
+        LookNumber{{-360, 360}, [](Look& look) -> double& { return look.environment_turn_deg; }},
+        "of that picture, clockwise"},
     LookKey{"water", "type", LookWord::water,
             "Jerlov's optical type; left out: what the sea says of itself"},
     LookKey{"water", "bottom_albedo", LookWord::bottom,
@@ -102,6 +108,8 @@ std::string allowed_word(LookWord word) {
     case LookWord::exposure:
         return fmt::format("\"auto\", \"{0}ev\" .. \"{1}ev\", or {2}", exposure_values.lo,
                            exposure_values.hi, numbers(exposure_factors));
+    case LookWord::environment:
+        return "name of an OpenEXR file";
     case LookWord::bottom:
         return fmt::format("[red, green, blue], each {}", numbers(albedos));
     case LookWord::water:

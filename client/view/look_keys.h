@@ -25,7 +25,7 @@ struct LookTriple {
     glm::dvec3& (*of)(Look&);
 };
 /// What is read and written by hand (look_file.cpp).
-enum class LookWord { hour, latitude, longitude, utc, exposure, water, bottom };
+enum class LookWord { hour, latitude, longitude, utc, exposure, environment, water, bottom };
 
 struct LookKey {
     std::string_view table, key;

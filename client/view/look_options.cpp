@@ -70,6 +70,8 @@ Result<void> take_look(const LookWords& words, Look& look) {
     if (!words.path.empty()) {
         SEAWAY_TRY_LET(look, read_look(words.path));
     }
+    if (!words.environment.empty())
+        look.environment = words.environment;
     SEAWAY_TRY(take_number("--visibility", words.visibility_km, visibilities_km, 1000,
                            look.air.visibility_m));
     SEAWAY_TRY(take_number("--clouds", words.clouds, cloud_shares, 1, look.clouds.coverage));
@@ -106,6 +108,8 @@ void LookWords::describe(CommandLine& line) {
     line.option("--place", place, "LAT,LON: sun, moon and stars by almanac, with --date");
     line.option("--date", date, "UTC at sea time 0, as 2026-06-21T18:30Z");
     line.option("--visibility", visibility_km, "where 2 % of contrast is left, km");
+    line.option("--sky", environment,
+                "a picture of the sky: OpenEXR, latitude-longitude, kcd/m2, north in the middle");
     line.option("--clouds", clouds, "share of the sky, 0 .. 1");
     line.option("--water", water,
                 "Jerlov's optical type, I, IA .. 9C, or north_sea: in place of the sea's");

@@ -15,7 +15,7 @@ namespace seaway::client {
 struct LookWords {
     static constexpr double nothing = std::numeric_limits<double>::quiet_NaN(); ///< not given
 
-    std::string path, exposure, water, place, date;
+    std::string path, environment, exposure, water, place, date;
     double hour = nothing, visibility_km = nothing, clouds = nothing, density = nothing;
     bool list = false;
 

@@ -22,12 +22,12 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 std::string look_error(const std::string& text) {
-    const Result<Look> look = parse_look(text, "l.toml");
+    const Result<Look> look = parse_look(text, "l.toml", "");
     return look ? "no error" : look.error().message;
 }
 
 Look look_of(const std::string& text) {
-    const Result<Look> look = parse_look(text, "l.toml");
+    const Result<Look> look = parse_look(text, "l.toml", "");
     EXPECT_TRUE(look) << (look ? "" : look.error().message);
     return look ? *look : Look{};
 }
@@ -193,6 +193,30 @@ TEST(LookFile, what_is_saved_is_what_is_loaded_and_a_failure_leaves_the_old_file
     EXPECT_THAT(why("/dev/null"), HasSubstr("regular file"));
     EXPECT_THAT(why(""), HasSubstr("no name"));
     EXPECT_FALSE(std::filesystem::exists(path + ".part"));
+}
+
+TEST(LookFile, a_picture_of_the_sky_is_looked_for_beside_the_look) {
+    const std::string folder = tests::folder().file("skies");
+    std::filesystem::create_directory(folder);
+    std::ofstream(folder + "/harbour.toml")
+        << "[sky]\nenvironment = \"exr/h.exr\"\nturn_deg = 90\n";
+    const Result<Look> look = read_look(folder + "/harbour.toml");
+    ASSERT_TRUE(look) << look.error().message;
+    EXPECT_EQ(look->environment, folder + "/exr/h.exr");
+    EXPECT_EQ(look->environment_turn_deg, 90);
+    // Saved elsewhere it is the same picture still, and saved beside it has the same short name.
+    ASSERT_TRUE(write_look(*look, tests::folder().file("moved.toml")));
+    EXPECT_EQ(read_look(tests::folder().file("moved.toml"))->environment, look->environment);
+    ASSERT_TRUE(write_look(*look, folder + "/again.toml"));
+    std::ifstream again(folder + "/again.toml");
+    EXPECT_THAT(std::string(std::istreambuf_iterator<char>(again), {}),
+                HasSubstr("environment = \"exr/h.exr\"\n"));
+    EXPECT_THAT(look_error("[sky]\nenvironment = \"\""), HasSubstr("sky.environment: \"\""));
+    EXPECT_THAT(look_error("[sky]\nenvironment = 'a\"b'"), HasSubstr("without quotes"));
+    Look odd;
+    odd.environment = "a\"b.exr";
+    EXPECT_THAT(write_look(odd, folder + "/odd.toml").error().message,
+                HasSubstr("name of its sky"));
 }
 
 // EV 15 is full sun: what a meter then looks at is 4.1 kcd/m2, a grey sheet in 71 klx.
