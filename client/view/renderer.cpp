@@ -4,20 +4,16 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <optional>
 
 #include "base/check.h"
 #include "gpu/keep.h"
 #include "shaders/view/debug_frag.h"
 #include "shaders/view/debug_one_frag.h"
-#include "shaders/view/final_frag.h"
-#include "shaders/view/final_one_frag.h"
 #include "shaders/view/mesh_comp.h"
 #include "shaders/view/picture_vert.h"
 #include "shaders/view/sea_frag.h"
 #include "shaders/view/sea_vert.h"
 #include "shaders/view/shown_frag.h"
-#include "shaders/view/sky_frag.h"
 
 namespace seaway::client {
 
@@ -88,7 +84,10 @@ Result<void> Renderer::create_pipelines() {
                     GraphicsPipeline::create(*device_, name, vertex, fragment, bindings, options));
     };
     SEAWAY_TRY(pipeline(geometry_, "sea", sea_vert, sea_frag, draw_bindings, geometry));
-    SEAWAY_TRY(create_light());
+    const bool one = geometry.samples == VK_SAMPLE_COUNT_1_BIT;
+    const std::span<const std::uint32_t> many = debug_frag, single = debug_one_frag;
+    SEAWAY_TRY(pipeline(debug_, "debug", picture_vert, one ? single : many, draw_bindings, {}));
+    lighting_ = Lighting(*device_, geometry.samples, draw_bindings);
     SEAWAY_TRY(pipeline(shown_, "film", picture_vert, shown_frag, shown_bindings,
                         {.colour_format = gpu::Offscreen::shown_format}));
     return keep(mesh_, gpu::Kernel::create(*device_, "mesh", mesh_comp,
@@ -98,32 +97,6 @@ Result<void> Renderer::create_pipelines() {
                                              {"Vertices", storage}},
                                             0,
                                             {shaders::view_group, 1, 1}}));
-}
-
-/// With one sample a pixel is sea or sky: each has a pipeline of its own, because a device without a GPU takes both sides
-/// of a branch. With four the sea's draws the sky between crests too.
-Result<void> Renderer::create_light() {
-    const bool one = target_.size().samples == VK_SAMPLE_COUNT_1_BIT;
-    const auto pipeline = [&](gpu::GraphicsPipeline& target, const char* name,
-                              std::span<const std::uint32_t> fragment,
-                              std::optional<gpu::DepthTest> test) {
-        gpu::GraphicsOptions options;
-        if (test) {
-            options.depth_format = gpu::Offscreen::depth_format;
-            options.test = *test;
-        }
-        return keep(target, gpu::GraphicsPipeline::create(*device_, name, picture_vert, fragment,
-                                                          draw_bindings, options));
-    };
-    using gpu::DepthTest;
-    SEAWAY_TRY(pipeline(sky_, "sky", sky_frag, {}));
-    if (one) {
-        SEAWAY_TRY(pipeline(light_, "light", final_one_frag, DepthTest::covered));
-        SEAWAY_TRY(pipeline(sky_around_, "sky around", sky_frag, DepthTest::bare));
-        return pipeline(debug_, "debug", debug_one_frag, {});
-    }
-    SEAWAY_TRY(pipeline(light_, "light", final_frag, {}));
-    return pipeline(debug_, "debug", debug_frag, {});
 }
 
 Result<void> Renderer::create_sky() {
@@ -235,22 +208,8 @@ void Renderer::record_geometry(Flight& flight, const Mesh& mesh) {
     target_.end_geometry(commands);
 }
 
-void Renderer::record_light(Flight& flight, const Mesh& mesh, DebugView view) {
-    gpu::Commands& commands = flight.commands;
-    const bool final = view == DebugView::final, sees_sea = mesh.columns > 0;
-    const bool split = final && sees_sea && target_.size().samples == VK_SAMPLE_COUNT_1_BIT;
-    const auto draw = [&](const gpu::GraphicsPipeline& pipeline) {
-        pipeline.record_bind(commands, flight.draw);
-        vkCmdDraw(commands.get(), 3, 1, 0, 0);
-    };
-    target_.begin_picture(commands, split);
-    draw(!final ? debug_ : sees_sea ? light_ : sky_);
-    if (split)
-        draw(sky_around_);
-    target_.end_picture(commands);
-}
-
-Result<void> Renderer::record(Flight& flight, const Mesh& mesh, DebugView view, Wanted wanted) {
+Result<void> Renderer::record(Flight& flight, const Mesh& mesh, DebugView view,
+                              const Lighting::Needs& needs, Wanted wanted) {
     gpu::Commands& commands = flight.commands;
     SEAWAY_TRY(commands.begin());
     flight.timer.reset(commands);
@@ -259,7 +218,7 @@ Result<void> Renderer::record(Flight& flight, const Mesh& mesh, DebugView view, 
         gpu::record_upload(commands, sky_map_.staging, sky_map_.image, texel_bytes);
     commands.barrier(gpu::Stage::graphics, gpu::Stage::compute); // the frame before reads its maps
     stamp();
-    const bool sees_sea = mesh.columns > 0;
+    const bool sees_sea = needs.sea;
     if (sees_sea)
         sea_.record(commands, flight.values);
     stamp();
@@ -272,7 +231,14 @@ Result<void> Renderer::record(Flight& flight, const Mesh& mesh, DebugView view, 
     if (sees_sea || view != DebugView::final)
         record_geometry(flight, mesh);
     stamp();
-    record_light(flight, mesh, view);
+    if (view == DebugView::final) {
+        lighting_.record(commands, target_, flight.draw, needs);
+    } else {
+        target_.begin_picture(commands);
+        debug_.record_bind(commands, flight.draw);
+        vkCmdDraw(commands.get(), 3, 1, 0, 0);
+        target_.end_picture(commands);
+    }
     stamp();
     if (wanted == Wanted::numbers) {
         target_.read_picture(commands);
@@ -305,7 +271,10 @@ Result<void> Renderer::draw(const SeaFrame& frame, const Camera& camera, const S
     shaders::ViewValues values = view_values(frame, drawn, sky, mesh, options_, debug, display);
     sea_.describe(frame, {camera.x_m, camera.y_m}, values);
     put(flight.values, &values, sizeof values);
-    SEAWAY_TRY(record(flight, mesh, debug.view, wanted));
+    const Lighting::Needs needs{mesh.columns > 0, sky_seen(values.sky, drawn)};
+    if (debug.view == DebugView::final)
+        SEAWAY_TRY(lighting_.prepare(needs));
+    SEAWAY_TRY(record(flight, mesh, debug.view, needs, wanted));
     SEAWAY_TRY_LET(flight.ticket, device_->submit(flight.commands));
     next_ = (next_ + 1) % flights_.size();
     return {};

@@ -19,6 +19,7 @@
 #include "base/result.h"
 #include "client/view/camera.h"
 #include "client/view/debug_views.h"
+#include "client/view/lighting.h"
 #include "client/view/picture.h"
 #include "client/view/quality.h"
 #include "client/view/sea/device_sea.h"
@@ -91,7 +92,6 @@ class Renderer {
         : device_(&device), options_(options) {}
 
     Result<void> create_pipelines();
-    Result<void> create_light();
     Result<void> create_sky();
     Result<void> create_flight(Flight& flight);
     Result<void> take_sky(const Sky& sky);
@@ -102,16 +102,16 @@ class Renderer {
     ShownPicture shown_picture() const;
     Result<void> wait(Flight& flight);
     void record_geometry(Flight& flight, const Mesh& mesh);
-    void record_light(Flight& flight, const Mesh& mesh, DebugView view);
-    Result<void> record(Flight& flight, const Mesh& mesh, DebugView view, Wanted wanted);
+    Result<void> record(Flight& flight, const Mesh& mesh, DebugView view,
+                        const Lighting::Needs& needs, Wanted wanted);
 
     gpu::Device* device_;
     RenderOptions options_;
     DeviceSea sea_;
     gpu::Offscreen target_;
     gpu::Kernel mesh_;
-    gpu::GraphicsPipeline geometry_, light_, debug_, shown_;
-    gpu::GraphicsPipeline sky_, sky_around_; ///< where no sea is seen; around it
+    gpu::GraphicsPipeline geometry_, debug_, shown_;
+    Lighting lighting_;
     gpu::OwnedSampler sampler_;
     gpu::Buffer vertices_, indices_, undeveloped_;
     gpu::TexelView vertex_texels_;

@@ -103,6 +103,7 @@ vec3 beam_klx = view.sun_irradiance_klx;
 /// Patches of light: clouds let the beam through here and hold it there. Where a pixel is as large as a cloud the mean is
 /// left. client/view/sky/clouds.cpp has the same formula.
 void light_place(vec2 place_m, float pixel_m) {
+#ifndef SEAWAY_CLEAR
     for (int once = 0; once < int(view.sky.cloud_patches > 0.0); ++once) {
         const float height_m = view.sky.cloud_height_m + view.camera_m.z;
         const float rise = height_m * 4.0 * view.sky.curvature_per_m;
@@ -114,10 +115,12 @@ void light_place(vec2 place_m, float pixel_m) {
         const float share = exp(-cloud_depth(at, lod) / max(s, 0.2)) * view.sky.cloud_patches;
         beam_klx *= mix(share, 1.0, smoothstep(2.0, 5.0, lod));
     }
+#endif
 }
 
-/// Devices without a GPU take both sides of every branch, but leave a loop that nobody is in: what is dear and seldom
-/// seen - clouds, stars, discs - stands in loops that are run once or not at all.
+/// Devices without a GPU take both sides of every branch, and a good part of a loop that nobody is in: what is dear and
+/// seldom seen - clouds, stars, discs - stands in loops that are run once or not at all, and is left out of shaders for
+/// skies without clouds (SEAWAY_CLEAR) and of pictures where no disc nor star stands (SEAWAY_PLAIN).
 vec4 clouds_before(vec3 clear, vec3 direction) {
     const float rise = view.sky.cloud_height_m * 4.0 * view.sky.curvature_per_m;
     const float under = direction.z * direction.z + rise;
@@ -197,9 +200,16 @@ vec3 sky_behind(vec3 direction) {
     vec2 at = dome_place(direction, view.sky.dip_rad);
     at.y = max(at.y, 0.5 + 0.5 / float(sky_rows));
     const vec3 clear = textureLod(sky_map, vec3(at, sky_layer_eye), 0.0).rgb;
+#ifdef SEAWAY_CLEAR
+    const vec4 seen = vec4(clear, 1);
+#else
     const vec4 seen = clouds_before(clear, direction);
-    vec3 beyond = discs(direction);
+#endif
+    vec3 beyond = vec3(0);
+#ifndef SEAWAY_PLAIN
+    beyond = discs(direction);
     for (int once = 0; once < int(view.sky.star_klx > 0.0); ++once)
         beyond += stars(direction);
+#endif
     return seen.rgb + seen.w * beyond;
 }

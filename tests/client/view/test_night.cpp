@@ -219,5 +219,31 @@ TEST_F(NightTest, the_suns_disc_darkens_towards_its_rim_as_measured) {
     EXPECT_GT(compared, 30);
 }
 
+// Shaders of pictures without discs know none: a sun whose rim alone is in the picture is still in it.
+TEST_F(NightTest, a_sun_in_the_corner_of_the_picture_is_drawn) {
+    const Sky sky(sun_direction(10));
+    look_at(sky.sun_direction(), 40, 100);
+    // Half a turn of 40 degrees and a little: the sun's middle is outside.
+    camera_.pitch_deg -= 20.1;
+    const auto brightest = [&](const Picture& picture) {
+        double most = 0;
+        for (std::size_t i = 0; i < picture.rgba.size(); i += 4)
+            most = std::max(most, luminance(&picture.rgba[i]));
+        return most;
+    };
+    EXPECT_GT(brightest(render(flat_sea(), sky)), 1e4) << "its upper edge cuts the disc";
+    EXPECT_EQ(sky_seen(sky.values(), camera_), SkySeen::discs);
+    camera_.pitch_deg -= 12;
+    EXPECT_LT(brightest(render(flat_sea(), sky)), 1e3);
+    EXPECT_EQ(sky_seen(sky.values(), camera_), SkySeen::plain);
+    camera_.yaw_deg += 180;
+    EXPECT_EQ(sky_seen(sky.values(), camera_), SkySeen::plain);
+    Look cloudy;
+    cloudy.clouds.coverage = 0.1;
+    EXPECT_EQ(sky_seen(maker_.make(cloudy, heavens_at_hour(10), {})->values(), camera_),
+              SkySeen::clouds);
+    EXPECT_EQ(sky_seen(sky_of(stars_at("2026-01-15T00:00Z")).values(), camera_), SkySeen::discs);
+}
+
 } // namespace
 } // namespace seaway::client
