@@ -6,6 +6,7 @@
 #include "gpu/call.h"
 #include "sea/basics/constants.h"
 #include "tests/client/window/window_fixture.h"
+#include "tests/client/window/x11.h"
 
 namespace seaway::client {
 namespace {
@@ -72,6 +73,28 @@ TEST_F(WindowTest, a_click_on_the_sea_shows_what_the_server_says_of_that_place) 
         EXPECT_GT(box.high.x - box.low.x, 150) << curve;
         EXPECT_GT(box.high.y - box.low.y, 30) << curve;
     }
+}
+
+TEST_F(WindowTest, where_dots_are_half_as_large_window_and_panels_are_twice_as_many) {
+    open(options());
+    const Panels::Box hour = viewer_->panels().places().at("hour");
+    viewer_.reset();
+    ASSERT_TRUE(tests::set_dots_an_inch(display_->name(), 2 * 96));
+    ViewOptions half = options();
+    half.camera.width = 650; // the screen has 1400 columns
+    half.camera.height = height;
+    open(half);
+    EXPECT_EQ(viewer_->pixels(), 2 * glm::ivec2(half.camera.width, half.camera.height));
+    const Panels::Box twice = viewer_->panels().places().at("hour");
+    // Letters are of whole dots.
+    EXPECT_NEAR((twice.high.y - twice.low.y) / (hour.high.y - hour.low.y), 2, 0.1);
+    EXPECT_NEAR((twice.high.x - twice.low.x) / (hour.high.x - hour.low.x), 2, 0.1);
+    // And the mouse means what is below it.
+    mouse(twice.low.x + 6, (twice.low.y + twice.high.y) / 2);
+    step();
+    display_->tool("click 1");
+    EXPECT_TRUE(step_until([&] { return viewer_->choice().time_of_day_h < 1; }));
+    ASSERT_TRUE(tests::set_dots_an_inch(display_->name(), 96));
 }
 
 TEST_F(WindowTest, a_click_on_a_panel_is_no_click_on_the_sea) {

@@ -5,8 +5,8 @@
 #include <netinet/in.h>
 #include <sys/socket.h>
 
-#include "tests/client/window/close_window.h"
 #include "tests/client/window/window_fixture.h"
+#include "tests/client/window/x11.h"
 
 namespace seaway::client {
 namespace {
