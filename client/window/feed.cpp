@@ -13,7 +13,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 /// A window shows the sea of now: around it lie what is sent ahead and the keyframes of a late frame.
-constexpr sea::TimeUs reach_us = 3'000'000;
+constexpr sea::TimeUs reach_us = 1'000'000;
 
 std::chrono::duration<double> seconds(double s) {
     return std::chrono::duration<double>(s);

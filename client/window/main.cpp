@@ -5,6 +5,9 @@
 #include <exception>
 
 #include <fmt/format.h>
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 
 #include "base/messages.h"
 #include "base/text_file.h"
@@ -160,10 +163,18 @@ int run(const ViewOptions& options) {
     return options.offscreen ? draw_files(options, connect) : show(options, connect);
 }
 
+/// Keyframes, blocks of megabytes, come and go: left to itself glibc takes them from heaps that keep what has gone.
+void give_large_blocks_back() {
+#ifdef __GLIBC__
+    mallopt(M_MMAP_THRESHOLD, 256 * 1024);
+#endif
+}
+
 } // namespace
 
 int main(int argc, char** argv) {
     try {
+        give_large_blocks_back();
         const std::variant<ViewOptions, int> options = read_view_options(argc, argv);
         if (const int* code = std::get_if<int>(&options))
             return *code;
