@@ -93,7 +93,7 @@ TEST_F(WindowTest, where_dots_are_half_as_large_window_and_panels_are_twice_as_m
     mouse(twice.low.x + 6, (twice.low.y + twice.high.y) / 2);
     step();
     display_->tool("click 1");
-    EXPECT_TRUE(step_until([&] { return viewer_->choice().time_of_day_h < 1; }));
+    EXPECT_TRUE(step_until([&] { return viewer_->choice().look.hour < 1; }));
     ASSERT_TRUE(tests::set_dots_an_inch(display_->name(), 96));
 }
 
