@@ -35,6 +35,9 @@ struct Display {
     DebugView view = DebugView::final;
     double exposure = 1;             ///< final: factor to a picture in which white is 1
     double significant_height_m = 1; ///< scale of heights
+    /// final: share of the light that lens and eye scatter (client/view/bloom.h); where the quality has none, and at 0, there
+    /// is none.
+    double bloom = 0.04;
 };
 
 /// The factor that a light meter on the sea says: a white sheet there, of this radiance in kcd/m2, becomes 0.9; below

@@ -18,13 +18,14 @@ struct Quality {
     int nodes_a_point;   ///< of the gradients' maps: DeviceSeaOptions
     bool between_levels; ///< lookups are linear between levels of maps, else from the nearest
     double scale;        ///< pixels that are drawn over pixels that are shown, a side
+    int bloom_pixels; ///< of the picture a texel of the finest bloom, a side: 4 or 2; 0: no bloom
 };
 
 inline constexpr std::array<Quality, 4> quality_table{{
-    {"low", "two cores without a GPU at 10 frames a second", 10, 1, 1, 1, false, 0.5},
-    {"default", "two cores without a GPU at 4 frames a second", 6.4, 1, 2, 1, false, 0.8},
-    {"high", "stills and GPUs", 2.5, 4, 5, 2, true, 1},
-    {"film", "stills that are looked at closely", 1.5, 4, 9, 2, true, 1},
+    {"low", "two cores without a GPU at 10 frames a second", 10, 1, 1, 1, false, 0.5, 0},
+    {"default", "two cores without a GPU at 4 frames a second", 6.4, 1, 2, 1, false, 0.8, 4},
+    {"high", "stills and GPUs", 2.5, 4, 5, 2, true, 1, 2},
+    {"film", "stills that are looked at closely", 1.5, 4, 9, 2, true, 1, 2},
 }};
 
 // Places in the table.

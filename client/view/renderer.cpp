@@ -13,6 +13,7 @@
 #include "shaders/view/picture_vert.h"
 #include "shaders/view/sea_frag.h"
 #include "shaders/view/sea_vert.h"
+#include "shaders/view/shown_bloom_frag.h"
 #include "shaders/view/shown_frag.h"
 
 namespace seaway::client {
@@ -33,6 +34,8 @@ constexpr gpu::ExpectedBinding draw_bindings[] = {
     {"gradients", texel_buffer}, {"sky_map", texture}, {"geometry", texture},
 };
 constexpr gpu::ExpectedBinding shown_bindings[] = {{"View", uniform}, {"picture", texture}};
+constexpr gpu::ExpectedBinding bloomed_bindings[] = {
+    {"View", uniform}, {"picture", texture}, {"spread", texel_buffer}};
 
 using gpu::keep;
 
@@ -60,6 +63,7 @@ Result<Renderer> Renderer::create(gpu::Device& device, int width, int height,
     SEAWAY_TRY(keep(made.target_, gpu::Offscreen::create(device, size)));
     SEAWAY_TRY(
         keep(made.sea_, DeviceSea::create(device, {.nodes_a_point = quality.nodes_a_point})));
+    SEAWAY_TRY(keep(made.sampler_, gpu::create_sampler(device, {.repeat = true})));
     SEAWAY_TRY(made.create_pipelines());
     SEAWAY_TRY(made.create_sky());
     constexpr std::size_t strip_bytes =
@@ -88,8 +92,14 @@ Result<void> Renderer::create_pipelines() {
     const std::span<const std::uint32_t> many = debug_frag, single = debug_one_frag;
     SEAWAY_TRY(pipeline(debug_, "debug", picture_vert, one ? single : many, draw_bindings, {}));
     lighting_ = Lighting(*device_, geometry.samples, draw_bindings);
-    SEAWAY_TRY(pipeline(shown_, "film", picture_vert, shown_frag, shown_bindings,
-                        {.colour_format = gpu::Offscreen::shown_format}));
+    const gpu::GraphicsOptions bytes{.colour_format = gpu::Offscreen::shown_format};
+    SEAWAY_TRY(pipeline(shown_, "film", picture_vert, shown_frag, shown_bindings, bytes));
+    if (options_.quality.bloom_pixels > 0) {
+        SEAWAY_TRY(pipeline(bloomed_, "film with bloom", picture_vert, shown_bloom_frag,
+                            bloomed_bindings, bytes));
+        SEAWAY_TRY(keep(bloom_, Bloom::create(*device_, target_.picture(),
+                                              options_.quality.bloom_pixels, sampler_.get())));
+    }
     return keep(mesh_, gpu::Kernel::create(*device_, "mesh", mesh_comp,
                                            {{{"View", uniform},
                                              {"Rows", storage},
@@ -100,7 +110,6 @@ Result<void> Renderer::create_pipelines() {
 }
 
 Result<void> Renderer::create_sky() {
-    SEAWAY_TRY(keep(sampler_, gpu::create_sampler(*device_, {.repeat = true})));
     const gpu::ImageSpec sky{.width = shaders::sky_columns,
                              .height = shaders::sky_rows,
                              .layers = shaders::sky_layers,
@@ -179,13 +188,24 @@ Result<void> Renderer::bind(Flight& flight) {
 Result<void> Renderer::bind_film(Flight& flight) {
     const gpu::Resource shown[] = {gpu::whole(flight.values),
                                    gpu::sampled(sampler_.get(), target_.picture().view(),
-                                                VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL)};
-    return keep(flight.shown, shown_.bind(*device_, shown));
+                                                VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL),
+                                   gpu::texels(bloom_.texels())};
+    if (options_.quality.bloom_pixels > 0)
+        SEAWAY_TRY(keep(flight.bloomed, bloomed_.bind(*device_, shown)));
+    return keep(flight.shown, shown_.bind(*device_, std::span(shown).first(2)));
 }
 
-void Renderer::record_film(Flight& flight) {
+bool Renderer::blooms(const Display& display) const {
+    return options_.quality.bloom_pixels > 0 && display.view == DebugView::final &&
+           display.bloom > 0;
+}
+
+void Renderer::record_film(Flight& flight, bool blooms) {
     target_.begin_shown(flight.commands);
-    shown_.record_bind(flight.commands, flight.shown);
+    if (blooms)
+        bloomed_.record_bind(flight.commands, flight.bloomed);
+    else
+        shown_.record_bind(flight.commands, flight.shown);
     vkCmdDraw(flight.commands.get(), 3, 1, 0, 0);
     target_.end_shown(flight.commands);
 }
@@ -209,7 +229,7 @@ void Renderer::record_geometry(Flight& flight, const Mesh& mesh) {
 }
 
 Result<void> Renderer::record(Flight& flight, const Mesh& mesh, DebugView view,
-                              const Lighting::Needs& needs, Wanted wanted) {
+                              const Lighting::Needs& needs, Wanted wanted, bool blooms) {
     gpu::Commands& commands = flight.commands;
     SEAWAY_TRY(commands.begin());
     flight.timer.reset(commands);
@@ -240,10 +260,14 @@ Result<void> Renderer::record(Flight& flight, const Mesh& mesh, DebugView view,
         target_.end_picture(commands);
     }
     stamp();
+    const bool with_bloom = blooms && wanted != Wanted::numbers;
+    if (with_bloom)
+        bloom_.record(commands);
+    stamp();
     if (wanted == Wanted::numbers) {
         target_.read_picture(commands);
     } else {
-        record_film(flight);
+        record_film(flight, with_bloom);
         if (wanted == Wanted::bytes)
             target_.read_shown(commands);
     }
@@ -270,11 +294,13 @@ Result<void> Renderer::draw(const SeaFrame& frame, const Camera& camera, const S
     SEAWAY_TRY(bind(flight));
     shaders::ViewValues values = view_values(frame, drawn, sky, mesh, options_, debug, display);
     sea_.describe(frame, {camera.x_m, camera.y_m}, values);
+    if (blooms(display))
+        bloom_.describe(options_.quality.scale, values);
     put(flight.values, &values, sizeof values);
     const Lighting::Needs needs{mesh.columns > 0, sky_seen(values.sky, drawn)};
     if (debug.view == DebugView::final)
         SEAWAY_TRY(lighting_.prepare(needs));
-    SEAWAY_TRY(record(flight, mesh, debug.view, needs, wanted));
+    SEAWAY_TRY(record(flight, mesh, debug.view, needs, wanted, blooms(display)));
     SEAWAY_TRY_LET(flight.ticket, device_->submit(flight.commands));
     next_ = (next_ + 1) % flights_.size();
     return {};
@@ -329,10 +355,15 @@ Result<ShownPicture> Renderer::develop(const Picture& picture, const Display& di
     put(undeveloped_, picture.rgba.data(), bytes);
     shaders::ViewValues values;
     set_display(values, display, options_.quality.scale);
+    const bool with_bloom = blooms(display);
+    if (with_bloom)
+        bloom_.describe(options_.quality.scale, values);
     put(flight.values, &values, sizeof values);
     SEAWAY_TRY(flight.commands.begin());
     gpu::record_upload(flight.commands, undeveloped_, target_.picture(), texel_bytes);
-    record_film(flight);
+    if (with_bloom)
+        bloom_.record(flight.commands);
+    record_film(flight, with_bloom);
     target_.read_shown(flight.commands);
     SEAWAY_TRY(flight.commands.end());
     SEAWAY_TRY(device_->submit_and_wait(flight.commands));

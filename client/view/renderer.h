@@ -6,7 +6,7 @@
 //     Result<Picture> picture = renderer->render(frame, camera, sky);   // linear numbers
 //     Result<ShownPicture> shown = renderer->show(frame, camera, sky, debug, display);  // bytes
 //
-// Passes: keyframes to maps (client/view/sea/device_sea.h), mesh, geometry, light, and for bytes the film curve.
+// Passes: keyframes to maps (client/view/sea/device_sea.h), mesh, geometry, light, and for bytes bloom and the film curve.
 // Two frames may be under way: draw() returns while the device works. The same inputs give the same bytes on one
 // device. Not thread-safe. Cost by quality: docs/performance.md.
 #pragma once
@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "base/result.h"
+#include "client/view/bloom.h"
 #include "client/view/camera.h"
 #include "client/view/debug_views.h"
 #include "client/view/lighting.h"
@@ -43,9 +44,9 @@ enum class Wanted { nothing, numbers, bytes };
 
 class Renderer {
   public:
-    static constexpr std::size_t passes = 5;
-    static constexpr std::array<std::string_view, passes> pass_names{"maps", "mesh", "geometry",
-                                                                     "light", "film"};
+    static constexpr std::size_t passes = 6;
+    static constexpr std::array<std::string_view, passes> pass_names{"maps",  "mesh",  "geometry",
+                                                                     "light", "bloom", "film"};
 
     static Result<Renderer> create(gpu::Device& device, int width, int height,
                                    const RenderOptions& options = {});
@@ -82,7 +83,7 @@ class Renderer {
     /// What one frame under way needs for itself.
     struct Flight {
         gpu::Buffer values, rows;
-        gpu::Bindings mesh, draw, shown;
+        gpu::Bindings mesh, draw, shown, bloomed;
         gpu::Commands commands;
         gpu::Timer timer;
         std::uint64_t generation = 0; ///< of the sea's buffers that the bindings are of
@@ -98,20 +99,22 @@ class Renderer {
     Result<void> take_mesh(Flight& flight, const Mesh& mesh);
     Result<void> bind(Flight& flight);
     Result<void> bind_film(Flight& flight);
-    void record_film(Flight& flight);
+    bool blooms(const Display& display) const;
+    void record_film(Flight& flight, bool blooms);
     ShownPicture shown_picture() const;
     Result<void> wait(Flight& flight);
     void record_geometry(Flight& flight, const Mesh& mesh);
     Result<void> record(Flight& flight, const Mesh& mesh, DebugView view,
-                        const Lighting::Needs& needs, Wanted wanted);
+                        const Lighting::Needs& needs, Wanted wanted, bool blooms);
 
     gpu::Device* device_;
     RenderOptions options_;
     DeviceSea sea_;
     gpu::Offscreen target_;
     gpu::Kernel mesh_;
-    gpu::GraphicsPipeline geometry_, debug_, shown_;
+    gpu::GraphicsPipeline geometry_, debug_, shown_, bloomed_;
     Lighting lighting_;
+    Bloom bloom_;
     gpu::OwnedSampler sampler_;
     gpu::Buffer vertices_, indices_, undeveloped_;
     gpu::TexelView vertex_texels_;

@@ -134,6 +134,7 @@ void set_detail(shaders::ViewValues& out, const SeaFrame& frame, const glm::dvec
 void set_display(shaders::ViewValues& values, const Display& display, double scale) {
     values.colours = static_cast<int>(info(display.view).colours);
     values.exposure = narrow(display.exposure);
+    values.bloom = narrow(display.bloom);
     values.height_scale_m = narrow(std::max(display.significant_height_m / 2, 1e-3));
     values.picture_per_shown = narrow(glm::dvec2(scale));
 }

@@ -156,8 +156,8 @@ struct ViewValues {
     vec3 sun_irradiance_klx; ///< at the sea, normal to the beam
     float sun_disk_per_sr;   ///< radiance of the disk over that irradiance
     vec3 sky_irradiance_klx; ///< on a horizontal plane
-    float unused;
-    vec3 water_reflectance; ///< diffuse, of deep water
+    float bloom_per_shown;   ///< texels of the finest level of bloom a pixel shown
+    vec3 water_reflectance;  ///< diffuse, of deep water
     float significant_height_m;
 
     vec2 mesh_apex_m;       ///< local
@@ -195,6 +195,9 @@ struct ViewValues {
     vec2 wind_turn;         ///< where waves run to, unit
     vec2 foam_rows_origin;  ///< of the local frame in the rows along the wind, cells
     float foam_rows;        ///< how strong those are, 0 .. 1
+    float bloom;            ///< share of the light that is spread
+    int bloom_columns;      ///< of its finest level
+    int bloom_lines;
     ViewCascade cascade[view_cascades_max];
     SkyValues sky;
     WaterValues water;
@@ -202,11 +205,11 @@ struct ViewValues {
 
 #ifdef __cplusplus
 static_assert(offsetof(ViewValues, camera_m) == 128 && offsetof(ViewValues, foam_mean) == 256);
-static_assert(offsetof(ViewValues, detail_origin) == 272 && offsetof(ViewValues, cascade) == 368);
+static_assert(offsetof(ViewValues, detail_origin) == 272 && offsetof(ViewValues, cascade) == 384);
 static_assert(sizeof(ViewCascade) == 80);
 static_assert(sizeof(SkyValues) == 16 * 16);
 static_assert(sizeof(WaterValues) == 5 * 16);
-static_assert(offsetof(ViewValues, sky) == 368 + 80 * view_cascades_max);
+static_assert(offsetof(ViewValues, sky) == 384 + 80 * view_cascades_max);
 static_assert(offsetof(ViewValues, water) == offsetof(ViewValues, sky) + sizeof(SkyValues));
 } // namespace seaway::shaders
 #endif

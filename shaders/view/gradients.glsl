@@ -6,6 +6,7 @@ struct Gradients {
     vec2 slope;    ///< d eta / d(X, Y)
     vec3 strain;   ///< d Dx/dX, d Dy/dY, d Dx/dY
     vec3 variance; ///< of slope within the pixel: xx, yy, xy
+    float within;  ///< variance of slope from side to side of the pixel, each axis
     float foam;    ///< product over cascades of (1 + foam / its mean) / 2
 };
 
@@ -85,7 +86,7 @@ GradientTexel gradients_of_cascade(Footprint area, int cascade) {
 }
 
 Gradients gradients_at(Footprint area) {
-    Gradients sum = Gradients(vec2(0), vec3(0), vec3(0), 1.0);
+    Gradients sum = Gradients(vec2(0), vec3(0), vec3(0), 0.0, 1.0);
     for (int c = 0; c < view.cascades; ++c) {
         const GradientTexel one = gradients_of_cascade(area, c);
         sum.slope += one.slope;
@@ -120,6 +121,10 @@ void add_detail(inout Gradients sum, Footprint area) {
         filtered(area, tile, view.detail_origin, rotation * view.detail_maps_per_m, view.detail_maps_per_m);
     sum.slope += transpose(rotation) * copy.slope;
     sum.variance.xy += vec2(0.5 * (copy.variance.x + copy.variance.y));
+    // Of what the pixel resolves, slopes change across it: three nodes make the shortest wave.
+    const float turns = 2.0 / 3.0 * 3.14159265 * area.width_m * view.detail_maps_per_m * float(tile.points);
+    const vec2 resolved = max(all.variance.xy - copy.variance.xy, vec2(0));
+    sum.within = (resolved.x + resolved.y) * min(turns * turns, 4.0) / 24.0;
 }
 
 /// Cross product of the two tangents: exact, and safe where the surface folds. Not unit length;

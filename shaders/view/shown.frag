@@ -7,6 +7,23 @@
 layout(binding = 1) uniform sampler2D picture;
 layout(location = 0) out vec4 shown;
 
+#ifdef SEAWAY_BLOOM
+/// [y][x]: the light around, client/view/bloom.h.
+layout(binding = 2) uniform samplerBuffer spread;
+
+/// Linear between texels.
+vec3 spread_at(vec2 shown_pixel) {
+    const ivec2 last = ivec2(view.bloom_columns, view.bloom_lines) - 1;
+    const vec2 at = shown_pixel * view.bloom_per_shown - 0.5;
+    const ivec2 low = ivec2(floor(at));
+    const vec2 t = at - vec2(low);
+    const ivec4 around = clamp(ivec4(low, low + 1), ivec4(0), last.xyxy);
+    const ivec2 row = around.yw * view.bloom_columns;
+    return mix(mix(texelFetch(spread, row.x + around.x).rgb, texelFetch(spread, row.x + around.z).rgb, t.x),
+               mix(texelFetch(spread, row.y + around.x).rgb, texelFetch(spread, row.y + around.z).rgb, t.x), t.y);
+}
+#endif
+
 vec3 srgb(vec3 linear) {
     linear = clamp(linear, 0.0, 1.0);
     return mix(12.92 * linear, 1.055 * pow(linear, vec3(1.0 / 2.4)) - 0.055,
@@ -19,6 +36,16 @@ vec3 film(vec3 linear) {
     const mat3 back = mat3(1.60475, -0.10208, -0.00327, -0.53108, 1.10813, -0.07276, -0.07367, -0.00605, 1.07602);
     const vec3 v = into * linear;
     return back * ((v * (v + 0.0245786) - 0.000090537) / (v * (0.983729 * v + 0.4329510) + 0.238081));
+}
+
+/// Above white the brightest channel counts by its logarithm, and the others keep their share of it: from white to the sun's
+/// disc, a hundred thousand times as bright, nothing is flat, and what is yellow stays yellow.
+vec3 shoulder(vec3 linear) {
+    const float brightest = max(max(linear.r, linear.g), linear.b);
+    // A loop, not a branch: see gradients.glsl.
+    for (int once = 0; once < int(brightest > 1.0); ++once)
+        linear *= (1.0 + log(brightest)) / brightest;
+    return linear;
 }
 
 /// Noise of a byte's step, so that slow gradients have no bands: interleaved gradient noise (Jimenez 2014).
@@ -40,9 +67,12 @@ void main() {
     vec3 v = view.picture_per_shown.x == 1.0
                  ? texelFetch(picture, ivec2(gl_FragCoord.xy), 0).rgb
                  : textureLod(picture, at / size, 0.0).rgb;
+#ifdef SEAWAY_BLOOM
+    v = mix(v, spread_at(gl_FragCoord.xy), view.bloom);
+#endif
     switch (view.colours) {
     case view_colours_film:
-        v = srgb(film(view.exposure * v)) + dither(ivec2(gl_FragCoord.xy));
+        v = srgb(film(shoulder(view.exposure * v))) + dither(ivec2(gl_FragCoord.xy));
         break;
     case view_colours_height:
         v = height_colour(v.r);

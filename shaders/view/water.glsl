@@ -8,9 +8,6 @@
 const float reflectance_at_normal = 0.02; // water, n = 1.33
 const float reflectance_of_waves = 0.06; // the same at 60 degrees: of a wave that a reflected ray meets
 
-/// The sun's disk blurs its mirror image as this variance of slope does: (radius / 4)^2 an axis.
-const float sun_blur = 1.4e-6;
-
 float schlick(float cosine) {
     return reflectance_at_normal +
            (1.0 - reflectance_at_normal) * pow(1.0 - clamp(cosine, 0.0, 1.0), 5.0);
@@ -101,6 +98,18 @@ float smith_lambda(vec3 direction, vec2 slope, vec3 variance) {
     return a > 1.6 ? 0.0 : (1.0 - 1.259 * a + 0.396 * a * a) / (3.535 * a + 2.181 * a * a);
 }
 
+/// Variance of slope that widens the facets' lobe by the disc: the mirror image of a disc of solid angle w is w / (4 cos i) of
+/// facets. A normal lobe is as bright in its middle as a disc of 2 pi variances: with w / (8 pi) an axis level water shows
+/// the disc's own radiance, and its whole light, on twice its area. Across the plane of incidence facets turn an image by
+/// cos i of what they do within.
+vec3 disc_in_slopes(vec3 to_eye, vec3 half_way, float incidence) {
+    const vec2 within = normalize((to_eye - incidence * half_way).xy + vec2(1e-6, 0));
+    const float disc = 1.0 / (8.0 * pi * view.sun_disk_per_sr);
+    const float more = disc * (1.0 / (incidence * incidence) - 1.0);
+    return vec3(disc + more * within.y * within.y, disc + more * within.x * within.x, -more * within.x * within.y);
+}
+
+/// Light of sun or moon that facets mirror. However many lie right, none is brighter than the disc and what water mirrors of it.
 vec3 sun_glint(vec3 to_eye, vec3 normal, vec2 slope, vec3 variance) {
     const vec3 to_sun = view.sun_direction;
     if (to_sun.z <= 0.0)
@@ -108,6 +117,8 @@ vec3 sun_glint(vec3 to_eye, vec3 normal, vec2 slope, vec3 variance) {
     const vec3 half_way = normalize(to_eye + to_sun);
     if (half_way.z <= 0.01)
         return vec3(0);
+    const float incidence = max(dot(to_eye, half_way), 0.05);
+    variance += disc_in_slopes(to_eye, half_way, incidence);
     const vec2 offset = -half_way.xy / half_way.z - slope;
     const float determinant =
         max(variance.x * variance.y - variance.z * variance.z, 1e-12);
@@ -117,8 +128,8 @@ vec3 sun_glint(vec3 to_eye, vec3 normal, vec2 slope, vec3 variance) {
     const float shadowing =
         1.0 + smith_lambda(to_eye, slope, variance) + smith_lambda(to_sun, slope, variance);
     const float cosine = max(dot(to_eye, normal), 0.02);
-    return beam_klx * schlick(dot(to_eye, half_way)) * density /
-           (4.0 * cosine * pow(half_way.z, 4.0) * shadowing);
+    const float a_steradian = density / (4.0 * cosine * pow(half_way.z, 4.0) * shadowing);
+    return beam_klx * schlick(incidence) * min(a_steradian, view.sun_disk_per_sr);
 }
 
 /// Light that entered the water and comes out again; more where the sun shines through a crest, the more so the thinner
@@ -157,7 +168,6 @@ vec3 water_radiance(Place place, vec3 to_eye) {
     Gradients g = gradients_at(area);
     const float white = foam_share(g);
     add_detail(g, area);
-    g.variance.xy += vec2(sun_blur);
 
     const vec3 scaled = scaled_normal(g);
     vec3 normal = normalize(vec3(scaled.xy, max(scaled.z, 0.1)));
@@ -173,7 +183,7 @@ vec3 water_radiance(Place place, vec3 to_eye) {
 
     vec3 colour = mix(bubbles_below(white) + water_body(to_eye, normal, place, scaled.z),
                       reflected_sky(to_eye, slope, g.variance), fresnel);
-    colour += sun_glint(to_eye, normal, slope, g.variance);
+    colour += sun_glint(to_eye, normal, slope, g.variance + vec3(g.within, g.within, 0.0));
     const Foam foam = foam_at(white, place.undisplaced_m, area.pixel_m);
     colour = mix(colour, foam_radiance(foam, normal), foam.cover);
 

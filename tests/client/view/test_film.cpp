@@ -33,14 +33,16 @@ Picture ramp() {
     return picture;
 }
 
-/// The ACES fit by Stephen Hill for equal channels: its matrices keep grey, within their rounding.
+/// The ACES fit by Stephen Hill for equal channels, whose matrices keep grey within their rounding; above white, 1, of
+/// the logarithm.
 double hills_fit(double grey) {
+    grey = grey > 1 ? 1 + std::log(grey) : grey;
     return (grey * (grey + 0.0245786) - 0.000090537) /
            (grey * (0.983729 * grey + 0.4329510) + 0.238081);
 }
 
-TEST_F(FilmTest, the_film_curve_of_greys_is_hills_fit_of_aces_in_srgb) {
-    for (const double grey : {0.01, 0.05, 0.18, 0.5, 1.0, 2.0, 8.0}) {
+TEST_F(FilmTest, the_film_curve_of_greys_is_hills_fit_of_aces_and_of_logarithms_above_white) {
+    for (const double grey : {0.01, 0.05, 0.18, 0.5, 0.9, 1.0, 2.0, 8.0, 1e3, 1e5}) {
         const auto value = static_cast<float>(grey);
         const std::vector<std::uint8_t> bytes = bytes_of({1, 1, {value, value, value, 1.0f}}, {});
         const double linear = hills_fit(grey);
@@ -75,7 +77,7 @@ TEST_F(FilmTest, a_border_shows_nothing_of_the_opposite_one) {
         for (int x = 0; x < 16; ++x)
             if (x == 15 || y == 7)
                 std::fill_n(&picture.rgba[4 * static_cast<std::size_t>(16 * y + x)], 4, 1.0f);
-    const Result<ShownPicture> shown = renderer->develop(picture, {});
+    const Result<ShownPicture> shown = renderer->develop(picture, {.bloom = 0});
     ASSERT_TRUE(shown) << shown.error().message;
     const auto byte = [&](int x, int y) {
         return int{shown->rgba[4 * static_cast<std::size_t>(32 * y + x)]};
@@ -91,12 +93,28 @@ TEST_F(FilmTest, a_border_shows_nothing_of_the_opposite_one) {
 TEST_F(FilmTest, the_film_curve_keeps_black_and_order) {
     Picture picture{64, 1, {}};
     for (int i = 0; i < 64; ++i)
-        picture.rgba.insert(picture.rgba.end(), 4, 0.05f * static_cast<float>(i));
-    const std::vector<std::uint8_t> bytes = bytes_of(picture, {});
+        picture.rgba.insert(picture.rgba.end(), 4, 0.5f * static_cast<float>(i));
+    const std::vector<std::uint8_t> bytes = bytes_of(picture, {.bloom = 0});
     EXPECT_LE(bytes[0], 1);
     for (std::size_t i = 3; i < bytes.size(); ++i)
         EXPECT_GE(bytes[i] + 1, bytes[i - 3]) << "but for the dither";
-    EXPECT_GT(bytes.back(), 240);
+    EXPECT_GT(bytes.back(), 240) << "32 times as bright as white";
+}
+
+// The aureole of a low sun is yellow, whatever its radiance. Naive: each channel ends at 255, and it turns to flat white.
+TEST_F(FilmTest, highlights_keep_their_colour_and_what_is_in_them) {
+    std::vector<std::uint8_t> before;
+    for (const float radiance : {1.0f, 3.0f, 10.0f, 30.0f, 100.0f}) {
+        const std::vector<std::uint8_t> bytes =
+            bytes_of({1, 1, {radiance, 0.8f * radiance, 0.4f * radiance, 1.0f}}, {});
+        EXPECT_LT(bytes[0], 255) << radiance;
+        EXPECT_GT(bytes[0], bytes[2] + 8) << radiance;
+        EXPECT_GT(bytes[1], bytes[2]) << radiance;
+        if (!before.empty()) {
+            EXPECT_GT(bytes[1], before[1] + 1) << radiance << ": brighter than the last";
+        }
+        before = bytes;
+    }
 }
 
 // Numbers become colours as the table of views says, three channels that differ.
