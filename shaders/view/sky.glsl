@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The sky, from the tables that the CPU has made (client/view/sky/sky.h). What water and the picture see of
-// it are sky_radiance, sky_behind and through_air.
+// it are sky_radiance, sky_behind, through_air, and where clouds are, light_place and below_clouds.
 const float pi = 3.14159265;
 
 /// Column and row of a direction in a table, 0 .. 1: rows are dense at the horizon, nothing is mixed across it.
@@ -41,12 +41,16 @@ vec3 air_left(float distance_m, vec3 direction) {
     return exp(-distance_m * (rayleigh * view.sky.rayleigh_per_m + aerosol * view.sky.aerosol_per_m));
 }
 
+/// Of the air's light on the way to the sea.
+vec3 air_source(vec3 direction) {
+    vec2 at = dome_place(direction, view.sky.dip_rad);
+    at.y = min(at.y, 0.5 - 0.5 / float(sky_rows)); // it lies below the horizon
+    return textureLod(sky_map, vec3(at, sky_layer_eye), 0.0).rgb;
+}
+
 /// A colour at a distance as the eye sees it through the air. Unit direction.
 vec3 through_air(vec3 colour, float distance_m, vec3 direction) {
-    vec2 at = dome_place(direction, view.sky.dip_rad);
-    at.y = min(at.y, 0.5 - 0.5 / float(sky_rows)); // the air's source lies below the horizon
-    const vec3 source = textureLod(sky_map, vec3(at, sky_layer_eye), 0.0).rgb;
-    return mix(source, colour, air_left(distance_m, direction));
+    return mix(air_source(direction), colour, air_left(distance_m, direction));
 }
 
 // Clouds: client/view/sky/clouds.cpp has the same formula.
@@ -57,7 +61,8 @@ float cloud_depth(vec2 at, float lod) {
     const float detail = textureLod(sky_map, vec3(at * 4.0, sky_layer_cloud), lod + 2.0).g;
     const float region = textureLod(sky_map, vec3(at * 0.27, sky_layer_cloud), max(lod - 1.9, 0.0)).r;
     const float above = pattern + 0.25 * (detail - 0.5) + 0.5 * (region - 0.5) - view.sky.cloud_threshold;
-    return view.sky.cloud_depth * clamp(above / 0.35, 0.0, 1.0);
+    const float share = clamp(above / 0.35, 0.0, 1.0);
+    return view.sky.cloud_depth * share * share; // thin at their edges
 }
 
 float henyey(float g, float cosine) {
@@ -65,22 +70,21 @@ float henyey(float g, float cosine) {
     return (1.0 - g * g) / (4.0 * pi * base * sqrt(base));
 }
 
-/// The layer of clouds before a colour that is infinitely far, where a ray meets it; share of what lies behind it that is
-/// left in w. `under`: square of the cosine at which it does.
-vec4 clouds_met(vec3 clear, vec3 direction, float rise, float under) {
+/// The layer of clouds where a ray meets it, before a colour that is seen through all of the air; share of what lies behind
+/// the layer that is left in w. `under`: square of the cosine at which it is met; source: of the air's light before it.
+vec4 clouds_met(vec3 clear, vec3 source, vec3 direction, float rise, float under) {
     const float cosine = sqrt(under);
     const float distance_m = 2.0 * abs(view.sky.cloud_height_m) / (abs(direction.z) + cosine);
     const vec2 at = view.sky.cloud_origin + direction.xy * distance_m * view.sky.cloud_per_m;
-    const float footprint = distance_m * view.pixel_rad / max(cosine, 0.15);
+    const float footprint = distance_m * view.pixel_rad / max(cosine, 0.05);
     const float lod = max(log2(footprint * view.sky.cloud_per_m.x * float(sky_columns)), 0.0);
     const float depth = cloud_depth(at, lod);
     const float mu = max(view.sky.to_light.z, 0.2);
     const vec2 aside = view.sky.to_light.xy * (500.0 / mu) * view.sky.cloud_per_m;
     const float shade = clamp((1.0 + cloud_diffuse_loss * depth) /
                               (1.0 + cloud_diffuse_loss * cloud_depth(at + aside, lod)), 0.5, 1.6);
-    const float slant = depth / max(cosine, 0.05);
-    const float left = exp(-slant);
     const float passing = 1.0 / (1.0 + cloud_diffuse_loss * depth);
+    const float left = rise > 0.0 ? exp(-depth / max(cosine, 0.05)) : passing;
     const vec3 beam = view.sky.cloud_light * mu * (passing - exp(-depth / mu)) * shade;
     const vec3 sky = view.sky.cloud_sky * (passing - exp(-1.66 * depth));
     const float angle = dot(direction, view.sky.to_light);
@@ -91,8 +95,6 @@ vec4 clouds_met(vec3 clear, vec3 direction, float rise, float under) {
     const vec3 radiance = rise > 0.0 ? passed : returned;
     // The air before the clouds.
     const vec3 through = air_left(distance_m, direction);
-    const vec3 held = 1.0 - exp(-view.sky.zenith_depth / max(direction.z, 0.03));
-    const vec3 source = mix(view.sky.cloud_shaded, clear / held, view.sky.cloud_sunlit);
     return vec4(clear * left + through * radiance + (1.0 - left) * (1.0 - through) * source, left);
 }
 
@@ -121,14 +123,23 @@ void light_place(vec2 place_m, float pixel_m) {
 /// Devices without a GPU take both sides of every branch, and a good part of a loop that nobody is in: what is dear and
 /// seldom seen - clouds, stars, discs - stands in loops that are run once or not at all, and is left out of shaders for
 /// skies without clouds (SEAWAY_CLEAR) and of pictures where no disc nor star stands (SEAWAY_PLAIN).
-vec4 clouds_before(vec3 clear, vec3 direction) {
+vec4 clouds_before(vec3 clear, vec3 source, vec3 direction) {
     const float rise = view.sky.cloud_height_m * 4.0 * view.sky.curvature_per_m;
     const float under = direction.z * direction.z + rise;
     const bool met = view.sky.cloud_threshold <= 1.5 && under > 0.0 && (rise > 0.0) == (direction.z >= 0.0);
     vec4 seen = vec4(clear, 1);
     for (int once = 0; once < int(met); ++once)
-        seen = clouds_met(clear, direction, rise, under);
+        seen = clouds_met(clear, source, direction, rise, under);
     return seen;
+}
+
+/// The sea under clouds that the eye looks down on.
+vec3 below_clouds(vec3 seen, vec3 direction) {
+#ifdef SEAWAY_CLEAR
+    return seen;
+#else
+    return clouds_before(seen, air_source(direction), direction).rgb;
+#endif
 }
 
 uint star_hash(uvec3 cell) { // PCG 3d (Jarzynski and Olano 2020), one of three
@@ -141,9 +152,9 @@ uint star_hash(uvec3 cell) { // PCG 3d (Jarzynski and Olano 2020), one of three
     return cell.x;
 }
 
-/// Stars: one in each of 9126 cells of a cube around the eye, their number rising by 10^0.51 a magnitude, 6.5 the
-/// faintest. The Bright Star Catalogue has 9096 to 6.5 (Hoffleit 1991), Hipparcos 4968 to 6, 1600 to 5, 511 to 4 (OEIS
-/// A053406); the law 5080, 1570, 485.
+/// Stars: one in each cell of two grids on a cube around the eye, 9078 in all, their number rising by 10^0.51 a magnitude,
+/// 6.5 the faintest. The Bright Star Catalogue has 9096 to 6.5 (Hoffleit 1991), Hipparcos 4968 to 6, 1600 to 5, 511 to 4
+/// (OEIS A053406); the law 5050, 1560, 480.
 vec3 stars(vec3 direction) {
     const vec3 d = vec3(dot(view.sky.star_x, direction), dot(view.sky.star_y, direction),
                         dot(view.sky.star_z, direction));
@@ -151,21 +162,25 @@ vec3 stars(vec3 direction) {
     const int face = size.x > size.y && size.x > size.z ? 0 : size.y > size.z ? 1 : 2;
     const float along = face == 0 ? d.x : face == 1 ? d.y : d.z;
     const vec2 side = (face == 0 ? d.yz : face == 1 ? d.zx : d.xy) / abs(along);
-    const float cells = 39.0;
-    const vec2 at = (side * 0.5 + 0.5) * cells;
-    const uint seed = star_hash(uvec3(uvec2(at), uint(face) * 2u + (along > 0.0 ? 1u : 0u)));
-    const vec4 random = vec4(float(seed & 255u) / 255.0, float((seed >> 8u) & 255u) / 255.0,
-                             (float((seed >> 16u) & 4095u) + 0.5) / 4096.0, float(seed >> 28u) / 15.0);
-    // Away from the cell's edge, so that no star is cut.
-    const vec2 off = (fract(at) - 0.2 - 0.6 * random.xy) * 2.0 / cells;
     const float bend = 1.0 + dot(side, side); // a cube's side is seen aslant
-    const float angle2 = dot(off, off) / (bend * sqrt(bend));
     const float width = 0.7 * view.pixel_rad;
-    const float magnitude = 6.5 + log2(random.z) * (0.30103 / 0.51);
-    const float klx = view.sky.star_klx * exp2(-1.32877 * magnitude);
-    const vec3 colour = mix(vec3(1.15, 0.97, 0.8), vec3(0.85, 1.0, 1.25), random.w);
-    return colour * klx * exp(-0.5 * angle2 / (width * width)) / (2.0 * pi * width * width) *
-           exp(-view.sky.zenith_depth / max(direction.z, 0.02));
+    vec3 sum = vec3(0);
+    for (uint grid = 0u; grid < 2u; ++grid) { // one alone is seen to be one
+        const float cells = 27.0 + float(grid);
+        const vec2 at = (side * 0.5 + 0.5) * cells;
+        const uint which = (uint(face) * 2u + (along > 0.0 ? 1u : 0u)) * 2u + grid;
+        const uint seed = star_hash(uvec3(uvec2(at), which));
+        const vec4 random = vec4(float(seed & 255u) / 255.0, float((seed >> 8u) & 255u) / 255.0,
+                                 (float((seed >> 16u) & 4095u) + 0.5) / 4096.0, float(seed >> 28u) / 15.0);
+        // Away from the cell's edge, so that no star is cut.
+        const vec2 off = (fract(at) - 0.08 - 0.84 * random.xy) * 2.0 / cells;
+        const float angle2 = dot(off, off) / (bend * sqrt(bend));
+        const float magnitude = 6.5 + log2(random.z) * (0.30103 / 0.51);
+        const float klx = view.sky.star_klx * exp2(-1.32877 * magnitude);
+        sum += mix(vec3(1.15, 0.97, 0.8), vec3(0.85, 1.0, 1.25), random.w) *
+               (klx * exp(-0.5 * angle2 / (width * width)));
+    }
+    return sum * exp(-view.sky.zenith_depth / max(direction.z, 0.02)) / (2.0 * pi * width * width);
 }
 
 /// Discs of sun and moon.
@@ -203,7 +218,9 @@ vec3 sky_behind(vec3 direction) {
 #ifdef SEAWAY_CLEAR
     const vec4 seen = vec4(clear, 1);
 #else
-    const vec4 seen = clouds_before(clear, direction);
+    const vec3 held = 1.0 - exp(-view.sky.zenith_depth / max(direction.z, 0.03));
+    const vec3 source = mix(view.sky.cloud_shaded, clear / held, view.sky.cloud_sunlit);
+    const vec4 seen = clouds_before(clear, source, direction);
 #endif
     vec3 beyond = vec3(0);
 #ifndef SEAWAY_PLAIN

@@ -187,5 +187,5 @@ vec3 water_radiance(Place place, vec3 to_eye) {
     const Foam foam = foam_at(white, place.undisplaced_m, area.pixel_m);
     colour = mix(colour, foam_radiance(foam, normal), foam.cover);
 
-    return through_air(colour, place.distance_m, -to_eye);
+    return below_clouds(through_air(colour, place.distance_m, -to_eye), -to_eye);
 }

@@ -131,7 +131,8 @@ double cloud_threshold(double coverage) {
 double cloud_depth(const CloudLayer& layer, double pattern, double detail, double region) {
     const double above =
         pattern + detail_share * (detail - 0.5) + region_share * (region - 0.5) - layer.threshold;
-    return layer.optical_depth * std::clamp(above / softness, 0.0, 1.0);
+    const double share = std::clamp(above / softness, 0.0, 1.0);
+    return layer.optical_depth * share * share; // thin at their edges
 }
 
 CloudSeen clouds_seen(const CloudLayer& layer, const std::vector<glm::vec2>& noise, int columns,
@@ -151,9 +152,9 @@ CloudSeen clouds_seen(const CloudLayer& layer, const std::vector<glm::vec2>& noi
     const double lightwards = depth_at(layer, noise, columns, rows, at + aside);
     const double shade =
         std::clamp((1 + diffuse_loss * depth) / (1 + diffuse_loss * lightwards), 0.5, 1.6);
-    const double slant = depth / std::max(cosine, 0.05);
-    seen.left = std::exp(-slant);
     const double through = 1 / (1 + diffuse_loss * depth);
+    // A sea is as bright on all sides: what is scattered on the way up is made up for by its neighbours' light.
+    seen.left = layer.height_m > 0 ? std::exp(-depth / std::max(cosine, 0.05)) : through;
     const glm::dvec3 beam = layer.light * mu * (through - std::exp(-depth / mu)) * shade;
     const glm::dvec3 sky = layer.sky * (through - std::exp(-1.66 * depth));
     // Of thin clouds the beam's light goes on nearly straight, of thick ones everywhere.
@@ -167,12 +168,17 @@ CloudSeen clouds_seen(const CloudLayer& layer, const std::vector<glm::vec2>& noi
     return seen;
 }
 
+glm::dvec3 before(const CloudSeen& seen, const glm::dvec3& clear, const glm::dvec3& source,
+                  const glm::dvec3& left) {
+    return clear * seen.left + left * seen.radiance + (1 - seen.left) * (1.0 - left) * source;
+}
+
 glm::dvec3 behind_clouds(const CloudLayer& layer, const CloudSeen& seen, const glm::dvec3& clear,
                          const glm::dvec3& depth, const glm::dvec3& left, double direction_z) {
     // A sky's light over what its air holds back is its source.
     const glm::dvec3 held = 1.0 - glm::exp(-depth / std::max(direction_z, 0.03));
     const glm::dvec3 source = glm::mix(layer.shaded, clear / held, layer.sunlit);
-    return clear * seen.left + left * seen.radiance + (1 - seen.left) * (1.0 - left) * source;
+    return before(seen, clear, source, left);
 }
 
 double beam_share(const CloudLayer& sea, const std::vector<glm::vec2>& noise, int columns, int rows,

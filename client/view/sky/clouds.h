@@ -65,8 +65,11 @@ struct CloudShare {
     double straight;
     double diffuse;
 };
-/// Clouds before a sky, with the air before them. depth: of the air above the eye, straight up; left: of
-/// light on the way to the clouds.
+/// Clouds before a colour that is seen through all of the air; source: of the air's light before them; left: of light on
+/// the way to the clouds.
+glm::dvec3 before(const CloudSeen& seen, const glm::dvec3& clear, const glm::dvec3& source,
+                  const glm::dvec3& left);
+/// The same before a sky, whose own light tells the source. depth: of the air above the eye, straight up.
 glm::dvec3 behind_clouds(const CloudLayer& layer, const CloudSeen& seen, const glm::dvec3& clear,
                          const glm::dvec3& depth, const glm::dvec3& left, double direction_z);
 CloudShare mean_cloud_share(const CloudLayer& layer, const std::vector<glm::vec2>& noise);

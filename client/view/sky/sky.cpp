@@ -79,12 +79,25 @@ glm::dvec3 Sky::behind(const glm::dvec3& direction) const {
                          direction.z);
 }
 
-glm::dvec3 Sky::through_air(const glm::dvec3& colour, double distance_m,
-                            const glm::dvec3& direction) const {
+glm::dvec3 Sky::air_source(const glm::dvec3& direction) const {
     DomePlace place = eye_dome_->place(direction);
     place.from_horizon = std::min(place.from_horizon, -0.0);
+    return eye_dome_->sample(place);
+}
+
+glm::dvec3 Sky::through_air(const glm::dvec3& colour, double distance_m,
+                            const glm::dvec3& direction) const {
     const glm::dvec3 left = air_left(air_->air, eye_.height_m, distance_m, direction.z);
-    return glm::mix(eye_dome_->sample(place), colour, left);
+    return glm::mix(air_source(direction), colour, left);
+}
+
+glm::dvec3 Sky::below_clouds(const glm::dvec3& seen, const glm::dvec3& direction) const {
+    const CloudSeen clouds =
+        clouds_seen(clouds_, *noise_, shaders::sky_columns, shaders::sky_rows, direction);
+    if (clouds.distance_m == 0)
+        return seen;
+    const glm::dvec3 left = air_left(air_->air, eye_.height_m, clouds.distance_m, direction.z);
+    return before(clouds, seen, air_source(direction), left);
 }
 
 double Sky::white_radiance() const {

@@ -64,6 +64,9 @@ class Sky {
     glm::dvec3 through_air(const glm::dvec3& colour, double distance_m,
                            const glm::dvec3& direction) const;
 
+    /// The sea, as through_air() gives it, under clouds that the eye looks down on.
+    glm::dvec3 below_clouds(const glm::dvec3& seen, const glm::dvec3& direction) const;
+
     /// Radiance of a white sheet that lies on the sea, kcd/m2: the middle of what light there is.
     double white_radiance() const;
 
@@ -81,6 +84,7 @@ class Sky {
     friend bool may_be_mixed(const Sky& from, const Sky& to);
     friend Sky mixed(const Sky& from, const Sky& to, double share);
     Sky() = default;
+    glm::dvec3 air_source(const glm::dvec3& direction) const;
 
     Heavens heavens_;
     Eye eye_;

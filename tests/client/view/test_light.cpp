@@ -119,6 +119,38 @@ TEST_F(LightTest, clouds_shade_the_sea_below_them) {
     EXPECT_GT(even / count, 0.2) << "else this test sees nothing";
 }
 
+// An eye above the clouds looks down on them: white where they are thick, the sea in their gaps.
+TEST_F(LightTest, clouds_below_the_eye_hide_the_sea) {
+    Look broken;
+    broken.clouds.coverage = 0.5;
+    broken.clouds.base_m = 1000;
+    SkyMaker maker;
+    camera_.z_m = 5000;
+    camera_.pitch_deg = -50;
+    const Result<Sky> sky = maker.make(broken, heavens_at_hour(12), {.height_m = camera_.z_m});
+    ASSERT_TRUE(sky) << sky.error().message;
+    const Picture picture = render(flat_sea(), *sky);
+    double apart = 0, mean = 0;
+    int count = 0, white = 0, sea = 0;
+    for (int y = 4; y < picture.height; y += 6)
+        for (int x = 4; x < picture.width; x += 6) {
+            const glm::dvec3 d = ray(x, y);
+            const glm::dvec3 water(0.3, 0.5,
+                                   0.8); // about what the sea sends: a hundredth of clouds
+            const glm::dvec3 clear = sky->through_air(water, -camera_.z_m / d.z, d);
+            const double truth = luminance_of(sky->below_clouds(clear, d));
+            apart += std::abs(luminance(picture.pixel(x, y)) - truth);
+            mean += truth;
+            white += truth > 5 * luminance_of(clear) ? 1 : 0;
+            sea += truth < 1.1 * luminance_of(clear) ? 1 : 0;
+            ++count;
+        }
+    EXPECT_GT(white, 0.1 * count);
+    EXPECT_GT(sea, 0.1 * count);
+    EXPECT_LT(apart, 0.1 * mean)
+        << "the device blurs what is finer than a pixel; the sea is taken for one";
+}
+
 // A sky from a picture goes the same way: it stands behind, its sun is a disc, and the sea mirrors it.
 TEST_F(LightTest, a_sky_from_a_picture_is_drawn_and_mirrored) {
     constexpr double even = 3;
