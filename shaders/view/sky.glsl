@@ -220,7 +220,9 @@ vec3 sky_behind(vec3 direction) {
 #else
     const vec3 held = 1.0 - exp(-view.sky.zenith_depth / max(direction.z, 0.03));
     const vec3 source = mix(view.sky.cloud_shaded, clear / held, view.sky.cloud_sunlit);
-    const vec4 seen = clouds_before(clear, source, direction);
+    // Below clouds the sky reaches a little below the level, and so do they.
+    const float rising = view.sky.cloud_height_m > 0.0 ? max(direction.z, 0.0) : direction.z;
+    const vec4 seen = clouds_before(clear, source, vec3(direction.xy, rising));
 #endif
     vec3 beyond = vec3(0);
 #ifndef SEAWAY_PLAIN

@@ -70,13 +70,15 @@ double Sky::beam_over_mean(const glm::dvec2& local_m) const {
 
 glm::dvec3 Sky::behind(const glm::dvec3& direction) const {
     const glm::dvec3 clear = eye_dome_->sample(direction);
+    // Below clouds the sky reaches a little below the level, and so do they.
+    const glm::dvec3 seen_at(direction.x, direction.y,
+                             clouds_.height_m > 0 ? std::max(direction.z, 0.0) : direction.z);
     const CloudSeen seen =
-        clouds_seen(clouds_, *noise_, shaders::sky_columns, shaders::sky_rows, direction);
+        clouds_seen(clouds_, *noise_, shaders::sky_columns, shaders::sky_rows, seen_at);
     if (seen.distance_m == 0)
         return clear;
-    const glm::dvec3 left = air_left(air_->air, eye_.height_m, seen.distance_m, direction.z);
-    return behind_clouds(clouds_, seen, clear, depth_above(*air_, eye_.height_m), left,
-                         direction.z);
+    const glm::dvec3 left = air_left(air_->air, eye_.height_m, seen.distance_m, seen_at.z);
+    return behind_clouds(clouds_, seen, clear, depth_above(*air_, eye_.height_m), left, seen_at.z);
 }
 
 glm::dvec3 Sky::air_source(const glm::dvec3& direction) const {

@@ -79,6 +79,26 @@ TEST_F(LightTest, clouds_on_the_device_are_those_of_the_cpu) {
 }
 
 // Patches of light on the sea: looking down, what comes out of the water goes with the beam that falls there.
+// Naive: clouds end at the level, and between it and the horizon, which dips below it, the clear sky shines.
+TEST_F(LightTest, an_overcast_sky_is_overcast_down_to_the_horizon) {
+    Look overcast;
+    overcast.clouds.coverage = 1;
+    overcast.clouds.optical_depth = 60;
+    SkyMaker maker;
+    camera_.z_m = 700; // the horizon dips by 0.85 degrees: seven rows
+    camera_.pitch_deg = 0;
+    camera_.view_deg = 30;
+    const Result<Sky> sky = maker.make(overcast, heavens_at_hour(12), {.height_m = camera_.z_m});
+    ASSERT_TRUE(sky) << sky.error().message;
+    const Picture picture = render(flat_sea(), *sky);
+    const double level = luminance(picture.pixel(120, picture.height / 2 - 2));
+    for (int y = picture.height / 2; y < picture.height; ++y) {
+        EXPECT_LT(luminance(picture.pixel(120, y)), 1.1 * level) << "row " << y;
+    }
+    const glm::dvec3 dipped = glm::normalize(glm::dvec3(0, 1, -0.008));
+    EXPECT_LT(luminance_of(sky->behind(dipped)), 1.1 * level);
+}
+
 TEST_F(LightTest, clouds_shade_the_sea_below_them) {
     Look patchy;
     patchy.clouds.coverage = 0.5;
