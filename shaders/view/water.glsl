@@ -70,7 +70,8 @@ void add_facet(inout vec4 sum, vec3 to_eye, vec2 slope, float weight, float blur
 
 /// Mean over the slopes within the pixel: three points along the line of sight, and where the eye looks down, so that
 /// no direction is special, two across it. The inner points of the Gauss-Hermite rule of five, without the outermost, which
-/// weigh 1 %: the bright sky lies near the horizon, and few facets mirror it from further out.
+/// weigh 1 %: the bright sky lies near the horizon, and few facets mirror it from further out. Aslant, tilting a facet aside
+/// turns what it mirrors by less than twice the tilt: by the eye's height less.
 vec3 reflected_sky(vec3 to_eye, vec2 slope, vec3 variance) {
     const vec2 away = normalize(to_eye.xy + vec2(1e-6, 0));
     const vec2 aside = vec2(-away.y, away.x);
@@ -78,7 +79,7 @@ vec3 reflected_sky(vec3 to_eye, vec2 slope, vec3 variance) {
     const float across = sqrt(max(variance.x + variance.y - sigma * sigma, 0.0));
     const float down = smoothstep(0.6, 0.3, length(to_eye.xy));
     const float outer = 1.3556262;
-    const float blur = min((1.0 - down) * across + 0.5 * sigma, 1.0);
+    const float blur = min((1.0 - down) * across * min(2.0 * to_eye.z, 1.0) + 0.5 * sigma, 1.0);
     vec4 sum = vec4(vec3(0), 1e-6);
     const float share = 0.2272;
     add_facet(sum, to_eye, slope, 1.0 - 2.0 * share * (1.0 + down), blur);

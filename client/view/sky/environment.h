@@ -11,7 +11,7 @@
 // The sun is taken out: a mirror image of it as wide as a texel of the table would be too wide, and its beam has to cast
 // glitter as one from a direction. What is taken out stands in sun_klx, so that sky and sun send as much as the picture.
 //
-// Pure functions but for the file; a second for 16384 x 8192, some 0.1 s for 4096 x 2048.
+// Pure functions but for the file. Tables of a picture take 0.1 s of CPU, reading it as long as OpenEXR takes.
 #pragma once
 
 #include <string>

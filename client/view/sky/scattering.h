@@ -6,7 +6,7 @@
 // the same medium all around, a geometric series). Radiance is per unit of the sun's illuminance: what
 // is strong or coloured of the sun is multiplied last, so all is linear in it.
 //
-// Immutable and thread-safe. AirTables take some 60 ms on two cores; they hang on the medium alone.
+// Immutable and thread-safe. AirTables take 160 ms of CPU, which threads share; they hang on the medium alone.
 #pragma once
 
 #include <vector>
