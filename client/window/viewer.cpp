@@ -294,7 +294,9 @@ void Viewer::fill_model() {
     model_.notice.clear();
     if (model_.stale_s)
         model_.notice = stale_text(*model_.stale_s);
-    else if (!frame_)
+    else if (frame_)
+        model_.notice = skies_.error(); // of a picture that cannot be read; empty: none
+    else
         model_.notice =
             "no sea yet: " + options_.url + (feed.reason.empty() ? "" : " (" + feed.reason + ")");
     model_.connection = connection_rows(options_.url, feed, client_.get(), model_.stale_s);

@@ -53,6 +53,8 @@ Result<Sky> SkyFeed::at(const Look& look, const Heavens& heavens, const Eye& eye
     if (asked_ != wanted) {
         asked_ = wanted;
         mailbox_ = std::move(wanted);
+        if (!now_)
+            error_.clear(); // of another wish
         changed_.notify_all();
     }
     if (!now_)

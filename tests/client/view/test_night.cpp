@@ -219,6 +219,23 @@ TEST_F(NightTest, the_suns_disc_darkens_towards_its_rim_as_measured) {
     EXPECT_GT(compared, 30);
 }
 
+// Through a thin layer the disc is seen, dimmer by its slant depth; through a thick one it is not.
+TEST_F(NightTest, the_sun_is_seen_through_thin_cloud) {
+    const auto middle = [&](double optical_depth) {
+        Look look;
+        look.clouds.coverage = optical_depth > 0 ? 1 : 0; // without a hole
+        look.clouds.optical_depth = optical_depth;
+        const Result<Sky> sky = maker_.make(look, heavens_at_hour(12), {.height_m = camera_.z_m});
+        look_at(sky->sun_direction(), 2, 64);
+        return luminance(render(flat_sea(), *sky).pixel(32, 32));
+    };
+    const double clear = middle(0);
+    // The sun stands 45 degrees high. Around it the cloud itself shines, a thousandth of the disc. Where noise is lowest
+    // the layer is thinner by a tenth.
+    EXPECT_NEAR(std::log(clear / middle(2)), 2 * std::sqrt(2.0), 0.3);
+    EXPECT_LT(middle(30), 1e-4 * clear);
+}
+
 // Shaders of pictures without discs know none: a sun whose rim alone is in the picture is still in it.
 TEST_F(NightTest, a_sun_in_the_corner_of_the_picture_is_drawn) {
     const Sky sky(sun_direction(10));

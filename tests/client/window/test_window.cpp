@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
+#include <filesystem>
 
 #include <gmock/gmock.h>
 
@@ -147,6 +148,28 @@ TEST_F(WindowTest, dragging_the_hour_holds_no_frame_up) {
     EXPECT_GT(viewer_->skies().counts().made, made);
     EXPECT_GT(viewer_->skies().counts().frames_meanwhile, 0);
     EXPECT_GT(viewer_->sea_frames(), frames);
+}
+
+// A look that names a picture which is not there leaves the sky as it was, and the window says why.
+TEST_F(WindowTest, says_why_a_picture_of_the_sky_is_not_shown) {
+    const std::string look =
+        tests::folder().write("look.toml", "[sky]\nenvironment = \"nowhere.exr\"\n");
+    std::filesystem::current_path(std::filesystem::path(look).parent_path());
+    open(options());
+    step();
+    for (const char* name :
+         {"Connection", "View", "Look", "load look"}) { // the first two make room
+        const Panels::Box at = viewer_->panels().places().at(name);
+        mouse((at.low.x + at.high.x) / 2, (at.low.y + at.high.y) / 2);
+        step();
+        display_->tool("click 1");
+        step();
+    }
+    EXPECT_TRUE(step_until([&] {
+        return viewer_->model().notice.find("nowhere.exr: no such file") != std::string::npos;
+    })) << viewer_->model().notice
+        << viewer_->model().look_said;
+    std::filesystem::current_path("/");
 }
 
 // Shown as heights, the sea has colours and its absence is white.

@@ -214,6 +214,8 @@ TEST(Environment, a_bad_picture_leaves_a_window_its_last_sky) {
     const Result<Sky> none = other.at(look, heavens_at_hour(12), {});
     ASSERT_FALSE(none);
     EXPECT_THAT(none.error().message, HasSubstr("no such file"));
+    EXPECT_TRUE(other.at(Look{}, heavens_at_hour(12), {}))
+        << "what was wrong is no longer asked for";
 }
 
 } // namespace
