@@ -93,6 +93,7 @@ Result<EnvironmentPicture> read_environment(const std::string& path) {
     static std::once_flag limited;
     std::call_once(limited, [] {
         Imf::Header::setMaxImageSize(environment_width_max, environment_width_max);
+        Imf::Header::setMaxTileSize(environment_width_max, environment_width_max);
     });
     const auto failed = [&](const std::string& why) {
         return Error{"sky picture " + path + ": " + why};

@@ -102,6 +102,9 @@ TEST(SkyFeed, a_sky_seen_from_elsewhere_is_the_sky_that_is_made_there) {
     const Sky here = *maker.make(look, heavens_at_hour(10), one);
     EXPECT_TRUE(same_values(here.seen_from(look, other), there));
     EXPECT_FALSE(same_values(here, there));
+    // Between steps clouds pass by the metre: 35 m of a period of 12 clouds.
+    EXPECT_NEAR(there.values().cloud_origin.x - here.values().cloud_origin.x,
+                35 / (12 * look.clouds.size_m), 1e-6);
     EXPECT_EQ(here.texels(), there.texels());
 }
 
