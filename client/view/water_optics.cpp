@@ -123,6 +123,10 @@ double reflectance_above(double below) {
     return 0.41 * below / (1 - 0.48 * below);
 }
 
+double floor_reflectance_above(double albedo) {
+    return 0.52 * albedo / (1 - 0.48 * albedo);
+}
+
 glm::dvec3 colour_of(const WaterSpectrum& shares) {
     return colour([&](double nm) { return between(shares, nm); });
 }
@@ -151,7 +155,7 @@ WaterLook water_look(const sea::Water& water, double depth_m, double wave_m) {
     look.floor_attenuation_per_m =
         has_floor ? attenuation_rgb_per_m(water.type, 2 * depth_m) : look.attenuation_per_m;
     for (int c = 0; c < 3; ++c)
-        look.floor[c] = reflectance_above(water.bottom_albedo[static_cast<std::size_t>(c)]);
+        look.floor[c] = floor_reflectance_above(water.bottom_albedo[static_cast<std::size_t>(c)]);
     const double least_m = has_floor ? std::max(depth_m - wave_m, 0.0) : 0;
     const glm::dvec3 most = look.floor * left_after(look.floor_attenuation_per_m, 2 * least_m);
     look.floor_seen = has_floor && glm::any(glm::greaterThan(most, matters * look.reflectance));

@@ -41,6 +41,8 @@ double particle_scattering_per_m(double pigment_mgpm3);
 WaterSpectrum reflectance_below(sea::WaterType type);
 /// What leaves the water, of R below the surface; without what the surface mirrors at the angle of the eye.
 double reflectance_above(double below);
+/// The same of a sea floor, which sends light back evenly (Q = pi), right below the surface.
+double floor_reflectance_above(double albedo);
 
 /// Share of daylight as a colour: linear sRGB, 1 where nothing is lost; what lies outside of sRGB is cut at 0.
 /// Eyes of CIE 1931 (Wyman 2013), a sun of 5778 K.

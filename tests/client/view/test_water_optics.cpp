@@ -114,7 +114,8 @@ TEST(WaterOptics, blue_over_green_is_what_satellites_see_over_such_water) {
     }
 }
 
-// Scattering that Solonenko and Mobley (2015) found for these waters by a fit to whole spectra, at about 550 nm, 1/m.
+// Scattering that Solonenko and Mobley (2015) found for these waters by a fit to whole spectra, at about 550 nm, 1/m, as
+// Droske and others (The Path of Water, 2023) give it.
 TEST(WaterOptics, particles_scatter_as_others_found_for_coasts) {
     const std::pair<WaterType, double> found[] = {{WaterType::coastal_1, 0.372},
                                                   {WaterType::coastal_3, 1.071},

@@ -10,6 +10,7 @@
 #include "sea/basics/constants.h"
 #include "tests/client/view/small_seas.h"
 #include "tests/client/view/synthetic_sea.h"
+#include "tests/support/folder.h"
 
 namespace seaway::client {
 namespace {
@@ -21,6 +22,22 @@ std::string value_of(const std::vector<PanelRow>& rows, const std::string& label
         if (row.label == label)
             return row.value;
     return "no row " + label;
+}
+
+TEST(Model, looks_are_loaded_and_saved_and_a_bad_one_changes_nothing) {
+    ViewChoice choice;
+    choice.look.hour = 4.5;
+    choice.look.water = sea::WaterType::jerlov_1;
+    choice.look_path = tests::folder().file("model_look.toml");
+    EXPECT_EQ(save_look(choice), "saved " + choice.look_path);
+    ViewChoice other;
+    other.look_path = choice.look_path;
+    EXPECT_EQ(load_look(other), "loaded " + choice.look_path);
+    EXPECT_EQ(other.look, choice.look);
+    other.look_path = "/nowhere/look.toml";
+    EXPECT_THAT(load_look(other), HasSubstr("cannot read look '/nowhere/look.toml': "));
+    EXPECT_THAT(save_look(other), HasSubstr("cannot write look '/nowhere/look.toml': "));
+    EXPECT_EQ(other.look, choice.look);
 }
 
 TEST(Model, a_connection_says_its_state_and_why) {

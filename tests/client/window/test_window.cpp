@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 
+#include "client/view/look_file.h"
 #include "gpu/call.h"
 #include "sea/basics/constants.h"
 #include "tests/client/window/window_fixture.h"
@@ -150,6 +151,7 @@ TEST_F(WindowTest, dragging_the_hour_holds_no_frame_up) {
     EXPECT_GT(viewer_->sea_frames(), frames);
 }
 
+<<<<<<< HEAD
 // A look that names a picture which is not there leaves the sky as it was, and the window says why.
 TEST_F(WindowTest, says_why_a_picture_of_the_sky_is_not_shown) {
     const std::string look =
@@ -170,6 +172,44 @@ TEST_F(WindowTest, says_why_a_picture_of_the_sky_is_not_shown) {
     })) << viewer_->model().notice
         << viewer_->model().look_said;
     std::filesystem::current_path("/");
+=======
+TEST_F(WindowTest, a_look_is_saved_and_loaded_and_what_is_wrong_with_one_is_said) {
+    ViewOptions with = options();
+    with.look_path = tests::folder().file("window_look.toml");
+    with.look.clouds.coverage = 0.25;
+    with.look.water = sea::WaterType::coastal_3;
+    open(with);
+    const auto click = [&](const char* what) {
+        const Panels::Box at = viewer_->panels().places().at(what);
+        mouse((at.low.x + at.high.x) / 2, (at.low.y + at.high.y) / 2);
+        step(2);
+        display_->tool("click 1");
+        step(2);
+    };
+    click("Look");
+    ASSERT_TRUE(step_until([&] { return viewer_->panels().places().contains("save look"); }));
+    click("save look");
+    ASSERT_TRUE(step_until([&] { return !viewer_->model().look_said.empty(); }));
+    EXPECT_EQ(viewer_->model().look_said, "saved " + with.look_path);
+    EXPECT_EQ(to_toml(*read_look(with.look_path)), to_toml(viewer_->choice().look));
+    const double before = shot().mean();
+    tests::folder().write("window_look.toml", "[time]\nhour = 0.5\n[water]\ntype = \"9C\"\n");
+    click("load look");
+    ASSERT_TRUE(step_until([&] { return viewer_->choice().look.hour == 0.5; }))
+        << viewer_->model().look_said;
+    EXPECT_EQ(viewer_->choice().look.water, sea::WaterType::coastal_9);
+    EXPECT_EQ(viewer_->choice().look.clouds.coverage, 0) << "what a file leaves out is the default";
+    ASSERT_TRUE(step_until([&] { return viewer_->skies().settled(); }));
+    step(10);
+    EXPECT_LT(shot().mean(), 0.8 * before) << "it is night";
+    tests::folder().write("window_look.toml", "[clouds]\ncoverag = 1\n");
+    click("load look");
+    ASSERT_TRUE(step_until([&] {
+        return viewer_->model().look_said.find("clouds.coverag: unknown key; the nearest is "
+                                               "coverage") != std::string::npos;
+    })) << viewer_->model().look_said;
+    EXPECT_EQ(viewer_->choice().look.hour, 0.5) << "the look stays";
+>>>>>>> 9816863 (A sea floor sends light back evenly; four scenes name their water; tests of the window's look panel)
 }
 
 // Shown as heights, the sea has colours and its absence is white.
