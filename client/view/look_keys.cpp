@@ -22,6 +22,8 @@ constexpr std::array keys{
     LookKey{"light", "sun_strength",
             LookNumber{{0, 100}, [](Look& look) -> double& { return look.sun_strength; }},
             "factor to sun, moon and all that they light"},
+    LookKey{"light", "bloom", LookNumber{{0, 1}, [](Look& look) -> double& { return look.bloom; }},
+            "share that lens and eye scatter, where the quality has it"},
     LookKey{"air", "visibility_km",
             LookNumber{visibilities_km, [](Look& look) -> double& { return look.air.visibility_m; },
                        1000},

@@ -9,6 +9,7 @@
 
 #include "base/result.h"
 #include "client/view/debug_views.h"
+#include "client/view/sky/look.h"
 
 namespace seaway::client {
 
@@ -37,7 +38,7 @@ struct Display {
     double significant_height_m = 1; ///< scale of heights
     /// final: share of the light that lens and eye scatter (client/view/bloom.h); where the quality has none, and at 0, there
     /// is none.
-    double bloom = 0.04;
+    double bloom = bloom_default;
 };
 
 /// The factor that a light meter on the sea says: a white sheet there, of this radiance in kcd/m2, becomes 0.9; below

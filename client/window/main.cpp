@@ -91,8 +91,9 @@ int draw(Client& client, Renderer& renderer, const ViewOptions& options, const C
                            .value_or(metered_exposure(*picture, sky->white_radiance()));
         Result<std::string> written = writer.shows() ? std::string() : writer.write(*picture, i);
         if (writer.shows()) {
-            const Result<ShownPicture> shown = renderer.develop(
-                *picture, {options.debug.view, exposure, frame->significant_height_m});
+            const Result<ShownPicture> shown =
+                renderer.develop(*picture, {options.debug.view, exposure,
+                                            frame->significant_height_m, options.look.bloom});
             if (!shown)
                 return fail(ViewExit::no_device, shown.error());
             written = writer.write(*shown, i);

@@ -256,7 +256,7 @@ Result<void> Viewer::draw_sea() {
     DebugChoice debug = choice_.debug;
     debug.cascade = std::min(debug.cascade, static_cast<int>(frame_->cascades.size()) - 1);
     const Display display{debug.view, by_look * std::exp2(choice_.exposure_ev),
-                          frame_->significant_height_m};
+                          frame_->significant_height_m, look.bloom};
     SEAWAY_TRY(renderer_->draw(frame, seen_by(), sky, debug, display, Wanted::nothing,
                                choice_.second_camera ? &mesh_camera_ : nullptr));
     drawn_inputs_ = std::move(wanted);

@@ -37,6 +37,9 @@ struct PlaceAndTime {
     bool operator==(const PlaceAndTime&) const = default;
 };
 
+/// What lens and eye scatter of light (client/view/bloom.h).
+inline constexpr double bloom_default = 0.04;
+
 /// How bright a picture of a light is.
 struct Exposure {
     enum class By {
@@ -60,6 +63,7 @@ struct Look {
     std::string environment;
     double environment_turn_deg = 0; ///< clockwise
     Exposure exposure;
+    double bloom = bloom_default; ///< share of the light that lens and eye scatter
     // In place of what the sea says of itself.
     std::optional<sea::WaterType> water;
     std::optional<std::array<double, 3>> bottom_albedo;

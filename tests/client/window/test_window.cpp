@@ -176,6 +176,7 @@ TEST_F(WindowTest, says_why_a_picture_of_the_sky_is_not_shown) {
 TEST_F(WindowTest, a_look_is_saved_and_loaded_and_what_is_wrong_with_one_is_said) {
     ViewOptions with = options();
     with.look_path = tests::folder().file("window_look.toml");
+    with.camera.height = 700; // the panel lies below others
     with.look.clouds.coverage = 0.25;
     with.look.water = sea::WaterType::coastal_3;
     open(with);
