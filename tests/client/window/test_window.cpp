@@ -151,7 +151,6 @@ TEST_F(WindowTest, dragging_the_hour_holds_no_frame_up) {
     EXPECT_GT(viewer_->sea_frames(), frames);
 }
 
-<<<<<<< HEAD
 // A look that names a picture which is not there leaves the sky as it was, and the window says why.
 TEST_F(WindowTest, says_why_a_picture_of_the_sky_is_not_shown) {
     const std::string look =
@@ -172,7 +171,8 @@ TEST_F(WindowTest, says_why_a_picture_of_the_sky_is_not_shown) {
     })) << viewer_->model().notice
         << viewer_->model().look_said;
     std::filesystem::current_path("/");
-=======
+}
+
 TEST_F(WindowTest, a_look_is_saved_and_loaded_and_what_is_wrong_with_one_is_said) {
     ViewOptions with = options();
     with.look_path = tests::folder().file("window_look.toml");
@@ -210,7 +210,6 @@ TEST_F(WindowTest, a_look_is_saved_and_loaded_and_what_is_wrong_with_one_is_said
                                                "coverage") != std::string::npos;
     })) << viewer_->model().look_said;
     EXPECT_EQ(viewer_->choice().look.hour, 0.5) << "the look stays";
->>>>>>> 9816863 (A sea floor sends light back evenly; four scenes name their water; tests of the window's look panel)
 }
 
 // Shown as heights, the sea has colours and its absence is white.
