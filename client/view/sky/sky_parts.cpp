@@ -13,8 +13,10 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 
-constexpr double airglow_height_m = 90e3; // of its layer: it is brighter where it is seen aslant
-constexpr double facet_slope = 0.2;       // rms, of the sea that a reflection meets
+/// It is brighter where its layer is seen aslant. Between hydroxyl and sodium at 92 km and oxygen's lines and continuum
+/// at 103 km (Mende 1993, Journal of Geophysical Research 98).
+constexpr double airglow_height_m = 95e3;
+constexpr double facet_slope = 0.2; // rms, of the sea that a reflection meets
 
 /// Fresnel's reflectance of a rough sea: Schlick's with the mean of Bruneton, Neyret, Holzschuch 2010.
 double sea_reflectance(double cosine) {
