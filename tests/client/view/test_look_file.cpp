@@ -253,7 +253,7 @@ TEST(LookFile, those_that_come_with_the_project_are_read_and_written_back) {
         EXPECT_NE(to_toml(*look), to_toml(Look{})) << entry.path();
         ++count;
     }
-    EXPECT_EQ(count, 3);
+    EXPECT_EQ(count, 4);
 }
 
 TEST(LookFile, the_water_of_a_look_wins_over_that_of_the_sea) {
