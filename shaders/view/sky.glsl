@@ -84,12 +84,16 @@ vec4 clouds_met(vec3 clear, vec3 source, vec3 direction, float rise, float under
     const float shade = clamp((1.0 + cloud_diffuse_loss * depth) /
                               (1.0 + cloud_diffuse_loss * cloud_depth(at + aside, lod)), 0.5, 1.6);
     const float passing = 1.0 / (1.0 + cloud_diffuse_loss * depth);
-    const float left = rise > 0.0 ? exp(-depth / max(cosine, 0.05)) : passing;
+    const float along = exp(-depth / max(cosine, 0.05));
+    const float left = rise > 0.0 ? along : passing;
+    const float diffuse = exp(-1.66 * depth); // 1.66: mean slant of what falls on the level
     const vec3 beam = view.sky.cloud_light * mu * (passing - exp(-depth / mu)) * shade;
-    const vec3 sky = view.sky.cloud_sky * (passing - exp(-1.66 * depth));
+    const vec3 sky = view.sky.cloud_sky * (passing - diffuse);
     const float angle = dot(direction, view.sky.to_light);
     const float lobes = 0.8 * henyey(0.85, angle) + 0.2 * henyey(-0.3, angle);
-    const vec3 passed = beam * mix(1.0 / pi, lobes / mu, exp(-0.25 * depth)) + sky / pi;
+    // Seen aslant a thin cloud is brighter, as it hides more.
+    const vec3 passed = (beam * mix(1.0 / pi, lobes / mu, exp(-0.25 * depth)) + sky / pi) *
+                        ((1.0 - along) / max(1.0 - diffuse, 1e-6));
     const vec3 returned = (view.sky.cloud_light * mu * shade + view.sky.cloud_sky) *
                           ((1.0 - passing) / pi);
     const vec3 radiance = rise > 0.0 ? passed : returned;

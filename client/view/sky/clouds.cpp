@@ -18,6 +18,7 @@ constexpr double softness = 0.35;     ///< of noise, from the edge of a cloud to
 constexpr double detail_share = 0.25; ///< of the pattern's range
 constexpr double region_share = 0.5;
 constexpr double diffuse_loss = 0.1125; ///< 0.75 (1 - g), g = 0.85: droplets of clouds
+constexpr double mean_slant = 1.66;     ///< of diffuse light through a thin slab
 constexpr double straight_loss = 0.25;
 constexpr double thickness_m = 500; ///< that shades itself
 constexpr double forward = 0.85, backward = -0.3, forward_share = 0.8;
@@ -156,13 +157,16 @@ CloudSeen clouds_seen(const CloudLayer& layer, const std::vector<glm::vec2>& noi
     // A sea is as bright on all sides: what is scattered on the way up is made up for by its neighbours' light.
     seen.left = layer.height_m > 0 ? std::exp(-depth / std::max(cosine, 0.05)) : through;
     const glm::dvec3 beam = layer.light * mu * (through - std::exp(-depth / mu)) * shade;
-    const glm::dvec3 sky = layer.sky * (through - std::exp(-1.66 * depth));
+    const glm::dvec3 sky = layer.sky * (through - std::exp(-mean_slant * depth));
     // Of thin clouds the beam's light goes on nearly straight, of thick ones everywhere.
     const double angle = glm::dot(direction, layer.to_light);
     const double lobes =
         forward_share * henyey(forward, angle) + (1 - forward_share) * henyey(backward, angle);
     const double straight = std::exp(-straight_loss * depth);
-    const glm::dvec3 passed = beam * glm::mix(1 / pi, lobes / mu, straight) + sky / pi;
+    // Seen aslant a thin cloud is brighter, as it hides more: 1.66 is the mean slant of what falls on the level.
+    const double aslant = (1 - std::exp(-depth / std::max(cosine, 0.05))) /
+                          std::max(1 - std::exp(-mean_slant * depth), 1e-6);
+    const glm::dvec3 passed = aslant * (beam * glm::mix(1 / pi, lobes / mu, straight) + sky / pi);
     const glm::dvec3 returned = (layer.light * mu * shade + layer.sky) * ((1 - through) / pi);
     seen.radiance = layer.height_m > 0 ? passed : returned;
     return seen;

@@ -139,6 +139,28 @@ TEST(Clouds, without_clouds_every_place_has_the_same_light) {
     EXPECT_GT(under_clouds(0.5, 12).values().cloud_patches, 1);
 }
 
+// The edge of a cloud is thin, and seen near the horizon it hides the sky behind it: it has to shine as much as it hides, or
+// clouds had dark rims.
+TEST(Clouds, are_not_darker_at_their_edges_than_what_is_beside_and_within) {
+    CloudLayer layer = patchy_layer(towards(60, 130));
+    layer.threshold = -1; // everywhere, as thick as is said
+    layer.light = glm::dvec3(90);
+    layer.sky = glm::dvec3(12);
+    constexpr double clear = 4; // of the sky behind
+    for (const double elevation_deg : {8.0, 20.0, 60.0}) {
+        const auto seen = [&](double optical_depth) {
+            layer.optical_depth = optical_depth;
+            const CloudSeen cloud = clouds_seen(layer, small_noise(), noise_columns, noise_rows,
+                                                towards(elevation_deg));
+            return clear * cloud.left + cloud.radiance.g;
+        };
+        const double within = seen(12);
+        EXPECT_GT(within, clear);
+        for (const double depth : {0.03, 0.1, 0.3, 1.0})
+            EXPECT_GT(seen(depth), 0.97 * clear) << depth << " at " << elevation_deg;
+    }
+}
+
 TEST(Clouds, stand_above_an_eye_below_them_and_below_one_above) {
     CloudLayer layer;
     layer.threshold = -1;
