@@ -11,7 +11,7 @@ namespace seaway::client {
 
 // What a camera may be.
 inline constexpr double camera_place_max_m = 1e7; ///< |x|, |y|
-inline constexpr double camera_height_min_m = 1e-3, camera_height_max_m = 20e3;
+inline constexpr double camera_height_min_m = -50, camera_height_max_m = 20e3;
 inline constexpr double camera_pitch_max_deg = 89; ///< either way
 inline constexpr double camera_view_min_deg = 1, camera_view_max_deg = 150;
 

@@ -76,8 +76,10 @@ CameraPath CameraPath::turntable(const Camera& base, double duration_s) {
     constexpr double ahead_m = 100;
     const glm::dvec3 forward = base.forward();
     const double level = std::hypot(forward.x, forward.y);
+    // Under water it looks up to the surface.
+    const double to_sea = base.z_m < 0 ? forward.z : -forward.z;
     const double radius_m =
-        forward.z < -1e-3 ? std::min(base.z_m * level / -forward.z, 1000 * ahead_m) : ahead_m;
+        to_sea > 1e-3 ? std::min(std::abs(base.z_m) * level / to_sea, 1000 * ahead_m) : ahead_m;
     const glm::dvec2 centre =
         glm::dvec2(base.x_m, base.y_m) +
         radius_m * glm::dvec2(std::cos(base.azimuth_rad()), std::sin(base.azimuth_rad()));

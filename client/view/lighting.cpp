@@ -12,6 +12,8 @@
 #include "shaders/view/sky_clear_frag.h"
 #include "shaders/view/sky_frag.h"
 #include "shaders/view/sky_plain_frag.h"
+#include "shaders/view/under_frag.h"
+#include "shaders/view/under_one_frag.h"
 
 namespace seaway::client {
 
@@ -73,6 +75,10 @@ Result<void> Lighting::make(gpu::GraphicsPipeline& target, const char* name,
 Result<void> Lighting::prepare(const Needs& needs) {
     using gpu::DepthTest;
     const std::size_t sky = index(needs.sky);
+    const std::span<const std::uint32_t> many_under = under_frag, one_under = under_one_frag;
+    if (needs.under)
+        return make(under_, "under water", one_sample() ? one_under : many_under, false,
+                    DepthTest::nearer);
     if (!needs.sea)
         return make(sky_[sky], "sky", sky_shader(needs.sky), false, DepthTest::nearer);
     const bool cloudy = needs.sky == SkySeen::clouds;
@@ -93,9 +99,11 @@ void Lighting::record(gpu::Commands& commands, gpu::Offscreen& target,
         pipeline.record_bind(commands, bindings);
         vkCmdDraw(commands.get(), 3, 1, 0, 0);
     };
-    const bool split = needs.sea && one_sample();
+    const bool split = needs.sea && one_sample() && !needs.under;
     target.begin_picture(commands, split);
-    draw(needs.sea ? sea_[index(sea_kind(needs.sky))] : sky_[index(needs.sky)]);
+    draw(needs.under ? under_
+         : needs.sea ? sea_[index(sea_kind(needs.sky))]
+                     : sky_[index(needs.sky)]);
     if (split)
         draw(sky_around_[index(needs.sky)]);
     target.end_picture(commands);

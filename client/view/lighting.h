@@ -37,6 +37,8 @@ class Lighting {
     struct Needs {
         bool sea = true;
         SkySeen sky = SkySeen::clouds;
+        bool under =
+            false; ///< the eye is under water: geometry is drawn, be there sea in it or not
     };
     /// Makes what record() needs. An error names the pipeline.
     Result<void> prepare(const Needs& needs);
@@ -53,7 +55,8 @@ class Lighting {
     VkSampleCountFlagBits samples_ = VK_SAMPLE_COUNT_1_BIT;
     std::span<const gpu::ExpectedBinding> bindings_;
     using Kinds = std::array<gpu::GraphicsPipeline, 3>; ///< by SkySeen
-    Kinds sky_, sky_around_, sea_;                      ///< the sea's: as for plain, or with clouds
+    gpu::GraphicsPipeline under_;
+    Kinds sky_, sky_around_, sea_; ///< the sea's: as for plain, or with clouds
 };
 
 } // namespace seaway::client

@@ -248,7 +248,7 @@ Result<void> Renderer::record(Flight& flight, const Mesh& mesh, DebugView view,
                                                      shaders::view_group));
     commands.barrier(gpu::Stage::compute, gpu::Stage::graphics);
     stamp();
-    if (sees_sea || view != DebugView::final)
+    if (sees_sea || needs.under || view != DebugView::final)
         record_geometry(flight, mesh);
     stamp();
     if (view == DebugView::final) {
@@ -288,16 +288,19 @@ Result<void> Renderer::draw(const SeaFrame& frame, const Camera& camera, const S
     Camera meshed = mesh_of ? *mesh_of : drawn;
     meshed.width = drawn.width;
     meshed.height = drawn.height;
-    Mesh mesh = build_mesh(meshed, frame, options_.quality.cell_pixels);
+    const EyeSide eye = eye_side(frame, camera);
+    drawn.z_m = eye.z_m;
+    Mesh mesh = build_mesh(meshed, frame, options_.quality.cell_pixels, eye.under);
     mesh.apex_m += glm::dvec2(meshed.x_m - camera.x_m, meshed.y_m - camera.y_m);
     SEAWAY_TRY(take_mesh(flight, mesh));
     SEAWAY_TRY(bind(flight));
     shaders::ViewValues values = view_values(frame, drawn, sky, mesh, options_, debug, display);
+    values.eye_depth_m = static_cast<float>(eye.depth_m);
     sea_.describe(frame, {camera.x_m, camera.y_m}, values);
     if (blooms(display))
         bloom_.describe(options_.quality.scale, values);
     put(flight.values, &values, sizeof values);
-    const Lighting::Needs needs{mesh.columns > 0, sky_seen(values.sky, drawn)};
+    const Lighting::Needs needs{mesh.columns > 0, sky_seen(values.sky, drawn), eye.under};
     if (debug.view == DebugView::final)
         SEAWAY_TRY(lighting_.prepare(needs));
     SEAWAY_TRY(record(flight, mesh, debug.view, needs, wanted, blooms(display)));

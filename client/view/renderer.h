@@ -24,6 +24,7 @@
 #include "client/view/picture.h"
 #include "client/view/quality.h"
 #include "client/view/sea/device_sea.h"
+#include "client/view/sea/eye_side.h"
 #include "client/view/sea/mesh.h"
 #include "client/view/sky/sky.h"
 #include "gpu/draw/graphics_pipeline.h"

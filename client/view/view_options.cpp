@@ -74,9 +74,9 @@ Result<void> read_camera(const std::string& text, Camera& camera) {
     SEAWAY_TRY(
         require(std::abs(v[0]) <= camera_place_max_m && std::abs(v[1]) <= camera_place_max_m,
                 fmt::format("--camera {}: X and Y are within {:g} m", text, camera_place_max_m)));
-    SEAWAY_TRY(require(
-        v[2] > 0 && v[2] <= camera_height_max_m,
-        fmt::format("--camera {}: Z is above 0 and up to {:g} m", text, camera_height_max_m)));
+    SEAWAY_TRY(require(v[2] >= camera_height_min_m && v[2] <= camera_height_max_m,
+                       fmt::format("--camera {}: Z is {:g} .. {:g} m", text, camera_height_min_m,
+                                   camera_height_max_m)));
     SEAWAY_TRY(require(std::abs(v[4]) <= camera_pitch_max_deg,
                        fmt::format("--camera {}: PITCH_DEG is -89 .. 89", text)));
     camera.x_m = v[0];
@@ -198,7 +198,7 @@ std::variant<ViewOptions, int> read_view_options(int argc, const char* const* ar
                 "CSV file with the camera over time: t_s,x_m,y_m,z_m,yaw_deg,pitch_deg[,fov_deg]");
     line.option("--turntable", options.turntable, "go once around what the camera looks at");
     line.option("--camera", words.camera,
-                "X,Y,Z,YAW_DEG,PITCH_DEG: m east, north, above the mean sea");
+                "X,Y,Z,YAW_DEG,PITCH_DEG: m east, north, above the mean sea, or below it");
     line.option("--fov", options.camera.view_deg, "width of the picture, degrees (62)");
     words.look.describe(line);
     line.option("--time", words.time, "sea time of the first frame: 'now' or seconds");

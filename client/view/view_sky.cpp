@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/view/view_sky.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace seaway::client {
@@ -8,7 +9,7 @@ namespace seaway::client {
 namespace {
 
 Eye eye_of(const Look& look, const Camera& camera, sea::TimeUs time_us) {
-    return {.height_m = camera.z_m,
+    return {.height_m = std::max(camera.z_m, 0.0), // under water it is the sky of the surface
             .east_m = camera.x_m,
             .north_m = camera.y_m,
             .cloud_drift_m = look.clouds.drift_mps * sea::seconds_from_us(time_us)};

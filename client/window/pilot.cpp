@@ -22,8 +22,9 @@ Pilot::Pilot(const Camera& start) : camera_(start) {}
 
 glm::dvec2 Pilot::ahead_on_the_sea(double far) const {
     const glm::dvec3 ahead = camera_.forward();
-    const double along =
-        ahead.z < 0 ? std::min(camera_.z_m / -ahead.z * std::hypot(ahead.x, ahead.y), far) : far;
+    const double along = camera_.z_m * ahead.z < 0
+                             ? std::min(camera_.z_m / -ahead.z * std::hypot(ahead.x, ahead.y), far)
+                             : far;
     return glm::dvec2(camera_.x_m, camera_.y_m) +
            along * glm::dvec2(std::cos(camera_.azimuth_rad()), std::sin(camera_.azimuth_rad()));
 }
@@ -39,8 +40,6 @@ void Pilot::choose(CameraMode mode) {
     } else if (mode == CameraMode::follow) {
         const glm::dvec2 at = ahead_on_the_sea(50);
         float_ = {at.x, at.y, 0};
-    } else {
-        camera_.z_m = std::max(camera_.z_m, height_min_m);
     }
     place();
 }
@@ -78,7 +77,7 @@ void Pilot::fly(const Steering& steering, double seconds) {
                                      steering.up * glm::dvec3(0, 0, 1));
     camera_.x_m = std::clamp(camera_.x_m + move.x, -far_m, far_m);
     camera_.y_m = std::clamp(camera_.y_m + move.y, -far_m, far_m);
-    camera_.z_m = std::clamp(camera_.z_m + move.z, height_min_m, height_max_m);
+    camera_.z_m = std::clamp(camera_.z_m + move.z, -depth_max_m, height_max_m);
 }
 
 void Pilot::place() {
@@ -104,7 +103,7 @@ void Pilot::ride(double height_m, const glm::dvec2& horizontal_mps, double secon
 }
 
 void Pilot::stay_above(double surface_m) {
-    if (mode_ != CameraMode::follow)
+    if (mode_ == CameraMode::orbit)
         camera_.z_m = std::max(camera_.z_m, surface_m + height_min_m);
 }
 

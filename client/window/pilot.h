@@ -27,7 +27,8 @@ struct Float {
 
 class Pilot {
   public:
-    static constexpr double height_min_m = 0.3;  ///< above the surface
+    static constexpr double height_min_m = 0.3; ///< above the surface, but for one that flies
+    static constexpr double depth_max_m = -camera_height_min_m;
     static constexpr double height_max_m = 20e3; ///< above the mean sea
     static constexpr double pitch_max_deg = 89;
     static constexpr double speed_min_mps = 0.5, speed_max_mps = 5000;
@@ -49,7 +50,7 @@ class Pilot {
     void steer(const Steering& steering, double seconds);
     /// Follow: what the sea is like at the float; `horizontal_mps`: of its water.
     void ride(double height_m, const glm::dvec2& horizontal_mps, double seconds);
-    /// Fly: the surface below the camera, which stays above it.
+    /// Orbit: the surface below the camera, which stays above it.
     void stay_above(double surface_m);
 
   private:

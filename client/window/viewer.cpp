@@ -174,7 +174,8 @@ void Viewer::move_with_the_sea(double seconds) {
         const Float& on = pilot_.floating();
         const sea::Answer answer = at(on.x_m, on.y_m);
         pilot_.ride(answer.height_m, {answer.velocity_mps[0], answer.velocity_mps[1]}, seconds);
-    } else if (camera().z_m < crest_heights * frame_->significant_height_m) {
+    } else if (pilot_.mode() == CameraMode::orbit &&
+               camera().z_m < crest_heights * frame_->significant_height_m) {
         pilot_.stay_above(at(camera().x_m, camera().y_m).height_m);
     }
 }

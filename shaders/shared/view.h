@@ -198,6 +198,7 @@ struct ViewValues {
     float bloom;            ///< share of the light that is spread
     int bloom_columns;      ///< of its finest level
     int bloom_lines;
+    float eye_depth_m; ///< below the water's surface; 0: above it
     ViewCascade cascade[view_cascades_max];
     SkyValues sky;
     WaterValues water;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace seaway::client {
@@ -14,6 +15,8 @@ constexpr double pi = std::numbers::pi;
 constexpr double flat_cells = 0.16;
 /// Length of a cell of 2.5 pixels in wave heights: the dominant waves are 15 to 30 heights long.
 constexpr double cells_a_height = 2.5;
+/// The clearest water, 0.02 a metre, leaves a thousandth of what is so far away.
+constexpr double under_water_m = 350;
 constexpr int block_columns = 16; ///< of cells whose vertices are drawn together
 /// Crests and troughs lie within so many significant heights: six standard deviations.
 constexpr double heights_a_crest = 1.5;
@@ -102,7 +105,7 @@ class Spacing {
     double pixel_rad_, cell_rad_, height_m_, reach_m_, clearance_m_, wave_m_, finest_m_;
 };
 
-Mesh mesh_of_cells(const Camera& camera, const SeaFrame& sea, double cell_pixels) {
+Mesh mesh_of_cells(const Camera& camera, const SeaFrame& sea, double cell_pixels, double far_m) {
     Mesh mesh;
     const View view = view_of(camera);
     if (shows_no_sea(camera, view, sea))
@@ -120,7 +123,7 @@ Mesh mesh_of_cells(const Camera& camera, const SeaFrame& sea, double cell_pixels
         -back * glm::dvec2(std::cos(camera.azimuth_rad()), std::sin(camera.azimuth_rad()));
 
     const Spacing spacing(camera, sea, cell_pixels);
-    const double end = back + ground.far_m;
+    const double end = back + std::min(ground.far_m, far_m);
     double r = 0;
     if (ground.near_m > 0) // as far from the apex as the nearest corner of the picture
         r = std::sqrt(back * back + ground.near_m * ground.near_m +
@@ -135,10 +138,17 @@ Mesh mesh_of_cells(const Camera& camera, const SeaFrame& sea, double cell_pixels
 
 } // namespace
 
-Mesh build_mesh(const Camera& camera, const SeaFrame& sea, double cell_pixels) {
-    Mesh mesh = mesh_of_cells(camera, sea, cell_pixels);
+Mesh build_mesh(const Camera& camera, const SeaFrame& sea, double cell_pixels, bool under) {
+    // The surface above an eye is the mirror image of that below an eye as far above it.
+    Camera eye = camera;
+    if (under) {
+        eye.z_m = -camera.z_m;
+        eye.pitch_deg = -camera.pitch_deg;
+    }
+    const double far_m = under ? under_water_m : std::numeric_limits<double>::infinity();
+    Mesh mesh = mesh_of_cells(eye, sea, cell_pixels, far_m);
     while (mesh.vertices() > Mesh::vertices_max)
-        mesh = mesh_of_cells(camera, sea, cell_pixels *= 1.25);
+        mesh = mesh_of_cells(eye, sea, cell_pixels *= 1.25, far_m);
     return mesh;
 }
 

@@ -30,8 +30,9 @@ struct Mesh {
     std::size_t vertices() const { return rows_m.size() * static_cast<std::size_t>(columns); }
 };
 
-/// `cell_pixels`: side of a far cell, about; near ones are not smaller than half the finest grid's.
-Mesh build_mesh(const Camera& camera, const SeaFrame& sea, double cell_pixels);
+/// `cell_pixels`: side of a far cell, about; near ones are not smaller than half the finest grid's. under: the eye is under
+/// water and sees the surface from below, a few hundred metres of it.
+Mesh build_mesh(const Camera& camera, const SeaFrame& sea, double cell_pixels, bool under = false);
 
 /// Triangles of `rows` neighbouring rows of cells, as vertex numbers from the first of them, in blocks of columns: a
 /// vertex that is used again is still in the cache.

@@ -96,7 +96,7 @@ TEST(CameraPath, says_which_row_is_wrong_and_why) {
     EXPECT_THAT(error_of("x_m,y_m,z_m,yaw_deg,pitch_deg\n0,0,5,0,0\n"), HasSubstr("no column t_s"));
     EXPECT_THAT(error_of(head + "0,0,0,10,0,0\n0,1,0,10,0,0\n"),
                 HasSubstr("path.csv:3: t_s 0 does not lie after the row before, 0"));
-    EXPECT_THAT(error_of(head + "0,0,0,-1,0,0\n"), HasSubstr("path.csv:2: z_m -1: 0.001 .. 20000"));
+    EXPECT_THAT(error_of(head + "0,0,0,-51,0,0\n"), HasSubstr("path.csv:2: z_m -51: -50 .. 20000"));
     EXPECT_THAT(error_of(head + "0,0,0,20001,0,0\n"), HasSubstr("z_m 20001"));
     EXPECT_EQ(error_of(head + "0,1e7,-1e7,20000,0,89\n"), "none");
     EXPECT_THAT(error_of(head + "0,0,0,5,0,89.5\n"), HasSubstr("pitch_deg 89.5: -89 .. 89"));

@@ -162,7 +162,7 @@ TEST(ViewOptions, are_taken_at_their_limits_and_refused_beyond_them) {
         {"--camera 1e7,0,1,0,0", "--camera 1.0001e7,0,1,0,0"},
         {"--camera 0,-1e7,1,0,0", "--camera 0,-1.0001e7,1,0,0"},
         {"--camera 0,0,2e4,0,0", "--camera 0,0,2.0001e4,0,0"},
-        {"--camera 0,0,1e-3,0,0", "--camera 0,0,0,0,0"},
+        {"--camera 0,0,-50,0,0", "--camera 0,0,-50.1,0,0"},
         {"--camera 0,0,1,720,89", "--camera 0,0,1,720,89.01"},
         {"--camera 0,0,1,0,-89", "--camera 0,0,1,0,-89.01"},
         {"--camera 1,2,3,4,5", "--camera 1,2,3,4,5,6"},
