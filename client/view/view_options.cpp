@@ -29,9 +29,10 @@ constexpr const char* footer =
     "Yaw is a bearing (0 north, 90 east), pitch is positive upwards. The hour is solar time on "
     "the\n"
     "day of equinox at 45 degrees north: sunrise at 6 in the east, noon 45 degrees high. Frames\n"
-    "are 1/30 s of sea time apart. Options win over the file of --look. In --out, #### or %04d is "
-    "the frame's number. PNG is sRGB, EXR\n"
-    "holds linear numbers. Without --offscreen a window opens; it connects again by itself.\n"
+    "are 1/30 s of sea time apart. In --out, #### or %04d is the frame's number. PNG is sRGB, EXR\n"
+    "holds linear numbers. Options win over the file of --look. Without --offscreen a window "
+    "opens;\n"
+    "it connects again by itself.\n"
     "Exit codes: 0 done or closed, 1 cannot write, 2 usage, 3 no usable device or no display,\n"
     "5 cannot connect or lost, 6 refused by the server.";
 

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "client/view/sky/look.h"
+
 namespace seaway::client {
 
 namespace {
@@ -27,8 +29,7 @@ constexpr WaterSpectrum pure_scattering_per_m{0.0076, 0.0058, 0.0045, 0.0036, 0.
                                               0.0010, 0.0008, 0.0007};
 constexpr std::size_t green = 6; ///< 550 nm
 
-/// North_sea, by eye: what comes out of deep water, through crests and of bubbles.
-const glm::dvec3 north_sea_reflectance(0.008, 0.024, 0.026);
+/// North_sea, by eye: what comes out of crests and of bubbles; of deep water: water_reflectance.
 const glm::dvec3 north_sea_crest(0.012, 0.055, 0.048);
 const glm::dvec3 north_sea_bubbles(0.10, 0.32, 0.30);
 
@@ -146,7 +147,7 @@ WaterLook water_look(const sea::Water& water, double depth_m, double wave_m) {
     WaterSpectrum above = reflectance_below(water.type);
     for (double& value : above)
         value = reflectance_above(value);
-    look.reflectance = by_eye ? north_sea_reflectance : colour_of(above);
+    look.reflectance = by_eye ? water_reflectance : colour_of(above);
     const glm::dvec3 near = attenuation_rgb_per_m(water.type, crest_path_m);
     look.crest = by_eye ? north_sea_crest : crest_white * left_after(near, crest_path_m);
     look.bubbles = by_eye ? north_sea_bubbles : bubbles_white * left_after(near, bubbles_path_m);

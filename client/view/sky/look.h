@@ -12,7 +12,7 @@
 
 namespace seaway::client {
 
-/// Diffuse reflectance of deep water, red, green, blue, as a sky sees it below its horizon.
+/// Diffuse reflectance of deep water, red, green, blue: of WaterType::north_sea, and below the horizon of any sky.
 inline const glm::dvec3 water_reflectance(0.008, 0.024, 0.026);
 
 inline double luminance_of(const glm::dvec3& colour) {
