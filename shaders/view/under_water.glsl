@@ -6,6 +6,8 @@
 
 /// R: light going up over light going down; of what comes out above the surface (client/view/water_optics.h).
 vec3 below_surface(vec3 reflectance) { return reflectance / (0.41 + 0.48 * reflectance); }
+/// Of the sea floor, which sends light back evenly.
+vec3 floor_albedo(vec3 reflectance) { return reflectance / (0.52 + 0.48 * reflectance); }
 
 /// Daylight on the level at a depth, klx.
 vec3 daylight_at(float depth_m) {
@@ -26,7 +28,7 @@ vec3 water_along(vec3 direction, float depth_m) {
     const float down = max(-direction.z, 1e-3);
     const float floor_m = min(view.water.depth_m, 1e5); // deep water has none
     const float way_m = max(floor_m - depth_m, 0.0) / down;
-    const vec3 floor_light = below_surface(view.water.floor_reflectance) * daylight_at(max(floor_m, depth_m)) / pi;
+    const vec3 floor_light = floor_albedo(view.water.floor_reflectance) * daylight_at(max(floor_m, depth_m)) / pi;
     return scattered_before(depth_m, -down, way_m) + floor_light * exp(-view.water.attenuation_per_m * way_m);
 }
 

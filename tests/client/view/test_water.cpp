@@ -50,6 +50,24 @@ TEST_F(WaterTest, light_from_the_floor_falls_with_depth_as_its_attenuation_says)
     EXPECT_LT(six.r, 0.3 * three.r);
 }
 
+// An eye under water sees the floor itself: a floor of twice the albedo sends twice the light.
+TEST_F(WaterTest, an_eye_under_water_sees_the_albedo_of_the_floor) {
+    const auto seen = [&](double albedo) {
+        SeaFrame frame = flat_sea();
+        frame.water = {sea::WaterType::jerlov_1b, {albedo, albedo, albedo}};
+        frame.depth_m = 4;
+        frame.significant_height_m = 0.1;
+        camera_.z_m = -2;
+        camera_.pitch_deg = -89;
+        const Picture picture = render(frame, sky_, DebugView::final, {.air = false});
+        const float* middle = picture.pixel(picture.width / 2, picture.height / 2);
+        return glm::dvec3(middle[0], middle[1], middle[2]);
+    };
+    const glm::dvec3 black = seen(0), half = seen(0.4) - black, whole = seen(0.8) - black;
+    for (int c = 0; c < 3; ++c)
+        EXPECT_NEAR(whole[c] / half[c], 2, 0.01) << c; // single precision
+}
+
 TEST_F(WaterTest, a_lagoon_over_sand_is_turquoise_and_brighter_than_the_deep) {
     for (const sea::WaterType type : {sea::WaterType::jerlov_1b, sea::WaterType::jerlov_2}) {
         const glm::dvec3 lagoon = straight_down({type}, 2), deep = straight_down({type}, deep_m);
