@@ -21,7 +21,6 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 PICTURES = ROOT / "docs/pictures"
 GALE = "north_sea_gale"
 SCENES = ["calm", "trade_wind_swell", "crossing_seas", "measured_buoy", GALE, "hurricane", "shallow_lagoon", "gerstner_toy"]
-VIEWS = ["height", "normal", "slope", "jacobian", "roughness", "foam", "cascade:0", "cascade:1", "cascade:2", "grid", "place", "final"]
 
 # Sheet -> pictures a row, size of one, and (scene, arguments) of each, row by row.
 SHEETS = {
@@ -36,7 +35,7 @@ SHEETS = {
     "close": (2, "640x360", [(GALE, "--camera 0,0,3,80,-25 --time-of-day 12"), (GALE, "--camera 0,0,2.5,215,-3 --time-of-day 16.5"),
                              ("hurricane", "--camera 0,0,22,150,-8 --time-of-day 13"), ("shallow_lagoon", "--camera 0,0,2,40,-8 --time-of-day 11"),
                              (GALE, "--camera 0,0,60,35,-40 --time-of-day 12"), (GALE, "--camera 0,0,30,215,-2 --fov 12")]),
-    "views": (4, "320x180", [(GALE, f"--camera 0,0,12,35,-14 --debug {view}") for view in VIEWS]),
+    "views": (1, "1920x1260", [(GALE, "--camera 0,0,12,35,-14 --quality default --debug all")]),
 }
 
 

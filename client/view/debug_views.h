@@ -1,12 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// The views of the sea that --debug can show: one table row each.
+// The views of numbers that --debug can show: one table row each (client/view/debug_views.cpp), and how one is asked for.
+//
+//     VIEW[:key=value,...]      slope:cascade=1,channel=x,gain=4    map_slope:cascade=1,mip=3    h0:channel=phase
+//
+// A number alone is cascade=: cascade:2. Numbers are worked out by shaders/view/debug.frag (on the sea) and
+// debug_map.frag (maps as they lie in memory), and by client/view/debug/tables.h (sky, spectrum).
 #pragma once
 
-#include <array>
+#include <span>
+#include <string>
 #include <string_view>
 
 #include "base/result.h"
-#include "shaders/shared/view.h"
+#include "client/view/debug/colours.h"
 
 namespace seaway::client {
 
@@ -20,54 +26,89 @@ enum class DebugView : int {
     roughness = shaders::view_roughness,
     foam = shaders::view_foam,
     cascade = shaders::view_cascade,
-    grid = shaders::view_grid
+    grid = shaders::view_grid,
+    displacement = shaders::view_displacement,
+    gradient = shaders::view_gradient,
+    reflected = shaders::view_reflected,
+    density = shaders::view_density,
+    wireframe = shaders::view_wireframe,
+    age = shaders::view_age,
+    bound = shaders::view_bound,
+    map_displacement = shaders::view_map_displacement,
+    map_slope = shaders::view_map_slope,
+    map_gradient = shaders::view_map_gradient,
+    map_jacobian = shaders::view_map_jacobian,
+    map_roughness = shaders::view_map_roughness,
+    map_foam = shaders::view_map_foam,
+    sky_eye,
+    sky_sea,
+    sky_transmittance,
+    sky_scattering,
+    h0,
+    h
+};
+inline constexpr std::size_t debug_views = 29;
+
+/// Where a view's numbers come from.
+enum class DebugSource {
+    light, ///< the picture itself
+    sea,   ///< what each pixel shows of the sea
+    map,   ///< a cascade's map on the device, flat
+    table  ///< a table of the sky or the spectrum, flat
 };
 
-/// How a view's numbers become colours in a PNG; an EXR holds the numbers themselves.
-enum class ColourMap : int {
-    film = shaders::view_colours_film,             ///< exposure and film curve
-    height = shaders::view_colours_height,         ///< blue, white, red: -Hs/2 .. Hs/2
-    repeat = shaders::view_colours_repeat,         ///< fraction of 10 m, each channel
-    signed_1 = shaders::view_colours_signed_1,     ///< -1 .. 1 to 0 .. 1, each channel
-    unsigned_1 = shaders::view_colours_unsigned_1, ///< as it is, 0 .. 1
-    jacobian = shaders::view_colours_jacobian,     ///< 0 .. 2 in grey; below 0, where it folds, red
-    roughness = shaders::view_colours_roughness    ///< black, orange, white: 0 .. 0.4
+/// What can be set of a view.
+enum class DebugKey : int { cascade, mip, channel, gain, bias, flip, legend };
+inline constexpr std::size_t debug_keys = 7;
+
+struct DebugChannel {
+    std::string_view name;
+    std::string_view unit;
+    Scale scale;
 };
 
 struct DebugViewInfo {
     DebugView view;
     std::string_view name;
-    ColourMap colours;
-    std::string_view meaning; ///< channels and units of the numbers
+    DebugSource source;
+    std::string_view meaning;
+    std::array<DebugChannel, 3> channels{}; ///< those with names
+    bool together =
+        false; ///< three channels are red, green and blue on the first one's scale; else the first is shown
+    enum class Cascades { none, all_or_one, one } cascades = Cascades::none;
+    int mip_max = -1;   ///< below 0: there are no levels
+    bool folds = false; ///< a channel below 0 folds and has a colour of its own
+
+    int channel_count() const;
+    bool takes(DebugKey key) const;
 };
 
-inline constexpr std::array<DebugViewInfo, 10> debug_view_table{{
-    {DebugView::final, "final", ColourMap::film, "the picture; EXR: radiance, kcd/m2"},
-    {DebugView::height, "height", ColourMap::height, "height above the mean sea, m"},
-    {DebugView::place, "place", ColourMap::repeat,
-     "undisplaced place, m east and north of the camera; height above the mean sea, m"},
-    {DebugView::normal, "normal", ColourMap::signed_1, "unit normal, filtered over the pixel"},
-    {DebugView::slope, "slope", ColourMap::signed_1, "slope of the surface, east and north"},
-    {DebugView::jacobian, "jacobian", ColourMap::jacobian,
-     "determinant of the summed gradients; below 0 the surface folds"},
-    {DebugView::roughness, "roughness", ColourMap::roughness,
-     "rms slope of the waves that the pixel does not resolve"},
-    {DebugView::foam, "foam", ColourMap::unsigned_1, "share of the pixel that is white"},
-    {DebugView::cascade, "cascade", ColourMap::signed_1,
-     "slopes of one cascade alone: cascade:0 is the longest tile"},
-    {DebugView::grid, "grid", ColourMap::unsigned_1, "every 16th row and column of the mesh"},
-}};
-
-inline constexpr const DebugViewInfo& info(DebugView view) {
-    return debug_view_table[static_cast<std::size_t>(view)];
-}
+std::span<const DebugViewInfo, debug_views> debug_view_table();
+const DebugViewInfo& info(DebugView view);
 
 struct DebugChoice {
+    static constexpr int unset = -1; ///< all cascades, or of a view of one the longest tile's
     DebugView view = DebugView::final;
-    int cascade = 0;
+    int cascade = unset;
+    int mip = 0;
+    Colouring colouring{};
+    bool legend = true;
+
+    bool operator==(const DebugChoice&) const = default;
 };
 
-/// "normal", "cascade:2". The error lists the names.
+/// The cascade that is shown of so many; below 0: all.
+int shown_cascade(const DebugChoice& choice, int cascades);
+
+/// "normal", "cascade:2", "map_slope:cascade=1,mip=3". An error is one line: what is wrong, what its range is, and
+/// which keys this view has.
 Result<DebugChoice> parse_debug_view(std::string_view text);
+/// As parse_debug_view() reads it, shortest.
+std::string debug_text(const DebugChoice& choice);
+/// "cascade=0..7|all channel=x|y ...": what can be set of a view.
+std::string keys_text(const DebugViewInfo& row);
+
+/// An error names the cascade or level that this sea, of grids of so many points a side, does not have.
+Result<void> check_debug(const DebugChoice& choice, std::span<const int> points, int nodes_a_point);
 
 } // namespace seaway::client

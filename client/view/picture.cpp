@@ -22,6 +22,15 @@ double at_least_dark(double white_radiance) {
 
 } // namespace
 
+ShownChannel shown_channel(const Display& display) {
+    const DebugViewInfo& row = info(display.view);
+    const int channel = std::max(display.colouring.channel, 0);
+    const bool together = row.together && display.colouring.channel < 0;
+    return {together ? -1 : channel,
+            shown_scale(row.channels[static_cast<std::size_t>(channel)].scale, display.colouring,
+                        display.significant_height_m, display.largest)};
+}
+
 double exposure_by_light(double white_radiance) {
     constexpr double white_sheet = 0.9;
     const double white = at_least_dark(white_radiance);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Picture: linear values as rendered, which EXR keeps, and ShownPicture: what one sees of them, which PNG keeps - lit
-// pictures through exposure and a film curve, debug views through their own colours (shaders/view/shown.frag).
+// pictures through exposure and a film curve (shaders/view/shown.frag), debug views through their own colours
+// (shaders/view/numbers.frag).
 #pragma once
 
 #include <cstdint>
@@ -16,7 +17,9 @@ namespace seaway::client {
 struct Picture {
     int width = 0;
     int height = 0;
-    std::vector<float> rgba; ///< [y][x][4], row 0 on top; radiance in kcd/m2 or raw numbers
+    /// [y][x][4], row 0 on top; radiance in kcd/m2 or raw numbers, whose alpha is 0 where there is none, 2 where the
+    /// surface folds.
+    std::vector<float> rgba;
 
     const float* pixel(int x, int y) const {
         return &rgba[4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
@@ -39,7 +42,16 @@ struct Display {
     /// final: share of the light that lens and eye scatter (client/view/bloom.h); where the quality has none, and at 0, there
     /// is none.
     double bloom = bloom_default;
+    Colouring colouring{};
+    double largest = 1; ///< scale of views of which a row says so (ScaleOf::largest)
 };
+
+/// What of a view is shown, and on which scale.
+struct ShownChannel {
+    int channel = 0; ///< below 0: three, as red, green and blue
+    ShownScale scale;
+};
+ShownChannel shown_channel(const Display& display);
 
 /// The factor that a light meter on the sea says: a white sheet there, of this radiance in kcd/m2, becomes 0.9; below
 /// the light of twilight (1e-3) less, as eyes see it: 0.3 under a full moon.

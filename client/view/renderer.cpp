@@ -7,8 +7,6 @@
 
 #include "base/check.h"
 #include "gpu/keep.h"
-#include "shaders/view/debug_frag.h"
-#include "shaders/view/debug_one_frag.h"
 #include "shaders/view/mesh_comp.h"
 #include "shaders/view/picture_vert.h"
 #include "shaders/view/sea_frag.h"
@@ -88,9 +86,6 @@ Result<void> Renderer::create_pipelines() {
                     GraphicsPipeline::create(*device_, name, vertex, fragment, bindings, options));
     };
     SEAWAY_TRY(pipeline(geometry_, "sea", sea_vert, sea_frag, draw_bindings, geometry));
-    const bool one = geometry.samples == VK_SAMPLE_COUNT_1_BIT;
-    const std::span<const std::uint32_t> many = debug_frag, single = debug_one_frag;
-    SEAWAY_TRY(pipeline(debug_, "debug", picture_vert, one ? single : many, draw_bindings, {}));
     lighting_ = Lighting(*device_, geometry.samples, draw_bindings);
     const gpu::GraphicsOptions bytes{.colour_format = gpu::Offscreen::shown_format};
     SEAWAY_TRY(pipeline(shown_, "film", picture_vert, shown_frag, shown_bindings, bytes));
@@ -200,13 +195,43 @@ bool Renderer::blooms(const Display& display) const {
            display.bloom > 0;
 }
 
-void Renderer::record_film(Flight& flight, bool blooms) {
+Result<void> Renderer::prepare_debug(DebugView view) {
+    if (view == DebugView::final || debug_)
+        return {};
+    Result<DebugPasses> made = DebugPasses::create(
+        *device_, target_.size().samples == VK_SAMPLE_COUNT_1_BIT, gpu::Offscreen::shown_format);
+    if (!made)
+        return made.error();
+    debug_.emplace(std::move(*made));
+    return {};
+}
+
+Result<void> Renderer::bind_debug(Flight& flight) {
+    if (flight.debug_generation == flight.generation)
+        return {};
+    const auto image = [&](const gpu::Image& of) {
+        return gpu::sampled(sampler_.get(), of.view(), VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
+    };
+    const gpu::Resource resources[] = {
+        gpu::whole(flight.values),        gpu::whole(flight.rows), gpu::texels(vertex_texels_),
+        gpu::texels(sea_.gradients()),    image(sky_map_.image),   image(target_.geometry()),
+        gpu::texels(sea_.displacements())};
+    SEAWAY_TRY(keep(flight.debug, debug_->bind(*device_, resources)));
+    flight.debug_generation = flight.generation;
+    return {};
+}
+
+void Renderer::record_film(Flight& flight, DebugView view, bool blooms) {
     target_.begin_shown(flight.commands);
-    if (blooms)
-        bloomed_.record_bind(flight.commands, flight.bloomed);
-    else
-        shown_.record_bind(flight.commands, flight.shown);
-    vkCmdDraw(flight.commands.get(), 3, 1, 0, 0);
+    if (view != DebugView::final) {
+        debug_->record_colours(flight.commands, flight.shown);
+    } else {
+        if (blooms)
+            bloomed_.record_bind(flight.commands, flight.bloomed);
+        else
+            shown_.record_bind(flight.commands, flight.shown);
+        vkCmdDraw(flight.commands.get(), 3, 1, 0, 0);
+    }
     target_.end_shown(flight.commands);
 }
 
@@ -239,7 +264,7 @@ Result<void> Renderer::record(Flight& flight, const Mesh& mesh, DebugView view,
     commands.barrier(gpu::Stage::graphics, gpu::Stage::compute); // the frame before reads its maps
     stamp();
     const bool sees_sea = needs.sea;
-    if (sees_sea)
+    if (sees_sea || info(view).source == DebugSource::map)
         sea_.record(commands, flight.values);
     stamp();
     if (sees_sea)
@@ -255,8 +280,7 @@ Result<void> Renderer::record(Flight& flight, const Mesh& mesh, DebugView view,
         lighting_.record(commands, target_, flight.draw, needs);
     } else {
         target_.begin_picture(commands);
-        debug_.record_bind(commands, flight.draw);
-        vkCmdDraw(commands.get(), 3, 1, 0, 0);
+        debug_->record(commands, flight.debug, view);
         target_.end_picture(commands);
     }
     stamp();
@@ -267,7 +291,7 @@ Result<void> Renderer::record(Flight& flight, const Mesh& mesh, DebugView view,
     if (wanted == Wanted::numbers) {
         target_.read_picture(commands);
     } else {
-        record_film(flight, with_bloom);
+        record_film(flight, view, with_bloom);
         if (wanted == Wanted::bytes)
             target_.read_shown(commands);
     }
@@ -278,6 +302,8 @@ Result<void> Renderer::record(Flight& flight, const Mesh& mesh, DebugView view,
 Result<void> Renderer::draw(const SeaFrame& frame, const Camera& camera, const Sky& sky,
                             const DebugChoice& debug, const Display& display, Wanted wanted,
                             const Camera* mesh_of) {
+    SEAWAY_CHECK(info(debug.view).source != DebugSource::table, "tables are not drawn here");
+    SEAWAY_TRY(prepare_debug(debug.view));
     Flight& flight = flights_[next_];
     SEAWAY_TRY(wait(flight));
     Camera drawn = camera; // at the size that is drawn
@@ -290,10 +316,13 @@ Result<void> Renderer::draw(const SeaFrame& frame, const Camera& camera, const S
     meshed.height = drawn.height;
     const EyeSide eye = eye_side(frame, camera);
     drawn.z_m = eye.z_m;
-    Mesh mesh = build_mesh(meshed, frame, options_.quality.cell_pixels, eye.under);
+    const bool flat = info(debug.view).source == DebugSource::map;
+    Mesh mesh = flat ? Mesh{} : build_mesh(meshed, frame, options_.quality.cell_pixels, eye.under);
     mesh.apex_m += glm::dvec2(meshed.x_m - camera.x_m, meshed.y_m - camera.y_m);
     SEAWAY_TRY(take_mesh(flight, mesh));
     SEAWAY_TRY(bind(flight));
+    if (debug_)
+        SEAWAY_TRY(bind_debug(flight));
     shaders::ViewValues values = view_values(frame, drawn, sky, mesh, options_, debug, display);
     values.eye_depth_m = static_cast<float>(eye.depth_m);
     sea_.describe(frame, {camera.x_m, camera.y_m}, values);
@@ -348,7 +377,8 @@ ShownPicture Renderer::shown_picture() const {
     return picture;
 }
 
-Result<ShownPicture> Renderer::develop(const Picture& picture, const Display& display) {
+Result<void> Renderer::develop_there(const Picture& picture, const Display& display) {
+    SEAWAY_TRY(prepare_debug(display.view));
     SEAWAY_TRY(finish());
     Flight& flight = flights_[next_];
     const std::size_t bytes = picture.rgba.size() * sizeof(float);
@@ -366,10 +396,14 @@ Result<ShownPicture> Renderer::develop(const Picture& picture, const Display& di
     gpu::record_upload(flight.commands, undeveloped_, target_.picture(), texel_bytes);
     if (with_bloom)
         bloom_.record(flight.commands);
-    record_film(flight, with_bloom);
+    record_film(flight, display.view, with_bloom);
     target_.read_shown(flight.commands);
     SEAWAY_TRY(flight.commands.end());
-    SEAWAY_TRY(device_->submit_and_wait(flight.commands));
+    return device_->submit_and_wait(flight.commands);
+}
+
+Result<ShownPicture> Renderer::develop(const Picture& picture, const Display& display) {
+    SEAWAY_TRY(develop_there(picture, display));
     return shown_picture();
 }
 

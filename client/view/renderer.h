@@ -13,12 +13,14 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <string_view>
 #include <vector>
 
 #include "base/result.h"
 #include "client/view/bloom.h"
 #include "client/view/camera.h"
+#include "client/view/debug/debug_passes.h"
 #include "client/view/debug_views.h"
 #include "client/view/lighting.h"
 #include "client/view/picture.h"
@@ -67,6 +69,12 @@ class Renderer {
                               const DebugChoice& debug, const Display& display);
     /// Numbers to bytes, without drawing: a picture of the size that is drawn, as render() gives it.
     Result<ShownPicture> develop(const Picture& picture, const Display& display);
+    /// The same; the bytes stay on the device, see shown().
+    Result<void> develop_there(const Picture& picture, const Display& display);
+    /// Pixels that are drawn.
+    int drawn_width() const { return static_cast<int>(target_.size().width); }
+    int drawn_height() const { return static_cast<int>(target_.size().height); }
+    const RenderOptions& options() const { return options_; }
 
     /// The last frame that was drawn for bytes, or for nothing: sRGB, on the device, ready to be sampled.
     const gpu::Image& shown() const { return target_.shown(); }
@@ -84,11 +92,12 @@ class Renderer {
     /// What one frame under way needs for itself.
     struct Flight {
         gpu::Buffer values, rows;
-        gpu::Bindings mesh, draw, shown, bloomed;
+        gpu::Bindings mesh, draw, shown, bloomed, debug;
         gpu::Commands commands;
         gpu::Timer timer;
-        std::uint64_t generation = 0; ///< of the sea's buffers that the bindings are of
-        std::uint64_t ticket = 0;     ///< 0: none
+        std::uint64_t generation = 0;       ///< of the sea's buffers that the bindings are of
+        std::uint64_t debug_generation = 0; ///< likewise
+        std::uint64_t ticket = 0;           ///< 0: none
     };
     Renderer(gpu::Device& device, const RenderOptions& options)
         : device_(&device), options_(options) {}
@@ -101,7 +110,9 @@ class Renderer {
     Result<void> bind(Flight& flight);
     Result<void> bind_film(Flight& flight);
     bool blooms(const Display& display) const;
-    void record_film(Flight& flight, bool blooms);
+    Result<void> prepare_debug(DebugView view);
+    Result<void> bind_debug(Flight& flight);
+    void record_film(Flight& flight, DebugView view, bool blooms);
     ShownPicture shown_picture() const;
     Result<void> wait(Flight& flight);
     void record_geometry(Flight& flight, const Mesh& mesh);
@@ -113,9 +124,10 @@ class Renderer {
     DeviceSea sea_;
     gpu::Offscreen target_;
     gpu::Kernel mesh_;
-    gpu::GraphicsPipeline geometry_, debug_, shown_, bloomed_;
+    gpu::GraphicsPipeline geometry_, shown_, bloomed_;
     Lighting lighting_;
     Bloom bloom_;
+    std::optional<DebugPasses> debug_; ///< made when a view of numbers is asked for
     gpu::OwnedSampler sampler_;
     gpu::Buffer vertices_, indices_, undeveloped_;
     gpu::TexelView vertex_texels_;
@@ -131,6 +143,14 @@ class Renderer {
 
 /// The part of what shaders are told that is of how numbers become bytes.
 void set_display(shaders::ViewValues& values, const Display& display, double scale);
+
+/// The same of views of numbers.
+void set_debug_colours(shaders::ViewDebug& out, const Display& display);
+/// What views of numbers are told of a frame, and of the picture that is drawn.
+void set_debug(shaders::ViewDebug& out, const SeaFrame& frame, const Camera& camera,
+               const DebugChoice& choice);
+/// Display::largest of a view whose numbers are drawn.
+double largest_number(const SeaFrame& frame, const DebugChoice& choice);
 
 /// What the shaders are told of a frame, but for where its maps lie in memory; separate so that it can be read and
 /// tested by itself.

@@ -108,6 +108,12 @@ Result<void> check_files(const ViewOptions& options) {
         options.bench_frames > 0 || ending == ".png" || ending == ".exr" || is_film(options.out),
         fmt::format("--out '{}': a path that ends in .png, .exr, .mp4 or .webm", options.out)));
     SEAWAY_TRY(
+        require(!options.sheet || ending != ".exr",
+                fmt::format("--debug all --out '{}': a sheet has no numbers: .png, or a film",
+                            options.out)));
+    SEAWAY_TRY(require(!options.sheet || options.bench_frames == 0,
+                       "--debug all and --bench: one of them"));
+    SEAWAY_TRY(
         require(options.path.empty() || !options.turntable, "--path and --turntable: one of them"));
     SEAWAY_TRY(require(options.frames >= 1 && options.frames <= frames_max,
                        fmt::format("--frames {}: 1 .. {}", options.frames, frames_max)));
@@ -132,7 +138,8 @@ Result<void> check_window(const Words& words, const ViewOptions& options) {
     const std::pair<bool, const char*> of_files[] = {
         {!options.out.empty(), "--out"},        {options.frames != 1, "--frames"},
         {options.bench_frames != 0, "--bench"}, {!options.path.empty(), "--path"},
-        {options.turntable, "--turntable"},     {words.time != "now", "--time"}};
+        {options.turntable, "--turntable"},     {words.time != "now", "--time"},
+        {options.sheet, "--debug all"}};
     for (const auto& [given, name] : of_files)
         SEAWAY_TRY(require(!given, fmt::format("{} is of pictures in files: give --offscreen "
                                                "WxH, too",
@@ -163,7 +170,10 @@ Result<void> take(const Words& words, ViewOptions& options) {
     if (!words.camera.empty())
         SEAWAY_TRY(read_camera(words.camera, options.camera));
     SEAWAY_TRY(read_time(words.time, options));
-    SEAWAY_TRY_LET(options.debug, parse_debug_view(words.debug));
+    options.sheet = words.debug == "all";
+    if (!options.sheet) {
+        SEAWAY_TRY_LET(options.debug, parse_debug_view(words.debug));
+    }
     options.quality = quality_table[options.offscreen ? quality_high : quality_default];
     if (!words.quality.empty()) {
         SEAWAY_TRY_LET(options.quality, parse_quality(words.quality));
@@ -174,8 +184,12 @@ Result<void> take(const Words& words, ViewOptions& options) {
 }
 
 void list_debug() {
-    for (const DebugViewInfo& row : debug_view_table)
-        fmt::print("{:<10} {}\n", row.name, row.meaning);
+    for (const DebugViewInfo& row : debug_view_table()) {
+        fmt::print("{:<18}{}\n", row.name, row.meaning);
+        if (const std::string keys = keys_text(row); !keys.empty())
+            fmt::print("{:<18}  {}\n", "", keys);
+    }
+    fmt::print("{:<18}{}\n", "all", "a sheet of every view, in one picture");
 }
 
 } // namespace
@@ -208,7 +222,7 @@ std::variant<ViewOptions, int> read_view_options(int argc, const char* const* ar
         "low, default, high or film: how much work a frame is (window: default, files: high)");
     line.option("--bench", options.bench_frames,
                 "draw so many frames instead of files, print what each pass takes");
-    line.option("--debug", words.debug, "what to show (--list-debug)");
+    line.option("--debug", words.debug, "what to show: VIEW[:key=value,...] or all (--list-debug)");
     line.option("--list-debug", words.list, "print the views of --debug and exit");
     line.option("--device", options.device, "Vulkan device: auto, an index, or part of a name");
     line.option("--token-file", options.token_file, "file with the server's client token");

@@ -32,6 +32,7 @@ struct ViewOptions {
     Look look;                    ///< of --look, and what options say over it
     std::optional<double> time_s; ///< sea time of the first frame; nothing: now
     DebugChoice debug;
+    bool sheet = false; ///< --debug all: every view in one picture
     Quality quality = quality_table[quality_high];
     int bench_frames = 0; ///< above 0: these are drawn and timed, no file is written
     std::string device = "auto";

@@ -132,10 +132,9 @@ void set_detail(shaders::ViewValues& out, const SeaFrame& frame, const glm::dvec
 } // namespace
 
 void set_display(shaders::ViewValues& values, const Display& display, double scale) {
-    values.colours = static_cast<int>(info(display.view).colours);
     values.exposure = narrow(display.exposure);
     values.bloom = narrow(display.bloom);
-    values.height_scale_m = narrow(std::max(display.significant_height_m / 2, 1e-3));
+    set_debug_colours(values.debug, display);
     values.picture_per_shown = narrow(glm::dvec2(scale));
 }
 
@@ -174,7 +173,8 @@ shaders::ViewValues view_values(const SeaFrame& frame, const Camera& camera, con
     set_detail(out, frame, camera_m, options);
 
     out.what = static_cast<int>(debug.view);
-    out.what_cascade = std::min(debug.cascade, static_cast<int>(frame.cascades.size()) - 1);
+    out.what_cascade = shown_cascade(debug, static_cast<int>(frame.cascades.size()));
+    set_debug(out.debug, frame, camera, debug);
     out.probes = options.quality.probes;
     out.between_levels = options.quality.between_levels ? 1 : 0;
     set_display(out, display, options.quality.scale);

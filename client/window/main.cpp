@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <optional>
 
 #include <fmt/format.h>
 #ifdef __GLIBC__
@@ -15,6 +16,7 @@
 #include "client/link/failure.h"
 #include "client/view/bench.h"
 #include "client/view/camera_path.h"
+#include "client/view/debug/contact_sheet.h"
 #include "client/view/frame_writer.h"
 #include "client/view/look_file.h"
 #include "client/view/renderer.h"
@@ -65,48 +67,98 @@ Result<CameraPath> camera_path(const ViewOptions& options) {
                 : Error{"--path " + options.path + ": " + text.error().message};
 }
 
-int draw(Client& client, Renderer& renderer, const ViewOptions& options, const CameraPath& path) {
+/// Frame by frame what is written: numbers, their bytes, or a sheet of all views.
+class Drawing {
+  public:
+    Drawing(gpu::Device& device, Renderer& renderer, const ViewOptions& options)
+        : device_(device), renderer_(renderer), options_(options), writer_(options) {}
+
+    FrameWriter& writer() { return writer_; }
+
+    /// 0, or the code to exit with.
+    int draw(const DebugMoment& moment, const Camera& camera, int i) {
+        if (options_.sheet)
+            return draw_sheet(moment, camera, i);
+        if (const Result<void> fits =
+                check_debug(options_.debug, moment.frame, renderer_.options());
+            !fits)
+            return fail(ViewExit::usage, fits.error());
+        const Result<Picture> picture =
+            pictures_.numbers(renderer_, moment, camera, options_.debug);
+        if (!picture) // tables need no device, but a server that tells its scene
+            return fail(is_table(options_.debug) ? ViewExit::refused : ViewExit::no_device,
+                        picture.error());
+        if (i == 0) // metered once: frames of a film do not flicker
+            exposure_ = fixed_exposure(options_.look.exposure)
+                            .value_or(metered_exposure(*picture, moment.sky.white_radiance()));
+        if (!writer_.shows())
+            return written(writer_.write(*picture, i), moment);
+        const Result<ShownPicture> shown =
+            pictures_.develop(renderer_, *picture, moment, options_.debug, exposure_);
+        return shown ? written(writer_.write(*shown, i), moment)
+                     : fail(ViewExit::no_device, shown.error());
+    }
+
+  private:
+    int draw_sheet(const DebugMoment& moment, const Camera& camera, int i) {
+        if (!sheet_) {
+            Result<ContactSheet> made = ContactSheet::create(
+                device_, options_.camera.width, options_.camera.height,
+                static_cast<int>(moment.frame.cascades.size()), renderer_.options());
+            if (!made)
+                return fail(ViewExit::usage, made.error());
+            sheet_.emplace(std::move(*made));
+        }
+        const Result<ShownPicture> shown =
+            sheet_->draw(moment, camera, fixed_exposure(options_.look.exposure));
+        return shown ? written(writer_.write(*shown, i), moment)
+                     : fail(ViewExit::no_device, shown.error());
+    }
+
+    static int written(const Result<std::string>& path, const DebugMoment& moment) {
+        if (!path)
+            return fail(ViewExit::cannot_write, path.error());
+        const std::string line =
+            fmt::format("{} t={:.3f}\n", *path, sea::seconds_from_us(moment.frame.time_us));
+        const Result<void> told = write_out(stdout, line);
+        return told ? 0 : fail(ViewExit::cannot_write, told.error());
+    }
+
+    gpu::Device& device_;
+    Renderer& renderer_;
+    const ViewOptions& options_;
+    FrameWriter writer_;
+    DebugPictures pictures_;
+    std::optional<ContactSheet> sheet_;
+    double exposure_ = 1;
+};
+
+int draw(Client& client, gpu::Device& device, Renderer& renderer, const ViewOptions& options,
+         const CameraPath& path) {
     SkyMaker skies;
     const sea::TimeUs start_us =
         options.time_s ? sea::us_from_seconds(*options.time_s) : client.now_us();
-    FrameWriter writer(options);
-    double exposure = 1;
+    Drawing drawing(device, renderer, options);
     for (int i = 0; i < options.frames; ++i) {
         const sea::TimeUs time_us = start_us + frame_offset_us(i);
         Result<SeaFrame> frame = sea_frame_at(client, time_us, options.timeout_s);
         if (!frame)
             return fail(frame.error());
         set_water(*frame, options.look);
+        const SeaStatePtr state = client.sea_state(time_us);
         if (i == 0) // what later frames need is fetched: they are drawn slower than the sea moves
             client.unsubscribe();
         const Camera camera = path.at(sea::seconds_from_us(frame_offset_us(i)));
         const Result<Sky> sky = sky_of_frame(skies, options.look, camera, time_us);
         if (!sky)
             return fail(ViewExit::usage, sky.error());
-        const Result<Picture> picture = renderer.render(*frame, camera, *sky, options.debug);
-        if (!picture)
-            return fail(ViewExit::no_device, picture.error());
-        if (i == 0) // metered once: frames of a film do not flicker
-            exposure = fixed_exposure(options.look.exposure)
-                           .value_or(metered_exposure(*picture, sky->white_radiance()));
-        Result<std::string> written = writer.shows() ? std::string() : writer.write(*picture, i);
-        if (writer.shows()) {
-            const Result<ShownPicture> shown =
-                renderer.develop(*picture, {options.debug.view, exposure,
-                                            frame->significant_height_m, options.look.bloom});
-            if (!shown)
-                return fail(ViewExit::no_device, shown.error());
-            written = writer.write(*shown, i);
-        }
-        if (!written)
-            return fail(ViewExit::cannot_write, written.error());
-        const std::string line =
-            fmt::format("{} t={:.3f}\n", *written, sea::seconds_from_us(time_us));
-        if (const Result<void> told = write_out(stdout, line); !told)
-            return fail(ViewExit::cannot_write, told.error());
-        writer.tell(i + 1);
+        if (const int code =
+                drawing.draw({*frame, *sky, state->scene, options.look.bloom}, camera, i);
+            code != 0)
+            return code;
+        drawing.writer().tell(i + 1);
     }
-    const Result<void> closed = writer.close();
+    const Result<void> closed = drawing.writer().close();
     return closed ? static_cast<int>(ViewExit::done) : fail(ViewExit::cannot_write, closed.error());
 }
 
@@ -146,7 +198,7 @@ int draw_files(const ViewOptions& options, const ConnectOptions& connect) {
         const Result<void> done = bench(**client, *renderer, options);
         return done ? static_cast<int>(ViewExit::done) : fail(done.error());
     }
-    return draw(**client, *renderer, options, *path);
+    return draw(**client, **device, *renderer, options, *path);
 }
 
 int run(const ViewOptions& options) {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "client/client.h"
-#include "client/view/debug_views.h"
+#include "client/view/debug/legend.h"
 #include "client/view/quality.h"
 #include "client/view/sky/look.h"
 #include "client/window/feed.h"
@@ -51,6 +51,8 @@ struct WindowModel {
     std::string look_said;         ///< what became of loading or saving; an error is one line
     sea::WaterType water_of_sea{}; ///< what the sea says of itself
     std::optional<glm::dvec2> probe_mark; ///< on the picture, -1 .. 1
+    Legend legend;                        ///< of a view of numbers
+    glm::dvec2 legend_pixels{1};          ///< size of the picture that it is for
     int cascades = 0;
     double speed_mps = 0;
     CameraMode camera = CameraMode::fly;

@@ -47,6 +47,17 @@ void overlay(const WindowModel& model) {
                            IM_COL32(20, 20, 20, 200), 4);
         draw.AddText(at, warning_colour, model.notice.c_str());
     }
+    const glm::dvec2 scale(static_cast<double>(size.x) / model.legend_pixels.x,
+                           static_cast<double>(size.y) / model.legend_pixels.y);
+    for (const LegendBox& box : model.legend.boxes) {
+        const auto at = [&](int x, int y) {
+            return ImVec2(static_cast<float>(x * scale.x), static_cast<float>(y * scale.y));
+        };
+        const glm::vec4 colour(box.colour, box.opacity);
+        draw.AddRectFilled(
+            at(box.left, box.top), at(box.left + box.width, box.top + box.height),
+            ImGui::ColorConvertFloat4ToU32({colour.r, colour.g, colour.b, colour.a}));
+    }
     if (model.probe_mark) {
         const ImVec2 at(static_cast<float>((model.probe_mark->x + 1) / 2) * size.x,
                         static_cast<float>((model.probe_mark->y + 1) / 2) * size.y);
@@ -143,23 +154,58 @@ void Panels::view(const WindowModel& model, ViewChoice& choice) {
         ImGui::EndCombo();
     }
     note("quality");
-    if (ImGui::BeginCombo("show", info(choice.debug.view).name.data())) {
-        for (const DebugViewInfo& row : debug_view_table) {
-            if (ImGui::Selectable(row.name.data(), row.view == choice.debug.view))
-                choice.debug.view = row.view;
+    debug(model, choice.debug);
+}
+
+void Panels::debug(const WindowModel& model, DebugChoice& choice) {
+    if (ImGui::BeginCombo("show", info(choice.view).name.data())) {
+        for (const DebugViewInfo& row : debug_view_table()) {
+            if (ImGui::Selectable(row.name.data(), row.view == choice.view))
+                choice = {.view = row.view, .legend = choice.legend};
             if (ImGui::IsItemHovered())
                 ImGui::SetTooltip("%s", row.meaning.data());
         }
         ImGui::EndCombo();
     }
     note("show");
-    if (choice.debug.view == DebugView::cascade) {
-        ImGui::SliderInt("cascade", &choice.debug.cascade, 0, std::max(model.cascades - 1, 0), "%d",
-                         ImGuiSliderFlags_AlwaysClamp);
+    const DebugViewInfo& row = info(choice.view);
+    if (row.source == DebugSource::light)
+        return;
+    if (row.takes(DebugKey::cascade)) {
+        const bool all = row.cascades == DebugViewInfo::Cascades::all_or_one;
+        int cascade = shown_cascade(choice, std::max(model.cascades, 1));
+        if (ImGui::SliderInt("cascade", &cascade, all ? -1 : 0, std::max(model.cascades - 1, 0),
+                             cascade < 0 ? "all" : "%d", ImGuiSliderFlags_AlwaysClamp))
+            choice.cascade = cascade;
         note("cascade");
     }
-    if (choice.debug.view != DebugView::final)
-        ImGui::TextWrapped("%s", info(choice.debug.view).meaning.data());
+    if (row.takes(DebugKey::mip)) {
+        ImGui::SliderInt("mip", &choice.mip, 0, row.mip_max, "%d", ImGuiSliderFlags_AlwaysClamp);
+        note("mip");
+    }
+    if (row.takes(DebugKey::channel)) {
+        int channel = choice.colouring.channel + 1;
+        const int least = row.together ? 0 : 1;
+        const auto name = [&row](int i) {
+            return i == 0 ? "all" : row.channels[static_cast<std::size_t>(i - 1)].name.data();
+        };
+        channel = std::max(channel, least);
+        if (ImGui::BeginCombo("channel", name(channel))) {
+            for (int i = least; i <= row.channel_count(); ++i)
+                if (ImGui::Selectable(name(i), i == channel))
+                    choice.colouring.channel = i - 1;
+            ImGui::EndCombo();
+        }
+        note("channel");
+    }
+    slide("gain", choice.colouring.gain, 1e-3, 1e3, "%.3g", ImGuiSliderFlags_Logarithmic);
+    note("gain");
+    ImGui::Checkbox("flip", &choice.colouring.flip);
+    note("flip");
+    ImGui::SameLine();
+    ImGui::Checkbox("legend", &choice.legend);
+    note("legend");
+    ImGui::TextWrapped("%s", row.meaning.data());
 }
 
 void Panels::camera(const WindowModel& model, ViewChoice& choice, Asked& asked) {

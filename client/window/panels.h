@@ -43,6 +43,7 @@ class Panels {
     void view(const WindowModel& model, ViewChoice& choice);
     void light(const WindowModel& model, ViewChoice& choice);
     void look_file(const WindowModel& model, ViewChoice& choice, Asked& asked);
+    void debug(const WindowModel& model, DebugChoice& choice);
     void camera(const WindowModel& model, ViewChoice& choice, Asked& asked);
     void sea_itself();
 

@@ -234,12 +234,48 @@ Result<void> Viewer::create_renderer(const glm::ivec2& pixels) {
 }
 
 Viewer::Inputs Viewer::inputs() const {
-    std::vector<double> values{choice_.exposure_ev, static_cast<double>(choice_.debug.view),
+    std::vector<double> values{choice_.exposure_ev,
+                               static_cast<double>(choice_.debug.view),
                                static_cast<double>(choice_.debug.cascade),
+                               static_cast<double>(choice_.debug.mip),
+                               static_cast<double>(choice_.debug.colouring.channel),
+                               choice_.debug.colouring.gain,
+                               choice_.debug.colouring.bias,
+                               static_cast<double>(choice_.debug.colouring.flip),
+                               static_cast<double>(choice_.debug.legend),
                                static_cast<double>(frame_->time_us)};
     for (const Camera& of : {camera(), mesh_camera_})
         values.insert(values.end(), {of.x_m, of.y_m, of.z_m, of.yaw_deg, of.pitch_deg});
     return {std::move(values), to_toml(choice_.look)};
+}
+
+/// What cannot be shown - a level that a map does not have, a scene that is not told - is said, and the picture stays.
+Result<void> Viewer::draw_view(const SeaFrame& frame, const Sky& sky) {
+    DebugChoice debug = choice_.debug;
+    debug.cascade = std::min(debug.cascade, static_cast<int>(frame.cascades.size()) - 1);
+    const std::string untold;
+    const DebugMoment moment{frame, sky, state_ ? state_->scene : untold, choice_.look.bloom};
+    const double exposure =
+        fixed_exposure(choice_.look.exposure).value_or(exposure_by_light(sky.white_radiance())) *
+        std::exp2(choice_.exposure_ev);
+    const Result<void> fits = check_debug(debug, frame, renderer_->options());
+    debug_problem_ = fits ? "" : fits.error().message;
+    if (!fits)
+        return {};
+    if (is_table(debug)) {
+        const Result<Picture> numbers = debug_.numbers(*renderer_, moment, seen_by(), debug);
+        debug_problem_ = numbers ? "" : numbers.error().message;
+        if (!numbers)
+            return {};
+        SEAWAY_TRY(renderer_->develop_there(*numbers, debug_.display(moment, debug, exposure)));
+    } else {
+        SEAWAY_TRY(renderer_->draw(frame, seen_by(), sky, debug,
+                                   debug_.display(moment, debug, exposure), Wanted::nothing,
+                                   choice_.second_camera ? &mesh_camera_ : nullptr));
+    }
+    model_.legend = debug_.legend(moment, debug, drawn_pixels_.x, drawn_pixels_.y);
+    model_.legend_pixels = drawn_pixels_;
+    return {};
 }
 
 Result<void> Viewer::draw_sea() {
@@ -252,14 +288,7 @@ Result<void> Viewer::draw_sea() {
     SEAWAY_TRY_LET(const Sky sky, sky_of_frame(skies_, look, camera(), frame_->time_us));
     SeaFrame frame = *frame_;
     set_water(frame, look);
-    const double by_look =
-        fixed_exposure(look.exposure).value_or(exposure_by_light(sky.white_radiance()));
-    DebugChoice debug = choice_.debug;
-    debug.cascade = std::min(debug.cascade, static_cast<int>(frame_->cascades.size()) - 1);
-    const Display display{debug.view, by_look * std::exp2(choice_.exposure_ev),
-                          frame_->significant_height_m, look.bloom};
-    SEAWAY_TRY(renderer_->draw(frame, seen_by(), sky, debug, display, Wanted::nothing,
-                               choice_.second_camera ? &mesh_camera_ : nullptr));
+    SEAWAY_TRY(draw_view(frame, sky));
     drawn_inputs_ = std::move(wanted);
     ++sea_frames_;
     if (!picture_is_set_) {
@@ -296,7 +325,7 @@ void Viewer::fill_model() {
     if (model_.stale_s)
         model_.notice = stale_text(*model_.stale_s);
     else if (frame_)
-        model_.notice = skies_.error(); // of a picture that cannot be read; empty: none
+        model_.notice = skies_.error().empty() ? debug_problem_ : skies_.error();
     else
         model_.notice =
             "no sea yet: " + options_.url + (feed.reason.empty() ? "" : " (" + feed.reason + ")");

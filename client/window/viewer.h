@@ -19,6 +19,7 @@
 #include <utility>
 #include <vector>
 
+#include "client/view/debug/debug_pictures.h"
 #include "client/view/renderer.h"
 #include "client/view/view_options.h"
 #include "client/view/view_sky.h"
@@ -77,6 +78,7 @@ class Viewer {
     /// The camera, of the size that is drawn.
     Camera seen_by() const;
     Result<void> draw_sea();
+    Result<void> draw_view(const SeaFrame& frame, const Sky& sky);
     void measure();
     void fill_model();
     Result<void> show(const glm::ivec2& pixels);
@@ -103,6 +105,8 @@ class Viewer {
     WindowModel model_;
     std::optional<Probe> probe_;
     SkyFeed skies_;
+    DebugPictures debug_;
+    std::string debug_problem_; ///< why the view that was chosen cannot be shown; empty: it is
 
     std::shared_ptr<Client> client_;
     std::optional<SeaFrame> frame_;       ///< the last that was held

@@ -38,14 +38,12 @@ SEAWAY_SHARED_CONSTANT view_cascades_max = 8;
 /// Invocations of a group of the view's compute shaders.
 SEAWAY_SHARED_CONSTANT view_group = 64;
 
-// How numbers become colours (client/view/debug_views.h).
-SEAWAY_SHARED_CONSTANT view_colours_film = 0;
-SEAWAY_SHARED_CONSTANT view_colours_height = 1;
-SEAWAY_SHARED_CONSTANT view_colours_repeat = 2;
-SEAWAY_SHARED_CONSTANT view_colours_signed_1 = 3;
-SEAWAY_SHARED_CONSTANT view_colours_unsigned_1 = 4;
-SEAWAY_SHARED_CONSTANT view_colours_jacobian = 5;
-SEAWAY_SHARED_CONSTANT view_colours_roughness = 6;
+// How numbers of a debug view lie along its bar of colours (client/view/debug/colours.h).
+SEAWAY_SHARED_CONSTANT view_spacing_linear = 0;
+SEAWAY_SHARED_CONSTANT view_spacing_logarithmic = 1;
+SEAWAY_SHARED_CONSTANT view_spacing_root = 2;
+SEAWAY_SHARED_CONSTANT view_spacing_repeated = 3;
+SEAWAY_SHARED_CONSTANT view_stops = 8; ///< of a palette
 
 /// Rows of foam along the wind: cells of 40 m by 5 m.
 SEAWAY_SHARED_NUMBER view_rows_a_metre_along = 0.025f;
@@ -65,6 +63,19 @@ SEAWAY_SHARED_CONSTANT view_roughness = 6;
 SEAWAY_SHARED_CONSTANT view_foam = 7;
 SEAWAY_SHARED_CONSTANT view_cascade = 8;
 SEAWAY_SHARED_CONSTANT view_grid = 9;
+SEAWAY_SHARED_CONSTANT view_displacement = 10;
+SEAWAY_SHARED_CONSTANT view_gradient = 11;
+SEAWAY_SHARED_CONSTANT view_reflected = 12;
+SEAWAY_SHARED_CONSTANT view_density = 13;
+SEAWAY_SHARED_CONSTANT view_wireframe = 14;
+SEAWAY_SHARED_CONSTANT view_age = 15;
+SEAWAY_SHARED_CONSTANT view_bound = 16;
+SEAWAY_SHARED_CONSTANT view_map_displacement = 17;
+SEAWAY_SHARED_CONSTANT view_map_slope = 18;
+SEAWAY_SHARED_CONSTANT view_map_gradient = 19;
+SEAWAY_SHARED_CONSTANT view_map_jacobian = 20;
+SEAWAY_SHARED_CONSTANT view_map_roughness = 21;
+SEAWAY_SHARED_CONSTANT view_map_foam = 22;
 
 /// A cascade on the device: where its maps lie in the local frame, and in the buffers
 /// (client/view/sea/device_sea.h).
@@ -145,6 +156,31 @@ struct SEAWAY_STD140_ELEMENT WaterValues {
     float unused_7;
 };
 
+/// What views of numbers are told besides (client/view/debug/).
+struct SEAWAY_STD140_ELEMENT ViewDebug {
+    vec4 stop[view_stops];               ///< of the palette: sRGB, place on the bar
+    vec4 fold;                           ///< colour of what folds
+    vec4 empty;                          ///< colour where there is no number
+    vec4 keyframe_ms[view_cascades_max]; ///< since the one before, to the one after, between both
+    /// Variances that a height's bound is made of, m2: between keyframes; between grid points, east and
+    /// north; of coding.
+    vec4 height_loss[view_cascades_max];
+    vec4 displacement_loss[view_cascades_max]; ///< likewise, of D
+    vec4 area;                                 ///< where a flat map lies, pixels: left, top, sides
+    float low;                                 ///< numbers at the ends of the bar
+    float high;
+    int spacing;
+    int flip;
+    int stops;
+    int channel;      ///< that is shown; below 0: three as red, green, blue
+    float fold_below; ///< numbers below it have the colour of folds
+    int mip;
+    float bound_sigmas;
+    float height_bound_m; ///< beside the variances
+    float displacement_bound_m;
+    float fold_blur; ///< what maps may be wrong by of the gradient of the sideways motion
+};
+
 struct ViewValues {
     mat4 clip_from_local;
     mat4 local_from_clip; ///< directions: of a point at depth 0 on the picture
@@ -185,12 +221,10 @@ struct ViewValues {
     int mesh_columns;
     int mesh_rows;
     int what;               ///< view_final ..
-    int what_cascade;       ///< that view_cascade shows
+    int what_cascade;       ///< that is shown; below 0: all
     int probes;             ///< of a pixel's strip, at most
     int between_levels;     ///< 1: linear between levels of maps; 0: the nearest
-    int colours;            ///< how numbers become bytes: ColourMap of client/view/debug_views.h
     float exposure;         ///< factor to a picture in which white is 1
-    float height_scale_m;   ///< where heights have their full colour
     vec2 picture_per_shown; ///< pixels drawn a pixel shown
     vec2 wind_turn;         ///< where waves run to, unit
     vec2 foam_rows_origin;  ///< of the local frame in the rows along the wind, cells
@@ -202,16 +236,18 @@ struct ViewValues {
     ViewCascade cascade[view_cascades_max];
     SkyValues sky;
     WaterValues water;
+    ViewDebug debug;
 };
 
 #ifdef __cplusplus
 static_assert(offsetof(ViewValues, camera_m) == 128 && offsetof(ViewValues, foam_mean) == 256);
-static_assert(offsetof(ViewValues, detail_origin) == 272 && offsetof(ViewValues, cascade) == 384);
+static_assert(offsetof(ViewValues, detail_origin) == 272 && offsetof(ViewValues, cascade) == 368);
 static_assert(sizeof(ViewCascade) == 80);
 static_assert(sizeof(SkyValues) == 16 * 16);
 static_assert(sizeof(WaterValues) == 5 * 16);
-static_assert(offsetof(ViewValues, sky) == 384 + 80 * view_cascades_max);
+static_assert(offsetof(ViewValues, sky) == 368 + 80 * view_cascades_max);
 static_assert(offsetof(ViewValues, water) == offsetof(ViewValues, sky) + sizeof(SkyValues));
+static_assert(sizeof(ViewDebug) == 16 * (view_stops + 2 + 3 * view_cascades_max + 4));
 } // namespace seaway::shaders
 #endif
 #undef SEAWAY_SHARED_CONSTANT

@@ -136,6 +136,13 @@ vec3 scaled_normal(Gradients g) {
     return cross(tangent_x, tangent_y);
 }
 
+/// The mean facet of a pixel as it is lit: never turned over, nor away from the eye.
+vec3 lit_normal(vec3 scaled, vec3 to_eye) {
+    const vec3 normal = normalize(vec3(scaled.xy, max(scaled.z, 0.1)));
+    const float facing = dot(normal, to_eye);
+    return facing < 0.02 ? normalize(normal + (0.02 - facing) * to_eye) : normal;
+}
+
 /// Share of the pixel where the Jacobian is below the threshold. It varies within the pixel with
 /// lambda^2 times the variance of slope: for linear waves both are sums of k^2 |h|^2.
 float breaking_share(float jacobian, vec3 variance) {

@@ -4,7 +4,6 @@
 // devices without a GPU run vertex shaders in one thread.
 #extension GL_GOOGLE_include_directive : require
 #include "view/frame.glsl"
-#include "view/spline.glsl"
 #include "view/place.glsl"
 
 layout(local_size_x = view_group) in;
@@ -13,50 +12,7 @@ layout(std430, binding = 1) readonly buffer Rows { float row_distance_m[]; };
 /// [cascade][level][y][x]: Dx, Dy, eta, foam / its mean. Level 0: coefficients of cubic splines; others: means.
 layout(binding = 2) uniform samplerBuffer displacements;
 layout(std430, binding = 3) writeonly buffer Vertices { vec4 vertices[]; };
-
-/// A vertex is where a query says it is.
-vec3 spline(ViewCascade tile, vec2 tile_place) {
-    const vec2 at = tile_place * float(tile.points);
-    const ivec2 first = ivec2(floor(at));
-    const vec4 wx = spline_weights(at.x - float(first.x));
-    const vec4 wy = spline_weights(at.y - float(first.y));
-    const int mask = tile.points - 1;
-    vec3 sum = vec3(0);
-    for (int j = 0; j < 4; ++j) {
-        const int row = tile.displacement_first + ((first.y + j - 1) & mask) * tile.points;
-        for (int i = 0; i < 4; ++i)
-            sum += wx[i] * wy[j] * texelFetch(displacements, row + ((first.x + i - 1) & mask)).xyz;
-    }
-    return sum;
-}
-
-vec3 mean_level(ViewCascade tile, vec2 tile_place, int level) {
-    const Around around = texels_around(tile_place, tile.points, level);
-    const int first = tile.displacement_first + texels_above(tile.points, level);
-    vec3 sum = vec3(0);
-    for (int i = 0; i < 4; ++i)
-        sum += around.weight[i] * texelFetch(displacements, first + around.texel[i]).xyz;
-    return sum;
-}
-
-/// What the mesh cannot carry is averaged away here and is roughness in the pixel.
-vec3 displacement(vec2 at_m, float spacing_m) {
-    vec3 sum = vec3(0);
-    for (int c = 0; c < view.cascades; ++c) {
-        const ViewCascade tile = view.cascade[c];
-        const vec2 place = fract(tile.origin + at_m * tile.maps_per_m);
-        const float level = log2(max(spacing_m * float(tile.points) * tile.maps_per_m, 1e-6));
-        // Devices without a GPU take both sides of every branch, but leave a loop that nobody is in.
-        for (int once = 0; once < int(level < 1.0); ++once)
-            sum += (1.0 - max(level, 0.0)) * spline(tile, place);
-        const int finer = max(int(floor(level)), 1);
-        // Above: no wave of it is left.
-        const int coarser = level > 0.0 && level < float(tile.displacement_levels) ? int(ceil(level)) : -1;
-        for (int l = finer; l <= coarser; ++l)
-            sum += (1.0 - abs(level - float(l))) * mean_level(tile, place, l);
-    }
-    return sum;
-}
+#include "view/displacement.glsl"
 
 void main() {
     const int n = int(gl_GlobalInvocationID.x);
@@ -70,7 +26,7 @@ void main() {
     const vec2 undisplaced_m = view.mesh_apex_m + r * vec2(cos(azimuth), sin(azimuth));
     const float spacing = max(row_distance_m[min(row + 1, last)] - row_distance_m[max(row - 1, 0)],
                               2.0 * r * view.mesh_step_rad) / 2.0;
-    const vec3 d = displacement(undisplaced_m, spacing);
+    const vec3 d = displacement(undisplaced_m, spacing, 0, view.cascades - 1);
     const vec2 moved = undisplaced_m + view.choppiness * d.xy;
     const vec3 position_m = vec3(moved, d.z - dot(moved, moved) * view.curvature_per_m);
     vertices[2 * n] = vec4(position_m, spacing);

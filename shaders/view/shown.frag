@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: Apache-2.0
-// The picture as it is shown: numbers become sRGB bytes, and pixels drawn become pixels of the screen.
+// The picture as it is shown: light becomes sRGB bytes, and pixels drawn become pixels of the screen.
 #extension GL_GOOGLE_include_directive : require
 #include "view/frame.glsl"
 
@@ -54,12 +54,6 @@ vec3 dither(ivec2 pixel) {
     return vec3((noise - 0.5) / 255.0);
 }
 
-/// Blue, white, red.
-vec3 height_colour(float height_m) {
-    const float t = clamp(height_m / view.height_scale_m, -1.0, 1.0);
-    return mix(vec3(1), t < 0.0 ? vec3(0.05, 0.2, 0.7) : vec3(0.8, 0.1, 0.05), abs(t));
-}
-
 void main() {
     // The sampler repeats: half a texel at the border would be of the opposite one.
     const vec2 size = vec2(textureSize(picture, 0));
@@ -70,25 +64,6 @@ void main() {
 #ifdef SEAWAY_BLOOM
     v = mix(v, spread_at(gl_FragCoord.xy), view.bloom);
 #endif
-    switch (view.colours) {
-    case view_colours_film:
-        v = srgb(film(shoulder(view.exposure * v))) + dither(ivec2(gl_FragCoord.xy));
-        break;
-    case view_colours_height:
-        v = height_colour(v.r);
-        break;
-    case view_colours_repeat:
-        v = fract(v / 10.0);
-        break;
-    case view_colours_jacobian: // grey, 1 in the middle; folds in a colour that nothing else has
-        v = v.r < 0.0 ? vec3(0.9, 0.05, 0.1) : vec3(0.5 * v.r);
-        break;
-    case view_colours_roughness:
-        v = clamp(v.r / 0.4 * vec3(3.0, 1.5, 1.0) - vec3(0.0, 0.3, 0.5), 0.0, 1.0);
-        break;
-    case view_colours_signed_1:
-        v = 0.5 * v + 0.5;
-        break;
-    }
+    v = srgb(film(shoulder(view.exposure * v))) + dither(ivec2(gl_FragCoord.xy));
     shown = vec4(v, 1);
 }

@@ -171,10 +171,7 @@ vec3 water_radiance(Place place, vec3 to_eye) {
     add_detail(g, area);
 
     const vec3 scaled = scaled_normal(g);
-    vec3 normal = normalize(vec3(scaled.xy, max(scaled.z, 0.1)));
-    const float facing = dot(normal, to_eye);
-    if (facing < 0.02)
-        normal = normalize(normal + (0.02 - facing) * to_eye);
+    const vec3 normal = lit_normal(scaled, to_eye);
     const vec2 slope = -normal.xy / max(normal.z, 0.1);
 
     const vec2 look = normalize(to_eye.xy + vec2(1e-6, 0));

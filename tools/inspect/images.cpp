@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "sea/waves/centred_spectrum.h"
 #include "server/device/device_choice.h"
 #include "tools/inspect/array_picture.h"
 
@@ -35,22 +36,8 @@ class ImageWriter {
     /// h0(k) and h(k,t), in double and then as floats: the same for every device.
     Result<void> spectra(std::size_t cascade) {
         const sea::CascadeModes& modes = sea_.cascades[cascade];
-        const auto size = static_cast<std::size_t>(modes.spec.size);
-        const sea::TimeUs phase_time = sea_.phase_time(options_.time_us);
-        std::vector<float> h0(2 * size * size), h(2 * size * size);
-        for (std::size_t y = 0; y < size; ++y)
-            for (std::size_t x = 0; x < size; ++x) {
-                const std::size_t from = y * size + x;
-                const std::size_t mirror = (size - y) % size * size + (size - x) % size;
-                const std::size_t to = 2 * ((y + size / 2) % size * size +
-                                            (x + size / 2) % size); // k = 0 in the middle
-                const double phase = sea::phase_rad(modes.rate[from], phase_time);
-                const std::complex<double> forward = std::polar(1.0, -phase);
-                const std::complex<double> now =
-                    modes.h0[from] * forward + std::conj(modes.h0[mirror]) * std::conj(forward);
-                put(h0, to, modes.h0[from]);
-                put(h, to, now);
-            }
+        const std::vector<float> h0 = floats(sea::centred_h0(modes));
+        const std::vector<float> h = floats(sea::centred_h(sea_, cascade, options_.time_us));
         Array2d array{.title = "h0(k), m",
                       .rows = modes.spec.size,
                       .columns = modes.spec.size,
@@ -96,9 +83,12 @@ class ImageWriter {
     int files() const { return files_; }
 
   private:
-    static void put(std::vector<float>& to, std::size_t at, const std::complex<double>& value) {
-        to[at] = static_cast<float>(value.real());
-        to[at + 1] = static_cast<float>(value.imag());
+    static std::vector<float> floats(const std::vector<std::complex<double>>& values) {
+        std::vector<float> out;
+        for (const std::complex<double>& value : values)
+            out.insert(out.end(),
+                       {static_cast<float>(value.real()), static_cast<float>(value.imag())});
+        return out;
     }
 
     Result<void> write(std::size_t cascade, const std::string& name, Array2d array) {

@@ -41,12 +41,6 @@ int chain_texels(int side) {
     return (4 * side * side - 1) / 3;
 }
 
-int nodes_of(int points, const DeviceSeaOptions& options) {
-    const int wished = std::clamp(points * options.nodes_a_point, DeviceSeaOptions::nodes_min,
-                                  DeviceSeaOptions::nodes_max);
-    return std::max(wished, points);
-}
-
 std::uint32_t groups_of(int side) {
     return (static_cast<std::uint32_t>(side * side) + shaders::view_group - 1) /
            shaders::view_group;
@@ -69,6 +63,12 @@ shaders::vec4 narrow(const double (&weights)[4]) {
 }
 
 } // namespace
+
+int DeviceSea::nodes_of(int points, const DeviceSeaOptions& options) {
+    const int wished = std::clamp(points * options.nodes_a_point, DeviceSeaOptions::nodes_min,
+                                  DeviceSeaOptions::nodes_max);
+    return std::max(wished, points);
+}
 
 int DeviceSea::Slots::find(const void* map) const {
     for (int i = 0; i < slots; ++i)

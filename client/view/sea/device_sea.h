@@ -42,6 +42,9 @@ struct DeviceSeaOptions {
 
 class DeviceSea {
   public:
+    /// Nodes a side of the gradients of a grid of so many points a side.
+    static int nodes_of(int points, const DeviceSeaOptions& options);
+
     DeviceSea() = default;
     static Result<DeviceSea> create(gpu::Device& device, const DeviceSeaOptions& options);
 

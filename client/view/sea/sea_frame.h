@@ -34,6 +34,8 @@ struct SeaFrame {
     double foam_mean = 0;         ///< mean coverage by what has broken (docs/foam.md); 0: no foam
     double depth_m = sea::deep_water_m; ///< still
     sea::Water water;
+    /// What these keyframes cost in accuracy, as answers state it.
+    sea::MapError error{};
 };
 
 } // namespace seaway::client

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "client/link/failure.h"
+#include "client/local_surface.h"
 #include "shaders/shared/view.h"
 
 namespace seaway::client {
@@ -16,7 +17,7 @@ namespace {
 constexpr sea::FieldSet needed_fields{sea::Field::height, sea::Field::height_rate};
 
 Result<CascadeFrame> cascade_frame(const Client& client, const SeaState& state, std::size_t index,
-                                   sea::TimeUs time_us) {
+                                   sea::TimeUs time_us, std::vector<KeyframePair>& pairs) {
     const protocol::CascadeInfo& cascade = state.cascades[index];
     const auto around = [&](sea::FieldSet fields) {
         return client.ring().around(static_cast<int>(index), state.epoch, time_us,
@@ -34,6 +35,7 @@ Result<CascadeFrame> cascade_frame(const Client& client, const SeaState& state, 
         frame.foam_before = foam->before->keyframe_ptr();
         frame.foam_after = foam->after->keyframe_ptr();
     }
+    pairs.push_back(*pair);
     return frame;
 }
 
@@ -69,12 +71,14 @@ Result<SeaFrame> held_sea_frame(const Client& client, sea::TimeUs time_us) {
     if (state->depth_m > 0)
         frame.depth_m = state->depth_m;
     frame.water = state->water;
+    std::vector<KeyframePair> pairs;
     for (std::size_t c = 0; c < state->cascades.size(); ++c) {
-        Result<CascadeFrame> cascade = cascade_frame(client, *state, c, time_us);
+        Result<CascadeFrame> cascade = cascade_frame(client, *state, c, time_us, pairs);
         if (!cascade)
             return cascade.error();
         frame.cascades.push_back(std::move(*cascade));
     }
+    frame.error = local_map_error(*state, pairs);
     return frame;
 }
 

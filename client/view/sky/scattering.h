@@ -27,6 +27,8 @@ class MultipleScattering {
     glm::dvec3 at(double height_m, double sun_cosine) const;
 
     static constexpr int size = 32;
+    /// [height][sun], from the sea up, from the sun below to overhead.
+    const std::vector<glm::dvec3>& texels() const { return table_; }
 
   private:
     double thickness_m_;

@@ -74,6 +74,8 @@ class Sky {
     /// For shaders; texels is the same object as long as no table is made anew: [mip][layer][y][x][rgba].
     const std::shared_ptr<const std::vector<float>>& texels() const { return texels_; }
     shaders::SkyValues values() const;
+    /// Tables of the medium.
+    const AirTables& air() const { return *air_; }
 
     /// The same light and the same tables, as another eye sees them; exact for eyes on the same steps.
     Sky seen_from(const Look& look, const Eye& eye) const;

@@ -35,6 +35,8 @@ class TransmittanceTable {
     glm::dvec3 to_disc(double height_m, double zenith_cosine, double radius_rad) const;
 
     static constexpr int width = 256, height = 128;
+    /// Optical depths, [height][direction]: from the sea to the top of the air, from straight up to the horizon.
+    const std::vector<glm::vec3>& depths() const { return depth_; }
 
   private:
     Air air_;

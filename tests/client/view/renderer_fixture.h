@@ -27,7 +27,7 @@ class RendererTest : public gpu::DeviceTest {
         Result<Renderer> renderer =
             Renderer::create(*device_, camera_.width, camera_.height, options);
         EXPECT_TRUE(renderer) << renderer.error().message;
-        Result<Picture> picture = renderer->render(frame, camera_, sky, {view, 0});
+        Result<Picture> picture = renderer->render(frame, camera_, sky, {view});
         EXPECT_TRUE(picture) << picture.error().message;
         return std::move(*picture);
     }

@@ -27,6 +27,7 @@ class SyntheticSea {
         frame.time_us = time_us;
         frame.choppiness = sea_->choppiness;
         frame.significant_height_m = 4 * std::sqrt(variance());
+        frame.error = sea::map_error(budget_, 0);
         frame.reach_m =
             6 * std::sqrt(variance()) * std::max(sea_->choppiness.x, sea_->choppiness.y);
         for (std::size_t c = 0; c < sea_->cascades.size(); ++c) {

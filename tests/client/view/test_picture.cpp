@@ -119,20 +119,6 @@ TEST(Picture, the_suns_glitter_weighs_no_more_than_a_white_sheet) {
     EXPECT_LT(with_glint_of(10.0f), with_glint_of(5.0f)) << "up to white it counts";
 }
 
-TEST(DebugViews, are_found_by_name_and_cascades_by_number) {
-    for (const DebugViewInfo& row : debug_view_table) {
-        EXPECT_EQ(&row, &info(row.view)) << "the table is in the order of the views";
-        const Result<DebugChoice> choice = parse_debug_view(row.name);
-        ASSERT_TRUE(choice);
-        EXPECT_EQ(choice->view, row.view);
-    }
-    EXPECT_EQ(parse_debug_view("cascade:2")->cascade, 2);
-    EXPECT_EQ(parse_debug_view("cascade:7")->cascade, 7) << "the last of eight";
-    for (const char* wrong :
-         {"", "cascade:", "cascade:8", "cascade:9", "cascade:-1", "normal:1", "sea"})
-        EXPECT_FALSE(parse_debug_view(wrong)) << wrong;
-}
-
 TEST(FramePath, puts_the_number_where_the_pattern_says) {
     EXPECT_EQ(frame_path("a/##.png", 7, 20), "a/07.png");
     EXPECT_EQ(frame_path("a/%04d.exr", 7, 20), "a/0007.exr");

@@ -356,8 +356,8 @@ TEST_F(RendererTest, a_sea_of_more_tiles_is_drawn_as_by_a_new_renderer) {
     const Sky sky(sun_direction(12));
     Result<Renderer> renderer = Renderer::create(*device_, camera_.width, camera_.height);
     ASSERT_TRUE(renderer) << renderer.error().message;
-    ASSERT_TRUE(renderer->render(one, camera_, sky, {DebugView::slope, 0}));
-    const Result<Picture> picture = renderer->render(more, camera_, sky, {DebugView::slope, 0});
+    ASSERT_TRUE(renderer->render(one, camera_, sky, {DebugView::slope}));
+    const Result<Picture> picture = renderer->render(more, camera_, sky, {DebugView::slope});
     ASSERT_TRUE(picture) << picture.error().message;
     EXPECT_EQ(picture->rgba, render(more, sky, DebugView::slope).rgba);
 }

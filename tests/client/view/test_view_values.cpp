@@ -125,11 +125,14 @@ TEST(ViewValues, every_value_is_the_one_of_its_name) {
     EXPECT_EQ(shown.values({DebugView::cascade, 5}).what_cascade, 1) << "there are two";
     EXPECT_EQ(v.probes, shown.options.quality.probes);
     EXPECT_EQ(v.between_levels, shown.options.quality.between_levels ? 1 : 0);
-    EXPECT_EQ(v.colours, shaders::view_colours_signed_1) << "of the cascade's slopes";
+    EXPECT_EQ(v.debug.channel, -1) << "slopes are red and green";
+    expect(v.debug.low, -1, "scale of slopes");
+    expect(v.debug.high, 1, "scale of slopes");
     const shaders::ViewValues lit = shown.values({}, {DebugView::final, 0.25, 5});
-    EXPECT_EQ(lit.colours, shaders::view_colours_film);
     expect(lit.exposure, 0.25, "exposure");
-    expect(lit.height_scale_m, 2.5, "half of Hs has the full colour");
+    const shaders::ViewValues heights = shown.values({}, {DebugView::height, 1, 5});
+    expect(heights.debug.low, -2.5, "half of Hs has the full colour");
+    expect(heights.debug.high, 2.5, "half of Hs has the full colour");
     expect(lit.picture_per_shown.x, shown.options.quality.scale, "scale");
 }
 

@@ -212,7 +212,7 @@ TEST_F(WindowTest, a_look_is_saved_and_loaded_and_what_is_wrong_with_one_is_said
     EXPECT_EQ(viewer_->choice().look.hour, 0.5) << "the look stays";
 }
 
-// Shown as heights, the sea has colours and its absence is white.
+// Shown as heights, the sea has bright colours and its absence is dark.
 TEST_F(WindowTest, the_mesh_of_another_camera_stays_where_it_is) {
     ViewOptions heights = options();
     heights.debug.view = DebugView::height;
@@ -233,18 +233,18 @@ TEST_F(WindowTest, the_mesh_of_another_camera_stays_where_it_is) {
         // Not at the bottom: there waves move points into the picture from all around the first camera.
         return shot().row(height - 200, width - 40, width);
     };
-    EXPECT_LT(light_on_the_right(), 252);
+    EXPECT_GT(light_on_the_right(), 60);
     turn();
     EXPECT_NEAR(viewer_->camera().yaw_deg, 20 + 62 * 300.0 / 720, 0.5)
         << "what is dragged stays below the mouse";
-    EXPECT_LT(light_on_the_right(), 252);
+    EXPECT_GT(light_on_the_right(), 60);
     display_->tool(fmt::format("windowfocus {}", window_id()));
     step();
     display_->tool("key m");
     ASSERT_TRUE(step_until([&] { return viewer_->choice().second_camera; }));
-    EXPECT_LT(light_on_the_right(), 252);
+    EXPECT_GT(light_on_the_right(), 60);
     turn();
-    EXPECT_GT(light_on_the_right(), 254); // white, but for its rounding
+    EXPECT_NEAR(light_on_the_right(), 255 * (0.13 + 0.14 + 0.17) / 3, 2); // nothing
 }
 
 TEST_F(WindowTest, rides_on_a_float_as_high_as_the_sea_is) {
