@@ -241,11 +241,11 @@ struct ViewValues {
 
 #ifdef __cplusplus
 static_assert(offsetof(ViewValues, camera_m) == 128 && offsetof(ViewValues, foam_mean) == 256);
-static_assert(offsetof(ViewValues, detail_origin) == 272 && offsetof(ViewValues, cascade) == 368);
+static_assert(offsetof(ViewValues, detail_origin) == 272 && offsetof(ViewValues, cascade) == 384);
 static_assert(sizeof(ViewCascade) == 80);
 static_assert(sizeof(SkyValues) == 16 * 16);
 static_assert(sizeof(WaterValues) == 5 * 16);
-static_assert(offsetof(ViewValues, sky) == 368 + 80 * view_cascades_max);
+static_assert(offsetof(ViewValues, sky) == 384 + 80 * view_cascades_max);
 static_assert(offsetof(ViewValues, water) == offsetof(ViewValues, sky) + sizeof(SkyValues));
 static_assert(sizeof(ViewDebug) == 16 * (view_stops + 2 + 3 * view_cascades_max + 4));
 } // namespace seaway::shaders
