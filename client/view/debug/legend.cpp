@@ -152,7 +152,8 @@ bool shows_folds(const LegendText& text) {
 void write_axes(Writer& writer, const LegendText& text, int dot, const glm::ivec2& box) {
     const FlatArea& area = text.area;
     const int line = dot * letter_rows, gap = 2 * dot;
-    const auto put = [&](int left, int top, const std::string& words) {
+    const auto put = [&](int wanted_left, int top, const std::string& words) {
+        const int left = std::max(wanted_left, gap);
         writer.box(left - dot, top - dot, dot * (text_columns(words) + 2), line + dot, paper,
                    paper_opacity);
         writer.text(left, top, words);
