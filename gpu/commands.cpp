@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gpu/commands.h"
 
+#include <algorithm>
+
 #include "base/check.h"
 #include "gpu/call.h"
 
@@ -107,6 +109,20 @@ void Commands::dispatch(const Kernel& kernel, const Bindings& bindings,
         vkCmdPushConstants(buffer_, kernel.layout(), VK_SHADER_STAGE_COMPUTE_BIT, 0,
                            static_cast<std::uint32_t>(push.size()), push.data());
     vkCmdDispatch(buffer_, groups_x, groups_y, groups_z);
+}
+
+FlatGroups flat_groups(std::size_t invocations, int group) {
+    const auto side = static_cast<std::size_t>(group);
+    const std::size_t groups = std::max<std::size_t>((invocations + side - 1) / side, 1);
+    const std::size_t rows = (groups + FlatGroups::row_max - 1) / FlatGroups::row_max;
+    return {static_cast<std::uint32_t>((groups + rows - 1) / rows),
+            static_cast<std::uint32_t>(rows)};
+}
+
+void Commands::dispatch_all(const Kernel& kernel, const Bindings& bindings,
+                            std::span<const std::byte> push, std::size_t invocations, int group) {
+    const FlatGroups groups = flat_groups(invocations, group);
+    dispatch(kernel, bindings, push, groups.a_row, groups.rows);
 }
 
 Result<void> run_once(Device& device, const std::function<void(Commands&)>& record) {

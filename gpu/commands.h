@@ -18,6 +18,14 @@ namespace seaway::gpu {
 /// Who writes or reads on either side of a barrier.
 enum class Stage { compute, copy, host, graphics };
 
+/// Groups a row and rows for so many invocations: no more a row than every device takes (Vulkan 1.3, Required Limits:
+/// maxComputeWorkGroupCount is at least 65535), and fewer than one row too many.
+struct FlatGroups {
+    static constexpr std::size_t row_max = 65535;
+    std::uint32_t a_row = 1, rows = 1;
+};
+FlatGroups flat_groups(std::size_t invocations, int group);
+
 class Commands {
   public:
     Commands() = default;
@@ -36,6 +44,11 @@ class Commands {
     /// Groups, not invocations. `push` must be as long as the kernel's push constants.
     void dispatch(const Kernel& kernel, const Bindings& bindings, std::span<const std::byte> push,
                   std::uint32_t groups_x, std::uint32_t groups_y = 1, std::uint32_t groups_z = 1);
+
+    /// At least so many invocations, of a kernel whose groups are one wide row, in as many rows of groups as devices
+    /// must take: shaders/view/flat.glsl numbers them.
+    void dispatch_all(const Kernel& kernel, const Bindings& bindings,
+                      std::span<const std::byte> push, std::size_t invocations, int group);
 
     /// Others record with it what this class does not do: drawing, image copies.
     VkCommandBuffer get() const { return buffer_; }

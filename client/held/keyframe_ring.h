@@ -69,8 +69,8 @@ struct RingLimits {
     /// Splines included. At least `keyframes_per_cascade_min` are held all the same.
     std::size_t bytes_per_cascade = 192u * 1024 * 1024;
     /// A keyframe that comes drops those of its cascade that are further away in sea time than this, but for the
-    /// last `keyframes_per_cascade_min`: for who follows a stream and never fetches. It must be more than the server
-    /// sends ahead.
+    /// last `keyframes_per_cascade_min`: for who follows a stream and never fetches. A server sends an interval and a
+    /// quarter of a second ahead; where intervals are long the last four are what is needed.
     sea::TimeUs reach_us = std::numeric_limits<sea::TimeUs>::max();
     static constexpr std::size_t keyframes_per_cascade_min = 4;
 

@@ -100,10 +100,10 @@ void Bloom::record(gpu::Commands& commands, const gpu::Kernel& kernel,
                     {to.first, to.columns, to.lines},
                     pixels_,
                     to.share};
-    const int texels = to.columns * to.lines;
-    commands.dispatch(
-        kernel, bindings, std::as_bytes(std::span(&push, 1)),
-        static_cast<std::uint32_t>((texels + shaders::view_group - 1) / shaders::view_group));
+    const std::size_t texels =
+        static_cast<std::size_t>(to.columns) * static_cast<std::size_t>(to.lines);
+    commands.dispatch_all(kernel, bindings, std::as_bytes(std::span(&push, 1)), texels,
+                          shaders::view_group);
     commands.barrier(gpu::Stage::compute, gpu::Stage::compute);
 }
 

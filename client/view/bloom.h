@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Bloom: what lenses and eyes scatter of light, so that the sun and its path are brighter than white. Without a
-// threshold, and no light is lost or made: each pixel gives the same share of its light to those around it, in a spot that
+// threshold, and no light is lost or made, but along the borders, whose pixels count for what lies beyond them: each pixel gives the same share of its light to those around it, in a spot that
 // falls as about the third power of the distance.
 //
 //     Result<Bloom> bloom = Bloom::create(device, picture, 2, sampler);

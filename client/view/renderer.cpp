@@ -268,9 +268,7 @@ Result<void> Renderer::record(Flight& flight, const Mesh& mesh, DebugView view,
         sea_.record(commands, flight.values);
     stamp();
     if (sees_sea)
-        commands.dispatch(mesh_, flight.mesh, {},
-                          static_cast<std::uint32_t>((mesh.vertices() + shaders::view_group - 1) /
-                                                     shaders::view_group));
+        commands.dispatch_all(mesh_, flight.mesh, {}, mesh.vertices(), shaders::view_group);
     commands.barrier(gpu::Stage::compute, gpu::Stage::graphics);
     stamp();
     if (sees_sea || needs.under || view != DebugView::final)

@@ -5,13 +5,14 @@
 #extension GL_GOOGLE_include_directive : require
 #include "shared/view.h"
 #include "view/bloom.glsl"
+#include "view/flat.glsl"
 
 layout(local_size_x = view_group) in;
 layout(binding = 0) uniform sampler2D picture;
 layout(std430, binding = 1) writeonly buffer Spread { vec4 spread[]; };
 
 void main() {
-    const int n = int(gl_GlobalInvocationID.x);
+    const int n = flat_invocation();
     ivec2 at;
     if (!place_of(n, at))
         return;

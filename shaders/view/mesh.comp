@@ -3,6 +3,7 @@
 // The vertices of a fan of quads to beyond the horizon, moved by the sum of all cascades. A pass of its own, because
 // devices without a GPU run vertex shaders in one thread.
 #extension GL_GOOGLE_include_directive : require
+#include "view/flat.glsl"
 #include "view/frame.glsl"
 #include "view/place.glsl"
 
@@ -15,7 +16,7 @@ layout(std430, binding = 3) writeonly buffer Vertices { vec4 vertices[]; };
 #include "view/displacement.glsl"
 
 void main() {
-    const int n = int(gl_GlobalInvocationID.x);
+    const int n = flat_invocation();
     const int columns = view.mesh_columns;
     const int last = view.mesh_rows - 1;
     if (n >= columns * view.mesh_rows)

@@ -2,7 +2,10 @@
 // What an eye under water sees: the surface from below, the sea floor, and light that the water scatters before them.
 //
 // One coefficient K, of daylight going down, stands for all that water takes: what is scattered forward is not lost to what
-// is wide. Light scattered from a metre of water is 2 K R Ed / pi, so that deep water seen from above has its reflectance R.
+// is wide. Light scattered from a metre of water is as bright in all directions, s K R Ed / pi with s = 1 / (2 (1 - ln 2)): what deep
+// water sends up along a cosine m is then s / (1 + m) of R Ed / pi, and all of it together R Ed. Straight up it is Q = 2 pi / s = 3.86.
+
+const float scattered_evenly = 1.6294457;
 
 /// R: light going up over light going down; of what comes out above the surface (client/view/water_optics.h).
 vec3 below_surface(vec3 reflectance) { return reflectance / (0.41 + 0.48 * reflectance); }
@@ -19,7 +22,7 @@ vec3 daylight_at(float depth_m) {
 vec3 scattered_before(float depth_m, float up, float way_m) {
     const vec3 k = view.water.attenuation_per_m;
     const float lost = max(1.0 - up, 0.02); // a way up meets brighter water
-    return 2.0 / pi * below_surface(view.water_reflectance) * daylight_at(depth_m) * (1.0 - exp(-k * lost * way_m)) /
+    return scattered_evenly / pi * below_surface(view.water_reflectance) * daylight_at(depth_m) * (1.0 - exp(-k * lost * way_m)) /
            lost;
 }
 

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <vector>
 
 #include "gpu/buffer.h"
@@ -30,6 +31,22 @@ KernelExpectation scale_expectation() {
                          {"Result", VK_DESCRIPTOR_TYPE_STORAGE_BUFFER}},
             .push_constant_bytes = sizeof(Push),
             .local_size = {64, 1, 1}};
+}
+
+TEST(FlatGroups, no_row_is_longer_than_every_device_takes_and_all_invocations_have_one) {
+    for (const std::size_t invocations :
+         {std::size_t{0}, std::size_t{1}, std::size_t{64}, std::size_t{65},
+          64 * FlatGroups::row_max, 64 * FlatGroups::row_max + 1, std::size_t{8192} * 4320,
+          std::size_t{4096} * 8192}) {
+        const FlatGroups groups = flat_groups(invocations, 64);
+        const std::size_t made = std::size_t{64} * groups.a_row * groups.rows;
+        EXPECT_LE(groups.a_row, FlatGroups::row_max) << invocations;
+        EXPECT_GE(made, std::max<std::size_t>(invocations, 1)) << invocations;
+        EXPECT_LT(made - std::max<std::size_t>(invocations, 1), 64u * (groups.rows + 1u))
+            << invocations;
+    }
+    EXPECT_EQ(flat_groups(64 * FlatGroups::row_max, 64).rows, 1u);
+    EXPECT_EQ(flat_groups(64 * FlatGroups::row_max + 1, 64).rows, 2u);
 }
 
 TEST(Spirv, bindings_push_constants_and_workgroup_are_read_from_the_module) {

@@ -129,18 +129,18 @@ Result<bool> watch(const char* url, double seconds, double frames_a_second) {
     return watcher.row();
 }
 
-bool read(const char* text, double& value) {
+bool read(const char* text, double least, double& value) {
     const auto [rest, failure] = std::from_chars(text, text + std::strlen(text), value);
-    return failure == std::errc{} && *rest == '\0' && value > 0 && value <= 1e6;
+    return failure == std::errc{} && *rest == '\0' && value >= least && value <= 1e6;
 }
 
 } // namespace
 
 int main(int argc, char** argv) {
     double seconds = 0, frames_a_second = 60;
-    if (argc < 3 || argc > 4 || !read(argv[2], seconds) ||
-        (argc == 4 && !read(argv[3], frames_a_second))) {
-        fmt::print(stderr, "usage: load_view URL SECONDS [FRAMES_PER_SECOND]\n");
+    if (argc < 3 || argc > 4 || !read(argv[2], 1, seconds) ||
+        (argc == 4 && !read(argv[3], 0.1, frames_a_second))) {
+        fmt::print(stderr, "usage: load_view URL SECONDS [FRAMES_PER_SECOND], from 1 and 0.1 on\n");
         return 2;
     }
     const Result<bool> held = watch(argv[1], seconds, frames_a_second);

@@ -75,15 +75,30 @@ TEST_F(UnderWaterTest, deep_water_darkens_with_depth_as_its_attenuation_says) {
             EXPECT_NEAR(deep[c] / shallow[c] / std::exp(-8 * k[c]), 1, 0.01)
                 << pitch_deg << " channel " << c;
     }
-    camera_.pitch_deg = -89;
-    camera_.z_m = -2;
+}
+
+// All that comes up at a depth, from the half of directions below, is R of what goes down there: R is that, and nothing
+// else. By Gauss-Legendre over the cosine m, 4 nodes, of a light that goes as 1 / (1 + m).
+TEST_F(UnderWaterTest, deep_water_sends_up_its_reflectance_of_what_goes_down) {
+    const SeaFrame frame = flat_sea();
+    const glm::dvec3 k = attenuation_per_m(frame);
     const glm::dvec3 above = water_look(frame.water, frame.depth_m, 1).reflectance;
     const glm::dvec3 down =
         noon_.sky_irradiance() + noon_.sun_irradiance() * noon_.sun_direction().z;
-    const glm::dvec3 seen = middle(frame, noon_);
+    constexpr std::pair<double, double> nodes[] = {{0.0694318442, 0.1739274226},
+                                                   {0.3300094782, 0.3260725774},
+                                                   {0.6699905218, 0.3260725774},
+                                                   {0.9305681558, 0.1739274226}};
+    camera_.z_m = -2;
+    camera_.view_deg = 2;
+    glm::dvec3 up(0.0);
+    for (const auto& [cosine, weight] : nodes) {
+        camera_.pitch_deg = -std::asin(cosine) * 180 / pi;
+        up += 2 * pi * weight * cosine * middle(frame, noon_);
+    }
     for (int c = 0; c < 3; ++c) {
         const double below = above[c] / (0.41 + 0.48 * above[c]);
-        EXPECT_NEAR(seen[c] / (below * 0.94 * down[c] / pi * std::exp(-2 * k[c])), 1, 0.01) << c;
+        EXPECT_NEAR(up[c] / (below * 0.94 * down[c] * std::exp(-2 * k[c])), 1, 0.01) << c;
     }
 }
 
