@@ -19,13 +19,14 @@ struct Quality {
     bool between_levels; ///< lookups are linear between levels of maps, else from the nearest
     double scale;        ///< pixels that are drawn over pixels that are shown, a side
     int bloom_pixels; ///< of the picture a texel of the finest bloom, a side: 4 or 2; 0: no bloom
+    int spray_slots;  ///< plumes of spray a cell of its grid (client/view/sea/spray.h); 0: no spray
 };
 
 inline constexpr std::array<Quality, 4> quality_table{{
-    {"low", "two cores without a GPU at 10 frames a second", 10, 1, 1, 1, false, 0.5, 0},
-    {"default", "two cores without a GPU at 4 frames a second", 6.4, 1, 2, 1, false, 0.8, 4},
-    {"high", "stills and GPUs", 2.5, 4, 5, 2, true, 1, 2},
-    {"film", "stills that are looked at closely", 1.5, 4, 9, 2, true, 1, 2},
+    {"low", "two cores without a GPU at 10 frames a second", 10, 1, 1, 1, false, 0.5, 0, 0},
+    {"default", "two cores without a GPU at 4 frames a second", 6.4, 1, 2, 1, false, 0.8, 4, 2},
+    {"high", "stills and GPUs", 2.5, 4, 5, 2, true, 1, 2, 8},
+    {"film", "stills that are looked at closely", 1.5, 4, 9, 2, true, 1, 2, 16},
 }};
 
 // Places in the table.

@@ -282,6 +282,8 @@ Result<void> Renderer::record(Flight& flight, const Mesh& mesh, DebugView view,
         target_.end_picture(commands);
     }
     stamp();
+    spray_.record(commands, target_, next_);
+    stamp();
     const bool with_bloom = blooms && wanted != Wanted::numbers;
     if (with_bloom)
         bloom_.record(commands);
@@ -324,6 +326,10 @@ Result<void> Renderer::draw(const SeaFrame& frame, const Camera& camera, const S
     shaders::ViewValues values = view_values(frame, drawn, sky, mesh, options_, debug, display);
     values.eye_depth_m = static_cast<float>(eye.depth_m);
     sea_.describe(frame, {camera.x_m, camera.y_m}, values);
+    const bool spray = debug.view == DebugView::final && !eye.under && mesh.columns > 0;
+    SEAWAY_TRY(spray_.prepare(*device_,
+                              spray_values(frame, camera, spray ? options_.quality.spray_slots : 0),
+                              next_, flight.values, sea_, target_, sampler_.get()));
     if (blooms(display))
         bloom_.describe(options_.quality.scale, values);
     put(flight.values, &values, sizeof values);

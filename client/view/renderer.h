@@ -28,6 +28,7 @@
 #include "client/view/sea/device_sea.h"
 #include "client/view/sea/eye_side.h"
 #include "client/view/sea/mesh.h"
+#include "client/view/sea/spray.h"
 #include "client/view/sky/sky.h"
 #include "gpu/draw/graphics_pipeline.h"
 #include "gpu/draw/offscreen.h"
@@ -47,9 +48,9 @@ enum class Wanted { nothing, numbers, bytes };
 
 class Renderer {
   public:
-    static constexpr std::size_t passes = 6;
-    static constexpr std::array<std::string_view, passes> pass_names{"maps",  "mesh",  "geometry",
-                                                                     "light", "bloom", "film"};
+    static constexpr std::size_t passes = 7;
+    static constexpr std::array<std::string_view, passes> pass_names{
+        "maps", "mesh", "geometry", "light", "spray", "bloom", "film"};
 
     static Result<Renderer> create(gpu::Device& device, int width, int height,
                                    const RenderOptions& options = {});
@@ -83,6 +84,8 @@ class Renderer {
     const std::vector<double>& pass_times() const { return pass_times_; }
     /// See DeviceSea::copies().
     std::uint64_t copies() const { return sea_.copies(); }
+    /// Passes of spray so far: none below Beaufort 8.
+    std::uint64_t spray_passes() const { return spray_.passes(); }
 
   private:
     struct Upload {
@@ -127,6 +130,7 @@ class Renderer {
     gpu::GraphicsPipeline geometry_, shown_, bloomed_;
     Lighting lighting_;
     Bloom bloom_;
+    Spray spray_;
     std::optional<DebugPasses> debug_; ///< made when a view of numbers is asked for
     gpu::OwnedSampler sampler_;
     gpu::Buffer vertices_, indices_, undeveloped_;

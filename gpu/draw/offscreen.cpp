@@ -67,9 +67,11 @@ Result<Offscreen> Offscreen::create(Device& device, const OffscreenSize& size) {
 }
 
 void Offscreen::begin(Commands& commands, const Image& image,
-                      const VkRenderingAttachmentInfo* depth) {
-    record_transition(commands, image, VK_IMAGE_LAYOUT_UNDEFINED, to_colour);
-    const VkRenderingAttachmentInfo colour = attachment(image, to_colour);
+                      const VkRenderingAttachmentInfo* depth, bool over) {
+    record_transition(commands, image, over ? to_sample : VK_IMAGE_LAYOUT_UNDEFINED, to_colour);
+    VkRenderingAttachmentInfo colour = attachment(image, to_colour);
+    if (over)
+        colour.loadOp = VK_ATTACHMENT_LOAD_OP_LOAD;
     const VkRect2D area{{0, 0}, {image.spec().width, image.spec().height}};
     const VkRenderingInfo info{.sType = VK_STRUCTURE_TYPE_RENDERING_INFO,
                                .renderArea = area,
@@ -107,6 +109,10 @@ void Offscreen::begin_picture(Commands& commands, bool by_depth) {
     VkRenderingAttachmentInfo depth = attachment(depth_, to_depth);
     depth.loadOp = VK_ATTACHMENT_LOAD_OP_LOAD;
     begin(commands, picture_, &depth);
+}
+
+void Offscreen::begin_over_picture(Commands& commands) {
+    begin(commands, picture_, nullptr, true);
 }
 
 void Offscreen::end_picture(Commands& commands) {

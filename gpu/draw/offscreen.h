@@ -48,6 +48,8 @@ class Offscreen {
     /// sample.
     void begin_picture(Commands& commands, bool by_depth = false);
     void end_picture(Commands& commands);
+    /// More is laid over a picture that has ended; end_picture() ends that, too.
+    void begin_over_picture(Commands& commands);
     const Image& picture() const { return picture_; }
 
     void begin_shown(Commands& commands);
@@ -64,7 +66,8 @@ class Offscreen {
     const OffscreenSize& size() const { return size_; }
 
   private:
-    void begin(Commands& commands, const Image& image, const VkRenderingAttachmentInfo* depth);
+    void begin(Commands& commands, const Image& image, const VkRenderingAttachmentInfo* depth,
+               bool over = false);
     void read(Commands& commands, const Image& image, const Buffer& into);
 
     OffscreenSize size_;
