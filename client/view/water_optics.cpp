@@ -10,7 +10,8 @@ namespace seaway::client {
 
 namespace {
 
-/// Jerlov 1976, table XXVII: types I to 9C, 1/m.
+/// Jerlov 1976, table XXVII (p. 135): types I to 9C, 1/m. Public transcriptions differ in one number, type I at
+/// 400 nm: 0.027, taken here, in one 0.028.
 constexpr std::array<WaterSpectrum, 10> jerlov_per_m{{
     {0.027, 0.022, 0.019, 0.018, 0.027, 0.043, 0.063, 0.089, 0.235, 0.305, 0.36, 0.42, 0.56},
     {0.038, 0.031, 0.026, 0.025, 0.032, 0.048, 0.067, 0.094, 0.24, 0.31, 0.37, 0.43, 0.57},
@@ -141,7 +142,7 @@ glm::dvec3 attenuation_rgb_per_m(sea::WaterType type, double path_m) {
 }
 
 WaterLook water_look(const sea::Water& water, double depth_m, double wave_m) {
-    constexpr double matters = 1e-4; ///< of the reflectance of deep water
+    constexpr double matters = 1e-4; ///< of the luminance of deep water: one colour of it may be 0
     WaterLook look;
     const bool by_eye = water.type == sea::WaterType::north_sea;
     WaterSpectrum above = reflectance_below(water.type);
@@ -159,7 +160,9 @@ WaterLook water_look(const sea::Water& water, double depth_m, double wave_m) {
         look.floor[c] = floor_reflectance_above(water.bottom_albedo[static_cast<std::size_t>(c)]);
     const double least_m = has_floor ? std::max(depth_m - wave_m, 0.0) : 0;
     const glm::dvec3 most = look.floor * left_after(look.floor_attenuation_per_m, 2 * least_m);
-    look.floor_seen = has_floor && glm::any(glm::greaterThan(most, matters * look.reflectance));
+    look.floor_seen =
+        has_floor &&
+        glm::any(glm::greaterThan(most, glm::dvec3(matters * luminance_of(look.reflectance))));
     return look;
 }
 

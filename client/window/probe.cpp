@@ -33,21 +33,22 @@ std::optional<glm::dvec2> where_ray_meets(const sea::Surface& surface, const Cam
         const glm::dvec2 at = place(way_m);
         return above_mean_m(way_m) - surface.answer({at.x, at.y, time_us}).height_m;
     };
+    const double side = gap_m(0) < 0 ? -1 : 1; // of the eye: below the water, or above
     double way_m = 0;
     if (camera.z_m > crest_m && ray.z < 0) // straight lines from here meet no crest before
         way_m = std::max((camera.z_m - crest_m) / -ray.z * 0.999, 0.0);
-    double before_m = way_m;
+    double before_m = 0;
     for (int i = 0; i < steps_max && way_m < far_m; ++i) {
-        const double gap = gap_m(way_m);
-        if (gap <= 0) {
-            double above = before_m, below = way_m;
+        const double gap = side * gap_m(way_m);
+        if (gap <= 0 && way_m > 0) {
+            double on_this_side = before_m, beyond = way_m;
             for (int n = 0; n < halvings; ++n) {
-                const double middle = (above + below) / 2;
-                (gap_m(middle) > 0 ? above : below) = middle;
+                const double middle = (on_this_side + beyond) / 2;
+                (side * gap_m(middle) > 0 ? on_this_side : beyond) = middle;
             }
-            return place(below);
+            return place(beyond);
         }
-        if (above_mean_m(way_m) > crest_m && ray.z >= 0)
+        if (side > 0 && above_mean_m(way_m) > crest_m && ray.z >= 0)
             return std::nullopt;
         before_m = way_m;
         way_m += std::max(share_of_gap * gap, step_min_m + 1e-3 * way_m);

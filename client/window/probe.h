@@ -13,9 +13,9 @@
 
 namespace seaway::client {
 
-/// Where the ray through a point of the picture (-1 .. 1, y down) first meets the surface, world, m; the earth's
-/// curvature included. Nothing: it goes into the sky, or meets nothing within 20 km. `crest_m`: no crest is higher. A
-/// few hundred answers of the surface, a millisecond; several thousand where it grazes the sea to the horizon.
+/// Where the ray through a point of the picture (-1 .. 1, y down) first meets the surface, from above or from below,
+/// world, m; the earth's curvature included. Nothing: it goes into the sky or the deep, or meets nothing within 20 km.
+/// `crest_m`: no crest is higher. A few hundred answers of the surface, a millisecond; several thousand where it grazes the sea to the horizon.
 std::optional<glm::dvec2> where_ray_meets(const sea::Surface& surface, const Camera& camera,
                                           double picture_x, double picture_y, sea::TimeUs time_us,
                                           double crest_m);

@@ -12,7 +12,7 @@
 
 namespace seaway::sea {
 
-/// `north_sea`, the default, is a colour that was chosen by eye, with the attenuation of 1C.
+/// `north_sea`, the default, is a colour that was chosen by eye, with the attenuation of III.
 enum class WaterType : std::uint8_t {
     north_sea = 0,
     jerlov_1 = 1,

@@ -33,7 +33,7 @@ Dome clear_dome(const Lit& lit, const AirTables& air, const CloudLayer& clouds, 
 Dome with_clouds(Dome dome, const CloudLayer& layer, const std::vector<glm::vec2>& noise,
                  const AirTables& air, ThreadPool& pool);
 /// Below the horizon: what the sea sends, of the sky that it mirrors and of its body. down: what falls on
-/// it, klx.
+/// it, klx. Its body is north_sea's, whatever the type of the water.
 void lay_sea(Dome& dome, const glm::dvec3& down_klx, ThreadPool& pool);
 
 /// Texels of all layers and mips, [mip][layer][y][x][rgba]: the blurred sea's, the eye's, the noise's;

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "client/view/sky/look.h"
 #include "client/view/water_optics.h"
 
 namespace seaway::client {
@@ -33,7 +34,7 @@ double at_nm(const WaterSpectrum& spectrum, double nm) {
     return (1 - t) * spectrum[low] + t * spectrum[std::min(low + 1, spectrum.size() - 1)];
 }
 
-// Three rows of table XXVII, from another print of it than the code's.
+// Three rows of table XXVII typed a second time, so that a slip in the code's table is seen.
 TEST(WaterOptics, attenuation_is_jerlovs) {
     const WaterSpectrum clear{0.027, 0.022, 0.019, 0.018, 0.027, 0.043, 0.063,
                               0.089, 0.235, 0.305, 0.36,  0.42,  0.56};
@@ -196,6 +197,28 @@ TEST(WaterOptics, a_floor_is_seen_where_light_comes_back_from_it) {
     EXPECT_TRUE(water_look({clear}, 30, 1).floor_seen) << "blue comes back from 30 m in the ocean";
     EXPECT_FALSE(water_look({turbid}, 15, 1).floor_seen);
     EXPECT_FALSE(water_look({clear, {0, 0, 0}}, 2, 0).floor_seen) << "a black floor";
+}
+
+// The clearest water leaves exp(-0.018 2 d) of the best of light: 1e-16 from 1000 m, where nothing of any floor is seen,
+// even where deep water has a colour without red.
+TEST(WaterOptics, no_floor_is_seen_a_kilometre_down_in_any_water) {
+    for (const auto& [name, type] : sea::water_types)
+        for (const double depth_m : {1000.0, 4000.0, 11000.0})
+            EXPECT_FALSE(water_look({type, {1, 1, 1}}, depth_m, 20).floor_seen)
+                << name << " at " << depth_m;
+}
+
+// And where it adds a thousandth to the brightness of deep water it is: what is left out is less than a ten thousandth.
+TEST(WaterOptics, a_floor_that_adds_a_thousandth_is_seen_in_every_water) {
+    for (const auto& [name, type] : sea::water_types)
+        for (double depth_m = 2; depth_m < 400; depth_m *= 1.2) {
+            const WaterLook look = water_look({type}, depth_m, 0);
+            const glm::dvec3 added =
+                look.floor * glm::exp(-look.floor_attenuation_per_m * 2.0 * depth_m);
+            EXPECT_TRUE(look.floor_seen ||
+                        luminance_of(added) <= 1e-3 * luminance_of(look.reflectance))
+                << name << " at " << depth_m;
+        }
 }
 
 // Two metres of clear water over sand: turquoise - blue and green far above red, and brighter than the deep.

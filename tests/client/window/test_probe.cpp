@@ -44,7 +44,40 @@ TEST(Probe, sky_is_no_sea_and_the_horizon_divides_them) {
     EXPECT_FALSE(where_ray_meets(surface, camera, 0, 0, 0, 0.5));
 }
 
-// In a gale, from low and high: the place is on the ray, and the ray is above the surface on its whole way there.
+// Up to Snell's window and beyond it: the ray is the straight one that the mouse means. Down there is no surface.
+TEST(Probe, from_below_a_ray_meets_the_surface_where_it_comes_out) {
+    const sea::Surface surface = flat();
+    for (const double depth_m : {0.5, 5.0, 40.0})
+        for (const double pitch_deg : {80.0, 30.0, 3.0}) {
+            const Camera camera{
+                .x_m = 500, .y_m = 20, .z_m = -depth_m, .yaw_deg = 90, .pitch_deg = pitch_deg};
+            const auto place = where_ray_meets(surface, camera, 0, 0, 0, 1);
+            ASSERT_TRUE(place) << depth_m << " m, " << pitch_deg;
+            const double slope = std::tan(pitch_deg * sea::pi / 180);
+            const double level_m = depth_m / slope;
+            // The sea falls away by d^2 / 2R, so that a ray meets it so much earlier.
+            const double earlier_m = level_m * level_m / (2 * earth_radius_m) / slope;
+            EXPECT_NEAR(place->x, 500 + level_m - earlier_m, 0.01 * earlier_m + 1e-6) << depth_m;
+            EXPECT_NEAR(place->y, 20, 1e-6);
+        }
+    const Camera down{.z_m = -5, .pitch_deg = -40};
+    EXPECT_FALSE(where_ray_meets(surface, down, 0, 0, 0, 1));
+    EXPECT_FALSE(where_ray_meets(surface, down, 0.3, -0.2, 0, 1));
+}
+
+// On the sea itself is neither side: downwards it is met at once, upwards never.
+TEST(Probe, an_eye_on_the_surface_sees_sky_above_and_the_sea_below) {
+    const sea::Surface surface = flat();
+    Camera camera{.x_m = 3, .y_m = 4, .z_m = 0, .pitch_deg = -30};
+    const auto place = where_ray_meets(surface, camera, 0, 0, 0, 1);
+    ASSERT_TRUE(place);
+    EXPECT_LT(glm::distance(*place, glm::dvec2(3, 4)), 0.05);
+    camera.pitch_deg = 30;
+    EXPECT_FALSE(where_ray_meets(surface, camera, 0, 0, 0, 1));
+}
+
+// In a gale, from low, high and below: the place is on the ray, and the ray stays on the eye's side of the surface on
+// its whole way there.
 TEST(Probe, a_ray_stops_at_the_first_wave_that_it_meets) {
     const Result<sea::Scene> scene =
         sea::read_scene(SEAWAY_SOURCE_DIR "/scenes/north_sea_gale.toml");
@@ -55,17 +88,23 @@ TEST(Probe, a_ray_stops_at_the_first_wave_that_it_meets) {
     const double crest_m = 2 * frame.significant_height_m;
     std::mt19937 random(4);
     std::uniform_real_distribution<double> side(-1, 1);
-    int met = 0;
-    for (int i = 0; i < 80; ++i) {
+    int met_from_above = 0, met_from_below = 0;
+    for (int i = 0; i < 120; ++i) {
+        const bool dives = i % 3 == 2;
         Camera camera{.x_m = 40.0 * i, .z_m = i % 4 ? 7.0 : 60.0, .yaw_deg = 37.0 * i};
         camera.pitch_deg = i % 4 ? -3 : -20; // most of them graze crest after crest
+        if (dives) {
+            camera.z_m = i % 4 ? -9 : -45;
+            camera.pitch_deg = -camera.pitch_deg;
+        }
         const double px = side(random), py = side(random);
-        if (surface.answer({camera.x_m, camera.y_m, frame.time_us}).height_m > camera.z_m)
-            continue; // below a crest
+        const double above_m =
+            camera.z_m - surface.answer({camera.x_m, camera.y_m, frame.time_us}).height_m;
+        const double sign = above_m > 0 ? 1 : -1; // some that fly are below a crest
         const auto place = where_ray_meets(surface, camera, px, py, frame.time_us, crest_m);
         if (!place)
             continue;
-        ++met;
+        ++(sign > 0 ? met_from_above : met_from_below);
         const double height_m = surface.answer({place->x, place->y, frame.time_us}).height_m;
         const auto seen = on_picture(camera, place->x, place->y, height_m);
         ASSERT_TRUE(seen);
@@ -79,10 +118,11 @@ TEST(Probe, a_ray_stops_at_the_first_wave_that_it_meets) {
                 camera.z_m + s * ray.z + std::pow(s * across, 2) / (2 * earth_radius_m) -
                 surface.answer({camera.x_m + s * ray.x, camera.y_m + s * ray.y, frame.time_us})
                     .height_m;
-            ASSERT_GT(gap_m, -0.02) << "ray " << i << ", " << s << " of " << way_m;
+            ASSERT_GT(sign * gap_m, -0.02) << "ray " << i << ", " << s << " of " << way_m;
         }
     }
-    EXPECT_GT(met, 30);
+    EXPECT_GT(met_from_above, 30);
+    EXPECT_GT(met_from_below, 20);
 }
 
 // However seldom frames are: two keyframes a cascade hold what lies between them.
