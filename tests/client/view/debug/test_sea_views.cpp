@@ -234,8 +234,14 @@ TEST_F(SeaViewsTest, age_is_the_clock_less_the_keyframe_of_each_cascade_in_strip
 TEST_F(SeaViewsTest, bound_is_what_an_answer_there_states) {
     SyntheticSea sea(two_waves());
     for (const sea::TimeUs time_us : {400'000, 1'234'567}) {
-        const SeaFrame frame = sea.at(time_us);
-        const sea::Surface surface = sea.surface(frame);
+        SeaFrame frame = sea.at(time_us);
+        for (sea::CascadeLoss& loss :
+             frame.error.cascades) { // so that it hangs on the place in a cell
+            loss.height.east_m = 0.004;
+            loss.height.north_m = 0.007;
+        }
+        const sea::Surface surface({frame.cascades[0].keyframes, frame.cascades[1].keyframes},
+                                   frame.choppiness, sea.surface(frame).folds(), frame.error);
         const Picture bound = draw(frame, "bound");
         double least = 1e9, most = 0;
         each_place(frame, [&](const glm::dvec2& place, int x, int y) {
