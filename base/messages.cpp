@@ -40,6 +40,16 @@ std::size_t character_bytes(std::string_view text) {
 
 } // namespace
 
+bool is_printable(std::string_view text) {
+    while (!text.empty()) {
+        const std::size_t bytes = character_bytes(text);
+        if (bytes == 0)
+            return false;
+        text.remove_prefix(bytes);
+    }
+    return true;
+}
+
 std::string printable(std::string_view text) {
     std::string shown;
     while (!text.empty()) {

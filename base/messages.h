@@ -13,6 +13,8 @@ namespace seaway {
 /// `printable_bytes_max` becomes [...]. All other text, UTF-8 as well, stays as it is.
 std::string printable(std::string_view text);
 inline constexpr std::size_t printable_bytes_max = 1000;
+/// UTF-8 without control characters: printable() changes nothing of it but its length.
+bool is_printable(std::string_view text);
 
 /// Prints "PROGRAM: MESSAGE" on stderr, printable. Returns `status`.
 int complain(const char* program, int status, std::string_view message);

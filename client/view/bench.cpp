@@ -45,7 +45,8 @@ Result<void> bench(Client& client, Renderer& renderer, const ViewOptions& option
         frames.push_back(std::move(frame));
     }
     client.unsubscribe();
-    const Display display{options.debug.view, 0.1, frames[0].significant_height_m};
+    const Display display =
+        display_by_light(options.look, sky, options.debug.view, frames[0].significant_height_m);
     SEAWAY_TRY(renderer.show(frames[0], options.camera, sky, options.debug, display));
     std::vector<std::vector<double>> passes(Renderer::passes);
     const Clock::time_point start = Clock::now();

@@ -2,6 +2,7 @@
 #include "client/view/look_file.h"
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <charconv>
 #include <cmath>
@@ -11,6 +12,7 @@
 
 #include <fmt/format.h>
 
+#include "base/messages.h"
 #include "base/text_file.h"
 #include "client/view/look_keys.h"
 
@@ -70,12 +72,25 @@ void read_exposure(TomlTable& table, std::string_view key, Look& look) {
     }
 }
 
-/// One that the writer can write between quotes.
-bool fits_quotes(const std::string& name) {
-    const auto unfit = [](char c) {
-        return c == '"' || c == '\\' || static_cast<unsigned char>(c) < 0x20 || c == 0x7f;
-    };
-    return std::none_of(name.begin(), name.end(), unfit);
+/// One that stands in a look between quotes.
+bool is_sky_name(const std::string& name) {
+    return !name.empty() && name.size() <= path_bytes_max &&
+           name.find_first_of("\"\\") == std::string::npos && is_printable(name);
+}
+std::string sky_names() {
+    return fmt::format("the name of a file, 1 .. {} bytes of UTF-8 without quotes, backslashes and "
+                       "control characters",
+                       path_bytes_max);
+}
+
+/// Tables of a computed sky.
+constexpr std::array<std::string_view, 2> of_computed_sky{"time", "clouds"};
+
+bool counts(const LookKey& row, const Look& look) {
+    if (row.table == "sky")
+        return !look.environment.empty();
+    return look.environment.empty() || std::find(of_computed_sky.begin(), of_computed_sky.end(),
+                                                 row.table) == of_computed_sky.end();
 }
 
 void read_environment_name(TomlTable& table, std::string_view key, const std::string& base_dir,
@@ -83,11 +98,8 @@ void read_environment_name(TomlTable& table, std::string_view key, const std::st
     std::string name;
     if (!table.text(key, name))
         return;
-    if (name.empty() || name.size() > path_bytes_max || !fits_quotes(name))
-        return table.bad_value(key, name.empty() ? "\"\"" : "this name",
-                               fmt::format("the name of a file, 1 .. {} bytes without quotes, "
-                                           "backslashes and control characters",
-                                           path_bytes_max));
+    if (!is_sky_name(name))
+        return table.bad_value(key, name.empty() ? "\"\"" : "this name", sky_names());
     look.environment = (std::filesystem::path(base_dir) / name).lexically_normal().string();
 }
 
@@ -207,8 +219,13 @@ Result<Look> parse_look(std::string_view text, const std::string& name,
                 read_key(*table, row, base_dir, look);
         if (heading == "time")
             check_time(*table, look);
+        if (heading == "sky" && look.environment.empty())
+            table->refuse("turn_deg", "not without environment, the picture that it turns");
         table->finish();
     }
+    if (!look.environment.empty())
+        for (const std::string_view heading : of_computed_sky)
+            root.refuse(heading, "not beside sky.environment: its picture is the sky");
     root.finish();
     if (errors.first())
         return *errors.first();
@@ -222,12 +239,26 @@ Result<Look> read_look(const std::string& path) {
     return parse_look(*text, path, std::filesystem::path(path).parent_path().string());
 }
 
+Look in_force(Look look) {
+    const Look plain;
+    if (look.environment.empty()) {
+        look.environment_turn_deg = plain.environment_turn_deg;
+    } else {
+        look.clouds = plain.clouds;
+        look.hour = plain.hour;
+        look.place.reset();
+    }
+    if (look.place)
+        look.hour = plain.hour;
+    return look;
+}
+
 std::string to_toml(const Look& look) {
-    Look copy = look;
+    Look copy = in_force(look);
     std::string out;
     std::string_view heading;
     for (const LookKey& row : look_keys()) {
-        const std::string value = value_of(row, copy);
+        const std::string value = counts(row, copy) ? value_of(row, copy) : "";
         if (value.empty())
             continue;
         if (row.table != heading)
@@ -246,8 +277,6 @@ Result<void> write_look(const Look& look, const std::string& path) {
         return failed("no name");
     if (const Result<void> free = check_replaceable(path); !free)
         return failed(free.error().message);
-    if (!fits_quotes(look.environment))
-        return failed("the name of its sky has quotes, backslashes or control characters");
     Look beside_it = look;
     if (!look.environment.empty()) {
         namespace fs = std::filesystem;
@@ -255,6 +284,8 @@ Result<void> write_look(const Look& look, const std::string& path) {
         beside_it.environment = fs::absolute(look.environment)
                                     .lexically_normal()
                                     .lexically_proximate(from.lexically_normal());
+        if (!is_sky_name(beside_it.environment))
+            return failed("sky.environment: this name is not allowed; allowed: " + sky_names());
     }
     const std::string beside = path + ".part";
     if (const Result<void> free = check_replaceable(beside); !free)
@@ -314,6 +345,10 @@ std::optional<double> fixed_exposure(const Exposure& exposure) {
         break;
     }
     return exposure.value;
+}
+
+double exposure_of(const Look& look, double metered) {
+    return fixed_exposure(look.exposure).value_or(metered) * std::exp2(look.exposure_stops);
 }
 
 void set_water(SeaFrame& frame, const Look& look) {

@@ -45,6 +45,7 @@ inline constexpr Range albedos{0, 1};
 /// Starlight to the sun's disc.
 inline constexpr Range exposure_values{-16, 32};
 inline constexpr Range exposure_factors{1e-9, 1e9};
+inline constexpr Range exposure_stops{-4, 4};
 inline constexpr Range visibilities_km{visibility_min_m / 1000, visibility_max_m / 1000};
 
 } // namespace seaway::client

@@ -36,6 +36,28 @@ Result<void> take_number(const char* option, double given, Range range, double u
     return {};
 }
 
+/// A picture of the sky, or what is of a computed one: each takes the other kind of the file away.
+Result<void> take_kind_of_sky(const LookWords& words, Look& look) {
+    const std::pair<bool, const char*> of_computed_sky[] = {
+        {!std::isnan(words.clouds), "--clouds"},
+        {!std::isnan(words.hour), "--time-of-day"},
+        {!words.place.empty(), "--place"},
+        {!words.date.empty(), "--date"}};
+    for (const auto& [given, name] : of_computed_sky) {
+        SEAWAY_TRY(require(!given || words.environment.empty(),
+                           fmt::format("--sky and {}: one or the other, a picture has its own sun "
+                                       "and clouds",
+                                       name)));
+        if (given)
+            look.environment.clear();
+    }
+    if (words.environment.empty())
+        return {};
+    look.environment = words.environment;
+    look.environment_turn_deg = 0;
+    return {};
+}
+
 /// LAT,LON and an instant, each in place of what the look says.
 Result<void> take_place(const LookWords& words, Look& look) {
     if (words.place.empty() && words.date.empty())
@@ -70,8 +92,7 @@ Result<void> take_look(const LookWords& words, Look& look) {
     if (!words.path.empty()) {
         SEAWAY_TRY_LET(look, read_look(words.path));
     }
-    if (!words.environment.empty())
-        look.environment = words.environment;
+    SEAWAY_TRY(take_kind_of_sky(words, look));
     SEAWAY_TRY(take_number("--visibility", words.visibility_km, visibilities_km, 1000,
                            look.air.visibility_m));
     SEAWAY_TRY(take_number("--clouds", words.clouds, cloud_shares, 1, look.clouds.coverage));
@@ -86,7 +107,9 @@ Result<void> take_look(const LookWords& words, Look& look) {
         SEAWAY_TRY(require(exposure.has_value(),
                            "--exposure: " + (exposure ? "" : exposure.error().message)));
         look.exposure = *exposure;
+        look.exposure_stops = 0;
     }
+    look = in_force(look);
     if (words.water.empty())
         return {};
     std::string names;

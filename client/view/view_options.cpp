@@ -99,8 +99,15 @@ Result<void> read_time(const std::string& text, ViewOptions& options) {
     return {};
 }
 
+/// Options that need reading once more.
+struct Words {
+    std::string size, window, camera, debug = "final", time = "now", quality;
+    LookWords look;
+    bool list = false;
+};
+
 /// What is of files alone.
-Result<void> check_files(const ViewOptions& options) {
+Result<void> check_files(const Words& words, const ViewOptions& options) {
     const std::string ending = std::filesystem::path(options.out).extension().string();
     SEAWAY_TRY(require(options.bench_frames >= 0 && options.bench_frames <= frames_max,
                        fmt::format("--bench {}: 1 .. {}", options.bench_frames, frames_max)));
@@ -113,6 +120,10 @@ Result<void> check_files(const ViewOptions& options) {
                             options.out)));
     SEAWAY_TRY(require(!options.sheet || options.bench_frames == 0,
                        "--debug all and --bench: one of them"));
+    SEAWAY_TRY(require(
+        options.bench_frames > 0 || ending != ".exr" || words.look.exposure.empty(),
+        fmt::format("--exposure and --out {}: an .exr holds the radiance itself, without exposure",
+                    options.out)));
     SEAWAY_TRY(
         require(options.path.empty() || !options.turntable, "--path and --turntable: one of them"));
     SEAWAY_TRY(require(options.frames >= 1 && options.frames <= frames_max,
@@ -125,13 +136,6 @@ Result<void> check_files(const ViewOptions& options) {
                             options.frames, last_s, options.time_s.value_or(0), time_max_s)));
     return {};
 }
-
-/// Options that need reading once more.
-struct Words {
-    std::string size, window, camera, debug = "final", time = "now", quality;
-    LookWords look;
-    bool list = false;
-};
 
 /// A window shows the sea of now and writes nothing: what is of files alone is not passed over in silence.
 Result<void> check_window(const Words& words, const ViewOptions& options) {
@@ -155,7 +159,7 @@ Result<void> check(const Words& words, const ViewOptions& options) {
                            options.camera.view_deg <= camera_view_max_deg,
                        fmt::format("--fov {:g}: {:g} .. {:g} degrees", options.camera.view_deg,
                                    camera_view_min_deg, camera_view_max_deg)));
-    return options.offscreen ? check_files(options) : check_window(words, options);
+    return options.offscreen ? check_files(words, options) : check_window(words, options);
 }
 
 Result<void> take(const Words& words, ViewOptions& options) {

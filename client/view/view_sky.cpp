@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "client/view/look_file.h"
+
 namespace seaway::client {
 
 namespace {
@@ -34,6 +36,12 @@ Result<Sky> sky_of_frame(SkyMaker& maker, const Look& look, const Camera& camera
 Result<Sky> sky_of_frame(SkyFeed& feed, const Look& look, const Camera& camera,
                          sea::TimeUs time_us) {
     return feed.at(look, heavens_of(look, time_us), eye_of(look, camera, time_us));
+}
+
+Display display_by_light(const Look& look, const Sky& sky, DebugView view,
+                         double significant_height_m) {
+    return {view, exposure_of(look, exposure_by_light(sky.white_radiance())), significant_height_m,
+            look.bloom};
 }
 
 } // namespace seaway::client

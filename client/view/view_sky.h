@@ -3,6 +3,7 @@
 #pragma once
 
 #include "client/view/camera.h"
+#include "client/view/picture.h"
 #include "client/view/sky/sky_feed.h"
 #include "sea/basics/time.h"
 
@@ -18,5 +19,9 @@ Result<Sky> sky_of_frame(SkyMaker& maker, const Look& look, const Camera& camera
 /// With the tables that there are: for windows.
 Result<Sky> sky_of_frame(SkyFeed& feed, const Look& look, const Camera& camera,
                          sea::TimeUs time_us);
+
+/// How a window shows a look: metered by the light on the sea, not from each picture, which would breathe as waves go by.
+Display display_by_light(const Look& look, const Sky& sky, DebugView view,
+                         double significant_height_m);
 
 } // namespace seaway::client

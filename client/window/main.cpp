@@ -89,8 +89,8 @@ class Drawing {
             return fail(is_table(options_.debug) ? ViewExit::refused : ViewExit::no_device,
                         picture.error());
         if (i == 0) // metered once: frames of a film do not flicker
-            exposure_ = fixed_exposure(options_.look.exposure)
-                            .value_or(metered_exposure(*picture, moment.sky.white_radiance()));
+            exposure_ =
+                exposure_of(options_.look, metered_exposure(*picture, moment.sky.white_radiance()));
         if (!writer_.shows())
             return written(writer_.write(*picture, i), moment);
         const Result<ShownPicture> shown =
@@ -109,8 +109,7 @@ class Drawing {
                 return fail(ViewExit::usage, made.error());
             sheet_.emplace(std::move(*made));
         }
-        const Result<ShownPicture> shown =
-            sheet_->draw(moment, camera, fixed_exposure(options_.look.exposure));
+        const Result<ShownPicture> shown = sheet_->draw(moment, camera, options_.look);
         return shown ? written(writer_.write(*shown, i), moment)
                      : fail(ViewExit::no_device, shown.error());
     }

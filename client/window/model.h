@@ -25,14 +25,11 @@ struct PanelRow {
 /// What the user sets.
 struct ViewChoice {
     Look look;
-    double exposure_ev = 0; ///< stops more than what the look or a light meter on the sea says
     std::size_t quality = quality_default; ///< place in quality_table
     DebugChoice debug;
     bool second_camera = false; ///< the mesh stays as it is for the camera that it was built for
     bool panels = true;
     std::string look_path = "look.toml"; ///< that is loaded and saved
-
-    static constexpr double exposure_max_ev = 4;
 };
 
 /// A curve over even steps.

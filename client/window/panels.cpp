@@ -96,7 +96,15 @@ bool Panels::header(const char* name, bool open) {
 
 void Panels::light(const WindowModel& model, ViewChoice& choice) {
     Look& look = choice.look;
-    if (look.place) {
+    const bool picture = !look.environment.empty(); // which has its own sun and clouds
+    if (picture) {
+        ImGui::TextWrapped("sky of %s", look.environment.c_str());
+        if (ImGui::Button("computed sky")) {
+            look.environment.clear();
+            look.environment_turn_deg = 0;
+        }
+        note("computed sky");
+    } else if (look.place) {
         ImGui::TextWrapped("%s at %.2f, %.2f", to_text(look.place->when).c_str(),
                            look.place->latitude_deg, look.place->longitude_deg);
         if (ImGui::Button("by the hour"))
@@ -109,8 +117,10 @@ void Panels::light(const WindowModel& model, ViewChoice& choice) {
     slide("visibility", look.air.visibility_m, visibility_min_m, visibility_max_m, "%.0f m",
           ImGuiSliderFlags_Logarithmic);
     note("visibility");
-    slide("clouds", look.clouds.coverage, cloud_shares.lo, cloud_shares.hi, "%.2f");
-    note("clouds");
+    if (!picture) {
+        slide("clouds", look.clouds.coverage, cloud_shares.lo, cloud_shares.hi, "%.2f");
+        note("clouds");
+    }
     const auto name = [](sea::WaterType type) { return std::string(sea::name_of(type)); };
     const std::string of_sea = name(model.water_of_sea) + ", of the sea";
     if (ImGui::BeginCombo("water", look.water ? name(*look.water).c_str() : of_sea.c_str())) {
@@ -141,8 +151,7 @@ void Panels::look_file(const WindowModel& model, ViewChoice& choice, Asked& aske
 
 void Panels::view(const WindowModel& model, ViewChoice& choice) {
     light(model, choice);
-    slide("exposure", choice.exposure_ev, -ViewChoice::exposure_max_ev, ViewChoice::exposure_max_ev,
-          "%+.2f EV");
+    slide("exposure", choice.look.exposure_stops, exposure_stops.lo, exposure_stops.hi, "%+.2f EV");
     note("exposure");
     if (ImGui::BeginCombo("quality", quality_table[choice.quality].name.data())) {
         for (std::size_t i = 0; i < quality_table.size(); ++i) {

@@ -234,8 +234,7 @@ Result<void> Viewer::create_renderer(const glm::ivec2& pixels) {
 }
 
 Viewer::Inputs Viewer::inputs() const {
-    std::vector<double> values{choice_.exposure_ev,
-                               static_cast<double>(choice_.debug.view),
+    std::vector<double> values{static_cast<double>(choice_.debug.view),
                                static_cast<double>(choice_.debug.cascade),
                                static_cast<double>(choice_.debug.mip),
                                static_cast<double>(choice_.debug.colouring.channel),
@@ -255,9 +254,7 @@ Result<void> Viewer::draw_view(const SeaFrame& frame, const Sky& sky) {
     debug.cascade = std::min(debug.cascade, static_cast<int>(frame.cascades.size()) - 1);
     const std::string untold;
     const DebugMoment moment{frame, sky, state_ ? state_->scene : untold, choice_.look.bloom};
-    const double exposure =
-        fixed_exposure(choice_.look.exposure).value_or(exposure_by_light(sky.white_radiance())) *
-        std::exp2(choice_.exposure_ev);
+    const double exposure = exposure_of(choice_.look, exposure_by_light(sky.white_radiance()));
     const Result<void> fits = check_debug(debug, frame, renderer_->options());
     debug_problem_ = fits ? "" : fits.error().message;
     if (!fits)

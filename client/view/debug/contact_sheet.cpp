@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "client/view/look_file.h"
+
 namespace seaway::client {
 
 namespace {
@@ -109,7 +111,7 @@ Result<ContactSheet> ContactSheet::create(gpu::Device& device, int width, int he
 }
 
 Result<ShownPicture> ContactSheet::draw(const DebugMoment& moment, const Camera& camera,
-                                        std::optional<double> exposure) {
+                                        const Look& look) {
     Camera seen = camera;
     seen.width = grid_.cell_width;
     seen.height = grid_.cell_height;
@@ -123,7 +125,7 @@ Result<ShownPicture> ContactSheet::draw(const DebugMoment& moment, const Camera&
         ShownPicture cell = plain(grid_.cell_width, grid_.cell_height);
         if (numbers) {
             const double shown_at =
-                exposure.value_or(view.view == DebugView::final
+                exposure_of(look, view.view == DebugView::final
                                       ? metered_exposure(*numbers, moment.sky.white_radiance())
                                       : 1.0);
             SEAWAY_TRY_LET(cell,

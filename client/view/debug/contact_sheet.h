@@ -3,6 +3,7 @@
 #pragma once
 
 #include "client/view/debug/debug_pictures.h"
+#include "client/view/sky/look.h"
 
 namespace seaway::client {
 
@@ -23,10 +24,10 @@ class ContactSheet {
     static Result<ContactSheet> create(gpu::Device& device, int width, int height, int cascades,
                                        const RenderOptions& options);
 
-    /// Without an exposure the picture itself is metered. A view that cannot be shown, because the server does not tell its
+    /// Of the look its exposure: where it is metered, by the picture itself. A view that cannot be shown, because the server does not tell its
     /// scene, says so in its place.
     Result<ShownPicture> draw(const DebugMoment& moment, const Camera& camera,
-                              std::optional<double> exposure = {});
+                              const Look& look = {});
 
   private:
     ContactSheet(Renderer renderer, SheetGrid grid, int width, int height, int cascades)

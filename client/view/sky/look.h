@@ -63,6 +63,7 @@ struct Look {
     std::string environment;
     double environment_turn_deg = 0; ///< clockwise
     Exposure exposure;
+    double exposure_stops = 0;    ///< so many brighter than exposure says
     double bloom = bloom_default; ///< share of the light that lens and eye scatter
     // In place of what the sea says of itself.
     std::optional<sea::WaterType> water;

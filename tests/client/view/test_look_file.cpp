@@ -13,6 +13,7 @@
 
 #include "client/view/look_file.h"
 #include "client/view/look_keys.h"
+#include "client/view/view_sky.h"
 #include "tests/support/folder.h"
 
 namespace seaway::client {
@@ -43,18 +44,27 @@ TEST(LookFile, an_empty_one_is_the_default_look) {
     EXPECT_FALSE(look_of("").water);
 }
 
-// A value that no other key has, in each, at once.
-TEST(LookFile, every_number_reaches_its_own_value_and_reads_back) {
+/// Of a computed sky, or of a picture in its place: what is refused beside each other.
+bool is_of(const LookKey& row, bool picture) {
+    const bool of_picture = row.table == "sky";
+    const bool of_computed = row.table == "time" || row.table == "clouds";
+    return picture ? !of_computed : !of_picture;
+}
+
+/// A value that no other key has, in each number of such a look, at once.
+void expect_own_values(bool picture) {
     std::string text, heading;
     std::vector<std::pair<const LookKey*, double>> given;
     for (const LookKey& row : look_keys()) {
         const auto* number = std::get_if<LookNumber>(&row.value);
-        if (number == nullptr)
+        if (number == nullptr || !is_of(row, picture))
             continue;
         const double share = 0.1 + 0.03 * static_cast<double>(given.size());
         const double value = number->range.lo + share * (number->range.hi - number->range.lo);
         if (row.table != heading)
             text += fmt::format("[{}]\n", row.table);
+        if (row.table != heading && row.table == "sky")
+            text += "environment = \"sky.exr\"\n";
         heading = row.table;
         text += fmt::format("{} = {}\n", row.key, value);
         given.emplace_back(&row, value);
@@ -64,12 +74,13 @@ TEST(LookFile, every_number_reaches_its_own_value_and_reads_back) {
         const auto& number = std::get<LookNumber>(row->value);
         EXPECT_EQ(number.of(look), value * number.unit) << row->table << "." << row->key;
     }
+    EXPECT_EQ(look_of(to_toml(look)), look) << "to the bit: " << text;
     EXPECT_EQ(to_toml(look_of(to_toml(look))), to_toml(look));
-    Look back = look_of(to_toml(look));
-    for (const auto& [row, value] : given)
-        EXPECT_EQ(std::get<LookNumber>(row->value).of(back),
-                  std::get<LookNumber>(row->value).of(look))
-            << row->key << " to the bit";
+}
+
+TEST(LookFile, every_number_reaches_its_own_value_and_reads_back) {
+    for (const bool picture : {false, true})
+        expect_own_values(picture);
 }
 
 TEST(LookFile, every_number_is_taken_at_its_limits_and_refused_beyond_them) {
@@ -78,7 +89,9 @@ TEST(LookFile, every_number_is_taken_at_its_limits_and_refused_beyond_them) {
         if (number == nullptr)
             continue;
         const auto with = [&](double value) {
-            return look_error(fmt::format("\n[{}]\n{} = {}", row.table, row.key, value));
+            const bool of_picture = row.table == "sky";
+            return look_error(fmt::format("\n[{}]\n{} = {}\n{}", row.table, row.key, value,
+                                          of_picture ? "environment = \"sky.exr\"" : ""));
         };
         EXPECT_EQ(with(number->range.lo), "no error") << row.key;
         EXPECT_EQ(with(number->range.hi), "no error") << row.key;
@@ -147,6 +160,39 @@ TEST(LookFile, what_is_wrong_is_named_with_its_line_and_the_nearest_key) {
     for (const char* bad : {"2026-06-21T03:10:05+02:00", "2026-06-21", "2026-06-21T03:10:05",
                             "\"2026-02-30T00:00Z\"", "2051-01-01T00:00:00Z", "7"})
         EXPECT_THAT(look_error(place + "utc = " + bad), HasSubstr("l.toml:4: time.utc: ")) << bad;
+}
+
+// A picture of the sky has its own sun and clouds: what would be passed over in silence is refused, both named.
+TEST(LookFile, what_a_picture_of_the_sky_makes_void_is_refused_beside_it) {
+    const std::string sky = "[sky]\nenvironment = \"h.exr\"\n";
+    EXPECT_THAT(look_error(sky + "[clouds]\ncoverage = 0.3"),
+                AllOf(HasSubstr("l.toml:3: clouds: "), HasSubstr("sky.environment")));
+    EXPECT_THAT(look_error("[time]\nhour = 3\n" + sky),
+                AllOf(HasSubstr("l.toml:1: time: "), HasSubstr("sky.environment")));
+    EXPECT_THAT(look_error("[sky]\nturn_deg = 20"),
+                AllOf(HasSubstr("l.toml:2: sky.turn_deg: "), HasSubstr("environment")));
+    EXPECT_EQ(look_error(sky + "turn_deg = 20\n[air]\nvisibility_km = 4\n"
+                               "[light]\nsun_strength = 2"),
+              "no error")
+        << "these change such a sky, too";
+}
+
+TEST(LookFile, every_look_is_written_as_one_that_can_be_read_and_counts_the_same) {
+    Look look;
+    look.hour = 7;
+    look.clouds.coverage = 0.4;
+    look.environment_turn_deg = 30;
+    EXPECT_EQ(look_of(to_toml(look)).hour, 7);
+    EXPECT_EQ(look_of(to_toml(look)).environment_turn_deg, 0) << "of no picture";
+    look.place = PlaceAndTime{54, 2, *parse_instant("2026-06-21T03:30:00Z")};
+    EXPECT_EQ(look_of(to_toml(look)).place, look.place);
+    EXPECT_EQ(look_of(to_toml(look)).clouds, look.clouds);
+    look.environment = "h.exr";
+    const Look with_picture = look_of(to_toml(look));
+    EXPECT_EQ(with_picture.environment, "h.exr");
+    EXPECT_EQ(with_picture.environment_turn_deg, 30);
+    EXPECT_FALSE(with_picture.place);
+    EXPECT_EQ(with_picture.clouds, Clouds{});
 }
 
 TEST(LookFile, what_is_no_file_of_text_is_refused_in_one_line) {
@@ -218,8 +264,21 @@ TEST(LookFile, a_picture_of_the_sky_is_looked_for_beside_the_look) {
     EXPECT_THAT(look_error("[sky]\nenvironment = 'a\"b'"), HasSubstr("without quotes"));
     Look odd;
     odd.environment = "a\"b.exr";
-    EXPECT_THAT(write_look(odd, folder + "/odd.toml").error().message,
-                HasSubstr("name of its sky"));
+    const auto why = [&](const std::string& name) {
+        odd.environment = name;
+        const Result<void> written = write_look(odd, folder + "/odd.toml");
+        return written ? "written" : written.error().message;
+    };
+    // What would be refused when it is read is not written.
+    EXPECT_THAT(why("a\"b.exr"), HasSubstr("sky.environment"));
+    EXPECT_THAT(why("caf\xe9.exr"), AllOf(HasSubstr("sky.environment"), HasSubstr("UTF-8")));
+    EXPECT_THAT(why(folder + "/" + std::string(1021, 'x') + ".exr"),
+                AllOf(HasSubstr("sky.environment"), HasSubstr("1 .. 1024 bytes")));
+    EXPECT_FALSE(std::filesystem::exists(folder + "/odd.toml"));
+    ASSERT_EQ(why(folder + "/" + std::string(1020, 'x') + ".exr"), "written");
+    EXPECT_EQ(read_look(folder + "/odd.toml")->environment, odd.environment);
+    ASSERT_EQ(why(folder + "/caf\xc3\xa9.exr"), "written");
+    EXPECT_EQ(read_look(folder + "/odd.toml")->environment, odd.environment);
 }
 
 // EV 15 is full sun: what a meter then looks at is 4.1 kcd/m2, a grey sheet in 71 klx.
@@ -232,6 +291,37 @@ TEST(LookFile, exposure_is_what_a_camera_is_set_to) {
     EXPECT_EQ(*fixed_exposure({Exposure::By::factor, 0.031}), 0.031);
     for (const char* text : {"auto", "14.5ev", "-3ev", "0.02"})
         EXPECT_EQ(to_text(*parse_exposure(text)), text);
+}
+
+TEST(LookFile, stops_are_added_to_whatever_exposure_is) {
+    Look look;
+    EXPECT_EQ(exposure_of(look, 0.3), 0.3);
+    look.exposure_stops = 1.5;
+    EXPECT_NEAR(exposure_of(look, 0.3), 0.3 * std::exp2(1.5), 1e-15);
+    look.exposure = {Exposure::By::factor, 0.04};
+    EXPECT_NEAR(exposure_of(look, 0.3), 0.04 * std::exp2(1.5), 1e-15);
+    look.exposure = {Exposure::By::exposure_value, 14};
+    const double a_stop_less = *fixed_exposure({Exposure::By::exposure_value, 13});
+    look.exposure_stops = 1;
+    EXPECT_NEAR(exposure_of(look, 0.3), a_stop_less, 1e-12 * a_stop_less);
+}
+
+// What a window and --bench show: exposure and bloom of the look, by the light on the sea where it is metered.
+TEST(LookFile, a_look_says_how_a_window_and_a_bench_show_it) {
+    SkyMaker maker;
+    Look look;
+    const Result<Sky> sky = sky_of_frame(maker, look, Camera{}, 0);
+    ASSERT_TRUE(sky) << sky.error().message;
+    const double by_light = exposure_by_light(sky->white_radiance());
+    EXPECT_EQ(display_by_light(look, *sky, DebugView::final, 2).exposure, by_light);
+    look.exposure = {Exposure::By::factor, 0.04};
+    look.exposure_stops = 1;
+    look.bloom = 0.25;
+    const Display display = display_by_light(look, *sky, DebugView::height, 2);
+    EXPECT_EQ(display.exposure, 0.08);
+    EXPECT_EQ(display.bloom, 0.25);
+    EXPECT_EQ(display.view, DebugView::height);
+    EXPECT_EQ(display.significant_height_m, 2);
 }
 
 TEST(LookFile, the_page_lists_every_key_with_its_range_and_meaning) {

@@ -21,10 +21,12 @@ namespace {
 
 /// Words with blanks between them, behind what every command line needs.
 std::variant<ViewOptions, int> read(const std::string& more) {
-    std::istringstream words("seaway-view ws://127.0.0.1:9 --out a.png " + more);
+    std::istringstream words("seaway-view ws://127.0.0.1:9 " + more);
     std::vector<std::string> arguments;
     for (std::string word; words >> word;)
         arguments.push_back(word);
+    if (more.find("--out ") == std::string::npos)
+        arguments.insert(arguments.end(), {"--out", "a.png"});
     if (more.find("--offscreen") == std::string::npos)
         arguments.insert(arguments.end(), {"--offscreen", "64x48"});
     std::vector<const char*> argv;
@@ -77,6 +79,7 @@ longitude_deg = 2
 utc = 2026-06-21T03:30:00Z
 [light]
 exposure = "12ev"
+exposure_stops = 2
 [air]
 visibility_km = 9
 aerosol_albedo = 0.8
@@ -102,6 +105,7 @@ type = "II"
     EXPECT_EQ(over.place->latitude_deg, -33.9);
     EXPECT_EQ(over.place->longitude_deg, 18.4);
     EXPECT_EQ(to_text(over.place->when), "2026-12-24T20:15:00Z");
+    EXPECT_EQ(over.exposure_stops, 0) << "of the file's exposure";
     EXPECT_EQ(look(" --exposure auto").exposure, Exposure{});
     EXPECT_EQ(to_text(look(" --date 2027-01-01T00:00Z").place->when), "2027-01-01T00:00:00Z")
         << "at the file's place";
@@ -113,6 +117,77 @@ type = "II"
     EXPECT_EQ(std::get<int>(read("--look /nowhere/look.toml")), 2);
     EXPECT_THAT(::testing::internal::GetCapturedStderr(),
                 ::testing::HasSubstr("cannot read look '/nowhere/look.toml'"));
+}
+
+std::string complaint(const std::string& more) {
+    ::testing::internal::CaptureStderr();
+    const auto refused = read(more);
+    const std::string said = ::testing::internal::GetCapturedStderr();
+    return std::holds_alternative<int>(refused) && std::get<int>(refused) == 2 ? said
+                                                                               : "taken: " + said;
+}
+
+// What would change nothing in the picture is refused, both by name.
+TEST(ViewOptions, what_would_be_without_effect_is_refused_by_name) {
+    for (const char* other : {"--clouds 0.3", "--time-of-day 8",
+                              "--place 1,2 --date 2026-06-21T18:30Z", "--date 2026-06-21T18:30Z"}) {
+        const std::string said = complaint("--sky h.exr " + std::string(other));
+        const std::string name = std::string(other).substr(0, std::string(other).find(' '));
+        EXPECT_THAT(said, ::testing::StartsWith("seaway-view: --sky and ")) << other;
+        EXPECT_THAT(said, ::testing::HasSubstr(name)) << other;
+        EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 1) << said;
+    }
+    EXPECT_EQ(complaint("--sky h.exr --visibility 9 --water 3C --exposure 12ev"), "taken: ");
+    const std::string said = complaint("--out b.exr --exposure 12ev");
+    EXPECT_THAT(said, ::testing::HasSubstr("--exposure and --out b.exr"));
+    EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 1) << said;
+    EXPECT_EQ(complaint("--out b.exr"), "taken: ");
+}
+
+// Options win over the file: a sky that options ask for takes away the other kind, and what was of it alone.
+TEST(ViewOptions, a_sky_of_options_is_in_place_of_the_files) {
+    const std::string computed = tests::folder().write("computed_look.toml", R"([time]
+latitude_deg = 54
+longitude_deg = 2
+utc = 2026-06-21T03:30:00Z
+[air]
+visibility_km = 9
+[clouds]
+coverage = 0.7
+)");
+    const std::string picture = tests::folder().write("picture_look.toml", R"([sky]
+environment = "h.exr"
+turn_deg = 40
+[air]
+visibility_km = 9
+)");
+    const auto look = [](const std::string& words) {
+        const auto taken = read("--look " + words);
+        EXPECT_TRUE(std::holds_alternative<ViewOptions>(taken)) << words;
+        const Look out =
+            std::holds_alternative<ViewOptions>(taken) ? std::get<ViewOptions>(taken).look : Look{};
+        const Result<Look> back = parse_look(to_toml(out), "l.toml", "");
+        EXPECT_TRUE(back && *back == out) << "reads back as the same look: " << words << "\n"
+                                          << to_toml(out);
+        return out;
+    };
+    const Look with_picture = look(computed + " --sky other.exr");
+    EXPECT_EQ(with_picture.environment, "other.exr");
+    EXPECT_EQ(with_picture.air.visibility_m, 9000) << "of the file, still";
+    EXPECT_FALSE(with_picture.place);
+    EXPECT_EQ(with_picture.clouds, Clouds{});
+    for (const char* of_computed :
+         {" --clouds 0.2", " --time-of-day 8", " --place 1,2 --date 2026-06-21T18:30Z"}) {
+        const Look over = look(picture + of_computed);
+        EXPECT_EQ(over.environment, "") << of_computed;
+        EXPECT_EQ(over.environment_turn_deg, 0) << of_computed;
+        EXPECT_EQ(over.air.visibility_m, 9000) << of_computed;
+    }
+    EXPECT_EQ(look(picture + " --clouds 0.2").clouds.coverage, 0.2);
+    EXPECT_EQ(look(picture + " --sky other.exr").environment_turn_deg, 0) << "of another picture";
+    const std::string by_hour = tests::folder().write("hour_look.toml", "[time]\nhour = 7\n");
+    EXPECT_EQ(look(by_hour + " --place 1,2 --date 2026-06-21T18:30Z").hour, Look{}.hour)
+        << "it follows from place and date";
 }
 
 TEST(ViewOptions, the_keys_of_looks_are_printed_with_their_ranges) {

@@ -28,6 +28,7 @@ TEST(Model, looks_are_loaded_and_saved_and_a_bad_one_changes_nothing) {
     ViewChoice choice;
     choice.look.hour = 4.5;
     choice.look.water = sea::WaterType::jerlov_1;
+    choice.look.exposure_stops = -1.25; // of the slider: it opens as bright as it was saved
     choice.look_path = tests::folder().file("model_look.toml");
     EXPECT_EQ(save_look(choice), "saved " + choice.look_path);
     ViewChoice other;

@@ -105,7 +105,7 @@ TEST_F(WindowTest, a_click_on_a_panel_is_no_click_on_the_sea) {
     mouse(at.low.x + 5, (at.low.y + at.high.y) / 2);
     step();
     display_->tool("click 1");
-    ASSERT_TRUE(step_until([&] { return viewer_->choice().exposure_ev < -1; }));
+    ASSERT_TRUE(step_until([&] { return viewer_->choice().look.exposure_stops < -1; }));
     step();
     EXPECT_FALSE(viewer_->probe());
 }
