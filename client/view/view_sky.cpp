@@ -33,8 +33,7 @@ Result<Sky> sky_of_frame(SkyMaker& maker, const Look& look, const Camera& camera
     return maker.make(look, heavens_of(look, time_us), eye_of(look, camera, time_us));
 }
 
-Result<Sky> sky_of_frame(SkyFeed& feed, const Look& look, const Camera& camera,
-                         sea::TimeUs time_us) {
+Sky sky_of_frame(SkyFeed& feed, const Look& look, const Camera& camera, sea::TimeUs time_us) {
     return feed.at(look, heavens_of(look, time_us), eye_of(look, camera, time_us));
 }
 

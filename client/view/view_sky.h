@@ -17,8 +17,7 @@ Heavens heavens_of(const Look& look, sea::TimeUs time_us);
 Result<Sky> sky_of_frame(SkyMaker& maker, const Look& look, const Camera& camera,
                          sea::TimeUs time_us);
 /// With the tables that there are: for windows.
-Result<Sky> sky_of_frame(SkyFeed& feed, const Look& look, const Camera& camera,
-                         sea::TimeUs time_us);
+Sky sky_of_frame(SkyFeed& feed, const Look& look, const Camera& camera, sea::TimeUs time_us);
 
 /// How a window shows a look: metered by the light on the sea, not from each picture, which would breathe as waves go by.
 Display display_by_light(const Look& look, const Sky& sky, DebugView view,

@@ -108,8 +108,10 @@ Result<bool> Viewer::step() {
         pilot_.choose(asked.mode);
     if (asked.speed_mps > 0)
         pilot_.set_speed(asked.speed_mps);
-    if (asked.load_look)
+    if (asked.load_look) {
         model_.look_said = load_look(choice_);
+        skies_.read_again(); // its picture may have been mended meanwhile
+    }
     if (asked.save_look)
         model_.look_said = save_look(choice_);
     if (asked.forget_probe)
@@ -282,7 +284,7 @@ Result<void> Viewer::draw_sea() {
     if (wanted == drawn_inputs_ && skies_.settled()) // it stands on the device
         return {};
     const Look& look = choice_.look;
-    SEAWAY_TRY_LET(const Sky sky, sky_of_frame(skies_, look, camera(), frame_->time_us));
+    const Sky sky = sky_of_frame(skies_, look, camera(), frame_->time_us);
     SeaFrame frame = *frame_;
     set_water(frame, look);
     SEAWAY_TRY(draw_view(frame, sky));

@@ -9,7 +9,8 @@
 //     const Environment sky = environment_of(std::move(*picture), 90);   // turned by a quarter, clockwise
 //
 // The sun is taken out: a mirror image of it as wide as a texel of the table would be too wide, and its beam has to cast
-// glitter as one from a direction. What is taken out stands in sun_klx, so that sky and sun send as much as the picture.
+// glitter as one from a direction. It is what stands out from the sky around it, within 3 degrees of the brightest texel, or 1.5
+// texels where they are larger. What is taken out stands in sun_klx, so that sky and sun send as much as the picture.
 //
 // Pure functions but for the file. Tables of a picture take 0.1 s of CPU, reading it as long as OpenEXR takes.
 #pragma once
@@ -26,7 +27,7 @@
 namespace seaway::client {
 
 inline constexpr int environment_width_min = 16, environment_width_max = 16384;
-/// Wider pictures are held as means of squares.
+/// Wider pictures are held in so many columns, each texel the mean by solid angle of what lies in it.
 inline constexpr int environment_width_held = 2048;
 
 struct EnvironmentPicture {
@@ -35,6 +36,8 @@ struct EnvironmentPicture {
 
     glm::dvec3 direction(int x, int y) const; ///< of a texel's middle, unturned
     double texel_sr(int y) const;
+    /// Of a texel, what lies above the horizon: half of the middle row where the height is odd.
+    double upper_sr(int y) const;
 };
 
 /// Nothing is allocated before the header is known to be in its limits. Errors are one line that names the file and what of

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <exception>
 #include <mutex>
+#include <numbers>
+#include <vector>
 
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfFrameBuffer.h>
@@ -18,14 +20,26 @@ namespace seaway::client {
 
 namespace {
 
-/// Pixels a side of the squares that are averaged: a divisor, so that each holds as many.
-int square_of(int width, int height) {
-    int side = 1;
-    while (side < height &&
-           (width / side > environment_width_held || width % side != 0 || height % side != 0))
-        ++side;
-    return width / side > environment_width_held || width % side != 0 || height % side != 0 ? 0
-                                                                                            : side;
+/// Of a row or column of the file, what falls into one that is held.
+struct Share {
+    int to = 0;
+    double weight = 0; ///< of what is held there
+};
+/// What each of `from` pixels along a side is of `to` texels, by the measure of what lies between two edges of the
+/// side, which goes from 0 to 1.
+template <class Measure>
+std::vector<std::vector<Share>> shares(int from, int to, const Measure& measure) {
+    std::vector<std::vector<Share>> out(static_cast<std::size_t>(from));
+    for (int i = 0; i < from; ++i)
+        // Edges are compared as whole numbers: texel j lies in j * from .. (j + 1) * from.
+        for (int j = i * to / from; j < to && j * from < (i + 1) * to; ++j) {
+            const double size = double(from) * to;
+            const double low = std::max(i * to, j * from) / size;
+            const double high = std::min((i + 1) * to, (j + 1) * from) / size;
+            out[static_cast<std::size_t>(i)].push_back(
+                {j, measure(low, high) / measure(j / double(to), (j + 1) / double(to))});
+        }
+    return out;
 }
 
 Result<void> check_header(const Imf::Header& header) {
@@ -46,10 +60,6 @@ Result<void> check_header(const Imf::Header& header) {
         if (channel->xSampling != 1 || channel->ySampling != 1)
             return Error{fmt::format("has channel {} at a lower resolution", name)};
     }
-    if (square_of(static_cast<int>(width), static_cast<int>(height)) == 0)
-        return Error{fmt::format(
-            "is {} x {}: its sides have no common divisor that makes at most {} of its columns",
-            width, height, environment_width_held)};
     return {};
 }
 
@@ -58,9 +68,15 @@ Result<EnvironmentPicture> read(const std::string& path) {
     SEAWAY_TRY(check_header(file.header()));
     const Imath::Box2i window = file.header().dataWindow();
     const int width = window.max.x - window.min.x + 1, height = width / 2;
-    const int square = square_of(width, height);
-    EnvironmentPicture out{width / square, height / square, {}};
+    const int held = std::min(width, environment_width_held);
+    EnvironmentPicture out{held, held / 2, {}};
     out.texels.resize(static_cast<std::size_t>(out.width) * static_cast<std::size_t>(out.height));
+    // Means by solid angle: what the picture sends is kept.
+    const auto columns =
+        shares(width, out.width, [](double low, double high) { return high - low; });
+    const auto rows = shares(height, out.height, [](double low, double high) {
+        return std::cos(std::numbers::pi * low) - std::cos(std::numbers::pi * high);
+    });
     std::vector<glm::vec3> row(static_cast<std::size_t>(width));
     // Where pixel (0, 0) would lie, as OpenEXR counts; all rows are read into the same.
     char* const base = reinterpret_cast<char*>(row.data()) -
@@ -79,8 +95,10 @@ Result<EnvironmentPicture> read(const std::string& path) {
                 if (!std::isfinite(value[c]) || value[c] < 0)
                     return Error{fmt::format("pixel {}, {}: {} is {}; radiance is a number from 0",
                                              x, y, names[c], static_cast<double>(value[c]))};
-            out.texels[static_cast<std::size_t>(y / square * out.width + x / square)] +=
-                value / static_cast<float>(square * square);
+            for (const Share& down : rows[static_cast<std::size_t>(y)])
+                for (const Share& across : columns[static_cast<std::size_t>(x)])
+                    out.texels[static_cast<std::size_t>(down.to * out.width + across.to)] +=
+                        static_cast<float>(down.weight * across.weight) * value;
         }
     }
     return out;

@@ -113,6 +113,8 @@ class SkyMaker {
     explicit SkyMaker(int threads = 0);
     ~SkyMaker();
     Result<Sky> make(const Look& look, const Heavens& heavens, const Eye& eye);
+    /// A picture is kept by its name; from here on it is read anew.
+    void forget_environment();
 
     /// How often tables were made.
     struct Counts {

@@ -34,11 +34,17 @@ void SkyFeed::run() {
             return;
         const Wanted wanted = *std::exchange(mailbox_, {});
         making_ = true;
+        const bool first = counts_.made == 0, read_again = std::exchange(read_again_, false);
         lock.unlock();
+        if (read_again)
+            maker.forget_environment();
         Result<Sky> sky = maker.make(wanted.look, wanted.heavens, wanted.eye);
+        const std::string error = sky ? std::string() : sky.error().message;
+        if (!sky && first)
+            sky = maker.make(Look{}, heavens_at_hour(Look{}.hour), wanted.eye);
         lock.lock();
         making_ = false;
-        error_ = sky ? std::string() : sky.error().message;
+        error_ = error;
         if (sky) {
             made_ = std::move(*sky);
             ++counts_.made;
@@ -47,18 +53,16 @@ void SkyFeed::run() {
     }
 }
 
-Result<Sky> SkyFeed::at(const Look& look, const Heavens& heavens, const Eye& eye) {
+Sky SkyFeed::at(const Look& look, const Heavens& heavens, const Eye& eye) {
     Wanted wanted{look, heavens, eye_on_steps(look, eye)};
     std::unique_lock lock(mutex_);
     if (asked_ != wanted) {
         asked_ = wanted;
         mailbox_ = std::move(wanted);
-        if (!now_)
-            error_.clear(); // of another wish
         changed_.notify_all();
     }
     if (!now_)
-        changed_.wait(lock, [&] { return made_ || !error_.empty(); });
+        changed_.wait(lock, [&] { return made_.has_value(); });
     else if (making_ || mailbox_)
         ++counts_.frames_meanwhile;
     if (made_) {
@@ -66,10 +70,6 @@ Result<Sky> SkyFeed::at(const Look& look, const Heavens& heavens, const Eye& eye
         before_ = near ? std::optional(shown()) : std::nullopt;
         now_ = std::exchange(made_, {});
         mixed_ = near ? 0 : mixed_frames;
-    }
-    if (!now_) {
-        asked_.reset(); // another call tries again
-        return Error{error_};
     }
     mixed_ = std::min(mixed_ + 1, mixed_frames);
     if (mixed_ == mixed_frames)
@@ -88,9 +88,15 @@ std::string SkyFeed::error() const {
     return error_;
 }
 
+void SkyFeed::read_again() {
+    const std::scoped_lock lock(mutex_);
+    read_again_ = true;
+    asked_.reset();
+}
+
 bool SkyFeed::settled() const {
     const std::scoped_lock lock(mutex_);
-    return !making_ && !mailbox_ && !made_ && mixed_ == mixed_frames;
+    return asked_ && !making_ && !mailbox_ && !made_ && mixed_ == mixed_frames;
 }
 
 void SkyFeed::wait() const {

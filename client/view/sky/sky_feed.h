@@ -3,7 +3,7 @@
 // frames go on with the last ones.
 //
 //     SkyFeed feed;
-//     const Result<Sky> sky = feed.at(look, heavens, eye);   // at once, but for the first
+//     const Sky sky = feed.at(look, heavens, eye);   // at once, but for the first
 //
 // What is asked for while tables are being made waits in a mailbox that holds the latest alone. New tables take over
 // within a few frames, mixed; where the sun has turned further than a column of them, at once.
@@ -30,11 +30,13 @@ class SkyFeed {
     SkyFeed(const SkyFeed&) = delete;
     SkyFeed& operator=(const SkyFeed&) = delete;
 
-    /// The last sky that was made, as this eye sees it. An error is of the first sky alone; later ones leave the last
-    /// sky, and their error is error().
-    Result<Sky> at(const Look& look, const Heavens& heavens, const Eye& eye);
+    /// The last sky that was made, as this eye sees it. One that cannot be made leaves the last, the first one the
+    /// computed sky of the default look; why, is error().
+    Sky at(const Look& look, const Heavens& heavens, const Eye& eye);
     /// Of what was asked for last; empty: none.
     std::string error() const;
+    /// A picture that was read, or could not be, may have changed: the next at() has it read once more.
+    void read_again();
     /// The next frame shows the same tables: none are being made, none are mixed.
     bool settled() const;
     /// Until all that was asked for is made.
@@ -59,7 +61,7 @@ class SkyFeed {
 
     mutable std::mutex mutex_;
     mutable std::condition_variable changed_;
-    bool stop_ = false, making_ = false;
+    bool stop_ = false, making_ = false, read_again_ = false;
     std::optional<Wanted> mailbox_;
     std::optional<Wanted> asked_; ///< last
     std::optional<Sky> made_;

@@ -211,6 +211,10 @@ SkyMaker::SkyMaker(int threads) : kept_(std::make_unique<Kept>(threads)) {
 }
 SkyMaker::~SkyMaker() = default;
 
+void SkyMaker::forget_environment() {
+    kept_->picture = {};
+}
+
 Result<Sky> SkyMaker::make(const Look& look, const Heavens& heavens, const Eye& eye) {
     Kept& kept = *kept_;
     Sky out;

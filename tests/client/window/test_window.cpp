@@ -173,6 +173,17 @@ TEST_F(WindowTest, says_why_a_picture_of_the_sky_is_not_shown) {
     std::filesystem::current_path("/");
 }
 
+// A first sky that cannot be made ends nothing: the sea is drawn under the default look's, and the notice says why.
+TEST_F(WindowTest, opens_under_the_default_sky_where_the_picture_cannot_be_read) {
+    ViewOptions with = options();
+    with.look.environment = "nowhere.exr";
+    open(with);
+    step();
+    EXPECT_NE(viewer_->model().notice.find("nowhere.exr: no such file"), std::string::npos)
+        << viewer_->model().notice;
+    EXPECT_GT(viewer_->sea_frames(), 0u);
+}
+
 TEST_F(WindowTest, a_look_is_saved_and_loaded_and_what_is_wrong_with_one_is_said) {
     ViewOptions with = options();
     with.look_path = tests::folder().file("window_look.toml");

@@ -137,6 +137,87 @@ TEST(Environment, files_of_tiles_and_wide_ones_are_read) {
         EXPECT_NEAR(level_light(*held)[c] / level_light(wide)[c], 1, 1e-5);
 }
 
+// Whatever the sides: heights that are odd, or prime, have no common divisor with a width of at most 2048. What a wide
+// picture sends is kept: 1e-4 of it are the slope of the sine within a row of the picture, pi / 1024 high.
+TEST(Environment, pictures_of_any_width_are_held_with_all_their_light) {
+    for (const int height : {509, 1025, 1027, 1031}) { // primes: 509 and 1031
+        const EnvironmentPicture picture = sky_picture(2 * height, height, evening_sky);
+        const Result<EnvironmentPicture> held =
+            read_environment(sky_file("any_width.exr", picture));
+        ASSERT_TRUE(held) << held.error().message;
+        EXPECT_EQ(held->width, std::min(2 * height, environment_width_held));
+        EXPECT_EQ(held->height, held->width / 2);
+        const Environment made = environment_of(*held, 0, air_pool());
+        const Environment truth = environment_of(picture, 0, air_pool());
+        EXPECT_LT(glm::length(made.to_sun - lamp), 0.03 * air_degree) << height;
+        for (int c = 0; c < 3; ++c) {
+            EXPECT_NEAR(level_light(*held)[c] / level_light(picture)[c], 1, 1e-4) << height;
+            EXPECT_NEAR(made.sun_klx[c] / truth.sun_klx[c], 1, 2e-3) << height;
+        }
+    }
+}
+
+// Only what is finite comes out of pictures of any size, and a sky of one colour stays so.
+TEST(Environment, a_constant_sky_of_any_size_is_constant) {
+    for (const int height : {8, 9, 31, 1029, 1031}) {
+        const Result<EnvironmentPicture> held = read_environment(
+            sky_file("plain.exr", sky_picture(2 * height, height,
+                                              [](const glm::dvec3&) { return glm::dvec3(3); })));
+        ASSERT_TRUE(held) << held.error().message;
+        const Environment made = environment_of(*held, 0, air_pool());
+        EXPECT_EQ(made.sun_klx, glm::dvec3(0)) << height;
+        // Means over 8 x 8 samples, in floats.
+        for (const glm::vec3& texel : made.sky.texels())
+            ASSERT_NEAR(texel.g, 3, 1e-4) << height;
+        EXPECT_NEAR(level_light(*held).g, 3 * air_pi, 1e-4) << height;
+    }
+}
+
+// A texel of 16 columns is 22 degrees high: all around a sun of one texel is farther away than 6 degrees.
+TEST(Environment, the_sun_of_a_coarse_picture_is_taken_out) {
+    for (const int width : {16, 18, 24, 48, 60, 118, 120}) {
+        const int height = width / 2, x = width / 3, y = height / 4;
+        EnvironmentPicture picture =
+            sky_picture(width, height, [](const glm::dvec3&) { return glm::dvec3(2); });
+        picture.texels[static_cast<std::size_t>(y * width + x)] = glm::vec3(5000);
+        const glm::dvec3 truth = picture.direction(x, y);
+        const double sun_klx = 4998 * picture.texel_sr(y);
+        const Environment made = environment_of(picture, 0, air_pool());
+        EXPECT_NEAR(made.sun_klx.g / sun_klx, 1, 1e-6) << width;
+        EXPECT_LT(glm::length(made.to_sun - truth), 1e-6) << width;
+        for (const glm::vec3& texel : made.sky.texels())
+            ASSERT_NEAR(texel.g, 2, 1e-4) << width;
+    }
+}
+
+// Its lower half is not used: neither lamps there nor the half of a sun that is below the horizon are light of the sky.
+TEST(Environment, of_a_sun_on_the_horizon_the_upper_half_shines) {
+    for (const int height : {512, 509}) {
+        const auto at_horizon = [](const glm::dvec3& d) {
+            const double off = glm::length(d - towards(0, 40));
+            return glm::dvec3(off < air_degree ? 4000 : 2);
+        };
+        const EnvironmentPicture whole = sky_picture(2 * height, height, at_horizon);
+        EnvironmentPicture upper = whole;
+        for (std::size_t i = whole.texels.size() * 36 / 70; i < whole.texels.size(); ++i)
+            upper.texels[i] = glm::vec3(0); // and what lies around it there does not count
+        const Environment made = environment_of(whole, 0, air_pool());
+        EXPECT_EQ(made.sun_klx, environment_of(upper, 0, air_pool()).sun_klx);
+        double half_sr = 0;
+        for (int y = 0; y < height; ++y)
+            for (int x = 0; x < whole.width; ++x)
+                if (whole.texels[static_cast<std::size_t>(y * whole.width + x)].g > 3)
+                    half_sr +=
+                        std::min(whole.texel_sr(y),
+                                 2 * air_pi / whole.width *
+                                     std::max(std::sin(air_pi * (0.5 - double(y) / height)), 0.0));
+        EXPECT_NEAR(made.sun_klx.g / (3998 * half_sr), 1, 1e-5) << height;
+        // Half a disc of a degree's radius, to a third of a texel at its rim.
+        EXPECT_NEAR(half_sr / (0.5 * air_pi * air_degree * air_degree), 1, 0.2) << height;
+        EXPECT_GT(made.to_sun.z, 0) << height;
+    }
+}
+
 std::string refusal(const std::string& path) {
     const Result<EnvironmentPicture> picture = read_environment(path);
     if (picture)
@@ -199,23 +280,71 @@ TEST(Environment, a_header_of_an_enormous_picture_is_refused) {
 TEST(Environment, a_bad_picture_leaves_a_window_its_last_sky) {
     SkyFeed feed;
     Look look;
-    const Result<Sky> first = feed.at(look, heavens_at_hour(12), {});
-    ASSERT_TRUE(first);
+    const Sky first = feed.at(look, heavens_at_hour(12), {});
     look.environment = "nowhere.exr";
     for (int i = 0; i < 3; ++i) {
-        const Result<Sky> next = feed.at(look, heavens_at_hour(12), {});
-        ASSERT_TRUE(next);
-        EXPECT_EQ(next->texels(), first->texels());
+        const Sky next = feed.at(look, heavens_at_hour(12), {});
+        EXPECT_EQ(next.texels(), first.texels());
         feed.wait();
     }
     EXPECT_THAT(feed.error(), HasSubstr("sky picture nowhere.exr: no such file"));
     EXPECT_EQ(feed.counts().made, 1) << "it is not tried with every frame";
-    SkyFeed other;
-    const Result<Sky> none = other.at(look, heavens_at_hour(12), {});
-    ASSERT_FALSE(none);
-    EXPECT_THAT(none.error().message, HasSubstr("no such file"));
-    EXPECT_TRUE(other.at(Look{}, heavens_at_hour(12), {}))
-        << "what was wrong is no longer asked for";
+}
+
+// There is a sky to draw from the first frame on, and error() says what is wrong with the one that was asked for.
+TEST(Environment, a_bad_first_picture_leaves_a_window_the_default_sky) {
+    SkyFeed feed;
+    Look look;
+    look.environment = "nowhere.exr";
+    const Sky first = feed.at(look, heavens_at_hour(4), {});
+    EXPECT_THAT(feed.error(), HasSubstr("sky picture nowhere.exr: no such file"));
+    EXPECT_EQ(*first.texels(),
+              *SkyMaker().make(Look{}, heavens_at_hour(Look{}.hour), {})->texels());
+    for (int i = 0; i < 3; ++i) {
+        const Sky next = feed.at(look, heavens_at_hour(4), {});
+        EXPECT_EQ(next.texels(), first.texels());
+        feed.wait();
+    }
+    EXPECT_EQ(feed.counts().made, 1) << "it is not tried with every frame";
+    look.environment = "elsewhere.exr";
+    (void)feed.at(look, heavens_at_hour(4), {});
+    feed.wait();
+    EXPECT_THAT(feed.error(), HasSubstr("sky picture elsewhere.exr: no such file"));
+    (void)feed.at(Look{}, heavens_at_hour(12), {});
+    feed.wait();
+    EXPECT_EQ(feed.error(), "") << "what was wrong is no longer asked for";
+}
+
+// Whoever mends the file, or writes another to its place, says so, and it is read again: after an error, and after a
+// picture that was shown.
+TEST(Environment, a_picture_that_has_changed_is_read_once_more_when_that_is_said) {
+    const auto plain = [](double radiance) {
+        return sky_picture(16, 8, [&](const glm::dvec3&) { return glm::dvec3(radiance); });
+    };
+    Look look;
+    look.environment = tests::folder().write("mended.exr", "no picture");
+    SkyFeed feed;
+    const auto shown = [&] { // when all that was asked for is made
+        (void)feed.at(look, heavens_at_hour(12), {});
+        do {
+            feed.wait();
+            (void)feed.at(look, heavens_at_hour(12), {});
+        } while (!feed.settled());
+        return feed.at(look, heavens_at_hour(12), {}).behind(towards(50)).g;
+    };
+    shown();
+    EXPECT_THAT(feed.error(), HasSubstr("mended.exr"));
+    sky_file("mended.exr", plain(3));
+    shown();
+    EXPECT_THAT(feed.error(), HasSubstr("mended.exr")) << "nobody looks at the file meanwhile";
+    feed.read_again();
+    EXPECT_FALSE(feed.settled()) << "else a window would not ask";
+    EXPECT_NEAR(shown(), 3, 1e-4);
+    EXPECT_EQ(feed.error(), "");
+    sky_file("mended.exr", plain(5));
+    EXPECT_NEAR(shown(), 3, 1e-4);
+    feed.read_again();
+    EXPECT_NEAR(shown(), 5, 1e-4);
 }
 
 } // namespace
