@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
+
+#include "client/view/sky/two_stream.h"
 
 namespace seaway::client {
 
@@ -87,7 +90,7 @@ Transfer transfer_at(const Air& air, const TransmittanceTable& transmittance, do
                      double sun_cosine) {
     const glm::dvec3 to_sun(std::sqrt(std::max(1 - sun_cosine * sun_cosine, 0.0)), 0, sun_cosine);
     constexpr int n = directions_a_side;
-    Transfer sum{glm::dvec3(0), glm::dvec3(0), glm::dvec3(0)};
+    Transfer sum{glm::dvec3(0), glm::dvec3(0), glm::dvec3(0), glm::dvec3(0)};
     for (int i = 0; i < n * n; ++i) {
         const double z = 1 - 2 * (i / n + 0.5) / n; // equal solid angles
         const double turn = 2 * pi * (i % n + 0.5) / n, level = std::sqrt(1 - z * z);
@@ -102,9 +105,11 @@ Transfer transfer_at(const Air& air, const TransmittanceTable& transmittance, do
             const Medium medium = air.at(here_m);
             glm::dvec3 through;
             const glm::dvec3 length = over_step(medium.extinction_per_m, step_m, through);
-            const glm::dvec3 scattered =
-                seen * length * (medium.rayleigh_per_m + medium.aerosol_per_m);
+            const glm::dvec3 scattering_per_m = medium.rayleigh_per_m + medium.aerosol_per_m;
+            const glm::dvec3 scattered = seen * length * scattering_per_m;
             sum.scattered += scattered;
+            sum.absorbed +=
+                seen * length * glm::max(medium.extinction_per_m - scattering_per_m, 0.0);
             sum.lit += scattered * transmittance.to_disc(here_m, sun, disc_radius_rad) / (4 * pi);
             seen *= through;
         });
@@ -116,18 +121,31 @@ Transfer transfer_at(const Air& air, const TransmittanceTable& transmittance, do
         }
     }
     const double share = 1.0 / (n * n);
-    return {sum.lit * share, sum.scattered * share, sum.passed * share};
+    return {sum.lit * share, sum.scattered * share, sum.absorbed * share, sum.passed * share};
 }
 
 MultipleScattering::MultipleScattering(const Air& air, const TransmittanceTable& transmittance,
                                        ThreadPool& pool)
     : thickness_m_(air.thickness_m), table_(static_cast<std::size_t>(size * size)) {
+    const glm::dvec3 dense = two_stream_share(depth_of_air(air));
+    const auto sun_cosine = [](int x) { return unpacked(static_cast<double>(x) / (size - 1)); };
+    std::vector<std::optional<TwoStream>> streams(size);
+    if (dense != glm::dvec3(0))
+        for_rows(pool, size, [&](int x) {
+            streams[static_cast<std::size_t>(x)].emplace(air, transmittance, sun_cosine(x));
+        });
     for_rows(pool, size, [&](int y) {
         const double root = static_cast<double>(y) / (size - 1);
+        const double height_m = root * root * thickness_m_;
         for (int x = 0; x < size; ++x) {
-            const Transfer t = transfer_at(air, transmittance, root * root * thickness_m_,
-                                           unpacked(static_cast<double>(x) / (size - 1)));
-            table_[static_cast<std::size_t>(y * size + x)] = t.lit / (1.0 - t.scattered);
+            const Transfer t = transfer_at(air, transmittance, height_m, sun_cosine(x));
+            glm::dvec3& value = table_[static_cast<std::size_t>(y * size + x)];
+            // What is not scattered again: summed, as the difference to 1 is lost to rounding.
+            const glm::dvec3 lost = t.passed + t.absorbed;
+            for (int c = 0; c < 3; ++c)
+                value[c] = dense[c] < 1 ? t.lit[c] / lost[c] : 0;
+            if (const auto& stream = streams[static_cast<std::size_t>(x)])
+                value = glm::mix(value, stream->at(height_m), dense);
         }
     });
 }

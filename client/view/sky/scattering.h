@@ -3,7 +3,8 @@
 //
 // Single scattering is integrated along the ray; light scattered twice and more comes from a table of
 // 32 x 32 by height and height of the sun (Hillaire 2020, section 5.5: isotropic beyond the first time,
-// the same medium all around, a geometric series). Radiance is per unit of the sun's illuminance: what
+// the same medium all around, a geometric series); in dense air, where no place is like the next, by two streams
+// (two_stream.h). Radiance is per unit of the sun's illuminance: what
 // is strong or coloured of the sun is multiplied last, so all is linear in it.
 //
 // Immutable and thread-safe. AirTables take 160 ms of CPU, which threads share; they hang on the medium alone.
@@ -40,7 +41,8 @@ class MultipleScattering {
 struct Transfer {
     glm::dvec3 lit;       ///< by the sun, scattered once and by the sea
     glm::dvec3 scattered; ///< share that air sends back (f_ms of the paper)
-    glm::dvec3 passed;    ///< share that comes from beyond the air, or from the sea if white_sea
+    glm::dvec3 absorbed;
+    glm::dvec3 passed; ///< share that comes from beyond the air, or from the sea if white_sea
 };
 Transfer transfer_at(const Air& air, const TransmittanceTable& transmittance, double height_m,
                      double sun_cosine);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The tables that hang on the medium alone: transmittance and multiple scattering.
+#include "client/view/sky/two_stream.h"
 #include "tests/client/view/sky/air_fixture.h"
 
 namespace seaway::client {
@@ -125,6 +126,101 @@ TEST(AirTables, light_scattered_again_is_bluest_and_never_negative) {
             if (sun > 0.2 && height_m < 20e3) {
                 EXPECT_GT(again.b, again.r);
             }
+        }
+}
+
+/// Light on the level below a slab of haze, of a sun of illuminance 1: Joseph, Wiscombe and Weinman 1976 (J. Atmos. Sci. 33,
+/// 2452), delta-Eddington, closed form.
+double light_below_haze(double depth, double albedo, double moment, double ground, double sun) {
+    const double f = moment * moment, g = moment / (1 + moment);
+    const double w = albedo * (1 - f) / (1 - albedo * f), tau = depth * (1 - albedo * f);
+    const double k = std::sqrt(3 * (1 - w) * (1 - w * g));
+    const double p = std::sqrt(3 * (1 - w) / (1 - w * g)), sun_radiance = 1 / air_pi;
+    const double under = 4 * (1 - k * k * sun * sun);
+    const double alpha = 3 * w * sun_radiance * sun * sun * (1 + g * (1 - w)) / under;
+    const double beta = 3 * w * sun_radiance * sun * (1 + 3 * g * (1 - w) * sun * sun) / under;
+    // No light comes from above: (1 + 2p/3) C1 + (1 - 2p/3) C2 = alpha + 2 beta / 3.
+    const double a1 = 1 + 2 * p / 3, a2 = 1 - 2 * p / 3, a = alpha + 2 * beta / 3;
+    // Below, the ground's share goes up.
+    const double beam = std::exp(-tau / sun);
+    const double b1 = (a2 - ground * a1) * std::exp(-k * tau);
+    const double b2 = (a1 - ground * a2) * std::exp(k * tau);
+    const double b = beam * (alpha - 2 * beta / 3 + ground * (sun * sun_radiance - a));
+    const double c1 = (a * b2 - a2 * b) / (a1 * b2 - a2 * b1);
+    const double c2 = (a1 * b - a * b1) / (a1 * b2 - a2 * b1);
+    return air_pi * (a1 * c1 * std::exp(-k * tau) + a2 * c2 * std::exp(k * tau) - a * beam) +
+           sun * beam;
+}
+
+double light_on_the_level(const AirTables& t, const glm::dvec3& to_sun) {
+    double sum = t.transmittance.to_disc(2, to_sun.z, disc_radius_rad).g * to_sun.z;
+    constexpr int n = 24;
+    for (int i = 0; i < n; ++i)
+        for (int j = 0; j < n; ++j) {
+            const double z = std::sqrt((i + 0.5) / n); // equal shares of the level's light
+            const glm::dvec3 d = towards(std::asin(z) / air_degree, 360 * (j + 0.5) / n);
+            sum += air_pi / (n * n) *
+                   air_light(t, 2, d, to_sun, whole_length_m(t.air, 2, d)).radiance.g;
+        }
+    return sum;
+}
+
+// Fog is grey by day, not night. Haze alone, two streams and no more: they say themselves that they are right to some 10 %, the
+// table's heights and its light from all around are good for a factor of 2.
+TEST(AirTables, fog_by_day_is_as_light_as_two_streams_say) {
+    for (const double visibility_m : {200.0, 500.0}) {
+        Atmosphere fog;
+        fog.visibility_m = visibility_m;
+        const AirTables tables(fog, air_pool());
+        const double depth = tables.air.aerosol_extinction_per_m().g * fog.aerosol_scale_m;
+        const double g = fog.aerosol_asymmetry;
+        const double moment = g * 3 * (4 + g * g) / (5 * (2 + g * g));
+        for (const double sun_deg : {25.0, 45.0, 80.0}) {
+            const double truth =
+                light_below_haze(depth, fog.aerosol_albedo, moment, fog.ground_albedo,
+                                 std::sin(sun_deg * air_degree));
+            const double found = light_on_the_level(tables, towards(sun_deg));
+            EXPECT_GT(found, truth / 2) << visibility_m << " m, sun " << sun_deg;
+            EXPECT_LT(found, truth * 2) << visibility_m << " m, sun " << sun_deg;
+        }
+    }
+}
+
+TEST(AirTables, air_through_which_one_sees_three_kilometres_is_lit_by_the_series_alone) {
+    for (const double visibility_m : {3e3, 5e3, 40e3, visibility_max_m}) {
+        Atmosphere air;
+        air.visibility_m = visibility_m;
+        EXPECT_EQ(two_stream_share(depth_of_air(Air(air))), glm::dvec3(0)) << visibility_m;
+    }
+}
+
+// In range and dense beyond all that is air: no light is not a number, below zero, or more than the sun sends to a sheet that
+// scatters all of it on (a slab on a white ground is 5/4 of that within, by two streams, less what rounding and layers add).
+TEST(AirTables, air_that_lets_nothing_through_and_absorbs_nothing_has_light_that_is_a_number) {
+    for (const double scale_m : {1200.0, 20e3, 100e3})
+        for (const double asymmetry : {-0.95, 0.0, 0.8, 0.95}) {
+            Atmosphere air;
+            air.visibility_m = visibility_min_m;
+            air.aerosol_scale_m = scale_m;
+            air.aerosol_asymmetry = asymmetry;
+            air.aerosol_albedo = 1;
+            air.ground_albedo = 1;
+            air.ozone_absorption_per_m = glm::dvec3(0);
+            const AirTables t(air, air_pool());
+            for (const double height_m : {0.0, 100.0, 3e3, 20e3, 99e3})
+                for (double sun_deg = -90; sun_deg <= 90; sun_deg += 15) {
+                    const glm::dvec3 again =
+                        t.multiple.at(height_m, std::sin(sun_deg * air_degree));
+                    const glm::dvec3 d = towards(12, 30);
+                    const glm::dvec3 seen = air_light(t, height_m, d, towards(sun_deg),
+                                                      whole_length_m(t.air, height_m, d))
+                                                .radiance;
+                    for (int c = 0; c < 3; ++c) {
+                        ASSERT_TRUE(again[c] >= 0 && again[c] < 1.3 / air_pi)
+                            << again[c] << " " << scale_m << " " << height_m << " " << sun_deg;
+                        ASSERT_TRUE(std::isfinite(seen[c]) && seen[c] >= 0) << seen[c];
+                    }
+                }
         }
 }
 
