@@ -69,7 +69,14 @@ TEST_F(SprayTest, the_same_time_has_the_same_spray_and_another_has_another) {
             more[i] -= bare[i];
         return more;
     };
-    EXPECT_NE(spray_of(frame), spray_of(later));
+    const std::vector<float> now = spray_of(frame), then = spray_of(later);
+    double all = 0, other = 0;
+    for (std::size_t i = 0; i < now.size(); ++i) {
+        all += static_cast<double>(std::abs(now[i]) + std::abs(then[i]));
+        other += static_cast<double>(std::abs(now[i] - then[i]));
+    }
+    // Plumes of one period that lie where those of another do are few.
+    EXPECT_GT(other, 0.6 * all);
 }
 
 // Of the picture without it some of the sea gets lighter; what is far above the crests is sky as it was.
