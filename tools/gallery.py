@@ -33,8 +33,14 @@ SHEETS = {
     "heights": (3, "640x360", [(GALE, f"--camera 0,0,{z},{yaw},{pitch}") for z, yaw, pitch in
                                ((2, 35, -4), (12, 35, -6), (100, 35, -15), (1000, 35, -20), (10000, 315, -12), (20000, 35, -30))]),
     "close": (2, "640x360", [(GALE, "--camera 0,0,3,80,-25 --time-of-day 12"), (GALE, "--camera 0,0,2.5,215,-3 --time-of-day 16.5"),
-                             ("hurricane", "--camera 0,0,22,150,-8 --time-of-day 13"), ("shallow_lagoon", "--camera 0,0,2,40,-8 --time-of-day 11"),
+                             ("hurricane", "--camera 0,0,22,150,-8 --look looks/storm.toml"), ("shallow_lagoon", "--camera 0,0,2,40,-8 --time-of-day 11"),
                              (GALE, "--camera 0,0,60,35,-40 --time-of-day 12"), (GALE, "--camera 0,0,30,215,-2 --fov 12")]),
+    "waters": (3, "480x270", [(GALE, f"--camera 0,0,12,300,-12 --time-of-day 12 --water {type}") for type in ("I", "3C", "9C")] +
+               [("shallow_lagoon", f"--camera 0,0,5,40,-20 {how}") for how in ("--time-of-day 12", "--look looks/coral_lagoon.toml", "--time-of-day 12 --water 9C")] +
+               [(GALE, "--look looks/north_sea_dawn.toml --camera 0,0,8,80,-4"), (GALE, "--look looks/tropical_noon.toml --camera 0,0,20,160,-20"),
+                (GALE, "--look looks/storm.toml --camera 0,0,12,245,-4")]),
+    "below": (3, "480x270", [("shallow_lagoon", "--look looks/coral_lagoon.toml --camera 0,0,-0.8,40,15"), (GALE, "--camera 0,0,-6,205,55 --time-of-day 12"),
+                             ("trade_wind_swell", "--camera 0,0,-12,265,50 --time-of-day 10")]),
     "views": (1, "1920x1260", [(GALE, "--camera 0,0,12,35,-14 --quality default --debug all")]),
 }
 

@@ -89,7 +89,7 @@ TEST(ViewProgram, says_in_one_line_what_is_wrong_with_a_command_line) {
         {fine + "--camera 1,2,3", "1,2,3"},
         {fine + "--path /nonexistent.csv", "/nonexistent.csv"},
         {"ws://127.0.0.1:1 --turntable", "--turntable is of pictures in files"},
-        {fine + "--camera 1,2,-3,0,0", "Z"},
+        {fine + "--camera 1,2,-51,0,0", "Z"},
         {fine + "--debug nothing", "nothing"},
         {fine + "--time-of-day 25", "25"},
         {fine + "--time 1e13", "between -1e+12 and 1e+12"},
