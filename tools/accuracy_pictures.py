@@ -2,8 +2,6 @@
 """The plots of docs/accuracy.md, from runs as tools/accuracy_page.py reads them."""
 import csv
 
-from matplotlib.transforms import Bbox
-
 from plot_style import COLOURS, plt
 
 GALE = "gale_deep"
@@ -33,18 +31,25 @@ def front(points):
     return kept
 
 
+def overlap(a, b):
+    return a[0] < b[2] and b[0] < a[2] and a[1] < b[3] and b[1] < a[3]
+
+
 def label_points(figure, axis, named):
     """Names beside their points, moved up or down until none covers another, or a point."""
     figure.canvas.draw()
-    places = [axis.transData.transform(point) for point, _ in named.values()]
-    taken = [Bbox.from_bounds(x - 5, y - 5, 10, 10) for x, y in places]
+    frame = axis.get_window_extent()
+    taken = []  # left, low, right, high
+    for point, _ in named.values():
+        x, y = axis.transData.transform(point)
+        taken.append((x - 5, y - 5, x + 5, y + 5))
     for name, (point, colour) in sorted(named.items(), key=lambda item: -item[1][0][1]):
         inside = axis.transAxes.inverted().transform(axis.transData.transform(point))
         for left, down in ((left, down) for down in (-3, 6, -12, 16, -22, 26, -32) for left in (inside[0] > 0.62, inside[0] <= 0.62)):
             text = axis.annotate(name, point, xytext=(-7 if left else 7, down), textcoords="offset points",
                                  ha="right" if left else "left", fontsize=8, color=colour)
-            box, frame = text.get_window_extent(), axis.get_window_extent()
-            if box.x0 >= frame.x0 and box.x1 <= frame.x1 and not any(box.overlaps(other) for other in taken):
+            box = text.get_window_extent().extents
+            if box[0] >= frame.x0 and box[2] <= frame.x1 and not any(overlap(box, other) for other in taken):
                 taken.append(box)
                 break
             text.remove()
