@@ -8,6 +8,7 @@
 
 #include "client/view/look_file.h"
 #include "client/view/look_keys.h"
+#include "client/view/option_words.h"
 
 namespace seaway::client {
 
@@ -15,17 +16,6 @@ namespace {
 
 /// Of a cell of the mesh: what a device can hold, to coarser than any picture wants.
 constexpr Range cell_pixels{1, 64};
-
-Result<void> require(bool fine, const std::string& what) {
-    if (!fine)
-        return Error{what};
-    return {};
-}
-
-bool parse_number(std::string_view text, double& value) {
-    const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
-    return failure == std::errc{} && end == text.data() + text.size() && std::isfinite(value);
-}
 
 Result<void> take_number(const char* option, double given, Range range, double unit, double& out) {
     if (std::isnan(given))

@@ -15,6 +15,7 @@
 #include "client/link/url.h"
 #include "client/view/film_file.h"
 #include "client/view/look_options.h"
+#include "client/view/option_words.h"
 
 namespace seaway::client {
 
@@ -35,17 +36,6 @@ constexpr const char* footer =
     "it connects again by itself.\n"
     "Exit codes: 0 done or closed, 1 cannot write, 2 usage, 3 no usable device or no display,\n"
     "5 cannot connect or lost, 6 refused by the server.";
-
-Result<void> require(bool fine, const std::string& what) {
-    if (!fine)
-        return Error{what};
-    return {};
-}
-
-bool parse_number(std::string_view text, double& value) {
-    const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
-    return failure == std::errc{} && end == text.data() + text.size() && std::isfinite(value);
-}
 
 Result<void> read_size(const char* option, const std::string& text, Camera& camera) {
     const std::size_t x = text.find('x');

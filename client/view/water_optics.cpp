@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "client/view/sky/eye_curves.h"
 #include "client/view/sky/look.h"
 
 namespace seaway::client {
@@ -41,21 +42,6 @@ constexpr double bubbles_white = 0.53, bubbles_path_m = 4.2;
 /// Attenuation by colour is that of light that went so far: further, red is outside of sRGB.
 constexpr double near_m = 4;
 
-double lobe(double x, double middle, double below, double above) {
-    const double t = (x - middle) / (x < middle ? below : above);
-    return std::exp(-0.5 * t * t);
-}
-
-/// CIE 1931 after Wyman, Sloan, Shirley 2013, to linear sRGB.
-glm::dvec3 eye(double nm) {
-    const double x = 1.056 * lobe(nm, 599.8, 37.9, 31.0) + 0.362 * lobe(nm, 442.0, 16.0, 26.7) -
-                     0.065 * lobe(nm, 501.1, 20.4, 26.2);
-    const double y = 0.821 * lobe(nm, 568.8, 46.9, 40.5) + 0.286 * lobe(nm, 530.9, 16.3, 31.1);
-    const double z = 1.217 * lobe(nm, 437.0, 11.8, 36.0) + 0.681 * lobe(nm, 459.0, 26.0, 13.8);
-    return {3.2406 * x - 1.5372 * y - 0.4986 * z, -0.9689 * x + 1.8758 * y + 0.0415 * z,
-            0.0557 * x - 0.2040 * y + 1.0570 * z};
-}
-
 /// Planck's law at 5778 K, in parts of what it is at 550 nm.
 double daylight(double nm) {
     constexpr double hc_over_kt_nm = 1.4387769e7 / 5778;
@@ -75,7 +61,7 @@ template <class F>
 glm::dvec3 colour(const F& share) {
     glm::dvec3 sum(0), white(0);
     for (double nm = 400; nm <= 700; nm += 5) {
-        const glm::dvec3 seen = daylight(nm) * eye(nm);
+        const glm::dvec3 seen = daylight(nm) * eye_curves(nm);
         sum += share(nm) * seen;
         white += seen;
     }

@@ -87,10 +87,7 @@ vec3 surface_from_below(Place place, vec3 away) {
     const float white = foam_share(g);
     add_detail(g, area);
     const vec3 scaled = scaled_normal(g);
-    vec3 normal = normalize(vec3(scaled.xy, max(scaled.z, 0.1)));
-    const float facing = dot(normal, away);
-    if (facing < 0.02)
-        normal = normalize(normal + (0.02 - facing) * away);
+    const vec3 normal = lit_normal(scaled, away);
     const vec2 slope = -normal.xy / max(normal.z, 0.1);
     const vec2 look = normalize(away.xy + vec2(1e-6, 0));
     const float along = sqrt(max(dot(look * look, g.variance.xy) + 2.0 * look.x * look.y * g.variance.z, 0.0));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "client/view/sky/eye_curves.h"
 #include "tests/client/view/sky/air_fixture.h"
 
 namespace seaway::client {
@@ -26,21 +27,6 @@ constexpr std::array<double, bands> ozone_of_band{
     1.209e-25, 9.423e-26, 7.455e-26, 6.566e-26, 5.105e-26, 4.15e-26,  4.228e-26, 3.237e-26,
     2.451e-26, 2.801e-26, 2.534e-26, 1.624e-26, 1.465e-26, 2.078e-26, 1.383e-26};
 
-double lobe(double x, double middle, double below, double above) {
-    const double t = (x - middle) / (x < middle ? below : above);
-    return std::exp(-0.5 * t * t);
-}
-
-/// CIE 1931 after Wyman, Sloan, Shirley 2013, to linear sRGB.
-glm::dvec3 eye(double nm) {
-    const double x = 1.056 * lobe(nm, 599.8, 37.9, 31.0) + 0.362 * lobe(nm, 442.0, 16.0, 26.7) -
-                     0.065 * lobe(nm, 501.1, 20.4, 26.2);
-    const double y = 0.821 * lobe(nm, 568.8, 46.9, 40.5) + 0.286 * lobe(nm, 530.9, 16.3, 31.1);
-    const double z = 1.217 * lobe(nm, 437.0, 11.8, 36.0) + 0.681 * lobe(nm, 459.0, 26.0, 13.8);
-    return {3.2406 * x - 1.5372 * y - 0.4986 * z, -0.9689 * x + 1.8758 * y + 0.0415 * z,
-            0.0557 * x - 0.2040 * y + 1.0570 * z};
-}
-
 /// A way through `air` vertical atmospheres of molecules and `ozone` of ozone.
 struct Way {
     const char* name;
@@ -58,8 +44,8 @@ glm::dvec3 colour_of(const Way& way) {
         const double ozone = ozone_of_band[i] * 300 * 2.687e20;
         const double left =
             std::exp(-way.air * depth - way.ozone * ozone) * std::pow(depth, way.scattered);
-        sum += sun_of_band[i] * eye(nm) * left;
-        white += sun_of_band[i] * eye(nm);
+        sum += sun_of_band[i] * eye_curves(nm) * left;
+        white += sun_of_band[i] * eye_curves(nm);
     }
     return sum / white;
 }
