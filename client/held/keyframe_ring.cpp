@@ -19,13 +19,36 @@ constexpr sea::FieldSet sampled_fields{Field::height, Field::height_rate};
 } // namespace
 
 bool HeldKeyframe::can_be_sampled() const {
-    return keyframe_->fields.contains(sampled_fields);
+    return fields_.contains(sampled_fields);
+}
+
+HeldKeyframePtr HeldKeyframe::as_spline(const HeldKeyframePtr& whole) {
+    if (!whole->can_be_sampled())
+        return whole;
+    const sea::Keyframe& from = whole->keyframe();
+    sea::Keyframe rest{from.epoch, from.cascade, from.time_us, from.size, from.length_m, {}, {}};
+    for (const Field field : from.fields) {
+        if (sea::surface_fields.contains({field}))
+            continue;
+        rest.fields.insert(field);
+        const std::span<const float> plane = from.plane(field);
+        rest.values.insert(rest.values.end(), plane.begin(), plane.end());
+    }
+    const auto made = std::make_shared<HeldKeyframe>(std::move(rest), whole->errors_);
+    made->fields_ = whole->fields_;
+    std::call_once(made->spline_once_, [&] { made->spline_ = whole->spline(); });
+    return made;
 }
 
 sea::SplineMapPtr HeldKeyframe::spline() const {
     std::call_once(spline_once_,
                    [this] { spline_ = std::make_shared<const sea::SplineMap>(*keyframe_); });
     return spline_;
+}
+
+std::size_t HeldKeyframe::bytes() const {
+    return keyframe_->values.size() * sizeof(float) +
+           (can_be_sampled() ? sea::SplineMap::bytes_of(keyframe_->size) : 0);
 }
 
 std::size_t HeldKeyframe::bytes_of(sea::FieldSet fields, int size) {
@@ -40,6 +63,8 @@ std::size_t RingLimits::room(std::size_t keyframe_bytes) const {
 }
 
 void KeyframeRing::insert(HeldKeyframePtr keyframe) {
+    if (limits_.as_splines)
+        keyframe = HeldKeyframe::as_spline(keyframe);
     const sea::Keyframe& fresh = keyframe->keyframe();
     SEAWAY_CHECK(fresh.cascade >= 0 && fresh.cascade < protocol::limits::cascades_max,
                  "the cascade of a keyframe is checked when its tiles are read");
@@ -54,8 +79,8 @@ void KeyframeRing::insert(HeldKeyframePtr keyframe) {
                                               held->keyframe().epoch == fresh.epoch;
                                    });
     if (same != cascade.by_arrival.end()) {
-        const sea::FieldSet held = (*same)->keyframe().fields;
-        if (held.contains(fresh.fields) && held != fresh.fields)
+        const sea::FieldSet held = (*same)->fields();
+        if (held.contains(keyframe->fields()) && held != keyframe->fields())
             return;
         cascade.bytes -= (*same)->bytes();
         cascade.by_arrival.erase(same);
@@ -96,7 +121,7 @@ std::optional<KeyframePair> KeyframeRing::around(int cascade, std::uint32_t epoc
     for (auto at = ring->by_arrival.rbegin(); at != ring->by_arrival.rend(); ++at) {
         const HeldKeyframePtr& held = *at;
         const sea::Keyframe& keyframe = held->keyframe();
-        if (keyframe.epoch != epoch || !keyframe.fields.contains(fields))
+        if (keyframe.epoch != epoch || !held->fields().contains(fields))
             continue;
         // A server that uses the number of an epoch again, long after, has other maps for it.
         newest = newest ? newest : &keyframe;

@@ -27,8 +27,16 @@ class HeldKeyframe {
 
     /// `errors`: the bound that the encoder met, [field], in the field's unit; 0 where absent.
     HeldKeyframe(sea::Keyframe keyframe, const FieldErrors& errors)
-        : keyframe_(std::make_shared<const sea::Keyframe>(std::move(keyframe))), errors_(errors) {}
+        : keyframe_(std::make_shared<const sea::Keyframe>(std::move(keyframe))),
+          fields_(keyframe_->fields), errors_(errors) {}
 
+    /// The same, its spline made, without the maps that a spline stands for: half the memory. Itself where it cannot
+    /// be sampled.
+    static std::shared_ptr<const HeldKeyframe>
+    as_spline(const std::shared_ptr<const HeldKeyframe>& whole);
+
+    /// What came. keyframe() holds the values of all of it, unless this was made as_spline().
+    sea::FieldSet fields() const { return fields_; }
     const sea::Keyframe& keyframe() const { return *keyframe_; }
     const sea::KeyframePtr& keyframe_ptr() const { return keyframe_; }
     float error(sea::Field field) const { return errors_[static_cast<std::size_t>(field)]; }
@@ -41,12 +49,13 @@ class HeldKeyframe {
     sea::SplineMapPtr spline() const;
 
     /// Memory with its spline.
-    std::size_t bytes() const { return bytes_of(keyframe_->fields, keyframe_->size); }
-    /// The same of one that is still to come.
+    std::size_t bytes() const;
+    /// The same of one that is still to come, whole.
     static std::size_t bytes_of(sea::FieldSet fields, int size);
 
   private:
     sea::KeyframePtr keyframe_;
+    sea::FieldSet fields_;
     FieldErrors errors_;
     mutable std::once_flag spline_once_;
     mutable sea::SplineMapPtr spline_;
@@ -72,6 +81,9 @@ struct RingLimits {
     /// last `keyframes_per_cascade_min`: for who follows a stream and never fetches. A server sends an interval and a
     /// quarter of a second ahead; where intervals are long the last four are what is needed.
     sea::TimeUs reach_us = std::numeric_limits<sea::TimeUs>::max();
+    /// Keyframes that can be sampled are held as splines (HeldKeyframe::as_spline), made as they come in: for who
+    /// samples or draws every one of them and reads no raw map of it.
+    bool as_splines = false;
     static constexpr std::size_t keyframes_per_cascade_min = 4;
 
     /// How many keyframes of so many bytes each are held of one cascade.

@@ -15,6 +15,9 @@ namespace {
 constexpr VkFormat formats[] = {VK_FORMAT_B8G8R8A8_UNORM, VK_FORMAT_R8G8B8A8_UNORM,
                                 VK_FORMAT_B8G8R8A8_SRGB, VK_FORMAT_R8G8B8A8_SRGB};
 
+/// One is shown, one waits to be, one is drawn.
+constexpr std::uint32_t images_wished = 3;
+
 Result<OwnedSemaphore> create_semaphore(Device& device) {
     const VkSemaphoreCreateInfo info{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO};
     VkSemaphore semaphore = VK_NULL_HANDLE;
@@ -134,7 +137,7 @@ Result<bool> Swapchain::create_chain(std::uint32_t width, std::uint32_t height) 
     const VkSwapchainCreateInfoKHR info{
         .sType = VK_STRUCTURE_TYPE_SWAPCHAIN_CREATE_INFO_KHR,
         .surface = surface_,
-        .minImageCount = std::min(can.minImageCount + 1, most),
+        .minImageCount = std::min(std::max(can.minImageCount, images_wished), most),
         .imageFormat = format_.format,
         .imageColorSpace = format_.colorSpace,
         .imageExtent = extent,

@@ -70,9 +70,9 @@ int DeviceSea::nodes_of(int points, const DeviceSeaOptions& options) {
     return std::max(wished, points);
 }
 
-int DeviceSea::Slots::find(const void* map) const {
+int DeviceSea::Slots::find(const std::shared_ptr<const void>& map) const {
     for (int i = 0; i < slots; ++i)
-        if (holds[i].get() == map)
+        if (!holds[i].owner_before(map) && !map.owner_before(holds[i]))
             return i;
     return -1;
 }
@@ -177,12 +177,12 @@ Result<void> DeviceSea::bind(const gpu::Buffer& values) {
                             gpu::texels(displacement_texels_), gpu::texels(gradient_texels_)}));
 }
 
-void DeviceSea::copy(std::size_t cascade, Slots& kept, std::shared_ptr<const void> map,
+void DeviceSea::copy(std::size_t cascade, Slots& kept, const std::shared_ptr<const void>& map,
                      std::span<const float> floats, std::size_t first, std::size_t stride) {
-    if (kept.find(map.get()) >= 0)
+    if (kept.find(map) >= 0)
         return;
     const int slot = kept.oldest();
-    kept.holds[slot] = std::move(map);
+    kept.holds[slot] = map;
     kept.used[slot] = frame_;
     Cascade& to = cascades_[cascade];
     const std::size_t at = first + static_cast<std::size_t>(slot) * stride;
@@ -200,8 +200,7 @@ void DeviceSea::put(std::size_t cascade, const CascadeFrame& from) {
     const auto take_both = [&](Slots& kept, const auto& before, const auto& after, auto&& floats_of,
                                std::size_t first, std::size_t stride) {
         // What is there already is marked first: room is made of what neither needs.
-        for (const void* map :
-             {static_cast<const void*>(before.get()), static_cast<const void*>(after.get())})
+        for (const auto& map : {before, after})
             if (const int at = kept.find(map); at >= 0)
                 kept.used[at] = frame_;
         copy(cascade, kept, before, floats_of(*before), first, stride);
@@ -250,14 +249,14 @@ void DeviceSea::describe(const SeaFrame& frame, const glm::dvec2& camera_m,
         out.displacement_levels = levels_of(kept.points, from);
         out.displacement_first = kept.displacement_first;
         out.gradient_first = kept.gradient_first;
-        const auto place = [](const Slots& kept_slots, const void* map, std::size_t first,
-                              std::size_t stride) {
+        const auto place = [](const Slots& kept_slots, const std::shared_ptr<const void>& map,
+                              std::size_t first, std::size_t stride) {
             return static_cast<int>(
                 (first + static_cast<std::size_t>(kept_slots.find(map)) * stride) / 4);
         };
         const std::size_t stride = spline_floats(kept.points);
-        out.before_first = place(kept.splines, from.keyframes.before.get(), 0, stride);
-        out.after_first = place(kept.splines, from.keyframes.after.get(), 0, stride);
+        out.before_first = place(kept.splines, from.keyframes.before, 0, stride);
+        out.after_first = place(kept.splines, from.keyframes.after, 0, stride);
         out.hermite = narrow(sea::hermite_weights(from.keyframes.before->time_us(),
                                                   from.keyframes.after->time_us(), frame.time_us)
                                  .value);
@@ -265,8 +264,8 @@ void DeviceSea::describe(const SeaFrame& frame, const glm::dvec2& camera_m,
         if (!from.foam_before || !from.foam_after)
             continue;
         const std::size_t foams = foam_floats(kept.points);
-        out.foam_before_first = place(kept.foams, from.foam_before.get(), slots * stride, foams);
-        out.foam_after_first = place(kept.foams, from.foam_after.get(), slots * stride, foams);
+        out.foam_before_first = place(kept.foams, from.foam_before, slots * stride, foams);
+        out.foam_after_first = place(kept.foams, from.foam_after, slots * stride, foams);
         const sea::TimeUs interval_us = from.foam_after->time_us - from.foam_before->time_us;
         out.foam_share = interval_us <= 0
                              ? 0.0f

@@ -72,11 +72,11 @@ class DeviceSea {
 
   private:
     static constexpr int slots = 4; ///< two of this frame, two of the one that is under way
-    /// Which maps lie where. Holds them, so that no other map gets the same address.
+    /// Which maps lie where. What has been copied need not live on; weak, a pointer is never another map's.
     struct Slots {
-        std::shared_ptr<const void> holds[slots];
-        std::uint64_t used[slots] = {};  ///< by which frame last
-        int find(const void* map) const; ///< -1: nowhere
+        std::weak_ptr<const void> holds[slots];
+        std::uint64_t used[slots] = {};                         ///< by which frame last
+        int find(const std::shared_ptr<const void>& map) const; ///< -1: nowhere
         int oldest() const;
     };
     struct Cascade {
@@ -100,7 +100,7 @@ class DeviceSea {
     Result<void> bind(const gpu::Buffer& values);
     Result<void> create_kernels();
     void put(std::size_t cascade, const CascadeFrame& from);
-    void copy(std::size_t cascade, Slots& kept, std::shared_ptr<const void> map,
+    void copy(std::size_t cascade, Slots& kept, const std::shared_ptr<const void>& map,
               std::span<const float> floats, std::size_t first, std::size_t stride);
 
     gpu::Device* device_ = nullptr;
