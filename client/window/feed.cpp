@@ -61,8 +61,8 @@ Error Feed::one_connection(const std::shared_ptr<State>& state) {
         ++state->keyframes;
         state->bytes += keyframe->keyframe().values.size() * sizeof(float);
     };
-    Result<std::unique_ptr<Client>> made =
-        Client::connect(state->options, std::move(events), {.reach_us = reach_us, .as_splines = true});
+    Result<std::unique_ptr<Client>> made = Client::connect(
+        state->options, std::move(events), {.reach_us = reach_us, .as_splines = true});
     if (!made)
         return made.error();
     const std::shared_ptr<Client> client = std::move(*made);

@@ -254,36 +254,6 @@ TEST(Ring, counts_the_bytes_that_it_holds_whatever_is_inserted_replaced_and_drop
     EXPECT_GT(replaced, 100);
 }
 
-TEST(Ring, as_splines_samples_the_same_and_holds_half_the_memory) {
-    const FieldSet fields = sea::surface_fields | FieldSet{Field::foam, Field::slope_x};
-    const HeldKeyframePtr whole = keyframe(7 * interval_us, 0, 1, fields, 256);
-    KeyframeRing ring({.as_splines = true});
-    ring.insert(whole);
-    const std::optional<KeyframePair> pair =
-        ring.around(0, 1, 7 * interval_us, interval_us, fields);
-    ASSERT_TRUE(pair && pair->covers) << "what came is there to be sampled";
-    const HeldKeyframe& held = *pair->before;
-    EXPECT_EQ(held.fields(), fields);
-    EXPECT_EQ(held.spline()->coefficients(), whole->spline()->coefficients());
-    EXPECT_EQ(held.error(Field::height), whole->error(Field::height));
-    // What no spline stands for is kept as it came.
-    EXPECT_EQ(held.keyframe().fields, (FieldSet{Field::foam, Field::slope_x}));
-    for (const Field field : held.keyframe().fields)
-        EXPECT_TRUE(
-            std::ranges::equal(held.keyframe().plane(field), whole->keyframe().plane(field)));
-    // Six planes of 256 KB less: of 4.4 MB 2.9 are left, 2.4 without the two others.
-    EXPECT_EQ(whole->bytes() - held.bytes(), 6 * 256 * 256 * sizeof(float));
-    EXPECT_EQ(ring.bytes(0), held.bytes());
-
-    // Richer replaces poorer, and not the other way round, as where values are held.
-    ring.insert(keyframe(7 * interval_us, 0, 1, height_fields, 256));
-    EXPECT_EQ(ring.newest(0)->fields(), fields);
-    // Foam alone has no spline: it stays as it is.
-    const HeldKeyframePtr foam = keyframe(8 * interval_us, 0, 1, {Field::foam}, 16);
-    ring.insert(foam);
-    EXPECT_EQ(ring.newest(0), foam);
-}
-
 TEST(Ring, says_how_many_keyframes_of_a_size_it_has_room_for) {
     for (const std::size_t bytes_max : {1u, 40'000u, 100'000u, 1'000'000u}) {
         const RingLimits limits{.keyframes_per_cascade = 12, .bytes_per_cascade = bytes_max};
