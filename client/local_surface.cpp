@@ -19,11 +19,22 @@ namespace {
 /// several fields' where two components move a point.
 void add_codec(sea::MapLoss& loss, const KeyframePair& pair, Field value, Field rate) {
     const auto larger = [&](Field field) {
-        return sea::rounded_rms(
-            static_cast<double>(std::max(pair.before->error(field), pair.after->error(field))));
+        return std::max(pair.before->coded_rms(field), pair.after->coded_rms(field));
     };
     loss.value_m = std::max(loss.value_m, larger(value));
     loss.rate_mps = std::max(loss.rate_mps, larger(rate));
+    if (pair.before->compact() || pair.after->compact())
+        loss.coded_relief = 0;
+}
+
+/// What coding costs the gradient of D, by the keyframe of the two that it costs more.
+double coded_strain_variance(const sea::MapLoss& loss, const KeyframePair& pair,
+                             double interval_s) {
+    const auto of = [&](const HeldKeyframe& keyframe) {
+        return sea::coded_strain_variance(loss, interval_s, keyframe.coded_spacing_m(),
+                                          keyframe.compact());
+    };
+    return std::max(of(*pair.before), of(*pair.after));
 }
 
 sea::FoldSearch folds_of(const SeaState& state) {
@@ -43,6 +54,7 @@ sea::MapError local_map_error(const SeaState& state, std::span<const KeyframePai
                                                      : state.interpolation_displacement_m,
                         .strain_bound = state.interpolation_strain};
     double coded_strain2 = 0;
+    bool compact = false;
     for (const KeyframePair& pair : pairs) {
         const sea::Keyframe& map = pair.before->keyframe();
         const auto cascade = static_cast<std::size_t>(map.cascade);
@@ -51,9 +63,14 @@ sea::MapError local_map_error(const SeaState& state, std::span<const KeyframePai
         add_codec(loss.height, pair, Field::height, Field::height_rate);
         add_codec(loss.displacement, pair, Field::displacement_x, Field::displacement_x_rate);
         add_codec(loss.displacement, pair, Field::displacement_y, Field::displacement_y_rate);
-        coded_strain2 += sea::coded_strain_variance(
-            loss.displacement, sea::seconds_from_us(state.cascades[cascade].interval_us),
-            map.length_m / map.size);
+        coded_strain2 += coded_strain_variance(
+            loss.displacement, pair, sea::seconds_from_us(state.cascades[cascade].interval_us));
+        compact = compact || pair.before->compact() || pair.after->compact();
+    }
+    if (compact) { // the way to the smaller grids and back
+        error.height_bound_m += sea::regrid_over_single * state.single_precision_m;
+        error.displacement_bound_m +=
+            sea::regrid_over_single * state.single_precision_displacement_m;
     }
     error.codec_strain_bound =
         std::max(state.choppiness_x, state.choppiness_y) * sea::coded_strain_bound(coded_strain2);

@@ -126,7 +126,8 @@ Bytes hello(std::string_view client, std::string_view token,
 Bytes subscribe(std::uint32_t request_id, const TileWish& wish, int credit) {
     FlatBufferBuilder built = builder(128);
     return finish(built, wire::CreateSubscribe(built, request_id, wish.cascades, wish.fields.bits(),
-                                               wish.error_m, static_cast<std::uint8_t>(credit)));
+                                               wish.error_m, static_cast<std::uint8_t>(credit),
+                                               wish.compact));
 }
 
 Bytes unsubscribe() {
@@ -143,7 +144,7 @@ Bytes fetch(std::uint32_t request_id, std::span<const sea::TimeUs> times_us, con
     FlatBufferBuilder built = builder(256);
     const auto times = vector_of(built, times_us);
     return finish(built, wire::CreateFetch(built, request_id, times, wish.cascades,
-                                           wish.fields.bits(), wish.error_m));
+                                           wish.fields.bits(), wish.error_m, wish.compact));
 }
 
 Bytes query(std::uint32_t request_id, std::span<const sea::QueryPoint> points, bool exact) {

@@ -82,6 +82,9 @@ struct TileWish {
     std::uint32_t cascades = 0xffffffffu; ///< bit c: cascade c
     sea::FieldSet fields = {};
     float error_m = 0; ///< wanted bound on height, all parts together; 0: the server chooses
+    /// Takes linear maps at the smallest grid that carries their waves, and brings them to the cascade's own
+    /// (docs/protocol.md, "Compact maps"). Of a wish only.
+    bool compact = false;
 };
 
 /// credit: limits::credit_min .. credit_max unacknowledged keyframes.

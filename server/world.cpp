@@ -21,9 +21,12 @@ void World::publish_to(Publish publish) {
 }
 
 KeyframeTiles World::tiles(sea::KeyframePtr keyframe, std::uint8_t quality) const {
-    std::vector<float> bounds = sea::codec_bounds(sea_->budget, keyframe->fields, keyframe->cascade,
-                                                  codec_error_m(sea_->budget, quality));
-    return {std::move(keyframe), std::move(bounds), quality};
+    std::vector<float> bounds =
+        sea::codec_bounds(sea_->budget, keyframe->fields, keyframe->cascade,
+                          codec_error_m(sea_->budget, quality), is_compact(quality));
+    const auto cascade = static_cast<std::size_t>(keyframe->cascade);
+    const int size = is_compact(quality) ? sea_->budget.cascades[cascade].compact_size : 0;
+    return {std::move(keyframe), std::move(bounds), quality, size};
 }
 
 void World::attach(Simulation& simulation) {
@@ -37,8 +40,7 @@ void World::on_keyframe(const sea::KeyframePtr& keyframe) {
         const std::scoped_lock lock(mutex_);
         publish = publish_;
     }
-    constexpr auto rungs = static_cast<std::uint8_t>(quality_rungs.size());
-    for (std::uint8_t quality = 0; quality < rungs; ++quality)
+    for (std::uint8_t quality = 0; quality < quality_rungs; ++quality)
         if (publish && !subscriptions().wanted(keyframe->cascade, quality).empty())
             publish(tiles(keyframe, quality));
 }
@@ -47,7 +49,8 @@ Demand World::grant(const Demand& wish) const {
     Demand granted;
     granted.cascades = wish.cascades & ((1u << sea_->budget.cascades.size()) - 1u);
     granted.fields = sea::FieldSet::from_bits(wish.fields.bits() & sea_->streamed().bits());
-    granted.quality = quality_for(sea_->budget, static_cast<double>(wish.error_m));
+    granted.quality = quality_for(sea_->budget, static_cast<double>(wish.error_m), wish.compact);
+    granted.compact = wish.compact;
     granted.error_m = static_cast<float>(height_error_m(sea_->budget, granted.quality));
     return granted;
 }

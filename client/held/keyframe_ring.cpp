@@ -2,10 +2,13 @@
 #include "client/held/keyframe_ring.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 
 #include "base/check.h"
 #include "protocol/limits.h"
+#include "sea/surface/budget/error_budget.h"
+#include "sea/surface/maps/regrid.h"
 
 namespace seaway::client {
 
@@ -17,6 +20,15 @@ namespace {
 constexpr sea::FieldSet sampled_fields{Field::height, Field::height_rate};
 
 } // namespace
+
+HeldKeyframe::HeldKeyframe(sea::Keyframe keyframe, const FieldErrors& errors, int compact_size)
+    : keyframe_(std::make_shared<const sea::Keyframe>(std::move(keyframe))),
+      fields_(keyframe_->fields), errors_(errors), compact_size_(compact_size),
+      compact_share_(compact_size > 0 ? sea::disc_share(compact_size) : 1.0) {}
+
+double HeldKeyframe::coded_rms(sea::Field field) const {
+    return sea::rounded_rms(static_cast<double>(error(field))) * std::sqrt(compact_share_);
+}
 
 bool HeldKeyframe::can_be_sampled() const {
     return fields_.contains(sampled_fields);
@@ -34,7 +46,8 @@ HeldKeyframePtr HeldKeyframe::as_spline(const HeldKeyframePtr& whole) {
         const std::span<const float> plane = from.plane(field);
         rest.values.insert(rest.values.end(), plane.begin(), plane.end());
     }
-    const auto made = std::make_shared<HeldKeyframe>(std::move(rest), whole->errors_);
+    const auto made =
+        std::make_shared<HeldKeyframe>(std::move(rest), whole->errors_, whole->compact_size_);
     made->fields_ = whole->fields_;
     std::call_once(made->spline_once_, [&] { made->spline_ = whole->spline(); });
     return made;

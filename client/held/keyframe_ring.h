@@ -25,10 +25,9 @@ class HeldKeyframe {
   public:
     using FieldErrors = std::array<float, sea::field_count>;
 
-    /// `errors`: the bound that the encoder met, [field], in the field's unit; 0 where absent.
-    HeldKeyframe(sea::Keyframe keyframe, const FieldErrors& errors)
-        : keyframe_(std::make_shared<const sea::Keyframe>(std::move(keyframe))),
-          fields_(keyframe_->fields), errors_(errors) {}
+    /// `errors`: the bound that the encoder met, [field], in the field's unit; 0 where absent. `compact_size`: of the
+    /// grid on which linear maps came; 0: on their own.
+    HeldKeyframe(sea::Keyframe keyframe, const FieldErrors& errors, int compact_size = 0);
 
     /// The same, its spline made, without the maps that a spline stands for: half the memory. Itself where it cannot
     /// be sampled.
@@ -40,6 +39,15 @@ class HeldKeyframe {
     const sea::Keyframe& keyframe() const { return *keyframe_; }
     const sea::KeyframePtr& keyframe_ptr() const { return keyframe_; }
     float error(sea::Field field) const { return errors_[static_cast<std::size_t>(field)]; }
+
+    /// Were linear maps coded on a smaller grid?
+    bool compact() const { return compact_size_ > 0; }
+    /// Between the samples that were coded.
+    double coded_spacing_m() const {
+        return keyframe_->length_m / (compact() ? compact_size_ : keyframe_->size);
+    }
+    /// Standard deviation of what coding made of a linear map, in the field's unit.
+    double coded_rms(sea::Field field) const;
 
     /// Can heights be sampled from it? Needs height and its time rate.
     bool can_be_sampled() const;
@@ -57,6 +65,8 @@ class HeldKeyframe {
     sea::KeyframePtr keyframe_;
     sea::FieldSet fields_;
     FieldErrors errors_;
+    int compact_size_;
+    double compact_share_; ///< of the coded variance that is left
     mutable std::once_flag spline_once_;
     mutable sea::SplineMapPtr spline_;
 };

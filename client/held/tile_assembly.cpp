@@ -39,11 +39,12 @@ std::size_t area(int width, int height) {
 
 Result<TileAssembly::Added> TileAssembly::add(const TileHeader& header,
                                               std::span<const std::uint8_t> payload,
-                                              double length_m, FieldSet streamed,
+                                              const protocol::CascadeInfo& cascade,
+                                              FieldSet streamed,
                                               std::span<const FieldSet> requested) {
     if (header.time_us > time_max_us || header.time_us < -time_max_us)
         return bad_tile(header, "the time is out of range");
-    Pending& pending = pending_for(header, length_m, streamed);
+    Pending& pending = pending_for(header, cascade, streamed);
     SEAWAY_TRY(take(pending, header, payload));
     const auto newly_whole = [&](FieldSet fields) {
         return !fields.empty() && pending.whole.contains(fields) &&
@@ -61,7 +62,8 @@ Result<TileAssembly::Added> TileAssembly::add(const TileHeader& header,
     return added;
 }
 
-TileAssembly::Pending& TileAssembly::pending_for(const TileHeader& header, double length_m,
+TileAssembly::Pending& TileAssembly::pending_for(const TileHeader& header,
+                                                 const protocol::CascadeInfo& cascade,
                                                  FieldSet streamed) {
     const auto found = std::find_if(pending_.begin(), pending_.end(), [&](const Pending& pending) {
         return same_keyframe(pending.header, header);
@@ -72,7 +74,23 @@ TileAssembly::Pending& TileAssembly::pending_for(const TileHeader& header, doubl
     }
     if (pending_.size() >= keyframes_max)
         drop_oldest();
-    return pending_.emplace_back(Pending{header, length_m, streamed, {}, {}, {}});
+    return pending_.emplace_back(
+        Pending{header, cascade.length_m, cascade.size, 0, streamed, {}, {}, {}});
+}
+
+Result<void> TileAssembly::check_grid(Pending& pending, const TileHeader& header) {
+    const bool may_be_smaller = header.size < pending.size && sea::is_linear(header.field) &&
+                                sea::Regrid::takes(header.size) && sea::Regrid::takes(pending.size);
+    if (header.size != pending.size && !may_be_smaller)
+        return bad_tile(
+            header, fmt::format("map of size {}, the cascade's is {}", header.size, pending.size));
+    if (!sea::is_linear(header.field))
+        return {};
+    if (pending.linear_size != 0 && header.size != pending.linear_size)
+        return bad_tile(header, fmt::format("map of size {}, others of the keyframe have {}",
+                                            header.size, pending.linear_size));
+    pending.linear_size = header.size;
+    return {};
 }
 
 Result<void> TileAssembly::begin_map(Pending& pending, const TileHeader& header) {
@@ -85,18 +103,21 @@ Result<void> TileAssembly::begin_map(Pending& pending, const TileHeader& header)
     bytes_ += bytes;
     Map& map = pending.maps[static_cast<std::size_t>(header.field)];
     map.values.resize(area(header.size, header.size));
+    map.size = header.size;
     map.parts = header.parts;
     return {};
 }
 
 Result<void> TileAssembly::take(Pending& pending, const TileHeader& header,
                                 std::span<const std::uint8_t> payload) {
-    if (header.size != pending.header.size)
-        return bad_tile(header, fmt::format("map of size {}, the keyframe began with {}",
-                                            header.size, pending.header.size));
     Map& map = pending.maps[static_cast<std::size_t>(header.field)];
-    if (map.parts == 0)
+    if (map.parts == 0) {
+        SEAWAY_TRY(check_grid(pending, header));
         SEAWAY_TRY(begin_map(pending, header));
+    }
+    if (header.size != map.size)
+        return bad_tile(header,
+                        fmt::format("size {}, the map began with {}", header.size, map.size));
     if (header.parts != map.parts)
         return bad_tile(header,
                         fmt::format("{} parts, the map began with {}", header.parts, map.parts));
@@ -143,23 +164,53 @@ std::vector<HeldKeyframePtr> TileAssembly::finish(FieldSet fields) {
     return complete;
 }
 
+void TileAssembly::enlarge(const Pending& pending, FieldSet fields, sea::Keyframe& keyframe) {
+    if (fields.empty())
+        return;
+    sea::Keyframe small{keyframe.epoch,
+                        keyframe.cascade,
+                        keyframe.time_us,
+                        pending.linear_size,
+                        keyframe.length_m,
+                        fields,
+                        {}};
+    for (const Field field : fields) {
+        const Map& map = pending.maps[static_cast<std::size_t>(field)];
+        small.values.insert(small.values.end(), map.values.begin(), map.values.end());
+    }
+    const std::pair sides(small.size, keyframe.size);
+    auto at = regrids_.find(sides);
+    if (at == regrids_.end()) {
+        if (regrids_.size() >= protocol::limits::cascades_max)
+            regrids_.clear();
+        at = regrids_.emplace(sides, sea::Regrid(sides.first, sides.second)).first;
+    }
+    at->second.maps(small, fields, keyframe);
+}
+
 HeldKeyframePtr TileAssembly::assemble(Pending& pending) {
     sea::Keyframe keyframe;
     keyframe.epoch = pending.header.epoch;
     keyframe.cascade = pending.header.cascade;
     keyframe.time_us = pending.header.time_us;
-    keyframe.size = pending.header.size;
+    keyframe.size = pending.size;
     keyframe.length_m = pending.length_m;
     keyframe.fields = pending.whole;
-    keyframe.values.reserve(static_cast<std::size_t>(pending.whole.size()) * keyframe.plane_size());
     HeldKeyframe::FieldErrors errors{};
+    keyframe.values.resize(static_cast<std::size_t>(pending.whole.size()) * keyframe.plane_size());
+    FieldSet smaller;
     for (const Field field : pending.whole) {
         const Map& map = pending.maps[static_cast<std::size_t>(field)];
-        keyframe.values.insert(keyframe.values.end(), map.values.begin(), map.values.end());
         errors[static_cast<std::size_t>(field)] = map.error;
+        if (map.size < pending.size)
+            smaller.insert(field);
+        else
+            std::copy(map.values.begin(), map.values.end(), keyframe.plane(field).begin());
     }
+    enlarge(pending, smaller, keyframe);
     pending.handed_out = pending.whole;
-    return std::make_shared<const HeldKeyframe>(std::move(keyframe), errors);
+    return std::make_shared<const HeldKeyframe>(
+        std::move(keyframe), errors, pending.linear_size < pending.size ? pending.linear_size : 0);
 }
 
 void TileAssembly::drop_oldest() {

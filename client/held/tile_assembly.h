@@ -15,12 +15,15 @@
 #include <atomic>
 #include <cstdint>
 #include <list>
+#include <map>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "base/result.h"
 #include "client/held/keyframe_ring.h"
 #include "protocol/messages.h"
+#include "sea/surface/maps/regrid.h"
 
 namespace seaway::client {
 
@@ -36,11 +39,12 @@ class TileAssembly {
         bool acknowledge = false; ///< all that was streamed of it is there
     };
 
-    /// Takes one part. `length_m`: side of the cascade's tile. `streamed`: the fields granted to
+    /// Takes one part. `cascade`: side and grid of its maps; linear ones that come on a smaller grid (docs/protocol.md,
+    /// "Compact maps") are brought to it once they are whole. `streamed`: the fields granted to
     /// the subscription (empty: none), of which those at a keyframe's first part count.
     /// `requested`: the fields that each open request waits for.
     Result<Added> add(const protocol::TileHeader& header, std::span<const std::uint8_t> payload,
-                      double length_m, sea::FieldSet streamed,
+                      const protocol::CascadeInfo& cascade, sea::FieldSet streamed,
                       std::span<const sea::FieldSet> requested);
 
     /// A request has ended, its keyframes have `fields`: those not handed out with them so far.
@@ -54,6 +58,7 @@ class TileAssembly {
   private:
     struct Map {
         std::vector<float> values; ///< [y][x]
+        int size = 0;
         std::uint64_t parts_seen = 0;
         std::size_t samples_seen = 0;
         int parts = 0;
@@ -62,23 +67,29 @@ class TileAssembly {
     struct Pending {
         protocol::TileHeader header; ///< of its first part
         double length_m = 0;
+        int size = 0;        ///< of the cascade's own grid
+        int linear_size = 0; ///< of that on which linear maps come, once one has begun
         sea::FieldSet streamed;
         sea::FieldSet whole;      ///< fields of which all parts are there
         sea::FieldSet handed_out; ///< fields of the last keyframe made from it
         std::array<Map, sea::field_count> maps;
     };
 
-    Pending& pending_for(const protocol::TileHeader& header, double length_m,
+    Pending& pending_for(const protocol::TileHeader& header, const protocol::CascadeInfo& cascade,
                          sea::FieldSet streamed);
     Result<void> take(Pending& pending, const protocol::TileHeader& header,
                       std::span<const std::uint8_t> payload);
+    static Result<void> check_grid(Pending& pending, const protocol::TileHeader& header);
     Result<void> begin_map(Pending& pending, const protocol::TileHeader& header);
-    static HeldKeyframePtr assemble(Pending& pending);
+    HeldKeyframePtr assemble(Pending& pending);
+    /// These maps of a keyframe from the smaller grid.
+    void enlarge(const Pending& pending, sea::FieldSet fields, sea::Keyframe& keyframe);
     void drop_oldest();
     void forget(std::list<Pending>::iterator pending);
 
     std::list<Pending> pending_; ///< touched last: at the back
     std::size_t bytes_ = 0;
+    std::map<std::pair<int, int>, sea::Regrid> regrids_; ///< by sides, from and to
     std::atomic<std::uint64_t> dropped_ = 0;
 };
 

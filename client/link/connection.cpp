@@ -29,6 +29,12 @@ bool same_maps(const SeaState& a, const SeaState& b) {
     });
 }
 
+/// The same wish of a client that brings maps to their own grids.
+protocol::TileWish compact(protocol::TileWish wish) {
+    wish.compact = true;
+    return wish;
+}
+
 std::string text(const flatbuffers::String* string) {
     return string ? string->str() : std::string();
 }
@@ -119,7 +125,9 @@ void Connection::subscribe(const protocol::TileWish& wish, int credit, double ti
                            ReplyHandler handler) {
     requests_.start(
         Lane::bulk,
-        [&](std::uint32_t request_id) { return protocol::subscribe(request_id, wish, credit); },
+        [&](std::uint32_t request_id) {
+            return protocol::subscribe(request_id, compact(wish), credit);
+        },
         deadline_us(timeout_s), std::move(handler), wish.fields);
 }
 
@@ -131,7 +139,9 @@ void Connection::fetch(std::span<const sea::TimeUs> times_us, const protocol::Ti
                                           times_us.size(), welcome_.times_per_fetch_max)));
     requests_.start(
         Lane::bulk,
-        [&](std::uint32_t request_id) { return protocol::fetch(request_id, times_us, wish); },
+        [&](std::uint32_t request_id) {
+            return protocol::fetch(request_id, times_us, compact(wish));
+        },
         deadline_us(timeout_s), std::move(handler), wish.fields);
 }
 
@@ -246,12 +256,9 @@ Result<void> Connection::take(const wire::Tile& tile) {
         return Error{fmt::format("a tile of cascade {} in epoch {}, which no sea state announced",
                                  header.cascade, header.epoch)};
     const auto& cascade = state->cascades[static_cast<std::size_t>(header.cascade)];
-    if (header.size != cascade.size)
-        return Error{fmt::format("a tile of a map of size {}, cascade {} of epoch {} has {}",
-                                 header.size, header.cascade, header.epoch, cascade.size)};
     const std::vector<sea::FieldSet> requested = requests_.bulk_fields();
     const Result<TileAssembly::Added> added =
-        assembly_.add(header, {tile.payload()->data(), tile.payload()->size()}, cascade.length_m,
+        assembly_.add(header, {tile.payload()->data(), tile.payload()->size()}, cascade,
                       streamed_fields_, requested);
     if (!added)
         return added.error();

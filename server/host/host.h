@@ -33,6 +33,8 @@ struct KeyframeTiles {
     sea::KeyframePtr keyframe;
     std::vector<float> codec_error;
     std::uint8_t quality = 0;
+    /// Grid points a side that its linear maps are sent with; 0: as many as they have.
+    int compact_size = 0;
 };
 
 struct QueryBatch {

@@ -26,6 +26,8 @@ struct Demand {
     /// Granted only: the quality rung of the session. It is sent the published KeyframeTiles of the
     /// same rung, of its cascades, and of those the fields that it was granted.
     std::uint8_t quality = 0;
+    /// Takes linear maps at the smallest grid that carries their waves. Of a wish: the rung says it of a grant.
+    bool compact = false;
 
     bool wants(int cascade) const { return ((cascades >> cascade) & 1u) != 0; }
     bool empty() const { return cascades == 0 || fields.empty(); }

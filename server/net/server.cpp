@@ -234,7 +234,8 @@ void NetServer::Impl::publish(KeyframeTiles tiles) {
         return;
     const std::weak_ptr<Core> weak = core_;
     const bool taken = core_->encoding.submit_streamed([weak, tiles, wanted](Encoder& encoder) {
-        auto encoded = encoder.encode(*tiles.keyframe, tiles.codec_error, tiles.quality, wanted);
+        auto encoded = encoder.encode(*tiles.keyframe, tiles.codec_error, tiles.quality, wanted,
+                                      tiles.compact_size);
         const std::shared_ptr<Core> core = weak.lock();
         if (core == nullptr)
             return true;

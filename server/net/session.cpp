@@ -108,7 +108,8 @@ void Session::on_subscribe(const wire::Subscribe& subscribe) {
         return refuse(request_id, {ErrorCode::too_many_requests, "earlier fetches are not done"});
     const Demand wish{.cascades = subscribe.cascades(),
                       .fields = sea::FieldSet::from_bits(subscribe.fields()),
-                      .error_m = subscribe.error_m()};
+                      .error_m = subscribe.error_m(),
+                      .compact = subscribe.compact()};
     on_unsubscribe();
     const Demand grant = core_.host.grant(wish);
     if (grant.empty())
@@ -135,7 +136,8 @@ void Session::on_fetch(const wire::Fetch& request) {
     fetch(request_id, {request.times_us()->begin(), request.times_us()->end()},
           {.cascades = request.cascades(),
            .fields = sea::FieldSet::from_bits(request.fields()),
-           .error_m = request.error_m()});
+           .error_m = request.error_m(),
+           .compact = request.compact()});
 }
 
 /// What a fetch brings, encoded keyframe by keyframe as it comes.
@@ -180,8 +182,8 @@ class Session::FetchJob : public std::enable_shared_from_this<FetchJob> {
         std::vector<KeyframeTiles>& tiles = part.fetched.tiles;
         if (part.done < tiles.size()) {
             KeyframeTiles& tile = tiles[part.done++];
-            Result<EncodedKeyframePtr> one =
-                encoder.encode(*tile.keyframe, tile.codec_error, tile.quality, wanted_);
+            Result<EncodedKeyframePtr> one = encoder.encode(
+                *tile.keyframe, tile.codec_error, tile.quality, wanted_, tile.compact_size);
             tile.keyframe = nullptr;
             if (const Result<void> taken = one ? take(*one) : one.error(); !taken) {
                 end(taken.error());

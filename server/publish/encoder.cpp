@@ -40,7 +40,7 @@ std::size_t message_bytes(const EncodedKeyframe& keyframe, sea::FieldSet fields)
 
 Result<EncodedKeyframePtr> Encoder::encode(const sea::Keyframe& keyframe,
                                            std::span<const float> codec_error, std::uint8_t quality,
-                                           sea::FieldSet wanted) {
+                                           sea::FieldSet wanted, int compact_size) {
     SEAWAY_CHECK(codec_error.size() == static_cast<std::size_t>(keyframe.fields.size()),
                  "one codec bound for each field of a keyframe");
     const EncodedKeyframePtr known = find(keyframe, quality);
@@ -50,14 +50,24 @@ Result<EncodedKeyframePtr> Encoder::encode(const sea::Keyframe& keyframe,
     encoded->cascade = keyframe.cascade;
     encoded->time_us = keyframe.time_us;
     encoded->quality = quality;
+    const auto error_of = [&](sea::Field field) {
+        return codec_error[static_cast<std::size_t>(keyframe.fields.index_of(field))];
+    };
+    sea::FieldSet smaller; // those to be encoded on the smaller grid
+    for (const sea::Field field : keyframe.fields)
+        if (compact_size > 0 && compact_size < keyframe.size && sea::is_linear(field) &&
+            wanted.contains(field) && find_field(known.get(), field, error_of(field)) == nullptr)
+            smaller.insert(field);
+    const sea::Keyframe compact = compacted(keyframe, smaller, compact_size);
     bool added = false;
     for (const sea::Field field : keyframe.fields) {
-        const float error = codec_error[static_cast<std::size_t>(keyframe.fields.index_of(field))];
+        const float error = error_of(field);
         if (const EncodedField* map = find_field(known.get(), field, error)) {
             encoded->maps.push_back(*map);
             counters_.fields_reused += wanted.contains(field) ? 1 : 0;
         } else if (wanted.contains(field)) {
-            Result<EncodedField> map_made = encode_field(keyframe, field, error, encoded->number);
+            Result<EncodedField> map_made = encode_field(
+                smaller.contains(field) ? compact : keyframe, field, error, encoded->number);
             if (!map_made)
                 return map_made.error();
             encoded->maps.push_back(std::move(*map_made));
@@ -73,6 +83,24 @@ Result<EncodedKeyframePtr> Encoder::encode(const sea::Keyframe& keyframe,
     EncodedKeyframePtr done = std::move(encoded);
     remember(done);
     return done;
+}
+
+sea::Keyframe Encoder::compacted(const sea::Keyframe& keyframe, sea::FieldSet fields, int size) {
+    sea::Keyframe compact{
+        keyframe.epoch, keyframe.cascade, keyframe.time_us, size, keyframe.length_m, fields, {}};
+    if (fields.empty())
+        return compact;
+    const auto start = std::chrono::steady_clock::now();
+    const auto at = regrids_.find({keyframe.size, size});
+    const sea::Regrid& regrid =
+        at != regrids_.end()
+            ? at->second
+            : regrids_.emplace(std::pair(keyframe.size, size), sea::Regrid(keyframe.size, size))
+                  .first->second;
+    regrid.maps(keyframe, fields, compact);
+    counters_.seconds +=
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return compact;
 }
 
 Result<EncodedField> Encoder::encode_field(const sea::Keyframe& keyframe, sea::Field field,

@@ -11,13 +11,16 @@
 
 #include <cstdint>
 #include <deque>
+#include <map>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "base/result.h"
 #include "protocol/messages.h"
 #include "sea/surface/maps/keyframe.h"
+#include "sea/surface/maps/regrid.h"
 
 namespace seaway::server {
 
@@ -60,11 +63,13 @@ class Encoder {
         : cache_bytes_max_(cache_bytes_max) {}
 
     /// Encodes those of `wanted` that the keyframe holds. codec_error: one bound a held field in
-    /// table order, 0 for lossless. An error means that the maps are wrong (not finite): nothing of
-    /// the keyframe may be sent. About 0.4 ms a field of 256 x 256.
+    /// table order, 0 for lossless. `compact_size`: linear maps are sent on a grid of so many points a side, which
+    /// carries their waves (always the same one for a quality and cascade); 0: on their own. An error means that
+    /// the maps are wrong (not finite): nothing of the keyframe may be sent. About 0.4 ms a field of
+    /// 256 x 256; half of that on a grid of 80.
     Result<EncodedKeyframePtr> encode(const sea::Keyframe& keyframe,
                                       std::span<const float> codec_error, std::uint8_t quality,
-                                      sea::FieldSet wanted);
+                                      sea::FieldSet wanted, int compact_size = 0);
 
     const EncoderCounters& counters() const { return counters_; }
     /// Bytes of all remembered messages; at most `cache_bytes_max`.
@@ -73,6 +78,9 @@ class Encoder {
   private:
     EncodedKeyframePtr find(const sea::Keyframe& keyframe, std::uint8_t quality) const;
     void remember(EncodedKeyframePtr encoded);
+    /// The linear maps of these fields on the smaller grid.
+    sea::Keyframe compacted(const sea::Keyframe& keyframe, sea::FieldSet fields, int size);
+    /// A map of `keyframe`.
     Result<EncodedField> encode_field(const sea::Keyframe& keyframe, sea::Field field, float error,
                                       std::uint64_t number);
 
@@ -80,6 +88,7 @@ class Encoder {
     std::size_t cache_bytes_ = 0;
     std::deque<EncodedKeyframePtr> cache_; ///< newest last
     std::uint64_t next_number_ = 1;
+    std::map<std::pair<int, int>, sea::Regrid> regrids_; ///< by sides, from and to
     EncoderCounters counters_;
 };
 

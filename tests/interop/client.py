@@ -19,7 +19,8 @@ class Refused(Exception):
 
 
 class Session:
-    def __init__(self, host, port, token=""):
+    def __init__(self, host, port, token="", compact=False):
+        self.compact = compact  # takes linear maps on smaller grids
         self.socket = websocket.WebSocket(host, port, "/v1/stream", "seaway.v1")
         self.states = {}  # by epoch
         self.keyframes = {}  # by (epoch, cascade, time_us)
@@ -49,7 +50,8 @@ class Session:
 
     def take(self, tile):
         key = (tile["epoch"], tile["cascade"], tile["time_us"])
-        keyframe = self.keyframes.setdefault(key, tiles.Keyframe(tile["size"]))
+        cascade = self.states[tile["epoch"]]["cascades"][tile["cascade"]]
+        keyframe = self.keyframes.setdefault(key, tiles.Keyframe(cascade["size"]))
         keyframe.add(tile)
         wanted = [f for f in range(32) if (self.granted or {}).get("fields", 0) >> f & 1]
         if wanted and keyframe.holds(wanted):
@@ -70,11 +72,12 @@ class Session:
 
     def subscribe(self, fields=SURFACE_FIELDS, error_m=0.0, credit=8):
         """Has tiles streamed; returns when the present can be sampled."""
-        self.ask("Subscribe", "FetchDone", cascades=0xFFFFFFFF, fields=fields, error_m=error_m, credit=credit)
+        self.ask("Subscribe", "FetchDone", cascades=0xFFFFFFFF, fields=fields, error_m=error_m, credit=credit,
+                 compact=self.compact)
         return self.granted
 
     def fetch(self, times_us, fields=SURFACE_FIELDS, error_m=0.0):
-        return self.ask("Fetch", "FetchDone", times_us=times_us, fields=fields, error_m=error_m)
+        return self.ask("Fetch", "FetchDone", times_us=times_us, fields=fields, error_m=error_m, compact=self.compact)
 
     def query(self, points, exact=False):
         """points: (x_m, y_m, time_us)."""

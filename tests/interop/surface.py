@@ -106,26 +106,28 @@ class Surface:
 
     def bound(self, slope, place, residual):
         lx, ly = self.choppiness
-        state, variance = self.state, 0.0
+        state, variance, precision = self.state, 0.0, 1
         for loss, cascade, ((t0, k0), (t1, k1)) in zip(state["losses"], state["cascades"], self.pairs):
             share = (self.time_us - t0) / (t1 - t0) if t1 > t0 else 0.0
             weights = hermite(self.time_us, t0, t1)[0]
             cells = [place[axis] * cascade["size"] / cascade["length_m"] for axis in (0, 1)]
+            compact = bool(k0.compact_size or k1.compact_size)
+            precision = 3 if compact else precision
             east, north = (between(cell - math.floor(cell)) for cell in cells)
 
             def rms(*fields):
-                return max(max(k.errors.get(f, 0.0) for k in (k0, k1)) for f in fields) / math.sqrt(3)
+                return max(k.coded_rms(f) for k in (k0, k1) for f in fields)
 
             def missed(prefix, *fields):
                 return ((between(share) * loss[prefix + "time_m"]) ** 2 + east * loss[prefix + "east_m"] ** 2
                         + north * loss[prefix + "north_m"] ** 2
-                        + (1 - east / 5) * (1 - north / 5)
+                        + (1 if compact else (1 - east / 5) * (1 - north / 5))
                         * ((weights[0] ** 2 + weights[2] ** 2) * rms(*fields) ** 2
                            + (weights[1] ** 2 + weights[3] ** 2) * rms(*(RATE_OF[f] for f in fields)) ** 2))
             variance += missed("", HEIGHT)
             variance += (slope * max(lx, ly)) ** 2 * missed("displacement_", DISPLACEMENT_X, DISPLACEMENT_Y)
-        return (5 * math.sqrt(variance) + state["single_precision_m"]
-                + slope * max(lx, ly) * state["single_precision_displacement_m"] + slope * residual)
+        return (5 * math.sqrt(variance) + precision * state["single_precision_m"]
+                + slope * max(lx, ly) * precision * state["single_precision_displacement_m"] + slope * residual)
 
 
 def between(s):

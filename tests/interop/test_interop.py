@@ -107,10 +107,10 @@ class Live(unittest.TestCase):
             response = connection.getresponse()
             return response.status, response.getheader("Allow"), response.read()
 
-    def compare(self, times_us, count):
+    def compare(self, times_us, count, session=None):
         """Own heights against the server's and against the direct sum, within the stated bounds."""
         random.seed(3)
-        session, compared = self.session, 0
+        session, compared = session or self.session, 0
         for time_us in times_us:
             sea = session.surface(time_us)
             places = [(random.uniform(-5000, 5000), random.uniform(-5000, 5000)) for _ in range(count)]
@@ -147,6 +147,17 @@ class Live(unittest.TestCase):
         done = self.session.fetch(times_us, error_m=0.02)
         self.assertEqual(done["fields"], client.SURFACE_FIELDS)
         self.compare(times_us, 12)
+
+    def test_heights_of_compact_maps_are_the_servers(self):
+        session = client.Session(self.host, self.port, compact=True)
+        for error_m in (0.02, 0.05):  # two rungs
+            session.keyframes.clear()
+            session.fetch([5_000_001, 86_400_000_000], error_m=error_m)
+            held = session.keyframes.values()
+            # Bands of the long tiles end far below what their grids hold; that of the last one at 0.6 of it.
+            self.assertTrue(all(k.compact_size and k.compact_size <= 0.7 * k.size for k in held))
+            self.compare([5_000_001, 86_400_000_000], 12, session)
+        session.socket.close()
 
     def test_a_bulk_map_is_what_the_client_samples(self):
         self.session.fetch([7_000_000], error_m=0.02)

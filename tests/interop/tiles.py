@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tiles to maps: codec version 1 (docs/protocol.md, "Tiles")."""
+import math
 import struct
 import zlib
 
@@ -33,24 +34,49 @@ def decode(payload):
     raise ValueError(f"mode {mode} is not known")
 
 
+def disc(size):
+    """The waves that a compact grid holds, [ny][nx] in the order of a transform."""
+    n = np.fft.fftfreq(size, 1 / size).round()
+    return 4 * (n[:, None] ** 2 + n[None, :] ** 2) < size * size
+
+
+def enlarged(samples, size):
+    """A compact map on its cascade's own grid (docs/protocol.md, "Compact maps")."""
+    small = samples.shape[0]
+    waves = np.fft.fft2(samples.astype(np.float64)) * disc(small)
+    n = np.fft.fftfreq(small, 1 / small).round().astype(int)
+    placed = np.zeros((size, size), complex)
+    placed[np.ix_(n % size, n % size)] = waves
+    return (np.fft.ifft2(placed).real * (size / small) ** 2).astype(np.float32)
+
+
 class Keyframe:
-    """Maps of one cascade at one time, by field number, and the bound of each."""
+    """Maps of one cascade at one time, by field number, and the bound of each; `size`: of the cascade's own grid."""
 
     def __init__(self, size):
         self.maps, self.errors, self.missing, self.size = {}, {}, {}, size
+        self.compact_size = None  # of the grid that linear maps came on, if it was a smaller one
 
     def add(self, tile):
         """True when all parts of this field are there."""
         field = tile["field"]
         if field not in self.maps:
-            self.maps[field] = np.zeros((self.size, self.size), np.float32)
+            self.maps[field] = np.zeros((tile["size"], tile["size"]), np.float32)
             self.errors[field] = 0.0
             self.missing[field] = set(range(tile["parts"]))
         x0, y0 = tile["x0"], tile["y0"]
         self.maps[field][y0:y0 + tile["height"], x0:x0 + tile["width"]] = decode(tile["payload"])
         self.errors[field] = max(self.errors[field], tile["error"])
         self.missing[field].discard(tile["part"])
+        if not self.missing[field] and self.maps[field].shape[0] < self.size:
+            self.compact_size = self.maps[field].shape[0]
+            self.maps[field] = enlarged(self.maps[field], self.size)
         return not self.missing[field]
+
+    def coded_rms(self, field):
+        """Standard deviation of what coding made of a map."""
+        share = disc(self.compact_size).mean() if self.compact_size else 1.0
+        return self.errors.get(field, 0.0) * math.sqrt(share / 3)
 
     def holds(self, fields):
         return all(field in self.maps and not self.missing[field] for field in fields)

@@ -54,31 +54,38 @@ const FieldSet heights{Field::height, Field::height_rate};
 TEST(World, a_grant_is_the_part_of_a_wish_that_the_sea_has_at_the_cheapest_rung_that_keeps_it) {
     const RunningSeaPtr sea = running_sea("[effects]\nslopes = false\n"); // two cascades
     const World world(sea, {}, [] { return TimeUs{0}; });
-    const auto granted = [&](std::uint32_t cascades, FieldSet fields, double error_m = 0) {
-        return world.grant({cascades, fields, static_cast<float>(error_m)});
+    const auto granted = [&](std::uint32_t cascades, FieldSet fields, double error_m = 0,
+                             bool compact = false) {
+        return world.grant({.cascades = cascades,
+                            .fields = fields,
+                            .error_m = static_cast<float>(error_m),
+                            .compact = compact});
     };
     EXPECT_EQ(granted(~0u, heights).cascades, 3u);
     EXPECT_EQ(granted(6u, heights).cascades, 2u);
     EXPECT_TRUE(granted(4u, heights).empty()) << "a cascade that there is not";
     EXPECT_EQ(granted(1u, heights | FieldSet{Field::slope_x}).fields, heights);
     EXPECT_TRUE(granted(1u, {Field::slope_x, Field::slope_y}).empty());
-    // Rungs cost a codec error 1, 4 and 16 times as large; the bound is that of level water.
-    double rung_m[3];
-    for (std::size_t rung = 0; rung < 3; ++rung)
-        rung_m[rung] =
-            sea::level_error_m(sea->budget, std::pow(4.0, rung) * sea->budget.codec_error_m);
-    ASSERT_LT(rung_m[0], rung_m[1]);
-    ASSERT_LT(rung_m[1], rung_m[2]);
-    for (const auto& [wish_m, rung] : {std::pair(0.0, 0u),
-                                       {0.5 * rung_m[0], 0u},
-                                       {0.999 * rung_m[1], 0u},
-                                       {1.001 * rung_m[1], 1u},
-                                       {0.999 * rung_m[2], 1u},
-                                       {1.001 * rung_m[2], 2u},
-                                       {1e6, 2u}}) {
-        const Demand grant = granted(1u, heights, wish_m);
-        EXPECT_EQ(grant.quality, rung) << wish_m;
-        EXPECT_EQ(grant.error_m, static_cast<float>(rung_m[rung])) << wish_m;
+    // Rungs cost a codec error 1 to 16 times as large; the bound is that of level water. Compact ones follow, and
+    // cost single precision twice more, on the way to the smaller grid and back.
+    for (const bool compact : {false, true}) {
+        double rung_m[5];
+        for (std::size_t rung = 0; rung < 5; ++rung)
+            rung_m[rung] =
+                sea::level_error_m(sea->budget, std::pow(2.0, rung) * sea->budget.codec_error_m) +
+                (compact ? 2.0 * sea->budget.single_precision_m : 0.0);
+        for (const auto& [wish_m, rung] : {std::pair(0.0, 0u),
+                                           {0.5 * rung_m[0], 0u},
+                                           {0.999 * rung_m[1], 0u},
+                                           {1.001 * rung_m[1], 1u},
+                                           {0.999 * rung_m[2], 1u},
+                                           {1.001 * rung_m[2], 2u},
+                                           {1.001 * rung_m[3], 3u},
+                                           {1e6, 4u}}) {
+            const Demand grant = granted(1u, heights, wish_m, compact);
+            EXPECT_EQ(grant.quality, rung + (compact ? 5u : 0u)) << wish_m;
+            EXPECT_EQ(grant.error_m, static_cast<float>(rung_m[rung])) << wish_m;
+        }
     }
 }
 
@@ -92,7 +99,8 @@ TEST(World, a_keyframe_is_published_once_a_rung_in_use_with_the_bounds_of_the_ru
     world.subscriptions().set(2, {3u, heights, 0, 0});
     world.subscriptions().set(3, {2u, heights, 0, 1});
     world.subscriptions().set(4, {2u, heights, 0, 1});
-    const std::vector<std::uint8_t> rungs[] = {{0, 2}, {0, 1}};
+    world.subscriptions().set(5, {1u, heights, 0, 6});
+    const std::vector<std::uint8_t> rungs[] = {{0, 2, 6}, {0, 1}};
     for (int cascade = 0; cascade < 2; ++cascade) {
         auto keyframe = std::make_shared<sea::Keyframe>();
         keyframe->cascade = cascade;
@@ -104,12 +112,17 @@ TEST(World, a_keyframe_is_published_once_a_rung_in_use_with_the_bounds_of_the_ru
         for (std::size_t i = 0; i < expected.size(); ++i) {
             EXPECT_EQ(published[i].quality, expected[i]);
             EXPECT_EQ(published[i].keyframe, keyframe);
+            const bool compact = expected[i] >= 5;
             EXPECT_EQ(published[i].codec_error,
                       sea::codec_bounds(sea->budget, heights, cascade,
-                                        std::pow(4.0, expected[i]) * sea->budget.codec_error_m));
+                                        std::pow(2.0, expected[i] % 5) * sea->budget.codec_error_m,
+                                        compact));
+            EXPECT_EQ(published[i].compact_size,
+                      compact ? sea->budget.cascades[static_cast<std::size_t>(cascade)].compact_size
+                              : 0);
         }
     }
-    for (const SessionId session : {1, 2, 3, 4})
+    for (const SessionId session : {1, 2, 3, 4, 5})
         world.subscriptions().erase(session);
     published.clear();
     world.on_keyframe(std::make_shared<sea::Keyframe>());
@@ -139,7 +152,7 @@ TEST(World, a_fetch_brings_what_was_granted_in_its_rung_and_the_sea_is_named_in_
     ASSERT_EQ(tiles.size(), 2u) << "of the second cascade alone, before and after";
     const TimeUs interval_us = bench.sea->budget.cascades[1].interval_us;
     for (std::size_t i = 0; i < 2; ++i) {
-        EXPECT_EQ(tiles[i].quality, 2);
+        EXPECT_EQ(tiles[i].quality, 4);
         EXPECT_EQ(tiles[i].keyframe->cascade, 1);
         EXPECT_TRUE(tiles[i].keyframe->fields.contains(heights | FieldSet{Field::foam}));
         EXPECT_EQ(tiles[i].keyframe->time_us,

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "sea/surface/budget/interpolation_laws.h"
+#include "sea/surface/maps/regrid.h"
 
 namespace seaway::sea {
 
@@ -57,11 +58,12 @@ struct CascadeWaves::Missed {
 };
 
 CascadeWaves::CascadeWaves(const CascadeModes& modes)
-    : size_(modes.spec.size), spacing_m_(modes.spec.spacing_m()) {
+    : size_(modes.spec.size), compact_size_(size_), spacing_m_(modes.spec.spacing_m()) {
     for (std::size_t i = 0; i < modes.h0.size(); ++i)
         if (modes.h0[i] != std::complex<double>{})
             omega_max_radps_ = std::max(omega_max_radps_, omega_from_rate(modes.rate[i]));
     const double dk = modes.spec.wavenumber_step_radpm();
+    double reach = 0; ///< of lattice indices
     Missed missed[3];
     for (int iy = 0; iy < size_; ++iy)
         for (int ix = 0; ix < size_; ++ix) {
@@ -70,10 +72,15 @@ CascadeWaves::CascadeWaves(const CascadeModes& modes)
             const double variance = 2.0 * std::norm(modes.h0[i]);
             const double kx = dk * signed_index(ix, size_), ky = dk * signed_index(iy, size_);
             if (variance > 0)
+                reach =
+                    std::max(reach, std::hypot(signed_index(ix, size_), signed_index(iy, size_)));
+            if (variance > 0)
                 add({variance, kx, ky, omega_from_rate(modes.rate[i]),
                      orbit_aspect(std::hypot(kx, ky), modes.depth_m), modes.is_given(i)},
                     missed);
         }
+    if (modes.sines.empty())
+        compact_size_ = smallest_grid(reach, size_);
     for (const SineField& field : modes.sines) {
         const SineError& error = sines_.emplace_back(field, spacing_m_);
         Missed sines;

@@ -67,6 +67,10 @@ class CascadeWaves {
     double spacing_m() const { return spacing_m_; }
     /// Of the grid.
     double points() const { return static_cast<double>(size_) * size_; }
+    int size() const { return size_; }
+    /// The smallest grid that carries all its waves (sea/surface/maps/regrid.h); its own size where stylised
+    /// waves have no end.
+    int compact_size() const { return compact_size_; }
     /// Variance of what the predictor of the codec leaves of a map of heights, and of one of their time
     /// rates, (m/s)^2: h(x,y) - h(x-dx,y) - h(x,y-dy) + h(x-dx,y-dy).
     double detail_m2() const { return detail_m2_; }
@@ -79,6 +83,7 @@ class CascadeWaves {
     double time_rms(const Motion& motion, TimeUs interval_us) const;
 
     int size_;
+    int compact_size_;
     double spacing_m_;
     double omega_max_radps_ = 0;
     Motion height_;

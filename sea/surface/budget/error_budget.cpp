@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "sea/surface/budget/cascade_waves.h"
+#include "sea/surface/maps/regrid.h"
 
 namespace seaway::sea {
 
@@ -19,6 +20,9 @@ constexpr float jacobian_error = 0.004f;
 /// Where grids miss more than was asked, intervals and codec still get this share of the variance asked
 /// for: what they could add to that stays small beside it.
 constexpr double spent_at_least = 1.0 / 16.0;
+
+/// Smaller grids are worth so much of the budget to single precision, and no more.
+constexpr double compact_error_share = 0.01;
 
 double square(double x) {
     return x * x;
@@ -76,8 +80,13 @@ void settle(ErrorBudget& budget, std::span<const CascadeWaves> cascades, const S
     for (std::size_t c = 0; c < cascades.size(); ++c) {
         const CascadeWaves& waves = cascades[c];
         const TimeUs interval_us = spending.intervals_us[c];
-        budget.cascades.push_back(
-            {interval_us, waves.loss(interval_us), spending.codec_shares[c], waves.spacing_m()});
+        budget.cascades.push_back({interval_us, waves.loss(interval_us), spending.codec_shares[c],
+                                   waves.spacing_m(), waves.size(), waves.size(), 1.0});
+        if (compact_error_m(budget) <= compact_error_share * budget.height_error_m &&
+            waves.compact_size() < waves.size()) {
+            budget.cascades.back().compact_size = waves.compact_size();
+            budget.cascades.back().compact_share = disc_share(waves.compact_size());
+        }
         const CascadeLoss& loss = budget.cascades.back().loss;
         height_m2 += loss.height.interpolation_variance_m2();
         displacement_m2 += loss.displacement.interpolation_variance_m2();
@@ -141,14 +150,19 @@ double level_error_m(const ErrorBudget& budget, double codec_error_m) {
     return bound_sigmas * std::sqrt(variance_m2) + budget.single_precision_m;
 }
 
+double compact_error_m(const ErrorBudget& budget) {
+    return regrid_over_single * budget.single_precision_m;
+}
+
 FoldSearch fold_search(const ErrorBudget& budget) {
     return fold_search(budget.displacement_reach_m, budget.choppiness, budget.rms_strain);
 }
 
 std::vector<float> codec_bounds(const ErrorBudget& budget, FieldSet fields, int cascade,
-                                double codec_error_m) {
+                                double codec_error_m, bool compact) {
     const CascadeBudget& own = budget.cascades[static_cast<std::size_t>(cascade)];
-    const double value_m = coded_value_bound_m(budget, own, codec_error_m);
+    const double value_m = coded_value_bound_m(budget, own, codec_error_m) /
+                           std::sqrt(compact ? own.compact_share : 1.0);
     std::vector<float> bounds;
     for (const Field field : fields) {
         const FieldInfo& row = info(field);
@@ -166,11 +180,13 @@ double rounded_rms(double bound) {
     return bound * std::numbers::inv_sqrt3;
 }
 
-double coded_strain_variance(const MapLoss& loss, double interval_s, double spacing_m) {
+double coded_strain_variance(const MapLoss& loss, double interval_s, double spacing_m,
+                             bool compact) {
     MapLoss coded;
     coded.value_m = loss.value_m;
     coded.rate_mps = loss.rate_mps;
-    return coded.largest_variance_m2(interval_s) * spline_slope_variance_gain / square(spacing_m);
+    return coded.largest_variance_m2(interval_s) *
+           (compact ? disc_slope_variance_gain : spline_slope_variance_gain) / square(spacing_m);
 }
 
 double coded_strain_bound(double variance) {

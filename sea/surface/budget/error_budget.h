@@ -34,6 +34,11 @@ struct CascadeBudget {
     CascadeLoss loss;       ///< between keyframes and grid points; nothing is coded
     double codec_share = 0; ///< of the variance that coding may cost; they add up to 1
     double spacing_m = 0;   ///< between grid points
+    int size = 0;           ///< grid points a side
+    /// The grid at which compact tiles send its linear maps: the smallest that carries its waves, or its own.
+    int compact_size = 0;
+    double compact_share =
+        1; ///< of the variance of coding that is left of it on the cascade's own grid
 };
 
 struct ErrorBudget {
@@ -79,9 +84,14 @@ double level_error_m(const ErrorBudget& budget, double codec_error_m);
 
 /// Bounds for the codec, one a field of `fields` in table order, in the field's unit, such that
 /// tiles of all cascades together cost `codec_error_m` of height (as ErrorBudget::codec_error_m). Fields
-/// that no height depends on (slopes, strains, Jacobian, foam) get a fixed bound.
+/// that no height depends on (slopes, strains, Jacobian, foam) get a fixed bound. Bounds are of samples that are
+/// sent: those of compact tiles may be wider, for what a client brings them to its own grid with leaves noise
+/// in waves that nobody has.
 std::vector<float> codec_bounds(const ErrorBudget& budget, FieldSet fields, int cascade,
-                                double codec_error_m);
+                                double codec_error_m, bool compact = false);
+
+/// What compact tiles may cost of a height beside that: single precision on the way to the smaller grid and back.
+double compact_error_m(const ErrorBudget& budget);
 
 /// The error of heights sampled from maps that were coded with `codec_error_m` (0: not coded).
 MapError map_error(const ErrorBudget& budget, double codec_error_m);
@@ -92,7 +102,8 @@ double rounded_rms(double bound);
 /// What coding costs of the gradient of lambda D: a bound (fold_sigmas), from the variances that
 /// coded_strain_variance() gives for each cascade.
 double coded_strain_bound(double variance);
-/// `loss` is of lambda D.
-double coded_strain_variance(const MapLoss& loss, double interval_s, double spacing_m);
+/// `loss` is of lambda D. `spacing_m` of the samples that were coded; `compact`: they were brought to another grid.
+double coded_strain_variance(const MapLoss& loss, double interval_s, double spacing_m,
+                             bool compact = false);
 
 } // namespace seaway::sea

@@ -34,6 +34,9 @@ inline constexpr double spline_gain = 1.549 * 1.549;
 /// dimension, on average 0.88. The variance of the derivative, in squares of the grid spacing: 3.42 at
 /// most, in the middle of a cell, and 2.46 on average.
 inline constexpr double spline_slope_variance_gain = 3.4217;
+/// The same of even noise on the disc of waves that a grid holds (sea/surface/maps/regrid.h): the mean of kx^2,
+/// (pi / spacing)^2 / 4, everywhere.
+inline constexpr double disc_slope_variance_gain = std::numbers::pi * std::numbers::pi / 4.0;
 
 /// Of a gradient, per m, when the sampled value may be wrong by that much: samples `spacing_m` apart.
 double sampled_slope_error(double sampled_error, double spacing_m);
@@ -41,5 +44,7 @@ double sampled_slope_error(double sampled_error, double spacing_m);
 /// What single precision costs a sampled value, from the transform to the sum over cascades, as a share
 /// of four times the rms of its map: twice the largest that random points showed on any device.
 inline constexpr double single_precision_share = 5e-7;
+/// What a smaller grid and back adds, over that (sea/surface/maps/regrid.h).
+inline constexpr double regrid_over_single = 2.0;
 
 } // namespace seaway::sea

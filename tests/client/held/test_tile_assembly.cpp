@@ -62,9 +62,15 @@ std::vector<Part> parts_of(Field field, int size, int side, std::uint64_t keyfra
     return parts;
 }
 
+/// A cascade whose own grid the map of this part has.
+protocol::CascadeInfo cascade_of(const Part& part) {
+    return {.length_m = length_m, .size = part.header.size};
+}
+
 TileAssembly::Added add(TileAssembly& assembly, const Part& part, FieldSet streamed,
                         std::vector<FieldSet> requested = {}) {
-    const auto added = assembly.add(part.header, part.payload, length_m, streamed, requested);
+    const auto added =
+        assembly.add(part.header, part.payload, cascade_of(part), streamed, requested);
     EXPECT_TRUE(added) << added.error().message;
     return added ? *added : TileAssembly::Added{};
 }
@@ -219,8 +225,10 @@ TEST(TileAssembly, bytes_that_make_no_sense_are_errors) {
     const std::vector<Part> parts = parts_of(Field::height, 32, 16);
     const auto says = [&](Part part, const char* what) {
         TileAssembly assembly;
-        ASSERT_TRUE(assembly.add(parts[0].header, parts[0].payload, length_m, pair_fields, {}));
-        const auto added = assembly.add(part.header, part.payload, length_m, pair_fields, {});
+        ASSERT_TRUE(
+            assembly.add(parts[0].header, parts[0].payload, cascade_of(parts[0]), pair_fields, {}));
+        const auto added =
+            assembly.add(part.header, part.payload, cascade_of(parts[0]), pair_fields, {});
         ASSERT_FALSE(added) << what;
         EXPECT_NE(added.error().message.find(what), std::string::npos) << added.error().message;
     };
@@ -243,8 +251,9 @@ TEST(TileAssembly, parts_that_leave_a_hole_or_overfill_the_map_are_errors) {
     for (Part& part : parts)
         part.header.parts = 2;
     TileAssembly hole;
-    ASSERT_TRUE(hole.add(parts[0].header, parts[0].payload, length_m, pair_fields, {}));
-    const auto added = hole.add(parts[1].header, parts[1].payload, length_m, pair_fields, {});
+    ASSERT_TRUE(hole.add(parts[0].header, parts[0].payload, cascade_of(parts[0]), pair_fields, {}));
+    const auto added =
+        hole.add(parts[1].header, parts[1].payload, cascade_of(parts[0]), pair_fields, {});
     ASSERT_FALSE(added);
     EXPECT_NE(added.error().message.find("cover"), std::string::npos);
 
@@ -252,10 +261,12 @@ TEST(TileAssembly, parts_that_leave_a_hole_or_overfill_the_map_are_errors) {
     for (int n = 0; n < 4; ++n) {
         parts[0].header.parts = 64;
         parts[0].header.part = n;
-        ASSERT_TRUE(overfull.add(parts[0].header, parts[0].payload, length_m, pair_fields, {}));
+        ASSERT_TRUE(
+            overfull.add(parts[0].header, parts[0].payload, cascade_of(parts[0]), pair_fields, {}));
     }
     parts[0].header.part = 4;
-    EXPECT_FALSE(overfull.add(parts[0].header, parts[0].payload, length_m, pair_fields, {}));
+    EXPECT_FALSE(
+        overfull.add(parts[0].header, parts[0].payload, cascade_of(parts[0]), pair_fields, {}));
 }
 
 } // namespace

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+// Maps that come on a smaller grid than their cascade's (docs/protocol.md, "Compact maps").
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "client/held/tile_assembly.h"
+#include "client/local_surface.h"
+#include "protocol/tile_codec.h"
+#include "sea/surface/budget/error_budget.h"
+#include "sea/surface/maps/regrid.h"
+
+namespace seaway::client {
+namespace {
+
+using sea::Field;
+using sea::FieldSet;
+
+constexpr double length_m = 100;
+constexpr FieldSet three_fields{Field::height, Field::displacement_x, Field::height_rate};
+
+struct Part {
+    protocol::TileHeader header;
+    std::vector<std::uint8_t> payload;
+};
+
+/// One wave, which 9 points a side hold.
+std::vector<float> wave_map(int size, double phase) {
+    std::vector<float> map;
+    for (int i = 0; i < size * size; ++i)
+        map.push_back(static_cast<float>(
+            std::cos(2.0 * 3.14159265358979 * (3 * (i % size) - 2 * (i / size)) / size + phase)));
+    return map;
+}
+
+Part wave_part(Field field, int size, double phase) {
+    Part part;
+    part.header.keyframe = 1;
+    part.header.field = field;
+    part.header.size = part.header.width = part.header.height = size;
+    part.header.error = 1e-4f;
+    const auto payload = protocol::encode_tile(wave_map(size, phase), {size, size},
+                                               static_cast<std::size_t>(size), 1e-4f);
+    EXPECT_TRUE(payload);
+    part.payload = *payload;
+    return part;
+}
+
+TEST(TileAssembly, compact_maps_are_brought_to_the_cascades_own_grid) {
+    const protocol::CascadeInfo cascade{.length_m = length_m, .size = 64};
+    const FieldSet fields = three_fields | FieldSet{Field::foam};
+    TileAssembly assembly;
+    HeldKeyframePtr complete;
+    for (const Field field : fields) {
+        const Part part =
+            wave_part(field, field == Field::foam ? 64 : 10, static_cast<double>(field));
+        const auto added = assembly.add(part.header, part.payload, cascade, fields, {});
+        ASSERT_TRUE(added) << added.error().message;
+        complete = added->complete;
+    }
+    ASSERT_TRUE(complete);
+    EXPECT_EQ(complete->keyframe().size, 64);
+    EXPECT_TRUE(complete->compact());
+    EXPECT_DOUBLE_EQ(complete->coded_spacing_m(), 10.0);
+    // 77 of 100 waves lie within the disc of 10 points a side... of the rest of rounding nothing is left.
+    EXPECT_NEAR(complete->coded_rms(Field::height),
+                1e-4 / std::sqrt(3.0) * std::sqrt(sea::disc_share(10)), 1e-9);
+    const HeldKeyframePtr spline = HeldKeyframe::as_spline(complete);
+    EXPECT_TRUE(spline->compact()) << "who keeps the spline alone states the same";
+    EXPECT_EQ(spline->coded_rms(Field::height), complete->coded_rms(Field::height));
+    EXPECT_EQ(spline->coded_spacing_m(), complete->coded_spacing_m());
+    for (const Field field : fields) {
+        const std::vector<float> wanted = wave_map(64, static_cast<double>(field));
+        for (std::size_t i = 0; i < wanted.size();
+             ++i) // 1e-4 at 100 points, mixed by weights of 4 at most
+            ASSERT_NEAR(complete->keyframe().plane(field)[i], wanted[i], 4e-4)
+                << sea::info(field).name;
+    }
+    EXPECT_EQ(assembly.bytes(), 0u);
+}
+
+TEST(TileAssembly, grids_that_no_compact_map_may_have_are_errors) {
+    const auto why_not = [](const std::vector<Part>& parts, int size) {
+        TileAssembly assembly;
+        for (const Part& part : parts) {
+            const auto added = assembly.add(part.header, part.payload,
+                                            {.length_m = length_m, .size = size}, three_fields, {});
+            if (!added)
+                return added.error().message;
+        }
+        return std::string("no error");
+    };
+    const Part height = wave_part(Field::height, 10, 0),
+               rate = wave_part(Field::height_rate, 12, 0);
+    EXPECT_EQ(why_not({height}, 64), "no error");
+    EXPECT_NE(why_not({height}, 9).find("map of size 10, the cascade's is 9"), std::string::npos);
+    EXPECT_NE(why_not({wave_part(Field::foam, 10, 0)}, 64).find("map of size 10"),
+              std::string::npos);
+    EXPECT_NE(why_not({wave_part(Field::height, 14, 0)}, 64).find("map of size 14"),
+              std::string::npos)
+        << "transforms are of products of 2, 3 and 5";
+    EXPECT_NE(why_not({height, rate}, 64).find("map of size 12, others of the keyframe have 10"),
+              std::string::npos);
+}
+
+// What was coded on a smaller grid is a sum of long waves: less of it by the corners of the square that nobody has,
+// no less between the grid points, and far less steep.
+TEST(LocalAnswer, a_compact_keyframes_codec_error_is_that_of_waves_of_the_smaller_grid) {
+    SeaState state;
+    state.epoch = 1;
+    state.cascades.push_back({.length_m = length_m, .size = 16, .interval_us = 100'000});
+    state.losses = {{{0.1, 0.2, 0.3}, {0.4, 0.5, 0.6}}};
+    state.single_precision_m = 0.01;
+    state.single_precision_displacement_m = 0.02;
+    HeldKeyframe::FieldErrors errors{};
+    for (const Field field : sea::surface_fields)
+        errors[static_cast<std::size_t>(field)] = 0.003f;
+    const auto held = [&](sea::TimeUs time_us, int compact_size) {
+        sea::Keyframe made{1, 0, time_us, 16, length_m, sea::surface_fields, {}};
+        made.values.resize(made.plane_size() * 6);
+        return std::make_shared<const HeldKeyframe>(std::move(made), errors, compact_size);
+    };
+    const double whole_m = 0.003 / std::sqrt(3.0), share = sea::disc_share(10);
+    for (const auto& [first, second] : {std::pair(10, 10), {10, 0}, {0, 10}}) {
+        const KeyframePair pair{held(0, first), held(100'000, second), true};
+        const sea::MapError error = local_map_error(state, {&pair, 1});
+        const sea::CascadeLoss& loss = error.cascades[0];
+        const double value_m = first == second ? whole_m * std::sqrt(share) : whole_m;
+        EXPECT_NEAR(loss.height.value_m, value_m, 1e-9);
+        EXPECT_NEAR(loss.displacement.rate_mps, value_m, 1e-9);
+        EXPECT_EQ(loss.height.coded_relief, 0);
+        EXPECT_EQ(loss.displacement.coded_relief, 0);
+        EXPECT_DOUBLE_EQ(error.height_bound_m, 0.03) << "on the way to the smaller grid and back";
+        EXPECT_DOUBLE_EQ(error.displacement_bound_m, 0.06);
+        // (pi / spacing)^2 / 4 of the variance, or that of a spline through the finer grid's own samples.
+        const double largest = loss.displacement.largest_variance_m2(0.1) -
+                               loss.displacement.interpolation_variance_m2();
+        const double gain = std::max(std::pow(3.14159265358979 * 10 / length_m, 2) / 4.0,
+                                     first == second ? 0.0 : 3.4217 / std::pow(length_m / 16, 2));
+        EXPECT_NEAR(error.codec_strain_bound,
+                    std::max(state.choppiness_x, state.choppiness_y) *
+                        sea::coded_strain_bound(largest * gain),
+                    1e-6 * error.codec_strain_bound);
+    }
+}
+
+} // namespace
+} // namespace seaway::client

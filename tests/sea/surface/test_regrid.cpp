@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "sea/basics/cascade.h"
+#include "sea/surface/maps/regrid.h"
+
+namespace seaway::sea {
+namespace {
+
+/// A sum of waves, at any grid.
+struct Waves {
+    struct Wave {
+        int nx, ny;
+        double amplitude, phase;
+    };
+    std::vector<Wave> waves;
+
+    double at(double x, double y) const { // in tiles
+        double sum = 0;
+        for (const Wave& wave : waves)
+            sum += wave.amplitude *
+                   std::cos(2.0 * std::numbers::pi * (wave.nx * x + wave.ny * y) + wave.phase);
+        return sum;
+    }
+    std::vector<float> map(int size) const {
+        std::vector<float> map;
+        for (int y = 0; y < size; ++y)
+            for (int x = 0; x < size; ++x)
+                map.push_back(static_cast<float>(
+                    at(static_cast<double>(x) / size, static_cast<double>(y) / size)));
+        return map;
+    }
+    double rms() const {
+        double variance = 0;
+        for (const Wave& wave : waves)
+            variance += 0.5 * wave.amplitude * wave.amplitude;
+        return std::sqrt(variance);
+    }
+};
+
+/// Waves with |n| < reach, the finest ones among them, steep like a sea's (k^-2 a mode).
+Waves waves_within(double reach, unsigned seed) {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> any(-1.0, 1.0);
+    Waves sea;
+    const int finest = static_cast<int>(std::ceil(reach)) - 1;
+    for (int i = 0; i < 60; ++i) {
+        const int nx = i == 0 ? finest : static_cast<int>(any(random) * reach);
+        const int ny = i == 1 ? -finest : i == 0 ? 0 : static_cast<int>(any(random) * reach);
+        if (nx * nx + ny * ny < reach * reach)
+            sea.waves.push_back(
+                {nx, ny, 1.0 / (1.0 + 0.1 * (nx * nx + ny * ny)), 3.0 * any(random)});
+    }
+    return sea;
+}
+
+double farthest(const std::vector<float>& a, const std::vector<float>& b) {
+    double most = 0;
+    for (std::size_t i = 0; i < a.size(); ++i)
+        most = std::max(most, std::abs(static_cast<double>(a[i]) - static_cast<double>(b[i])));
+    return most;
+}
+
+// Sides with every radix, odd and even, to smaller and to larger grids; two maps at once, which do not mix.
+TEST(Regrid, waves_of_both_grids_are_the_same_sum_of_waves_on_either) {
+    for (const Instructions instructions : supported_instructions())
+        for (const auto& [from, to] : {std::pair(256, 80),
+                                       {80, 256},
+                                       {256, 81},
+                                       {75, 128},
+                                       {128, 72},
+                                       {64, 45},
+                                       {512, 320},
+                                       {16, 15},
+                                       {15, 16},
+                                       {27, 25},
+                                       {64, 64}}) {
+            const Waves sea = waves_within(0.5 * std::min(from, to), 1);
+            Waves other = waves_within(0.5 * std::min(from, to), 2);
+            for (Waves::Wave& wave : other.waves)
+                wave.amplitude *= 1e-2;
+            std::vector<float> a(static_cast<std::size_t>(to * to)), b(a.size());
+            Regrid(from, to, instructions).maps(sea.map(from), other.map(from), a, b);
+            // Half of what both ways may cost; of the larger map, which the smaller one is rounded beside.
+            const double bound = 0.5 * regrid_precision * 4.0 * sea.rms();
+            EXPECT_LE(farthest(a, sea.map(to)), bound) << from << " to " << to;
+            EXPECT_LE(farthest(b, other.map(to)), bound) << from << " to " << to;
+        }
+}
+
+TEST(Regrid, waves_beyond_the_disc_of_the_smaller_grid_are_left_out) {
+    // 30^2 + 30^2 < 45^2, within the disc of 90; 35^2 + 35^2 is beyond, though each index alone is below 45.
+    const Waves inside{{{30, 30, 1.0, 0.3}}}, outside{{{35, 35, 1.0, 0.3}}};
+    std::vector<float> a(90 * 90), b(a.size());
+    Regrid(256, 90).maps(inside.map(256), outside.map(256), a, b);
+    EXPECT_LE(farthest(a, inside.map(90)), 1e-5);
+    EXPECT_LE(farthest(b, std::vector<float>(b.size())), 1e-5);
+}
+
+// Rounding is even noise. What is left of it on the larger grid has the disc's share of its variance at grid
+// points and between coarse ones alike, and a gradient of (pi / spacing)^2 / 4 of that along each axis.
+TEST(Regrid, noise_of_the_smaller_grid_keeps_the_discs_share_of_its_variance_everywhere) {
+    constexpr int small = 80, large = 240; // every third point stands on a coarse one
+    std::mt19937 random(5);
+    std::uniform_real_distribution<float> even(-1.0f, 1.0f);
+    double on = 0, between = 0, slope = 0;
+    const int draws = 8;
+    for (int draw = 0; draw < draws; ++draw) {
+        std::vector<float> a(small * small), b(a.size());
+        for (std::size_t i = 0; i < a.size(); ++i) {
+            a[i] = even(random);
+            b[i] = even(random);
+        }
+        std::vector<float> wide_a(large * large), wide_b(wide_a.size());
+        Regrid(small, large).maps(a, b, wide_a, wide_b);
+        for (int y = 0; y < large; ++y)
+            for (int x = 0; x < large; ++x) {
+                const double value =
+                    static_cast<double>(wide_a[static_cast<std::size_t>(y * large + x)]);
+                (x % 3 == 0 && y % 3 == 0 ? on : between) += value * value;
+                const double next = static_cast<double>(
+                    wide_a[static_cast<std::size_t>(y * large + (x + 1) % large)]);
+                slope += (next - value) * (next - value) * 9.0; // spacings of the coarse grid
+            }
+    }
+    const double share = disc_share(small);
+    EXPECT_NEAR(share, std::numbers::pi / 4.0, 0.01);
+    // 51 200 independent numbers: a variance within 0.9 % (one standard deviation of those kept).
+    const double coarse = draws * small * small;
+    EXPECT_NEAR(on / coarse * 3.0, share, 0.03);
+    EXPECT_NEAR(between / (8.0 * coarse) * 3.0, share, 0.03);
+    // Differences over a third of a spacing see 0.93 of the gradient.
+    EXPECT_NEAR(slope / (9.0 * coarse) * 3.0, 0.93 * share * std::pow(std::numbers::pi, 2) / 4.0,
+                0.1);
+}
+
+TEST(Regrid, the_smallest_grid_holds_the_finest_wave_and_is_a_product_of_2_3_and_5) {
+    EXPECT_EQ(smallest_grid(40.0, 256),
+              81); // a wave of index 40 on 80 points would be its own mirror
+    EXPECT_EQ(smallest_grid(39.9, 256), 80);
+    EXPECT_EQ(smallest_grid(76.8, 256), 160);
+    EXPECT_EQ(smallest_grid(127.0, 256), 256);
+    EXPECT_EQ(smallest_grid(0.0, 256), 1) << "flat water";
+    for (const int size : {1, 2, 3, 5, 80, 81, 256, 1024, 3888})
+        EXPECT_TRUE(Regrid::takes(size)) << size;
+    for (const int size : {-4, 0, 7, 14, 77, 4097, 8192})
+        EXPECT_FALSE(Regrid::takes(size)) << size;
+}
+
+TEST(Regrid, one_map_alone_and_many_of_a_keyframe_are_taken) {
+    const Waves height = waves_within(20, 3), rate = waves_within(20, 4),
+                slope = waves_within(20, 5);
+    const FieldSet fields{Field::height, Field::height_rate, Field::slope_x};
+    Keyframe keyframe{1, 0, 7, 64, 100.0, fields | FieldSet{Field::foam}, {}};
+    for (const Waves* waves : {&height, &rate, &slope, &slope}) {
+        const std::vector<float> map = waves->map(64);
+        keyframe.values.insert(keyframe.values.end(), map.begin(), map.end());
+    }
+    Keyframe small{1, 0, 7, 45, 100.0, fields, {}};
+    Regrid(64, 45).maps(keyframe, fields, small);
+    ASSERT_EQ(small.values.size(), 3u * 45 * 45);
+    const auto of = [&](Field field) {
+        return std::vector<float>(small.plane(field).begin(), small.plane(field).end());
+    };
+    EXPECT_LE(farthest(of(Field::height), height.map(45)), 1e-5);
+    EXPECT_LE(farthest(of(Field::height_rate), rate.map(45)), 1e-5);
+    EXPECT_LE(farthest(of(Field::slope_x), slope.map(45)), 1e-5);
+}
+
+} // namespace
+} // namespace seaway::sea
