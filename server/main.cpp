@@ -13,6 +13,7 @@
 #include "server/devices.h"
 #include "server/net/server.h"
 #include "server/options.h"
+#include "server/resume.h"
 #include "server/stop_signal.h"
 #include "server/world.h"
 
@@ -21,15 +22,6 @@ namespace {
 
 int fail(ExitCode code, const Error& error) {
     return complain("seaway-server", code, error.message);
-}
-
-/// Microseconds since this was called first: the clock of the sea.
-std::function<sea::TimeUs()> sea_clock() {
-    return [start = std::chrono::steady_clock::now()] {
-        return std::chrono::duration_cast<std::chrono::microseconds>(
-                   std::chrono::steady_clock::now() - start)
-            .count();
-    };
 }
 
 NetOptions net_options(const Options& options) {
@@ -60,6 +52,10 @@ int serve(const Options& options) {
     const Result<RunningSeaPtr> sea = make_running_sea(*scene, 1);
     if (!sea)
         return fail(exit_usage, sea.error());
+    const Result<Resumed> resumed =
+        begin_or_resume(options.data_dir, *scene, SeaClock::utc_now_us());
+    if (!resumed)
+        return fail(exit_usage, resumed.error());
     if ((*sea)->certificate)
         spdlog::info("{}: certified: {}", scene->source, describe(*(*sea)->certificate));
     const std::vector<std::string> warnings = warnings_of(**sea);
@@ -67,18 +63,19 @@ int serve(const Options& options) {
         spdlog::warn("{}: {}", scene->source, warning);
 
     const StopSignal stop;
-    const auto clock = sea_clock();
+    SeaClock clock(resumed->epoch_utc_us);
     World world(*sea, warnings, clock);
     Result<std::unique_ptr<Simulation>> simulation = Simulation::start(
-        *sea, device_factory(options), world.subscriptions(), clock, events(world));
+        *sea, device_factory(options), world.subscriptions(), [&clock] { return clock.now_us(); },
+        events(world));
     if (!simulation)
         return fail(exit_no_device, simulation.error());
     world.attach(**simulation);
     Result<std::unique_ptr<NetServer>> net = NetServer::start(net_options(options), world);
     if (!net)
         return fail(exit_cannot_listen, net.error());
-    spdlog::info("device=\"{}\" scene={} url={}", (*simulation)->device(), scene->source,
-                 (*net)->url());
+    spdlog::info("device=\"{}\" scene={} epoch={} url={}", (*simulation)->device(), scene->source,
+                 utc_text(resumed->epoch_utc_us), (*net)->url());
     world.publish_to([&net](KeyframeTiles tiles) { (*net)->publish(std::move(tiles)); });
 
     const std::string ready = fmt::format("ready {}\n", (*net)->url());

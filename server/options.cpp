@@ -35,11 +35,15 @@ std::variant<Options, int> read_options(int argc, char** argv) {
                 "File with the token that clients then need in their first message, and for every "
                 "page and map but /healthz")
         .takes("FILE");
+    line.option("--data-dir", options.data_dir,
+                "Folder of the journal, made where it is missing: a server that is started again "
+                "there goes on with the same sea, at the time at which it would be")
+        .takes("DIR");
     line.option("--validation", options.validation,
                 "Vulkan validation layers on; what they report is an error");
     line.footer("Prints `ready ws://ADDR:PORT` when it serves. SIGTERM and SIGINT stop it.\n"
-                "Exit codes: 0 asked to stop, 2 usage or bad scene, 3 no usable device, 4 cannot "
-                "listen.");
+                "Exit codes: 0 asked to stop, 2 usage, bad scene or journal, 3 no usable device, 4 "
+                "cannot listen.");
     const Result<CommandLine::Next> next = line.read(argc, argv);
     const bool lacks_scene = options.scene.empty() && options.device != "list";
     if (next && *next == CommandLine::Next::leave)

@@ -15,6 +15,7 @@ struct Options {
     std::string tls_key;
     std::string admin_token_file;  ///< Hello with this token is an administrator's
     std::string client_token_file; ///< Hello needs this token if given
+    std::string data_dir;          ///< folder of the journal; empty: the sea ends with the process
     bool validation = false;       ///< Vulkan validation layers; their messages are errors
 };
 

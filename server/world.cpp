@@ -10,8 +10,8 @@
 
 namespace seaway::server {
 
-World::World(RunningSeaPtr sea, std::vector<std::string> warnings, std::function<sea::TimeUs()> now)
-    : sea_(std::move(sea)), warnings_(std::move(warnings)), now_(std::move(now)),
+World::World(RunningSeaPtr sea, std::vector<std::string> warnings, SeaClock& clock)
+    : sea_(std::move(sea)), warnings_(std::move(warnings)), clock_(clock),
       sea_state_(std::make_shared<const std::vector<std::uint8_t>>(
           protocol::sea_state(sea_state_values(*sea_, warnings_)))) {}
 
@@ -87,7 +87,7 @@ void World::query(QueryBatch batch, Queried done) {
 }
 
 void World::map(MapQuery query, Mapped done) {
-    const Result<sea::MapRequest> request = read_map_request(query.parameters, now_());
+    const Result<sea::MapRequest> request = read_map_request(query.parameters, clock_.now_us());
     if (!request)
         return done(request.error());
     const Result<MapPlace> place = take_map_place(maps_running_);
@@ -105,7 +105,7 @@ void World::map(MapQuery query, Mapped done) {
 }
 
 std::string World::state_json() const {
-    return server::state_json(*sea_, warnings_, simulation_->device(), now_());
+    return server::state_json(*sea_, warnings_, simulation_->device(), clock_.moment());
 }
 
 std::string World::plan_json() const {
@@ -115,7 +115,7 @@ std::string World::plan_json() const {
 
 std::string World::metrics_text() const {
     return server::metrics_text(simulation_->plan(), simulation_->counters(), simulation_->costs(),
-                                now_());
+                                clock_.moment());
 }
 
 } // namespace seaway::server

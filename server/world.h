@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "server/host/host.h"
+#include "server/journal/sea_clock.h"
 #include "server/quality.h"
 #include "server/simulation/simulation.h"
 
@@ -23,7 +24,8 @@ class World final : public Host {
   public:
     using Publish = std::function<void(KeyframeTiles)>;
 
-    World(RunningSeaPtr sea, std::vector<std::string> warnings, std::function<sea::TimeUs()> now);
+    /// `clock` outlives the world.
+    World(RunningSeaPtr sea, std::vector<std::string> warnings, SeaClock& clock);
 
     /// Before anything is asked; the simulation must outlive every later call.
     void attach(Simulation& simulation);
@@ -32,7 +34,7 @@ class World final : public Host {
     /// A keyframe that the plan called for: published once a quality in use.
     void on_keyframe(const sea::KeyframePtr& keyframe);
 
-    sea::TimeUs sea_time_us() const override { return now_(); }
+    sea::TimeUs sea_time_us() const override { return clock_.now_us(); }
     std::vector<SharedBytes> sea_state_messages() const override { return {sea_state_}; }
     Demand grant(const Demand& wish) const override;
     void fetch(FetchRequest request, Fetched done) override;
@@ -48,7 +50,7 @@ class World final : public Host {
 
     const RunningSeaPtr sea_;
     const std::vector<std::string> warnings_;
-    const std::function<sea::TimeUs()> now_;
+    SeaClock& clock_;
     const SharedBytes sea_state_;
     Simulation* simulation_ = nullptr;
     Publish publish_;

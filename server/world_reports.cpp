@@ -150,7 +150,7 @@ protocol::SeaStateValues sea_state_values(const RunningSea& sea,
 }
 
 std::string state_json(const RunningSea& sea, const std::vector<std::string>& warnings,
-                       const std::string& device, sea::TimeUs now_us) {
+                       const std::string& device, const SeaMoment& at) {
     const protocol::SeaStateValues state = sea_state_values(sea, warnings);
     ordered_json cascades = ordered_json::array();
     for (std::size_t c = 0; c < state.cascades.size(); ++c) {
@@ -167,7 +167,8 @@ std::string state_json(const RunningSea& sea, const std::vector<std::string>& wa
                             {"realised_m2", sea.summary.cascades[c].realised_m2}});
     }
     const ordered_json json{{"epoch", sea.epoch},
-                            {"sea_time_s", sea::seconds_from_us(now_us)},
+                            {"sea_time_s", sea::seconds_from_us(at.now_us)},
+                            {"epoch_utc", utc_text(at.epoch_utc_us)},
                             {"device", device},
                             {"scene", sea.scene.source},
                             {"requested", to_json(state.requested)},
@@ -215,7 +216,7 @@ std::string plan_json(const RunningSea& sea, const EffectPlan& plan,
 }
 
 std::string metrics_text(const EffectPlan& plan, const SimulationCounters& counters,
-                         const EffectCosts& costs, sea::TimeUs now_us) {
+                         const EffectCosts& costs, const SeaMoment& at) {
     std::string text = effect_metrics(plan, costs);
     const auto add = [&](std::string_view name, std::string_view type, std::string_view help,
                          double value) {
@@ -223,7 +224,10 @@ std::string metrics_text(const EffectPlan& plan, const SimulationCounters& count
                             type, help, value);
     };
     const auto whole = [](std::uint64_t value) { return static_cast<double>(value); };
-    add("sea_time_seconds", "gauge", "Sea time.", sea::seconds_from_us(now_us));
+    add("sea_time_seconds", "gauge", "Sea time.", sea::seconds_from_us(at.now_us));
+    add("sea_clock_behind_seconds", "gauge",
+        "How far sea time is behind UTC since the epoch; it is pulled by 1 ms a second.",
+        sea::seconds_from_us(at.behind_us));
     add("plan_idle", "gauge", "1 while nobody asks for anything.", plan.idle());
     add("dispatches_total", "counter", "Kernels started.", whole(counters.synthesis.dispatches));
     add("transforms_total", "counter", "2-D transforms of real fields.",

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "protocol/messages.h"
+#include "server/journal/sea_clock.h"
 #include "server/simulation/simulation.h"
 
 namespace seaway::server {
@@ -15,11 +16,11 @@ protocol::SeaStateValues sea_state_values(const RunningSea& sea,
                                           const std::vector<std::string>& warnings);
 
 std::string state_json(const RunningSea& sea, const std::vector<std::string>& warnings,
-                       const std::string& device, sea::TimeUs now_us);
+                       const std::string& device, const SeaMoment& at);
 std::string plan_json(const RunningSea& sea, const EffectPlan& plan,
                       const SimulationCounters& counters, const EffectCosts& costs,
                       const std::string& device);
 std::string metrics_text(const EffectPlan& plan, const SimulationCounters& counters,
-                         const EffectCosts& costs, sea::TimeUs now_us);
+                         const EffectCosts& costs, const SeaMoment& at);
 
 } // namespace seaway::server

@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 
 #include "base/check.h"
+#include "base/hash.h"
 #include "base/text_file.h"
-#include "sea/certificate/hash.h"
 
 namespace seaway::sea {
 

@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "base/hash.h"
 #include "sea/certificate/certificate.h"
-#include "sea/certificate/hash.h"
 
 namespace seaway::sea {
 

@@ -20,11 +20,17 @@
 namespace seaway::server {
 namespace {
 
+SeaClock stopped_at(TimeUs now_us) {
+    return SeaClock(
+        0, [now_us] { return now_us; }, [] { return 0; });
+}
+
 // Naive: only the simulation knows who may go, and the world forgets to tell it. A fetch of foam walks
 // through hundreds of ticks: on a slow machine that was a quarter of a minute of work for nobody.
 TEST(World, what_who_has_gone_asked_for_is_dropped_without_work) {
     Bench bench;
-    World world(bench.sea, {}, [] { return TimeUs{0}; });
+    SeaClock clock = stopped_at(0);
+    World world(bench.sea, {}, clock);
     world.attach(*bench.simulation);
     auto here = std::make_shared<char>();
     const Asker asker(here);
@@ -53,7 +59,8 @@ const FieldSet heights{Field::height, Field::height_rate};
 
 TEST(World, a_grant_is_the_part_of_a_wish_that_the_sea_has_at_the_cheapest_rung_that_keeps_it) {
     const RunningSeaPtr sea = running_sea("[effects]\nslopes = false\n"); // two cascades
-    const World world(sea, {}, [] { return TimeUs{0}; });
+    SeaClock clock = stopped_at(0);
+    const World world(sea, {}, clock);
     const auto granted = [&](std::uint32_t cascades, FieldSet fields, double error_m = 0,
                              bool compact = false) {
         return world.grant({.cascades = cascades,
@@ -92,7 +99,8 @@ TEST(World, a_grant_is_the_part_of_a_wish_that_the_sea_has_at_the_cheapest_rung_
 // Each keyframe at each rung that somebody has of its cascade, with the bounds of that rung.
 TEST(World, a_keyframe_is_published_once_a_rung_in_use_with_the_bounds_of_the_rung) {
     const RunningSeaPtr sea = running_sea();
-    World world(sea, {}, [] { return TimeUs{0}; });
+    SeaClock clock = stopped_at(0);
+    World world(sea, {}, clock);
     std::vector<KeyframeTiles> published;
     world.publish_to([&](KeyframeTiles tiles) { published.push_back(std::move(tiles)); });
     world.subscriptions().set(1, {1u, heights, 0, 2});
@@ -131,7 +139,8 @@ TEST(World, a_keyframe_is_published_once_a_rung_in_use_with_the_bounds_of_the_ru
 
 TEST(World, a_fetch_brings_what_was_granted_in_its_rung_and_the_sea_is_named_in_answers) {
     Bench bench;
-    World world(bench.sea, {}, [] { return TimeUs{0}; });
+    SeaClock clock = stopped_at(0);
+    World world(bench.sea, {}, clock);
     world.attach(*bench.simulation);
     std::vector<KeyframeTiles> tiles;
     const TimeUs time_us = 5'000'001;
@@ -249,7 +258,8 @@ TEST(MapRequests, there_are_two_places_and_each_comes_back_when_its_map_goes) {
 TEST(World, a_map_without_a_time_is_of_now) {
     Bench bench;
     const TimeUs now_us = 12'345'678;
-    World world(bench.sea, {}, [now_us] { return now_us; });
+    SeaClock clock = stopped_at(now_us);
+    World world(bench.sea, {}, clock);
     world.attach(*bench.simulation);
     std::unique_ptr<ByteSource> map;
     world.map({some_map, someone, [] {}}, [&](Result<std::unique_ptr<ByteSource>> made) {
@@ -276,7 +286,8 @@ TEST(World, a_map_of_each_kind_is_as_long_as_it_says) {
         const std::string& kind = row.first;
         const std::uint64_t numbers = row.second;
         Bench bench;
-        World world(bench.sea, {}, [] { return TimeUs{0}; });
+        SeaClock clock = stopped_at(0);
+        World world(bench.sea, {}, clock);
         world.attach(*bench.simulation);
         std::map<std::string, std::string> parameters = some_map;
         parameters["kind"] = kind;

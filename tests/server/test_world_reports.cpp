@@ -176,11 +176,13 @@ TEST(StateJson, every_field_is_that_of_the_running_sea) {
     json fields = json::array();
     for (const sea::FieldInfo& field : sea::field_table)
         fields.push_back(field.name);
-    json shown = json::parse(state_json(sea, {"first", "second"}, "abacus", 12'500'000));
+    json shown = json::parse(
+        state_json(sea, {"first", "second"}, "abacus", {12'500'000, 0, 1'700'000'000'000'001}));
     EXPECT_FALSE(shown["certificate"]["says"].get<std::string>().empty());
     shown["certificate"].erase("says");
     expect_same(shown, {{"epoch", 6},
                         {"sea_time_s", 12.5},
+                        {"epoch_utc", "2023-11-14T22:13:20.000001Z"},
                         {"device", "abacus"},
                         {"scene", "some.toml"},
                         {"requested", numbers(5, 270 - 28.64788975654116)},
@@ -207,7 +209,7 @@ TEST(StateJson, every_field_is_that_of_the_running_sea) {
                           {"holds", false}}},
                         {"warnings", {"first", "second"}}});
     sea.certificate = nullptr;
-    EXPECT_TRUE(json::parse(state_json(sea, {}, "", 0))["certificate"].is_null());
+    EXPECT_TRUE(json::parse(state_json(sea, {}, "", {}))["certificate"].is_null());
 }
 
 /// Two submissions of the first cascade and one of the second. By transforms times n^2 log2 n (64:
@@ -245,6 +247,7 @@ SimulationCounters some_counters() {
 
 TEST(SimulationMetrics, every_line_shows_the_figure_that_it_names) {
     std::map<std::string, double> expected{{"seaway_sea_time_seconds", 59.25},
+                                           {"seaway_sea_clock_behind_seconds", -0.25},
                                            {"seaway_plan_idle", 0},
                                            {"seaway_dispatches_total", 3},
                                            {"seaway_transforms_total", 5},
@@ -276,12 +279,13 @@ TEST(SimulationMetrics, every_line_shows_the_figure_that_it_names) {
             put("microseconds", 500'000 * weight / weight_all + beside_us);
         }
     tests::expect_metrics(
-        tests::read_metrics(metrics_text(some_plan(), some_counters(), some_costs(), 59'250'000)),
+        tests::read_metrics(
+            metrics_text(some_plan(), some_counters(), some_costs(), {59'250'000, -250'000, 0})),
         expected);
     EffectPlan idle = some_plan();
     idle.cascades[0].fields = {};
     EXPECT_EQ(
-        tests::read_metrics(metrics_text(idle, {}, some_costs(), 0)).values.at("seaway_plan_idle"),
+        tests::read_metrics(metrics_text(idle, {}, some_costs(), {})).values.at("seaway_plan_idle"),
         1);
 }
 

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/journal/sea_clock.h"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace seaway::server {
+namespace {
+
+template <class Clock>
+std::int64_t now_of() {
+    return std::chrono::duration_cast<std::chrono::microseconds>(Clock::now().time_since_epoch())
+        .count();
+}
+
+} // namespace
+
+std::int64_t SeaClock::utc_now_us() {
+    return now_of<std::chrono::system_clock>();
+}
+
+std::int64_t SeaClock::steady_now_us() {
+    return now_of<std::chrono::steady_clock>();
+}
+
+SeaClock::SeaClock(std::int64_t epoch_utc_us, Microseconds utc, Microseconds steady)
+    : epoch_utc_us_(epoch_utc_us), utc_(std::move(utc)), steady_(std::move(steady)),
+      steady_us_(steady_()), sea_us_(utc_() - epoch_utc_us_) {}
+
+SeaMoment SeaClock::moment() {
+    const std::scoped_lock lock(mutex_);
+    const std::int64_t steady_us = steady_();
+    const sea::TimeUs elapsed_us = std::max<sea::TimeUs>(steady_us - steady_us_, 0);
+    steady_us_ = std::max(steady_us_, steady_us);
+    sea_us_ += elapsed_us;
+    // Whole microseconds are pulled: what is left of them counts the next time, however often the clock is read.
+    unspent_us_ += elapsed_us;
+    const sea::TimeUs most_us = unspent_us_ / pull_parts;
+    unspent_us_ %= pull_parts;
+    const sea::TimeUs behind_us = utc_() - epoch_utc_us_ - sea_us_;
+    const sea::TimeUs caught_up_us =
+        behind_us > leap_us ? behind_us : std::clamp(behind_us, -most_us, most_us);
+    sea_us_ += caught_up_us;
+    return {sea_us_, behind_us - caught_up_us, epoch_utc_us_};
+}
+
+std::string utc_text(std::int64_t utc_us) {
+    using namespace std::chrono;
+    const sys_time<microseconds> instant{microseconds(utc_us)};
+    const auto day = floor<days>(instant);
+    const year_month_day date(day);
+    const hh_mm_ss time(instant - day);
+    if (!date.ok() || std::abs(static_cast<int>(date.year())) > 9999)
+        return fmt::format("{} us since 1970", utc_us);
+    return fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}.{:06}Z", static_cast<int>(date.year()),
+                       static_cast<unsigned>(date.month()), static_cast<unsigned>(date.day()),
+                       time.hours().count(), time.minutes().count(), time.seconds().count(),
+                       time.subseconds().count());
+}
+
+} // namespace seaway::server

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+// The sea's clock: how long ago, by UTC, the sea's epoch was. So a server that was restarted goes on at the time at
+// which it would be, and servers with one epoch agree as well as their clocks do.
+//
+// Sea time never goes backwards and, but for one case, never jumps: it runs with the steady clock of the machine
+// and is pulled towards UTC by at most one part in a thousand. Where UTC is far ahead (the machine slept, or its clock was set)
+// the sea follows at once.
+//
+// Thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <mutex>
+#include <string>
+
+#include "sea/basics/time.h"
+
+namespace seaway::server {
+
+/// One look at the clock.
+struct SeaMoment {
+    sea::TimeUs now_us;
+    /// How far sea time is behind what UTC says; ahead of it: negative. Zero, but after the machine's clock was set.
+    sea::TimeUs behind_us;
+    std::int64_t epoch_utc_us; ///< instant of sea time 0, since 1970-01-01T00:00:00Z
+};
+
+/// "2026-11-22T23:17:09.000250Z", of years -9999 to 9999; others as microseconds.
+std::string utc_text(std::int64_t utc_us);
+
+class SeaClock {
+  public:
+    using Microseconds = std::function<std::int64_t()>;
+
+    /// Pulled by one part in this many of the time that passes.
+    static constexpr sea::TimeUs pull_parts = 1000;
+    /// Further behind than this is caught up with at once.
+    static constexpr sea::TimeUs leap_us = 10'000'000;
+
+    /// `utc`: since 1970-01-01T00:00:00Z; `steady`: never set, from anywhere. Those of the machine if not given.
+    explicit SeaClock(std::int64_t epoch_utc_us, Microseconds utc = utc_now_us,
+                      Microseconds steady = steady_now_us);
+
+    SeaMoment moment();
+    sea::TimeUs now_us() { return moment().now_us; }
+
+    static std::int64_t utc_now_us();
+    static std::int64_t steady_now_us();
+
+  private:
+    const std::int64_t epoch_utc_us_;
+    const Microseconds utc_;
+    const Microseconds steady_;
+    std::mutex mutex_; ///< of what follows
+    std::int64_t steady_us_;
+    sea::TimeUs sea_us_;
+    sea::TimeUs unspent_us_ = 0; ///< time that has passed and not come to a microsecond of pull
+};
+
+} // namespace seaway::server

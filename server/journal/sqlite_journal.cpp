@@ -1,0 +1,288 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/journal/sqlite_journal.h"
+
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <utility>
+
+#include <fmt/format.h>
+#include <sqlite3.h>
+
+#include "base/hash.h"
+#include "base/text_file.h"
+
+namespace seaway::server {
+namespace {
+
+/// "Seaw", in the header of the file (sqlite.org/fileformat2.html, offset 68).
+constexpr std::int32_t application_id = 0x53656177;
+constexpr std::int32_t version = 1;
+constexpr int busy_wait_ms = 5000; ///< for who looks at the file with another program
+
+constexpr const char* layout = R"(
+    PRAGMA application_id = 1399153015;
+    PRAGMA user_version = 1;
+    CREATE TABLE sea (one INTEGER PRIMARY KEY CHECK (one = 1), epoch_utc_us INTEGER NOT NULL) STRICT;
+    CREATE TABLE changes (
+        epoch INTEGER PRIMARY KEY,
+        start_us INTEGER NOT NULL,
+        end_us INTEGER NOT NULL,
+        scene TEXT NOT NULL,
+        sum INTEGER NOT NULL) STRICT;
+)";
+static_assert(application_id == 1399153015 && version == 1, "as the layout says");
+
+Error sql_error(sqlite3* database) {
+    return Error{sqlite3_errmsg(database)};
+}
+
+Result<void> run(sqlite3* database, const char* sql) {
+    if (sqlite3_exec(database, sql, nullptr, nullptr, nullptr) != SQLITE_OK)
+        return sql_error(database);
+    return {};
+}
+
+/// One prepared statement; its values are bound in order.
+class Statement {
+  public:
+    static Result<Statement> prepare(sqlite3* database, const char* sql) {
+        sqlite3_stmt* made = nullptr;
+        if (sqlite3_prepare_v2(database, sql, -1, &made, nullptr) != SQLITE_OK)
+            return sql_error(database);
+        return Statement(database, made);
+    }
+
+    Statement& bind(std::int64_t value) {
+        sqlite3_bind_int64(statement_.get(), ++bound_, value);
+        return *this;
+    }
+    Statement& bind(const std::string& value) {
+        sqlite3_bind_text64(statement_.get(), ++bound_, value.data(), value.size(),
+                            SQLITE_TRANSIENT, SQLITE_UTF8);
+        return *this;
+    }
+
+    /// True: there is a row.
+    Result<bool> step() {
+        const int code = sqlite3_step(statement_.get());
+        if (code != SQLITE_ROW && code != SQLITE_DONE)
+            return sql_error(database_);
+        return code == SQLITE_ROW;
+    }
+    std::int64_t integer(int column) const {
+        return sqlite3_column_int64(statement_.get(), column);
+    }
+    std::string text(int column) const {
+        const auto* bytes = sqlite3_column_blob(statement_.get(), column);
+        const int count = sqlite3_column_bytes(statement_.get(), column);
+        return bytes ? std::string(static_cast<const char*>(bytes), static_cast<std::size_t>(count))
+                     : std::string();
+    }
+
+  private:
+    struct Finalize {
+        void operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
+    };
+    Statement(sqlite3* database, sqlite3_stmt* statement)
+        : database_(database), statement_(statement) {}
+
+    sqlite3* database_;
+    std::unique_ptr<sqlite3_stmt, Finalize> statement_;
+    int bound_ = 0;
+};
+
+/// Of a change and of the sum of all before it: SQLite takes zeros for what is cut off its last page.
+std::uint64_t sum_of(std::uint64_t before, const SeaChange& change) {
+    return text_hash(fmt::format("{} {} {} {} {}", before, change.epoch, change.start_us,
+                                 change.end_us, change.scene));
+}
+
+/// Of the log before its first change.
+std::uint64_t first_sum(std::int64_t epoch_utc_us) {
+    return static_cast<std::uint64_t>(epoch_utc_us);
+}
+
+Result<void> insert(sqlite3* database, const SeaChange& change, std::uint64_t sum) {
+    SEAWAY_TRY_LET(Statement row,
+                   Statement::prepare(database, "INSERT INTO changes VALUES (?, ?, ?, ?, ?)"));
+    row.bind(change.epoch).bind(change.start_us).bind(change.end_us).bind(change.scene);
+    row.bind(static_cast<std::int64_t>(sum));
+    SEAWAY_TRY(row.step());
+    return {};
+}
+
+/// Who wrote this file, before SQLite touches it.
+Result<void> check_header(const std::string& path) {
+    SEAWAY_TRY(check_regular_file(path));
+    unsigned char header[100] = {};
+    std::ifstream file(path, std::ios::binary);
+    file.read(reinterpret_cast<char*>(header), sizeof header);
+    constexpr char magic[] = "SQLite format 3";
+    if (file.gcount() != sizeof header || std::memcmp(header, magic, sizeof magic) != 0)
+        return Error{"is no journal of Seaway, or was cut off; it is left as it is"};
+    const auto number = [&header](int at) {
+        return static_cast<std::int32_t>(std::uint32_t{header[at]} << 24 | header[at + 1] << 16 |
+                                         header[at + 2] << 8 | header[at + 3]);
+    };
+    if (number(68) != application_id)
+        return Error{"belongs to another program; it is left as it is"};
+    if (number(60) > version)
+        return Error{fmt::format("was written by a later version of Seaway (its layout is {}, this "
+                                 "one reads {}); it is left as it is",
+                                 number(60), version)};
+    return {};
+}
+
+Result<void> check_next(const SeaChange& last, const SeaChange& next) {
+    if (next.epoch != last.epoch + 1)
+        return Error{fmt::format("the change after epoch {} has epoch {}", last.epoch, next.epoch)};
+    if (next.start_us < last.start_us || next.end_us < next.start_us)
+        return Error{fmt::format("epoch {} runs from {} to {} us, the one before from {} us",
+                                 next.epoch, next.start_us, next.end_us, last.start_us)};
+    return {};
+}
+
+} // namespace
+
+void SqliteJournal::Close::operator()(sqlite3* database) const {
+    sqlite3_close_v2(database);
+}
+
+Error SqliteJournal::wrong(const std::string& why) const {
+    return Error{fmt::format("{}: {}", path_, why)};
+}
+
+Result<std::unique_ptr<SqliteJournal>> SqliteJournal::open(const std::string& folder,
+                                                           const Beginning& beginning) {
+    const auto named = [&folder](const Error& why) {
+        return Error{fmt::format("--data-dir {}: {}", folder, why.message)};
+    };
+    std::error_code error;
+    if (std::filesystem::create_directory(folder, error); error)
+        return named({error.message()});
+    Result<FolderLock> lock = FolderLock::take(folder);
+    if (!lock)
+        return named(lock.error());
+    std::unique_ptr<SqliteJournal> journal(
+        new SqliteJournal(std::move(*lock), folder + "/journal.sqlite"));
+    const bool there = std::filesystem::symlink_status(journal->path_, error).type() !=
+                       std::filesystem::file_type::not_found;
+    if (!there)
+        if (const Result<void> made = create(folder, journal->path_, beginning); !made)
+            return journal->wrong("cannot be made: " + made.error().message);
+    if (const Result<void> fine = check_header(journal->path_); !fine)
+        return journal->wrong(fine.error().message);
+    if (const Result<void> opened = journal->open_file(); !opened)
+        return journal->wrong(opened.error().message);
+    return journal;
+}
+
+/// Under another name until it is whole. What an interrupted start has left under that name was never told anybody.
+Result<void> SqliteJournal::create(const std::string& folder, const std::string& path,
+                                   const Beginning& beginning) {
+    const std::string fresh = path + ".new";
+    SEAWAY_TRY(check_replaceable(fresh));
+    std::error_code error;
+    for (const char* part : {"", "-journal", "-wal", "-shm"})
+        std::filesystem::remove(fresh + part, error);
+    sqlite3* opened = nullptr;
+    const int code = sqlite3_open_v2(fresh.c_str(), &opened,
+                                     SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, nullptr);
+    const Database database(opened);
+    if (code != SQLITE_OK)
+        return sql_error(opened);
+    SEAWAY_TRY(run(opened, "PRAGMA synchronous = FULL; BEGIN IMMEDIATE"));
+    SEAWAY_TRY(run(opened, layout));
+    {
+        SEAWAY_TRY_LET(Statement sea, Statement::prepare(opened, "INSERT INTO sea VALUES (1, ?)"));
+        SEAWAY_TRY(sea.bind(beginning.epoch_utc_us).step());
+    }
+    const SeaChange first{.scene = beginning.scene};
+    SEAWAY_TRY(insert(opened, first, sum_of(first_sum(beginning.epoch_utc_us), first)));
+    SEAWAY_TRY(run(opened, "COMMIT"));
+    std::filesystem::rename(fresh, path, error);
+    if (error)
+        return Error{error.message()};
+    return sync_folder(folder);
+}
+
+Result<void> SqliteJournal::open_file() {
+    sqlite3* opened = nullptr;
+    const int code = sqlite3_open_v2(path_.c_str(), &opened,
+                                     SQLITE_OPEN_READWRITE | SQLITE_OPEN_FULLMUTEX, nullptr);
+    database_.reset(opened);
+    if (code != SQLITE_OK)
+        return sql_error(opened);
+    sqlite3_busy_timeout(opened, busy_wait_ms);
+    SEAWAY_TRY(run(opened, "PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL"));
+    return look_through();
+}
+
+Result<void> SqliteJournal::look_through() {
+    const auto is_damaged = [](const std::string& how) {
+        return Error{fmt::format("is damaged ({}); it is left as it is", how)};
+    };
+    SEAWAY_TRY_LET(Statement check, Statement::prepare(database_.get(), "PRAGMA quick_check(1)"));
+    const Result<bool> checked = check.step();
+    if (!checked || !*checked || check.text(0) != "ok")
+        return is_damaged(checked ? check.text(0) : checked.error().message);
+    Result<Statement> sea = Statement::prepare(database_.get(), "SELECT epoch_utc_us FROM sea");
+    if (!sea)
+        return is_damaged(sea.error().message);
+    const Result<bool> has_sea = sea->step();
+    if (!has_sea || !*has_sea)
+        return is_damaged("it does not say when the sea began");
+    epoch_utc_us_ = sea->integer(0);
+    const Result<std::vector<SeaChange>> changes = since(0);
+    if (!changes)
+        return is_damaged(changes.error().message);
+    if (changes->empty() || changes->front().epoch != 1)
+        return is_damaged("it does not hold the sea that it began with");
+    SeaChange last{.epoch = 0};
+    sum_ = first_sum(epoch_utc_us_);
+    Result<Statement> sums =
+        Statement::prepare(database_.get(), "SELECT sum FROM changes ORDER BY epoch");
+    for (const SeaChange& change : *changes) {
+        if (const Result<void> next = check_next(last, change); !next)
+            return is_damaged(next.error().message);
+        sum_ = sum_of(sum_, change);
+        if (const auto row = sums ? sums->step() : Result<bool>(sums.error());
+            !row || !*row || static_cast<std::uint64_t>(sums->integer(0)) != sum_)
+            return is_damaged(
+                fmt::format("the change of epoch {} is not what was written", change.epoch));
+        last = change;
+    }
+    last_ = {last.epoch, last.start_us, last.end_us, {}};
+    return {};
+}
+
+Result<std::vector<SeaChange>> SqliteJournal::since(std::uint32_t epoch) const {
+    const std::scoped_lock lock(mutex_);
+    SEAWAY_TRY_LET(Statement rows,
+                   Statement::prepare(database_.get(), "SELECT epoch, start_us, end_us, scene FROM "
+                                                       "changes WHERE epoch > ? ORDER BY epoch"));
+    rows.bind(epoch);
+    std::vector<SeaChange> changes;
+    while (true) {
+        SEAWAY_TRY_LET(const bool row, rows.step());
+        if (!row)
+            return changes;
+        changes.push_back({static_cast<std::uint32_t>(rows.integer(0)), rows.integer(1),
+                           rows.integer(2), rows.text(3)});
+    }
+}
+
+Result<void> SqliteJournal::append(const SeaChange& change) {
+    const std::scoped_lock lock(mutex_);
+    if (const Result<void> next = check_next(last_, change); !next)
+        return wrong(next.error().message);
+    const std::uint64_t sum = sum_of(sum_, change);
+    if (const Result<void> written = insert(database_.get(), change, sum); !written)
+        return wrong(written.error().message);
+    sum_ = sum;
+    last_ = {change.epoch, change.start_us, change.end_us, {}};
+    return {};
+}
+
+} // namespace seaway::server

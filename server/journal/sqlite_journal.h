@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// A journal in one file of a folder, DIR/journal.sqlite: SQLite, write-ahead log, synchronous=FULL.
+//
+// The file comes into being whole, by a rename. So a file that is there is a journal, or it is named and left alone:
+// one of another program, one that is damaged, one that a later version wrote. The folder is this process's while
+// the journal is open (DIR/lock).
+#pragma once
+
+#include <memory>
+#include <mutex>
+
+#include "base/folder_lock.h"
+#include "server/journal/journal.h"
+
+struct sqlite3;
+
+namespace seaway::server {
+
+class SqliteJournal final : public Journal {
+  public:
+    /// What a folder without a journal begins with.
+    struct Beginning {
+        std::int64_t epoch_utc_us;
+        std::string scene;
+    };
+
+    /// The folder is made where only it is missing. Errors name the folder or file and what to do.
+    static Result<std::unique_ptr<SqliteJournal>> open(const std::string& folder,
+                                                       const Beginning& beginning);
+    ~SqliteJournal() override = default;
+
+    std::int64_t epoch_utc_us() const override { return epoch_utc_us_; }
+    Result<std::vector<SeaChange>> since(std::uint32_t epoch) const override;
+    Result<void> append(const SeaChange& change) override;
+
+    /// For messages: DIR/journal.sqlite.
+    const std::string& path() const { return path_; }
+
+  private:
+    struct Close {
+        void operator()(sqlite3* database) const;
+    };
+    using Database = std::unique_ptr<sqlite3, Close>;
+
+    SqliteJournal(FolderLock lock, std::string path)
+        : lock_(std::move(lock)), path_(std::move(path)) {}
+
+    static Result<void> create(const std::string& folder, const std::string& path,
+                               const Beginning& beginning);
+    Result<void> open_file();
+    Result<void> look_through();
+    Error wrong(const std::string& why) const;
+
+    FolderLock lock_;
+    std::string path_;
+    mutable std::mutex mutex_;
+    Database database_;
+    std::int64_t epoch_utc_us_ = 0;
+    SeaChange last_;        ///< without its scene
+    std::uint64_t sum_ = 0; ///< of all changes
+};
+
+} // namespace seaway::server

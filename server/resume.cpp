@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/resume.h"
+
+#include <filesystem>
+#include <sstream>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "server/journal/sqlite_journal.h"
+
+namespace seaway::server {
+namespace {
+
+/// The first line in which two effective scenes differ, for people.
+std::string difference(const std::string& held, const std::string& given) {
+    std::istringstream a(held), b(given);
+    std::string held_line, given_line;
+    while (true) {
+        const bool more_held = static_cast<bool>(std::getline(a, held_line));
+        const bool more_given = static_cast<bool>(std::getline(b, given_line));
+        const std::string ends = "(the end)";
+        if (!more_held || !more_given || held_line != given_line)
+            return fmt::format("it holds `{}`, the scene says `{}`", more_held ? held_line : ends,
+                               more_given ? given_line : ends);
+    }
+}
+
+/// Scenes are compared as they are read: a version that writes more keys reads the old text as before.
+Result<void> check_same_sea(const std::string& path, const std::string& held,
+                            const sea::Scene& scene) {
+    const std::string folder = std::filesystem::path(scene.source).parent_path().string();
+    const Result<sea::Scene> read = sea::parse_scene(held, path, folder);
+    if (!read)
+        return Error{fmt::format("the sea in {} cannot be read: {}", path, read.error().message)};
+    const std::string before = sea::to_toml(*read), now = sea::to_toml(scene);
+    if (before == now)
+        return {};
+    return Error{fmt::format("{} is the journal of another sea than {}: {}. Give the scene that it "
+                             "began with, or another --data-dir",
+                             path, scene.source, difference(before, now))};
+}
+
+} // namespace
+
+Result<Resumed> begin_or_resume(const std::string& data_dir, const sea::Scene& scene,
+                                std::int64_t now_utc_us) {
+    if (data_dir.empty())
+        return Resumed{nullptr, now_utc_us};
+    SEAWAY_TRY_LET(std::unique_ptr<SqliteJournal> journal,
+                   SqliteJournal::open(data_dir, {now_utc_us, sea::to_toml(scene)}));
+    SEAWAY_TRY_LET(const std::vector<SeaChange> changes, journal->since(0));
+    SEAWAY_TRY(check_same_sea(journal->path(), changes.front().scene, scene));
+    if (changes.size() > 1)
+        return Error{
+            fmt::format("{} holds {} changes of its sea, which this version cannot play; a "
+                        "later one wrote it",
+                        journal->path(), changes.size() - 1)};
+    const std::int64_t epoch_utc_us = journal->epoch_utc_us();
+    return Resumed{std::move(journal), epoch_utc_us};
+}
+
+} // namespace seaway::server

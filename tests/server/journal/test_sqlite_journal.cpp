@@ -1,0 +1,287 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <random>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "server/journal/sqlite_journal.h"
+#include "tests/support/folder.h"
+
+namespace seaway::server {
+namespace {
+
+namespace fs = std::filesystem;
+
+const SqliteJournal::Beginning beginning{1'700'000'000'123'456, "[sea]\nseed = 7\n"};
+
+/// A new folder, which is not there yet.
+std::string fresh_folder() {
+    static int count = 0;
+    return tests::folder().file(fmt::format("journal-{}", ++count));
+}
+
+SeaChange change(std::uint32_t epoch) {
+    const sea::TimeUs start_us = 1'000'000 * static_cast<sea::TimeUs>(epoch);
+    return {epoch, start_us, start_us + 500'000, fmt::format("sea {}", epoch)};
+}
+
+std::string bytes_of(const std::string& path) {
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+}
+
+void write(const std::string& path, const std::string& bytes) {
+    std::ofstream(path, std::ios::binary | std::ios::trunc) << bytes;
+}
+
+std::string error_of(const std::string& folder) {
+    const auto opened = SqliteJournal::open(folder, beginning);
+    return opened ? "it was opened" : opened.error().message;
+}
+
+TEST(Journal, holds_the_instant_and_every_change_and_says_the_same_when_it_is_opened_again) {
+    const std::string folder = fresh_folder();
+    std::vector<SeaChange> all{{1, 0, 0, beginning.scene}};
+    {
+        auto journal = SqliteJournal::open(folder, beginning);
+        ASSERT_TRUE(journal) << journal.error().message;
+        EXPECT_EQ((*journal)->epoch_utc_us(), beginning.epoch_utc_us);
+        for (std::uint32_t epoch = 2; epoch < 6; ++epoch) {
+            all.push_back(change(epoch));
+            const auto taken = (*journal)->append(all.back());
+            ASSERT_TRUE(taken) << taken.error().message;
+        }
+        EXPECT_EQ((*journal)->since(0).value(), all);
+    }
+    auto again = SqliteJournal::open(folder, {99, "another sea"});
+    ASSERT_TRUE(again) << again.error().message;
+    EXPECT_EQ((*again)->epoch_utc_us(), beginning.epoch_utc_us);
+    EXPECT_EQ((*again)->since(0).value(), all);
+    EXPECT_EQ((*again)->since(3).value(), std::vector<SeaChange>(all.begin() + 3, all.end()));
+    EXPECT_TRUE((*again)->since(5).value().empty());
+}
+
+TEST(Journal, keeps_any_text_of_a_scene_byte_by_byte) {
+    const std::string folder = fresh_folder();
+    std::string scene(200'000, 'x');
+    for (std::size_t i = 0; i < scene.size(); ++i)
+        scene[i] = static_cast<char>(i * 31 % 256); // with NUL, quotes and what is no UTF-8
+    {
+        auto journal = SqliteJournal::open(folder, {0, scene});
+        ASSERT_TRUE(journal) << journal.error().message;
+    }
+    EXPECT_EQ(SqliteJournal::open(folder, beginning).value()->since(0).value()[0].scene, scene);
+}
+
+TEST(Journal, takes_no_change_out_of_turn) {
+    auto journal = SqliteJournal::open(fresh_folder(), beginning).value();
+    ASSERT_TRUE(journal->append(change(2)));
+    const SeaChange wrong[] = {change(2),
+                               change(4),
+                               change(1),
+                               change(0),
+                               {3, 1'999'999, 3'000'000, "begins before the last one"},
+                               {3, 3'000'000, 2'999'999, "ends before it begins"}};
+    for (const SeaChange& one : wrong) {
+        const auto refused = journal->append(one);
+        ASSERT_FALSE(refused) << one.epoch;
+        EXPECT_NE(refused.error().message.find("epoch"), std::string::npos);
+    }
+    EXPECT_EQ(journal->since(0)->size(), 2u);
+    EXPECT_TRUE(journal->append(change(3)));
+}
+
+TEST(Journal, is_of_one_process_at_a_time) {
+    const std::string folder = fresh_folder();
+    auto first = SqliteJournal::open(folder, beginning).value();
+    EXPECT_EQ(error_of(folder), fmt::format("--data-dir {}: another process works in it", folder));
+    first.reset();
+    EXPECT_EQ(error_of(folder), "it was opened");
+}
+
+TEST(Journal, names_a_file_of_others_and_leaves_it_as_it_is) {
+    struct Case {
+        const char* what;
+        std::string bytes;
+        const char* says;
+    };
+    auto made = SqliteJournal::open(fresh_folder(), beginning).value();
+    std::string foreign = bytes_of(made->path()), later = foreign;
+    foreign[71] ^=
+        1; // application_id ends at byte 71, user_version at 63 (sqlite.org/fileformat2.html)
+    later[63] = 2;
+    const Case cases[] = {{"empty", "", "is no journal"},
+                          {"text", std::string(5000, 'a'), "is no journal"},
+                          {"a name alone", "SQLite format 3", "is no journal"},
+                          {"of another program", foreign, "belongs to another program"},
+                          {"of a later version", later, "by a later version of Seaway"}};
+    for (const Case& c : cases) {
+        const std::string folder = fresh_folder(), path = folder + "/journal.sqlite";
+        fs::create_directory(folder);
+        write(path, c.bytes);
+        const std::string error = error_of(folder);
+        EXPECT_NE(error.find(path), std::string::npos) << error;
+        EXPECT_NE(error.find(c.says), std::string::npos) << c.what << ": " << error;
+        EXPECT_NE(error.find("left as it is"), std::string::npos) << error;
+        EXPECT_EQ(bytes_of(path), c.bytes) << c.what;
+    }
+}
+
+TEST(Journal, names_what_is_no_folder_and_no_file) {
+    const std::string file = tests::folder().write("a-file", "x");
+    EXPECT_NE(error_of(file).find("--data-dir " + file), std::string::npos) << error_of(file);
+    const std::string deep = fresh_folder() + "/not/there";
+    EXPECT_NE(error_of(deep).find("--data-dir " + deep), std::string::npos) << error_of(deep);
+    const std::string folder = fresh_folder();
+    fs::create_directories(folder + "/journal.sqlite");
+    EXPECT_NE(error_of(folder).find("journal.sqlite: "), std::string::npos) << error_of(folder);
+    EXPECT_TRUE(fs::is_directory(folder + "/journal.sqlite"));
+}
+
+/// A journal with `changes` of them, as it lies there after a crash: main file and write-ahead log.
+std::string crashed_folder(std::uint32_t changes) {
+    const std::string folder = fresh_folder(), copy = fresh_folder();
+    auto journal = SqliteJournal::open(folder, beginning).value();
+    for (std::uint32_t epoch = 2; epoch <= changes; ++epoch)
+        EXPECT_TRUE(journal->append(change(epoch)));
+    fs::create_directory(copy);
+    for (const char* part : {"", "-wal"})
+        fs::copy_file(folder + "/journal.sqlite" + part, copy + "/journal.sqlite" + part);
+    return copy;
+}
+
+// SQLite takes a log up to the last frame whose checksum is right; what was acknowledged had been synchronised, so only
+// a change that nobody was told of can be cut.
+TEST(Journal, cut_off_in_its_last_write_it_holds_all_changes_before) {
+    const std::string crashed = crashed_folder(4), wal = crashed + "/journal.sqlite-wal";
+    const std::string whole = bytes_of(wal);
+    std::size_t most = 0, least = 9;
+    for (std::size_t cut = 0; cut <= whole.size(); cut += 509) {
+        const std::string folder = fresh_folder();
+        fs::copy(crashed, folder);
+        write(folder + "/journal.sqlite-wal", whole.substr(0, cut));
+        auto journal = SqliteJournal::open(folder, beginning);
+        ASSERT_TRUE(journal) << "cut at " << cut << ": " << journal.error().message;
+        const std::vector<SeaChange> held = (*journal)->since(0).value();
+        ASSERT_FALSE(held.empty());
+        EXPECT_EQ(held[0].scene, beginning.scene);
+        for (std::size_t i = 1; i < held.size(); ++i)
+            EXPECT_EQ(held[i], change(static_cast<std::uint32_t>(i) + 1));
+        most = std::max(most, held.size());
+        least = std::min(least, held.size());
+        EXPECT_TRUE((*journal)->append(change(static_cast<std::uint32_t>(held.size()) + 1)));
+    }
+    EXPECT_EQ(least, 1u);
+    EXPECT_GE(most, 3u);
+}
+
+TEST(Journal, damaged_or_cut_off_it_is_named_and_left_as_it_is) {
+    const std::string healthy = fresh_folder();
+    {
+        auto journal =
+            SqliteJournal::open(healthy, {beginning.epoch_utc_us, std::string(20'000, 's')})
+                .value();
+        ASSERT_TRUE(journal->append(change(2)));
+    }
+    const std::string whole = bytes_of(healthy + "/journal.sqlite");
+    ASSERT_GT(whole.size(), 5u * 4096);
+    const auto expect_named = [](const std::string& bytes, const std::string& what) {
+        const std::string folder = fresh_folder(), path = folder + "/journal.sqlite";
+        fs::create_directory(folder);
+        write(path, bytes);
+        const std::string error = error_of(folder);
+        EXPECT_EQ(error.find(path), 0u) << what << ": " << error;
+        EXPECT_EQ(bytes_of(path), bytes) << what;
+    };
+    for (std::size_t cut = 50; cut < whole.size(); cut += 4096 - 7)
+        expect_named(whole.substr(0, cut), fmt::format("cut at {}", cut));
+    // A page of another kind, a tree that points nowhere, no sea, no change: the file is whole, what it says is not.
+    for (const std::size_t page : {1u, 2u}) {
+        std::string torn = whole;
+        std::fill_n(torn.begin() + static_cast<std::ptrdiff_t>(page * 4096), 4096, '\0');
+        expect_named(torn, fmt::format("page {} is gone", page + 1));
+    }
+    // The instant is another by a microsecond: every change hangs on it.
+    std::string moved = whole;
+    std::string instant;
+    for (int shift = 56; shift >= 0; shift -= 8)
+        instant += static_cast<char>(beginning.epoch_utc_us >> shift);
+    const std::size_t at = moved.find(instant);
+    ASSERT_NE(at, std::string::npos);
+    moved[at + 7] ^= 1;
+    expect_named(moved, "the instant is another");
+}
+
+// Killed anywhere between nothing and a journal that is there: the next start makes one, or takes that one.
+TEST(Journal, killed_while_it_is_made_it_is_made_the_next_time) {
+    int made_before = 0;
+    for (int round = 0; round < 60; ++round) {
+        const std::string folder = fresh_folder();
+        const pid_t maker = fork();
+        if (maker == 0) {
+            const auto journal = SqliteJournal::open(folder, beginning);
+            pause();
+        }
+        usleep(static_cast<useconds_t>(round * 50));
+        kill(maker, SIGKILL);
+        waitpid(maker, nullptr, 0);
+        made_before += fs::exists(folder + "/journal.sqlite");
+        auto journal = SqliteJournal::open(folder, {5, beginning.scene});
+        ASSERT_TRUE(journal) << "round " << round << ": " << journal.error().message;
+        EXPECT_EQ((*journal)->since(0)->size(), 1u);
+        EXPECT_TRUE((*journal)->append(change(2)));
+    }
+    RecordProperty("made_before", made_before);
+}
+
+// A writer that is killed at any instant, twenty times over: what was acknowledged is there, at most the one that was
+// being written besides, and the next writer goes on.
+TEST(Journal, a_killed_writer_loses_nothing_that_it_was_told_is_kept) {
+    const std::string folder = fresh_folder();
+    std::mt19937 random(20);
+    std::uint32_t acknowledged = 1;
+    for (int round = 0; round < 20; ++round) {
+        int told[2];
+        ASSERT_EQ(pipe(told), 0);
+        const pid_t writer = fork();
+        if (writer == 0) {
+            auto journal = SqliteJournal::open(folder, beginning);
+            for (auto epoch = journal ? (*journal)->since(0)->back().epoch + 1 : 0; epoch > 0;) {
+                if (!(*journal)->append(change(epoch)) ||
+                    ::write(told[1], &epoch, sizeof epoch) != sizeof epoch)
+                    break;
+                ++epoch;
+            }
+            _exit(1);
+        }
+        close(told[1]);
+        // From before the file is there to some dozen changes later.
+        usleep(random() % (round % 4 == 0 ? 3'000 : 60'000));
+        kill(writer, SIGKILL);
+        int status = 0;
+        waitpid(writer, &status, 0);
+        ASSERT_TRUE(WIFSIGNALED(status)) << "the writer gave up";
+        std::uint32_t epoch = 0;
+        while (read(told[0], &epoch, sizeof epoch) == sizeof epoch)
+            acknowledged = epoch;
+        close(told[0]);
+        auto journal = SqliteJournal::open(folder, beginning);
+        ASSERT_TRUE(journal) << journal.error().message;
+        const std::vector<SeaChange> held = (*journal)->since(0).value();
+        ASSERT_GE(held.size(), acknowledged);
+        ASSERT_LE(held.size(), acknowledged + 1);
+        for (std::size_t i = 1; i < held.size(); ++i)
+            ASSERT_EQ(held[i], change(static_cast<std::uint32_t>(i) + 1));
+        acknowledged = static_cast<std::uint32_t>(held.size());
+    }
+    EXPECT_GT(acknowledged, 20u) << "hardly anything was written";
+}
+
+} // namespace
+} // namespace seaway::server
