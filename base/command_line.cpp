@@ -33,6 +33,10 @@ CommandOption& CommandOption::separated_by(char delimiter) {
     option_->delimiter(delimiter);
     return *this;
 }
+CommandOption& CommandOption::one_at_a_time() {
+    option_->allow_extra_args(false);
+    return *this;
+}
 CommandOption& CommandOption::one_of(const std::vector<std::string>& words) {
     option_->check(CLI::IsMember(words));
     return *this;

@@ -36,6 +36,7 @@ class CommandOption {
     CommandOption& needs(const CommandOption& other);
     CommandOption& excludes(const CommandOption& other);
     CommandOption& separated_by(char delimiter);
+    CommandOption& one_at_a_time(); ///< of a list: one value each time the option is given
     CommandOption& one_of(const std::vector<std::string>& words);
     CommandOption& one_of(std::initializer_list<const char*> words);
     CommandOption& one_of(std::initializer_list<int> numbers);

@@ -11,6 +11,7 @@
 #include "base/messages.h"
 #include "base/text_file.h"
 #include "server/devices.h"
+#include "server/net/open_files.h"
 #include "server/net/server.h"
 #include "server/options.h"
 #include "server/resume.h"
@@ -24,16 +25,6 @@ int fail(ExitCode code, const Error& error) {
     return complain("seaway-server", code, error.message);
 }
 
-NetOptions net_options(const Options& options) {
-    NetOptions net;
-    net.listen = options.listen;
-    net.tls_cert_file = options.tls_cert;
-    net.tls_key_file = options.tls_key;
-    net.client_token_file = options.client_token_file;
-    net.admin_token_file = options.admin_token_file;
-    return net;
-}
-
 SimulationEvents events(World& world) {
     return {[&world](const sea::KeyframePtr& keyframe) { world.on_keyframe(keyframe); },
             [](const std::string& why) { spdlog::warn("{}", why); },
@@ -43,9 +34,19 @@ SimulationEvents events(World& world) {
             }};
 }
 
+/// SIGHUP.
+void reload(NetServer& net) {
+    if (const Result<void> read = net.reload(); !read)
+        return spdlog::error("event=reload_refused why=\"{}\"", read.error().message);
+    spdlog::info("event=reloaded what=\"tokens and certificate\"");
+}
+
 int serve(const Options& options) {
-    if (const Result<void> fine = NetServer::check(net_options(options)); !fine)
+    StopSignal::survive_others();
+    if (const Result<void> fine = NetServer::check(options.net); !fine)
         return fail(exit_usage, fine.error());
+    if (const Result<void> raised = raise_open_files(options.net); !raised)
+        return fail(exit_usage, raised.error());
     const Result<sea::Scene> scene = sea::read_scene(options.scene);
     if (!scene)
         return fail(exit_usage, scene.error());
@@ -71,7 +72,7 @@ int serve(const Options& options) {
     if (!simulation)
         return fail(exit_no_device, simulation.error());
     world.attach(**simulation);
-    Result<std::unique_ptr<NetServer>> net = NetServer::start(net_options(options), world);
+    Result<std::unique_ptr<NetServer>> net = NetServer::start(options.net, world);
     if (!net)
         return fail(exit_cannot_listen, net.error());
     spdlog::info("device=\"{}\" scene={} epoch={} url={}", (*simulation)->device(), scene->source,
@@ -82,7 +83,7 @@ int serve(const Options& options) {
     if (const Result<void> told = write_out(stdout, ready); !told)
         spdlog::warn("{}",
                      told.error().message); // who reads the log knows the address all the same
-    const bool asked = stop.wait();
+    const bool asked = stop.wait([&net] { reload(**net); });
     (*net)->stop();
     (*simulation).reset();
     return asked ? exit_stopped : exit_no_device;
@@ -102,7 +103,7 @@ int list_devices() {
 int main(int argc, char** argv) {
     using namespace seaway::server;
     spdlog::set_default_logger(spdlog::stderr_color_mt("seaway-server"));
-    spdlog::set_pattern("%Y-%m-%dT%H:%M:%S.%e %l %v");
+    spdlog::set_pattern("%Y-%m-%dT%H:%M:%S.%e%z %l %v");
     try {
         const auto options = read_options(argc, argv);
         if (const int* code = std::get_if<int>(&options))

@@ -8,6 +8,72 @@
 #include "base/text_file.h"
 
 namespace seaway::server {
+namespace {
+
+void limit_options(CommandLine& line, NetOptions& net) {
+    constexpr int most = 1'000'000;
+    line.option("--connections-max", net.connections_max,
+                "Connections at a time, HTTP and streams; needs as many open files")
+        .takes("COUNT")
+        .between(1, most)
+        .shows_default();
+    line.option("--sessions-max", net.sessions_max, "Streams at a time")
+        .takes("COUNT")
+        .between(1, most)
+        .shows_default();
+    line.option(
+            "--connections-per-address", net.connections_per_address,
+            "Of these as many from one address. This limit and the next three: 0 is none, for a "
+            "proxy in front, which is one address for all")
+        .takes("COUNT")
+        .between(0, most)
+        .shows_default();
+    line.option("--sessions-without-hello-per-address", net.sessions_without_hello_per_address,
+                "Streams that have not said Hello")
+        .takes("COUNT")
+        .between(0, most)
+        .shows_default();
+    line.option("--wrong-tokens-per-address", net.wrong_tokens_per_address, "Wrong tokens a minute")
+        .takes("COUNT")
+        .between(0, most)
+        .shows_default();
+    line.option("--request-bytes-per-address", net.request_bytes_per_s_per_address,
+                "Bytes of requests a second; more are read later")
+        .takes("BYTES")
+        .between(0.0, 1e12)
+        .shows_default();
+}
+
+void net_options(CommandLine& line, NetOptions& net) {
+    line.option("--listen", net.listen, "Address and port; port 0 picks a free one")
+        .takes("ADDR:PORT")
+        .shows_default();
+    line.option(
+            "--health-listen", net.health_listen,
+            "Serves /healthz and /metrics here too, plain and without a token, however full the "
+            "other port is: for the operator alone")
+        .takes("ADDR:PORT");
+    CommandOption cert = line.option("--tls-cert", net.tls_cert_file, "Certificate chain (PEM)");
+    CommandOption key = line.option("--tls-key", net.tls_key_file, "Private key (PEM)");
+    cert.needs(key).takes("FILE");
+    key.needs(cert).takes("FILE");
+    line.option("--admin-token-file", net.admin_token_file,
+                "File with the token that marks a client as an administrator; also opens the door")
+        .takes("FILE");
+    line.option("--client-token-file", net.client_token_file,
+                "File with the token that clients then need in their first message, and for every "
+                "page and map but /healthz")
+        .takes("FILE");
+    line.option(
+            "--allow-origin", net.allowed_origins,
+            "Pages of this origin may use the server, as https://sea.example.org; its host is a "
+            "name that the server answers to. May be given again")
+        .takes("ORIGIN")
+        .one_at_a_time();
+    limit_options(line, net);
+}
+
+} // namespace
 
 std::variant<Options, int> read_options(int argc, char** argv) {
     Options options;
@@ -16,34 +82,23 @@ std::variant<Options, int> read_options(int argc, char** argv) {
         "Computes the sea of a scene and serves it: tiles and answers over WebSocket at "
         "/v1/stream, state over HTTP on the same port.");
     line.option("scene", options.scene, "Scene file (scenes/*.toml)").takes("SCENE.toml");
-    line.option("--listen", options.listen, "Address and port; port 0 picks a free one")
-        .takes("ADDR:PORT")
-        .shows_default();
+    net_options(line, options.net);
     line.option("--device", options.device,
                 "auto: a hardware GPU, else native. Or native (this processor, without Vulkan), "
                 "a part of a device's name (lavapipe), its index, or `list` to see them")
         .takes("NAME|INDEX|auto|native|list")
         .shows_default();
-    CommandOption cert = line.option("--tls-cert", options.tls_cert, "Certificate chain (PEM)");
-    CommandOption key = line.option("--tls-key", options.tls_key, "Private key (PEM)");
-    cert.needs(key).takes("FILE");
-    key.needs(cert).takes("FILE");
-    line.option("--admin-token-file", options.admin_token_file,
-                "File with the token that marks a client as an administrator; also opens the door")
-        .takes("FILE");
-    line.option("--client-token-file", options.client_token_file,
-                "File with the token that clients then need in their first message, and for every "
-                "page and map but /healthz")
-        .takes("FILE");
     line.option("--data-dir", options.data_dir,
                 "Folder of the journal, made where it is missing: a server that is started again "
                 "there goes on with the same sea, at the time at which it would be")
         .takes("DIR");
     line.option("--validation", options.validation,
                 "Vulkan validation layers on; what they report is an error");
-    line.footer("Prints `ready ws://ADDR:PORT` when it serves. SIGTERM and SIGINT stop it.\n"
-                "Exit codes: 0 asked to stop, 2 usage, bad scene or journal, 3 no usable device, 4 "
-                "cannot listen.");
+    line.footer(
+        "Prints `ready ws://ADDR:PORT` when it serves. SIGTERM and SIGINT stop it; SIGHUP reads "
+        "tokens and certificate again.\n"
+        "Exit codes: 0 asked to stop, 2 usage, bad scene or journal, 3 no usable device, 4 cannot "
+        "listen.");
     const Result<CommandLine::Next> next = line.read(argc, argv);
     const bool lacks_scene = options.scene.empty() && options.device != "list";
     if (next && *next == CommandLine::Next::leave)

@@ -5,18 +5,16 @@
 #include <string>
 #include <variant>
 
+#include "server/net/options.h"
+
 namespace seaway::server {
 
 struct Options {
     std::string scene;
-    std::string listen = "127.0.0.1:9430"; ///< ADDR:PORT; port 0 picks a free one
-    std::string device = "auto";           ///< auto | list | name part | index
-    std::string tls_cert;                  ///< PEM files; both or none
-    std::string tls_key;
-    std::string admin_token_file;  ///< Hello with this token is an administrator's
-    std::string client_token_file; ///< Hello needs this token if given
-    std::string data_dir;          ///< folder of the journal; empty: the sea ends with the process
-    bool validation = false;       ///< Vulkan validation layers; their messages are errors
+    NetOptions net;
+    std::string device = "auto"; ///< auto | list | name part | index
+    std::string data_dir;        ///< folder of the journal; empty: the sea ends with the process
+    bool validation = false;     ///< Vulkan validation layers; their messages are errors
 };
 
 /// Exit codes of seaway-server: the public contract.

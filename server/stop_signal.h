@@ -1,35 +1,60 @@
 // SPDX-License-Identifier: Apache-2.0
-// StopSignal: SIGTERM and SIGINT as something main can wait for. Make it before any thread starts,
-// so that every thread inherits the blocked signals.
+// StopSignal: the signals of a server as something main can wait for: SIGTERM and SIGINT stop it, SIGHUP
+// is handed on, SIGUSR1, SIGUSR2 and SIGPIPE do nothing. Make it before any thread starts, so that
+// every thread inherits the blocked signals.
 #pragma once
 
+#include <atomic>
 #include <csignal>
+#include <functional>
+#include <initializer_list>
 #include <unistd.h>
 
 namespace seaway::server {
 
 class StopSignal {
   public:
-    StopSignal() {
-        sigemptyset(&set_);
-        for (const int signal : {SIGTERM, SIGINT, failure})
-            sigaddset(&set_, signal);
-        pthread_sigmask(SIG_BLOCK, &set_, nullptr);
-        std::signal(SIGPIPE, SIG_IGN); // a peer that goes away is an error code, not our end
+    /// What ends a process unless it says otherwise and is not meant to end this one: first of all.
+    /// A SIGHUP waits until wait() is called.
+    static void survive_others() {
+        // SIGPIPE: a peer that goes away is an error code, not our end.
+        for (const int signal : {SIGPIPE, SIGUSR1, SIGUSR2})
+            std::signal(signal, SIG_IGN);
+        block({SIGHUP});
     }
 
-    /// Waits; true if somebody asked to stop, false after fail().
-    bool wait() const {
-        int signal = 0;
-        sigwait(&set_, &signal);
-        return signal != failure;
+    StopSignal() : set_(block({SIGTERM, SIGINT, SIGHUP})) {}
+
+    /// Waits, calling `hung_up` at each SIGHUP; true if somebody asked to stop, false after fail().
+    bool wait(const std::function<void()>& hung_up) const {
+        for (;;) {
+            int signal = 0;
+            sigwait(&set_, &signal);
+            if (failed_)
+                return false;
+            if (signal != SIGHUP)
+                return true;
+            hung_up();
+        }
     }
 
     /// Ends the wait because the server cannot go on. Any thread.
-    static void fail() { kill(getpid(), failure); }
+    static void fail() {
+        failed_ = true;
+        kill(getpid(), SIGTERM);
+    }
 
   private:
-    static constexpr int failure = SIGUSR1;
+    static sigset_t block(std::initializer_list<int> signals) {
+        sigset_t set;
+        sigemptyset(&set);
+        for (const int signal : signals)
+            sigaddset(&set, signal);
+        pthread_sigmask(SIG_BLOCK, &set, nullptr);
+        return set;
+    }
+
+    static inline std::atomic<bool> failed_ = false;
     sigset_t set_;
 };
 

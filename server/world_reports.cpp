@@ -2,6 +2,7 @@
 #include "server/world_reports.h"
 
 #include <cmath>
+#include <filesystem>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -91,8 +92,8 @@ std::string effect_metrics(const EffectPlan& plan, const EffectCosts& costs) {
          [](const EffectCost& cost) { return cost.dispatches; }},
         {"effect_transforms_total", "Its share of 2-D transforms of real fields.",
          [](const EffectCost& cost) { return cost.transforms; }},
-        {"effect_microseconds_total", "Its share of the device's time.",
-         [](const EffectCost& cost) { return 1e6 * cost.device_seconds; }}};
+        {"effect_seconds_total", "Its share of the device's time.",
+         [](const EffectCost& cost) { return cost.device_seconds; }}};
     std::string text;
     for (const Row& row : rows) {
         text +=
@@ -170,7 +171,7 @@ std::string state_json(const RunningSea& sea, const std::vector<std::string>& wa
                             {"sea_time_s", sea::seconds_from_us(at.now_us)},
                             {"epoch_utc", utc_text(at.epoch_utc_us)},
                             {"device", device},
-                            {"scene", sea.scene.source},
+                            {"scene", std::filesystem::path(sea.scene.source).filename().string()},
                             {"requested", to_json(state.requested)},
                             {"realised", to_json(state.realised)},
                             {"cascades", cascades},

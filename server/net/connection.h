@@ -3,9 +3,9 @@
 #pragma once
 
 #include <memory>
-#include <string>
 
 #include "server/net/core.h"
+#include "server/net/gate.h"
 
 namespace seaway::sockets {
 class Socket;
@@ -14,35 +14,50 @@ struct Upgrade;
 
 namespace seaway::server {
 
-/// One of a count of Core, for as long as it lives.
-template <int Core::*count>
-class Slot {
+/// One connection of a door, and of its address, for as long as it lives.
+class ConnectionSlot {
   public:
-    explicit Slot(std::shared_ptr<Core> core) : core_(std::move(core)) { ++(*core_.*count); }
-    ~Slot() {
-        if (core_ != nullptr)
-            --(*core_.*count);
+    ConnectionSlot(std::shared_ptr<Core> core, Door& door, const AddressPtr& address)
+        : core_(std::move(core)), door_(&door), of_address_(address) {
+        ++door.connections;
     }
-    Slot(Slot&& other) noexcept : core_(std::move(other.core_)) {}
-    Slot& operator=(Slot&&) = delete;
-    Slot(const Slot&) = delete;
-    Slot& operator=(const Slot&) = delete;
+    ~ConnectionSlot() {
+        if (core_ != nullptr)
+            --door_->connections;
+    }
+    ConnectionSlot(ConnectionSlot&& other) noexcept = default;
+    ConnectionSlot& operator=(ConnectionSlot&&) = delete;
+    ConnectionSlot(const ConnectionSlot&) = delete;
+    ConnectionSlot& operator=(const ConnectionSlot&) = delete;
 
     const std::shared_ptr<Core>& core() const { return core_; }
+    Door& door() const { return *door_; }
+
+  private:
+    std::shared_ptr<Core> core_;
+    Door* door_;
+    Counted<&Address::connections> of_address_;
+};
+
+/// An upgrade under way, for as long as it lives.
+class UpgradeSlot {
+  public:
+    explicit UpgradeSlot(std::shared_ptr<Core> core) : core_(std::move(core)) { ++core_->upgrades; }
+    ~UpgradeSlot() { --core_->upgrades; }
+    UpgradeSlot(const UpgradeSlot&) = delete;
+    UpgradeSlot& operator=(const UpgradeSlot&) = delete;
 
   private:
     std::shared_ptr<Core> core_;
 };
 
-using ConnectionSlot = Slot<&Core::connections>;
-using UpgradeSlot = Slot<&Core::upgrades>;
-
 /// Serves HTTP on an accepted stream (TLS: handshake first) until it closes or is upgraded.
 /// Defined in http_connection.cpp.
-void serve_http(ConnectionSlot slot, sockets::Socket socket, std::string peer);
+void serve_http(ConnectionSlot slot, sockets::Socket socket, Peer peer);
 
-/// Answers the upgrade and serves the session. Defined in stream_connection.cpp.
+/// Answers the upgrade and serves the session; `standing` is what the upgrade's token was worth.
+/// Defined in stream_connection.cpp.
 void serve_stream(ConnectionSlot slot, sockets::Socket socket, const sockets::Upgrade& upgrade,
-                  std::string peer);
+                  Peer peer, Standing standing);
 
 } // namespace seaway::server

@@ -10,8 +10,10 @@
 namespace seaway::server {
 
 Core::Core(NetOptions net_options, Host& simulation, std::function<void(Work)> run_on_io_thread)
-    : options(std::move(net_options)), host(simulation),
-      run_on_io_thread_(std::move(run_on_io_thread)) {}
+    : options(std::move(net_options)), host(simulation), addresses(options),
+      run_on_io_thread_(std::move(run_on_io_thread)) {
+    health_door.health_only = true;
+}
 
 void Core::post(Work work) {
     const std::lock_guard lock(post_mutex_);
@@ -32,7 +34,7 @@ Session* Core::find(SessionId session) const {
 Gauges Core::gauges() const {
     Gauges gauges{.sessions = sessions.size(),
                   .subscriptions = host.subscriptions().size(),
-                  .connections = static_cast<std::size_t>(connections),
+                  .connections = static_cast<std::size_t>(door.connections),
                   .outbox_bytes = 0,
                   .outboxes = {}};
     for (const auto& [id, session] : sessions) {

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <functional>
-#include <list>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -11,14 +10,27 @@
 #include <string>
 
 #include "server/host/host.h"
+#include "server/net/addresses.h"
 #include "server/net/counters.h"
 #include "server/net/disposal.h"
 #include "server/net/encode_worker.h"
 #include "server/net/options.h"
+#include "server/net/origins.h"
+#include "server/net/tokens.h"
+#include "server/net/waiting_line.h"
 
 namespace seaway::server {
 
 class Session;
+
+/// What is behind one listener: everything, or health alone.
+struct Door {
+    bool health_only = false;
+    int connections = 0;
+    /// Connections from which a whole request is awaited, TLS handshakes and pauses between requests
+    /// included.
+    WaitingLine awaiting_requests;
+};
 
 class Core : public std::enable_shared_from_this<Core> {
   public:
@@ -28,21 +40,22 @@ class Core : public std::enable_shared_from_this<Core> {
 
     const NetOptions options;
     Host& host;
-    std::string client_token; ///< empty: not asked for
-    std::string admin_token;  ///< empty: there is no administrator
+    Tokens tokens;
+    Origins origins;
 
     Counters counters;
+    Addresses addresses;
     EncodeWorker encoding;
     Disposal disposal;
     std::map<SessionId, Session*> sessions;
     SessionId next_session = 1;
-    int connections = 0;
+    Door door;
+    Door health_door;
     int upgrades = 0; ///< under way: each will be a session
     /// Connections that wait for a map of the host: nobody else holds them. Given up with the server.
     std::set<std::shared_ptr<void>> waiting_for_maps;
-    /// How to give up a connection from which a whole request is awaited, TLS handshakes and pauses
-    /// between requests included; who waits longest first. They make room for newcomers.
-    std::list<std::function<void()>> awaiting_requests;
+    /// Sessions, and upgrades under way, without a token and without a Hello.
+    WaitingLine awaiting_hello;
     bool stopping = false;
 
     /// Runs `work` on the io thread; does nothing after detach(). Any thread.

@@ -43,8 +43,8 @@ std::string metrics_text(const Counters& c, const Gauges& g, const EncoderCounte
     t.one("outbox_bytes", "gauge", "Bytes that wait in all outboxes; shared bytes count again",
           g.outbox_bytes);
     t.one("connections_accepted_total", "counter", "Connections taken", c.connections_accepted);
-    t.one("connections_refused_total", "counter", "Connections above the limit, closed at once",
-          c.connections_refused);
+    t.each("connections_refused_total", "reason", "Connections above a limit, closed at once",
+           c.connections_refused);
     t.one("connections_given_up_total", "counter",
           "Connections without a whole request that made room for a newcomer",
           c.connections_given_up);
@@ -52,6 +52,11 @@ std::string metrics_text(const Counters& c, const Gauges& g, const EncoderCounte
           c.handshakes_failed);
     t.each("http_responses_total", "status", "HTTP responses", c.http_responses);
     t.one("sessions_opened_total", "counter", "WebSocket sessions", c.sessions_opened);
+    t.each("sessions_refused_total", "reason", "Upgrades that did not become a session",
+           c.sessions_refused);
+    t.each("tokens_refused_total", "reason", "Tokens that were not taken", c.tokens_refused);
+    t.one("reads_delayed_total", "counter",
+          "Requests read later because their address had sent too many bytes", c.reads_delayed);
     t.each("sessions_closed_total", "reason", "WebSocket sessions that ended", c.sessions_closed);
     t.each("requests_refused_total", "code", "Requests refused", c.requests_refused);
     t.one("messages_received_total", "counter", "Messages from clients", c.messages_received);

@@ -18,11 +18,16 @@ inline constexpr std::string_view disconnected = "disconnected"; ///< without a 
 
 struct Counters {
     std::uint64_t connections_accepted = 0;
-    std::uint64_t connections_refused = 0;  ///< above connections_max
+    std::map<std::string, std::uint64_t, std::less<>> connections_refused{{"address_full", 0},
+                                                                          {"server_full", 0}};
     std::uint64_t connections_given_up = 0; ///< without a whole request, for a newcomer
     std::uint64_t handshakes_failed = 0;    ///< TLS, HTTP or WebSocket bytes that were none
     std::map<unsigned, std::uint64_t> http_responses; ///< by status
     std::uint64_t sessions_opened = 0;
+    std::map<std::string, std::uint64_t, std::less<>> sessions_refused; ///< never opened; by reason
+    std::map<std::string, std::uint64_t, std::less<>> tokens_refused{
+        {"in_the_clear", 0}, {"too_many_wrong", 0}, {"wrong", 0}};
+    std::uint64_t reads_delayed = 0; ///< an address had sent too many bytes
     std::map<std::string, std::uint64_t, std::less<>> sessions_closed;  ///< by reason
     std::map<std::string, std::uint64_t, std::less<>> requests_refused; ///< by error code
     std::uint64_t messages_received = 0;

@@ -2,13 +2,12 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
-#include <functional>
-#include <list>
 #include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include <boost/asio/steady_timer.hpp>
 #include <boost/asio/write.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/http.hpp>
@@ -16,6 +15,7 @@
 #include <fmt/format.h>
 
 #include "server/net/connection.h"
+#include "server/net/http_head.h"
 #include "server/net/pages.h"
 #include "server/net/refusals.h"
 #include "server/net/tokens.h"
@@ -38,31 +38,32 @@ std::string_view text(beast::string_view view) {
     return {view.data(), view.size()};
 }
 
-/// Name=value pairs behind the '?'. Values are numbers and words: nothing needs decoding.
-std::map<std::string, std::string> query_parameters(std::string_view target) {
-    std::map<std::string, std::string> parameters;
-    std::size_t begin = target.find('?');
-    while (begin != std::string_view::npos) {
-        const std::size_t end = target.find('&', ++begin);
-        const std::string_view pair = target.substr(begin, end - begin);
-        const std::size_t equals = std::min(pair.find('='), pair.size());
-        parameters[std::string(pair.substr(0, equals))] =
-            std::string(pair.substr(std::min(equals + 1, pair.size())));
-        begin = end;
-    }
-    return parameters;
+using Request = http::request<http::string_body>;
+
+HttpHead head_of(const Request& request) {
+    const auto all = [&](http::field name) {
+        std::vector<std::string_view> values;
+        const auto [first, last] = request.equal_range(name);
+        for (auto at = first; at != last; ++at)
+            values.push_back(text(at->value()));
+        return values;
+    };
+    return {.version = request.version(),
+            .method = text(request.method_string()),
+            .target = text(request.target()),
+            .hosts = all(http::field::host),
+            .origins = all(http::field::origin),
+            .transfer_encodings = all(http::field::transfer_encoding),
+            .authorizations = all(http::field::authorization),
+            .fetch_site = text(request["Sec-Fetch-Site"]),
+            .fetch_mode = text(request["Sec-Fetch-Mode"])};
 }
 
 class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   public:
-    HttpConnection(ConnectionSlot slot, sockets::Socket socket, std::string peer)
-        : slot_(std::move(slot)), socket_(std::move(socket)), peer_(std::move(peer)) {}
-    ~HttpConnection() {
-        if (slot_.core() != nullptr) // else it has become a stream
-            got_request();
-    }
-    HttpConnection(const HttpConnection&) = delete;
-    HttpConnection& operator=(const HttpConnection&) = delete;
+    HttpConnection(ConnectionSlot slot, sockets::Socket socket, Peer peer)
+        : slot_(std::move(slot)), socket_(std::move(socket)), peer_(std::move(peer)),
+          delay_timer_(socket_.get_executor()) {}
 
     void run() {
         if (!socket_.has_tls())
@@ -78,40 +79,49 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
 
   private:
     using Parser = http::request_parser<http::string_body>;
+    using Clock = std::chrono::steady_clock;
 
     Core& core() { return *slot_.core(); }
 
-    /// Until got_request() this connection makes room for a newcomer where there is none.
+    /// Until its place is left this connection makes room for a newcomer where there is none.
     void await_request() {
-        got_request();
-        auto& waiting = core().awaiting_requests;
-        awaits_ = waiting.insert(waiting.end(), [weak = weak_from_this()] {
+        awaits_.take(slot_.door().awaiting_requests, peer_.address, [weak = weak_from_this()] {
             if (const auto self = weak.lock()) {
-                self->got_request();
+                self->awaits_.leave();
+                self->delay_timer_.cancel();
                 self->socket_.close();
             }
         });
     }
 
-    void got_request() {
-        if (awaits_)
-            core().awaiting_requests.erase(*std::exchange(awaits_, std::nullopt));
-    }
-
     void read_request() {
         await_request();
+        const auto wait = peer_.address->request_bytes.wait_for(0, Clock::now());
+        if (wait.count() == 0)
+            return read_now();
+        ++core().counters.reads_delayed;
+        delay_timer_.expires_after(wait);
+        delay_timer_.async_wait([self = shared_from_this()](error_code error) {
+            if (!error)
+                self->read_now();
+        });
+    }
+
+    void read_now() {
         parser_.emplace();
         parser_->header_limit(header_bytes_max);
         parser_->body_limit(body_bytes_max);
         socket_.expires_after(core().options.http_deadline);
         http::async_read(socket_, buffer_, *parser_,
-                         [self = shared_from_this()](error_code error, std::size_t) {
+                         [self = shared_from_this()](error_code error, std::size_t bytes) {
+                             self->peer_.address->request_bytes.take(static_cast<double>(bytes),
+                                                                     Clock::now());
                              self->on_request(error);
                          });
     }
 
     void on_request(error_code error) {
-        got_request();
+        awaits_.leave();
         if (error == http::error::end_of_stream)
             return close();
         if (error == http::error::header_limit)
@@ -123,43 +133,87 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
             return respond_and_close({.status = 400, .body = "this is not HTTP\n"}, error);
         if (error)
             return failed("http", error);
-        const auto& request = parser_->get();
-        const std::string_view target = text(request.target());
-        if (beast::websocket::is_upgrade(request) &&
-            target.substr(0, target.find('?')) == protocol::stream_path)
-            return upgrade();
-        if (!may_see(core(), target, text(request[http::field::authorization])))
-            return respond(unauthorised(), request.method() == http::verb::head, false);
-        const bool reads =
-            request.method() == http::verb::get || request.method() == http::verb::head;
-        if (reads && target.substr(0, target.find('?')) == map_path)
-            return start_map(target);
-        respond(page_for(core(), text(request.method_string()), target),
-                request.method() == http::verb::head, request.keep_alive());
+        const Request& request = parser_->get();
+        auto read = read_head(head_of(request), core().origins, peer_.loopback, socket_.has_tls());
+        if (const auto* refused = std::get_if<Refused>(&read))
+            return refuse(*refused);
+        serve(std::get<Asked>(read));
     }
 
-    void upgrade() {
-        const auto& request = parser_->get();
-        http::token_list offered{request[http::field::sec_websocket_protocol]};
-        const beast::string_view ours(protocol::websocket_subprotocol.data(),
-                                      protocol::websocket_subprotocol.size());
-        if (!offered.exists(ours))
-            return respond({.status = 400,
-                            .body = fmt::format("offer the subprotocol {}\n",
-                                                protocol::websocket_subprotocol)},
-                           false, false);
-        if (buffer_.size() > 0)
-            return respond({.status = 400, .body = "bytes before the upgrade was answered\n"},
-                           false, false);
-        if (!core().takes_a_session()) {
-            ++core().counters.sessions_closed[std::string(
-                protocol::name(wire::ErrorCode::server_full))];
-            core().log(fmt::format("event=session_refused peer={} reason=server_full", peer_));
-            return respond({.status = 503, .body = "too many sessions, try again later\n"}, false,
-                           false);
+    bool head_only() const { return parser_->get().method() == http::verb::head; }
+
+    void refuse(const Refused& refused) {
+        if (beast::websocket::is_upgrade(parser_->get()))
+            return refuse_session(refused.reason, refused.page);
+        respond(refused.page, head_only(), false);
+    }
+
+    void serve(Asked& asked) {
+        const Request& request = parser_->get();
+        const bool health_only = slot_.door().health_only;
+        const bool is_stream = beast::websocket::is_upgrade(request) &&
+                               asked.path == protocol::stream_path && !health_only;
+        Judgement judged;
+        if (!health_only) {
+            judged = judge_token(core(), peer_, asked.token);
+            if (const std::optional<Page> page = keep_out(core(), asked.path, judged))
+                return is_stream ? refuse_session("unauthorised", *page)
+                                 : respond(*page, head_only(), false);
         }
+        if (is_stream)
+            return upgrade(judged.standing);
+        const bool reads = request.method() == http::verb::get || head_only();
+        if (reads && asked.path == map_path && !health_only)
+            return start_map(std::move(asked.parameters));
+        respond(page_for(core(), text(request.method_string()), asked.path, health_only),
+                head_only(), request.keep_alive());
+    }
+
+    // ---- from here to a stream ----
+
+    /// An upgrade ends as a page: counted by reason, and no session.
+    void refuse_session(std::string_view reason, const Page& page) {
+        ++core().counters.sessions_refused[std::string(reason)];
+        if (const auto count = peer_.address->turn_away(Crowding::sessions, Clock::now()))
+            core().log(fmt::format("event=session_refused peer={} reason={} count={}", peer_.name,
+                                   reason, count));
+        respond(page, false, false);
+    }
+
+    void upgrade(Standing standing) {
+        const Request& request = parser_->get();
+        if (!offers(text(request[http::field::sec_websocket_protocol]),
+                    protocol::websocket_subprotocol))
+            return refuse_session("subprotocol",
+                                  {.status = 400,
+                                   .body = fmt::format("offer the subprotocol {}\n",
+                                                       protocol::websocket_subprotocol)});
+        if (buffer_.size() > 0)
+            return refuse_session(
+                "bad_request", {.status = 400, .body = "bytes before the upgrade was answered\n"});
+        const int silent_max = core().options.sessions_without_hello_per_address;
+        if (standing == Standing::stranger && silent_max > 0 &&
+            peer_.address->without_hello >= silent_max) {
+            return refuse_session(
+                "address_full",
+                {.status = 429,
+                 .body = fmt::format("{} sessions of your address have not said Hello yet\n",
+                                     peer_.address->without_hello),
+                 .retry_after_s = 1});
+        }
+        if (!core().takes_a_session()) {
+            // A token goes before those without; among these, addresses with fewer go before others.
+            const int fewer = standing == Standing::stranger ? peer_.address->without_hello + 1 : 0;
+            core().awaiting_hello.give_up_of_most(&Address::without_hello, fewer);
+        }
+        if (!core().takes_a_session())
+            return refuse_session(protocol::name(wire::ErrorCode::server_full),
+                                  {.status = 503,
+                                   .body = "too many sessions, try again later\n",
+                                   .retry_after_s = 1});
         socket_.expires_never();
-        serve_stream(std::move(slot_), std::move(socket_), {parser_->release()}, std::move(peer_));
+        serve_stream(std::move(slot_), std::move(socket_), {parser_->release()}, std::move(peer_),
+                     standing);
     }
 
     void respond(const Page& page, bool head_only, bool keep_alive) {
@@ -172,6 +226,8 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
         response->set("X-Content-Type-Options", "nosniff");
         if (!page.allow.empty())
             response->set(http::field::allow, page.allow);
+        if (page.retry_after_s > 0)
+            response->set(http::field::retry_after, std::to_string(page.retry_after_s));
         if (page.status == 401)
             response->set(http::field::www_authenticate, "Bearer");
         if (page.status == 426)
@@ -204,7 +260,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
 
     // ---- bulk maps: a length, then chunks as they are made and taken ----
 
-    void start_map(std::string_view target) {
+    void start_map(std::map<std::string, std::string> parameters) {
         socket_.expires_never(); // the host answers; what it takes is bounded there
         watch_peer();
         const std::weak_ptr<HttpConnection> weak = weak_from_this();
@@ -216,7 +272,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
             });
         };
         core().waiting_for_maps.insert(shared_from_this());
-        core().host.map({query_parameters(target), Asker(here_), more_rows},
+        core().host.map({std::move(parameters), Asker(here_), more_rows},
                         [weak, core_ptr](Result<std::unique_ptr<ByteSource>> made) {
                             auto shared = std::make_shared<decltype(made)>(std::move(made));
                             core_ptr->post([weak, core_ptr, shared] {
@@ -242,16 +298,16 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     }
 
     void begin_map(Result<std::unique_ptr<ByteSource>>& made) {
-        const bool head_only = parser_->get().method() == http::verb::head;
         if (!made) {
             if (here_ == nullptr)
                 return end_map();
             const auto self = shared_from_this();
             core().waiting_for_maps.erase(self);
             here_ = nullptr;
-            return respond(
-                {.status = http_status(made.error()), .body = made.error().message + "\n"},
-                head_only, false);
+            return respond({.status = http_status(made.error()),
+                            .body = made.error().message + "\n",
+                            .retry_after_s = retry_after_s(made.error())},
+                           head_only(), false);
         }
         map_ = *std::move(made);
         if (here_ == nullptr)
@@ -267,13 +323,13 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
         ++core().counters.http_responses[200];
         begin_map_write();
         auto serializer = std::make_shared<http::response_serializer<http::empty_body>>(*header);
-        http::async_write_header(socket_, *serializer,
-                                 [self = shared_from_this(), header, serializer,
-                                  head_only](error_code error, std::size_t) {
-                                     if (head_only && !error)
-                                         return self->end_map(); // before a row of it is made
-                                     self->on_map_written(error);
-                                 });
+        http::async_write_header(
+            socket_, *serializer,
+            [self = shared_from_this(), header, serializer](error_code error, std::size_t) {
+                if (self->head_only() && !error)
+                    return self->end_map(); // before a row of it is made
+                self->on_map_written(error);
+            });
     }
 
     void write_map() {
@@ -339,8 +395,8 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
 
     void note(std::string_view what, error_code error) {
         ++core().counters.handshakes_failed;
-        core().log(fmt::format("event=connection_refused peer={} reason=bad_{} why=\"{}\"", peer_,
-                               what, printable(error.message())));
+        core().log(fmt::format("event=connection_refused peer={} reason=bad_{} why=\"{}\"",
+                               peer_.name, what, printable(error.message())));
     }
 
     void close() {
@@ -350,13 +406,12 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
 
     ConnectionSlot slot_;
     sockets::Socket socket_;
-    std::string peer_;
+    Peer peer_;
+    asio::steady_timer delay_timer_;
     beast::flat_buffer buffer_{header_bytes_max + body_bytes_max};
     std::optional<Parser> parser_;
-    std::optional<std::list<std::function<void()>>::iterator>
-        awaits_; ///< in Core::awaiting_requests
+    WaitingLine::Place awaits_;
 
-    using Clock = std::chrono::steady_clock;
     std::shared_ptr<const void> here_ =
         std::make_shared<char>(); ///< until no map is wanted any more
     std::array<std::uint8_t, 512> unasked_{};
@@ -370,7 +425,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
 
 } // namespace
 
-void serve_http(ConnectionSlot slot, sockets::Socket socket, std::string peer) {
+void serve_http(ConnectionSlot slot, sockets::Socket socket, Peer peer) {
     std::make_shared<HttpConnection>(std::move(slot), std::move(socket), std::move(peer))->run();
 }
 

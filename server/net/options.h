@@ -4,12 +4,17 @@
 
 #include <chrono>
 #include <string>
+#include <vector>
 
 namespace seaway::server {
 
 struct NetOptions {
     /// ADDR:PORT, IPv6 as [ADDR]:PORT; port 0 takes a free one. Numbers only, no host names.
     std::string listen = "127.0.0.1:9430";
+
+    /// ADDR:PORT of a listener of its own for /healthz and /metrics, which the crowd at `listen` cannot
+    /// fill: plain HTTP, no token asked for, so it belongs where only the operator gets. Empty: none.
+    std::string health_listen;
 
     /// PEM files, both or neither; with them the port speaks TLS (1.2 and later) only.
     std::string tls_cert_file;
@@ -21,10 +26,32 @@ struct NetOptions {
     std::string client_token_file;
     std::string admin_token_file;
 
-    int sessions_max = 1024; ///< WebSocket sessions at a time; one more is told 503
-    /// With those that speak HTTP. For one more the connection is closed that has waited longest
-    /// without a whole request; where there is none, the new one.
+    /// SCHEME://HOST[:PORT] of pages that may use the server beside its own (origins.h); their hosts
+    /// are names under which it may be asked for on this machine.
+    std::vector<std::string> allowed_origins;
+
+    /// WebSocket sessions at a time. One more is told 503, unless one that has not said Hello, without
+    /// a token, of an address that has more of them, can make room.
+    int sessions_max = 1024;
+    /// With those that speak HTTP. For one more that connection without a whole request is closed
+    /// that has waited longest of those of the address with the most connections; where there is
+    /// none, the new one.
     int connections_max = 1280;
+    int health_connections_max = 32; ///< at `health_listen`
+
+    // What one address may take (addresses.h). 0 is no limit, for a proxy in front, which is one address
+    // for all who come through it. This machine's own addresses are as any other.
+
+    /// For one more the longest silent one of the same address is closed, or else the new one.
+    int connections_per_address = 320;
+    /// Sessions that have not said Hello; the next upgrade without a token is told 429.
+    int sessions_without_hello_per_address = 32;
+    /// Tokens that were wrong, and after how long as many may be wrong again. Beyond that no token of
+    /// this address is looked at.
+    int wrong_tokens_per_address = 10;
+    std::chrono::milliseconds wrong_tokens_refill{60'000};
+    /// Of messages and requests; beyond it, two seconds' worth aside, they are read later.
+    double request_bytes_per_s_per_address = 32.0 * 1024 * 1024;
 
     std::chrono::milliseconds hello_deadline{2000};  ///< from the upgrade to the first message
     std::chrono::milliseconds http_deadline{10'000}; ///< for a whole request, and between requests

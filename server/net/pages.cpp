@@ -6,8 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "server/net/tokens.h"
-
 namespace seaway::server {
 namespace {
 
@@ -31,22 +29,23 @@ std::string status_page(Core& core) {
 
 struct Route {
     std::string_view path;
+    bool is_health; ///< served where nothing else is, too
     Page (*make)(Core&);
 };
 
 constexpr const char* prometheus = "text/plain; version=0.0.4; charset=utf-8";
 
 const std::array<Route, 5> routes{{
-    {"/",
+    {"/", false,
      [](Core& core) {
          return Page{200, "text/html; charset=utf-8", status_page(core), {}};
      }},
-    {"/healthz",
+    {"/healthz", true,
      [](Core& core) {
          return core.host.healthy() ? Page{.body = "ok\n"}
                                     : Page{.status = 503, .body = "the simulation has failed\n"};
      }},
-    {"/metrics",
+    {"/metrics", true,
      [](Core& core) {
          return Page{200,
                      prometheus,
@@ -54,11 +53,11 @@ const std::array<Route, 5> routes{{
                          metrics_text(core.counters, core.gauges(), core.encoding.counters()),
                      {}};
      }},
-    {"/v1/state",
+    {"/v1/state", false,
      [](Core& core) {
          return Page{200, json, core.host.state_json(), {}};
      }},
-    {"/v1/plan",
+    {"/v1/plan", false,
      [](Core& core) {
          return Page{200, json, core.host.plan_json(), {}};
      }},
@@ -66,39 +65,37 @@ const std::array<Route, 5> routes{{
 
 } // namespace
 
-bool may_see(const Core& core, std::string_view target, std::string_view authorization) {
-    const std::string_view path = target.substr(0, target.find('?'));
-    if (core.client_token.empty() || path == "/healthz" || path == protocol::stream_path)
-        return true;
-    constexpr std::string_view scheme = "bearer ";
-    const bool bearer = authorization.size() > scheme.size() &&
-                        std::equal(scheme.begin(), scheme.end(), authorization.begin(),
-                                   [](char a, char b) { return a == (b | 0x20); });
-    if (!bearer)
-        return false;
-    const std::string_view token = authorization.substr(scheme.size());
-    return tokens_equal(token, core.client_token) || tokens_equal(token, core.admin_token);
-}
-
-Page unauthorised() {
-    return {.status = 401,
+std::optional<Page> keep_out(const Core& core, std::string_view path, const Judgement& judged) {
+    if (judged.barred == Barred::too_many_wrong)
+        return Page{.status = 429,
+                    .body = judged.why + "\n",
+                    .retry_after_s = static_cast<int>(judged.retry_after.count())};
+    if (judged.barred == Barred::in_the_clear)
+        return Page{.status = 403, .body = judged.why + "\n"};
+    const bool needs_none = is_open(core) || path == "/healthz" || path == protocol::stream_path;
+    if (judged.barred == Barred::wrong || (judged.standing == Standing::stranger && !needs_none))
+        return Page{
+            .status = 401,
             .body = "a token is needed: \"Authorization: Bearer\" and what the server's token file "
                     "says\n"};
+    return std::nullopt;
 }
 
-Page page_for(Core& core, std::string_view method, std::string_view target) {
-    const std::string_view path = target.substr(0, target.find('?'));
-    if (path == protocol::stream_path)
+Page page_for(Core& core, std::string_view method, std::string_view path, bool health_only) {
+    if (path == protocol::stream_path && !health_only)
         return {.status = 426,
                 .body = fmt::format("{} is a WebSocket with subprotocol {}\n", path,
                                     protocol::websocket_subprotocol)};
     const bool reads = method == "GET" || method == "HEAD";
-    const auto route = std::find_if(routes.begin(), routes.end(),
-                                    [&](const Route& known) { return known.path == path; });
-    if (!reads && (route != routes.end() || path == map_path))
+    const auto route = std::find_if(routes.begin(), routes.end(), [&](const Route& known) {
+        return known.path == path && (known.is_health || !health_only);
+    });
+    if (!reads && (route != routes.end() || path == map_path || path == "*"))
         return {.status = 405, .body = "only GET and HEAD are served here\n", .allow = "GET, HEAD"};
     if (route != routes.end())
         return route->make(core);
+    if (health_only)
+        return {.status = 404, .body = "no such page; here are /healthz /metrics\n"};
     return {.status = 404,
             .body = fmt::format(
                 "no such page; there are / /healthz /metrics /v1/state /v1/plan /v1/map, "

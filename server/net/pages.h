@@ -2,10 +2,12 @@
 // What the HTTP side says: a function from (method, path) to a page. No sockets.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 
 #include "server/net/core.h"
+#include "server/net/gate.h"
 
 namespace seaway::server {
 
@@ -17,15 +19,16 @@ struct Page {
     std::string content_type = "text/plain; charset=utf-8";
     std::string body = {};
     std::string allow = {}; ///< header of a 405
+    int retry_after_s = 0;  ///< the same may be asked again after so long; 0: nothing is said
 };
 
-/// With a client token, everything but the stream, whose Hello brings it, and /healthz is for those
-/// who bring that one, or the administrator's, as "Authorization: Bearer TOKEN".
-bool may_see(const Core& core, std::string_view target, std::string_view authorization);
-Page unauthorised();
+/// With a client token, everything but the stream, whose Hello may bring it, and /healthz is for
+/// those who bring that one, or the administrator's, as "Authorization: Bearer TOKEN". A token that is
+/// brought has to be right, also where none is needed. Empty: come in; else why not.
+std::optional<Page> keep_out(const Core& core, std::string_view path, const Judgement& judged);
 
-/// GET and HEAD of /healthz, /metrics, /v1/state, /v1/plan and /; a query string is ignored.
-/// /healthz is 200 "ok" or 503. Anything else is 404 or 405 with a sentence.
-Page page_for(Core& core, std::string_view method, std::string_view target);
+/// GET and HEAD of /healthz, /metrics, /v1/state, /v1/plan and /. /healthz is 200 "ok" or 503.
+/// Anything else is 404 or 405 with a sentence; where `health_only`, all but /healthz and /metrics.
+Page page_for(Core& core, std::string_view method, std::string_view path, bool health_only);
 
 } // namespace seaway::server

@@ -36,10 +36,15 @@ unsigned http_status(const Error& error) {
     case Refusal::not_offered:
         return 404;
     case Refusal::busy:
+        return 503;
     case Refusal::gone:
         break;
     }
-    return 503;
+    return 500;
+}
+
+int retry_after_s(const Error& error) {
+    return error.is(Refusal::busy) ? 1 : 0;
 }
 
 } // namespace seaway::server

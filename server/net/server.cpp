@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/net/server.h"
 
-#include <charconv>
+#include <functional>
 #include <thread>
 
 #include <boost/asio/io_context.hpp>
@@ -11,8 +11,9 @@
 #include <boost/asio/steady_timer.hpp>
 #include <fmt/format.h>
 
-#include "protocol/token_file.h"
 #include "server/net/connection.h"
+#include "server/net/credentials.h"
+#include "server/net/endpoint.h"
 #include "server/net/session.h"
 #include "sockets/socket.h"
 
@@ -28,113 +29,121 @@ constexpr int send_buffer_bytes = 256 * 1024;
 /// Out of file descriptors: wait, do not spin.
 constexpr std::chrono::milliseconds accept_pause{100};
 
-Result<tcp::endpoint> parse_endpoint(const std::string& listen) {
-    const Error wrong{fmt::format("--listen {}: not understood, expected ADDR:PORT with numbers, "
-                                  "such as 127.0.0.1:9430, 0.0.0.0:9430 or [::]:9430",
-                                  listen)};
-    const std::size_t colon = listen.rfind(':');
-    if (colon == std::string::npos)
-        return wrong;
-    std::string host = listen.substr(0, colon);
-    const bool bracketed = host.size() > 2 && host.front() == '[' && host.back() == ']';
-    if (bracketed)
-        host = host.substr(1, host.size() - 2);
-    else if (host.find(':') != std::string::npos)
-        return wrong;
-    unsigned port = 0;
-    const char* begin = listen.data() + colon + 1;
-    const char* end = listen.data() + listen.size();
-    const auto parsed = std::from_chars(begin, end, port);
-    if (begin == end || parsed.ptr != end || parsed.ec != std::errc() || port > 65535)
-        return wrong;
-    error_code error;
-    const auto address = asio::ip::make_address(host, error);
-    if (error)
-        return wrong;
-    return tcp::endpoint(address, static_cast<unsigned short>(port));
+Endpoint endpoint_of(const tcp::endpoint& endpoint) {
+    return {endpoint.address().to_string(), endpoint.port(), endpoint.address().is_v6()};
 }
 
-std::string text(const tcp::endpoint& endpoint) {
-    const std::string address = endpoint.address().to_string();
-    return endpoint.address().is_v6() ? fmt::format("[{}]:{}", address, endpoint.port())
-                                      : fmt::format("{}:{}", address, endpoint.port());
+bool is_loopback(const asio::ip::address& address) {
+    if (address.is_v6() && address.to_v6().is_v4_mapped())
+        return asio::ip::make_address_v4(asio::ip::v4_mapped, address.to_v6()).is_loopback();
+    return address.is_loopback();
 }
 
-std::string why_not(const tcp::endpoint& endpoint, error_code error) {
-    std::string advice = "choose another address with --listen ADDR:PORT";
-    if (error == asio::error::address_in_use)
-        advice = "another program listens there; stop it or choose another port with --listen, 0 "
-                 "takes a free one";
-    else if (error == asio::error::access_denied)
-        advice = "ports below 1024 need root; choose another with --listen";
-    else if (error.value() == EADDRNOTAVAIL)
-        advice = "this machine has no such address; 0.0.0.0 listens on all of them";
-    return fmt::format("cannot listen on {}: {}: {}", text(endpoint), error.message(), advice);
-}
+/// Takes connections, one after the other, until it is closed.
+class Listener {
+  public:
+    using Take = std::function<void(tcp::socket, const tcp::endpoint& peer)>;
 
-struct Tokens {
-    std::string client;
-    std::string admin;
-};
+    Listener(asio::io_context& io, Core& core, Take take)
+        : core_(core), acceptor_(io), timer_(io), take_(std::move(take)) {}
 
-Result<Tokens> load_tokens(const NetOptions& options) {
-    Tokens tokens;
-    for (const auto& [file, token] : {std::pair(&options.client_token_file, &tokens.client),
-                                      std::pair(&options.admin_token_file, &tokens.admin)})
-        if (!file->empty()) {
-            SEAWAY_TRY_LET(*token, protocol::read_token_file(*file));
-        }
-    return tokens;
-}
-
-/// Nothing to do without --tls-cert and --tls-key.
-Result<void> load_certificate(const NetOptions& options, asio::ssl::context& tls) {
-    if (options.tls_cert_file.empty() != options.tls_key_file.empty())
-        return Error{"--tls-cert and --tls-key belong together: give both or neither"};
-    if (options.tls_cert_file.empty())
+    Result<void> listen(const std::string& flag, const std::string& where) {
+        SEAWAY_TRY_LET(const Endpoint wanted, read_endpoint(flag, where));
+        error_code error;
+        const tcp::endpoint at(asio::ip::make_address(wanted.ip, error),
+                               static_cast<unsigned short>(wanted.port));
+        acceptor_.open(at.protocol(), error);
+        if (!error)
+            acceptor_.set_option(tcp::acceptor::reuse_address(true), error);
+        if (!error)
+            acceptor_.bind(at, error);
+        if (!error)
+            acceptor_.listen(asio::socket_base::max_listen_connections, error);
+        if (!error)
+            endpoint_ = endpoint_of(acceptor_.local_endpoint(error));
+        if (error)
+            return cannot_listen(flag, wanted, error.value(), error.message());
         return {};
-    error_code error;
-    tls.set_options(asio::ssl::context::no_tlsv1 | asio::ssl::context::no_tlsv1_1 |
-                        asio::ssl::context::no_sslv2 | asio::ssl::context::no_sslv3,
-                    error);
-    tls.use_certificate_chain_file(options.tls_cert_file, error);
-    if (error)
-        return Error{fmt::format("--tls-cert {}: {}; a PEM certificate chain is expected",
-                                 options.tls_cert_file, error.message())};
-    tls.use_private_key_file(options.tls_key_file, asio::ssl::context::pem, error);
-    if (error)
-        return Error{fmt::format("--tls-key {}: {}; the PEM key of the certificate is expected",
-                                 options.tls_key_file, error.message())};
-    return {};
-}
+    }
+
+    void accept() {
+        acceptor_.async_accept([this](error_code error, tcp::socket socket) {
+            on_accepted(error, std::move(socket));
+        });
+    }
+
+    void close() {
+        error_code ignored;
+        acceptor_.close(ignored);
+        timer_.cancel();
+    }
+
+    bool is_open() const { return acceptor_.is_open(); }
+    const Endpoint& endpoint() const { return endpoint_; }
+
+  private:
+    void on_accepted(error_code error, tcp::socket socket) {
+        if (!acceptor_.is_open() || error == asio::error::operation_aborted)
+            return;
+        if (error) {
+            core_.log(fmt::format("event=accept_failed why=\"{}\"", error.message()));
+            timer_.expires_after(accept_pause);
+            timer_.async_wait([this](error_code waited) {
+                if (!waited)
+                    accept();
+            });
+            return;
+        }
+        error_code gone; // a socket that is gone already will say so when it is read
+        socket.set_option(tcp::no_delay(true), gone);
+        socket.set_option(asio::socket_base::send_buffer_size(send_buffer_bytes), gone);
+        const tcp::endpoint peer = socket.remote_endpoint(gone);
+        take_(std::move(socket), peer);
+        accept();
+    }
+
+    Core& core_;
+    tcp::acceptor acceptor_;
+    asio::steady_timer timer_;
+    Take take_;
+    Endpoint endpoint_;
+};
 
 } // namespace
 
 class NetServer::Impl {
   public:
     Impl(const NetOptions& options, Host& host)
-        : tls_(asio::ssl::context::tls_server),
-          core_(std::make_shared<Core>(
+        : core_(std::make_shared<Core>(
               options, host, [this](Core::Work work) { asio::post(io_, std::move(work)); })) {}
 
     ~Impl() { stop(); }
 
     Result<void> start() {
         const NetOptions& options = core_->options;
-        SEAWAY_TRY_LET(const Tokens tokens, load_tokens(options));
-        core_->client_token = tokens.client;
-        core_->admin_token = tokens.admin;
-        with_tls_ = !options.tls_cert_file.empty();
-        SEAWAY_TRY(load_certificate(options, tls_));
-        SEAWAY_TRY(listen());
-        accept();
+        SEAWAY_TRY_LET(const Credentials credentials, load_credentials(options));
+        SEAWAY_TRY_LET(core_->origins, Origins::read(options.allowed_origins));
+        take(credentials);
+        SEAWAY_TRY(public_.listen("--listen", options.listen));
+        public_.accept();
+        if (!options.health_listen.empty()) {
+            SEAWAY_TRY(health_.listen("--health-listen", options.health_listen));
+            health_.accept();
+        }
         thread_ = std::thread([this] { io_.run(); });
         return {};
     }
 
-    int port() const { return endpoint_.port(); }
+    Result<void> reload() {
+        SEAWAY_TRY_LET(const Credentials credentials, load_credentials(core_->options));
+        asio::post(io_, [this, credentials] { take(credentials); });
+        return {};
+    }
+
+    int port() const { return public_.endpoint().port; }
+    int health_port() const { return health_.endpoint().port; }
     std::string url() const {
-        return fmt::format("{}://{}", with_tls_ ? "wss" : "ws", text(endpoint_));
+        return fmt::format("{}://{}", with_tls() ? "wss" : "ws", public_.endpoint().text());
     }
 
     void publish(KeyframeTiles tiles);
@@ -146,9 +155,14 @@ class NetServer::Impl {
     void stop();
 
   private:
-    Result<void> listen();
-    void accept();
-    void on_accepted(error_code error, tcp::socket socket);
+    bool with_tls() const { return !core_->options.tls_cert_file.empty(); }
+    void take(const Credentials& credentials) {
+        core_->tokens = credentials.tokens;
+        tls_ = credentials.tls;
+    }
+    bool make_room(Address& address);
+    void take_public(tcp::socket socket, const tcp::endpoint& from);
+    void take_health(tcp::socket socket, const tcp::endpoint& from);
     void begin_stop();
 
     /// A session may end, and leave the map, while it is called.
@@ -159,72 +173,64 @@ class NetServer::Impl {
     }
 
     asio::io_context io_{1};
-    asio::ssl::context tls_;
-    bool with_tls_ = false;
-    tcp::endpoint endpoint_;
-    tcp::acceptor acceptor_{io_};
-    asio::steady_timer accept_timer_{io_};
     asio::steady_timer stop_timer_{io_};
     std::shared_ptr<Core> core_;
+    std::shared_ptr<asio::ssl::context> tls_; ///< null: plain
+    Listener public_{io_, *core_, [this](tcp::socket socket, const tcp::endpoint& from) {
+                         take_public(std::move(socket), from);
+                     }};
+    Listener health_{io_, *core_, [this](tcp::socket socket, const tcp::endpoint& from) {
+                         take_health(std::move(socket), from);
+                     }};
+    /// Who asks for health crowds nobody else's address.
+    const AddressPtr health_address_ = std::make_shared<Address>("health", core_->options);
     std::thread thread_;
 };
 
-Result<void> NetServer::Impl::listen() {
-    const Result<tcp::endpoint> wanted = parse_endpoint(core_->options.listen);
-    if (!wanted)
-        return wanted.error();
-    error_code error;
-    acceptor_.open(wanted->protocol(), error);
-    if (!error)
-        acceptor_.set_option(tcp::acceptor::reuse_address(true), error);
-    if (!error)
-        acceptor_.bind(*wanted, error);
-    if (!error)
-        acceptor_.listen(asio::socket_base::max_listen_connections, error);
-    if (!error)
-        endpoint_ = acceptor_.local_endpoint(error);
-    if (error)
-        return Error{why_not(*wanted, error)};
-    return {};
-}
-
-void NetServer::Impl::accept() {
-    acceptor_.async_accept(
-        [this](error_code error, tcp::socket socket) { on_accepted(error, std::move(socket)); });
-}
-
-void NetServer::Impl::on_accepted(error_code error, tcp::socket socket) {
-    if (!acceptor_.is_open() || error == asio::error::operation_aborted)
-        return;
-    if (error) {
-        core_->log(fmt::format("event=accept_failed why=\"{}\"", error.message()));
-        accept_timer_.expires_after(accept_pause);
-        accept_timer_.async_wait([this](error_code waited) {
-            if (!waited)
-                accept();
-        });
-        return;
-    }
-    if (core_->connections >= core_->options.connections_max) {
-        if (core_->awaiting_requests.empty()) {
-            ++core_->counters.connections_refused; // closed by its destructor
-            return accept();
-        }
+/// For one more connection of this address, which is its own affair where it has as many as one
+/// address may have, and else that of who has the most. False: there is no room.
+bool NetServer::Impl::make_room(Address& address) {
+    const NetOptions& options = core_->options;
+    Door& door = core_->door;
+    const int most = options.connections_per_address;
+    const bool address_full = most > 0 && address.connections >= most;
+    if (!address_full && door.connections < options.connections_max)
+        return true;
+    const bool made = address_full
+                          ? door.awaiting_requests.give_up_of(address)
+                          : door.awaiting_requests.give_up_of_most(&Address::connections, 0);
+    const std::string reason = address_full ? "address_full" : "server_full";
+    if (made)
         ++core_->counters.connections_given_up;
-        const auto give_up = core_->awaiting_requests.front();
-        give_up();
-    }
+    else
+        ++core_->counters.connections_refused[reason];
+    if (const auto count = address.turn_away(Crowding::connections, Bucket::Clock::now()))
+        core_->log(fmt::format("event=connections_crowded address={} reason={} connections={} "
+                               "of_address={} count={}",
+                               address.name, reason, door.connections, address.connections, count));
+    return made;
+}
+
+void NetServer::Impl::take_public(tcp::socket socket, const tcp::endpoint& from) {
+    const AddressPtr address =
+        core_->addresses.of(from.address().to_string(), Bucket::Clock::now());
+    if (!make_room(*address))
+        return; // closed by its destructor
     ++core_->counters.connections_accepted;
-    error_code ignored; // a socket that is gone already will say so when it is read
-    socket.set_option(tcp::no_delay(true), ignored);
-    socket.set_option(asio::socket_base::send_buffer_size(send_buffer_bytes), ignored);
-    const tcp::endpoint peer = socket.remote_endpoint(ignored);
-    ConnectionSlot slot(core_);
-    serve_http(std::move(slot),
-               with_tls_ ? sockets::Socket(std::move(socket), tls_)
-                         : sockets::Socket(std::move(socket)),
-               text(peer));
-    accept();
+    Peer peer{endpoint_of(from).text(), address, is_loopback(from.address()), tls_ != nullptr};
+    serve_http(ConnectionSlot(core_, core_->door, address),
+               tls_ ? sockets::Socket(std::move(socket), *tls_)
+                    : sockets::Socket(std::move(socket)),
+               std::move(peer));
+}
+
+void NetServer::Impl::take_health(tcp::socket socket, const tcp::endpoint& from) {
+    Door& door = core_->health_door;
+    if (door.connections >= core_->options.health_connections_max &&
+        !door.awaiting_requests.give_up_of(*health_address_))
+        return;
+    serve_http(ConnectionSlot(core_, door, health_address_), sockets::Socket(std::move(socket)),
+               {endpoint_of(from).text(), health_address_, is_loopback(from.address()), false});
 }
 
 void NetServer::Impl::publish(KeyframeTiles tiles) {
@@ -259,16 +265,15 @@ void NetServer::Impl::publish(KeyframeTiles tiles) {
 
 void NetServer::Impl::begin_stop() {
     core_->stopping = true;
-    error_code ignored;
-    acceptor_.close(ignored);
-    accept_timer_.cancel();
+    public_.close();
+    health_.close();
     for_each_session(*core_, [](Session& session) {
         session.close(wire::ErrorCode::shutting_down, "the server stops");
     });
     // Ends when the last connection has said goodbye, or at the deadline.
     const auto deadline = std::chrono::steady_clock::now() + core_->options.stop_deadline;
     const auto look = [this, deadline](const auto& again) -> void {
-        if (core_->connections == 0 || std::chrono::steady_clock::now() >= deadline)
+        if (core_->door.connections == 0 || std::chrono::steady_clock::now() >= deadline)
             return io_.stop();
         stop_timer_.expires_after(std::chrono::milliseconds(10));
         stop_timer_.async_wait([again](error_code) { again(again); });
@@ -290,12 +295,16 @@ void NetServer::Impl::stop() {
 // ---- NetServer -----------------------------------------------------------------------------
 
 Result<void> NetServer::check(const NetOptions& options) {
-    if (const Result<tcp::endpoint> endpoint = parse_endpoint(options.listen); !endpoint)
+    if (const auto endpoint = read_endpoint("--listen", options.listen); !endpoint)
         return endpoint.error();
-    if (const Result<Tokens> tokens = load_tokens(options); !tokens)
-        return tokens.error();
-    asio::ssl::context tls(asio::ssl::context::tls_server);
-    return load_certificate(options, tls);
+    if (!options.health_listen.empty())
+        if (const auto endpoint = read_endpoint("--health-listen", options.health_listen);
+            !endpoint)
+            return endpoint.error();
+    if (const Result<Origins> origins = Origins::read(options.allowed_origins); !origins)
+        return origins.error();
+    const Result<Credentials> credentials = load_credentials(options);
+    return credentials ? Result<void>() : credentials.error();
 }
 
 Result<std::unique_ptr<NetServer>> NetServer::start(const NetOptions& options, Host& host) {
@@ -306,8 +315,14 @@ Result<std::unique_ptr<NetServer>> NetServer::start(const NetOptions& options, H
 
 NetServer::NetServer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 NetServer::~NetServer() = default;
+Result<void> NetServer::reload() {
+    return impl_->reload();
+}
 int NetServer::port() const {
     return impl_->port();
+}
+int NetServer::health_port() const {
+    return impl_->health_port();
 }
 std::string NetServer::url() const {
     return impl_->url();

@@ -39,8 +39,14 @@ class NetServer {
     NetServer(const NetServer&) = delete;
     NetServer& operator=(const NetServer&) = delete;
 
+    /// Reads tokens, certificate and key again, all of them or, with an error, none: then it goes on
+    /// with those it has. For connections and requests from now on; sessions that are open stay. Any
+    /// thread.
+    Result<void> reload();
+
     /// The port that was taken.
     int port() const;
+    int health_port() const; ///< of options.health_listen; 0: there is none
     /// "ws://127.0.0.1:9430", or "wss://...".
     std::string url() const;
 

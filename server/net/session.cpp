@@ -26,8 +26,9 @@ Error too_large() {
 
 } // namespace
 
-Session::Session(Core& core, Link& link, std::string peer)
-    : core_(core), link_(link), id_(core.next_session++), peer_(std::move(peer)) {
+Session::Session(Core& core, Link& link, Peer peer, Standing standing)
+    : core_(core), link_(link), id_(core.next_session++), peer_(std::move(peer)),
+      standing_(standing) {
     core_.sessions[id_] = this;
     ++core_.counters.sessions_opened;
 }
@@ -88,13 +89,20 @@ void Session::on_hello(const wire::Hello& hello) {
         return close(ErrorCode::unsupported_version,
                      fmt::format("this server speaks version {}", protocol::version));
     const std::string_view token = hello.token() ? hello.token()->string_view() : "";
-    const bool administrator = tokens_equal(token, core_.admin_token);
-    if (!administrator && !core_.client_token.empty() && !tokens_equal(token, core_.client_token))
+    const Judgement judged = judge_token(core_, peer_, token);
+    if (judged.barred)
+        return close(judged.barred == Barred::too_many_wrong ? ErrorCode::too_many_requests
+                                                             : ErrorCode::unauthorised,
+                     judged.why);
+    if (!token.empty())
+        standing_ = judged.standing;
+    if (standing_ == Standing::stranger && !is_open(core_))
         return close(ErrorCode::unauthorised, "token missing or wrong");
     greeted_ = true;
-    core_.log(fmt::format(
-        "event=session_open session={} peer={} client=\"{}\" administrator={}", id_, peer_,
-        printable(hello.client() ? hello.client()->string_view() : ""), administrator));
+    core_.log(fmt::format("event=session_open session={} peer={} client=\"{}\" administrator={}",
+                          id_, peer_.name,
+                          printable(hello.client() ? hello.client()->string_view() : ""),
+                          standing_ == Standing::administrator));
     reply(protocol::welcome(id_, "seaway " SEAWAY_VERSION, core_.host.sea_time_us()));
     for (const protocol::SharedBytes& state : core_.host.sea_state_messages())
         announce(state);
@@ -375,7 +383,7 @@ void Session::end(std::string_view reason, std::string_view why) {
     const std::chrono::duration<double> open = std::chrono::steady_clock::now() - opened_;
     core_.log(fmt::format("event=session_closed session={} peer={} reason={} why=\"{}\" "
                           "open_s={:.1f} messages_sent={} bytes_sent={}",
-                          id_, peer_, reason, printable(why), open.count(), messages_sent_,
+                          id_, peer_.name, reason, printable(why), open.count(), messages_sent_,
                           bytes_sent_));
     outbox_ = Outbox(); // what waited is released now, not when the connection goes
 }

@@ -13,6 +13,7 @@
 
 #include "protocol/messages.h"
 #include "server/net/core.h"
+#include "server/net/gate.h"
 #include "server/publish/outbox.h"
 
 namespace seaway::server {
@@ -30,14 +31,15 @@ class Link {
 
 class Session {
   public:
-    /// `peer` is for the log: "127.0.0.1:4711". Both references outlive the session.
-    Session(Core& core, Link& link, std::string peer);
+    /// `standing` is what the token of the upgrade was worth. Both references outlive the session.
+    Session(Core& core, Link& link, Peer peer, Standing standing);
     ~Session();
     Session(const Session&) = delete;
     Session& operator=(const Session&) = delete;
 
     SessionId id() const { return id_; }
     bool ended() const { return ended_; }
+    bool greeted() const { return greeted_; } ///< a Hello has been taken
 
     // ---- from the connection ---------------------------------------------------------------
 
@@ -82,7 +84,8 @@ class Session {
     Core& core_;
     Link& link_;
     const SessionId id_;
-    const std::string peer_;
+    const Peer peer_;
+    Standing standing_;
     protocol::MessageReader reader_{protocol::Sender::client};
     Outbox outbox_;
     std::shared_ptr<const void> here_ = std::make_shared<char>(); ///< for those who are asked

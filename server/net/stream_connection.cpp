@@ -35,13 +35,19 @@ sockets::WebSocketOptions web_socket_options(const NetOptions& options) {
 
 class StreamConnection final : public Link, public std::enable_shared_from_this<StreamConnection> {
   public:
-    StreamConnection(ConnectionSlot slot, sockets::Socket socket, std::string peer)
-        : slot_(std::move(slot)), upgrade_(slot_.core()),
+    StreamConnection(ConnectionSlot slot, sockets::Socket socket, Peer peer, Standing standing)
+        : slot_(std::move(slot)), upgrade_(slot_.core()), without_hello_(peer.address),
           ws_(std::move(socket), web_socket_options(core().options)), peer_(std::move(peer)),
-          hello_timer_(ws_.socket().get_executor()), write_timer_(ws_.socket().get_executor()),
+          standing_(standing), hello_timer_(ws_.socket().get_executor()),
+          delay_timer_(ws_.socket().get_executor()), write_timer_(ws_.socket().get_executor()),
           close_timer_(ws_.socket().get_executor()) {}
 
     void run(const sockets::Upgrade& upgrade) {
+        if (standing_ == Standing::stranger)
+            awaits_hello_.take(core().awaiting_hello, peer_.address, [weak = weak_from_this()] {
+                if (const auto self = weak.lock())
+                    self->make_room();
+            });
         ws_.accept(upgrade,
                    [self = shared_from_this()](Result<void> done) { self->on_accepted(done); });
     }
@@ -84,13 +90,15 @@ class StreamConnection final : public Link, public std::enable_shared_from_this<
 
     void on_accepted(const Result<void>& accepted) {
         upgrade_.reset();
+        if (lost_) // it has made room meanwhile
+            return;
         if (!accepted) {
             ++core().counters.handshakes_failed;
             core().log(fmt::format("event=connection_refused peer={} reason=bad_upgrade why=\"{}\"",
-                                   peer_, accepted.error().message));
+                                   peer_.name, accepted.error().message));
             return drop();
         }
-        session_.emplace(core(), *this, peer_);
+        session_.emplace(core(), *this, peer_, standing_);
         if (core().stopping)
             return session_->close(wire::ErrorCode::shutting_down, "the server stops");
         hello_timer_.expires_after(core().options.hello_deadline);
@@ -101,10 +109,41 @@ class StreamConnection final : public Link, public std::enable_shared_from_this<
         read();
     }
 
+    /// For a newcomer, before its Hello.
+    void make_room() {
+        says_hello_no_more();
+        if (session_)
+            return session_->close(wire::ErrorCode::hello_expected,
+                                   "no Hello yet, and others want the place");
+        upgrade_.reset();
+        ++core().counters.sessions_refused["gave_way"];
+        drop();
+    }
+
+    void says_hello_no_more() {
+        awaits_hello_.leave();
+        without_hello_.reset();
+    }
+
     void read() {
         if (reading_ || closing_ || lost_ || !session_->wants_requests())
             return;
         reading_ = true;
+        const auto wait =
+            peer_.address->request_bytes.wait_for(0, std::chrono::steady_clock::now());
+        if (wait.count() == 0)
+            return read_now();
+        ++core().counters.reads_delayed;
+        delay_timer_.expires_after(wait);
+        delay_timer_.async_wait([self = shared_from_this()](error_code error) {
+            if (error || self->lost_ || self->closing_)
+                self->reading_ = false;
+            else
+                self->read_now();
+        });
+    }
+
+    void read_now() {
         ws_.read([self = shared_from_this()](const Result<sockets::WebSocket::Message>& message) {
             self->on_read(message);
         });
@@ -114,10 +153,14 @@ class StreamConnection final : public Link, public std::enable_shared_from_this<
         reading_ = false;
         if (!message)
             return on_lost(message.error());
+        peer_.address->request_bytes.take(static_cast<double>(message->bytes.size()),
+                                          std::chrono::steady_clock::now());
         if (message->binary)
             session_->receive(message->bytes);
         else
             session_->close(wire::ErrorCode::bad_message, "a text message; only binary is spoken");
+        if (session_->greeted() || session_->ended())
+            says_hello_no_more();
         read();
     }
 
@@ -167,7 +210,9 @@ class StreamConnection final : public Link, public std::enable_shared_from_this<
     /// takes this object with it.
     void drop() {
         lost_ = true;
+        says_hello_no_more();
         hello_timer_.cancel();
+        delay_timer_.cancel();
         write_timer_.cancel();
         close_timer_.cancel();
         ws_.socket().close();
@@ -175,9 +220,13 @@ class StreamConnection final : public Link, public std::enable_shared_from_this<
 
     ConnectionSlot slot_;
     std::optional<UpgradeSlot> upgrade_; ///< until there is a session
+    std::optional<Counted<&Address::without_hello>> without_hello_;
     sockets::WebSocket ws_;
-    std::string peer_;
+    Peer peer_;
+    const Standing standing_;
+    WaitingLine::Place awaits_hello_; ///< strangers only
     asio::steady_timer hello_timer_;
+    asio::steady_timer delay_timer_;
     asio::steady_timer write_timer_;
     asio::steady_timer close_timer_;
     std::optional<Session> session_;
@@ -193,8 +242,9 @@ class StreamConnection final : public Link, public std::enable_shared_from_this<
 } // namespace
 
 void serve_stream(ConnectionSlot slot, sockets::Socket socket, const sockets::Upgrade& upgrade,
-                  std::string peer) {
-    std::make_shared<StreamConnection>(std::move(slot), std::move(socket), std::move(peer))
+                  Peer peer, Standing standing) {
+    std::make_shared<StreamConnection>(std::move(slot), std::move(socket), std::move(peer),
+                                       standing)
         ->run(upgrade);
 }
 

@@ -54,7 +54,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }();
     Nowhere link;
     {
-        server::Session session(*world->core, link, "fuzz");
+        server::Session session(*world->core, link,
+                                {.name = "fuzz", .address = world->core->addresses.of("::1", {})},
+                                server::Standing::stranger);
         const protocol::Bytes hello = protocol::hello("fuzz", "");
         session.receive(hello);
         while (size >= 2 && !session.ended()) {

@@ -42,7 +42,7 @@ class Peer {
         address.sin_port = htons(static_cast<std::uint16_t>(port));
         address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
         ok_ = ::connect(socket_, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0;
-        say("GET /v1/stream HTTP/1.1\r\nHost: x\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n"
+        say("GET /v1/stream HTTP/1.1\r\nHost: 127.0.0.1\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n"
             "Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"
             "Sec-WebSocket-Protocol: seaway.v1\r\n\r\n");
         std::string header;
@@ -218,6 +218,7 @@ int main(int argc, char** argv) {
     sea.size = 64;
     server::NetOptions options;
     options.listen = "127.0.0.1:0";
+    options.connections_per_address = 0; // all of them are here
     auto net = server::NetServer::start(options, sea);
     if (!net) {
         fmt::print(stderr, "{}\n", net.error().message);

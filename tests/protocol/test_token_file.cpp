@@ -37,6 +37,24 @@ TEST(TokenFile, refuses_what_no_hello_could_bring) {
               std::string::npos);
 }
 
+// An editor's byte order mark would be part of the token, which then nobody brings; and what an HTTP
+// header cannot carry could come by Hello alone.
+TEST(TokenFile, refuses_marks_and_odd_bytes_by_name) {
+    for (const auto& [text, words] :
+         {std::pair<std::string, const char*>{"\xEF\xBB\xBFopen sesame\n", "byte order mark"},
+          {std::string("open\0sesame\n", 12), "byte 5"},
+          {"open\tsesame\n", "byte 5"},
+          {"\xFF\xFEo\n", "byte 1"},
+          {"s\xC3\xA9same\n", "byte 2"},
+          {"sesame\x7F\n", "byte 7"}}) {
+        const Result<std::string> token = read_token_file(file(text));
+        ASSERT_FALSE(token) << text;
+        EXPECT_NE(token.error().message.find(words), std::string::npos) << token.error().message;
+        EXPECT_EQ(token.error().message.find("sesame"), std::string::npos) << "no secret in it";
+    }
+    EXPECT_EQ(*read_token_file(file("a~ !z\n\xEF\xBB\xBF")), "a~ !z") << "the first line counts";
+}
+
 // Naive: a pipe is waited for until somebody writes, a device is read for ever.
 TEST(TokenFile, never_waits_and_never_reads_without_end) {
     const std::string pipe = ::testing::TempDir() + "token_pipe";

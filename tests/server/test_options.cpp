@@ -33,22 +33,64 @@ TEST(ServerOptions, each_goes_where_it_says_and_has_its_default) {
     ASSERT_TRUE(std::holds_alternative<Options>(plain));
     const auto& bare = std::get<Options>(plain);
     EXPECT_EQ(bare.scene, "a.toml");
-    EXPECT_EQ(bare.listen, "127.0.0.1:9430");
+    EXPECT_EQ(bare.net.listen, "127.0.0.1:9430");
     EXPECT_EQ(bare.device, "auto");
-    EXPECT_EQ(bare.tls_cert + bare.tls_key + bare.admin_token_file + bare.client_token_file, "");
+    EXPECT_EQ(bare.net.tls_cert_file + bare.net.tls_key_file + bare.net.admin_token_file +
+                  bare.net.client_token_file + bare.net.health_listen,
+              "");
+    EXPECT_TRUE(bare.net.allowed_origins.empty());
+    EXPECT_EQ(bare.net.connections_per_address, 320);
     EXPECT_FALSE(bare.validation);
-    const auto read = options_of({"--listen", "[::]:1", "--device", "2", "--tls-cert", "c.pem",
-                                  "--tls-key", "k.pem", "--admin-token-file", "admin",
-                                  "--client-token-file", "client", "--validation", "b.toml"});
+    const auto read = options_of({"--listen",
+                                  "[::]:1",
+                                  "--device",
+                                  "2",
+                                  "--tls-cert",
+                                  "c.pem",
+                                  "--tls-key",
+                                  "k.pem",
+                                  "--admin-token-file",
+                                  "admin",
+                                  "--client-token-file",
+                                  "client",
+                                  "--validation",
+                                  "--health-listen",
+                                  "127.0.0.1:2",
+                                  "--connections-max",
+                                  "11",
+                                  "--sessions-max",
+                                  "12",
+                                  "--connections-per-address",
+                                  "13",
+                                  "--sessions-without-hello-per-address",
+                                  "14",
+                                  "--wrong-tokens-per-address",
+                                  "15",
+                                  "--request-bytes-per-address",
+                                  "16.5",
+                                  "--allow-origin",
+                                  "https://a.example",
+                                  "--allow-origin",
+                                  "https://b.example",
+                                  "b.toml"});
     ASSERT_TRUE(std::holds_alternative<Options>(read));
     const auto& all = std::get<Options>(read);
     EXPECT_EQ(all.scene, "b.toml");
-    EXPECT_EQ(all.listen, "[::]:1");
+    EXPECT_EQ(all.net.listen, "[::]:1");
     EXPECT_EQ(all.device, "2");
-    EXPECT_EQ(all.tls_cert, "c.pem");
-    EXPECT_EQ(all.tls_key, "k.pem");
-    EXPECT_EQ(all.admin_token_file, "admin");
-    EXPECT_EQ(all.client_token_file, "client");
+    EXPECT_EQ(all.net.tls_cert_file, "c.pem");
+    EXPECT_EQ(all.net.admin_token_file, "admin");
+    EXPECT_EQ(all.net.client_token_file, "client");
+    EXPECT_EQ(all.net.tls_key_file, "k.pem");
+    EXPECT_EQ(all.net.health_listen, "127.0.0.1:2");
+    EXPECT_EQ(all.net.connections_max, 11);
+    EXPECT_EQ(all.net.sessions_max, 12);
+    EXPECT_EQ(all.net.connections_per_address, 13);
+    EXPECT_EQ(all.net.sessions_without_hello_per_address, 14);
+    EXPECT_EQ(all.net.wrong_tokens_per_address, 15);
+    EXPECT_EQ(all.net.request_bytes_per_s_per_address, 16.5);
+    EXPECT_EQ(all.net.allowed_origins,
+              (std::vector<std::string>{"https://a.example", "https://b.example"}));
     EXPECT_TRUE(all.validation);
     EXPECT_EQ(options_of({"--device", "list"}).index(), 0u) << "a list needs no scene";
 }
@@ -61,6 +103,8 @@ TEST(ServerOptions, what_makes_no_sense_is_exit_code_2_and_one_line_that_names_i
         {{"a.toml", "--tls-cert", "c.pem"}, "--tls-key"},
         {{"a.toml", "--tls-key", "k.pem"}, "--tls-cert"},
         {{"a.toml", "--listen", ""}, "--listen"},
+        {{"a.toml", "--connections-max", "0"}, "--connections-max"},
+        {{"a.toml", "--connections-per-address", "-1"}, "--connections-per-address"},
         {{"a.toml", "--bogus"}, "--bogus"}};
     for (const auto& [words, named] : cases) {
         std::string said;

@@ -43,11 +43,11 @@ protocol::Bytes frame_of(Opcode opcode, std::span<const std::uint8_t> payload,
     return bytes;
 }
 
-std::string upgrade_request(const std::string& subprotocol) {
+std::string upgrade_request(const std::string& subprotocol, const std::string& fields = {}) {
     return "GET /v1/stream HTTP/1.1\r\nHost: 127.0.0.1\r\nConnection: Upgrade\r\n"
            "Upgrade: websocket\r\nSec-WebSocket-Version: 13\r\n"
            "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Protocol: " +
-           subprotocol + "\r\n\r\n";
+           subprotocol + "\r\n" + fields + "\r\n";
 }
 /// What RFC 6455 (section 1.3) says that key must be answered with.
 constexpr const char* accepted_key = "s3pPLMBiTxaQ9kYGzzhZRbK+xOo=";
@@ -77,7 +77,7 @@ HttpAnswer parse_header(const std::string& header) {
 // ---- Client ------------------------------------------------------------------------------------
 
 struct Client::Impl {
-    explicit Impl(int to) : port(to) {}
+    Impl(int to, std::string by) : port(to), from(std::move(by)) {}
 
     struct Frame {
         Opcode opcode{};
@@ -143,6 +143,7 @@ struct Client::Impl {
 
     Tcp tcp;
     int port;
+    std::string from;
     HttpAnswer response;
     std::string received; ///< and not yet taken apart
     Frame frame;
@@ -151,14 +152,15 @@ struct Client::Impl {
     protocol::MessageReader reader{protocol::Sender::server};
 };
 
-Client::Client(int port) : impl_(std::make_unique<Impl>(port)) {}
+Client::Client(int port, std::string from) : impl_(std::make_unique<Impl>(port, std::move(from))) {}
 Client::~Client() = default;
 
-std::error_code Client::connect(const std::string& subprotocol) {
+std::error_code Client::connect(const std::string& subprotocol, const std::string& fields) {
     Impl& c = *impl_;
-    if (const std::error_code error = c.tcp.connect(c.port))
+    if (const std::error_code error = c.tcp.connect(c.port, c.from))
         return error;
-    if (const std::error_code error = c.tcp.write(bytes_of(upgrade_request(subprotocol)), patience))
+    if (const std::error_code error =
+            c.tcp.write(bytes_of(upgrade_request(subprotocol, fields)), patience))
         return error;
     const Clock::time_point end = Clock::now() + patience;
     std::size_t header = std::string::npos;
@@ -216,8 +218,11 @@ std::error_code Client::error() const {
 int Client::status() const {
     return impl_->response.status;
 }
+std::string Client::field(const std::string& name) const {
+    return impl_->response.fields[name];
+}
 std::string Client::subprotocol() const {
-    return impl_->response.fields["Sec-WebSocket-Protocol"];
+    return field("Sec-WebSocket-Protocol");
 }
 
 // ---- RawPeer -----------------------------------------------------------------------------------
@@ -235,10 +240,11 @@ struct RawPeer::Impl {
     }
 };
 
-RawPeer::RawPeer(int port, int receive_buffer_bytes) : impl_(std::make_unique<Impl>()) {
+RawPeer::RawPeer(int port, int receive_buffer_bytes, const std::string& from)
+    : impl_(std::make_unique<Impl>()) {
     if (receive_buffer_bytes > 0)
         impl_->tcp.set(SO_RCVBUF, &receive_buffer_bytes, sizeof receive_buffer_bytes);
-    EXPECT_FALSE(impl_->tcp.connect(port));
+    EXPECT_FALSE(impl_->tcp.connect(port, from));
 }
 RawPeer::~RawPeer() = default;
 
@@ -306,8 +312,8 @@ std::size_t RawPeer::bytes_read() const {
 // ---- HTTP --------------------------------------------------------------------------------------
 
 HttpAnswer ask_http(int port, const std::string& target, const std::string& method,
-                    const std::string& authorization) {
-    RawPeer peer(port);
+                    const std::string& authorization, const std::string& from) {
+    RawPeer peer(port, 0, from);
     peer.say(method + " " + target + " HTTP/1.1\r\nHost: 127.0.0.1\r\nConnection: close\r\n" +
              (authorization.empty() ? "" : "Authorization: " + authorization + "\r\n") + "\r\n");
     const std::string all = peer.rest();

@@ -19,10 +19,13 @@ namespace seaway::tests {
 /// A WebSocket client whose every operation ends after 5 s at the latest.
 class Client {
   public:
-    explicit Client(int port);
+    /// `from`: an address of this machine, such as 127.0.0.2.
+    explicit Client(int port, std::string from = {});
     ~Client();
 
-    std::error_code connect(const std::string& subprotocol = "seaway.v1");
+    /// `fields`: more lines of the upgrade's header, each with its line end.
+    std::error_code connect(const std::string& subprotocol = "seaway.v1",
+                            const std::string& fields = {});
     std::error_code send(const protocol::Bytes& bytes);
 
     /// The next message, valid until the next call; null with error() set.
@@ -39,6 +42,7 @@ class Client {
     std::error_code error() const;
     /// What the upgrade was answered with.
     int status() const;
+    std::string field(const std::string& name) const; ///< of that answer
     std::string subprotocol() const;
 
   private:
@@ -49,7 +53,7 @@ class Client {
 /// A bare TCP connection to say anything with.
 class RawPeer {
   public:
-    explicit RawPeer(int port, int receive_buffer_bytes = 0);
+    explicit RawPeer(int port, int receive_buffer_bytes = 0, const std::string& from = {});
     ~RawPeer();
 
     void say(std::span<const std::uint8_t> bytes);
@@ -82,6 +86,6 @@ struct HttpAnswer {
 
 /// One request on a connection of its own.
 HttpAnswer ask_http(int port, const std::string& target, const std::string& method,
-                    const std::string& authorization = {});
+                    const std::string& authorization = {}, const std::string& from = {});
 
 } // namespace seaway::tests

@@ -32,8 +32,14 @@ void Tcp::set(int option, const void* value, std::size_t size) {
               0);
 }
 
-std::error_code Tcp::connect(int port) {
+std::error_code Tcp::connect(int port, const std::string& from) {
     sockaddr_in address{};
+    if (!from.empty()) {
+        address.sin_family = AF_INET;
+        EXPECT_EQ(::inet_pton(AF_INET, from.c_str(), &address.sin_addr), 1);
+        EXPECT_EQ(::bind(descriptor_, reinterpret_cast<const sockaddr*>(&address), sizeof address),
+                  0);
+    }
     address.sin_family = AF_INET;
     address.sin_port = htons(static_cast<std::uint16_t>(port));
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);

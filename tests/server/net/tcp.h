@@ -22,7 +22,8 @@ class Tcp {
 
     /// An option of level SOL_SOCKET.
     void set(int option, const void* value, std::size_t size);
-    std::error_code connect(int port);
+    /// `from`: an address of this machine to come from; all of 127.0.0.0/8 is.
+    std::error_code connect(int port, const std::string& from = {});
     /// Everything, or an error; after `wait` without room for more it is `timed_out`.
     std::error_code write(std::span<const std::uint8_t> bytes, std::chrono::milliseconds wait);
     /// Appends what is there, at least a byte. The end in order is `no_message_available`; nothing

@@ -56,10 +56,11 @@ TEST_F(NetCrowd, upgrades_under_way_count_as_sessions) {
     start();
     // The requests come in one go, so that several upgrades are under way before the first is over.
     constexpr int crowd = 24;
-    const std::string_view request = "GET /v1/stream HTTP/1.1\r\nHost: x\r\nUpgrade: websocket\r\n"
-                                     "Connection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
-                                     "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"
-                                     "Sec-WebSocket-Protocol: seaway.v1\r\n\r\n";
+    const std::string_view request =
+        "GET /v1/stream HTTP/1.1\r\nHost: 127.0.0.1\r\nUpgrade: websocket\r\n"
+        "Connection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
+        "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"
+        "Sec-WebSocket-Protocol: seaway.v1\r\n\r\n";
     std::vector<std::unique_ptr<RawPeer>> peers;
     for (int i = 0; i < crowd; ++i)
         peers.push_back(std::make_unique<RawPeer>(port()));
@@ -119,7 +120,7 @@ TEST_F(NetCrowd, maps_however_they_end_leave_no_connection_behind) {
         EXPECT_EQ(map.body.size(), SmallSea::map_chunks * SmallSea::map_chunk_bytes);
         EXPECT_EQ(get("/v1/map", "HEAD").status, 200) << "before a row of it is made";
         RawPeer leaves(port());
-        leaves.say("GET /v1/map HTTP/1.1\r\nHost: x\r\n\r\n");
+        leaves.say("GET /v1/map HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n");
         leaves.reset();
     }
     EXPECT_TRUE(eventually([&] { return metric("seaway_net_connections") == 1; }))
@@ -130,7 +131,7 @@ TEST_F(NetCrowd, maps_however_they_end_leave_no_connection_behind) {
 TEST_F(NetCrowd, a_map_that_is_never_ready_is_let_go_when_the_server_stops) {
     start();
     RawPeer peer(port());
-    peer.say("GET /v1/map HTTP/1.1\r\nHost: x\r\n\r\n");
+    peer.say("GET /v1/map HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n");
     EXPECT_TRUE(peer.header().starts_with("HTTP/1.1 200"));
     EXPECT_EQ(*host.maps_alive, 1);
     net.reset();

@@ -52,7 +52,8 @@ TEST_F(NetHttp, every_answer_says_which_program_it_is_and_is_not_to_be_kept) {
         EXPECT_EQ(answer.fields.at("X-Content-Type-Options"), "nosniff") << target;
     }
     RawPeer peer(port());
-    peer.say("GET /v1/stream HTTP/1.1\r\nHost: x\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+    peer.say("GET /v1/stream HTTP/1.1\r\nHost: 127.0.0.1\r\nUpgrade: websocket\r\nConnection: "
+             "Upgrade\r\n"
              "Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"
              "Sec-WebSocket-Protocol: seaway.v1\r\n\r\n");
     const std::string upgraded = peer.header();
@@ -91,7 +92,7 @@ TEST_F(NetHttp, requests_that_are_too_large_or_not_for_reading_have_each_a_statu
         peer.say(request);
         return peer.rest().substr(0, 12);
     };
-    const std::string head = " HTTP/1.1\r\nHost: x\r\nConnection: close\r\n";
+    const std::string head = " HTTP/1.1\r\nHost: 127.0.0.1\r\nConnection: close\r\n";
     EXPECT_EQ(status("GET /healthz" + head + "X: " + std::string(9000, 'x') + "\r\n\r\n"),
               "HTTP/1.1 431");
     EXPECT_EQ(status("GET /healthz" + head + "Content-Length: 1025\r\n\r\n"), "HTTP/1.1 413");

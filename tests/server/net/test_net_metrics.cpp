@@ -19,12 +19,15 @@ const std::map<std::string, double> figures{
     {"seaway_net_connections", 5},
     {"seaway_net_outbox_bytes", 7},
     {"seaway_net_connections_accepted_total", 101},
-    {"seaway_net_connections_refused_total", 103},
+    {"seaway_net_connections_refused_total{reason=\"server_full\"}", 103},
     {"seaway_net_connections_given_up_total", 107},
     {"seaway_net_handshakes_failed_total", 109},
     {"seaway_net_http_responses_total{status=\"200\"}", 113},
     {"seaway_net_http_responses_total{status=\"404\"}", 127},
     {"seaway_net_sessions_opened_total", 131},
+    {"seaway_net_sessions_refused_total{reason=\"origin\"}", 223},
+    {"seaway_net_tokens_refused_total{reason=\"wrong\"}", 227},
+    {"seaway_net_reads_delayed_total", 229},
     {"seaway_net_sessions_closed_total{reason=\"idle\"}", 137},
     {"seaway_net_sessions_closed_total{reason=\"too_slow\"}", 139},
     {"seaway_net_requests_refused_total{code=\"bad_value\"}", 149},
@@ -43,20 +46,23 @@ const std::map<std::string, double> figures{
     {"seaway_net_keyframes_replaced_total", 2013},
     {"seaway_net_keyframes_awaiting_credit_total", 3017},
     {"seaway_net_fields_encoded_total", 211},
-    {"seaway_net_fields_reused_total", 223},
-    {"seaway_net_encoded_samples_total", 227},
-    {"seaway_net_encoded_bytes_total", 229},
+    {"seaway_net_fields_reused_total", 239},
+    {"seaway_net_encoded_samples_total", 241},
+    {"seaway_net_encoded_bytes_total", 251},
     {"seaway_net_encode_seconds_total", 0.25}};
 
 // No two figures are equal.
 
 TEST(NetMetricsText, every_line_shows_the_figure_that_it_names) {
     const Counters counters{.connections_accepted = 101,
-                            .connections_refused = 103,
+                            .connections_refused = {{"server_full", 103}},
                             .connections_given_up = 107,
                             .handshakes_failed = 109,
                             .http_responses = {{200, 113}, {404, 127}},
                             .sessions_opened = 131,
+                            .sessions_refused = {{"origin", 223}},
+                            .tokens_refused = {{"wrong", 227}},
+                            .reads_delayed = 229,
                             .sessions_closed = {{"idle", 137}, {"too_slow", 139}},
                             .requests_refused = {{"bad_value", 149}},
                             .messages_received = 151,
@@ -76,7 +82,7 @@ TEST(NetMetricsText, every_line_shows_the_figure_that_it_names) {
                         .outbox_bytes = 7,
                         .outboxes = {11, 13, 17}};
     const EncoderCounters encoder{
-        .fields_encoded = 211, .fields_reused = 223, .samples = 227, .bytes = 229, .seconds = 0.25};
+        .fields_encoded = 211, .fields_reused = 239, .samples = 241, .bytes = 251, .seconds = 0.25};
     expect_metrics(read_metrics(server::metrics_text(counters, gauges, encoder)), figures);
 }
 
@@ -143,8 +149,13 @@ const std::map<std::string, double> happened{
     {"seaway_net_subscriptions", 1},
     {"seaway_net_connections", 2},
     {"seaway_net_outbox_bytes", 0},
-    {"seaway_net_connections_refused_total", 0},
+    {"seaway_net_connections_refused_total{reason=\"address_full\"}", 0},
+    {"seaway_net_connections_refused_total{reason=\"server_full\"}", 0},
+    {"seaway_net_tokens_refused_total{reason=\"in_the_clear\"}", 0},
+    {"seaway_net_tokens_refused_total{reason=\"too_many_wrong\"}", 0},
+    {"seaway_net_tokens_refused_total{reason=\"wrong\"}", 0},
     {"seaway_net_connections_given_up_total", 0},
+    {"seaway_net_reads_delayed_total", 0},
     {"seaway_net_handshakes_failed_total", 1},
     {"seaway_net_http_responses_total{status=\"404\"}", 1},
     {"seaway_net_http_responses_total{status=\"405\"}", 1},

@@ -72,13 +72,26 @@ class TlsPeer {
     TlsPeer(const TlsPeer&) = delete;
     TlsPeer& operator=(const TlsPeer&) = delete;
 
-    bool handshake(int version_max = TLS1_3_VERSION) {
+    /// `suites`: of TLS 1.2, in OpenSSL's words; empty: all.
+    bool handshake(int version_max = TLS1_3_VERSION, const char* suites = "ALL") {
         SSL_CTX_set_security_level(context_.get(), 0); // offers old versions too
+        EXPECT_EQ(SSL_CTX_set_cipher_list(context_.get(), suites), 1) << suites;
         SSL_CTX_set_min_proto_version(context_.get(), TLS1_VERSION);
         SSL_CTX_set_max_proto_version(context_.get(), version_max);
         ssl_.reset(SSL_new(context_.get()));
         SSL_set_fd(ssl_.get(), socket_);
         return SSL_connect(ssl_.get()) == 1;
+    }
+    /// SHA-256 of the server's certificate.
+    std::string fingerprint() const {
+        const Certificate certificate(SSL_get1_peer_certificate(ssl_.get()));
+        std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
+        unsigned size = 0;
+        X509_digest(certificate.get(), EVP_sha256(), digest.data(), &size);
+        return {digest.begin(), digest.begin() + size};
+    }
+    bool renegotiates() {
+        return SSL_renegotiate(ssl_.get()) == 1 && SSL_do_handshake(ssl_.get()) == 1;
     }
     void say(std::string_view text) {
         EXPECT_EQ(SSL_write(ssl_.get(), text.data(), static_cast<int>(text.size())),
@@ -123,10 +136,11 @@ TEST_F(NetTls, pages_and_streams_are_served) {
     EXPECT_EQ(net->url().substr(0, 6), "wss://");
     TlsPeer peer(net->port());
     ASSERT_TRUE(peer.handshake());
-    peer.say("GET /healthz HTTP/1.1\r\nHost: x\r\n\r\n");
+    peer.say("GET /healthz HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n");
     EXPECT_NE(peer.hear("ok\n").find("200 OK"), std::string::npos);
     // The same connection, kept alive, becomes a stream.
-    peer.say("GET /v1/stream HTTP/1.1\r\nHost: x\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n"
+    peer.say("GET /v1/stream HTTP/1.1\r\nHost: 127.0.0.1\r\nConnection: Upgrade\r\nUpgrade: "
+             "websocket\r\n"
              "Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"
              "Sec-WebSocket-Protocol: seaway.v1\r\n\r\n");
     EXPECT_NE(peer.hear("\r\n\r\n").find("101 Switching"), std::string::npos);
@@ -143,6 +157,47 @@ TEST_F(NetTls, versions_before_1_2_are_refused) {
     EXPECT_FALSE(old.handshake(TLS1_1_VERSION));
     TlsPeer good(net->port());
     EXPECT_TRUE(good.handshake(TLS1_2_VERSION));
+}
+
+// RFC 9325, section 4.2: forward secrecy and authenticated encryption.
+TEST_F(NetTls, of_the_suites_of_1_2_only_those_with_forward_secrecy_and_without_cbc_are_spoken) {
+    for (const char* weak : {"ECDHE-ECDSA-AES128-SHA", "ECDHE-ECDSA-AES256-SHA384",
+                             "ECDHE-ECDSA-AES128-SHA256", "ECDHE-ECDSA-AES128-CCM"}) {
+        TlsPeer peer(net->port());
+        EXPECT_FALSE(peer.handshake(TLS1_2_VERSION, weak)) << weak;
+    }
+    for (const char* strong : {"ECDHE-ECDSA-AES128-GCM-SHA256", "ECDHE-ECDSA-AES256-GCM-SHA384",
+                               "ECDHE-ECDSA-CHACHA20-POLY1305"}) {
+        TlsPeer peer(net->port());
+        EXPECT_TRUE(peer.handshake(TLS1_2_VERSION, strong)) << strong;
+    }
+    TlsPeer again(net->port());
+    ASSERT_TRUE(again.handshake(TLS1_2_VERSION));
+    EXPECT_FALSE(again.renegotiates()) << "a handshake costs the server more than the client";
+}
+
+TEST_F(NetTls, a_new_certificate_is_for_new_connections_and_a_broken_one_for_none) {
+    const std::string request = "GET /healthz HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n";
+    const auto shown = [&] {
+        TlsPeer peer(net->port());
+        EXPECT_TRUE(peer.handshake());
+        return peer.fingerprint();
+    };
+    TlsPeer old(net->port());
+    ASSERT_TRUE(old.handshake());
+    const std::string first = old.fingerprint();
+    make_certificate(folder().file("cert.pem"), folder().file("key.pem"));
+    EXPECT_EQ(shown(), first) << "nobody has asked to read it";
+    ASSERT_TRUE(net->reload());
+    const std::string second = shown();
+    EXPECT_NE(second, first);
+    old.say(request);
+    EXPECT_NE(old.hear("ok\n").find("200 OK"), std::string::npos) << "what is open stays open";
+    make_certificate(folder().file("cert.pem"), folder().file("other_key.pem"));
+    const Result<void> broken = net->reload();
+    ASSERT_FALSE(broken) << "the key is not this certificate's";
+    EXPECT_NE(broken.error().message.find("--tls-key"), std::string::npos);
+    EXPECT_EQ(shown(), second);
 }
 
 TEST_F(NetTls, a_key_of_another_certificate_is_one_helpful_line) {

@@ -153,7 +153,8 @@ class SmallSea : public server::Host {
     }
     std::string plan_json() const override { return "{\"plan\":1}"; }
     std::string metrics_text() const override {
-        return "# TYPE seaway_simulation_up gauge\nseaway_simulation_up 1\n";
+        return "# HELP seaway_simulation_up 1 while it runs.\n"
+               "# TYPE seaway_simulation_up gauge\nseaway_simulation_up 1\n";
     }
     bool healthy() const override { return well; }
 

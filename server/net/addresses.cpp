@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/net/addresses.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <boost/asio/ip/address.hpp>
+#include <boost/asio/ip/network_v6.hpp>
+
+namespace seaway::server {
+
+namespace ip = boost::asio::ip;
+
+void Bucket::fill(Clock::time_point now) {
+    if (now > seen_) {
+        const std::chrono::duration<double> passed = now - std::exchange(seen_, now);
+        level_ = std::min(burst_, level_ + per_s_ * passed.count());
+    }
+}
+
+void Bucket::take(double amount, Clock::time_point now) {
+    fill(now);
+    if (burst_ > 0)
+        level_ -= amount;
+}
+
+std::chrono::milliseconds Bucket::wait_for(double amount, Clock::time_point now) {
+    fill(now);
+    if (burst_ <= 0 || level_ >= amount)
+        return std::chrono::milliseconds(0);
+    constexpr double rounding_ms = 1e-3;
+    return std::chrono::milliseconds(
+        static_cast<std::int64_t>(std::ceil(1000.0 * (amount - level_) / per_s_ - rounding_ms)));
+}
+
+bool Bucket::is_full(Clock::time_point now) {
+    fill(now);
+    return level_ >= burst_;
+}
+
+Address::Address(std::string who, const NetOptions& options)
+    : name(std::move(who)),
+      wrong_tokens(options.wrong_tokens_per_address, options.wrong_tokens_refill),
+      request_bytes(2 * options.request_bytes_per_s_per_address, std::chrono::seconds(2)) {}
+
+std::uint64_t Address::turn_away(Crowding why, Bucket::Clock::time_point now) {
+    Told& told = told_[static_cast<std::size_t>(why)];
+    ++told.since;
+    if (told.ever && now - told.at < log_pause)
+        return 0;
+    told.ever = true;
+    told.at = now;
+    return std::exchange(told.since, 0);
+}
+
+std::string address_name(std::string_view text) {
+    boost::system::error_code error;
+    const ip::address address = ip::make_address(std::string(text), error);
+    if (error || address.is_v4())
+        return std::string(text);
+    const ip::address_v6 v6 = address.to_v6();
+    if (v6.is_v4_mapped())
+        return ip::make_address_v4(ip::v4_mapped, v6).to_string();
+    return ip::make_network_v6(ip::address_v6(v6.to_bytes()), 64).canonical().to_string();
+}
+
+AddressPtr Addresses::of(std::string_view ip, Bucket::Clock::time_point now) {
+    const std::string name = address_name(ip);
+    if (const auto found = known_.find(name); found != known_.end())
+        return found->second;
+    if (known_.size() >= forget_at_)
+        forget(now);
+    return known_.emplace(name, std::make_shared<Address>(name, options_)).first->second;
+}
+
+void Addresses::forget(Bucket::Clock::time_point now) {
+    const auto unused = [](const auto& known) { return known.second.use_count() == 1; };
+    std::erase_if(known_, [&](const auto& known) {
+        return unused(known) && known.second->wrong_tokens.is_full(now) &&
+               known.second->request_bytes.is_full(now);
+    });
+    if (known_.size() >= remembered_max)
+        std::erase_if(known_, unused);
+    forget_at_ = std::clamp(2 * known_.size(), std::size_t{1024}, remembered_max);
+    forget_at_ = std::max(forget_at_, known_.size() + 1);
+}
+
+} // namespace seaway::server

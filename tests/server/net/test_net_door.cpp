@@ -1,0 +1,347 @@
+// SPDX-License-Identifier: Apache-2.0
+// Who comes in, and what one address may take: over sockets that come from several loopback addresses.
+#include "protocol/limits.h"
+#include "server/net/session.h"
+#include "tests/server/net/net_fixture.h"
+
+namespace seaway::tests {
+namespace {
+
+using wire::Body;
+using wire::ErrorCode;
+
+constexpr const char* neighbour = "127.0.0.2";
+
+class NetDoor : public NetTest {
+  protected:
+    NetDoor() {
+        options.hello_deadline = std::chrono::minutes(5); // who is silent stays
+        options.http_deadline = std::chrono::minutes(5);
+    }
+    void ask_for_tokens() {
+        options.client_token_file = folder().write("door_client", "open sesame\n");
+        options.admin_token_file = folder().write("door_admin", "master\n");
+    }
+    int status(const std::string& target, const std::string& token = {},
+               const std::string& from = {}) {
+        return ask_http(port(), target, "GET", token.empty() ? "" : "Bearer " + token, from).status;
+    }
+    /// What the server says at `target` with the right token.
+    double counted(const std::string& name, const std::string& token = {}) {
+        const std::string text =
+            ask_http(port(), "/metrics", "GET", token.empty() ? "" : "Bearer " + token, "127.0.0.9")
+                .body;
+        const std::size_t at = text.find("\n" + name + " ");
+        return at == std::string::npos ? -1 : std::stod(text.substr(at + name.size() + 2));
+    }
+    /// 0: came in; else the code of the close, or the HTTP status that was no upgrade.
+    unsigned knock(const std::string& token, const std::string& from = {},
+                   const std::string& fields = {}) {
+        Client client(port(), from);
+        if (client.connect("seaway.v1", fields))
+            return static_cast<unsigned>(client.status());
+        return client.greet(token) ? 0u : client.close_code();
+    }
+    static std::string bearer(const std::string& token) {
+        return "Authorization: Bearer " + token + "\r\n";
+    }
+};
+
+// Naive: whoever has waited longest makes room, and that is the neighbour between two requests.
+TEST_F(NetDoor, a_crowd_of_silent_connections_of_one_address_is_its_own_affair) {
+    options.connections_max = 40;
+    options.connections_per_address = 10;
+    start();
+    RawPeer idle(port(), 0, neighbour);
+    const std::string request = "GET /healthz HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n";
+    idle.say(request);
+    EXPECT_NE(idle.header().find("200 OK"), std::string::npos);
+    std::vector<std::unique_ptr<RawPeer>> crowd;
+    for (int i = 0; i < 100; ++i)
+        crowd.push_back(std::make_unique<RawPeer>(port()));
+    EXPECT_EQ(status("/healthz", "", neighbour), 200);
+    EXPECT_EQ(status("/healthz"), 200) << "one more of the same address takes an old one's place";
+    EXPECT_EQ(knock("", neighbour), 0u);
+    EXPECT_LE(counted("seaway_net_connections"), 13) << "ten, the idle one, those who ask";
+    EXPECT_GE(counted("seaway_net_connections_given_up_total"), 90);
+    idle.say(request);
+    EXPECT_NE(idle.header().find("200 OK"), std::string::npos) << "nobody sent it away";
+    net->stop();
+    EXPECT_EQ(
+        log.lines_with("event=connections_crowded", "address=127.0.0.1 reason=address_full").size(),
+        1u)
+        << log.text();
+    EXPECT_TRUE(log.lines_with("event=connections_crowded", "address=127.0.0.2").empty());
+}
+
+TEST_F(NetDoor, where_the_server_is_full_the_largest_crowd_makes_room) {
+    options.connections_max = 10;
+    options.connections_per_address = 0; // no limit: as if a proxy were in front
+    start();
+    RawPeer idle(port(), 0, neighbour);
+    const std::string request = "GET /healthz HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n";
+    idle.say(request);
+    EXPECT_NE(idle.header().find("200 OK"), std::string::npos);
+    std::vector<std::unique_ptr<RawPeer>> crowd;
+    for (int i = 0; i < 30; ++i)
+        crowd.push_back(std::make_unique<RawPeer>(port()));
+    EXPECT_EQ(status("/healthz", "", "127.0.0.3"), 200);
+    idle.say(request);
+    EXPECT_NE(idle.header().find("200 OK"), std::string::npos);
+}
+
+TEST_F(NetDoor, sessions_without_hello_are_few_for_one_address_and_give_way_to_others) {
+    options.sessions_max = 4;
+    options.sessions_without_hello_per_address = 3;
+    start();
+    std::vector<std::unique_ptr<RawPeer>> silent;
+    for (int i = 0; i < 3; ++i) {
+        silent.push_back(std::make_unique<RawPeer>(port()));
+        silent.back()->upgrade();
+    }
+    Client fourth(port());
+    EXPECT_TRUE(fourth.connect());
+    EXPECT_EQ(fourth.status(), 429);
+    EXPECT_EQ(fourth.field("Retry-After"), "1");
+    Client first(port(), neighbour);
+    ASSERT_FALSE(first.connect());
+    ASSERT_TRUE(first.greet()) << "the last place";
+    Client second(port(), neighbour);
+    ASSERT_FALSE(second.connect()) << "one of three silent ones gives way";
+    ASSERT_TRUE(second.greet());
+    Client third(port(), neighbour);
+    ASSERT_FALSE(third.connect());
+    ASSERT_TRUE(third.greet());
+    Client one_more(port(), neighbour);
+    EXPECT_TRUE(one_more.connect()) << "one silent session is no crowd";
+    EXPECT_EQ(one_more.status(), 503);
+    EXPECT_EQ(one_more.field("Retry-After"), "1");
+    EXPECT_EQ(counted("seaway_net_sessions"), 4);
+    EXPECT_EQ(counted("seaway_net_sessions_refused_total{reason=\"address_full\"}"), 1);
+    EXPECT_EQ(counted("seaway_net_sessions_refused_total{reason=\"server_full\"}"), 1);
+    EXPECT_EQ(counted("seaway_net_sessions_closed_total{reason=\"server_full\"}"), -1)
+        << "what was never opened is not closed";
+    EXPECT_EQ(counted("seaway_net_sessions_closed_total{reason=\"hello_expected\"}"), 2);
+    EXPECT_EQ(counted("seaway_net_sessions_opened_total"), 6);
+    for (Client* client : {&first, &second, &third}) {
+        ASSERT_FALSE(client->send(protocol::ping(1, 1)));
+        EXPECT_TRUE(client->receive(Body::Pong));
+    }
+}
+
+TEST_F(NetDoor, a_token_at_the_upgrade_takes_the_place_of_those_without_and_is_the_hellos_own) {
+    ask_for_tokens();
+    options.sessions_max = 2;
+    options.sessions_without_hello_per_address = 2;
+    start();
+    RawPeer silent[2] = {RawPeer(port()), RawPeer(port())};
+    for (RawPeer& peer : silent)
+        peer.upgrade();
+    EXPECT_EQ(knock(""), 429u);
+    Client client(port());
+    ASSERT_FALSE(client.connect("seaway.v1", bearer("open sesame")));
+    EXPECT_TRUE(client.greet("")) << "Hello needs no token then";
+    Client admin(port());
+    ASSERT_FALSE(admin.connect("seaway.v1", bearer("master")));
+    EXPECT_TRUE(admin.greet(""));
+    EXPECT_EQ(knock("", "", bearer("open sesame")), 503u) << "those who greeted stay";
+    net->stop();
+    EXPECT_EQ(log.lines_with("event=session_open", "administrator=true").size(), 1u);
+    EXPECT_EQ(log.lines_with("event=session_open", "administrator=false").size(), 1u);
+}
+
+TEST_F(NetDoor, each_of_both_tokens_that_a_client_brings_has_to_be_right) {
+    ask_for_tokens();
+    start();
+    const unsigned unauthorised = protocol::close_code(ErrorCode::unauthorised);
+    EXPECT_EQ(knock("open sesame", "", bearer("wrong")), 401u) << "at the upgrade";
+    EXPECT_EQ(knock("wrong", "", bearer("open sesame")), unauthorised) << "in Hello";
+    EXPECT_EQ(knock("", "", "Authorization: Basic b3Blbg==\r\n"), unauthorised) << "none of ours";
+    EXPECT_EQ(knock("master", "", bearer("open sesame")), 0u);
+    EXPECT_EQ(counted("seaway_net_sessions_refused_total{reason=\"unauthorised\"}", "open sesame"),
+              1);
+}
+
+// ---- guessing --------------------------------------------------------------------------------
+
+TEST_F(NetDoor,
+       wrong_tokens_are_counted_together_for_pages_and_streams_and_then_none_is_looked_at) {
+    ask_for_tokens();
+    options.wrong_tokens_per_address = 4;
+    options.wrong_tokens_refill = std::chrono::hours(1);
+    start();
+    Client before(port());
+    ASSERT_FALSE(before.connect());
+    ASSERT_TRUE(before.greet("open sesame"));
+    const unsigned unauthorised = protocol::close_code(ErrorCode::unauthorised);
+    for (int i = 0; i < 20; ++i) { // who brings none has not guessed
+        EXPECT_EQ(status("/v1/state"), 401);
+        EXPECT_EQ(knock(""), unauthorised);
+    }
+    EXPECT_EQ(status("/v1/state", "guess1"), 401);
+    EXPECT_EQ(knock("guess2"), unauthorised);
+    EXPECT_EQ(knock("", "", bearer("guess3")), 401u);
+    EXPECT_EQ(status("/metrics", "guess4"), 401);
+    const HttpAnswer locked = ask_http(port(), "/v1/state", "GET", "Bearer open sesame");
+    EXPECT_EQ(locked.status, 429) << "else guessing would go on";
+    EXPECT_EQ(locked.fields.at("Retry-After"), "900") << "a quarter of the hour";
+    EXPECT_NE(locked.body.find("900 s"), std::string::npos) << locked.body;
+    EXPECT_EQ(knock("open sesame"), protocol::close_code(ErrorCode::too_many_requests));
+    EXPECT_EQ(knock("", "", bearer("master")), 429u);
+    EXPECT_EQ(status("/healthz"), 200);
+    EXPECT_EQ(status("/v1/state", "open sesame", neighbour), 200) << "of another address";
+    ASSERT_FALSE(before.send(protocol::ping(1, 1)));
+    EXPECT_TRUE(before.receive(Body::Pong)) << "who is in stays in";
+    EXPECT_EQ(counted("seaway_net_tokens_refused_total{reason=\"wrong\"}", "open sesame"), 4);
+    EXPECT_EQ(counted("seaway_net_tokens_refused_total{reason=\"too_many_wrong\"}", "open sesame"),
+              3);
+    net->stop();
+    EXPECT_EQ(log.lines_with("event=token_refused", "reason=wrong").size(), 1u) << log.text();
+    for (const char* secret : {"guess", "sesame", "master"})
+        EXPECT_EQ(log.text().find(secret), std::string::npos) << "no secrets in the log";
+}
+
+TEST_F(NetDoor, a_guess_at_the_administrators_token_counts_where_everybody_may_come_in) {
+    options.admin_token_file = folder().write("door_only_admin", "master\n");
+    options.wrong_tokens_per_address = 2;
+    options.wrong_tokens_refill = std::chrono::hours(1);
+    start();
+    EXPECT_EQ(knock("guess1"), 0u) << "a stranger, as all are";
+    EXPECT_EQ(knock("guess2"), 0u);
+    EXPECT_EQ(knock("master"), protocol::close_code(ErrorCode::too_many_requests));
+    EXPECT_EQ(knock(""), 0u);
+    EXPECT_EQ(knock("master", neighbour), 0u);
+}
+
+/// A session without a connection.
+class NoLink : public server::Link {
+  public:
+    void send_more() override {}
+    void close(protocol::SharedBytes, ErrorCode closed_with,
+               const std::string& closed_why) override {
+        code = closed_with;
+        why = closed_why;
+    }
+    ErrorCode code = ErrorCode::none;
+    std::string why;
+};
+
+TEST_F(NetDoor, the_administrators_token_is_not_taken_where_others_could_have_read_it) {
+    const auto core = std::make_shared<server::Core>(options, host, nullptr);
+    core->tokens = {.client = "open sesame", .admin = "master"};
+    const auto knocks = [&](const char* token, bool loopback, bool tls,
+                            std::string* why = nullptr) {
+        NoLink link;
+        server::Session session(*core, link,
+                                {.name = "198.51.100.7:4711",
+                                 .address = core->addresses.of("198.51.100.7", {}),
+                                 .loopback = loopback,
+                                 .tls = tls},
+                                server::Standing::stranger);
+        session.receive(protocol::hello("door", token));
+        if (why)
+            *why = link.why;
+        return link.code;
+    };
+    std::string why;
+    EXPECT_EQ(knocks("master", false, false, &why), ErrorCode::unauthorised);
+    EXPECT_NE(why.find("TLS"), std::string::npos) << why;
+    EXPECT_EQ(knocks("master", true, false), ErrorCode::none);
+    EXPECT_EQ(knocks("master", false, true), ErrorCode::none);
+    EXPECT_EQ(knocks("open sesame", false, false), ErrorCode::none);
+    EXPECT_EQ(core->counters.tokens_refused["in_the_clear"], 1u);
+    EXPECT_EQ(log.lines_with("event=session_open", "administrator=true").size(), 2u);
+}
+
+// ---- what is asked for -----------------------------------------------------------------------
+
+TEST_F(NetDoor, an_upgrade_of_a_foreign_page_or_another_case_is_no_session) {
+    options.allowed_origins = {"https://sea.example.org"};
+    start();
+    EXPECT_EQ(knock("", "", "Origin: https://evil.example\r\n"), 403u);
+    EXPECT_EQ(knock("", "", "Origin: null\r\n"), 403u);
+    EXPECT_EQ(knock("", "", "Origin: https://sea.example.org\r\n"), 0u);
+    EXPECT_EQ(knock(""), 0u);
+    Client shouts(port());
+    EXPECT_TRUE(shouts.connect("SEAWAY.V1"));
+    EXPECT_EQ(shouts.status(), 400);
+    EXPECT_EQ(counted("seaway_net_sessions_refused_total{reason=\"origin\"}"), 2);
+    EXPECT_EQ(counted("seaway_net_sessions_refused_total{reason=\"subprotocol\"}"), 1);
+    EXPECT_EQ(counted("seaway_net_sessions_opened_total"), 2);
+}
+
+TEST_F(NetDoor, a_body_in_an_unknown_coding_hides_no_second_request) {
+    start();
+    RawPeer peer(port());
+    peer.say("GET /healthz HTTP/1.1\r\nHost: 127.0.0.1\r\nTransfer-Encoding: identity\r\n\r\n"
+             "GET /v1/plan HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n");
+    const std::string all = peer.rest();
+    EXPECT_TRUE(all.starts_with("HTTP/1.1 501")) << all;
+    EXPECT_EQ(all.find("HTTP/1.1", 1), std::string::npos) << "one answer, and the end";
+    EXPECT_EQ(status("http://127.0.0.1/v1/%73tate?x=%31"), 200);
+    EXPECT_EQ(status("http://evil.example/v1/state"), 421);
+}
+
+TEST_F(NetDoor, an_address_that_sends_too_much_is_read_later_and_answered_all_the_same) {
+    options.request_bytes_per_s_per_address = 64 * 1024; // twice that at once
+    start();
+    const auto client = greeted();
+    const std::vector<sea::QueryPoint> points(4000); // 96 KB
+    for (std::uint32_t id = 1; id <= 3; ++id)
+        ASSERT_FALSE(client->send(protocol::query(id, points, false)));
+    for (std::uint32_t id = 1; id <= 3; ++id) {
+        const wire::Message* reply = client->receive(Body::QueryReply);
+        ASSERT_TRUE(reply);
+        EXPECT_EQ(reply->body_as_QueryReply()->request_id(), id);
+    }
+    EXPECT_GE(counted("seaway_net_reads_delayed_total"), 1);
+}
+
+TEST_F(NetDoor, health_is_told_at_its_own_address_however_full_the_other_is) {
+    ask_for_tokens();
+    options.health_listen = "127.0.0.1:0";
+    options.connections_max = 2;
+    options.health_connections_max = 3;
+    start();
+    ASSERT_GT(net->health_port(), 0);
+    ASSERT_NE(net->health_port(), port());
+    RawPeer sessions[2] = {RawPeer(port()), RawPeer(port())};
+    for (RawPeer& peer : sessions)
+        peer.upgrade();
+    RawPeer refused(port());
+    EXPECT_TRUE(refused.closed_by_server());
+    std::vector<std::unique_ptr<RawPeer>> silent;
+    for (int i = 0; i < 10; ++i)
+        silent.push_back(std::make_unique<RawPeer>(net->health_port()));
+    EXPECT_EQ(ask_http(net->health_port(), "/healthz", "GET").body, "ok\n");
+    const HttpAnswer metrics = ask_http(net->health_port(), "/metrics", "GET");
+    EXPECT_EQ(metrics.status, 200) << "without a token";
+    EXPECT_NE(metrics.body.find("\nseaway_net_connections 2\n"), std::string::npos) << metrics.body;
+    for (const char* target : {"/", "/v1/state", "/v1/plan", "/v1/map", "/v1/stream"})
+        EXPECT_EQ(ask_http(net->health_port(), target, "GET", "Bearer master").status, 404)
+            << target;
+    EXPECT_EQ(ask_http(net->health_port(), "/healthz", "POST").status, 405);
+}
+
+TEST_F(NetDoor, tokens_are_read_again_when_asked_to_and_a_broken_file_changes_nothing) {
+    ask_for_tokens();
+    start();
+    const auto inside = greeted("open sesame");
+    folder().write("door_client", "new sesame\n");
+    EXPECT_EQ(status("/v1/state", "open sesame"), 200) << "nobody has asked to";
+    ASSERT_TRUE(net->reload());
+    EXPECT_EQ(status("/v1/state", "open sesame"), 401);
+    EXPECT_EQ(status("/v1/state", "new sesame"), 200);
+    folder().write("door_client", "third\n");
+    folder().write("door_admin", "\n");
+    const Result<void> broken = net->reload();
+    ASSERT_FALSE(broken);
+    EXPECT_NE(broken.error().message.find("door_admin"), std::string::npos);
+    EXPECT_EQ(status("/v1/state", "new sesame"), 200) << "both or none";
+    EXPECT_EQ(status("/v1/state", "master"), 200);
+    ASSERT_FALSE(inside->send(protocol::ping(1, 1)));
+    EXPECT_TRUE(inside->receive(Body::Pong)) << "who is in stays in";
+}
+
+} // namespace
+} // namespace seaway::tests

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+// What signals do to the real server, and what its log and its pages say of the machine.
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <regex>
+#include <string>
+#include <thread>
+
+#include <csignal>
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include "client/client.h"
+#include "tests/server/net/clients.h"
+#include "tests/support/folder.h"
+#include "tests/support/server_process.h"
+
+namespace seaway {
+namespace {
+
+int port_of(const std::string& url) {
+    return std::stoi(url.substr(url.rfind(':') + 1));
+}
+
+bool comes(const std::function<bool()>& condition) {
+    for (int i = 0; i < 12'000; ++i) {
+        if (condition())
+            return true;
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    return false;
+}
+
+bool comes_in(const std::string& url, const std::string& token) {
+    return client::Client::connect({.url = url, .name = "knocks", .token = token}).has_value();
+}
+
+TEST(Signals, a_hang_up_reads_the_tokens_again_and_others_change_nothing) {
+    const tests::Folder& folder = tests::folder();
+    const std::string file = folder.write("signals.token", "old\n");
+    tests::ServerProcess server({"scenes/calm.toml", "--device", "native", "--listen",
+                                 "127.0.0.1:0", "--client-token-file", file,
+                                 "--wrong-tokens-per-address", "0"});
+    const std::string url = server.wait_until_ready();
+    ASSERT_FALSE(url.empty()) << server.log();
+    for (const int signal : {SIGUSR1, SIGUSR2, SIGPIPE})
+        server.send(signal);
+    EXPECT_TRUE(comes_in(url, "old")) << server.log();
+    folder.write("signals.token", "new\n");
+    server.send(SIGHUP);
+    EXPECT_TRUE(comes([&] { return comes_in(url, "new"); })) << server.log();
+    EXPECT_FALSE(comes_in(url, "old"));
+    folder.write("signals.token", "\xEF\xBB\xBFnewest\n");
+    server.send(SIGHUP);
+    EXPECT_TRUE(comes([&] {
+        return server.log().find("event=reload_refused why=\"" + file + ": begins with a byte") !=
+               std::string::npos;
+    })) << server.log();
+    EXPECT_TRUE(comes_in(url, "new")) << "a broken file keeps the old ones";
+    server.send(SIGTERM);
+    EXPECT_EQ(server.wait_for_exit(std::chrono::seconds(20)), 0) << server.log();
+}
+
+// 2026-11-22T23:27:58.723+0100: without the zone a line says nothing beside those of another machine.
+TEST(Signals, each_line_of_the_log_has_its_time_with_the_zone) {
+    tests::ServerProcess server(
+        {"scenes/calm.toml", "--device", "native", "--listen", "127.0.0.1:0"});
+    ASSERT_FALSE(server.wait_until_ready().empty()) << server.log();
+    const std::string log = server.log();
+    EXPECT_TRUE(std::regex_search(
+        log, std::regex(R"((^|\n)\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\.\d{3}[+-]\d\d:?\d\d info )")))
+        << log;
+}
+
+TEST(State, says_which_scene_runs_and_not_where_its_file_lies) {
+    const std::filesystem::path scene =
+        std::filesystem::path(tests::folder().file("secret place")) / "my calm.toml";
+    std::filesystem::create_directories(scene.parent_path());
+    std::filesystem::copy_file(SEAWAY_SOURCE_DIR "/scenes/calm.toml", scene);
+    tests::ServerProcess server({scene.string(), "--device", "native", "--listen", "127.0.0.1:0"});
+    const std::string url = server.wait_until_ready();
+    ASSERT_FALSE(url.empty()) << server.log();
+    const std::string state = tests::ask_http(port_of(url), "/v1/state", "GET").body;
+    EXPECT_NE(state.find("\"scene\": \"my calm.toml\""), std::string::npos) << state;
+    for (const char* page : {"/", "/v1/state", "/v1/plan", "/metrics", "/healthz", "/none"})
+        EXPECT_EQ(tests::ask_http(port_of(url), page, "GET").body.find("secret place"),
+                  std::string::npos)
+            << page;
+}
+
+TEST(Start, fewer_open_files_than_connections_is_exit_code_2) {
+    const std::string log = tests::folder().file("few_files.log");
+    const std::string command = "ulimit -n 100; exec " SEAWAY_BIN_DIR
+                                "/seaway-server " SEAWAY_SOURCE_DIR
+                                "/scenes/calm.toml --device native --listen "
+                                "127.0.0.1:0 2> " +
+                                log;
+    const int status = std::system(command.c_str());
+    ASSERT_TRUE(WIFEXITED(status));
+    EXPECT_EQ(WEXITSTATUS(status), 2);
+    std::ifstream in(log);
+    const std::string said{std::istreambuf_iterator<char>(in), {}};
+    EXPECT_NE(said.find("--connections-max 1280: 1344 open files are needed and 100 are allowed"),
+              std::string::npos)
+        << said;
+}
+
+} // namespace
+} // namespace seaway
