@@ -246,7 +246,8 @@ TEST_F(CInterface, every_argument_is_taken_up_to_its_limit_and_refused_by_name_b
 double metric(int port, const std::string& name) {
     tests::Tcp tcp;
     EXPECT_FALSE(tcp.connect(port));
-    const std::string request = "GET /metrics HTTP/1.1\r\nHost: 127.0.0.1\r\nConnection: close\r\n\r\n";
+    const std::string request =
+        "GET /metrics HTTP/1.1\r\nHost: 127.0.0.1\r\nConnection: close\r\n\r\n";
     const std::vector<std::uint8_t> bytes(request.begin(), request.end());
     EXPECT_FALSE(tcp.write(bytes, std::chrono::seconds(10)));
     std::string page;

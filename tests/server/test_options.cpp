@@ -41,38 +41,9 @@ TEST(ServerOptions, each_goes_where_it_says_and_has_its_default) {
     EXPECT_TRUE(bare.net.allowed_origins.empty());
     EXPECT_EQ(bare.net.connections_per_address, 320);
     EXPECT_FALSE(bare.validation);
-    const auto read = options_of({"--listen",
-                                  "[::]:1",
-                                  "--device",
-                                  "2",
-                                  "--tls-cert",
-                                  "c.pem",
-                                  "--tls-key",
-                                  "k.pem",
-                                  "--admin-token-file",
-                                  "admin",
-                                  "--client-token-file",
-                                  "client",
-                                  "--validation",
-                                  "--health-listen",
-                                  "127.0.0.1:2",
-                                  "--connections-max",
-                                  "11",
-                                  "--sessions-max",
-                                  "12",
-                                  "--connections-per-address",
-                                  "13",
-                                  "--sessions-without-hello-per-address",
-                                  "14",
-                                  "--wrong-tokens-per-address",
-                                  "15",
-                                  "--request-bytes-per-address",
-                                  "16.5",
-                                  "--allow-origin",
-                                  "https://a.example",
-                                  "--allow-origin",
-                                  "https://b.example",
-                                  "b.toml"});
+    const auto read = options_of({"--listen", "[::]:1", "--device", "2", "--tls-cert", "c.pem",
+                                  "--tls-key", "k.pem", "--admin-token-file", "admin",
+                                  "--client-token-file", "client", "--validation", "b.toml"});
     ASSERT_TRUE(std::holds_alternative<Options>(read));
     const auto& all = std::get<Options>(read);
     EXPECT_EQ(all.scene, "b.toml");
@@ -82,6 +53,19 @@ TEST(ServerOptions, each_goes_where_it_says_and_has_its_default) {
     EXPECT_EQ(all.net.admin_token_file, "admin");
     EXPECT_EQ(all.net.client_token_file, "client");
     EXPECT_EQ(all.net.tls_key_file, "k.pem");
+    EXPECT_TRUE(all.validation);
+    EXPECT_EQ(options_of({"--device", "list"}).index(), 0u) << "a list needs no scene";
+}
+
+TEST(ServerOptions, limits_of_addresses_and_pages_that_may_come_each_have_a_flag) {
+    const auto read = options_of(
+        {"--health-listen", "127.0.0.1:2", "--connections-max", "11", "--sessions-max", "12",
+         "--connections-per-address", "13", "--sessions-without-hello-per-address", "14",
+         "--wrong-tokens-per-address", "15", "--request-bytes-per-address", "16.5",
+         "--allow-origin", "https://a.example", "--allow-origin", "https://b.example", "b.toml"});
+    ASSERT_TRUE(std::holds_alternative<Options>(read));
+    const auto& all = std::get<Options>(read);
+    EXPECT_EQ(all.scene, "b.toml") << "an origin is one word";
     EXPECT_EQ(all.net.health_listen, "127.0.0.1:2");
     EXPECT_EQ(all.net.connections_max, 11);
     EXPECT_EQ(all.net.sessions_max, 12);
@@ -91,8 +75,6 @@ TEST(ServerOptions, each_goes_where_it_says_and_has_its_default) {
     EXPECT_EQ(all.net.request_bytes_per_s_per_address, 16.5);
     EXPECT_EQ(all.net.allowed_origins,
               (std::vector<std::string>{"https://a.example", "https://b.example"}));
-    EXPECT_TRUE(all.validation);
-    EXPECT_EQ(options_of({"--device", "list"}).index(), 0u) << "a list needs no scene";
 }
 
 TEST(ServerOptions, what_makes_no_sense_is_exit_code_2_and_one_line_that_names_it) {

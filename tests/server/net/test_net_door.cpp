@@ -213,6 +213,19 @@ TEST_F(NetDoor, a_guess_at_the_administrators_token_counts_where_everybody_may_c
     EXPECT_EQ(knock("master", neighbour), 0u);
 }
 
+// URLs end up in logs, histories and the Referer of the next page: a token there is no token.
+TEST_F(NetDoor, tokens_in_urls_open_nothing_and_reach_no_log) {
+    ask_for_tokens();
+    start();
+    for (const char* target :
+         {"/v1/state?token=open%20sesame", "/v1/state?access_token=open+sesame",
+          "/v1/state?authorization=Bearer%20open%20sesame"})
+        EXPECT_EQ(status(target), 401) << target;
+    EXPECT_EQ(status("http://open:sesame@127.0.0.1/v1/state"), 400);
+    net->stop();
+    EXPECT_EQ(log.text().find("sesame"), std::string::npos) << log.text();
+}
+
 /// A session without a connection.
 class NoLink : public server::Link {
   public:
