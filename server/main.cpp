@@ -15,11 +15,15 @@
 #include "server/net/server.h"
 #include "server/options.h"
 #include "server/resume.h"
+#include "server/stop_deadline.h"
 #include "server/stop_signal.h"
 #include "server/world.h"
 
 namespace seaway::server {
 namespace {
+
+/// From the signal on. Less than what a service manager waits before it kills (systemd 90 s, Docker 10 s).
+constexpr std::chrono::seconds stop_limit{8};
 
 int fail(ExitCode code, const Error& error) {
     return complain("seaway-server", code, error.message);
@@ -64,6 +68,12 @@ int serve(const Options& options) {
         spdlog::warn("{}: {}", scene->source, warning);
 
     const StopSignal stop;
+    StopDeadline deadline(stop_limit, exit_no_device, [] {
+        spdlog::critical("event=stop_hangs why=\"the device or a thread has not ended for {} s; "
+                         "what the journal "
+                         "holds is safe\"",
+                         stop_limit.count());
+    });
     SeaClock clock(resumed->epoch_utc_us);
     World world(*sea, warnings, clock);
     Result<std::unique_ptr<Simulation>> simulation = Simulation::start(
@@ -84,6 +94,7 @@ int serve(const Options& options) {
         spdlog::warn("{}",
                      told.error().message); // who reads the log knows the address all the same
     const bool asked = stop.wait([&net] { reload(**net); });
+    deadline.begins();
     (*net)->stop();
     (*simulation).reset();
     return asked ? exit_stopped : exit_no_device;

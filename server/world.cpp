@@ -15,6 +15,15 @@ World::World(RunningSeaPtr sea, std::vector<std::string> warnings, SeaClock& clo
       sea_state_(std::make_shared<const std::vector<std::uint8_t>>(
           protocol::sea_state(sea_state_values(*sea_, warnings_)))) {}
 
+Health health_of(bool healthy, Heartbeat::Clock::duration turn) {
+    if (!healthy)
+        return {false, "the simulation has failed"};
+    if (turn < stuck_after)
+        return {};
+    return {false, fmt::format("the simulation has not come on for {} s",
+                               std::chrono::duration_cast<std::chrono::seconds>(turn).count())};
+}
+
 void World::publish_to(Publish publish) {
     const std::scoped_lock lock(mutex_);
     publish_ = std::move(publish);

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <functional>
 #include <map>
 #include <memory>
@@ -19,6 +20,12 @@
 #include "server/simulation/simulation.h"
 
 namespace seaway::server {
+
+/// A slice that has lasted as long has not come on: ten times what the largest keyframe takes on two crowded cores.
+inline constexpr std::chrono::seconds stuck_after{30};
+
+/// Of a simulation that is healthy or has failed, and of how long its slice has lasted.
+Health health_of(bool healthy, Heartbeat::Clock::duration turn);
 
 class World final : public Host {
   public:
@@ -43,7 +50,9 @@ class World final : public Host {
     std::string state_json() const override;
     std::string plan_json() const override;
     std::string metrics_text() const override;
-    bool healthy() const override { return simulation_ && simulation_->healthy(); }
+    Health health() const override {
+        return health_of(simulation_->healthy(), simulation_->turn());
+    }
 
   private:
     KeyframeTiles tiles(sea::KeyframePtr keyframe, std::uint8_t quality) const;

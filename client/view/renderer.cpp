@@ -39,7 +39,8 @@ using gpu::keep;
 
 void put(gpu::Buffer& buffer, const void* data, std::size_t bytes) {
     SEAWAY_CHECK(bytes <= buffer.mapped().size(), "upload is longer than its buffer");
-    std::memcpy(buffer.mapped().data(), data, bytes);
+    if (bytes > 0) // a mesh of the sky alone has no row, and its data no place
+        std::memcpy(buffer.mapped().data(), data, bytes);
 }
 
 std::uint32_t scaled(int side, double scale) {

@@ -34,6 +34,7 @@ SEAWAY_INLINE void store(Lanes& to, int part, typename Vector<W>::D value) {
     *reinterpret_cast<typename Vector<W>::Held*>(to.at + part * W) = value;
 }
 
+/// `from` is as aligned as Lanes are.
 template <int W>
 SEAWAY_INLINE typename Vector<W>::U load(const std::uint64_t* from, int part) {
     return *reinterpret_cast<const typename Vector<W>::HeldU*>(from + part * W);
@@ -78,7 +79,7 @@ SEAWAY_INLINE Turned<W> turned(typename Vector<W>::U turns) {
 
 template <int W>
 void turns_of(std::uint64_t phase, std::size_t blocks, Turns* out) {
-    constexpr std::uint64_t lanes[] = {0, 1, 2, 3, 4, 5, 6, 7};
+    alignas(Lanes) constexpr std::uint64_t lanes[] = {0, 1, 2, 3, 4, 5, 6, 7};
     static_assert(sizeof lanes / sizeof *lanes == sum_lanes);
     for (std::size_t b = 0; b < blocks; ++b)
         for (int part = 0; part < Vector<W>::parts; ++part) {

@@ -80,6 +80,12 @@ struct MapQuery {
     std::function<void()> on_ready; ///< any thread; must not block
 };
 
+/// Does the simulation come on? `why` not: one line for an operator.
+struct Health {
+    bool live = true;
+    std::string why;
+};
+
 class Host {
   public:
     virtual ~Host() = default;
@@ -117,7 +123,7 @@ class Host {
     virtual std::string state_json() const = 0;
     virtual std::string plan_json() const = 0;
     virtual std::string metrics_text() const = 0;
-    virtual bool healthy() const = 0;
+    virtual Health health() const = 0;
 
   private:
     Subscriptions subscriptions_;

@@ -22,7 +22,8 @@ std::string status_page(Core& core) {
         "</table><p><a href=\"/v1/state\">state</a> <a href=\"/v1/plan\">plan</a> "
         "<a href=\"/metrics\">metrics</a> <a href=\"/healthz\">health</a></p>"
         "<p>Stream: WebSocket {}, subprotocol {}</p></html>\n",
-        SEAWAY_VERSION, core.host.healthy() ? "The sea runs." : "The simulation has failed.",
+        SEAWAY_VERSION,
+        core.host.health().live ? "The sea runs." : "Out of order: " + core.host.health().why,
         sea::seconds_from_us(core.host.sea_time_us()), gauges.sessions, core.options.sessions_max,
         gauges.subscriptions, protocol::stream_path, protocol::websocket_subprotocol);
 }
@@ -42,8 +43,8 @@ const std::array<Route, 5> routes{{
      }},
     {"/healthz", true,
      [](Core& core) {
-         return core.host.healthy() ? Page{.body = "ok\n"}
-                                    : Page{.status = 503, .body = "the simulation has failed\n"};
+         const Health health = core.host.health();
+         return health.live ? Page{.body = "ok\n"} : Page{.status = 503, .body = health.why + "\n"};
      }},
     {"/metrics", true,
      [](Core& core) {

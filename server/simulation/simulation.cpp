@@ -52,12 +52,14 @@ void Simulation::run() {
         if (!source_.failure())
             work_on_a_question(streamed || foam);
     }
+    heartbeat_.rests();
     if (source_.failure() && events_.on_failure)
         events_.on_failure(source_.failure()->message);
     questions_.close(source_.failure().value_or(Error{Refusal::gone, "the server stops"}));
 }
 
 bool Simulation::work_on_stream() {
+    heartbeat_.works();
     if (!streaming_) {
         const TimeUs now_us = now_();
         streamed_plan_ = streamed_foam_.carried(plan(), subscriptions_, now_us);
@@ -91,9 +93,11 @@ void Simulation::work_on_a_question(bool more) {
         if (wait_us)
             wait_us = std::max<TimeUs>(*wait_us - now_(), 1);
     }
+    heartbeat_.rests();
     std::optional<Question> question = questions_.take(wait_us);
     if (!question)
         return;
+    heartbeat_.works();
     if (question->asker.gone())
         question->refuse({Refusal::gone, "nobody waits for the answer"});
     else if (!answered(*question))

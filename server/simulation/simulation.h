@@ -24,6 +24,7 @@
 #include "server/host/refusal.h"
 #include "server/host/subscriptions.h"
 #include "server/simulation/effect_plan.h"
+#include "server/simulation/heartbeat.h"
 #include "server/simulation/keyframe_source.h"
 #include "server/simulation/point_question.h"
 #include "server/simulation/questions.h"
@@ -104,6 +105,9 @@ class Simulation {
     EffectCosts costs() const { return source_.report().costs; }
     std::string device() const { return source_.report().device; }
     bool healthy() const { return !source_.failed(); }
+    /// For how long the slice that is under way has lasted: some 50 ms, one large keyframe or one exact answer where
+    /// all is well.
+    Heartbeat::Clock::duration turn() const { return heartbeat_.turn(); }
 
   private:
     Simulation(RunningSeaPtr sea, std::unique_ptr<RebuiltSynthesizer> device,
@@ -134,6 +138,7 @@ class Simulation {
     std::shared_ptr<Room> fetch_room_;
     Questions questions_;
 
+    Heartbeat heartbeat_;
     std::atomic<bool> stopping_ = false;
     std::atomic<std::uint64_t> keyframes_published_ = 0;
     std::atomic<std::uint64_t> keyframes_skipped_ = 0;

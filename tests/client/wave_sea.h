@@ -177,7 +177,7 @@ class WaveSea : public server::Host {
     std::string state_json() const override { return "{}"; }
     std::string plan_json() const override { return "{}"; }
     std::string metrics_text() const override { return ""; }
-    bool healthy() const override { return true; }
+    server::Health health() const override { return {}; }
 
     static constexpr std::uint32_t epoch = 3;
 

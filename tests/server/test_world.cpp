@@ -313,5 +313,15 @@ TEST(World, a_map_of_each_kind_is_as_long_as_it_says) {
     }
 }
 
+TEST(Health, is_progress_not_only_life) {
+    EXPECT_TRUE(health_of(true, std::chrono::seconds(0)).live);
+    EXPECT_TRUE(health_of(true, stuck_after - std::chrono::milliseconds(1)).live);
+    const Health stuck = health_of(true, std::chrono::milliseconds(42'900));
+    EXPECT_FALSE(stuck.live);
+    EXPECT_EQ(stuck.why, "the simulation has not come on for 42 s");
+    EXPECT_FALSE(health_of(true, stuck_after).live);
+    EXPECT_EQ(health_of(false, std::chrono::seconds(0)).why, "the simulation has failed");
+}
+
 } // namespace
 } // namespace seaway::server

@@ -156,7 +156,9 @@ class SmallSea : public server::Host {
         return "# HELP seaway_simulation_up 1 while it runs.\n"
                "# TYPE seaway_simulation_up gauge\nseaway_simulation_up 1\n";
     }
-    bool healthy() const override { return well; }
+    server::Health health() const override {
+        return {well, well ? "" : "the simulation has failed"};
+    }
 
     static constexpr std::uint32_t answering_epoch = 7; ///< of queries
     std::atomic<std::int64_t> newest = 0;
