@@ -48,10 +48,10 @@ void net_options(CommandLine& line, NetOptions& net) {
     line.option("--listen", net.listen, "Address and port; port 0 picks a free one")
         .takes("ADDR:PORT")
         .shows_default();
-    line.option(
-            "--health-listen", net.health_listen,
-            "Serves /healthz and /metrics here too, plain and without a token, however full the "
-            "other port is: for the operator alone")
+    line.option("--health-listen", net.health_listen,
+                "Serves /healthz, /readyz and /metrics here too, plain and without a token, "
+                "however full the "
+                "other port is: for the operator alone")
         .takes("ADDR:PORT");
     CommandOption cert = line.option("--tls-cert", net.tls_cert_file, "Certificate chain (PEM)");
     CommandOption key = line.option("--tls-key", net.tls_key_file, "Private key (PEM)");
@@ -62,7 +62,7 @@ void net_options(CommandLine& line, NetOptions& net) {
         .takes("FILE");
     line.option("--client-token-file", net.client_token_file,
                 "File with the token that clients then need in their first message, and for every "
-                "page and map but /healthz")
+                "page and map but /healthz and /readyz")
         .takes("FILE");
     line.option(
             "--allow-origin", net.allowed_origins,

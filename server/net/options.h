@@ -12,7 +12,7 @@ struct NetOptions {
     /// ADDR:PORT, IPv6 as [ADDR]:PORT; port 0 takes a free one. Numbers only, no host names.
     std::string listen = "127.0.0.1:9430";
 
-    /// ADDR:PORT of a listener of its own for /healthz and /metrics, which the crowd at `listen` cannot
+    /// ADDR:PORT of a listener of its own for /healthz, /readyz and /metrics, which the crowd at `listen` cannot
     /// fill: plain HTTP, no token asked for, so it belongs where only the operator gets. Empty: none.
     std::string health_listen;
 

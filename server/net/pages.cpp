@@ -20,7 +20,8 @@ std::string status_page(Core& core) {
         "<tr><td>Sessions<td>{} of {}"
         "<tr><td>Subscriptions<td>{}"
         "</table><p><a href=\"/v1/state\">state</a> <a href=\"/v1/plan\">plan</a> "
-        "<a href=\"/metrics\">metrics</a> <a href=\"/healthz\">health</a></p>"
+        "<a href=\"/metrics\">metrics</a> <a href=\"/healthz\">health</a> <a "
+        "href=\"/readyz\">readiness</a></p>"
         "<p>Stream: WebSocket {}, subprotocol {}</p></html>\n",
         SEAWAY_VERSION,
         core.host.health().live ? "The sea runs." : "Out of order: " + core.host.health().why,
@@ -36,7 +37,7 @@ struct Route {
 
 constexpr const char* prometheus = "text/plain; version=0.0.4; charset=utf-8";
 
-const std::array<Route, 5> routes{{
+const std::array<Route, 6> routes{{
     {"/", false,
      [](Core& core) {
          return Page{200, "text/html; charset=utf-8", status_page(core), {}};
@@ -45,6 +46,16 @@ const std::array<Route, 5> routes{{
      [](Core& core) {
          const Health health = core.host.health();
          return health.live ? Page{.body = "ok\n"} : Page{.status = 503, .body = health.why + "\n"};
+     }},
+    {"/readyz", true,
+     [](Core& core) {
+         const Health health = core.host.health();
+         if (!health.live)
+             return Page{.status = 503, .body = health.why + "\n"};
+         if (core.stopping)
+             return Page{.status = 503, .body = "the server stops\n"};
+         return core.takes_a_session() ? Page{.body = "ready\n"}
+                                       : Page{.status = 503, .body = "no session is free\n"};
      }},
     {"/metrics", true,
      [](Core& core) {
@@ -73,7 +84,8 @@ std::optional<Page> keep_out(const Core& core, std::string_view path, const Judg
                     .retry_after_s = static_cast<int>(judged.retry_after.count())};
     if (judged.barred == Barred::in_the_clear)
         return Page{.status = 403, .body = judged.why + "\n"};
-    const bool needs_none = is_open(core) || path == "/healthz" || path == protocol::stream_path;
+    const bool needs_none =
+        is_open(core) || path == "/healthz" || path == "/readyz" || path == protocol::stream_path;
     if (judged.barred == Barred::wrong || (judged.standing == Standing::stranger && !needs_none))
         return Page{
             .status = 401,
@@ -96,10 +108,10 @@ Page page_for(Core& core, std::string_view method, std::string_view path, bool h
     if (route != routes.end())
         return route->make(core);
     if (health_only)
-        return {.status = 404, .body = "no such page; here are /healthz /metrics\n"};
+        return {.status = 404, .body = "no such page; here are /healthz /readyz /metrics\n"};
     return {.status = 404,
             .body = fmt::format(
-                "no such page; there are / /healthz /metrics /v1/state /v1/plan /v1/map, "
+                "no such page; there are / /healthz /readyz /metrics /v1/state /v1/plan /v1/map, "
                 "and WebSocket at {}\n",
                 protocol::stream_path)};
 }

@@ -22,13 +22,13 @@ struct Page {
     int retry_after_s = 0;  ///< the same may be asked again after so long; 0: nothing is said
 };
 
-/// With a client token, everything but the stream, whose Hello may bring it, and /healthz is for
+/// With a client token, everything but /healthz, /readyz and the stream, whose Hello may bring it, is for
 /// those who bring that one, or the administrator's, as "Authorization: Bearer TOKEN". A token that is
 /// brought has to be right, also where none is needed. Empty: come in; else why not.
 std::optional<Page> keep_out(const Core& core, std::string_view path, const Judgement& judged);
 
-/// GET and HEAD of /healthz, /metrics, /v1/state, /v1/plan and /. /healthz is 200 "ok" or 503.
-/// Anything else is 404 or 405 with a sentence; where `health_only`, all but /healthz and /metrics.
+/// GET and HEAD of /healthz, /readyz, /metrics, /v1/state, /v1/plan and /. /healthz is 200 "ok" or 503; /readyz
+/// is 200 only where a session would be taken, too. Anything else is 404 or 405 with a sentence; where `health_only`, all but /healthz, /readyz and /metrics.
 Page page_for(Core& core, std::string_view method, std::string_view path, bool health_only);
 
 } // namespace seaway::server

@@ -9,7 +9,7 @@
 //     (*net)->publish(keyframe_tiles);    // from the simulation, any thread
 //     (*net)->stop();                     // GoAway to all, at most options.stop_deadline
 //
-// HTTP (GET, HEAD): /healthz, /metrics, /v1/state, /v1/plan, / ; WebSocket: /v1/stream with the
+// HTTP (GET, HEAD): /healthz, /readyz, /metrics, /v1/state, /v1/plan, / ; WebSocket: /v1/stream with the
 // subprotocol seaway.v1 (docs/protocol.md). Every session ends with one log line and one count, by
 // reason. A slow, stalled or hostile client changes nothing for anyone else.
 #pragma once

@@ -327,6 +327,8 @@ TEST_F(NetDoor, health_is_told_at_its_own_address_however_full_the_other_is) {
     for (int i = 0; i < 10; ++i)
         silent.push_back(std::make_unique<RawPeer>(net->health_port()));
     EXPECT_EQ(ask_http(net->health_port(), "/healthz", "GET").body, "ok\n");
+    EXPECT_EQ(ask_http(net->health_port(), "/readyz", "GET").body, "ready\n")
+        << "of 1024 sessions two are taken";
     const HttpAnswer metrics = ask_http(net->health_port(), "/metrics", "GET");
     EXPECT_EQ(metrics.status, 200) << "without a token";
     EXPECT_NE(metrics.body.find("\nseaway_net_connections 2\n"), std::string::npos) << metrics.body;

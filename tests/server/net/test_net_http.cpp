@@ -30,6 +30,20 @@ TEST_F(NetHttp, a_failed_simulation_is_not_healthy) {
     start();
     host.well = false;
     EXPECT_EQ(get("/healthz").status, 503);
+    EXPECT_EQ(get("/healthz").body, "the simulation has failed\n");
+    EXPECT_EQ(get("/readyz").status, 503);
+}
+
+TEST_F(NetHttp, it_is_ready_while_a_session_would_be_taken_and_healthy_when_it_is_full) {
+    options.sessions_max = 1;
+    start();
+    EXPECT_EQ(get("/readyz").body, "ready\n");
+    Client client(port());
+    ASSERT_FALSE(client.connect());
+    ASSERT_TRUE(client.greet());
+    EXPECT_EQ(get("/readyz").status, 503);
+    EXPECT_EQ(get("/readyz").body, "no session is free\n");
+    EXPECT_EQ(get("/healthz").status, 200);
 }
 
 TEST_F(NetHttp, what_is_not_there_or_not_allowed_is_said_clearly) {
