@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sockets/web_socket.h"
 
+#include <algorithm>
+
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/websocket.hpp>
 #include <fmt/format.h>
@@ -25,6 +27,15 @@ WebSocketEnd kind_of(error_code error) {
         error == websocket::error::message_too_big || error == websocket::error::buffer_overflow)
         return WebSocketEnd::not_understood;
     return WebSocketEnd::broken;
+}
+
+/// The first line of what a stranger says, for a terminal.
+std::string first_line(const std::string& text) {
+    constexpr std::size_t bytes_max = 200;
+    std::string line = text.substr(0, std::min(text.find_first_of("\r\n"), bytes_max));
+    std::replace_if(
+        line.begin(), line.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
+    return line;
 }
 
 Result<void> result(error_code error) {
@@ -75,9 +86,12 @@ void WebSocket::shake_hands(const std::string& host, const std::string& path, Do
             request.set(http::field::sec_websocket_protocol, options.subprotocol);
         }));
     const auto answered = [impl = impl_.get(), path](error_code error) -> Result<void> {
-        if (error == websocket::error::upgrade_declined)
-            return Error{
-                fmt::format("the server answers HTTP {} at {}", impl->response.result_int(), path)};
+        if (error == websocket::error::upgrade_declined) {
+            const std::string why = first_line(impl->response.body());
+            return Error{fmt::format("the server answers HTTP {} at {}{}{}",
+                                     impl->response.result_int(), path, why.empty() ? "" : ": ",
+                                     why)};
+        }
         if (error)
             return Error{fmt::format("this is no WebSocket server ({})", error.message())};
         if (impl->response[http::field::sec_websocket_protocol] != impl->options.subprotocol)

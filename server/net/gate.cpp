@@ -11,7 +11,9 @@ namespace {
 Judgement refuse(Core& core, const Peer& peer, Barred barred, std::string why,
                  std::string_view reason, Bucket::Clock::time_point now) {
     ++core.counters.tokens_refused[std::string(reason)];
-    if (const std::uint64_t count = peer.address->turn_away(Crowding::wrong_tokens, now))
+    const Crowding kind =
+        barred == Barred::too_many_wrong ? Crowding::tokens_not_looked_at : Crowding::wrong_tokens;
+    if (const std::uint64_t count = peer.address->turn_away(kind, now))
         core.log(fmt::format("event=token_refused peer={} reason={} count={}", peer.name, reason,
                              count));
     return {.barred = barred, .why = std::move(why)};

@@ -132,8 +132,9 @@ std::optional<Refused> check_page(const HttpHead& head, const Origins& origins,
         return Refused{
             "host",
             {.status = 421,
-             .body = "on its own machine this server answers to addresses, to localhost and to the "
-                     "hosts of --allow-origin: the name in Host is none of them\n"}};
+             .body =
+                 "on its own machine this server answers to addresses, localhost, the machine's "
+                 "name and the hosts of --allow-origin: the name in Host is none of them\n"}};
     if (!head.origins.empty()) {
         if (!origins.allows(head.origins[0], host, tls))
             return forbidden("pages of this Origin may not use this server: the operator can allow "

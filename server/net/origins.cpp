@@ -92,8 +92,11 @@ std::optional<Authority> read_authority(std::string_view text) {
     return authority;
 }
 
-Result<Origins> Origins::read(const std::vector<std::string>& allowed) {
+Result<Origins> Origins::read(const std::vector<std::string>& allowed,
+                              const std::string& own_host) {
     Origins origins;
+    if (const std::optional<Authority> own = read_authority(own_host))
+        origins.hosts_.insert(own->host);
     for (const std::string& text : allowed) {
         const std::optional<Origin> origin = read_origin(text);
         if (!origin || text.find('*') != std::string::npos) // no patterns
@@ -113,7 +116,7 @@ bool Origins::allows(std::string_view text, const Authority& host, bool tls) con
         return false;
     const std::string whole = origin->whole();
     return allowed_.count(whole) > 0 ||
-           (host.is_certain() && whole == Origin{tls ? "https" : "http", host}.whole());
+           (knows(host) && whole == Origin{tls ? "https" : "http", host}.whole());
 }
 
 } // namespace seaway::server

@@ -32,12 +32,14 @@ std::optional<Authority> read_authority(std::string_view text);
 class Origins {
   public:
     /// Each SCHEME://HOST[:PORT]. `null`, which any page can bring about, and * are errors.
-    static Result<Origins> read(const std::vector<std::string>& allowed);
+    /// `own_host`: what this machine is called by itself; may be empty.
+    static Result<Origins> read(const std::vector<std::string>& allowed,
+                                const std::string& own_host = {});
 
-    /// `origin` was allowed by name, or it is the server's own: same scheme and port as the request
-    /// whose `host` this is, and a host that is certain.
+    /// `origin` was allowed by name, or it is the server's own: same scheme, host and port as the
+    /// request whose `host` this is, and a host that it knows.
     bool allows(std::string_view origin, const Authority& host, bool tls) const;
-    /// The server may be called so by somebody on the same machine.
+    /// The server may be called so: a host that is certain, allowed or the machine's own.
     bool knows(const Authority& host) const {
         return host.is_certain() || hosts_.count(host.host) > 0;
     }

@@ -5,6 +5,7 @@
 #include <thread>
 
 #include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/host_name.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/ssl/context.hpp>
@@ -122,7 +123,8 @@ class NetServer::Impl {
     Result<void> start() {
         const NetOptions& options = core_->options;
         SEAWAY_TRY_LET(const Credentials credentials, load_credentials(options));
-        SEAWAY_TRY_LET(core_->origins, Origins::read(options.allowed_origins));
+        SEAWAY_TRY_LET(core_->origins,
+                       Origins::read(options.allowed_origins, asio::ip::host_name()));
         take(credentials);
         SEAWAY_TRY(public_.listen("--listen", options.listen));
         public_.accept();

@@ -94,6 +94,7 @@ class StreamConnection final : public Link, public std::enable_shared_from_this<
             return;
         if (!accepted) {
             ++core().counters.handshakes_failed;
+            ++core().counters.sessions_refused["bad_upgrade"];
             core().log(fmt::format("event=connection_refused peer={} reason=bad_upgrade why=\"{}\"",
                                    peer_.name, accepted.error().message));
             return drop();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Who comes in, and what one address may take: over sockets that come from several loopback addresses.
 #include "protocol/limits.h"
+#include "server/net/pages.h"
 #include "server/net/session.h"
 #include "tests/server/net/net_fixture.h"
 
@@ -197,6 +198,7 @@ TEST_F(NetDoor,
               3);
     net->stop();
     EXPECT_EQ(log.lines_with("event=token_refused", "reason=wrong").size(), 1u) << log.text();
+    EXPECT_EQ(log.lines_with("event=token_refused", "reason=too_many_wrong").size(), 1u);
     for (const char* secret : {"guess", "sesame", "master"})
         EXPECT_EQ(log.text().find(secret), std::string::npos) << "no secrets in the log";
 }
@@ -264,6 +266,27 @@ TEST_F(NetDoor, the_administrators_token_is_not_taken_where_others_could_have_re
     EXPECT_EQ(knocks("open sesame", false, false), ErrorCode::none);
     EXPECT_EQ(core->counters.tokens_refused["in_the_clear"], 1u);
     EXPECT_EQ(log.lines_with("event=session_open", "administrator=true").size(), 2u);
+}
+
+// The same for pages, from a function: no test comes from another machine.
+TEST_F(NetDoor, what_a_token_was_worth_decides_which_status_a_page_has) {
+    const auto core = std::make_shared<server::Core>(options, host, nullptr);
+    core->tokens = {.client = "open sesame", .admin = "master"};
+    const auto page = [&](const char* path, const server::Judgement& judged) {
+        const std::optional<server::Page> kept_out = server::keep_out(*core, path, judged);
+        return kept_out ? kept_out->status : 0;
+    };
+    using server::Barred;
+    using server::Standing;
+    for (const char* path : {"/v1/state", "/healthz", "/v1/stream"}) {
+        const bool open = std::string_view(path) != "/v1/state";
+        EXPECT_EQ(page(path, {.standing = Standing::administrator}), 0u);
+        EXPECT_EQ(page(path, {.standing = Standing::client}), 0u);
+        EXPECT_EQ(page(path, {.standing = Standing::stranger}), open ? 0u : 401u) << path;
+        EXPECT_EQ(page(path, {.barred = Barred::wrong}), 401u);
+        EXPECT_EQ(page(path, {.barred = Barred::in_the_clear}), 403u);
+        EXPECT_EQ(page(path, {.barred = Barred::too_many_wrong}), 429u);
+    }
 }
 
 // ---- what is asked for -----------------------------------------------------------------------

@@ -161,6 +161,11 @@ TEST(OriginRules, a_name_that_anybody_can_point_here_is_not_the_servers_own) {
          {"127.0.0.1", "127.9.9.9:1", "[::1]:9430", "203.0.113.5", "localhost", "LocalHost.:9430",
           "a.localhost", "SEA.example.org", "sea.example.org:9430"})
         EXPECT_EQ(status_of(head_for("/", host), origins), 0u) << host;
+    const Result<Origins> named = Origins::read({}, "MyMachine");
+    ASSERT_TRUE(named);
+    EXPECT_EQ(status_of(head_for("/", "mymachine:9430"), *named), 0u) << "what it calls itself";
+    EXPECT_TRUE(named->allows("http://mymachine:9430", {"mymachine", 9430, false}, false));
+    EXPECT_FALSE(named->allows("http://mymachine:80", {"mymachine", 9430, false}, false));
     EXPECT_EQ(status_of(head_for("/", "any.example"), origins, false), 0u)
         << "from elsewhere names cannot be known";
 }
