@@ -49,18 +49,18 @@ TEST(Signals, a_hang_up_reads_the_tokens_again_and_others_change_nothing) {
     ASSERT_FALSE(url.empty()) << server.log();
     for (const int signal : {SIGUSR1, SIGUSR2, SIGPIPE})
         server.send(signal);
-    EXPECT_TRUE(comes_in(url, "old")) << server.log();
+    ASSERT_TRUE(comes_in(url, "old")) << server.log();
     folder.write("signals.token", "new\n");
     server.send(SIGHUP);
-    EXPECT_TRUE(comes([&] { return comes_in(url, "new"); })) << server.log();
+    ASSERT_TRUE(comes([&] { return comes_in(url, "new"); })) << server.log();
     EXPECT_FALSE(comes_in(url, "old"));
     folder.write("signals.token", "\xEF\xBB\xBFnewest\n");
     server.send(SIGHUP);
-    EXPECT_TRUE(comes([&] {
+    ASSERT_TRUE(comes([&] {
         return server.log().find("event=reload_refused why=\"" + file + ": begins with a byte") !=
                std::string::npos;
     })) << server.log();
-    EXPECT_TRUE(comes_in(url, "new")) << "a broken file keeps the old ones";
+    ASSERT_TRUE(comes_in(url, "new")) << "a broken file keeps the old ones";
     server.send(SIGTERM);
     EXPECT_EQ(server.wait_for_exit(std::chrono::seconds(20)), 0) << server.log();
 }

@@ -76,6 +76,16 @@ TEST_F(WebSocketTest, a_server_that_declines_is_told_from_one_that_is_none) {
     EXPECT_EQ(shaken->error().message, "the server answers HTTP 404 at /v1/stream");
 }
 
+// A server that is too busy, or wants a token, says so in a line; a terminal is shown plain characters.
+TEST_F(WebSocketTest, a_server_that_declines_says_why_in_the_first_line_of_its_page) {
+    const std::string body = "too many sessions,\x1b[2J try again\nsecond line\n";
+    answer("HTTP/1.1 503 Service Unavailable\r\nContent-Length: " + std::to_string(body.size()) +
+           "\r\n\r\n" + body);
+    ASSERT_TRUE(shaken && !*shaken);
+    EXPECT_EQ(shaken->error().message, "the server answers HTTP 503 at /v1/stream: too many "
+                                       "sessions,?[2J try again");
+}
+
 TEST_F(WebSocketTest, what_speaks_no_http_is_no_server) {
     answer("220 mail.example.org ESMTP\r\n\r\n");
     ASSERT_TRUE(shaken && !*shaken);
