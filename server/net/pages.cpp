@@ -54,8 +54,10 @@ const std::array<Route, 6> routes{{
              return Page{.status = 503, .body = health.why + "\n"};
          if (core.stopping)
              return Page{.status = 503, .body = "the server stops\n"};
-         return core.takes_a_session() ? Page{.body = "ready\n"}
-                                       : Page{.status = 503, .body = "no session is free\n"};
+         // One that has not said Hello makes room.
+         return core.takes_a_session() || !core.awaiting_hello.empty()
+                    ? Page{.body = "ready\n"}
+                    : Page{.status = 503, .body = "no session is free\n"};
      }},
     {"/metrics", true,
      [](Core& core) {

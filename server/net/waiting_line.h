@@ -45,6 +45,8 @@ class WaitingLine {
         Places::iterator at_;
     };
 
+    bool empty() const { return places_.empty(); }
+
     /// Gives up the one of `address` that has waited longest; false if there is none.
     bool give_up_of(const Address& address) {
         return give_up(std::find_if(places_.begin(), places_.end(), [&](const Waiting& waiting) {

@@ -107,6 +107,7 @@ TEST_F(NetDoor, sessions_without_hello_are_few_for_one_address_and_give_way_to_o
     Client first(port(), neighbour);
     ASSERT_FALSE(first.connect());
     ASSERT_TRUE(first.greet()) << "the last place";
+    EXPECT_EQ(status("/readyz", "", neighbour), 200) << "a silent crowd takes no server out of use";
     Client second(port(), neighbour);
     ASSERT_FALSE(second.connect()) << "one of three silent ones gives way";
     ASSERT_TRUE(second.greet());
