@@ -56,16 +56,17 @@ Result<void> run(const QueryOptions& options) {
     const Result<std::string> token = read_token(options.token_file);
     if (!token)
         return token.error();
-    Result<std::unique_ptr<Client>> client =
-        Client::connect({.url = options.url,
-                         .name = "seaway-query/" SEAWAY_VERSION,
-                         .token = *token,
-                         .ca_file = options.ca_file,
-                         .timeout_s = options.timeout_s});
-    if (!client)
-        return client.error();
-    return options.bench_points > 0 ? run_bench(**client, options, stop, stdout)
-                                    : run_query(**client, options, places, stop, stdout);
+    const Connect connect = [&] {
+        return Client::connect({.url = options.url,
+                                .name = "seaway-query/" SEAWAY_VERSION,
+                                .token = *token,
+                                .ca_file = options.ca_file,
+                                .timeout_s = options.timeout_s});
+    };
+    if (options.bench_points == 0)
+        return run_query(connect, options, places, stop, stdout);
+    const Result<std::unique_ptr<Client>> client = connect();
+    return client ? run_bench(**client, options, stop, stdout) : client.error();
 }
 
 } // namespace

@@ -138,7 +138,8 @@ std::variant<QueryOptions, int> read_query_options(int argc, const char* const* 
         .takes("table|json|csv")
         .shows_default();
     line.option("--watch", options.watch_hz,
-                "Repeat at this rate until stopped; times move on with the clock")
+                "Repeat at this rate until stopped, also after the server was; times move on with "
+                "the clock")
         .takes("HZ")
         .between(watch_hz_min, watch_hz_max);
     line.option("--bench", options.bench_points,

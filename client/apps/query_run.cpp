@@ -7,8 +7,10 @@
 
 #include <fmt/format.h>
 
+#include "base/messages.h"
 #include "base/text_file.h"
 #include "client/apps/query_output.h"
+#include "client/link/failure.h"
 
 namespace seaway::client {
 namespace {
@@ -36,6 +38,12 @@ Result<std::vector<sea::Answer>> answers_to(Client& client, const QueryOptions& 
     return client.ask(points, {options.exact, options.timeout_s});
 }
 
+using seconds = std::chrono::duration<double>;
+
+steady_clock::duration ticks(seconds time) {
+    return std::chrono::duration_cast<steady_clock::duration>(time);
+}
+
 /// Sleeps in slices, so that a signal ends it soon.
 void sleep_until(steady_clock::time_point then, const std::atomic<bool>& stop) {
     constexpr std::chrono::milliseconds slice{20};
@@ -44,27 +52,61 @@ void sleep_until(steady_clock::time_point then, const std::atomic<bool>& stop) {
             std::min<steady_clock::duration>(slice, then - steady_clock::now()));
 }
 
+/// A connection that is ready to be asked.
+Result<std::unique_ptr<Client>> connected(const Connect& connect, const QueryOptions& options) {
+    SEAWAY_TRY_LET(std::unique_ptr<Client> client, connect());
+    if (options.watch_hz > 0 && options.local) {
+        constexpr int credit = 2;
+        SEAWAY_TRY(client->subscribe({.fields = sea::surface_fields}, credit, options.timeout_s));
+    }
+    return client;
+}
+
+/// Tries until it succeeds; null once `stop` is set. Each reason is said once.
+std::unique_ptr<Client> connected_again(const Connect& connect, const QueryOptions& options,
+                                        Error why, const std::atomic<bool>& stop) {
+    std::string said;
+    for (seconds wait{0.5}; !stop; wait = std::min(2 * wait, seconds{16})) {
+        if (said != why.message)
+            complain("seaway-query", 0, why.message + "; trying again");
+        said = why.message;
+        sleep_until(steady_clock::now() + ticks(wait), stop);
+        Result<std::unique_ptr<Client>> client = stop ? why : connected(connect, options);
+        if (client)
+            return std::move(*client);
+        why = client.error();
+    }
+    return nullptr;
+}
+
+bool has_ended(const Error& error) {
+    return failure_of(error) == Failure::lost;
+}
+
 } // namespace
 
-Result<void> run_query(Client& client, const QueryOptions& options,
+Result<void> run_query(const Connect& connect, const QueryOptions& options,
                        const std::vector<Place>& places, const std::atomic<bool>& stop,
                        std::FILE* out) {
+    SEAWAY_TRY_LET(std::unique_ptr<Client> client, connected(connect, options));
     const bool watching = options.watch_hz > 0;
-    if (watching && options.local) {
-        constexpr int credit = 2;
-        const Result<Grant> granted =
-            client.subscribe({.fields = sea::surface_fields}, credit, options.timeout_s);
-        if (!granted)
-            return granted.error();
-    }
     const auto start = steady_clock::now();
-    const sea::TimeUs start_us = client.now_us();
+    sea::TimeUs start_us = client->now_us();
     std::string text = output_head(options.format);
     for (std::int64_t tick = 0;; ++tick) {
-        const sea::TimeUs now_us = client.now_us();
+        const sea::TimeUs now_us = client->now_us();
         const std::vector<sea::QueryPoint> points =
             points_at(places, options, now_us, watching ? now_us - start_us : 0);
-        const Result<std::vector<sea::Answer>> answers = answers_to(client, options, points);
+        const Result<std::vector<sea::Answer>> answers = answers_to(*client, options, points);
+        if (!answers && watching && has_ended(answers.error())) {
+            client = connected_again(connect, options, answers.error(), stop);
+            if (!client)
+                return {};
+            // Times that were given move on by the clock of the wall, whatever sea time the server begins with.
+            start_us = client->now_us() -
+                       sea::us_from_seconds(seconds(steady_clock::now() - start).count());
+            continue;
+        }
         if (!answers)
             return answers.error();
         text += output_rows(options.format, points, *answers, watching);
@@ -73,12 +115,9 @@ Result<void> run_query(Client& client, const QueryOptions& options,
         if (!watching)
             return {};
         // The next beat that is not over yet: a slow answer costs beats, it never piles them up.
-        const std::chrono::duration<double> elapsed = steady_clock::now() - start;
+        const seconds elapsed = steady_clock::now() - start;
         tick = std::max(tick, static_cast<std::int64_t>(elapsed.count() * options.watch_hz));
-        sleep_until(start + std::chrono::duration_cast<steady_clock::duration>(
-                                std::chrono::duration<double>(static_cast<double>(tick + 1) /
-                                                              options.watch_hz)),
-                    stop);
+        sleep_until(start + ticks(seconds(static_cast<double>(tick + 1) / options.watch_hz)), stop);
         if (stop)
             return {};
     }

@@ -4,6 +4,8 @@
 
 #include <atomic>
 #include <cstdio>
+#include <functional>
+#include <memory>
 
 #include "base/result.h"
 #include "client/apps/query_options.h"
@@ -11,9 +13,12 @@
 
 namespace seaway::client {
 
-/// Asks once, or repeatedly until `stop` is set. Rows go to `out`, whole and flushed; where they
-/// cannot be written it ends (OutputError).
-Result<void> run_query(Client& client, const QueryOptions& options,
+using Connect = std::function<Result<std::unique_ptr<Client>>()>;
+
+/// Asks once, or repeatedly until `stop` is set; a watch whose connection ends connects again, with waits of half a
+/// second to sixteen, and says so on stderr. Rows go to `out`, whole and flushed; where they cannot be written
+/// it ends (OutputError).
+Result<void> run_query(const Connect& connect, const QueryOptions& options,
                        const std::vector<Place>& places, const std::atomic<bool>& stop,
                        std::FILE* out);
 

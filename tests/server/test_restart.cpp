@@ -1,13 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // A server that is killed and started again, with real programs: the same sea at the same time.
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <random>
 #include <regex>
+#include <sstream>
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "client/client.h"
 #include "server/journal/sea_clock.h"
@@ -79,6 +84,63 @@ TEST(Restart, killed_at_any_instant_it_serves_the_same_sea_at_the_time_that_it_w
         std::this_thread::sleep_for(std::chrono::milliseconds(random() % 150));
         server.send(SIGKILL);
         EXPECT_EQ(server.wait_for_exit(std::chrono::seconds(10)), 128 + SIGKILL);
+    }
+}
+
+// The server of a watcher is killed and comes again on the same port: rows go on, at the sea's times.
+TEST(Restart, a_watcher_goes_on_with_the_server_that_comes_back) {
+    const std::string folder = tests::folder().file("watched");
+    const std::string rows = tests::folder().file("rows.csv"),
+                      words = tests::folder().file("words");
+    auto server = std::make_unique<tests::ServerProcess>(arguments(folder));
+    const std::string url = server->wait_until_ready();
+    ASSERT_FALSE(url.empty()) << server->log();
+    const pid_t watcher = fork();
+    if (watcher == 0) {
+        const int out = open(rows.c_str(), O_WRONLY | O_CREAT, 0600);
+        const int err = open(words.c_str(), O_WRONLY | O_CREAT, 0600);
+        dup2(out, STDOUT_FILENO);
+        dup2(err, STDERR_FILENO);
+        execl(SEAWAY_BIN_DIR "/seaway-query", "seaway-query", url.c_str(), "--at", "0,0", "--watch",
+              "20", "--format", "csv", nullptr);
+        _exit(127);
+    }
+    const auto text = [](const std::string& path) {
+        std::ifstream file(path);
+        return std::string(std::istreambuf_iterator<char>(file), {});
+    };
+    const auto more_rows_come = [&] {
+        const auto count = [&] {
+            const std::string all = text(rows);
+            return std::count(all.begin(), all.end(), '\n');
+        };
+        const auto before = count();
+        for (int i = 0; i < 6000 && count() < before + 5; ++i)
+            std::this_thread::sleep_for(std::chrono::milliseconds(10));
+        return count() >= before + 5;
+    };
+    EXPECT_TRUE(more_rows_come());
+    server->send(SIGKILL);
+    EXPECT_TRUE(server->wait_for_exit(std::chrono::seconds(10)));
+    std::vector<std::string> again = arguments(folder);
+    again[2] = url.substr(url.rfind('/') + 1);
+    server = std::make_unique<tests::ServerProcess>(again);
+    ASSERT_FALSE(server->wait_until_ready().empty()) << server->log();
+    EXPECT_TRUE(more_rows_come()) << text(words);
+    kill(watcher, SIGTERM);
+    int status = 0;
+    ASSERT_EQ(waitpid(watcher, &status, 0), watcher);
+    EXPECT_EQ(WEXITSTATUS(status), 0);
+    EXPECT_NE(text(words).find("trying again"), std::string::npos) << text(words);
+    // One head, and times that only grow: the same clock before and after.
+    std::istringstream lines(text(rows));
+    std::string line;
+    std::getline(lines, line);
+    double last_s = 0;
+    while (std::getline(lines, line)) {
+        const double t_s = std::stod(line.substr(line.find(',', line.find(',') + 1) + 1));
+        EXPECT_GT(t_s, last_s);
+        last_s = t_s;
     }
 }
 
