@@ -15,6 +15,7 @@
 //     if (error.is(Failure::not_held)) ...
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <type_traits>
@@ -59,6 +60,8 @@ struct Error {
 
     std::string message;
     ErrorKind kind;
+    /// Of what may be asked again: not before. 0: nothing is known.
+    std::uint32_t retry_after_ms = 0;
 };
 
 template <class T>

@@ -243,10 +243,11 @@ Bytes pong(std::uint32_t request_id, std::int64_t client_time_us, sea::TimeUs se
     return finish(built, wire::CreatePong(built, request_id, client_time_us, sea_time_us));
 }
 
-Bytes refused(std::uint32_t request_id, wire::ErrorCode code, std::string_view message) {
+Bytes refused(std::uint32_t request_id, wire::ErrorCode code, std::string_view message,
+              std::uint32_t retry_after_ms) {
     FlatBufferBuilder built = builder(256);
     const auto text = string_of(built, message);
-    return finish(built, wire::CreateRefused(built, request_id, code, text));
+    return finish(built, wire::CreateRefused(built, request_id, code, text, retry_after_ms));
 }
 
 Bytes go_away(wire::ErrorCode code, std::string_view message) {

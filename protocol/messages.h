@@ -179,7 +179,9 @@ sea::Answer answer(const wire::PointAnswer& answer);
 
 Bytes fetch_done(std::uint32_t request_id, std::uint32_t keyframes, sea::FieldSet fields);
 Bytes pong(std::uint32_t request_id, std::int64_t client_time_us, sea::TimeUs sea_time_us);
-Bytes refused(std::uint32_t request_id, wire::ErrorCode code, std::string_view message);
+/// `retry_after_ms`: not worth asking again before; 0: nothing is known.
+Bytes refused(std::uint32_t request_id, wire::ErrorCode code, std::string_view message,
+              std::uint32_t retry_after_ms = 0);
 Bytes go_away(wire::ErrorCode code, std::string_view message);
 
 /// "bad_message" and so on, as in logs and metrics; "unknown" for codes of later versions.

@@ -303,9 +303,10 @@ void Connection::take(const wire::Pong& pong) {
 void Connection::take(const wire::Refused& refused) {
     const Failure failure =
         refused.code() == wire::ErrorCode::too_large ? Failure::too_large : Failure::refused;
-    requests_.refuse(refused.request_id(),
-                     failed(failure, fmt::format("refused ({}): {}", protocol::name(refused.code()),
-                                                 text(refused.message()))));
+    Error why = failed(failure, fmt::format("refused ({}): {}", protocol::name(refused.code()),
+                                            text(refused.message())));
+    why.retry_after_ms = refused.retry_after_ms();
+    requests_.refuse(refused.request_id(), why);
 }
 
 void Connection::take(const wire::GoAway& go_away) {

@@ -29,10 +29,20 @@ class Asker {
         return (may_go_ && here_.expired()) || (may_give_up_ && question_.expired());
     }
 
+    /// It asks nothing any more, whatever it has asked.
+    bool left() const { return may_go_ && here_.expired(); }
+
     /// Both are made of the same `here`; all who stay are the same one.
     bool same(const Asker& other) const {
         return !here_.owner_before(other.here_) && !other.here_.owner_before(here_);
     }
+
+    /// For maps; those who are the same() are one key.
+    struct Order {
+        bool operator()(const Asker& a, const Asker& b) const {
+            return a.here_.owner_before(b.here_);
+        }
+    };
 
   private:
     Asker() = default;

@@ -360,7 +360,7 @@ void Session::reply(protocol::Bytes message) {
 void Session::refuse(std::uint32_t request_id, const Error& why) {
     const ErrorCode code = wire_code(why);
     ++core_.counters.requests_refused[std::string(protocol::name(code))];
-    reply(protocol::refused(request_id, code, why.message));
+    reply(protocol::refused(request_id, code, why.message, why.retry_after_ms));
 }
 
 void Session::close(ErrorCode code, const std::string& why) {

@@ -32,6 +32,13 @@ KeyframeSource::KeyframeSource(RunningSeaPtr sea, std::unique_ptr<RebuiltSynthes
       streamed_foam_(*sea_), started_foam_{FoamMaps(*sea_)}, asked_foam_{FoamMaps(*sea_)},
       description_(device_->description()), costs_(cascade_sizes(*sea_)) {}
 
+Holding KeyframeSource::holding(const KeyframeRequest& request) const {
+    const sea::KeyframePtr held = store_.held(request.cascade, request.time_us);
+    if (!held || !held->fields.contains(request.fields))
+        return Holding::nothing;
+    return store_.splined(request.cascade, request.time_us) ? Holding::spline : Holding::keyframe;
+}
+
 KeyframeSource::Report KeyframeSource::report() const {
     const std::scoped_lock lock(mutex_);
     return {description_, synthesis_, store_.counters(), costs_, device_rebuilds_};
@@ -301,8 +308,12 @@ std::size_t KeyframeSource::surface_bytes() const {
     return bytes;
 }
 
+bool KeyframeSource::waits(const SurfaceJob& job) const {
+    return !job.place_ && !room_of(job).fits(surface_bytes());
+}
+
 Result<bool> KeyframeSource::slice(SurfaceJob& job) {
-    if (!job.place_ && !(job.place_ = surfaces_->take(surface_bytes())))
+    if (!job.place_ && !(job.place_ = room_of(job).take(surface_bytes())))
         return false;
     if (!job.keyframes_)
         job.keyframes_.emplace(
@@ -318,8 +329,10 @@ Result<bool> KeyframeSource::slice(SurfaceJob& job) {
     }
     while (budget > 0 && job.splines_.size() < job.held_.size()) {
         const sea::KeyframePtr& next = job.held_[job.splines_.size()];
+        const bool there = store_.splined(next->cascade, next->time_us);
         job.splines_.push_back(store_.spline(next));
-        budget -= samples(next->cascade) * next->fields.size();
+        if (!there)
+            budget -= samples(next->cascade) * next->fields.size();
     }
     if (job.splines_.size() < job.held_.size())
         return false;

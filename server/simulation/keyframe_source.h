@@ -23,6 +23,7 @@
 #include "server/simulation/effect_costs.h"
 #include "server/simulation/foam_maps.h"
 #include "server/simulation/keyframe_store.h"
+#include "server/simulation/price.h"
 #include "server/simulation/room.h"
 #include "server/simulation/running_sea.h"
 
@@ -35,12 +36,14 @@ using SurfacePtr = std::shared_ptr<const sea::Surface>;
 enum class Walk { stream, starts, questions };
 
 /// Samples of one field that a slice makes, at most where one keyframe has not more: 32 of 256 x 256,
-/// some 50 ms on two cores. A tick of foam counts as foam_tick_fields.
+/// 1 ms on two native cores and 8 as splines, some ten times as much on lavapipe. A tick of foam counts as
+/// foam_tick_fields.
 inline constexpr std::int64_t samples_per_slice = 1 << 21;
 inline constexpr std::int64_t foam_tick_fields = 4;
 
 /// Bytes of the surfaces that questions hold together, maps and splines: those around ten times of
-/// three cascades of 256 x 256; of large ones one at a time.
+/// three cascades of 256 x 256; of large ones one at a time. Prompt questions (questions.h) have a quarter as much
+/// of their own.
 inline constexpr std::size_t surfaces_bytes_max = 256u * 1024 * 1024;
 
 /// Keyframes that are being made: one a request, in order, with at least its fields. They come in
@@ -98,7 +101,9 @@ class KeyframeJob {
 /// The surface around a time, from the keyframes of every cascade.
 class SurfaceJob {
   public:
-    explicit SurfaceJob(sea::TimeUs time_us) : time_us_(time_us) {}
+    /// A prompt one never waits for others that take long: it has a room apart.
+    explicit SurfaceJob(sea::TimeUs time_us, bool prompt = false)
+        : time_us_(time_us), prompt_(prompt) {}
 
     /// Once KeyframeSource::work_on() has said that it is there.
     const SurfacePtr& surface() const { return surface_; }
@@ -109,6 +114,7 @@ class SurfaceJob {
     friend class KeyframeSource;
 
     sea::TimeUs time_us_;
+    bool prompt_;
     Room::Place place_;
     std::optional<KeyframeJob> keyframes_;
     std::vector<sea::KeyframePtr> held_;
@@ -128,6 +134,9 @@ class KeyframeSource {
     /// long as this one lives it holds its own.
     Result<bool> work_on(SurfaceJob& job);
 
+    /// A slice would come to nothing: others hold the room for surfaces.
+    bool waits(const SurfaceJob& job) const;
+
     /// Ticks that the stream's foam of a cascade is away from a time.
     int foam_ticks_to(int cascade, sea::TimeUs time_us) const;
     /// A slice of them; true: none is left.
@@ -138,6 +147,9 @@ class KeyframeSource {
     /// Why there are no more keyframes.
     const std::optional<Error>& failure() const { return failure_; }
     bool failed() const { return failed_; } ///< any thread
+
+    /// What of a keyframe is there now. Any thread.
+    Holding holding(const KeyframeRequest& request) const;
 
     struct Report {
         std::string device;
@@ -185,7 +197,11 @@ class KeyframeSource {
     AskedFoam& foam_of(Walk walk) { return walk == Walk::starts ? started_foam_ : asked_foam_; }
     AskedFoam started_foam_;
     AskedFoam asked_foam_;
+    Room& room_of(const SurfaceJob& job) const {
+        return job.prompt_ ? *prompt_surfaces_ : *surfaces_;
+    }
     std::shared_ptr<Room> surfaces_ = Room::of(surfaces_bytes_max, nullptr);
+    std::shared_ptr<Room> prompt_surfaces_ = Room::of(surfaces_bytes_max / 4, nullptr);
     double synthesis_s_ = 0; ///< spent waiting for the device
     KeyframeStore store_;
     std::optional<Error> failure_;

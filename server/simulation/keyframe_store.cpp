@@ -21,6 +21,12 @@ sea::KeyframePtr KeyframeStore::held(int cascade, sea::TimeUs time_us) const {
     return found == entries_.end() ? nullptr : found->second.keyframe;
 }
 
+bool KeyframeStore::splined(int cascade, sea::TimeUs time_us) const {
+    const std::scoped_lock lock(mutex_);
+    const auto found = entries_.find({cascade, time_us});
+    return found != entries_.end() && found->second.spline != nullptr;
+}
+
 void KeyframeStore::insert(sea::KeyframePtr keyframe) {
     const std::scoped_lock lock(mutex_);
     const Key key{keyframe->cascade, keyframe->time_us};

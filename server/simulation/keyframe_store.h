@@ -37,6 +37,9 @@ class KeyframeStore {
     /// What is held of a keyframe, with whichever fields, or null; no use of it.
     sea::KeyframePtr held(int cascade, sea::TimeUs time_us) const;
 
+    /// The same, and its spline is held too.
+    bool splined(int cascade, sea::TimeUs time_us) const;
+
     /// Replaces a keyframe of the same cascade and time. One that is larger than the store is not
     /// kept.
     void insert(sea::KeyframePtr keyframe);

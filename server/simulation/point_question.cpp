@@ -27,8 +27,9 @@ Result<void> check_point(const sea::QueryPoint& point) {
     return check_time(point.time_us);
 }
 
-PointQuestion::PointQuestion(std::vector<sea::QueryPoint> points)
-    : points_(std::move(points)), order_(points_.size()), answers_(points_.size()) {
+PointQuestion::PointQuestion(std::vector<sea::QueryPoint> points, bool prompt)
+    : points_(std::move(points)), prompt_(prompt), order_(points_.size()),
+      answers_(points_.size()) {
     std::iota(order_.begin(), order_.end(), std::size_t{0});
     std::stable_sort(order_.begin(), order_.end(), [&](std::size_t a, std::size_t b) {
         return points_[a].time_us < points_[b].time_us;
@@ -45,7 +46,7 @@ Result<void> PointQuestion::sample(KeyframeSource& source, const SliceOver& over
     if (complete())
         return {};
     if (!surface_)
-        surface_.emplace(next().time_us);
+        surface_.emplace(next().time_us, prompt_);
     if (!surface_->surface()) {
         SEAWAY_TRY_LET(const bool there, source.work_on(*surface_));
         if (!there)

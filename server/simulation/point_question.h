@@ -29,14 +29,22 @@ Result<void> check_point(const sea::QueryPoint& point);
 
 class PointQuestion {
   public:
-    /// The points have passed check_point().
-    explicit PointQuestion(std::vector<sea::QueryPoint> points);
+    /// The points have passed check_point(). `prompt`: as SurfaceJob's.
+    explicit PointQuestion(std::vector<sea::QueryPoint> points, bool prompt = false);
 
     /// One slice: the next points, at least one, from the surface around them, or a slice of making
     /// that surface.
     Result<void> sample(KeyframeSource& source, const SliceOver& over);
     /// The same by the direct sum.
     void sum_exactly(const RunningSea& sea, const SliceOver& over);
+
+    /// A slice would come to nothing, for want of room for the next surface.
+    bool waits(const KeyframeSource& source) const { return surface_ && source.waits(*surface_); }
+
+    /// What a question of so many points holds.
+    static std::size_t bytes_of(std::size_t points) {
+        return points * (sizeof(sea::QueryPoint) + sizeof(std::size_t) + sizeof(sea::Answer));
+    }
 
     bool complete() const { return done_count_ == order_.size(); }
     /// One a point, in the order of the points.
@@ -47,6 +55,7 @@ class PointQuestion {
     void put(const sea::Answer& answer) { answers_[order_[done_count_++]] = answer; }
 
     const std::vector<sea::QueryPoint> points_;
+    const bool prompt_;
     std::vector<std::size_t> order_; ///< by time
     std::vector<sea::Answer> answers_;
     std::size_t done_count_ = 0;                   ///< of `order_`

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
@@ -11,56 +12,135 @@
 
 namespace seaway::server {
 
-std::list<Questions::Line>::iterator Questions::line_of(const Asker& asker) {
-    return std::ranges::find_if(lines_,
-                                [&](const Line& line) { return line.front().asker.same(asker); });
+namespace {
+
+Error busy(double wait_s, std::string why) {
+    Error error{Refusal::busy, std::move(why)};
+    // A day is as good as never, and fits.
+    error.retry_after_ms = static_cast<std::uint32_t>(std::ceil(1e3 * std::min(wait_s, 86'400.0)));
+    return error;
 }
 
-void Questions::add(Question question) {
-    auto line = line_of(question.asker);
-    if (line == lines_.end())
-        line = lines_.emplace(lines_.end());
-    line->push_back(std::move(question));
+/// Where much waits in the server as a whole, some of it is done by then.
+constexpr double crowd_wait_s = 1;
+
+} // namespace
+
+Questions::Line& Questions::line_of(const Asker& asker) {
+    const auto found = lines_.find(asker);
+    if (found != lines_.end())
+        return found->second;
+    forget_who_left();
+    return lines_.emplace(asker, Line(budget_, now_s_(), virtual_us_ - head_start_us))
+        .first->second;
+}
+
+/// Whoever owes nothing and has nothing waiting is as good as new.
+void Questions::forget_who_left() {
+    if (lines_.size() < lines_most_)
+        return;
+    const double now_s = now_s_();
+    for (auto at = lines_.begin(); at != lines_.end();) {
+        Line& line = at->second;
+        const bool as_new =
+            line.virtual_us <= virtual_us_ - head_start_us && line.account.full(now_s);
+        const bool forgotten = line.waiting.empty() && (at->first.left() || as_new);
+        at = forgotten ? lines_.erase(at) : std::next(at);
+    }
+    lines_most_ = std::max<std::size_t>(64, 2 * lines_.size());
+}
+
+void Questions::add(Line& line, Question question, bool first) {
+    if (line.waiting.empty()) {
+        ++lines_waiting_;
+        line.virtual_us = std::max(line.virtual_us, virtual_us_ - head_start_us);
+        line.turn = ++turns_;
+    }
+    bytes_ += question.bytes;
+    line.bytes += question.bytes;
+    if (first)
+        line.waiting.push_front(std::move(question));
+    else
+        line.waiting.push_back(std::move(question));
     ++waiting_;
 }
 
-std::optional<Questions::Place> Questions::first_ready() {
-    for (auto line = lines_.begin(); line != lines_.end(); ++line)
-        for (auto question = line->begin(); question != line->end(); ++question)
-            if (!question->ready || question->asker.gone() || question->ready())
-                return Place{line, question};
-    return std::nullopt;
+std::deque<Question>::iterator Questions::next_of(Line& line) {
+    auto prompt = line.waiting.end(), other = line.waiting.end();
+    for (auto at = line.waiting.begin(); at != line.waiting.end(); ++at) {
+        if (at->asker.gone())
+            return at;
+        auto& first = at->prompt ? prompt : other;
+        if (first == line.waiting.end() && (!at->ready || at->ready()))
+            first = at;
+    }
+    if (prompt == line.waiting.end() || (other != line.waiting.end() && !line.prompt_turn))
+        return other;
+    return prompt;
 }
 
-std::optional<Error> Questions::why_not(const Question& question) {
+std::optional<Questions::Place> Questions::next() {
+    std::optional<Place> best;
+    double best_us = 0;
+    for (auto line = lines_.begin(); line != lines_.end(); ++line) {
+        if (line->second.waiting.empty())
+            continue;
+        const auto question = next_of(line->second);
+        if (question == line->second.waiting.end())
+            continue;
+        if (question->asker.gone()) // dropped before anything is worked on
+            return Place{line, question};
+        const double finish_us =
+            line->second.virtual_us + std::max(question->price_us - question->spent_us, 0.0);
+        if (!best || finish_us < best_us ||
+            (finish_us == best_us && line->second.turn < best->line->second.turn)) {
+            best = Place{line, question};
+            best_us = finish_us;
+        }
+    }
+    return best;
+}
+
+std::optional<Error> Questions::why_not(const Question& question, Line& line) {
     if (closed_)
         return closed_;
-    const auto line = line_of(question.asker);
-    const std::size_t own = line == lines_.end() ? 0 : line->size();
+    const std::size_t own = line.waiting.size();
     if (own >= questions_of_one_max)
-        return Error{Refusal::busy, fmt::format("{} questions of yours wait already", own)};
+        return busy(crowd_wait_s, fmt::format("{} questions of yours wait already", own));
     if (waiting_ >= questions_waiting_max * (own == 0 ? 2 : 1))
-        return Error{Refusal::busy, fmt::format("{} questions wait already, try again later",
-                                                questions_waiting_max)};
+        return busy(crowd_wait_s, fmt::format("{} questions wait already, try again later",
+                                              questions_waiting_max));
+    if (bytes_ + question.bytes > question_bytes_max * (own == 0 ? 2 : 1) &&
+        line.bytes + question.bytes > small_question_bytes)
+        return busy(crowd_wait_s, "points that wait fill the memory there is for them");
+    if (!line.account.may_ask(now_s_())) {
+        ++over_budget_;
+        return busy(line.account.wait_s(),
+                    fmt::format("what you have asked for takes longer than {} s and {} of the time "
+                                "since: again in {:.1f} s",
+                                budget_.burst_s, budget_.rate, line.account.wait_s()));
+    }
     return std::nullopt;
 }
 
 void Questions::ask(Question question) {
     std::unique_lock lock(mutex_);
-    if (const std::optional<Error> refusal = why_not(question)) {
+    Line& line = line_of(question.asker);
+    if (const std::optional<Error> refusal = why_not(question, line)) {
         lock.unlock();
         return question.refuse(*refusal);
     }
     ++asked_;
-    add(std::move(question));
+    line.account.take(question.price_us);
+    add(line, std::move(question));
     lock.unlock();
     changed_.notify_all();
 }
 
 std::optional<Question> Questions::take(std::optional<sea::TimeUs> wait_us) {
     std::unique_lock lock(mutex_);
-    const auto something = [&] { return woken_ || first_ready(); };
-    const std::optional<Place> first = first_ready();
+    const auto something = [&] { return woken_ || next(); };
+    const std::optional<Place> first = next();
     if (!first || (woken_ && !passed_over_)) {
         passed_over_ = first.has_value();
         if (wait_us)
@@ -71,19 +151,46 @@ std::optional<Question> Questions::take(std::optional<sea::TimeUs> wait_us) {
         return std::nullopt;
     }
     passed_over_ = false;
+    Line& line = first->line->second;
     Question question = std::move(*first->question);
-    first->line->erase(first->question);
+    line.waiting.erase(first->question);
+    line.prompt_turn = !question.prompt;
+    line.turn = ++turns_;
     --waiting_;
-    if (first->line->empty())
-        lines_.erase(first->line);
-    else
-        lines_.splice(lines_.end(), lines_, first->line);
+    bytes_ -= question.bytes;
+    line.bytes -= question.bytes;
+    if (line.waiting.empty())
+        --lines_waiting_;
     return question;
+}
+
+void Questions::spent(Question& question, double us) {
+    question.spent_us += us;
+    const std::scoped_lock lock(mutex_);
+    const auto line = lines_.find(question.asker);
+    if (line == lines_.end())
+        return;
+    // All who wait, and this one, have come on by an equal share.
+    const std::size_t sharing = lines_waiting_ + (line->second.waiting.empty() ? 1 : 0);
+    line->second.virtual_us += us;
+    virtual_us_ += us / static_cast<double>(sharing);
 }
 
 void Questions::put_back(Question question) {
     const std::scoped_lock lock(mutex_);
-    add(std::move(question));
+    Line& line = line_of(question.asker);
+    const double own_us = line.virtual_us;
+    const bool is_long = !question.prompt;
+    add(line, std::move(question), is_long);
+    if (line.waiting.size() == 1)
+        line.virtual_us = own_us; // it has not been away
+}
+
+void Questions::over(const Question& question) {
+    const std::scoped_lock lock(mutex_);
+    const auto line = lines_.find(question.asker);
+    if (line != lines_.end())
+        line->second.account.give_back(question.price_us - question.spent_us);
 }
 
 void Questions::wake() {
@@ -95,21 +202,33 @@ void Questions::wake() {
 }
 
 void Questions::close(const Error& why) {
-    std::list<Line> left;
+    Lines left;
     {
         const std::scoped_lock lock(mutex_);
         closed_ = why;
         left.swap(lines_);
         waiting_ = 0;
+        lines_waiting_ = 0;
+        bytes_ = 0;
     }
-    for (const Line& line : left)
-        for (const Question& question : line)
+    for (const auto& [asker, line] : left)
+        for (const Question& question : line.waiting)
             question.refuse(why);
 }
 
 std::uint64_t Questions::asked() const {
     const std::scoped_lock lock(mutex_);
     return asked_;
+}
+
+std::uint64_t Questions::over_budget() const {
+    const std::scoped_lock lock(mutex_);
+    return over_budget_;
+}
+
+std::size_t Questions::bytes() const {
+    const std::scoped_lock lock(mutex_);
+    return bytes_;
 }
 
 } // namespace seaway::server

@@ -1,7 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Questions: what is asked of the simulation, waiting in turn: a line for each asker, who take turns,
-// so that one who asks much delays others no more than one who asks little. Bounded; whoever asks is
-// answered once, by what was asked for or by why not, also when the simulation ends.
+// Questions: what is asked of the simulation, waiting in turn: a line for each asker. Everything is
+// priced before it may wait, against the budget of its asker; the next turn is that of the asker who
+// would be served first if all who wait had equal shares of the thread (fair queueing, by what slices
+// have really taken). So a single point goes before batches, whoever floods, and one who asks much
+// delays others no more than one who asks little. Bounded; whoever asks is answered once, by what was
+// asked for or by why not, also when the simulation ends.
+//
+// Fair queueing: A. Demers, S. Keshav, S. Shenker, "Analysis and simulation of a fair queueing
+// algorithm", SIGCOMM 1989: smallest finish tag first, tag = max(virtual time, own last tag) + price.
 //
 // Thread-safe.
 #pragma once
@@ -10,13 +16,14 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
-#include <list>
+#include <map>
 #include <mutex>
 #include <optional>
 
 #include "base/result.h"
 #include "sea/basics/time.h"
 #include "server/host/asker.h"
+#include "server/simulation/account.h"
 
 namespace seaway::server {
 
@@ -25,6 +32,13 @@ namespace seaway::server {
 inline constexpr std::size_t questions_waiting_max = 1024;
 /// Of one asker; a session has fewer by the limits of the wire.
 inline constexpr std::size_t questions_of_one_max = 64;
+/// Bytes of points that wait, and of their answers: those of 180 times 4096 points. Who has none waiting
+/// finds room up to twice of it, and who has but a few points always.
+inline constexpr std::size_t question_bytes_max = 96u * 1024 * 1024;
+inline constexpr std::size_t small_question_bytes = 16u * 1024;
+/// Who has asked nothing for a while is served as if it were so far behind the others: its next few
+/// points come before the next points of those who ask without end.
+inline constexpr double head_start_us = 50'000;
 
 /// Something asked: worked on slice by slice until it is answered, or refused.
 struct Question {
@@ -34,11 +48,19 @@ struct Question {
     /// False: a slice would come to nothing yet; it is passed over. Empty: always ready. Called by
     /// take() alone, with the line locked; what makes it ready is followed by a wake().
     std::function<bool()> ready = {};
+    double price_us = 0;
+    bool prompt = false;   ///< does not wait for longer ones of its own asker (Prices::prompt_us)
+    std::size_t bytes = 0; ///< held while it waits
+    double spent_us = 0;   ///< so far
 };
 
 class Questions {
   public:
-    /// Refused at once, Refusal::busy, where no more may wait; after close() with its reason.
+    explicit Questions(WorkBudget budget = {}, std::function<double()> now_s = steady_seconds)
+        : budget_(budget), now_s_(std::move(now_s)) {}
+
+    /// Refused at once, Refusal::busy, where no more may wait or the asker's budget is spent, with
+    /// the time after which it is worth asking again; after close() with its reason.
     void ask(Question question);
 
     /// The one whose turn it is. Where none waits, or after wake(): none, once one has come, wake()
@@ -46,9 +68,13 @@ class Questions {
     /// the clock before anything else. Never none twice in a row while one waits, however often
     /// wake() is called.
     std::optional<Question> take(std::optional<sea::TimeUs> wait_us);
-    /// To the end of its asker's line, whose turn comes after those of all others: a large question
-    /// delays small ones by a slice at a time.
+    /// What a slice took: to be said after each, then put_back() or over().
+    void spent(Question& question, double us);
+    /// To the end of its asker's line; a long one to its head, so that an asker has one of them under way,
+    /// and what that holds.
     void put_back(Question question);
+    /// It has been answered, or dropped: what it took less than its price goes back to its asker.
+    void over(const Question& question);
 
     /// Ends the wait of take(), now or the next one.
     void wake();
@@ -56,26 +82,51 @@ class Questions {
     void close(const Error& why);
 
     std::uint64_t asked() const;
+    std::uint64_t over_budget() const; ///< refused for it
+    std::size_t bytes() const;         ///< of those that wait
 
   private:
-    using Line = std::deque<Question>; ///< of one asker; never empty
-    struct Place {
-        std::list<Line>::iterator line;
-        Line::iterator question;
+    struct Line { ///< of one asker
+        Line(const WorkBudget& budget, double now_s, double all_us)
+            : account(budget, now_s), virtual_us(all_us) {}
+
+        std::deque<Question> waiting;
+        std::size_t bytes = 0; ///< of them
+        Account account;
+        double virtual_us;       ///< what it has been served, or what all had when it came
+        std::uint64_t turn = 0;  ///< when it was served last, or came
+        bool prompt_turn = true; ///< else one of its long ones
     };
-    std::list<Line>::iterator line_of(const Asker& asker);
-    void add(Question question);
-    std::optional<Place> first_ready();
-    std::optional<Error> why_not(const Question& question);
+    using Lines = std::map<Asker, Line, Asker::Order>;
+    struct Place {
+        Lines::iterator line;
+        std::deque<Question>::iterator question;
+    };
+
+    Line& line_of(const Asker& asker);
+    void forget_who_left();
+    void add(Line& line, Question question, bool first = false);
+    std::optional<Place> next();
+    static std::deque<Question>::iterator next_of(Line& line);
+    std::optional<Error> why_not(const Question& question, Line& line);
+
+    const WorkBudget budget_;
+    const std::function<double()> now_s_;
 
     mutable std::mutex mutex_;
     std::condition_variable changed_;
-    std::list<Line> lines_; ///< the one whose turn it is first
+    Lines lines_; ///< also of some who have nothing waiting
+    std::size_t lines_most_ = 64;
     std::size_t waiting_ = 0;
+    std::size_t lines_waiting_ = 0;
+    std::size_t bytes_ = 0;
+    double virtual_us_ = 0;
+    std::uint64_t turns_ = 0;
     std::optional<Error> closed_;
     bool woken_ = false;
     bool passed_over_ = false; ///< the first one, for a wake()
     std::uint64_t asked_ = 0;
+    std::uint64_t over_budget_ = 0;
 };
 
 } // namespace seaway::server

@@ -2,7 +2,9 @@
 #include "server/simulation/simulation.h"
 
 #include <algorithm>
+#include <chrono>
 #include <new>
+#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -13,27 +15,39 @@ namespace seaway::server {
 
 using sea::TimeUs;
 
+namespace {
+
+Error busy(std::string why) {
+    Error error{Refusal::busy, std::move(why)};
+    error.retry_after_ms = 1000;
+    return error;
+}
+
+} // namespace
+
 Result<std::unique_ptr<Simulation>> Simulation::start(RunningSeaPtr sea,
                                                       const SynthesizerFactory& factory,
                                                       const Subscriptions& subscriptions,
                                                       std::function<TimeUs()> now,
-                                                      SimulationEvents events) {
+                                                      SimulationEvents events, WorkBudget budget) {
     SEAWAY_TRY_LET(
         std::unique_ptr<RebuiltSynthesizer> device,
         RebuiltSynthesizer::start(factory, sea->realization, sea->epoch, events.on_warning));
-    std::unique_ptr<Simulation> simulation(new Simulation(
-        std::move(sea), std::move(device), subscriptions, std::move(now), std::move(events)));
+    std::unique_ptr<Simulation> simulation(new Simulation(std::move(sea), std::move(device),
+                                                          subscriptions, std::move(now),
+                                                          std::move(events), budget));
     simulation->thread_ = std::thread([self = simulation.get()] { self->run(); });
     return simulation;
 }
 
 Simulation::Simulation(RunningSeaPtr sea, std::unique_ptr<RebuiltSynthesizer> device,
                        const Subscriptions& subscriptions, std::function<TimeUs()> now,
-                       SimulationEvents events)
+                       SimulationEvents events, WorkBudget budget)
     : sea_(std::move(sea)), subscriptions_(subscriptions), now_(std::move(now)),
-      events_(std::move(events)), source_(sea_, std::move(device)), schedule_(sea_->budget),
-      streamed_foam_(*sea_, source_, schedule_),
-      fetch_room_(Room::of(fetch_raw_bytes_max, [this] { questions_.wake(); })) {}
+      events_(std::move(events)), source_(sea_, std::move(device)), prices_(sea_),
+      schedule_(sea_->budget), streamed_foam_(*sea_, source_, schedule_),
+      fetch_room_(Room::of(fetch_raw_bytes_max, [this] { questions_.wake(); })),
+      questions_(budget) {}
 
 Simulation::~Simulation() {
     fetch_room_->forget();
@@ -45,9 +59,13 @@ Simulation::~Simulation() {
 
 void Simulation::run() {
     while (!stopping_ && !source_.failure()) {
-        const bool streamed = work_on_stream();
+        bool streamed = false;
+        for (int i = 0; i < stream_slices_ahead && !source_.failure() && work_on_stream(); ++i) {
+            streamed = true;
+            ++stream_slices_;
+        }
         const bool foam = !source_.failure() && streamed_foam_.walk(now_());
-        if (streamed || foam)
+        if (foam)
             ++stream_slices_;
         if (!source_.failure())
             work_on_a_question(streamed || foam);
@@ -101,16 +119,25 @@ void Simulation::work_on_a_question(bool more) {
     if (question->asker.gone())
         question->refuse({Refusal::gone, "nobody waits for the answer"});
     else if (!answered(*question))
-        questions_.put_back(*std::move(question));
+        return questions_.put_back(*std::move(question));
+    questions_.over(*question);
 }
 
-bool Simulation::answered(const Question& question) {
+bool Simulation::answered(Question& question) {
+    using Clock = std::chrono::steady_clock;
+    const Clock::time_point start = Clock::now();
+    bool done = true;
     try {
-        return question.slice();
+        done = question.slice();
     } catch (const std::bad_alloc&) {
-        question.refuse({Refusal::busy, "there is no memory for this now, try again later"});
-        return true;
+        question.refuse(busy("there is no memory for this now, try again later"));
+    } catch (const std::system_error& error) { // a thread that could not be started
+        question.refuse(busy(
+            fmt::format("the system gives no more: {}, try again later", error.code().message())));
     }
+    questions_.spent(question,
+                     std::chrono::duration<double, std::micro>(Clock::now() - start).count());
+    return done;
 }
 
 SimulationCounters Simulation::counters() const {
@@ -121,12 +148,18 @@ SimulationCounters Simulation::counters() const {
             keyframes_skipped_,
             stream_slices_,
             questions_.asked(),
+            questions_.over_budget(),
+            questions_.bytes(),
             fetch_room_->held_bytes(),
             fetch_room_->held_bytes_most(),
             report.device_rebuilds};
 }
 
 // ---- questions -----------------------------------------------------------------------------
+
+HoldingOf Simulation::holding() const {
+    return [this](const KeyframeRequest& request) { return source_.holding(request); };
+}
 
 Question Simulation::keyframe_question(std::function<std::vector<KeyframeRequest>()> wanted,
                                        Walk walk, std::function<bool()> ready, Fetched done,
@@ -156,16 +189,22 @@ void Simulation::fetch(std::vector<TimeUs> times_us, const Demand& demand, Fetch
     for (const TimeUs time_us : times_us)
         if (const Result<void> fine = check_time(time_us); !fine)
             return done(fine.error());
-    questions_.ask(
-        keyframe_question([this, times_us = std::move(times_us),
-                           demand] { return keyframes_around(sea_->budget, times_us, demand); },
-                          Walk::questions, [] { return true; }, std::move(done), asker));
+    std::vector<KeyframeRequest> wanted = keyframes_around(sea_->budget, times_us, demand);
+    const double price_us = prices_.keyframes_us(wanted, holding());
+    Question question =
+        keyframe_question([wanted = std::move(wanted)] { return wanted; }, Walk::questions,
+                          [] { return true; }, std::move(done), asker);
+    question.price_us = price_us;
+    questions_.ask(std::move(question));
 }
 
 void Simulation::fetch_current(const Demand& demand, Fetched done, const Asker& asker) {
-    questions_.ask(keyframe_question(
+    // Has no price of its own: it is what a subscription begins with, and mostly held.
+    Question question = keyframe_question(
         [this, demand] { return schedule_.current(demand, now_()); }, Walk::starts,
-        [this, demand] { return !streamed_foam_.starts(demand); }, std::move(done), asker));
+        [this, demand] { return !streamed_foam_.starts(demand); }, std::move(done), asker);
+    question.prompt = true;
+    questions_.ask(std::move(question));
 }
 
 void Simulation::answer(std::vector<sea::QueryPoint> points, bool exact, Answered done,
@@ -173,36 +212,51 @@ void Simulation::answer(std::vector<sea::QueryPoint> points, bool exact, Answere
     for (const sea::QueryPoint& point : points)
         if (const Result<void> fine = check_point(point); !fine)
             return done(fine.error());
-    auto batch = std::make_shared<PointQuestion>(std::move(points));
-    questions_.ask({[this, batch, exact, done] {
-                        if (exact) {
-                            batch->sum_exactly(*sea_, over_after(points_slice));
-                        } else if (const Result<void> sampled =
-                                       batch->sample(source_, over_after(points_slice));
-                                   !sampled) {
-                            done(sampled.error());
-                            return true;
-                        }
-                        if (batch->complete())
-                            done(batch->take_answers());
-                        return batch->complete();
-                    },
-                    done, asker});
+    const double price_us = exact ? prices_.exact_us(points) : prices_.points_us(points, holding());
+    const std::size_t bytes = PointQuestion::bytes_of(points.size());
+    auto batch =
+        std::make_shared<PointQuestion>(std::move(points), price_us <= prices_.prompt_us());
+    questions_.ask({.slice =
+                        [this, batch, exact, done] {
+                            if (exact) {
+                                batch->sum_exactly(*sea_, over_after(points_slice));
+                            } else if (const Result<void> sampled =
+                                           batch->sample(source_, over_after(points_slice));
+                                       !sampled) {
+                                done(sampled.error());
+                                return true;
+                            }
+                            if (batch->complete())
+                                done(batch->take_answers());
+                            return batch->complete();
+                        },
+                    .refuse = done,
+                    .asker = asker,
+                    .ready = [this, batch] { return !batch->waits(source_); },
+                    .price_us = price_us,
+                    .prompt = price_us <= prices_.prompt_us(),
+                    .bytes = bytes});
 }
 
 void Simulation::surface(TimeUs time_us, Surfaced done, const Asker& asker) {
     if (const Result<void> fine = check_time(time_us); !fine)
         return done(fine.error());
-    auto job = std::make_shared<SurfaceJob>(time_us);
-    questions_.ask({[this, job, done] {
-                        const Result<bool> there = source_.work_on(*job);
-                        if (!there)
-                            done(there.error());
-                        else if (*there)
-                            done(job->surface());
-                        return !there || *there;
-                    },
-                    done, asker});
+    const double price_us = prices_.surface_us(time_us, holding());
+    auto job = std::make_shared<SurfaceJob>(time_us, price_us <= prices_.prompt_us());
+    questions_.ask({.slice =
+                        [this, job, done] {
+                            const Result<bool> there = source_.work_on(*job);
+                            if (!there)
+                                done(there.error());
+                            else if (*there)
+                                done(job->surface());
+                            return !there || *there;
+                        },
+                    .refuse = done,
+                    .asker = asker,
+                    .ready = [this, job] { return !source_.waits(*job); },
+                    .price_us = price_us,
+                    .prompt = price_us <= prices_.prompt_us()});
 }
 
 } // namespace seaway::server

@@ -2,9 +2,9 @@
 // Simulation: the thread that publishes the keyframes that the effect plan calls for, ahead of time
 // (Schedule), and answers questions about any time (Questions), all from one KeyframeSource.
 //
-// Order of work, over and over: a slice of the keyframes that are due, a slice of foam that starts
-// (StreamedFoam), a slice of what was asked. None of them waits for the end of another, however far
-// the stream is behind. Without demand and without questions the thread sleeps and nothing is
+// Order of work, over and over: the keyframes that are due, stream_slices_ahead slices of them at most, a
+// slice of foam that starts (StreamedFoam), a slice of what was asked. None of them waits for the end of
+// another, however far the stream is behind. Without demand and without questions the thread sleeps and nothing is
 // dispatched. When the device has failed for good, on_failure is called and the simulation is over.
 //
 // All public functions may be called from any thread and return at once; callbacks come on the
@@ -47,14 +47,20 @@ struct SimulationCounters {
     std::uint64_t keyframes_skipped = 0; ///< too late to be of use
     std::uint64_t stream_slices = 0;     ///< of keyframes for the stream and of its foam
     std::uint64_t questions = 0;
-    std::size_t fetch_bytes = 0;      ///< raw, of fetches that are under way
-    std::size_t fetch_bytes_most = 0; ///< so far
+    std::uint64_t questions_over_budget = 0; ///< refused: their askers had asked for too much
+    std::size_t question_bytes = 0;          ///< points that wait, and room for their answers
+    std::size_t fetch_bytes = 0;             ///< raw, of fetches that are under way
+    std::size_t fetch_bytes_most = 0;        ///< so far
     std::uint64_t device_rebuilds = 0;
 };
 
 /// Bytes of raw keyframes that all fetches together hold, from before they are made until they are
 /// encoded. A fetch that finds no room waits.
 inline constexpr std::size_t fetch_raw_bytes_max = 256u * 1024 * 1024;
+
+/// Slices of keyframes that are due before a question has one: the stream goes first, and one that never
+/// catches up still leaves a fifth of the thread to those who ask.
+inline constexpr int stream_slices_ahead = 4;
 
 /// What a fetch brings, part by part.
 struct FetchedKeyframes {
@@ -69,7 +75,7 @@ class Simulation {
     /// demand_changed().
     static Result<std::unique_ptr<Simulation>>
     start(RunningSeaPtr sea, const SynthesizerFactory& factory, const Subscriptions& subscriptions,
-          std::function<sea::TimeUs()> now, SimulationEvents events);
+          std::function<sea::TimeUs()> now, SimulationEvents events, WorkBudget budget = {});
     ~Simulation();
     Simulation(const Simulation&) = delete;
     Simulation& operator=(const Simulation&) = delete;
@@ -78,9 +84,9 @@ class Simulation {
     void demand_changed() { questions_.wake(); }
 
     // Each question is answered once, by what was asked for or by why not, an Error of kind
-    // Refusal: bad_value for a time or place out of range, busy while questions_waiting_max wait or
-    // there is no memory for it, gone after the device or the simulation has ended, or the asker is
-    // gone.
+    // Refusal: bad_value for a time or place out of range, busy while questions_waiting_max wait, there
+    // is no memory for it or the budget of its asker is spent (price.h, account.h), gone after the
+    // device or the simulation has ended, or the asker is gone.
 
     /// The two keyframes of each wanted cascade around each time, in parts, all of which but the
     /// last one may be followed by an error. Parts that are held keep others from being made.
@@ -112,7 +118,7 @@ class Simulation {
   private:
     Simulation(RunningSeaPtr sea, std::unique_ptr<RebuiltSynthesizer> device,
                const Subscriptions& subscriptions, std::function<sea::TimeUs()> now,
-               SimulationEvents events);
+               SimulationEvents events, WorkBudget budget);
 
     void run();
     /// False: nothing was due.
@@ -120,7 +126,8 @@ class Simulation {
     void publish(const std::vector<sea::KeyframePtr>& keyframes);
     /// `more`: there is other work, no question is waited for.
     void work_on_a_question(bool more);
-    static bool answered(const Question& question);
+    bool answered(Question& question);
+    HoldingOf holding() const;
     Question keyframe_question(std::function<std::vector<KeyframeRequest>()> wanted, Walk walk,
                                std::function<bool()> ready, Fetched done, const Asker& asker);
 
@@ -131,6 +138,7 @@ class Simulation {
 
     // Used by the simulation thread alone, but for reports.
     KeyframeSource source_;
+    const Prices prices_;
     Schedule schedule_;
     StreamedFoam streamed_foam_;
     EffectPlan streamed_plan_;             ///< what the streams were made by last

@@ -100,6 +100,17 @@ TEST(Messages,
     }
 }
 
+// Added at the end: who does not know it reads the rest, and bytes from before it say nothing of it.
+TEST(Messages, a_refusal_says_when_to_ask_again_where_that_is_known) {
+    MessageReader reader(Sender::server);
+    const auto of = [&](const Bytes& bytes) { return read(reader, bytes)->body_as_Refused(); };
+    const auto later = refused(9, wire::ErrorCode::too_many_requests, "later", 1500);
+    EXPECT_EQ(of(later)->retry_after_ms(), 1500u);
+    const auto never = refused(9, wire::ErrorCode::bad_value, "no", 0);
+    EXPECT_EQ(of(never)->retry_after_ms(), 0u);
+    EXPECT_EQ(of(sample(Body::Refused))->retry_after_ms(), 0u);
+}
+
 TEST(Messages, a_kind_that_is_not_known_is_skipped_from_servers_and_refused_from_clients) {
     flatbuffers::FlatBufferBuilder built;
     const auto body = wire::CreateUnsubscribe(built);

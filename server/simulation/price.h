@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is asked of the simulation, in microseconds of its thread, before any of it is done: keyframes
+// that are not held, ticks of foam on the way to them, splines, points, exact sums. The one place where
+// requests are priced; what they then take is measured, and settled with their asker (account.h).
+//
+// Units were measured with tests/load/load_costs on the north_sea_gale scene, two cores, AVX2
+// (docs/performance.md has the table). Values; Prices is immutable and thread-safe.
+#pragma once
+
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "sea/surface/answer.h"
+#include "server/device/synthesizer.h"
+#include "server/simulation/running_sea.h"
+
+namespace seaway::server {
+
+inline constexpr double price_sample_us = 0.0004;        ///< one sample of one field of a keyframe
+inline constexpr double price_spline_sample_us = 0.0034; ///< one sample of one field of a spline
+inline constexpr double price_foam_sample_us = 0.004;    ///< one sample of a tick, strains included
+inline constexpr double price_point_us = 2.2;            ///< one answer from splines that are there
+inline constexpr double price_exact_wave_us = 0.00018; ///< one grid point of the sea, for one point
+inline constexpr double price_moment_wave_us = 0.00025; ///< one grid point of the sea, for one time
+/// Points of seas that fold are searched all around.
+inline constexpr double price_folds_factor = 10;
+
+/// What of a keyframe is there already.
+enum class Holding { nothing, keyframe, spline };
+using HoldingOf = std::function<Holding(const KeyframeRequest&)>;
+inline constexpr double prompt_points = 100;
+/// Keyframes of one request that are looked up; what comes after them counts as not held, so that
+/// pricing itself costs little.
+inline constexpr int price_lookups_max = 256;
+
+class Prices {
+  public:
+    explicit Prices(RunningSeaPtr sea);
+
+    double keyframes_us(std::span<const KeyframeRequest> wanted, const HoldingOf& held) const;
+    /// Answers from surfaces, those included that are to be made.
+    double points_us(std::span<const sea::QueryPoint> points, const HoldingOf& held) const;
+    double exact_us(std::span<const sea::QueryPoint> points) const;
+    double surface_us(sea::TimeUs time_us, const HoldingOf& held) const;
+
+    /// Questions of no higher price are prompt ones: some points at one time, of whose surface nothing
+    /// need be there.
+    double prompt_us() const { return prompt_us_; }
+
+    double samples(int cascade) const { return samples_[static_cast<std::size_t>(cascade)]; }
+
+  private:
+    double surfaces_us(std::vector<sea::TimeUs> times_us, const HoldingOf& held) const;
+
+    const RunningSeaPtr sea_;
+    std::vector<double> samples_;       ///< of one field, a cascade
+    std::vector<int> foam_start_ticks_; ///< a cascade; 0: no foam
+    double all_samples_ = 0;
+    double prompt_us_ = 0;
+};
+
+} // namespace seaway::server
