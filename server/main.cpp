@@ -78,7 +78,7 @@ int serve(const Options& options) {
     World world(*sea, warnings, clock);
     Result<std::unique_ptr<Simulation>> simulation = Simulation::start(
         *sea, device_factory(options), world.subscriptions(), [&clock] { return clock.now_us(); },
-        events(world));
+        events(world), {.rate = options.work_rate, .burst_s = options.work_burst_s});
     if (!simulation)
         return fail(exit_no_device, simulation.error());
     world.attach(**simulation);

@@ -92,6 +92,17 @@ std::variant<Options, int> read_options(int argc, char** argv) {
                 "Folder of the journal, made where it is missing: a server that is started again "
                 "there goes on with the same sea, at the time at which it would be")
         .takes("DIR");
+    line.option("--work-rate", options.work_rate,
+                "Share of the simulation's thread that each session may use; who asks for more is "
+                "told when to ask again")
+        .between(0.001, 1000.0)
+        .takes("SHARE")
+        .shows_default();
+    line.option("--work-burst", options.work_burst_s,
+                "Work that a session may ask for at once, beyond its rate")
+        .between(0.001, 1e6)
+        .takes("SECONDS")
+        .shows_default();
     line.option("--validation", options.validation,
                 "Vulkan validation layers on; what they report is an error");
     line.footer(

@@ -14,6 +14,8 @@ struct Options {
     NetOptions net;
     std::string device = "auto"; ///< auto | list | name part | index
     std::string data_dir;        ///< folder of the journal; empty: the sea ends with the process
+    double work_rate = 1;        ///< of each session: share of the simulation's thread
+    double work_burst_s = 10;    ///< of each session: work asked for at once, beyond the rate, s
     bool validation = false;     ///< Vulkan validation layers; their messages are errors
 };
 

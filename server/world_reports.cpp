@@ -241,6 +241,11 @@ std::string metrics_text(const EffectPlan& plan, const SimulationCounters& count
     add("keyframes_skipped_total", "counter", "Keyframes too late to be of use.",
         whole(counters.keyframes_skipped));
     add("questions_total", "counter", "Queries and fetches taken.", whole(counters.questions));
+    add("questions_over_budget_total", "counter",
+        "Queries and fetches refused: their session had asked for too much.",
+        whole(counters.questions_over_budget));
+    add("question_bytes", "gauge", "Memory of points that wait, and of their answers.",
+        static_cast<double>(counters.question_bytes));
     add("device_rebuilds_total", "counter", "Times a failed device was rebuilt.",
         whole(counters.device_rebuilds));
     add("keyframe_store_bytes", "gauge", "Memory of the keyframe cache.",

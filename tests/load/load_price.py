@@ -269,7 +269,7 @@ def percentile(values, share):
     return sorted(values)[min(len(values) - 1, int(share * len(values)))] if values else float("nan")
 
 
-def main():
+def options():
     parser = argparse.ArgumentParser()
     parser.add_argument("attack")
     parser.add_argument("seconds", nargs="?", type=float, default=20)
@@ -279,7 +279,45 @@ def main():
     parser.add_argument("--probe", default="now", choices=["now", "far", "exact"])
     parser.add_argument("--fields", type=lambda text: int(text, 0), default=SURFACE_FIELDS)
     parser.add_argument("--attackers", type=int)
-    asked = parser.parse_args()
+    return parser.parse_args()
+
+
+def start_attack(asked, port, stop, report):
+    how_many = asked.attackers or {"quiet": 0, "crowd": 64, "maps": 8, "slow": 2, "unread": 4}.get(asked.attack, 1)
+    work = {"leave": leave, "maps": maps, "slow": maps, "unread": unread}.get(asked.attack, flood)
+    attackers = []
+    for seed in range(how_many):
+        arguments = ((port, asked.attack, stop, report, seed) if work is flood
+                     else (port, stop, report, seed) + ((True,) if asked.attack == "slow" else ()))
+        attackers.append(multiprocessing.Process(target=work, args=arguments))
+        attackers[-1].start()
+    return attackers
+
+
+def cpu_s(pid):
+    return sum(map(int, pathlib.Path(f"/proc/{pid}/stat").read_text().split()[13:15])) / 100
+
+
+def left_out(port):
+    text = urllib.request.urlopen(f"http://127.0.0.1:{port}/metrics", timeout=20).read().decode()
+    metrics = dict(line.rsplit(" ", 1) for line in text.splitlines() if line[0] != "#")
+    return {name: metrics[f"seaway_{name}"] for name in ("keyframes_skipped_total", "net_keyframes_dropped_total",
+                                                          "net_keyframes_replaced_total") if f"seaway_{name}" in metrics}
+
+
+def say(asked, result, begun_s, ended_s, attack, cores, memory):
+    parts = {"before": [s for at, s in result["latencies"] if at < begun_s],
+             "during": [s for at, s in result["latencies"] if begun_s <= at < ended_s],
+             "after": [s for at, s in result["latencies"] if at >= ended_s]}
+    points = "; ".join(f"{when} p50 {1e3 * percentile(some, .5):.1f} p99 {1e3 * percentile(some, .99):.1f} of {len(some)}"
+                       for when, some in parts.items())
+    print(f"{asked.attack}: lost {result['lost']} of {result['expected']}; single points, ms: {points};"
+          f" refused {result['refused']} unanswered {result['unanswered']}; attack {attack}; cores {cores:.2f};"
+          f" {memory}", flush=True)
+
+
+def main():
+    asked = options()
     server = subprocess.Popen([asked.server, asked.scene, "--device", "native", "--listen", "127.0.0.1:0"],
                               stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
     try:
@@ -290,48 +328,23 @@ def main():
         good.start()
         time.sleep(6)
         idle_mb = memory_mb(server.pid)
-        begun_s = time.monotonic()
-        how_many = asked.attackers or {"quiet": 0, "crowd": 64, "maps": 8, "slow": 2, "unread": 4}.get(asked.attack, 1)
-        work = {"leave": leave, "maps": maps, "slow": maps, "unread": unread}.get(asked.attack, flood)
-        attackers = []
-        for seed in range(how_many):
-            arguments = ((port, asked.attack, stop_attack, attack_report, seed) if work is flood
-                         else (port, stop_attack, attack_report, seed) + ((True,) if asked.attack == "slow" else ()))
-            attackers.append(multiprocessing.Process(target=work, args=arguments))
-            attackers[-1].start()
-        most_mb = 0.0
-        busy_s = (sum(map(int, pathlib.Path(f"/proc/{server.pid}/stat").read_text().split()[13:15])))
-        while time.monotonic() < begun_s + asked.seconds:
-            most_mb = max(most_mb, memory_mb(server.pid))
-            time.sleep(0.05)
-        busy_s = (sum(map(int, pathlib.Path(f"/proc/{server.pid}/stat").read_text().split()[13:15])) - busy_s) / 100
+        begun_s, busy_s = time.monotonic(), cpu_s(server.pid)
+        attackers = start_attack(asked, port, stop_attack, attack_report)
+        time.sleep(asked.seconds)
+        cores = (cpu_s(server.pid) - busy_s) / asked.seconds
         stop_attack.set()
         ended_s = time.monotonic()
         total = collections.Counter()
         for _ in attackers:
             total.update(attack_report.get(timeout=120))
         time.sleep(asked.after)
-        after_mb = memory_mb(server.pid)
-        metrics = dict(line.rsplit(" ", 1) for line in urllib.request.urlopen(
-            f"http://127.0.0.1:{port}/metrics", timeout=20).read().decode().splitlines() if line[0] != "#")
-        left_out = {name: metrics.get(f"seaway_{name}", "?") for name in (
-            "simulation_keyframes_skipped_total", "net_keyframes_dropped_total", "net_keyframes_replaced_total")}
+        memory = (f"RSS MB idle {idle_mb:.0f} most {memory_mb(server.pid, 'VmHWM'):.0f}"
+                  f" after {asked.after:.0f} s {memory_mb(server.pid):.0f}; {left_out(port)}")
         stop.set()
         result = report.get(timeout=120)
         for process in attackers + [good]:
             process.join()
-        during = [s for at, s in result["latencies"] if begun_s <= at < ended_s]
-        before = [s for at, s in result["latencies"] if at < begun_s]
-        later = [s for at, s in result["latencies"] if at >= ended_s]
-        print(f"{asked.attack}: lost {result['lost']} of {result['expected']}; single points, ms: "
-              f"p50 {1e3 * percentile(during, .5):.1f} p99 {1e3 * percentile(during, .99):.1f} "
-              f"max {1e3 * max(during, default=0):.1f} of {len(during)}"
-              f" (before {1e3 * percentile(before, .5):.1f} / {1e3 * max(before, default=0):.1f},"
-              f" after {1e3 * percentile(later, .5):.1f} / {1e3 * max(later, default=0):.1f});"
-              f" refused {result['refused']} unanswered {result['unanswered']};"
-              f" attack {dict(total)}; left out {left_out}; cores {busy_s / asked.seconds:.2f};"
-              f" RSS MB idle {idle_mb:.0f} most {max(most_mb, memory_mb(server.pid, 'VmHWM')):.0f}"
-              f" after {asked.after:.0f} s {after_mb:.0f}")
+        say(asked, result, begun_s, ended_s, dict(total), cores, memory)
     finally:
         server.terminate()
         server.wait()

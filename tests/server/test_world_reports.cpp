@@ -240,6 +240,8 @@ SimulationCounters some_counters() {
             .keyframes_skipped = 31,
             .stream_slices = 37,
             .questions = 41,
+            .questions_over_budget = 59,
+            .question_bytes = 61,
             .fetch_bytes = 43,
             .fetch_bytes_most = 47,
             .device_rebuilds = 53};
@@ -256,6 +258,8 @@ TEST(SimulationMetrics, every_line_shows_the_figure_that_it_names) {
                                            {"seaway_keyframes_published_total", 29},
                                            {"seaway_keyframes_skipped_total", 31},
                                            {"seaway_questions_total", 41},
+                                           {"seaway_questions_over_budget_total", 59},
+                                           {"seaway_question_bytes", 61},
                                            {"seaway_device_rebuilds_total", 53},
                                            {"seaway_keyframe_store_bytes", 17},
                                            {"seaway_keyframe_store_hits_total", 19},
