@@ -101,6 +101,8 @@ Result<void> check_files(const Words& words, const ViewOptions& options) {
     const std::string ending = std::filesystem::path(options.out).extension().string();
     SEAWAY_TRY(require(options.bench_frames >= 0 && options.bench_frames <= frames_max,
                        fmt::format("--bench {}: 1 .. {}", options.bench_frames, frames_max)));
+    SEAWAY_TRY(require(options.bench_frames == 0 || options.out.empty(),
+                       "--out and --bench: what is measured is not written; one of them"));
     SEAWAY_TRY(require(
         options.bench_frames > 0 || ending == ".png" || ending == ".exr" || is_film(options.out),
         fmt::format("--out '{}': a path that ends in .png, .exr, .mp4 or .webm", options.out)));

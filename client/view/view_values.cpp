@@ -79,7 +79,7 @@ void set_light(shaders::ViewValues& out, const Sky& sky) {
 /// The way of daylight to the sea floor over its depth: of the beam, bent by the surface, and of light from all over the
 /// sky, whose mean cosine under water is 0.86.
 double down_path(const Sky& sky) {
-    constexpr double index = 1.34, path_of_sky = 1 / 0.86;
+    constexpr double index = shaders::water_index, path_of_sky = 1 / 0.86;
     const double up = std::max(sky.light_direction().z, 0.0);
     const double beam = luminance_of(sky.light_irradiance()) * up;
     const double all = beam + luminance_of(sky.sky_irradiance());

@@ -49,6 +49,24 @@ SEAWAY_SHARED_CONSTANT view_stops = 8; ///< of a palette
 SEAWAY_SHARED_NUMBER view_rows_a_metre_along = 0.025f;
 SEAWAY_SHARED_NUMBER view_rows_a_metre_across = 0.2f;
 
+/// Of refraction, sea water in the middle of what is seen.
+SEAWAY_SHARED_NUMBER water_index = 1.34f;
+
+// A layer of clouds: of its noise to optical depth (the CPU makes what the tables hold, the GPU what a pixel shows).
+SEAWAY_SHARED_NUMBER cloud_detail_scale = 4.0f; ///< of places in the noise
+SEAWAY_SHARED_NUMBER cloud_region_scale = 0.27f;
+SEAWAY_SHARED_NUMBER cloud_softness = 0.35f; ///< of noise, from the edge of a cloud to its middle
+SEAWAY_SHARED_NUMBER cloud_detail_share = 0.25f; ///< of the pattern's range
+SEAWAY_SHARED_NUMBER cloud_region_share = 0.5f;
+SEAWAY_SHARED_NUMBER cloud_diffuse_loss = 0.1125f; ///< 0.75 (1 - g), g = 0.85: droplets of clouds
+SEAWAY_SHARED_NUMBER cloud_mean_slant = 1.66f;     ///< of diffuse light through a thin slab
+SEAWAY_SHARED_NUMBER cloud_straight_loss = 0.25f;
+SEAWAY_SHARED_NUMBER cloud_thickness_m = 500.0f; ///< that shades itself
+// Lobes of what droplets scatter (Henyey and Greenstein 1941), and the share of the first.
+SEAWAY_SHARED_NUMBER cloud_forward = 0.85f;
+SEAWAY_SHARED_NUMBER cloud_backward = -0.3f;
+SEAWAY_SHARED_NUMBER cloud_forward_share = 0.8f;
+
 /// Foam noise repeats after this many metres.
 SEAWAY_SHARED_CONSTANT view_noise_period_m = 256;
 

@@ -54,14 +54,12 @@ vec3 through_air(vec3 colour, float distance_m, vec3 direction) {
 }
 
 // Clouds: client/view/sky/clouds.cpp has the same formula.
-const float cloud_diffuse_loss = 0.1125;
-
 float cloud_depth(vec2 at, float lod) {
     const float pattern = textureLod(sky_map, vec3(at, sky_layer_cloud), lod).r;
-    const float detail = textureLod(sky_map, vec3(at * 4.0, sky_layer_cloud), lod + 2.0).g;
-    const float region = textureLod(sky_map, vec3(at * 0.27, sky_layer_cloud), max(lod - 1.9, 0.0)).r;
-    const float above = pattern + 0.25 * (detail - 0.5) + 0.5 * (region - 0.5) - view.sky.cloud_threshold;
-    const float share = clamp(above / 0.35, 0.0, 1.0);
+    const float detail = textureLod(sky_map, vec3(at * cloud_detail_scale, sky_layer_cloud), lod + 2.0).g;
+    const float region = textureLod(sky_map, vec3(at * cloud_region_scale, sky_layer_cloud), max(lod - 1.9, 0.0)).r;
+    const float above = pattern + cloud_detail_share * (detail - 0.5) + cloud_region_share * (region - 0.5) - view.sky.cloud_threshold;
+    const float share = clamp(above / cloud_softness, 0.0, 1.0);
     return view.sky.cloud_depth * share * share; // thin at their edges
 }
 
@@ -80,19 +78,20 @@ vec4 clouds_met(vec3 clear, vec3 source, vec3 direction, float rise, float under
     const float lod = max(log2(footprint * view.sky.cloud_per_m.x * float(sky_columns)), 0.0);
     const float depth = cloud_depth(at, lod);
     const float mu = max(view.sky.to_light.z, 0.2);
-    const vec2 aside = view.sky.to_light.xy * (500.0 / mu) * view.sky.cloud_per_m;
+    const vec2 aside = view.sky.to_light.xy * (cloud_thickness_m / mu) * view.sky.cloud_per_m;
     const float shade = clamp((1.0 + cloud_diffuse_loss * depth) /
                               (1.0 + cloud_diffuse_loss * cloud_depth(at + aside, lod)), 0.5, 1.6);
     const float passing = 1.0 / (1.0 + cloud_diffuse_loss * depth);
     const float along = exp(-depth / max(cosine, 0.05));
     const float left = rise > 0.0 ? along : passing;
-    const float diffuse = exp(-1.66 * depth); // 1.66: mean slant of what falls on the level
+    const float diffuse = exp(-cloud_mean_slant * depth); // what falls on the level
     const vec3 beam = view.sky.cloud_light * mu * (passing - exp(-depth / mu)) * shade;
     const vec3 sky = view.sky.cloud_sky * (passing - diffuse);
     const float angle = dot(direction, view.sky.to_light);
-    const float lobes = 0.8 * henyey(0.85, angle) + 0.2 * henyey(-0.3, angle);
+    const float lobes = cloud_forward_share * henyey(cloud_forward, angle) +
+                        (1.0 - cloud_forward_share) * henyey(cloud_backward, angle);
     // Seen aslant a thin cloud is brighter, as it hides more.
-    const vec3 passed = (beam * mix(1.0 / pi, lobes / mu, exp(-0.25 * depth)) + sky / pi) *
+    const vec3 passed = (beam * mix(1.0 / pi, lobes / mu, exp(-cloud_straight_loss * depth)) + sky / pi) *
                         ((1.0 - along) / max(1.0 - diffuse, 1e-6));
     const vec3 returned = (view.sky.cloud_light * mu * shade + view.sky.cloud_sky) *
                           ((1.0 - passing) / pi);

@@ -25,8 +25,6 @@ vec3 out_of_water(vec3 reflectance) {
     return reflectance * down / pi;
 }
 
-/// Index of refraction of the sea in air.
-const float water_index = 1.34;
 /// Sand lies in patches: its reflectance varies by so much.
 const float patches_of_floor = 0.35;
 

@@ -8,20 +8,13 @@
 #include <numeric>
 
 #include "client/view/sky/transmittance.h"
+#include "shaders/shared/view.h"
 
 namespace seaway::client {
 
 namespace {
 
 constexpr double pi = std::numbers::pi;
-constexpr double softness = 0.35;     ///< of noise, from the edge of a cloud to its middle
-constexpr double detail_share = 0.25; ///< of the pattern's range
-constexpr double region_share = 0.5;
-constexpr double diffuse_loss = 0.1125; ///< 0.75 (1 - g), g = 0.85: droplets of clouds
-constexpr double mean_slant = 1.66;     ///< of diffuse light through a thin slab
-constexpr double straight_loss = 0.25;
-constexpr double thickness_m = 500; ///< that shades itself
-constexpr double forward = 0.85, backward = -0.3, forward_share = 0.8;
 
 /// 0 .. 1 by lattice point and octave (PCG, Jarzynski and Olano 2020).
 double hash(std::uint32_t x, std::uint32_t y, std::uint32_t octave) {
@@ -96,8 +89,8 @@ double light_cosine(const CloudLayer& layer) {
 double depth_at(const CloudLayer& layer, const std::vector<glm::vec2>& noise, int columns, int rows,
                 const glm::dvec2& at) {
     return cloud_depth(layer, sample(noise, columns, rows, at).x,
-                       sample(noise, columns, rows, at * cloud_detail_scale).y,
-                       sample(noise, columns, rows, at * cloud_region_scale).x);
+                       sample(noise, columns, rows, at * double{shaders::cloud_detail_scale}).y,
+                       sample(noise, columns, rows, at * double{shaders::cloud_region_scale}).x);
 }
 
 /// Of the square of the cosine at which a ray meets a layer, what the layer's height over the sphere adds.
@@ -130,9 +123,9 @@ double cloud_threshold(double coverage) {
 }
 
 double cloud_depth(const CloudLayer& layer, double pattern, double detail, double region) {
-    const double above =
-        pattern + detail_share * (detail - 0.5) + region_share * (region - 0.5) - layer.threshold;
-    const double share = std::clamp(above / softness, 0.0, 1.0);
+    const double above = pattern + shaders::cloud_detail_share * (detail - 0.5) +
+                         shaders::cloud_region_share * (region - 0.5) - layer.threshold;
+    const double share = std::clamp(above / shaders::cloud_softness, 0.0, 1.0);
     return layer.optical_depth * share * share; // thin at their edges
 }
 
@@ -149,23 +142,26 @@ CloudSeen clouds_seen(const CloudLayer& layer, const std::vector<glm::vec2>& noi
     const glm::dvec2 at = layer.origin + glm::dvec2(direction) * seen.distance_m / layer.period_m;
     const double depth = depth_at(layer, noise, columns, rows, at);
     const double mu = light_cosine(layer);
-    const glm::dvec2 aside = glm::dvec2(layer.to_light) * (thickness_m / mu) / layer.period_m;
+    const glm::dvec2 aside =
+        glm::dvec2(layer.to_light) * (shaders::cloud_thickness_m / mu) / layer.period_m;
     const double lightwards = depth_at(layer, noise, columns, rows, at + aside);
-    const double shade =
-        std::clamp((1 + diffuse_loss * depth) / (1 + diffuse_loss * lightwards), 0.5, 1.6);
-    const double through = 1 / (1 + diffuse_loss * depth);
+    const double shade = std::clamp((1 + shaders::cloud_diffuse_loss * depth) /
+                                        (1 + shaders::cloud_diffuse_loss * lightwards),
+                                    0.5, 1.6);
+    const double through = 1 / (1 + shaders::cloud_diffuse_loss * depth);
     // A sea is as bright on all sides: what is scattered on the way up is made up for by its neighbours' light.
     seen.left = layer.height_m > 0 ? std::exp(-depth / std::max(cosine, 0.05)) : through;
     const glm::dvec3 beam = layer.light * mu * (through - std::exp(-depth / mu)) * shade;
-    const glm::dvec3 sky = layer.sky * (through - std::exp(-mean_slant * depth));
+    const glm::dvec3 sky = layer.sky * (through - std::exp(-shaders::cloud_mean_slant * depth));
     // Of thin clouds the beam's light goes on nearly straight, of thick ones everywhere.
     const double angle = glm::dot(direction, layer.to_light);
     const double lobes =
-        forward_share * henyey(forward, angle) + (1 - forward_share) * henyey(backward, angle);
-    const double straight = std::exp(-straight_loss * depth);
+        shaders::cloud_forward_share * henyey(shaders::cloud_forward, angle) +
+        (1 - shaders::cloud_forward_share) * henyey(shaders::cloud_backward, angle);
+    const double straight = std::exp(-shaders::cloud_straight_loss * depth);
     // Seen aslant a thin cloud is brighter, as it hides more: 1.66 is the mean slant of what falls on the level.
     const double aslant = (1 - std::exp(-depth / std::max(cosine, 0.05))) /
-                          std::max(1 - std::exp(-mean_slant * depth), 1e-6);
+                          std::max(1 - std::exp(-shaders::cloud_mean_slant * depth), 1e-6);
     const glm::dvec3 passed = aslant * (beam * glm::mix(1 / pi, lobes / mu, straight) + sky / pi);
     const glm::dvec3 returned = (layer.light * mu * shade + layer.sky) * ((1 - through) / pi);
     seen.radiance = layer.height_m > 0 ? passed : returned;
@@ -205,7 +201,7 @@ CloudShare mean_cloud_share(const CloudLayer& layer, const std::vector<glm::vec2
         const double region = static_cast<double>(noise[(i * 104729) % noise.size()].x);
         const double depth = cloud_depth(layer, static_cast<double>(noise[i].x), detail, region);
         sum.straight += std::exp(-depth / mu);
-        sum.diffuse += 1 / (1 + diffuse_loss * depth);
+        sum.diffuse += 1 / (1 + shaders::cloud_diffuse_loss * depth);
     }
     const auto count = static_cast<double>(noise.size());
     return {sum.straight / count, sum.diffuse / count};

@@ -47,10 +47,9 @@ struct CloudSeen {
 
 /// Threshold of the noise for a share of the sky.
 double cloud_threshold(double coverage);
-/// Optical depth by noise: pattern at the place, detail at cloud_detail_scale times it, and how cloudy the
-/// region is, the pattern at cloud_region_scale times it.
+/// Optical depth by noise: pattern at the place, detail at shaders::cloud_detail_scale times it, and how cloudy the
+/// region is, the pattern at shaders::cloud_region_scale times it.
 double cloud_depth(const CloudLayer& layer, double pattern, double detail, double region);
-inline constexpr double cloud_detail_scale = 4, cloud_region_scale = 0.27;
 
 /// noise: as cloud_noise made it.
 CloudSeen clouds_seen(const CloudLayer& layer, const std::vector<glm::vec2>& noise, int columns,

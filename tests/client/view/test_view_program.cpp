@@ -82,6 +82,7 @@ TEST(ViewProgram, says_in_one_line_what_is_wrong_with_a_command_line) {
         {"ws://127.0.0.1:1 --frames 3", "--frames is of pictures in files"},
         {"ws://127.0.0.1:1 --time 12", "--time is of pictures in files"},
         {"ws://127.0.0.1:1 --bench 3", "--bench is of pictures in files"},
+        {fine + "--bench 3", "--out and --bench"},
         {"ws://127.0.0.1:1 --window 8x8", "--window 8x8"},
         {fine + "--window 640x480", "--offscreen and --window"},
         {"ws://127.0.0.1:1 --offscreen 64x --out x.png", "64x"},
