@@ -213,11 +213,32 @@ bool NetServer::Impl::make_room(Address& address) {
     return made;
 }
 
+/// So that busy does not look like broken. It fits into any send buffer, and who has closed already does
+/// not matter; over TLS nothing can be said before a handshake.
+void say_busy(tcp::socket& socket, Core& core) {
+    constexpr std::string_view page = "HTTP/1.1 503 Service Unavailable\r\n"
+                                      "Server: seaway/" SEAWAY_VERSION "\r\n"
+                                      "Content-Type: text/plain; charset=utf-8\r\n"
+                                      "Cache-Control: no-store\r\n"
+                                      "Retry-After: 1\r\n"
+                                      "Connection: close\r\n"
+                                      "Content-Length: 42\r\n\r\n"
+                                      "too many connections, try again in a while";
+    ++core.counters.http_responses[503];
+    error_code ignored;
+    socket.non_blocking(true, ignored);
+    socket.write_some(asio::buffer(page.data(), page.size()), ignored);
+    socket.shutdown(tcp::socket::shutdown_send, ignored);
+}
+
 void NetServer::Impl::take_public(tcp::socket socket, const tcp::endpoint& from) {
     const AddressPtr address =
         core_->addresses.of(from.address().to_string(), Bucket::Clock::now());
-    if (!make_room(*address))
+    if (!make_room(*address)) {
+        if (!tls_)
+            say_busy(socket, *core_);
         return; // closed by its destructor
+    }
     ++core_->counters.connections_accepted;
     Peer peer{endpoint_of(from).text(), address, is_loopback(from.address()), tls_ != nullptr};
     serve_http(ConnectionSlot(core_, core_->door, address),

@@ -6,8 +6,10 @@
 Three crowds, each against a server of its own (scenes/calm.toml, native): CONNECTIONS sockets of 127.0.0.1
 that say nothing, send half a request, or upgrade and say no Hello, and come again as often as they are
 closed. Beside each, from 127.0.0.2, twice a second: a health probe, an upgrade, and a probe of
---health-listen; and one connection that was idle between two requests when the crowd came.
+--health-listen; one connection that was idle between two requests when the crowd came; and a client that
+had subscribed before and asks ten times a second (tests/interop).
 """
+import functools
 import pathlib
 import select
 import socket
@@ -16,6 +18,9 @@ import sys
 import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tests/interop"))
+import client  # noqa: E402
+
 CROWD, NEIGHBOUR = "127.0.0.1", "127.0.0.2"
 GET = b"GET /healthz HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n"
 UPGRADE = (b"GET /v1/stream HTTP/1.1\r\nHost: 127.0.0.1\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
@@ -83,6 +88,27 @@ def summary(answers):
     return f"{len(good)} of {len(answers)}{worst}" + (f" ({', '.join(others)})" if others else "")
 
 
+def subscribed(port, seconds):
+    """A client in a process of its own: keyframes it misses, and how long its queries take."""
+    socket.create_connection = functools.partial(socket.create_connection, source_address=(NEIGHBOUR, 0))
+    session = client.Session("127.0.0.1", port)
+    session.subscribe()
+    took_ms, end = [], time.monotonic() + seconds
+    while time.monotonic() < end:
+        begun = time.monotonic()
+        session.query([(1.0, 2.0, session.sea_time_us())])
+        took_ms.append(1e3 * (time.monotonic() - begun))
+        time.sleep(0.1)
+    missed = 0
+    for epoch, cascade in {key[:2] for key in session.keyframes}:
+        times = sorted(key[2] for key in session.keyframes if key[:2] == (epoch, cascade))
+        interval = session.states[epoch]["cascades"][cascade]["interval_us"]
+        missed += (times[-1] - times[0]) // interval + 1 - len(times)
+    took_ms.sort()
+    print(f"missed {missed} of {len(session.keyframes)} keyframes, ping and query {took_ms[len(took_ms) // 2]:.1f} ms, "
+          f"at most {took_ms[-1]:.0f}")
+
+
 def run(server, size, seconds, name):
     health = free_port()
     process = subprocess.Popen(
@@ -94,6 +120,9 @@ def run(server, size, seconds, name):
         idle = connected(NEIGHBOUR, port)
         idle.sendall(GET)
         idle.recv(4096)
+        healthy = subprocess.Popen([sys.executable, "-B", __file__, "--subscribed", str(port), str(seconds + 1)],
+                                   stdout=subprocess.PIPE, text=True)
+        time.sleep(1)
         crowd = Crowd(port, size, CROWDS[name])
         probes, upgrades, healths = [], [], []
         end, due = time.monotonic() + seconds, 0.0
@@ -109,21 +138,24 @@ def run(server, size, seconds, name):
             stays = "stays" if idle.recv(4096) else "was closed"
         except OSError:
             stays = "was closed"
-        held = len(crowd.sockets)
+        held, fared = len(crowd.sockets), healthy.communicate()[0].strip()
     finally:
         process.terminate()
         log = process.communicate()[1].splitlines()
     crowded = sum("event=connections_crowded" in line for line in log)
     print(f"{name}: probes {summary(probes)}; upgrades {summary(upgrades)}; health listener {summary(healths)}; "
           f"idle connection {stays}; crowd closed {crowd.closed} times, {held} open; log {len(log)} lines, "
-          f"{crowded} of crowding")
+          f"{crowded} of crowding; subscriber {fared}")
 
 
 def main():
+    if sys.argv[1] == "--subscribed":
+        return subscribed(int(sys.argv[2]), float(sys.argv[3]))
     size = int(sys.argv[2]) if len(sys.argv) > 2 else 1280
     seconds = float(sys.argv[3]) if len(sys.argv) > 3 else 8.0
     for name in CROWDS:
         run(sys.argv[1], size, seconds, name)
+    return None
 
 
 if __name__ == "__main__":
