@@ -79,7 +79,6 @@ class Listener {
         timer_.cancel();
     }
 
-    bool is_open() const { return acceptor_.is_open(); }
     const Endpoint& endpoint() const { return endpoint_; }
 
   private:
