@@ -7,7 +7,13 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "base/text_file.h"
+
 namespace seaway {
+
+namespace {
+constexpr std::size_t file_of_options_bytes_max = 64 * 1024;
+} // namespace
 
 CommandOption& CommandOption::takes(const std::string& what) {
     option_->type_name(what);
@@ -100,6 +106,14 @@ template CommandOption CommandLine::option(const std::string&, std::vector<std::
                                            const std::string&);
 template CommandOption CommandLine::option(const std::string&, std::vector<int>&,
                                            const std::string&);
+
+void CommandLine::file_of_options(const std::string& name, const std::string& help) {
+    app_->set_config(name, "", help)->check([](const std::string& path) {
+        const Result<std::string> text = read_text_file(path, file_of_options_bytes_max);
+        return text ? "" : fmt::format("'{}': {}", path, text.error().message);
+    });
+    app_->allow_config_extras(CLI::config_extras_mode::error);
+}
 
 CommandLine& CommandLine::command(const std::string& name, const std::string& about) {
     app_->require_subcommand(1);

@@ -64,6 +64,10 @@ class CommandLine {
     template <class T>
     CommandOption option(const std::string& names, T& value, const std::string& help = "");
 
+    /// `--name FILE`: options from a file (TOML, `listen = "127.0.0.1:9430"`), where the line does not say otherwise.
+    /// What no option has the name of, and a file that is none, are errors.
+    void file_of_options(const std::string& name, const std::string& help);
+
     /// A word such as "effects" with options of its own, of which one must then be given.
     CommandLine& command(const std::string& name, const std::string& about);
     /// Of a command: it was given.

@@ -5,16 +5,17 @@
 #include <exception>
 
 #include <fmt/core.h>
-#include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
 #include "base/messages.h"
 #include "base/text_file.h"
 #include "server/devices.h"
+#include "server/log_format.h"
 #include "server/net/open_files.h"
 #include "server/net/server.h"
 #include "server/options.h"
 #include "server/resume.h"
+#include "server/service_manager.h"
 #include "server/stop_deadline.h"
 #include "server/stop_signal.h"
 #include "server/world.h"
@@ -45,6 +46,24 @@ void reload(NetServer& net) {
     spdlog::info("event=reloaded what=\"tokens and certificate\"");
 }
 
+/// Logs what a user should know of this sea; its warnings.
+std::vector<std::string> told_of(const RunningSea& sea) {
+    if (sea.certificate)
+        spdlog::info("{}: certified: {}", sea.scene.source, describe(*sea.certificate));
+    std::vector<std::string> warnings = warnings_of(sea);
+    for (const std::string& warning : warnings)
+        spdlog::warn("{}: {}", sea.scene.source, warning);
+    return warnings;
+}
+
+/// The end of --check: what a start would serve, in one line.
+int checked(const RunningSea& sea) {
+    fmt::print("{}: fine: Hs {:.2f} m, {} cascades, heights within {:g} m\n", sea.scene.source,
+               sea.summary.realised.significant_height_m, sea.budget.cascades.size(),
+               sea.budget.height_error_m);
+    return status_after_output("seaway-server", exit_stopped, exit_usage);
+}
+
 int serve(const Options& options) {
     StopSignal::survive_others();
     if (const Result<void> fine = NetServer::check(options.net); !fine)
@@ -57,15 +76,13 @@ int serve(const Options& options) {
     const Result<RunningSeaPtr> sea = make_running_sea(*scene, 1);
     if (!sea)
         return fail(exit_usage, sea.error());
+    const std::vector<std::string> warnings = told_of(**sea);
+    if (options.check)
+        return checked(**sea);
     const Result<Resumed> resumed =
         begin_or_resume(options.data_dir, *scene, SeaClock::utc_now_us());
     if (!resumed)
         return fail(exit_usage, resumed.error());
-    if ((*sea)->certificate)
-        spdlog::info("{}: certified: {}", scene->source, describe(*(*sea)->certificate));
-    const std::vector<std::string> warnings = warnings_of(**sea);
-    for (const std::string& warning : warnings)
-        spdlog::warn("{}: {}", scene->source, warning);
 
     const StopSignal stop;
     StopDeadline deadline(stop_limit, exit_no_device, [] {
@@ -93,7 +110,14 @@ int serve(const Options& options) {
     if (const Result<void> told = write_out(stdout, ready); !told)
         spdlog::warn("{}",
                      told.error().message); // who reads the log knows the address all the same
-    const bool asked = stop.wait([&net] { reload(**net); });
+    const ServiceManager manager;
+    manager.ready((*net)->url());
+    const bool asked = stop.wait([&net] { reload(**net); }, manager.pat_every(),
+                                 [&] {
+                                     if (world.health().live)
+                                         manager.alive();
+                                 });
+    manager.stopping();
     deadline.begins();
     (*net)->stop();
     (*simulation).reset();
@@ -113,13 +137,13 @@ int list_devices() {
 
 int main(int argc, char** argv) {
     using namespace seaway::server;
-    spdlog::set_default_logger(spdlog::stderr_color_mt("seaway-server"));
-    spdlog::set_pattern("%Y-%m-%dT%H:%M:%S.%e%z %l %v");
+    set_log_format("text");
     try {
         const auto options = read_options(argc, argv);
         if (const int* code = std::get_if<int>(&options))
             return *code;
         const auto& wanted = std::get<Options>(options);
+        set_log_format(wanted.log);
         return wanted.device == "list" ? list_devices() : serve(wanted);
     } catch (const std::exception& error) {
         spdlog::critical("{}", error.what());

@@ -103,6 +103,15 @@ std::variant<Options, int> read_options(int argc, char** argv) {
         .between(0.001, 1e6)
         .takes("SECONDS")
         .shows_default();
+    line.option("--log", options.log,
+                "How lines on stderr are written: text, or one JSON object a line")
+        .takes("text|json")
+        .one_of({"text", "json"})
+        .shows_default();
+    line.option("--check", options.check,
+                "Read scene, files and addresses as a start would, say what was found, and end");
+    line.file_of_options("--config", "File with these options, as `listen = \"0.0.0.0:9430\"`; "
+                                     "what the command line says wins");
     line.option("--validation", options.validation,
                 "Vulkan validation layers on; what they report is an error");
     line.footer(

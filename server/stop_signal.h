@@ -5,7 +5,9 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <csignal>
+#include <ctime>
 #include <functional>
 #include <initializer_list>
 #include <unistd.h>
@@ -25,16 +27,23 @@ class StopSignal {
 
     StopSignal() : set_(block({SIGTERM, SIGINT, SIGHUP})) {}
 
-    /// Waits, calling `hung_up` at each SIGHUP; true if somebody asked to stop, false after fail().
-    bool wait(const std::function<void()>& hung_up) const {
+    /// Waits, calling `hung_up` at each SIGHUP and `beat` whenever `every` has passed without a signal; true if
+    /// somebody asked to stop, false after fail().
+    bool wait(const std::function<void()>& hung_up, std::chrono::microseconds every,
+              const std::function<void()>& beat) const {
+        const auto whole = std::chrono::floor<std::chrono::seconds>(every);
+        const timespec limit{static_cast<std::time_t>(whole.count()),
+                             static_cast<long>(1000 * (every - whole).count())};
         for (;;) {
-            int signal = 0;
-            sigwait(&set_, &signal);
+            const int signal = sigtimedwait(&set_, nullptr, &limit);
             if (failed_)
                 return false;
-            if (signal != SIGHUP)
+            if (signal == SIGHUP)
+                hung_up();
+            else if (signal > 0)
                 return true;
-            hung_up();
+            else
+                beat();
         }
     }
 

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "server/map_source.h"
+#include "server/process_metrics.h"
 #include "server/world_reports.h"
 
 namespace seaway::server {
@@ -124,7 +125,8 @@ std::string World::plan_json() const {
 
 std::string World::metrics_text() const {
     return server::metrics_text(simulation_->plan(), simulation_->counters(), simulation_->costs(),
-                                clock_.moment());
+                                clock_.moment()) +
+           process_metrics_text();
 }
 
 } // namespace seaway::server

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/log_format.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <memory>
+
+#include <nlohmann/json.hpp>
+#include <spdlog/pattern_formatter.h>
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+namespace seaway::server {
+namespace {
+
+using nlohmann::ordered_json;
+
+constexpr const char* iso_time = "%Y-%m-%dT%H:%M:%S.%e%z";
+
+ordered_json value_of(std::string_view text) {
+    const char* const end = text.data() + text.size();
+    std::int64_t whole = 0;
+    if (const auto [at, wrong] = std::from_chars(text.data(), end, whole);
+        at == end && wrong == std::errc())
+        return whole;
+    double number = 0;
+    if (const auto [at, wrong] = std::from_chars(text.data(), end, number);
+        at == end && wrong == std::errc() && std::isfinite(number))
+        return number;
+    return std::string(text);
+}
+
+/// Of `key=value key="many words"`; ends at what is neither.
+ordered_json fields_of(std::string_view message) {
+    ordered_json fields = ordered_json::object();
+    while (!message.empty()) {
+        const std::size_t equals = message.find('=');
+        if (equals == std::string_view::npos ||
+            message.substr(0, equals).find(' ') != std::string_view::npos)
+            break;
+        const std::string key(message.substr(0, equals));
+        message.remove_prefix(equals + 1);
+        const bool quoted = message.starts_with('"');
+        message.remove_prefix(quoted ? 1 : 0);
+        const std::size_t end = std::min(message.find(quoted ? '"' : ' '), message.size());
+        const std::string_view text = message.substr(0, end);
+        fields[key] = quoted ? ordered_json(std::string(text)) : value_of(text);
+        message.remove_prefix(std::min(end + (quoted ? 2 : 1), message.size()));
+    }
+    return fields;
+}
+
+/// Writes a whole line as JSON; its pattern is the time alone.
+class JsonFormatter final : public spdlog::formatter {
+  public:
+    void format(const spdlog::details::log_msg& message, spdlog::memory_buf_t& out) override {
+        spdlog::memory_buf_t time;
+        time_.format(message, time);
+        const spdlog::string_view_t level = spdlog::level::to_string_view(message.level);
+        const std::string line = json_line({time.data(), time.size()}, {level.data(), level.size()},
+                                           {message.payload.data(), message.payload.size()}) +
+                                 "\n";
+        out.append(line.data(), line.data() + line.size());
+    }
+    std::unique_ptr<spdlog::formatter> clone() const override {
+        return std::make_unique<JsonFormatter>();
+    }
+
+  private:
+    spdlog::pattern_formatter time_{iso_time, spdlog::pattern_time_type::local, ""};
+};
+
+} // namespace
+
+std::string json_line(std::string_view time, std::string_view level, std::string_view message) {
+    ordered_json line{{"time", time}, {"level", level}, {"message", message}};
+    if (message.starts_with("event="))
+        line["fields"] = fields_of(message);
+    return line.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
+}
+
+void set_log_format(const std::string& format) {
+    if (spdlog::get("seaway-server") == nullptr)
+        spdlog::set_default_logger(spdlog::stderr_color_mt("seaway-server"));
+    if (format == "json")
+        spdlog::set_formatter(std::make_unique<JsonFormatter>());
+    else
+        spdlog::set_pattern(std::string(iso_time) + " %l %v");
+}
+
+} // namespace seaway::server

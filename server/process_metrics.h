@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+// What this process takes of its machine, under the names that Prometheus gives it for every program
+// (prometheus.io/docs/instrumenting/writing_clientlibs, "process metrics"). Linux: /proc/self.
+#pragma once
+
+#include <string>
+
+namespace seaway::server {
+
+/// Prometheus text: processor time, resident memory, open files and how many there may be.
+std::string process_metrics_text();
+
+} // namespace seaway::server

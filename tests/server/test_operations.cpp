@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: Apache-2.0
+// What operators use, with the real program: --check, --config, --log json, a service manager, the dashboard.
+#include <filesystem>
+#include <fstream>
+#include <regex>
+#include <set>
+#include <sstream>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include "client/client.h"
+#include "tests/server/net/clients.h"
+#include "tests/support/folder.h"
+#include "tests/support/metrics_page.h"
+#include "tests/support/server_process.h"
+
+namespace seaway {
+namespace {
+
+int port_of(const std::string& url) {
+    return std::stoi(url.substr(url.rfind(':') + 1));
+}
+
+int exit_code_of(tests::ServerProcess& server) {
+    return server.wait_for_exit(std::chrono::seconds(60)).value_or(-1);
+}
+
+TEST(Check, looks_at_scene_files_and_addresses_and_serves_nothing) {
+    const std::string folder = tests::folder().file("checked");
+    tests::ServerProcess fine({"scenes/north_sea_gale.toml", "--check", "--data-dir", folder});
+    EXPECT_EQ(exit_code_of(fine), 0) << fine.log();
+    EXPECT_FALSE(std::filesystem::exists(folder)) << "a look makes no journal";
+    struct Wrong {
+        std::vector<std::string> arguments;
+        const char* says;
+    };
+    const Wrong wrong[] = {
+        {{"tests/data/scenes/out_of_range.toml", "--check"}, "gamma"},
+        {{"scenes/calm.toml", "--check", "--listen", "nowhere"}, "--listen nowhere"},
+        {{"scenes/calm.toml", "--check", "--client-token-file", "/no/such/token"},
+         "/no/such/token"},
+        {{"scenes/calm.toml", "--check", "--tls-cert", "/no/cert", "--tls-key", "/no/key"},
+         "--tls-cert /no/cert"}};
+    for (const Wrong& w : wrong) {
+        tests::ServerProcess server(w.arguments);
+        EXPECT_EQ(exit_code_of(server), 2);
+        EXPECT_NE(server.log().find(w.says), std::string::npos) << server.log();
+    }
+}
+
+TEST(Config, a_file_says_what_the_command_line_does_not) {
+    const std::string token = tests::folder().write("config.token", "swordfish\n");
+    const std::string config = tests::folder().write(
+        "server.toml", "# comments are fine\nlisten = \"127.0.0.1:1\"\ndevice = \"native\"\n"
+                       "sessions-max = 17\nclient-token-file = \"" +
+                           token + "\"\n");
+    tests::ServerProcess server(
+        {"scenes/calm.toml", "--config", config, "--listen", "127.0.0.1:0"});
+    const std::string url = server.wait_until_ready();
+    ASSERT_FALSE(url.empty()) << server.log();
+    EXPECT_NE(server.log().find("device=\"native"), std::string::npos) << server.log();
+    EXPECT_EQ(tests::ask_http(port_of(url), "/", "GET").status, 401) << "the file's token";
+    EXPECT_NE(tests::ask_http(port_of(url), "/", "GET", "Bearer swordfish").body.find("0 of 17"),
+              std::string::npos);
+}
+
+TEST(Config, what_is_wrong_in_it_is_named_in_one_line) {
+    const auto says = [](const std::string& text) {
+        tests::ServerProcess server(
+            {"scenes/calm.toml", "--config", tests::folder().write("wrong.toml", text)});
+        EXPECT_EQ(exit_code_of(server), 2) << text;
+        const std::string log = server.log();
+        EXPECT_EQ(std::count(log.begin(), log.end(), '\n'), 1) << log;
+        return log;
+    };
+    EXPECT_NE(says("lisen = \"127.0.0.1:0\"\n").find("lisen"), std::string::npos);
+    EXPECT_NE(says("sessions-max = \"many\"\n").find("many"), std::string::npos);
+    EXPECT_NE(says("sessions-max = 0\n").find("sessions-max"), std::string::npos);
+    tests::ServerProcess missing({"scenes/calm.toml", "--config", "/no/such/file.toml"});
+    EXPECT_EQ(exit_code_of(missing), 2);
+    EXPECT_NE(missing.log().find("/no/such/file.toml"), std::string::npos) << missing.log();
+}
+
+TEST(JsonLogs, every_line_of_a_server_is_an_object) {
+    tests::ServerProcess server(
+        {"scenes/calm.toml", "--device", "native", "--listen", "127.0.0.1:0", "--log", "json"});
+    const std::string url = server.wait_until_ready();
+    ASSERT_FALSE(url.empty()) << server.log();
+    ASSERT_TRUE(client::Client::connect({.url = url, .name = "a \"quoted\" client"}));
+    server.send(SIGTERM);
+    EXPECT_EQ(exit_code_of(server), 0);
+    std::istringstream lines(server.log());
+    std::set<std::string> events;
+    for (std::string line; std::getline(lines, line);) {
+        const auto object = nlohmann::json::parse(line, nullptr, false);
+        ASSERT_TRUE(object.is_object()) << line;
+        for (const char* key : {"time", "level", "message"})
+            EXPECT_TRUE(object.contains(key)) << line;
+        if (object.contains("fields"))
+            events.insert(object["fields"]["event"]);
+    }
+    EXPECT_TRUE(events.contains("session_open") && events.contains("session_closed"));
+}
+
+/// Where a service manager listens, and what it was told.
+class Manager {
+  public:
+    Manager() : path_(tests::folder().file("notify")), socket_(socket(AF_UNIX, SOCK_DGRAM, 0)) {
+        sockaddr_un address{.sun_family = AF_UNIX};
+        path_.copy(address.sun_path, sizeof address.sun_path - 1);
+        EXPECT_EQ(bind(socket_, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
+        setenv("NOTIFY_SOCKET", path_.c_str(), 1);
+        setenv("WATCHDOG_USEC", "200000", 1);
+    }
+    ~Manager() {
+        unsetenv("NOTIFY_SOCKET");
+        unsetenv("WATCHDOG_USEC");
+        close(socket_);
+    }
+    /// Waits until it is told this; false after a minute.
+    bool hears(const std::string& what) {
+        for (int i = 0; i < 600; ++i) {
+            char words[4096];
+            timeval limit{0, 100'000};
+            setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
+            const auto count = recv(socket_, words, sizeof words, 0);
+            if (count > 0 &&
+                std::string(words, static_cast<std::size_t>(count)).find(what) != std::string::npos)
+                return true;
+        }
+        return false;
+    }
+
+  private:
+    std::string path_;
+    int socket_;
+};
+
+TEST(ServiceManager, hears_that_it_serves_that_it_comes_on_and_that_it_stops) {
+    Manager manager;
+    tests::ServerProcess server(
+        {"scenes/calm.toml", "--device", "native", "--listen", "127.0.0.1:0"});
+    EXPECT_TRUE(manager.hears("READY=1\nSTATUS=ws://127.0.0.1:")) << server.log();
+    for (int beat = 0; beat < 3; ++beat)
+        EXPECT_TRUE(manager.hears("WATCHDOG=1"));
+    server.send(SIGTERM);
+    EXPECT_TRUE(manager.hears("STOPPING=1"));
+    EXPECT_EQ(exit_code_of(server), 0);
+}
+
+TEST(ProcessMetrics, say_what_the_process_takes) {
+    tests::ServerProcess server(
+        {"scenes/calm.toml", "--device", "native", "--listen", "127.0.0.1:0"});
+    const std::string url = server.wait_until_ready();
+    ASSERT_FALSE(url.empty()) << server.log();
+    const auto metrics = [&] {
+        return tests::read_metrics(tests::ask_http(port_of(url), "/metrics", "GET").body).values;
+    };
+    auto before = metrics();
+    // As the system counts them, a moment later.
+    std::ifstream status("/proc/" + std::to_string(server.pid()) + "/status");
+    double resident_bytes = 0;
+    for (std::string line; std::getline(status, line);)
+        if (line.starts_with("VmRSS:"))
+            resident_bytes = 1024 * std::stod(line.substr(6));
+    EXPECT_NEAR(before.at("process_resident_memory_bytes") / resident_bytes, 1, 0.1);
+    EXPECT_GT(before.at("process_cpu_seconds_total"), 0);
+    tests::RawPeer one(port_of(url)), two(port_of(url));
+    for (int i = 0; i < 1000 && metrics().at("seaway_net_connections") < 3; ++i)
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    const auto after = metrics();
+    EXPECT_EQ(after.at("process_open_fds"), before.at("process_open_fds") + 2);
+    EXPECT_GE(after.at("process_cpu_seconds_total"), before.at("process_cpu_seconds_total"));
+    EXPECT_GT(after.at("process_max_fds"), after.at("process_open_fds"));
+}
+
+// A name that the server does not have would be an empty panel for ever.
+TEST(Dashboard, shows_only_metrics_that_the_server_has) {
+    tests::ServerProcess server(
+        {"scenes/calm.toml", "--device", "native", "--listen", "127.0.0.1:0"});
+    const std::string url = server.wait_until_ready();
+    ASSERT_FALSE(url.empty()) << server.log();
+    const std::string page = tests::ask_http(port_of(url), "/metrics", "GET").body;
+    std::ifstream file(SEAWAY_SOURCE_DIR "/deploy/grafana.json");
+    const auto dashboard = nlohmann::json::parse(file, nullptr, false);
+    ASSERT_TRUE(dashboard.is_object());
+    int shown = 0;
+    for (const auto& panel : dashboard["panels"])
+        for (const auto& target : panel.value("targets", nlohmann::json::array())) {
+            const std::string query = target["expr"];
+            static const std::regex name("(seaway|process)_\\w+");
+            for (std::sregex_iterator at(query.begin(), query.end(), name), end; at != end; ++at) {
+                EXPECT_NE(page.find("# TYPE " + at->str() + " "), std::string::npos) << query;
+                ++shown;
+            }
+        }
+    EXPECT_GT(shown, 20);
+}
+
+} // namespace
+} // namespace seaway
