@@ -235,7 +235,7 @@ Result<void> KeyframeSource::add_foam(KeyframeJob& job, std::int64_t& budget) {
 void KeyframeSource::keep(KeyframeJob& job, std::size_t place, sea::KeyframePtr keyframe) {
     const sea::KeyframePtr held = store_.held(keyframe->cascade, keyframe->time_us);
     if (!held || !held->fields.contains(keyframe->fields)) // made meanwhile, with more
-        store_.insert(keyframe);
+        store_.insert(keyframe, job.walk_ == Walk::stream);
     job.found_[place] = std::move(keyframe);
 }
 

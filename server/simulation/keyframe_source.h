@@ -20,11 +20,11 @@
 #include "base/result.h"
 #include "sea/surface/surface.h"
 #include "server/device/rebuilt_synthesizer.h"
+#include "server/host/room.h"
 #include "server/simulation/effect_costs.h"
 #include "server/simulation/foam_maps.h"
 #include "server/simulation/keyframe_store.h"
 #include "server/simulation/price.h"
-#include "server/simulation/room.h"
 #include "server/simulation/running_sea.h"
 
 namespace seaway::server {
@@ -147,6 +147,11 @@ class KeyframeSource {
     /// Why there are no more keyframes.
     const std::optional<Error>& failure() const { return failure_; }
     bool failed() const { return failed_; } ///< any thread
+
+    /// Lets go of keyframes that nobody has used since the call before the last one.
+    std::size_t trim() { return store_.trim(); }
+    /// There is something to trim().
+    bool holds_keyframes() const { return store_.counters().keyframes > 0; }
 
     /// What of a keyframe is there now. Any thread.
     Holding holding(const KeyframeRequest& request) const;

@@ -27,22 +27,47 @@ bool KeyframeStore::splined(int cascade, sea::TimeUs time_us) const {
     return found != entries_.end() && found->second.spline != nullptr;
 }
 
-void KeyframeStore::insert(sea::KeyframePtr keyframe) {
+void KeyframeStore::insert(sea::KeyframePtr keyframe, bool streamed) {
     const std::scoped_lock lock(mutex_);
     const Key key{keyframe->cascade, keyframe->time_us};
-    const auto [place, is_new] = entries_.try_emplace(key);
-    Entry& entry = place->second;
-    if (is_new) {
-        by_recency_.push_front(key);
-        entry.recency = by_recency_.begin();
-    } else {
-        counters_.bytes -= bytes(entry);
-        touch(entry);
+    if (const auto held = entries_.find(key); held != entries_.end()) {
+        streamed = streamed || held->second.streamed;
+        drop(held);
     }
-    entry.keyframe = std::move(keyframe);
-    entry.spline = nullptr;
-    counters_.bytes += bytes(entry);
+    Entry entry{.keyframe = std::move(keyframe), .spline = nullptr, .recency = {}};
+    entry.streamed = streamed;
+    entry.used = trims_;
+    std::list<Key>& recency = recency_of(entry);
+    recency.push_front(key);
+    entry.recency = recency.begin();
+    add(entry, bytes(entry));
+    entries_.emplace(key, std::move(entry));
     shrink();
+}
+
+void KeyframeStore::add(const Entry& entry, std::size_t more) {
+    counters_.bytes += more;
+    streamed_bytes_ += entry.streamed ? more : 0;
+}
+
+void KeyframeStore::drop(std::map<Key, Entry>::iterator entry) {
+    const std::size_t freed = bytes(entry->second);
+    counters_.bytes -= freed;
+    streamed_bytes_ -= entry->second.streamed ? freed : 0;
+    recency_of(entry->second).erase(entry->second.recency);
+    entries_.erase(entry);
+}
+
+std::size_t KeyframeStore::trim() {
+    const std::scoped_lock lock(mutex_);
+    const std::size_t before = counters_.bytes;
+    for (auto at = entries_.begin(); at != entries_.end();) {
+        const auto entry = at++;
+        if (entry->second.used < trims_)
+            drop(entry);
+    }
+    ++trims_;
+    return before - counters_.bytes;
 }
 
 sea::SplineMapPtr KeyframeStore::spline(const sea::KeyframePtr& keyframe) {
@@ -60,7 +85,7 @@ sea::SplineMapPtr KeyframeStore::spline(const sea::KeyframePtr& keyframe) {
     const auto found = entries_.find(key);
     if (found != entries_.end() && found->second.keyframe == keyframe && !found->second.spline) {
         found->second.spline = spline;
-        counters_.bytes += spline->bytes();
+        add(found->second, spline->bytes());
         touch(found->second);
         shrink();
     }
@@ -75,15 +100,16 @@ StoreCounters KeyframeStore::counters() const {
 }
 
 void KeyframeStore::touch(Entry& entry) {
-    by_recency_.splice(by_recency_.begin(), by_recency_, entry.recency);
+    std::list<Key>& recency = recency_of(entry);
+    recency.splice(recency.begin(), recency, entry.recency);
+    entry.used = trims_;
 }
 
 void KeyframeStore::shrink() {
     while (counters_.bytes > bytes_max_) {
-        const auto oldest = entries_.find(by_recency_.back());
-        counters_.bytes -= bytes(oldest->second);
-        entries_.erase(oldest);
-        by_recency_.pop_back();
+        const bool streamed = by_recency_.empty() ||
+                              (2 * streamed_bytes_ > bytes_max_ && !streamed_by_recency_.empty());
+        drop(entries_.find(streamed ? streamed_by_recency_.back() : by_recency_.back()));
     }
 }
 

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Keyframe store: a bounded cache of keyframes and of their splines, oldest use first out.
+// Keyframe store: a bounded cache of keyframes and of their splines, oldest use first out. Those of the
+// stream, which everybody asks about, do not go for those that somebody asks for: they have half of the
+// room for themselves. What nobody has used for a while is let go (trim).
 //
 // Thread-safe. What is handed out stays valid after it has been dropped here.
 #pragma once
@@ -42,7 +44,10 @@ class KeyframeStore {
 
     /// Replaces a keyframe of the same cascade and time. One that is larger than the store is not
     /// kept.
-    void insert(sea::KeyframePtr keyframe);
+    void insert(sea::KeyframePtr keyframe, bool streamed = false);
+
+    /// Lets go of what has not been used since the call before the last one; returns its bytes.
+    std::size_t trim();
 
     /// The keyframe's spline; kept beside it for as long as the keyframe is held.
     sea::SplineMapPtr spline(const sea::KeyframePtr& keyframe);
@@ -55,16 +60,26 @@ class KeyframeStore {
         sea::KeyframePtr keyframe;
         sea::SplineMapPtr spline;
         std::list<Key>::iterator recency;
+        bool streamed = false;
+        std::uint64_t used = 0; ///< calls of trim() before its last use
     };
 
     void touch(Entry& entry);
+    void add(const Entry& entry, std::size_t more);
+    void drop(std::map<Key, Entry>::iterator entry);
     void shrink();
+    std::list<Key>& recency_of(const Entry& entry) {
+        return entry.streamed ? streamed_by_recency_ : by_recency_;
+    }
     static std::size_t bytes(const Entry& entry);
 
     const std::size_t bytes_max_;
     mutable std::mutex mutex_;
     std::map<Key, Entry> entries_;
     std::list<Key> by_recency_; ///< most recent first
+    std::list<Key> streamed_by_recency_;
+    std::size_t streamed_bytes_ = 0;
+    std::uint64_t trims_ = 0;
     StoreCounters counters_;
 };
 

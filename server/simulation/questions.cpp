@@ -65,40 +65,36 @@ void Questions::add(Line& line, Question question, bool first) {
     ++waiting_;
 }
 
-std::deque<Question>::iterator Questions::next_of(Line& line) {
-    auto prompt = line.waiting.end(), other = line.waiting.end();
-    for (auto at = line.waiting.begin(); at != line.waiting.end(); ++at) {
-        if (at->asker.gone())
-            return at;
-        auto& first = at->prompt ? prompt : other;
-        if (first == line.waiting.end() && (!at->ready || at->ready()))
-            first = at;
-    }
-    if (prompt == line.waiting.end() || (other != line.waiting.end() && !line.prompt_turn))
-        return other;
-    return prompt;
+std::optional<Questions::Place> Questions::next_of(Lines::iterator line, bool prompt) {
+    std::deque<Question>& waiting = line->second.waiting;
+    const auto first = std::ranges::find_if(waiting, [&](const Question& question) {
+        return question.prompt == prompt && (!question.ready || question.ready());
+    });
+    if (first == waiting.end())
+        return std::nullopt;
+    return Place{line, first,
+                 line->second.virtual_us + std::max(first->price_us - first->spent_us, 0.0)};
+}
+
+void Questions::earlier(std::optional<Place>& best, const std::optional<Place>& other) {
+    if (other && (!best || other->finish_us < best->finish_us ||
+                  (other->finish_us == best->finish_us &&
+                   other->line->second.turn < best->line->second.turn)))
+        best = other;
 }
 
 std::optional<Questions::Place> Questions::next() {
-    std::optional<Place> best;
-    double best_us = 0;
+    std::optional<Place> prompt, other;
     for (auto line = lines_.begin(); line != lines_.end(); ++line) {
-        if (line->second.waiting.empty())
-            continue;
-        const auto question = next_of(line->second);
-        if (question == line->second.waiting.end())
-            continue;
-        if (question->asker.gone()) // dropped before anything is worked on
-            return Place{line, question};
-        const double finish_us =
-            line->second.virtual_us + std::max(question->price_us - question->spent_us, 0.0);
-        if (!best || finish_us < best_us ||
-            (finish_us == best_us && line->second.turn < best->line->second.turn)) {
-            best = Place{line, question};
-            best_us = finish_us;
-        }
+        std::deque<Question>& waiting = line->second.waiting;
+        const auto gone = std::ranges::find_if(
+            waiting, [](const Question& question) { return question.asker.gone(); });
+        if (gone != waiting.end()) // dropped before anything is worked on
+            return Place{line, gone, 0};
+        earlier(prompt, next_of(line, true));
+        earlier(other, next_of(line, false));
     }
-    return best;
+    return !prompt || (other && owed_us_ >= owed_us_max) ? other : prompt;
 }
 
 std::optional<Error> Questions::why_not(const Question& question, Line& line) {
@@ -154,7 +150,6 @@ std::optional<Question> Questions::take(std::optional<sea::TimeUs> wait_us) {
     Line& line = first->line->second;
     Question question = std::move(*first->question);
     line.waiting.erase(first->question);
-    line.prompt_turn = !question.prompt;
     line.turn = ++turns_;
     --waiting_;
     bytes_ -= question.bytes;
@@ -167,6 +162,8 @@ std::optional<Question> Questions::take(std::optional<sea::TimeUs> wait_us) {
 void Questions::spent(Question& question, double us) {
     question.spent_us += us;
     const std::scoped_lock lock(mutex_);
+    owed_us_ = question.prompt ? std::min(owed_us_ + us / 4, 2 * owed_us_max)
+                               : std::max(owed_us_ - us, 0.0);
     const auto line = lines_.find(question.asker);
     if (line == lines_.end())
         return;

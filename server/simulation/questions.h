@@ -36,6 +36,9 @@ inline constexpr std::size_t questions_of_one_max = 64;
 /// finds room up to twice of it, and who has but a few points always.
 inline constexpr std::size_t question_bytes_max = 96u * 1024 * 1024;
 inline constexpr std::size_t small_question_bytes = 16u * 1024;
+/// Prompt questions go before all others, which have a fifth of the thread where both wait: they are owed a
+/// quarter of what the prompt ones take, and have their turns once this much is owed.
+inline constexpr double owed_us_max = 50'000;
 /// Who has asked nothing for a while is served as if it were so far behind the others: its next few
 /// points come before the next points of those who ask without end.
 inline constexpr double head_start_us = 50'000;
@@ -49,7 +52,7 @@ struct Question {
     /// take() alone, with the line locked; what makes it ready is followed by a wake().
     std::function<bool()> ready = {};
     double price_us = 0;
-    bool prompt = false;   ///< does not wait for longer ones of its own asker (Prices::prompt_us)
+    bool prompt = false;   ///< goes before those that are not (Prices::prompt_us)
     std::size_t bytes = 0; ///< held while it waits
     double spent_us = 0;   ///< so far
 };
@@ -93,21 +96,23 @@ class Questions {
         std::deque<Question> waiting;
         std::size_t bytes = 0; ///< of them
         Account account;
-        double virtual_us;       ///< what it has been served, or what all had when it came
-        std::uint64_t turn = 0;  ///< when it was served last, or came
-        bool prompt_turn = true; ///< else one of its long ones
+        double virtual_us;      ///< what it has been served, or what all had when it came
+        std::uint64_t turn = 0; ///< when it was served last, or came
     };
     using Lines = std::map<Asker, Line, Asker::Order>;
     struct Place {
         Lines::iterator line;
         std::deque<Question>::iterator question;
+        double finish_us; ///< by which it would be done if all had equal shares
     };
 
     Line& line_of(const Asker& asker);
     void forget_who_left();
     void add(Line& line, Question question, bool first = false);
     std::optional<Place> next();
-    static std::deque<Question>::iterator next_of(Line& line);
+    /// The first of its line that is ready, of the prompt ones or of the others.
+    static std::optional<Place> next_of(Lines::iterator line, bool prompt);
+    static void earlier(std::optional<Place>& best, const std::optional<Place>& other);
     std::optional<Error> why_not(const Question& question, Line& line);
 
     const WorkBudget budget_;
@@ -121,6 +126,7 @@ class Questions {
     std::size_t lines_waiting_ = 0;
     std::size_t bytes_ = 0;
     double virtual_us_ = 0;
+    double owed_us_ = 0;
     std::uint64_t turns_ = 0;
     std::optional<Error> closed_;
     bool woken_ = false;

@@ -59,21 +59,45 @@ Simulation::~Simulation() {
 
 void Simulation::run() {
     while (!stopping_ && !source_.failure()) {
-        bool streamed = false;
-        for (int i = 0; i < stream_slices_ahead && !source_.failure() && work_on_stream(); ++i) {
-            streamed = true;
-            ++stream_slices_;
-        }
-        const bool foam = !source_.failure() && streamed_foam_.walk(now_());
-        if (foam)
-            ++stream_slices_;
+        trim_now_and_then();
+        const bool streamed = work_ahead();
         if (!source_.failure())
-            work_on_a_question(streamed || foam);
+            work_on_a_question(streamed);
     }
     heartbeat_.rests();
     if (source_.failure() && events_.on_failure)
         events_.on_failure(source_.failure()->message);
     questions_.close(source_.failure().value_or(Error{Refusal::gone, "the server stops"}));
+}
+
+bool Simulation::work_ahead() {
+    bool worked = false;
+    try {
+        for (int i = 0; i < stream_slices_ahead && !source_.failure() && work_on_stream(); ++i) {
+            worked = true;
+            ++stream_slices_;
+        }
+        if (!source_.failure() && streamed_foam_.walk(now_())) {
+            worked = true;
+            ++stream_slices_;
+        }
+    } catch (const std::bad_alloc&) { // these keyframes are lost, the next ones may not be
+        streaming_.reset();
+        if (events_.on_warning)
+            events_.on_warning("keyframes left out: there is no memory for them");
+    }
+    return worked;
+}
+
+void Simulation::trim_now_and_then() {
+    const auto now = std::chrono::steady_clock::now();
+    if (now < trimmed_ + trim_interval)
+        return;
+    trimmed_ = now;
+    trims_left_ = std::max(trims_left_ - 1, 0);
+    (void)source_.trim();
+    if (events_.on_trim)
+        events_.on_trim();
 }
 
 bool Simulation::work_on_stream() {
@@ -110,11 +134,16 @@ void Simulation::work_on_a_question(bool more) {
         wait_us = schedule_.next_due_us(streamed_plan_);
         if (wait_us)
             wait_us = std::max<TimeUs>(*wait_us - now_(), 1);
+        if (trims_left_ > 0 || source_.holds_keyframes()) {
+            constexpr TimeUs trim_us = std::chrono::microseconds(trim_interval).count();
+            wait_us = std::min(wait_us.value_or(trim_us), trim_us);
+        }
     }
     heartbeat_.rests();
     std::optional<Question> question = questions_.take(wait_us);
     if (!question)
         return;
+    trims_left_ = trims_after_work;
     heartbeat_.works();
     if (question->asker.gone())
         question->refuse({Refusal::gone, "nobody waits for the answer"});
@@ -195,6 +224,7 @@ void Simulation::fetch(std::vector<TimeUs> times_us, const Demand& demand, Fetch
         keyframe_question([wanted = std::move(wanted)] { return wanted; }, Walk::questions,
                           [] { return true; }, std::move(done), asker);
     question.price_us = price_us;
+    question.prompt = price_us <= prices_.prompt_us();
     questions_.ask(std::move(question));
 }
 

@@ -12,6 +12,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -38,6 +39,7 @@ struct SimulationEvents {
     std::function<void(const sea::KeyframePtr&)> on_keyframe; ///< a planned one, once
     std::function<void(const std::string& why)> on_warning;
     std::function<void(const std::string& why)> on_failure; ///< the simulation has ended
+    std::function<void()> on_trim;                          ///< what nobody uses has been let go
 };
 
 struct SimulationCounters {
@@ -57,6 +59,12 @@ struct SimulationCounters {
 /// Bytes of raw keyframes that all fetches together hold, from before they are made until they are
 /// encoded. A fetch that finds no room waits.
 inline constexpr std::size_t fetch_raw_bytes_max = 256u * 1024 * 1024;
+
+/// Keyframes that nobody has used for one to two of these are let go, and what is free is given back to
+/// the system.
+inline constexpr std::chrono::seconds trim_interval{5};
+/// For so many intervals after the last question: what was made for it is still on its way out.
+inline constexpr int trims_after_work = 12;
 
 /// Slices of keyframes that are due before a question has one: the stream goes first, and one that never
 /// catches up still leaves a fifth of the thread to those who ask.
@@ -124,6 +132,9 @@ class Simulation {
     /// False: nothing was due.
     bool work_on_stream();
     void publish(const std::vector<sea::KeyframePtr>& keyframes);
+    /// The stream's slices before a question's. False: there was nothing to do.
+    bool work_ahead();
+    void trim_now_and_then();
     /// `more`: there is other work, no question is waited for.
     void work_on_a_question(bool more);
     bool answered(Question& question);
@@ -144,6 +155,8 @@ class Simulation {
     EffectPlan streamed_plan_;             ///< what the streams were made by last
     std::optional<KeyframeJob> streaming_; ///< due keyframes that are being made
     std::shared_ptr<Room> fetch_room_;
+    std::chrono::steady_clock::time_point trimmed_ = std::chrono::steady_clock::now();
+    int trims_left_ = 0;
     Questions questions_;
 
     Heartbeat heartbeat_;

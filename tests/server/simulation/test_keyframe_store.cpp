@@ -43,6 +43,46 @@ TEST(KeyframeStore, memory_stays_below_its_limit_and_newest_use_stays) {
     EXPECT_FALSE(store.find(0, 0, {Field::slope_x})) << "held, but without this field";
 }
 
+// Naive: one order of use for all: a flood of far times throws out what everybody asks about.
+TEST(KeyframeStore, what_is_streamed_stays_however_much_is_asked_for_elsewhere) {
+    const FieldSet height{Field::height, Field::height_rate};
+    const std::size_t one = 2 * 64 * 64 * sizeof(float);
+    KeyframeStore store(8 * one);
+    for (TimeUs t = 0; t < 4; ++t)
+        store.insert(keyframe(0, t, height, 64), true);
+    for (TimeUs t = 1000; t < 1100; ++t)
+        store.insert(keyframe(0, t, height, 64));
+    for (TimeUs t = 0; t < 4; ++t)
+        EXPECT_TRUE(store.find(0, t, height)) << t;
+    EXPECT_EQ(store.counters().bytes, 8 * one);
+    for (TimeUs t = 4; t < 100; ++t)
+        store.insert(keyframe(0, t, height, 64), true);
+    EXPECT_TRUE(store.find(0, 1099, height)) << "half of the room is for those who ask";
+    EXPECT_TRUE(store.find(0, 99, height));
+    EXPECT_FALSE(store.find(0, 4, height));
+    EXPECT_EQ(store.counters().bytes, 8 * one);
+}
+
+TEST(KeyframeStore, what_nobody_uses_for_two_trims_is_let_go_with_its_spline) {
+    const FieldSet height{Field::height, Field::height_rate};
+    KeyframeStore store;
+    const sea::KeyframePtr used = keyframe(0, 0, height), unused = keyframe(0, 1, height);
+    for (const sea::KeyframePtr& one : {used, unused}) {
+        store.insert(one, one == used);
+        store.spline(one);
+    }
+    const std::size_t both = store.counters().bytes;
+    EXPECT_EQ(store.trim(), 0u) << "both have been used since";
+    EXPECT_TRUE(store.find(0, 0, height));
+    EXPECT_EQ(store.trim(), both / 2);
+    EXPECT_TRUE(store.splined(0, 0));
+    EXPECT_FALSE(store.held(0, 1));
+    store.trim();
+    EXPECT_EQ(store.trim(), 0u);
+    EXPECT_EQ(store.counters().bytes, 0u);
+    EXPECT_EQ(store.counters().keyframes, 0u);
+}
+
 TEST(KeyframeStore, a_keyframe_larger_than_the_store_is_not_held_and_its_spline_is_still_made) {
     KeyframeStore store(1000);
     const sea::KeyframePtr large = keyframe(0, 0, {Field::height, Field::height_rate}, 64);

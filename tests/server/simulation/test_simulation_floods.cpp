@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+// One simulation beside floods of every kind, and without what the system should give: what is streamed,
+// what a single point waits for, and that nothing but the one question fails.
+#include <algorithm>
+#include <system_error>
+
+#include "tests/server/simulation/simulation_bench.h"
+
+namespace seaway::server {
+namespace {
+
+std::vector<sea::QueryPoint> points(std::size_t count, TimeUs step_us) {
+    std::vector<sea::QueryPoint> all;
+    for (std::size_t i = 0; i < count; ++i)
+        all.push_back({3.0 * static_cast<double>(i), 1, static_cast<TimeUs>(i) * step_us});
+    return all;
+}
+
+/// Four sessions that ask all they may: points at far times, exact sums, far keyframes, maps.
+class Flood {
+  public:
+    explicit Flood(Bench& bench) {
+        for (int i = 0; i < 4; ++i) {
+            const Asker asker(here_.emplace_back(std::make_shared<char>()));
+            const TimeUs far_us = (i + 1) * 3'600'000'000;
+            for (int k = 0; k < 4; ++k) {
+                bench.simulation->answer(points(512, far_us), false, ended(), asker);
+                bench.simulation->answer(points(256, far_us), true, ended(), asker);
+                bench.simulation->surface(far_us + k * 60'000'000, ended(), asker);
+            }
+            for (int k = 0; k < 2; ++k)
+                bench.simulation->fetch(
+                    {far_us, 2 * far_us, 3 * far_us}, {3u, sea::surface_fields},
+                    [this](const auto& part) { answered_ += !part; }, asker);
+        }
+    }
+    void leave() { here_.clear(); }
+    int answered() const { return answered_; }
+
+  private:
+    auto ended() {
+        return [this](const auto&) { ++answered_; };
+    }
+    std::vector<std::shared_ptr<const void>> here_;
+    std::atomic<int> answered_ = 0;
+};
+
+TEST(Floods, of_every_kind_cost_a_subscriber_no_keyframe) {
+    Bench bench;
+    bench.subscriptions.set(1, {3u, sea::surface_fields});
+    bench.settle();
+    Flood flood(bench);
+    const TimeUs interval_us = bench.sea->budget.cascades[0].interval_us;
+    for (int i = 0; i < 20; ++i)
+        bench.advance(interval_us);
+    EXPECT_EQ(bench.simulation->counters().keyframes_skipped, 0u);
+    for (const int cascade : {0, 1}) {
+        const std::vector<TimeUs> times_us = bench.times(cascade);
+        const TimeUs step_us =
+            bench.sea->budget.cascades[static_cast<std::size_t>(cascade)].interval_us;
+        for (std::size_t i = 1; i < times_us.size(); ++i)
+            EXPECT_EQ(times_us[i] - times_us[i - 1], step_us) << cascade;
+    }
+    EXPECT_GE(bench.times(0).size(), 20u);
+    flood.leave();
+}
+
+// Naive: a slice of each of the four for each slice of the point's own.
+TEST(Floods, of_every_kind_are_not_answered_before_a_single_point_that_comes_later) {
+    Bench bench;
+    std::promise<int> answered;
+    const auto here = std::make_shared<char>();
+    std::optional<Flood> flood;
+    {
+        const Gate gate(bench);
+        flood.emplace(bench);
+        bench.simulation->answer(
+            points(1, 0), false,
+            [&](const auto& answers) {
+                EXPECT_TRUE(answers);
+                answered.set_value(flood->answered());
+            },
+            Asker(here));
+    }
+    EXPECT_EQ(answered.get_future().get(), 0);
+    flood->leave();
+    bench.settle();
+}
+
+// A limit of processes or threads: std::thread throws. Naive: the server aborts.
+TEST(Floods, a_thread_that_the_system_does_not_give_costs_one_map_and_no_more) {
+    Bench bench;
+    std::promise<Error> refused;
+    bench.simulation->surface(
+        0,
+        [&](const Result<SurfacePtr>& surface) {
+            if (surface)
+                throw std::system_error(
+                    std::make_error_code(std::errc::resource_unavailable_try_again));
+            refused.set_value(surface.error());
+        },
+        someone);
+    const Error why = refused.get_future().get();
+    EXPECT_TRUE(why.is(Refusal::busy));
+    EXPECT_GT(why.retry_after_ms, 0u);
+    EXPECT_EQ(bench.answer({{1.0, 2.0, 0}}).size(), 1u) << "the simulation goes on";
+    EXPECT_TRUE(bench.simulation->healthy());
+}
+
+} // namespace
+} // namespace seaway::server
