@@ -272,7 +272,7 @@ void Simulation::surface(TimeUs time_us, Surfaced done, const Asker& asker) {
     if (const Result<void> fine = check_time(time_us); !fine)
         return done(fine.error());
     const double price_us = prices_.surface_us(time_us, holding());
-    auto job = std::make_shared<SurfaceJob>(time_us, price_us <= prices_.prompt_us());
+    auto job = std::make_shared<SurfaceJob>(time_us);
     questions_.ask({.slice =
                         [this, job, done] {
                             const Result<bool> there = source_.work_on(*job);
@@ -285,8 +285,7 @@ void Simulation::surface(TimeUs time_us, Surfaced done, const Asker& asker) {
                     .refuse = done,
                     .asker = asker,
                     .ready = [this, job] { return !source_.waits(*job); },
-                    .price_us = price_us,
-                    .prompt = price_us <= prices_.prompt_us()});
+                    .price_us = price_us});
 }
 
 } // namespace seaway::server

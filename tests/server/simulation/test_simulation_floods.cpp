@@ -23,10 +23,11 @@ class Flood {
         for (int i = 0; i < 4; ++i) {
             const Asker asker(here_.emplace_back(std::make_shared<char>()));
             const TimeUs far_us = (i + 1) * 3'600'000'000;
+            const auto ended = [this](const auto&) { ++answered_; };
             for (int k = 0; k < 4; ++k) {
-                bench.simulation->answer(points(512, far_us), false, ended(), asker);
-                bench.simulation->answer(points(256, far_us), true, ended(), asker);
-                bench.simulation->surface(far_us + k * 60'000'000, ended(), asker);
+                bench.simulation->answer(points(512, far_us), false, ended, asker);
+                bench.simulation->answer(points(256, far_us), true, ended, asker);
+                bench.simulation->surface(far_us + k * 60'000'000, ended, asker);
             }
             for (int k = 0; k < 2; ++k)
                 bench.simulation->fetch(
@@ -38,9 +39,6 @@ class Flood {
     int answered() const { return answered_; }
 
   private:
-    auto ended() {
-        return [this](const auto&) { ++answered_; };
-    }
     std::vector<std::shared_ptr<const void>> here_;
     std::atomic<int> answered_ = 0;
 };
