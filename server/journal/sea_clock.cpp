@@ -49,12 +49,14 @@ SeaMoment SeaClock::moment() {
 
 std::string utc_text(std::int64_t utc_us) {
     using namespace std::chrono;
+    constexpr sys_time<microseconds> first = sys_days(year(0) / 1 / 1);
+    constexpr sys_time<microseconds> end = sys_days(year(10000) / 1 / 1);
+    if (utc_us < first.time_since_epoch().count() || utc_us >= end.time_since_epoch().count())
+        return fmt::format("{} us since 1970", utc_us);
     const sys_time<microseconds> instant{microseconds(utc_us)};
     const auto day = floor<days>(instant);
     const year_month_day date(day);
     const hh_mm_ss time(instant - day);
-    if (!date.ok() || std::abs(static_cast<int>(date.year())) > 9999)
-        return fmt::format("{} us since 1970", utc_us);
     return fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}.{:06}Z", static_cast<int>(date.year()),
                        static_cast<unsigned>(date.month()), static_cast<unsigned>(date.day()),
                        time.hours().count(), time.minutes().count(), time.seconds().count(),

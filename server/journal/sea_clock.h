@@ -26,7 +26,7 @@ struct SeaMoment {
     std::int64_t epoch_utc_us; ///< instant of sea time 0, since 1970-01-01T00:00:00Z
 };
 
-/// "2026-11-22T23:17:09.000250Z", of years -9999 to 9999; others as microseconds.
+/// "2026-11-22T23:17:09.000250Z", of the years 0 to 9999; others as microseconds.
 std::string utc_text(std::int64_t utc_us);
 
 class SeaClock {

@@ -129,6 +129,11 @@ TEST(UtcText, is_iso_8601_to_the_microsecond) {
     // date -u -d @1700000000 says Tue Nov 14 22:13:20 UTC 2023; 951782400 is 29 February 2000.
     EXPECT_EQ(utc_text(1'700'000'000'000'250), "2023-11-14T22:13:20.000250Z");
     EXPECT_EQ(utc_text(951'782'400'000'000), "2000-02-29T00:00:00.000000Z");
+    // date -u -d @253402300799 says Fri Dec 31 23:59:59 UTC 9999.
+    EXPECT_EQ(utc_text(253'402'300'799'999'999), "9999-12-31T23:59:59.999999Z");
+    EXPECT_EQ(utc_text(253'402'300'800'000'000), "253402300800000000 us since 1970");
+    EXPECT_EQ(utc_text(-62'167'219'200'000'000), "0000-01-01T00:00:00.000000Z");
+    EXPECT_EQ(utc_text(-62'167'219'200'000'001), "-62167219200000001 us since 1970");
     EXPECT_EQ(utc_text(std::numeric_limits<std::int64_t>::max()),
               "9223372036854775807 us since 1970");
     EXPECT_EQ(utc_text(std::numeric_limits<std::int64_t>::min()),
