@@ -132,7 +132,8 @@ vec3 sun_glint(vec3 to_eye, vec3 normal, vec2 slope, vec3 variance) {
 }
 
 /// Light that entered the water and comes out again; more where the sun shines through a crest, the more so the thinner
-/// it is: where the surface is squeezed to a sharp edge, its Jacobian is small.
+/// it is - where the surface is squeezed to a sharp edge, its Jacobian is small -, and the more squarely the sun meets its far
+/// side: the face that is seen then leans away from the sun.
 vec3 water_body(vec3 to_eye, vec3 normal, Place place, float jacobian) {
     const vec3 to_sun = view.sun_direction;
     const float crest = smoothstep(0.0, 0.9, place.height_m / max(view.significant_height_m, 0.1));
@@ -140,7 +141,8 @@ vec3 water_body(vec3 to_eye, vec3 normal, Place place, float jacobian) {
     const vec2 sun_level = normalize(to_sun.xy + vec2(1e-6, 0));
     const float through = pow(max(0.5 - 0.5 * dot(eye_level, sun_level), 0.0), 3.0);
     const float facing = clamp(1.0 - normal.z + 0.15, 0.0, 1.0);
-    const vec3 tint = view.water.crest * (beam_klx * through +
+    const float met = clamp(1.0 - 2.0 * dot(normal.xy, sun_level), 0.0, 2.0);
+    const vec3 tint = view.water.crest * (beam_klx * through * met +
                                          0.4 * view.sky_irradiance_klx);
     const float thin = mix(0.5, 2.0, smoothstep(1.0, 0.3, jacobian));
     return out_of_water(water_reflectance(to_eye, normal, place)) + tint * crest * facing * thin;

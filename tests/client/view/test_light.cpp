@@ -263,6 +263,38 @@ TEST_F(LightTest, crests_glow_where_the_sun_shines_through_them_and_troughs_do_n
     EXPECT_GT(towards.crest - towards.trough, 2 * (away.crest - away.trough));
 }
 
+// Towards a low sun, at one height of one wave: the face that leans away from it has the sun behind it, the other has it in
+// front. Both lean by as much, so that what follows from the height and from how aslant they are seen is alike.
+TEST_F(LightTest, a_face_glows_the_more_the_squarer_the_sun_stands_behind_it) {
+    const Sky sky(sun_direction(17));
+    const double sun_deg = bearing_of_sun_deg(sky);
+    const glm::dvec2 to_sun = glm::normalize(glm::dvec2(sky.sun_direction()));
+    SyntheticSea sea(one_wave(2.0, 100, 4));
+    const SeaFrame frame = sea.at(0);
+    camera_.z_m = 20;
+    camera_.pitch_deg = -50;
+    camera_.yaw_deg = sun_deg;
+    const Picture normal = render(frame, sky, DebugView::normal);
+    const Picture place = render(frame, sky, DebugView::place);
+    const auto extra_green = [&](double sign) {
+        const Picture picture = render(frame, sky, DebugView::final, {.air = false});
+        double sum = 0;
+        int count = 0;
+        for (std::size_t i = 0; i < place.rgba.size(); i += 4) {
+            const double lean = static_cast<double>(normal.rgba[i]) * to_sun.x +
+                                static_cast<double>(normal.rgba[i + 1]) * to_sun.y;
+            // On the shoulders of crests, a third of the steepest slope and more.
+            if (sign * lean < 0.08 || place.rgba[i + 2] < 0.8f || place.rgba[i + 2] > 1.7f)
+                continue;
+            sum += static_cast<double>(picture.rgba[i + 1] - picture.rgba[i]);
+            ++count;
+        }
+        EXPECT_GT(count, 50) << sign;
+        return sum / count;
+    };
+    EXPECT_GT(extra_green(-1), 1.3 * extra_green(1));
+}
+
 // The thinner a crest, the more light comes through. The same wave with and without choppiness: at its crest the Jacobian is
 // 1 - ka = 0.5 and 1.
 TEST_F(LightTest, sharp_crests_glow_more_than_round_ones) {
