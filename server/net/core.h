@@ -10,6 +10,7 @@
 #include <string>
 
 #include "server/host/host.h"
+#include "server/host/room.h"
 #include "server/net/addresses.h"
 #include "server/net/counters.h"
 #include "server/net/disposal.h"
@@ -45,6 +46,8 @@ class Core : public std::enable_shared_from_this<Core> {
 
     Counters counters;
     Addresses addresses;
+    /// Fetched tiles on their way out; taken on the encode thread.
+    const std::shared_ptr<Room> fetched_tiles;
     EncodeWorker encoding;
     Disposal disposal;
     std::map<SessionId, Session*> sessions;

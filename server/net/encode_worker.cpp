@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/net/encode_worker.h"
 
+#include <new>
+
 namespace seaway::server {
 
 EncodeWorker::EncodeWorker() : thread_([this] { run(); }) {}
@@ -71,7 +73,11 @@ void EncodeWorker::run() {
         Job job = std::move(line->front());
         line->pop_front();
         lock.unlock();
-        const bool done = job(encoder);
+        bool done = true; // also where there is no memory for it
+        try {
+            done = job(encoder);
+        } catch (const std::bad_alloc&) {
+        }
         if (done)
             job = nullptr; // what it holds is released outside the lock
         lock.lock();

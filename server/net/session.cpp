@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <new>
 
 #include <fmt/format.h>
 
@@ -22,6 +23,13 @@ Error too_large() {
     return {ErrorCode::too_large,
             fmt::format("more than {} bytes of tiles: fetch fewer times or fields",
                         limits::fetch_bytes_max)};
+}
+
+Error tiles_wait() {
+    Error busy{Refusal::busy, "fetched tiles that nobody has read yet fill the memory there is for "
+                              "them, try again later"};
+    busy.retry_after_ms = 1000;
+    return busy;
 }
 
 } // namespace
@@ -169,9 +177,16 @@ class Session::FetchJob : public std::enable_shared_from_this<FetchJob> {
             return;
         if (!fetched)
             return end(fetched.error());
-        const auto slice = [self = shared_from_this(),
-                            part = std::make_shared<Part>(Part{*std::move(fetched)})](
-                               Encoder& encoder) { return self->encode(*part, encoder); };
+        const auto slice =
+            [self = shared_from_this(),
+             part = std::make_shared<Part>(Part{*std::move(fetched)})](Encoder& encoder) {
+                try {
+                    return self->encode(*part, encoder);
+                } catch (const std::bad_alloc&) {
+                    self->end(tiles_wait());
+                    return true;
+                }
+            };
         EncodeWorker& encoding = alive->encoding;
         if (!(start_ ? encoding.submit_start(slice) : encoding.submit_fetched(slice)))
             end(Error{Refusal::busy, "too many fetches wait to be encoded already"});
@@ -194,6 +209,7 @@ class Session::FetchJob : public std::enable_shared_from_this<FetchJob> {
                 *tile.keyframe, tile.codec_error, tile.quality, wanted_, tile.compact_size);
             tile.keyframe = nullptr;
             if (const Result<void> taken = one ? take(*one) : one.error(); !taken) {
+                encoded_.keyframes.clear(); // and their places
                 end(taken.error());
                 return true;
             }
@@ -209,6 +225,19 @@ class Session::FetchJob : public std::enable_shared_from_this<FetchJob> {
         bytes_ += message_bytes(*one, wanted_);
         if (bytes_ > limits::fetch_bytes_max)
             return too_large();
+        if (start_)
+            return keep(one);
+        const std::shared_ptr<Core> alive = core_.lock();
+        const Room::Place place =
+            alive ? alive->fetched_tiles->take(message_bytes(*one, wanted_)) : nullptr;
+        if (!place)
+            return tiles_wait();
+        // Whoever holds the keyframe to send it holds its place too.
+        const auto both = std::make_shared<std::pair<Room::Place, EncodedKeyframePtr>>(place, one);
+        return keep(EncodedKeyframePtr(both, both->second.get()));
+    }
+
+    Result<void> keep(const EncodedKeyframePtr& one) {
         encoded_.fields = sea::FieldSet::from_bits(encoded_.fields.bits() & one->fields.bits());
         encoded_.keyframes.push_back(one);
         return {};
