@@ -21,10 +21,6 @@
 namespace seaway {
 namespace {
 
-int port_of(const std::string& url) {
-    return std::stoi(url.substr(url.rfind(':') + 1));
-}
-
 int exit_code_of(tests::ServerProcess& server) {
     return server.wait_for_exit(std::chrono::seconds(60)).value_or(-1);
 }
@@ -63,9 +59,10 @@ TEST(Config, a_file_says_what_the_command_line_does_not) {
     const std::string url = server.wait_until_ready();
     ASSERT_FALSE(url.empty()) << server.log();
     EXPECT_NE(server.log().find("device=\"native"), std::string::npos) << server.log();
-    EXPECT_EQ(tests::ask_http(port_of(url), "/", "GET").status, 401) << "the file's token";
-    EXPECT_NE(tests::ask_http(port_of(url), "/", "GET", "Bearer swordfish").body.find("0 of 17"),
-              std::string::npos);
+    EXPECT_EQ(tests::ask_http(tests::port_of(url), "/", "GET").status, 401) << "the file's token";
+    EXPECT_NE(
+        tests::ask_http(tests::port_of(url), "/", "GET", "Bearer swordfish").body.find("0 of 17"),
+        std::string::npos);
 }
 
 TEST(Config, what_is_wrong_in_it_is_named_in_one_line) {
@@ -158,7 +155,8 @@ TEST(ProcessMetrics, say_what_the_process_takes) {
     const std::string url = server.wait_until_ready();
     ASSERT_FALSE(url.empty()) << server.log();
     const auto metrics = [&] {
-        return tests::read_metrics(tests::ask_http(port_of(url), "/metrics", "GET").body).values;
+        return tests::read_metrics(tests::ask_http(tests::port_of(url), "/metrics", "GET").body)
+            .values;
     };
     auto before = metrics();
     // As the system counts them, a moment later.
@@ -169,7 +167,7 @@ TEST(ProcessMetrics, say_what_the_process_takes) {
             resident_bytes = 1024 * std::stod(line.substr(6));
     EXPECT_NEAR(before.at("process_resident_memory_bytes") / resident_bytes, 1, 0.1);
     EXPECT_GT(before.at("process_cpu_seconds_total"), 0);
-    tests::RawPeer one(port_of(url)), two(port_of(url));
+    tests::RawPeer one(tests::port_of(url)), two(tests::port_of(url));
     for (int i = 0; i < 1000 && metrics().at("seaway_net_connections") < 3; ++i)
         std::this_thread::sleep_for(std::chrono::milliseconds(5));
     const auto after = metrics();
@@ -184,7 +182,7 @@ TEST(Dashboard, shows_only_metrics_that_the_server_has) {
         {"scenes/calm.toml", "--device", "native", "--listen", "127.0.0.1:0"});
     const std::string url = server.wait_until_ready();
     ASSERT_FALSE(url.empty()) << server.log();
-    const std::string page = tests::ask_http(port_of(url), "/metrics", "GET").body;
+    const std::string page = tests::ask_http(tests::port_of(url), "/metrics", "GET").body;
     std::ifstream file(SEAWAY_SOURCE_DIR "/deploy/grafana.json");
     const auto dashboard = nlohmann::json::parse(file, nullptr, false);
     ASSERT_TRUE(dashboard.is_object());

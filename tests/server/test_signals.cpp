@@ -22,10 +22,6 @@
 namespace seaway {
 namespace {
 
-int port_of(const std::string& url) {
-    return std::stoi(url.substr(url.rfind(':') + 1));
-}
-
 bool comes(const std::function<bool()>& condition) {
     for (int i = 0; i < 12'000; ++i) {
         if (condition())
@@ -84,10 +80,10 @@ TEST(State, says_which_scene_runs_and_not_where_its_file_lies) {
     tests::ServerProcess server({scene.string(), "--device", "native", "--listen", "127.0.0.1:0"});
     const std::string url = server.wait_until_ready();
     ASSERT_FALSE(url.empty()) << server.log();
-    const std::string state = tests::ask_http(port_of(url), "/v1/state", "GET").body;
+    const std::string state = tests::ask_http(tests::port_of(url), "/v1/state", "GET").body;
     EXPECT_NE(state.find("\"scene\": \"my calm.toml\""), std::string::npos) << state;
     for (const char* page : {"/", "/v1/state", "/v1/plan", "/metrics", "/healthz", "/none"})
-        EXPECT_EQ(tests::ask_http(port_of(url), page, "GET").body.find("secret place"),
+        EXPECT_EQ(tests::ask_http(tests::port_of(url), page, "GET").body.find("secret place"),
                   std::string::npos)
             << page;
 }

@@ -20,6 +20,11 @@
 
 namespace seaway::tests {
 
+/// Of "ws://127.0.0.1:9430".
+inline int port_of(const std::string& url) {
+    return std::stoi(url.substr(url.rfind(':') + 1));
+}
+
 class ServerProcess {
   public:
     /// Starts `seaway-server ARGUMENTS...`; the log goes to a file of its own.
