@@ -6,13 +6,10 @@
 
 #include "protocol/tile_codec.h"
 #include "server/publish/encoder.h"
+#include "tests/server/publish/tile_of.h"
 
 namespace seaway::server {
 namespace {
-
-const wire::Tile& tile_of(const protocol::SharedBytes& bytes) {
-    return *wire::GetMessage(bytes->data())->body_as_Tile();
-}
 
 /// One wave of each field, which a grid of 9 points or more holds; foam holds more than that.
 float wave_at(sea::Field field, double x, double y) {

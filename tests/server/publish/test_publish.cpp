@@ -10,6 +10,7 @@
 #include "protocol/tile_codec.h"
 #include "server/publish/encoder.h"
 #include "server/publish/outbox.h"
+#include "tests/server/publish/tile_of.h"
 
 namespace seaway::server {
 namespace {
@@ -29,10 +30,6 @@ sea::Keyframe keyframe(int size, sea::FieldSet fields, int cascade = 0, sea::Tim
         made.values[i] = static_cast<float>(
             std::sin(0.01 * static_cast<double>(i) + static_cast<double>(time_us)));
     return made;
-}
-
-const wire::Tile& tile_of(const SharedBytes& bytes) {
-    return *wire::GetMessage(bytes->data())->body_as_Tile();
 }
 
 // ---- encoder -------------------------------------------------------------------------------
