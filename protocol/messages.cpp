@@ -190,7 +190,7 @@ Bytes tile(const TileHeader& header, std::span<const std::uint8_t> payload) {
             static_cast<std::uint16_t>(header.size), static_cast<std::uint16_t>(header.x0),
             static_cast<std::uint16_t>(header.y0), static_cast<std::uint16_t>(header.width),
             static_cast<std::uint16_t>(header.height), static_cast<std::uint16_t>(header.part),
-            static_cast<std::uint16_t>(header.parts), header.error, bytes));
+            static_cast<std::uint16_t>(header.parts), header.error, bytes, header.follows.bits()));
 }
 
 TileHeader header(const wire::Tile& tile) {
@@ -206,7 +206,8 @@ TileHeader header(const wire::Tile& tile) {
             .height = tile.height(),
             .part = tile.part(),
             .parts = tile.parts(),
-            .error = tile.error()};
+            .error = tile.error(),
+            .follows = sea::FieldSet::from_bits(tile.follows())};
 }
 
 Bytes query_reply(std::uint32_t request_id, std::uint32_t epoch,

@@ -82,8 +82,8 @@ struct TileWish {
     std::uint32_t cascades = 0xffffffffu; ///< bit c: cascade c
     sea::FieldSet fields = {};
     float error_m = 0; ///< wanted bound on height, all parts together; 0: the server chooses
-    /// Takes linear maps at the smallest grid that carries their waves, and brings them to the cascade's own
-    /// (docs/protocol.md, "Compact maps"). Of a wish only.
+    /// Takes linear maps at the smallest grid that carries their waves, brings them to the cascade's own, and makes
+    /// displacements of heights (docs/protocol.md, "Compact maps"). Of a wish only.
     bool compact = false;
 };
 
@@ -168,6 +168,8 @@ struct TileHeader {
     int part = 0;
     int parts = 1;   ///< of this field of the keyframe
     float error = 0; ///< bound that the encoder met, in the field's unit
+    /// Fields of this keyframe that follow from this map and are not sent (sea::following).
+    sea::FieldSet follows = {};
 };
 Bytes tile(const TileHeader& header, std::span<const std::uint8_t> payload);
 /// The inverse; `tile` must have passed check().

@@ -30,13 +30,19 @@ void World::publish_to(Publish publish) {
     publish_ = std::move(publish);
 }
 
+sea::FieldSet World::follows(std::uint8_t quality) const {
+    return is_compact(quality) && sea_->budget.displacement_follows
+               ? sea::following(sea_->streamed())
+               : sea::FieldSet{};
+}
+
 KeyframeTiles World::tiles(sea::KeyframePtr keyframe, std::uint8_t quality) const {
     std::vector<float> bounds =
         sea::codec_bounds(sea_->budget, keyframe->fields, keyframe->cascade,
                           codec_error_m(sea_->budget, quality), is_compact(quality));
     const auto cascade = static_cast<std::size_t>(keyframe->cascade);
     const int size = is_compact(quality) ? sea_->budget.cascades[cascade].compact_size : 0;
-    return {std::move(keyframe), std::move(bounds), quality, size};
+    return {std::move(keyframe), std::move(bounds), quality, size, follows(quality)};
 }
 
 void World::attach(Simulation& simulation) {
@@ -61,6 +67,8 @@ Demand World::grant(const Demand& wish) const {
     granted.fields = sea::FieldSet::from_bits(wish.fields.bits() & sea_->streamed().bits());
     granted.quality = quality_for(sea_->budget, static_cast<double>(wish.error_m), wish.compact);
     granted.compact = wish.compact;
+    granted.follows = granted.fields & follows(granted.quality) & sea::following(granted.fields);
+    granted.fields = granted.fields.without(granted.follows);
     granted.error_m = static_cast<float>(height_error_m(sea_->budget, granted.quality));
     return granted;
 }

@@ -15,8 +15,8 @@
 #include <vector>
 
 #include "server/host/host.h"
+#include "server/host/quality.h"
 #include "server/journal/sea_clock.h"
-#include "server/quality.h"
 #include "server/simulation/simulation.h"
 
 namespace seaway::server {
@@ -55,6 +55,8 @@ class World final : public Host {
     }
 
   private:
+    /// What tiles of this rung leave out because it follows from what they hold.
+    sea::FieldSet follows(std::uint8_t quality) const;
     KeyframeTiles tiles(sea::KeyframePtr keyframe, std::uint8_t quality) const;
 
     const RunningSeaPtr sea_;

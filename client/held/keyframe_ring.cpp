@@ -21,13 +21,15 @@ constexpr sea::FieldSet sampled_fields{Field::height, Field::height_rate};
 
 } // namespace
 
-HeldKeyframe::HeldKeyframe(sea::Keyframe keyframe, const FieldErrors& errors, int compact_size)
+HeldKeyframe::HeldKeyframe(sea::Keyframe keyframe, const FieldErrors& errors,
+                           const Compact& compact)
     : keyframe_(std::make_shared<const sea::Keyframe>(std::move(keyframe))),
-      fields_(keyframe_->fields), errors_(errors), compact_size_(compact_size),
-      compact_share_(compact_size > 0 ? sea::disc_share(compact_size) : 1.0) {}
+      fields_(keyframe_->fields), errors_(errors), compact_(compact),
+      compact_share_(compact.size > 0 ? sea::disc_share(compact.size) : 1.0) {}
 
-double HeldKeyframe::coded_rms(sea::Field field) const {
-    return sea::rounded_rms(static_cast<double>(error(field))) * std::sqrt(compact_share_);
+double HeldKeyframe::coded_rms(Field field) const {
+    return sea::rounded_rms(static_cast<double>(error(field))) *
+           std::sqrt(compact_share_ * (follows(field) ? compact_.gain : 1.0));
 }
 
 bool HeldKeyframe::can_be_sampled() const {
@@ -47,7 +49,7 @@ HeldKeyframePtr HeldKeyframe::as_spline(const HeldKeyframePtr& whole) {
         rest.values.insert(rest.values.end(), plane.begin(), plane.end());
     }
     const auto made =
-        std::make_shared<HeldKeyframe>(std::move(rest), whole->errors_, whole->compact_size_);
+        std::make_shared<HeldKeyframe>(std::move(rest), whole->errors_, whole->compact_);
     made->fields_ = whole->fields_;
     std::call_once(made->spline_once_, [&] { made->spline_ = whole->spline(); });
     return made;

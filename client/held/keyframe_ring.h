@@ -25,9 +25,17 @@ class HeldKeyframe {
   public:
     using FieldErrors = std::array<float, sea::field_count>;
 
-    /// `errors`: the bound that the encoder met, [field], in the field's unit; 0 where absent. `compact_size`: of the
-    /// grid on which linear maps came; 0: on their own.
-    HeldKeyframe(sea::Keyframe keyframe, const FieldErrors& errors, int compact_size = 0);
+    /// How maps came that were made of others, on the way.
+    struct Compact {
+        int size = 0;          ///< of the grid on which linear maps came; 0: on their own
+        sea::FieldSet follows; ///< made of height and its rate, whose errors they have
+        double gain = 0.5;     ///< their variance over that of what they were made of (sea::Orbits)
+    };
+
+    /// `errors`: the bound that the encoder met, [field], in the field's unit; 0 where absent.
+    HeldKeyframe(sea::Keyframe keyframe, const FieldErrors& errors, const Compact& compact);
+    HeldKeyframe(sea::Keyframe keyframe, const FieldErrors& errors)
+        : HeldKeyframe(std::move(keyframe), errors, Compact{}) {}
 
     /// The same, its spline made, without the maps that a spline stands for: half the memory. Itself where it cannot
     /// be sampled.
@@ -41,13 +49,15 @@ class HeldKeyframe {
     float error(sea::Field field) const { return errors_[static_cast<std::size_t>(field)]; }
 
     /// Were linear maps coded on a smaller grid?
-    bool compact() const { return compact_size_ > 0; }
+    bool compact() const { return compact_.size > 0; }
     /// Between the samples that were coded.
     double coded_spacing_m() const {
-        return keyframe_->length_m / (compact() ? compact_size_ : keyframe_->size);
+        return keyframe_->length_m / (compact() ? compact_.size : keyframe_->size);
     }
     /// Standard deviation of what coding made of a linear map, in the field's unit.
     double coded_rms(sea::Field field) const;
+    /// Was it made of heights?
+    bool follows(sea::Field field) const { return compact_.follows.contains(field); }
 
     /// Can heights be sampled from it? Needs height and its time rate.
     bool can_be_sampled() const;
@@ -65,7 +75,7 @@ class HeldKeyframe {
     sea::KeyframePtr keyframe_;
     sea::FieldSet fields_;
     FieldErrors errors_;
-    int compact_size_;
+    Compact compact_;
     double compact_share_; ///< of the coded variance that is left
     mutable std::once_flag spline_once_;
     mutable sea::SplineMapPtr spline_;

@@ -9,6 +9,7 @@
 
 #include "protocol/limits.h"
 #include "protocol/tile_codec.h"
+#include "sea/basics/dispersion.h"
 
 namespace seaway::client {
 
@@ -39,13 +40,17 @@ std::size_t area(int width, int height) {
 
 Result<TileAssembly::Added> TileAssembly::add(const TileHeader& header,
                                               std::span<const std::uint8_t> payload,
-                                              const protocol::CascadeInfo& cascade,
+                                              const protocol::CascadeInfo& cascade, double depth_m,
                                               FieldSet streamed,
                                               std::span<const FieldSet> requested) {
     if (header.time_us > time_max_us || header.time_us < -time_max_us)
         return bad_tile(header, "the time is out of range");
-    Pending& pending = pending_for(header, cascade, streamed);
+    Pending& pending = pending_for(header, cascade, depth_m, streamed);
     SEAWAY_TRY(take(pending, header, payload));
+    FieldSet waited_for = pending.streamed;
+    for (const FieldSet fields : requested)
+        waited_for |= fields;
+    pending.whole |= pending.received | (pending.follows & waited_for);
     const auto newly_whole = [&](FieldSet fields) {
         return !fields.empty() && pending.whole.contains(fields) &&
                !pending.handed_out.contains(fields);
@@ -64,7 +69,7 @@ Result<TileAssembly::Added> TileAssembly::add(const TileHeader& header,
 
 TileAssembly::Pending& TileAssembly::pending_for(const TileHeader& header,
                                                  const protocol::CascadeInfo& cascade,
-                                                 FieldSet streamed) {
+                                                 double depth_m, FieldSet streamed) {
     const auto found = std::find_if(pending_.begin(), pending_.end(), [&](const Pending& pending) {
         return same_keyframe(pending.header, header);
     });
@@ -75,7 +80,7 @@ TileAssembly::Pending& TileAssembly::pending_for(const TileHeader& header,
     if (pending_.size() >= keyframes_max)
         drop_oldest();
     return pending_.emplace_back(
-        Pending{header, cascade.length_m, cascade.size, 0, streamed, {}, {}, {}});
+        Pending{header, cascade.length_m, depth_m, cascade.size, 0, streamed, {}, {}, {}, {}, {}});
 }
 
 Result<void> TileAssembly::check_grid(Pending& pending, const TileHeader& header) {
@@ -89,6 +94,8 @@ Result<void> TileAssembly::check_grid(Pending& pending, const TileHeader& header
     if (pending.linear_size != 0 && header.size != pending.linear_size)
         return bad_tile(header, fmt::format("map of size {}, others of the keyframe have {}",
                                             header.size, pending.linear_size));
+    if (!header.follows.empty() && header.size == pending.size)
+        return bad_tile(header, "fields follow from a map that is not compact");
     pending.linear_size = header.size;
     return {};
 }
@@ -141,16 +148,19 @@ Result<void> TileAssembly::take(Pending& pending, const TileHeader& header,
         return {};
     if (map.samples_seen != map.values.size())
         return bad_tile(header, "its parts do not cover the map");
-    pending.whole.insert(header.field);
+    pending.received.insert(header.field);
+    pending.follows |= header.follows & sea::following(header.field);
     return {};
 }
 
 std::vector<HeldKeyframePtr> TileAssembly::finish(FieldSet fields) {
     std::vector<HeldKeyframePtr> complete;
-    for (Pending& pending : pending_)
+    for (Pending& pending : pending_) {
+        pending.whole |= pending.follows & fields;
         if (!fields.empty() && pending.whole.contains(fields) &&
             !pending.handed_out.contains(fields))
             complete.push_back(assemble(pending));
+    }
     // What was handed out and is not being streamed has been waited for by this request alone;
     // beyond that, only the stream's own keyframes can still be under way.
     for (auto pending = pending_.begin(); pending != pending_.end();) {
@@ -162,6 +172,26 @@ std::vector<HeldKeyframePtr> TileAssembly::finish(FieldSet fields) {
     while (pending_.size() > protocol::limits::credit_max)
         drop_oldest();
     return complete;
+}
+
+const sea::Regrid& TileAssembly::regrid(const Pending& pending) {
+    const std::pair sides(pending.linear_size, pending.size);
+    if (const auto known = regrids_.find(sides); known != regrids_.end())
+        return known->second;
+    if (regrids_.size() >= protocol::limits::cascades_max)
+        regrids_.clear();
+    return regrids_.emplace(sides, sea::Regrid(sides.first, sides.second)).first->second;
+}
+
+const sea::Orbits& TileAssembly::orbits(const Pending& pending) {
+    const std::tuple key(pending.linear_size, pending.length_m, pending.depth_m);
+    if (const auto known = orbits_.find(key); known != orbits_.end())
+        return known->second;
+    if (orbits_.size() >= protocol::limits::cascades_max)
+        orbits_.clear();
+    const double depth_m = pending.depth_m > 0 ? pending.depth_m : sea::deep_water_m;
+    return orbits_.emplace(key, sea::Orbits(pending.linear_size, pending.length_m, depth_m))
+        .first->second;
 }
 
 void TileAssembly::enlarge(const Pending& pending, FieldSet fields, sea::Keyframe& keyframe) {
@@ -178,14 +208,28 @@ void TileAssembly::enlarge(const Pending& pending, FieldSet fields, sea::Keyfram
         const Map& map = pending.maps[static_cast<std::size_t>(field)];
         small.values.insert(small.values.end(), map.values.begin(), map.values.end());
     }
-    const std::pair sides(small.size, keyframe.size);
-    auto at = regrids_.find(sides);
-    if (at == regrids_.end()) {
-        if (regrids_.size() >= protocol::limits::cascades_max)
-            regrids_.clear();
-        at = regrids_.emplace(sides, sea::Regrid(sides.first, sides.second)).first;
-    }
-    at->second.maps(small, fields, keyframe);
+    regrid(pending).maps(small, fields, keyframe);
+}
+
+void TileAssembly::displace(const Pending& pending, sea::Keyframe& keyframe) {
+    const auto plane = [&](Field field) {
+        return keyframe.fields.contains(field) ? keyframe.plane(field) : std::span<float>();
+    };
+    // What no tile brought, and only that.
+    const auto made = [&](Field field) {
+        return pending.received.contains(field) ? std::span<float>() : plane(field);
+    };
+    const auto from = [&](Field field) -> std::span<const float> {
+        return pending.maps[static_cast<std::size_t>(field)].values;
+    };
+    // One of the two alone is taken twice.
+    const bool height = pending.received.contains(Field::height);
+    const bool rate = pending.received.contains(Field::height_rate);
+    regrid(pending).maps(from(height ? Field::height : Field::height_rate),
+                         from(rate ? Field::height_rate : Field::height), orbits(pending),
+                         {plane(Field::height), plane(Field::height_rate)},
+                         {made(Field::displacement_x), made(Field::displacement_x_rate)},
+                         {made(Field::displacement_y), made(Field::displacement_y_rate)});
 }
 
 HeldKeyframePtr TileAssembly::assemble(Pending& pending) {
@@ -199,18 +243,29 @@ HeldKeyframePtr TileAssembly::assemble(Pending& pending) {
     HeldKeyframe::FieldErrors errors{};
     keyframe.values.resize(static_cast<std::size_t>(pending.whole.size()) * keyframe.plane_size());
     FieldSet smaller;
-    for (const Field field : pending.whole) {
+    HeldKeyframe::Compact compact;
+    for (const Field field : pending.received) {
         const Map& map = pending.maps[static_cast<std::size_t>(field)];
         errors[static_cast<std::size_t>(field)] = map.error;
-        if (map.size < pending.size)
-            smaller.insert(field);
-        else
+        if (map.size == pending.size)
             std::copy(map.values.begin(), map.values.end(), keyframe.plane(field).begin());
+        else
+            smaller.insert(field);
+        const FieldSet made = sea::following(field) & pending.whole.without(pending.received);
+        compact.follows |= made;
+        for (const Field follower : made)
+            errors[static_cast<std::size_t>(follower)] = map.error;
+    }
+    if (!compact.follows.empty()) {
+        compact.gain = orbits(pending).gain();
+        displace(pending, keyframe);
+        smaller = smaller.without({Field::height, Field::height_rate});
     }
     enlarge(pending, smaller, keyframe);
+    if (pending.linear_size < pending.size)
+        compact.size = pending.linear_size;
     pending.handed_out = pending.whole;
-    return std::make_shared<const HeldKeyframe>(
-        std::move(keyframe), errors, pending.linear_size < pending.size ? pending.linear_size : 0);
+    return std::make_shared<const HeldKeyframe>(std::move(keyframe), errors, compact);
 }
 
 void TileAssembly::drop_oldest() {

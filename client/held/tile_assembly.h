@@ -17,6 +17,7 @@
 #include <list>
 #include <map>
 #include <span>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -40,11 +41,12 @@ class TileAssembly {
     };
 
     /// Takes one part. `cascade`: side and grid of its maps; linear ones that come on a smaller grid (docs/protocol.md,
-    /// "Compact maps") are brought to it once they are whole. `streamed`: the fields granted to
+    /// "Compact maps") are brought to it once they are whole; displacements that follow from heights are made of them in
+    /// water of `depth_m` (0: deep), where somebody waits for them. `streamed`: the fields granted to
     /// the subscription (empty: none), of which those at a keyframe's first part count.
     /// `requested`: the fields that each open request waits for.
     Result<Added> add(const protocol::TileHeader& header, std::span<const std::uint8_t> payload,
-                      const protocol::CascadeInfo& cascade, sea::FieldSet streamed,
+                      const protocol::CascadeInfo& cascade, double depth_m, sea::FieldSet streamed,
                       std::span<const sea::FieldSet> requested);
 
     /// A request has ended, its keyframes have `fields`: those not handed out with them so far.
@@ -67,29 +69,38 @@ class TileAssembly {
     struct Pending {
         protocol::TileHeader header; ///< of its first part
         double length_m = 0;
+        double depth_m = 0;
         int size = 0;        ///< of the cascade's own grid
         int linear_size = 0; ///< of that on which linear maps come, once one has begun
         sea::FieldSet streamed;
-        sea::FieldSet whole;      ///< fields of which all parts are there
+        sea::FieldSet received;   ///< fields of which all parts are there
+        sea::FieldSet follows;    ///< what could be made of them
+        sea::FieldSet whole;      ///< what is received, and made of that for somebody
         sea::FieldSet handed_out; ///< fields of the last keyframe made from it
         std::array<Map, sea::field_count> maps;
     };
 
     Pending& pending_for(const protocol::TileHeader& header, const protocol::CascadeInfo& cascade,
-                         sea::FieldSet streamed);
+                         double depth_m, sea::FieldSet streamed);
     Result<void> take(Pending& pending, const protocol::TileHeader& header,
                       std::span<const std::uint8_t> payload);
     static Result<void> check_grid(Pending& pending, const protocol::TileHeader& header);
     Result<void> begin_map(Pending& pending, const protocol::TileHeader& header);
     HeldKeyframePtr assemble(Pending& pending);
-    /// These maps of a keyframe from the smaller grid.
+    /// These maps of a keyframe from the smaller grid, height and its rate aside if something follows from them.
     void enlarge(const Pending& pending, sea::FieldSet fields, sea::Keyframe& keyframe);
+    /// Height, its rate and what follows from them.
+    void displace(const Pending& pending, sea::Keyframe& keyframe);
+    const sea::Regrid& regrid(const Pending& pending);
+    const sea::Orbits& orbits(const Pending& pending);
     void drop_oldest();
     void forget(std::list<Pending>::iterator pending);
 
     std::list<Pending> pending_; ///< touched last: at the back
     std::size_t bytes_ = 0;
     std::map<std::pair<int, int>, sea::Regrid> regrids_; ///< by sides, from and to
+    /// By size, length and depth.
+    std::map<std::tuple<int, double, double>, sea::Orbits> orbits_;
     std::atomic<std::uint64_t> dropped_ = 0;
 };
 

@@ -259,7 +259,7 @@ Result<void> Connection::take(const wire::Tile& tile) {
     const std::vector<sea::FieldSet> requested = requests_.bulk_fields();
     const Result<TileAssembly::Added> added =
         assembly_.add(header, {tile.payload()->data(), tile.payload()->size()}, cascade,
-                      streamed_fields_, requested);
+                      state->depth_m, streamed_fields_, requested);
     if (!added)
         return added.error();
     if (added->acknowledge)

@@ -150,6 +150,7 @@ class FieldSet {
         return *this;
     }
     friend constexpr FieldSet operator|(FieldSet a, FieldSet b) { return a |= b; }
+    constexpr FieldSet without(FieldSet less) const { return from_bits(bits_ & ~less.bits_); }
     friend constexpr FieldSet operator&(FieldSet a, FieldSet b) { return a &= b; }
     friend constexpr bool operator==(FieldSet, FieldSet) = default;
     constexpr int size() const { return std::popcount(bits_); }
@@ -194,5 +195,21 @@ inline constexpr int linear_field_count = linear_fields.size();
 inline constexpr FieldSet surface_fields{
     Field::height,      Field::displacement_x,      Field::displacement_y,
     Field::height_rate, Field::displacement_x_rate, Field::displacement_y_rate};
+
+/// What follows, wave by wave, from a map of this field alone: displacements from heights, their rates from its rate.
+inline constexpr FieldSet following(Field field) {
+    if (field == Field::height)
+        return {Field::displacement_x, Field::displacement_y};
+    if (field == Field::height_rate)
+        return {Field::displacement_x_rate, Field::displacement_y_rate};
+    return {};
+}
+/// All that follow from these, but for what is among them.
+inline constexpr FieldSet following(FieldSet fields) {
+    FieldSet all;
+    for (const Field field : fields)
+        all |= following(field);
+    return all;
+}
 
 } // namespace seaway::sea

@@ -35,6 +35,8 @@ struct KeyframeTiles {
     std::uint8_t quality = 0;
     /// Grid points a side that its linear maps are sent with; 0: as many as they have.
     int compact_size = 0;
+    /// What is not sent because it follows from what is.
+    sea::FieldSet follows = {};
 };
 
 struct QueryBatch {

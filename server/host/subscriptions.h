@@ -28,6 +28,8 @@ struct Demand {
     std::uint8_t quality = 0;
     /// Takes linear maps at the smallest grid that carries their waves. Of a wish: the rung says it of a grant.
     bool compact = false;
+    /// Granted only: fields that are the session's, too, but are not sent: they follow from those that are.
+    sea::FieldSet follows = {};
 
     bool wants(int cascade) const { return ((cascades >> cascade) & 1u) != 0; }
     bool empty() const { return cascades == 0 || fields.empty(); }

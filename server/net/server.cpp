@@ -263,7 +263,7 @@ void NetServer::Impl::publish(KeyframeTiles tiles) {
     const std::weak_ptr<Core> weak = core_;
     const bool taken = core_->encoding.submit_streamed([weak, tiles, wanted](Encoder& encoder) {
         auto encoded = encoder.encode(*tiles.keyframe, tiles.codec_error, tiles.quality, wanted,
-                                      tiles.compact_size);
+                                      {tiles.compact_size, tiles.follows});
         const std::shared_ptr<Core> core = weak.lock();
         if (core == nullptr)
             return true;

@@ -132,10 +132,14 @@ void Session::on_subscribe(const wire::Subscribe& subscribe) {
         return refuse(request_id, {Refusal::not_offered, "this sea offers none of these fields"});
     core_.host.subscriptions().set(id_, grant);
     outbox_.set_credit(subscribe.credit());
-    reply(protocol::subscribed(
-        request_id, {.cascades = grant.cascades, .fields = grant.fields, .error_m = grant.error_m},
-        subscribe.credit()));
-    fetch(request_id, {}, grant);
+    reply(protocol::subscribed(request_id,
+                               {.cascades = grant.cascades,
+                                .fields = grant.fields | grant.follows,
+                                .error_m = grant.error_m},
+                               subscribe.credit()));
+    Demand start = grant;
+    start.fields |= grant.follows;
+    fetch(request_id, {}, start);
 }
 
 void Session::on_unsubscribe() {
@@ -205,10 +209,12 @@ class Session::FetchJob : public std::enable_shared_from_this<FetchJob> {
         std::vector<KeyframeTiles>& tiles = part.fetched.tiles;
         if (part.done < tiles.size()) {
             KeyframeTiles& tile = tiles[part.done++];
-            Result<EncodedKeyframePtr> one = encoder.encode(
-                *tile.keyframe, tile.codec_error, tile.quality, wanted_, tile.compact_size);
+            const sea::FieldSet follows = tile.follows & wanted_ & sea::following(wanted_);
+            Result<EncodedKeyframePtr> one =
+                encoder.encode(*tile.keyframe, tile.codec_error, tile.quality,
+                               wanted_.without(follows), {tile.compact_size, tile.follows});
             tile.keyframe = nullptr;
-            if (const Result<void> taken = one ? take(*one) : one.error(); !taken) {
+            if (const Result<void> taken = one ? take(*one, follows) : one.error(); !taken) {
                 encoded_.keyframes.clear(); // and their places
                 end(taken.error());
                 return true;
@@ -221,12 +227,12 @@ class Session::FetchJob : public std::enable_shared_from_this<FetchJob> {
         return true;
     }
 
-    Result<void> take(const EncodedKeyframePtr& one) {
+    Result<void> take(const EncodedKeyframePtr& one, sea::FieldSet follows) {
         bytes_ += message_bytes(*one, wanted_);
         if (bytes_ > limits::fetch_bytes_max)
             return too_large();
         if (start_)
-            return keep(one);
+            return keep(one, follows);
         const std::shared_ptr<Core> alive = core_.lock();
         const Room::Place place =
             alive ? alive->fetched_tiles->take(message_bytes(*one, wanted_)) : nullptr;
@@ -234,11 +240,11 @@ class Session::FetchJob : public std::enable_shared_from_this<FetchJob> {
             return tiles_wait();
         // Whoever holds the keyframe to send it holds its place too.
         const auto both = std::make_shared<std::pair<Room::Place, EncodedKeyframePtr>>(place, one);
-        return keep(EncodedKeyframePtr(both, both->second.get()));
+        return keep(EncodedKeyframePtr(both, both->second.get()), follows);
     }
 
-    Result<void> keep(const EncodedKeyframePtr& one) {
-        encoded_.fields = sea::FieldSet::from_bits(encoded_.fields.bits() & one->fields.bits());
+    Result<void> keep(const EncodedKeyframePtr& one, sea::FieldSet follows) {
+        encoded_.fields = encoded_.fields & (one->fields | (follows & sea::following(one->fields)));
         encoded_.keyframes.push_back(one);
         return {};
     }

@@ -40,7 +40,7 @@ std::size_t message_bytes(const EncodedKeyframe& keyframe, sea::FieldSet fields)
 
 Result<EncodedKeyframePtr> Encoder::encode(const sea::Keyframe& keyframe,
                                            std::span<const float> codec_error, std::uint8_t quality,
-                                           sea::FieldSet wanted, int compact_size) {
+                                           sea::FieldSet wanted, const CompactTiles& compact) {
     SEAWAY_CHECK(codec_error.size() == static_cast<std::size_t>(keyframe.fields.size()),
                  "one codec bound for each field of a keyframe");
     const EncodedKeyframePtr known = find(keyframe, quality);
@@ -55,10 +55,10 @@ Result<EncodedKeyframePtr> Encoder::encode(const sea::Keyframe& keyframe,
     };
     sea::FieldSet smaller; // those to be encoded on the smaller grid
     for (const sea::Field field : keyframe.fields)
-        if (compact_size > 0 && compact_size < keyframe.size && sea::is_linear(field) &&
+        if (compact.size > 0 && compact.size < keyframe.size && sea::is_linear(field) &&
             wanted.contains(field) && find_field(known.get(), field, error_of(field)) == nullptr)
             smaller.insert(field);
-    const sea::Keyframe compact = compacted(keyframe, smaller, compact_size);
+    const sea::Keyframe small = compacted(keyframe, smaller, compact.size);
     bool added = false;
     for (const sea::Field field : keyframe.fields) {
         const float error = error_of(field);
@@ -66,8 +66,9 @@ Result<EncodedKeyframePtr> Encoder::encode(const sea::Keyframe& keyframe,
             encoded->maps.push_back(*map);
             counters_.fields_reused += wanted.contains(field) ? 1 : 0;
         } else if (wanted.contains(field)) {
-            Result<EncodedField> map_made = encode_field(
-                smaller.contains(field) ? compact : keyframe, field, error, encoded->number);
+            Result<EncodedField> map_made =
+                encode_field(smaller.contains(field) ? small : keyframe, field, error,
+                             encoded->number, compact.follows);
             if (!map_made)
                 return map_made.error();
             encoded->maps.push_back(std::move(*map_made));
@@ -104,7 +105,8 @@ sea::Keyframe Encoder::compacted(const sea::Keyframe& keyframe, sea::FieldSet fi
 }
 
 Result<EncodedField> Encoder::encode_field(const sea::Keyframe& keyframe, sea::Field field,
-                                           float error, std::uint64_t number) {
+                                           float error, std::uint64_t number,
+                                           sea::FieldSet follows) {
     const auto start = std::chrono::steady_clock::now();
     const int side = protocol::limits::tile_side_max;
     const int per_axis = (keyframe.size + side - 1) / side;
@@ -125,7 +127,8 @@ Result<EncodedField> Encoder::encode_field(const sea::Keyframe& keyframe, sea::F
                                           .height = std::min(side, keyframe.size - y0),
                                           .part = part,
                                           .parts = per_axis * per_axis,
-                                          .error = error};
+                                          .error = error,
+                                          .follows = follows & sea::following(field)};
         const auto offset = static_cast<std::size_t>(y0) * static_cast<std::size_t>(keyframe.size) +
                             static_cast<std::size_t>(x0);
         const auto payload =

@@ -55,6 +55,13 @@ struct EncoderCounters {
     double seconds = 0;              ///< spent encoding
 };
 
+/// How maps are sent to who takes them compact.
+struct CompactTiles {
+    int size =
+        0; ///< linear ones on a grid of so many points a side, which carries their waves; 0: their own
+    sea::FieldSet follows; ///< what tiles say that is not sent, because it follows from them
+};
+
 class Encoder {
   public:
     static constexpr std::size_t cache_bytes_default = 32u * 1024 * 1024;
@@ -63,13 +70,12 @@ class Encoder {
         : cache_bytes_max_(cache_bytes_max) {}
 
     /// Encodes those of `wanted` that the keyframe holds. codec_error: one bound a held field in
-    /// table order, 0 for lossless. `compact_size`: linear maps are sent on a grid of so many points a side, which
-    /// carries their waves (always the same one for a quality and cascade); 0: on their own. An error means that
+    /// table order, 0 for lossless. `compact`: always the same for a quality and cascade. An error means that
     /// the maps are wrong (not finite): nothing of the keyframe may be sent. About 0.4 ms a field of
     /// 256 x 256; half of that on a grid of 80.
     Result<EncodedKeyframePtr> encode(const sea::Keyframe& keyframe,
                                       std::span<const float> codec_error, std::uint8_t quality,
-                                      sea::FieldSet wanted, int compact_size = 0);
+                                      sea::FieldSet wanted, const CompactTiles& compact = {});
 
     const EncoderCounters& counters() const { return counters_; }
     /// Bytes of all remembered messages; at most `cache_bytes_max`.
@@ -82,7 +88,7 @@ class Encoder {
     sea::Keyframe compacted(const sea::Keyframe& keyframe, sea::FieldSet fields, int size);
     /// A map of `keyframe`.
     Result<EncodedField> encode_field(const sea::Keyframe& keyframe, sea::Field field, float error,
-                                      std::uint64_t number);
+                                      std::uint64_t number, sea::FieldSet follows);
 
     std::size_t cache_bytes_max_;
     std::size_t cache_bytes_ = 0;

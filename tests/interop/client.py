@@ -50,8 +50,10 @@ class Session:
 
     def take(self, tile):
         key = (tile["epoch"], tile["cascade"], tile["time_us"])
-        cascade = self.states[tile["epoch"]]["cascades"][tile["cascade"]]
-        keyframe = self.keyframes.setdefault(key, tiles.Keyframe(cascade["size"]))
+        state = self.states[tile["epoch"]]
+        cascade = state["cascades"][tile["cascade"]]
+        keyframe = self.keyframes.setdefault(
+            key, tiles.Keyframe(cascade["size"], cascade["length_m"], state["depth_m"]))
         keyframe.add(tile)
         wanted = [f for f in range(32) if (self.granted or {}).get("fields", 0) >> f & 1]
         if wanted and keyframe.holds(wanted):

@@ -152,10 +152,13 @@ class Live(unittest.TestCase):
         session = client.Session(self.host, self.port, compact=True)
         for error_m in (0.02, 0.05):  # two rungs
             session.keyframes.clear()
-            session.fetch([5_000_001, 86_400_000_000], error_m=error_m)
+            done = session.fetch([5_000_001, 86_400_000_000], error_m=error_m)
+            self.assertEqual(done["fields"], client.SURFACE_FIELDS)
             held = session.keyframes.values()
             # Bands of the long tiles end far below what their grids hold; that of the last one at 0.6 of it.
             self.assertTrue(all(k.compact_size and k.compact_size <= 0.7 * k.size for k in held))
+            # Displacements and their rates were not sent: they follow from heights and theirs.
+            self.assertTrue(all(sorted(k.gains) == [1, 2, 4, 5] for k in held))
             self.compare([5_000_001, 86_400_000_000], 12, session)
         session.socket.close()
 

@@ -50,10 +50,23 @@ def enlarged(samples, size):
     return (np.fft.ifft2(placed).real * (size / small) ** 2).astype(np.float32)
 
 
+def followers(samples, size, length_m, depth_m):
+    """The two displacements that follow from a compact map of heights, or their rates from its rate."""
+    small = samples.shape[0]
+    n = np.fft.fftfreq(small, 1 / small).round()
+    index = np.hypot(n[:, None], n[None, :])
+    index[0, 0] = 1.0
+    kd = np.maximum(2 * np.pi * index / length_m * (depth_m or np.inf), 0.05)
+    moved = 1j * np.fft.fft2(samples.astype(np.float64)) / np.tanh(kd) / index
+    return [enlarged(np.fft.ifft2(moved * axis * disc(small)).real, size) for axis in (n[None, :], n[:, None])]
+
+
 class Keyframe:
     """Maps of one cascade at one time, by field number, and the bound of each; `size`: of the cascade's own grid."""
 
-    def __init__(self, size):
+    def __init__(self, size, length_m, depth_m):
+        self.length_m, self.depth_m = length_m, depth_m
+        self.gains = {}  # of the variance of what follows from another map
         self.maps, self.errors, self.missing, self.size = {}, {}, {}, size
         self.compact_size = None  # of the grid that linear maps came on, if it was a smaller one
 
@@ -70,13 +83,24 @@ class Keyframe:
         self.missing[field].discard(tile["part"])
         if not self.missing[field] and self.maps[field].shape[0] < self.size:
             self.compact_size = self.maps[field].shape[0]
+            follows = [f for f in range(32) if tile["follows"] >> f & 1]
+            for f, map_of in zip(follows, followers(self.maps[field], self.size, self.length_m, self.depth_m)):
+                self.maps[f], self.missing[f], self.errors[f] = map_of, set(), self.errors[field]
+                self.gains[f] = self.gain()
             self.maps[field] = enlarged(self.maps[field], self.size)
         return not self.missing[field]
+
+    def gain(self):
+        """Of displacements that follow: the mean of coth^2(k d) / 2 over the waves that a compact grid holds."""
+        n = np.fft.fftfreq(self.compact_size, 1 / self.compact_size).round()
+        index = np.hypot(n[:, None], n[None, :])[disc(self.compact_size)]
+        kd = np.maximum(2 * np.pi * index[index > 0] / self.length_m * (self.depth_m or np.inf), 0.05)
+        return (1 / np.tanh(kd) ** 2).mean() / 2
 
     def coded_rms(self, field):
         """Standard deviation of what coding made of a map."""
         share = disc(self.compact_size).mean() if self.compact_size else 1.0
-        return self.errors.get(field, 0.0) * math.sqrt(share / 3)
+        return self.errors.get(field, 0.0) * math.sqrt(share * self.gains.get(field, 1.0) / 3)
 
     def holds(self, fields):
         return all(field in self.maps and not self.missing[field] for field in fields)

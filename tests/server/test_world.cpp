@@ -96,6 +96,28 @@ TEST(World, a_grant_is_the_part_of_a_wish_that_the_sea_has_at_the_cheapest_rung_
     }
 }
 
+// Who takes compact maps has displacements without being sent them, from the heights that he is sent; so nobody computes
+// them for him. Nothing follows from what was not asked for, nor from whole maps.
+TEST(World, displacements_that_follow_from_heights_are_granted_and_not_sent) {
+    const RunningSeaPtr sea = running_sea();
+    const World world(sea, {}, [] { return TimeUs{0}; });
+    const FieldSet sideways{Field::displacement_x, Field::displacement_y,
+                            Field::displacement_x_rate, Field::displacement_y_rate};
+    const auto granted = [&](FieldSet fields, bool compact) {
+        const Demand grant = world.grant({.cascades = 1u, .fields = fields, .compact = compact});
+        return std::pair(grant.fields, grant.follows);
+    };
+    using Pair = std::pair<FieldSet, FieldSet>;
+    ASSERT_TRUE(sea->budget.displacement_follows);
+    EXPECT_EQ(granted(sea::surface_fields, true), Pair(heights, sideways));
+    EXPECT_EQ(granted(sea::surface_fields, false), Pair(sea::surface_fields, FieldSet{}));
+    EXPECT_EQ(granted(heights, true), Pair(heights, FieldSet{}));
+    EXPECT_EQ(granted(sideways, true), Pair(sideways, FieldSet{}));
+    const FieldSet some{Field::height, Field::displacement_x, Field::displacement_y_rate};
+    EXPECT_EQ(granted(some, true), Pair(FieldSet{Field::height, Field::displacement_y_rate},
+                                        FieldSet{Field::displacement_x}));
+}
+
 // Each keyframe at each rung that somebody has of its cascade, with the bounds of that rung.
 TEST(World, a_keyframe_is_published_once_a_rung_in_use_with_the_bounds_of_the_rung) {
     const RunningSeaPtr sea = running_sea();

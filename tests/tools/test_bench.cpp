@@ -138,6 +138,25 @@ void expect_equal(double a, double b, const std::string& what) {
     EXPECT_NEAR(a, b, 1e-3 * b) << what;
 }
 
+// A compact client is sent heights and their rates alone, on smaller grids, and asks for no more than it gets; an older
+// one all six fields on the grids of the scene.
+TEST(Bench, line_counts_what_is_sent_of_each_cascade_and_field) {
+    const std::string scene = testing::folder().write("line.toml", scene_text);
+    const auto mbit_per_s = [](const std::string& text) {
+        const std::size_t at = text.find(" Mbit/s;");
+        return at == std::string::npos ? 0.0 : std::stod(text.substr(text.rfind('\n', at) + 1));
+    };
+    const Output compact = testing::run_program("seaway-bench", "line --scene " + scene);
+    const Output whole = testing::run_program("seaway-bench", "line --whole --scene " + scene);
+    ASSERT_EQ(compact.status, 0) << compact.err;
+    ASSERT_EQ(whole.status, 0) << whole.err;
+    EXPECT_THAT(compact.out, HasSubstr("height_rate"));
+    EXPECT_THAT(compact.out, ::testing::Not(HasSubstr("displacement_x")));
+    EXPECT_THAT(whole.out, HasSubstr("displacement_x_rate"));
+    EXPECT_GT(mbit_per_s(compact.out), 0);
+    EXPECT_GT(mbit_per_s(whole.out), 5 * mbit_per_s(compact.out));
+}
+
 // One transform a real field and keyframe, for a second of sea: what docs/effects.md shows is counted by
 // the device. Strains that foam and gradient share are in neither of them on top of the other.
 TEST(Bench, effects_counts_what_each_effect_of_each_cascade_transforms) {

@@ -89,32 +89,6 @@ std::string name_of_cascade(const server::RunningSea& sea, std::size_t c) {
     return fmt::format("{:g} m of {}", spec.length_m, spec.size);
 }
 
-sea::FieldSet without(sea::FieldSet fields, sea::FieldSet less) {
-    return sea::FieldSet::from_bits(fields.bits() & ~less.bits());
-}
-
-/// The fields of effects by name.
-Result<sea::FieldSet> fields_asked(const std::vector<std::string>& names, sea::FieldSet offered) {
-    sea::FieldSet fields;
-    for (const std::string& name : names) {
-        const auto table = server::effect_table();
-        const auto found = std::find_if(table.begin(), table.end(),
-                                        [&](const EffectInfo& e) { return e.name == name; });
-        if (found == table.end()) {
-            std::vector<std::string_view> known;
-            for (const EffectInfo& effect : table)
-                known.push_back(effect.name);
-            return Error{fmt::format("--ask: no effect is called \"{}\"; there are {}", name,
-                                     fmt::join(known, ", "))};
-        }
-        const sea::FieldSet of_this = server::fields_of(*found, offered);
-        if (of_this.empty())
-            return Error{fmt::format("--ask: the scene does not allow \"{}\"", name)};
-        fields |= of_this;
-    }
-    return names.empty() ? offered : fields;
-}
-
 /// Everything that there is, and each effect of each cascade alone and left out.
 Result<std::vector<Row>> measure_everything(const RunningSeaPtr& sea, server::Synthesizer& device,
                                             int rounds) {
@@ -134,7 +108,7 @@ Result<std::vector<Row>> measure_everything(const RunningSeaPtr& sea, server::Sy
         for (const EffectInfo& effect : server::effect_table()) {
             const sea::FieldSet fields = server::fields_of(effect, sea->offered);
             only(c, fields);
-            only(c, without(sea->offered, fields));
+            only(c, sea->offered.without(fields));
         }
     }
     SEAWAY_TRY(laps.run(rounds));
@@ -207,6 +181,27 @@ void print_table(const std::string& device, const std::vector<Row>& rows) {
 }
 
 } // namespace
+
+Result<sea::FieldSet> fields_asked(const std::vector<std::string>& names, sea::FieldSet offered) {
+    sea::FieldSet fields;
+    for (const std::string& name : names) {
+        const auto table = server::effect_table();
+        const auto found = std::find_if(table.begin(), table.end(),
+                                        [&](const EffectInfo& e) { return e.name == name; });
+        if (found == table.end()) {
+            std::vector<std::string_view> known;
+            for (const EffectInfo& effect : table)
+                known.push_back(effect.name);
+            return Error{fmt::format("--ask: no effect is called \"{}\"; there are {}", name,
+                                     fmt::join(known, ", "))};
+        }
+        const sea::FieldSet of_this = server::fields_of(*found, offered);
+        if (of_this.empty())
+            return Error{fmt::format("--ask: the scene does not allow \"{}\"", name)};
+        fields |= of_this;
+    }
+    return names.empty() ? offered : fields;
+}
 
 Result<void> run_effects(const EffectsOptions& options) {
     SEAWAY_TRY_LET(const sea::Scene scene, sea::read_scene(options.scene));

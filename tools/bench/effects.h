@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/result.h"
+#include "sea/basics/field.h"
 
 namespace seaway::bench {
 
@@ -28,5 +29,8 @@ struct EffectsOptions {
 ///     effect       one effect of one cascade, alone; and on top of all others of that cascade
 ///     cascade      all effects of one cascade
 Result<void> run_effects(const EffectsOptions& options);
+
+/// The fields of effects by name, of those that are offered; all of them if none is named.
+Result<sea::FieldSet> fields_asked(const std::vector<std::string>& names, sea::FieldSet offered);
 
 } // namespace seaway::bench

@@ -11,6 +11,7 @@
 #include "tools/bench/accuracy/guard.h"
 #include "tools/bench/compare.h"
 #include "tools/bench/effects.h"
+#include "tools/bench/line.h"
 #include "tools/bench/tune/tune.h"
 
 namespace {
@@ -112,6 +113,25 @@ seaway::CommandLine& add_effects(seaway::CommandLine& line, seaway::bench::Effec
     return command;
 }
 
+seaway::CommandLine& add_line(seaway::CommandLine& line, seaway::bench::LineOptions& options) {
+    seaway::CommandLine& command =
+        line.command("line", "Where the bytes of one client go, by cascade and field");
+    command.option("--scene", options.scene).shows_default();
+    command
+        .option("--device", options.device,
+                "native, auto (a GPU, else native), an index or part of a name")
+        .shows_default();
+    command.option("--height-error", options.error_m, "Bound that the client asks for, m")
+        .between(1e-6, 100.0)
+        .shows_default();
+    command
+        .option("--ask", options.ask,
+                "What it takes, as height,choppy; else what heights are sampled from")
+        .separated_by(',');
+    command.option("--whole", options.whole, "For a client that takes no compact maps");
+    return command;
+}
+
 /// An exit status, or one line on stderr and 2.
 int finished(const seaway::Result<int>& status) {
     if (!status)
@@ -137,6 +157,8 @@ int main(int argc, char** argv) {
     compare.option("--second", pair.second).shows_default();
     bench::AccuracyOptions accuracy;
     const CommandLine& measured = add_accuracy(line, accuracy);
+    bench::LineOptions bytes;
+    const CommandLine& counted = add_line(line, bytes);
     bench::GuardOptions guard;
     CommandLine& guarded =
         line.command("guard", "Are errors what they were? Exit code 1: one has grown by a fifth");
@@ -161,6 +183,7 @@ int main(int argc, char** argv) {
     }
     const Result<void> done = measured.given()  ? bench::run_accuracy(accuracy)
                               : compare.given() ? bench::run_compare(pair)
+                              : counted.given() ? bench::run_line(bytes)
                                                 : bench::run_effects(options);
     return finished(done ? Result<int>(0) : Result<int>(done.error()));
 }

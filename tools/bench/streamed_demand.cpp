@@ -13,9 +13,6 @@ namespace seaway::bench {
 using sea::TimeUs;
 using server::KeyframeRequest;
 
-namespace {
-
-/// Strains at earlier times, computed when foam steps through them.
 sea::FoamHistory::StrainsAt strains_of(server::Synthesizer& device, int cascade) {
     return [&device, cascade](TimeUs time_us) -> Result<sea::KeyframePtr> {
         const KeyframeRequest request{cascade, time_us, sea::foam_inputs};
@@ -23,8 +20,6 @@ sea::FoamHistory::StrainsAt strains_of(server::Synthesizer& device, int cascade)
         return sea::KeyframePtr(made[0]);
     };
 }
-
-} // namespace
 
 Spent& Spent::operator+=(const Spent& more) {
     maps_s += more.maps_s;

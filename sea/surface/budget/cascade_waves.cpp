@@ -81,6 +81,9 @@ CascadeWaves::CascadeWaves(const CascadeModes& modes)
         }
     if (modes.sines.empty())
         compact_size_ = smallest_grid(reach, size_);
+    if (compact_size_ < size_)
+        displacement_follows_ =
+            Orbits(compact_size_, modes.spec.length_m, modes.depth_m).gain() <= 1.0;
     for (const SineField& field : modes.sines) {
         const SineError& error = sines_.emplace_back(field, spacing_m_);
         Missed sines;

@@ -71,6 +71,9 @@ class CascadeWaves {
     /// The smallest grid that carries all its waves (sea/surface/maps/regrid.h); its own size where stylised
     /// waves have no end.
     int compact_size() const { return compact_size_; }
+    /// Do displacements follow from heights on that grid, without more noise than heights have? Not those of stylised
+    /// waves, which move nothing sideways, nor where water is shallow for most waves.
+    bool displacement_follows() const { return displacement_follows_; }
     /// Variance of what the predictor of the codec leaves of a map of heights, and of one of their time
     /// rates, (m/s)^2: h(x,y) - h(x-dx,y) - h(x,y-dy) + h(x-dx,y-dy).
     double detail_m2() const { return detail_m2_; }
@@ -84,6 +87,7 @@ class CascadeWaves {
 
     int size_;
     int compact_size_;
+    bool displacement_follows_ = false;
     double spacing_m_;
     double omega_max_radps_ = 0;
     Motion height_;

@@ -77,6 +77,7 @@ double left_to_spend(const ErrorBudget& budget, std::span<const CascadeWaves> ca
 
 void settle(ErrorBudget& budget, std::span<const CascadeWaves> cascades, const Spending& spending) {
     double height_m2 = 0, displacement_m2 = 0, strain2 = 0, single_strain = 0;
+    std::size_t following = 0;
     for (std::size_t c = 0; c < cascades.size(); ++c) {
         const CascadeWaves& waves = cascades[c];
         const TimeUs interval_us = spending.intervals_us[c];
@@ -86,6 +87,7 @@ void settle(ErrorBudget& budget, std::span<const CascadeWaves> cascades, const S
             waves.compact_size() < waves.size()) {
             budget.cascades.back().compact_size = waves.compact_size();
             budget.cascades.back().compact_share = disc_share(waves.compact_size());
+            following += waves.displacement_follows() ? 1u : 0u;
         }
         const CascadeLoss& loss = budget.cascades.back().loss;
         height_m2 += loss.height.interpolation_variance_m2();
@@ -93,6 +95,7 @@ void settle(ErrorBudget& budget, std::span<const CascadeWaves> cascades, const S
         strain2 += square(waves.strain_rms(interval_us));
         single_strain += waves.strain().single_m;
     }
+    budget.displacement_follows = following == cascades.size();
     budget.codec_error_m = bound_sigmas * std::sqrt(spending.codec_m2);
     budget.interpolation_m = bound_sigmas * std::sqrt(height_m2) + budget.single_precision_m;
     budget.interpolation_displacement_m =

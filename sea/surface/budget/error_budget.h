@@ -54,6 +54,8 @@ struct ErrorBudget {
     double interpolation_displacement_m = 0; ///< of D: in shallow water more than that
     double interpolation_strain = 0;         ///< of grad D, fold_sigmas standard deviations
     double rms_slope = 0;                    ///< of the realised sea, 1
+    /// Displacements of all cascades follow from heights, where these come compact: they need not be sent.
+    bool displacement_follows = false;
     /// Of the divergence of D; in deep water rms_slope. At least folds_searched_above times the strain of
     /// all waves together whose phases were given.
     double rms_strain = 0;

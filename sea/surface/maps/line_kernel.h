@@ -2,7 +2,7 @@
 // The inner loop of Regrid: discrete Fourier transforms of 16 lines side by side, several instruction sets.
 //
 // Stockham's autosort algorithm, any product of 2, 3, 4 and 5 (Van Loan 1992, "Computational Frameworks for
-// the Fast Fourier Transform", section 1.7): X[k] = sum_n x[n] exp(-2 pi i n k / N). The other direction is
+// the Fast Fourier Transform"): X[k] = sum_n x[n] exp(-2 pi i n k / N). The other direction is
 // the same with real and imaginary parts exchanged.
 #pragma once
 

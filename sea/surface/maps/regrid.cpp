@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "base/check.h"
+#include "sea/basics/dispersion.h"
 #include "sea/surface/maps/line_kernel.h"
 
 namespace seaway::sea {
@@ -32,6 +33,10 @@ std::size_t floats(int lines_rounded_up, int length) {
 /// Where a lattice index stands in a transform.
 std::size_t place(int index, int length) {
     return static_cast<std::size_t>(index < 0 ? index + length : index);
+}
+
+std::size_t area(int side) {
+    return static_cast<std::size_t>(side) * static_cast<std::size_t>(side);
 }
 
 } // namespace
@@ -72,6 +77,25 @@ double disc_share(int size) {
     return static_cast<double>(kept) / (static_cast<double>(size) * size);
 }
 
+Orbits::Orbits(int size, double length_m, double depth_m) : size_(size) {
+    const int side = (size + 1) / 2;
+    double sum = 0;
+    int waves = 0;
+    for (int j = 0; j < side; ++j)
+        for (int i = 0; i < side; ++i) {
+            const double index = std::hypot(i, j);
+            const double aspect =
+                index > 0 ? orbit_aspect(2.0 * std::numbers::pi * index / length_m, depth_m) : 0.0;
+            over_index_.push_back(index > 0 ? static_cast<float>(aspect / index) : 0.0f);
+            if (index > 0 && 4 * (i * i + j * j) < size * size) {
+                const int mirrored = (i > 0 ? 2 : 1) * (j > 0 ? 2 : 1);
+                sum += mirrored * aspect * aspect;
+                waves += mirrored;
+            }
+        }
+    gain_ = waves > 0 ? 0.5 * sum / waves : 0.5;
+}
+
 Regrid::Length Regrid::length_of(int n) {
     Length length{n, {}, {}};
     int left = n;
@@ -101,21 +125,45 @@ Regrid::Regrid(int from, int to, Instructions instructions)
 
 void Regrid::maps(std::span<const float> a, std::span<const float> b, std::span<float> out_a,
                   std::span<float> out_b) const {
-    const auto area = [](const Length& side) {
-        return static_cast<std::size_t>(side.length) * static_cast<std::size_t>(side.length);
-    };
-    SEAWAY_CHECK(a.size() == area(from_) && b.size() == a.size() && out_a.size() == area(to_) &&
-                     out_b.size() == out_a.size(),
-                 "maps are of the sides that were said");
     Scratch& memory = scratch();
+    take(a, b, memory);
+    give(Way::height, nullptr, {out_a, out_b}, memory);
+}
+
+void Regrid::maps(std::span<const float> a, std::span<const float> b, const Orbits& orbits,
+                  Two height, Two x, Two y) const {
+    SEAWAY_CHECK(orbits.size() == smaller_, "orbits are of the disc that is kept");
+    Scratch& memory = scratch();
+    take(a, b, memory);
+    give(Way::height, nullptr, height, memory);
+    give(Way::along_x, &orbits, x, memory);
+    give(Way::along_y, &orbits, y, memory);
+}
+
+void Regrid::take(std::span<const float> a, std::span<const float> b, Scratch& memory) const {
+    SEAWAY_CHECK(a.size() == area(from_.length) && b.size() == a.size(),
+                 "maps are of the side that was said");
+    make_room(memory);
+    rows_in(a, b, memory);
+    columns(memory);
+}
+
+void Regrid::give(Way way, const Orbits* orbits, Two out, Scratch& memory) const {
+    for (const std::span<float> map : {out.a, out.b})
+        SEAWAY_CHECK(map.empty() || map.size() == area(to_.length),
+                     "maps are of the side that was said");
+    if (out.a.empty() && out.b.empty())
+        return;
+    columns_back(way, orbits, memory);
+    rows_out(out.a, out.b, memory);
+}
+
+void Regrid::make_room(Scratch& memory) const {
     const int longest = std::max(from_.length, to_.length);
     memory.line.resize(floats(1, longest));
     memory.other.resize(floats(1, longest));
     memory.columns_in.resize(floats(2 * reach_ + 1, from_.length));
     memory.columns_out.resize(floats(2 * reach_ + 1, to_.length));
-    rows_in(a, b, memory);
-    columns(memory);
-    rows_out(out_a, out_b, memory);
 }
 
 void Regrid::maps(const Keyframe& keyframe, FieldSet fields, Keyframe& out) const {
@@ -164,28 +212,48 @@ void Regrid::rows_in(std::span<const float> a, std::span<const float> b, Scratch
 }
 
 void Regrid::columns(Scratch& memory) const {
-    const int n = from_.length, m = to_.length;
+    const int n = from_.length;
     const LineTransform forward{n, from_.radices.data(), static_cast<int>(from_.radices.size()),
                                 from_.twiddles.data()};
+    const LineKernel kernel = kernel_for(instructions_);
+    for (int i0 = 0; i0 <= 2 * reach_; i0 += lanes) {
+        float* line =
+            memory.columns_in.data() + static_cast<std::size_t>(i0 / lanes) * floats(1, n);
+        const float* done = kernel(forward, line, memory.other.data());
+        if (done != line)
+            std::copy_n(done, floats(1, n), line);
+    }
+}
+
+void Regrid::columns_back(Way way, const Orbits* orbits, Scratch& memory) const {
+    const int n = from_.length, m = to_.length;
     const LineTransform back{m, to_.radices.data(), static_cast<int>(to_.radices.size()),
                              to_.twiddles.data()};
     const LineKernel kernel = kernel_for(instructions_);
     const float scale = 1.0f / (static_cast<float>(n) * static_cast<float>(n));
     for (int i0 = 0; i0 <= 2 * reach_; i0 += lanes) {
         const auto group = static_cast<std::size_t>(i0 / lanes);
-        const float* done =
-            kernel(forward, memory.columns_in.data() + group * floats(1, n), memory.other.data());
+        const float* waves = memory.columns_in.data() + group * floats(1, n);
         float* line = memory.columns_out.data() + group * floats(1, m);
         std::fill_n(line, floats(1, m), 0.0f);
         for (int j = -reach_; j <= reach_; ++j) {
-            const float* from = done + place(j, n) * pitch;
+            const float* from = waves + place(j, n) * pitch;
             float* to = line + place(j, m) * pitch;
             for (int lane = 0; lane < lanes && i0 + lane <= 2 * reach_; ++lane) {
                 const int i = i0 + lane - reach_;
-                const bool kept = 4 * (i * i + j * j) < smaller_ * smaller_;
-                // Exchanged, to go back.
-                to[lane] = kept ? scale * from[lanes + lane] : 0.0f;
-                to[lanes + lane] = kept ? scale * from[lane] : 0.0f;
+                if (4 * (i * i + j * j) >= smaller_ * smaller_)
+                    continue;
+                const float re = scale * from[lane], im = scale * from[lanes + lane];
+                // Real and imaginary parts exchanged, to go back.
+                if (way == Way::height) {
+                    to[lane] = im;
+                    to[lanes + lane] = re;
+                } else if (i != 0 || j != 0) { // times i k/|k| coth(k d)
+                    const auto index = static_cast<float>(way == Way::along_x ? i : j);
+                    const float w = index * orbits->over_index(i, j);
+                    to[lane] = w * re;
+                    to[lanes + lane] = -w * im;
+                }
             }
         }
         const float* result = kernel(back, line, memory.other.data());
@@ -216,14 +284,13 @@ void Regrid::rows_out(std::span<float> a, std::span<float> b, Scratch& memory) c
             }
         }
         const float* done = kernel(transform, line, memory.other.data());
-        for (int row = 0; row < rows; ++row) {
-            const std::size_t first =
-                static_cast<std::size_t>(y0 + row) * static_cast<std::size_t>(m);
-            for (int x = 0; x < m; ++x) {
-                a[first + static_cast<std::size_t>(x)] = done[x * pitch + lanes + row];
-                b[first + static_cast<std::size_t>(x)] = done[x * pitch + row];
+        for (const auto& [map, part] : {std::pair(a, lanes), {b, 0}}) // exchanged
+            for (int row = 0; row < rows && !map.empty(); ++row) {
+                float* to =
+                    map.data() + static_cast<std::size_t>(y0 + row) * static_cast<std::size_t>(m);
+                for (int x = 0; x < m; ++x)
+                    to[x] = done[x * pitch + part + row];
             }
-        }
     }
 }
 

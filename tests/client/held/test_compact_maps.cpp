@@ -2,6 +2,7 @@
 // Maps that come on a smaller grid than their cascade's (docs/protocol.md, "Compact maps").
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include <gtest/gtest.h>
 
@@ -55,7 +56,7 @@ TEST(TileAssembly, compact_maps_are_brought_to_the_cascades_own_grid) {
     for (const Field field : fields) {
         const Part part =
             wave_part(field, field == Field::foam ? 64 : 10, static_cast<double>(field));
-        const auto added = assembly.add(part.header, part.payload, cascade, fields, {});
+        const auto added = assembly.add(part.header, part.payload, cascade, 0, fields, {});
         ASSERT_TRUE(added) << added.error().message;
         complete = added->complete;
     }
@@ -80,17 +81,90 @@ TEST(TileAssembly, compact_maps_are_brought_to_the_cascades_own_grid) {
     EXPECT_EQ(assembly.bytes(), 0u);
 }
 
+// Nobody sends displacements that follow from heights: who waits for them has them made, with heights' errors, who
+// does not has none of them.
+TEST(TileAssembly, displacements_that_follow_from_heights_are_made_for_who_waits_for_them) {
+    const protocol::CascadeInfo cascade{.length_m = length_m, .size = 64};
+    const FieldSet sent{Field::height, Field::height_rate};
+    constexpr double pi = 3.14159265358979;
+    for (const FieldSet wanted : {sea::surface_fields, three_fields, sent})
+        for (const bool by_request : {false, true}) {
+            TileAssembly assembly;
+            HeldKeyframePtr complete;
+            for (const Field field : sent) {
+                Part part = wave_part(field, 10, static_cast<double>(field));
+                part.header.follows = sea::following(sea::surface_fields); // its own alone count
+                const FieldSet requested[] = {wanted};
+                const auto added = assembly.add(part.header, part.payload, cascade, 50.0,
+                                                by_request ? FieldSet{} : wanted,
+                                                std::span(requested).first(by_request ? 1 : 0));
+                ASSERT_TRUE(added) << added.error().message;
+                complete = added->complete;
+                EXPECT_EQ(complete != nullptr, field == Field::height_rate);
+                EXPECT_EQ(added->acknowledge, !by_request && field == Field::height_rate);
+            }
+            ASSERT_TRUE(complete);
+            ASSERT_TRUE(complete->fields().contains(wanted));
+            EXPECT_EQ(complete->fields(), wanted | sent);
+            EXPECT_EQ(assembly.keyframes(), 0u);
+            // cos(k.x + p) moves water by -k/|k| coth(k d) sin(k.x + p), k = (3, -2) 2 pi / 100 m.
+            const double index = std::sqrt(13.0), kd = 2.0 * pi * index / length_m * 50.0;
+            for (const Field field : wanted) {
+                const bool rate = sea::info(field).time_rate, follows = !sent.contains(field);
+                const bool along_x =
+                    field == Field::displacement_x || field == Field::displacement_x_rate;
+                EXPECT_EQ(complete->follows(field), follows);
+                EXPECT_EQ(complete->error(field), 1e-4f);
+                EXPECT_NEAR(complete->coded_rms(field),
+                            complete->coded_rms(Field::height) *
+                                (follows ? std::sqrt(sea::Orbits(10, length_m, 50.0).gain()) : 1.0),
+                            1e-12);
+                const double amplitude =
+                    follows ? (along_x ? 3.0 : -2.0) / index / std::tanh(kd) : 1.0;
+                const std::vector<float> wave =
+                    wave_map(64, (rate ? 3.0 : 0.0) + (follows ? 0.5 * pi : 0.0));
+                for (std::size_t i = 0; i < wave.size(); ++i)
+                    ASSERT_NEAR(complete->keyframe().plane(field)[i],
+                                amplitude * static_cast<double>(wave[i]), 4e-4)
+                        << sea::info(field).name;
+            }
+        }
+}
+
+// A request for displacements, made when heights of the stream were there already.
+TEST(TileAssembly, what_follows_is_made_for_a_request_that_comes_later) {
+    const protocol::CascadeInfo cascade{.length_m = length_m, .size = 64};
+    const FieldSet sent{Field::height, Field::height_rate};
+    TileAssembly assembly;
+    for (const Field field : sent) {
+        Part part = wave_part(field, 10, 0);
+        part.header.follows = sea::following(field);
+        ASSERT_TRUE(
+            assembly.add(part.header, part.payload, cascade, 0, sent | FieldSet{Field::foam}, {}));
+    }
+    const FieldSet more[] = {sea::surface_fields | FieldSet{Field::foam}};
+    const Part foam = wave_part(Field::foam, 64, 0);
+    const auto added = assembly.add(foam.header, foam.payload, cascade, 0, {}, more);
+    ASSERT_TRUE(added && added->complete);
+    EXPECT_EQ(added->complete->fields(), more[0]);
+    EXPECT_TRUE(assembly.finish(more[0]).empty()) << "handed out already";
+}
+
 TEST(TileAssembly, grids_that_no_compact_map_may_have_are_errors) {
     const auto why_not = [](const std::vector<Part>& parts, int size) {
         TileAssembly assembly;
         for (const Part& part : parts) {
-            const auto added = assembly.add(part.header, part.payload,
-                                            {.length_m = length_m, .size = size}, three_fields, {});
+            const auto added =
+                assembly.add(part.header, part.payload, {.length_m = length_m, .size = size}, 0,
+                             three_fields, {});
             if (!added)
                 return added.error().message;
         }
         return std::string("no error");
     };
+    Part own = wave_part(Field::height, 64, 0);
+    own.header.follows = sea::following(Field::height);
+    EXPECT_NE(why_not({own}, 64).find("not compact"), std::string::npos);
     const Part height = wave_part(Field::height, 10, 0),
                rate = wave_part(Field::height_rate, 12, 0);
     EXPECT_EQ(why_not({height}, 64), "no error");
@@ -119,7 +193,8 @@ TEST(LocalAnswer, a_compact_keyframes_codec_error_is_that_of_waves_of_the_smalle
     const auto held = [&](sea::TimeUs time_us, int compact_size) {
         sea::Keyframe made{1, 0, time_us, 16, length_m, sea::surface_fields, {}};
         made.values.resize(made.plane_size() * 6);
-        return std::make_shared<const HeldKeyframe>(std::move(made), errors, compact_size);
+        return std::make_shared<const HeldKeyframe>(std::move(made), errors,
+                                                    HeldKeyframe::Compact{compact_size, {}, 0.5});
     };
     const double whole_m = 0.003 / std::sqrt(3.0), share = sea::disc_share(10);
     for (const auto& [first, second] : {std::pair(10, 10), {10, 0}, {0, 10}}) {

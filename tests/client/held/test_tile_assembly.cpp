@@ -70,7 +70,7 @@ protocol::CascadeInfo cascade_of(const Part& part) {
 TileAssembly::Added add(TileAssembly& assembly, const Part& part, FieldSet streamed,
                         std::vector<FieldSet> requested = {}) {
     const auto added =
-        assembly.add(part.header, part.payload, cascade_of(part), streamed, requested);
+        assembly.add(part.header, part.payload, cascade_of(part), 0, streamed, requested);
     EXPECT_TRUE(added) << added.error().message;
     return added ? *added : TileAssembly::Added{};
 }
@@ -225,10 +225,10 @@ TEST(TileAssembly, bytes_that_make_no_sense_are_errors) {
     const std::vector<Part> parts = parts_of(Field::height, 32, 16);
     const auto says = [&](Part part, const char* what) {
         TileAssembly assembly;
-        ASSERT_TRUE(
-            assembly.add(parts[0].header, parts[0].payload, cascade_of(parts[0]), pair_fields, {}));
+        ASSERT_TRUE(assembly.add(parts[0].header, parts[0].payload, cascade_of(parts[0]), 0,
+                                 pair_fields, {}));
         const auto added =
-            assembly.add(part.header, part.payload, cascade_of(parts[0]), pair_fields, {});
+            assembly.add(part.header, part.payload, cascade_of(parts[0]), 0, pair_fields, {});
         ASSERT_FALSE(added) << what;
         EXPECT_NE(added.error().message.find(what), std::string::npos) << added.error().message;
     };
@@ -251,9 +251,10 @@ TEST(TileAssembly, parts_that_leave_a_hole_or_overfill_the_map_are_errors) {
     for (Part& part : parts)
         part.header.parts = 2;
     TileAssembly hole;
-    ASSERT_TRUE(hole.add(parts[0].header, parts[0].payload, cascade_of(parts[0]), pair_fields, {}));
+    ASSERT_TRUE(
+        hole.add(parts[0].header, parts[0].payload, cascade_of(parts[0]), 0, pair_fields, {}));
     const auto added =
-        hole.add(parts[1].header, parts[1].payload, cascade_of(parts[0]), pair_fields, {});
+        hole.add(parts[1].header, parts[1].payload, cascade_of(parts[0]), 0, pair_fields, {});
     ASSERT_FALSE(added);
     EXPECT_NE(added.error().message.find("cover"), std::string::npos);
 
@@ -261,12 +262,12 @@ TEST(TileAssembly, parts_that_leave_a_hole_or_overfill_the_map_are_errors) {
     for (int n = 0; n < 4; ++n) {
         parts[0].header.parts = 64;
         parts[0].header.part = n;
-        ASSERT_TRUE(
-            overfull.add(parts[0].header, parts[0].payload, cascade_of(parts[0]), pair_fields, {}));
+        ASSERT_TRUE(overfull.add(parts[0].header, parts[0].payload, cascade_of(parts[0]), 0,
+                                 pair_fields, {}));
     }
     parts[0].header.part = 4;
     EXPECT_FALSE(
-        overfull.add(parts[0].header, parts[0].payload, cascade_of(parts[0]), pair_fields, {}));
+        overfull.add(parts[0].header, parts[0].payload, cascade_of(parts[0]), 0, pair_fields, {}));
 }
 
 } // namespace

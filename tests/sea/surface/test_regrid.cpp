@@ -3,10 +3,12 @@
 #include <cmath>
 #include <numbers>
 #include <random>
+#include <tuple>
 
 #include <gtest/gtest.h>
 
 #include "sea/basics/cascade.h"
+#include "sea/basics/constants.h"
 #include "sea/surface/maps/regrid.h"
 
 namespace seaway::sea {
@@ -137,6 +139,71 @@ TEST(Regrid, noise_of_the_smaller_grid_keeps_the_discs_share_of_its_variance_eve
     // Differences over a third of a spacing see 0.93 of the gradient.
     EXPECT_NEAR(slope / (9.0 * coarse) * 3.0, 0.93 * share * std::pow(std::numbers::pi, 2) / 4.0,
                 0.1);
+}
+
+// D = i k/|k| coth(k d) h (Tessendorf 2001; physics.md section 0): of a crest cos(k.x) it is -k/|k| coth(k d) sin(k.x).
+TEST(Regrid, displacements_follow_from_heights_in_any_depth) {
+    constexpr double length_m = 300.0;
+    const Waves sea = waves_within(20, 6), rate = waves_within(20, 7);
+    for (const double depth_m : {deep_water_m, 50.0, 4.0})
+        for (const auto& [from, to] : {std::pair(40, 64), {45, 128}, {64, 64}}) {
+            const Orbits orbits(std::min(from, to), length_m, depth_m);
+            std::vector<float> maps[6];
+            for (auto& map : maps)
+                map.resize(static_cast<std::size_t>(to * to));
+            const Regrid regrid(from, to);
+            regrid.maps(sea.map(from), rate.map(from), orbits, {maps[0], maps[1]},
+                        {maps[2], maps[3]}, {maps[4], maps[5]});
+            EXPECT_LE(farthest(maps[0], sea.map(to)), 0.5 * regrid_precision * 4.0 * sea.rms());
+            for (const auto& [waves, x, y] :
+                 {std::tuple(&sea, &maps[2], &maps[4]), {&rate, &maps[3], &maps[5]}}) {
+                Waves along_x, along_y;
+                for (Waves::Wave wave : waves->waves) {
+                    const double index = std::hypot(wave.nx, wave.ny);
+                    if (index == 0)
+                        continue; // the mean moves nothing
+                    const double aspect =
+                        1.0 / std::tanh(2.0 * std::numbers::pi * index / length_m * depth_m);
+                    wave.phase += 0.5 * std::numbers::pi; // cos(x + pi/2) = -sin(x)
+                    for (auto& [moved, n] : {std::pair(&along_x, wave.nx), {&along_y, wave.ny}}) {
+                        moved->waves.push_back(wave);
+                        moved->waves.back().amplitude *= aspect * n / index;
+                    }
+                }
+                // A map's own rounding, of waves that shallow water moves further than up and down.
+                const double bound = regrid_precision * 4.0 * (along_x.rms() + along_y.rms());
+                EXPECT_LE(farthest(*x, along_x.map(to)), bound) << from << " " << depth_m;
+                EXPECT_LE(farthest(*y, along_y.map(to)), bound) << from << " " << depth_m;
+            }
+            std::vector<float> none, only(maps[2].size());
+            regrid.maps(sea.map(from), rate.map(from), orbits, {}, {only, none}, {});
+            EXPECT_EQ(only, maps[2]) << "what is not wanted changes nothing";
+        }
+}
+
+// In deep water half of a wave's motion is along each axis; in water of 4 m long ones go several times as far.
+TEST(Regrid, noise_of_heights_becomes_half_of_it_in_a_displacement_in_deep_water) {
+    EXPECT_NEAR(Orbits(80, 2111.0, deep_water_m).gain(), 0.5, 1e-12);
+    // Of 5000 waves four have kd = 0.28 and go 3.6 times as far, the next four 0.40 and 2.6 times.
+    EXPECT_NEAR(Orbits(80, 2111.0, 95.0).gain(), 0.515, 0.005);
+    const Orbits shallow(45, 300.0, 4.0);
+    EXPECT_GT(shallow.gain(), 0.6);
+    std::mt19937 random(8);
+    std::uniform_real_distribution<float> even(-1.0f, 1.0f);
+    double moved = 0, heights = 0;
+    for (int draw = 0; draw < 20; ++draw) {
+        std::vector<float> a(45 * 45), x(a.size()), y(a.size()), kept(a.size()), other(a.size());
+        for (float& value : a)
+            value = even(random);
+        Regrid(45, 45).maps(a, a, shallow, {kept, other}, {x, {}}, {y, {}});
+        for (std::size_t i = 0; i < a.size(); ++i) {
+            heights += static_cast<double>(kept[i]) * static_cast<double>(kept[i]);
+            moved += 0.5 * (static_cast<double>(x[i]) * static_cast<double>(x[i]) +
+                            static_cast<double>(y[i]) * static_cast<double>(y[i]));
+        }
+    }
+    // 40 000 numbers; the largest gains are of a few waves.
+    EXPECT_NEAR(moved / heights, shallow.gain(), 0.05 * shallow.gain());
 }
 
 TEST(Regrid, the_smallest_grid_holds_the_finest_wave_and_is_a_product_of_2_3_and_5) {

@@ -41,7 +41,8 @@ TEST(Encoder, compact_maps_are_the_same_waves_on_the_smaller_grid) {
     const sea::Keyframe original = wave_keyframe(64, fields);
     const float bounds[] = {1e-3f, 2e-3f, 3e-3f, 4e-3f};
     const auto whole = encoder.encode(original, bounds, 0, fields);
-    const auto compact = encoder.encode(original, bounds, 5, fields, 10);
+    const auto compact =
+        encoder.encode(original, bounds, 5, fields, {10, sea::following(sea::surface_fields)});
     ASSERT_TRUE(whole.has_value() && compact.has_value());
     EXPECT_NE((*whole)->number, (*compact)->number);
     for (const auto& [encoded, linear_size] : {std::pair(*whole, 64), {*compact, 10}})
@@ -50,6 +51,7 @@ TEST(Encoder, compact_maps_are_the_same_waves_on_the_smaller_grid) {
             const wire::Tile& tile = tile_of(map.parts[0]);
             const int size = map.field == sea::Field::foam ? 64 : linear_size;
             ASSERT_EQ(tile.size(), size);
+            EXPECT_EQ(tile.follows(), encoded == *whole ? 0u : sea::following(map.field).bits());
             ASSERT_TRUE(protocol::check(tile).has_value());
             std::vector<float> back(static_cast<std::size_t>(size * size));
             ASSERT_TRUE(protocol::decode_tile({tile.payload()->data(), tile.payload()->size()},
@@ -62,7 +64,8 @@ TEST(Encoder, compact_maps_are_the_same_waves_on_the_smaller_grid) {
                             map.error + 4e-6f) // and single precision of a wave of 1
                     << sea::info(map.field).name;
         }
-    const auto again = encoder.encode(original, bounds, 5, fields, 10);
+    const auto again =
+        encoder.encode(original, bounds, 5, fields, {10, sea::following(sea::surface_fields)});
     EXPECT_EQ(*again, *compact) << "encoded once";
 }
 

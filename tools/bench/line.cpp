@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/bench/line.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "client/held/tile_assembly.h"
+#include "server/device/device_choice.h"
+#include "server/host/quality.h"
+#include "server/publish/encoder.h"
+#include "tools/bench/accuracy/seas/configured_sea.h"
+#include "tools/bench/effects.h"
+#include "tools/bench/streamed_demand.h"
+
+namespace seaway::bench {
+
+using sea::Field;
+using sea::FieldSet;
+using server::RunningSea;
+
+namespace {
+
+/// What a session is sent.
+struct Grant {
+    FieldSet sent;
+    FieldSet follows;
+    std::uint8_t quality = 0;
+};
+
+Grant grant_of(const RunningSea& sea, FieldSet fields, double error_m, bool compact) {
+    Grant grant{fields & sea.streamed(), {}, server::quality_for(sea.budget, error_m, compact)};
+    if (compact && sea.budget.displacement_follows)
+        grant.follows = grant.sent & sea::following(grant.sent);
+    grant.sent = grant.sent.without(grant.follows);
+    return grant;
+}
+
+/// Of one second.
+struct Sum {
+    double bits = 0;
+    double encode_s = 0;
+    double take_s = 0; ///< a client's: to whole keyframes of the cascade's own grid
+};
+
+struct Row {
+    Field field;
+    int size = 0;
+    float bound = 0;
+    double bits = 0; ///< of all keyframes
+    double samples = 0;
+};
+
+/// One cascade; prints its rows.
+Result<Sum> measure(const RunningSea& sea, server::Synthesizer& device, int cascade,
+                    const Grant& grant, int keyframes, server::Encoder& encoder,
+                    server::FoamMaps& foam) {
+    const sea::CascadeBudget& own = sea.budget.cascades[static_cast<std::size_t>(cascade)];
+    const sea::CascadeSpec& spec =
+        sea.realization->cascades[static_cast<std::size_t>(cascade)].spec;
+    const bool compact = server::is_compact(grant.quality);
+    const std::vector<float> bounds =
+        sea::codec_bounds(sea.budget, server::with_foam_inputs(grant.sent), cascade,
+                          server::codec_error_m(sea.budget, grant.quality), compact);
+    const protocol::CascadeInfo info{.length_m = spec.length_m, .size = spec.size};
+    client::TileAssembly assembly;
+    std::vector<Row> rows;
+    Sum sum;
+    for (int n = 0; n < keyframes; ++n) {
+        const sea::TimeUs time_us = demand_start_us + 7 * n * own.interval_us;
+        const server::KeyframeRequest request{cascade, time_us - time_us % own.interval_us,
+                                              server::with_foam_inputs(grant.sent)};
+        SEAWAY_TRY_LET(const auto made, device.synthesize({&request, 1}));
+        if (grant.sent.contains(Field::foam))
+            SEAWAY_TRY(foam.fill(made[0], strains_of(device, cascade)));
+        const double start_s = cpu_seconds();
+        SEAWAY_TRY_LET(const server::EncodedKeyframePtr encoded,
+                       encoder.encode(*made[0], bounds, grant.quality, grant.sent,
+                                      {compact ? own.compact_size : 0, grant.follows}));
+        const double encoded_s = cpu_seconds();
+        protocol::MessageReader reader(protocol::Sender::server);
+        for (const server::EncodedField& map : encoded->maps) {
+            const auto row = std::find_if(rows.begin(), rows.end(),
+                                          [&](const Row& r) { return r.field == map.field; });
+            Row& into = row != rows.end() ? *row : rows.emplace_back(Row{map.field});
+            into.bound = map.error;
+            for (const protocol::SharedBytes& part : map.parts) {
+                SEAWAY_TRY_LET(const wire::Message* message, reader.read(*part));
+                const wire::Tile& tile = *message->body_as_Tile();
+                into.size = tile.size();
+                into.bits += 8.0 * static_cast<double>(part->size());
+                into.samples += tile.width() * tile.height();
+                SEAWAY_TRY(assembly.add(protocol::header(tile),
+                                        {tile.payload()->data(), tile.payload()->size()}, info,
+                                        sea.scene.sea.depth_m, grant.sent | grant.follows, {}));
+            }
+        }
+        sum.encode_s += encoded_s - start_s;
+        sum.take_s += cpu_seconds() - encoded_s;
+    }
+    const double rate = 1.0 / sea::seconds_from_us(own.interval_us);
+    for (const Row& row : rows) {
+        fmt::print("  {:>5g} m  {:<20} {:>5} {:>8.3g} {:>10.3g} {:>8.2f} {:>9.1f}\n", spec.length_m,
+                   sea::info(row.field).name, row.size, rate, row.bound, row.bits / row.samples,
+                   1e-3 * row.bits / keyframes * rate);
+        sum.bits += row.bits;
+    }
+    for (double* part : {&sum.bits, &sum.encode_s, &sum.take_s})
+        *part *= rate / keyframes;
+    return sum;
+}
+
+} // namespace
+
+Result<void> run_line(const LineOptions& options) {
+    SEAWAY_TRY_LET(const sea::Scene scene, sea::read_scene(options.scene));
+    SEAWAY_TRY_LET(const server::RunningSeaPtr sea, server::make_running_sea(scene, 1));
+    FieldSet fields = sea->sampler_fields();
+    if (!options.ask.empty()) {
+        SEAWAY_TRY_LET(fields, fields_asked(options.ask, sea->offered));
+    }
+    SEAWAY_TRY_LET(const auto device, server::make_synthesizer(options.device));
+    SEAWAY_TRY(device->set_sea(sea->realization, 1));
+    const Grant grant = grant_of(*sea, fields, options.error_m, !options.whole);
+    fmt::print("asked {:g} m, granted {:.4f} m, {} maps\n  cascade  {:<20} {:>5} {:>8} {:>10} "
+               "{:>8} {:>9}\n",
+               options.error_m, server::height_error_m(sea->budget, grant.quality),
+               options.whole ? "whole" : "compact", "field", "grid", "a second", "bound", "bits",
+               "kbit/s");
+    SEAWAY_TRY_LET(server::FoamMaps foam, foam_at_start(*sea, *device));
+    server::Encoder encoder;
+    Sum all;
+    for (int c = 0; c < static_cast<int>(sea->budget.cascades.size()); ++c) {
+        SEAWAY_TRY_LET(const Sum one,
+                       measure(*sea, *device, c, grant, options.keyframes, encoder, foam));
+        all.bits += one.bits;
+        all.encode_s += one.encode_s;
+        all.take_s += one.take_s;
+    }
+    fmt::print("  {:.3f} Mbit/s; encoding {:.1f} ms of CPU a second, taking {:.1f} ms\n",
+               1e-6 * all.bits, 1e3 * all.encode_s, 1e3 * all.take_s);
+    return {};
+}
+
+} // namespace seaway::bench
