@@ -100,7 +100,8 @@ TEST(World, a_grant_is_the_part_of_a_wish_that_the_sea_has_at_the_cheapest_rung_
 // them for him. Nothing follows from what was not asked for, nor from whole maps.
 TEST(World, displacements_that_follow_from_heights_are_granted_and_not_sent) {
     const RunningSeaPtr sea = running_sea();
-    const World world(sea, {}, [] { return TimeUs{0}; });
+    SeaClock clock = stopped_at(0);
+    const World world(sea, {}, clock);
     const FieldSet sideways{Field::displacement_x, Field::displacement_y,
                             Field::displacement_x_rate, Field::displacement_y_rate};
     const auto granted = [&](FieldSet fields, bool compact) {
