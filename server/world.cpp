@@ -32,7 +32,7 @@ void World::publish_to(Publish publish) {
 
 sea::FieldSet World::follows(std::uint8_t quality) const {
     return is_compact(quality) && sea_->budget.displacement_follows
-               ? sea::following(sea_->streamed())
+               ? sea::following(sea_->streamed()) & sea_->streamed()
                : sea::FieldSet{};
 }
 

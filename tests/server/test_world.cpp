@@ -119,6 +119,26 @@ TEST(World, displacements_that_follow_from_heights_are_granted_and_not_sent) {
                                         FieldSet{Field::displacement_x}));
 }
 
+// Naive: whatever follows is named. A client would move points of a sea that is offered without sideways motion.
+TEST(World, nothing_follows_that_the_sea_does_not_offer) {
+    for (const std::string displacement : {"height", "choppy"}) {
+        const RunningSeaPtr sea =
+            running_sea("[effects]\ndisplacement = \"" + displacement + "\"\n");
+        ASSERT_TRUE(sea->budget.displacement_follows);
+        SeaClock clock = stopped_at(0);
+        World world(sea, {}, clock);
+        std::vector<KeyframeTiles> published;
+        world.publish_to([&](KeyframeTiles tiles) { published.push_back(std::move(tiles)); });
+        world.subscriptions().set(1, {1u, heights, 0, 5});
+        auto keyframe = std::make_shared<sea::Keyframe>();
+        keyframe->fields = heights;
+        world.on_keyframe(keyframe);
+        ASSERT_EQ(published.size(), 1u);
+        EXPECT_EQ(published[0].follows,
+                  displacement == "choppy" ? sea::following(heights) : FieldSet{});
+    }
+}
+
 // Each keyframe at each rung that somebody has of its cascade, with the bounds of that rung.
 TEST(World, a_keyframe_is_published_once_a_rung_in_use_with_the_bounds_of_the_rung) {
     const RunningSeaPtr sea = running_sea();
