@@ -52,7 +52,6 @@ void Questions::forget_who_left() {
 
 void Questions::add(Line& line, Question question, bool first) {
     if (line.waiting.empty()) {
-        ++lines_waiting_;
         line.virtual_us = std::max(line.virtual_us, virtual_us_ - head_start_us);
         line.turn = ++turns_;
     }
@@ -151,11 +150,10 @@ std::optional<Question> Questions::take(std::optional<sea::TimeUs> wait_us) {
     Question question = std::move(*first->question);
     line.waiting.erase(first->question);
     line.turn = ++turns_;
+    virtual_us_ = std::max(virtual_us_, line.virtual_us);
     --waiting_;
     bytes_ -= question.bytes;
     line.bytes -= question.bytes;
-    if (line.waiting.empty())
-        --lines_waiting_;
     return question;
 }
 
@@ -164,13 +162,8 @@ void Questions::spent(Question& question, double us) {
     const std::scoped_lock lock(mutex_);
     owed_us_ = question.prompt ? std::min(owed_us_ + us / 4, 2 * owed_us_max)
                                : std::max(owed_us_ - us, 0.0);
-    const auto line = lines_.find(question.asker);
-    if (line == lines_.end())
-        return;
-    // All who wait, and this one, have come on by an equal share.
-    const std::size_t sharing = lines_waiting_ + (line->second.waiting.empty() ? 1 : 0);
-    line->second.virtual_us += us;
-    virtual_us_ += us / static_cast<double>(sharing);
+    if (const auto line = lines_.find(question.asker); line != lines_.end())
+        line->second.virtual_us += us;
 }
 
 void Questions::put_back(Question question) {
@@ -205,7 +198,6 @@ void Questions::close(const Error& why) {
         closed_ = why;
         left.swap(lines_);
         waiting_ = 0;
-        lines_waiting_ = 0;
         bytes_ = 0;
     }
     for (const auto& [asker, line] : left)

@@ -123,9 +123,9 @@ class Questions {
     Lines lines_; ///< also of some who have nothing waiting
     std::size_t lines_most_ = 64;
     std::size_t waiting_ = 0;
-    std::size_t lines_waiting_ = 0;
     std::size_t bytes_ = 0;
-    double virtual_us_ = 0;
+    double virtual_us_ =
+        0; ///< of who was served furthest: start-time fair queueing (Goyal, Vin, Cheng 1996)
     double owed_us_ = 0;
     std::uint64_t turns_ = 0;
     std::optional<Error> closed_;

@@ -197,6 +197,41 @@ TEST(FairTurns, two_floods_of_batches_large_and_small_have_equal_shares) {
     EXPECT_NEAR(static_cast<double>(of_large), 500, 100);
 }
 
+TEST(FairTurns, of_two_who_come_together_the_one_who_asks_for_little_is_done_first) {
+    Desk desk;
+    desk.ask(desk.newcomer(), "much", 100'000);
+    desk.ask(desk.newcomer(), "little", 3000);
+    for (int i = 0; i < 4; ++i)
+        desk.work();
+    EXPECT_EQ(desk.order, (std::vector<std::string>{"little", "little", "little", "much"}));
+}
+
+// It has its head start, 50 ms, and then its share: not what the others were served before it came.
+TEST(FairTurns, a_newcomer_has_a_head_start_and_no_more) {
+    Desk desk;
+    const Asker floods[] = {desk.newcomer(), desk.newcomer()};
+    const auto ask_on = [&] {
+        for (const Asker& flood : floods)
+            desk.ask(flood, "flood", 5000);
+    };
+    for (int i = 0; i < 1000; ++i) {
+        if (i % 8 == 0) // both always have something waiting
+            ask_on();
+        desk.work();
+    }
+    for (int i = 0; i < 20; ++i)
+        ask_on();
+    const Asker newcomer = desk.newcomer();
+    for (int i = 0; i < 30; ++i)
+        desk.ask(newcomer, "newcomer", 5000);
+    desk.order.clear();
+    for (int i = 0; i < 110; ++i)
+        desk.work();
+    // 50 slices of 1 ms at once, then a third of 60; batches are of 5.
+    EXPECT_EQ(std::count(desk.order.begin(), desk.order.begin() + 45, "newcomer"), 45);
+    EXPECT_NEAR(static_cast<double>(std::ranges::count(desk.order, "newcomer")), 70, 10);
+}
+
 TEST(FairTurns, a_batch_is_worked_on_though_single_points_never_end) {
     Desk desk;
     const Asker batch = desk.newcomer(), points = desk.newcomer();
