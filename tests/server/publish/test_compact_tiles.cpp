@@ -26,9 +26,10 @@ sea::Keyframe wave_keyframe(int size, sea::FieldSet fields) {
     made.fields = fields;
     made.values.resize(made.plane_size() * static_cast<std::size_t>(fields.size()));
     for (const sea::Field field : fields)
-        for (int i = 0; i < size * size; ++i)
-            made.plane(field)[static_cast<std::size_t>(i)] = wave_at(
-                field, static_cast<double>(i % size) / size, static_cast<double>(i / size) / size);
+        for (int y = 0; y < size; ++y)
+            for (int x = 0; x < size; ++x)
+                made.plane(field)[static_cast<std::size_t>(y * size + x)] =
+                    wave_at(field, 1.0 * x / size, 1.0 * y / size);
     return made;
 }
 
@@ -57,12 +58,12 @@ TEST(Encoder, compact_maps_are_the_same_waves_on_the_smaller_grid) {
             ASSERT_TRUE(protocol::decode_tile({tile.payload()->data(), tile.payload()->size()},
                                               {size, size}, static_cast<std::size_t>(size), back)
                             .has_value());
-            for (int i = 0; i < size * size; ++i)
-                ASSERT_NEAR(back[static_cast<std::size_t>(i)],
-                            wave_at(map.field, static_cast<double>(i % size) / size,
-                                    static_cast<double>(i / size) / size),
-                            map.error + 4e-6f) // and single precision of a wave of 1
-                    << sea::info(map.field).name;
+            for (int y = 0; y < size; ++y)
+                for (int x = 0; x < size; ++x)
+                    ASSERT_NEAR(back[static_cast<std::size_t>(y * size + x)],
+                                wave_at(map.field, 1.0 * x / size, 1.0 * y / size),
+                                map.error + 4e-6f) // and single precision of a wave of 1
+                        << sea::info(map.field).name;
         }
     const auto again =
         encoder.encode(original, bounds, 5, fields, {10, sea::following(sea::surface_fields)});
