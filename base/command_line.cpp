@@ -7,13 +7,10 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "base/text_file.h"
+#include "base/messages.h"
+#include "base/options_file.h"
 
 namespace seaway {
-
-namespace {
-constexpr std::size_t file_of_options_bytes_max = 64 * 1024;
-} // namespace
 
 CommandOption& CommandOption::takes(const std::string& what) {
     option_->type_name(what);
@@ -108,11 +105,64 @@ template CommandOption CommandLine::option(const std::string&, std::vector<int>&
                                            const std::string&);
 
 void CommandLine::file_of_options(const std::string& name, const std::string& help) {
-    app_->set_config(name, "", help)->check([](const std::string& path) {
-        const Result<std::string> text = read_text_file(path, file_of_options_bytes_max);
-        return text ? "" : fmt::format("'{}': {}", path, text.error().message);
-    });
-    app_->allow_config_extras(CLI::config_extras_mode::error);
+    option(name, file_, help).takes("FILE");
+    file_of_options_ = name;
+}
+
+namespace {
+
+bool gives(const std::string& word, const std::string& name) {
+    return word == name || word.starts_with(name + "=");
+}
+
+/// The words that an option of a file stands for.
+Result<std::vector<std::string>> words_of(const FileOption& option, const CLI::Option* known) {
+    const std::string name = "--" + option.name;
+    if (!known)
+        return Error{"no option has this name (--help lists them)"};
+    const bool is_flag = known->get_items_expected_max() == 0;
+    if (is_flag != option.is_bool)
+        return Error{is_flag ? "true or false is expected" : "a value is expected"};
+    if (option.is_bool)
+        return option.value ? std::vector<std::string>{name} : std::vector<std::string>{};
+    if (option.words.size() > 1 && known->get_items_expected_max() == 1)
+        return Error{"one value is expected"};
+    std::vector<std::string> words;
+    for (const std::string& word : option.words) {
+        if (word.empty())
+            return Error{"the empty word '' is not allowed"};
+        words.push_back(name + "=" + word);
+    }
+    return words;
+}
+
+} // namespace
+
+/// What the file says comes first, so that a "--" among the words does not end it.
+Result<void> CommandLine::add_words_of_file(std::vector<std::string>& words) const {
+    const auto named = std::ranges::find_if(
+        words, [this](const std::string& word) { return gives(word, file_of_options_); });
+    if (file_of_options_.empty() || named == words.end())
+        return {};
+    const bool apart = *named == file_of_options_;
+    if (apart && named + 1 == words.end())
+        return {}; // the parser says that a value is missing
+    const std::string path = apart ? *(named + 1) : named->substr(file_of_options_.size() + 1);
+    SEAWAY_TRY_LET(const std::vector<FileOption> options, read_options_file(path));
+    std::vector<std::string> added;
+    for (const FileOption& option : options) {
+        const std::string name = "--" + option.name;
+        const bool own = name == file_of_options_ || name == "--help" || name == "--version";
+        const Result<std::vector<std::string>> more =
+            words_of(option, own ? nullptr : app_->get_option_no_throw(name));
+        if (!more)
+            return Error{fmt::format("{}:{}: {}: {}", path, option.line, printable(option.name),
+                                     more.error().message)};
+        if (std::ranges::none_of(words, [&](const std::string& word) { return gives(word, name); }))
+            added.insert(added.end(), more->begin(), more->end());
+    }
+    words.insert(words.begin(), added.begin(), added.end());
+    return {};
 }
 
 CommandLine& CommandLine::command(const std::string& name, const std::string& about) {
@@ -130,6 +180,7 @@ Result<CommandLine::Next> CommandLine::read(int argc, const char* const* argv) {
 }
 
 Result<CommandLine::Next> CommandLine::read(std::vector<std::string> words) {
+    SEAWAY_TRY(add_words_of_file(words));
     std::reverse(words.begin(), words.end()); // as the parser wants them
     try {
         app_->parse(std::move(words));

@@ -64,8 +64,8 @@ class CommandLine {
     template <class T>
     CommandOption option(const std::string& names, T& value, const std::string& help = "");
 
-    /// `--name FILE`: options from a file (TOML, `listen = "127.0.0.1:9430"`), where the line does not say otherwise.
-    /// What no option has the name of, and a file that is none, are errors.
+    /// `name` FILE: options from a file (base/options_file.h), where the line does not say otherwise. What no
+    /// option has the name of, a value of another kind and a file that is none are errors that name file and line.
     void file_of_options(const std::string& name, const std::string& help);
 
     /// A word such as "effects" with options of its own, of which one must then be given.
@@ -80,9 +80,13 @@ class CommandLine {
   private:
     explicit CommandLine(CLI::App* command);
 
+    Result<void> add_words_of_file(std::vector<std::string>& words) const;
+
     std::unique_ptr<CLI::App> own_;
     CLI::App* app_;
     std::vector<std::unique_ptr<CommandLine>> commands_;
+    std::string file_of_options_; ///< the option that names it; empty: there is none
+    std::string file_;
 };
 
 } // namespace seaway

@@ -130,6 +130,7 @@ class TomlDocument {
     static Result<TomlDocument> parse(std::string_view text, const std::string& name);
 
     TomlTable root(TomlErrors& errors) const { return {*table_, "", errors}; }
+    const toml::table& table() const { return *table_; }
 
   private:
     explicit TomlDocument(std::shared_ptr<const toml::table> table) : table_(std::move(table)) {}

@@ -4,12 +4,16 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <csignal>
 #include <memory>
 
 #include <nlohmann/json.hpp>
+#include <spdlog/async.h>
 #include <spdlog/pattern_formatter.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
+
+#include "base/messages.h"
 
 namespace seaway::server {
 namespace {
@@ -31,6 +35,19 @@ ordered_json value_of(std::string_view text) {
     return std::string(text);
 }
 
+/// Words that are quoted may hold quotes: they end where the line does or another key follows.
+std::size_t end_of_quote(std::string_view text) {
+    for (std::size_t at = text.find('"'); at != std::string_view::npos;
+         at = text.find('"', at + 1)) {
+        const std::string_view rest = text.substr(at + 1);
+        const std::size_t key_end = rest.find_first_not_of("abcdefghijklmnopqrstuvwxyz_", 1);
+        if (rest.empty() ||
+            (rest.front() == ' ' && key_end > 1 && key_end < rest.size() && rest[key_end] == '='))
+            return at;
+    }
+    return text.size();
+}
+
 /// Of `key=value key="many words"`; ends at what is neither.
 ordered_json fields_of(std::string_view message) {
     ordered_json fields = ordered_json::object();
@@ -43,7 +60,8 @@ ordered_json fields_of(std::string_view message) {
         message.remove_prefix(equals + 1);
         const bool quoted = message.starts_with('"');
         message.remove_prefix(quoted ? 1 : 0);
-        const std::size_t end = std::min(message.find(quoted ? '"' : ' '), message.size());
+        const std::size_t end =
+            quoted ? end_of_quote(message) : std::min(message.find(' '), message.size());
         const std::string_view text = message.substr(0, end);
         fields[key] = quoted ? ordered_json(std::string(text)) : value_of(text);
         message.remove_prefix(std::min(end + (quoted ? 2 : 1), message.size()));
@@ -71,6 +89,30 @@ class JsonFormatter final : public spdlog::formatter {
     spdlog::pattern_formatter time_{iso_time, spdlog::pattern_time_type::local, ""};
 };
 
+constexpr const char* log_name = "seaway-server";
+constexpr std::size_t lines_waiting_max = 8192;
+using Sink = spdlog::sinks::stderr_color_sink_mt;
+bool is_json = false;
+
+void apply_format() {
+    if (is_json)
+        spdlog::set_formatter(std::make_unique<JsonFormatter>());
+    else
+        spdlog::set_pattern(std::string(iso_time) + " %l %v");
+}
+
+/// Its thread takes no signal: those of the process are main's.
+void log_on_its_own_thread() {
+    sigset_t all, before;
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before);
+    spdlog::init_thread_pool(lines_waiting_max, 1);
+    pthread_sigmask(SIG_SETMASK, &before, nullptr);
+    spdlog::set_default_logger(std::make_shared<spdlog::async_logger>(
+        log_name, std::make_shared<Sink>(), spdlog::thread_pool(),
+        spdlog::async_overflow_policy::overrun_oldest));
+}
+
 } // namespace
 
 std::string json_line(std::string_view time, std::string_view level, std::string_view message) {
@@ -81,12 +123,24 @@ std::string json_line(std::string_view time, std::string_view level, std::string
 }
 
 void set_log_format(const std::string& format) {
-    if (spdlog::get("seaway-server") == nullptr)
-        spdlog::set_default_logger(spdlog::stderr_color_mt("seaway-server"));
-    if (format == "json")
-        spdlog::set_formatter(std::make_unique<JsonFormatter>());
-    else
-        spdlog::set_pattern(std::string(iso_time) + " %l %v");
+    if (spdlog::thread_pool() == nullptr)
+        log_on_its_own_thread();
+    is_json = format == "json";
+    apply_format();
+}
+
+LogEnd::~LogEnd() {
+    spdlog::shutdown();
+    spdlog::set_default_logger(
+        std::make_shared<spdlog::logger>(log_name, std::make_shared<Sink>()));
+    apply_format();
+}
+
+int give_up(int status, const std::string& why) {
+    if (!is_json)
+        return complain(log_name, status, why);
+    spdlog::critical("{}", why);
+    return status;
 }
 
 } // namespace seaway::server

@@ -7,8 +7,21 @@
 
 namespace seaway::server {
 
-/// The default logger writes to stderr from now on, as "text" or "json" says.
+/// The default logger writes to stderr from now on, as "text" or "json" says, on a thread of its own: who logs never
+/// waits for who reads. Where nobody reads, the oldest of 8192 lines are lost.
 void set_log_format(const std::string& format);
+
+/// All lines have been written when it is over; what is logged later is written at once.
+class LogEnd {
+  public:
+    LogEnd() = default;
+    ~LogEnd();
+    LogEnd(const LogEnd&) = delete;
+    LogEnd& operator=(const LogEnd&) = delete;
+};
+
+/// Why the program gives up: complain(), or the same as a line of a log in JSON. Returns `status`.
+int give_up(int status, const std::string& why);
 
 /// {"time":"...","level":"info","message":"event=session_open session=1","fields":{"event":"session_open","session":1}}.
 /// `fields` are the key=value pairs of a message that begins with event=: numbers as numbers, "quoted words" whole.

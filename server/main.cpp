@@ -29,7 +29,7 @@ namespace {
 constexpr std::chrono::seconds stop_limit{8};
 
 int fail(ExitCode code, const Error& error) {
-    return complain("seaway-server", code, error.message);
+    return give_up(code, error.message);
 }
 
 SimulationEvents events(World& world) {
@@ -69,6 +69,22 @@ int checked(const RunningSea& sea) {
     return status_after_output("seaway-server", exit_stopped, exit_usage);
 }
 
+/// Of a process that cannot end.
+std::string last_words(bool json) {
+    const std::string words =
+        fmt::format("event=stop_hangs why=\"the device or a thread has not ended "
+                    "for {} s; what the journal holds is safe\"",
+                    stop_limit.count());
+    const std::string time = utc_text(SeaClock::utc_now_us());
+    return json ? json_line(time, "critical", words) : time + " critical " + words;
+}
+
+/// The watchdog, while both the sea and its sockets come on.
+void pat(const ServiceManager& manager, const World& world, NetServer& net) {
+    if (world.health().live && net.silence() < stuck_after)
+        manager.alive();
+}
+
 int serve(const Options& options) {
     StopSignal::survive_others();
     if (const Result<void> fine = NetServer::check(options.net); !fine)
@@ -90,12 +106,9 @@ int serve(const Options& options) {
         return fail(exit_usage, resumed.error());
 
     const StopSignal stop;
-    StopDeadline deadline(stop_limit, exit_no_device, [] {
-        spdlog::critical("event=stop_hangs why=\"the device or a thread has not ended for {} s; "
-                         "what the journal "
-                         "holds is safe\"",
-                         stop_limit.count());
-    });
+    StopDeadline deadline(stop_limit, exit_no_device,
+                          [json = options.log == "json"] { return last_words(json); });
+    const LogEnd log_end; // before the deadline is called off
     SeaClock clock(resumed->epoch_utc_us);
     World world(*sea, warnings, clock);
     Result<std::unique_ptr<Simulation>> simulation = Simulation::start(
@@ -118,10 +131,7 @@ int serve(const Options& options) {
     const ServiceManager manager;
     manager.ready((*net)->url());
     const bool asked = stop.wait([&net] { reload(**net); }, manager.pat_every(),
-                                 [&] {
-                                     if (world.health().live)
-                                         manager.alive();
-                                 });
+                                 [&] { pat(manager, world, **net); });
     manager.stopping();
     deadline.begins();
     (*net)->stop();

@@ -10,6 +10,9 @@
 namespace seaway::server {
 namespace {
 
+/// Less would not let a whole request in.
+constexpr double request_bytes_per_s_min = 65536;
+
 void limit_options(CommandLine& line, NetOptions& net) {
     constexpr int most = 1'000'000;
     line.option("--connections-max", net.connections_max,
@@ -38,7 +41,7 @@ void limit_options(CommandLine& line, NetOptions& net) {
         .between(0, most)
         .shows_default();
     line.option("--request-bytes-per-address", net.request_bytes_per_s_per_address,
-                "Bytes of requests a second; more are read later")
+                "Bytes of requests a second, 65536 and more; what is beyond is read later")
         .takes("BYTES")
         .between(0.0, 1e12)
         .shows_default();
@@ -73,16 +76,7 @@ void net_options(CommandLine& line, NetOptions& net) {
     limit_options(line, net);
 }
 
-} // namespace
-
-std::variant<Options, int> read_options(int argc, char** argv) {
-    Options options;
-    CommandLine line(
-        "seaway-server",
-        "Computes the sea of a scene and serves it: tiles and answers over WebSocket at "
-        "/v1/stream, state over HTTP on the same port.");
-    line.option("scene", options.scene, "Scene file (scenes/*.toml)").takes("SCENE.toml");
-    net_options(line, options.net);
+void sea_options(CommandLine& line, Options& options) {
     line.option("--device", options.device,
                 "auto: a hardware GPU, else native. Or native (this processor, without Vulkan), "
                 "a part of a device's name (lavapipe), its index, or `list` to see them")
@@ -103,6 +97,19 @@ std::variant<Options, int> read_options(int argc, char** argv) {
         .between(0.001, 1e6)
         .takes("SECONDS")
         .shows_default();
+}
+
+} // namespace
+
+std::variant<Options, int> read_options(int argc, char** argv) {
+    Options options;
+    CommandLine line(
+        "seaway-server",
+        "Computes the sea of a scene and serves it: tiles and answers over WebSocket at "
+        "/v1/stream, state over HTTP on the same port.");
+    line.option("scene", options.scene, "Scene file (scenes/*.toml)").takes("SCENE.toml");
+    net_options(line, options.net);
+    sea_options(line, options);
     line.option("--log", options.log,
                 "How lines on stderr are written: text, or one JSON object a line")
         .takes("text|json")
@@ -110,8 +117,9 @@ std::variant<Options, int> read_options(int argc, char** argv) {
         .shows_default();
     line.option("--check", options.check,
                 "Read scene, files and addresses as a start would, say what was found, and end");
-    line.file_of_options("--config", "File with these options, as `listen = \"0.0.0.0:9430\"`; "
-                                     "what the command line says wins");
+    line.file_of_options("--config",
+                         "File with these options (TOML), as `listen = \"0.0.0.0:9430\"`; "
+                         "what the command line says wins");
     line.option("--validation", options.validation,
                 "Vulkan validation layers on; what they report is an error");
     line.footer(
@@ -123,8 +131,15 @@ std::variant<Options, int> read_options(int argc, char** argv) {
     const bool lacks_scene = options.scene.empty() && options.device != "list";
     if (next && *next == CommandLine::Next::leave)
         return status_after_output("seaway-server", 0, exit_usage);
-    if (!next || lacks_scene) {
-        const std::string why = next ? "SCENE.toml is required" : next.error().message;
+    const double rate = options.net.request_bytes_per_s_per_address;
+    const bool starves = rate > 0 && rate < request_bytes_per_s_min;
+    if (!next || lacks_scene || starves) {
+        const std::string why =
+            !next ? next.error().message
+            : lacks_scene
+                ? "SCENE.toml is required"
+                : fmt::format("--request-bytes-per-address {:g}: 0 for no limit, or {:g} and more",
+                              rate, request_bytes_per_s_min);
         return complain("seaway-server", exit_usage, why + " (--help shows how)");
     }
     return options;

@@ -6,6 +6,9 @@
 #include <optional>
 #include <utility>
 
+#include <poll.h>
+#include <unistd.h>
+
 namespace seaway::server {
 namespace {
 
@@ -14,10 +17,17 @@ using Clock = std::chrono::steady_clock;
 /// Costs nothing, and no stop is asked for more precisely.
 constexpr std::chrono::milliseconds look_every{250};
 
+/// Whoever reads stderr may hang, too.
+void say(const std::string& line) {
+    pollfd writable{STDERR_FILENO, POLLOUT, 0};
+    if (poll(&writable, 1, 0) == 1) [[maybe_unused]]
+        const ssize_t written = write(STDERR_FILENO, line.data(), line.size());
+}
+
 } // namespace
 
 StopDeadline::StopDeadline(std::chrono::milliseconds limit, int exit_code,
-                           std::function<void()> last_words)
+                           std::function<std::string()> last_words)
     : limit_(limit), exit_code_(exit_code), last_words_(std::move(last_words)),
       thread_([this] { watch(); }) {}
 
@@ -45,7 +55,7 @@ void StopDeadline::watch() {
             asked = Clock::now();
         if (!asked || Clock::now() - *asked < limit_)
             continue;
-        last_words_();
+        say(last_words_() + "\n");
         std::_Exit(exit_code_);
     }
 }

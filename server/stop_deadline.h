@@ -8,15 +8,18 @@
 #include <condition_variable>
 #include <functional>
 #include <mutex>
+#include <string>
 #include <thread>
 
 namespace seaway::server {
 
 class StopDeadline {
   public:
-    /// From the stop on the process has `limit`; then `last_words` and _Exit(exit_code). Make it after the signals
-    /// were blocked.
-    StopDeadline(std::chrono::milliseconds limit, int exit_code, std::function<void()> last_words);
+    /// From the stop on the process has `limit`; then the line of `last_words` goes to stderr, if that takes it
+    /// at once, and the process ends by _Exit(exit_code). Make it after the signals were blocked. What hangs may
+    /// hold any lock: last_words must take none, as that of a log.
+    StopDeadline(std::chrono::milliseconds limit, int exit_code,
+                 std::function<std::string()> last_words);
     /// All has ended in time.
     ~StopDeadline();
     StopDeadline(const StopDeadline&) = delete;
@@ -31,7 +34,7 @@ class StopDeadline {
 
     const std::chrono::milliseconds limit_;
     const int exit_code_;
-    const std::function<void()> last_words_;
+    const std::function<std::string()> last_words_;
     std::atomic<bool> stopping_ = false;
     std::mutex mutex_;
     std::condition_variable changed_;

@@ -4,6 +4,7 @@
 // every thread inherits the blocked signals.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <csignal>
@@ -27,23 +28,24 @@ class StopSignal {
 
     StopSignal() : set_(block({SIGTERM, SIGINT, SIGHUP})) {}
 
-    /// Waits, calling `hung_up` at each SIGHUP and `beat` whenever `every` has passed without a signal; true if
-    /// somebody asked to stop, false after fail().
+    /// Waits, calling `hung_up` at each SIGHUP and `beat` whenever `every` has passed; true if somebody asked to
+    /// stop, false after fail().
     bool wait(const std::function<void()>& hung_up, std::chrono::microseconds every,
               const std::function<void()>& beat) const {
-        const auto whole = std::chrono::floor<std::chrono::seconds>(every);
-        const timespec limit{static_cast<std::time_t>(whole.count()),
-                             static_cast<long>(1000 * (every - whole).count())};
-        for (;;) {
-            const int signal = sigtimedwait(&set_, nullptr, &limit);
+        using Clock = std::chrono::steady_clock;
+        for (Clock::time_point next = Clock::now() + every;;) {
+            const int signal = next_signal(std::chrono::duration_cast<std::chrono::microseconds>(
+                std::max(next - Clock::now(), Clock::duration(0))));
             if (failed_)
                 return false;
             if (signal == SIGHUP)
                 hung_up();
             else if (signal > 0)
                 return true;
-            else
-                beat();
+            if (Clock::now() < next)
+                continue;
+            beat();
+            next = Clock::now() + every;
         }
     }
 
@@ -54,6 +56,14 @@ class StopSignal {
     }
 
   private:
+    /// 0 or less: none within the limit.
+    int next_signal(std::chrono::microseconds limit) const {
+        const auto whole = std::chrono::floor<std::chrono::seconds>(limit);
+        const timespec wait{static_cast<std::time_t>(whole.count()),
+                            static_cast<long>(1000 * (limit - whole).count())};
+        return sigtimedwait(&set_, nullptr, &wait);
+    }
+
     static sigset_t block(std::initializer_list<int> signals) {
         sigset_t set;
         sigemptyset(&set);

@@ -79,8 +79,10 @@ std::unique_ptr<Client> connected_again(const Connect& connect, const QueryOptio
     return nullptr;
 }
 
+/// The connection has ended, or its server hangs.
 bool has_ended(const Error& error) {
-    return failure_of(error) == Failure::lost;
+    const Failure failure = failure_of(error);
+    return failure == Failure::lost || failure == Failure::deadline;
 }
 
 } // namespace

@@ -101,8 +101,6 @@ Result<void> check_files(const Words& words, const ViewOptions& options) {
     const std::string ending = std::filesystem::path(options.out).extension().string();
     SEAWAY_TRY(require(options.bench_frames >= 0 && options.bench_frames <= frames_max,
                        fmt::format("--bench {}: 1 .. {}", options.bench_frames, frames_max)));
-    SEAWAY_TRY(require(options.bench_frames == 0 || options.out.empty(),
-                       "--out and --bench: what is measured is not written; one of them"));
     SEAWAY_TRY(require(
         options.bench_frames > 0 || ending == ".png" || ending == ".exr" || is_film(options.out),
         fmt::format("--out '{}': a path that ends in .png, .exr, .mp4 or .webm", options.out)));
@@ -112,6 +110,8 @@ Result<void> check_files(const Words& words, const ViewOptions& options) {
                             options.out)));
     SEAWAY_TRY(require(!options.sheet || options.bench_frames == 0,
                        "--debug all and --bench: one of them"));
+    SEAWAY_TRY(require(options.bench_frames == 0 || options.out.empty(),
+                       "--out and --bench: what is measured is not written; one of them"));
     SEAWAY_TRY(require(
         options.bench_frames > 0 || ending != ".exr" || words.look.exposure.empty(),
         fmt::format("--exposure and --out {}: an .exr holds the radiance itself, without exposure",

@@ -114,6 +114,9 @@ Result<void> insert(sqlite3* database, const SeaChange& change, std::uint64_t su
 
 /// Who wrote this file, before SQLite touches it.
 Result<void> check_header(const std::string& path) {
+    std::error_code none;
+    if (std::filesystem::symlink_status(path, none).type() == std::filesystem::file_type::symlink)
+        return Error{"is a link: two folders with one journal would be two writers"};
     SEAWAY_TRY(check_regular_file(path));
     unsigned char header[100] = {};
     std::ifstream file(path, std::ios::binary);
@@ -127,11 +130,28 @@ Result<void> check_header(const std::string& path) {
     };
     if (number(68) != application_id)
         return Error{"belongs to another program; it is left as it is"};
-    if (number(60) > version)
-        return Error{fmt::format("was written by a later version of Seaway (its layout is {}, this "
+    if (number(60) != version)
+        return Error{fmt::format("was written by another version of Seaway (its layout is {}, this "
                                  "one reads {}); it is left as it is",
                                  number(60), version)};
     return {};
+}
+
+/// Where the journal itself is gone, what lies beside it would be played into a new one.
+Result<void> check_no_rest(const std::string& path) {
+    for (const char* part : {"-wal", "-shm", "-journal"})
+        if (std::error_code none; std::filesystem::symlink_status(path + part, none).type() !=
+                                  std::filesystem::file_type::not_found)
+            return Error{
+                fmt::format("is missing, but its {} is there: bring back the journal that it "
+                            "belongs to, or give another folder",
+                            path.substr(path.rfind('/') + 1) + part)};
+    return {};
+}
+
+std::string parent_of(const std::string& folder) {
+    const std::filesystem::path whole = std::filesystem::absolute(folder).lexically_normal();
+    return (whole.has_filename() ? whole : whole.parent_path()).parent_path().string();
 }
 
 Result<void> check_next(const SeaChange& last, const SeaChange& next) {
@@ -159,8 +179,11 @@ Result<std::unique_ptr<SqliteJournal>> SqliteJournal::open(const std::string& fo
         return Error{fmt::format("--data-dir {}: {}", folder, why.message)};
     };
     std::error_code error;
-    if (std::filesystem::create_directory(folder, error); error)
+    if (const bool made = std::filesystem::create_directory(folder, error); error)
         return named({error.message()});
+    else if (made)
+        if (const Result<void> kept = sync_folder(parent_of(folder)); !kept)
+            return named(kept.error());
     Result<FolderLock> lock = FolderLock::take(folder);
     if (!lock)
         return named(lock.error());
@@ -168,6 +191,9 @@ Result<std::unique_ptr<SqliteJournal>> SqliteJournal::open(const std::string& fo
         new SqliteJournal(std::move(*lock), folder + "/journal.sqlite"));
     const bool there = std::filesystem::symlink_status(journal->path_, error).type() !=
                        std::filesystem::file_type::not_found;
+    if (!there)
+        if (const Result<void> alone = check_no_rest(journal->path_); !alone)
+            return journal->wrong(alone.error().message);
     if (!there)
         if (const Result<void> made = create(folder, journal->path_, beginning); !made)
             return journal->wrong("cannot be made: " + made.error().message);
@@ -189,7 +215,7 @@ Result<void> SqliteJournal::create(const std::string& folder, const std::string&
     sqlite3* opened = nullptr;
     const int code = sqlite3_open_v2(fresh.c_str(), &opened,
                                      SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, nullptr);
-    const Database database(opened);
+    Database database(opened);
     if (code != SQLITE_OK)
         return sql_error(opened);
     SEAWAY_TRY(run(opened, "PRAGMA synchronous = FULL; BEGIN IMMEDIATE"));
@@ -200,7 +226,9 @@ Result<void> SqliteJournal::create(const std::string& folder, const std::string&
     }
     const SeaChange first{.scene = beginning.scene};
     SEAWAY_TRY(insert(opened, first, sum_of(first_sum(beginning.epoch_utc_us), first)));
-    SEAWAY_TRY(run(opened, "COMMIT"));
+    SEAWAY_TRY(run(opened, "COMMIT; PRAGMA journal_mode = WAL"));
+    if (sqlite3_close(database.release()) != SQLITE_OK) // the log is in the file now, and gone
+        return Error{"it cannot be closed"};
     std::filesystem::rename(fresh, path, error);
     if (error)
         return Error{error.message()};
@@ -215,8 +243,18 @@ Result<void> SqliteJournal::open_file() {
     if (code != SQLITE_OK)
         return sql_error(opened);
     sqlite3_busy_timeout(opened, busy_wait_ms);
-    SEAWAY_TRY(run(opened, "PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL"));
-    return look_through();
+    if (sqlite3_db_readonly(opened, "main") != 0)
+        return Error{"cannot be written"};
+    // Nothing of it changes, not even where it is closed again, before it has been found whole.
+    sqlite3_db_config(opened, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
+    SEAWAY_TRY(look_through());
+    sqlite3_db_config(opened, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 0, nullptr);
+    SEAWAY_TRY(run(opened, "PRAGMA synchronous = FULL"));
+    SEAWAY_TRY_LET(Statement mode, Statement::prepare(opened, "PRAGMA journal_mode = WAL"));
+    SEAWAY_TRY_LET(const bool row, mode.step());
+    if (!row || mode.text(0) != "wal")
+        return Error{"cannot be written with a log ahead: " + mode.text(0)};
+    return {};
 }
 
 Result<void> SqliteJournal::look_through() {
@@ -237,7 +275,7 @@ Result<void> SqliteJournal::look_through() {
     const Result<std::vector<SeaChange>> changes = since(0);
     if (!changes)
         return is_damaged(changes.error().message);
-    if (changes->empty() || changes->front().epoch != 1)
+    if (changes->empty() || changes->front().epoch != 1 || changes->front().start_us != 0)
         return is_damaged("it does not hold the sea that it began with");
     SeaChange last{.epoch = 0};
     sum_ = first_sum(epoch_utc_us_);

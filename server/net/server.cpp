@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/net/server.h"
 
+#include <atomic>
 #include <functional>
+#include <optional>
 #include <thread>
 
 #include <boost/asio/io_context.hpp>
@@ -142,6 +144,15 @@ class NetServer::Impl {
     }
 
     int port() const { return public_.endpoint().port; }
+    std::chrono::steady_clock::duration silence() {
+        using Clock = std::chrono::steady_clock;
+        if (asked_ && !answered_)
+            return Clock::now() - *asked_;
+        asked_ = Clock::now();
+        answered_ = false;
+        asio::post(io_, [this] { answered_ = true; });
+        return {};
+    }
     int health_port() const { return health_.endpoint().port; }
     std::string url() const {
         return fmt::format("{}://{}", with_tls() ? "wss" : "ws", public_.endpoint().text());
@@ -180,6 +191,8 @@ class NetServer::Impl {
     Listener public_{io_, *core_, [this](tcp::socket socket, const tcp::endpoint& from) {
                          take_public(std::move(socket), from);
                      }};
+    std::optional<std::chrono::steady_clock::time_point> asked_; ///< by silence()
+    std::atomic<bool> answered_ = false;
     Listener health_{io_, *core_, [this](tcp::socket socket, const tcp::endpoint& from) {
                          take_health(std::move(socket), from);
                      }};
@@ -342,6 +355,9 @@ Result<void> NetServer::reload() {
 }
 int NetServer::port() const {
     return impl_->port();
+}
+std::chrono::steady_clock::duration NetServer::silence() {
+    return impl_->silence();
 }
 int NetServer::health_port() const {
     return impl_->health_port();

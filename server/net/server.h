@@ -14,6 +14,7 @@
 // reason. A slow, stalled or hostile client changes nothing for anyone else.
 #pragma once
 
+#include <chrono>
 #include <memory>
 #include <string>
 
@@ -49,6 +50,10 @@ class NetServer {
     int health_port() const; ///< of options.health_listen; 0: there is none
     /// "ws://127.0.0.1:9430", or "wss://...".
     std::string url() const;
+
+    /// For how long the io thread has not come to what it was given; asks it anew. To be called now and then, by
+    /// one thread.
+    std::chrono::steady_clock::duration silence();
 
     /// Sends a keyframe to the sessions of its quality that were granted its cascade and whose
     /// granted fields it holds. Encodes once, only what somebody wants, on the encode thread; if

@@ -52,6 +52,9 @@ TEST(JsonLog, whatever_a_line_holds_it_stays_one_object) {
         EXPECT_TRUE(read(message).is_object()) << message;
     EXPECT_EQ(read("event=a why=\"\" x=")["fields"],
               (json{{"event", "a"}, {"why", ""}, {"x", ""}}));
+    // A path in a sentence may hold quotes.
+    EXPECT_EQ(read("event=a why=\"q \"d\" x/y: no such file\" n=3")["fields"],
+              (json{{"event", "a"}, {"why", "q \"d\" x/y: no such file"}, {"n", 3}}));
     // Fields never take the place of what the line itself says.
     EXPECT_EQ(read("event=a time=1")["time"], "2026-11-23T01:02:03.004+0000");
 }

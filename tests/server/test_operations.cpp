@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // What operators use, with the real program: --check, --config, --log json, a service manager, the dashboard.
+#include <atomic>
 #include <filesystem>
 #include <fstream>
 #include <regex>
 #include <set>
 #include <sstream>
+#include <thread>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -37,6 +39,8 @@ TEST(Check, looks_at_scene_files_and_addresses_and_serves_nothing) {
     const Wrong wrong[] = {
         {{"tests/data/scenes/out_of_range.toml", "--check"}, "gamma"},
         {{"scenes/calm.toml", "--check", "--listen", "nowhere"}, "--listen nowhere"},
+        {{"scenes/calm.toml", "--check", "--request-bytes-per-address", "1"},
+         "--request-bytes-per-address 1"},
         {{"scenes/calm.toml", "--check", "--client-token-file", "/no/such/token"},
          "/no/such/token"},
         {{"scenes/calm.toml", "--check", "--tls-cert", "/no/cert", "--tls-key", "/no/key"},
@@ -49,10 +53,12 @@ TEST(Check, looks_at_scene_files_and_addresses_and_serves_nothing) {
 }
 
 TEST(Config, a_file_says_what_the_command_line_does_not) {
-    const std::string token = tests::folder().write("config.token", "swordfish\n");
+    // A '#' in a name is no comment, and a list may have many lines.
+    const std::string token = tests::folder().write("config#1.token", "swordfish\n");
     const std::string config = tests::folder().write(
         "server.toml", "# comments are fine\nlisten = \"127.0.0.1:1\"\ndevice = \"native\"\n"
-                       "sessions-max = 17\nclient-token-file = \"" +
+                       "sessions-max = 17\nallow-origin = [\n  \"https://a.example\", # one\n  "
+                       "\"https://b.example\",\n]\nclient-token-file = \"" +
                            token + "\"\n");
     tests::ServerProcess server(
         {"scenes/calm.toml", "--config", config, "--listen", "127.0.0.1:0"});
@@ -74,12 +80,49 @@ TEST(Config, what_is_wrong_in_it_is_named_in_one_line) {
         EXPECT_EQ(std::count(log.begin(), log.end(), '\n'), 1) << log;
         return log;
     };
+    EXPECT_NE(says("\n\nlisen = \"127.0.0.1:0\"\n").find("wrong.toml:3: lisen"), std::string::npos);
+    EXPECT_NE(says("[net]\nlisten = \"127.0.0.1:0\"\n").find("wrong.toml:1: net"),
+              std::string::npos);
+    EXPECT_NE(says("data-dir\n").find("wrong.toml:1:"), std::string::npos);
+    EXPECT_NE(says("data-dir = true\n").find("a value is expected"), std::string::npos);
+    EXPECT_NE(says("check = 1\n").find("true or false"), std::string::npos);
+    EXPECT_NE(says("listen = [\"a\", \"b\"]\n").find("one value"), std::string::npos);
+    EXPECT_NE(says("data-dir = \"\"\n").find("empty word"), std::string::npos);
+    EXPECT_NE(says("config = \"again.toml\"\n").find("config"), std::string::npos);
     EXPECT_NE(says("lisen = \"127.0.0.1:0\"\n").find("lisen"), std::string::npos);
     EXPECT_NE(says("sessions-max = \"many\"\n").find("many"), std::string::npos);
     EXPECT_NE(says("sessions-max = 0\n").find("sessions-max"), std::string::npos);
     tests::ServerProcess missing({"scenes/calm.toml", "--config", "/no/such/file.toml"});
     EXPECT_EQ(exit_code_of(missing), 2);
     EXPECT_NE(missing.log().find("/no/such/file.toml"), std::string::npos) << missing.log();
+}
+
+TEST(JsonLogs, why_a_server_does_not_start_is_an_object_too) {
+    tests::ServerProcess server(
+        {"scenes/calm.toml", "--log", "json", "--data-dir", "/no/such/folder"});
+    EXPECT_EQ(exit_code_of(server), 2);
+    const auto object = nlohmann::json::parse(server.log(), nullptr, false);
+    ASSERT_TRUE(object.is_object()) << server.log();
+    EXPECT_NE(object["message"].get<std::string>().find("/no/such/folder"), std::string::npos);
+}
+
+// Whoever started it does not read its log: requests that are logged come without end, and it serves on, and stops.
+TEST(Log, nobody_who_serves_waits_for_who_reads_it) {
+    int unread[2];
+    ASSERT_EQ(pipe(unread), 0);
+    tests::ServerProcess server(
+        {"scenes/calm.toml", "--device", "native", "--listen", "127.0.0.1:0"}, unread[1]);
+    const std::string url = server.wait_until_ready();
+    ASSERT_FALSE(url.empty());
+    for (int i = 0; i < 2000; ++i) { // a pipe holds 64 KB, each of these is a line of 100 bytes
+        tests::RawPeer peer(tests::port_of(url));
+        peer.say("this is no request at all\r\n\r\n");
+    }
+    EXPECT_EQ(tests::ask_http(tests::port_of(url), "/healthz", "GET").body, "ok\n");
+    server.send(SIGTERM);
+    EXPECT_TRUE(server.wait_for_exit(std::chrono::seconds(30))) << "it does not end";
+    close(unread[0]);
+    close(unread[1]);
 }
 
 TEST(JsonLogs, every_line_of_a_server_is_an_object) {
@@ -118,6 +161,12 @@ class Manager {
         unsetenv("WATCHDOG_USEC");
         close(socket_);
     }
+    /// What has been told so far.
+    void forget() {
+        char words[4096];
+        while (recv(socket_, words, sizeof words, MSG_DONTWAIT) > 0)
+            ;
+    }
     /// Waits until it is told this; false after a minute.
     bool hears(const std::string& what) {
         for (int i = 0; i < 600; ++i) {
@@ -144,6 +193,19 @@ TEST(ServiceManager, hears_that_it_serves_that_it_comes_on_and_that_it_stops) {
     EXPECT_TRUE(manager.hears("READY=1\nSTATUS=ws://127.0.0.1:")) << server.log();
     for (int beat = 0; beat < 3; ++beat)
         EXPECT_TRUE(manager.hears("WATCHDOG=1"));
+    // Also while it is asked to read its files again, again and again.
+    std::atomic<bool> enough = false;
+    std::thread asker([&] {
+        while (!enough) {
+            server.send(SIGHUP);
+            std::this_thread::sleep_for(std::chrono::milliseconds(20));
+        }
+    });
+    manager.forget();
+    for (int beat = 0; beat < 3; ++beat)
+        EXPECT_TRUE(manager.hears("WATCHDOG=1"));
+    enough = true;
+    asker.join();
     server.send(SIGTERM);
     EXPECT_TRUE(manager.hears("STOPPING=1"));
     EXPECT_EQ(exit_code_of(server), 0);

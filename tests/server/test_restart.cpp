@@ -87,6 +87,21 @@ TEST(Restart, killed_at_any_instant_it_serves_the_same_sea_at_the_time_that_it_w
     }
 }
 
+/// A process that watches the height at the origin, 20 times a second.
+pid_t watch(const std::string& url, const std::string& rows, const std::string& words) {
+    const pid_t watcher = fork();
+    if (watcher == 0) {
+        const int out = open(rows.c_str(), O_WRONLY | O_CREAT, 0600);
+        const int err = open(words.c_str(), O_WRONLY | O_CREAT, 0600);
+        dup2(out, STDOUT_FILENO);
+        dup2(err, STDERR_FILENO);
+        execl(SEAWAY_BIN_DIR "/seaway-query", "seaway-query", url.c_str(), "--at", "0,0", "--watch",
+              "20", "--format", "csv", "--timeout", "2", nullptr);
+        _exit(127);
+    }
+    return watcher;
+}
+
 // The server of a watcher is killed and comes again on the same port: rows go on, at the sea's times.
 TEST(Restart, a_watcher_goes_on_with_the_server_that_comes_back) {
     const std::string folder = tests::folder().file("watched");
@@ -95,16 +110,7 @@ TEST(Restart, a_watcher_goes_on_with_the_server_that_comes_back) {
     auto server = std::make_unique<tests::ServerProcess>(arguments(folder));
     const std::string url = server->wait_until_ready();
     ASSERT_FALSE(url.empty()) << server->log();
-    const pid_t watcher = fork();
-    if (watcher == 0) {
-        const int out = open(rows.c_str(), O_WRONLY | O_CREAT, 0600);
-        const int err = open(words.c_str(), O_WRONLY | O_CREAT, 0600);
-        dup2(out, STDOUT_FILENO);
-        dup2(err, STDERR_FILENO);
-        execl(SEAWAY_BIN_DIR "/seaway-query", "seaway-query", url.c_str(), "--at", "0,0", "--watch",
-              "20", "--format", "csv", nullptr);
-        _exit(127);
-    }
+    const pid_t watcher = watch(url, rows, words);
     const auto text = [](const std::string& path) {
         std::ifstream file(path);
         return std::string(std::istreambuf_iterator<char>(file), {});
@@ -120,6 +126,14 @@ TEST(Restart, a_watcher_goes_on_with_the_server_that_comes_back) {
         return count() >= before + 5;
     };
     EXPECT_TRUE(more_rows_come());
+    // It hangs for a while: the watch gives its connection up, and has another one afterwards.
+    server->send(SIGSTOP);
+    for (int i = 0; i < 6000 && text(words).find("in time") == std::string::npos; ++i)
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    EXPECT_NE(text(words).find("did not answer in time; trying again"), std::string::npos)
+        << text(words);
+    server->send(SIGCONT);
+    EXPECT_TRUE(more_rows_come()) << text(words);
     server->send(SIGKILL);
     EXPECT_TRUE(server->wait_for_exit(std::chrono::seconds(10)));
     std::vector<std::string> again = arguments(folder);

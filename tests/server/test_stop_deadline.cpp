@@ -3,7 +3,9 @@
 #include <cstdio>
 #include <thread>
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "server/stop_deadline.h"
 
@@ -12,8 +14,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-void say_so() {
-    std::fputs("it hangs\n", stderr);
+std::string say_so() {
+    return "it hangs";
 }
 
 void block_signals() {
@@ -54,6 +56,24 @@ TEST_F(StopDeadlineDeathTest, a_start_that_hangs_hears_a_signal_that_nobody_take
                 hang();
             },
             testing::ExitedWithCode(3), "it hangs");
+}
+
+// A pipe that nobody reads, full: whoever writes to it waits for ever.
+TEST_F(StopDeadlineDeathTest, it_ends_though_nobody_reads_what_it_says) {
+    EXPECT_EXIT(
+        {
+            int ends[2];
+            if (pipe(ends) == 0 && dup2(ends[1], STDERR_FILENO) >= 0) {
+                fcntl(STDERR_FILENO, F_SETFL, O_NONBLOCK);
+                while (write(STDERR_FILENO, "x", 1) == 1)
+                    ;
+                fcntl(STDERR_FILENO, F_SETFL, 0);
+                StopDeadline deadline(300ms, 3, say_so);
+                deadline.begins();
+                hang();
+            }
+        },
+        testing::ExitedWithCode(3), "");
 }
 
 TEST(StopDeadline, leaves_a_process_alone_that_is_not_stopped_or_stops_in_time) {

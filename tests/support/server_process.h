@@ -27,8 +27,9 @@ inline int port_of(const std::string& url) {
 
 class ServerProcess {
   public:
-    /// Starts `seaway-server ARGUMENTS...`; the log goes to a file of its own.
-    explicit ServerProcess(std::vector<std::string> arguments) {
+    /// Starts `seaway-server ARGUMENTS...`; the log goes to a file of its own, or where `log_to` leads.
+    explicit ServerProcess(std::vector<std::string> arguments, int log_to = -1)
+        : log_is_elsewhere_(log_to >= 0) {
         char name[] = "/tmp/seaway-server-log-XXXXXX";
         const int log = mkstemp(name);
         log_path_ = name;
@@ -43,7 +44,7 @@ class ServerProcess {
         pid_ = fork();
         if (pid_ == 0) {
             dup2(out[1], STDOUT_FILENO);
-            dup2(log, STDERR_FILENO);
+            dup2(log_to >= 0 ? log_to : log, STDERR_FILENO);
             if (chdir(SEAWAY_SOURCE_DIR) == 0)
                 execv(argv[0], argv.data());
             _exit(127);
@@ -77,6 +78,10 @@ class ServerProcess {
                 return {};
             line += byte;
         }
+        // Its log is written by a thread of its own: the line that says where it serves may come a moment later.
+        for (int i = 0; i < 1000 && !log_is_elsewhere_ && log().find("url=") == std::string::npos;
+             ++i)
+            std::this_thread::sleep_for(std::chrono::milliseconds(5));
         constexpr std::string_view ready = "ready ";
         return line.starts_with(ready) ? line.substr(ready.size(), line.size() - ready.size() - 1)
                                        : std::string{};
@@ -108,6 +113,7 @@ class ServerProcess {
     pid_t pid_ = -1;
     int out_ = -1;
     std::string log_path_;
+    bool log_is_elsewhere_;
 };
 
 } // namespace seaway::tests
