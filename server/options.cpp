@@ -14,32 +14,18 @@ namespace {
 constexpr double request_bytes_per_s_min = 65536;
 
 void limit_options(CommandLine& line, NetOptions& net) {
-    constexpr int most = 1'000'000;
-    line.option("--connections-max", net.connections_max,
-                "Connections at a time, HTTP and streams; needs as many open files")
-        .takes("COUNT")
-        .between(1, most)
-        .shows_default();
-    line.option("--sessions-max", net.sessions_max, "Streams at a time")
-        .takes("COUNT")
-        .between(1, most)
-        .shows_default();
-    line.option(
-            "--connections-per-address", net.connections_per_address,
-            "Of these as many from one address. This limit and the next three: 0 is none, for a "
-            "proxy in front, which is one address for all")
-        .takes("COUNT")
-        .between(0, most)
-        .shows_default();
-    line.option("--sessions-without-hello-per-address", net.sessions_without_hello_per_address,
-                "Streams that have not said Hello")
-        .takes("COUNT")
-        .between(0, most)
-        .shows_default();
-    line.option("--wrong-tokens-per-address", net.wrong_tokens_per_address, "Wrong tokens a minute")
-        .takes("COUNT")
-        .between(0, most)
-        .shows_default();
+    const auto count = [&line](const char* name, int& value, int least, const char* help) {
+        line.option(name, value, help).takes("COUNT").between(least, 1'000'000).shows_default();
+    };
+    count("--connections-max", net.connections_max, 1,
+          "Connections at a time, HTTP and streams; needs as many open files");
+    count("--sessions-max", net.sessions_max, 1, "Streams at a time");
+    count("--connections-per-address", net.connections_per_address, 0,
+          "Of these as many from one address. This limit and the next three: 0 is none, for a "
+          "proxy in front, which is one address for all");
+    count("--sessions-without-hello-per-address", net.sessions_without_hello_per_address, 0,
+          "Streams that have not said Hello");
+    count("--wrong-tokens-per-address", net.wrong_tokens_per_address, 0, "Wrong tokens a minute");
     line.option("--request-bytes-per-address", net.request_bytes_per_s_per_address,
                 "Bytes of requests a second, 65536 and more; what is beyond is read later")
         .takes("BYTES")

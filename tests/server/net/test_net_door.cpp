@@ -43,6 +43,17 @@ class NetDoor : public NetTest {
             return static_cast<unsigned>(client.status());
         return client.greet(token) ? 0u : client.close_code();
     }
+    /// Again and again on one connection.
+    static bool is_served(RawPeer& peer) {
+        peer.say("GET /healthz HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n");
+        return peer.header().find("200 OK") != std::string::npos;
+    }
+    std::vector<std::unique_ptr<RawPeer>> silent_crowd(int count) const {
+        std::vector<std::unique_ptr<RawPeer>> crowd;
+        for (int i = 0; i < count; ++i)
+            crowd.push_back(std::make_unique<RawPeer>(port()));
+        return crowd;
+    }
     static std::string bearer(const std::string& token) {
         return "Authorization: Bearer " + token + "\r\n";
     }
@@ -54,19 +65,14 @@ TEST_F(NetDoor, a_crowd_of_silent_connections_of_one_address_is_its_own_affair) 
     options.connections_per_address = 10;
     start();
     RawPeer idle(port(), 0, neighbour);
-    const std::string request = "GET /healthz HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n";
-    idle.say(request);
-    EXPECT_NE(idle.header().find("200 OK"), std::string::npos);
-    std::vector<std::unique_ptr<RawPeer>> crowd;
-    for (int i = 0; i < 100; ++i)
-        crowd.push_back(std::make_unique<RawPeer>(port()));
+    EXPECT_TRUE(is_served(idle));
+    const auto crowd = silent_crowd(100);
     EXPECT_EQ(status("/healthz", "", neighbour), 200);
     EXPECT_EQ(status("/healthz"), 200) << "one more of the same address takes an old one's place";
     EXPECT_EQ(knock("", neighbour), 0u);
     EXPECT_LE(counted("seaway_net_connections"), 13) << "ten, the idle one, those who ask";
     EXPECT_GE(counted("seaway_net_connections_given_up_total"), 90);
-    idle.say(request);
-    EXPECT_NE(idle.header().find("200 OK"), std::string::npos) << "nobody sent it away";
+    EXPECT_TRUE(is_served(idle)) << "nobody sent it away";
     net->stop();
     EXPECT_EQ(
         log.lines_with("event=connections_crowded", "address=127.0.0.1 reason=address_full").size(),
@@ -80,15 +86,10 @@ TEST_F(NetDoor, where_the_server_is_full_the_largest_crowd_makes_room) {
     options.connections_per_address = 0; // no limit: as if a proxy were in front
     start();
     RawPeer idle(port(), 0, neighbour);
-    const std::string request = "GET /healthz HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n";
-    idle.say(request);
-    EXPECT_NE(idle.header().find("200 OK"), std::string::npos);
-    std::vector<std::unique_ptr<RawPeer>> crowd;
-    for (int i = 0; i < 30; ++i)
-        crowd.push_back(std::make_unique<RawPeer>(port()));
+    EXPECT_TRUE(is_served(idle));
+    const auto crowd = silent_crowd(30);
     EXPECT_EQ(status("/healthz", "", "127.0.0.3"), 200);
-    idle.say(request);
-    EXPECT_NE(idle.header().find("200 OK"), std::string::npos);
+    EXPECT_TRUE(is_served(idle));
 }
 
 TEST_F(NetDoor, sessions_without_hello_are_few_for_one_address_and_give_way_to_others) {
