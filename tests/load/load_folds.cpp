@@ -32,8 +32,8 @@
 #include "server/simulation/running_sea.h"
 #include "server/simulation/schedule.h"
 #include "tests/load/brute_sheets.h"
-#include "tests/load/draw.h"
 #include "tests/load/random_scenes.h"
+#include "tests/support/draw.h"
 
 using namespace seaway;
 using sea::Answer;

@@ -29,8 +29,8 @@
 
 #include "base/command_line.h"
 #include "client/client.h"
-#include "tests/load/draw.h"
 #include "tests/load/random_scenes.h"
+#include "tests/support/draw.h"
 #include "tests/support/server_process.h"
 
 using namespace seaway;

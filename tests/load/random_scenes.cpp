@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "tests/load/draw.h"
+#include "tests/support/draw.h"
 
 namespace seaway::tests {
 
