@@ -46,15 +46,20 @@ ConnectionEvents Client::connection_events() {
     events.on_sea_state = [this](const SeaStatePtr& state) {
         {
             const std::scoped_lock lock(mutex_);
-            std::erase_if(sea_states_,
-                          [&](const SeaStatePtr& held) { return held->epoch == state->epoch; });
+            std::erase_if(sea_states_, [&](const SeaStatePtr& held) {
+                if (held->epoch == state->epoch && held->probes != state->probes)
+                    rebuilt_.erase(held->epoch);
+                return held->epoch == state->epoch;
+            });
             sea_states_.push_back(state);
             std::stable_sort(sea_states_.begin(), sea_states_.end(),
                              [](const SeaStatePtr& a, const SeaStatePtr& b) {
                                  return a->start_time_us < b->start_time_us;
                              });
-            if (sea_states_.size() > sea_states_max)
+            if (sea_states_.size() > sea_states_max) {
+                rebuilt_.erase(sea_states_.front()->epoch);
                 sea_states_.erase(sea_states_.begin());
+            }
         }
         if (events_.on_sea_state)
             events_.on_sea_state(state);
@@ -176,6 +181,36 @@ Result<std::vector<Answer>> Client::sample(std::span<const QueryPoint> points) c
     return sample_from(ring_, points);
 }
 
+Result<void> Client::rebuild(TimeUs time_us) {
+    const SeaStatePtr state = sea_state(time_us);
+    SEAWAY_TRY_LET(const RebuiltSeaPtr made, rebuild_from_scene(*state));
+    const std::scoped_lock lock(mutex_);
+    for (const SeaStatePtr& held : sea_states_)
+        if (held == state) // not replaced meanwhile
+            rebuilt_[state->epoch] = made;
+    return {};
+}
+
+RebuiltSeaPtr Client::rebuilt(std::uint32_t epoch) const {
+    const std::scoped_lock lock(mutex_);
+    const auto found = rebuilt_.find(epoch);
+    return found == rebuilt_.end() ? nullptr : found->second;
+}
+
+std::size_t Client::answer_rebuilt(std::span<const QueryPoint> points, std::size_t first,
+                                   std::span<Answer> answers) const {
+    const SeaStatePtr state = sea_state(points[first].time_us);
+    const RebuiltSeaPtr waves = rebuilt(state->epoch);
+    if (!waves)
+        return first;
+    std::size_t end = first + 1;
+    while (end < points.size() && (points[end].time_us == points[first].time_us ||
+                                   sea_state(points[end].time_us) == state))
+        ++end;
+    waves->answer(points.subspan(first, end - first), answers.subspan(first, end - first));
+    return end;
+}
+
 Result<std::vector<Answer>> Client::sample_from(const KeyframeRing& ring,
                                                 std::span<const QueryPoint> points) const {
     std::vector<Answer> answers(points.size());
@@ -185,6 +220,10 @@ Result<std::vector<Answer>> Client::sample_from(const KeyframeRing& ring,
     std::optional<LocalSurface> surface;
     for (std::size_t i = 0; i < points.size(); ++i) {
         const TimeUs time_us = points[i].time_us;
+        if (const std::size_t end = answer_rebuilt(points, i, answers); end > i) {
+            i = end - 1;
+            continue;
+        }
         if (!surface || time_us != points[i - 1].time_us) {
             const SeaStatePtr state_now = sea_state(time_us);
             TimeCell cell_now = time_cell(*state_now, time_us);

@@ -17,6 +17,7 @@
 #pragma once
 
 #include <limits>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <span>
@@ -28,6 +29,7 @@
 #include "client/link/clock.h"
 #include "client/link/connection.h"
 #include "client/local_surface.h"
+#include "client/rebuilt/rebuilt_sea.h"
 
 namespace seaway::client {
 
@@ -80,8 +82,14 @@ class Client {
     }
 
     /// This client answers from what it holds; at once, never asks the server. Points of equal or
-    /// near times should stand together. About 1 us a point, 3 ms more for a new keyframe.
+    /// near times should stand together. About 1 us a point, 3 ms more for a new keyframe; of a sea
+    /// that it has rebuilt, at any time, what client/rebuilt/rebuilt_sea.h says.
     Result<std::vector<sea::Answer>> sample(std::span<const sea::QueryPoint> points) const;
+
+    /// Makes the sea that runs at this time from the scene that the server sent, and holds it against the
+    /// server's probes; from then on its points are answered from its waves. Blocks, never asks the server.
+    /// Errors: rebuild_from_scene().
+    Result<void> rebuild(sea::TimeUs time_us);
 
     /// The surface around a time from what is held: for renderers and for many points.
     Result<LocalSurface> surface(sea::TimeUs time_us) const;
@@ -121,6 +129,11 @@ class Client {
     /// Fetches the keyframes around all of these times, in as many requests as the server takes.
     Result<void> fetch(std::span<const sea::TimeUs> times_us, sea::FieldSet fields,
                        double timeout_s);
+    /// Null: this client has not the waves of that epoch.
+    RebuiltSeaPtr rebuilt(std::uint32_t epoch) const;
+    /// Answers the points from `first` on that are of one rebuilt sea; where they end, `first` if there are none.
+    std::size_t answer_rebuilt(std::span<const sea::QueryPoint> points, std::size_t first,
+                               std::span<sea::Answer> answers) const;
     Result<std::vector<sea::Answer>> sample_from(const KeyframeRing& ring,
                                                  std::span<const sea::QueryPoint> points) const;
 
@@ -129,7 +142,8 @@ class Client {
 
     mutable std::mutex mutex_;
     ClockFilter clock_;
-    std::vector<SeaStatePtr> sea_states_; ///< by start time
+    std::vector<SeaStatePtr> sea_states_;            ///< by start time
+    std::map<std::uint32_t, RebuiltSeaPtr> rebuilt_; ///< by epoch, of sea_states_
     sea::FieldSet not_offered_;
     std::vector<Wanted*> wanted_;
     /// What the server was found to take at once, where its tiles are larger than usual.

@@ -46,6 +46,9 @@ inline constexpr int parts_max = 64;
 /// Cascades of one sea: the demand is a 32-bit set, and a scene has 3 to 5.
 inline constexpr int cascades_max = 16;
 
+/// Probes of a sea; ours has 16 (sea/basics/probe.h).
+inline constexpr std::size_t probes_max = 64;
+
 // ---- requests ------------------------------------------------------------------------------
 
 /// Points a Query: the reply stays under one tile in size; batching, not transport, decides

@@ -154,6 +154,25 @@ Result<void> check_losses(const wire::SeaState& state) {
     return {};
 }
 
+/// Where a client evaluates a sea must be where seas are, and what it is held against must be numbers.
+Result<void> check_probes(const wire::SeaState& state) {
+    SEAWAY_TRY(in_range("probe_error_m", state.probe_error_m(), 0.0, 1e6));
+    SEAWAY_TRY(
+        in_range<std::size_t>("count of probes", count(state.probes()), 0, limits::probes_max));
+    for (flatbuffers::uoffset_t i = 0; i < count(state.probes()); ++i) {
+        const wire::Probe& probe = *state.probes()->Get(i);
+        constexpr double most = limits::position_m_max;
+        SEAWAY_TRY(all_of(
+            in_range("probes.x_m", probe.x_m(), -most, most),
+            in_range("probes.y_m", probe.y_m(), -most, most),
+            in_range("probes.time_us", probe.time_us(), -limits::time_us_max, limits::time_us_max),
+            in_range("probes.height_m", probe.height_m(), -most, most),
+            in_range("probes.displacement_x_m", probe.displacement_x_m(), -most, most),
+            in_range("probes.displacement_y_m", probe.displacement_y_m(), -most, most)));
+    }
+    return {};
+}
+
 } // namespace
 
 Result<void> check(const wire::SeaState& state) {
@@ -177,7 +196,8 @@ Result<void> check(const wire::SeaState& state) {
         in_range("depth_m", state.depth_m(), 0.0, std::numeric_limits<double>::infinity()),
         in_range("bottom_red", state.bottom_red(), 0.0f, 1.0f),
         in_range("bottom_green", state.bottom_green(), 0.0f, 1.0f),
-        in_range("bottom_blue", state.bottom_blue(), 0.0f, 1.0f), check_losses(state));
+        in_range("bottom_blue", state.bottom_blue(), 0.0f, 1.0f), check_losses(state),
+        check_probes(state));
     if (!fine || state.cascades() == nullptr)
         return fine;
     for (const wire::CascadeInfo* cascade : *state.cascades()) {

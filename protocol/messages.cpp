@@ -54,7 +54,8 @@ bool lists_aligned(const wire::Message& message) {
     case Body::Query:
         return aligned(message.body_as_Query()->points());
     case Body::SeaState:
-        return aligned(message.body_as_SeaState()->cascades());
+        return aligned(message.body_as_SeaState()->cascades()) &&
+               aligned(message.body_as_SeaState()->probes());
     case Body::QueryReply:
         return aligned(message.body_as_QueryReply()->answers());
     case Body::NONE:

@@ -25,6 +25,7 @@
 #include "protocol/message_table.h"
 #include "protocol/seaway_generated.h"
 #include "sea/basics/field.h"
+#include "sea/basics/probe.h"
 #include "sea/basics/time.h"
 #include "sea/basics/water_type.h"
 #include "sea/surface/answer.h"
@@ -146,6 +147,9 @@ struct SeaStateValues {
     /// Still depth; 0: of a server that says none, deep.
     double depth_m = 0;
     sea::Water water = {}; ///< a type that this version does not know is the default
+    /// By which a sea that was rebuilt can be known again. Empty from a server that sends none.
+    std::vector<sea::Probe> probes = {};
+    double probe_error_m = 0;
 };
 Bytes sea_state(const SeaStateValues& state);
 /// The inverse; `state` must have passed check().

@@ -35,6 +35,23 @@ sea::CascadeLoss from_wire(const wire::CascadeLoss& loss) {
     return out;
 }
 
+std::vector<wire::Probe> to_wire(const std::vector<sea::Probe>& probes) {
+    std::vector<wire::Probe> out;
+    for (const sea::Probe& p : probes)
+        out.emplace_back(p.x_m, p.y_m, p.time_us, p.height_m, p.displacement_x_m,
+                         p.displacement_y_m);
+    return out;
+}
+
+std::vector<sea::Probe> probes_of(const wire::SeaState& state) {
+    std::vector<sea::Probe> out;
+    if (state.probes() != nullptr)
+        for (const wire::Probe* p : *state.probes())
+            out.push_back({p->x_m(), p->y_m(), p->time_us(), p->height_m(), p->displacement_x_m(),
+                           p->displacement_y_m()});
+    return out;
+}
+
 /// A server that says nothing says zeros: a black sea floor is then none that somebody chose.
 sea::Water water_of(const wire::SeaState& state) {
     sea::Water water;
@@ -60,6 +77,7 @@ Bytes sea_state(const SeaStateValues& state) {
     std::vector<wire::CascadeLoss> losses;
     for (const sea::CascadeLoss& loss : state.losses)
         losses.push_back(to_wire(loss));
+    const auto probe_list = built.CreateVectorOfStructs(to_wire(state.probes));
     const auto loss_list = built.CreateVectorOfStructs(losses);
     const auto cascade_list = built.CreateVectorOfStructs(cascades);
     const auto scene = built.CreateString(state.scene);
@@ -76,7 +94,8 @@ Bytes sea_state(const SeaStateValues& state) {
         state.foam_threshold, state.displacement_reach_m, state.rms_strain,
         state.interpolation_displacement_m, state.interpolation_strain, loss_list,
         state.single_precision_m, state.single_precision_displacement_m, state.depth_m,
-        static_cast<std::uint8_t>(state.water.type), bottom(0), bottom(1), bottom(2));
+        static_cast<std::uint8_t>(state.water.type), bottom(0), bottom(1), bottom(2), probe_list,
+        state.probe_error_m);
     built.Finish(wire::CreateMessage(built, wire::Body::SeaState, body.Union()),
                  wire::MessageIdentifier());
     return {built.GetBufferPointer(), built.GetBufferPointer() + built.GetSize()};
@@ -105,7 +124,9 @@ SeaStateValues values(const wire::SeaState& state) {
                        .single_precision_m = state.single_precision_m(),
                        .single_precision_displacement_m = state.single_precision_displacement_m(),
                        .depth_m = state.depth_m(),
-                       .water = water_of(state)};
+                       .water = water_of(state),
+                       .probes = probes_of(state),
+                       .probe_error_m = state.probe_error_m()};
     if (const auto* losses = state.losses())
         for (const wire::CascadeLoss* loss : *losses)
             out.losses.push_back(from_wire(*loss));

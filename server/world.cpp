@@ -14,7 +14,7 @@ namespace seaway::server {
 World::World(RunningSeaPtr sea, std::vector<std::string> warnings, SeaClock& clock)
     : sea_(std::move(sea)), warnings_(std::move(warnings)), clock_(clock),
       sea_state_(std::make_shared<const std::vector<std::uint8_t>>(
-          protocol::sea_state(sea_state_values(*sea_, warnings_)))) {}
+          protocol::sea_state(announcement(*sea_, warnings_)))) {}
 
 Health health_of(bool healthy, Heartbeat::Clock::duration turn) {
     if (!healthy)

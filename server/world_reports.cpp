@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "protocol/limits.h"
+#include "sea/waves/probes.h"
 
 namespace seaway::server {
 
@@ -147,6 +148,14 @@ protocol::SeaStateValues sea_state_values(const RunningSea& sea,
             fmt::format("the effective scene is longer than {} bytes and is not sent to clients",
                         protocol::limits::scene_bytes_max));
     }
+    return state;
+}
+
+protocol::SeaStateValues announcement(const RunningSea& sea,
+                                      const std::vector<std::string>& warnings) {
+    protocol::SeaStateValues state = sea_state_values(sea, warnings);
+    state.probes = sea::make_probes(sea.truth, state.start_time_us);
+    state.probe_error_m = sea::probe_error_m;
     return state;
 }
 

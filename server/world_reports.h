@@ -15,6 +15,10 @@ namespace seaway::server {
 protocol::SeaStateValues sea_state_values(const RunningSea& sea,
                                           const std::vector<std::string>& warnings);
 
+/// The same with the probes of the sea, which cost 16 times of its exact sum: for the message.
+protocol::SeaStateValues announcement(const RunningSea& sea,
+                                      const std::vector<std::string>& warnings);
+
 std::string state_json(const RunningSea& sea, const std::vector<std::string>& warnings,
                        const std::string& device, const SeaMoment& at);
 std::string plan_json(const RunningSea& sea, const EffectPlan& plan,

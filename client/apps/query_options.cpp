@@ -54,6 +54,13 @@ Result<Format> parse_format(const std::string& text) {
     return Format::table;
 }
 
+Result<Source> parse_source(const std::string& text) {
+    if (text == "scene")
+        return Source::scene;
+    SEAWAY_TRY(require(text == "tiles", fmt::format("--from '{}': tiles or scene", text)));
+    return Source::tiles;
+}
+
 /// --at takes any number of points, and so may swallow an address that follows it.
 Result<void> read_places(const std::vector<std::string>& words, QueryOptions& options) {
     for (const std::string& word : words) {
@@ -97,6 +104,10 @@ Result<void> check(const QueryOptions& options) {
     SEAWAY_TRY(
         require(!(options.exact && options.local),
                 "--exact and --local exclude each other: only the server has the exact sum"));
+    SEAWAY_TRY(require(options.local || options.source == Source::tiles,
+                       "--from says what --local answers from"));
+    SEAWAY_TRY(require(options.bench_points == 0 || options.source == Source::tiles,
+                       "--bench measures answers from tiles or the server: it takes no --from"));
     SEAWAY_TRY(require(options.timeout_s > 0 && options.timeout_s <= 86400,
                        fmt::format("--timeout {}: above 0, up to 86400 s", options.timeout_s)));
     return {};
@@ -107,12 +118,14 @@ struct Words {
     std::vector<std::string> at;
     std::string time = "now";
     std::string format = "table";
+    std::string source = "tiles";
 };
 
 Result<void> take(const Words& words, QueryOptions& options) {
     SEAWAY_TRY(read_places(words.at, options));
     SEAWAY_TRY_LET(options.time_s, parse_time(words.time));
     SEAWAY_TRY_LET(options.format, parse_format(words.format));
+    SEAWAY_TRY_LET(options.source, parse_source(words.source));
     return check(options);
 }
 
@@ -133,7 +146,13 @@ std::variant<QueryOptions, int> read_query_options(int argc, const char* const* 
         .takes("now|SECONDS")
         .shows_default();
     line.option("--exact", options.exact, "The server sums all waves directly, in double");
-    line.option("--local", options.local, "This client answers, from streamed tiles");
+    line.option("--local", options.local, "This client answers, the server only sends");
+    line.option(
+            "--from", words.source,
+            "With --local: from streamed tiles, or from the waves of the server's scene, made here "
+            "and held against the server's probes")
+        .takes("tiles|scene")
+        .shows_default();
     line.option("--format", words.format, "How rows are written")
         .takes("table|json|csv")
         .shows_default();

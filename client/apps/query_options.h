@@ -11,6 +11,9 @@
 
 namespace seaway::client {
 
+/// What this client answers from where it answers itself.
+enum class Source { tiles, scene };
+
 enum class Format { table, json, csv };
 
 struct QueryOptions {
@@ -20,6 +23,7 @@ struct QueryOptions {
     std::optional<double> time_s; ///< nothing: now
     bool exact = false;
     bool local = false;
+    Source source = Source::tiles;
     Format format = Format::table;
     double watch_hz = 0;  ///< 0: once
     int bench_points = 0; ///< 0: no benchmark

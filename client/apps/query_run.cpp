@@ -33,8 +33,10 @@ std::vector<sea::QueryPoint> points_at(const std::vector<Place>& places,
 
 Result<std::vector<sea::Answer>> answers_to(Client& client, const QueryOptions& options,
                                             std::span<const sea::QueryPoint> points) {
-    if (options.local)
+    if (options.local && options.source == Source::tiles)
         return client.fetch_and_sample(points, options.timeout_s);
+    if (options.local)
+        return client.sample(points);
     return client.ask(points, {options.exact, options.timeout_s});
 }
 
@@ -55,7 +57,9 @@ void sleep_until(steady_clock::time_point then, const std::atomic<bool>& stop) {
 /// A connection that is ready to be asked.
 Result<std::unique_ptr<Client>> connected(const Connect& connect, const QueryOptions& options) {
     SEAWAY_TRY_LET(std::unique_ptr<Client> client, connect());
-    if (options.watch_hz > 0 && options.local) {
+    if (options.local && options.source == Source::scene) {
+        SEAWAY_TRY(client->rebuild(client->now_us()));
+    } else if (options.watch_hz > 0 && options.local) {
         constexpr int credit = 2;
         SEAWAY_TRY(client->subscribe({.fields = sea::surface_fields}, credit, options.timeout_s));
     }

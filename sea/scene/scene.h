@@ -71,6 +71,9 @@ inline constexpr std::size_t scene_text_bytes_max = 1u << 20;
 /// Reads a scene file; files that it names are relative to its folder.
 Result<Scene> read_scene(const std::string& path);
 
+/// The `base_dir` of a text that came from somebody else, as to_toml() wrote it: it may name no file of a system.
+inline constexpr std::string_view no_files = "/dev/null/";
+
 /// `name` is quoted in errors; `base_dir` is where files that the text names are looked for.
 Result<Scene> parse_scene(std::string_view text, const std::string& name,
                           const std::string& base_dir);

@@ -40,6 +40,10 @@ std::string read_named(TomlTable& table, std::string_view key, const std::string
                        std::size_t bytes_max, std::string& name) {
     if (!table.text(key, name))
         return {};
+    if (base_dir == no_files) {
+        table.fail(key, "this text may name no file; it holds its tables under 'data'");
+        return {};
+    }
     const std::filesystem::path path = std::filesystem::path(base_dir) / name;
     const Result<std::string> text = read_text_file(path.string(), bytes_max);
     if (!text)

@@ -75,24 +75,28 @@ TEST(Options, the_address_may_follow_the_points) {
 }
 
 TEST(Options, that_make_no_sense_are_exit_code_2) {
-    const std::vector<const char*> wrong[] = {{"--at", "1,2"},
-                                              {"ws://a:1"},
-                                              {"localhost", "--at", "1,2"},
-                                              {"ws://a:1", "--at", "1"},
-                                              {"ws://a:1", "--at", "1,2", "--time", "soon"},
-                                              {"ws://a:1", "--at", "1,2", "--exact", "--local"},
-                                              {"ws://a:1", "--at", "1,2", "--points", "x.csv"},
-                                              {"ws://a:1", "--at", "1,2", "--bench", "5"},
-                                              {"ws://a:1", "--bench", "0"},
-                                              {"ws://a:1", "--at", "1,2", "--watch", "-1"},
-                                              {"ws://a:1", "--at", "1,2", "--watch", "0"},
-                                              {"ws://a:1", "--at", "1,2", "--watch", "nan"},
-                                              {"ws://a:1", "--at", "1,2", "--watch", "1e-12"},
-                                              {"ws://a:1", "--at", "1,2", "--watch", "1001"},
-                                              {"ws://a:1", "--at", "1,2", "--token-file", ""},
-                                              {"ws://a:1", "--at", "1,2", "--format", "xml"},
-                                              {"ws://a:1", "--at", "1,2", "--timeout", "nan"},
-                                              {"ws://a:1", "--at", "1,2", "--bogus"}};
+    const std::vector<const char*> wrong[] = {
+        {"--at", "1,2"},
+        {"ws://a:1"},
+        {"localhost", "--at", "1,2"},
+        {"ws://a:1", "--at", "1"},
+        {"ws://a:1", "--at", "1,2", "--time", "soon"},
+        {"ws://a:1", "--at", "1,2", "--exact", "--local"},
+        {"ws://a:1", "--at", "1,2", "--from", "scene"},
+        {"ws://a:1", "--at", "1,2", "--local", "--from", "x"},
+        {"ws://a:1", "--bench", "2", "--local", "--from", "scene"},
+        {"ws://a:1", "--at", "1,2", "--points", "x.csv"},
+        {"ws://a:1", "--at", "1,2", "--bench", "5"},
+        {"ws://a:1", "--bench", "0"},
+        {"ws://a:1", "--at", "1,2", "--watch", "-1"},
+        {"ws://a:1", "--at", "1,2", "--watch", "0"},
+        {"ws://a:1", "--at", "1,2", "--watch", "nan"},
+        {"ws://a:1", "--at", "1,2", "--watch", "1e-12"},
+        {"ws://a:1", "--at", "1,2", "--watch", "1001"},
+        {"ws://a:1", "--at", "1,2", "--token-file", ""},
+        {"ws://a:1", "--at", "1,2", "--format", "xml"},
+        {"ws://a:1", "--at", "1,2", "--timeout", "nan"},
+        {"ws://a:1", "--at", "1,2", "--bogus"}};
     for (const auto& arguments : wrong) {
         const auto read = query_options_of(arguments);
         ASSERT_TRUE(std::holds_alternative<int>(read)) << arguments.back();

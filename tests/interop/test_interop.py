@@ -130,6 +130,21 @@ class Live(unittest.TestCase):
                 compared += 1
         self.assertGreaterEqual(compared, 0.9 * count * len(times_us), "hardly anything folds in this sea")
 
+    def test_probes_are_the_sea_at_undisplaced_places(self):
+        state = self.session.state_at(0)
+        self.assertEqual(len(state["probes"]), 16)
+        times_us = [probe["time_us"] for probe in state["probes"]]
+        self.session.fetch(times_us[:8])
+        self.session.fetch(times_us[8:])
+        for probe in state["probes"]:
+            sea = self.session.surface(probe["time_us"])
+            height, dx, dy = sea.at(probe["x_m"], probe["y_m"])[0]
+            # Displacements have as much of the bound as heights have: half of the variance each in deep water.
+            bound = sea.bound(0, (probe["x_m"], probe["y_m"]), 0) + state["probe_error_m"]
+            self.assertLessEqual(abs(height - probe["height_m"]), bound)
+            self.assertLessEqual(abs(dx - probe["displacement_x_m"]), bound)
+            self.assertLessEqual(abs(dy - probe["displacement_y_m"]), bound)
+
     def test_heights_of_the_stream_are_the_servers(self):
         granted = self.session.subscribe(error_m=0.02)
         self.assertEqual(granted["fields"], client.SURFACE_FIELDS)

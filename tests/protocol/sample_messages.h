@@ -47,6 +47,8 @@ inline SeaStateValues some_state() {
     state.single_precision_displacement_m = 0.002;
     state.depth_m = 12.5;
     state.water = {sea::WaterType::coastal_3, {0.5, 0.25, 0.125}};
+    state.probes = {{-1.5, 2.5, 3'500'000, 4.5, -5.5, 6.5}, {7.5, -8.5, -9, -1.25, 1.5, -1.75}};
+    state.probe_error_m = 1e-6;
     return state;
 }
 

@@ -60,6 +60,8 @@ TEST(Messages, server_messages_read_back_as_they_were_written) {
     EXPECT_EQ(back.cascades[1].interval_us, 200'000);
     EXPECT_EQ(back.realised.mean_from_deg, 225);
     EXPECT_EQ(back.warnings.size(), 2u);
+    EXPECT_EQ(back.probes, some_state().probes);
+    EXPECT_EQ(back.probe_error_m, 1e-6);
     const auto* tile_back = read(reader, sample(Body::Tile))->body_as_Tile();
     ASSERT_TRUE(check(*tile_back).has_value());
     const std::uint8_t payload[] = {1, 2, 3};
@@ -178,6 +180,9 @@ TEST(Messages, lists_that_are_not_aligned_are_not_a_message) {
         const Bytes other = with_list_at(stated, *body, wire::SeaState::VT_CASCADES,
                                          sizeof(wire::CascadeInfo), shift);
         EXPECT_EQ(client_again.read(other).has_value(), shift == 0) << "cascades";
+        const Bytes far =
+            with_list_at(stated, *body, wire::SeaState::VT_PROBES, sizeof(wire::Probe), shift);
+        EXPECT_EQ(client_again.read(far).has_value(), shift == 0) << "probes";
         whole = read(client, answered);
         body = reinterpret_cast<const flatbuffers::Table*>(whole->body_as_QueryReply());
         const Bytes reply = with_list_at(answered, *body, wire::QueryReply::VT_ANSWERS,
@@ -310,6 +315,39 @@ TEST(Messages, values_out_of_range_are_errors_that_name_the_field) {
     const std::vector<sea::QueryPoint> points(257);
     EXPECT_EQ(why(query(1, points, false)), "");
     EXPECT_NE(why(query(1, points, true)).find("points"), std::string::npos);
+}
+
+TEST(Messages, sixteen_probes_are_less_than_a_kilobyte) {
+    SeaStateValues state = some_state();
+    state.probes.clear();
+    const std::size_t without = sea_state(state).size();
+    state.probes.assign(sea::probe_count, {1, 2, 3, 4, 5, 6});
+    EXPECT_LE(sea_state(state).size() - without, 1000u);
+}
+
+TEST(Messages, probes_are_where_seas_are_and_say_numbers) {
+    MessageReader reader(Sender::server);
+    const auto why = [&](const sea::Probe& probe, double error_m = 1e-6) {
+        SeaStateValues state = some_state();
+        state.probes[1] = probe;
+        state.probe_error_m = error_m;
+        const Result<void> fine = check(*read(reader, sea_state(state)));
+        return fine ? std::string() : fine.error().message;
+    };
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_EQ(why({1, 2, 3, 4, 5, 6}), "");
+    EXPECT_EQ(why({nan, 2, 3, 4, 5, 6}).find("probes.x_m is nan"), 0u);
+    EXPECT_EQ(why({1, -2e9, 3, 4, 5, 6}).find("probes.y_m is"), 0u);
+    for (const sea::TimeUs time_us : {limits::time_us_max + 1, -limits::time_us_max - 1})
+        EXPECT_EQ(why({1, 2, time_us, 4, 5, 6}).find("probes.time_us is"), 0u);
+    EXPECT_EQ(why({1, 2, 3, nan, 5, 6}).find("probes.height_m is"), 0u);
+    EXPECT_EQ(why({1, 2, 3, 4, nan, 6}).find("probes.displacement_x_m is"), 0u);
+    EXPECT_EQ(why({1, 2, 3, 4, 5, nan}).find("probes.displacement_y_m is"), 0u);
+    EXPECT_EQ(why({1, 2, 3, 4, 5, 6}, -1).find("probe_error_m is -1"), 0u);
+    SeaStateValues many = some_state();
+    many.probes.resize(limits::probes_max + 1);
+    EXPECT_EQ(check(*read(reader, sea_state(many))).error().message.find("count of probes is 65"),
+              0u);
 }
 
 // Naive: a part's height is held against its width, and what lies beyond the map is written there.

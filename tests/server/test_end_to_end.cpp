@@ -69,6 +69,12 @@ TEST_P(EndToEnd, server_local_and_exact_answers_agree_within_the_stated_bound) {
     const Result<std::vector<Answer>> local = (*client)->fetch_and_sample(points, 120);
     ASSERT_TRUE(local) << local.error().message;
 
+    // And of the client's own waves, made from the scene that the server announced.
+    const Result<void> rebuilt = (*client)->rebuild((*client)->now_us());
+    ASSERT_TRUE(rebuilt) << rebuilt.error().message;
+    const Result<std::vector<Answer>> own = (*client)->sample(points);
+    ASSERT_TRUE(own) << own.error().message;
+
     double height_max = 0;
     double worst_bound_m = 0;
     for (std::size_t i = 0; i < points.size(); ++i) {
@@ -84,6 +90,8 @@ TEST_P(EndToEnd, server_local_and_exact_answers_agree_within_the_stated_bound) {
                         1e-6);
         }
         EXPECT_TRUE((*exact)[i].flags & sea::answer_exact);
+        EXPECT_LE(std::abs((*own)[i].height_m - truth), (*own)[i].error_m + (*exact)[i].error_m);
+        EXPECT_LE((*own)[i].error_m, 1e-5) << "what probes allow, and slopes";
     }
     // Promise for height_error_m = 0.01; a gale's slopes stay below 1.
     EXPECT_LE(worst_bound_m, 0.02);

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sea/certificate/certificate.h"
+#include "sea/waves/probes.h"
 #include "server/world_reports.h"
 #include "tests/server/simulation/simulation_bench.h"
 #include "tests/support/metrics_page.h"
@@ -123,6 +124,15 @@ TEST(SeaStateValues, every_member_is_that_of_the_running_sea) {
         EXPECT_NEAR(shown.spread_deg, 0.1 * first * 57.29577951308232, 1e-10);
         EXPECT_EQ(shown.mss, first + 0.5);
     }
+}
+
+TEST(SeaStateValues, the_announcement_has_the_probes_of_the_sea_from_its_start_on) {
+    const RunningSea sea = some_sea();
+    EXPECT_TRUE(sea_state_values(sea, {}).probes.empty()) << "pages do without";
+    const protocol::SeaStateValues state = announcement(sea, {"first"});
+    EXPECT_EQ(state.probes, sea::make_probes(sea.truth, state.start_time_us));
+    EXPECT_EQ(state.probe_error_m, 1e-6);
+    EXPECT_EQ(state.warnings, std::vector<std::string>{"first"});
 }
 
 // The longest scene that fits is sent; one byte more leaves it out, and says so.

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/rebuilt/rebuilt_sea.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "client/link/failure.h"
+#include "sea/scene/scene.h"
+
+namespace seaway::client {
+namespace {
+
+/// A nanometre, and what rounding leaves of a coordinate far out.
+double tolerance_m(const sea::QueryPoint& point) {
+    return 1e-9 + 4e-16 * std::max(std::abs(point.x_m), std::abs(point.y_m));
+}
+
+Result<void> check_tiles(const protocol::SeaStateValues& state, const sea::Realization& waves) {
+    bool same = state.cascades.size() == waves.cascades.size();
+    for (std::size_t c = 0; same && c < waves.cascades.size(); ++c)
+        same = state.cascades[c].length_m == waves.cascades[c].spec.length_m &&
+               state.cascades[c].size == waves.cascades[c].spec.size;
+    if (same)
+        return {};
+    return failed(Failure::not_held, "the scene that was sent has other tiles than its sea");
+}
+
+} // namespace
+
+RebuiltSea::RebuiltSea(sea::RealizationPtr waves, const protocol::SeaStateValues& state,
+                       const RebuiltError& error)
+    : sum_(std::move(waves)), choppiness_{state.choppiness_x, state.choppiness_y},
+      folds_(sea::fold_search(state.displacement_reach_m, choppiness_, state.rms_strain)),
+      error_(error) {}
+
+void RebuiltSea::answer(std::span<const sea::QueryPoint> points,
+                        std::span<sea::Answer> answers) const {
+    std::optional<sea::DirectSum::Moment> moment;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        if (!moment || points[i].time_us != points[i - 1].time_us)
+            moment = sum_.at_time(points[i].time_us);
+        answers[i] = answer(points[i], *moment);
+    }
+}
+
+sea::Answer RebuiltSea::answer(const sea::QueryPoint& point,
+                               const sea::DirectSum::Moment& moment) const {
+    sea::Answer answer = sea::surface_at(point, {choppiness_, tolerance_m(point), folds_}, moment);
+    const double sideways = sea::surface_slope(answer) * std::max(choppiness_.x, choppiness_.y);
+    answer.error_m +=
+        tolerance_m(point) + std::hypot(error_.height_m, sideways * error_.displacement_m);
+    return answer;
+}
+
+Result<sea::ProbeDifference> compare(const protocol::SeaStateValues& state,
+                                     const sea::DirectSum& waves) {
+    if (state.probes.empty())
+        return failed(Failure::not_held, "the server sent no probes to know a rebuilt sea by");
+    return sea::compare(waves, state.probes);
+}
+
+Result<RebuiltSeaPtr> rebuild_from_scene(const protocol::SeaStateValues& state) {
+    if (state.scene.empty())
+        return failed(Failure::not_held, "the server sent no scene to rebuild its sea from");
+    const Result<sea::Scene> scene =
+        sea::parse_scene(state.scene, "the server's scene", std::string(sea::no_files));
+    if (!scene)
+        return failed(Failure::not_held, scene.error().message);
+    Result<sea::Realization> waves = sea::realize(*scene);
+    if (!waves)
+        return failed(Failure::not_held, waves.error().message);
+    SEAWAY_TRY(check_tiles(state, *waves));
+    auto rebuilt = std::make_shared<const RebuiltSea>(
+        std::make_shared<const sea::Realization>(std::move(*waves)), state,
+        RebuiltError{state.probe_error_m, state.probe_error_m});
+    SEAWAY_TRY_LET(const sea::ProbeDifference off, compare(state, rebuilt->sum()));
+    if (!off.within(state.probe_error_m, state.probe_error_m))
+        return failed(
+            Failure::not_held,
+            fmt::format("the sea of the server's scene is not the server's: probes differ "
+                        "by {:.3g} m in height and {:.3g} m sideways, allowed are {:g} m",
+                        off.height_m, off.displacement_m, state.probe_error_m));
+    return rebuilt;
+}
+
+} // namespace seaway::client
