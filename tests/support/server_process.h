@@ -28,7 +28,8 @@ inline int port_of(const std::string& url) {
 class ServerProcess {
   public:
     /// Starts `seaway-server ARGUMENTS...`; the log goes to a file of its own, or where `log_to` leads.
-    explicit ServerProcess(std::vector<std::string> arguments, int log_to = -1)
+    explicit ServerProcess(std::vector<std::string> arguments, int log_to = -1,
+                           const std::string& program = SEAWAY_BIN_DIR "/seaway-server")
         : log_is_elsewhere_(log_to >= 0) {
         char name[] = "/tmp/seaway-server-log-XXXXXX";
         const int log = mkstemp(name);
@@ -36,7 +37,7 @@ class ServerProcess {
         int out[2];
         if (pipe2(out, O_CLOEXEC) != 0)
             std::abort();
-        arguments.insert(arguments.begin(), SEAWAY_BIN_DIR "/seaway-server");
+        arguments.insert(arguments.begin(), program);
         std::vector<char*> argv;
         for (std::string& argument : arguments)
             argv.push_back(argument.data());

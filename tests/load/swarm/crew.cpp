@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/load/swarm/crew.h"
+
+#include <csignal>
+#include <cstdlib>
+#include <memory>
+
+#include <sys/epoll.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "protocol/limits.h"
+#include "tests/load/swarm/peer.h"
+
+namespace seaway::tests::swarm {
+namespace {
+
+constexpr double asks_every_s = 0.01;
+constexpr std::uint32_t flood_under_way = protocol::limits::queries_in_flight_max;
+
+/// What one child does.
+class Worker {
+  public:
+    Worker(const Errand& errand, Stage& stage, Tally& tally)
+        : errand_(errand), stage_(stage), tally_(tally), poll_(::epoll_create1(0)) {}
+
+    int work();
+
+  private:
+    void connect();
+    void subscribe();
+    void take(std::uint64_t which);
+    void ask();
+    void flood();
+
+    const Errand errand_;
+    Stage& stage_;
+    Tally& tally_;
+    const int poll_;
+    std::vector<std::unique_ptr<Peer>> peers_;
+    std::vector<std::uint8_t> scratch_;
+    double asked_s_ = 0;
+    bool waits_ = false;
+    std::uint32_t asked_ = 0;
+    std::uint32_t flooded_ = 0;
+};
+
+void Worker::connect() {
+    const int extra = errand_.asks || errand_.floods ? 1 : 0;
+    for (int i = 0; i < errand_.readers + errand_.stalled + extra; ++i) {
+        const bool stalled = i >= errand_.readers && i < errand_.readers + errand_.stalled;
+        peers_.push_back(std::make_unique<Peer>(errand_.port, stalled ? 4096 : 0));
+        epoll_event event{.events = EPOLLIN, .data = {.u64 = static_cast<std::uint64_t>(i)}};
+        if (!stalled)
+            ::epoll_ctl(poll_, EPOLL_CTL_ADD, peers_.back()->handle(), &event);
+        ++stage_.greeted;
+    }
+}
+
+void Worker::subscribe() {
+    const auto subscribers = static_cast<std::size_t>(errand_.readers + errand_.stalled);
+    for (std::size_t i = 0; i < subscribers; ++i)
+        peers_[i]->send(protocol::subscribe(1, errand_.wish, errand_.credit));
+}
+
+void Worker::take(std::uint64_t which) {
+    Peer& peer = *peers_[which];
+    if (peer.take(scratch_, tally_, stage_))
+        return;
+    ++tally_.ended;
+    ::epoll_ctl(poll_, EPOLL_CTL_DEL, peer.handle(), nullptr);
+}
+
+/// One point now, and the next one 10 ms after, or as soon as that is answered.
+void Worker::ask() {
+    Peer& peer = *peers_.back();
+    const double now_s = clock_s();
+    if (waits_ && peer.answers() == asked_) {
+        waits_ = false;
+        if (stage_.measure)
+            tally_.answer.add(now_s - asked_s_);
+    }
+    if (waits_ || now_s < asked_s_ + asks_every_s)
+        return;
+    const double sea_s = now_s + stage_.sea_minus_clock_s;
+    const sea::QueryPoint point{12.5, -7.25, static_cast<sea::TimeUs>(1e6 * sea_s)};
+    peer.send(protocol::query(++asked_, {&point, 1}, false));
+    asked_s_ = now_s;
+    waits_ = true;
+}
+
+void Worker::flood() {
+    Peer& peer = *peers_.back();
+    while (flooded_ < peer.answers() + flood_under_way) {
+        std::vector<sea::QueryPoint> points(4096);
+        for (std::size_t i = 0; i < points.size(); ++i)
+            points[i] = {1.5 * static_cast<double>(i), 3e5,
+                         static_cast<sea::TimeUs>(3'600'000'000 + 1'000'000 * (i % 8))};
+        peer.send(protocol::query(++flooded_, points, false));
+    }
+}
+
+int Worker::work() {
+    connect();
+    bool subscribed = false;
+    std::vector<epoll_event> events(256);
+    while (!stage_.end) {
+        if (stage_.subscribe && !std::exchange(subscribed, true))
+            subscribe();
+        const int patience_ms = errand_.asks ? 1 : 20;
+        const int count =
+            ::epoll_wait(poll_, events.data(), static_cast<int>(events.size()), patience_ms);
+        for (int i = 0; i < count; ++i)
+            take(events[static_cast<std::size_t>(i)].data.u64);
+        if (subscribed && errand_.asks)
+            ask();
+        if (subscribed && errand_.floods)
+            flood();
+    }
+    return 0;
+}
+
+} // namespace
+
+Crew::~Crew() {
+    for (const pid_t child : children_) {
+        ::kill(child, SIGKILL);
+        ::waitpid(child, nullptr, 0);
+    }
+}
+
+void Crew::send(const Errand& errand) {
+    Tally& tally = shared<Tally>();
+    tallies_.push_back(&tally);
+    const pid_t child = ::fork();
+    if (child == 0)
+        std::_Exit(Worker(errand, stage_, tally).work());
+    children_.push_back(child);
+}
+
+bool Crew::come_home() {
+    bool well = true;
+    for (const pid_t child : children_) {
+        int status = 0;
+        ::waitpid(child, &status, 0);
+        well = well && WIFEXITED(status) && WEXITSTATUS(status) == 0;
+    }
+    children_.clear();
+    return well;
+}
+
+} // namespace seaway::tests::swarm
