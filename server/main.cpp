@@ -18,6 +18,7 @@
 #include "server/options.h"
 #include "server/resume.h"
 #include "server/service_manager.h"
+#include "server/simulation/memory_needs.h"
 #include "server/stop_deadline.h"
 #include "server/stop_signal.h"
 #include "server/world.h"
@@ -61,6 +62,18 @@ std::vector<std::string> told_of(const RunningSea& sea) {
     return warnings;
 }
 
+/// The budget of --memory-mb.
+Result<MemoryPtr> memory_for(const Options& options, const RunningSea& sea) {
+    constexpr std::size_t mib = 1024 * 1024;
+    const MemoryNeeds needs = needs_of(sea);
+    const std::size_t wanted = static_cast<std::size_t>(options.memory_mb) * mib;
+    const std::size_t least = Memory::least_bytes(needs);
+    if (wanted > 0 && wanted < least)
+        return Error{fmt::format("--memory-mb {}: {} needs {} and more, or 0 for what is usual",
+                                 options.memory_mb, sea.scene.source, (least + mib - 1) / mib)};
+    return std::make_shared<Memory>(wanted > 0 ? wanted : Memory::default_bytes(needs), needs);
+}
+
 /// The end of --check: what a start would serve, in one line.
 int checked(const RunningSea& sea) {
     fmt::print("{}: fine: Hs {:.2f} m, {} cascades, heights within {:g} m\n", sea.scene.source,
@@ -98,6 +111,9 @@ int serve(const Options& options) {
     if (!sea)
         return fail(exit_usage, sea.error());
     const std::vector<std::string> warnings = told_of(**sea);
+    const Result<MemoryPtr> memory = memory_for(options, **sea);
+    if (!memory)
+        return fail(exit_usage, memory.error());
     if (options.check)
         return checked(**sea);
     const Result<Resumed> resumed =
@@ -110,10 +126,10 @@ int serve(const Options& options) {
                           [json = options.log == "json"] { return last_words(json); });
     const LogEnd log_end; // before the deadline is called off
     SeaClock clock(resumed->epoch_utc_us);
-    World world(*sea, warnings, clock);
+    World world(*sea, warnings, clock, *memory);
     Result<std::unique_ptr<Simulation>> simulation = Simulation::start(
         *sea, device_factory(options), world.subscriptions(), [&clock] { return clock.now_us(); },
-        events(world), {.rate = options.work_rate, .burst_s = options.work_burst_s});
+        events(world), {.rate = options.work_rate, .burst_s = options.work_burst_s}, *memory);
     if (!simulation)
         return fail(exit_no_device, simulation.error());
     world.attach(**simulation);

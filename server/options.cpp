@@ -83,6 +83,13 @@ void sea_options(CommandLine& line, Options& options) {
         .between(0.001, 1e6)
         .takes("SECONDS")
         .shows_default();
+    line.option("--memory-mb", options.memory_mb,
+                "What may be held for those who ask, MiB: keyframes, questions, tiles and maps; 0: "
+                "640, or "
+                "more where the scene needs it")
+        .takes("MIB")
+        .between(0, 1'000'000)
+        .shows_default();
 }
 
 } // namespace

@@ -16,9 +16,11 @@ struct Options {
     std::string data_dir;        ///< folder of the journal; empty: the sea ends with the process
     double work_rate = 1;        ///< of each session: share of the simulation's thread
     double work_burst_s = 10;    ///< of each session: work asked for at once, beyond the rate, s
-    std::string log = "text";    ///< text | json
-    bool check = false;          ///< look at everything, serve nothing
-    bool validation = false;     ///< Vulkan validation layers; their messages are errors
+    int memory_mb =
+        0; ///< MiB for what is held for those who ask (host/memory.h); 0: what the sea needs
+    std::string log = "text"; ///< text | json
+    bool check = false;       ///< look at everything, serve nothing
+    bool validation = false;  ///< Vulkan validation layers; their messages are errors
 };
 
 /// Exit codes of seaway-server: the public contract.

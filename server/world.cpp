@@ -7,12 +7,14 @@
 
 #include "server/map_source.h"
 #include "server/process_metrics.h"
+#include "server/simulation/memory_needs.h"
 #include "server/world_reports.h"
 
 namespace seaway::server {
 
-World::World(RunningSeaPtr sea, std::vector<std::string> warnings, SeaClock& clock)
-    : sea_(std::move(sea)), warnings_(std::move(warnings)), clock_(clock),
+World::World(RunningSeaPtr sea, std::vector<std::string> warnings, SeaClock& clock,
+             MemoryPtr memory)
+    : Host(std::move(memory)), sea_(std::move(sea)), warnings_(std::move(warnings)), clock_(clock),
       sea_state_(std::make_shared<const std::vector<std::uint8_t>>(
           protocol::sea_state(announcement(*sea_, warnings_)))) {}
 
@@ -108,12 +110,17 @@ void World::map(MapQuery query, Mapped done) {
     const Result<sea::MapRequest> request = read_map_request(query.parameters, clock_.now_us());
     if (!request)
         return done(request.error());
-    const Result<MapPlace> place = take_map_place(maps_running_);
-    if (!place)
-        return done(place.error());
+    const Result<MapPlace> one = take_map_place(maps_running_);
+    if (!one)
+        return done(one.error());
+    const Room::Place bytes = memory()->room(MemoryUse::maps)->take(map_bytes(*sea_));
+    if (!bytes)
+        return done(Error{Refusal::busy, "maps under way fill the memory there is for them, try "
+                                         "again later"});
+    const MapPlace place = std::make_shared<std::pair<MapPlace, Room::Place>>(*one, bytes);
     simulation_->surface(
         request->time_us,
-        [request = *request, place = *place, on_ready = query.on_ready,
+        [request = *request, place, on_ready = query.on_ready,
          done = std::move(done)](const Result<SurfacePtr>& surface) {
             if (!surface)
                 return done(surface.error());

@@ -32,7 +32,8 @@ class World final : public Host {
     using Publish = std::function<void(KeyframeTiles)>;
 
     /// `clock` outlives the world.
-    World(RunningSeaPtr sea, std::vector<std::string> warnings, SeaClock& clock);
+    World(RunningSeaPtr sea, std::vector<std::string> warnings, SeaClock& clock,
+          MemoryPtr memory = std::make_shared<Memory>());
 
     /// Before anything is asked; the simulation must outlive every later call.
     void attach(Simulation& simulation);

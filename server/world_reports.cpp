@@ -253,12 +253,8 @@ std::string metrics_text(const EffectPlan& plan, const SimulationCounters& count
     add("questions_over_budget_total", "counter",
         "Queries and fetches refused: their session had asked for too much.",
         whole(counters.questions_over_budget));
-    add("question_bytes", "gauge", "Memory of points that wait, and of their answers.",
-        static_cast<double>(counters.question_bytes));
     add("device_rebuilds_total", "counter", "Times a failed device was rebuilt.",
         whole(counters.device_rebuilds));
-    add("keyframe_store_bytes", "gauge", "Memory of the keyframe cache.",
-        static_cast<double>(counters.store.bytes));
     add("keyframe_store_hits_total", "counter", "Keyframes found in the cache.",
         whole(counters.store.hits));
     add("keyframe_store_misses_total", "counter", "Keyframes that had to be computed.",

@@ -11,6 +11,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/result.h"
@@ -18,6 +19,7 @@
 #include "sea/surface/answer.h"
 #include "sea/surface/maps/keyframe.h"
 #include "server/host/asker.h"
+#include "server/host/memory.h"
 #include "server/host/refusal.h"
 #include "server/host/subscriptions.h"
 
@@ -90,7 +92,11 @@ struct Health {
 
 class Host {
   public:
+    explicit Host(MemoryPtr memory = std::make_shared<Memory>()) : memory_(std::move(memory)) {}
     virtual ~Host() = default;
+
+    /// What all that is held for those who ask is taken of.
+    const MemoryPtr& memory() const { return memory_; }
 
     virtual sea::TimeUs sea_time_us() const = 0;
 
@@ -126,6 +132,9 @@ class Host {
     virtual std::string plan_json() const = 0;
     virtual std::string metrics_text() const = 0;
     virtual Health health() const = 0;
+
+  protected:
+    MemoryPtr memory_;
 
   private:
     Subscriptions subscriptions_;

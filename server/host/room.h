@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // Room: bytes that questions may hold together. What is made for somebody takes room before it is
 // made and gives it back when the last of its holders lets it go, on whichever thread; who finds none
-// waits. So what a crowd of questions holds is bounded, and none of them is refused for it.
+// waits, or is refused. So what a crowd of questions holds is bounded. Each is a share of one budget (memory.h).
 //
 // take() and fits() are for one thread; all else is thread-safe. Places may outlive the one who asked.
 #pragma once
 
-#include <algorithm>
 #include <atomic>
 #include <cstddef>
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <utility>
 
 namespace seaway::server {
 
@@ -20,20 +20,26 @@ class Room : public std::enable_shared_from_this<Room> {
     /// Held for as long as what it is for.
     using Place = std::shared_ptr<const void>;
 
-    /// `freed` is called after each place that is given back, on the thread that does; not after
-    /// forget().
-    static std::shared_ptr<Room> of(std::size_t bytes_max, std::function<void()> freed) {
-        return std::shared_ptr<Room>(new Room(bytes_max, std::move(freed)));
+    static std::shared_ptr<Room> of(std::size_t bytes_max) {
+        return std::shared_ptr<Room>(new Room(bytes_max));
+    }
+
+    /// `freed` is called after each place that is given back, on the thread that does; null: nothing is,
+    /// and no call is under way.
+    void on_freed(std::function<void()> freed) {
+        const std::scoped_lock lock(mutex_);
+        freed_ = std::move(freed);
     }
 
     /// One always gets what it asks for, however large.
     bool fits(std::size_t bytes) const { return held_ == 0 || held_ + bytes <= bytes_max_; }
     /// Null: not now.
-    Place take(std::size_t bytes) {
-        if (!fits(bytes))
-            return nullptr;
-        held_ += bytes;
-        held_most_ = std::max(held_most_.load(), held_.load());
+    Place take(std::size_t bytes) { return fits(bytes) ? take_anyway(bytes) : nullptr; }
+    /// For who makes room afterwards, on any thread.
+    Place take_anyway(std::size_t bytes) {
+        const std::size_t held = held_ += bytes;
+        for (std::size_t most = held_most_; most < held;)
+            held_most_.compare_exchange_weak(most, held);
         return Place(this, [room = shared_from_this(), bytes](const void*) {
             room->held_ -= bytes;
             const std::scoped_lock lock(room->mutex_);
@@ -41,17 +47,14 @@ class Room : public std::enable_shared_from_this<Room> {
                 room->freed_();
         });
     }
-    void forget() {
-        const std::scoped_lock lock(mutex_);
-        freed_ = nullptr;
-    }
+    bool overfull() const { return held_ > bytes_max_; }
 
+    std::size_t bytes_max() const { return bytes_max_; }
     std::size_t held_bytes() const { return held_; }
     std::size_t held_bytes_most() const { return held_most_; } ///< so far
 
   private:
-    Room(std::size_t bytes_max, std::function<void()> freed)
-        : bytes_max_(bytes_max), freed_(std::move(freed)) {}
+    explicit Room(std::size_t bytes_max) : bytes_max_(bytes_max) {}
 
     const std::size_t bytes_max_;
     std::atomic<std::size_t> held_ = 0;
@@ -59,5 +62,13 @@ class Room : public std::enable_shared_from_this<Room> {
     std::mutex mutex_; ///< of freed_
     std::function<void()> freed_;
 };
+
+/// The same thing, whose holders hold its place too.
+template <class T>
+std::shared_ptr<const T> with_place(Room::Place place, std::shared_ptr<const T> thing) {
+    const auto both = std::make_shared<std::pair<Room::Place, std::shared_ptr<const T>>>(
+        std::move(place), std::move(thing));
+    return {both, both->second.get()};
+}
 
 } // namespace seaway::server

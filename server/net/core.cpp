@@ -10,9 +10,8 @@
 namespace seaway::server {
 
 Core::Core(NetOptions net_options, Host& simulation, std::function<void(Work)> run_on_io_thread)
-    : options(std::move(net_options)), host(simulation), addresses(options),
-      fetched_tiles(Room::of(options.fetched_tiles_bytes_max, nullptr)),
-      run_on_io_thread_(std::move(run_on_io_thread)) {
+    : options(std::move(net_options)), host(simulation), addresses(options), memory(host.memory()),
+      encoding(memory), run_on_io_thread_(std::move(run_on_io_thread)) {
     health_door.health_only = true;
 }
 

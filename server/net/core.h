@@ -10,7 +10,7 @@
 #include <string>
 
 #include "server/host/host.h"
-#include "server/host/room.h"
+#include "server/host/memory.h"
 #include "server/net/addresses.h"
 #include "server/net/counters.h"
 #include "server/net/disposal.h"
@@ -46,8 +46,9 @@ class Core : public std::enable_shared_from_this<Core> {
 
     Counters counters;
     Addresses addresses;
-    /// Fetched tiles on their way out; taken on the encode thread.
-    const std::shared_ptr<Room> fetched_tiles;
+    /// What is held for those who ask; the room of fetched tiles is taken of on the encode thread, that of
+    /// replies on the io thread.
+    const MemoryPtr memory;
     EncodeWorker encoding;
     Disposal disposal;
     std::map<SessionId, Session*> sessions;

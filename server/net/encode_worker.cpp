@@ -5,14 +5,15 @@
 
 namespace seaway::server {
 
-EncodeWorker::EncodeWorker() : thread_([this] { run(); }) {}
+EncodeWorker::EncodeWorker(MemoryPtr memory)
+    : memory_(std::move(memory)), thread_([this] { run(); }) {}
 
 EncodeWorker::~EncodeWorker() {
     stop();
 }
 
-bool EncodeWorker::submit_streamed(Job job) {
-    return submit(streamed_, streamed_waiting_max, std::move(job));
+bool EncodeWorker::submit_streamed(Job job, std::size_t bytes) {
+    return submit(streamed_, streamed_waiting_max, std::move(job), bytes);
 }
 
 bool EncodeWorker::submit_fetched(Job job) {
@@ -23,19 +24,22 @@ bool EncodeWorker::submit_start(Job job) {
     return submit(starts_, starts_waiting_max, std::move(job));
 }
 
-bool EncodeWorker::submit(std::deque<Job>& line, std::size_t waiting_max, Job job) {
+bool EncodeWorker::submit(Line& line, std::size_t waiting_max, Job job, std::size_t bytes) {
     {
         const std::lock_guard lock(mutex_);
         if (stopping_ || line.size() >= waiting_max)
             return false;
-        line.push_back(std::move(job));
+        Room::Place place;
+        if (bytes > 0 && !(place = memory_->room(MemoryUse::encoding)->take(bytes)))
+            return false;
+        line.push_back({std::move(job), std::move(place)});
     }
     wake_.notify_one();
     return true;
 }
 
 void EncodeWorker::stop() {
-    std::deque<Job> dropped[3]; // what jobs hold is released outside the lock
+    Line dropped[3]; // what jobs hold is released outside the lock
     {
         const std::lock_guard lock(mutex_);
         stopping_ = true;
@@ -53,7 +57,7 @@ EncoderCounters EncodeWorker::counters() const {
     return counters_;
 }
 
-std::deque<EncodeWorker::Job>* EncodeWorker::next_line() {
+EncodeWorker::Line* EncodeWorker::next_line() {
     if (!streamed_.empty())
         return &streamed_;
     starts_turn_ = !starts_turn_;
@@ -63,27 +67,27 @@ std::deque<EncodeWorker::Job>* EncodeWorker::next_line() {
 }
 
 void EncodeWorker::run() {
-    Encoder encoder;
+    Encoder encoder(memory_->room(MemoryUse::encoded));
     std::unique_lock lock(mutex_);
     while (true) {
-        std::deque<Job>* line = nullptr;
+        Line* line = nullptr;
         wake_.wait(lock, [&] { return stopping_ || (line = next_line()) != nullptr; });
         if (stopping_)
             return;
-        Job job = std::move(line->front());
+        Waiting next = std::move(line->front());
         line->pop_front();
         lock.unlock();
         bool done = true; // also where there is no memory for it
         try {
-            done = job(encoder);
+            done = next.job(encoder);
         } catch (const std::bad_alloc&) {
         }
         if (done)
-            job = nullptr; // what it holds is released outside the lock
+            next = {}; // what it holds is released outside the lock
         lock.lock();
         counters_ = encoder.counters();
         if (!done && !stopping_)
-            line->push_front(std::move(job));
+            line->push_front(std::move(next));
     }
 }
 

@@ -27,13 +27,14 @@ class EncodeWorker {
     static constexpr std::size_t fetches_waiting_max = 4096;
     static constexpr std::size_t starts_waiting_max = 4096;
 
-    EncodeWorker();
+    /// Keyframes that wait to be streamed, and what the encoder remembers, have their room in `memory`.
+    explicit EncodeWorker(MemoryPtr memory = std::make_shared<Memory>());
     ~EncodeWorker();
     EncodeWorker(const EncodeWorker&) = delete;
     EncodeWorker& operator=(const EncodeWorker&) = delete;
 
-    /// False: full, or stopped. Any thread.
-    [[nodiscard]] bool submit_streamed(Job job);
+    /// False: full, or stopped. Any thread. A streamed one holds `bytes` until it is encoded.
+    [[nodiscard]] bool submit_streamed(Job job, std::size_t bytes = 0);
     [[nodiscard]] bool submit_fetched(Job job);
     [[nodiscard]] bool submit_start(Job job);
 
@@ -43,17 +44,24 @@ class EncodeWorker {
     EncoderCounters counters() const;
 
   private:
-    bool submit(std::deque<Job>& line, std::size_t waiting_max, Job job);
+    struct Waiting {
+        Job job;
+        Room::Place place;
+    };
+    using Line = std::deque<Waiting>;
+
+    bool submit(Line& line, std::size_t waiting_max, Job job, std::size_t bytes = 0);
     void run();
     /// The line whose turn it is, or null: streamed keyframes, then starts and fetches one by one.
-    std::deque<Job>* next_line();
+    Line* next_line();
 
+    const MemoryPtr memory_;
     mutable std::mutex mutex_;
     std::condition_variable wake_;
     bool stopping_ = false;
-    std::deque<Job> streamed_;
-    std::deque<Job> fetched_;
-    std::deque<Job> starts_;
+    Line streamed_;
+    Line fetched_;
+    Line starts_;
     bool starts_turn_ = true;
     EncoderCounters counters_;
     std::thread thread_;

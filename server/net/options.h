@@ -3,7 +3,6 @@
 #pragma once
 
 #include <chrono>
-#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -62,10 +61,6 @@ struct NetOptions {
     /// Who reads a map more slowly than this, write_timeout all in all aside, is cut off: maps_at_once_max
     /// others wait for its place.
     double map_bytes_per_s_min = 256 * 1024;
-    /// Fetched tiles that all sessions together have not been sent yet: 6 full fetches, or hundreds of the
-    /// usual ones. What is beyond it is refused as too_many_requests. Starts of subscriptions share their
-    /// tiles and are not counted.
-    std::size_t fetched_tiles_bytes_max = 192u * 1024 * 1024;
     std::chrono::milliseconds stop_deadline{1500}; ///< for GoAway and closing handshakes
 };
 

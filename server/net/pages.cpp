@@ -63,7 +63,7 @@ const std::array<Route, 6> routes{{
      [](Core& core) {
          return Page{200,
                      prometheus,
-                     core.host.metrics_text() +
+                     core.host.metrics_text() + core.memory->metrics_text() +
                          metrics_text(core.counters, core.gauges(), core.encoding.counters()),
                      {}};
      }},

@@ -268,18 +268,37 @@ void NetServer::Impl::take_health(tcp::socket socket, const tcp::endpoint& from)
                {endpoint_of(from).text(), health_address_, is_loopback(from.address()), false});
 }
 
+/// As many as hold more of the stream than there is memory for.
+void close_who_is_furthest_behind(Core& core) {
+    while (core.memory->room(MemoryUse::streamed)->overfull()) {
+        Session* behind = nullptr;
+        std::uint64_t oldest = 0;
+        for (const auto& [id, session] : core.sessions)
+            if (const std::uint64_t number = session->outbox().oldest_streamed();
+                number != 0 && (oldest == 0 || number < oldest)) {
+                oldest = number;
+                behind = session;
+            }
+        if (behind == nullptr)
+            return; // what is held is being sent, or remembered
+        behind->close(wire::ErrorCode::too_slow,
+                      "tiles that wait for readers fill the memory there is for them");
+    }
+}
+
 void NetServer::Impl::publish(KeyframeTiles tiles) {
     const sea::FieldSet wanted =
         core_->host.subscriptions().wanted(tiles.keyframe->cascade, tiles.quality);
     if (wanted.empty())
         return;
     const std::weak_ptr<Core> weak = core_;
-    const bool taken = core_->encoding.submit_streamed([weak, tiles, wanted](Encoder& encoder) {
-        auto encoded = encoder.encode(*tiles.keyframe, tiles.codec_error, tiles.quality, wanted,
-                                      {tiles.compact_size, tiles.follows});
+    const auto job = [weak, tiles, wanted](Encoder& encoder) {
         const std::shared_ptr<Core> core = weak.lock();
         if (core == nullptr)
             return true;
+        auto encoded = encoder.encode(*tiles.keyframe, tiles.codec_error, tiles.quality, wanted,
+                                      {tiles.compact_size, tiles.follows},
+                                      core->memory->room(MemoryUse::streamed).get());
         core->post([weak, encoded = std::move(encoded)] {
             const std::shared_ptr<Core> here = weak.lock();
             if (here == nullptr)
@@ -291,10 +310,11 @@ void NetServer::Impl::publish(KeyframeTiles tiles) {
             }
             ++here->counters.keyframes_published;
             for_each_session(*here, [&](Session& session) { session.deliver(*encoded); });
+            close_who_is_furthest_behind(*here);
         });
         return true;
-    });
-    if (!taken)
+    };
+    if (!core_->encoding.submit_streamed(job, tiles.keyframe->values.size() * sizeof(float)))
         core_->post([core = core_.get()] { ++core->counters.keyframes_dropped; });
 }
 

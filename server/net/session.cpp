@@ -2,13 +2,12 @@
 #include "server/net/session.h"
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
-#include <new>
 
 #include <fmt/format.h>
 
 #include "protocol/limits.h"
+#include "server/net/fetch_job.h"
 #include "server/net/refusals.h"
 #include "server/net/tokens.h"
 
@@ -19,18 +18,8 @@ using wire::ErrorCode;
 
 namespace {
 
-Error too_large() {
-    return {ErrorCode::too_large,
-            fmt::format("more than {} bytes of tiles: fetch fewer times or fields",
-                        limits::fetch_bytes_max)};
-}
-
-Error tiles_wait() {
-    Error busy{Refusal::busy, "fetched tiles that nobody has read yet fill the memory there is for "
-                              "them, try again later"};
-    busy.retry_after_ms = 1000;
-    return busy;
-}
+/// Of a session: whatever others leave unread, some points are answered.
+constexpr std::size_t small_replies_bytes = 16 * 1024;
 
 } // namespace
 
@@ -160,120 +149,12 @@ void Session::on_fetch(const wire::Fetch& request) {
            .compact = request.compact()});
 }
 
-/// What a fetch brings, encoded keyframe by keyframe as it comes.
-class Session::FetchJob : public std::enable_shared_from_this<FetchJob> {
-  public:
-    using GiveBack = std::function<void(Result<Encoded>)>;
-
-    FetchJob(std::weak_ptr<Core> core, sea::FieldSet wanted, bool start, const Asker& session,
-             GiveBack give_back)
-        : core_(std::move(core)), wanted_(wanted), start_(start),
-          asker_(session.about(wanted_here_)),
-          give_back_(std::move(give_back)), encoded_{{}, wanted} {}
-
-    /// Gone with the session, or once the fetch has ended for another reason.
-    const Asker& asker() const { return asker_; }
-
-    /// Host's answer, on any thread: encoding is for the encode thread.
-    void bring(Result<FetchedPart> fetched) {
-        const std::shared_ptr<Core> alive = core_.lock();
-        if (alive == nullptr)
-            return;
-        if (!fetched)
-            return end(fetched.error());
-        const auto slice =
-            [self = shared_from_this(),
-             part = std::make_shared<Part>(Part{*std::move(fetched)})](Encoder& encoder) {
-                try {
-                    return self->encode(*part, encoder);
-                } catch (const std::bad_alloc&) {
-                    self->end(tiles_wait());
-                    return true;
-                }
-            };
-        EncodeWorker& encoding = alive->encoding;
-        if (!(start_ ? encoding.submit_start(slice) : encoding.submit_fetched(slice)))
-            end(Error{Refusal::busy, "too many fetches wait to be encoded already"});
-    }
-
-  private:
-    struct Part {
-        FetchedPart fetched;
-        std::size_t done = 0;
-    };
-
-    /// EncodeWorker::Job.
-    bool encode(Part& part, Encoder& encoder) {
-        if (asker_.gone())
-            return true;
-        std::vector<KeyframeTiles>& tiles = part.fetched.tiles;
-        if (part.done < tiles.size()) {
-            KeyframeTiles& tile = tiles[part.done++];
-            const sea::FieldSet follows = tile.follows & wanted_ & sea::following(wanted_);
-            Result<EncodedKeyframePtr> one =
-                encoder.encode(*tile.keyframe, tile.codec_error, tile.quality,
-                               wanted_.without(follows), {tile.compact_size, tile.follows});
-            tile.keyframe = nullptr;
-            if (const Result<void> taken = one ? take(*one, follows) : one.error(); !taken) {
-                encoded_.keyframes.clear(); // and their places
-                end(taken.error());
-                return true;
-            }
-        }
-        if (part.done < tiles.size())
-            return false;
-        if (part.fetched.last)
-            end(std::move(encoded_));
-        return true;
-    }
-
-    Result<void> take(const EncodedKeyframePtr& one, sea::FieldSet follows) {
-        bytes_ += message_bytes(*one, wanted_);
-        if (bytes_ > limits::fetch_bytes_max)
-            return too_large();
-        if (start_)
-            return keep(one, follows);
-        const std::shared_ptr<Core> alive = core_.lock();
-        const Room::Place place =
-            alive ? alive->fetched_tiles->take(message_bytes(*one, wanted_)) : nullptr;
-        if (!place)
-            return tiles_wait();
-        // Whoever holds the keyframe to send it holds its place too.
-        const auto both = std::make_shared<std::pair<Room::Place, EncodedKeyframePtr>>(place, one);
-        return keep(EncodedKeyframePtr(both, both->second.get()), follows);
-    }
-
-    Result<void> keep(const EncodedKeyframePtr& one, sea::FieldSet follows) {
-        encoded_.fields = encoded_.fields & (one->fields | (follows & sea::following(one->fields)));
-        encoded_.keyframes.push_back(one);
-        return {};
-    }
-
-    /// Only the first end counts.
-    void end(Result<Encoded> encoded) {
-        if (ended_.exchange(true))
-            return;
-        wanted_here_ = nullptr;
-        give_back_(std::move(encoded));
-    }
-
-    const std::weak_ptr<Core> core_;
-    const sea::FieldSet wanted_;
-    const bool start_;
-    std::shared_ptr<const void> wanted_here_ = std::make_shared<char>();
-    const Asker asker_;
-    const GiveBack give_back_;
-    std::atomic<bool> ended_ = false;
-    Encoded encoded_; ///< of the encode thread
-    std::size_t bytes_ = 0;
-};
-
 void Session::fetch(std::uint32_t request_id, std::vector<sea::TimeUs> times_us,
                     const Demand& demand) {
     ++fetches_in_flight_;
     ++core_.counters.fetches;
     FetchJob::GiveBack give_back = [core = core_.weak_from_this(), session = id_,
-                                    request_id](Result<Encoded> encoded) {
+                                    request_id](Result<FetchedTiles> encoded) {
         const std::shared_ptr<Core> alive = core.lock();
         if (alive == nullptr)
             return;
@@ -290,7 +171,7 @@ void Session::fetch(std::uint32_t request_id, std::vector<sea::TimeUs> times_us,
                      [job](Result<FetchedPart> part) { job->bring(std::move(part)); });
 }
 
-void Session::fetched(std::uint32_t request_id, const Result<Encoded>& encoded) {
+void Session::fetched(std::uint32_t request_id, const Result<FetchedTiles>& encoded) {
     --fetches_in_flight_;
     if (!encoded)
         return refuse(request_id, encoded.error());
@@ -298,7 +179,7 @@ void Session::fetched(std::uint32_t request_id, const Result<Encoded>& encoded) 
     auto done = std::make_shared<const protocol::Bytes>(
         protocol::fetch_done(request_id, static_cast<std::uint32_t>(keyframes.size()), fields));
     if (!outbox_.push_fetched(keyframes, fields, std::move(done)))
-        return refuse(request_id, too_large());
+        return refuse(request_id, tiles_too_large());
     link_.send_more();
 }
 
@@ -310,33 +191,52 @@ void Session::on_query(const wire::Query& query) {
         return refuse(request_id,
                       {ErrorCode::too_many_requests,
                        fmt::format("{} queries are not answered yet", queries_in_flight_)});
+    const std::size_t points = query.points() == nullptr ? 0 : query.points()->size();
+    const std::size_t bytes = points * sizeof(wire::PointAnswer);
+    const Room::Place place = reply_place(bytes);
+    if (!place)
+        return refuse(request_id, no_room_for("answers"));
     QueryBatch batch{.exact = query.exact(), .points = {}, .asker = Asker(here_)};
     if (query.points() != nullptr) {
-        batch.points.reserve(query.points()->size());
+        batch.points.reserve(points);
         for (const wire::Point* point : *query.points())
             batch.points.push_back({point->x_m(), point->y_m(), point->time_us()});
     }
     ++queries_in_flight_;
+    replies_in_flight_bytes_ += bytes;
     ++core_.counters.queries;
     core_.counters.query_points += batch.points.size();
-    core_.host.query(std::move(batch), [core = core_.weak_from_this(), session = id_,
-                                        request_id](Result<QueryAnswers> answers) {
+    core_.host.query(std::move(batch), [core = core_.weak_from_this(), session = id_, request_id,
+                                        bytes, place](Result<QueryAnswers> answers) {
         const std::shared_ptr<Core> alive = core.lock();
         if (alive == nullptr)
             return;
-        alive->post([core, session, request_id, answers = std::move(answers)] {
+        alive->post([core, session, request_id, bytes, place, answers = std::move(answers)] {
             const std::shared_ptr<Core> here = core.lock();
-            if (Session* found = here ? here->find(session) : nullptr)
-                found->answered(request_id, answers);
+            Session* found = here ? here->find(session) : nullptr;
+            if (found == nullptr)
+                return;
+            found->replies_in_flight_bytes_ -= bytes;
+            found->answered(request_id, answers, place);
         });
     });
 }
 
-void Session::answered(std::uint32_t request_id, const Result<QueryAnswers>& answers) {
+Room::Place Session::reply_place(std::size_t bytes) const {
+    Room& replies = *core_.memory->room(MemoryUse::replies);
+    const std::size_t own = replies_in_flight_bytes_ + outbox_.reply_bytes_waiting() + bytes;
+    return own <= small_replies_bytes ? replies.take_anyway(bytes) : replies.take(bytes);
+}
+
+void Session::answered(std::uint32_t request_id, const Result<QueryAnswers>& answers,
+                       const Room::Place& place) {
     --queries_in_flight_;
     if (!answers)
         return refuse(request_id, answers.error());
-    reply(protocol::query_reply(request_id, answers->epoch, answers->answers));
+    outbox_.push_reply(
+        with_place(place, std::make_shared<const protocol::Bytes>(protocol::query_reply(
+                              request_id, answers->epoch, answers->answers))));
+    link_.send_more();
 }
 
 void Session::on_ping(const wire::Ping& ping) {

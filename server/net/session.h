@@ -18,6 +18,8 @@
 
 namespace seaway::server {
 
+struct FetchedTiles;
+
 /// The connection, as its session sees it. May be called from within receive().
 class Link {
   public:
@@ -70,14 +72,11 @@ class Session {
     void on_ping(const wire::Ping& ping);
 
     void fetch(std::uint32_t request_id, std::vector<sea::TimeUs> times_us, const Demand& demand);
-    /// Keyframes, and the fields that each of them holds.
-    struct Encoded {
-        std::vector<EncodedKeyframePtr> keyframes;
-        sea::FieldSet fields;
-    };
-    class FetchJob;
-    void fetched(std::uint32_t request_id, const Result<Encoded>& encoded);
-    void answered(std::uint32_t request_id, const Result<QueryAnswers>& answers);
+    void fetched(std::uint32_t request_id, const Result<FetchedTiles>& encoded);
+    void answered(std::uint32_t request_id, const Result<QueryAnswers>& answers,
+                  const Room::Place& place);
+    /// For the reply to so many points; null: there is none.
+    Room::Place reply_place(std::size_t bytes) const;
     void reply(protocol::Bytes message);
     void refuse(std::uint32_t request_id, const Error& why);
 
@@ -93,7 +92,8 @@ class Session {
     bool closing_ = false;
     bool ended_ = false;
     int queries_in_flight_ = 0;
-    int fetches_in_flight_ = 0; ///< at the host or at the encoder
+    std::size_t replies_in_flight_bytes_ = 0; ///< of those
+    int fetches_in_flight_ = 0;               ///< at the host or at the encoder
     std::uint64_t messages_sent_ = 0;
     std::uint64_t bytes_sent_ = 0;
     std::chrono::steady_clock::time_point opened_ = std::chrono::steady_clock::now();

@@ -40,7 +40,8 @@ std::size_t message_bytes(const EncodedKeyframe& keyframe, sea::FieldSet fields)
 
 Result<EncodedKeyframePtr> Encoder::encode(const sea::Keyframe& keyframe,
                                            std::span<const float> codec_error, std::uint8_t quality,
-                                           sea::FieldSet wanted, const CompactTiles& compact) {
+                                           sea::FieldSet wanted, const CompactTiles& compact,
+                                           Room* streamed) {
     SEAWAY_CHECK(codec_error.size() == static_cast<std::size_t>(keyframe.fields.size()),
                  "one codec bound for each field of a keyframe");
     const EncodedKeyframePtr known = find(keyframe, quality);
@@ -81,6 +82,8 @@ Result<EncodedKeyframePtr> Encoder::encode(const sea::Keyframe& keyframe,
         encoded->fields.insert(map.field);
         encoded->bytes += bytes_of(map);
     }
+    if (streamed != nullptr)
+        encoded->place = streamed->take_anyway(encoded->bytes);
     EncodedKeyframePtr done = std::move(encoded);
     remember(done);
     return done;
@@ -150,28 +153,22 @@ Result<EncodedField> Encoder::encode_field(const sea::Keyframe& keyframe, sea::F
 }
 
 EncodedKeyframePtr Encoder::find(const sea::Keyframe& keyframe, std::uint8_t quality) const {
-    const auto same = [&](const EncodedKeyframePtr& held) {
-        return held->epoch == keyframe.epoch && held->cascade == keyframe.cascade &&
-               held->time_us == keyframe.time_us && held->quality == quality;
+    const auto same = [&](const Remembered& held) {
+        const EncodedKeyframe& it = *held.keyframe;
+        return it.epoch == keyframe.epoch && it.cascade == keyframe.cascade &&
+               it.time_us == keyframe.time_us && it.quality == quality;
     };
     const auto found = std::find_if(cache_.rbegin(), cache_.rend(), same);
-    return found == cache_.rend() ? nullptr : *found;
+    return found == cache_.rend() ? nullptr : found->keyframe;
 }
 
 void Encoder::remember(EncodedKeyframePtr encoded) {
     const std::uint64_t number = encoded->number;
-    const auto older = std::find_if(cache_.begin(), cache_.end(),
-                                    [&](const auto& held) { return held->number == number; });
-    if (older != cache_.end()) {
-        cache_bytes_ -= (*older)->bytes;
-        cache_.erase(older);
-    }
-    cache_bytes_ += encoded->bytes;
-    cache_.push_back(std::move(encoded));
-    while (cache_bytes_ > cache_bytes_max_) {
-        cache_bytes_ -= cache_.front()->bytes;
+    std::erase_if(cache_, [&](const auto& held) { return held.keyframe->number == number; });
+    Room::Place place = room_->take_anyway(encoded->bytes);
+    cache_.push_back({std::move(encoded), std::move(place)});
+    while (room_->overfull() && !cache_.empty())
         cache_.pop_front();
-    }
 }
 
 } // namespace seaway::server

@@ -5,7 +5,7 @@
 //     Encoder encoder;
 //     auto encoded = encoder.encode(*keyframe, codec_error, quality, wanted);
 //
-// Remembers the newest keyframes (at most `cache_bytes_max`), so that a new subscriber costs no
+// Remembers the newest keyframes, as many as there is room for, so that a new subscriber costs no
 // encoding of what has just been streamed. For one thread; what it returns may go to any thread.
 #pragma once
 
@@ -21,6 +21,7 @@
 #include "protocol/messages.h"
 #include "sea/surface/maps/keyframe.h"
 #include "sea/surface/maps/regrid.h"
+#include "server/host/memory.h"
 
 namespace seaway::server {
 
@@ -41,6 +42,7 @@ struct EncodedKeyframe {
     sea::FieldSet fields;
     std::vector<EncodedField> maps; ///< in table order
     std::size_t bytes = 0;          ///< of all messages
+    Room::Place place = {}; ///< among what the stream has still to send, if it is the stream's
 };
 using EncodedKeyframePtr = std::shared_ptr<const EncodedKeyframe>;
 
@@ -64,22 +66,23 @@ struct CompactTiles {
 
 class Encoder {
   public:
-    static constexpr std::size_t cache_bytes_default = 32u * 1024 * 1024;
-
-    explicit Encoder(std::size_t cache_bytes_max = cache_bytes_default)
-        : cache_bytes_max_(cache_bytes_max) {}
+    /// Remembers what `room` has bytes for.
+    explicit Encoder(std::shared_ptr<Room> room = Memory().room(MemoryUse::encoded))
+        : room_(std::move(room)) {}
 
     /// Encodes those of `wanted` that the keyframe holds. codec_error: one bound a held field in
-    /// table order, 0 for lossless. `compact`: always the same for a quality and cascade. An error means that
+    /// table order, 0 for lossless. `compact`: always the same for a quality and cascade. What is made for
+    /// the stream has its place in `streamed` for as long as somebody holds it. An error means that
     /// the maps are wrong (not finite): nothing of the keyframe may be sent. About 0.4 ms a field of
     /// 256 x 256; half of that on a grid of 80.
     Result<EncodedKeyframePtr> encode(const sea::Keyframe& keyframe,
                                       std::span<const float> codec_error, std::uint8_t quality,
-                                      sea::FieldSet wanted, const CompactTiles& compact = {});
+                                      sea::FieldSet wanted, const CompactTiles& compact = {},
+                                      Room* streamed = nullptr);
 
     const EncoderCounters& counters() const { return counters_; }
-    /// Bytes of all remembered messages; at most `cache_bytes_max`.
-    std::size_t remembered_bytes() const { return cache_bytes_; }
+    /// Bytes of all remembered messages.
+    std::size_t remembered_bytes() const { return room_->held_bytes(); }
 
   private:
     EncodedKeyframePtr find(const sea::Keyframe& keyframe, std::uint8_t quality) const;
@@ -90,9 +93,12 @@ class Encoder {
     Result<EncodedField> encode_field(const sea::Keyframe& keyframe, sea::Field field, float error,
                                       std::uint64_t number, sea::FieldSet follows);
 
-    std::size_t cache_bytes_max_;
-    std::size_t cache_bytes_ = 0;
-    std::deque<EncodedKeyframePtr> cache_; ///< newest last
+    struct Remembered {
+        EncodedKeyframePtr keyframe;
+        Room::Place place;
+    };
+    const std::shared_ptr<Room> room_;
+    std::deque<Remembered> cache_; ///< newest last
     std::uint64_t next_number_ = 1;
     std::map<std::pair<int, int>, sea::Regrid> regrids_; ///< by sides, from and to
     EncoderCounters counters_;

@@ -140,6 +140,19 @@ SharedBytes Outbox::next_streamed() {
     return nullptr;
 }
 
+std::uint64_t Outbox::oldest_streamed() const {
+    std::uint64_t oldest = 0;
+    const auto look = [&oldest](const Parcel& parcel) {
+        if (parcel.keyframe != nullptr && parcel.keyframe->place != nullptr &&
+            (oldest == 0 || parcel.keyframe->number < oldest))
+            oldest = parcel.keyframe->number;
+    };
+    look(begun_);
+    std::ranges::for_each(waiting_, look);
+    std::ranges::for_each(fetched_, look);
+    return oldest;
+}
+
 std::size_t Outbox::bytes_waiting() const {
     std::size_t bytes = reply_bytes_ + fetched_bytes_;
     for (const SharedBytes& message : durable_)

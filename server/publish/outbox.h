@@ -60,6 +60,9 @@ class Outbox {
     protocol::SharedBytes next();
 
     std::size_t bytes_waiting() const;
+    std::size_t reply_bytes_waiting() const { return reply_bytes_; }
+    /// Number of the oldest keyframe of the stream that has not been handed out whole; 0: none.
+    std::uint64_t oldest_streamed() const;
     const OutboxCounters& counters() const { return counters_; }
 
   private:

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "server/host/refusal.h"
+#include "server/simulation/memory_needs.h"
 #include "server/simulation/schedule.h"
 
 namespace seaway::server {
@@ -27,10 +28,14 @@ std::vector<int> cascade_sizes(const RunningSea& sea) {
 
 } // namespace
 
-KeyframeSource::KeyframeSource(RunningSeaPtr sea, std::unique_ptr<RebuiltSynthesizer> device)
+KeyframeSource::KeyframeSource(RunningSeaPtr sea, std::unique_ptr<RebuiltSynthesizer> device,
+                               const Memory& memory)
     : sea_(std::move(sea)), device_(std::move(device)),
       streamed_foam_(*sea_), started_foam_{FoamMaps(*sea_)}, asked_foam_{FoamMaps(*sea_)},
-      description_(device_->description()), costs_(cascade_sizes(*sea_)) {}
+      surface_bytes_(surface_bytes(*sea_)), surfaces_(memory.room(MemoryUse::surfaces)),
+      prompt_surfaces_(memory.room(MemoryUse::prompt_surfaces)),
+      store_(memory.room(MemoryUse::keyframes)), description_(device_->description()),
+      costs_(cascade_sizes(*sea_)) {}
 
 Holding KeyframeSource::holding(const KeyframeRequest& request) const {
     const sea::KeyframePtr held = store_.held(request.cascade, request.time_us);
@@ -82,11 +87,8 @@ std::vector<sea::KeyframePtr> KeyframeJob::take() {
     open_ = false;
     std::vector<sea::KeyframePtr> part = std::move(found_);
     if (const Room::Place place = std::move(place_))
-        for (sea::KeyframePtr& keyframe : part) {
-            const auto both = std::make_shared<std::pair<Room::Place, sea::KeyframePtr>>(
-                place, std::move(keyframe));
-            keyframe = sea::KeyframePtr(both, both->second.get());
-        }
+        for (sea::KeyframePtr& keyframe : part)
+            keyframe = with_place(place, std::move(keyframe));
     return part;
 }
 
@@ -297,23 +299,12 @@ KeyframeSource::synthesize(std::span<const KeyframeRequest> requests,
 
 // ---- surfaces ------------------------------------------------------------------------------
 
-std::size_t KeyframeSource::surface_bytes() const {
-    std::size_t bytes = 0;
-    for (const sea::CascadeModes& modes : sea_->realization->cascades) {
-        const auto size = static_cast<std::size_t>(modes.spec.size);
-        const auto fields = static_cast<std::size_t>(sea_->sampler_fields().size());
-        bytes +=
-            2 * (fields * size * size * sizeof(float) + sea::SplineMap::bytes_of(modes.spec.size));
-    }
-    return bytes;
-}
-
 bool KeyframeSource::waits(const SurfaceJob& job) const {
-    return !job.place_ && !room_of(job).fits(surface_bytes());
+    return !job.place_ && !room_of(job).fits(surface_bytes_);
 }
 
 Result<bool> KeyframeSource::slice(SurfaceJob& job) {
-    if (!job.place_ && !(job.place_ = room_of(job).take(surface_bytes())))
+    if (!job.place_ && !(job.place_ = room_of(job).take(surface_bytes_)))
         return false;
     if (!job.keyframes_)
         job.keyframes_.emplace(

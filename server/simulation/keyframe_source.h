@@ -20,7 +20,7 @@
 #include "base/result.h"
 #include "sea/surface/surface.h"
 #include "server/device/rebuilt_synthesizer.h"
-#include "server/host/room.h"
+#include "server/host/memory.h"
 #include "server/simulation/effect_costs.h"
 #include "server/simulation/foam_maps.h"
 #include "server/simulation/keyframe_store.h"
@@ -40,11 +40,6 @@ enum class Walk { stream, starts, questions };
 /// foam_tick_fields.
 inline constexpr std::int64_t samples_per_slice = 1 << 21;
 inline constexpr std::int64_t foam_tick_fields = 4;
-
-/// Bytes of the surfaces that questions hold together, maps and splines: those around ten times of
-/// three cascades of 256 x 256; of large ones one at a time. Prompt questions (questions.h) have a quarter as much
-/// of their own.
-inline constexpr std::size_t surfaces_bytes_max = 256u * 1024 * 1024;
 
 /// Keyframes that are being made: one a request, in order, with at least its fields. They come in
 /// parts of at most samples_per_slice, or of one keyframe that has more: a job holds no more than
@@ -125,13 +120,14 @@ class SurfaceJob {
 
 class KeyframeSource {
   public:
-    KeyframeSource(RunningSeaPtr sea, std::unique_ptr<RebuiltSynthesizer> device);
+    KeyframeSource(RunningSeaPtr sea, std::unique_ptr<RebuiltSynthesizer> device,
+                   const Memory& memory);
 
     /// One slice; true: a part is made, to be taken. Of several jobs of one walk that need foam one
     /// gets on at a time, the others wait until it is made or gone.
     Result<bool> work_on(KeyframeJob& job);
-    /// One slice; true: the surface is there. Jobs wait while others hold surfaces_bytes_max; for as
-    /// long as this one lives it holds its own.
+    /// One slice; true: the surface is there. Jobs wait while others hold the memory there is for surfaces,
+    /// and prompt ones have a share apart; for as long as this one lives it holds its own.
     Result<bool> work_on(SurfaceJob& job);
 
     /// A slice would come to nothing: others hold the room for surfaces.
@@ -172,7 +168,6 @@ class KeyframeSource {
     void look_up(KeyframeJob& job, std::size_t begin);
     Result<bool> slice(KeyframeJob& job, std::int64_t& budget);
     Result<bool> slice(SurfaceJob& job);
-    std::size_t surface_bytes() const;
     bool takes_its_turn(KeyframeJob& job);
     Result<void> synthesize_some(KeyframeJob& job, std::int64_t& budget);
     Result<void> add_foam(KeyframeJob& job, std::int64_t& budget);
@@ -205,8 +200,9 @@ class KeyframeSource {
     Room& room_of(const SurfaceJob& job) const {
         return job.prompt_ ? *prompt_surfaces_ : *surfaces_;
     }
-    std::shared_ptr<Room> surfaces_ = Room::of(surfaces_bytes_max, nullptr);
-    std::shared_ptr<Room> prompt_surfaces_ = Room::of(surfaces_bytes_max / 4, nullptr);
+    const std::size_t surface_bytes_; ///< of one
+    const std::shared_ptr<Room> surfaces_;
+    const std::shared_ptr<Room> prompt_surfaces_;
     double synthesis_s_ = 0; ///< spent waiting for the device
     KeyframeStore store_;
     std::optional<Error> failure_;

@@ -40,14 +40,16 @@ void KeyframeStore::insert(sea::KeyframePtr keyframe, bool streamed) {
     std::list<Key>& recency = recency_of(entry);
     recency.push_front(key);
     entry.recency = recency.begin();
-    add(entry, bytes(entry));
+    entry.place = add(entry, bytes(entry));
     entries_.emplace(key, std::move(entry));
     shrink();
 }
 
-void KeyframeStore::add(const Entry& entry, std::size_t more) {
+Room::Place KeyframeStore::add(const Entry& entry, std::size_t more) {
+    Room::Place place = room_->take_anyway(more);
     counters_.bytes += more;
     streamed_bytes_ += entry.streamed ? more : 0;
+    return place;
 }
 
 void KeyframeStore::drop(std::map<Key, Entry>::iterator entry) {
@@ -85,7 +87,7 @@ sea::SplineMapPtr KeyframeStore::spline(const sea::KeyframePtr& keyframe) {
     const auto found = entries_.find(key);
     if (found != entries_.end() && found->second.keyframe == keyframe && !found->second.spline) {
         found->second.spline = spline;
-        add(found->second, spline->bytes());
+        found->second.spline_place = add(found->second, spline->bytes());
         touch(found->second);
         shrink();
     }
@@ -106,9 +108,9 @@ void KeyframeStore::touch(Entry& entry) {
 }
 
 void KeyframeStore::shrink() {
-    while (counters_.bytes > bytes_max_) {
-        const bool streamed = by_recency_.empty() ||
-                              (2 * streamed_bytes_ > bytes_max_ && !streamed_by_recency_.empty());
+    while (counters_.bytes > room_->bytes_max()) {
+        const bool streamed = by_recency_.empty() || (2 * streamed_bytes_ > room_->bytes_max() &&
+                                                      !streamed_by_recency_.empty());
         drop(entries_.find(streamed ? streamed_by_recency_.back() : by_recency_.back()));
     }
 }

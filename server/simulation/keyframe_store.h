@@ -15,11 +15,9 @@
 
 #include "sea/surface/maps/keyframe.h"
 #include "sea/surface/maps/spline_map.h"
+#include "server/host/room.h"
 
 namespace seaway::server {
-
-/// Enough for some 60 keyframes of 256 x 256 with their splines: a few seconds of three cascades.
-inline constexpr std::size_t keyframe_store_bytes_max = 256u * 1024 * 1024;
 
 struct StoreCounters {
     std::size_t keyframes = 0;
@@ -30,8 +28,8 @@ struct StoreCounters {
 
 class KeyframeStore {
   public:
-    explicit KeyframeStore(std::size_t bytes_max = keyframe_store_bytes_max)
-        : bytes_max_(bytes_max) {}
+    /// Holds what the room has bytes for.
+    explicit KeyframeStore(std::shared_ptr<Room> room) : room_(std::move(room)) {}
 
     /// The keyframe if it is held with at least these fields, else null.
     sea::KeyframePtr find(int cascade, sea::TimeUs time_us, sea::FieldSet fields);
@@ -62,10 +60,12 @@ class KeyframeStore {
         std::list<Key>::iterator recency;
         bool streamed = false;
         std::uint64_t used = 0; ///< calls of trim() before its last use
+        Room::Place place = {};
+        Room::Place spline_place = {};
     };
 
     void touch(Entry& entry);
-    void add(const Entry& entry, std::size_t more);
+    Room::Place add(const Entry& entry, std::size_t more);
     void drop(std::map<Key, Entry>::iterator entry);
     void shrink();
     std::list<Key>& recency_of(const Entry& entry) {
@@ -73,7 +73,7 @@ class KeyframeStore {
     }
     static std::size_t bytes(const Entry& entry);
 
-    const std::size_t bytes_max_;
+    const std::shared_ptr<Room> room_;
     mutable std::mutex mutex_;
     std::map<Key, Entry> entries_;
     std::list<Key> by_recency_; ///< most recent first

@@ -55,7 +55,8 @@ void Questions::add(Line& line, Question question, bool first) {
         line.virtual_us = std::max(line.virtual_us, virtual_us_ - head_start_us);
         line.turn = ++turns_;
     }
-    bytes_ += question.bytes;
+    if (question.place == nullptr)
+        question.place = room_->take_anyway(question.bytes);
     line.bytes += question.bytes;
     if (first)
         line.waiting.push_front(std::move(question));
@@ -105,7 +106,7 @@ std::optional<Error> Questions::why_not(const Question& question, Line& line) {
     if (waiting_ >= questions_waiting_max * (own == 0 ? 2 : 1))
         return busy(crowd_wait_s, fmt::format("{} questions wait already, try again later",
                                               questions_waiting_max));
-    if (bytes_ + question.bytes > question_bytes_max * (own == 0 ? 2 : 1) &&
+    if (room_->held_bytes() + question.bytes > room_->bytes_max() / (own == 0 ? 1 : 2) &&
         line.bytes + question.bytes > small_question_bytes)
         return busy(crowd_wait_s, "points that wait fill the memory there is for them");
     if (!line.account.may_ask(now_s_())) {
@@ -152,7 +153,6 @@ std::optional<Question> Questions::take(std::optional<sea::TimeUs> wait_us) {
     line.turn = ++turns_;
     virtual_us_ = std::max(virtual_us_, line.virtual_us);
     --waiting_;
-    bytes_ -= question.bytes;
     line.bytes -= question.bytes;
     return question;
 }
@@ -198,7 +198,6 @@ void Questions::close(const Error& why) {
         closed_ = why;
         left.swap(lines_);
         waiting_ = 0;
-        bytes_ = 0;
     }
     for (const auto& [asker, line] : left)
         for (const Question& question : line.waiting)
@@ -216,8 +215,7 @@ std::uint64_t Questions::over_budget() const {
 }
 
 std::size_t Questions::bytes() const {
-    const std::scoped_lock lock(mutex_);
-    return bytes_;
+    return room_->held_bytes();
 }
 
 } // namespace seaway::server

@@ -23,6 +23,7 @@
 #include "base/result.h"
 #include "sea/basics/time.h"
 #include "server/host/asker.h"
+#include "server/host/memory.h"
 #include "server/simulation/account.h"
 
 namespace seaway::server {
@@ -32,9 +33,8 @@ namespace seaway::server {
 inline constexpr std::size_t questions_waiting_max = 1024;
 /// Of one asker; a session has fewer by the limits of the wire.
 inline constexpr std::size_t questions_of_one_max = 64;
-/// Bytes of points that wait, and of their answers: those of 180 times 4096 points. Who has none waiting
-/// finds room up to twice of it, and who has but a few points always.
-inline constexpr std::size_t question_bytes_max = 96u * 1024 * 1024;
+/// Points that wait, and their answers, have half of their room; who has none waiting finds all of it, and who
+/// has but a few points always.
 inline constexpr std::size_t small_question_bytes = 16u * 1024;
 /// Prompt questions go before all others, which have a fifth of the thread where both wait: they are owed a
 /// quarter of what the prompt ones take, and have their turns once this much is owed.
@@ -52,15 +52,18 @@ struct Question {
     /// take() alone, with the line locked; what makes it ready is followed by a wake().
     std::function<bool()> ready = {};
     double price_us = 0;
-    bool prompt = false;   ///< goes before those that are not (Prices::prompt_us)
-    std::size_t bytes = 0; ///< held while it waits
-    double spent_us = 0;   ///< so far
+    bool prompt = false;    ///< goes before those that are not (Prices::prompt_us)
+    std::size_t bytes = 0;  ///< held while it waits
+    double spent_us = 0;    ///< so far
+    Room::Place place = {}; ///< of its bytes, while it waits
 };
 
 class Questions {
   public:
-    explicit Questions(WorkBudget budget = {}, std::function<double()> now_s = steady_seconds)
-        : budget_(budget), now_s_(std::move(now_s)) {}
+    explicit Questions(WorkBudget budget = {},
+                       std::shared_ptr<Room> room = Memory().room(MemoryUse::points),
+                       std::function<double()> now_s = steady_seconds)
+        : budget_(budget), room_(std::move(room)), now_s_(std::move(now_s)) {}
 
     /// Refused at once, Refusal::busy, where no more may wait or the asker's budget is spent, with
     /// the time after which it is worth asking again; after close() with its reason.
@@ -86,7 +89,7 @@ class Questions {
 
     std::uint64_t asked() const;
     std::uint64_t over_budget() const; ///< refused for it
-    std::size_t bytes() const;         ///< of those that wait
+    std::size_t bytes() const;         ///< of those that wait or are worked on
 
   private:
     struct Line { ///< of one asker
@@ -116,6 +119,7 @@ class Questions {
     std::optional<Error> why_not(const Question& question, Line& line);
 
     const WorkBudget budget_;
+    const std::shared_ptr<Room> room_;
     const std::function<double()> now_s_;
 
     mutable std::mutex mutex_;
@@ -123,7 +127,6 @@ class Questions {
     Lines lines_; ///< also of some who have nothing waiting
     std::size_t lines_most_ = 64;
     std::size_t waiting_ = 0;
-    std::size_t bytes_ = 0;
     double virtual_us_ =
         0; ///< of who was served furthest: start-time fair queueing (Goyal, Vin, Cheng 1996)
     double owed_us_ = 0;

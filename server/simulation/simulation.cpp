@@ -25,32 +25,33 @@ Error busy(std::string why) {
 
 } // namespace
 
-Result<std::unique_ptr<Simulation>> Simulation::start(RunningSeaPtr sea,
-                                                      const SynthesizerFactory& factory,
-                                                      const Subscriptions& subscriptions,
-                                                      std::function<TimeUs()> now,
-                                                      SimulationEvents events, WorkBudget budget) {
+Result<std::unique_ptr<Simulation>>
+Simulation::start(RunningSeaPtr sea, const SynthesizerFactory& factory,
+                  const Subscriptions& subscriptions, std::function<TimeUs()> now,
+                  SimulationEvents events, WorkBudget budget, MemoryPtr memory) {
     SEAWAY_TRY_LET(
         std::unique_ptr<RebuiltSynthesizer> device,
         RebuiltSynthesizer::start(factory, sea->realization, sea->epoch, events.on_warning));
-    std::unique_ptr<Simulation> simulation(new Simulation(std::move(sea), std::move(device),
-                                                          subscriptions, std::move(now),
-                                                          std::move(events), budget));
+    std::unique_ptr<Simulation> simulation(
+        new Simulation(std::move(sea), std::move(device), subscriptions, std::move(now),
+                       std::move(events), budget, std::move(memory)));
     simulation->thread_ = std::thread([self = simulation.get()] { self->run(); });
     return simulation;
 }
 
 Simulation::Simulation(RunningSeaPtr sea, std::unique_ptr<RebuiltSynthesizer> device,
                        const Subscriptions& subscriptions, std::function<TimeUs()> now,
-                       SimulationEvents events, WorkBudget budget)
+                       SimulationEvents events, WorkBudget budget, MemoryPtr memory)
     : sea_(std::move(sea)), subscriptions_(subscriptions), now_(std::move(now)),
-      events_(std::move(events)), source_(sea_, std::move(device)), prices_(sea_),
-      schedule_(sea_->budget), streamed_foam_(*sea_, source_, schedule_),
-      fetch_room_(Room::of(fetch_raw_bytes_max, [this] { questions_.wake(); })),
-      questions_(budget) {}
+      events_(std::move(events)), memory_(std::move(memory)),
+      source_(sea_, std::move(device), *memory_), prices_(sea_), schedule_(sea_->budget),
+      streamed_foam_(*sea_, source_, schedule_), fetch_room_(memory_->room(MemoryUse::fetches)),
+      questions_(budget, memory_->room(MemoryUse::points)) {
+    fetch_room_->on_freed([this] { questions_.wake(); });
+}
 
 Simulation::~Simulation() {
-    fetch_room_->forget();
+    fetch_room_->on_freed(nullptr);
     stopping_ = true;
     questions_.wake();
     if (thread_.joinable())

@@ -56,15 +56,11 @@ struct SimulationCounters {
     std::uint64_t device_rebuilds = 0;
 };
 
-/// Bytes of raw keyframes that all fetches together hold, from before they are made until they are
-/// encoded. A fetch that finds no room waits.
-inline constexpr std::size_t fetch_raw_bytes_max = 256u * 1024 * 1024;
-
 /// Keyframes that nobody has used for one to two of these are let go, and what is free is given back to
 /// the system.
-inline constexpr std::chrono::seconds trim_interval{5};
+inline constexpr std::chrono::seconds trim_interval{2};
 /// For so many intervals after the last question: what was made for it is still on its way out.
-inline constexpr int trims_after_work = 12;
+inline constexpr int trims_after_work = 30;
 
 /// Slices of keyframes that are due before a question has one: the stream goes first, and one that never
 /// catches up still leaves a fifth of the thread to those who ask.
@@ -83,7 +79,8 @@ class Simulation {
     /// demand_changed().
     static Result<std::unique_ptr<Simulation>>
     start(RunningSeaPtr sea, const SynthesizerFactory& factory, const Subscriptions& subscriptions,
-          std::function<sea::TimeUs()> now, SimulationEvents events, WorkBudget budget = {});
+          std::function<sea::TimeUs()> now, SimulationEvents events, WorkBudget budget = {},
+          MemoryPtr memory = std::make_shared<Memory>());
     ~Simulation();
     Simulation(const Simulation&) = delete;
     Simulation& operator=(const Simulation&) = delete;
@@ -126,7 +123,7 @@ class Simulation {
   private:
     Simulation(RunningSeaPtr sea, std::unique_ptr<RebuiltSynthesizer> device,
                const Subscriptions& subscriptions, std::function<sea::TimeUs()> now,
-               SimulationEvents events, WorkBudget budget);
+               SimulationEvents events, WorkBudget budget, MemoryPtr memory);
 
     void run();
     /// False: nothing was due.
@@ -146,6 +143,7 @@ class Simulation {
     const Subscriptions& subscriptions_;
     const std::function<sea::TimeUs()> now_;
     const SimulationEvents events_;
+    const MemoryPtr memory_;
 
     // Used by the simulation thread alone, but for reports.
     KeyframeSource source_;
@@ -154,7 +152,8 @@ class Simulation {
     StreamedFoam streamed_foam_;
     EffectPlan streamed_plan_;             ///< what the streams were made by last
     std::optional<KeyframeJob> streaming_; ///< due keyframes that are being made
-    std::shared_ptr<Room> fetch_room_;
+    const std::shared_ptr<Room>
+        fetch_room_; ///< raw, from before they are made until they are encoded
     std::chrono::steady_clock::time_point trimmed_ = std::chrono::steady_clock::now();
     int trims_left_ = 0;
     Questions questions_;

@@ -265,6 +265,15 @@ def memory_mb(pid, what="VmRSS"):
     return 0.0
 
 
+def settled_mb(pid):
+    """The mean of ten seconds: keyframes come and go in between."""
+    looks = []
+    for _ in range(20):
+        looks.append(memory_mb(pid))
+        time.sleep(0.5)
+    return sum(looks) / len(looks)
+
+
 def percentile(values, share):
     return sorted(values)[min(len(values) - 1, int(share * len(values)))] if values else float("nan")
 
@@ -327,7 +336,7 @@ def main():
         good = multiprocessing.Process(target=healthy, args=(port, stop, asked.fields, asked.probe, report))
         good.start()
         time.sleep(6)
-        idle_mb = memory_mb(server.pid)
+        idle_mb = settled_mb(server.pid)
         begun_s, busy_s = time.monotonic(), cpu_s(server.pid)
         attackers = start_attack(asked, port, stop_attack, attack_report)
         time.sleep(asked.seconds)
@@ -338,8 +347,8 @@ def main():
         for _ in attackers:
             total.update(attack_report.get(timeout=120))
         time.sleep(asked.after)
-        memory = (f"RSS MB idle {idle_mb:.0f} most {memory_mb(server.pid, 'VmHWM'):.0f}"
-                  f" after {asked.after:.0f} s {memory_mb(server.pid):.0f}; {left_out(port)}")
+        memory = (f"RSS MB alone {idle_mb:.0f} most {memory_mb(server.pid, 'VmHWM'):.0f}"
+                  f" after {asked.after:.0f} s {settled_mb(server.pid):.0f}; {left_out(port)}")
         stop.set()
         result = report.get(timeout=120)
         for process in attackers + [good]:

@@ -238,6 +238,21 @@ TEST(ProcessMetrics, say_what_the_process_takes) {
     EXPECT_GT(after.at("process_max_fds"), after.at("process_open_fds"));
 }
 
+TEST(MemoryBudget, one_that_the_scene_does_not_fit_into_is_refused_with_the_least_there_is) {
+    const auto checks = [](const std::string& mib) {
+        tests::ServerProcess server({"scenes/calm.toml", "--check", "--memory-mb", mib});
+        const int code = exit_code_of(server);
+        return std::pair(code, server.log());
+    };
+    const auto [code, log] = checks("20");
+    EXPECT_EQ(code, 2);
+    static const std::regex least("--memory-mb 20: .*calm.toml needs ([0-9]+) and more");
+    std::smatch says;
+    ASSERT_TRUE(std::regex_search(log, says, least)) << log;
+    EXPECT_EQ(checks(says[1]).first, 0);
+    EXPECT_EQ(checks(std::to_string(std::stoi(says[1]) - 1)).first, 2);
+}
+
 // A name that the server does not have would be an empty panel for ever.
 TEST(Dashboard, shows_only_metrics_that_the_server_has) {
     tests::ServerProcess server(

@@ -269,9 +269,7 @@ TEST(SimulationMetrics, every_line_shows_the_figure_that_it_names) {
                                            {"seaway_keyframes_skipped_total", 31},
                                            {"seaway_questions_total", 41},
                                            {"seaway_questions_over_budget_total", 59},
-                                           {"seaway_question_bytes", 61},
                                            {"seaway_device_rebuilds_total", 53},
-                                           {"seaway_keyframe_store_bytes", 17},
                                            {"seaway_keyframe_store_hits_total", 19},
                                            {"seaway_keyframe_store_misses_total", 23}};
     const char* const effects[] = {"height", "choppy", "slopes", "gradient", "foam"};

@@ -106,6 +106,17 @@ class NetTest : public ::testing::Test {
         return at == std::string::npos ? -1 : std::stod(text.substr(at + name.size() + 2));
     }
 
+    /// The next message refuses this request.
+    void expect_refused(Client& client, std::uint32_t request_id, wire::ErrorCode code,
+                        std::string_view why) {
+        const wire::Message* message = client.receive();
+        ASSERT_TRUE(message && message->body_as_Refused());
+        EXPECT_EQ(message->body_as_Refused()->request_id(), request_id);
+        EXPECT_EQ(message->body_as_Refused()->code(), code);
+        EXPECT_NE(message->body_as_Refused()->message()->string_view().find(why), std::string::npos)
+            << message->body_as_Refused()->message()->string_view();
+    }
+
     LogCapture log;
     SmallSea host;
     server::NetOptions options;

@@ -226,6 +226,10 @@ TEST_F(NetMetrics, the_whole_page_adds_up_to_what_happened) {
         last.values.erase(name);
     }
     last.values.erase("seaway_simulation_up"); // of the host
+    EXPECT_EQ(last.values["seaway_memory_budget_bytes"], 640.0 * 1024 * 1024);
+    EXPECT_GT(last.values["seaway_memory_held_bytes{of=\"encoded\"}"], 0);
+    std::erase_if(last.values,
+                  [](const auto& row) { return row.first.starts_with("seaway_memory_"); });
     expect_metrics(last, happened);
 }
 

@@ -117,7 +117,7 @@ TEST(Encoder, qualities_epochs_times_and_cascades_are_different_keyframes) {
 
 TEST(Encoder, the_memory_is_bounded_and_forgets_the_oldest) {
     // One lossless noisy keyframe is about 4 KB: the memory holds two or three of a hundred.
-    Encoder encoder(12'000);
+    Encoder encoder(server::Room::of(12'000));
     const float lossless[] = {0.0f};
     const auto encode = [&](sea::TimeUs time_us) {
         return encoder.encode(keyframe(32, {sea::Field::height}, 0, time_us), lossless, 0,
@@ -140,7 +140,7 @@ TEST(Encoder, any_mix_of_keyframes_leaves_the_count_equal_to_the_bytes_held_and_
     const float bounds[2][3] = {{0.0f, 0.0f, 0.0f}, {0.1f, 0.1f, 0.1f}};
     std::mt19937_64 numbers(16);
     for (const std::size_t bytes_max : {500u, 5'000u, 40'000u}) {
-        Encoder encoder(bytes_max);
+        Encoder encoder(server::Room::of(bytes_max));
         std::vector<std::weak_ptr<const EncodedKeyframe>> made;
         for (int step = 0; step < 3000; ++step) {
             const sea::Keyframe original =

@@ -82,6 +82,9 @@ class SmallSea : public server::Host {
                 .quality = quality};
     }
 
+    /// As a server does whose budget of memory is so large.
+    void holds(std::size_t bytes) { memory_ = std::make_shared<server::Memory>(bytes); }
+
     // ---- Host ------------------------------------------------------------------------------
 
     sea::TimeUs sea_time_us() const override { return newest * interval_us; }

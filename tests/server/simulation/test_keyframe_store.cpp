@@ -33,7 +33,7 @@ std::size_t bytes_of(const sea::Keyframe& keyframe) {
 TEST(KeyframeStore, memory_stays_below_its_limit_and_newest_use_stays) {
     const FieldSet height{Field::height, Field::height_rate};
     const std::size_t one = 2 * 64 * 64 * sizeof(float);
-    KeyframeStore store(4 * one);
+    KeyframeStore store(Room::of(4 * one));
     for (TimeUs t = 0; t < 100; ++t) {
         store.insert(keyframe(0, t, height, 64));
         EXPECT_TRUE(store.find(0, 0, {Field::height})) << "used all the time, never dropped";
@@ -47,7 +47,7 @@ TEST(KeyframeStore, memory_stays_below_its_limit_and_newest_use_stays) {
 TEST(KeyframeStore, what_is_streamed_stays_however_much_is_asked_for_elsewhere) {
     const FieldSet height{Field::height, Field::height_rate};
     const std::size_t one = 2 * 64 * 64 * sizeof(float);
-    KeyframeStore store(8 * one);
+    KeyframeStore store(Room::of(8 * one));
     for (TimeUs t = 0; t < 4; ++t)
         store.insert(keyframe(0, t, height, 64), true);
     for (TimeUs t = 1000; t < 1100; ++t)
@@ -65,7 +65,7 @@ TEST(KeyframeStore, what_is_streamed_stays_however_much_is_asked_for_elsewhere) 
 
 TEST(KeyframeStore, what_nobody_uses_for_two_trims_is_let_go_with_its_spline) {
     const FieldSet height{Field::height, Field::height_rate};
-    KeyframeStore store;
+    KeyframeStore store(Room::of(1u << 28));
     const sea::KeyframePtr used = keyframe(0, 0, height), unused = keyframe(0, 1, height);
     for (const sea::KeyframePtr& one : {used, unused}) {
         store.insert(one, one == used);
@@ -84,7 +84,7 @@ TEST(KeyframeStore, what_nobody_uses_for_two_trims_is_let_go_with_its_spline) {
 }
 
 TEST(KeyframeStore, a_keyframe_larger_than_the_store_is_not_held_and_its_spline_is_still_made) {
-    KeyframeStore store(1000);
+    KeyframeStore store(Room::of(1000));
     const sea::KeyframePtr large = keyframe(0, 0, {Field::height, Field::height_rate}, 64);
     store.insert(large);
     EXPECT_EQ(store.counters().bytes, 0u);
@@ -94,7 +94,7 @@ TEST(KeyframeStore, a_keyframe_larger_than_the_store_is_not_held_and_its_spline_
 }
 
 TEST(KeyframeStore, a_spline_is_of_the_keyframe_that_was_given_also_after_it_was_replaced) {
-    KeyframeStore store;
+    KeyframeStore store(Room::of(1u << 28));
     const sea::KeyframePtr old = keyframe(0, 0, {Field::height, Field::height_rate});
     auto changed = std::make_shared<sea::Keyframe>(*old);
     std::fill(changed->values.begin(), changed->values.end(), 2.0f);
@@ -140,7 +140,7 @@ TEST(KeyframeStore, any_mix_of_uses_leaves_the_count_equal_to_the_bytes_held_and
     std::mt19937_64 numbers(16);
     const auto below = [&](std::uint64_t n) { return numbers() % n; };
     for (const std::size_t bytes_max : {3'000u, 20'000u, 100'000u}) {
-        KeyframeStore store(bytes_max);
+        KeyframeStore store(Room::of(bytes_max));
         Model model{{}, bytes_max};
         for (int step = 0; step < 20'000; ++step) {
             const int cascade = static_cast<int>(below(2));

@@ -126,7 +126,7 @@ struct Desk {
     std::vector<Error> refusals;
 
     explicit Desk(WorkBudget budget = {.rate = 1, .burst_s = 1e6})
-        : questions(budget, [this] { return now_s; }) {}
+        : questions(budget, Memory().room(MemoryUse::points), [this] { return now_s; }) {}
 
     Asker newcomer() { return Asker(here.emplace_back(std::make_shared<char>())); }
 
@@ -335,7 +335,7 @@ TEST(Budgets, points_that_wait_fill_their_memory_and_who_has_a_few_finds_room) {
     }
     EXPECT_TRUE(desk.refusals[0].is(Refusal::busy));
     EXPECT_GT(desk.refusals[0].retry_after_ms, 0u);
-    EXPECT_LE(desk.questions.bytes(), question_bytes_max + 16 * batch);
+    EXPECT_LE(desk.questions.bytes(), Memory().share(MemoryUse::points) / 2 + 16 * batch);
     const Asker healthy = desk.newcomer();
     for (int i = 0; i < 16; ++i)
         ask(healthy, PointQuestion::bytes_of(1));

@@ -256,7 +256,7 @@ TEST(Simulation, questions_that_wait_when_it_ends_are_refused_with_the_reason) {
         entered.get_future().wait();
         for (int i = 0; i < 3; ++i) // many slices: still under way when the end comes
             bench.simulation->answer(
-                std::vector<sea::QueryPoint>(1 << 17), true,
+                std::vector<sea::QueryPoint>(1 << 16), true,
                 [&](const Result<std::vector<sea::Answer>>& answers) {
                     if (!answers)
                         refusals.push_back(answers.error());

@@ -105,13 +105,14 @@ TEST(Slices, a_crowd_of_fetches_holds_no_more_raw_keyframes_than_there_is_room_f
                 ended += part->last;
             },
             Asker(sessions.emplace_back(std::make_shared<char>())));
+    const std::size_t fetch_room_bytes = Memory().share(MemoryUse::fetches);
     const std::size_t one = all_fields.size() * 512u * 512u * sizeof(float);
     // Questions that need no room go on meanwhile, and those that wait for it take no turns.
     const auto patience = std::chrono::steady_clock::now() + std::chrono::minutes(1);
     const auto going_on = [&] {
         return ended < fetches && std::chrono::steady_clock::now() < patience;
     };
-    while (bench.simulation->counters().fetch_bytes + one <= fetch_raw_bytes_max && going_on())
+    while (bench.simulation->counters().fetch_bytes + one <= fetch_room_bytes && going_on())
         made_when_a_small_question_is_answered(bench);
     bench.settle();
     const std::uint64_t made = bench.simulation->counters().synthesis.keyframes;
@@ -125,12 +126,12 @@ TEST(Slices, a_crowd_of_fetches_holds_no_more_raw_keyframes_than_there_is_room_f
     ASSERT_EQ(ended, fetches) << "some wait for room that nobody holds";
     held.clear();
     EXPECT_EQ(bench.simulation->counters().fetch_bytes, 0u);
-    EXPECT_LE(bench.simulation->counters().fetch_bytes_most, fetch_raw_bytes_max);
-    EXPECT_GT(bench.simulation->counters().fetch_bytes_most, fetch_raw_bytes_max / 2);
+    EXPECT_LE(bench.simulation->counters().fetch_bytes_most, fetch_room_bytes);
+    EXPECT_GT(bench.simulation->counters().fetch_bytes_most, fetch_room_bytes / 2);
 }
 
 TEST(Slices, what_is_larger_than_all_room_is_made_when_nobody_else_holds_any) {
-    const auto room = Room::of(100, nullptr);
+    const auto room = Room::of(100);
     const Room::Place small = room->take(1);
     ASSERT_TRUE(small);
     EXPECT_FALSE(room->fits(1000));

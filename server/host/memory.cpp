@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/host/memory.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include <fmt/format.h>
+
+#include "base/check.h"
+
+namespace seaway::server {
+
+namespace {
+
+/// For what is small: some replies, points and tiles, whatever the sea.
+constexpr std::size_t small_things_bytes = 16u * 1024 * 1024;
+
+std::size_t sum(const MemoryNeeds& needs) {
+    return std::accumulate(needs.begin(), needs.end(), std::size_t{0});
+}
+
+} // namespace
+
+std::size_t Memory::least_bytes(const MemoryNeeds& needs) {
+    return sum(needs) + small_things_bytes;
+}
+
+std::size_t Memory::default_bytes(const MemoryNeeds& needs) {
+    return std::max(bytes_default, least_bytes(needs));
+}
+
+Memory::Memory(std::size_t bytes, const MemoryNeeds& needs) : bytes_(bytes) {
+    SEAWAY_CHECK(bytes >= sum(needs), "a budget of memory has room for one of each");
+    const std::size_t left = bytes - sum(needs);
+    for (std::size_t i = 0; i < memory_uses; ++i)
+        rooms_[i] = Room::of(needs[i] + left / memory_parts *
+                                            static_cast<std::size_t>(memory_shares[i].parts));
+}
+
+std::string Memory::metrics_text() const {
+    std::string text;
+    const auto head = [&text](std::string_view name, std::string_view help) {
+        text += fmt::format("# HELP seaway_memory_{0} {1}\n# TYPE seaway_memory_{0} gauge\n", name,
+                            help);
+    };
+    const auto each = [&](std::string_view name, std::string_view help, const auto& value) {
+        head(name, help);
+        for (const MemoryShare& share : memory_shares)
+            text += fmt::format("seaway_memory_{}{{of=\"{}\"}} {}\n", name, share.name,
+                                value(*room(share.use)));
+    };
+    head("budget_bytes", "What may be held for those who ask, all in all.");
+    text += fmt::format("seaway_memory_budget_bytes {}\n", bytes_);
+    each("share_bytes", "What of it each use may hold.",
+         [](const Room& room) { return room.bytes_max(); });
+    each("held_bytes", "What each use holds.", [](const Room& room) { return room.held_bytes(); });
+    each("held_most_bytes", "The most that each use has held since the start.",
+         [](const Room& room) { return room.held_bytes_most(); });
+    return text;
+}
+
+} // namespace seaway::server

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/net/fetch_job.h"
+
+#include <new>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "protocol/limits.h"
+#include "protocol/messages.h"
+#include "server/host/refusal.h"
+
+namespace seaway::server {
+
+namespace limits = protocol::limits;
+
+Error tiles_too_large() {
+    return {wire::ErrorCode::too_large,
+            fmt::format("more than {} bytes of tiles: fetch fewer times or fields",
+                        limits::fetch_bytes_max)};
+}
+
+Error no_room_for(std::string_view what) {
+    Error busy{Refusal::busy,
+               fmt::format("{} that nobody has read yet fill the memory there is for "
+                           "them, try again later",
+                           what)};
+    busy.retry_after_ms = 1000;
+    return busy;
+}
+
+FetchJob::FetchJob(std::weak_ptr<Core> core, sea::FieldSet wanted, bool start, const Asker& session,
+                   GiveBack give_back)
+    : core_(std::move(core)), wanted_(wanted), start_(start), asker_(session.about(wanted_here_)),
+      give_back_(std::move(give_back)), encoded_{{}, wanted} {}
+
+void FetchJob::bring(Result<FetchedPart> fetched) {
+    const std::shared_ptr<Core> alive = core_.lock();
+    if (alive == nullptr)
+        return;
+    if (!fetched)
+        return end(fetched.error());
+    const auto slice = [self = shared_from_this(),
+                        part =
+                            std::make_shared<Part>(Part{*std::move(fetched)})](Encoder& encoder) {
+        try {
+            return self->encode(*part, encoder);
+        } catch (const std::bad_alloc&) {
+            self->end(no_room_for("fetched tiles"));
+            return true;
+        }
+    };
+    EncodeWorker& encoding = alive->encoding;
+    if (!(start_ ? encoding.submit_start(slice) : encoding.submit_fetched(slice)))
+        end(Error{Refusal::busy, "too many fetches wait to be encoded already"});
+}
+
+/// EncodeWorker::Job.
+bool FetchJob::encode(Part& part, Encoder& encoder) {
+    if (asker_.gone())
+        return true;
+    std::vector<KeyframeTiles>& tiles = part.fetched.tiles;
+    if (part.done < tiles.size()) {
+        KeyframeTiles& tile = tiles[part.done++];
+        const sea::FieldSet follows = tile.follows & wanted_ & sea::following(wanted_);
+        Result<EncodedKeyframePtr> one =
+            encoder.encode(*tile.keyframe, tile.codec_error, tile.quality, wanted_.without(follows),
+                           {tile.compact_size, tile.follows}, streamed_room());
+        tile.keyframe = nullptr;
+        if (const Result<void> taken = one ? take(*one, follows) : one.error(); !taken) {
+            encoded_.keyframes.clear(); // and their places
+            end(taken.error());
+            return true;
+        }
+    }
+    if (part.done < tiles.size())
+        return false;
+    if (part.fetched.last)
+        end(std::move(encoded_));
+    return true;
+}
+
+/// A start's tiles are the stream's, and shared.
+Room* FetchJob::streamed_room() const {
+    const std::shared_ptr<Core> alive = start_ ? core_.lock() : nullptr;
+    return alive ? alive->memory->room(MemoryUse::streamed).get() : nullptr;
+}
+
+Result<void> FetchJob::take(const EncodedKeyframePtr& one, sea::FieldSet follows) {
+    bytes_ += message_bytes(*one, wanted_);
+    if (bytes_ > limits::fetch_bytes_max)
+        return tiles_too_large();
+    if (start_)
+        return keep(one, follows);
+    const std::shared_ptr<Core> alive = core_.lock();
+    const Room::Place place =
+        alive ? alive->memory->room(MemoryUse::fetched)->take(message_bytes(*one, wanted_))
+              : nullptr;
+    if (!place)
+        return no_room_for("fetched tiles");
+    return keep(with_place(place, one), follows);
+}
+
+Result<void> FetchJob::keep(const EncodedKeyframePtr& one, sea::FieldSet follows) {
+    encoded_.fields = encoded_.fields & (one->fields | (follows & sea::following(one->fields)));
+    encoded_.keyframes.push_back(one);
+    return {};
+}
+
+/// Only the first end counts.
+void FetchJob::end(Result<FetchedTiles> encoded) {
+    if (ended_.exchange(true))
+        return;
+    wanted_here_ = nullptr;
+    give_back_(std::move(encoded));
+}
+
+} // namespace seaway::server

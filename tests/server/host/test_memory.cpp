@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+// One budget of bytes for all that is held for those who ask.
+#include <gtest/gtest.h>
+
+#include "server/host/memory.h"
+#include "server/simulation/memory_needs.h"
+#include "tests/server/simulation/simulation_bench.h"
+#include "tests/support/metrics_page.h"
+
+namespace seaway::server {
+namespace {
+
+std::size_t sum_of_shares(const Memory& memory) {
+    std::size_t sum = 0;
+    for (const MemoryShare& share : memory_shares)
+        sum += memory.share(share.use);
+    return sum;
+}
+
+TEST(Memory, shares_are_all_of_the_budget_and_have_room_for_one_of_each) {
+    const MemoryNeeds needs = needs_of(*running_sea());
+    const std::size_t least = Memory::least_bytes(needs);
+    for (const std::size_t bytes :
+         {least, least + 12345, Memory::default_bytes(needs), 4 * least}) {
+        const Memory memory(bytes, needs);
+        EXPECT_LE(sum_of_shares(memory), bytes);
+        EXPECT_GT(sum_of_shares(memory) + memory_parts, bytes) << "but for the last bytes";
+        for (const MemoryShare& share : memory_shares)
+            EXPECT_GE(memory.share(share.use), needs[static_cast<std::size_t>(share.use)])
+                << share.name;
+    }
+    EXPECT_EQ(Memory::default_bytes({}), Memory::bytes_default);
+    MemoryNeeds large{};
+    large.back() = 2 * Memory::bytes_default;
+    EXPECT_GT(Memory::default_bytes(large), large.back());
+}
+
+// A scene of large grids: a surface is 2 keyframes a cascade, of 6 fields and a spline of 8 numbers a point
+// at least.
+TEST(Memory, what_a_sea_needs_grows_with_its_grids) {
+    const RunningSeaPtr sea = running_sea();
+    double floats = 0;
+    for (const sea::CascadeModes& modes : sea->realization->cascades)
+        floats += 2.0 * modes.spec.size * modes.spec.size * (6 + 8);
+    const MemoryNeeds needs = needs_of(*sea);
+    const auto need = [&](MemoryUse use) {
+        return static_cast<double>(needs[static_cast<std::size_t>(use)]);
+    };
+    for (const MemoryUse use :
+         {MemoryUse::keyframes, MemoryUse::surfaces, MemoryUse::prompt_surfaces})
+        EXPECT_GE(need(use), 4 * floats);
+    EXPECT_LT(need(MemoryUse::surfaces), 3 * 4 * floats);
+    EXPECT_GT(need(MemoryUse::maps), need(MemoryUse::surfaces));
+    EXPECT_GE(need(MemoryUse::fetches), 4.0 * samples_per_slice) << "one part";
+}
+
+TEST(Memory, what_is_held_and_was_held_at_most_is_told_by_use) {
+    const Memory memory(64'000);
+    const auto value = [&](const std::string& name, const std::string& of) {
+        return tests::read_metrics(memory.metrics_text())
+            .values.at("seaway_memory_" + name + "{of=\"" + of + "\"}");
+    };
+    Room::Place maps = memory.room(MemoryUse::maps)->take(700);
+    const Room::Place replies = memory.room(MemoryUse::replies)->take(11);
+    EXPECT_EQ(value("held_bytes", "maps"), 700);
+    EXPECT_EQ(value("held_bytes", "replies"), 11);
+    EXPECT_EQ(value("share_bytes", "maps"), 3000);
+    maps = nullptr;
+    EXPECT_EQ(value("held_bytes", "maps"), 0);
+    EXPECT_EQ(value("held_most_bytes", "maps"), 700);
+    EXPECT_EQ(tests::read_metrics(memory.metrics_text()).values.at("seaway_memory_budget_bytes"),
+              64'000);
+}
+
+TEST(Memory, a_thing_with_a_place_holds_it_until_its_last_holder_has_gone) {
+    const auto room = Room::of(10);
+    auto thing = with_place(room->take(8), std::make_shared<const int>(3));
+    auto other = thing;
+    thing = nullptr;
+    EXPECT_EQ(*other, 3);
+    EXPECT_EQ(room->held_bytes(), 8u);
+    EXPECT_FALSE(room->take(8));
+    const Room::Place more = room->take_anyway(8);
+    EXPECT_TRUE(room->overfull());
+    other = nullptr;
+    EXPECT_FALSE(room->overfull());
+}
+
+} // namespace
+} // namespace seaway::server
