@@ -242,7 +242,7 @@ def maps(port, stop, report, seed, slow=False):
         try:
             s = socket.create_connection(("127.0.0.1", port), timeout=20)
             s.sendall((f"GET /v1/map?width_m=4096&height_m=4096&columns=4096&rows=4096&t_s={random.randrange(10**6)}"
-                       " HTTP/1.1\r\nHost: x\r\n\r\n").encode())
+                       " HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n").encode())
             head = s.recv(4096)
             counts[head[9:12].decode()] += 1
             while head.startswith(b"HTTP/1.1 200") and not stop.is_set():

@@ -18,10 +18,10 @@ constexpr std::size_t points_most = 300; ///< that a peer asks for at once
 /// Larger than the messages of `points_most` answers, of a refusal and of any other reply.
 constexpr std::size_t reply_bytes_most = points_most * sizeof(wire::PointAnswer) + 512;
 
-server::NetOptions options_by(Draw& draw) {
+server::NetOptions options_by(Draw& draw, LateSea& sea) {
     server::NetOptions options;
     options.wrong_tokens_per_address = 0; // which counts by the real clock
-    options.fetched_tiles_bytes_max = static_cast<std::size_t>(draw.log_uniform(2e3, 2e6));
+    sea.holds(static_cast<std::size_t>(draw.log_uniform(2e4, 2e7)));
     return options;
 }
 
@@ -70,8 +70,8 @@ class Crowd {
     LateSea sea_{draw_};
     std::mutex mutex_; ///< of posted_
     std::deque<server::Core::Work> posted_;
-    std::shared_ptr<server::Core> core_ =
-        std::make_shared<server::Core>(options_by(draw_), sea_, [this](server::Core::Work work) {
+    std::shared_ptr<server::Core> core_ = std::make_shared<server::Core>(
+        options_by(draw_, sea_), sea_, [this](server::Core::Work work) {
             const std::lock_guard lock(mutex_);
             posted_.push_back(std::move(work));
         });
@@ -254,7 +254,7 @@ std::size_t Crowd::bytes_allowed() const {
     const std::size_t side = static_cast<std::size_t>(sea_.size);
     const std::size_t map_bytes = side * side * sizeof(float) + 512;
     const std::size_t start = 4 * static_cast<std::size_t>(sea_.offered.size()) * map_bytes;
-    const std::size_t fetched = core_->options.fetched_tiles_bytes_max + start / 4;
+    const std::size_t fetched = core_->memory->share(server::MemoryUse::fetched) + start / 4;
     return replies_allowed * reply_bytes_most + states + streamed +
            static_cast<std::size_t>(limits::fetches_in_flight_max) * start + fetched;
 }
@@ -347,7 +347,10 @@ void Crowd::leave() {
     settle();
     judge_.require(core_->sessions.empty(), "every session has ended");
     judge_.require(sea_.subscriptions().size() == 0, "nobody is subscribed who is gone");
-    judge_.require(core_->fetched_tiles->held_bytes() == 0, "no fetched tile is held");
+    judge_.require(core_->memory->room(server::MemoryUse::fetched)->held_bytes() == 0,
+                   "no fetched tile is held");
+    judge_.require(core_->memory->room(server::MemoryUse::replies)->held_bytes() == 0,
+                   "no answer is held");
     judge_.require(sea_.keyframes_held() == 0, "no keyframe is held");
     const std::weak_ptr<server::Core> core = core_;
     core_->encoding.stop();
