@@ -101,8 +101,8 @@ class Pair : public std::enable_shared_from_this<Pair> {
 
     void start(int server_port) {
         error_code error;
-        server_.connect({asio::ip::address_v4::loopback(), static_cast<unsigned short>(server_port)},
-                        error);
+        server_.connect(
+            {asio::ip::address_v4::loopback(), static_cast<unsigned short>(server_port)}, error);
         if (error)
             return reset();
         for (tcp::socket* socket : {&client_, &server_})
@@ -160,7 +160,8 @@ void OneWay::read() {
 }
 
 void OneWay::took(std::size_t count) {
-    Chunk chunk{{buffer_.begin(), buffer_.begin() + static_cast<std::ptrdiff_t>(count)}, Clock::now()};
+    Chunk chunk{{buffer_.begin(), buffer_.begin() + static_cast<std::ptrdiff_t>(count)},
+                Clock::now()};
     spoil(chunk.bytes);
     if (cut_after_ && come_ >= *cut_after_) {
         chunk.bytes.resize(chunk.bytes.size() - (come_ - *cut_after_));
@@ -172,7 +173,8 @@ void OneWay::took(std::size_t count) {
     if (line_.faults.bytes_per_s > 0 && way_ == 1) {
         const std::chrono::duration<double> takes(static_cast<double>(count) /
                                                   line_.faults.bytes_per_s);
-        line_free_ = std::max(line_free_, Clock::now()) + std::chrono::duration_cast<Clock::duration>(takes);
+        line_free_ =
+            std::max(line_free_, Clock::now()) + std::chrono::duration_cast<Clock::duration>(takes);
         chunk.due = std::max(chunk.due, line_free_ + line_.faults.delay);
     }
     last_due_ = chunk.due = std::max(chunk.due, last_due_);
@@ -291,9 +293,8 @@ void FaultProxy::cut() {
 }
 
 void FaultProxy::cut_next_after(Way way, std::uint64_t bytes) {
-    asio::post(impl_->io, [this, way, bytes] {
-        impl_->line.cut_after[static_cast<int>(way)] = bytes;
-    });
+    asio::post(impl_->io,
+               [this, way, bytes] { impl_->line.cut_after[static_cast<int>(way)] = bytes; });
 }
 
 void FaultProxy::flip_next_at(Way way, std::uint64_t byte, unsigned bit) {

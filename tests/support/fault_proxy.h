@@ -45,7 +45,7 @@ class FaultProxy {
     /// Of the next connection a bit of this byte is flipped.
     void flip_next_at(Way way, std::uint64_t byte, unsigned bit);
 
-    int connections() const; ///< that are open
+    int connections() const;                    ///< that are open
     std::uint64_t bytes_carried(Way way) const; ///< of all connections
 
   private:
