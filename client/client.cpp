@@ -48,7 +48,7 @@ ConnectionEvents Client::connection_events() {
             const std::scoped_lock lock(mutex_);
             std::erase_if(sea_states_, [&](const SeaStatePtr& held) {
                 if (held->epoch == state->epoch && held->probes != state->probes)
-                    rebuilt_.erase(held->epoch);
+                    forget_waves(held->epoch);
                 return held->epoch == state->epoch;
             });
             sea_states_.push_back(state);
@@ -57,7 +57,7 @@ ConnectionEvents Client::connection_events() {
                                  return a->start_time_us < b->start_time_us;
                              });
             if (sea_states_.size() > sea_states_max) {
-                rebuilt_.erase(sea_states_.front()->epoch);
+                forget_waves(sea_states_.front()->epoch);
                 sea_states_.erase(sea_states_.begin());
             }
         }
@@ -74,6 +74,7 @@ ConnectionEvents Client::connection_events() {
         if (events_.on_keyframe)
             events_.on_keyframe(keyframe);
     };
+    take_waves(events);
     events.on_clock = [this](LocalUs sent_us, LocalUs received_us, TimeUs sea_time_us) {
         const std::scoped_lock lock(mutex_);
         clock_.add(sent_us, received_us, sea_time_us);
@@ -87,6 +88,29 @@ ConnectionEvents Client::connection_events() {
             events_.on_closed(reason);
     };
     return events;
+}
+
+void Client::take_waves(ConnectionEvents& events) {
+    events.on_spectrum = [this](const SeaStatePtr& state, const protocol::SpectrumHead& head) {
+        const auto begun = std::make_shared<ReceivedSpectrum>(state, head);
+        const std::scoped_lock lock(mutex_);
+        received_[state->epoch] = begun;
+    };
+    events.on_waves = [this](std::uint32_t epoch, const sea::SpectrumLeft& left,
+                             std::span<const sea::WaveBlock> blocks) -> Result<void> {
+        std::shared_ptr<ReceivedSpectrum> spectrum;
+        {
+            const std::scoped_lock lock(mutex_);
+            if (const auto found = received_.find(epoch); found != received_.end())
+                spectrum = found->second;
+        }
+        return spectrum ? spectrum->add(left, blocks) : Result<void>(); // its sea is over
+    };
+}
+
+void Client::forget_waves(std::uint32_t epoch) {
+    rebuilt_.erase(epoch);
+    received_.erase(epoch);
 }
 
 std::string Client::closed_reason() const {
@@ -132,6 +156,31 @@ Result<Grant> Client::subscribe(const protocol::TileWish& wish, int credit, doub
         return reply.error();
     note_offer(wish.fields, reply->grant.fields);
     return reply->grant;
+}
+
+Result<protocol::SpectrumGrant> Client::subscribe_spectrum(const protocol::SpectrumWish& wish,
+                                                           double timeout_s) {
+    Waiter waiter;
+    connection_->subscribe_spectrum(wish, timeout_s, waiter.handler());
+    Result<Reply> reply = waiter.wait();
+    if (!reply)
+        return reply.error();
+    std::vector<std::shared_ptr<ReceivedSpectrum>> spectra;
+    {
+        const std::scoped_lock lock(mutex_);
+        for (const auto& [epoch, spectrum] : received_)
+            spectra.push_back(spectrum);
+    }
+    for (const auto& spectrum : spectra) {
+        const RebuiltSeaPtr waves = spectrum->sea();
+        if (const Result<void> same = waves ? agrees(*spectrum->state(), *waves) : Result<void>();
+            !same) {
+            const std::scoped_lock lock(mutex_);
+            received_.erase(spectrum->state()->epoch);
+            return same.error();
+        }
+    }
+    return reply->spectrum;
 }
 
 Result<std::vector<Answer>> Client::ask(std::span<const QueryPoint> points, const Asking& asking) {
@@ -193,8 +242,10 @@ Result<void> Client::rebuild(TimeUs time_us) {
 
 RebuiltSeaPtr Client::rebuilt(std::uint32_t epoch) const {
     const std::scoped_lock lock(mutex_);
-    const auto found = rebuilt_.find(epoch);
-    return found == rebuilt_.end() ? nullptr : found->second;
+    if (const auto found = rebuilt_.find(epoch); found != rebuilt_.end())
+        return found->second;
+    const auto found = received_.find(epoch);
+    return found == received_.end() ? nullptr : found->second->sea();
 }
 
 std::size_t Client::answer_rebuilt(std::span<const QueryPoint> points, std::size_t first,

@@ -30,6 +30,7 @@
 #include "client/link/connection.h"
 #include "client/local_surface.h"
 #include "client/rebuilt/rebuilt_sea.h"
+#include "client/rebuilt/received_spectrum.h"
 
 namespace seaway::client {
 
@@ -70,6 +71,15 @@ class Client {
     /// keyframes around now are held. An error (refused) says why nothing is granted.
     Result<Grant> subscribe(const protocol::TileWish& wish, int credit, double timeout_s);
     void unsubscribe() { connection_->unsubscribe(); }
+
+    /// Has the waves themselves sent, of the sea that runs and of every later one: some 60 KB each, then nothing;
+    /// points are answered from them at any time, from the first of them on with what is still missed in
+    /// `error_m`. Blocks until all of the present have come and agree with the server's probes. Errors:
+    /// refused, and not_held for a sea that is another than the one announced.
+    Result<protocol::SpectrumGrant> subscribe_spectrum(const protocol::SpectrumWish& wish,
+                                                       double timeout_s);
+    /// What is held stays.
+    void unsubscribe_spectrum() { connection_->unsubscribe_spectrum(); }
 
     /// The server answers: any number of points, split into batches, in order. Blocks.
     Result<std::vector<sea::Answer>> ask(std::span<const sea::QueryPoint> points,
@@ -131,6 +141,8 @@ class Client {
                        double timeout_s);
     /// Null: this client has not the waves of that epoch.
     RebuiltSeaPtr rebuilt(std::uint32_t epoch) const;
+    void take_waves(ConnectionEvents& events);
+    void forget_waves(std::uint32_t epoch);
     /// Answers the points from `first` on that are of one rebuilt sea; where they end, `first` if there are none.
     std::size_t answer_rebuilt(std::span<const sea::QueryPoint> points, std::size_t first,
                                std::span<sea::Answer> answers) const;
@@ -144,6 +156,7 @@ class Client {
     ClockFilter clock_;
     std::vector<SeaStatePtr> sea_states_;            ///< by start time
     std::map<std::uint32_t, RebuiltSeaPtr> rebuilt_; ///< by epoch, of sea_states_
+    std::map<std::uint32_t, std::shared_ptr<ReceivedSpectrum>> received_; ///< likewise
     sea::FieldSet not_offered_;
     std::vector<Wanted*> wanted_;
     /// What the server was found to take at once, where its tiles are larger than usual.

@@ -49,6 +49,26 @@ inline constexpr int cascades_max = 16;
 /// Probes of a sea; ours has 16 (sea/basics/probe.h).
 inline constexpr std::size_t probes_max = 64;
 
+// ---- spectra -------------------------------------------------------------------------------
+
+/// Blocks of 8 x 8 waves in one chunk: decoded, 256 KiB at most.
+inline constexpr std::size_t spectrum_blocks_max = 512;
+
+/// Payload of one chunk: a reply never waits longer behind it.
+inline constexpr std::size_t spectrum_chunk_bytes_max = 16 * 1024;
+
+/// All chunks of one sea; a finer spectrum is not granted. Most are below 100 KB.
+inline constexpr std::size_t spectrum_bytes_max = 4u * 1024 * 1024;
+
+/// Chunks of one sea.
+inline constexpr std::uint32_t spectrum_chunks_max = 4096;
+
+/// Spectra at once: of the sea that runs and of one that was announced.
+inline constexpr std::uint32_t spectra_max = 2;
+
+/// Bound on a slope that a SubscribeSpectrum may wish for: what is as coarse says nothing.
+inline constexpr float slope_error_max = 10.0f;
+
 // ---- requests ------------------------------------------------------------------------------
 
 /// Points a Query: the reply stays under one tile in size; batching, not transport, decides

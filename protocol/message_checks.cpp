@@ -78,6 +78,14 @@ Result<void> check(const wire::Message& message) {
         return check(*message.body_as_Tile());
     case Body::QueryReply:
         return check(*message.body_as_QueryReply());
+    case Body::SubscribeSpectrum:
+        return check(*message.body_as_SubscribeSpectrum());
+    case Body::SpectrumSubscribed:
+        return check(*message.body_as_SpectrumSubscribed());
+    case Body::Spectrum:
+        return check(*message.body_as_Spectrum());
+    case Body::SpectrumChunk:
+        return check(*message.body_as_SpectrumChunk());
     case Body::NONE:
     case Body::Unsubscribe:
     case Body::Ack:
@@ -238,6 +246,41 @@ Result<void> check(const wire::Tile& tile) {
 Result<void> check(const wire::QueryReply& reply) {
     return in_range<std::size_t>("count of answers", count(reply.answers()), 0,
                                  limits::points_per_query_max);
+}
+
+Result<void> check(const wire::SubscribeSpectrum& subscribe) {
+    return all_of(in_range("error_m", subscribe.error_m(), 0.0f, limits::error_m_max),
+                  in_range("slope_error", subscribe.slope_error(), 0.0f, limits::slope_error_max));
+}
+
+Result<void> check(const wire::SpectrumSubscribed& subscribed) {
+    return all_of(in_range("error_m", subscribed.error_m(), 0.0f, limits::error_m_max),
+                  in_range("slope_error", subscribed.slope_error(), 0.0f, limits::error_m_max),
+                  in_range<std::uint32_t>("spectra", subscribed.spectra(), 0, limits::spectra_max));
+}
+
+Result<void> check(const wire::Spectrum& spectrum) {
+    const double infinite = std::numeric_limits<double>::infinity();
+    return all_of(
+        in_range<std::uint32_t>("chunks", spectrum.chunks(), 0, limits::spectrum_chunks_max),
+        in_range<std::uint32_t>("bytes", spectrum.bytes(), 0, limits::spectrum_bytes_max),
+        in_range("step_m", spectrum.step_m(), 0.0, 1e6),
+        in_range("step_length_m", spectrum.step_length_m(), 0.0, 1e9),
+        in_range("gravity_mps2", spectrum.gravity_mps2(), 1e-3, 1e3),
+        in_range("surface_tension_m3ps2", spectrum.surface_tension_m3ps2(), 0.0, 1.0),
+        in_range("depth_m", spectrum.depth_m(), 1e-3, infinite),
+        in_range<std::int64_t>("loop_period_us", spectrum.loop_period_us(), 0,
+                               limits::time_us_max));
+}
+
+Result<void> check(const wire::SpectrumChunk& chunk) {
+    return all_of(
+        in_range<std::uint32_t>("chunk", chunk.chunk(), 0, limits::spectrum_chunks_max - 1),
+        in_range("left_m", chunk.left_m(), 0.0f, 1e6f),
+        in_range("left_displacement_m", chunk.left_displacement_m(), 0.0f, 1e9f),
+        in_range("left_slope", chunk.left_slope(), 0.0f, 1e6f),
+        in_range<std::size_t>("count of payload bytes", count(chunk.payload()), 1,
+                              limits::spectrum_chunk_bytes_max));
 }
 
 } // namespace seaway::protocol

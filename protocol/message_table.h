@@ -35,6 +35,10 @@ inline constexpr std::array message_table{
     MessageInfo{wire::Body::Pong, Sender::server},
     MessageInfo{wire::Body::Refused, Sender::server},
     MessageInfo{wire::Body::GoAway, Sender::server},
+    MessageInfo{wire::Body::SubscribeSpectrum, Sender::client},
+    MessageInfo{wire::Body::SpectrumSubscribed, Sender::server},
+    MessageInfo{wire::Body::Spectrum, Sender::server},
+    MessageInfo{wire::Body::SpectrumChunk, Sender::server},
 };
 
 /// The row of a kind; null for NONE and for kinds of later versions.

@@ -71,6 +71,10 @@ bool lists_aligned(const wire::Message& message) {
     case Body::Pong:
     case Body::Refused:
     case Body::GoAway:
+    case Body::SubscribeSpectrum:
+    case Body::SpectrumSubscribed:
+    case Body::Spectrum:
+    case Body::SpectrumChunk:
         break;
     }
     return true;
@@ -131,9 +135,15 @@ Bytes subscribe(std::uint32_t request_id, const TileWish& wish, int credit) {
                                                wish.compact));
 }
 
-Bytes unsubscribe() {
+Bytes unsubscribe(bool spectrum) {
     FlatBufferBuilder built = builder(64);
-    return finish(built, wire::CreateUnsubscribe(built));
+    return finish(built, wire::CreateUnsubscribe(built, spectrum));
+}
+
+Bytes subscribe_spectrum(std::uint32_t request_id, const SpectrumWish& wish) {
+    FlatBufferBuilder built = builder(128);
+    return finish(built, wire::CreateSubscribeSpectrum(built, request_id, wish.error_m,
+                                                       wish.slope_error, wish.fields.bits()));
 }
 
 Bytes ack(std::uint64_t keyframe) {
@@ -243,6 +253,56 @@ Bytes fetch_done(std::uint32_t request_id, std::uint32_t keyframes, sea::FieldSe
 Bytes pong(std::uint32_t request_id, std::int64_t client_time_us, sea::TimeUs sea_time_us) {
     FlatBufferBuilder built = builder(96);
     return finish(built, wire::CreatePong(built, request_id, client_time_us, sea_time_us));
+}
+
+Bytes spectrum_subscribed(std::uint32_t request_id, const SpectrumGrant& grant) {
+    FlatBufferBuilder built = builder(256);
+    const auto why = string_of(built, grant.why);
+    return finish(built, wire::CreateSpectrumSubscribed(built, request_id, grant.error_m,
+                                                        grant.slope_error, grant.fields.bits(),
+                                                        grant.spectra, why));
+}
+
+SpectrumGrant grant(const wire::SpectrumSubscribed& subscribed) {
+    return {.error_m = subscribed.error_m(),
+            .slope_error = subscribed.slope_error(),
+            .fields = sea::FieldSet::from_bits(subscribed.fields()),
+            .spectra = subscribed.spectra(),
+            .why = subscribed.why() ? subscribed.why()->str() : std::string()};
+}
+
+Bytes spectrum(const SpectrumHead& head) {
+    FlatBufferBuilder built = builder(256);
+    return finish(built, wire::CreateSpectrum(built, head.epoch, head.chunks, head.bytes,
+                                              head.steps.step_m, head.steps.length_m,
+                                              head.dispersion.gravity_mps2,
+                                              head.dispersion.surface_tension_m3ps2,
+                                              head.dispersion.depth_m, head.loop_period_us));
+}
+
+SpectrumHead head(const wire::Spectrum& spectrum) {
+    return {.epoch = spectrum.epoch(),
+            .chunks = spectrum.chunks(),
+            .bytes = spectrum.bytes(),
+            .steps = {spectrum.step_m(), spectrum.step_length_m()},
+            .dispersion = {spectrum.gravity_mps2(), spectrum.surface_tension_m3ps2(),
+                           spectrum.depth_m()},
+            .loop_period_us = spectrum.loop_period_us()};
+}
+
+Bytes spectrum_chunk(std::uint32_t epoch, std::uint32_t chunk, const sea::SpectrumLeft& left,
+                     std::span<const std::uint8_t> payload) {
+    FlatBufferBuilder built = builder(128 + payload.size());
+    const auto bytes = vector_of(built, payload);
+    return finish(built,
+                  wire::CreateSpectrumChunk(built, epoch, chunk, bound_to_float(left.height_m),
+                                            bound_to_float(left.displacement_m),
+                                            bound_to_float(left.slope), bytes));
+}
+
+sea::SpectrumLeft left(const wire::SpectrumChunk& chunk) {
+    return {static_cast<double>(chunk.left_m()), static_cast<double>(chunk.left_displacement_m()),
+            static_cast<double>(chunk.left_slope())};
 }
 
 Bytes refused(std::uint32_t request_id, wire::ErrorCode code, std::string_view message,

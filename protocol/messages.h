@@ -24,10 +24,12 @@
 #include "base/result.h"
 #include "protocol/message_table.h"
 #include "protocol/seaway_generated.h"
+#include "sea/basics/dispersion.h"
 #include "sea/basics/field.h"
 #include "sea/basics/probe.h"
 #include "sea/basics/time.h"
 #include "sea/basics/water_type.h"
+#include "sea/basics/wave_block.h"
 #include "sea/surface/answer.h"
 #include "sea/surface/map_error.h"
 
@@ -72,6 +74,10 @@ Result<void> check(const wire::SeaState& state);
 Result<void> check(const wire::Subscribed& subscribed);
 Result<void> check(const wire::Tile& tile);
 Result<void> check(const wire::QueryReply& reply);
+Result<void> check(const wire::SubscribeSpectrum& subscribe);
+Result<void> check(const wire::SpectrumSubscribed& subscribed);
+Result<void> check(const wire::Spectrum& spectrum);
+Result<void> check(const wire::SpectrumChunk& chunk);
 
 // ---- client to server ----------------------------------------------------------------------
 
@@ -90,10 +96,18 @@ struct TileWish {
 
 /// credit: limits::credit_min .. credit_max unacknowledged keyframes.
 Bytes subscribe(std::uint32_t request_id, const TileWish& wish, int credit);
-Bytes unsubscribe();
+/// Of tiles, or of the spectrum.
+Bytes unsubscribe(bool spectrum = false);
 Bytes ack(std::uint64_t keyframe);
 Bytes fetch(std::uint32_t request_id, std::span<const sea::TimeUs> times_us, const TileWish& wish);
 Bytes query(std::uint32_t request_id, std::span<const sea::QueryPoint> points, bool exact);
+/// How exactly a client wants the waves, and what it wants to make of them. Bounds of 0: the server chooses.
+struct SpectrumWish {
+    float error_m = 0;
+    float slope_error = 0;
+    sea::FieldSet fields = sea::surface_fields;
+};
+Bytes subscribe_spectrum(std::uint32_t request_id, const SpectrumWish& wish);
 Bytes ping(std::uint32_t request_id, std::int64_t client_time_us);
 
 // ---- server to client ----------------------------------------------------------------------
@@ -185,6 +199,36 @@ sea::Answer answer(const wire::PointAnswer& answer);
 
 Bytes fetch_done(std::uint32_t request_id, std::uint32_t keyframes, sea::FieldSet fields);
 Bytes pong(std::uint32_t request_id, std::int64_t client_time_us, sea::TimeUs sea_time_us);
+/// What a SubscribeSpectrum gets.
+struct SpectrumGrant {
+    float error_m = 0;
+    float slope_error = 0;
+    sea::FieldSet fields = {};
+    std::uint32_t spectra = 0; ///< that come now
+    std::string why = {};      ///< in what this is less than the wish; empty: in nothing
+};
+Bytes spectrum_subscribed(std::uint32_t request_id, const SpectrumGrant& grant);
+/// The inverse; `subscribed` must have passed check().
+SpectrumGrant grant(const wire::SpectrumSubscribed& subscribed);
+
+/// Spectrum as a value.
+struct SpectrumHead {
+    std::uint32_t epoch = 0;
+    std::uint32_t chunks = 0;
+    std::uint32_t bytes = 0; ///< of all payloads
+    sea::SpectrumSteps steps = {};
+    sea::Dispersion dispersion = {};
+    sea::TimeUs loop_period_us = 0;
+};
+Bytes spectrum(const SpectrumHead& head);
+/// The inverse; `spectrum` must have passed check().
+SpectrumHead head(const wire::Spectrum& spectrum);
+
+/// `left`: once this chunk and those before it are there. Stated in floats that are never less.
+Bytes spectrum_chunk(std::uint32_t epoch, std::uint32_t chunk, const sea::SpectrumLeft& left,
+                     std::span<const std::uint8_t> payload);
+sea::SpectrumLeft left(const wire::SpectrumChunk& chunk);
+
 /// `retry_after_ms`: not worth asking again before; 0: nothing is known.
 Bytes refused(std::uint32_t request_id, wire::ErrorCode code, std::string_view message,
               std::uint32_t retry_after_ms = 0);

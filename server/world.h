@@ -18,6 +18,7 @@
 #include "server/host/quality.h"
 #include "server/journal/sea_clock.h"
 #include "server/simulation/simulation.h"
+#include "server/spectrum_store.h"
 
 namespace seaway::server {
 
@@ -48,6 +49,9 @@ class World final : public Host {
     void fetch(FetchRequest request, Fetched done) override;
     void query(QueryBatch batch, Queried done) override;
     void map(MapQuery query, Mapped done) override;
+    Result<GrantedSpectrum> spectrum(const SpectrumDemand& wish) override {
+        return spectra_.grant(*sea_, wish);
+    }
     std::string state_json() const override;
     std::string plan_json() const override;
     std::string metrics_text() const override;
@@ -64,6 +68,7 @@ class World final : public Host {
     const std::vector<std::string> warnings_;
     SeaClock& clock_;
     const SharedBytes sea_state_;
+    SpectrumStore spectra_;
     Simulation* simulation_ = nullptr;
     Publish publish_;
 

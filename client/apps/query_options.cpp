@@ -57,7 +57,10 @@ Result<Format> parse_format(const std::string& text) {
 Result<Source> parse_source(const std::string& text) {
     if (text == "scene")
         return Source::scene;
-    SEAWAY_TRY(require(text == "tiles", fmt::format("--from '{}': tiles or scene", text)));
+    if (text == "spectrum")
+        return Source::spectrum;
+    SEAWAY_TRY(
+        require(text == "tiles", fmt::format("--from '{}': tiles, spectrum or scene", text)));
     return Source::tiles;
 }
 

@@ -12,7 +12,7 @@
 namespace seaway::client {
 
 /// What this client answers from where it answers itself.
-enum class Source { tiles, scene };
+enum class Source { tiles, spectrum, scene };
 
 enum class Format { table, json, csv };
 

@@ -59,6 +59,8 @@ Result<std::unique_ptr<Client>> connected(const Connect& connect, const QueryOpt
     SEAWAY_TRY_LET(std::unique_ptr<Client> client, connect());
     if (options.local && options.source == Source::scene) {
         SEAWAY_TRY(client->rebuild(client->now_us()));
+    } else if (options.local && options.source == Source::spectrum) {
+        SEAWAY_TRY(client->subscribe_spectrum({}, options.timeout_s));
     } else if (options.watch_hz > 0 && options.local) {
         constexpr int credit = 2;
         SEAWAY_TRY(client->subscribe({.fields = sea::surface_fields}, credit, options.timeout_s));

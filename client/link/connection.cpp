@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "client/link/failure.h"
+#include "protocol/spectrum_codec.h"
 
 namespace seaway::client {
 
@@ -159,6 +160,18 @@ void Connection::unsubscribe() {
     send(protocol::unsubscribe());
 }
 
+void Connection::subscribe_spectrum(const protocol::SpectrumWish& wish, double timeout_s,
+                                    ReplyHandler handler) {
+    requests_.start(
+        Lane::spectrum,
+        [&](std::uint32_t request_id) { return protocol::subscribe_spectrum(request_id, wish); },
+        deadline_us(timeout_s), std::move(handler));
+}
+
+void Connection::unsubscribe_spectrum() {
+    send(protocol::unsubscribe(true));
+}
+
 // ---- the connection's thread -----------------------------------------------------------------
 
 void Connection::on_message(std::span<const std::uint8_t> bytes) {
@@ -184,6 +197,12 @@ Result<void> Connection::dispatch(const wire::Message& message) {
         return take(*message.body_as_QueryReply());
     case Body::FetchDone:
         return take(*message.body_as_FetchDone());
+    case Body::SpectrumSubscribed:
+        return take(*message.body_as_SpectrumSubscribed());
+    case Body::Spectrum:
+        return take(*message.body_as_Spectrum());
+    case Body::SpectrumChunk:
+        return take(*message.body_as_SpectrumChunk());
     case Body::Pong:
         take(*message.body_as_Pong());
         break;
@@ -201,6 +220,7 @@ Result<void> Connection::dispatch(const wire::Message& message) {
     case Body::Fetch:
     case Body::Query:
     case Body::Ping:
+    case Body::SubscribeSpectrum:
         break;
     }
     return {}; // kinds of later versions are skipped
@@ -303,6 +323,56 @@ Result<void> Connection::take(const wire::FetchDone& done) {
     if (!requests_.finish(Lane::bulk, done.request_id(), std::move(value)))
         return Error{fmt::format("the end of request {}, which is not open", done.request_id())};
     return {};
+}
+
+Result<void> Connection::take(const wire::SpectrumSubscribed& subscribed) {
+    SEAWAY_TRY(protocol::check(subscribed));
+    spectrum_request_ = subscribed.request_id();
+    spectrum_grant_ = protocol::grant(subscribed);
+    spectra_awaited_ = spectrum_grant_.spectra;
+    if (spectra_awaited_ == 0)
+        requests_.finish(Lane::spectrum, spectrum_request_, Reply{.spectrum = spectrum_grant_});
+    return {};
+}
+
+Result<void> Connection::take(const wire::Spectrum& spectrum) {
+    SEAWAY_TRY(protocol::check(spectrum));
+    const protocol::SpectrumHead head = protocol::head(spectrum);
+    const SeaStatePtr state = sea_state(head.epoch);
+    if (!state)
+        return Error{
+            fmt::format("the spectrum of epoch {}, which no sea state announced", head.epoch)};
+    spectrum_epoch_ = head.epoch;
+    next_chunk_ = 0;
+    chunks_ = head.chunks;
+    if (events_.on_spectrum)
+        events_.on_spectrum(state, head);
+    if (chunks_ == 0) // a calm sea
+        one_spectrum_less();
+    return {};
+}
+
+Result<void> Connection::take(const wire::SpectrumChunk& chunk) {
+    SEAWAY_TRY(protocol::check(chunk));
+    if (chunk.epoch() != spectrum_epoch_ || chunk.chunk() != next_chunk_ || next_chunk_ >= chunks_)
+        return Error{fmt::format("chunk {} of the spectrum of epoch {}: {} of {} of epoch {} comes",
+                                 chunk.chunk(), chunk.epoch(), next_chunk_, chunks_,
+                                 spectrum_epoch_)};
+    ++next_chunk_;
+    const Result<std::vector<sea::WaveBlock>> blocks =
+        protocol::decode_spectrum({chunk.payload()->data(), chunk.payload()->size()});
+    if (!blocks)
+        return blocks.error();
+    if (events_.on_waves)
+        SEAWAY_TRY(events_.on_waves(chunk.epoch(), protocol::left(chunk), *blocks));
+    if (next_chunk_ == chunks_)
+        one_spectrum_less();
+    return {};
+}
+
+void Connection::one_spectrum_less() {
+    if (spectra_awaited_ > 0 && --spectra_awaited_ == 0)
+        requests_.finish(Lane::spectrum, spectrum_request_, Reply{.spectrum = spectrum_grant_});
 }
 
 void Connection::take(const wire::Pong& pong) {

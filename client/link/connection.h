@@ -49,6 +49,12 @@ struct Welcome {
 struct ConnectionEvents {
     std::function<void(const SeaStatePtr&)> on_sea_state{};
     std::function<void(const HeldKeyframePtr&)> on_keyframe{};
+    /// The waves of this sea begin: those that are held of it are over.
+    std::function<void(const SeaStatePtr&, const protocol::SpectrumHead&)> on_spectrum{};
+    /// Some of them, and what is missed once they are there. An error ends the connection: the server is broken.
+    std::function<Result<void>(std::uint32_t epoch, const sea::SpectrumLeft& left,
+                               std::span<const sea::WaveBlock> blocks)>
+        on_waves{};
     /// One look at the server's clock: local times as local_now_us().
     std::function<void(std::int64_t sent_us, std::int64_t received_us, sea::TimeUs sea_time_us)>
         on_clock{};
@@ -94,6 +100,12 @@ class Connection {
 
     void unsubscribe();
 
+    /// Waves come through on_spectrum and on_waves. Replies when all of those that run now, and of a sea that is
+    /// announced, have come.
+    void subscribe_spectrum(const protocol::SpectrumWish& wish, double timeout_s,
+                            ReplyHandler handler);
+    void unsubscribe_spectrum();
+
     /// Keyframes that made room for others before they were whole.
     std::uint64_t keyframes_dropped() const { return assembly_.dropped(); }
 
@@ -111,6 +123,10 @@ class Connection {
     Result<void> take(const wire::Tile& tile);
     Result<void> take(const wire::QueryReply& reply);
     Result<void> take(const wire::FetchDone& done);
+    Result<void> take(const wire::SpectrumSubscribed& subscribed);
+    Result<void> take(const wire::Spectrum& spectrum);
+    Result<void> take(const wire::SpectrumChunk& chunk);
+    void one_spectrum_less();
     void take(const wire::Pong& pong);
     void take(const wire::Refused& refused);
     void take(const wire::GoAway& go_away);
@@ -137,6 +153,12 @@ class Connection {
     std::string going_away_;
     sea::FieldSet streamed_fields_;
     TileAssembly assembly_;
+    std::uint32_t spectrum_epoch_ = 0; ///< of the one that is being sent
+    std::uint32_t next_chunk_ = 0;
+    std::uint32_t chunks_ = 0;
+    std::uint32_t spectra_awaited_ = 0; ///< by spectrum_request_
+    std::uint32_t spectrum_request_ = 0;
+    protocol::SpectrumGrant spectrum_grant_;
 
     Requests requests_;
 

@@ -104,7 +104,8 @@ bool Requests::refuse(std::uint32_t request_id, const Error& error) {
         granted = found != open_.end() && !found->second.grant.fields.empty();
     }
     const Result<Reply> outcome = granted ? Result<Reply>(Reply()) : Result<Reply>(error);
-    return finish(Lane::query, request_id, outcome) || finish(Lane::bulk, request_id, outcome);
+    return finish(Lane::query, request_id, outcome) || finish(Lane::bulk, request_id, outcome) ||
+           finish(Lane::spectrum, request_id, outcome);
 }
 
 std::vector<sea::FieldSet> Requests::bulk_fields() const {

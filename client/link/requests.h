@@ -2,7 +2,7 @@
 // Requests: numbers requests, holds back those beyond what the server takes at once, matches
 // replies, and watches deadlines. Bookkeeping alone: no sockets, no clock of its own.
 //
-// Two lanes, because a server answers queries and sends bulk (fetches, starts of subscriptions)
+// Three lanes, because a server answers queries, sends bulk (fetches, starts of subscriptions) and sends spectra
 // with different limits. A request whose deadline has passed is reported to whoever asked; its
 // place stays taken until the server has answered, because there it is still being worked on.
 //
@@ -38,17 +38,19 @@ struct Reply {
     Grant grant;                      ///< subscribe
     std::uint32_t keyframes = 0;      ///< subscribe, fetch: how many were sent at once
     sea::FieldSet fields;             ///< subscribe, fetch: fields of those
+    protocol::SpectrumGrant spectrum; ///< subscribe_spectrum
 };
 
 using ReplyHandler = std::function<void(Result<Reply>)>;
 
-enum class Lane { query, bulk };
+enum class Lane { query, bulk, spectrum };
 
 class Requests {
   public:
     /// Below the server's own limits (protocol/limits.h), so that none is refused for its number.
     static constexpr int queries_in_flight_max = 8;
     static constexpr int bulk_in_flight_max = 1;
+    static constexpr int spectra_in_flight_max = 1;
     static constexpr std::size_t waiting_max = 4096;
 
     using TimeUs = std::int64_t; ///< local, monotonic
@@ -107,7 +109,15 @@ class Requests {
 
     LaneState& state(Lane lane) { return lanes_[static_cast<std::size_t>(lane)]; }
     static int places(Lane lane) {
-        return lane == Lane::query ? queries_in_flight_max : bulk_in_flight_max;
+        switch (lane) {
+        case Lane::query:
+            return queries_in_flight_max;
+        case Lane::bulk:
+            return bulk_in_flight_max;
+        case Lane::spectrum:
+            break;
+        }
+        return spectra_in_flight_max;
     }
     void send_waiting(Lane lane);
     /// Calls the handler and frees the place, which is not given to another. False: see finish().
@@ -117,7 +127,7 @@ class Requests {
     mutable std::mutex mutex_;
     std::uint32_t last_id_ = 0;
     std::map<std::uint32_t, Open> open_;
-    LaneState lanes_[2];
+    LaneState lanes_[3];
     std::optional<Error> end_; ///< why nothing is taken any more
 };
 

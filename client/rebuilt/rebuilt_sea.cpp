@@ -55,11 +55,18 @@ sea::Answer RebuiltSea::answer(const sea::QueryPoint& point,
     return answer;
 }
 
-Result<sea::ProbeDifference> compare(const protocol::SeaStateValues& state,
-                                     const sea::DirectSum& waves) {
+Result<void> agrees(const protocol::SeaStateValues& state, const RebuiltSea& sea) {
     if (state.probes.empty())
         return failed(Failure::not_held, "the server sent no probes to know a rebuilt sea by");
-    return sea::compare(waves, state.probes);
+    const sea::ProbeDifference off = sea::compare(sea.sum(), state.probes);
+    const double height_m = sea.error().height_m + state.probe_error_m;
+    const double displacement_m = sea.error().displacement_m + state.probe_error_m;
+    if (off.within(height_m, displacement_m))
+        return {};
+    return failed(Failure::not_held,
+                  fmt::format("the rebuilt sea is not the server's: probes differ by {:.3g} m in "
+                              "height and {:.3g} m sideways, allowed are {:.3g} and {:.3g} m",
+                              off.height_m, off.displacement_m, height_m, displacement_m));
 }
 
 Result<RebuiltSeaPtr> rebuild_from_scene(const protocol::SeaStateValues& state) {
@@ -76,13 +83,7 @@ Result<RebuiltSeaPtr> rebuild_from_scene(const protocol::SeaStateValues& state) 
     auto rebuilt = std::make_shared<const RebuiltSea>(
         std::make_shared<const sea::Realization>(std::move(*waves)), state,
         RebuiltError{state.probe_error_m, state.probe_error_m});
-    SEAWAY_TRY_LET(const sea::ProbeDifference off, compare(state, rebuilt->sum()));
-    if (!off.within(state.probe_error_m, state.probe_error_m))
-        return failed(
-            Failure::not_held,
-            fmt::format("the sea of the server's scene is not the server's: probes differ "
-                        "by {:.3g} m in height and {:.3g} m sideways, allowed are {:g} m",
-                        off.height_m, off.displacement_m, state.probe_error_m));
+    SEAWAY_TRY(agrees(state, *rebuilt));
     return rebuilt;
 }
 

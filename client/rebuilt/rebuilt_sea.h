@@ -46,9 +46,9 @@ class RebuiltSea {
 
 using RebuiltSeaPtr = std::shared_ptr<const RebuiltSea>;
 
-/// How far waves are from the probes that a sea state brings. An error (not_held): it brings none.
-Result<sea::ProbeDifference> compare(const protocol::SeaStateValues& state,
-                                     const sea::DirectSum& waves);
+/// Is it the sea of this state, by the probes that came with it? An error (not_held): it is further from them than
+/// its error allows, or none came.
+Result<void> agrees(const protocol::SeaStateValues& state, const RebuiltSea& sea);
 
 /// Makes the sea of the scene that a sea state brings, and holds it against the probes. Errors (not_held): no
 /// scene or no probes were sent, the scene cannot be read or names files, its tiles are not those of the sea,

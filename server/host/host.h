@@ -19,6 +19,7 @@
 #include "sea/surface/answer.h"
 #include "sea/surface/maps/keyframe.h"
 #include "server/host/asker.h"
+#include "server/host/encoded_spectrum.h"
 #include "server/host/memory.h"
 #include "server/host/refusal.h"
 #include "server/host/subscriptions.h"
@@ -126,6 +127,12 @@ class Host {
     /// A whole grid at one time, in bounded chunks. Not every host makes maps.
     using Mapped = std::function<void(Result<std::unique_ptr<ByteSource>>)>;
     virtual void map(MapQuery, Mapped done) { done(Error{Refusal::not_offered, "no maps here"}); }
+
+    /// The waves themselves, encoded once a rung. Called on a thread of its own, which it may hold for as long as
+    /// that takes: 0.1 s, of the largest seas some seconds. Not every host has a sea of waves.
+    virtual Result<GrantedSpectrum> spectrum(const SpectrumDemand&) {
+        return Error{Refusal::not_offered, "no spectra here"};
+    }
 
     /// Bodies of /v1/state and /v1/plan (JSON) and the simulation's part of /metrics (Prometheus).
     virtual std::string state_json() const = 0;

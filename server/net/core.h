@@ -50,6 +50,8 @@ class Core : public std::enable_shared_from_this<Core> {
     /// replies on the io thread.
     const MemoryPtr memory;
     EncodeWorker encoding;
+    /// Makes spectra, which may take seconds, beside keyframes.
+    EncodeWorker spectra;
     Disposal disposal;
     std::map<SessionId, Session*> sessions;
     SessionId next_session = 1;

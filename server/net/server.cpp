@@ -338,6 +338,7 @@ void NetServer::Impl::begin_stop() {
 
 void NetServer::Impl::stop() {
     core_->encoding.stop();
+    core_->spectra.stop();
     if (thread_.joinable()) {
         asio::post(io_, [this] { begin_stop(); });
         thread_.join();

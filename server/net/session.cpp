@@ -51,7 +51,9 @@ void Session::receive(std::span<const std::uint8_t> bytes) {
     case wire::Body::Subscribe:
         return on_subscribe(*m.body_as_Subscribe());
     case wire::Body::Unsubscribe:
-        return on_unsubscribe();
+        return on_unsubscribe(m.body_as_Unsubscribe()->spectrum());
+    case wire::Body::SubscribeSpectrum:
+        return on_subscribe_spectrum(*m.body_as_SubscribeSpectrum());
     case wire::Body::Ack:
         if (outbox_.acknowledge(m.body_as_Ack()->keyframe()))
             link_.send_more();
@@ -72,6 +74,9 @@ void Session::receive(std::span<const std::uint8_t> bytes) {
     case wire::Body::Pong:
     case wire::Body::Refused:
     case wire::Body::GoAway:
+    case wire::Body::SpectrumSubscribed:
+    case wire::Body::Spectrum:
+    case wire::Body::SpectrumChunk:
         return close(ErrorCode::bad_message, "message kind does not come from a client");
     }
 }
@@ -131,7 +136,12 @@ void Session::on_subscribe(const wire::Subscribe& subscribe) {
     fetch(request_id, {}, start);
 }
 
-void Session::on_unsubscribe() {
+void Session::on_unsubscribe(bool spectrum) {
+    if (spectrum) {
+        spectrum_wish_.reset();
+        outbox_.stop_spectra();
+        return;
+    }
     core_.host.subscriptions().erase(id_);
     outbox_.stop_stream();
 }
@@ -284,6 +294,8 @@ void Session::announce(protocol::SharedBytes sea_state) {
         return;
     if (!outbox_.push_durable(std::move(sea_state)))
         return close(ErrorCode::too_slow, "sea states wait and cannot be sent");
+    if (spectrum_wish_)
+        make_spectra({});
     link_.send_more();
 }
 

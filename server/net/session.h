@@ -8,8 +8,10 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "protocol/messages.h"
 #include "server/net/core.h"
@@ -66,7 +68,8 @@ class Session {
   private:
     void on_hello(const wire::Hello& hello);
     void on_subscribe(const wire::Subscribe& subscribe);
-    void on_unsubscribe();
+    void on_unsubscribe(bool spectrum = false);
+    void on_subscribe_spectrum(const wire::SubscribeSpectrum& subscribe);
     void on_fetch(const wire::Fetch& fetch);
     void on_query(const wire::Query& query);
     void on_ping(const wire::Ping& ping);
@@ -77,6 +80,10 @@ class Session {
                   const Room::Place& place);
     /// For the reply to so many points; null: there is none.
     Room::Place reply_place(std::size_t bytes) const;
+    /// Has the spectra made that this session wants; what comes of it answers the request, where there is one.
+    void make_spectra(std::optional<std::uint32_t> request_id);
+    void spectra_made(std::optional<std::uint32_t> request_id,
+                      const Result<GrantedSpectrum>& granted);
     void reply(protocol::Bytes message);
     void refuse(std::uint32_t request_id, const Error& why);
 
@@ -94,6 +101,9 @@ class Session {
     int queries_in_flight_ = 0;
     std::size_t replies_in_flight_bytes_ = 0; ///< of those
     int fetches_in_flight_ = 0;               ///< at the host or at the encoder
+    std::optional<SpectrumDemand> spectrum_wish_;
+    int spectra_in_making_ = 0;
+    std::vector<std::uint32_t> spectra_sent_; ///< epochs, since the wish; the newest few
     std::uint64_t messages_sent_ = 0;
     std::uint64_t bytes_sent_ = 0;
     std::chrono::steady_clock::time_point opened_ = std::chrono::steady_clock::now();

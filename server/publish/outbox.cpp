@@ -41,6 +41,15 @@ bool Outbox::push_durable(SharedBytes message) {
     return true;
 }
 
+void Outbox::push_spectrum(EncodedSpectrumPtr spectrum) {
+    std::erase_if(spectra_, [&](const SpectrumParcel& waiting) {
+        return waiting.spectrum->epoch == spectrum->epoch;
+    });
+    spectra_.push_back({std::move(spectrum)});
+    if (spectra_.size() > limits::spectra_max)
+        spectra_.pop_front();
+}
+
 bool Outbox::push_fetched(std::span<const EncodedKeyframePtr> keyframes, sea::FieldSet fields,
                           SharedBytes done) {
     std::size_t bytes = fetched_bytes_ + done->size();
@@ -100,10 +109,22 @@ SharedBytes Outbox::next() {
         durable_.pop_front();
         return message;
     }
+    if (SharedBytes message = next_spectrum())
+        return message;
     fetched_turn_ = !fetched_turn_;
     SharedBytes message = fetched_turn_ ? next_fetched() : next_streamed();
     if (message == nullptr)
         message = fetched_turn_ ? next_streamed() : next_fetched();
+    return message;
+}
+
+SharedBytes Outbox::next_spectrum() {
+    if (spectra_.empty())
+        return nullptr;
+    SpectrumParcel& first = spectra_.front();
+    SharedBytes message = first.spectrum->messages[first.next++];
+    if (first.next == first.spectrum->messages.size())
+        spectra_.pop_front();
     return message;
 }
 
@@ -157,6 +178,9 @@ std::size_t Outbox::bytes_waiting() const {
     std::size_t bytes = reply_bytes_ + fetched_bytes_;
     for (const SharedBytes& message : durable_)
         bytes += message->size();
+    for (const SpectrumParcel& parcel : spectra_)
+        for (std::size_t n = parcel.next; n < parcel.spectrum->messages.size(); ++n)
+            bytes += parcel.spectrum->messages[n]->size();
     for (const Parcel& parcel : waiting_)
         bytes += message_bytes(*parcel.keyframe, parcel.fields);
     return bytes;

@@ -2,10 +2,11 @@
 // Outbox: what one session has still to send, and in which order. A plain data structure without
 // sockets, threads or clocks; bounded whatever the peer does.
 //
-// Order: replies, then durable messages, then tiles (fetched and streamed ones in turn).
+// Order: replies, then durable messages, then spectra, then tiles (fetched and streamed ones in turn).
 // Streamed keyframes are under credit: at most `credit` of them are sent and not acknowledged. One
 // that has to wait is replaced by a newer one of its cascade; one that has begun is finished.
-// Durable messages are never dropped: when they do not fit, the session must be closed.
+// Durable messages are never dropped: when they do not fit, the session must be closed. Chunks of a spectrum are
+// not dropped either, and wait for as long as it takes: they are shared, so that a slow reader costs nothing.
 #pragma once
 
 #include <cstdint>
@@ -14,6 +15,7 @@
 #include <vector>
 
 #include "protocol/limits.h"
+#include "server/host/encoded_spectrum.h"
 #include "server/publish/encoder.h"
 
 namespace seaway::server {
@@ -48,6 +50,12 @@ class Outbox {
     /// Fetches whose `done` has not been handed out.
     int fetches_waiting() const { return fetches_waiting_; }
 
+    /// After those that wait; of two of one sea the later one counts. Of more than limits::spectra_max the
+    /// oldest is given up: its sea is over.
+    void push_spectrum(EncodedSpectrumPtr spectrum);
+    bool spectrum_waiting() const { return !spectra_.empty(); }
+    void stop_spectra() { spectra_.clear(); }
+
     void push_keyframe(EncodedKeyframePtr keyframe, sea::FieldSet fields);
     /// limits::credit_min .. credit_max.
     void set_credit(int keyframes);
@@ -77,12 +85,20 @@ class Outbox {
         protocol::SharedBytes take(); ///< null when there is nothing left
     };
 
+    /// A spectrum's messages, handed out one by one.
+    struct SpectrumParcel {
+        EncodedSpectrumPtr spectrum;
+        std::size_t next = 0;
+    };
+
+    protocol::SharedBytes next_spectrum();
     protocol::SharedBytes next_fetched();
     protocol::SharedBytes next_streamed();
 
     std::deque<protocol::SharedBytes> replies_;
     std::size_t reply_bytes_ = 0;
     std::deque<protocol::SharedBytes> durable_;
+    std::deque<SpectrumParcel> spectra_;
     std::deque<Parcel> fetched_;
     std::size_t fetched_bytes_ = 0;
     int fetches_waiting_ = 0;

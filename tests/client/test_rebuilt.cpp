@@ -4,10 +4,12 @@
 
 #include <gtest/gtest.h>
 
+#include "client/client.h"
 #include "client/link/failure.h"
 #include "client/rebuilt/rebuilt_sea.h"
 #include "sea/scene/scene.h"
 #include "tests/client/announced_scene.h"
+#include "tests/client/wave_server.h"
 
 namespace seaway::client {
 namespace {
@@ -71,6 +73,99 @@ TEST(Rebuilt, a_scene_from_a_server_names_no_files) {
     state.scene = "[sea]\nseed = 1\n[[sea.system]]\ntype = \"measured\"\nfile = \"/etc/hostname\"\n"
                   "[[cascade]]\nlength_m = 100\nsize = 64\n";
     EXPECT_NE(refusal_of(state).find("may name no file"), std::string::npos) << refusal_of(state);
+}
+
+// ---- the waves themselves, over a socket -------------------------------------------------------
+
+class LiveWaves : public tests::WaveServer {
+  protected:
+    std::unique_ptr<Client> connect() {
+        auto client = Client::connect({.url = net->url()});
+        EXPECT_TRUE(client) << (client ? "" : client.error().message);
+        return client ? std::move(*client) : nullptr;
+    }
+    static std::vector<sea::QueryPoint> points() {
+        std::mt19937_64 random(7);
+        std::uniform_real_distribution<double> place(-1e5, 1e5);
+        std::uniform_int_distribution<sea::TimeUs> time(-1'000'000'000'000, 100'000'000'000'000);
+        std::vector<sea::QueryPoint> made;
+        for (int i = 0; i < 200; ++i)
+            made.push_back({place(random), place(random), time(random)});
+        return made;
+    }
+};
+
+TEST_F(LiveWaves, answer_at_any_time_within_the_bound_without_another_question) {
+    const auto client = connect();
+    ASSERT_TRUE(client);
+    ASSERT_FALSE(client->sample(points())) << "nothing is held yet";
+    const Result<protocol::SpectrumGrant> grant =
+        client->subscribe_spectrum({.error_m = 0.001f}, 30);
+    ASSERT_TRUE(grant) << grant.error().message;
+    EXPECT_EQ(grant->error_m, 0.001f);
+    const auto answers = client->sample(points());
+    ASSERT_TRUE(answers) << answers.error().message;
+    for (std::size_t i = 0; i < points().size(); ++i) {
+        const sea::Answer truth = sea.truth(points()[i]);
+        EXPECT_LE(std::abs((*answers)[i].height_m - truth.height_m), (*answers)[i].error_m);
+        EXPECT_LE((*answers)[i].error_m, 0.0015) << "what was granted, on a slope";
+        EXPECT_EQ((*answers)[i].flags & sea::answer_extrapolated, 0u);
+    }
+    EXPECT_EQ(sea.queries, 0);
+    EXPECT_EQ(sea.fetches, 0);
+}
+
+// The bits of a wrong sea are a right message: only the probes know.
+TEST_F(LiveWaves, that_are_not_the_sea_that_was_announced_are_given_up_with_the_reason) {
+    sea.spectrum_change = [](sea::WaveBlock& block) {
+        for (std::size_t i = 1; i < block.codes.size(); i += 2)
+            block.codes[i] = -block.codes[i]; // every wave turned
+    };
+    const auto client = connect();
+    ASSERT_TRUE(client);
+    const auto grant = client->subscribe_spectrum({}, 30);
+    ASSERT_FALSE(grant);
+    EXPECT_EQ(failure_of(grant.error()), Failure::not_held);
+    EXPECT_NE(grant.error().message.find("probes differ by"), std::string::npos);
+    EXPECT_FALSE(client->sample(points())) << "and nothing is answered from them";
+    EXPECT_TRUE(client->is_open());
+}
+
+TEST_F(LiveWaves, beyond_a_lattice_end_the_connection) {
+    sea.spectrum_change = [](sea::WaveBlock& block) { block.bx = 100; };
+    const auto client = connect();
+    ASSERT_TRUE(client);
+    const auto grant = client->subscribe_spectrum({}, 30);
+    ASSERT_FALSE(grant);
+    EXPECT_EQ(failure_of(grant.error()), Failure::lost);
+    EXPECT_NE(client->closed_reason().find("lattice"), std::string::npos)
+        << client->closed_reason();
+}
+
+TEST_F(LiveWaves, what_has_come_can_be_asked_and_knows_how_far_it_is) {
+    const SeaStatePtr state = std::make_shared<const SeaState>(protocol::values(
+        *wire::GetMessage(sea.sea_state_messages().front()->data())->body_as_SeaState()));
+    const auto granted = sea.spectrum({});
+    const auto& messages = granted->spectra.front()->messages;
+    ReceivedSpectrum received(
+        state, protocol::head(*wire::GetMessage(messages[0]->data())->body_as_Spectrum()));
+    EXPECT_EQ(received.sea(), nullptr) << "before the first waves";
+    double bound_m = 1e9;
+    for (std::size_t n = 1; n < messages.size(); ++n) {
+        const auto& chunk = *wire::GetMessage(messages[n]->data())->body_as_SpectrumChunk();
+        const auto blocks =
+            protocol::decode_spectrum({chunk.payload()->data(), chunk.payload()->size()});
+        ASSERT_TRUE(received.add(protocol::left(chunk), *blocks));
+        const RebuiltSeaPtr now = received.sea();
+        EXPECT_LT(now->error().height_m, bound_m);
+        bound_m = now->error().height_m;
+        for (const sea::QueryPoint& point : points()) {
+            sea::Answer answer;
+            now->answer({&point, 1}, {&answer, 1});
+            EXPECT_LE(std::abs(answer.height_m - sea.truth(point).height_m), answer.error_m);
+        }
+    }
+    EXPECT_LE(bound_m, 0.001);
 }
 
 } // namespace

@@ -15,7 +15,10 @@
 #include <vector>
 
 #include "protocol/messages.h"
+#include "protocol/spectrum_codec.h"
 #include "sea/surface/inverse.h"
+#include "sea/waves/probes.h"
+#include "sea/waves/quantised_spectrum.h"
 #include "sea/waves/reference.h"
 #include "server/host/host.h"
 
@@ -132,6 +135,8 @@ class WaveSea : public server::Host {
         state.interpolation_displacement_m = 0.0004;
         state.interpolation_strain = 0.0004;
         state.displacement_reach_m = 1.5 * state.realised.hs_m;
+        state.probes = sea::make_probes(sum_, state.start_time_us);
+        state.probe_error_m = sea::probe_error_m;
         return {std::make_shared<const protocol::Bytes>(protocol::sea_state(state))};
     }
     server::Demand grant(const server::Demand& wish) const override {
@@ -174,6 +179,29 @@ class WaveSea : public server::Host {
         if (answer_queries)
             done(std::move(out));
     }
+    /// Its waves in chunks of one block; `spectrum_change` may spoil them.
+    Result<server::GrantedSpectrum> spectrum(const server::SpectrumDemand& wish) override {
+        const sea::QuantisedSpectrum waves = sea::quantise(*sea_, {0.001});
+        auto made = std::make_shared<server::EncodedSpectrum>();
+        made->epoch = epoch;
+        const auto add = [&](protocol::Bytes bytes) {
+            made->messages.push_back(std::make_shared<const protocol::Bytes>(std::move(bytes)));
+        };
+        add(protocol::spectrum({.epoch = epoch,
+                                .chunks = static_cast<std::uint32_t>(waves.blocks.size()),
+                                .steps = waves.steps,
+                                .dispersion = {9.81, 0.0, sea::deep_water_m}}));
+        for (std::uint32_t n = 0; n < waves.blocks.size(); ++n) {
+            sea::WaveBlock block = waves.blocks[n];
+            if (spectrum_change)
+                spectrum_change(block);
+            add(protocol::spectrum_chunk(epoch, n, waves.left[n],
+                                         protocol::encode_spectrum({&block, 1})));
+        }
+        return server::GrantedSpectrum{0.001f, 1.0f, wish.fields, "", {made}};
+    }
+    std::function<void(sea::WaveBlock&)> spectrum_change = {};
+
     std::string state_json() const override { return "{}"; }
     std::string plan_json() const override { return "{}"; }
     std::string metrics_text() const override { return ""; }

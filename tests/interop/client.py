@@ -2,6 +2,7 @@
 """A session with a Seaway server, written from docs/protocol.md alone."""
 import pathlib
 
+import spectrum
 import surface
 import tiles
 import websocket
@@ -25,6 +26,7 @@ class Session:
         self.states = {}  # by epoch
         self.keyframes = {}  # by (epoch, cascade, time_us)
         self.granted = None
+        self.spectra = {}  # by epoch
         self.last_id = 0
         self.send("Hello", versions=[1], client="interop", token=token)
         self.welcome = self.wait_for("Welcome")
@@ -42,6 +44,10 @@ class Session:
             self.states[message["epoch"]] = message
         elif kind == "Subscribed":
             self.granted = message
+        elif kind == "Spectrum":
+            self.spectra[message["epoch"]] = spectrum.Spectrum(self.states[message["epoch"]], message)
+        elif kind == "SpectrumChunk":
+            self.spectra[message["epoch"]].add(message)
         elif kind == "Tile":
             self.take(message)
         elif kind == "GoAway":
@@ -77,6 +83,14 @@ class Session:
         self.ask("Subscribe", "FetchDone", cascades=0xFFFFFFFF, fields=fields, error_m=error_m, credit=credit,
                  compact=self.compact)
         return self.granted
+
+    def subscribe_spectrum(self, error_m=0.0, slope_error=0.0, fields=0):
+        """Has the waves sent; returns what was granted when all of them are there."""
+        granted = self.ask("SubscribeSpectrum", "SpectrumSubscribed", error_m=error_m, slope_error=slope_error,
+                           fields=fields)
+        while sum(spectrum.whole for spectrum in self.spectra.values()) < granted["spectra"]:
+            self.receive()
+        return granted
 
     def fetch(self, times_us, fields=SURFACE_FIELDS, error_m=0.0):
         return self.ask("Fetch", "FetchDone", times_us=times_us, fields=fields, error_m=error_m, compact=self.compact)

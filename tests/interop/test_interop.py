@@ -145,6 +145,24 @@ class Live(unittest.TestCase):
             self.assertLessEqual(abs(dx - probe["displacement_x_m"]), bound)
             self.assertLessEqual(abs(dy - probe["displacement_y_m"]), bound)
 
+    def test_a_sea_made_of_its_waves_meets_the_probes_within_the_bound_that_was_granted(self):
+        session = client.Session(self.host, self.port)
+        granted = session.subscribe_spectrum(error_m=0.02, slope_error=0.01, fields=1 | 1 << surface.FOAM)
+        self.assertAlmostEqual(granted["error_m"], 0.02)
+        self.assertEqual(granted["fields"], 1)
+        self.assertIn("foam", granted["why"])
+        (epoch, waves), = session.spectra.items()
+        state = session.states[epoch]
+        bound = granted["error_m"] + state["probe_error_m"]
+        sideways = 6 * waves.left_displacement_m + state["probe_error_m"]
+        self.assertLessEqual(6 * waves.left_m, granted["error_m"])
+        for probe in state["probes"]:
+            height, dx, dy = waves.at(probe["x_m"], probe["y_m"], probe["time_us"])
+            self.assertLessEqual(abs(height - probe["height_m"]), bound)
+            self.assertLessEqual(abs(dx - probe["displacement_x_m"]), sideways)
+            self.assertLessEqual(abs(dy - probe["displacement_y_m"]), sideways)
+        session.socket.close()
+
     def test_heights_of_the_stream_are_the_servers(self):
         granted = self.session.subscribe(error_m=0.02)
         self.assertEqual(granted["fields"], client.SURFACE_FIELDS)

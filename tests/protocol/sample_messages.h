@@ -68,6 +68,23 @@ inline TileHeader some_tile() {
             .error = 0.004f};
 }
 
+inline SpectrumGrant some_grant() {
+    return {.error_m = 0.01f,
+            .slope_error = 0.0025f,
+            .fields = sea::surface_fields,
+            .spectra = 2,
+            .why = "foam is no wave"};
+}
+
+inline SpectrumHead some_spectrum() {
+    return {.epoch = 3,
+            .chunks = 12,
+            .bytes = 34567,
+            .steps = {0.0000625, 2.5},
+            .dispersion = {9.75, 0.0000625, 95.5},
+            .loop_period_us = 60'000'000};
+}
+
 /// A message of this kind. No default: a new kind does not compile without its sample.
 inline Bytes sample(wire::Body body) {
     using wire::Body;
@@ -113,6 +130,14 @@ inline Bytes sample(wire::Body body) {
         return refused(9, wire::ErrorCode::too_many_points, "4097 points");
     case Body::GoAway:
         return go_away(wire::ErrorCode::shutting_down, "the server stops");
+    case Body::SubscribeSpectrum:
+        return subscribe_spectrum(11, {0.02f, 0.005f, sea::surface_fields});
+    case Body::SpectrumSubscribed:
+        return spectrum_subscribed(11, some_grant());
+    case Body::Spectrum:
+        return spectrum(some_spectrum());
+    case Body::SpectrumChunk:
+        return spectrum_chunk(3, 11, {0.125, 0.25, 0.0625}, payload);
     case Body::NONE:
         break;
     }

@@ -317,39 +317,6 @@ TEST(Messages, values_out_of_range_are_errors_that_name_the_field) {
     EXPECT_NE(why(query(1, points, true)).find("points"), std::string::npos);
 }
 
-TEST(Messages, sixteen_probes_are_less_than_a_kilobyte) {
-    SeaStateValues state = some_state();
-    state.probes.clear();
-    const std::size_t without = sea_state(state).size();
-    state.probes.assign(sea::probe_count, {1, 2, 3, 4, 5, 6});
-    EXPECT_LE(sea_state(state).size() - without, 1000u);
-}
-
-TEST(Messages, probes_are_where_seas_are_and_say_numbers) {
-    MessageReader reader(Sender::server);
-    const auto why = [&](const sea::Probe& probe, double error_m = 1e-6) {
-        SeaStateValues state = some_state();
-        state.probes[1] = probe;
-        state.probe_error_m = error_m;
-        const Result<void> fine = check(*read(reader, sea_state(state)));
-        return fine ? std::string() : fine.error().message;
-    };
-    const double nan = std::numeric_limits<double>::quiet_NaN();
-    EXPECT_EQ(why({1, 2, 3, 4, 5, 6}), "");
-    EXPECT_EQ(why({nan, 2, 3, 4, 5, 6}).find("probes.x_m is nan"), 0u);
-    EXPECT_EQ(why({1, -2e9, 3, 4, 5, 6}).find("probes.y_m is"), 0u);
-    for (const sea::TimeUs time_us : {limits::time_us_max + 1, -limits::time_us_max - 1})
-        EXPECT_EQ(why({1, 2, time_us, 4, 5, 6}).find("probes.time_us is"), 0u);
-    EXPECT_EQ(why({1, 2, 3, nan, 5, 6}).find("probes.height_m is"), 0u);
-    EXPECT_EQ(why({1, 2, 3, 4, nan, 6}).find("probes.displacement_x_m is"), 0u);
-    EXPECT_EQ(why({1, 2, 3, 4, 5, nan}).find("probes.displacement_y_m is"), 0u);
-    EXPECT_EQ(why({1, 2, 3, 4, 5, 6}, -1).find("probe_error_m is -1"), 0u);
-    SeaStateValues many = some_state();
-    many.probes.resize(limits::probes_max + 1);
-    EXPECT_EQ(check(*read(reader, sea_state(many))).error().message.find("count of probes is 65"),
-              0u);
-}
-
 // Naive: a part's height is held against its width, and what lies beyond the map is written there.
 TEST(Messages, a_part_lies_within_its_map_whatever_its_shape) {
     MessageReader reader(Sender::server);

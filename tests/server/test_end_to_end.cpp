@@ -69,18 +69,19 @@ TEST_P(EndToEnd, server_local_and_exact_answers_agree_within_the_stated_bound) {
     const Result<std::vector<Answer>> local = (*client)->fetch_and_sample(points, 120);
     ASSERT_TRUE(local) << local.error().message;
 
-    // And of the client's own waves, made from the scene that the server announced.
-    const Result<void> rebuilt = (*client)->rebuild((*client)->now_us());
-    ASSERT_TRUE(rebuilt) << rebuilt.error().message;
+    // Of the waves themselves, sent once; and of the client's own, made from the scene that was announced.
+    const Result<protocol::SpectrumGrant> spectrum = (*client)->subscribe_spectrum({}, 120);
+    ASSERT_TRUE(spectrum) << spectrum.error().message;
+    const Result<std::vector<Answer>> waves = (*client)->sample(points);
+    ASSERT_TRUE(waves && (*client)->rebuild((*client)->now_us()));
     const Result<std::vector<Answer>> own = (*client)->sample(points);
     ASSERT_TRUE(own) << own.error().message;
-
     double height_max = 0;
     double worst_bound_m = 0;
     for (std::size_t i = 0; i < points.size(); ++i) {
         const double truth = (*exact)[i].height_m;
         height_max = std::max(height_max, std::abs(truth));
-        for (const Answer* answer : {&(*served)[i], &(*local)[i]}) {
+        for (const Answer* answer : {&(*served)[i], &(*local)[i], &(*waves)[i]}) {
             EXPECT_LE(std::abs(answer->height_m - truth), answer->error_m + (*exact)[i].error_m)
                 << "point " << i;
             EXPECT_EQ(answer->flags & (sea::answer_extrapolated | sea::answer_invalid), 0u);

@@ -8,6 +8,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <set>
 #include <string>
 #include <vector>
@@ -138,6 +139,32 @@ class SmallSea : public server::Host {
         else
             unanswered.push_back([done, out] { done(out); });
     }
+    Result<server::GrantedSpectrum> spectrum(const server::SpectrumDemand& wish) override {
+        const std::scoped_lock lock(spectra_mutex);
+        ++spectra_asked;
+        if (spectra.empty())
+            return Error{server::Refusal::not_offered, "no waves here"};
+        return server::GrantedSpectrum{0.01f, 0.005f, wish.fields, "less", spectra};
+    }
+    /// The spectrum of an epoch in so many chunks.
+    static server::EncodedSpectrumPtr spectrum_of(std::uint32_t epoch, std::uint32_t chunks,
+                                                  std::size_t chunk_bytes = 100) {
+        auto made = std::make_shared<server::EncodedSpectrum>();
+        made->epoch = epoch;
+        const auto add = [&](protocol::Bytes bytes) {
+            made->bytes += bytes.size();
+            made->messages.push_back(std::make_shared<const protocol::Bytes>(std::move(bytes)));
+        };
+        add(protocol::spectrum({.epoch = epoch, .chunks = chunks, .steps = {1e-3, 0}}));
+        const std::vector<std::uint8_t> payload(chunk_bytes);
+        for (std::uint32_t chunk = 0; chunk < chunks; ++chunk)
+            add(protocol::spectrum_chunk(epoch, chunk, {}, payload));
+        return made;
+    }
+    void offer_spectra(std::vector<server::EncodedSpectrumPtr> all) {
+        const std::scoped_lock lock(spectra_mutex);
+        spectra = std::move(all);
+    }
     void map(server::MapQuery query, Mapped done) override {
         askers.push_back(query.asker);
         ++maps_asked;
@@ -163,6 +190,9 @@ class SmallSea : public server::Host {
         return {well, well ? "" : "the simulation has failed"};
     }
 
+    std::mutex spectra_mutex; ///< asked for on a thread of their own
+    std::vector<server::EncodedSpectrumPtr> spectra;
+    std::atomic<int> spectra_asked = 0;
     static constexpr std::uint32_t answering_epoch = 7; ///< of queries
     std::atomic<std::int64_t> newest = 0;
     std::atomic<bool> well = true;

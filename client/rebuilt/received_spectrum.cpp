@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/rebuilt/received_spectrum.h"
+
+namespace seaway::client {
+namespace {
+
+sea::SpectrumFrame frame_of(const SeaState& state, const protocol::SpectrumHead& head) {
+    sea::SpectrumFrame frame;
+    for (const protocol::CascadeInfo& cascade : state.cascades)
+        frame.tiles.push_back(
+            {{cascade.length_m, cascade.size}, {cascade.k_lo_radpm, cascade.k_hi_radpm}});
+    frame.choppiness = {state.choppiness_x, state.choppiness_y};
+    frame.dispersion = head.dispersion;
+    frame.loop_period_us = head.loop_period_us;
+    return frame;
+}
+
+} // namespace
+
+ReceivedSpectrum::ReceivedSpectrum(SeaStatePtr state, const protocol::SpectrumHead& head)
+    : state_(std::move(state)),
+      builder_(sea::SpectrumBuilder::create(frame_of(*state_, head), head.steps)) {
+    if (head.chunks == 0 && builder_) // nothing is missed
+        left_ = sea::SpectrumLeft{};
+}
+
+Result<void> ReceivedSpectrum::add(const sea::SpectrumLeft& left,
+                                   std::span<const sea::WaveBlock> blocks) {
+    const std::scoped_lock lock(mutex_);
+    if (!builder_)
+        return builder_.error();
+    for (const sea::WaveBlock& block : blocks)
+        SEAWAY_TRY(builder_->add(block));
+    left_ = left;
+    sea_ = nullptr;
+    return {};
+}
+
+RebuiltSeaPtr ReceivedSpectrum::sea() const {
+    const std::scoped_lock lock(mutex_);
+    if (!sea_ && left_)
+        sea_ = std::make_shared<const RebuiltSea>(
+            std::make_shared<const sea::Realization>(builder_->sea()), *state_,
+            RebuiltError{sea::spectrum_sigmas * left_->height_m,
+                         sea::spectrum_sigmas * left_->displacement_m});
+    return sea_;
+}
+
+} // namespace seaway::client

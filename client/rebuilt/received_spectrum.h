@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// ReceivedSpectrum: the waves of one sea as a server sends them. What has come can be asked at any time, and knows
+// how far it is from the whole sea.
+//
+// Thread-safe. A sea that has got more waves since it was last asked for is made anew: some milliseconds.
+#pragma once
+
+#include <mutex>
+#include <optional>
+#include <span>
+
+#include "client/link/connection.h"
+#include "client/rebuilt/rebuilt_sea.h"
+#include "sea/waves/spectrum_builder.h"
+
+namespace seaway::client {
+
+class ReceivedSpectrum {
+  public:
+    /// `head` has passed check().
+    ReceivedSpectrum(SeaStatePtr state, const protocol::SpectrumHead& head);
+
+    /// Errors: what SpectrumBuilder does not take, a sea that is too large among it.
+    Result<void> add(const sea::SpectrumLeft& left, std::span<const sea::WaveBlock> blocks);
+
+    /// Null before the first waves.
+    RebuiltSeaPtr sea() const;
+
+    const SeaStatePtr& state() const { return state_; }
+
+  private:
+    const SeaStatePtr state_;
+    mutable std::mutex mutex_;
+    Result<sea::SpectrumBuilder> builder_;
+    std::optional<sea::SpectrumLeft> left_;
+    mutable RebuiltSeaPtr sea_; ///< of what has come; null: to be made anew
+};
+
+} // namespace seaway::client

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// EncodedSpectrum: the waves of one sea at one accuracy as complete wire messages, made once and shared by all
+// sessions that send them. Immutable; share it by pointer.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "sea/basics/field.h"
+
+namespace seaway::server {
+
+struct EncodedSpectrum {
+    using Message = std::shared_ptr<const std::vector<std::uint8_t>>;
+
+    std::uint32_t epoch = 0;
+    /// Spectrum, then its chunks in order.
+    std::vector<Message> messages;
+    std::size_t bytes = 0; ///< of them all
+};
+using EncodedSpectrumPtr = std::shared_ptr<const EncodedSpectrum>;
+
+/// Bounds of 0: the server chooses.
+struct SpectrumDemand {
+    float error_m = 0;
+    float slope_error = 0;
+    sea::FieldSet fields = sea::surface_fields;
+};
+
+struct GrantedSpectrum {
+    float error_m = 0;     ///< bounds of the whole
+    float slope_error = 0; ///< limits::error_m_max and more: none
+    sea::FieldSet fields = {};
+    std::string why = {}; ///< in what this is less than the wish; empty: in nothing
+    /// Of the sea that runs, and of the next one, if announced.
+    std::vector<EncodedSpectrumPtr> spectra;
+};
+
+} // namespace seaway::server

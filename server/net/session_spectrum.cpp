@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+// Session: the waves themselves. They are made on a thread of their own (Core::spectra), once a rung, and sent
+// message by message as the client takes them.
+#include <algorithm>
+
+#include "protocol/limits.h"
+#include "server/host/refusal.h"
+#include "server/net/session.h"
+
+namespace seaway::server {
+
+namespace limits = protocol::limits;
+using wire::ErrorCode;
+
+void Session::on_subscribe_spectrum(const wire::SubscribeSpectrum& subscribe) {
+    const std::uint32_t request_id = subscribe.request_id();
+    if (const Result<void> fine = protocol::check(subscribe); !fine)
+        return refuse(request_id, fine.error());
+    if (spectra_in_making_ > 0 || outbox_.spectrum_waiting())
+        return refuse(request_id,
+                      {ErrorCode::too_many_requests, "an earlier spectrum is not all sent"});
+    spectrum_wish_ = {.error_m = subscribe.error_m(),
+                      .slope_error = subscribe.slope_error(),
+                      .fields = sea::FieldSet::from_bits(subscribe.fields())};
+    if (subscribe.fields() == 0)
+        spectrum_wish_->fields = sea::surface_fields;
+    spectra_sent_.clear();
+    make_spectra(request_id);
+}
+
+void Session::make_spectra(std::optional<std::uint32_t> request_id) {
+    ++spectra_in_making_;
+    const auto make = [weak = core_.weak_from_this(), session = id_, request_id,
+                       wish = *spectrum_wish_](Encoder&) {
+        const std::shared_ptr<Core> core = weak.lock();
+        if (core == nullptr)
+            return true;
+        Result<GrantedSpectrum> granted = core->host.spectrum(wish);
+        core->post([weak, session, request_id, granted = std::move(granted)] {
+            const std::shared_ptr<Core> here = weak.lock();
+            if (Session* found = here ? here->find(session) : nullptr)
+                found->spectra_made(request_id, granted);
+        });
+        return true;
+    };
+    if (!core_.spectra.submit_start(make))
+        spectra_made(request_id, Error{Refusal::busy, "too many spectra wait to be made already"});
+}
+
+void Session::spectra_made(std::optional<std::uint32_t> request_id,
+                           const Result<GrantedSpectrum>& granted) {
+    --spectra_in_making_;
+    if (!spectrum_wish_) {
+        if (request_id)
+            refuse(*request_id, {ErrorCode::bad_value, "given up by Unsubscribe"});
+        return;
+    }
+    if (!granted) {
+        if (request_id) {
+            spectrum_wish_.reset();
+            refuse(*request_id, granted.error());
+        }
+        return;
+    }
+    if (request_id)
+        reply(protocol::spectrum_subscribed(
+            *request_id, {.error_m = granted->error_m,
+                          .slope_error = granted->slope_error,
+                          .fields = granted->fields,
+                          .spectra = static_cast<std::uint32_t>(granted->spectra.size()),
+                          .why = granted->why}));
+    for (const EncodedSpectrumPtr& spectrum : granted->spectra) {
+        if (std::ranges::find(spectra_sent_, spectrum->epoch) != spectra_sent_.end())
+            continue;
+        spectra_sent_.push_back(spectrum->epoch);
+        if (spectra_sent_.size() > limits::spectra_max)
+            spectra_sent_.erase(spectra_sent_.begin());
+        outbox_.push_spectrum(spectrum);
+    }
+    link_.send_more();
+}
+
+} // namespace seaway::server

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// SpectrumStore: the waves of a sea as wire messages, once for each of a few accuracies, kept for as long as the
+// sea is one of the newest two. What a client wishes for gets the coarsest accuracy that keeps it; 0 and what is
+// finer than all get the finest, which for heights is the sea's own height_error_m.
+//
+// Thread-safe; one caller at a time makes something, the others wait. Cost where nothing is held: some 4 us a wave, of a
+// gale 0.1 s.
+#pragma once
+
+#include <array>
+#include <compare>
+#include <limits>
+#include <map>
+#include <mutex>
+
+#include "base/result.h"
+#include "server/host/encoded_spectrum.h"
+#include "server/simulation/running_sea.h"
+
+namespace seaway::server {
+
+/// Bounds on slopes; the last rung has none.
+inline constexpr std::array<double, 5> slope_rungs{0.005, 0.01, 0.02, 0.05,
+                                                   std::numeric_limits<double>::infinity()};
+
+class SpectrumStore {
+  public:
+    /// Errors, of kind Refusal: not_offered for a sea of stylised waves, which are no modes, and for one whose
+    /// spectrum is larger than the wire takes at every accuracy.
+    Result<GrantedSpectrum> grant(const RunningSea& sea, const SpectrumDemand& wish);
+
+  private:
+    struct Rung {
+        std::size_t height = 0; ///< of codec_rungs
+        std::size_t slope = 0;  ///< of slope_rungs
+        auto operator<=>(const Rung&) const = default;
+    };
+    struct Made {
+        EncodedSpectrumPtr spectrum; ///< null: larger than the wire takes
+        double slope_error = 0;
+    };
+
+    const Made& made(const RunningSea& sea, const Rung& rung);
+
+    std::mutex mutex_;
+    std::map<std::uint32_t, std::map<Rung, Made>> made_; ///< by epoch
+};
+
+} // namespace seaway::server

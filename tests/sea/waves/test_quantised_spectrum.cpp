@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: Apache-2.0
+// A spectrum in few numbers: what it says it misses is what it misses, with every block and at any time.
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "sea/waves/quantised_spectrum.h"
+#include "sea/waves/spectrum_builder.h"
+#include "tests/sea/sea_fixture.h"
+
+namespace seaway::sea {
+namespace {
+
+using testing::one_wave;
+using testing::realized;
+using testing::three_cascades;
+using testing::windy_sea;
+
+SpectrumFrame frame_of(const Realization& sea, const SeaState& state) {
+    SpectrumFrame frame;
+    for (const CascadeModes& modes : sea.cascades)
+        frame.tiles.push_back({modes.spec, modes.band});
+    frame.choppiness = sea.choppiness;
+    frame.dispersion = state.dispersion();
+    frame.loop_period_us = sea.loop_period_us;
+    return frame;
+}
+
+SpectrumBuilder begun(const Realization& sea, const SeaState& state,
+                      const QuantisedSpectrum& waves) {
+    return *SpectrumBuilder::create(frame_of(sea, state), waves.steps);
+}
+
+Realization rebuilt(const Realization& sea, const SeaState& state, const QuantisedSpectrum& waves) {
+    SpectrumBuilder builder = begun(sea, state, waves);
+    for (const WaveBlock& block : waves.blocks)
+        EXPECT_TRUE(builder.add(block));
+    return builder.sea();
+}
+
+/// Standard deviations of the difference of two seas over their tiles, from the definition.
+SpectrumLeft difference(const Realization& a, const Realization& b) {
+    double height = 0, displacement[2] = {}, slope[2] = {};
+    for (std::size_t c = 0; c < a.cascades.size(); ++c) {
+        const CascadeModes& modes = a.cascades[c];
+        const int size = modes.spec.size;
+        for (int iy = 0; iy < size; ++iy)
+            for (int ix = 0; ix < size; ++ix) {
+                const auto i = static_cast<std::size_t>(iy * size + ix);
+                const double energy = 2 * std::norm(modes.h0[i] - b.cascades[c].h0[i]);
+                if (energy == 0)
+                    continue;
+                const double step = modes.spec.wavenumber_step_radpm();
+                const double k[2] = {step * signed_index(ix, size), step * signed_index(iy, size)};
+                const double d_over_k = modes.displacement_over_k(std::hypot(k[0], k[1]));
+                height += energy;
+                for (int axis = 0; axis < 2; ++axis) {
+                    slope[axis] += energy * k[axis] * k[axis];
+                    displacement[axis] += energy * k[axis] * k[axis] * d_over_k * d_over_k;
+                }
+            }
+    }
+    return {std::sqrt(height), std::sqrt(std::max(displacement[0], displacement[1])),
+            std::sqrt(std::max(slope[0], slope[1]))};
+}
+
+void expect_near(const SpectrumLeft& stated, const SpectrumLeft& found) {
+    // Both are sums of some thousand squares: rounding alone, but of what nearly nothing is left.
+    EXPECT_NEAR(stated.height_m, found.height_m, 1e-9 + 1e-6 * found.height_m);
+    EXPECT_NEAR(stated.displacement_m, found.displacement_m, 1e-9 + 1e-6 * found.displacement_m);
+    EXPECT_NEAR(stated.slope, found.slope, 1e-9 + 1e-6 * found.slope);
+}
+
+TEST(QuantisedSpectrum, says_after_each_block_what_is_still_missed) {
+    const SeaState state = windy_sea();
+    const RealizationPtr sea = realized(state, three_cascades);
+    const QuantisedSpectrum waves = quantise(*sea, {0.02, 0.01});
+    ASSERT_GT(waves.blocks.size(), 20u);
+    SpectrumBuilder builder = begun(*sea, state, waves);
+    expect_near(waves.without, difference(*sea, builder.sea()));
+    for (std::size_t b = 0; b < waves.blocks.size(); ++b) {
+        ASSERT_TRUE(builder.add(waves.blocks[b]));
+        expect_near(waves.left[b], difference(*sea, builder.sea()));
+    }
+}
+
+TEST(QuantisedSpectrum, keeps_what_is_wanted_and_is_hardly_finer_than_that) {
+    const SeaState state = windy_sea();
+    const RealizationPtr sea = realized(state, three_cascades);
+    double rms_slope = 0;
+    {
+        Realization calm = *sea;
+        for (CascadeModes& modes : calm.cascades)
+            std::fill(modes.h0.begin(), modes.h0.end(), 0.0);
+        rms_slope = 1.5 * difference(*sea, calm).slope; // at most sqrt(2) of one component
+    }
+    for (const SpectrumAccuracy wanted :
+         {SpectrumAccuracy{0.02}, {0.02, 0.01}, {0.02, 0.2}, {0.001, 0.01}, {0.1}}) {
+        const QuantisedSpectrum waves = quantise(*sea, wanted);
+        const SpectrumLeft left = difference(*sea, rebuilt(*sea, state, waves));
+        const double height_m = spectrum_sigmas * left.height_m;
+        const double slope = spectrum_sigmas * left.slope;
+        EXPECT_LE(height_m, wanted.height_m);
+        EXPECT_LE(slope, wanted.slope);
+        const double sideways_m = spectrum_sigmas * left.displacement_m * rms_slope;
+        EXPECT_GE(
+            std::max(std::hypot(height_m, sideways_m) / wanted.height_m, slope / wanted.slope),
+            0.98)
+            << wanted.height_m << " and " << wanted.slope;
+    }
+}
+
+// 6 standard deviations at each of 20 000 places and times: one sea of 25 000 exceeds them somewhere.
+TEST(QuantisedSpectrum, a_rebuilt_sea_keeps_its_bound_at_1000_times_of_a_day) {
+    const SeaState state = windy_sea();
+    const RealizationPtr sea = realized(state, three_cascades);
+    const QuantisedSpectrum waves = quantise(*sea, {0.01, 0.005});
+    const auto copy = std::make_shared<const Realization>(rebuilt(*sea, state, waves));
+    const DirectSum truth(sea), own(copy);
+    double worst_m = 0, worst_slope = 0;
+    for (int t = 0; t < 1000; ++t) {
+        const TimeUs time_us = t * TimeUs{86'400'000};
+        const DirectSum::Moment then = truth.at_time(time_us), mine = own.at_time(time_us);
+        for (int p = 0; p < 20; ++p) {
+            const double x_m = 37.7 * p, y_m = -91.3 * p;
+            const LagrangianPoint a = then.at(x_m, y_m), b = mine.at(x_m, y_m);
+            worst_m = std::max(worst_m, std::abs(a.height - b.height));
+            worst_slope = std::max(
+                {worst_slope, std::abs(a.slope_x - b.slope_x), std::abs(a.slope_y - b.slope_y)});
+        }
+    }
+    EXPECT_LE(worst_m, 0.01);
+    EXPECT_LE(worst_slope, 0.005);
+    EXPECT_GE(std::max(worst_m / 0.01, worst_slope / 0.005), 0.4) << "no finer than it must be";
+}
+
+// The frequency of a wave is not sent: it must come out the same, or phases part within days.
+TEST(QuantisedSpectrum, a_rebuilt_sea_has_the_frequencies_of_the_sea_to_the_bit) {
+    for (const double loop_s : {0.0, 90.0}) {
+        SeaState state = windy_sea();
+        state.loop_period_s = loop_s;
+        state.gravity_mps2 = 3.7;
+        state.surface_tension = loop_s > 0;
+        const RealizationPtr sea = realized(state, three_cascades);
+        const Realization copy = rebuilt(*sea, state, quantise(*sea, {0.01}));
+        EXPECT_EQ(copy.loop_period_us, sea->loop_period_us);
+        for (std::size_t c = 0; c < copy.cascades.size(); ++c) {
+            const CascadeModes& modes = copy.cascades[c];
+            EXPECT_EQ(modes.depth_m, sea->cascades[c].depth_m);
+            for (std::size_t i = 0; i < modes.rate.size(); ++i)
+                ASSERT_TRUE(modes.rate[i] == 0 || modes.rate[i] == sea->cascades[c].rate[i]) << i;
+        }
+    }
+}
+
+TEST(QuantisedSpectrum, the_coarse_layer_comes_first_and_each_layer_most_energetic_first) {
+    const RealizationPtr sea = realized(windy_sea(), {{2048.0, 256}, {317.0, 256}, {53.0, 256}});
+    const QuantisedSpectrum waves = quantise(*sea, {0.01, 0.005});
+    ASSERT_GT(waves.blocks.front().shift, 0);
+    EXPECT_EQ(waves.blocks.back().shift, 0);
+    bool fine = false;
+    for (const WaveBlock& block : waves.blocks) {
+        fine = fine || block.shift == 0;
+        EXPECT_EQ(block.shift == 0, fine) << "no coarse block after a fine one";
+    }
+    // A tenth of the blocks tell more of the sea than half of the last ones.
+    const std::size_t tenth = waves.blocks.size() / 10, half = waves.blocks.size() / 2;
+    EXPECT_GT(waves.without.height_m - waves.left[tenth].height_m,
+              10 * (waves.left[half].height_m - waves.left.back().height_m));
+}
+
+TEST(QuantisedSpectrum,
+     a_sea_that_is_calmer_than_the_bound_needs_no_block_and_one_without_waves_none) {
+    const RealizationPtr sea = realized(windy_sea(), three_cascades);
+    const QuantisedSpectrum coarse = quantise(*sea, {1e4});
+    EXPECT_TRUE(coarse.blocks.empty());
+    EXPECT_GT(coarse.without.height_m, 0.1) << "which it says";
+    Realization calm = *sea;
+    for (CascadeModes& modes : calm.cascades)
+        std::fill(modes.h0.begin(), modes.h0.end(), 0.0);
+    const QuantisedSpectrum none = quantise(calm, {0.01, 0.005});
+    EXPECT_TRUE(none.blocks.empty());
+    EXPECT_EQ(none.without.height_m, 0);
+}
+
+// Naive: block numbers by dividing towards zero, which puts -1 and 1 into one block; the last row forgotten.
+TEST(QuantisedSpectrum, a_wave_at_every_edge_of_the_lattice_comes_back_where_it_was) {
+    SeaState state;
+    for (const auto& [nx, ny] : {std::pair(1, 0),
+                                 {-1, 0},
+                                 {0, -1},
+                                 {7, 8},
+                                 {-8, -9},
+                                 {31, -31},
+                                 {-31, 31},
+                                 {-31, -31},
+                                 {8, 0}}) {
+        const RealizationPtr sea = one_wave(100.0, 64, nx, ny, 1.0, 0.7);
+        const Realization copy = rebuilt(*sea, state, quantise(*sea, {0.001}));
+        for (std::size_t i = 0; i < sea->cascades[0].h0.size(); ++i)
+            EXPECT_NEAR(std::abs(copy.cascades[0].h0[i] - sea->cascades[0].h0[i]), 0, 1e-3)
+                << nx << ", " << ny;
+    }
+}
+
+TEST(QuantisedSpectrum, waves_whose_phases_were_given_are_known_by_their_blocks) {
+    auto sea = std::make_shared<Realization>(*one_wave(100.0, 64, 3, 4, 1.0));
+    sea->cascades[0].given.resize(64 * 64);
+    sea->cascades[0].given[4 * 64 + 3] = 1;
+    SeaState state;
+    const Realization copy = rebuilt(*sea, state, quantise(*sea, {0.01}));
+    EXPECT_TRUE(copy.cascades[0].is_given(4 * 64 + 3));
+    const Realization drawn = rebuilt(*one_wave(100.0, 64, 3, 4, 1.0), state,
+                                      quantise(*one_wave(100.0, 64, 3, 4, 1.0), {0.01}));
+    EXPECT_FALSE(drawn.cascades[0].is_given(4 * 64 + 3));
+}
+
+// ---- what comes from elsewhere ---------------------------------------------------------------
+
+TEST(SpectrumBuilder, refuses_blocks_of_no_cascade_and_waves_of_no_lattice_by_name) {
+    const SpectrumFrame frame{
+        .tiles = {{{100.0, 64}, {0.0, 2.0}}}, .choppiness = {}, .dispersion = {}};
+    SpectrumBuilder builder = *SpectrumBuilder::create(frame, {0.001, 0});
+    const auto why = [&](const WaveBlock& block) {
+        const Result<void> fine = builder.add(block);
+        return fine ? std::string() : fine.error().message;
+    };
+    WaveBlock block;
+    block.codes.fill(1);
+    block.cascade = 1;
+    EXPECT_NE(why(block).find("cascade 1"), std::string::npos);
+    block.cascade = -1;
+    EXPECT_NE(why(block).find("cascade -1"), std::string::npos);
+    block.cascade = 0;
+    block.bx = 4;
+    EXPECT_NE(why(block).find("(32, 0)"), std::string::npos) << why(block);
+    block.bx = -4;
+    EXPECT_NE(why(block).find("(-32, 0)"), std::string::npos)
+        << "row and column -size/2 are nobody's";
+    block.bx = 0;
+    EXPECT_NE(why(block).find("(0, 0)"), std::string::npos);
+    block.codes[0] = block.codes[1] = 0;
+    EXPECT_EQ(why(block), "");
+    EXPECT_EQ(why({0, 127, 127, 0, false, {}}), "") << "beyond, but nothing is there";
+}
+
+// A rate that no rate holds would abort where seas are realised.
+TEST(SpectrumBuilder, refuses_waves_that_turn_too_fast_and_tiles_that_are_too_many) {
+    SpectrumFrame frame{
+        .tiles = {{{1e-3, 64}, {0.0, 1e9}}}, .choppiness = {}, .dispersion = {1e3, 1.0}};
+    SpectrumBuilder fast = *SpectrumBuilder::create(frame, {0.001, 0});
+    WaveBlock block{0, 1, 1, 0, false, {}};
+    block.codes[0] = 1;
+    const Result<void> fine = fast.add(block);
+    ASSERT_FALSE(fine);
+    EXPECT_NE(fine.error().message.find("rad/s"), std::string::npos);
+    frame.tiles.assign(9, {{100.0, 1024}, {0.0, 1.0}});
+    EXPECT_FALSE(SpectrumBuilder::create(frame, {0.001, 0}));
+}
+
+} // namespace
+} // namespace seaway::sea

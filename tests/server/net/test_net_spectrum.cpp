@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+// Waves over real loopback sockets: what a session that wants them is sent, and what it is not.
+#include "tests/server/net/net_fixture.h"
+
+#include "protocol/limits.h"
+
+namespace seaway::tests {
+namespace {
+
+using wire::Body;
+using wire::ErrorCode;
+
+class NetSpectrum : public NetTest {
+  protected:
+    void offer(std::uint32_t epoch, std::uint32_t chunks, std::size_t chunk_bytes = 100) {
+        host.offer_spectra({SmallSea::spectrum_of(epoch, chunks, chunk_bytes)});
+    }
+    /// Reads a whole spectrum; its epoch, 0 and a failure if it is none.
+    static std::uint32_t spectrum_from(Client& client) {
+        const wire::Message* message = client.receive(Body::Spectrum);
+        if (!message)
+            return 0;
+        const std::uint32_t epoch = message->body_as_Spectrum()->epoch();
+        const std::uint32_t chunks = message->body_as_Spectrum()->chunks();
+        for (std::uint32_t chunk = 0; chunk < chunks; ++chunk) {
+            message = client.receive();
+            EXPECT_TRUE(message && message->body_as_SpectrumChunk());
+            if (!message || !message->body_as_SpectrumChunk())
+                return 0;
+            EXPECT_EQ(message->body_as_SpectrumChunk()->chunk(), chunk);
+            EXPECT_EQ(message->body_as_SpectrumChunk()->epoch(), epoch);
+        }
+        return epoch;
+    }
+};
+
+TEST_F(NetSpectrum, a_wish_is_answered_by_what_is_granted_then_the_waves_in_order_then_nothing) {
+    offer(1, 20);
+    start();
+    const auto client = greeted();
+    ASSERT_FALSE(client->send(protocol::subscribe_spectrum(9, {.error_m = 0.02f})));
+    const wire::Message* message = client->receive(Body::SpectrumSubscribed);
+    ASSERT_TRUE(message);
+    const protocol::SpectrumGrant grant = protocol::grant(*message->body_as_SpectrumSubscribed());
+    EXPECT_EQ(message->body_as_SpectrumSubscribed()->request_id(), 9u);
+    EXPECT_EQ(grant.error_m, 0.01f);
+    EXPECT_EQ(grant.slope_error, 0.005f);
+    EXPECT_EQ(grant.why, "less");
+    EXPECT_EQ(grant.spectra, 1u);
+    EXPECT_EQ(spectrum_from(*client), 1u);
+    EXPECT_TRUE(client->stays_quiet_for(std::chrono::milliseconds(300)));
+}
+
+TEST_F(NetSpectrum, the_waves_of_a_sea_that_is_announced_come_by_themselves_and_once) {
+    offer(1, 3);
+    start();
+    const auto client = greeted();
+    ASSERT_FALSE(client->send(protocol::subscribe_spectrum(1, {})));
+    EXPECT_EQ(spectrum_from(*client), 1u);
+    host.offer_spectra({SmallSea::spectrum_of(1, 3), SmallSea::spectrum_of(2, 5)});
+    net->announce(SmallSea::state_message(2));
+    EXPECT_TRUE(client->receive(Body::SeaState));
+    EXPECT_EQ(spectrum_from(*client), 2u) << "that of the sea that runs is held";
+    net->announce(SmallSea::state_message(2));
+    EXPECT_TRUE(client->receive(Body::SeaState));
+    EXPECT_TRUE(client->stays_quiet_for(std::chrono::milliseconds(300)));
+}
+
+TEST_F(NetSpectrum, who_does_not_ask_or_asks_no_more_is_sent_none) {
+    offer(1, 3);
+    start();
+    const auto client = greeted(), bystander = greeted();
+    ASSERT_FALSE(client->send(protocol::subscribe_spectrum(1, {})));
+    EXPECT_EQ(spectrum_from(*client), 1u);
+    ASSERT_FALSE(client->send(protocol::unsubscribe(true)));
+    ASSERT_FALSE(client->send(protocol::ping(5, 6))); // has been read by then
+    ASSERT_TRUE(client->receive(Body::Pong));
+    offer(2, 3);
+    net->announce(SmallSea::state_message(2));
+    for (Client* one : {client.get(), bystander.get()}) {
+        EXPECT_TRUE(one->receive(Body::SeaState));
+        EXPECT_TRUE(one->stays_quiet_for(std::chrono::milliseconds(300)));
+    }
+}
+
+TEST_F(NetSpectrum, what_cannot_be_had_is_refused_by_name_and_the_session_goes_on) {
+    start();
+    const auto client = greeted();
+    const auto code_of = [&](const protocol::SpectrumWish& wish) {
+        EXPECT_FALSE(client->send(protocol::subscribe_spectrum(3, wish)));
+        const wire::Message* message = client->receive(Body::Refused);
+        return message ? message->body_as_Refused()->code() : ErrorCode::none;
+    };
+    EXPECT_EQ(code_of({}), ErrorCode::not_offered);
+    EXPECT_EQ(code_of({.error_m = -1}), ErrorCode::bad_value);
+    EXPECT_EQ(code_of({.error_m = std::nanf("")}), ErrorCode::bad_value);
+    EXPECT_EQ(code_of({.slope_error = 11}), ErrorCode::bad_value);
+    EXPECT_EQ(host.spectra_asked, 1) << "what is out of range is not looked for";
+}
+
+// The kernel takes some hundred KB of them; who reads nothing of the rest waits for ever and is never closed,
+// and who asks again meanwhile is refused. Naive: a durable lane that is full closes the session.
+TEST_F(NetSpectrum, a_slow_reader_is_not_closed_and_asks_in_vain_for_more_at_once) {
+    offer(1, 4000, 16 * 1024);
+    start();
+    const auto client = greeted();
+    ASSERT_FALSE(client->send(protocol::subscribe_spectrum(1, {})));
+    ASSERT_TRUE(client->receive(Body::Spectrum));
+    ASSERT_FALSE(client->send(protocol::subscribe_spectrum(2, {})));
+    const wire::Message* message = client->receive(Body::Refused);
+    ASSERT_TRUE(message);
+    EXPECT_EQ(message->body_as_Refused()->code(), ErrorCode::too_many_requests);
+    EXPECT_EQ(message->body_as_Refused()->request_id(), 2u);
+    ASSERT_FALSE(client->send(protocol::ping(5, 6))); // a reply goes before what waits
+    EXPECT_TRUE(client->receive(Body::Pong));
+}
+
+TEST_F(NetSpectrum, is_made_once_for_each_who_asks_and_shared) {
+    offer(1, 2);
+    start();
+    const long before = host.spectra.front()->messages.front().use_count();
+    const auto a = greeted(), b = greeted();
+    for (const auto& client : {a.get(), b.get()}) {
+        ASSERT_FALSE(client->send(protocol::subscribe_spectrum(1, {})));
+        EXPECT_EQ(spectrum_from(*client), 1u);
+    }
+    EXPECT_EQ(host.spectra_asked, 2);
+    net->stop();
+    EXPECT_EQ(host.spectra.front()->messages.front().use_count(), before) << "nobody copied them";
+}
+
+} // namespace
+} // namespace seaway::tests
