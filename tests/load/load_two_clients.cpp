@@ -182,7 +182,7 @@ Result<ChildProcess> client_behind(const tests::FaultProxy& line, const Options&
                                    int frames_per_s, double pause_at_s, double seconds,
                                    const std::string& out) {
     return ChildProcess::start(
-        {SEAWAY_BIN_DIR "/load_two_clients", "--play",
+        {std::string(SEAWAY_BIN_DIR) + "/load_two_clients", "--play",
          fmt::format("ws://127.0.0.1:{}", line.port()), "--out", out, "--frames-per-s",
          std::to_string(frames_per_s), "--pause-at", std::to_string(pause_at_s), "--pause",
          std::to_string(options.pause_s), "--seconds", std::to_string(seconds)});
