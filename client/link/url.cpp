@@ -66,6 +66,8 @@ Result<Url> parse_url(std::string_view text) {
         if (bracket == std::string_view::npos)
             return bad_url(text, "an IPv6 address needs its closing ']'");
         url.host = rest.substr(1, bracket - 1);
+        if (url.host.find(':') == std::string::npos && !url.host.empty())
+            return bad_url(text, "between brackets stands an IPv6 address");
         host_end = bracket + 1;
         if (host_end == rest.size())
             host_end = std::string_view::npos;
@@ -74,6 +76,8 @@ Result<Url> parse_url(std::string_view text) {
     } else {
         url.host = rest.substr(0, host_end);
     }
+    if (url.host.find_first_of("[]") != std::string::npos)
+        return bad_url(text, "brackets stand around an IPv6 address, once");
     if (url.host.empty())
         return bad_url(text, "the host is missing (an IPv6 address is written in brackets)");
     url.port = url.tls ? "443" : "80";

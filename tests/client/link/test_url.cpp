@@ -65,8 +65,9 @@ INSTANTIATE_TEST_SUITE_P(
                       Wrong{"ws://a:65536", "65535"}, Wrong{"ws://a:", "1 to 65535"},
                       Wrong{"ws://a:80x", "'80x'"}, Wrong{"ws://::1:80", "brackets"},
                       Wrong{"ws://[::1", "']'"}, Wrong{"ws://[::1]80", "after ']'"},
-                      Wrong{"ws://me:secret@a", "token"}, Wrong{"ws://a b", "blanks"},
-                      Wrong{"ws://a/\r\nX: y", "control"}));
+                      Wrong{"ws://[a]:80", "IPv6"}, Wrong{"ws://[[::1]", "once"},
+                      Wrong{"ws://a[b]:80", "once"}, Wrong{"ws://me:secret@a", "token"},
+                      Wrong{"ws://a b", "blanks"}, Wrong{"ws://a/\r\nX: y", "control"}));
 
 } // namespace
 } // namespace seaway::client

@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "protocol/limits.h"
+#include "tests/load/swarm/mutator.h"
 #include "tests/load/swarm/peer.h"
 
 namespace seaway::tests::swarm {
@@ -101,6 +102,14 @@ void Worker::flood() {
 }
 
 int Worker::work() {
+    if (errand_.mutates != 0) {
+        Mutator mutator(errand_.port, errand_.mutates);
+        while (!stage_.end) {
+            stage_.mutated += mutator.attack(scratch_);
+            ++tally_.attacks;
+        }
+        return 0;
+    }
     connect();
     bool subscribed = false;
     std::vector<epoll_event> events(256);

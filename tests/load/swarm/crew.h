@@ -18,6 +18,8 @@ struct Errand {
     int stalled = 0;     ///< subscribe and never read
     bool asks = false;   ///< single points, a hundred a second, timed
     bool floods = false; ///< as many points at far times as a session may have under way
+    std::uint64_t mutates =
+        0; ///< sends messages with mistakes in them, by lot from this seed; 0: does not
     protocol::TileWish wish = {};
     int credit = 4;
 };

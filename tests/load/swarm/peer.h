@@ -25,6 +25,7 @@ class Peer {
 
     int handle() const { return socket_; }
     void send(const protocol::Bytes& message);
+    void say(const void* bytes, std::size_t size); ///< as they are
     /// Takes all that has come; false: the session has ended. `scratch` is for all peers of a thread.
     bool take(std::vector<std::uint8_t>& scratch, Tally& tally, const Stage& stage);
 
@@ -41,7 +42,6 @@ class Peer {
     void on_message(std::span<const std::uint8_t> bytes, Tally& tally, const Stage& stage);
     void on_tile(const wire::Tile& tile, Tally& tally, const Stage& stage);
     void on_keyframe(const wire::Tile& tile, Tally& tally, const Stage& stage);
-    void say(const void* bytes, std::size_t size);
 
     int socket_;
     std::vector<std::uint8_t> rest_; ///< the beginning of a message

@@ -59,11 +59,13 @@ struct Tally {
     std::uint64_t bytes = 0;
     std::uint64_t refused = 0; ///< requests
     std::uint64_t ended = 0;   ///< sessions, by the server or by a fault
+    std::uint64_t attacks = 0; ///< connections of who sends what is no message
 };
 
 /// What the parent says, and how far the children have come.
 struct Stage {
-    std::atomic<int> greeted = 0; ///< sessions
+    std::atomic<int> greeted = 0;           ///< sessions
+    std::atomic<std::uint64_t> mutated = 0; ///< messages that were no client's
     std::atomic<bool> subscribe = false, measure = false, end = false;
     std::atomic<double> sea_minus_clock_s = 0; ///< sea time less the steady clock
 };
