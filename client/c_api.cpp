@@ -196,6 +196,13 @@ seaway_code seaway_subscribe(seaway_client* client, const seaway_subscription* s
         if (!(wanted.error_m >= 0 && wanted.error_m <= protocol::limits::error_m_max) ||
             !timeout_fits(wanted.timeout_s))
             return bad("seaway_subscribe: error_m must be 0 to 1e6, timeout_s 0 to 86400");
+        if (wanted.rung == SEAWAY_SPECTRUM) {
+            const Result<protocol::SpectrumGrant> granted = client->client->subscribe_spectrum(
+                {.error_m = static_cast<float>(wanted.error_m)}, or_default(wanted.timeout_s));
+            return granted ? Result<void>() : granted.error();
+        }
+        if (wanted.rung != SEAWAY_TILES)
+            return bad("seaway_subscribe: rung must be SEAWAY_TILES or SEAWAY_SPECTRUM");
         protocol::TileWish wish;
         wish.fields = sea::surface_fields;
         wish.error_m = static_cast<float>(wanted.error_m);
@@ -210,6 +217,7 @@ seaway_code seaway_unsubscribe(seaway_client* client) {
         if (!client)
             return bad("seaway_unsubscribe: client must not be null");
         client->client->unsubscribe();
+        client->client->unsubscribe_spectrum();
         return {};
     });
 }

@@ -5,7 +5,8 @@
  * microseconds since the sea's epoch. Points are world points, not displaced.
  *
  * Two ways to ask. seaway_query: the server answers; a round trip. seaway_sample: this process
- * answers from the keyframes that it holds; about a microsecond a point, no waiting, no network.
+ * answers from the keyframes that it holds, or from the waves; about a microsecond a point, no waiting, no
+ * network.
  * Both state a bound on the error of every height, and agree within it.
  *
  * Threads: every function may be called from any thread at any time, also several at once for one
@@ -148,18 +149,26 @@ typedef struct seaway_answer {
 seaway_code seaway_query(seaway_client* client, const seaway_point* points, size_t count, int exact,
                          double timeout_s, seaway_answer* answers);
 
+/* What is sent, and with it what seaway_sample answers from. */
+enum {
+    SEAWAY_TILES = 0, /* keyframes around now, for as long as the subscription lasts */
+    /* The waves of the sea, once: some 60 KB, then nothing while the sea stays as it is. Any time can be sampled,
+     * past or future, at some 30 us a point. Not of a sea of stylised waves: SEAWAY_REFUSED. */
+    SEAWAY_SPECTRUM = 1
+};
+
 typedef struct seaway_subscription {
-    double error_m;    /* wanted bound on height; 0: the server chooses */
-    uint32_t credit;   /* keyframes under way, 1 .. 8; 0: 2 */
-    uint32_t reserved; /* 0 */
-    double timeout_s;  /* 0: 10 */
+    double error_m;   /* wanted bound on height; 0: the server chooses */
+    uint32_t credit;  /* keyframes under way, 1 .. 8; 0: 2 */
+    uint32_t rung;    /* SEAWAY_TILES or SEAWAY_SPECTRUM; one does not end the other */
+    double timeout_s; /* 0: 10 */
 } seaway_subscription;
 
-/* Has the tiles for sampling streamed from now on; NULL: the defaults. An earlier subscription is
- * replaced. Blocks until the present can be sampled. */
+/* Has what is needed for sampling sent from now on; NULL: the defaults. An earlier subscription of the
+ * same rung is replaced. Blocks until the present can be sampled. */
 seaway_code seaway_subscribe(seaway_client* client, const seaway_subscription* subscription);
 
-/* Ends the stream. What is held stays. */
+/* Ends the stream, of both rungs. What is held stays. */
 seaway_code seaway_unsubscribe(seaway_client* client);
 
 /* Fetches what is needed to sample at these times, where it is not held. For a few times: the ring

@@ -17,8 +17,8 @@
 #include "server/host/host.h"
 #include "server/host/quality.h"
 #include "server/journal/sea_clock.h"
+#include "server/publish/spectrum_store.h"
 #include "server/simulation/simulation.h"
-#include "server/spectrum_store.h"
 
 namespace seaway::server {
 
@@ -50,7 +50,9 @@ class World final : public Host {
     void query(QueryBatch batch, Queried done) override;
     void map(MapQuery query, Mapped done) override;
     Result<GrantedSpectrum> spectrum(const SpectrumDemand& wish) override {
-        return spectra_.grant(*sea_, wish);
+        return spectra_.grant({sea_->epoch, sea_->realization, sea_->scene.sea.dispersion(),
+                               sea_->budget.height_error_m},
+                              wish);
     }
     std::string state_json() const override;
     std::string plan_json() const override;

@@ -57,6 +57,25 @@ TEST_F(CInterface, both_ways_to_ask_agree_within_the_bound) {
     EXPECT_GE(sea.clock().round_trip_us, 0);
 }
 
+TEST_F(CInterface, with_the_waves_any_time_is_sampled_without_a_question) {
+    Sea sea(url);
+    seaway_subscription wanted{};
+    wanted.error_m = 0.001;
+    wanted.rung = SEAWAY_SPECTRUM;
+    sea.subscribe(wanted);
+    for (const std::int64_t time_us :
+         {std::int64_t{-5'000'000'000'001}, std::int64_t{0}, std::int64_t{900'000'000'000'000}}) {
+        const seaway_answer own = sea.sample({12, -40, time_us});
+        const sea::Answer truth = sea_served.truth({12, -40, time_us});
+        EXPECT_LE(std::abs(own.height_m - truth.height_m), own.error_m);
+        EXPECT_LE(own.error_m, 0.0015);
+    }
+    EXPECT_EQ(sea_served.queries, 0);
+    wanted.rung = 2;
+    EXPECT_EQ(seaway_subscribe(sea.handle(), &wanted), SEAWAY_BAD_ARGUMENT);
+    EXPECT_NE(std::string(seaway_last_error()).find("rung"), std::string::npos);
+}
+
 // While the server looks at its clock at the end of a trip of 60 ms, half of it is mistaken for the way
 // back: 30 ms, until shorter trips come. Less than 10 s of them tell nothing of a drift.
 TEST_F(CInterface, what_the_clock_has_to_make_up_is_told_apart_from_its_drift) {

@@ -12,6 +12,7 @@
 #include "tools/bench/compare.h"
 #include "tools/bench/effects.h"
 #include "tools/bench/line.h"
+#include "tools/bench/spectrum.h"
 #include "tools/bench/tune/tune.h"
 
 namespace {
@@ -132,6 +133,24 @@ seaway::CommandLine& add_line(seaway::CommandLine& line, seaway::bench::LineOpti
     return command;
 }
 
+seaway::CommandLine& add_spectrum(seaway::CommandLine& line,
+                                  seaway::bench::SpectrumOptions& options) {
+    seaway::CommandLine& command =
+        line.command("spectrum", "The waves themselves: bytes, what is missed, errors over a day");
+    command.option("--scene", options.scene).shows_default();
+    command.option("--height-error", options.error_m, "Bound that the client asks for, m")
+        .between(1e-6, 100.0)
+        .shows_default();
+    command.option("--slope-error", options.slope_error, "And of slopes; from 1 on none")
+        .between(1e-6, 10.0)
+        .shows_default();
+    command.option("--times", options.times, "Times of 24 h at which errors are looked for")
+        .between(1, 100000)
+        .shows_default();
+    command.option("--places", options.places, "Places at each").between(1, 10000).shows_default();
+    return command;
+}
+
 /// An exit status, or one line on stderr and 2.
 int finished(const seaway::Result<int>& status) {
     if (!status)
@@ -159,6 +178,8 @@ int main(int argc, char** argv) {
     const CommandLine& measured = add_accuracy(line, accuracy);
     bench::LineOptions bytes;
     const CommandLine& counted = add_line(line, bytes);
+    bench::SpectrumOptions waves;
+    const CommandLine& summed = add_spectrum(line, waves);
     bench::GuardOptions guard;
     CommandLine& guarded =
         line.command("guard", "Are errors what they were? Exit code 1: one has grown by a fifth");
@@ -184,6 +205,7 @@ int main(int argc, char** argv) {
     const Result<void> done = measured.given()  ? bench::run_accuracy(accuracy)
                               : compare.given() ? bench::run_compare(pair)
                               : counted.given() ? bench::run_line(bytes)
+                              : summed.given()  ? bench::run_spectrum(waves)
                                                 : bench::run_effects(options);
     return finished(done ? Result<int>(0) : Result<int>(done.error()));
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/spectrum_store.h"
+#include "server/publish/spectrum_store.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,6 @@
 #include "protocol/spectrum_codec.h"
 #include "sea/waves/quantised_spectrum.h"
 #include "sea/waves/spectrum_builder.h"
-#include "server/host/quality.h"
 #include "server/host/refusal.h"
 
 namespace seaway::server {
@@ -43,7 +42,7 @@ Result<void> check_offered(const sea::Realization& waves) {
                              points, sea::spectrum_modes_max)};
 }
 
-/// The last of the rungs that is as fine as the wish; the first one where none is, or 0 was wished for.
+/// The last of the rungs that is as fine as the wish; the first one where none is.
 /// Wishes travel as floats: 0.01 is as fine as 0.01.
 template <class Bound>
 std::size_t rung_for(std::size_t rungs, float wished, const Bound& bound) {
@@ -95,7 +94,7 @@ class Chunks {
 };
 
 /// Null: larger than the wire takes.
-EncodedSpectrumPtr encode(const RunningSea& sea, const sea::QuantisedSpectrum& waves) {
+EncodedSpectrumPtr encode(const SpectrumSource& sea, const sea::QuantisedSpectrum& waves) {
     Chunks chunks(sea.epoch, waves);
     if (chunks.payload_bytes > limits::spectrum_bytes_max ||
         chunks.messages.size() > limits::spectrum_chunks_max)
@@ -107,8 +106,8 @@ EncodedSpectrumPtr encode(const RunningSea& sea, const sea::QuantisedSpectrum& w
                             .chunks = static_cast<std::uint32_t>(chunks.messages.size()),
                             .bytes = static_cast<std::uint32_t>(chunks.payload_bytes),
                             .steps = waves.steps,
-                            .dispersion = sea.scene.sea.dispersion(),
-                            .loop_period_us = sea.realization->loop_period_us})));
+                            .dispersion = sea.dispersion,
+                            .loop_period_us = sea.waves->loop_period_us})));
     for (EncodedSpectrum::Message& message : chunks.messages)
         encoded->messages.push_back(std::move(message));
     for (const EncodedSpectrum::Message& message : encoded->messages)
@@ -122,31 +121,30 @@ void say(std::string& why, const std::string& reason) {
 
 } // namespace
 
-const SpectrumStore::Made& SpectrumStore::made(const RunningSea& sea, const Rung& rung) {
+const SpectrumStore::Made& SpectrumStore::made(const SpectrumSource& sea, const Rung& rung) {
     while (made_.size() > epochs_kept ||
            (made_.size() == epochs_kept && !made_.contains(sea.epoch)))
         made_.erase(made_.begin());
     std::map<Rung, Made>& of_sea = made_[sea.epoch];
     if (const auto held = of_sea.find(rung); held != of_sea.end())
         return held->second;
-    const sea::QuantisedSpectrum waves =
-        sea::quantise(*sea.realization, {codec_rungs[rung.height] * sea.budget.height_error_m,
-                                         slope_rungs[rung.slope]});
+    const sea::QuantisedSpectrum waves = sea::quantise(
+        *sea.waves, {height_rungs[rung.height] * sea.height_error_m, slope_rungs[rung.slope]});
     const sea::SpectrumLeft left = waves.left.empty() ? waves.without : waves.left.back();
     const double slope = slope_rungs[rung.slope];
     return of_sea[rung] = {encode(sea, waves),
                            std::isfinite(slope) ? slope : sea::spectrum_sigmas * left.slope};
 }
 
-Result<GrantedSpectrum> SpectrumStore::grant(const RunningSea& sea, const SpectrumDemand& wish) {
-    SEAWAY_TRY(check_offered(*sea.realization));
-    const auto height_of = [&](std::size_t n) {
-        return codec_rungs[n] * sea.budget.height_error_m;
-    };
+Result<GrantedSpectrum> SpectrumStore::grant(const SpectrumSource& sea,
+                                             const SpectrumDemand& wish) {
+    SEAWAY_TRY(check_offered(*sea.waves));
+    const auto height_of = [&](std::size_t n) { return height_rungs[n] * sea.height_error_m; };
     const auto slope_of = [](std::size_t n) { return slope_rungs[n]; };
-    Rung rung{rung_for(codec_rungs.size(), wish.error_m, height_of),
+    Rung rung{wish.error_m == 0.0f ? own_height_rung
+                                   : rung_for(height_rungs.size(), wish.error_m, height_of),
               rung_for(slope_rungs.size() - 1, wish.slope_error, slope_of)};
-    const Rung coarsest{codec_rungs.size() - 1, slope_rungs.size() - 1};
+    const Rung coarsest{height_rungs.size() - 1, slope_rungs.size() - 1};
     if (wish.slope_error >= 1.0f) // as good as none
         rung.slope = coarsest.slope;
     GrantedSpectrum granted;

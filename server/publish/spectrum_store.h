@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // SpectrumStore: the waves of a sea as wire messages, once for each of a few accuracies, kept for as long as the
-// sea is one of the newest two. What a client wishes for gets the coarsest accuracy that keeps it; 0 and what is
-// finer than all get the finest, which for heights is the sea's own height_error_m.
+// sea is one of the newest two. What a client wishes for gets the coarsest accuracy that keeps it, what is finer than
+// all the finest; 0 the sea's own height_error_m, and the finest slopes.
 //
 // Thread-safe; one caller at a time makes something, the others wait. Cost where nothing is held: some 4 us a wave, of a
 // gale 0.1 s.
@@ -14,24 +14,38 @@
 #include <mutex>
 
 #include "base/result.h"
+#include "sea/basics/dispersion.h"
+#include "sea/waves/realization.h"
 #include "server/host/encoded_spectrum.h"
-#include "server/simulation/running_sea.h"
 
 namespace seaway::server {
 
+/// Bounds on heights, in shares of the sea's height_error_m. A client that has the waves adds nothing to them, and may want
+/// finer ones than tiles give.
+inline constexpr std::array<double, 7> height_rungs{0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0};
+/// The one of the sea's own.
+inline constexpr std::size_t own_height_rung = 2;
 /// Bounds on slopes; the last rung has none.
 inline constexpr std::array<double, 5> slope_rungs{0.005, 0.01, 0.02, 0.05,
                                                    std::numeric_limits<double>::infinity()};
+
+/// A sea as far as its spectrum goes.
+struct SpectrumSource {
+    std::uint32_t epoch = 0;
+    sea::RealizationPtr waves = {};
+    sea::Dispersion dispersion = {};
+    double height_error_m = 0;
+};
 
 class SpectrumStore {
   public:
     /// Errors, of kind Refusal: not_offered for a sea of stylised waves, which are no modes, and for one whose
     /// spectrum is larger than the wire takes at every accuracy.
-    Result<GrantedSpectrum> grant(const RunningSea& sea, const SpectrumDemand& wish);
+    Result<GrantedSpectrum> grant(const SpectrumSource& sea, const SpectrumDemand& wish);
 
   private:
     struct Rung {
-        std::size_t height = 0; ///< of codec_rungs
+        std::size_t height = 0; ///< of height_rungs
         std::size_t slope = 0;  ///< of slope_rungs
         auto operator<=>(const Rung&) const = default;
     };
@@ -40,7 +54,7 @@ class SpectrumStore {
         double slope_error = 0;
     };
 
-    const Made& made(const RunningSea& sea, const Rung& rung);
+    const Made& made(const SpectrumSource& sea, const Rung& rung);
 
     std::mutex mutex_;
     std::map<std::uint32_t, std::map<Rung, Made>> made_; ///< by epoch

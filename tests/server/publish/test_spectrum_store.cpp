@@ -5,17 +5,44 @@
 #include "protocol/limits.h"
 #include "protocol/messages.h"
 #include "protocol/spectrum_codec.h"
+#include "sea/scene/scene.h"
 #include "sea/waves/spectrum_builder.h"
 #include "server/host/quality.h"
 #include "server/host/refusal.h"
-#include "server/spectrum_store.h"
-#include "tests/server/simulation/simulation_bench.h"
+#include "server/publish/spectrum_store.h"
 
 namespace seaway::server {
 namespace {
 
-GrantedSpectrum granted(SpectrumStore& store, const RunningSea& sea, double error_m, double slope,
-                        FieldSet fields = sea::surface_fields) {
+using sea::Field;
+using sea::FieldSet;
+
+SpectrumSource some_waves() {
+    constexpr const char* text = R"(
+[sea]
+seed = 7
+[[sea.system]]
+type = "wind"
+spectrum = "jonswap"
+wind_speed_10m_mps = 9.0
+from_deg = 250
+fetch_m = 40e3
+spreading = "hasselmann"
+[[cascade]]
+length_m = 301.0
+size = 64
+[[cascade]]
+length_m = 43.0
+size = 64
+)";
+    const Result<sea::Scene> scene = sea::parse_scene(text, "some_waves", ".");
+    EXPECT_TRUE(scene);
+    return {1, std::make_shared<const sea::Realization>(*sea::realize(*scene)),
+            scene->sea.dispersion(), 0.02};
+}
+
+GrantedSpectrum granted(SpectrumStore& store, const SpectrumSource& sea, double error_m,
+                        double slope, FieldSet fields = sea::surface_fields) {
     const Result<GrantedSpectrum> found =
         store.grant(sea, {static_cast<float>(error_m), static_cast<float>(slope), fields});
     EXPECT_TRUE(found) << (found ? "" : found.error().message);
@@ -23,11 +50,11 @@ GrantedSpectrum granted(SpectrumStore& store, const RunningSea& sea, double erro
 }
 
 TEST(SpectrumStore, a_wish_gets_the_coarsest_rung_that_keeps_it_and_says_where_there_is_none) {
-    const RunningSeaPtr sea = running_sea(); // height_error_m = 0.02
+    const SpectrumSource sea = some_waves(); // height_error_m = 0.02
     SpectrumStore store;
     const auto expect = [&](double error_m, double slope, double gets_m, double gets_slope,
                             const std::string& why) {
-        const GrantedSpectrum grant = granted(store, *sea, error_m, slope);
+        const GrantedSpectrum grant = granted(store, sea, error_m, slope);
         EXPECT_FLOAT_EQ(grant.error_m, static_cast<float>(gets_m));
         EXPECT_FLOAT_EQ(grant.slope_error, static_cast<float>(gets_slope));
         EXPECT_EQ(grant.why.substr(0, why.size()), why);
@@ -38,37 +65,39 @@ TEST(SpectrumStore, a_wish_gets_the_coarsest_rung_that_keeps_it_and_says_where_t
     expect(0.0399, 0.0199, 0.02, 0.01, "");
     expect(0.04, 0.02, 0.04, 0.02, "");
     expect(100, 0.05, 0.32, 0.05, "");
-    expect(0.019, 0.005, 0.02, 0.005, "heights within 0.02 m are the finest");
-    EXPECT_GT(granted(store, *sea, 0.02, 10).slope_error, 0.01f) << "what heights alone leave";
+    expect(0.019, 0.005, 0.01, 0.005, "");
+    expect(0.005, 0.005, 0.005, 0.005, "");
+    expect(0.0049, 0.005, 0.005, 0.005, "heights within 0.005 m are the finest");
+    EXPECT_GT(granted(store, sea, 0.02, 10).slope_error, 0.01f) << "what heights alone leave";
     expect(0.02, 0.0049, 0.02, 0.005, "slopes within 0.005 are the finest");
 }
 
 TEST(SpectrumStore, each_rung_is_made_once_and_forgotten_with_its_sea) {
-    const RunningSeaPtr first = running_sea();
+    const SpectrumSource first = some_waves();
     SpectrumStore store;
-    const EncodedSpectrumPtr one = granted(store, *first, 0.02, 0.005).spectra.at(0);
-    EXPECT_EQ(granted(store, *first, 0.03, 0.009).spectra.at(0), one);
-    EXPECT_NE(granted(store, *first, 0.04, 0.005).spectra.at(0), one);
-    RunningSea later = *first;
-    for (later.epoch = first->epoch + 1; later.epoch < first->epoch + 9; ++later.epoch)
+    const EncodedSpectrumPtr one = granted(store, first, 0.02, 0.005).spectra.at(0);
+    EXPECT_EQ(granted(store, first, 0.03, 0.009).spectra.at(0), one);
+    EXPECT_NE(granted(store, first, 0.04, 0.005).spectra.at(0), one);
+    SpectrumSource later = first;
+    for (later.epoch = first.epoch + 1; later.epoch < first.epoch + 9; ++later.epoch)
         EXPECT_EQ(granted(store, later, 0, 0).spectra.at(0)->epoch, later.epoch);
     EXPECT_EQ(one.use_count(), 1) << "the store holds two seas";
 }
 
 TEST(SpectrumStore, foam_is_named_as_what_does_not_follow_from_waves) {
     SpectrumStore store;
-    const RunningSeaPtr sea = running_sea();
+    const SpectrumSource sea = some_waves();
     const GrantedSpectrum grant =
-        granted(store, *sea, 0, 0, {Field::height, Field::jacobian, Field::foam});
+        granted(store, sea, 0, 0, {Field::height, Field::jacobian, Field::foam});
     EXPECT_EQ(grant.fields, (FieldSet{Field::height, Field::jacobian}));
     EXPECT_NE(grant.why.find("foam is a history"), std::string::npos) << grant.why;
 }
 
 TEST(SpectrumStore, stylised_waves_have_no_spectrum_and_are_refused_by_name) {
-    RunningSea sea = *running_sea();
-    auto waves = std::make_shared<sea::Realization>(*sea.realization);
+    SpectrumSource sea = some_waves();
+    auto waves = std::make_shared<sea::Realization>(*sea.waves);
     waves->cascades[1].sines.emplace_back();
-    sea.realization = waves;
+    sea.waves = waves;
     SpectrumStore store;
     const Result<GrantedSpectrum> refused = store.grant(sea, {});
     ASSERT_FALSE(refused);
@@ -79,21 +108,21 @@ TEST(SpectrumStore, stylised_waves_have_no_spectrum_and_are_refused_by_name) {
 // What travels is what was quantised: messages in order, each within its limit, and what they say is missed is
 // what they miss at the end.
 TEST(SpectrumStore, its_messages_make_the_sea_within_the_bound_that_was_granted) {
-    const RunningSeaPtr sea = running_sea();
+    const SpectrumSource sea = some_waves();
     SpectrumStore store;
-    const GrantedSpectrum grant = granted(store, *sea, 0, 0);
+    const GrantedSpectrum grant = granted(store, sea, 0, 0);
     const EncodedSpectrum& encoded = *grant.spectra.at(0);
     const wire::Spectrum& first =
         *wire::GetMessage(encoded.messages[0]->data())->body_as_Spectrum();
     ASSERT_TRUE(protocol::check(first));
     const protocol::SpectrumHead head = protocol::head(first);
-    EXPECT_EQ(head.epoch, sea->epoch);
+    EXPECT_EQ(head.epoch, sea.epoch);
     EXPECT_EQ(head.chunks + 1, encoded.messages.size());
     sea::SpectrumFrame frame{.tiles = {},
-                             .choppiness = sea->realization->choppiness,
+                             .choppiness = sea.waves->choppiness,
                              .dispersion = head.dispersion,
                              .loop_period_us = head.loop_period_us};
-    for (const sea::CascadeModes& modes : sea->realization->cascades)
+    for (const sea::CascadeModes& modes : sea.waves->cascades)
         frame.tiles.push_back({modes.spec, modes.band});
     sea::SpectrumBuilder builder = *sea::SpectrumBuilder::create(frame, head.steps);
     std::size_t bytes = 0;
@@ -115,9 +144,9 @@ TEST(SpectrumStore, its_messages_make_the_sea_within_the_bound_that_was_granted)
     EXPECT_EQ(bytes, head.bytes);
     double variance = 0;
     for (std::size_t c = 0; c < frame.tiles.size(); ++c)
-        for (std::size_t i = 0; i < sea->realization->cascades[c].h0.size(); ++i)
-            variance += 2 * std::norm(sea->realization->cascades[c].h0[i] -
-                                      builder.sea().cascades[c].h0[i]);
+        for (std::size_t i = 0; i < sea.waves->cascades[c].h0.size(); ++i)
+            variance +=
+                2 * std::norm(sea.waves->cascades[c].h0[i] - builder.sea().cascades[c].h0[i]);
     EXPECT_NEAR(std::sqrt(variance), left_m, 1e-6 * left_m + 1e-9);
     EXPECT_LE(sea::spectrum_sigmas * left_m, static_cast<double>(grant.error_m));
 }
