@@ -32,8 +32,8 @@ Result<void> check_tiles(const protocol::SeaStateValues& state, const sea::Reali
 
 RebuiltSea::RebuiltSea(sea::RealizationPtr waves, const protocol::SeaStateValues& state,
                        const RebuiltError& error)
-    : sum_(std::move(waves)), choppiness_{state.choppiness_x, state.choppiness_y},
-      folds_(sea::fold_search(state.displacement_reach_m, choppiness_, state.rms_strain)),
+    : waves_(std::move(waves)), sum_(waves_),
+      folds_(sea::fold_search(state.displacement_reach_m, waves_->choppiness, state.rms_strain)),
       error_(error) {}
 
 void RebuiltSea::answer(std::span<const sea::QueryPoint> points,
@@ -48,8 +48,10 @@ void RebuiltSea::answer(std::span<const sea::QueryPoint> points,
 
 sea::Answer RebuiltSea::answer(const sea::QueryPoint& point,
                                const sea::DirectSum::Moment& moment) const {
-    sea::Answer answer = sea::surface_at(point, {choppiness_, tolerance_m(point), folds_}, moment);
-    const double sideways = sea::surface_slope(answer) * std::max(choppiness_.x, choppiness_.y);
+    sea::Answer answer =
+        sea::surface_at(point, {waves_->choppiness, tolerance_m(point), folds_}, moment);
+    const double sideways =
+        sea::surface_slope(answer) * std::max(waves_->choppiness.x, waves_->choppiness.y);
     answer.error_m +=
         tolerance_m(point) + std::hypot(error_.height_m, sideways * error_.displacement_m);
     return answer;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// RebuiltSea: a sea whose waves this client has itself, so that it answers at any place and time, past or
-// future, without keyframes and without asking. It sums the waves directly (sea/waves/reference.h).
+// OwnSea: a sea whose waves this client has itself, so that it answers at any place and time, past or future,
+// without keyframes and without asking. RebuiltSea is a steady one, GlidingSea (gliding_sea.h) one on its way to
+// another. Both sum the waves directly (sea/waves/reference.h).
 //
 // Immutable; thread-safe. Cost of an answer: some 2.5 ns a wave, of a gale 30 us; some 3 ns a wave for each
 // time; where it folds 0.2 to 5 ms more.
@@ -23,23 +24,37 @@ struct RebuiltError {
     double displacement_m = 0; ///< of a component of D
 };
 
-class RebuiltSea {
+class OwnSea {
   public:
-    /// `state` is of the same sea: of it come choppiness and how far points move.
+    virtual ~OwnSea() = default;
+
+    /// Points of equal times should stand together. Both of the same length.
+    virtual void answer(std::span<const sea::QueryPoint> points,
+                        std::span<sea::Answer> answers) const = 0;
+    /// Its waves at a time, and what they are off by then.
+    virtual sea::RealizationPtr waves_at(sea::TimeUs time_us) const = 0;
+    virtual RebuiltError error() const = 0;
+};
+using OwnSeaPtr = std::shared_ptr<const OwnSea>;
+
+class RebuiltSea final : public OwnSea {
+  public:
+    /// `state` is of the same sea: of it comes how far points move.
     RebuiltSea(sea::RealizationPtr waves, const protocol::SeaStateValues& state,
                const RebuiltError& error);
 
-    /// Points of equal times should stand together. Both of the same length.
-    void answer(std::span<const sea::QueryPoint> points, std::span<sea::Answer> answers) const;
+    void answer(std::span<const sea::QueryPoint> points,
+                std::span<sea::Answer> answers) const override;
+    sea::RealizationPtr waves_at(sea::TimeUs) const override { return waves_; }
+    RebuiltError error() const override { return error_; }
 
     const sea::DirectSum& sum() const { return sum_; }
-    const RebuiltError& error() const { return error_; }
 
   private:
     sea::Answer answer(const sea::QueryPoint& point, const sea::DirectSum::Moment& moment) const;
 
-    sea::DirectSum sum_;
-    sea::Choppiness choppiness_;
+    const sea::RealizationPtr waves_;
+    const sea::DirectSum sum_;
     sea::FoldSearch folds_;
     RebuiltError error_;
 };

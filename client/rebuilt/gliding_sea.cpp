@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/rebuilt/gliding_sea.h"
+
+#include <algorithm>
+
+#include "client/link/failure.h"
+
+namespace seaway::client {
+namespace {
+
+/// The same sea, with notes of phase such that a transition finds `to` to go on where it stands and turns nothing: that
+/// has been done where the waves of `to` were made.
+sea::RealizationPtr continued_by(const sea::Realization& from, const sea::Realization& to,
+                                 sea::TimeUs start_us) {
+    auto noted = std::make_shared<sea::Realization>(from);
+    const sea::TimeUs from_us = from.phase_time(start_us), to_us = to.phase_time(start_us);
+    for (std::size_t c = 0; c < std::min(from.cascades.size(), to.cascades.size()); ++c) {
+        sea::CascadeModes& modes = noted->cascades[c];
+        const std::vector<sea::Rate>& later = to.cascades[c].rate;
+        modes.phase_offset_turns.assign(modes.rate.size(), 0);
+        for (std::size_t i = 0; i < std::min(modes.rate.size(), later.size()); ++i) {
+            const sea::Rate rate = later[i] == 0 ? modes.rate[i] : later[i];
+            modes.phase_offset_turns[i] =
+                sea::phase_turns(rate, to_us) - sea::phase_turns(modes.rate[i], from_us);
+        }
+    }
+    return noted;
+}
+
+} // namespace
+
+Result<std::shared_ptr<const GlidingSea>> GlidingSea::create(const protocol::SeaStateValues& state,
+                                                             const OwnSea& from, const OwnSea& to,
+                                                             sea::TimeUs start_us,
+                                                             sea::TimeUs end_us) {
+    const auto later = std::make_shared<sea::Realization>(*to.waves_at(end_us));
+    for (sea::CascadeModes& modes : later->cascades)
+        modes.phase_offset_turns.clear(); // its h0 stands as it is
+    Result<sea::SeaTransition> change = sea::SeaTransition::create(
+        continued_by(*from.waves_at(start_us), *later, start_us), later, start_us, end_us);
+    if (!change)
+        return failed(Failure::not_held, change.error().message);
+    // Shares that add up to one of two errors that have nothing to do with each other.
+    const RebuiltError error{std::max(from.error().height_m, to.error().height_m),
+                             std::max(from.error().displacement_m, to.error().displacement_m)};
+    return std::shared_ptr<const GlidingSea>(new GlidingSea(*std::move(change), state, error));
+}
+
+std::shared_ptr<const RebuiltSea> GlidingSea::at(sea::TimeUs time_us) const {
+    const std::scoped_lock lock(mutex_);
+    if (!moment_ || time_us_ != time_us) {
+        moment_ = std::make_shared<const RebuiltSea>(change_.at(time_us), state_, error_);
+        time_us_ = time_us;
+    }
+    return moment_;
+}
+
+void GlidingSea::answer(std::span<const sea::QueryPoint> points,
+                        std::span<sea::Answer> answers) const {
+    for (std::size_t first = 0; first < points.size();) {
+        std::size_t end = first + 1;
+        while (end < points.size() && points[end].time_us == points[first].time_us)
+            ++end;
+        at(points[first].time_us)
+            ->answer(points.subspan(first, end - first), answers.subspan(first, end - first));
+        first = end;
+    }
+}
+
+} // namespace seaway::client

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+// A client that has the waves of both seas glides as the server does.
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "client/link/failure.h"
+#include "client/rebuilt/gliding_sea.h"
+#include "sea/waves/realize.h"
+#include "tests/client/announced_scene.h"
+
+namespace seaway::client {
+namespace {
+
+constexpr sea::TimeUs glide_start_us = 90'000'001, glide_end_us = 150'000'000;
+
+struct Change {
+    const char* name;
+    double wind_mps;
+    double depth_m;
+    double loop_s;
+};
+
+sea::RealizationPtr waves_of(const Change& change) {
+    sea::SeaState sea = tests::announced_scene().sea;
+    std::get<sea::WindSea>(sea.systems[0]).wind_speed_10m_mps = change.wind_mps;
+    sea.depth_m = change.depth_m;
+    sea.loop_period_s = change.loop_s;
+    return std::make_shared<const sea::Realization>(
+        *sea::realize(sea, tests::announced_scene().cascades));
+}
+
+TEST(GlidingSea, is_the_transition_that_the_server_makes_at_every_time) {
+    const protocol::SeaStateValues state = tests::announced();
+    const sea::RealizationPtr before = waves_of({"", 9, 30, 0});
+    std::mt19937_64 random(9);
+    std::uniform_real_distribution<double> place(-1e4, 1e4);
+    for (const Change& change : {Change{"wind", 14, 30, 0},
+                                 {"depth", 9, 6, 0},
+                                 {"loop", 12, 30, 40},
+                                 {"all", 5, 12, 70}}) {
+        const auto made =
+            sea::SeaTransition::create(before, waves_of(change), glide_start_us, glide_end_us);
+        ASSERT_TRUE(made);
+        // What a server sends: the waves as the glide ends in them.
+        const RebuiltSea from(before, state, {}), to(made->after(), state, {});
+        const auto glide = GlidingSea::create(state, from, to, glide_start_us, glide_end_us);
+        ASSERT_TRUE(glide) << glide.error().message;
+        for (const sea::TimeUs time_us :
+             {glide_start_us - 5'000'000, glide_start_us, glide_start_us + 1,
+              sea::TimeUs{100'000'000}, sea::TimeUs{129'999'999}, glide_end_us - 1, glide_end_us,
+              glide_end_us + 70'000'000}) {
+            const sea::DirectSum truth(made->at(time_us)), own((*glide)->waves_at(time_us));
+            for (int i = 0; i < 5; ++i) {
+                const double x_m = place(random), y_m = place(random);
+                const sea::LagrangianPoint a = truth.at(x_m, y_m, time_us);
+                const sea::LagrangianPoint b = own.at(x_m, y_m, time_us);
+                EXPECT_NEAR(a.height, b.height, 1e-9) << change.name << " at " << time_us;
+                EXPECT_NEAR(a.displacement_x, b.displacement_x, 1e-9) << change.name;
+            }
+        }
+    }
+}
+
+TEST(GlidingSea, answers_of_a_time_are_those_of_its_waves_in_whatever_order_times_come) {
+    const protocol::SeaStateValues state = tests::announced();
+    const RebuiltSea from(waves_of({"", 9, 30, 0}), state, {0.01, 0.002});
+    const RebuiltSea to(waves_of({"", 12, 30, 0}), state, {0.004, 0.03});
+    const auto glide = GlidingSea::create(state, from, to, glide_start_us, glide_end_us);
+    ASSERT_TRUE(glide);
+    EXPECT_EQ((*glide)->error().height_m, 0.01);
+    EXPECT_EQ((*glide)->error().displacement_m, 0.03);
+    const std::vector<sea::QueryPoint> points{
+        {1, 2, 120'000'000}, {3, 4, 120'000'000}, {1, 2, 100'000'000}, {1, 2, 120'000'000}};
+    std::vector<sea::Answer> answers(points.size());
+    (*glide)->answer(points, answers);
+    EXPECT_EQ(answers[0].height_m, answers[3].height_m);
+    EXPECT_NE(answers[0].height_m, answers[2].height_m);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const RebuiltSea moment((*glide)->waves_at(points[i].time_us), state, (*glide)->error());
+        sea::Answer alone;
+        moment.answer({&points[i], 1}, {&alone, 1});
+        EXPECT_EQ(answers[i].height_m, alone.height_m);
+        EXPECT_EQ(answers[i].error_m, alone.error_m);
+    }
+}
+
+TEST(GlidingSea, between_seas_of_other_tiles_there_is_none) {
+    const protocol::SeaStateValues state = tests::announced();
+    auto other = std::make_shared<sea::Realization>(*waves_of({"", 9, 30, 0}));
+    other->cascades.pop_back();
+    const RebuiltSea from(waves_of({"", 9, 30, 0}), state, {}), to(other, state, {});
+    const auto glide = GlidingSea::create(state, from, to, glide_start_us, glide_end_us);
+    ASSERT_FALSE(glide);
+    EXPECT_EQ(failure_of(glide.error()), Failure::not_held);
+}
+
+} // namespace
+} // namespace seaway::client
