@@ -29,6 +29,8 @@ class Crowd {
   public:
     explicit Crowd(std::uint64_t seed) : draw_(seed) {
         sea_.on_given = [this] { settle(); };
+        offers_spectra_ = draw_.below(3) != 0;
+        offer_spectrum();
         if (draw_.below(3) == 0)
             core_->tokens.client = token_ = "open";
     }
@@ -49,6 +51,7 @@ class Crowd {
     void something_happens();
     void publish();
     void announce();
+    void offer_spectrum();
     void leap();
     void run_posted(std::size_t most);
     void settle();
@@ -80,6 +83,8 @@ class Crowd {
     std::map<int, std::map<std::uint8_t, std::uint64_t>> newest_turn_; ///< by cascade and quality
     std::uint64_t turn_ = 0;
     std::size_t keyframe_bytes_ = 0; ///< of the largest so far
+    bool offers_spectra_ = false;
+    std::size_t spectrum_bytes_ = 0; ///< of the largest so far
     sea::TimeUs now_us_ = 0;
     int seats_taken_ = 0;
     std::list<Seat> seats_;
@@ -91,7 +96,8 @@ void Crowd::step() {
     const std::string name = fmt::format("client {}", seats_taken_ + 1);
     if (seats_.size() < seats_max && draw_.below(8) == 0) {
         ++seats_taken_;
-        seats_.emplace_back(*core_, judge_, draw_, publications_, name, token_);
+        seats_.emplace_back(*core_, judge_, draw_, publications_, name, token_,
+                            [this] { settle(); });
         tell(fmt::format("{} comes, temper {}", name, static_cast<int>(seats_.back().temper())));
     }
     for (Seat& seat : seats_)
@@ -168,11 +174,26 @@ void Crowd::publish() {
 
 void Crowd::announce() {
     sea_.states = {SmallSea::state_message(++sea_.epoch)};
+    offer_spectrum();
     for (Seat& seat : seats_) {
         seat.is_owed(sea_.states.front());
         if (server::Session* session = core_->find(seat.session().id()))
             alone(seat, "is told of a sea", [&] { session->announce(sea_.states.front()); });
+        settle();
     }
+}
+
+/// Of the sea that runs and the one before, as long as both may be asked for.
+void Crowd::offer_spectrum() {
+    if (!offers_spectra_)
+        return;
+    std::vector<server::EncodedSpectrumPtr> spectra = sea_.spectra;
+    spectra.push_back(
+        SmallSea::spectrum_of(sea_.epoch, 1 + static_cast<std::uint32_t>(draw_.below(30))));
+    spectrum_bytes_ = std::max(spectrum_bytes_, spectra.back()->bytes);
+    if (spectra.size() > limits::spectra_max)
+        spectra.erase(spectra.begin());
+    sea_.offer_spectra(spectra);
 }
 
 /// The process was asleep, or somebody set the clock of the sea; backward there is a new sea.
@@ -189,13 +210,14 @@ void Crowd::leap() {
 
 /// The encoder has done what it was given: what it posts comes in the same order on every run.
 void Crowd::settle() {
-    std::latch done(3);
+    std::latch done(4);
     const auto last = [&done](server::Encoder&) {
         done.count_down();
         return true;
     };
     const bool taken = core_->encoding.submit_streamed(last) &&
-                       core_->encoding.submit_fetched(last) && core_->encoding.submit_start(last);
+                       core_->encoding.submit_fetched(last) && core_->encoding.submit_start(last) &&
+                       core_->spectra.submit_start(last);
     judge_.require(taken, "the encoder takes what little there is");
     done.wait();
 }
@@ -250,12 +272,13 @@ constexpr std::size_t replies_allowed = limits::replies_waiting_max + 1 +
 std::size_t Crowd::bytes_allowed() const {
     const std::size_t states = limits::durable_waiting_max * sea_.states.front()->size();
     const std::size_t streamed = 2 * keyframe_bytes_; // one a cascade
+    const std::size_t spectra = limits::spectra_max * spectrum_bytes_;
     // A start holds two keyframes of two cascades, without a place in the room of fetches.
     const std::size_t side = static_cast<std::size_t>(sea_.size);
     const std::size_t map_bytes = side * side * sizeof(float) + 512;
     const std::size_t start = 4 * static_cast<std::size_t>(sea_.offered.size()) * map_bytes;
     const std::size_t fetched = core_->memory->share(server::MemoryUse::fetched) + start / 4;
-    return replies_allowed * reply_bytes_most + states + streamed +
+    return replies_allowed * reply_bytes_most + states + streamed + spectra +
            static_cast<std::size_t>(limits::fetches_in_flight_max) * start + fetched;
 }
 
@@ -354,6 +377,7 @@ void Crowd::leave() {
     judge_.require(sea_.keyframes_held() == 0, "no keyframe is held");
     const std::weak_ptr<server::Core> core = core_;
     core_->encoding.stop();
+    core_->spectra.stop();
     core_->detach();
     core_ = nullptr;
     judge_.require(core.expired(), "nobody holds the core");

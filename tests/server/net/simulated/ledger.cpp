@@ -10,10 +10,10 @@ namespace seaway::tests::simulated {
 
 using wire::Body;
 
-void Ledger::asks(std::span<const std::uint8_t> bytes) {
+Body Ledger::asks(std::span<const std::uint8_t> bytes) {
     const auto message = asked_.read(bytes);
     if (!message)
-        return;
+        return Body::NONE;
     const auto owes = [&](std::uint32_t request_id) {
         ++owed_[request_id];
         asked_for_[request_id].insert((*message)->body_type());
@@ -24,10 +24,15 @@ void Ledger::asks(std::span<const std::uint8_t> bytes) {
         owes(fetch->request_id());
     else if (const auto* subscribe = (*message)->body_as_Subscribe())
         owes(subscribe->request_id());
+    else if (const auto* spectrum = (*message)->body_as_SubscribeSpectrum())
+        owes(spectrum->request_id());
     else if (const auto* ping = (*message)->body_as_Ping())
         ++pings_[ping->request_id()];
     else if (const auto* ack = (*message)->body_as_Ack())
         unacknowledged_.erase(ack->keyframe());
+    else if (const auto* stop = (*message)->body_as_Unsubscribe(); stop && stop->spectrum())
+        chunks_left_ = 0; // none comes any more
+    return (*message)->body_type();
 }
 
 void Ledger::told(std::span<const std::uint8_t> bytes, const std::optional<server::Demand>& grant,
@@ -63,6 +68,14 @@ void Ledger::told(std::span<const std::uint8_t> bytes, const std::optional<serve
         require(pings_[pong->request_id()] > 0, "each Ping has one Pong");
         if (--pings_[pong->request_id()] <= 0)
             pings_.erase(pong->request_id());
+    } else if (const auto* spectra = m.body_as_SpectrumSubscribed()) {
+        settle(spectra->request_id(), Body::SubscribeSpectrum);
+    } else if (const auto* spectrum = m.body_as_Spectrum()) {
+        spectrum_epoch_ = spectrum->epoch();
+        next_chunk_ = 0;
+        chunks_left_ = spectrum->chunks();
+    } else if (const auto* chunk = m.body_as_SpectrumChunk()) {
+        told_chunk(*chunk);
     } else if (m.body_as_SeaState() != nullptr) {
         require(!states_.empty() && std::ranges::equal(*states_.front(), bytes),
                 "sea states come all, and in order");
@@ -132,6 +145,13 @@ void Ledger::told_done(const wire::FetchDone& done) {
     settle(done.request_id(), Body::NONE);
 }
 
+void Ledger::told_chunk(const wire::SpectrumChunk& chunk) {
+    require(chunk.epoch() == spectrum_epoch_ && chunk.chunk() == next_chunk_ && chunks_left_ > 0,
+            "chunks follow their spectrum, each once and in order");
+    ++next_chunk_;
+    chunks_left_ -= chunks_left_ > 0 ? 1 : 0;
+}
+
 void Ledger::settle(std::uint32_t request_id, Body by) {
     require(by == Body::NONE || asked_for_[request_id].contains(by),
             "a reply is of the kind that was asked for");
@@ -156,7 +176,8 @@ std::string Ledger::owing() const {
     for (const auto& [id, replies] : owed_)
         for (const Body kind : asked_for_.at(id))
             kinds += fmt::format(" {} {},", wire::EnumNameBody(kind), id);
-    return fmt::format("{}:{} {} pongs, {} sea states", who_, kinds, pings_.size(), states_.size());
+    return fmt::format("{}:{} {} pongs, {} sea states, {} chunks", who_, kinds, pings_.size(),
+                       states_.size(), chunks_left_);
 }
 
 std::uint64_t Ledger::newest(int cascade) const {

@@ -28,8 +28,8 @@ class Ledger {
   public:
     Ledger(Judge& judge, std::string who) : judge_(judge), who_(std::move(who)) {}
 
-    /// The session is about to be given these bytes.
-    void asks(std::span<const std::uint8_t> bytes);
+    /// The session is about to be given these bytes. What they ask for; NONE: they are no message.
+    wire::Body asks(std::span<const std::uint8_t> bytes);
     /// It is to be told of this sea, in this order.
     void owes_state(protocol::SharedBytes state) { states_.push_back(std::move(state)); }
     /// The session has handed these out. `grant`: what it has just now.
@@ -39,7 +39,9 @@ class Ledger {
     /// Of the last told(): the streamed keyframe that it was the end of.
     std::optional<std::uint64_t> complete() const { return complete_; }
     bool welcomed() const { return welcomed_; }
-    bool owes_nothing() const { return replies_owed() == 0 && states_.empty(); }
+    bool owes_nothing() const {
+        return replies_owed() == 0 && states_.empty() && chunks_left_ == 0;
+    }
     /// Requests that were taken and are not answered.
     std::size_t replies_owed() const;
     std::string owing() const;
@@ -52,6 +54,7 @@ class Ledger {
     void begins(const wire::Tile& tile, const std::optional<server::Demand>& grant,
                 const Publications& publications);
     void told_done(const wire::FetchDone& done);
+    void told_chunk(const wire::SpectrumChunk& chunk);
     /// A reply that settles a request, which is then owed no other one.
     void settle(std::uint32_t request_id, wire::Body by);
     void require(bool kept, const std::string& promise) {
@@ -74,6 +77,9 @@ class Ledger {
     std::map<int, std::uint64_t> newest_;
     std::map<std::uint64_t, std::uint32_t> fetched_fields_;
     std::optional<std::uint64_t> complete_;
+    std::uint32_t spectrum_epoch_ = 0; ///< of the one under way
+    std::uint32_t next_chunk_ = 0;
+    std::uint32_t chunks_left_ = 0;
 };
 
 } // namespace seaway::tests::simulated

@@ -21,10 +21,10 @@ Temper some_temper(Draw& draw) {
 } // namespace
 
 Seat::Seat(server::Core& core, Judge& judge, Draw& draw, const Publications& publications,
-           const std::string& name, std::string token)
+           const std::string& name, std::string token, std::function<void()> settle)
     : core_(core), judge_(judge), draw_(draw), publications_(publications), name_(name),
-      token_(std::move(token)), temper_(some_temper(draw)), pause_(draw.one_of({1u, 3u, 6u, 12u})),
-      ledger_(judge, name) {
+      token_(std::move(token)), settle_(std::move(settle)), temper_(some_temper(draw)),
+      pause_(draw.one_of({1u, 3u, 6u, 12u})), ledger_(judge, name) {
     bytes_per_s_ =
         temper_ == Temper::slow ? draw.log_uniform(300, 30'000) : draw.log_uniform(100'000, 1e8);
     delay_us_ = draw.whole(0, 120'000);
@@ -133,14 +133,17 @@ void Seat::give_to_session() {
     const Bytes bytes = std::move(asking_.front());
     asking_.pop_front();
     const bool was_greeted = session_->greeted();
+    wire::Body asked = wire::Body::NONE;
     if (!session_->ended()) {
-        ledger_.asks(bytes);
+        asked = ledger_.asks(bytes);
         judge_.count("message taken");
     }
     if (!was_greeted)
         for (const SharedBytes& state : core_.host.sea_state_messages())
             ledger_.owes_state(state); // if this is the Hello; else the session ends with it
     session_->receive(bytes);
+    if (asked == wire::Body::SubscribeSpectrum)
+        settle_();
 }
 
 void Seat::cut() {
@@ -206,12 +209,19 @@ protocol::TileWish Seat::wish() {
 
 Bytes Seat::something() {
     const int credit = draw_.whole(protocol::limits::credit_min, protocol::limits::credit_max);
-    switch (draw_.below(12)) {
+    switch (draw_.below(14)) {
     case 0:
     case 1:
         return protocol::subscribe(new_id(), wish(), credit);
     case 2:
-        return protocol::unsubscribe();
+        return protocol::unsubscribe(draw_.below(2) == 0);
+    case 12:
+    case 13:
+        return protocol::subscribe_spectrum(
+            new_id(), {.error_m = draw_.one_of({0.0f, 0.01f, 0.5f}),
+                       .slope_error = draw_.one_of({0.0f, 0.005f}),
+                       .fields = sea::FieldSet::from_bits(
+                           static_cast<std::uint32_t>(draw_.below(1u << 13)))});
     case 3:
     case 4: {
         std::vector<sea::TimeUs> times(draw_.below(10));

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <deque>
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -25,8 +26,9 @@ enum class Temper {
 
 class Seat final : public server::Link {
   public:
+    /// `settle` waits for what the session has given to threads of its own.
     Seat(server::Core& core, Judge& judge, Draw& draw, const Publications& publications,
-         const std::string& name, std::string token);
+         const std::string& name, std::string token, std::function<void()> settle);
 
     // ---- what the crowd does with it ---------------------------------------------------------
 
@@ -79,6 +81,7 @@ class Seat final : public server::Link {
     const Publications& publications_;
     const std::string name_;
     const std::string token_;
+    const std::function<void()> settle_;
     const Temper temper_;
     const std::uint64_t pause_; ///< a request in so many steps
     Ledger ledger_;
