@@ -96,7 +96,7 @@ inline constexpr int queries_in_flight_max = 16;
 
 /// Fetches (and starts of subscriptions) of one session whose tiles are not all sent: what they
 /// hold is the largest thing a session can make the server keep. Raw keyframes are held for all
-/// sessions together, in a bounded room (server/simulation/simulation.h, fetch_raw_bytes_max).
+/// sessions together, in a share of the one budget (server/host/memory.h).
 inline constexpr int fetches_in_flight_max = 2;
 
 /// Protocol versions that a Hello may list.

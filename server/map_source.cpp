@@ -17,16 +17,13 @@ namespace {
 class MapBytes final : public ByteSource {
   public:
     MapBytes(const sea::MapRequest& request, const sea::Surface& surface,
-             std::unique_ptr<sea::MapStream> stream, MapPlace place)
+             std::unique_ptr<sea::MapStream> stream, Room::Place place)
         : place_(std::move(place)),
           header_(protocol::map_header(request, map_height_error_m(surface))),
-          size_(protocol::map_header_bytes +
-                sizeof(float) * static_cast<std::uint64_t>(request.columns) *
-                    static_cast<std::uint64_t>(request.rows) *
-                    static_cast<std::uint64_t>(sea::map_components(request.kind))),
-          stream_(std::move(stream)) {}
+          size_(bytes_of_map(request)), stream_(std::move(stream)) {}
 
     std::uint64_t size() const override { return size_; }
+    bool failed() const override { return stream_->failed(); }
 
     std::vector<std::uint8_t> next() override {
         if (!header_sent_) {
@@ -44,7 +41,7 @@ class MapBytes final : public ByteSource {
     }
 
   private:
-    MapPlace place_; ///< given back last
+    Room::Place place_; ///< given back last
     std::array<std::uint8_t, protocol::map_header_bytes> header_;
     std::uint64_t size_;
     bool header_sent_ = false;
@@ -119,17 +116,15 @@ Result<sea::MapRequest> read_map_request(const std::map<std::string, std::string
     return request;
 }
 
-Result<MapPlace> take_map_place(const std::shared_ptr<std::atomic<int>>& running) {
-    if (running->fetch_add(1) >= maps_at_once_max) {
-        running->fetch_sub(1);
-        return Error{Refusal::busy, fmt::format("{} maps are being made already, try again later",
-                                                maps_at_once_max)};
-    }
-    return MapPlace(running.get(), [running](void*) { running->fetch_sub(1); });
+std::uint64_t bytes_of_map(const sea::MapRequest& request) {
+    return protocol::map_header_bytes +
+           sizeof(float) * static_cast<std::uint64_t>(request.columns) *
+               static_cast<std::uint64_t>(request.rows) *
+               static_cast<std::uint64_t>(sea::map_components(request.kind));
 }
 
 Result<std::unique_ptr<ByteSource>> start_map(const sea::MapRequest& request,
-                                              const sea::Surface& surface, MapPlace place,
+                                              const sea::Surface& surface, Room::Place place,
                                               std::function<void()> on_ready) {
     sea::MapOptions options;
     options.on_ready = std::move(on_ready);

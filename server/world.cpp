@@ -110,14 +110,10 @@ void World::map(MapQuery query, Mapped done) {
     const Result<sea::MapRequest> request = read_map_request(query.parameters, clock_.now_us());
     if (!request)
         return done(request.error());
-    const Result<MapPlace> one = take_map_place(maps_running_);
-    if (!one)
-        return done(one.error());
-    const Room::Place bytes = memory()->room(MemoryUse::maps)->take(map_bytes(*sea_));
-    if (!bytes)
+    const Room::Place place = memory()->room(MemoryUse::maps)->take(server::map_bytes(*sea_));
+    if (!place)
         return done(Error{Refusal::busy, "maps under way fill the memory there is for them, try "
                                          "again later"});
-    const MapPlace place = std::make_shared<std::pair<MapPlace, Room::Place>>(*one, bytes);
     simulation_->surface(
         request->time_us,
         [request = *request, place, on_ready = query.on_ready,
@@ -127,6 +123,11 @@ void World::map(MapQuery query, Mapped done) {
             done(start_map(request, **surface, place, on_ready));
         },
         query.asker);
+}
+
+Result<std::uint64_t> World::map_bytes(const std::map<std::string, std::string>& parameters) const {
+    SEAWAY_TRY_LET(const sea::MapRequest request, read_map_request(parameters, clock_.now_us()));
+    return bytes_of_map(request);
 }
 
 std::string World::state_json() const {

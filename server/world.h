@@ -54,6 +54,8 @@ class World final : public Host {
                                sea_->budget.height_error_m},
                               wish);
     }
+    Result<std::uint64_t>
+    map_bytes(const std::map<std::string, std::string>& parameters) const override;
     std::string state_json() const override;
     std::string plan_json() const override;
     std::string metrics_text() const override;
@@ -73,8 +75,6 @@ class World final : public Host {
     SpectrumStore spectra_;
     Simulation* simulation_ = nullptr;
     Publish publish_;
-
-    std::shared_ptr<std::atomic<int>> maps_running_ = std::make_shared<std::atomic<int>>(0);
 
     std::mutex mutex_; ///< of publish_
 };

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <new>
 #include <numeric>
 
 #include <fmt/format.h>
@@ -161,6 +162,21 @@ void MapStream::mix_texels() {
 }
 
 void MapStream::work() {
+    try {
+        make_chunks();
+    } catch (const std::bad_alloc&) {
+        {
+            const std::scoped_lock lock(mutex_);
+            failed_ = true;
+            stopping_ = true;
+        }
+        changed_.notify_all();
+        if (options_.on_ready)
+            options_.on_ready();
+    }
+}
+
+void MapStream::make_chunks() {
     std::call_once(mixed_, [&] { mix_texels(); });
     Scratch scratch(static_cast<std::size_t>(request_.columns));
     for (;;) {
@@ -244,7 +260,9 @@ std::optional<MapChunk> MapStream::next_chunk() {
         std::unique_lock lock(mutex_);
         if (next_to_read_ >= chunks_)
             return std::nullopt;
-        changed_.wait(lock, [&] { return ready_.count(next_to_read_) > 0; });
+        changed_.wait(lock, [&] { return failed_ || ready_.count(next_to_read_) > 0; });
+        if (failed_)
+            return std::nullopt;
         const auto found = ready_.find(next_to_read_);
         chunk = std::move(found->second);
         ready_.erase(found);

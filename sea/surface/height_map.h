@@ -101,16 +101,20 @@ class MapStream {
     MapStream(const MapStream&) = delete;
     MapStream& operator=(const MapStream&) = delete;
 
-    /// The next rows, in order; waits for them. Nothing after the last. For one reader.
+    /// The next rows, in order; waits for them. Nothing after the last, or where it has failed. For one reader.
     std::optional<MapChunk> next_chunk();
 
     /// next_chunk() would not wait.
     bool ready() const;
 
+    /// There was no memory for the next rows: they do not come.
+    bool failed() const { return failed_; }
+
   private:
     struct Scratch;
     MapStream(const MapRequest& request, const Surface& surface, MapOptions options);
     void work();
+    void make_chunks();
     void mix_texels();
     MapChunk compute(int chunk, Scratch& scratch) const;
     int rows_of(int chunk) const;
@@ -129,6 +133,7 @@ class MapStream {
 
     mutable std::mutex mutex_;
     std::condition_variable changed_;
+    std::atomic<bool> failed_ = false;
     std::atomic<bool> stopping_ = false; ///< set with the lock held, looked at without
     std::once_flag mixed_;               ///< texels_, by the first thread
     int next_to_compute_ = 0;

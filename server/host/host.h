@@ -74,8 +74,10 @@ class ByteSource {
     virtual ~ByteSource() = default;
     /// Of the whole answer.
     virtual std::uint64_t size() const = 0;
-    /// The next bytes, in order. Empty: not ready; `on_ready` of the request will be called.
+    /// The next bytes, in order. Empty: not ready, `on_ready` of the request will be called; or failed().
     virtual std::vector<std::uint8_t> next() = 0;
+    /// There will be no more, though not all has come.
+    virtual bool failed() const { return false; }
 };
 
 /// A bulk map wanted: the parameters as they came, by name (docs/protocol.md).
@@ -127,6 +129,10 @@ class Host {
     /// A whole grid at one time, in bounded chunks. Not every host makes maps.
     using Mapped = std::function<void(Result<std::unique_ptr<ByteSource>>)>;
     virtual void map(MapQuery, Mapped done) { done(Error{Refusal::not_offered, "no maps here"}); }
+    /// Bytes of the map that these parameters ask for, or what is wrong with them; at once.
+    virtual Result<std::uint64_t> map_bytes(const std::map<std::string, std::string>&) const {
+        return Error{Refusal::not_offered, "no maps here"};
+    }
 
     /// The waves themselves, encoded once a rung. Called on a thread of its own, which it may hold for as long as
     /// that takes: 0.1 s, of the largest seas some seconds. Not every host has a sea of waves.

@@ -36,6 +36,9 @@ enum class MemoryUse : std::size_t {
 };
 inline constexpr std::size_t memory_uses = 11;
 
+/// Maps under way at a time: each takes two threads while it lasts.
+inline constexpr int maps_at_once_max = 2;
+
 struct MemoryShare {
     MemoryUse use;
     std::string_view name; ///< in /metrics

@@ -2,7 +2,9 @@
 // The two lives of a connection: HTTP first, then, after an upgrade, a stream. Of the io thread alone.
 #pragma once
 
+#include <map>
 #include <memory>
+#include <string>
 
 #include "server/net/core.h"
 #include "server/net/gate.h"
@@ -54,6 +56,10 @@ class UpgradeSlot {
 /// Serves HTTP on an accepted stream (TLS: handshake first) until it closes or is upgraded.
 /// Defined in http_connection.cpp.
 void serve_http(ConnectionSlot slot, sockets::Socket socket, Peer peer);
+
+/// Serves a bulk map and ends with it. Defined in map_connection.cpp.
+void serve_map(ConnectionSlot slot, sockets::Socket socket, Peer peer,
+               std::map<std::string, std::string> parameters);
 
 /// Answers the upgrade and serves the session; `standing` is what the upgrade's token was worth.
 /// Defined in stream_connection.cpp.

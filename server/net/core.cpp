@@ -11,7 +11,8 @@ namespace seaway::server {
 
 Core::Core(NetOptions net_options, Host& simulation, std::function<void(Work)> run_on_io_thread)
     : options(std::move(net_options)), host(simulation), addresses(options), memory(host.memory()),
-      encoding(memory), run_on_io_thread_(std::move(run_on_io_thread)) {
+      encoding(memory), map_places(maps_at_once_max, [this](Work work) { post(std::move(work)); }),
+      run_on_io_thread_(std::move(run_on_io_thread)) {
     health_door.health_only = true;
 }
 

@@ -15,6 +15,7 @@
 #include "server/net/counters.h"
 #include "server/net/disposal.h"
 #include "server/net/encode_worker.h"
+#include "server/net/map_places.h"
 #include "server/net/options.h"
 #include "server/net/origins.h"
 #include "server/net/tokens.h"
@@ -58,6 +59,7 @@ class Core : public std::enable_shared_from_this<Core> {
     Door door;
     Door health_door;
     int upgrades = 0; ///< under way: each will be a session
+    MapPlaces map_places;
     /// Connections that wait for a map of the host: nobody else holds them. Given up with the server.
     std::set<std::shared_ptr<void>> waiting_for_maps;
     /// Sessions, and upgrades under way, without a token and without a Hello.

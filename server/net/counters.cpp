@@ -72,6 +72,8 @@ std::string metrics_text(const Counters& c, const Gauges& g, const EncoderCounte
           c.keyframes_dropped);
     t.one("keyframes_wrong_total", "counter", "Keyframes with samples that were not finite",
           c.keyframes_wrong);
+    t.one("out_of_memory_total", "counter", "Connections and messages ended for want of memory",
+          c.out_of_memory);
     t.one("keyframes_sent_total", "counter", "Keyframes streamed, summed over sessions",
           c.outboxes.keyframes_started + g.outboxes.keyframes_started);
     t.one("keyframes_replaced_total", "counter", "Keyframes that a newer one replaced",

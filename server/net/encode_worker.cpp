@@ -86,8 +86,11 @@ void EncodeWorker::run() {
             next = {}; // what it holds is released outside the lock
         lock.lock();
         counters_ = encoder.counters();
-        if (!done && !stopping_)
-            line->push_front(std::move(next));
+        try {
+            if (!done && !stopping_)
+                line->push_front(std::move(next));
+        } catch (const std::bad_alloc&) { // whose job it was is told by its end
+        }
     }
 }
 

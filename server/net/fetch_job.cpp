@@ -29,6 +29,21 @@ Error no_room_for(std::string_view what) {
     return busy;
 }
 
+Error no_memory() {
+    Error busy{Refusal::busy, "there is no memory for this now, try again later"};
+    busy.retry_after_ms = 1000;
+    return busy;
+}
+
+FetchJob::~FetchJob() {
+    try {
+        Error lost = no_memory();
+        lost.message = "this was given up, try again later";
+        end(std::move(lost));
+    } catch (const std::bad_alloc&) { // the session waits for it until it ends
+    }
+}
+
 FetchJob::FetchJob(std::weak_ptr<Core> core, sea::FieldSet wanted, bool start, const Asker& session,
                    GiveBack give_back)
     : core_(std::move(core)), wanted_(wanted), start_(start), asker_(session.about(wanted_here_)),
@@ -46,7 +61,7 @@ void FetchJob::bring(Result<FetchedPart> fetched) {
         try {
             return self->encode(*part, encoder);
         } catch (const std::bad_alloc&) {
-            self->end(no_room_for("fetched tiles"));
+            self->end(no_memory());
             return true;
         }
     };

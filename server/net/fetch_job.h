@@ -24,6 +24,8 @@ struct FetchedTiles {
 /// Refusals: more than one session may be sent; what nobody has read yet fills its share of the memory.
 Error tiles_too_large();
 Error no_room_for(std::string_view what);
+/// A refusal, too: it may be asked again.
+Error no_memory();
 
 class FetchJob : public std::enable_shared_from_this<FetchJob> {
   public:
@@ -32,6 +34,9 @@ class FetchJob : public std::enable_shared_from_this<FetchJob> {
     /// `start`: of a subscription, whose tiles are the stream's.
     FetchJob(std::weak_ptr<Core> core, sea::FieldSet wanted, bool start, const Asker& session,
              GiveBack give_back);
+
+    /// One that is lost, for want of memory, has ended too.
+    ~FetchJob();
 
     /// Gone with the session, or once the fetch has ended for another reason.
     const Asker& asker() const { return asker_; }

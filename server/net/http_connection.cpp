@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <algorithm>
-#include <array>
 #include <chrono>
 #include <map>
+#include <new>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include <boost/asio/steady_timer.hpp>
-#include <boost/asio/write.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket/rfc6455.hpp>
@@ -16,6 +14,7 @@
 
 #include "server/net/connection.h"
 #include "server/net/http_head.h"
+#include "server/net/http_response.h"
 #include "server/net/pages.h"
 #include "server/net/refusals.h"
 #include "server/net/tokens.h"
@@ -116,7 +115,12 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
                          [self = shared_from_this()](error_code error, std::size_t bytes) {
                              self->peer_.address->request_bytes.take(static_cast<double>(bytes),
                                                                      Clock::now());
-                             self->on_request(error);
+                             try {
+                                 self->on_request(error);
+                             } catch (const std::bad_alloc&) {
+                                 self->socket_.close();
+                                 throw;
+                             }
                          });
     }
 
@@ -164,9 +168,23 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
             return upgrade(judged.standing);
         const bool reads = request.method() == http::verb::get || head_only();
         if (reads && asked.path == map_path && !health_only)
-            return start_map(std::move(asked.parameters));
+            return head_only() ? announce_map(asked.parameters, request.keep_alive())
+                               : serve_map(std::move(slot_), std::move(socket_), std::move(peer_),
+                                           std::move(asked.parameters));
         respond(page_for(core(), text(request.method_string()), asked.path, health_only),
                 head_only(), request.keep_alive());
+    }
+
+    /// HEAD: nothing of the map is made.
+    void announce_map(const std::map<std::string, std::string>& parameters, bool keep_alive) {
+        const Result<std::uint64_t> bytes = core().host.map_bytes(parameters);
+        if (!bytes)
+            return respond({.status = http_status(bytes.error()),
+                            .body = bytes.error().message + "\n",
+                            .retry_after_s = retry_after_s(bytes.error())},
+                           true, keep_alive);
+        respond({.content_type = std::string(map_content_type), .announced_bytes = *bytes}, true,
+                keep_alive);
     }
 
     // ---- from here to a stream ----
@@ -217,167 +235,12 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     }
 
     void respond(const Page& page, bool head_only, bool keep_alive) {
-        auto response = std::make_shared<http::response<http::string_body>>();
-        response->result(page.status);
-        response->version(11);
-        response->set(http::field::server, "seaway/" SEAWAY_VERSION);
-        response->set(http::field::content_type, page.content_type);
-        response->set(http::field::cache_control, "no-store");
-        response->set("X-Content-Type-Options", "nosniff");
-        if (!page.allow.empty())
-            response->set(http::field::allow, page.allow);
-        if (page.retry_after_s > 0)
-            response->set(http::field::retry_after, std::to_string(page.retry_after_s));
-        if (page.status == 401)
-            response->set(http::field::www_authenticate, "Bearer");
-        if (page.status == 426)
-            response->set(http::field::upgrade, "websocket");
-        response->keep_alive(keep_alive);
-        if (!head_only)
-            response->body() = page.body;
-        response->prepare_payload();
-        if (head_only)
-            response->content_length(page.body.size());
-        ++core().counters.http_responses[page.status];
-        socket_.expires_after(core().options.http_deadline);
-        const auto on_written = [self = shared_from_this(), response, keep_alive](error_code error,
-                                                                                  std::size_t) {
-            if (error)
-                return self->failed("http", error);
-            keep_alive ? self->read_request() : self->close();
-        };
-        if (head_only) { // the serializer would wait for the body that the length announces
-            auto header = std::make_shared<http::response<http::empty_body>>(
-                http::response_header<>(response->base()));
-            http::async_write(socket_, *header,
-                              [on_written, header](error_code error, std::size_t bytes) {
-                                  on_written(error, bytes);
-                              });
-        } else {
-            http::async_write(socket_, *response, on_written);
-        }
-    }
-
-    // ---- bulk maps: a length, then chunks as they are made and taken ----
-
-    void start_map(std::map<std::string, std::string> parameters) {
-        socket_.expires_never(); // the host answers; what it takes is bounded there
-        watch_peer();
-        const std::weak_ptr<HttpConnection> weak = weak_from_this();
-        const auto core_ptr = slot_.core();
-        const auto more_rows = [weak, core_ptr] {
-            core_ptr->post([weak] {
-                if (const auto self = weak.lock())
-                    self->write_map();
-            });
-        };
-        core().waiting_for_maps.insert(shared_from_this());
-        core().host.map({std::move(parameters), Asker(here_), more_rows},
-                        [weak, core_ptr](Result<std::unique_ptr<ByteSource>> made) {
-                            auto shared = std::make_shared<decltype(made)>(std::move(made));
-                            core_ptr->post([weak, core_ptr, shared] {
-                                if (const auto self = weak.lock())
-                                    self->begin_map(*shared);
-                                else
-                                    core_ptr->disposal.take(shared);
-                            });
-                        });
-    }
-
-    /// A pending read notices that the peer has left, also while nothing is written to it. What it
-    /// says meanwhile is not looked at: a map ends its connection.
-    void watch_peer() {
-        socket_.async_read_some(asio::buffer(unasked_),
-                                [self = shared_from_this()](error_code error, std::size_t) {
-                                    if (self->here_ == nullptr)
-                                        return;
-                                    if (!error)
-                                        return self->watch_peer();
-                                    self->end_map();
-                                });
-    }
-
-    void begin_map(Result<std::unique_ptr<ByteSource>>& made) {
-        if (!made) {
-            if (here_ == nullptr)
-                return end_map();
-            const auto self = shared_from_this();
-            core().waiting_for_maps.erase(self);
-            here_ = nullptr;
-            return respond({.status = http_status(made.error()),
-                            .body = made.error().message + "\n",
-                            .retry_after_s = retry_after_s(made.error())},
-                           head_only(), false);
-        }
-        map_ = *std::move(made);
-        if (here_ == nullptr)
-            return end_map();
-        auto header = std::make_shared<http::response<http::empty_body>>();
-        header->result(200);
-        header->version(11);
-        header->set(http::field::server, "seaway/" SEAWAY_VERSION);
-        header->set(http::field::content_type, "application/vnd.seaway.map");
-        header->set(http::field::cache_control, "no-store");
-        header->keep_alive(false);
-        header->content_length(map_->size());
-        ++core().counters.http_responses[200];
-        begin_map_write();
-        auto serializer = std::make_shared<http::response_serializer<http::empty_body>>(*header);
-        http::async_write_header(
-            socket_, *serializer,
-            [self = shared_from_this(), header, serializer](error_code error, std::size_t) {
-                if (self->head_only() && !error)
-                    return self->end_map(); // before a row of it is made
-                self->on_map_written(error);
-            });
-    }
-
-    void write_map() {
-        if (!map_ || map_writing_)
-            return;
-        map_chunk_ = map_->next();
-        if (map_chunk_.empty()) {
-            if (map_sent_ == map_->size())
-                return end_map();
-            return socket_.expires_never(); // waits for the next chunk, not for the peer
-        }
-        map_sent_ += map_chunk_.size();
-        begin_map_write();
-        asio::async_write(socket_, asio::buffer(map_chunk_),
-                          [self = shared_from_this()](error_code error, std::size_t) {
-                              self->on_map_written(error);
-                          });
-    }
-
-    /// The peer has write_timeout for each piece, and for all that it is behind the least rate.
-    void begin_map_write() {
-        map_writing_ = true;
-        map_write_begun_ = Clock::now();
-        const std::chrono::duration<double> earned(static_cast<double>(map_sent_) /
-                                                   core().options.map_bytes_per_s_min);
-        const auto left = core().options.write_timeout - map_waited_ + earned;
-        socket_.expires_after(
-            std::clamp(std::chrono::duration_cast<std::chrono::milliseconds>(left),
-                       std::chrono::milliseconds(1), core().options.write_timeout));
-    }
-
-    void on_map_written(error_code error) {
-        map_writing_ = false;
-        map_waited_ += Clock::now() - map_write_begun_;
-        if (error) {
-            end_map();
-            return failed("http", error);
-        }
-        write_map();
-    }
-
-    void end_map() {
-        const auto self = shared_from_this();
-        core().waiting_for_maps.erase(self);
-        here_ = nullptr;
-        if (map_)
-            core().disposal.take(std::move(map_)); // its threads end in their own time
-        close();
+        write_page(core(), socket_, page, head_only, keep_alive,
+                   [self = shared_from_this(), keep_alive](error_code error) {
+                       if (error)
+                           return self->failed("http", error);
+                       keep_alive ? self->read_request() : self->close();
+                   });
     }
 
     void respond_and_close(const Page& page, error_code error) {
@@ -387,16 +250,13 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
 
     void failed(std::string_view what, error_code error) {
         // A peer that goes away, or says nothing, between requests is none of our business.
-        if (error != beast::error::timeout && error != asio::error::eof &&
-            error != asio::error::connection_reset && error != asio::error::operation_aborted)
+        if (!is_usual_end(error))
             note(what, error);
         socket_.close();
     }
 
     void note(std::string_view what, error_code error) {
-        ++core().counters.handshakes_failed;
-        core().log(fmt::format("event=connection_refused peer={} reason=bad_{} why=\"{}\"",
-                               peer_.name, what, printable(error.message())));
+        note_bad_peer(core(), peer_.name, what, error);
     }
 
     void close() {
@@ -411,16 +271,6 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     beast::flat_buffer buffer_{header_bytes_max + body_bytes_max};
     std::optional<Parser> parser_;
     WaitingLine::Place awaits_;
-
-    std::shared_ptr<const void> here_ =
-        std::make_shared<char>(); ///< until no map is wanted any more
-    std::array<std::uint8_t, 512> unasked_{};
-    std::unique_ptr<ByteSource> map_;
-    std::vector<std::uint8_t> map_chunk_; ///< being written
-    std::uint64_t map_sent_ = 0;
-    bool map_writing_ = false;
-    Clock::time_point map_write_begun_;
-    Clock::duration map_waited_{0}; ///< for the peer, all in all
 };
 
 } // namespace

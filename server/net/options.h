@@ -58,9 +58,12 @@ struct NetOptions {
     /// A session that sends nothing, not even pongs, is dead. Pings go out at half of it.
     std::chrono::milliseconds idle_timeout{20'000};
     std::chrono::milliseconds write_timeout{10'000}; ///< one message, at most 512 KB
-    /// Who reads a map more slowly than this, write_timeout all in all aside, is cut off: maps_at_once_max
-    /// others wait for its place.
+    /// Who reads a map more slowly than this, write_timeout all in all aside, is cut off.
     double map_bytes_per_s_min = 256 * 1024;
+    /// Where no place is free for one more map, the reader who is furthest behind this rate, by more than
+    /// `map_patience`, is cut off.
+    double map_bytes_per_s_wanted = 4.0 * 1024 * 1024;
+    std::chrono::milliseconds map_patience{1000};
     std::chrono::milliseconds stop_deadline{1500}; ///< for GoAway and closing handshakes
 };
 

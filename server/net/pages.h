@@ -2,6 +2,7 @@
 // What the HTTP side says: a function from (method, path) to a page. No sockets.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -13,13 +14,16 @@ namespace seaway::server {
 
 /// Bulk maps: answered in pieces, not by a Page.
 inline constexpr std::string_view map_path = "/v1/map";
+inline constexpr std::string_view map_content_type = "application/vnd.seaway.map";
 
 struct Page {
     unsigned status = 200;
     std::string content_type = "text/plain; charset=utf-8";
     std::string body = {};
     std::string allow = {}; ///< header of a 405
-    int retry_after_s = 0;  ///< the same may be asked again after so long; 0: nothing is said
+    /// Of a body that HEAD tells of and that is not made.
+    std::optional<std::uint64_t> announced_bytes = {};
+    int retry_after_s = 0; ///< the same may be asked again after so long; 0: nothing is said
 };
 
 /// With a client token, everything but /healthz, /readyz and the stream, whose Hello may bring it, is for

@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <functional>
+#include <new>
 #include <optional>
 #include <thread>
 
@@ -71,8 +72,21 @@ class Listener {
 
     void accept() {
         acceptor_.async_accept([this](error_code error, tcp::socket socket) {
+            accepting_ = false;
             on_accepted(error, std::move(socket));
         });
+        accepting_ = true;
+    }
+
+    /// After an exception, which may have come out of accept(). Does not throw.
+    void accept_again() noexcept {
+        while (!accepting_ && acceptor_.is_open()) {
+            try {
+                accept();
+            } catch (const std::bad_alloc&) {
+                std::this_thread::sleep_for(accept_pause);
+            }
+        }
     }
 
     void close() {
@@ -89,8 +103,10 @@ class Listener {
             return;
         if (error) {
             core_.log(fmt::format("event=accept_failed why=\"{}\"", error.message()));
+            accepting_ = true;
             timer_.expires_after(accept_pause);
             timer_.async_wait([this](error_code waited) {
+                accepting_ = false;
                 if (!waited)
                     accept();
             });
@@ -109,6 +125,7 @@ class Listener {
     asio::steady_timer timer_;
     Take take_;
     Endpoint endpoint_;
+    bool accepting_ = false; ///< or pausing
 };
 
 } // namespace
@@ -133,7 +150,7 @@ class NetServer::Impl {
             SEAWAY_TRY(health_.listen("--health-listen", options.health_listen));
             health_.accept();
         }
-        thread_ = std::thread([this] { io_.run(); });
+        thread_ = std::thread([this] { serve(); });
         return {};
     }
 
@@ -167,6 +184,21 @@ class NetServer::Impl {
     void stop();
 
   private:
+    /// The io thread. What there is no memory for is one connection's or one message's, which it ends.
+    void serve() {
+        for (;;) {
+            try {
+                io_.run();
+                return;
+            } catch (const std::bad_alloc&) {
+                ++core_->counters.out_of_memory;
+            }
+            public_.accept_again();
+            if (!core_->options.health_listen.empty())
+                health_.accept_again();
+        }
+    }
+
     bool with_tls() const { return !core_->options.tls_cert_file.empty(); }
     void take(const Credentials& credentials) {
         core_->tokens = credentials.tokens;
@@ -344,6 +376,7 @@ void NetServer::Impl::stop() {
         thread_.join();
     }
     core_->detach();
+    core_->map_places.stop();
     core_->waiting_for_maps.clear();
     core_->disposal.stop(); // maps hold the core, and its last holder must not be its own thread
 }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <new>
 
 #include <fmt/format.h>
 
@@ -31,12 +32,29 @@ Session::Session(Core& core, Link& link, Peer peer, Standing standing)
 }
 
 Session::~Session() {
-    end(disconnected, "connection dropped");
+    try {
+        end(disconnected, "connection dropped");
+    } catch (const std::bad_alloc&) { // of what counts and logs; it has ended
+    }
+}
+
+template <class Work>
+void Session::or_drop(Work work) {
+    try {
+        work();
+    } catch (const std::bad_alloc&) {
+        link_.drop();
+        end(protocol::name(ErrorCode::internal), "there is no memory for this session");
+    }
 }
 
 void Session::receive(std::span<const std::uint8_t> bytes) {
     if (closing_ || ended_)
         return;
+    or_drop([&] { dispatch(bytes); });
+}
+
+void Session::dispatch(std::span<const std::uint8_t> bytes) {
     ++core_.counters.messages_received;
     core_.counters.bytes_received += bytes.size();
     const Result<const wire::Message*> message = reader_.read(bytes);
@@ -171,7 +189,7 @@ void Session::fetch(std::uint32_t request_id, std::vector<sea::TimeUs> times_us,
         alive->post([core, session, request_id, encoded = std::move(encoded)] {
             const std::shared_ptr<Core> here = core.lock();
             if (Session* found = here ? here->find(session) : nullptr)
-                found->fetched(request_id, encoded);
+                found->or_drop([&] { found->fetched(request_id, encoded); });
         });
     };
     const auto job =
@@ -285,8 +303,10 @@ void Session::deliver(const EncodedKeyframePtr& keyframe) {
     // keyframe is of no use to it.
     if (!keyframe->fields.contains(grant->fields))
         return;
-    outbox_.push_keyframe(keyframe, grant->fields);
-    link_.send_more();
+    or_drop([&] {
+        outbox_.push_keyframe(keyframe, grant->fields);
+        link_.send_more();
+    });
 }
 
 void Session::announce(protocol::SharedBytes sea_state) {

@@ -28,6 +28,8 @@ class Link {
     virtual ~Link() = default;
     /// next_message() may have something.
     virtual void send_more() = 0;
+    /// Closes at once, without a word: there is no memory for one. Does not throw.
+    virtual void drop() noexcept = 0;
     /// Sends `go_away` after the message that is being sent, then closes with `code` and `why`.
     virtual void close(protocol::SharedBytes go_away, wire::ErrorCode code,
                        const std::string& why) = 0;
@@ -84,6 +86,10 @@ class Session {
     void make_spectra(std::optional<std::uint32_t> request_id);
     void spectra_made(std::optional<std::uint32_t> request_id,
                       const Result<GrantedSpectrum>& granted);
+    /// Does it, or ends the session where there is no memory for it.
+    template <class Work>
+    void or_drop(Work work);
+    void dispatch(std::span<const std::uint8_t> bytes);
     void reply(protocol::Bytes message);
     void refuse(std::uint32_t request_id, const Error& why);
 

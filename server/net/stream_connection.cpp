@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <new>
 #include <optional>
 
 #include <boost/asio/steady_timer.hpp>
@@ -69,8 +70,21 @@ class StreamConnection final : public Link, public std::enable_shared_from_this<
             if (!error)
                 self->write_overdue();
         });
-        ws_.write(*writing_,
-                  [self = shared_from_this()](Result<void> done) { self->on_written(done); });
+        ws_.write(*writing_, [self = shared_from_this()](const Result<void>& done) {
+            self->or_drop([&] { self->on_written(done); });
+        });
+    }
+
+    /// Closes the socket; whatever is under way ends with an error, and the last handler that goes
+    /// takes this object with it.
+    void drop() noexcept override {
+        lost_ = true;
+        says_hello_no_more();
+        hello_timer_.cancel();
+        delay_timer_.cancel();
+        write_timer_.cancel();
+        close_timer_.cancel();
+        ws_.socket().close();
     }
 
     void close(SharedBytes go_away, wire::ErrorCode code, const std::string& why) override {
@@ -146,8 +160,19 @@ class StreamConnection final : public Link, public std::enable_shared_from_this<
 
     void read_now() {
         ws_.read([self = shared_from_this()](const Result<sockets::WebSocket::Message>& message) {
-            self->on_read(message);
+            self->or_drop([&] { self->on_read(message); });
         });
+    }
+
+    /// A connection whose next step there is no memory for is over.
+    template <class Work>
+    void or_drop(Work work) {
+        try {
+            work();
+        } catch (const std::bad_alloc&) {
+            drop();
+            throw;
+        }
     }
 
     void on_read(const Result<sockets::WebSocket::Message>& message) {
@@ -205,18 +230,6 @@ class StreamConnection final : public Link, public std::enable_shared_from_this<
         if (std::exchange(shaking_, true))
             return;
         ws_.close(close_reason_, [self = shared_from_this()] { self->drop(); });
-    }
-
-    /// Closes the socket; whatever is under way ends with an error, and the last handler that goes
-    /// takes this object with it.
-    void drop() {
-        lost_ = true;
-        says_hello_no_more();
-        hello_timer_.cancel();
-        delay_timer_.cancel();
-        write_timer_.cancel();
-        close_timer_.cancel();
-        ws_.socket().close();
     }
 
     ConnectionSlot slot_;

@@ -61,7 +61,7 @@ MemoryNeeds needs_of(const RunningSea& sea) {
     for (const MemoryUse use :
          {MemoryUse::encoding, MemoryUse::encoded, MemoryUse::streamed, MemoryUse::fetched})
         need(use) = keyframe;
-    need(MemoryUse::maps) = map_bytes(sea);
+    need(MemoryUse::maps) = maps_at_once_max * map_bytes(sea);
     return needs;
 }
 

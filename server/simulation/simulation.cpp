@@ -60,10 +60,13 @@ Simulation::~Simulation() {
 
 void Simulation::run() {
     while (!stopping_ && !source_.failure()) {
-        trim_now_and_then();
-        const bool streamed = work_ahead();
-        if (!source_.failure())
-            work_on_a_question(streamed);
+        try {
+            trim_now_and_then();
+            const bool streamed = work_ahead();
+            if (!source_.failure())
+                work_on_a_question(streamed);
+        } catch (const std::bad_alloc&) { // a question is lost; work_ahead() sees to itself
+        }
     }
     heartbeat_.rests();
     if (source_.failure() && events_.on_failure)
@@ -160,14 +163,24 @@ bool Simulation::answered(Question& question) {
     try {
         done = question.slice();
     } catch (const std::bad_alloc&) {
-        question.refuse(busy("there is no memory for this now, try again later"));
+        refuse_surely(question, busy("there is no memory for this now, try again later"));
     } catch (const std::system_error& error) { // a thread that could not be started
-        question.refuse(busy(
-            fmt::format("the system gives no more: {}, try again later", error.code().message())));
+        refuse_surely(question, busy(fmt::format("the system gives no more: {}, try again later",
+                                                 error.code().message())));
     }
     questions_.spent(question,
                      std::chrono::duration<double, std::micro>(Clock::now() - start).count());
     return done;
+}
+
+void Simulation::refuse_surely(const Question& question, const Error& why) {
+    for (int attempt = 0; attempt < 100; ++attempt) {
+        try {
+            return question.refuse(why);
+        } catch (const std::bad_alloc&) { // others give some back soon
+            std::this_thread::sleep_for(std::chrono::milliseconds(10));
+        }
+    }
 }
 
 SimulationCounters Simulation::counters() const {

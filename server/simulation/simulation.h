@@ -135,6 +135,7 @@ class Simulation {
     /// `more`: there is other work, no question is waited for.
     void work_on_a_question(bool more);
     bool answered(Question& question);
+    static void refuse_surely(const Question& question, const Error& why);
     HoldingOf holding() const;
     Question keyframe_question(std::function<std::vector<KeyframeRequest>()> wanted, Walk walk,
                                std::function<bool()> ready, Fetched done, const Asker& asker);

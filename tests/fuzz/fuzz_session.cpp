@@ -17,6 +17,7 @@ namespace {
 
 class Nowhere : public server::Link {
   public:
+    void drop() noexcept override {}
     void send_more() override {}
     void close(protocol::SharedBytes, wire::ErrorCode, const std::string&) override {}
 };

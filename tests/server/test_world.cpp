@@ -290,23 +290,6 @@ TEST(MapRequests, each_is_taken_up_to_its_limits_and_refused_by_name_and_value_b
     }
 }
 
-TEST(MapRequests, there_are_two_places_and_each_comes_back_when_its_map_goes) {
-    const auto running = std::make_shared<std::atomic<int>>(0);
-    for (int round = 0; round < 3; ++round) {
-        const auto first = take_map_place(running);
-        auto second = take_map_place(running);
-        ASSERT_TRUE(first && second) << round;
-        for (int again = 0; again < 5; ++again) {
-            const auto third = take_map_place(running);
-            ASSERT_FALSE(third);
-            EXPECT_TRUE(third.error().is(Refusal::busy));
-        }
-        second = Error{"given back"};
-        EXPECT_TRUE(take_map_place(running));
-    }
-    EXPECT_EQ(*running, 0);
-}
-
 // Without t_s a map is of now, and its header says so in its last eight bytes.
 TEST(World, a_map_without_a_time_is_of_now) {
     Bench bench;

@@ -233,6 +233,7 @@ TEST_F(NetDoor, tokens_in_urls_open_nothing_and_reach_no_log) {
 /// A session without a connection.
 class NoLink : public server::Link {
   public:
+    void drop() noexcept override {}
     void send_more() override {}
     void close(protocol::SharedBytes, ErrorCode closed_with,
                const std::string& closed_why) override {

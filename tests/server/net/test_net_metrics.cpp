@@ -41,6 +41,7 @@ const std::map<std::string, double> figures{
     {"seaway_net_keyframes_published_total", 191},
     {"seaway_net_keyframes_dropped_total", 193},
     {"seaway_net_keyframes_wrong_total", 197},
+    {"seaway_net_out_of_memory_total", 257},
     // Of the sessions that have ended and of those that live.
     {"seaway_net_keyframes_sent_total", 1011},
     {"seaway_net_keyframes_replaced_total", 2013},
@@ -75,6 +76,7 @@ TEST(NetMetricsText, every_line_shows_the_figure_that_it_names) {
                             .keyframes_published = 191,
                             .keyframes_dropped = 193,
                             .keyframes_wrong = 197,
+                            .out_of_memory = 257,
                             .outboxes = {1000, 2000, 3000}};
     const Gauges gauges{.sessions = 2,
                         .subscriptions = 3,
@@ -174,6 +176,7 @@ const std::map<std::string, double> happened{
     {"seaway_net_keyframes_published_total", 3},
     {"seaway_net_keyframes_dropped_total", 0},
     {"seaway_net_keyframes_wrong_total", 0},
+    {"seaway_net_out_of_memory_total", 0},
     {"seaway_net_keyframes_sent_total", 2},
     {"seaway_net_keyframes_replaced_total", 1},
     {"seaway_net_keyframes_awaiting_credit_total", 2},

@@ -176,6 +176,12 @@ class SmallSea : public server::Host {
         auto rows = std::make_unique<Rows>(*this, std::move(query.on_ready));
         done(std::unique_ptr<server::ByteSource>(std::move(rows)));
     }
+    Result<std::uint64_t>
+    map_bytes(const std::map<std::string, std::string>& parameters) const override {
+        if (parameters.contains("colour"))
+            return Error{server::Refusal::bad_value, "unknown parameter \"colour\""};
+        return map_bytes_all;
+    }
     std::string state_json() const override {
         if (on_state)
             on_state();
@@ -203,8 +209,9 @@ class SmallSea : public server::Host {
     std::map<std::string, std::string> map_parameters; ///< of the last one
     std::atomic<bool> answer_maps = true;              ///< else nobody hears of them again
     std::atomic<bool> maps_ready = false; ///< else their rows never come, but in map_piece_bytes
+    bool maps_fail = false;               ///< after their header
     static constexpr std::size_t map_chunk_bytes = 500, map_chunks = 2;
-    std::size_t map_bytes = map_chunks * map_chunk_bytes;
+    std::size_t map_bytes_all = map_chunks * map_chunk_bytes;
     std::size_t map_piece_bytes = 0;
     std::function<void()> on_map_end = {};   ///< where a map ends
     std::function<void()> on_state = {};     ///< where /v1/state is made
@@ -230,10 +237,12 @@ class SmallSea : public server::Host {
                 sea_.on_map_end();
             --*alive_;
         }
-        std::uint64_t size() const override { return sea_.map_bytes; }
+        bool failed() const override { return sea_.maps_fail; }
+        std::uint64_t size() const override { return sea_.map_bytes_all; }
         std::vector<std::uint8_t> next() override {
             const std::size_t most = sea_.maps_ready ? map_chunk_bytes : sea_.map_piece_bytes;
-            const std::size_t piece = std::min(most, sea_.map_bytes - given_);
+            const std::size_t piece =
+                sea_.maps_fail ? 0 : std::min(most, sea_.map_bytes_all - given_);
             given_ += piece;
             return std::vector<std::uint8_t>(piece, 'm');
         }

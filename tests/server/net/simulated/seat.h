@@ -51,6 +51,7 @@ class Seat final : public server::Link {
 
     // ---- Link ------------------------------------------------------------------------------
 
+    void drop() noexcept override { lost_ = true; }
     void send_more() override;
     void close(protocol::SharedBytes go_away, wire::ErrorCode code,
                const std::string& why) override;

@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: Apache-2.0
+// A bulk map on its way: a length, then chunks as they are made and taken. It ends its connection.
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <vector>
+
+#include <boost/asio/write.hpp>
+
+#include "server/net/connection.h"
+#include "server/net/http_response.h"
+#include "server/net/refusals.h"
+#include "sockets/socket.h"
+
+namespace seaway::server {
+namespace {
+
+namespace asio = boost::asio;
+using sockets::error_code;
+
+class MapConnection final : public MapReader, public std::enable_shared_from_this<MapConnection> {
+  public:
+    MapConnection(ConnectionSlot slot, sockets::Socket socket, Peer peer)
+        : slot_(std::move(slot)), socket_(std::move(socket)), peer_(std::move(peer)) {}
+
+    void run(std::map<std::string, std::string> parameters) {
+        socket_.expires_never(); // the host answers; what it takes is bounded there
+        watch_peer();
+        const bool may_come = core().map_places.ask(
+            [weak = weak_from_this(), parameters = std::move(parameters)](MapPlaces::Place place) {
+                if (const auto self = weak.lock(); self != nullptr && self->here_ != nullptr)
+                    self->start(parameters, std::move(place));
+            });
+        if (!may_come)
+            respond({.status = 503,
+                     .body = "as many maps are being made as there are places, try again later\n",
+                     .retry_after_s = 1});
+        else if (place_ == nullptr)
+            core().waiting_for_maps.insert(shared_from_this());
+    }
+
+    // ---- MapReader -------------------------------------------------------------------------
+
+    std::chrono::duration<double> behind() const override {
+        const Clock::duration now =
+            map_writing_ ? Clock::now() - map_write_begun_ : Clock::duration(0);
+        const NetOptions& options = slot_.core()->options;
+        const std::chrono::duration<double> earned(static_cast<double>(map_sent_) /
+                                                   options.map_bytes_per_s_wanted);
+        return map_waited_ + now - earned - options.map_patience;
+    }
+
+    void give_way() override { end_map(); }
+
+  private:
+    using Clock = std::chrono::steady_clock;
+
+    Core& core() { return *slot_.core(); }
+
+    void start(std::map<std::string, std::string> parameters, MapPlaces::Place place) {
+        place_ = std::move(place);
+        const std::weak_ptr<MapConnection> weak = weak_from_this();
+        const auto core_ptr = slot_.core();
+        const auto more_rows = [weak, core_ptr] {
+            core_ptr->post([weak] {
+                if (const auto self = weak.lock())
+                    self->write_map();
+            });
+        };
+        core().waiting_for_maps.insert(shared_from_this());
+        core().host.map({std::move(parameters), Asker(here_), more_rows},
+                        [weak, core_ptr](Result<std::unique_ptr<ByteSource>> made) {
+                            auto shared = std::make_shared<decltype(made)>(std::move(made));
+                            core_ptr->post([weak, core_ptr, shared] {
+                                if (const auto self = weak.lock())
+                                    self->begin_map(*shared);
+                                else
+                                    core_ptr->disposal.take(shared);
+                            });
+                        });
+    }
+
+    /// A pending read notices that the peer has left, also while nothing is written to it. What it
+    /// says meanwhile is not looked at: a map ends its connection.
+    void watch_peer() {
+        socket_.async_read_some(asio::buffer(unasked_),
+                                [self = shared_from_this()](error_code error, std::size_t) {
+                                    if (self->here_ == nullptr)
+                                        return;
+                                    if (!error)
+                                        return self->watch_peer();
+                                    self->end_map();
+                                });
+    }
+
+    void begin_map(Result<std::unique_ptr<ByteSource>>& made) {
+        if (!made) {
+            if (here_ == nullptr)
+                return end_map();
+            return respond({.status = http_status(made.error()),
+                            .body = made.error().message + "\n",
+                            .retry_after_s = retry_after_s(made.error())});
+        }
+        map_ = *std::move(made);
+        if (here_ == nullptr)
+            return end_map();
+        begin_map_write();
+        write_map_header(core(), socket_, map_->size(),
+                         [self = shared_from_this()](error_code error) {
+                             self->core().map_places.reads(self->weak_from_this());
+                             self->on_map_written(error);
+                         });
+    }
+
+    /// Why there is no map.
+    void respond(const Page& page) {
+        const auto self = shared_from_this();
+        core().waiting_for_maps.erase(self);
+        here_ = nullptr;
+        place_ = nullptr;
+        write_page(core(), socket_, page, false, false,
+                   [self](error_code error) { error ? self->failed(error) : self->close(); });
+    }
+
+    void write_map() {
+        if (!map_ || map_writing_)
+            return;
+        map_chunk_ = map_->next();
+        if (map_chunk_.empty()) {
+            if (map_sent_ == map_->size() || map_->failed())
+                return end_map();
+            return socket_.expires_never(); // waits for the next chunk, not for the peer
+        }
+        begin_map_write();
+        asio::async_write(socket_, asio::buffer(map_chunk_),
+                          [self = shared_from_this()](error_code error, std::size_t) {
+                              self->map_sent_ += self->map_chunk_.size();
+                              self->on_map_written(error);
+                          });
+    }
+
+    /// The peer has write_timeout for each piece, and for all that it is behind the least rate.
+    void begin_map_write() {
+        map_writing_ = true;
+        map_write_begun_ = Clock::now();
+        const std::chrono::duration<double> earned(
+            static_cast<double>(map_sent_ + map_chunk_.size()) /
+            core().options.map_bytes_per_s_min);
+        const auto left = core().options.write_timeout - map_waited_ + earned;
+        socket_.expires_after(
+            std::clamp(std::chrono::duration_cast<std::chrono::milliseconds>(left),
+                       std::chrono::milliseconds(1), core().options.write_timeout));
+    }
+
+    void on_map_written(error_code error) {
+        map_writing_ = false;
+        map_waited_ += Clock::now() - map_write_begun_;
+        if (error) {
+            end_map();
+            return failed(error);
+        }
+        write_map();
+    }
+
+    void end_map() {
+        const auto self = shared_from_this();
+        core().waiting_for_maps.erase(self);
+        here_ = nullptr;
+        // Its threads end in their own time, and its place comes back when they have.
+        if (map_)
+            core().disposal.take(
+                std::make_shared<std::pair<MapPlaces::Place, std::unique_ptr<ByteSource>>>(
+                    std::move(place_), std::move(map_)));
+        place_ = nullptr;
+        close();
+    }
+
+    void failed(error_code error) {
+        if (!is_usual_end(error))
+            note_bad_peer(core(), peer_.name, "http", error);
+        socket_.close();
+    }
+
+    void close() {
+        socket_.shutdown_send();
+        socket_.close();
+    }
+
+    ConnectionSlot slot_;
+    sockets::Socket socket_;
+    Peer peer_;
+    MapPlaces::Place place_;
+
+    std::shared_ptr<const void> here_ =
+        std::make_shared<char>(); ///< until no map is wanted any more
+    std::array<std::uint8_t, 512> unasked_{};
+    std::unique_ptr<ByteSource> map_;
+    std::vector<std::uint8_t> map_chunk_; ///< being written
+    std::uint64_t map_sent_ = 0;
+    bool map_writing_ = false;
+    Clock::time_point map_write_begun_;
+    Clock::duration map_waited_{0}; ///< for the peer, all in all
+};
+
+} // namespace
+
+void serve_map(ConnectionSlot slot, sockets::Socket socket, Peer peer,
+               std::map<std::string, std::string> parameters) {
+    std::make_shared<MapConnection>(std::move(slot), std::move(socket), std::move(peer))
+        ->run(std::move(parameters));
+}
+
+} // namespace seaway::server

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// MapPlaces: how many maps are under way at a time, and who gives way. A place comes back when the last of its
+// holders lets it go, on whichever thread, which is after the threads of the map have ended. Where none is free,
+// the reader who is furthest behind makes room, if one is behind; who asked waits for that place.
+//
+// Of the io thread alone, but for the places.
+#pragma once
+
+#include <chrono>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <vector>
+
+namespace seaway::server {
+
+/// Somebody who is sent a map.
+class MapReader {
+  public:
+    virtual ~MapReader() = default;
+    /// For how long it has kept the server waiting, beyond what it has earned by reading; 0: not behind.
+    virtual std::chrono::duration<double> behind() const = 0;
+    /// Somebody else wants the place.
+    virtual void give_way() = 0;
+};
+
+class MapPlaces {
+  public:
+    using Place = std::shared_ptr<void>;
+    using Begin = std::function<void(Place)>;
+    /// Hands work to the io thread.
+    using Post = std::function<void(std::function<void()>)>;
+
+    MapPlaces(int most, Post post) : state_(std::make_shared<State>()) {
+        state_->most = most;
+        state_->post = std::move(post);
+    }
+
+    /// Calls `begin` now, or once somebody who gives way has ended. False: nothing is free and nobody
+    /// is behind.
+    [[nodiscard]] bool ask(Begin begin);
+
+    /// For as long as it lives it may be asked to give way.
+    void reads(std::weak_ptr<MapReader> reader);
+
+    /// Those who wait are forgotten.
+    void stop();
+
+  private:
+    struct State {
+        int most = 0;
+        int taken = 0;
+        std::deque<Begin> waiting;
+        Post post;
+    };
+    static Place place(const std::shared_ptr<State>& state);
+    static void gave_back(const std::shared_ptr<State>& state);
+
+    const std::shared_ptr<State> state_;
+    std::vector<std::weak_ptr<MapReader>> readers_;
+};
+
+} // namespace seaway::server
