@@ -168,6 +168,8 @@ class MapConnection final : public MapReader, public std::enable_shared_from_thi
         here_ = nullptr;
         // Its threads end in their own time, and its place comes back when they have.
         if (map_)
+            core().map_places.ends();
+        if (map_)
             core().disposal.take(
                 std::make_shared<std::pair<MapPlaces::Place, std::unique_ptr<ByteSource>>>(
                     std::move(place_), std::move(map_)));

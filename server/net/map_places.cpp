@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/net/map_places.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace seaway::server {
@@ -8,6 +9,10 @@ namespace seaway::server {
 bool MapPlaces::ask(Begin begin) {
     if (state_->taken < state_->most) {
         begin(place(state_));
+        return true;
+    }
+    if (static_cast<int>(state_->waiting.size()) < state_->ending) {
+        state_->waiting.push_back(std::move(begin));
         return true;
     }
     std::shared_ptr<MapReader> slowest;
@@ -45,6 +50,7 @@ MapPlaces::Place MapPlaces::place(const std::shared_ptr<State>& state) {
 
 void MapPlaces::gave_back(const std::shared_ptr<State>& state) {
     --state->taken;
+    state->ending = std::max(state->ending - 1, 0);
     if (state->waiting.empty() || state->taken >= state->most)
         return;
     const Begin begin = std::move(state->waiting.front());

@@ -36,12 +36,15 @@ class MapPlaces {
         state_->post = std::move(post);
     }
 
-    /// Calls `begin` now, or once somebody who gives way has ended. False: nothing is free and nobody
-    /// is behind.
+    /// Calls `begin` now, or once a map that is ending, or that gives way, has ended. False: nothing is free
+    /// and nobody is behind.
     [[nodiscard]] bool ask(Begin begin);
 
     /// For as long as it lives it may be asked to give way.
     void reads(std::weak_ptr<MapReader> reader);
+
+    /// One of the places will come back soon.
+    void ends() { ++state_->ending; }
 
     /// Those who wait are forgotten.
     void stop();
@@ -50,6 +53,7 @@ class MapPlaces {
     struct State {
         int most = 0;
         int taken = 0;
+        int ending = 0; ///< of these
         std::deque<Begin> waiting;
         Post post;
     };

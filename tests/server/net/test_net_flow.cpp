@@ -77,7 +77,7 @@ TEST_F(NetFlow, every_answer_says_whether_the_connection_goes_on_and_so_it_does)
         {"GET /v1/stream" + rest + "\r\n", 426, true},
         {"GET /v1/state HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n", 401, false},
         {"GET /v1/map" + rest + "\r\n", 503, false},
-        {"HEAD /v1/map" + rest + "\r\n", 503, false},
+        {"HEAD /v1/map" + rest + "\r\n", 200, true},
         {"GET /v1/stream" + rest + upgrade + "other.v1\r\n\r\n", 400, false},
         {"GET /v1/stream" + rest + upgrade + "seaway.v1\r\n\r\n", 503, false},
         {"GET /healthz" + rest + "X: " + std::string(9000, 'x') + "\r\n\r\n", 431, false},
