@@ -63,8 +63,8 @@ inline constexpr std::size_t spectrum_bytes_max = 4u * 1024 * 1024;
 /// Chunks of one sea.
 inline constexpr std::uint32_t spectrum_chunks_max = 4096;
 
-/// Spectra at once: of the sea that runs and of one that was announced.
-inline constexpr std::uint32_t spectra_max = 2;
+/// Spectra at once: of the sea that runs, of the one that it comes from and of those that were announced.
+inline constexpr std::uint32_t spectra_max = 4;
 
 /// Bound on a slope that a SubscribeSpectrum may wish for: what is as coarse says nothing.
 inline constexpr float slope_error_max = 10.0f;

@@ -45,6 +45,10 @@ int planes_of(std::span<const sea::WaveBlock> blocks) {
     return std::max(1, (static_cast<int>(std::bit_width(all)) + 7) / 8);
 }
 
+int signed_byte(std::uint8_t byte) {
+    return byte < 128 ? byte : byte - 256;
+}
+
 bool fits(const sea::WaveBlock& block) {
     const auto index = [](int n) {
         return n >= -sea::WaveBlock::index_max - 1 && n <= sea::WaveBlock::index_max;
@@ -114,8 +118,8 @@ Result<std::vector<sea::WaveBlock>> decode_spectrum(std::span<const std::uint8_t
         blocks[b].cascade = head[0];
         blocks[b].shift = head[1] & sea::WaveBlock::shift_max;
         blocks[b].given = (head[1] & flag_given) != 0;
-        blocks[b].bx = static_cast<std::int8_t>(head[2]);
-        blocks[b].by = static_cast<std::int8_t>(head[3]);
+        blocks[b].bx = signed_byte(head[2]);
+        blocks[b].by = signed_byte(head[3]);
         for (std::size_t i = 0; i < codes_a_block; ++i) {
             std::uint32_t code = 0;
             for (std::size_t plane = 0; plane < planes; ++plane)

@@ -16,6 +16,8 @@ struct EncodedSpectrum {
     using Message = std::shared_ptr<const std::vector<std::uint8_t>>;
 
     std::uint32_t epoch = 0;
+    /// The glide that ends in this sea: who has its spectrum has this one. 0: none.
+    std::uint32_t ends_epoch = 0;
     /// Spectrum, then its chunks in order.
     std::vector<Message> messages;
     std::size_t bytes = 0; ///< of them all
@@ -34,7 +36,8 @@ struct GrantedSpectrum {
     float slope_error = 0; ///< limits::error_m_max and more: none
     sea::FieldSet fields = {};
     std::string why = {}; ///< in what this is less than the wish; empty: in nothing
-    /// Of the sea that runs, and of the next one, if announced.
+    /// Of the sea that runs, of the one before where it glides, and of those that are announced. Of a glide: the waves
+    /// that it leads to.
     std::vector<EncodedSpectrumPtr> spectra;
 };
 

@@ -62,21 +62,26 @@ void Session::spectra_made(std::optional<std::uint32_t> request_id,
         }
         return;
     }
-    if (request_id)
-        reply(protocol::spectrum_subscribed(
-            *request_id, {.error_m = granted->error_m,
-                          .slope_error = granted->slope_error,
-                          .fields = granted->fields,
-                          .spectra = static_cast<std::uint32_t>(granted->spectra.size()),
-                          .why = granted->why}));
+    std::uint32_t pushed = 0;
+    const auto has = [this](std::uint32_t epoch) {
+        return std::ranges::find(spectra_sent_, epoch) != spectra_sent_.end();
+    };
     for (const EncodedSpectrumPtr& spectrum : granted->spectra) {
-        if (std::ranges::find(spectra_sent_, spectrum->epoch) != spectra_sent_.end())
+        if (has(spectrum->epoch) || (spectrum->ends_epoch != 0 && has(spectrum->ends_epoch)))
             continue;
         spectra_sent_.push_back(spectrum->epoch);
         if (spectra_sent_.size() > limits::spectra_max)
             spectra_sent_.erase(spectra_sent_.begin());
         outbox_.push_spectrum(spectrum);
+        ++pushed;
     }
+    if (request_id) // goes before them
+        return reply(
+            protocol::spectrum_subscribed(*request_id, {.error_m = granted->error_m,
+                                                        .slope_error = granted->slope_error,
+                                                        .fields = granted->fields,
+                                                        .spectra = pushed,
+                                                        .why = granted->why}));
     link_.send_more();
 }
 

@@ -20,8 +20,8 @@ namespace limits = protocol::limits;
 
 /// What a chunk is filled up to, by the estimate of its blocks: three or four of them are the first 10 KB.
 constexpr double chunk_bits = 8.0 * 2200;
-/// Seas whose spectra are kept: the one that runs and the one that was announced.
-constexpr std::size_t epochs_kept = 2;
+/// Seas whose spectra are kept: as many as may be sent at once.
+constexpr std::size_t epochs_kept = limits::spectra_max;
 
 /// The fields that are sums of waves, or made of such.
 constexpr sea::FieldSet wave_fields = sea::linear_fields | sea::FieldSet{sea::Field::jacobian};
@@ -101,6 +101,7 @@ EncodedSpectrumPtr encode(const SpectrumSource& sea, const sea::QuantisedSpectru
         return nullptr;
     auto encoded = std::make_shared<EncodedSpectrum>();
     encoded->epoch = sea.epoch;
+    encoded->ends_epoch = sea.ends_epoch;
     encoded->messages.push_back(std::make_shared<const protocol::Bytes>(
         protocol::spectrum({.epoch = sea.epoch,
                             .chunks = static_cast<std::uint32_t>(chunks.messages.size()),
@@ -173,6 +174,23 @@ Result<GrantedSpectrum> SpectrumStore::grant(const SpectrumSource& sea,
     if (wish.fields.contains(sea::Field::foam))
         say(granted.why, "foam is a history and no sum of waves: subscribe to its tiles");
     granted.spectra = {found->spectrum};
+    return granted;
+}
+
+Result<GrantedSpectrum> SpectrumStore::grant(std::span<const SpectrumSource> seas,
+                                             const SpectrumDemand& wish) {
+    SEAWAY_CHECK(!seas.empty(), "there is always a sea");
+    SEAWAY_TRY_LET(GrantedSpectrum granted, grant(seas.front(), wish));
+    for (const SpectrumSource& sea : seas.subspan(1, std::min(seas.size(), epochs_kept) - 1)) {
+        const Result<GrantedSpectrum> other = grant(sea, wish);
+        if (!other) {
+            say(granted.why, fmt::format("epoch {}: {}", sea.epoch, other.error().message));
+            continue;
+        }
+        granted.error_m = std::max(granted.error_m, other->error_m);
+        granted.slope_error = std::max(granted.slope_error, other->slope_error);
+        granted.spectra.push_back(other->spectra.front());
+    }
     return granted;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // SpectrumStore: the waves of a sea as wire messages, once for each of a few accuracies, kept for as long as the
-// sea is one of the newest two. What a client wishes for gets the coarsest accuracy that keeps it, what is finer than
+// sea is one of the newest four. What a client wishes for gets the coarsest accuracy that keeps it, what is finer than
 // all the finest; 0 the sea's own height_error_m, and the finest slopes.
 //
 // Thread-safe; one caller at a time makes something, the others wait. Cost where nothing is held: some 4 us a wave, of a
@@ -12,6 +12,7 @@
 #include <limits>
 #include <map>
 #include <mutex>
+#include <span>
 
 #include "base/result.h"
 #include "sea/basics/dispersion.h"
@@ -35,6 +36,7 @@ struct SpectrumSource {
     sea::RealizationPtr waves = {};
     sea::Dispersion dispersion = {};
     double height_error_m = 0;
+    std::uint32_t ends_epoch = 0; ///< EncodedSpectrum
 };
 
 class SpectrumStore {
@@ -42,6 +44,9 @@ class SpectrumStore {
     /// Errors, of kind Refusal: not_offered for a sea of stylised waves, which are no modes, and for one whose
     /// spectrum is larger than the wire takes at every accuracy.
     Result<GrantedSpectrum> grant(const SpectrumSource& sea, const SpectrumDemand& wish);
+    /// Of several seas, the first of which is the one that runs; bounds are the largest of them. One of the others that
+    /// has no spectrum is named and left out.
+    Result<GrantedSpectrum> grant(std::span<const SpectrumSource> seas, const SpectrumDemand& wish);
 
   private:
     struct Rung {

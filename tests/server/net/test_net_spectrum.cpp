@@ -66,6 +66,28 @@ TEST_F(NetSpectrum, the_waves_of_a_sea_that_is_announced_come_by_themselves_and_
     EXPECT_TRUE(client->stays_quiet_for(std::chrono::milliseconds(300)));
 }
 
+// A glide's spectrum is that of the sea which it leads to: who has it is sent nothing where that begins, a newcomer is.
+TEST_F(NetSpectrum, the_sea_at_the_end_of_a_glide_is_sent_to_those_alone_who_do_not_have_it) {
+    auto after = std::make_shared<server::EncodedSpectrum>(*SmallSea::spectrum_of(3, 4));
+    after->ends_epoch = 2;
+    host.offer_spectra({SmallSea::spectrum_of(1, 3), SmallSea::spectrum_of(2, 4), after});
+    start();
+    const auto client = greeted();
+    ASSERT_FALSE(client->send(protocol::subscribe_spectrum(1, {})));
+    const wire::Message* message = client->receive(Body::SpectrumSubscribed);
+    ASSERT_TRUE(message);
+    EXPECT_EQ(message->body_as_SpectrumSubscribed()->spectra(), 2u) << "as many as come";
+    EXPECT_EQ(spectrum_from(*client), 1u);
+    EXPECT_EQ(spectrum_from(*client), 2u);
+    host.offer_spectra({after});
+    net->announce(SmallSea::state_message(3));
+    EXPECT_TRUE(client->receive(Body::SeaState));
+    EXPECT_TRUE(client->stays_quiet_for(std::chrono::milliseconds(300)));
+    const auto newcomer = greeted();
+    ASSERT_FALSE(newcomer->send(protocol::subscribe_spectrum(1, {})));
+    EXPECT_EQ(spectrum_from(*newcomer), 3u);
+}
+
 TEST_F(NetSpectrum, who_does_not_ask_or_asks_no_more_is_sent_none) {
     offer(1, 3);
     start();

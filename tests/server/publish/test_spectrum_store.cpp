@@ -81,7 +81,26 @@ TEST(SpectrumStore, each_rung_is_made_once_and_forgotten_with_its_sea) {
     SpectrumSource later = first;
     for (later.epoch = first.epoch + 1; later.epoch < first.epoch + 9; ++later.epoch)
         EXPECT_EQ(granted(store, later, 0, 0).spectra.at(0)->epoch, later.epoch);
-    EXPECT_EQ(one.use_count(), 1) << "the store holds two seas";
+    EXPECT_EQ(one.use_count(), 1) << "the store holds four seas";
+}
+
+TEST(SpectrumStore, several_seas_are_granted_together_and_one_without_waves_is_named) {
+    std::vector<SpectrumSource> seas(3, some_waves());
+    seas[1].epoch = 2;
+    seas[1].height_error_m = 0.04;
+    seas[2].epoch = 3;
+    auto stylised = std::make_shared<sea::Realization>(*seas[2].waves);
+    stylised->cascades[0].sines.emplace_back();
+    seas[2].waves = stylised;
+    SpectrumStore store;
+    const Result<GrantedSpectrum> granted = store.grant(seas, {});
+    ASSERT_TRUE(granted);
+    ASSERT_EQ(granted->spectra.size(), 2u);
+    EXPECT_EQ(granted->spectra[1]->epoch, 2u);
+    EXPECT_FLOAT_EQ(granted->error_m, 0.04f) << "of both";
+    EXPECT_EQ(granted->why.find("epoch 3: this sea has stylised"), 0u) << granted->why;
+    std::swap(seas[0], seas[2]);
+    EXPECT_FALSE(store.grant(seas, {})) << "the one that runs";
 }
 
 TEST(SpectrumStore, foam_is_named_as_what_does_not_follow_from_waves) {
