@@ -420,9 +420,9 @@ void Connection::on_closed(const std::string& reason) {
         end_ = why;
         opening_.notify_all();
     }
-    requests_.fail_all(why);
     if (was_open && events_.on_closed)
         events_.on_closed(why);
+    requests_.fail_all(why); // who waits for one finds the reason known
 }
 
 } // namespace seaway::client

@@ -245,6 +245,7 @@ class SocketStream final : public MessageStream {
         ws_.socket().close();
         if (reading_)
             events_.on_closed(goodbye_.empty() ? std::move(reason) : goodbye_);
+        io_.stop(); // the timer for silence would keep the thread for as long as it is patient
     }
 
     const Url url_;
