@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <sstream>
 
 #include <fmt/format.h>
 
@@ -287,6 +288,40 @@ bool TomlTable::number_or_pair(std::string_view key, double& x, double& y, Range
     }
     x = *east;
     y = *north;
+    return true;
+}
+
+namespace {
+
+void flatten(const toml::table& table, const std::string& above, std::vector<TomlAssignment>& out) {
+    for (const auto& [key, node] : table) {
+        const std::string path =
+            above.empty() ? std::string(key.str()) : fmt::format("{}.{}", above, key.str());
+        if (const toml::table* sub = node.as_table()) {
+            flatten(*sub, path, out);
+            continue;
+        }
+        std::ostringstream text;
+        node.visit([&text](const auto& value) { text << value; });
+        out.push_back({path, text.str()});
+    }
+}
+
+} // namespace
+
+bool TomlTable::assignments(std::string_view key, std::vector<TomlAssignment>& out) {
+    const toml::node* node = find(key);
+    if (node == nullptr)
+        return false;
+    std::vector<TomlAssignment> found;
+    if (const toml::table* sub = node->as_table())
+        flatten(*sub, "", found);
+    if (found.empty()) {
+        bad_value(key, node->is_table() ? "an empty table" : shown(*node),
+                  "values by their paths, as { sea.system.0.wind_speed_10m_mps = 24 }");
+        return false;
+    }
+    out = std::move(found);
     return true;
 }
 

@@ -24,6 +24,7 @@
 #include <vector>
 
 #include "base/result.h"
+#include "base/toml_edit.h"
 
 namespace toml {
 inline namespace v3 {
@@ -76,6 +77,9 @@ class TomlTable {
     bool number_or_pair(std::string_view key, double& x, double& y, Range range);
     /// [a, b, c].
     bool triple(std::string_view key, std::array<double, 3>& out, Range range);
+    /// Values by their paths below this table, as TOML writes them: set = { sea.depth_m = 20 } is "sea.depth_m" and
+    /// "20". One at least.
+    bool assignments(std::string_view key, std::vector<TomlAssignment>& out);
     template <class E>
     using Choice = std::pair<std::string_view, E>;
     template <class E>

@@ -16,8 +16,17 @@ using sea::TimeUs;
 
 namespace {
 
-/// Sea states that are kept: the running one, the announced one, and two of before.
-constexpr std::size_t sea_states_max = 4;
+/// Sea states that are kept: the running one, those announced, and some of times that were asked about.
+constexpr std::size_t sea_states_max = 32;
+
+/// A later epoch takes over from those that were to begin when it does, or after.
+void drop_overtaken(std::vector<SeaStatePtr>& states) {
+    std::erase_if(states, [all = states](const SeaStatePtr& state) {
+        return std::ranges::any_of(all, [&state](const SeaStatePtr& other) {
+            return other->epoch > state->epoch && other->start_time_us <= state->start_time_us;
+        });
+    });
+}
 /// Batches of one ask() under way: enough to hide the round trip.
 constexpr std::size_t batches_in_flight = 4;
 
@@ -52,6 +61,7 @@ ConnectionEvents Client::connection_events() {
                 return held->epoch == state->epoch;
             });
             sea_states_.push_back(state);
+            drop_overtaken(sea_states_);
             std::stable_sort(sea_states_.begin(), sea_states_.end(),
                              [](const SeaStatePtr& a, const SeaStatePtr& b) {
                                  return a->start_time_us < b->start_time_us;
@@ -278,7 +288,8 @@ Result<std::vector<Answer>> Client::sample_from(const KeyframeRing& ring,
         if (!surface || time_us != points[i - 1].time_us) {
             const SeaStatePtr state_now = sea_state(time_us);
             TimeCell cell_now = time_cell(*state_now, time_us);
-            if (!surface || state_now != state || cell_now != cell) {
+            if (!surface || state_now != state || cell_now != cell ||
+                glides_choppiness(*state_now)) {
                 Result<LocalSurface> found = local_surface(*state_now, ring, time_us, fields);
                 if (!found)
                     return found.error();

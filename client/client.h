@@ -22,6 +22,7 @@
 #include <mutex>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/result.h"
@@ -139,6 +140,10 @@ class Client {
     /// Fetches the keyframes around all of these times, in as many requests as the server takes.
     Result<void> fetch(std::span<const sea::TimeUs> times_us, sea::FieldSet fields,
                        double timeout_s);
+    /// hold(), once. False: seas are others than was known when it began.
+    Result<bool> try_hold(std::span<const sea::TimeUs> times_us, double timeout_s,
+                          sea::FieldSet also);
+    bool seas_are(std::span<const std::pair<sea::TimeUs, SeaStatePtr>> expected) const;
     /// Null: this client has not the waves of that epoch.
     RebuiltSeaPtr rebuilt(std::uint32_t epoch) const;
     void take_waves(ConnectionEvents& events);

@@ -125,13 +125,34 @@ std::size_t Client::cells_at_once(const SeaState& state, sea::FieldSet fields) c
     return std::max<std::size_t>(cells, 1);
 }
 
+/// A server tells of a sea that this client had not heard of when it sends its keyframes: those that were waited for are
+/// then of another epoch.
+constexpr int tellings_max = 4;
+
+bool Client::seas_are(std::span<const std::pair<TimeUs, SeaStatePtr>> expected) const {
+    return std::ranges::all_of(expected, [this](const auto& one) {
+        return sea_state(one.first)->epoch == one.second->epoch;
+    });
+}
+
 Result<void> Client::hold(std::span<const TimeUs> times_us, double timeout_s, sea::FieldSet also) {
+    for (int telling = 0;; ++telling) {
+        SEAWAY_TRY_LET(const bool held, try_hold(times_us, timeout_s, also));
+        if (held || telling == tellings_max)
+            return {};
+    }
+}
+
+Result<bool> Client::try_hold(std::span<const TimeUs> times_us, double timeout_s,
+                              sea::FieldSet also) {
     const sea::FieldSet fields = offered(sea::surface_fields | also);
     std::set<std::pair<std::uint32_t, TimeCell>> cells;
     std::vector<TimeUs> missing;
+    std::vector<std::pair<TimeUs, SeaStatePtr>> expected;
     Wanted wanted(*this);
     for (const TimeUs time_us : times_us) {
         const SeaStatePtr state = sea_state(time_us);
+        expected.emplace_back(time_us, state);
         if (!cells.insert({state->epoch, time_cell(*state, time_us)}).second)
             continue;
         const std::size_t room = cells_at_once(*state, fields);
@@ -144,11 +165,11 @@ Result<void> Client::hold(std::span<const TimeUs> times_us, double timeout_s, se
             missing.push_back(time_us);
     }
     if (missing.empty())
-        return {};
+        return true;
     SEAWAY_TRY(fetch(missing, fields, timeout_s));
     // What was held before is the oldest of the ring: it is put back where it made room.
     wanted.give_to(ring_);
-    return {};
+    return seas_are(expected);
 }
 
 std::size_t Client::batch_end(std::span<const QueryPoint> points,
@@ -181,6 +202,7 @@ Result<std::vector<Answer>> Client::fetch_and_sample(std::span<const QueryPoint>
         return points[a].time_us < points[b].time_us;
     });
     std::vector<Answer> answers(points.size());
+    int tellings = 0;
     for (std::size_t first = 0; first < order.size();) {
         std::vector<TimeUs> times_us;
         const std::size_t next = batch_end(points, order, first, times_us);
@@ -190,10 +212,16 @@ Result<std::vector<Answer>> Client::fetch_and_sample(std::span<const QueryPoint>
         const sea::FieldSet fields = sampled_fields();
         Wanted wanted(*this);
         std::vector<TimeUs> missing;
-        for (const TimeUs time_us : times_us)
-            if (!wanted.add(*sea_state(time_us), time_us, fields))
+        std::vector<std::pair<TimeUs, SeaStatePtr>> expected;
+        for (const TimeUs time_us : times_us) {
+            expected.emplace_back(time_us, sea_state(time_us));
+            if (!wanted.add(*expected.back().second, time_us, fields))
                 missing.push_back(time_us);
+        }
         SEAWAY_TRY(fetch(missing, fields, timeout_s));
+        if (!seas_are(expected) && tellings++ < tellings_max)
+            continue;
+        tellings = 0;
         const Result<std::vector<Answer>> sampled = sample_from(wanted.ring(), batch);
         if (!sampled)
             return sampled.error();

@@ -42,8 +42,17 @@ double coded_strain_variance(const sea::MapLoss& loss, const KeyframePair& pair,
     return std::max(of(*pair.before), of(*pair.after));
 }
 
+/// The largest on the way.
+sea::Choppiness largest_choppiness(const SeaState& state) {
+    sea::Choppiness largest{state.choppiness_x, state.choppiness_y};
+    if (state.glide)
+        largest = {std::max(largest.x, state.glide->choppiness_x),
+                   std::max(largest.y, state.glide->choppiness_y)};
+    return largest;
+}
+
 sea::FoldSearch folds_of(const SeaState& state) {
-    return sea::fold_search(state.displacement_reach_m, {state.choppiness_x, state.choppiness_y},
+    return sea::fold_search(state.displacement_reach_m, largest_choppiness(state),
                             state.rms_strain);
 }
 
@@ -77,8 +86,9 @@ sea::MapError local_map_error(const SeaState& state, std::span<const KeyframePai
         error.displacement_bound_m +=
             sea::regrid_over_single * state.single_precision_displacement_m;
     }
+    const sea::Choppiness choppiness = largest_choppiness(state);
     error.codec_strain_bound =
-        std::max(state.choppiness_x, state.choppiness_y) * sea::coded_strain_bound(coded_strain2);
+        std::max(choppiness.x, choppiness.y) * sea::coded_strain_bound(coded_strain2);
     return error;
 }
 
@@ -99,10 +109,12 @@ Result<LocalSurface> local_surface(const SeaState& state, const KeyframeRing& ri
         splines.push_back({pair->before->spline(), pair->after->spline()});
         pairs.push_back(std::move(*pair));
     }
-    return LocalSurface{sea::Surface(std::move(splines), {state.choppiness_x, state.choppiness_y},
-                                     folds_of(state), local_map_error(state, pairs),
-                                     sea::inverse_tolerance_m(state.height_error_m)),
-                        covered};
+    return LocalSurface{
+        sea::Surface(std::move(splines),
+                     {state.choppiness_x_at(time_us), state.choppiness_y_at(time_us)},
+                     folds_of(state), local_map_error(state, pairs),
+                     sea::inverse_tolerance_m(state.height_error_m)),
+        covered};
 }
 
 bool covers(const SeaState& state, const KeyframeRing& ring, sea::TimeUs time_us,
@@ -114,6 +126,11 @@ bool covers(const SeaState& state, const KeyframeRing& ring, sea::TimeUs time_us
             return false;
     }
     return true;
+}
+
+bool glides_choppiness(const SeaState& state) {
+    return state.glide && (state.glide->choppiness_x != state.choppiness_x ||
+                           state.glide->choppiness_y != state.choppiness_y);
 }
 
 TimeCell time_cell(const SeaState& state, sea::TimeUs time_us) {

@@ -38,6 +38,9 @@ bool covers(const SeaState& state, const KeyframeRing& ring, sea::TimeUs time_us
 /// What the codec bounds of these keyframes add to the error, beside the state's interpolation.
 sea::MapError local_map_error(const SeaState& state, std::span<const KeyframePair> pairs);
 
+/// Choppiness differs from moment to moment: a surface is of its moment alone.
+bool glides_choppiness(const SeaState& state);
+
 /// One keyframe interval of every cascade: times in the same cell need the same keyframes.
 using TimeCell = std::vector<sea::TimeUs>;
 TimeCell time_cell(const SeaState& state, sea::TimeUs time_us);

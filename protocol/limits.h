@@ -99,6 +99,14 @@ inline constexpr int queries_in_flight_max = 16;
 /// sessions together, in a share of the one budget (server/host/memory.h).
 inline constexpr int fetches_in_flight_max = 2;
 
+/// Values that a Change may set, and what each may hold; its scene has what is left of a message.
+inline constexpr std::size_t values_per_change_max = 64;
+inline constexpr std::size_t change_value_bytes_max = 1024;
+inline constexpr std::size_t change_scene_bytes_max = 120 * 1024;
+
+/// What a server says to an administrator, JSON.
+inline constexpr std::size_t administered_bytes_max = 256 * 1024;
+
 /// Protocol versions that a Hello may list.
 inline constexpr std::size_t versions_per_hello_max = 16;
 

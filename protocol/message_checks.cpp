@@ -86,6 +86,12 @@ Result<void> check(const wire::Message& message) {
         return check(*message.body_as_Spectrum());
     case Body::SpectrumChunk:
         return check(*message.body_as_SpectrumChunk());
+    case Body::Change:
+        return check(*message.body_as_Change());
+    case Body::Administer:
+        return check(*message.body_as_Administer());
+    case Body::Changed:
+        return check(*message.body_as_Changed());
     case Body::NONE:
     case Body::Unsubscribe:
     case Body::Ack:
@@ -94,6 +100,7 @@ Result<void> check(const wire::Message& message) {
     case Body::Pong:
     case Body::Refused:
     case Body::GoAway:
+    case Body::Administered:
         break;
     }
     return {};
@@ -139,6 +146,32 @@ Result<void> check(const wire::Query& query) {
     return {};
 }
 
+Result<void> check(const wire::Change& change) {
+    const std::size_t values = count(change.set());
+    if ((values == 0) == (count(change.scene()) == 0))
+        return Error{wire::ErrorCode::bad_value,
+                     "a change has either values in `set` or a `scene`, one of them"};
+    SEAWAY_TRY(
+        all_of(in_range<std::size_t>("count of set", values, 0, limits::values_per_change_max),
+               text_fits("scene", change.scene(), limits::change_scene_bytes_max),
+               in_range("over_us", change.over_us(), sea::glide_us_min, sea::glide_us_max),
+               in_range("at_us", change.at_us(), -limits::time_us_max, limits::time_us_max)));
+    for (flatbuffers::uoffset_t i = 0; i < values; ++i)
+        SEAWAY_TRY(text_fits("set", change.set()->Get(i), limits::change_value_bytes_max));
+    return {};
+}
+
+Result<void> check(const wire::Administer& administer) {
+    return in_range("act", static_cast<int>(administer.act()), static_cast<int>(wire::Act::MIN),
+                    static_cast<int>(wire::Act::MAX));
+}
+
+Result<void> check(const wire::Changed& changed) {
+    return all_of(
+        in_range("start_us", changed.start_us(), -limits::time_us_max, limits::time_us_max),
+        in_range("end_us", changed.end_us(), changed.start_us(), limits::time_us_max));
+}
+
 Result<void> check(const wire::Welcome& welcome) {
     return in_range<int>("version", welcome.version(), version, version);
 }
@@ -146,6 +179,18 @@ Result<void> check(const wire::Welcome& welcome) {
 namespace {
 
 /// None, or one a cascade.
+Result<void> check_glide(const wire::SeaState& state) {
+    const wire::Glide* glide = state.glide();
+    if (glide == nullptr)
+        return {};
+    return all_of(
+        in_range("glide.end_us", glide->end_us(), state.start_time_us(), limits::time_us_max),
+        in_range("glide.choppiness_x", glide->choppiness_x(), -10.0, 10.0),
+        in_range("glide.choppiness_y", glide->choppiness_y(), -10.0, 10.0),
+        in_range("glide.foam_mean", glide->foam_mean(), 0.0, sea::foam_mean_max),
+        in_range("glide.foam_threshold", glide->foam_threshold(), -1.0, 1.0));
+}
+
 Result<void> check_losses(const wire::SeaState& state) {
     if (count(state.losses()) == 0)
         return {};
@@ -201,6 +246,7 @@ Result<void> check(const wire::SeaState& state) {
         in_range("single_precision_m", state.single_precision_m(), 0.0, 1e6),
         in_range("single_precision_displacement_m", state.single_precision_displacement_m(), 0.0,
                  1e9),
+        check_glide(state),
         in_range("depth_m", state.depth_m(), 0.0, std::numeric_limits<double>::infinity()),
         in_range("bottom_red", state.bottom_red(), 0.0f, 1.0f),
         in_range("bottom_green", state.bottom_green(), 0.0f, 1.0f),

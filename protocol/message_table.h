@@ -39,6 +39,10 @@ inline constexpr std::array message_table{
     MessageInfo{wire::Body::SpectrumSubscribed, Sender::server},
     MessageInfo{wire::Body::Spectrum, Sender::server},
     MessageInfo{wire::Body::SpectrumChunk, Sender::server},
+    MessageInfo{wire::Body::Change, Sender::client},
+    MessageInfo{wire::Body::Administer, Sender::client},
+    MessageInfo{wire::Body::Changed, Sender::server},
+    MessageInfo{wire::Body::Administered, Sender::server},
 };
 
 /// The row of a kind; null for NONE and for kinds of later versions.

@@ -64,6 +64,10 @@ bool lists_aligned(const wire::Message& message) {
     case Body::Unsubscribe:
     case Body::Ack:
     case Body::Ping:
+    case Body::Change:
+    case Body::Administer:
+    case Body::Changed:
+    case Body::Administered:
     case Body::Welcome:
     case Body::Subscribed:
     case Body::Tile:
@@ -170,6 +174,19 @@ Bytes query(std::uint32_t request_id, std::span<const sea::QueryPoint> points, b
 Bytes ping(std::uint32_t request_id, std::int64_t client_time_us) {
     FlatBufferBuilder built = builder(64);
     return finish(built, wire::CreatePing(built, request_id, client_time_us));
+}
+
+Bytes change(std::uint32_t request_id, const ChangeWish& wish) {
+    FlatBufferBuilder built = builder(256 + wish.scene.size());
+    const auto set = built.CreateVectorOfStrings(wish.set);
+    const auto scene = string_of(built, wish.scene);
+    return finish(built,
+                  wire::CreateChange(built, request_id, set, scene, wish.over_us, wish.at_us));
+}
+
+Bytes administer(std::uint32_t request_id, wire::Act act, std::uint64_t session) {
+    FlatBufferBuilder built = builder(64);
+    return finish(built, wire::CreateAdminister(built, request_id, act, session));
 }
 
 // ---- server to client ----------------------------------------------------------------------
@@ -303,6 +320,18 @@ Bytes spectrum_chunk(std::uint32_t epoch, std::uint32_t chunk, const sea::Spectr
 sea::SpectrumLeft left(const wire::SpectrumChunk& chunk) {
     return {static_cast<double>(chunk.left_m()), static_cast<double>(chunk.left_displacement_m()),
             static_cast<double>(chunk.left_slope())};
+}
+
+Bytes changed(std::uint32_t request_id, std::uint32_t epoch, sea::TimeUs start_us,
+              sea::TimeUs end_us) {
+    FlatBufferBuilder built = builder(64);
+    return finish(built, wire::CreateChanged(built, request_id, epoch, start_us, end_us));
+}
+
+Bytes administered(std::uint32_t request_id, std::string_view text) {
+    FlatBufferBuilder built = builder(128 + text.size());
+    const auto said = string_of(built, text);
+    return finish(built, wire::CreateAdministered(built, request_id, said));
 }
 
 Bytes refused(std::uint32_t request_id, wire::ErrorCode code, std::string_view message,

@@ -16,6 +16,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -26,6 +27,7 @@
 #include "protocol/seaway_generated.h"
 #include "sea/basics/dispersion.h"
 #include "sea/basics/field.h"
+#include "sea/basics/glide.h"
 #include "sea/basics/probe.h"
 #include "sea/basics/time.h"
 #include "sea/basics/water_type.h"
@@ -69,6 +71,8 @@ Result<void> check(const wire::Hello& hello);
 Result<void> check(const wire::Subscribe& subscribe);
 Result<void> check(const wire::Fetch& fetch);
 Result<void> check(const wire::Query& query);
+Result<void> check(const wire::Change& change);
+Result<void> check(const wire::Administer& administer);
 Result<void> check(const wire::Welcome& welcome);
 Result<void> check(const wire::SeaState& state);
 Result<void> check(const wire::Subscribed& subscribed);
@@ -78,6 +82,7 @@ Result<void> check(const wire::SubscribeSpectrum& subscribe);
 Result<void> check(const wire::SpectrumSubscribed& subscribed);
 Result<void> check(const wire::Spectrum& spectrum);
 Result<void> check(const wire::SpectrumChunk& chunk);
+Result<void> check(const wire::Changed& changed);
 
 // ---- client to server ----------------------------------------------------------------------
 
@@ -110,6 +115,16 @@ struct SpectrumWish {
 Bytes subscribe_spectrum(std::uint32_t request_id, const SpectrumWish& wish);
 Bytes ping(std::uint32_t request_id, std::int64_t client_time_us);
 
+/// A change of the sea. `set`: "path=value" each, or `scene`: TOML, the other empty.
+struct ChangeWish {
+    std::vector<std::string> set = {};
+    std::string scene = {};
+    sea::TimeUs over_us = 0;
+    sea::TimeUs at_us = 0; ///< past: as soon as can be
+};
+Bytes change(std::uint32_t request_id, const ChangeWish& wish);
+Bytes administer(std::uint32_t request_id, wire::Act act, std::uint64_t session);
+
 // ---- server to client ----------------------------------------------------------------------
 
 /// Limits are filled in from protocol/limits.h.
@@ -132,6 +147,15 @@ struct SeaNumbers {
     double mean_from_deg = 0;
     double spread_deg = 0;
     double mss = 0;
+};
+
+/// What a sea that glides over to another began with.
+struct GlideValues {
+    sea::TimeUs end_us = 0;
+    double choppiness_x = 1;
+    double choppiness_y = 1;
+    double foam_mean = 0;
+    double foam_threshold = 0;
 };
 
 /// SeaState as a value.
@@ -164,6 +188,22 @@ struct SeaStateValues {
     /// By which a sea that was rebuilt can be known again. Empty from a server that sends none.
     std::vector<sea::Probe> probes = {};
     double probe_error_m = 0;
+    std::optional<GlideValues> glide = {}; ///< none: the sea is steady
+
+    // Of a moment: as above, or on the way there.
+    double choppiness_x_at(sea::TimeUs time_us) const {
+        return glided(&GlideValues::choppiness_x, choppiness_x, time_us);
+    }
+    double choppiness_y_at(sea::TimeUs time_us) const {
+        return glided(&GlideValues::choppiness_y, choppiness_y, time_us);
+    }
+    double foam_mean_at(sea::TimeUs time_us) const {
+        return glided(&GlideValues::foam_mean, foam_mean, time_us);
+    }
+    double foam_threshold_at(sea::TimeUs time_us) const {
+        return glided(&GlideValues::foam_threshold, foam_threshold, time_us);
+    }
+    double glided(double GlideValues::*from, double to, sea::TimeUs time_us) const;
 };
 Bytes sea_state(const SeaStateValues& state);
 /// The inverse; `state` must have passed check().
@@ -229,6 +269,9 @@ Bytes spectrum_chunk(std::uint32_t epoch, std::uint32_t chunk, const sea::Spectr
                      std::span<const std::uint8_t> payload);
 sea::SpectrumLeft left(const wire::SpectrumChunk& chunk);
 
+Bytes changed(std::uint32_t request_id, std::uint32_t epoch, sea::TimeUs start_us,
+              sea::TimeUs end_us);
+Bytes administered(std::uint32_t request_id, std::string_view text);
 /// `retry_after_ms`: not worth asking again before; 0: nothing is known.
 Bytes refused(std::uint32_t request_id, wire::ErrorCode code, std::string_view message,
               std::uint32_t retry_after_ms = 0);

@@ -52,6 +52,17 @@ std::vector<sea::Probe> probes_of(const wire::SeaState& state) {
     return out;
 }
 
+std::optional<GlideValues> glide_of(const wire::SeaState& state) {
+    const wire::Glide* glide = state.glide();
+    if (glide == nullptr)
+        return std::nullopt;
+    return GlideValues{.end_us = glide->end_us(),
+                       .choppiness_x = glide->choppiness_x(),
+                       .choppiness_y = glide->choppiness_y(),
+                       .foam_mean = glide->foam_mean(),
+                       .foam_threshold = glide->foam_threshold()};
+}
+
 /// A server that says nothing says zeros: a black sea floor is then none that somebody chose.
 sea::Water water_of(const wire::SeaState& state) {
     sea::Water water;
@@ -65,6 +76,12 @@ sea::Water water_of(const wire::SeaState& state) {
 }
 
 } // namespace
+
+double SeaStateValues::glided(double GlideValues::*from, double to, sea::TimeUs time_us) const {
+    return glide ? sea::glided((*glide).*from, to,
+                               sea::glide_share(time_us, start_time_us, glide->end_us))
+                 : to;
+}
 
 Bytes sea_state(const SeaStateValues& state) {
     SEAWAY_CHECK(state.scene.size() <= limits::scene_bytes_max, "scene too long for the wire");
@@ -84,6 +101,11 @@ Bytes sea_state(const SeaStateValues& state) {
     const auto warnings = built.CreateVectorOfStrings(state.warnings);
     const wire::SeaNumbers requested = to_wire(state.requested);
     const wire::SeaNumbers realised = to_wire(state.realised);
+    std::optional<wire::Glide> glide;
+    if (state.glide)
+        glide =
+            wire::Glide(state.glide->end_us, state.glide->choppiness_x, state.glide->choppiness_y,
+                        state.glide->foam_mean, state.glide->foam_threshold);
     const auto bottom = [&](std::size_t colour) {
         return static_cast<float>(state.water.bottom_albedo[colour]);
     };
@@ -95,7 +117,7 @@ Bytes sea_state(const SeaStateValues& state) {
         state.interpolation_displacement_m, state.interpolation_strain, loss_list,
         state.single_precision_m, state.single_precision_displacement_m, state.depth_m,
         static_cast<std::uint8_t>(state.water.type), bottom(0), bottom(1), bottom(2), probe_list,
-        state.probe_error_m);
+        state.probe_error_m, glide ? &*glide : nullptr);
     built.Finish(wire::CreateMessage(built, wire::Body::SeaState, body.Union()),
                  wire::MessageIdentifier());
     return {built.GetBufferPointer(), built.GetBufferPointer() + built.GetSize()};
@@ -126,7 +148,8 @@ SeaStateValues values(const wire::SeaState& state) {
                        .depth_m = state.depth_m(),
                        .water = water_of(state),
                        .probes = probes_of(state),
-                       .probe_error_m = state.probe_error_m()};
+                       .probe_error_m = state.probe_error_m(),
+                       .glide = glide_of(state)};
     if (const auto* losses = state.losses())
         for (const wire::CascadeLoss* loss : *losses)
             out.losses.push_back(from_wire(*loss));

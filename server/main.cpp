@@ -17,6 +17,7 @@
 #include "server/net/server.h"
 #include "server/options.h"
 #include "server/resume.h"
+#include "server/sea_director.h"
 #include "server/service_manager.h"
 #include "server/simulation/memory_needs.h"
 #include "server/stop_deadline.h"
@@ -52,14 +53,12 @@ void reload(NetServer& net) {
     spdlog::info("event=reloaded what=\"tokens and certificate\"");
 }
 
-/// Logs what a user should know of this sea; its warnings.
-std::vector<std::string> told_of(const RunningSea& sea) {
+/// Logs what a user should know of this sea.
+void tell_of(const RunningSea& sea) {
     if (sea.certificate)
         spdlog::info("{}: certified: {}", sea.scene.source, describe(*sea.certificate));
-    std::vector<std::string> warnings = warnings_of(sea);
-    for (const std::string& warning : warnings)
+    for (const std::string& warning : warnings_of(sea))
         spdlog::warn("{}: {}", sea.scene.source, warning);
-    return warnings;
 }
 
 /// The budget of --memory-mb.
@@ -98,6 +97,12 @@ void pat(const ServiceManager& manager, const World& world, NetServer& net) {
         manager.alive();
 }
 
+void say_ready(const std::string& url) {
+    const Result<void> told = write_out(stdout, fmt::format("ready {}\n", url));
+    if (!told) // who reads the log knows the address all the same
+        spdlog::warn("{}", told.error().message);
+}
+
 int serve(const Options& options) {
     StopSignal::survive_others();
     if (const Result<void> fine = NetServer::check(options.net); !fine)
@@ -107,17 +112,18 @@ int serve(const Options& options) {
     const Result<sea::Scene> scene = sea::read_scene(options.scene);
     if (!scene)
         return fail(exit_usage, scene.error());
-    const Result<RunningSeaPtr> sea = make_running_sea(*scene, 1);
-    if (!sea)
-        return fail(exit_usage, sea.error());
-    const std::vector<std::string> warnings = told_of(**sea);
-    const Result<MemoryPtr> memory = memory_for(options, **sea);
+    const Result<std::shared_ptr<SeaCourse>> course = SeaCourse::begin(*scene);
+    if (!course)
+        return fail(exit_usage, course.error());
+    const RunningSea& first = *(*course)->first();
+    tell_of(first);
+    const Result<MemoryPtr> memory = memory_for(options, first);
     if (!memory)
         return fail(exit_usage, memory.error());
     if (options.check)
-        return checked(**sea);
+        return checked(first);
     const Result<Resumed> resumed =
-        begin_or_resume(options.data_dir, *scene, SeaClock::utc_now_us());
+        begin_or_resume(options.data_dir, **course, SeaClock::utc_now_us());
     if (!resumed)
         return fail(exit_usage, resumed.error());
 
@@ -126,10 +132,11 @@ int serve(const Options& options) {
                           [json = options.log == "json"] { return last_words(json); });
     const LogEnd log_end; // before the deadline is called off
     SeaClock clock(resumed->epoch_utc_us);
-    World world(*sea, warnings, clock, *memory);
+    World world(*course, clock, *memory);
     Result<std::unique_ptr<Simulation>> simulation = Simulation::start(
-        *sea, device_factory(options), world.subscriptions(), [&clock] { return clock.now_us(); },
-        events(world), {.rate = options.work_rate, .burst_s = options.work_burst_s}, *memory);
+        *course, device_factory(options), world.subscriptions(),
+        [&clock] { return clock.now_us(); }, events(world),
+        {.rate = options.work_rate, .burst_s = options.work_burst_s}, *memory);
     if (!simulation)
         return fail(exit_no_device, simulation.error());
     world.attach(**simulation);
@@ -139,11 +146,11 @@ int serve(const Options& options) {
     spdlog::info("device=\"{}\" scene={} epoch={} url={}", (*simulation)->device(), scene->source,
                  utc_text(resumed->epoch_utc_us), (*net)->url());
     world.publish_to([&net](KeyframeTiles tiles) { (*net)->publish(std::move(tiles)); });
+    world.announce_to([&net](SharedBytes state) { (*net)->announce(std::move(state)); });
+    auto director = std::make_unique<SeaDirector>(*course, resumed->journal.get(), resumed->changes,
+                                                  world, clock);
 
-    const std::string ready = fmt::format("ready {}\n", (*net)->url());
-    if (const Result<void> told = write_out(stdout, ready); !told)
-        spdlog::warn("{}",
-                     told.error().message); // who reads the log knows the address all the same
+    say_ready((*net)->url());
     const ServiceManager manager;
     manager.ready((*net)->url());
     const bool asked = stop.wait([&net] { reload(**net); }, manager.pat_every(),
@@ -151,6 +158,7 @@ int serve(const Options& options) {
     manager.stopping();
     deadline.begins();
     (*net)->stop();
+    director.reset(); // nobody asks it any more
     (*simulation).reset();
     return asked ? exit_stopped : exit_no_device;
 }

@@ -26,14 +26,23 @@ std::string difference(const std::string& held, const std::string& given) {
     }
 }
 
-/// Scenes are compared as they are read: a version that writes more keys reads the old text as before.
-Result<void> check_same_sea(const std::string& path, const std::string& held,
-                            const sea::Scene& scene) {
-    const std::string folder = std::filesystem::path(scene.source).parent_path().string();
-    const Result<sea::Scene> read = sea::parse_scene(held, path, folder);
+/// A scene that the journal holds; files are looked for where those of the scene that was given are.
+Result<sea::Scene> scene_of(const SeaChange& change, const std::string& path,
+                            const sea::Scene& given) {
+    const std::string folder = std::filesystem::path(given.source).parent_path().string();
+    Result<sea::Scene> read = sea::parse_scene(change.scene, path, folder);
     if (!read)
-        return Error{fmt::format("the sea in {} cannot be read: {}", path, read.error().message)};
-    const std::string before = sea::to_toml(*read), now = sea::to_toml(scene);
+        return Error{fmt::format("the sea of change {} in {} cannot be read: {}", change.epoch,
+                                 path, read.error().message)};
+    read->source = given.source;
+    return read;
+}
+
+/// Scenes are compared as they are read: a version that writes more keys reads the old text as before.
+Result<void> check_same_sea(const std::string& path, const SeaChange& first,
+                            const sea::Scene& scene) {
+    SEAWAY_TRY_LET(const sea::Scene read, scene_of(first, path, scene));
+    const std::string before = sea::to_toml(read), now = sea::to_toml(scene);
     if (before == now)
         return {};
     return Error{fmt::format("{} is the journal of another sea than {}: {}. Give the scene that it "
@@ -41,23 +50,29 @@ Result<void> check_same_sea(const std::string& path, const std::string& held,
                              path, scene.source, difference(before, now))};
 }
 
+Result<void> play(const std::string& path, const SeaChange& change, SeaCourse& course) {
+    SEAWAY_TRY_LET(const sea::Scene scene, scene_of(change, path, course.first()->scene));
+    if (const Result<void> added = course.add(scene, change.start_us, change.end_us); !added)
+        return Error{fmt::format("{}: change {} cannot be played: {}", path, change.epoch,
+                                 added.error().message)};
+    return {};
+}
+
 } // namespace
 
-Result<Resumed> begin_or_resume(const std::string& data_dir, const sea::Scene& scene,
+Result<Resumed> begin_or_resume(const std::string& data_dir, SeaCourse& course,
                                 std::int64_t now_utc_us) {
     if (data_dir.empty())
         return Resumed{nullptr, now_utc_us};
+    const sea::Scene& scene = course.first()->scene;
     SEAWAY_TRY_LET(std::unique_ptr<SqliteJournal> journal,
                    SqliteJournal::open(data_dir, {now_utc_us, sea::to_toml(scene)}));
     SEAWAY_TRY_LET(const std::vector<SeaChange> changes, journal->since(0));
-    SEAWAY_TRY(check_same_sea(journal->path(), changes.front().scene, scene));
-    if (changes.size() > 1)
-        return Error{
-            fmt::format("{} holds {} changes of its sea, which this version cannot play; a "
-                        "later one wrote it",
-                        journal->path(), changes.size() - 1)};
+    SEAWAY_TRY(check_same_sea(journal->path(), changes.front(), scene));
+    for (std::size_t i = 1; i < changes.size(); ++i)
+        SEAWAY_TRY(play(journal->path(), changes[i], course));
     const std::int64_t epoch_utc_us = journal->epoch_utc_us();
-    return Resumed{std::move(journal), epoch_utc_us};
+    return Resumed{std::move(journal), epoch_utc_us, static_cast<std::uint32_t>(changes.size())};
 }
 
 } // namespace seaway::server

@@ -7,20 +7,22 @@
 #include <string>
 
 #include "base/result.h"
-#include "sea/scene/scene.h"
 #include "server/journal/journal.h"
+#include "server/simulation/sea_course.h"
 
 namespace seaway::server {
 
 struct Resumed {
     std::unique_ptr<Journal> journal; ///< null without a data folder: the sea ends with the process
     std::int64_t epoch_utc_us;        ///< instant of sea time 0
+    std::uint32_t changes = 1;        ///< that were played, the beginning included
 };
 
 /// Without a folder a sea begins at `now_utc_us`. With one the sea of its journal goes on, which must have begun with this
-/// scene; a folder without a journal gets one. An error is one line: those of SqliteJournal::open(), and that the
-/// journal is of another sea, with the first line that differs.
-Result<Resumed> begin_or_resume(const std::string& data_dir, const sea::Scene& scene,
+/// scene: its changes are added to the course, which holds the beginning; a folder without a journal gets one. An error
+/// is one line: those of SqliteJournal::open(), that the journal is of another sea, with the first line that differs,
+/// and a change that this version cannot play. About 0.1 s a change.
+Result<Resumed> begin_or_resume(const std::string& data_dir, SeaCourse& course,
                                 std::int64_t now_utc_us);
 
 } // namespace seaway::server

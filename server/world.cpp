@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/world.h"
 
+#include <algorithm>
+#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -12,11 +14,17 @@
 
 namespace seaway::server {
 
-World::World(RunningSeaPtr sea, std::vector<std::string> warnings, SeaClock& clock,
-             MemoryPtr memory)
-    : Host(std::move(memory)), sea_(std::move(sea)), warnings_(std::move(warnings)), clock_(clock),
-      sea_state_(std::make_shared<const std::vector<std::uint8_t>>(
-          protocol::sea_state(announcement(*sea_, warnings_)))) {}
+namespace {
+
+/// States of seas that are held ready; one of an older sea is made again where somebody asks for its keyframes.
+constexpr std::size_t sea_states_kept = 64;
+
+} // namespace
+
+World::World(SeaCoursePtr course, SeaClock& clock, MemoryPtr memory)
+    : Host(std::move(memory)), course_(std::move(course)), clock_(clock) {
+    (void)announce_due();
+}
 
 Health health_of(bool healthy, Heartbeat::Clock::duration turn) {
     if (!healthy)
@@ -32,19 +40,88 @@ void World::publish_to(Publish publish) {
     publish_ = std::move(publish);
 }
 
-sea::FieldSet World::follows(std::uint8_t quality) const {
-    return is_compact(quality) && sea_->budget.displacement_follows
-               ? sea::following(sea_->streamed()) & sea_->streamed()
+void World::announce_to(Announce announce) {
+    const std::scoped_lock lock(mutex_);
+    announce_ = std::move(announce);
+}
+
+void World::change_by(Change change) {
+    const std::scoped_lock lock(mutex_);
+    change_ = std::move(change);
+}
+
+sea::TimeUs World::announce_due() {
+    const sea::TimeUs now_us = clock_.now_us();
+    for (const EpochWindow& window : course_->windows(now_us, now_us + announced_ahead_us)) {
+        Announce announce;
+        {
+            const std::scoped_lock lock(mutex_);
+            if (sea_states_.contains(window.epoch))
+                continue;
+            announce = announce_;
+        }
+        const SharedBytes message = sea_state_message(window.epoch);
+        if (announce)
+            announce(message);
+    }
+    constexpr sea::TimeUs ever_us = std::numeric_limits<sea::TimeUs>::max();
+    const auto later = course_->windows(now_us + announced_ahead_us, ever_us);
+    const auto next = std::ranges::find_if(later, [&](const EpochWindow& window) {
+        return window.start_us >= now_us + announced_ahead_us;
+    });
+    return next == later.end() ? ever_us : next->start_us - announced_ahead_us;
+}
+
+SharedBytes World::sea_state_message(std::uint32_t epoch) const {
+    {
+        const std::scoped_lock lock(mutex_);
+        if (const auto found = sea_states_.find(epoch); found != sea_states_.end())
+            return found->second;
+    }
+    const RunningSeaPtr sea = course_->sea(epoch);
+    auto message = std::make_shared<const std::vector<std::uint8_t>>(
+        protocol::sea_state(announcement(*sea, course_->window(epoch), warnings_of(*sea))));
+    const std::scoped_lock lock(mutex_);
+    const SharedBytes& held = sea_states_.emplace(epoch, std::move(message)).first->second;
+    if (sea_states_.size() > sea_states_kept)
+        sea_states_.erase(sea_states_.begin());
+    return held;
+}
+
+std::vector<SharedBytes> World::sea_state_messages() const {
+    const sea::TimeUs now_us = clock_.now_us();
+    std::vector<SharedBytes> messages;
+    for (const EpochWindow& window : course_->windows(now_us, now_us + announced_ahead_us))
+        messages.push_back(sea_state_message(window.epoch));
+    return messages;
+}
+
+void World::change(SeaWish wish, Changed done) {
+    Change change;
+    {
+        const std::scoped_lock lock(mutex_);
+        change = change_;
+    }
+    if (!change)
+        return done(Error{Refusal::not_offered, "this sea cannot change"});
+    change(std::move(wish), std::move(done));
+}
+
+sea::FieldSet World::follows(const RunningSea& sea, std::uint8_t quality) const {
+    return is_compact(quality) && sea.budget.displacement_follows
+               ? sea::following(sea.streamed()) & sea.streamed()
                : sea::FieldSet{};
 }
 
 KeyframeTiles World::tiles(sea::KeyframePtr keyframe, std::uint8_t quality) const {
+    const RunningSeaPtr sea = course_->sea(keyframe->epoch);
+    (void)sea_state_message(keyframe->epoch); // held ready for the sessions that it goes to
     std::vector<float> bounds =
-        sea::codec_bounds(sea_->budget, keyframe->fields, keyframe->cascade,
-                          codec_error_m(sea_->budget, quality), is_compact(quality));
+        sea::codec_bounds(sea->budget, keyframe->fields, keyframe->cascade,
+                          codec_error_m(sea->budget, quality), is_compact(quality));
     const auto cascade = static_cast<std::size_t>(keyframe->cascade);
-    const int size = is_compact(quality) ? sea_->budget.cascades[cascade].compact_size : 0;
-    return {std::move(keyframe), std::move(bounds), quality, size, follows(quality)};
+    const int size = is_compact(quality) ? sea->budget.cascades[cascade].compact_size : 0;
+    return {std::move(keyframe), std::move(bounds), quality, size, follows(*sea, quality)};
 }
 
 void World::attach(Simulation& simulation) {
@@ -64,14 +141,16 @@ void World::on_keyframe(const sea::KeyframePtr& keyframe) {
 }
 
 Demand World::grant(const Demand& wish) const {
+    const RunningSeaPtr sea = sea_now();
     Demand granted;
-    granted.cascades = wish.cascades & ((1u << sea_->budget.cascades.size()) - 1u);
-    granted.fields = sea::FieldSet::from_bits(wish.fields.bits() & sea_->streamed().bits());
-    granted.quality = quality_for(sea_->budget, static_cast<double>(wish.error_m), wish.compact);
+    granted.cascades = wish.cascades & ((1u << sea->budget.cascades.size()) - 1u);
+    granted.fields = sea::FieldSet::from_bits(wish.fields.bits() & sea->streamed().bits());
+    granted.quality = quality_for(sea->budget, static_cast<double>(wish.error_m), wish.compact);
     granted.compact = wish.compact;
-    granted.follows = granted.fields & follows(granted.quality) & sea::following(granted.fields);
+    granted.follows =
+        granted.fields & follows(*sea, granted.quality) & sea::following(granted.fields);
     granted.fields = granted.fields.without(granted.follows);
-    granted.error_m = static_cast<float>(height_error_m(sea_->budget, granted.quality));
+    granted.error_m = static_cast<float>(height_error_m(sea->budget, granted.quality));
     return granted;
 }
 
@@ -96,9 +175,12 @@ void World::fetch(FetchRequest request, Fetched done) {
 }
 
 void World::query(QueryBatch batch, Queried done) {
+    const sea::TimeUs time_us =
+        batch.points.empty() ? clock_.now_us() : batch.points.front().time_us;
     simulation_->answer(
         std::move(batch.points), batch.exact,
-        [epoch = sea_->epoch, done = std::move(done)](Result<std::vector<sea::Answer>> answers) {
+        [epoch = course_->window_at(time_us).epoch,
+         done = std::move(done)](Result<std::vector<sea::Answer>> answers) {
             if (!answers)
                 return done(answers.error());
             done(QueryAnswers{epoch, *std::move(answers)});
@@ -110,7 +192,8 @@ void World::map(MapQuery query, Mapped done) {
     const Result<sea::MapRequest> request = read_map_request(query.parameters, clock_.now_us());
     if (!request)
         return done(request.error());
-    const Room::Place place = memory()->room(MemoryUse::maps)->take(server::map_bytes(*sea_));
+    const Room::Place place =
+        memory()->room(MemoryUse::maps)->take(server::map_bytes(*course_->first()));
     if (!place)
         return done(Error{Refusal::busy, "maps under way fill the memory there is for them, try "
                                          "again later"});
@@ -131,11 +214,12 @@ Result<std::uint64_t> World::map_bytes(const std::map<std::string, std::string>&
 }
 
 std::string World::state_json() const {
-    return server::state_json(*sea_, warnings_, simulation_->device(), clock_.moment());
+    const RunningSeaPtr sea = sea_now();
+    return server::state_json(*sea, warnings_of(*sea), simulation_->device(), clock_.moment());
 }
 
 std::string World::plan_json() const {
-    return server::plan_json(*sea_, simulation_->plan(), simulation_->counters(),
+    return server::plan_json(*sea_now(), simulation_->plan(), simulation_->counters(),
                              simulation_->costs(), simulation_->device());
 }
 

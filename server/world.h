@@ -31,31 +31,44 @@ Health health_of(bool healthy, Heartbeat::Clock::duration turn);
 class World final : public Host {
   public:
     using Publish = std::function<void(KeyframeTiles)>;
+    using Announce = std::function<void(SharedBytes)>;
+    using Change = std::function<void(SeaWish, Changed)>;
+
+    /// A sea is told of this long before it begins.
+    static constexpr sea::TimeUs announced_ahead_us = 10'000'000;
 
     /// `clock` outlives the world.
-    World(RunningSeaPtr sea, std::vector<std::string> warnings, SeaClock& clock,
-          MemoryPtr memory = std::make_shared<Memory>());
+    World(SeaCoursePtr course, SeaClock& clock, MemoryPtr memory = std::make_shared<Memory>());
 
     /// Before anything is asked; the simulation must outlive every later call.
     void attach(Simulation& simulation);
     /// Where keyframes go from now on.
     void publish_to(Publish publish);
+    /// Where the states of seas to come go from now on, and who changes the sea.
+    void announce_to(Announce announce);
+    void change_by(Change change);
     /// A keyframe that the plan called for: published once a quality in use.
     void on_keyframe(const sea::KeyframePtr& keyframe);
+    /// Makes the seas that begin within announced_ahead_us and tells everybody who has not been told. Says until when
+    /// there is nothing more to tell. Slow.
+    sea::TimeUs announce_due();
 
     sea::TimeUs sea_time_us() const override { return clock_.now_us(); }
-    std::vector<SharedBytes> sea_state_messages() const override { return {sea_state_}; }
+    std::vector<SharedBytes> sea_state_messages() const override;
+    SharedBytes sea_state_message(std::uint32_t epoch) const override;
     Demand grant(const Demand& wish) const override;
     void fetch(FetchRequest request, Fetched done) override;
     void query(QueryBatch batch, Queried done) override;
     void map(MapQuery query, Mapped done) override;
     Result<GrantedSpectrum> spectrum(const SpectrumDemand& wish) override {
-        return spectra_.grant({sea_->epoch, sea_->realization, sea_->scene.sea.dispersion(),
-                               sea_->budget.height_error_m},
-                              wish);
+        const RunningSeaPtr sea = sea_now();
+        return spectra_.grant(
+            {sea->epoch, sea->realization, sea->scene.sea.dispersion(), sea->budget.height_error_m},
+            wish);
     }
     Result<std::uint64_t>
     map_bytes(const std::map<std::string, std::string>& parameters) const override;
+    void change(SeaWish wish, Changed done) override;
     std::string state_json() const override;
     std::string plan_json() const override;
     std::string metrics_text() const override;
@@ -65,18 +78,21 @@ class World final : public Host {
 
   private:
     /// What tiles of this rung leave out because it follows from what they hold.
-    sea::FieldSet follows(std::uint8_t quality) const;
+    sea::FieldSet follows(const RunningSea& sea, std::uint8_t quality) const;
     KeyframeTiles tiles(sea::KeyframePtr keyframe, std::uint8_t quality) const;
+    RunningSeaPtr sea_now() const { return course_->at(clock_.now_us()); }
 
-    const RunningSeaPtr sea_;
-    const std::vector<std::string> warnings_;
+    const SeaCoursePtr course_;
     SeaClock& clock_;
-    const SharedBytes sea_state_;
     SpectrumStore spectra_;
     Simulation* simulation_ = nullptr;
-    Publish publish_;
 
-    std::mutex mutex_; ///< of publish_
+    mutable std::mutex mutex_; ///< of what follows
+    Publish publish_;
+    Announce announce_;
+    Change change_;
+    /// By epoch: of seas that are told of, or of which keyframes went out; the newest some.
+    mutable std::map<std::uint32_t, SharedBytes> sea_states_;
 };
 
 } // namespace seaway::server

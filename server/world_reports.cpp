@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/world_reports.h"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 
@@ -51,6 +52,13 @@ ordered_json counters_json(const SimulationCounters& c) {
             {"transforms", c.synthesis.transforms},
             {"keyframes", c.synthesis.keyframes},
             {"device_seconds", c.synthesis.device_seconds}};
+}
+
+/// Null where the sea is steady.
+ordered_json glide_end_json(const RunningSea& sea) {
+    if (!sea.glide)
+        return nullptr;
+    return sea::seconds_from_us(sea.glide->change.end_us());
 }
 
 /// Null where the scene names no certificate. `holds`: this is what was measured.
@@ -109,10 +117,12 @@ std::string effect_metrics(const EffectPlan& plan, const EffectCosts& costs) {
 
 } // namespace
 
-protocol::SeaStateValues sea_state_values(const RunningSea& sea,
+protocol::SeaStateValues sea_state_values(const RunningSea& sea, const EpochWindow& window,
                                           const std::vector<std::string>& warnings) {
     protocol::SeaStateValues state;
     state.epoch = sea.epoch;
+    // The first one has run for ever, also before time 0.
+    state.start_time_us = std::max(window.start_us, sea::TimeUs{0});
     for (std::size_t c = 0; c < sea.realization->cascades.size(); ++c) {
         const sea::CascadeModes& modes = sea.realization->cascades[c];
         state.cascades.push_back({modes.spec.length_m, modes.spec.size, modes.band.k_lo_radpm,
@@ -139,6 +149,12 @@ protocol::SeaStateValues sea_state_values(const RunningSea& sea,
         state.foam_mean = sea.foam_law->mean_coverage;
         state.foam_threshold = sea.foam_law->threshold;
     }
+    if (sea.glide)
+        state.glide = protocol::GlideValues{.end_us = sea.glide->change.end_us(),
+                                            .choppiness_x = sea.glide->choppiness.x,
+                                            .choppiness_y = sea.glide->choppiness.y,
+                                            .foam_mean = sea.glide->foam_mean,
+                                            .foam_threshold = sea.glide->foam_threshold};
     state.scene =
         sea::to_toml(sea.foam_law ? sea::with_threshold(sea.scene, *sea.foam_law) : sea.scene);
     state.warnings = warnings;
@@ -151,17 +167,19 @@ protocol::SeaStateValues sea_state_values(const RunningSea& sea,
     return state;
 }
 
-protocol::SeaStateValues announcement(const RunningSea& sea,
+protocol::SeaStateValues announcement(const RunningSea& sea, const EpochWindow& window,
                                       const std::vector<std::string>& warnings) {
-    protocol::SeaStateValues state = sea_state_values(sea, warnings);
-    state.probes = sea::make_probes(sea.truth, state.start_time_us);
+    protocol::SeaStateValues state = sea_state_values(sea, window, warnings);
+    if (sea.glide) // nobody can make it of its scene alone
+        return state;
+    state.probes = sea::make_probes(*sea.truth, state.start_time_us);
     state.probe_error_m = sea::probe_error_m;
     return state;
 }
 
 std::string state_json(const RunningSea& sea, const std::vector<std::string>& warnings,
                        const std::string& device, const SeaMoment& at) {
-    const protocol::SeaStateValues state = sea_state_values(sea, warnings);
+    const protocol::SeaStateValues state = sea_state_values(sea, {sea.epoch, 0, 0}, warnings);
     ordered_json cascades = ordered_json::array();
     for (std::size_t c = 0; c < state.cascades.size(); ++c) {
         const sea::CascadeBudget& budget = sea.budget.cascades[c];
@@ -194,6 +212,7 @@ std::string state_json(const RunningSea& sea, const std::vector<std::string>& wa
                               {"codec_m", sea.budget.codec_error_m},
                               {"single_precision_m", sea.budget.single_precision_m},
                               {"inverse_m", sea::inverse_tolerance_m(sea.budget.height_error_m)}}},
+                            {"glides_until_s", glide_end_json(sea)},
                             {"certificate", certificate_json(sea)},
                             {"warnings", warnings}};
     return json.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";

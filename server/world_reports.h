@@ -12,11 +12,12 @@
 
 namespace seaway::server {
 
-protocol::SeaStateValues sea_state_values(const RunningSea& sea,
+/// `window`: when it runs.
+protocol::SeaStateValues sea_state_values(const RunningSea& sea, const EpochWindow& window,
                                           const std::vector<std::string>& warnings);
 
-/// The same with the probes of the sea, which cost 16 times of its exact sum: for the message.
-protocol::SeaStateValues announcement(const RunningSea& sea,
+/// The same with the probes of a steady sea, which cost 16 times of its exact sum: for the message.
+protocol::SeaStateValues announcement(const RunningSea& sea, const EpochWindow& window,
                                       const std::vector<std::string>& warnings);
 
 std::string state_json(const RunningSea& sea, const std::vector<std::string>& warnings,

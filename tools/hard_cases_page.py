@@ -31,8 +31,8 @@ The suite takes seconds. Its soak, `build/dev/bin/load_random_seas --minutes 60`
 seas by lot - gaps, loops, narrow beams, seas that fold, half a metre of water, ripples of micrometres, waves of
 100 m, ill-fitting tiles - and asks at any place within 10 000 km and any time within 30 000 years, twice the same
 among them; server and client are held to the direct sum. It tells how far it is and stops at the first answer without a
-flag that is beyond its bound, with what shows it and the scene in a file. Not in it: changes of a running sea, which no
-server takes yet; A22, I7 and H5 hold them in `sea/waves/transition.h`.
+flag that is beyond its bound, with what shows it and the scene in a file. Not in it: changes of a running sea; A22, I7 and H5
+hold them in `sea/waves/transition.h`, `SimulationChanges` and `Changes` in a server.
 """
 
 

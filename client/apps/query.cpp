@@ -8,10 +8,9 @@
 
 #include "base/messages.h"
 #include "base/text_file.h"
+#include "client/apps/exit_code.h"
 #include "client/apps/query_options.h"
 #include "client/apps/query_run.h"
-#include "client/link/failure.h"
-#include "protocol/token_file.h"
 
 namespace {
 
@@ -19,31 +18,6 @@ using namespace seaway;
 using namespace seaway::client;
 
 std::atomic<bool> stop = false;
-
-int exit_code(const Error& error) {
-    complain("seaway-query", 0, error.message);
-    if (error.is(OutputError::lost))
-        return exit_output;
-    switch (failure_of(error)) {
-    case Failure::bad_argument:
-        return exit_usage;
-    case Failure::refused:
-    case Failure::not_held:
-    case Failure::too_large:
-        return exit_refused;
-    case Failure::none: // not of this room
-    case Failure::cannot_connect:
-    case Failure::lost:
-    case Failure::deadline:
-        break;
-    }
-    return exit_lost;
-}
-
-Result<std::string> read_token(const std::string& path) {
-    Result<std::string> token = path.empty() ? std::string() : protocol::read_token_file(path);
-    return token ? token : failed(Failure::bad_argument, token.error().message);
-}
 
 Result<void> run(const QueryOptions& options) {
     std::vector<Place> places = options.at;
@@ -80,7 +54,7 @@ int main(int argc, char** argv) {
         std::signal(SIGTERM, [](int) { stop = true; });
         const Result<void> done = run(std::get<QueryOptions>(options));
         return done ? status_after_output("seaway-query", exit_done, exit_output)
-                    : exit_code(done.error());
+                    : exit_code("seaway-query", done.error());
     } catch (const std::exception& problem) {
         return complain("seaway-query", EXIT_FAILURE, problem.what());
     }

@@ -7,6 +7,7 @@
 #include <variant>
 #include <vector>
 
+#include "client/apps/exit_code.h"
 #include "client/apps/query_points.h"
 
 namespace seaway::client {
@@ -30,15 +31,6 @@ struct QueryOptions {
     double timeout_s = 10;
     std::string token_file;
     std::string ca_file;
-};
-
-/// Exit codes of seaway-query: the public contract.
-enum ExitCode : int {
-    exit_done = 0,
-    exit_output = 1,  ///< standard output cannot be written
-    exit_usage = 2,   ///< command line or points that make no sense
-    exit_lost = 5,    ///< cannot connect, connection lost, or no answer in time
-    exit_refused = 6, ///< the server refused the request
 };
 
 /// The options, or the exit code after --help, --version (0) or a usage error (2), which has been

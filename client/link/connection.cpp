@@ -32,11 +32,7 @@ std::int64_t pause_after_ping_us(std::uint32_t pings_sent) {
 }
 
 /// Seas that tiles can still arrive for.
-constexpr std::size_t sea_states_kept = 4;
-
-std::int64_t deadline_us(double timeout_s) {
-    return local_now_us() + static_cast<std::int64_t>(timeout_s * 1e6);
-}
+constexpr std::size_t sea_states_kept = 32;
 
 /// Keyframes of both may be sampled together.
 bool same_maps(const SeaState& a, const SeaState& b) {
@@ -56,6 +52,10 @@ std::string text(const flatbuffers::String* string) {
 }
 
 } // namespace
+
+std::int64_t deadline_us(double timeout_s) {
+    return local_now_us() + static_cast<std::int64_t>(timeout_s * 1e6);
+}
 
 std::int64_t local_now_us() {
     return std::chrono::duration_cast<std::chrono::microseconds>(
@@ -208,6 +208,10 @@ Result<void> Connection::dispatch(const wire::Message& message) {
         return take(*message.body_as_Spectrum());
     case Body::SpectrumChunk:
         return take(*message.body_as_SpectrumChunk());
+    case Body::Changed:
+        return take(*message.body_as_Changed());
+    case Body::Administered:
+        return take(*message.body_as_Administered());
     case Body::Pong:
         take(*message.body_as_Pong());
         break;
@@ -226,6 +230,8 @@ Result<void> Connection::dispatch(const wire::Message& message) {
     case Body::Query:
     case Body::Ping:
     case Body::SubscribeSpectrum:
+    case Body::Change:
+    case Body::Administer:
         break;
     }
     return {}; // kinds of later versions are skipped
@@ -253,6 +259,8 @@ Result<void> Connection::take(const wire::SeaState& state) {
     if (const SeaStatePtr known = sea_state(value->epoch); known && !same_maps(*known, *value))
         return Error{
             fmt::format("a sea state replaces epoch {} by one of other cascades", value->epoch)};
+    std::erase_if(sea_states_,
+                  [&](const SeaStatePtr& held) { return held->epoch == value->epoch; });
     sea_states_.push_back(value);
     if (sea_states_.size() > sea_states_kept)
         sea_states_.erase(sea_states_.begin());

@@ -64,6 +64,8 @@ struct ConnectionEvents {
 
 /// The local clock of this room: monotonic, microseconds.
 std::int64_t local_now_us();
+/// So much later than now.
+std::int64_t deadline_us(double timeout_s);
 
 class Connection {
   public:
@@ -105,6 +107,12 @@ class Connection {
     void subscribe_spectrum(const protocol::SpectrumWish& wish, double timeout_s,
                             ReplyHandler handler);
     void unsubscribe_spectrum();
+    // For administrators: others are refused.
+
+    /// Changes the sea. Replies once that is durable, before it begins.
+    void change(const protocol::ChangeWish& wish, double timeout_s, ReplyHandler handler);
+    /// `session`: that act drop ends.
+    void administer(wire::Act act, std::uint64_t session, double timeout_s, ReplyHandler handler);
 
     /// Keyframes that made room for others before they were whole.
     std::uint64_t keyframes_dropped() const { return assembly_.dropped(); }
@@ -127,6 +135,8 @@ class Connection {
     Result<void> take(const wire::Spectrum& spectrum);
     Result<void> take(const wire::SpectrumChunk& chunk);
     void one_spectrum_less();
+    Result<void> take(const wire::Changed& changed);
+    Result<void> take(const wire::Administered& administered);
     void take(const wire::Pong& pong);
     void take(const wire::Refused& refused);
     void take(const wire::GoAway& go_away);

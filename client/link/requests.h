@@ -39,6 +39,9 @@ struct Reply {
     std::uint32_t keyframes = 0;      ///< subscribe, fetch: how many were sent at once
     sea::FieldSet fields;             ///< subscribe, fetch: fields of those
     protocol::SpectrumGrant spectrum; ///< subscribe_spectrum
+    sea::TimeUs start_us = 0;         ///< change: the sea glides (epoch) from here on
+    sea::TimeUs end_us = 0;           ///< change: and is there (epoch + 1)
+    std::string text;                 ///< administer: JSON
 };
 
 using ReplyHandler = std::function<void(Result<Reply>)>;

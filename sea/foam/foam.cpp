@@ -69,44 +69,48 @@ FoamHistory::FoamHistory(FoamLawPtr law, int cascade, int size, TimeUs interval_
                          Instructions instructions)
     : cascade_(cascade), interval_us_(interval_us), kernel_(&foam_kernel(instructions)),
       state_(static_cast<std::size_t>(size) * static_cast<std::size_t>(size), 1.0f) {
-    change_law(std::move(law));
-}
-
-void FoamHistory::change_law(FoamLawPtr law) {
     law_ = std::move(law);
     SEAWAY_CHECK(law_ && cascade_ >= 0 &&
                      static_cast<std::size_t>(cascade_) < law_->cascades.size(),
                  "a foam history belongs to a cascade of its law");
     ticks_ = foam_ticks(law_->model.decay_s, interval_us_, law_->loop_period_us);
-    started_ = started_ && tick_us_ >= start_end_us_; // half a start is no history to go on with
 }
 
-bool FoamHistory::idle() const {
-    return law_->calm() ||
-           !(law_->cascades[static_cast<std::size_t>(cascade_)].mean_breaking > mean_breaking_min);
+bool FoamHistory::idle(const FoamLaw& law) const {
+    return law.calm() ||
+           !(law.cascades[static_cast<std::size_t>(cascade_)].mean_breaking > mean_breaking_min);
 }
 
-void FoamHistory::step(std::vector<float>& state, const Keyframe& strains, double dt_s,
-                       double decay_s, double weight) const {
+void FoamHistory::step(const FoamLaw& law, std::vector<float>& state, const Keyframe& strains,
+                       double dt_s, double decay_s, double weight) const {
     SEAWAY_CHECK(dt_s >= 0, "foam does not run backwards");
     SEAWAY_CHECK(strains.fields.contains(foam_inputs) && strains.plane_size() == state.size() &&
                      strains.cascade == cascade_,
                  "foam needs the strains of its cascade");
-    kernel_->advance(make_tick(*law_, law_->cascades[static_cast<std::size_t>(cascade_)],
+    kernel_->advance(make_tick(law, law.cascades[static_cast<std::size_t>(cascade_)],
                                foam_remains(dt_s, decay_s), weight),
                      strains.plane(Field::strain_xx).data(), strains.plane(Field::strain_yy).data(),
                      strains.plane(Field::strain_xy).data(), state.data(), state.size());
 }
 
+void FoamHistory::forget(double dt_s, double weight) {
+    const double remains = foam_remains(dt_s, ticks_.decay_s);
+    const auto kept = static_cast<float>(remains);
+    const auto average = static_cast<float>(weight * (1.0 - remains));
+    for (float& ratio : state_)
+        ratio = ratio * kept + average;
+}
+
 void FoamHistory::advance(const Keyframe& strains, double dt_s) {
     started_ = false; // on no tick: the next advance_to() starts anew
     shown_.clear();
-    if (!idle())
-        step(state_, strains, dt_s, law_->model.decay_s);
+    if (!idle(*law_))
+        step(*law_, state_, strains, dt_s, law_->model.decay_s);
 }
 
 bool FoamHistory::has_no_history() const {
-    return idle() || ticks_.decay_s == 0; // without memory there is nothing to walk through
+    // Without memory there is nothing to walk through.
+    return ticks_.decay_s == 0 || (!law_at_ && idle(*law_));
 }
 
 bool FoamHistory::goes_on_to(TimeUs tick_us) const {
@@ -148,25 +152,31 @@ Result<bool> FoamHistory::walk_towards(TimeUs time_us, int ticks_max, const Stra
         if (walked == ticks_max)
             return false;
         const TimeUs next_us = ticks_.after(tick_us_);
-        Result<KeyframePtr> strains = strains_at(next_us);
-        if (!strains) {
-            started_ = false; // the next call starts anew
-            return strains.error();
+        const double dt_s = seconds_from_us(next_us - tick_us_);
+        const double weight = tick_us_ < start_end_us_ ? start_weight_ : 1.0;
+        if (const FoamLawPtr law = law_at(next_us); idle(*law)) {
+            forget(dt_s, weight);
+        } else {
+            Result<KeyframePtr> strains = strains_at(next_us);
+            if (!strains) {
+                started_ = false; // the next call starts anew
+                return strains.error();
+            }
+            step(*law, state_, **strains, dt_s, ticks_.decay_s, weight);
         }
-        step(state_, **strains, seconds_from_us(next_us - tick_us_), ticks_.decay_s,
-             tick_us_ < start_end_us_ ? start_weight_ : 1.0);
         tick_us_ = next_us;
     }
     return true;
 }
 
 Result<void> FoamHistory::advance_to(TimeUs time_us, const StrainsAt& strains_at) {
-    if (idle())
+    const FoamLawPtr law = law_at(time_us);
+    if (!law_at_ && idle(*law))
         return {};
     SEAWAY_TRY(walk_towards(time_us, std::numeric_limits<int>::max(), strains_at));
     const TimeUs tick_us = ticks_.at_or_before(time_us);
     shown_.clear();
-    const bool between = ticks_.decay_s == 0 || time_us > tick_us;
+    const bool between = !idle(*law) && (ticks_.decay_s == 0 || time_us > tick_us);
     if (!between && ticks_.departure == 1.0)
         return {};
     std::vector<float> shown = state_;
@@ -174,7 +184,7 @@ Result<void> FoamHistory::advance_to(TimeUs time_us, const StrainsAt& strains_at
         Result<KeyframePtr> strains = strains_at(time_us);
         if (!strains)
             return strains.error();
-        step(shown, **strains, seconds_from_us(time_us - tick_us), ticks_.decay_s);
+        step(*law, shown, **strains, seconds_from_us(time_us - tick_us), ticks_.decay_s);
     }
     const auto departure = static_cast<float>(ticks_.departure);
     if (departure != 1.0f)

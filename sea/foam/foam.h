@@ -78,9 +78,10 @@ class FoamHistory {
     /// cascade, size x size.
     void advance(const Keyframe& strains, double dt_s);
 
-    /// Goes on under the law of a changed sea; what has broken under the old one fades out. The
-    /// constructor's own; otherwise it waits for seas that change while a server runs.
-    void change_law(FoamLawPtr law);
+    /// For seas that change: the law of each moment; ticks stay those of the constructor's law. Where the law of a tick
+    /// is calm, its strains are not looked at and the map goes towards the average.
+    using LawAt = std::function<FoamLawPtr(TimeUs)>;
+    void follow(LawAt law_at) { law_at_ = std::move(law_at); }
 
     /// The map Field::foam, [y][x], size * size values: finite, >= 0, 1 on average.
     void fill(std::span<float> plane) const;
@@ -88,16 +89,20 @@ class FoamHistory {
 
   private:
     /// state -> state after dt with these strains; all that is added is multiplied by `weight`.
-    void step(std::vector<float>& state, const Keyframe& strains, double dt_s, double decay_s,
-              double weight = 1.0) const;
+    void step(const FoamLaw& law, std::vector<float>& state, const Keyframe& strains, double dt_s,
+              double decay_s, double weight = 1.0) const;
+    /// One step in which nothing breaks anywhere more than elsewhere.
+    void forget(double dt_s, double weight);
+    FoamLawPtr law_at(TimeUs time_us) const { return law_at_ ? law_at_(time_us) : law_; }
     /// What is held, or will be at the end of the start, is on the way to this tick.
     bool goes_on_to(TimeUs tick_us) const;
     void start_for(TimeUs tick_us);
     /// This cascade says nothing about where waves break, or nothing is remembered.
     bool has_no_history() const;
-    bool idle() const; ///< this cascade says nothing about where waves break
+    bool idle(const FoamLaw& law) const; ///< this cascade says nothing about where waves break
 
     FoamLawPtr law_;
+    LawAt law_at_; ///< null: it is law_ for ever
     int cascade_;
     TimeUs interval_us_;
     FoamTicks ticks_;

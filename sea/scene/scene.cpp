@@ -11,8 +11,10 @@
 
 #include "base/text_file.h"
 #include "base/toml_document.h"
+#include "sea/basics/glide.h"
 #include "sea/scene/scene_names.h"
 #include "sea/scene/scene_systems.h"
+#include "sea/scene/weather.h"
 
 namespace seaway::sea {
 
@@ -136,6 +138,22 @@ void read_accuracy(TomlTable& root, const std::string& base_dir, Scene& scene) {
     }
 }
 
+void read_weather(TomlTable& root, Scene& scene) {
+    double free_from_s = -1e10;
+    for (TomlTable& table : root.tables("weather", scene_weather_max)) {
+        WeatherChange change;
+        table.require("at_s");
+        table.require("set");
+        table.number("at_s", change.at_s, {free_from_s, 1e10});
+        table.number("over_s", change.over_s,
+                     {seconds_from_us(glide_us_min), seconds_from_us(glide_us_max)});
+        table.assignments("set", change.set);
+        table.finish();
+        free_from_s = std::min(change.at_s + change.over_s, 1e10);
+        scene.weather.push_back(std::move(change));
+    }
+}
+
 /// The cascades, and one more for each length of explicit and stylised waves that none of them has.
 int tiles_of(const Scene& scene) {
     std::vector<double> lengths;
@@ -170,6 +188,7 @@ Result<Scene> parse_scene(std::string_view text, const std::string& name,
     read_accuracy(root, base_dir, scene);
     read_cascades(root, scene.cascades);
     read_rest(root, scene);
+    read_weather(root, scene);
     root.finish();
     if (errors.first())
         return *errors.first();
@@ -184,6 +203,8 @@ Result<Scene> parse_scene(std::string_view text, const std::string& name,
             fmt::format("{}: sea.system: written whole, with the tables that its files hold, "
                         "the scene has {} bytes; allowed: at most {}",
                         name, written, scene_text_bytes_max)};
+    if (const Result<std::vector<Scene>> weather = weather_scenes(scene); !weather)
+        return weather.error();
     return scene;
 }
 

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "base/result.h"
+#include "base/toml_edit.h"
 #include "sea/basics/cascade.h"
 #include "sea/basics/water_type.h"
 #include "sea/scene/accuracy_presets.h"
@@ -53,6 +54,14 @@ struct Accuracy {
     bool streams() const { return !preset || accuracy_of(*preset).streams; }
 };
 
+/// A row of the timetable: from `at_s` of sea time on, for `over_s`, the sea glides to the one with these values
+/// (sea/scene/weather.h).
+struct WeatherChange {
+    double at_s = 0;    ///< -1e10 .. 1e10; not before the end of the row before
+    double over_s = 60; ///< glide_us_min .. glide_us_max (sea/basics/glide.h), s
+    std::vector<TomlAssignment> set;
+};
+
 struct Scene {
     std::string source; ///< path or name that errors and logs quote
     SeaState sea;
@@ -61,10 +70,12 @@ struct Scene {
     FoamModel foam;
     Water water; ///< for those who draw it; waves do not hang on it
     Accuracy accuracy;
+    std::vector<WeatherChange> weather = {}; ///< in order of time
 };
 
 inline constexpr int scene_systems_max = 16;
 inline constexpr int scene_cascades_max = 8;
+inline constexpr int scene_weather_max = 64;
 /// Of a scene file, of a table, and of the effective scene with its tables in it.
 inline constexpr std::size_t scene_text_bytes_max = 1u << 20;
 

@@ -212,6 +212,13 @@ std::string to_toml(const Scene& scene) {
     out.value("height_error_m", scene.accuracy.height_error_m);
     if (!scene.accuracy.certificate.name.empty())
         out.text("certificate", scene.accuracy.certificate.name);
+    for (const WeatherChange& change : scene.weather) {
+        out.line("\n[[weather]]");
+        out.value("at_s", change.at_s);
+        out.value("over_s", change.over_s);
+        for (const TomlAssignment& value : change.set)
+            out.value("set." + value.path, value.value);
+    }
     return out.take();
 }
 

@@ -55,6 +55,8 @@ struct CascadeModes {
 struct Choppiness {
     double x = 1.0;
     double y = 1.0;
+
+    bool operator==(const Choppiness&) const = default;
 };
 
 struct Realization {

@@ -28,8 +28,9 @@ std::vector<std::uint64_t> continuous_offsets(const CascadeModes& from, const Ca
                                               TimeUs from_time, TimeUs to_time) {
     std::vector<std::uint64_t> offsets(to.rate.size());
     for (std::size_t i = 0; i < offsets.size(); ++i)
-        offsets[i] = offset_of(from, i) + phase_turns(from.rate[i], from_time) -
-                     phase_turns(to.rate[i], to_time);
+        offsets[i] = from.rate[i] == 0 ? offset_of(to, i) // a wave that the old sea does not have
+                                       : offset_of(from, i) + phase_turns(from.rate[i], from_time) -
+                                             phase_turns(to.rate[i], to_time);
     return offsets;
 }
 
@@ -101,6 +102,11 @@ void blend_sines(const CascadeModes& before, double share, CascadeModes& modes) 
     }
 }
 
+/// By its inverse: deep water is none, and coth(kd) moves without a jump.
+double mixed_depth_m(double a_m, double b_m, double share) {
+    return 1.0 / glided(1.0 / a_m, 1.0 / b_m, share);
+}
+
 } // namespace
 
 Result<SeaTransition> SeaTransition::create(RealizationPtr from, RealizationPtr to, TimeUs start_us,
@@ -149,25 +155,62 @@ Result<SeaTransition> SeaTransition::create(RealizationPtr from, RealizationPtr 
 RealizationPtr SeaTransition::at(TimeUs time_us) const {
     if (time_us < start_us_)
         return from_;
-    if (time_us >= end_us_)
-        return after_;
-    const double x =
-        static_cast<double>(time_us - start_us_) / static_cast<double>(end_us_ - start_us_);
-    const double share =
-        x * x * x * (10.0 + x * (-15.0 + 6.0 * x)); // no jump in slope or curvature
+    return time_us >= end_us_ ? after_ : gliding(time_us);
+}
+
+RealizationPtr SeaTransition::gliding(TimeUs time_us) const {
+    return with_share(glide_share(time_us, start_us_, end_us_));
+}
+
+RealizationPtr SeaTransition::with_share(double share) const {
     auto sea = std::make_shared<Realization>(*growing_);
-    const auto mix = [share](double a, double b) { return a + share * (b - a); };
-    sea->choppiness = {mix(fading_->choppiness.x, growing_->choppiness.x),
-                       mix(fading_->choppiness.y, growing_->choppiness.y)};
+    sea->choppiness = {glided(fading_->choppiness.x, growing_->choppiness.x, share),
+                       glided(fading_->choppiness.y, growing_->choppiness.y, share)};
     for (std::size_t c = 0; c < sea->cascades.size(); ++c) {
         std::vector<std::complex<double>>& h0 = sea->cascades[c].h0;
         const std::vector<std::complex<double>>& old_h0 = fading_->cascades[c].h0;
         for (std::size_t i = 0; i < h0.size(); ++i)
             h0[i] = old_h0[i] + share * (h0[i] - old_h0[i]);
-        // By its inverse: deep water is none, and coth(kd) moves without a jump.
         sea->cascades[c].depth_m =
-            1.0 / mix(1.0 / fading_->cascades[c].depth_m, 1.0 / growing_->cascades[c].depth_m);
+            mixed_depth_m(fading_->cascades[c].depth_m, growing_->cascades[c].depth_m, share);
         blend_sines(fading_->cascades[c], share, sea->cascades[c]);
+    }
+    return sea;
+}
+
+RealizationPtr SeaTransition::growth(TimeUs time_us) const {
+    const double share = glide_share(time_us, start_us_, end_us_);
+    auto sea = std::make_shared<Realization>(*growing_);
+    for (std::size_t c = 0; c < sea->cascades.size(); ++c) {
+        CascadeModes& modes = sea->cascades[c];
+        const CascadeModes& old_modes = fading_->cascades[c];
+        for (std::size_t i = 0; i < modes.h0.size(); ++i)
+            modes.h0[i] -= old_modes.h0[i];
+        modes.depth_m = mixed_depth_m(old_modes.depth_m, modes.depth_m, share);
+        for (SineField field : old_modes.sines) {
+            scale(field, -1.0);
+            modes.sines.push_back(std::move(field));
+        }
+    }
+    return sea;
+}
+
+RealizationPtr SeaTransition::envelope() const {
+    auto sea = std::make_shared<Realization>(*growing_);
+    sea->choppiness = {std::max(fading_->choppiness.x, growing_->choppiness.x),
+                       std::max(fading_->choppiness.y, growing_->choppiness.y)};
+    for (std::size_t c = 0; c < sea->cascades.size(); ++c) {
+        CascadeModes& modes = sea->cascades[c];
+        const CascadeModes& old_modes = fading_->cascades[c];
+        for (std::size_t i = 0; i < modes.h0.size(); ++i)
+            if (std::norm(old_modes.h0[i]) > std::norm(modes.h0[i]))
+                modes.h0[i] = old_modes.h0[i];
+        if (!old_modes.given.empty() && modes.given.empty())
+            modes.given.resize(modes.h0.size());
+        for (std::size_t i = 0; i < old_modes.given.size(); ++i)
+            modes.given[i] = modes.given[i] || old_modes.given[i];
+        modes.depth_m = std::min(old_modes.depth_m, modes.depth_m);
+        modes.sines.insert(modes.sines.end(), old_modes.sines.begin(), old_modes.sines.end());
     }
     return sea;
 }

@@ -11,10 +11,13 @@
 //     RealizationPtr sea = change->at(time_us);                    // about 1 ms a 256 x 256
 //     cascade
 //
-// A restarted server that replays the same changes gets the same sea. Immutable; thread-safe.
+// A wave that only the new sea has grows with its own phases, so that a sea whose waves run as those before it is
+// that of its scene alone, whatever it glided from. A restarted server that replays the same changes gets the same
+// sea. Immutable; thread-safe.
 #pragma once
 
 #include "base/result.h"
+#include "sea/basics/glide.h"
 #include "sea/waves/realization.h"
 
 namespace seaway::sea {
@@ -30,6 +33,20 @@ class SeaTransition {
     /// them it repeats with neither loop. Rates are those of the waves as they stand: the glide itself
     /// adds at most 1.875 times the change of a height a duration.
     RealizationPtr at(TimeUs time_us) const;
+
+    /// The same with the frequencies of the new sea at any time: all of the old sea before the start, all of the
+    /// new one after the end. At its two ends it joins at() without a jump.
+    RealizationPtr gliding(TimeUs time_us) const;
+    /// gliding() when there is this share of the new sea.
+    RealizationPtr with_share(double share) const;
+
+    /// The new sea less the old one, with the depth of gliding() at this time: what its maps, times glide_rate(), add
+    /// to the time rates of gliding()'s, which are those of waves that stand.
+    RealizationPtr growth(TimeUs time_us) const;
+
+    /// A sea none of whose waves is ever smaller than in the glide, with the larger choppiness and in the shallower
+    /// water: what is bounded for it is bounded for gliding() at every time.
+    RealizationPtr envelope() const;
 
     /// `to`, with every phase continuous at the start.
     const RealizationPtr& after() const { return after_; }

@@ -22,7 +22,17 @@ std::string RebuiltSynthesizer::description() const {
 Result<void> RebuiltSynthesizer::set_sea(sea::RealizationPtr sea, std::uint32_t epoch) {
     sea_ = std::move(sea);
     epoch_ = epoch;
-    return device_ ? device_->set_sea(sea_, epoch_) : rebuild();
+    if (!device_)
+        return rebuild();
+    const Result<void> taken = device_->set_sea(sea_, epoch_);
+    if (taken || taken.error().is(DeviceError::cannot_do_this_sea))
+        return taken;
+    if (warn_)
+        warn_(fmt::format("device failed on a new sea, it will be rebuilt: {}",
+                          taken.error().message));
+    before_ = counters();
+    device_.reset(); // the next synthesize() makes it anew, with this sea
+    return {};
 }
 
 Result<void> RebuiltSynthesizer::rebuild() {

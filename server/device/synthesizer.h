@@ -25,6 +25,7 @@ struct KeyframeRequest {
     int cascade;
     sea::TimeUs time_us;
     sea::FieldSet fields;
+    std::uint32_t epoch = 1; ///< of which sea; a synthesizer, which has one, does not look at it
 };
 
 /// The fields of a request that a synthesizer fills.

@@ -22,6 +22,7 @@
 #include "server/host/encoded_spectrum.h"
 #include "server/host/memory.h"
 #include "server/host/refusal.h"
+#include "server/host/sea_wish.h"
 #include "server/host/subscriptions.h"
 
 namespace seaway::server {
@@ -105,6 +106,14 @@ class Host {
 
     /// Wire message SeaState of the sea that runs (and of the next one, if announced).
     virtual std::vector<SharedBytes> sea_state_messages() const = 0;
+    /// The same of one epoch, of which keyframes have been handed out; null: everybody knows it.
+    virtual SharedBytes sea_state_message(std::uint32_t /*epoch*/) const { return nullptr; }
+
+    /// Changes the sea that runs (server/host/sea_wish.h), once that is durable. Not every host's sea can change.
+    using Changed = std::function<void(Result<SeaPromise>)>;
+    virtual void change(SeaWish, Changed done) {
+        done(Error{Refusal::not_offered, "this sea cannot change"});
+    }
 
     /// What of a wish can be had; empty if nothing that was asked for is offered.
     virtual Demand grant(const Demand& wish) const = 0;

@@ -17,10 +17,11 @@ namespace seaway::server {
 
 /// From which moment on which sea runs.
 struct SeaChange {
-    std::uint32_t epoch = 1;  ///< 1, 2, 3 ... without a gap; the `epoch` of the wire
-    sea::TimeUs start_us = 0; ///< sea time at which the sea before begins to go
-    sea::TimeUs end_us = 0;   ///< and at which this one is there; not before start_us
-    std::string scene;        ///< effective scene (sea::to_toml)
+    std::uint32_t epoch = 1; ///< its number: 1, 2, 3 ... without a gap
+    sea::TimeUs start_us =
+        0; ///< sea time at which the sea before begins to go; takes over from what was to come
+    sea::TimeUs end_us = 0; ///< and at which this one is there; not before start_us
+    std::string scene;      ///< effective scene (sea::to_toml)
 
     bool operator==(const SeaChange&) const = default;
 };
@@ -36,8 +37,7 @@ class Journal {
     /// to ask again.
     virtual Result<std::vector<SeaChange>> since(std::uint32_t epoch) const = 0;
 
-    /// Takes the next change. Errors: its number is not the next one, it begins before the last one or ends before
-    /// it begins, or it could not be written durably; then it has not been taken.
+    /// Takes the next change. Errors: its number is not the next one, it ends before it begins, or it could not be written durably; then it has not been taken.
     virtual Result<void> append(const SeaChange& change) = 0;
 };
 

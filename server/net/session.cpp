@@ -82,6 +82,10 @@ void Session::dispatch(std::span<const std::uint8_t> bytes) {
         return on_query(*m.body_as_Query());
     case wire::Body::Ping:
         return on_ping(*m.body_as_Ping());
+    case wire::Body::Change:
+        return on_change(*m.body_as_Change());
+    case wire::Body::Administer:
+        return on_administer(*m.body_as_Administer());
     case wire::Body::NONE: // read() lets none of these through
     case wire::Body::Welcome:
     case wire::Body::SeaState:
@@ -95,6 +99,8 @@ void Session::dispatch(std::span<const std::uint8_t> bytes) {
     case wire::Body::SpectrumSubscribed:
     case wire::Body::Spectrum:
     case wire::Body::SpectrumChunk:
+    case wire::Body::Changed:
+    case wire::Body::Administered:
         return close(ErrorCode::bad_message, "message kind does not come from a client");
     }
 }
@@ -119,10 +125,9 @@ void Session::on_hello(const wire::Hello& hello) {
     if (standing_ == Standing::stranger && !is_open(core_))
         return close(ErrorCode::unauthorised, "token missing or wrong");
     greeted_ = true;
+    client_ = printable(hello.client() ? hello.client()->string_view() : "");
     core_.log(fmt::format("event=session_open session={} peer={} client=\"{}\" administrator={}",
-                          id_, peer_.name,
-                          printable(hello.client() ? hello.client()->string_view() : ""),
-                          standing_ == Standing::administrator));
+                          id_, peer_.name, client_, standing_ == Standing::administrator));
     reply(protocol::welcome(id_, "seaway " SEAWAY_VERSION, core_.host.sea_time_us()));
     for (const protocol::SharedBytes& state : core_.host.sea_state_messages())
         announce(state);
@@ -204,6 +209,8 @@ void Session::fetched(std::uint32_t request_id, const Result<FetchedTiles>& enco
     if (!encoded)
         return refuse(request_id, encoded.error());
     const auto& [keyframes, fields] = *encoded;
+    for (const EncodedKeyframePtr& keyframe : keyframes)
+        tell_of(keyframe->epoch);
     auto done = std::make_shared<const protocol::Bytes>(
         protocol::fetch_done(request_id, static_cast<std::uint32_t>(keyframes.size()), fields));
     if (!outbox_.push_fetched(keyframes, fields, std::move(done)))
@@ -304,14 +311,23 @@ void Session::deliver(const EncodedKeyframePtr& keyframe) {
     if (!keyframe->fields.contains(grant->fields))
         return;
     or_drop([&] {
+        tell_of(keyframe->epoch);
         outbox_.push_keyframe(keyframe, grant->fields);
         link_.send_more();
     });
 }
 
+void Session::tell_of(std::uint32_t epoch) {
+    if (protocol::SharedBytes sea_state = core_.host.sea_state_message(epoch))
+        announce(std::move(sea_state));
+}
+
 void Session::announce(protocol::SharedBytes sea_state) {
-    if (!greeted_ || closing_)
+    if (!greeted_ || closing_ || std::ranges::find(told_, sea_state) != told_.end())
         return;
+    told_.push_back(sea_state);
+    if (told_.size() > told_kept)
+        told_.pop_front();
     if (!outbox_.push_durable(std::move(sea_state)))
         return close(ErrorCode::too_slow, "sea states wait and cannot be sent");
     if (spectrum_wish_)

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -61,6 +62,7 @@ class Session {
 
     /// Streams the keyframe if it is of this session's quality and holds all that was granted.
     void deliver(const EncodedKeyframePtr& keyframe);
+    /// Sends a SeaState that it has not been sent.
     void announce(protocol::SharedBytes sea_state);
     /// Ends the session with GoAway.
     void close(wire::ErrorCode code, const std::string& why);
@@ -75,6 +77,12 @@ class Session {
     void on_fetch(const wire::Fetch& fetch);
     void on_query(const wire::Query& query);
     void on_ping(const wire::Ping& ping);
+    // For administrators (session_admin.cpp).
+    void on_change(const wire::Change& change);
+    void on_administer(const wire::Administer& administer);
+    void changed(std::uint32_t request_id, const Result<SeaPromise>& promise);
+    std::string sessions_json() const;
+    Result<void> drop(SessionId session);
 
     void fetch(std::uint32_t request_id, std::vector<sea::TimeUs> times_us, const Demand& demand);
     void fetched(std::uint32_t request_id, const Result<FetchedTiles>& encoded);
@@ -90,6 +98,8 @@ class Session {
     template <class Work>
     void or_drop(Work work);
     void dispatch(std::span<const std::uint8_t> bytes);
+    /// The sea of keyframes that are about to be sent, where it was not told of.
+    void tell_of(std::uint32_t epoch);
     void reply(protocol::Bytes message);
     void refuse(std::uint32_t request_id, const Error& why);
 
@@ -110,6 +120,10 @@ class Session {
     std::optional<SpectrumDemand> spectrum_wish_;
     int spectra_in_making_ = 0;
     std::vector<std::uint32_t> spectra_sent_; ///< epochs, since the wish; the newest few
+    int changes_in_flight_ = 0;
+    std::string client_;                         ///< its name, printable
+    static constexpr std::size_t told_kept = 64; ///< of older ones it is told again
+    std::deque<protocol::SharedBytes> told_;     ///< sea states
     std::uint64_t messages_sent_ = 0;
     std::uint64_t bytes_sent_ = 0;
     std::chrono::steady_clock::time_point opened_ = std::chrono::steady_clock::now();

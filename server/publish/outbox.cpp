@@ -70,11 +70,20 @@ void Outbox::push_keyframe(EncodedKeyframePtr keyframe, sea::FieldSet fields) {
                  "cascade number out of range");
     if (unacknowledged_.size() >= static_cast<std::size_t>(credit_))
         ++counters_.keyframes_awaiting_credit;
-    const auto same = [&](const Parcel& parcel) {
-        return parcel.keyframe->cascade == keyframe->cascade;
-    };
+    // Of each of two seas: where one follows another both are streamed for a while.
+    auto oldest = waiting_.end(), same_sea = waiting_.end();
+    int of_cascade = 0;
+    for (auto at = waiting_.begin(); at != waiting_.end(); ++at) {
+        if (at->keyframe->cascade != keyframe->cascade)
+            continue;
+        ++of_cascade;
+        if (oldest == waiting_.end())
+            oldest = at;
+        if (at->keyframe->epoch == keyframe->epoch)
+            same_sea = at;
+    }
+    const auto older = same_sea != waiting_.end() || of_cascade < 2 ? same_sea : oldest;
     Parcel parcel{.keyframe = keyframe, .fields = fields, .done = nullptr};
-    const auto older = std::find_if(waiting_.begin(), waiting_.end(), same);
     if (older == waiting_.end()) {
         waiting_.push_back(std::move(parcel));
     } else {

@@ -4,7 +4,7 @@
 //
 // Order: replies, then durable messages, then spectra, then tiles (fetched and streamed ones in turn).
 // Streamed keyframes are under credit: at most `credit` of them are sent and not acknowledged. One
-// that has to wait is replaced by a newer one of its cascade; one that has begun is finished.
+// that has to wait is replaced by a newer one of its cascade and sea; one that has begun is finished.
 // Durable messages are never dropped: when they do not fit, the session must be closed. Chunks of a spectrum are
 // not dropped either, and wait for as long as it takes: they are shared, so that a slow reader costs nothing.
 #pragma once
@@ -103,7 +103,7 @@ class Outbox {
     std::size_t fetched_bytes_ = 0;
     int fetches_waiting_ = 0;
     bool fetched_turn_ = true;
-    std::deque<Parcel> waiting_; ///< at most one a cascade, oldest first
+    std::deque<Parcel> waiting_; ///< at most one a cascade of each of two seas, oldest first
     Parcel begun_;               ///< streamed keyframe that is being handed out
     std::vector<std::uint64_t> unacknowledged_;
     int credit_ = protocol::limits::credit_default;

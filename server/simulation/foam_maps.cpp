@@ -3,13 +3,17 @@
 
 namespace seaway::server {
 
-FoamMaps::FoamMaps(const RunningSea& sea) {
+FoamMaps::FoamMaps(const SeaCoursePtr& course) {
+    const RunningSea& sea = *course->first();
     if (!sea.foam_law)
         return;
-    for (std::size_t c = 0; c < sea.realization->cascades.size(); ++c)
+    for (std::size_t c = 0; c < sea.realization->cascades.size(); ++c) {
         histories_.emplace_back(sea.foam_law, static_cast<int>(c),
                                 sea.realization->cascades[c].spec.size,
                                 sea.budget.cascades[c].interval_us);
+        histories_.back().follow(
+            [course](sea::TimeUs time_us) { return course->at(time_us)->foam_law_at(time_us); });
+    }
 }
 
 sea::FoamHistory& FoamMaps::history(int cascade) {
@@ -26,14 +30,10 @@ Result<bool> FoamMaps::walk_towards(int cascade, sea::TimeUs time_us, int ticks_
     return history(cascade).walk_towards(time_us, ticks_max, strains_at);
 }
 
-Result<void> FoamMaps::fill(const NewKeyframePtr& keyframe,
+Result<void> FoamMaps::fill(const NewKeyframePtr& keyframe, sea::TimeUs time_us,
                             const sea::FoamHistory::StrainsAt& strains_at) {
     sea::FoamHistory& foam = history(keyframe->cascade);
-    const auto strains = [&](sea::TimeUs time_us) -> Result<sea::KeyframePtr> {
-        return time_us == keyframe->time_us ? Result<sea::KeyframePtr>(keyframe)
-                                            : strains_at(time_us);
-    };
-    SEAWAY_TRY(foam.advance_to(keyframe->time_us, strains));
+    SEAWAY_TRY(foam.advance_to(time_us, strains_at));
     foam.fill(keyframe->plane(sea::Field::foam));
     return {};
 }

@@ -9,7 +9,7 @@
 #include "base/result.h"
 #include "sea/foam/foam.h"
 #include "server/device/synthesizer.h"
-#include "server/simulation/running_sea.h"
+#include "server/simulation/sea_course.h"
 
 namespace seaway::server {
 
@@ -24,8 +24,9 @@ inline sea::FieldSet without_foam(sea::FieldSet fields) {
 
 class FoamMaps {
   public:
-    /// Without a foam law (RunningSea::foam_law) there is nothing to add.
-    explicit FoamMaps(const RunningSea& sea);
+    /// Without a foam law (RunningSea::foam_law) there is nothing to add. Histories tick by the first sea of the course
+    /// and go on over its changes.
+    explicit FoamMaps(const SeaCoursePtr& course);
 
     /// Ticks that are left before fill() of a cascade at a time.
     int ticks_to(int cascade, sea::TimeUs time_us) const;
@@ -35,9 +36,19 @@ class FoamMaps {
     Result<bool> walk_towards(int cascade, sea::TimeUs time_us, int ticks_max,
                               const sea::FoamHistory::StrainsAt& strains_at);
 
-    /// Fills Field::foam of a keyframe that holds it and sea::foam_inputs, and walks what is left.
-    Result<void> fill(const NewKeyframePtr& keyframe,
+    /// Fills Field::foam of a keyframe that holds it with the foam of a time, mostly its own, and walks what is left.
+    Result<void> fill(const NewKeyframePtr& keyframe, sea::TimeUs time_us,
                       const sea::FoamHistory::StrainsAt& strains_at);
+
+    /// The same of its own time, of which it holds sea::foam_inputs.
+    Result<void> fill(const NewKeyframePtr& keyframe,
+                      const sea::FoamHistory::StrainsAt& strains_at) {
+        return fill(keyframe, keyframe->time_us,
+                    [&](sea::TimeUs time_us) -> Result<sea::KeyframePtr> {
+                        return time_us == keyframe->time_us ? Result<sea::KeyframePtr>(keyframe)
+                                                            : strains_at(time_us);
+                    });
+    }
 
     /// Goes on from where the other is.
     void take_over(int cascade, const FoamMaps& other) {

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <chrono>
 #include <iterator>
-#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -26,22 +25,28 @@ std::vector<int> cascade_sizes(const RunningSea& sea) {
     return sizes;
 }
 
+KeyframeRequest request_of(const sea::Keyframe& keyframe) {
+    return {keyframe.cascade, keyframe.time_us, keyframe.fields, keyframe.epoch};
+}
+
 } // namespace
 
-KeyframeSource::KeyframeSource(RunningSeaPtr sea, std::unique_ptr<RebuiltSynthesizer> device,
+KeyframeSource::KeyframeSource(SeaCoursePtr course, std::unique_ptr<RebuiltSynthesizer> device,
                                const Memory& memory)
-    : sea_(std::move(sea)), device_(std::move(device)),
-      streamed_foam_(*sea_), started_foam_{FoamMaps(*sea_)}, asked_foam_{FoamMaps(*sea_)},
-      surface_bytes_(surface_bytes(*sea_)), surfaces_(memory.room(MemoryUse::surfaces)),
+    : course_(std::move(course)),
+      device_(course_, std::move(device)), streamed_foam_{{course_->first()->epoch,
+                                                           FoamMaps(course_)}},
+      started_foam_{FoamMaps(course_)}, asked_foam_{FoamMaps(course_)},
+      surface_bytes_(surface_bytes(*course_->first())), surfaces_(memory.room(MemoryUse::surfaces)),
       prompt_surfaces_(memory.room(MemoryUse::prompt_surfaces)),
-      store_(memory.room(MemoryUse::keyframes)), description_(device_->description()),
-      costs_(cascade_sizes(*sea_)) {}
+      store_(memory.room(MemoryUse::keyframes)), description_(device_.device().description()),
+      costs_(cascade_sizes(*course_->first())) {}
 
 Holding KeyframeSource::holding(const KeyframeRequest& request) const {
-    const sea::KeyframePtr held = store_.held(request.cascade, request.time_us);
+    const sea::KeyframePtr held = store_.held(request);
     if (!held || !held->fields.contains(request.fields))
         return Holding::nothing;
-    return store_.splined(request.cascade, request.time_us) ? Holding::spline : Holding::keyframe;
+    return store_.splined(request) ? Holding::spline : Holding::keyframe;
 }
 
 KeyframeSource::Report KeyframeSource::report() const {
@@ -51,7 +56,7 @@ KeyframeSource::Report KeyframeSource::report() const {
 
 std::int64_t KeyframeSource::samples(int cascade) const {
     const std::int64_t size =
-        sea_->realization->cascades[static_cast<std::size_t>(cascade)].spec.size;
+        course_->first()->realization->cascades[static_cast<std::size_t>(cascade)].spec.size;
     return size * size;
 }
 
@@ -106,7 +111,7 @@ Result<bool> KeyframeSource::work_on(SurfaceJob& job) {
 }
 
 KeyframeRequest KeyframeSource::with_held_fields(KeyframeRequest request) const {
-    if (const sea::KeyframePtr held = store_.held(request.cascade, request.time_us))
+    if (const sea::KeyframePtr held = store_.held(request))
         request.fields |= held->fields;
     return request;
 }
@@ -114,7 +119,7 @@ KeyframeRequest KeyframeSource::with_held_fields(KeyframeRequest request) const 
 bool KeyframeSource::walks_foam(const KeyframeRequest& request) const {
     if (!request.fields.contains(sea::Field::foam))
         return false;
-    const sea::KeyframePtr held = store_.held(request.cascade, request.time_us);
+    const sea::KeyframePtr held = store_.held(request);
     return !held || !held->fields.contains(sea::Field::foam);
 }
 
@@ -149,10 +154,10 @@ void KeyframeSource::look_up(KeyframeJob& job, std::size_t begin) {
     for (std::size_t i = begin; i < job.end_; ++i) {
         const KeyframeRequest& request = job.wanted_[i];
         sea::KeyframePtr& found = job.found_[i - begin];
-        found = store_.find(request.cascade, request.time_us, request.fields);
+        found = store_.find(request);
         if (found)
             continue;
-        sea::KeyframePtr held = store_.held(request.cascade, request.time_us);
+        sea::KeyframePtr held = store_.held(request);
         if (held && !held->fields.contains(sea::Field::foam))
             held = nullptr;
         job.missing_.push_back({i - begin, with_held_fields(request), std::move(held)});
@@ -217,17 +222,19 @@ Result<void> KeyframeSource::synthesize_some(KeyframeJob& job, std::int64_t& bud
 Result<void> KeyframeSource::add_foam(KeyframeJob& job, std::int64_t& budget) {
     const std::size_t place = job.without_foam_.front().place;
     const NewKeyframePtr keyframe = job.without_foam_.front().keyframe;
-    FoamMaps& foam = job.walk_ == Walk::stream ? streamed_foam_ : foam_of(job.walk_).maps;
+    FoamMaps& foam =
+        job.walk_ == Walk::stream ? streamed_foam(keyframe->epoch) : foam_of(job.walk_).maps;
+    const TimeUs time_us = foam_time(*keyframe);
     const auto strains_at = [&](TimeUs t_us) -> Result<sea::KeyframePtr> {
         return t_us == keyframe->time_us ? Result<sea::KeyframePtr>(keyframe)
                                          : strains(keyframe->cascade, t_us);
     };
     return timed(keyframe->cascade, [&]() -> Result<void> {
         SEAWAY_TRY_LET(const bool there,
-                       walk(foam, keyframe->cascade, keyframe->time_us, budget, strains_at));
+                       walk(foam, keyframe->cascade, time_us, budget, strains_at));
         if (!there)
             return {};
-        SEAWAY_TRY(foam.fill(keyframe, strains_at));
+        SEAWAY_TRY(foam.fill(keyframe, time_us, strains_at));
         keep(job, place, keyframe);
         job.without_foam_.pop_front();
         return {};
@@ -235,13 +242,29 @@ Result<void> KeyframeSource::add_foam(KeyframeJob& job, std::int64_t& budget) {
 }
 
 void KeyframeSource::keep(KeyframeJob& job, std::size_t place, sea::KeyframePtr keyframe) {
-    const sea::KeyframePtr held = store_.held(keyframe->cascade, keyframe->time_us);
+    const sea::KeyframePtr held = store_.held(request_of(*keyframe));
     if (!held || !held->fields.contains(keyframe->fields)) // made meanwhile, with more
         store_.insert(keyframe, job.walk_ == Walk::stream);
     job.found_[place] = std::move(keyframe);
 }
 
 // ---- foam ----------------------------------------------------------------------------------
+
+FoamMaps& KeyframeSource::streamed_foam(std::uint32_t epoch) {
+    const auto held = std::ranges::find(streamed_foam_, epoch, &EpochFoam::epoch);
+    if (held != streamed_foam_.end())
+        return held->maps;
+    // Goes on from where the sea before is.
+    streamed_foam_.push_back({epoch, streamed_foam_.back().maps});
+    if (streamed_foam_.size() > 2)
+        streamed_foam_.erase(streamed_foam_.begin());
+    return streamed_foam_.back().maps;
+}
+
+TimeUs KeyframeSource::foam_time(const sea::Keyframe& keyframe) const {
+    const EpochWindow window = course_->window(keyframe.epoch);
+    return std::max(std::min(keyframe.time_us, window.end_us), window.start_us);
+}
 
 Result<bool> KeyframeSource::walk(FoamMaps& foam, int cascade, TimeUs time_us, std::int64_t& budget,
                                   const sea::FoamHistory::StrainsAt& strains_at) {
@@ -256,7 +279,7 @@ Result<bool> KeyframeSource::walk(FoamMaps& foam, int cascade, TimeUs time_us, s
 }
 
 int KeyframeSource::foam_ticks_to(int cascade, TimeUs time_us) const {
-    return streamed_foam_.ticks_to(cascade, time_us);
+    return streamed_foam_.back().maps.ticks_to(cascade, time_us);
 }
 
 Result<bool> KeyframeSource::walk_streamed_foam(int cascade, TimeUs time_us) {
@@ -264,7 +287,7 @@ Result<bool> KeyframeSource::walk_streamed_foam(int cascade, TimeUs time_us) {
         return *failure_;
     std::int64_t budget = samples_per_slice;
     return or_fail(timed(cascade, [&] {
-        return walk(streamed_foam_, cascade, time_us, budget,
+        return walk(streamed_foam_.back().maps, cascade, time_us, budget,
                     [&](TimeUs t_us) { return strains(cascade, t_us); });
     }));
 }
@@ -272,12 +295,13 @@ Result<bool> KeyframeSource::walk_streamed_foam(int cascade, TimeUs time_us) {
 void KeyframeSource::share_streamed_foam(int cascade) {
     for (AskedFoam* foam : {&started_foam_, &asked_foam_})
         if (foam->turn.expired()) // else someone is half-way
-            foam->maps.take_over(cascade, streamed_foam_);
+            foam->maps.take_over(cascade, streamed_foam_.back().maps);
 }
 
 Result<sea::KeyframePtr> KeyframeSource::strains(int cascade, TimeUs time_us) {
-    const KeyframeRequest past{cascade, time_us, sea::foam_inputs};
-    const KeyframeRequest asked{cascade, time_us, {sea::Field::foam}};
+    const std::uint32_t epoch = course_->window_at(time_us).epoch;
+    const KeyframeRequest past{cascade, time_us, sea::foam_inputs, epoch};
+    const KeyframeRequest asked{cascade, time_us, {sea::Field::foam}, epoch};
     SEAWAY_TRY_LET(const std::vector<NewKeyframePtr> one, synthesize({&past, 1}, {&asked, 1}));
     return sea::KeyframePtr(one.front());
 }
@@ -286,12 +310,12 @@ Result<std::vector<NewKeyframePtr>>
 KeyframeSource::synthesize(std::span<const KeyframeRequest> requests,
                            std::span<const KeyframeRequest> asked) {
     const auto start = std::chrono::steady_clock::now();
-    Result<std::vector<NewKeyframePtr>> made = device_->synthesize(requests);
+    Result<std::vector<NewKeyframePtr>> made = device_.synthesize(requests);
     synthesis_s_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     const std::scoped_lock lock(mutex_);
-    description_ = device_->description();
-    device_rebuilds_ = device_->rebuilds();
-    const SynthesisCounters before = std::exchange(synthesis_, device_->counters());
+    description_ = device_.device().description();
+    device_rebuilds_ = device_.device().rebuilds();
+    const SynthesisCounters before = std::exchange(synthesis_, device_.device().counters());
     if (made)
         costs_.add(asked, synthesis_ - before);
     return made;
@@ -307,9 +331,9 @@ Result<bool> KeyframeSource::slice(SurfaceJob& job) {
     if (!job.place_ && !(job.place_ = room_of(job).take(surface_bytes_)))
         return false;
     if (!job.keyframes_)
-        job.keyframes_.emplace(
-            keyframes_around(sea_->budget, {&job.time_us_, 1}, {~0u, sea_->sampler_fields()}),
-            Walk::questions);
+        job.keyframes_.emplace(keyframes_around(*course_, {&job.time_us_, 1},
+                                                {~0u, course_->first()->sampler_fields()}),
+                               Walk::questions);
     std::int64_t budget = samples_per_slice;
     if (!job.keyframes_->complete()) {
         SEAWAY_TRY_LET(const bool made, slice(*job.keyframes_, budget));
@@ -320,22 +344,26 @@ Result<bool> KeyframeSource::slice(SurfaceJob& job) {
     }
     while (budget > 0 && job.splines_.size() < job.held_.size()) {
         const sea::KeyframePtr& next = job.held_[job.splines_.size()];
-        const bool there = store_.splined(next->cascade, next->time_us);
+        const bool there = store_.splined(request_of(*next));
         job.splines_.push_back(store_.spline(next));
         if (!there)
             budget -= samples(next->cascade) * next->fields.size();
     }
     if (job.splines_.size() < job.held_.size())
         return false;
+    const RunningSeaPtr sea = course_->sea(job.held_.front()->epoch);
+    const sea::Choppiness choppiness = sea->choppiness_at(job.time_us_);
     std::vector<sea::SplinePair> pairs;
-    job.end_us_ = std::numeric_limits<TimeUs>::max();
+    job.end_us_ = course_->window(sea->epoch).end_us;
+    if (sea->glide && !(choppiness == sea->choppiness_at(job.time_us_ + 1)))
+        job.end_us_ = job.time_us_ + 1; // the surface of this moment alone
     for (std::size_t i = 0; i < job.held_.size(); i += 2) {
         pairs.push_back({job.splines_[i], job.splines_[i + 1]});
         job.end_us_ = std::min(job.end_us_, job.held_[i + 1]->time_us);
     }
     job.surface_ = std::make_shared<const sea::Surface>(
-        std::move(pairs), sea_->realization->choppiness, fold_search(sea_->budget),
-        map_error(sea_->budget, 0.0), sea::inverse_tolerance_m(sea_->budget.height_error_m));
+        std::move(pairs), choppiness, fold_search(sea->budget), map_error(sea->budget, 0.0),
+        sea::inverse_tolerance_m(sea->budget.height_error_m));
     return true;
 }
 

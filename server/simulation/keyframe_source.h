@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Keyframe source: any keyframe of the running sea, from the store or from the device, with foam
+// Keyframe source: any keyframe of the seas of a course, from the store or from the device, with foam
 // where it is wanted; and what all of that has cost. What may take long - many keyframes, a foam
 // history that starts, the splines of a surface - is a job, worked on slice by slice.
 //
@@ -21,11 +21,12 @@
 #include "sea/surface/surface.h"
 #include "server/device/rebuilt_synthesizer.h"
 #include "server/host/memory.h"
+#include "server/simulation/course_synthesis.h"
 #include "server/simulation/effect_costs.h"
 #include "server/simulation/foam_maps.h"
 #include "server/simulation/keyframe_store.h"
 #include "server/simulation/price.h"
-#include "server/simulation/running_sea.h"
+#include "server/simulation/sea_course.h"
 
 namespace seaway::server {
 
@@ -120,7 +121,7 @@ class SurfaceJob {
 
 class KeyframeSource {
   public:
-    KeyframeSource(RunningSeaPtr sea, std::unique_ptr<RebuiltSynthesizer> device,
+    KeyframeSource(SeaCoursePtr course, std::unique_ptr<RebuiltSynthesizer> device,
                    const Memory& memory);
 
     /// One slice; true: a part is made, to be taken. Of several jobs of one walk that need foam one
@@ -178,7 +179,12 @@ class KeyframeSource {
     /// `asked`: the same requests without what foam stands on; for the accounts.
     Result<std::vector<NewKeyframePtr>> synthesize(std::span<const KeyframeRequest> requests,
                                                    std::span<const KeyframeRequest> asked);
+    /// Of the sea that runs at the time.
     Result<sea::KeyframePtr> strains(int cascade, sea::TimeUs time_us);
+    /// When the foam of a keyframe is of: its time, but within the time of its sea, so that a stream never goes back
+    /// where one sea follows another.
+    sea::TimeUs foam_time(const sea::Keyframe& keyframe) const;
+    FoamMaps& streamed_foam(std::uint32_t epoch);
     /// Puts the time that `work` on foam takes, but for its transforms, on the accounts.
     template <class Work>
     auto timed(int cascade, const Work& work);
@@ -187,9 +193,14 @@ class KeyframeSource {
     template <class T>
     Result<T> or_fail(Result<T> result);
 
-    const RunningSeaPtr sea_;
-    const std::unique_ptr<RebuiltSynthesizer> device_;
-    FoamMaps streamed_foam_;
+    const SeaCoursePtr course_;
+    CourseSynthesis device_;
+    /// Of the stream: where one sea follows another, both have keyframes at a time, each in its own order.
+    struct EpochFoam {
+        std::uint32_t epoch;
+        FoamMaps maps;
+    };
+    std::vector<EpochFoam> streamed_foam_; ///< two at most, the later one last
     struct AskedFoam {
         FoamMaps maps;
         std::weak_ptr<const void> turn = {}; ///< KeyframeJob::turn_

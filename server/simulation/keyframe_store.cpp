@@ -3,10 +3,20 @@
 
 namespace seaway::server {
 
-sea::KeyframePtr KeyframeStore::find(int cascade, sea::TimeUs time_us, sea::FieldSet fields) {
+namespace {
+
+/// Of a request or of a keyframe.
+template <class Of>
+std::tuple<std::uint32_t, int, sea::TimeUs> key_of(const Of& of) {
+    return {of.epoch, of.cascade, of.time_us};
+}
+
+} // namespace
+
+sea::KeyframePtr KeyframeStore::find(const KeyframeRequest& request) {
     const std::scoped_lock lock(mutex_);
-    const auto found = entries_.find({cascade, time_us});
-    if (found == entries_.end() || !found->second.keyframe->fields.contains(fields)) {
+    const auto found = entries_.find(key_of(request));
+    if (found == entries_.end() || !found->second.keyframe->fields.contains(request.fields)) {
         ++counters_.misses;
         return nullptr;
     }
@@ -15,21 +25,21 @@ sea::KeyframePtr KeyframeStore::find(int cascade, sea::TimeUs time_us, sea::Fiel
     return found->second.keyframe;
 }
 
-sea::KeyframePtr KeyframeStore::held(int cascade, sea::TimeUs time_us) const {
+sea::KeyframePtr KeyframeStore::held(const KeyframeRequest& request) const {
     const std::scoped_lock lock(mutex_);
-    const auto found = entries_.find({cascade, time_us});
+    const auto found = entries_.find(key_of(request));
     return found == entries_.end() ? nullptr : found->second.keyframe;
 }
 
-bool KeyframeStore::splined(int cascade, sea::TimeUs time_us) const {
+bool KeyframeStore::splined(const KeyframeRequest& request) const {
     const std::scoped_lock lock(mutex_);
-    const auto found = entries_.find({cascade, time_us});
+    const auto found = entries_.find(key_of(request));
     return found != entries_.end() && found->second.spline != nullptr;
 }
 
 void KeyframeStore::insert(sea::KeyframePtr keyframe, bool streamed) {
     const std::scoped_lock lock(mutex_);
-    const Key key{keyframe->cascade, keyframe->time_us};
+    const Key key = key_of(*keyframe);
     if (const auto held = entries_.find(key); held != entries_.end()) {
         streamed = streamed || held->second.streamed;
         drop(held);
@@ -73,7 +83,7 @@ std::size_t KeyframeStore::trim() {
 }
 
 sea::SplineMapPtr KeyframeStore::spline(const sea::KeyframePtr& keyframe) {
-    const Key key{keyframe->cascade, keyframe->time_us};
+    const Key key = key_of(*keyframe);
     {
         const std::scoped_lock lock(mutex_);
         const auto found = entries_.find(key);

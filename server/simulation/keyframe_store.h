@@ -11,10 +11,11 @@
 #include <list>
 #include <map>
 #include <mutex>
-#include <utility>
+#include <tuple>
 
 #include "sea/surface/maps/keyframe.h"
 #include "sea/surface/maps/spline_map.h"
+#include "server/device/synthesizer.h"
 #include "server/host/room.h"
 
 namespace seaway::server {
@@ -32,15 +33,15 @@ class KeyframeStore {
     explicit KeyframeStore(std::shared_ptr<Room> room) : room_(std::move(room)) {}
 
     /// The keyframe if it is held with at least these fields, else null.
-    sea::KeyframePtr find(int cascade, sea::TimeUs time_us, sea::FieldSet fields);
+    sea::KeyframePtr find(const KeyframeRequest& request);
 
     /// What is held of a keyframe, with whichever fields, or null; no use of it.
-    sea::KeyframePtr held(int cascade, sea::TimeUs time_us) const;
+    sea::KeyframePtr held(const KeyframeRequest& request) const;
 
     /// The same, and its spline is held too.
-    bool splined(int cascade, sea::TimeUs time_us) const;
+    bool splined(const KeyframeRequest& request) const;
 
-    /// Replaces a keyframe of the same cascade and time. One that is larger than the store is not
+    /// Replaces a keyframe of the same epoch, cascade and time. One that is larger than the store is not
     /// kept.
     void insert(sea::KeyframePtr keyframe, bool streamed = false);
 
@@ -53,7 +54,7 @@ class KeyframeStore {
     StoreCounters counters() const;
 
   private:
-    using Key = std::pair<int, sea::TimeUs>;
+    using Key = std::tuple<std::uint32_t, int, sea::TimeUs>; ///< epoch, cascade, time
     struct Entry {
         sea::KeyframePtr keyframe;
         sea::SplineMapPtr spline;

@@ -62,19 +62,23 @@ Result<void> PointQuestion::sample(KeyframeSource& source, const SliceOver& over
     return {};
 }
 
-void PointQuestion::sum_exactly(const RunningSea& sea, const SliceOver& over) {
-    const sea::FoldSearch folds = fold_search(sea.budget);
+void PointQuestion::sum_exactly(const SeaCourse& course, const SliceOver& over) {
     while (!complete()) {
         const sea::QueryPoint& point = next();
         if (!moment_ || moment_us_ != point.time_us) {
-            moment_ = sea.truth.at_time(point.time_us);
+            moment_.reset(); // it refers to the sum
+            exact_sea_ = course.at(point.time_us);
+            truth_ = exact_sea_->truth_at(point.time_us);
+            moment_ = truth_->at_time(point.time_us);
             moment_us_ = point.time_us;
         }
         // A nanometre, and what rounding leaves of a coordinate far out.
         const double tolerance_m =
             1e-9 + 4e-16 * std::max(std::abs(point.x_m), std::abs(point.y_m));
-        sea::Answer answer =
-            sea::surface_at(point, {sea.realization->choppiness, tolerance_m, folds}, *moment_);
+        sea::Answer answer = sea::surface_at(point,
+                                             {exact_sea_->choppiness_at(point.time_us), tolerance_m,
+                                              fold_search(exact_sea_->budget)},
+                                             *moment_);
         answer.error_m += tolerance_m;
         answer.flags |= sea::answer_exact;
         put(answer);

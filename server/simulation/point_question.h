@@ -36,7 +36,7 @@ class PointQuestion {
     /// that surface.
     Result<void> sample(KeyframeSource& source, const SliceOver& over);
     /// The same by the direct sum.
-    void sum_exactly(const RunningSea& sea, const SliceOver& over);
+    void sum_exactly(const SeaCourse& course, const SliceOver& over);
 
     /// A slice would come to nothing, for want of room for the next surface.
     bool waits(const KeyframeSource& source) const { return surface_ && source.waits(*surface_); }
@@ -58,9 +58,11 @@ class PointQuestion {
     const bool prompt_;
     std::vector<std::size_t> order_; ///< by time
     std::vector<sea::Answer> answers_;
-    std::size_t done_count_ = 0;                   ///< of `order_`
-    std::optional<SurfaceJob> surface_;            ///< around the next one
-    std::optional<sea::DirectSum::Moment> moment_; ///< the exact sea at moment_us_
+    std::size_t done_count_ = 0;        ///< of `order_`
+    std::optional<SurfaceJob> surface_; ///< around the next one
+    RunningSeaPtr exact_sea_;           ///< at moment_us_
+    std::shared_ptr<const sea::DirectSum> truth_;
+    std::optional<sea::DirectSum::Moment> moment_; ///< of truth_
     sea::TimeUs moment_us_ = 0;
 };
 

@@ -39,13 +39,14 @@ std::vector<TimeUs> times_of(std::span<const sea::QueryPoint> points) {
 
 } // namespace
 
-Prices::Prices(RunningSeaPtr sea) : sea_(std::move(sea)) {
-    FoamMaps foam(*sea_);
-    for (std::size_t c = 0; c < sea_->realization->cascades.size(); ++c) {
-        const double size = sea_->realization->cascades[c].spec.size;
+Prices::Prices(SeaCoursePtr course) : course_(std::move(course)) {
+    FoamMaps foam(course_);
+    const RunningSea& sea = *course_->first();
+    for (std::size_t c = 0; c < sea.realization->cascades.size(); ++c) {
+        const double size = sea.realization->cascades[c].spec.size;
         samples_.push_back(size * size);
         all_samples_ += size * size;
-        foam_start_ticks_.push_back(sea_->foam_law ? foam.ticks_to(static_cast<int>(c), 0) : 0);
+        foam_start_ticks_.push_back(sea.foam_law ? foam.ticks_to(static_cast<int>(c), 0) : 0);
     }
     prompt_us_ = surface_us(0, [](const KeyframeRequest&) { return Holding::nothing; }) +
                  prompt_points * price_point_us;
@@ -74,9 +75,9 @@ double Prices::keyframes_us(std::span<const KeyframeRequest> wanted, const Holdi
 
 double Prices::surfaces_us(std::vector<TimeUs> times_us, const HoldingOf& held) const {
     Lookups look(held);
-    const sea::FieldSet fields = sea_->sampler_fields();
+    const sea::FieldSet fields = course_->first()->sampler_fields();
     double us = 0;
-    for (const KeyframeRequest& request : keyframes_around(sea_->budget, times_us, {~0u, fields})) {
+    for (const KeyframeRequest& request : keyframes_around(*course_, times_us, {~0u, fields})) {
         const double one = samples(request.cascade) * fields.size();
         const Holding holding = look(request);
         us += holding == Holding::nothing ? one * price_sample_us : 0;
@@ -85,14 +86,20 @@ double Prices::surfaces_us(std::vector<TimeUs> times_us, const HoldingOf& held) 
     return us;
 }
 
+double Prices::folds_factor(std::span<const sea::QueryPoint> points) const {
+    return !points.empty() && fold_search(course_->at(points.front().time_us)->budget).always
+               ? price_folds_factor
+               : 1;
+}
+
 double Prices::points_us(std::span<const sea::QueryPoint> points, const HoldingOf& held) const {
-    const double folds = fold_search(sea_->budget).always ? price_folds_factor : 1;
+    const double folds = folds_factor(points);
     return surfaces_us(times_of(points), held) +
            static_cast<double>(points.size()) * folds * price_point_us;
 }
 
 double Prices::exact_us(std::span<const sea::QueryPoint> points) const {
-    const double folds = fold_search(sea_->budget).always ? price_folds_factor : 1;
+    const double folds = folds_factor(points);
     return all_samples_ * (static_cast<double>(times_of(points).size()) * price_moment_wave_us +
                            static_cast<double>(points.size()) * folds * price_exact_wave_us);
 }

@@ -13,7 +13,7 @@
 
 #include "sea/surface/answer.h"
 #include "server/device/synthesizer.h"
-#include "server/simulation/running_sea.h"
+#include "server/simulation/sea_course.h"
 
 namespace seaway::server {
 
@@ -36,7 +36,7 @@ inline constexpr int price_lookups_max = 256;
 
 class Prices {
   public:
-    explicit Prices(RunningSeaPtr sea);
+    explicit Prices(SeaCoursePtr course);
 
     double keyframes_us(std::span<const KeyframeRequest> wanted, const HoldingOf& held) const;
     /// Answers from surfaces, those included that are to be made.
@@ -51,9 +51,11 @@ class Prices {
     double samples(int cascade) const { return samples_[static_cast<std::size_t>(cascade)]; }
 
   private:
+    /// By the sea of the first of them.
+    double folds_factor(std::span<const sea::QueryPoint> points) const;
     double surfaces_us(std::vector<sea::TimeUs> times_us, const HoldingOf& held) const;
 
-    const RunningSeaPtr sea_;
+    const SeaCoursePtr course_;
     std::vector<double> samples_;       ///< of one field, a cascade
     std::vector<int> foam_start_ticks_; ///< a cascade; 0: no foam
     double all_samples_ = 0;

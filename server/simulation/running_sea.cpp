@@ -11,17 +11,76 @@
 
 namespace seaway::server {
 
+namespace {
+
+double share_at(const SeaGlide& glide, sea::TimeUs time_us) {
+    return sea::glide_share(time_us, glide.change.start_us(), glide.change.end_us());
+}
+
+/// The shorter interval of two seas, cascade by cascade.
+std::vector<sea::TimeUs> shorter_intervals(const sea::ErrorBudget& a, const sea::ErrorBudget& b) {
+    std::vector<sea::TimeUs> intervals_us;
+    for (std::size_t c = 0; c < b.cascades.size(); ++c)
+        intervals_us.push_back(std::min(a.cascades[c].interval_us, b.cascades[c].interval_us));
+    return intervals_us;
+}
+
+} // namespace
+
+sea::Choppiness RunningSea::choppiness_at(sea::TimeUs time_us) const {
+    if (!glide)
+        return realization->choppiness;
+    const double share = share_at(*glide, time_us);
+    return {sea::glided(glide->choppiness.x, realization->choppiness.x, share),
+            sea::glided(glide->choppiness.y, realization->choppiness.y, share)};
+}
+
+double RunningSea::foam_mean_at(sea::TimeUs time_us) const {
+    const double mean = foam_law ? foam_law->mean_coverage : 0.0;
+    return glide ? sea::glided(glide->foam_mean, mean, share_at(*glide, time_us)) : mean;
+}
+
 Result<RunningSeaPtr> make_running_sea(const sea::Scene& scene, std::uint32_t epoch) {
     Result<sea::Realization> realized = sea::realize(scene);
     if (!realized)
         return realized.error();
+    return make_running_sea(scene, epoch,
+                            std::make_shared<const sea::Realization>(std::move(realized).value()));
+}
+
+Result<RunningSeaPtr> make_running_sea(const sea::Scene& scene, std::uint32_t epoch,
+                                       sea::RealizationPtr realization) {
     SEAWAY_TRY_LET(sea::CertificatePtr certificate, sea::load_certificate(scene));
-    auto realization = std::make_shared<const sea::Realization>(std::move(realized).value());
     const sea::FieldSet offered = offered_fields(scene.effects);
     return std::make_shared<const RunningSea>(RunningSea{
         epoch, scene, realization, sea::plan_budget(*realization, scene.accuracy.height_error_m),
-        offered, sea::summarize(scene.sea, *realization), sea::DirectSum(realization),
-        sea::foam_law_of(scene, *realization), std::move(certificate)});
+        offered, sea::summarize(scene.sea, *realization),
+        std::make_shared<const sea::DirectSum>(realization), sea::foam_law_of(scene, *realization),
+        std::move(certificate)});
+}
+
+Result<RunningSeaPtr> make_glide(const RunningSea& from, const RunningSea& to, std::uint32_t epoch,
+                                 sea::TimeUs start_us, sea::TimeUs end_us) {
+    SEAWAY_TRY_LET(
+        sea::SeaTransition change,
+        sea::SeaTransition::create(from.waves_at(start_us), to.realization, start_us, end_us));
+    auto glide = std::make_shared<SeaGlide>(
+        SeaGlide{std::move(change), from.choppiness_at(start_us), 0.0, 0.0, nullptr});
+    const sea::FoamLawPtr foam = from.foam_law_at(start_us);
+    if (foam && to.foam_law) {
+        glide->foam_mean = from.foam_mean_at(start_us);
+        glide->foam_threshold = foam->threshold;
+        glide->foam = std::make_shared<const sea::FoamGlide>(glide->change, foam, to.foam_law);
+    }
+    const sea::RealizationPtr envelope = glide->change.envelope();
+    sea::ErrorBudget budget = sea::plan_budget(*envelope, to.scene.accuracy.height_error_m,
+                                               shorter_intervals(from.budget, to.budget));
+    // What follows from heights does so in water of one depth.
+    const auto depth_m = [](const RunningSea& sea) { return sea.scene.sea.depth_m; };
+    budget.displacement_follows = budget.displacement_follows && depth_m(from) == depth_m(to);
+    return std::make_shared<const RunningSea>(
+        RunningSea{epoch, to.scene, glide->change.after(), std::move(budget), to.offered,
+                   to.summary, to.truth, to.foam_law, to.certificate, std::move(glide)});
 }
 
 std::vector<std::string> warnings_of(const RunningSea& sea) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// RunningSea: one sea state with everything that is derived from it once: the realised modes, the
-// error budget, what may be asked for, and the exact sum. Immutable; share it by pointer.
+// RunningSea: one sea with everything that is derived from it once: the realised modes, the error budget, what may be
+// asked for, and the exact sum. It is steady, or a glide from one sea to another (sea/waves/transition.h).
+// Immutable; thread-safe; share it by pointer.
 #pragma once
 
 #include <memory>
@@ -10,25 +11,57 @@
 #include "base/result.h"
 #include "sea/basics/field.h"
 #include "sea/certificate/certificate.h"
+#include "sea/foam/foam_glide.h"
 #include "sea/foam/foam_law.h"
 #include "sea/scene/scene.h"
 #include "sea/surface/budget/error_budget.h"
 #include "sea/waves/realization.h"
 #include "sea/waves/reference.h"
 #include "sea/waves/statistics/moments.h"
+#include "sea/waves/transition.h"
 
 namespace seaway::server {
 
+/// On the way to a sea.
+struct SeaGlide {
+    sea::SeaTransition change;
+    sea::Choppiness choppiness; ///< that it began with
+    double foam_mean = 0;       ///< likewise
+    double foam_threshold = 0;
+    std::shared_ptr<const sea::FoamGlide> foam; ///< null where the scene allows no foam
+};
+
 struct RunningSea {
     std::uint32_t epoch;
-    sea::Scene scene;
+    sea::Scene scene; ///< of a glide, as all up to the budget: of where it leads
     sea::RealizationPtr realization;
-    sea::ErrorBudget budget;
-    sea::FieldSet offered; ///< by the scene's effects
+    sea::ErrorBudget budget; ///< of a glide: holds for each of its moments
+    sea::FieldSet offered;   ///< by the scene's effects
     sea::SeaSummary summary;
-    sea::DirectSum truth;
-    sea::FoamLawPtr foam_law;        ///< null where the scene allows no foam
-    sea::CertificatePtr certificate; ///< null where the scene names none
+    std::shared_ptr<const sea::DirectSum> truth;     ///< of `realization`
+    sea::FoamLawPtr foam_law;                        ///< null where the scene allows no foam
+    sea::CertificatePtr certificate;                 ///< null where the scene names none
+    std::shared_ptr<const SeaGlide> glide = nullptr; ///< null: steady
+
+    /// Waves are between those of two seas.
+    bool glides_at(sea::TimeUs time_us) const {
+        return glide && time_us > glide->change.start_us() && time_us < glide->change.end_us();
+    }
+    /// The waves of one moment; `realization` for ever where the sea is steady. A glide: about 1 ms a cascade of 256 x 256.
+    sea::RealizationPtr waves_at(sea::TimeUs time_us) const {
+        return glide ? glide->change.gliding(time_us) : realization;
+    }
+    /// Their exact sum; a glide: about 20 ms.
+    std::shared_ptr<const sea::DirectSum> truth_at(sea::TimeUs time_us) const {
+        return glide ? std::make_shared<const sea::DirectSum>(waves_at(time_us)) : truth;
+    }
+    sea::Choppiness choppiness_at(sea::TimeUs time_us) const;
+    /// What maps of foam are ratios to; 0 where there is none.
+    double foam_mean_at(sea::TimeUs time_us) const;
+    /// Null where the scene allows no foam.
+    sea::FoamLawPtr foam_law_at(sea::TimeUs time_us) const {
+        return glide && glide->foam ? glide->foam->at(time_us) : foam_law;
+    }
 
     /// What subscribers and fetches may have: none where the scene answers questions alone.
     sea::FieldSet streamed() const { return scene.accuracy.streams() ? offered : sea::FieldSet{}; }
@@ -44,6 +77,15 @@ using RunningSeaPtr = std::shared_ptr<const RunningSea>;
 /// Realises the scene and reads its certificate. An error is one line that names what in the scene
 /// cannot be had.
 Result<RunningSeaPtr> make_running_sea(const sea::Scene& scene, std::uint32_t epoch);
+
+/// The same of a scene that is realised already, and possibly changed since.
+Result<RunningSeaPtr> make_running_sea(const sea::Scene& scene, std::uint32_t epoch,
+                                       sea::RealizationPtr realization);
+
+/// From the waves of `from` at `start_us` to `to`, which is steady and has its own phases; the glide ends in
+/// glide->change.after(). Keyframes lie as densely as those of either. An error says why they cannot be joined.
+Result<RunningSeaPtr> make_glide(const RunningSea& from, const RunningSea& to, std::uint32_t epoch,
+                                 sea::TimeUs start_us, sea::TimeUs end_us);
 
 /// What a user should know of this sea: of its scene, its foam and its certificate.
 std::vector<std::string> warnings_of(const RunningSea& sea);

@@ -2,6 +2,8 @@
 #include "server/simulation/schedule.h"
 
 #include <algorithm>
+#include <limits>
+#include <tuple>
 
 namespace seaway::server {
 
@@ -12,57 +14,107 @@ TimeUs interval_start(TimeUs time_us, TimeUs interval_us) {
     return time_us - (rest < 0 ? rest + interval_us : rest);
 }
 
-std::vector<KeyframeRequest> keyframes_around(const sea::ErrorBudget& budget,
-                                              std::span<const TimeUs> times_us,
-                                              const Demand& demand) {
+std::vector<KeyframeRequest>
+keyframes_around(const SeaCourse& course, std::span<const TimeUs> times_us, const Demand& demand) {
     std::vector<KeyframeRequest> wanted;
-    for (int c = 0; c < static_cast<int>(budget.cascades.size()); ++c) {
-        if (!demand.wants(c))
-            continue;
-        const TimeUs interval_us = budget.cascades[static_cast<std::size_t>(c)].interval_us;
-        std::vector<TimeUs> keyframes_us;
-        for (const TimeUs time_us : times_us) {
-            SEAWAY_CHECK(sea::in_time_range(time_us), "such a time is refused where it is asked");
+    for (const TimeUs time_us : times_us) {
+        SEAWAY_CHECK(sea::in_time_range(time_us), "such a time is refused where it is asked");
+        const RunningSeaPtr sea = course.at(time_us);
+        for (int c = 0; c < static_cast<int>(sea->budget.cascades.size()); ++c) {
+            if (!demand.wants(c))
+                continue;
+            const TimeUs interval_us =
+                sea->budget.cascades[static_cast<std::size_t>(c)].interval_us;
             const TimeUs start_us = interval_start(time_us, interval_us);
-            keyframes_us.insert(keyframes_us.end(), {start_us, start_us + interval_us});
+            for (const TimeUs t_us : {start_us, start_us + interval_us})
+                wanted.push_back({c, t_us, demand.fields, sea->epoch});
         }
-        std::sort(keyframes_us.begin(), keyframes_us.end());
-        const auto end = std::unique(keyframes_us.begin(), keyframes_us.end());
-        for (auto at = keyframes_us.begin(); at != end; ++at)
-            wanted.push_back({c, *at, demand.fields});
     }
+    const auto order = [](const KeyframeRequest& r) {
+        return std::tuple(r.cascade, r.time_us, r.epoch);
+    };
+    std::ranges::sort(wanted, {}, order);
+    const auto twice = std::ranges::unique(wanted, {}, order);
+    wanted.erase(twice.begin(), twice.end());
     return wanted;
 }
 
-Schedule::Schedule(const sea::ErrorBudget& budget) {
-    for (const sea::CascadeBudget& cascade : budget.cascades)
-        streams_.push_back({cascade.interval_us});
+Schedule::Schedule(const SeaCourse& course)
+    : course_(course), streams_(course.first()->budget.cascades.size()) {}
+
+Schedule::Place Schedule::place(RunningSeaPtr sea, std::size_t cascade, TimeUs time_us) {
+    const TimeUs interval_us = sea->budget.cascades[cascade].interval_us;
+    return {std::move(sea), interval_us, interval_start(time_us, interval_us)};
 }
 
-/// The first subscriber fetches for itself what comes before.
-TimeUs Schedule::Stream::first_us(TimeUs now_us) const {
-    return interval_start(now_us + lead_us(), interval_us);
+Schedule::Place Schedule::around(std::size_t cascade, TimeUs now_us) const {
+    return place(course_.at(now_us), cascade, now_us);
+}
+
+std::optional<Schedule::Place> Schedule::next_of_main(const Stream& stream) const {
+    const Place& last = stream.main;
+    if (last.time_us >= course_.window(last.sea->epoch).end_us)
+        return std::nullopt;
+    return Place{last.sea, last.interval_us, last.time_us + last.interval_us};
+}
+
+std::optional<Schedule::Place> Schedule::next_of_following(const Stream& stream,
+                                                           std::size_t cascade) const {
+    const EpochWindow window = course_.window(stream.main.sea->epoch);
+    if (window.end_us == std::numeric_limits<TimeUs>::max())
+        return std::nullopt;
+    // One that another has taken over from before it began has no end of its own.
+    const TimeUs from_us = window.empty() ? stream.main.time_us : window.end_us;
+    const Place first = place(course_.at(from_us), cascade, from_us);
+    if (!stream.following || stream.following->sea->epoch != first.sea->epoch)
+        return first;
+    return Place{first.sea, first.interval_us, stream.following->time_us + first.interval_us};
+}
+
+std::pair<Schedule::Place, Schedule::Stream> Schedule::next(const Stream& stream,
+                                                            std::size_t cascade) const {
+    const std::optional<Place> main = next_of_main(stream);
+    if (!main && stream.following) // over: the other one is the stream
+        return next(Stream{*stream.following}, cascade);
+    const std::optional<Place> following = next_of_following(stream, cascade);
+    SEAWAY_CHECK(main || following, "where one sea ends another follows");
+    if (main && (!following || main->due_us() <= following->due_us()))
+        return {*main, Stream{*main, stream.following}};
+    return {*following, main ? Stream{stream.main, *following} : Stream{*following}};
+}
+
+Schedule::Stream Schedule::started(std::size_t cascade, TimeUs now_us) const {
+    Stream stream{around(cascade, now_us)};
+    stream.main.time_us -= stream.main.interval_us;
+    for (;;) {
+        const Stream then = next(stream, cascade).second;
+        const Place after = next(then, cascade).first;
+        if (after.due_us() > now_us || after.sea->epoch != stream.main.sea->epoch)
+            return stream;
+        stream = then;
+    }
 }
 
 Schedule::Due Schedule::take_due(const EffectPlan& plan, TimeUs now_us) {
     Due due;
     for (std::size_t c = 0; c < streams_.size(); ++c) {
-        Stream& stream = streams_[c];
         const sea::FieldSet fields = plan.cascades[c].fields;
-        const bool wanted = !fields.empty();
-        if (wanted && !stream.runs)
-            stream.next_us = stream.first_us(now_us);
-        stream.runs = wanted;
-        if (!wanted || now_us < stream.next_us - stream.lead_us())
+        if (fields.empty()) {
+            streams_[c].reset();
             continue;
-        if (stream.next_us < now_us - catch_up_us) {
-            const TimeUs resumed_us = interval_start(now_us, stream.interval_us);
-            due.left_out +=
-                static_cast<std::uint64_t>((resumed_us - stream.next_us) / stream.interval_us);
-            stream.next_us = resumed_us;
         }
-        due.keyframes.push_back({static_cast<int>(c), stream.next_us, fields});
-        stream.next_us += stream.interval_us;
+        auto [place, then] = next(stream(c, now_us), c);
+        if (now_us < place.due_us())
+            continue;
+        if (place.time_us < now_us - catch_up_us) {
+            const Place resumed = around(c, now_us);
+            due.left_out += static_cast<std::uint64_t>(
+                std::max<TimeUs>(resumed.time_us - place.time_us, 0) / place.interval_us);
+            place = resumed;
+            then = Stream{resumed};
+        }
+        due.keyframes.push_back({static_cast<int>(c), place.time_us, fields, place.sea->epoch});
+        streams_[c] = std::move(then);
     }
     return due;
 }
@@ -70,29 +122,44 @@ Schedule::Due Schedule::take_due(const EffectPlan& plan, TimeUs now_us) {
 std::optional<TimeUs> Schedule::next_due_us(const EffectPlan& plan) const {
     std::optional<TimeUs> next_us;
     for (std::size_t c = 0; c < streams_.size(); ++c) {
-        if (plan.cascades[c].fields.empty())
+        if (plan.cascades[c].fields.empty() || !streams_[c])
             continue;
-        const TimeUs due_us = streams_[c].next_us - streams_[c].lead_us();
+        const TimeUs due_us = next(*streams_[c], c).first.due_us();
         next_us = std::min(next_us.value_or(due_us), due_us);
     }
     return next_us;
 }
 
 TimeUs Schedule::next_us(int cascade, TimeUs now_us) const {
-    const Stream& stream = streams_[static_cast<std::size_t>(cascade)];
-    return stream.runs ? stream.next_us : stream.first_us(now_us);
+    const auto c = static_cast<std::size_t>(cascade);
+    return next(stream(c, now_us), c).first.time_us;
 }
 
 std::vector<KeyframeRequest> Schedule::current(const Demand& demand, TimeUs now_us) const {
     std::vector<KeyframeRequest> wanted;
     for (std::size_t c = 0; c < streams_.size(); ++c) {
-        const Stream& stream = streams_[c];
         if (!demand.wants(static_cast<int>(c)))
             continue;
-        const TimeUs end_us = next_us(static_cast<int>(c), now_us);
-        for (TimeUs t_us = interval_start(now_us, stream.interval_us); t_us < end_us;
-             t_us += stream.interval_us)
-            wanted.push_back({static_cast<int>(c), t_us, demand.fields});
+        // What a stream that had begun with now would have had by the time that this one is where it is.
+        const Stream end = stream(c, now_us);
+        Stream at{around(c, now_us)};
+        at.main.time_us -= at.main.interval_us;
+        const auto add = [&](const Place& place) {
+            wanted.push_back({static_cast<int>(c), place.time_us, demand.fields, place.sea->epoch});
+        };
+        const auto has = [](const Stream& stream, const Place& place) {
+            for (const Place& last : {stream.main, stream.following.value_or(stream.main)})
+                if (last.sea->epoch == place.sea->epoch && place.time_us <= last.time_us)
+                    return true;
+            return place.sea->epoch < stream.main.sea->epoch;
+        };
+        for (;;) {
+            const auto [place, then] = next(at, c);
+            if (!has(end, place))
+                break;
+            add(place);
+            at = then;
+        }
     }
     return wanted;
 }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Schedule: which keyframes are due when. Arithmetic on times alone, without thread, lock, clock or
 // device. A keyframe of a cascade lies at a whole multiple of its interval and is due interval +
-// publish_lead_us before its own time, so that the two around now are always out.
+// publish_lead_us before its own time, so that the two around now are always out. Where one sea follows another,
+// the stream has the keyframes around that moment of both.
 //
 // A Schedule remembers how far each stream has come; it is for one thread.
 #pragma once
@@ -9,12 +10,14 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "sea/surface/budget/error_budget.h"
 #include "server/device/synthesizer.h"
 #include "server/host/subscriptions.h"
 #include "server/simulation/effect_plan.h"
+#include "server/simulation/sea_course.h"
 
 namespace seaway::server {
 
@@ -27,14 +30,14 @@ inline constexpr sea::TimeUs catch_up_us = 500'000;
 sea::TimeUs interval_start(sea::TimeUs time_us, sea::TimeUs interval_us);
 
 /// The two keyframes of each wanted cascade around each time, each of them once, cascade by
-/// cascade, in order of time. Times must be in_time_range().
-std::vector<KeyframeRequest> keyframes_around(const sea::ErrorBudget& budget,
+/// cascade, in order of time; of the sea that runs at the time. Times must be in_time_range().
+std::vector<KeyframeRequest> keyframes_around(const SeaCourse& course,
                                               std::span<const sea::TimeUs> times_us,
                                               const Demand& demand);
 
 class Schedule {
   public:
-    explicit Schedule(const sea::ErrorBudget& budget);
+    explicit Schedule(const SeaCourse& course);
 
     struct Due {
         std::vector<KeyframeRequest> keyframes; ///< to be published now, oldest of each cascade
@@ -54,15 +57,36 @@ class Schedule {
     std::vector<KeyframeRequest> current(const Demand& demand, sea::TimeUs now_us) const;
 
   private:
-    struct Stream {
+    /// A keyframe of a cascade's stream.
+    struct Place {
+        RunningSeaPtr sea;
         sea::TimeUs interval_us;
-        sea::TimeUs next_us = 0; ///< time of the next keyframe, while it runs
-        bool runs = false;
+        sea::TimeUs time_us;
 
-        sea::TimeUs lead_us() const { return interval_us + publish_lead_us; }
-        sea::TimeUs first_us(sea::TimeUs now_us) const;
+        sea::TimeUs due_us() const { return time_us - interval_us - publish_lead_us; }
     };
-    std::vector<Stream> streams_; ///< one a cascade
+    /// The last that a stream has had: of the sea that it is in, and of the one that follows, whose first keyframes
+    /// come before the last ones of the other. Both are due at their own times.
+    struct Stream {
+        Place main;
+        std::optional<Place> following = {};
+    };
+    /// The keyframe of this sea at or before a time.
+    static Place place(RunningSeaPtr sea, std::size_t cascade, sea::TimeUs time_us);
+    Place around(std::size_t cascade, sea::TimeUs now_us) const;
+    /// A stream as if it had come to the keyframe before the last one that is due: a first subscriber fetches what comes
+    /// before.
+    Stream started(std::size_t cascade, sea::TimeUs now_us) const;
+    /// What comes next, the first that is due, and the stream as it is then.
+    std::pair<Place, Stream> next(const Stream& stream, std::size_t cascade) const;
+    std::optional<Place> next_of_main(const Stream& stream) const;
+    std::optional<Place> next_of_following(const Stream& stream, std::size_t cascade) const;
+    Stream stream(std::size_t cascade, sea::TimeUs now_us) const {
+        return streams_[cascade] ? *streams_[cascade] : started(cascade, now_us);
+    }
+
+    const SeaCourse& course_;
+    std::vector<std::optional<Stream>> streams_; ///< one a cascade, while it runs
 };
 
 } // namespace seaway::server

@@ -26,26 +26,27 @@ Error busy(std::string why) {
 } // namespace
 
 Result<std::unique_ptr<Simulation>>
-Simulation::start(RunningSeaPtr sea, const SynthesizerFactory& factory,
+Simulation::start(SeaCoursePtr course, const SynthesizerFactory& factory,
                   const Subscriptions& subscriptions, std::function<TimeUs()> now,
                   SimulationEvents events, WorkBudget budget, MemoryPtr memory) {
-    SEAWAY_TRY_LET(
-        std::unique_ptr<RebuiltSynthesizer> device,
-        RebuiltSynthesizer::start(factory, sea->realization, sea->epoch, events.on_warning));
+    SEAWAY_TRY_LET(std::unique_ptr<RebuiltSynthesizer> device,
+                   RebuiltSynthesizer::start(factory, course->first()->realization,
+                                             course->first()->epoch, events.on_warning));
     std::unique_ptr<Simulation> simulation(
-        new Simulation(std::move(sea), std::move(device), subscriptions, std::move(now),
+        new Simulation(std::move(course), std::move(device), subscriptions, std::move(now),
                        std::move(events), budget, std::move(memory)));
     simulation->thread_ = std::thread([self = simulation.get()] { self->run(); });
     return simulation;
 }
 
-Simulation::Simulation(RunningSeaPtr sea, std::unique_ptr<RebuiltSynthesizer> device,
+Simulation::Simulation(SeaCoursePtr course, std::unique_ptr<RebuiltSynthesizer> device,
                        const Subscriptions& subscriptions, std::function<TimeUs()> now,
                        SimulationEvents events, WorkBudget budget, MemoryPtr memory)
-    : sea_(std::move(sea)), subscriptions_(subscriptions), now_(std::move(now)),
+    : course_(std::move(course)), subscriptions_(subscriptions), now_(std::move(now)),
       events_(std::move(events)), memory_(std::move(memory)),
-      source_(sea_, std::move(device), *memory_), prices_(sea_), schedule_(sea_->budget),
-      streamed_foam_(*sea_, source_, schedule_), fetch_room_(memory_->room(MemoryUse::fetches)),
+      source_(course_, std::move(device), *memory_), prices_(course_), schedule_(*course_),
+      streamed_foam_(*course_->first(), source_, schedule_),
+      fetch_room_(memory_->room(MemoryUse::fetches)),
       questions_(budget, memory_->room(MemoryUse::points)) {
     fetch_room_->on_freed([this] { questions_.wake(); });
 }
@@ -56,6 +57,11 @@ Simulation::~Simulation() {
     questions_.wake();
     if (thread_.joinable())
         thread_.join();
+}
+
+EffectPlan Simulation::plan(TimeUs now_us) const {
+    const RunningSeaPtr sea = course_->at(now_us);
+    return plan_effects(sea->offered, subscriptions_, sea->budget);
 }
 
 void Simulation::run() {
@@ -108,7 +114,7 @@ bool Simulation::work_on_stream() {
     heartbeat_.works();
     if (!streaming_) {
         const TimeUs now_us = now_();
-        streamed_plan_ = streamed_foam_.carried(plan(), subscriptions_, now_us);
+        streamed_plan_ = streamed_foam_.carried(plan(now_us), subscriptions_, now_us);
         Schedule::Due due = schedule_.take_due(streamed_plan_, now_us);
         if (due.keyframes.empty())
             return false;
@@ -232,7 +238,7 @@ void Simulation::fetch(std::vector<TimeUs> times_us, const Demand& demand, Fetch
     for (const TimeUs time_us : times_us)
         if (const Result<void> fine = check_time(time_us); !fine)
             return done(fine.error());
-    std::vector<KeyframeRequest> wanted = keyframes_around(sea_->budget, times_us, demand);
+    std::vector<KeyframeRequest> wanted = keyframes_around(*course_, times_us, demand);
     const double price_us = prices_.keyframes_us(wanted, holding());
     Question question =
         keyframe_question([wanted = std::move(wanted)] { return wanted; }, Walk::questions,
@@ -263,7 +269,7 @@ void Simulation::answer(std::vector<sea::QueryPoint> points, bool exact, Answere
     questions_.ask({.slice =
                         [this, batch, exact, done] {
                             if (exact) {
-                                batch->sum_exactly(*sea_, over_after(points_slice));
+                                batch->sum_exactly(*course_, over_after(points_slice));
                             } else if (const Result<void> sampled =
                                            batch->sample(source_, over_after(points_slice));
                                        !sampled) {

@@ -29,8 +29,8 @@
 #include "server/simulation/keyframe_source.h"
 #include "server/simulation/point_question.h"
 #include "server/simulation/questions.h"
-#include "server/simulation/running_sea.h"
 #include "server/simulation/schedule.h"
+#include "server/simulation/sea_course.h"
 #include "server/simulation/streamed_foam.h"
 
 namespace seaway::server {
@@ -74,12 +74,13 @@ struct FetchedKeyframes {
 
 class Simulation {
   public:
-    /// Makes the device, warms it up and starts the thread. `now` is the sea's clock. Streams what
+    /// Makes the device, warms it up and starts the thread; the course may be added to at any time. `now` is the sea's clock. Streams what
     /// `subscriptions` say, which outlive the simulation; whoever changes them calls
     /// demand_changed().
     static Result<std::unique_ptr<Simulation>>
-    start(RunningSeaPtr sea, const SynthesizerFactory& factory, const Subscriptions& subscriptions,
-          std::function<sea::TimeUs()> now, SimulationEvents events, WorkBudget budget = {},
+    start(SeaCoursePtr course, const SynthesizerFactory& factory,
+          const Subscriptions& subscriptions, std::function<sea::TimeUs()> now,
+          SimulationEvents events, WorkBudget budget = {},
           MemoryPtr memory = std::make_shared<Memory>());
     ~Simulation();
     Simulation(const Simulation&) = delete;
@@ -110,8 +111,7 @@ class Simulation {
     using Surfaced = std::function<void(Result<SurfacePtr>)>;
     void surface(sea::TimeUs time_us, Surfaced done, const Asker& asker);
 
-    RunningSeaPtr sea() const { return sea_; }
-    EffectPlan plan() const { return plan_effects(sea_->offered, subscriptions_, sea_->budget); }
+    EffectPlan plan() const { return plan(now_()); }
     SimulationCounters counters() const;
     EffectCosts costs() const { return source_.report().costs; }
     std::string device() const { return source_.report().device; }
@@ -121,10 +121,11 @@ class Simulation {
     Heartbeat::Clock::duration turn() const { return heartbeat_.turn(); }
 
   private:
-    Simulation(RunningSeaPtr sea, std::unique_ptr<RebuiltSynthesizer> device,
+    Simulation(SeaCoursePtr course, std::unique_ptr<RebuiltSynthesizer> device,
                const Subscriptions& subscriptions, std::function<sea::TimeUs()> now,
                SimulationEvents events, WorkBudget budget, MemoryPtr memory);
 
+    EffectPlan plan(sea::TimeUs now_us) const;
     void run();
     /// False: nothing was due.
     bool work_on_stream();
@@ -140,7 +141,7 @@ class Simulation {
     Question keyframe_question(std::function<std::vector<KeyframeRequest>()> wanted, Walk walk,
                                std::function<bool()> ready, Fetched done, const Asker& asker);
 
-    const RunningSeaPtr sea_;
+    const SeaCoursePtr course_;
     const Subscriptions& subscriptions_;
     const std::function<sea::TimeUs()> now_;
     const SimulationEvents events_;

@@ -24,7 +24,7 @@ EffectPlan StreamedFoam::carried(EffectPlan plan, const Subscriptions& subscript
         if (!foam.starts())
             continue;
         planned.fields = sea::FieldSet::from_bits(
-            subscriptions.wanted_without(cascade, Field::foam).bits() & sea_.offered.bits());
+            subscriptions.wanted_without(cascade, Field::foam).bits() & offered_.bits());
         planned.transforms = transforms_for(planned.fields);
     }
     return plan;

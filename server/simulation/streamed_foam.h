@@ -19,7 +19,8 @@ namespace seaway::server {
 class StreamedFoam {
   public:
     StreamedFoam(const RunningSea& sea, KeyframeSource& source, const Schedule& schedule)
-        : sea_(sea), source_(source), schedule_(schedule), cascades_(sea.budget.cascades.size()) {}
+        : offered_(sea.offered), source_(source), schedule_(schedule),
+          cascades_(sea.budget.cascades.size()) {}
 
     /// The plan with foam where the stream carries it; elsewhere what they want who want no foam.
     /// Starts foam where the plan has it and the stream does not.
@@ -40,7 +41,7 @@ class StreamedFoam {
         bool starts() const { return state == State::to_now || state == State::to_stream; }
     };
 
-    const RunningSea& sea_;
+    const sea::FieldSet offered_;
     KeyframeSource& source_;
     const Schedule& schedule_;
     std::vector<Cascade> cascades_;

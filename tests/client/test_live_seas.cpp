@@ -53,16 +53,36 @@ TEST_F(LiveSeas, each_runs_from_its_start_to_the_start_of_the_next_in_whatever_o
     for (const auto& [time_us, epoch] :
          {std::pair(99, 3u), {100, 10u}, {199, 10u}, {200, 11u}, {1'000'000, 11u}})
         EXPECT_EQ(epoch_at(time_us), epoch) << time_us;
-    announce(12, 300);
-    EXPECT_EQ(epoch_at(0), 3u) << "four are known";
-    announce(13, 400);
-    EXPECT_EQ(epoch_at(0), 10u) << "the oldest of five is forgotten";
-    EXPECT_EQ(epoch_at(399), 12u);
-    EXPECT_EQ(epoch_at(400), 13u);
-    announce(13, 350); // said again: it starts earlier than was said before
-    EXPECT_EQ(epoch_at(0), 10u) << "there are four as before";
-    EXPECT_EQ(epoch_at(349), 12u);
-    EXPECT_EQ(epoch_at(350), 13u);
+    announce(11, 150); // said again: it starts earlier than was said before
+    EXPECT_EQ(epoch_at(149), 10u);
+    EXPECT_EQ(epoch_at(150), 11u);
+    for (std::uint32_t epoch = 12; epoch < 41; ++epoch)
+        announce(epoch, 100 * epoch);
+    EXPECT_EQ(epoch_at(0), 3u) << "thirty-two are known";
+    announce(41, 4100);
+    EXPECT_EQ(epoch_at(0), 10u) << "the oldest of thirty-three is forgotten";
+    EXPECT_EQ(epoch_at(4099), 40u);
+    EXPECT_EQ(epoch_at(4100), 41u);
+}
+
+// Naive: in order of their starts, one that was to come later takes over from the one that took over from it.
+TEST_F(LiveSeas, a_later_one_takes_over_from_those_that_were_to_begin_after_it) {
+    const auto client = connect();
+    ASSERT_TRUE(client);
+    const auto epoch_at = [&](sea::TimeUs time_us) { return client->sea_state(time_us)->epoch; };
+    announce(4, 100);
+    announce(5, 500);
+    announce(6, 300);
+    announce(7, 900);
+    EXPECT_EQ(epoch_at(299), 4u);
+    for (const sea::TimeUs time_us : {300, 500, 899})
+        EXPECT_EQ(epoch_at(time_us), 6u) << time_us;
+    EXPECT_EQ(epoch_at(900), 7u);
+    announce(8, 900);
+    EXPECT_EQ(epoch_at(900), 8u);
+    announce(
+        5, 500); // who comes late is told of no sea that never ran; told all the same, it stays out
+    EXPECT_EQ(epoch_at(500), 6u);
 }
 
 TEST_F(LiveSeas, what_is_offered_again_is_asked_for_again) {

@@ -42,7 +42,7 @@ struct Bench {
     Bench() {
         const Result<sea::Scene> scene = sea::parse_scene(scene_text, "fuzz", ".");
         simulation = *server::Simulation::start(
-            *server::make_running_sea(*scene, 1),
+            *server::SeaCourse::begin(*scene),
             [](const sea::RealizationPtr& sea,
                std::uint32_t epoch) -> Result<std::unique_ptr<server::Synthesizer>> {
                 auto made = std::make_unique<server::NativeSynthesizer>(1);

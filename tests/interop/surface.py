@@ -54,12 +54,21 @@ def hermite(t_us, t0_us, t1_us):
             (-6 * s * r / span, r * (1 - 3 * s), 6 * s * r / span, s * (1 - 3 * r)))
 
 
+def glided(state, name, time_us):
+    """What a value of a sea state is at a time: where the sea glides, on the way from what it began with."""
+    glide = state.get("glide")
+    if not glide:
+        return state[name]
+    x = np.clip((time_us - state["start_time_us"]) / (glide["end_us"] - state["start_time_us"]), 0, 1)
+    return glide[name] + x**3 * (10 - 15 * x + 6 * x * x) * (state[name] - glide[name])
+
+
 class Surface:
     """The sea at one time; pairs are ((t0_us, keyframe), (t1_us, keyframe)), one a cascade."""
 
     def __init__(self, state, pairs, time_us):
         self.state, self.pairs, self.time_us = state, pairs, time_us
-        self.choppiness = np.array([state["choppiness_x"], state["choppiness_y"]])
+        self.choppiness = np.array([glided(state, name, time_us) for name in ("choppiness_x", "choppiness_y")])
         self.parts = []
         for cascade, ((t0, k0), (t1, k1)) in zip(state["cascades"], pairs):
             length_m = cascade["length_m"]
@@ -149,4 +158,4 @@ def foam(state, pairs, time_us, place):
         s = (time_us - t0) / (t1 - t0)
         ratio = (1 - s) * linear(k0.maps[FOAM]) + s * linear(k1.maps[FOAM])
         product *= (1 + ratio) / 2
-    return min(max(state["foam_mean"] * (2 * product - 1), 0.0), 1.0)
+    return min(max(glided(state, "foam_mean", time_us) * (2 * product - 1), 0.0), 1.0)

@@ -63,7 +63,7 @@ class Costs {
     void foam() {
         if (!sea_->foam_law)
             return;
-        FoamMaps foam(*sea_);
+        FoamMaps foam(server::steady_course(sea_));
         const int ticks = foam.ticks_to(0, 0);
         const double size = sea_->realization->cascades[0].spec.size;
         const double walk_us = least_us(1, [&](int) {
@@ -83,7 +83,8 @@ class Costs {
 
     void points() {
         KeyframeSource source(
-            sea_, RebuiltSynthesizer::start(native, sea_->realization, 1, nullptr).value());
+            server::steady_course(sea_),
+            RebuiltSynthesizer::start(native, sea_->realization, 1, nullptr).value(), Memory());
         std::vector<sea::QueryPoint> points;
         for (int i = 0; i < 4096; ++i)
             points.push_back({i * 71.3, i * 17.7, 300'000});
@@ -98,7 +99,7 @@ class Costs {
         const auto summed = [&](int) {
             PointQuestion question(points);
             while (!question.complete())
-                question.sum_exactly(*sea_, never);
+                question.sum_exactly(*server::steady_course(sea_), never);
         };
         row("an exact point, of a million samples", a_million(least_us(5, summed)) / 64,
             1e6 * price_exact_wave_us);

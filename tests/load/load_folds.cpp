@@ -172,8 +172,8 @@ class Folds {
         const sea::TimeUs time_us =
             sea::us_from_seconds(draw.one_of({0.0, draw.uniform(0, 1e4), draw.uniform(-1e7, 1e8)}));
         const tests::BruteField field(*sea.realization, time_us);
-        const sea::Surface surface = surface_of(sea, time_us);
-        const sea::DirectSum::Moment moment = sea.truth.at_time(time_us);
+        const sea::Surface surface = surface_of(*running, time_us);
+        const sea::DirectSum::Moment moment = sea.truth->at_time(time_us);
 
         // Where the surface folds most strongly of some thousand places.
         Vec2 steepest{};
@@ -214,9 +214,10 @@ class Folds {
         return {centre.x + draw.uniform(-half_m, half_m), centre.y + draw.uniform(-half_m, half_m)};
     }
 
-    sea::Surface surface_of(const server::RunningSea& sea, sea::TimeUs time_us) {
-        const auto wanted =
-            server::keyframes_around(sea.budget, {&time_us, 1}, {~0u, sea.sampler_fields()});
+    sea::Surface surface_of(const server::RunningSeaPtr& running, sea::TimeUs time_us) {
+        const server::RunningSea& sea = *running;
+        const auto wanted = server::keyframes_around(*server::steady_course(running), {&time_us, 1},
+                                                     {~0u, sea.sampler_fields()});
         SEAWAY_CHECK(native_.set_sea(sea.realization, 1).has_value(), "set_sea");
         const auto made = native_.synthesize(wanted);
         SEAWAY_CHECK(made.has_value(), "synthesize");

@@ -85,16 +85,24 @@ inline SpectrumHead some_spectrum() {
             .loop_period_us = 60'000'000};
 }
 
+inline ChangeWish some_change() {
+    return {
+        .set = {"sea.depth_m=12", "sea.seed=3"}, .scene = "", .over_us = 120'000'000, .at_us = -5};
+}
+
+inline std::vector<sea::Answer> some_answers() {
+    return {{.height_m = 1.25,
+             .normal = {0.1, -0.2, 0.97},
+             .velocity_mps = {1.5, -0.5, 0.25},
+             .error_m = 0.01,
+             .flags = 5}};
+}
+
 /// A message of this kind. No default: a new kind does not compile without its sample.
 inline Bytes sample(wire::Body body) {
     using wire::Body;
     const sea::TimeUs times[] = {-5, 1'000'000};
     const sea::QueryPoint points[] = {{1.5, -2.5, 7}, {1e6, 2e6, -9}};
-    const sea::Answer answers[] = {{.height_m = 1.25,
-                                    .normal = {0.1, -0.2, 0.97},
-                                    .velocity_mps = {1.5, -0.5, 0.25},
-                                    .error_m = 0.01,
-                                    .flags = 5}};
     const std::uint8_t payload[] = {1, 2, 3};
     const TileWish wish{.cascades = 3u, .fields = sea::surface_fields, .error_m = 0.01f};
     switch (body) {
@@ -121,7 +129,7 @@ inline Bytes sample(wire::Body body) {
     case Body::Tile:
         return tile(some_tile(), payload);
     case Body::QueryReply:
-        return query_reply(9, 3, answers);
+        return query_reply(9, 3, some_answers());
     case Body::FetchDone:
         return fetch_done(8, 6, sea::surface_fields);
     case Body::Pong:
@@ -138,6 +146,14 @@ inline Bytes sample(wire::Body body) {
         return spectrum(some_spectrum());
     case Body::SpectrumChunk:
         return spectrum_chunk(3, 11, {0.125, 0.25, 0.0625}, payload);
+    case Body::Change:
+        return change(11, some_change());
+    case Body::Administer:
+        return administer(12, wire::Act::drop, 77);
+    case Body::Changed:
+        return changed(11, 4, 5'000'000, 125'000'000);
+    case Body::Administered:
+        return administered(12, "{}\n");
     case Body::NONE:
         break;
     }

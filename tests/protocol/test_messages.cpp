@@ -113,6 +113,37 @@ TEST(Messages, a_refusal_says_when_to_ask_again_where_that_is_known) {
     EXPECT_EQ(of(sample(Body::Refused))->retry_after_ms(), 0u);
 }
 
+// Added at the end; a sea of which it says nothing is steady.
+TEST(Messages, what_glides_is_on_the_way_from_what_it_was_to_what_the_sea_state_says) {
+    MessageReader reader(Sender::server);
+    SeaStateValues state = some_state();
+    const auto there = [&] { return values(*read(reader, sea_state(state))->body_as_SeaState()); };
+    EXPECT_FALSE(there().glide);
+    EXPECT_EQ(there().choppiness_x_at(1'000), state.choppiness_x);
+    state.start_time_us = 10'000'000;
+    state.glide = GlideValues{.end_us = 20'000'000,
+                              .choppiness_x = 0.1,
+                              .choppiness_y = 2.1,
+                              .foam_mean = 0.24,
+                              .foam_threshold = -0.25};
+    const SeaStateValues read_back = there();
+    // Half way half of it, a quarter of the way 0.103515625: 10 x^3 - 15 x^4 + 6 x^5.
+    for (const auto& [time_us, share] : {std::pair(0, 0.0),
+                                         {10'000'000, 0.0},
+                                         {12'500'000, 0.103515625},
+                                         {15'000'000, 0.5},
+                                         {20'000'000, 1.0},
+                                         {30'000'000, 1.0}}) {
+        EXPECT_NEAR(read_back.choppiness_x_at(time_us), 0.1 + share * 1.0, 1e-12) << time_us;
+        EXPECT_NEAR(read_back.choppiness_y_at(time_us), 2.1 - share * 1.2, 1e-12) << time_us;
+        EXPECT_NEAR(read_back.foam_mean_at(time_us), 0.24 - share * 0.2, 1e-12) << time_us;
+        EXPECT_NEAR(read_back.foam_threshold_at(time_us), -0.25 + share, 1e-12) << time_us;
+    }
+    state.glide->end_us = 9'999'999;
+    const auto backwards = sea_state(state);
+    EXPECT_FALSE(check(*read(reader, backwards)->body_as_SeaState())) << "ends before it begins";
+}
+
 TEST(Messages, a_kind_that_is_not_known_is_skipped_from_servers_and_refused_from_clients) {
     flatbuffers::FlatBufferBuilder built;
     const auto body = wire::CreateUnsubscribe(built);

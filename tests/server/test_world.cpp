@@ -37,7 +37,7 @@ SeaClock stopped_at(TimeUs now_us) {
 TEST(World, what_who_has_gone_asked_for_is_dropped_without_work) {
     Bench bench;
     SeaClock clock = stopped_at(0);
-    World world(bench.sea, {}, clock);
+    World world(bench.course, clock);
     world.attach(*bench.simulation);
     auto here = std::make_shared<char>();
     const Asker asker(here);
@@ -67,7 +67,7 @@ const FieldSet heights{Field::height, Field::height_rate};
 TEST(World, a_grant_is_the_part_of_a_wish_that_the_sea_has_at_the_cheapest_rung_that_keeps_it) {
     const RunningSeaPtr sea = running_sea("[effects]\nslopes = false\n"); // two cascades
     SeaClock clock = stopped_at(0);
-    const World world(sea, {}, clock);
+    const World world(steady_course(sea), clock);
     const auto granted = [&](std::uint32_t cascades, FieldSet fields, double error_m = 0,
                              bool compact = false) {
         return world.grant({.cascades = cascades,
@@ -108,7 +108,7 @@ TEST(World, a_grant_is_the_part_of_a_wish_that_the_sea_has_at_the_cheapest_rung_
 TEST(World, displacements_that_follow_from_heights_are_granted_and_not_sent) {
     const RunningSeaPtr sea = running_sea();
     SeaClock clock = stopped_at(0);
-    const World world(sea, {}, clock);
+    const World world(steady_course(sea), clock);
     const FieldSet sideways{Field::displacement_x, Field::displacement_y,
                             Field::displacement_x_rate, Field::displacement_y_rate};
     const auto granted = [&](FieldSet fields, bool compact) {
@@ -133,11 +133,12 @@ TEST(World, nothing_follows_that_the_sea_does_not_offer) {
             running_sea("[effects]\ndisplacement = \"" + displacement + "\"\n");
         ASSERT_TRUE(sea->budget.displacement_follows);
         SeaClock clock = stopped_at(0);
-        World world(sea, {}, clock);
+        World world(steady_course(sea), clock);
         std::vector<KeyframeTiles> published;
         world.publish_to([&](KeyframeTiles tiles) { published.push_back(std::move(tiles)); });
         world.subscriptions().set(1, {1u, heights, 0, 5});
         auto keyframe = std::make_shared<sea::Keyframe>();
+        keyframe->epoch = 1;
         keyframe->fields = heights;
         world.on_keyframe(keyframe);
         ASSERT_EQ(published.size(), 1u);
@@ -150,7 +151,7 @@ TEST(World, nothing_follows_that_the_sea_does_not_offer) {
 TEST(World, a_keyframe_is_published_once_a_rung_in_use_with_the_bounds_of_the_rung) {
     const RunningSeaPtr sea = running_sea();
     SeaClock clock = stopped_at(0);
-    World world(sea, {}, clock);
+    World world(steady_course(sea), clock);
     std::vector<KeyframeTiles> published;
     world.publish_to([&](KeyframeTiles tiles) { published.push_back(std::move(tiles)); });
     world.subscriptions().set(1, {1u, heights, 0, 2});
@@ -161,6 +162,7 @@ TEST(World, a_keyframe_is_published_once_a_rung_in_use_with_the_bounds_of_the_ru
     const std::vector<std::uint8_t> rungs[] = {{0, 2, 6}, {0, 1}};
     for (int cascade = 0; cascade < 2; ++cascade) {
         auto keyframe = std::make_shared<sea::Keyframe>();
+        keyframe->epoch = sea->epoch;
         keyframe->cascade = cascade;
         keyframe->fields = heights;
         published.clear();
@@ -190,7 +192,7 @@ TEST(World, a_keyframe_is_published_once_a_rung_in_use_with_the_bounds_of_the_ru
 TEST(World, a_fetch_brings_what_was_granted_in_its_rung_and_the_sea_is_named_in_answers) {
     Bench bench;
     SeaClock clock = stopped_at(0);
-    World world(bench.sea, {}, clock);
+    World world(bench.course, clock);
     world.attach(*bench.simulation);
     std::vector<KeyframeTiles> tiles;
     std::atomic<bool> fetched = false;
@@ -295,7 +297,7 @@ TEST(World, a_map_without_a_time_is_of_now) {
     Bench bench;
     const TimeUs now_us = 12'345'678;
     SeaClock clock = stopped_at(now_us);
-    World world(bench.sea, {}, clock);
+    World world(bench.course, clock);
     world.attach(*bench.simulation);
     std::unique_ptr<ByteSource> map;
     std::atomic<bool> there = false;
@@ -323,7 +325,7 @@ TEST(World, a_map_of_each_kind_is_as_long_as_it_says) {
         const std::uint64_t numbers = row.second;
         Bench bench;
         SeaClock clock = stopped_at(0);
-        World world(bench.sea, {}, clock);
+        World world(bench.course, clock);
         world.attach(*bench.simulation);
         std::map<std::string, std::string> parameters = some_map;
         parameters["kind"] = kind;

@@ -79,9 +79,13 @@ RunningSea some_sea() {
     return sea;
 }
 
+/// Runs for ever.
+constexpr EpochWindow always{1, std::numeric_limits<sea::TimeUs>::min(),
+                             std::numeric_limits<sea::TimeUs>::max()};
+
 TEST(SeaStateValues, every_member_is_that_of_the_running_sea) {
     const RunningSea sea = some_sea();
-    const protocol::SeaStateValues state = sea_state_values(sea, {"first", "second"});
+    const protocol::SeaStateValues state = sea_state_values(sea, always, {"first", "second"});
     EXPECT_EQ(state.epoch, 6u);
     ASSERT_EQ(state.cascades.size(), 2u);
     const double lengths_m[] = {301, 43}, k_lo[] = {0.011, 0.29}, k_hi[] = {0.27, 3.1};
@@ -128,9 +132,9 @@ TEST(SeaStateValues, every_member_is_that_of_the_running_sea) {
 
 TEST(SeaStateValues, the_announcement_has_the_probes_of_the_sea_from_its_start_on) {
     const RunningSea sea = some_sea();
-    EXPECT_TRUE(sea_state_values(sea, {}).probes.empty()) << "pages do without";
-    const protocol::SeaStateValues state = announcement(sea, {"first"});
-    EXPECT_EQ(state.probes, sea::make_probes(sea.truth, state.start_time_us));
+    EXPECT_TRUE(sea_state_values(sea, always, {}).probes.empty()) << "pages do without";
+    const protocol::SeaStateValues state = announcement(sea, always, {"first"});
+    EXPECT_EQ(state.probes, sea::make_probes(*sea.truth, state.start_time_us));
     EXPECT_EQ(state.probe_error_m, 1e-6);
     EXPECT_EQ(state.warnings, std::vector<std::string>{"first"});
 }
@@ -140,13 +144,14 @@ TEST(SeaStateValues, a_scene_at_the_limit_is_sent_and_one_beyond_it_is_left_out_
     RunningSea sea = some_sea();
     std::string& name = sea.scene.accuracy.certificate.name;
     name = "n";
-    const std::size_t around = sea_state_values(sea, {}).scene.size() - 1; // all but the name
+    const std::size_t around =
+        sea_state_values(sea, always, {}).scene.size() - 1; // all but the name
     name = std::string(128 * 1024 - around, 'n');
-    const protocol::SeaStateValues fits = sea_state_values(sea, {"other"});
+    const protocol::SeaStateValues fits = sea_state_values(sea, always, {"other"});
     EXPECT_EQ(fits.scene.size(), 128u * 1024);
     EXPECT_EQ(fits.warnings, std::vector<std::string>{"other"});
     name += 'n';
-    const protocol::SeaStateValues beyond = sea_state_values(sea, {"other"});
+    const protocol::SeaStateValues beyond = sea_state_values(sea, always, {"other"});
     EXPECT_EQ(beyond.scene, "");
     ASSERT_EQ(beyond.warnings.size(), 2u);
     EXPECT_NE(beyond.warnings[1].find("131072 bytes"), std::string::npos);
@@ -202,6 +207,7 @@ TEST(StateJson, every_field_is_that_of_the_running_sea) {
                          {cascade(301, 0.011, 0.27, 0.25, 0.01, 0.05, 1.5, 1.7),
                           cascade(43, 0.29, 3.1, 0.125, 0.02, 0.13, 2.5, 2.7)}},
                         {"offered_fields", fields},
+                        {"glides_until_s", nullptr},
                         {"foam_mean", 0.031},
                         {"foam_threshold", -0.27},
                         {"height_error_m", 0.051},

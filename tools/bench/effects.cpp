@@ -93,7 +93,7 @@ std::string name_of_cascade(const server::RunningSea& sea, std::size_t c) {
 Result<std::vector<Row>> measure_everything(const RunningSeaPtr& sea, server::Synthesizer& device,
                                             int rounds) {
     SEAWAY_TRY(device.set_sea(sea->realization, 1));
-    SEAWAY_TRY_LET(server::FoamMaps foam, foam_at_start(*sea, device));
+    SEAWAY_TRY_LET(server::FoamMaps foam, foam_at_start(sea, device));
     Laps laps(sea, device, std::move(foam));
     const std::size_t cascades = sea->realization->cascades.size();
     const auto only = [&](std::size_t c, sea::FieldSet fields) {
@@ -131,7 +131,7 @@ Result<Row> measure_asked(const RunningSeaPtr& sea, server::Synthesizer& device,
                           const EffectsOptions& options) {
     SEAWAY_TRY_LET(const sea::FieldSet fields, fields_asked(options.ask, sea->offered));
     SEAWAY_TRY(device.set_sea(sea->realization, 1));
-    SEAWAY_TRY_LET(server::FoamMaps foam, foam_at_start(*sea, device));
+    SEAWAY_TRY_LET(server::FoamMaps foam, foam_at_start(sea, device));
     Laps laps(sea, device, std::move(foam));
     laps.add(std::vector(sea->realization->cascades.size(), fields));
     SEAWAY_TRY(laps.run(options.rounds));

@@ -127,7 +127,7 @@ Result<void> run_line(const LineOptions& options) {
                options.error_m, server::height_error_m(sea->budget, grant.quality),
                options.whole ? "whole" : "compact", "field", "grid", "a second", "bound", "bits",
                "kbit/s");
-    SEAWAY_TRY_LET(server::FoamMaps foam, foam_at_start(*sea, *device));
+    SEAWAY_TRY_LET(server::FoamMaps foam, foam_at_start(sea, *device));
     server::Encoder encoder;
     Sum all;
     for (int c = 0; c < static_cast<int>(sea->budget.cascades.size()); ++c) {

@@ -76,7 +76,7 @@ struct Worst {
 /// Of the undisplaced sea and of answers.
 void compare_points(const server::RunningSea& sea, const client::RebuiltSea& own,
                     sea::TimeUs time_us, std::span<const sea::QueryPoint> points, Worst& worst) {
-    const sea::DirectSum::Moment then = sea.truth.at_time(time_us),
+    const sea::DirectSum::Moment then = sea.truth->at_time(time_us),
                                  mine = own.sum().at_time(time_us);
     std::vector<sea::Answer> answers(points.size());
     own.answer(points, answers);

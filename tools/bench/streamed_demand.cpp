@@ -40,11 +40,12 @@ Spent Spent::operator/(double divisor) const {
             keyframes / divisor};
 }
 
-Result<server::FoamMaps> foam_at_start(const server::RunningSea& sea, server::Synthesizer& device) {
-    server::FoamMaps foam(sea);
-    if (!sea.foam_law)
+Result<server::FoamMaps> foam_at_start(const server::RunningSeaPtr& sea,
+                                       server::Synthesizer& device) {
+    server::FoamMaps foam(server::steady_course(sea));
+    if (!sea->foam_law)
         return foam;
-    for (int c = 0; c < static_cast<int>(sea.realization->cascades.size()); ++c) {
+    for (int c = 0; c < static_cast<int>(sea->realization->cascades.size()); ++c) {
         const auto strains_at = strains_of(device, c);
         SEAWAY_TRY(foam.walk_towards(c, demand_start_us, foam.ticks_to(c, demand_start_us) + 1,
                                      strains_at));
@@ -54,8 +55,8 @@ Result<server::FoamMaps> foam_at_start(const server::RunningSea& sea, server::Sy
 
 StreamedDemand::StreamedDemand(server::RunningSeaPtr sea, server::Synthesizer& device,
                                std::vector<sea::FieldSet> fields, const server::FoamMaps& foam)
-    : sea_(std::move(sea)), device_(device), fields_(std::move(fields)), schedule_(sea_->budget),
-      foam_(foam) {
+    : sea_(std::move(sea)), device_(device), fields_(std::move(fields)),
+      course_(server::steady_course(sea_)), schedule_(*course_), foam_(foam) {
     for (std::size_t c = 0; c < fields_.size(); ++c)
         plan_.cascades.push_back(
             {fields_[c], sea_->budget.cascades[c].interval_us, server::transforms_for(fields_[c])});

@@ -34,7 +34,8 @@ struct Spent {
 inline constexpr sea::TimeUs demand_start_us = 100'000'000;
 
 /// Foam of every cascade as it is at demand_start_us; it walks through hundreds of ticks for that.
-Result<server::FoamMaps> foam_at_start(const server::RunningSea& sea, server::Synthesizer& device);
+Result<server::FoamMaps> foam_at_start(const server::RunningSeaPtr& sea,
+                                       server::Synthesizer& device);
 
 /// Strains at earlier times, computed when foam steps through them.
 sea::FoamHistory::StrainsAt strains_of(server::Synthesizer& device, int cascade);
@@ -58,6 +59,7 @@ class StreamedDemand {
     server::Synthesizer& device_;
     const std::vector<sea::FieldSet> fields_;
     server::EffectPlan plan_;
+    server::SeaCoursePtr course_;
     server::Schedule schedule_;
     server::FoamMaps foam_;
     sea::TimeUs now_us_ = demand_start_us;

@@ -62,12 +62,12 @@ Result<SeaFrame> held_sea_frame(const Client& client, sea::TimeUs time_us) {
                                   state->cascades.size(), shaders::view_cascades_max));
     SeaFrame frame;
     frame.time_us = time_us;
-    frame.choppiness = {state->choppiness_x, state->choppiness_y};
+    frame.choppiness = {state->choppiness_x_at(time_us), state->choppiness_y_at(time_us)};
     frame.significant_height_m = state->realised.hs_m;
     frame.reach_m = reach_of(*state);
     frame.mean_from_deg = state->realised.mean_from_deg;
-    frame.foam_mean = state->foam_mean;
-    frame.foam_threshold = state->foam_threshold;
+    frame.foam_mean = state->foam_mean_at(time_us);
+    frame.foam_threshold = state->foam_threshold_at(time_us);
     if (state->depth_m > 0)
         frame.depth_m = state->depth_m;
     frame.water = state->water;

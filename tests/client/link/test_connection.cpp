@@ -385,25 +385,25 @@ TEST_F(ConnectionTest, pings_come_in_a_burst_of_nine_then_ten_and_after_four_sec
         EXPECT_EQ(nonces[i], i + 1);
 }
 
-// Tiles of the sea before may still be on their way; of five seas the oldest is forgotten.
-TEST_F(ConnectionTest, tiles_of_the_last_four_seas_are_taken_and_of_no_earlier_one) {
+// Tiles of the sea before may still be on their way; of thirty-three seas the oldest is forgotten.
+TEST_F(ConnectionTest, tiles_of_the_last_thirty_two_seas_are_taken_and_of_no_earlier_one) {
     const auto connection = open();
     ASSERT_TRUE(connection);
-    for (std::uint32_t epoch = 2; epoch <= 4; ++epoch) {
+    for (std::uint32_t epoch = 2; epoch <= 32; ++epoch) {
         protocol::SeaStateValues state;
         state.epoch = epoch;
         state.cascades.push_back({.length_m = 10, .size = 16, .interval_us = 100'000});
         server.send(protocol::sea_state(state));
         server.send(tile(epoch, sea::Field::height, 1));
-        EXPECT_TRUE((*connection)->is_open()) << epoch << ": the first is one of four";
+        EXPECT_TRUE((*connection)->is_open()) << epoch << ": the first is one of thirty-two";
     }
-    protocol::SeaStateValues fifth;
-    fifth.epoch = 5;
-    fifth.cascades.push_back({.length_m = 10, .size = 16, .interval_us = 100'000});
-    server.send(protocol::sea_state(fifth));
-    server.send(tile(20, sea::Field::height, 2));
+    protocol::SeaStateValues one_more;
+    one_more.epoch = 33;
+    one_more.cascades.push_back({.length_m = 10, .size = 16, .interval_us = 100'000});
+    server.send(protocol::sea_state(one_more));
+    server.send(tile(200, sea::Field::height, 2));
     EXPECT_TRUE((*connection)->is_open());
-    server.send(tile(21, sea::Field::height, 1));
+    server.send(tile(201, sea::Field::height, 1));
     EXPECT_NE(server.closed_because.find("epoch 1"), std::string::npos) << server.closed_because;
 }
 

@@ -111,13 +111,21 @@ TEST(Foam, E4_a_calm_sea_clears_to_exactly_zero_in_ten_decays) {
         make_foam_law(*tests::make_sea({tests::calm_cascade(100.0, 64)}), foam_model);
     EXPECT_TRUE(calm->calm());
     EXPECT_FALSE(rough->calm());
-    FoamHistory history(rough, 0, 8, interval_us);
-    history.advance(uniform_strains(8, -0.3f), 1.0);
+    FoamHistory history(rough, 0, 64, interval_us);
+    constexpr TimeUs calms_us = 60'000'000;
+    history.follow([&](TimeUs t_us) { return t_us < calms_us ? rough : calm; });
+    Strains strains(storm(), 0);
+    ASSERT_TRUE(history.advance_to(calms_us - 200'000, strains.source()));
+    const auto largest = [&] {
+        return *std::max_element(history.ratios().begin(), history.ratios().end());
+    };
     EXPECT_GT(foam_coverage(rough->mean_coverage, {history.ratios().data(), 1}), 0.0);
-    history.change_law(calm);
-    sea::Keyframe empty; // not even looked at
-    for (int tick = 0; tick < 400; ++tick)
-        history.advance(empty, 0.1);
+    EXPECT_GT(largest(), 2.0f);
+    const int asked = strains.asked;
+    ASSERT_TRUE(history.advance_to(calms_us + static_cast<TimeUs>(10e6 * foam_model.decay_s),
+                                   strains.source()));
+    EXPECT_EQ(strains.asked, asked) << "strains of a calm sea are not even looked at";
+    EXPECT_NEAR(largest(), 1.0f, 2e-3f) << "and its map is the average: e^-10 of some 20";
     for (const float& ratio : history.ratios())
         EXPECT_EQ(foam_coverage(calm->mean_coverage, {&ratio, 1}), 0.0);
 }

@@ -105,6 +105,62 @@ TEST(Transition, a_chain_of_changes_back_to_the_same_depth_leaves_a_phase_but_no
     EXPECT_EQ(again->after()->cascades[0].h0, up->after()->cascades[0].h0);
 }
 
+// Naive: they begin with the phase that a wave of no frequency would have: a sea hangs on what it glided from.
+TEST(Transition, waves_that_only_the_new_sea_has_are_those_of_its_scene) {
+    SeaState before, after;
+    before.systems = {ExplicitModes{100.0, {{3, 0, 1.0, 0.3}}}};
+    after.systems = {ExplicitModes{100.0, {{0, 5, 0.5, 0.7}}}};
+    const std::vector<CascadeSpec> tiles{{37.0, 64}};
+    const auto new_sea = realized(after, tiles);
+    const auto change =
+        SeaTransition::create(realized(before, tiles), new_sea, 8'000'000, 20'000'000);
+    for (const TimeUs t : {20'000'000, 777'000'000})
+        EXPECT_EQ(height(change->at(t), t), height(new_sea, t));
+}
+
+// What bounds are made of: no moment of the glide has a larger wave, more choppiness or shallower water.
+TEST(Transition, the_envelope_holds_every_wave_of_every_moment) {
+    SeaState before = windy_sea(), after = windy_sea();
+    std::get<WindSea>(after.systems[0]).wind_speed_10m_mps = 16.0;
+    std::get<WindSea>(after.systems[0]).towards_rad += 1.0; // some waves grow, others go
+    after.seed = 99;
+    after.depth_m = 30.0;
+    before.choppiness = {1.3, 0.4};
+    const auto change = SeaTransition::create(realized(before, three_cascades),
+                                              realized(after, three_cascades), 0, 20'000'000);
+    const RealizationPtr most = change->envelope();
+    for (const TimeUs t : {-1, 1, 5'000'000, 10'000'000, 15'000'000, 20'000'000}) {
+        const RealizationPtr now = change->gliding(t);
+        EXPECT_LE(now->choppiness.x, most->choppiness.x);
+        EXPECT_LE(now->choppiness.y, most->choppiness.y);
+        for (std::size_t c = 0; c < 3; ++c) {
+            EXPECT_GE(now->cascades[c].depth_m, most->cascades[c].depth_m * (1 - 1e-12));
+            for (std::size_t i = 0; i < now->cascades[c].h0.size(); ++i)
+                ASSERT_LE(std::abs(now->cascades[c].h0[i]),
+                          std::abs(most->cascades[c].h0[i]) * (1 + 1e-12));
+        }
+    }
+}
+
+// The time rate of the sum, against differences of heights of the glide itself.
+TEST(Transition, growth_times_the_rate_of_the_glide_is_what_rates_lack) {
+    SeaState stronger = windy_sea();
+    std::get<WindSea>(stronger.systems[0]).wind_speed_10m_mps = 20.0;
+    stronger.seed = 5;
+    const auto change = SeaTransition::create(realized(windy_sea(), three_cascades),
+                                              realized(stronger, three_cascades), 0, 10'000'000);
+    for (const TimeUs t : {1'000'000, 5'000'000, 9'000'000}) {
+        const TimeUs step = 1000;
+        const double rise = (height(change->gliding(t + step), t + step) -
+                             height(change->gliding(t - step), t - step)) /
+                            (2e-6 * static_cast<double>(step));
+        const double waves = DirectSum(change->gliding(t)).at(3.0, 4.0, t).height_rate;
+        const double growth = glide_rate(t, 0, 10'000'000) * height(change->growth(t), t);
+        EXPECT_NEAR(rise, waves + growth, 1e-4) << t; // h^2 w^3 / 6 of the difference
+        EXPECT_GT(std::abs(growth), 1e-3) << "else this says nothing";
+    }
+}
+
 SineRamps one_of(SineKind kind, double amplitude_m) {
     SineRamps ramps;
     ramps.kind = kind;

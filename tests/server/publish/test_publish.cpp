@@ -297,6 +297,30 @@ TEST(Outbox, a_waiting_keyframe_is_replaced_by_a_newer_one_of_its_cascade_only) 
     EXPECT_EQ(outbox.counters().keyframes_replaced, 1u);
 }
 
+// Naive: where one sea follows another, its first keyframe takes the place of the last one of the sea before.
+TEST(Outbox, a_waiting_keyframe_is_not_replaced_by_one_of_another_sea) {
+    Outbox outbox;
+    outbox.set_credit(1);
+    outbox.push_keyframe(parcel(1, 0), height);
+    ASSERT_NE(outbox.next(), nullptr);
+    auto of_next_sea = std::make_shared<EncodedKeyframe>(*parcel(3, 0));
+    of_next_sea->epoch = parcel(2, 0)->epoch + 1;
+    outbox.push_keyframe(parcel(2, 0), height);
+    outbox.push_keyframe(of_next_sea, height);
+    for (const std::uint64_t number : {1, 2}) {
+        EXPECT_TRUE(outbox.acknowledge(number));
+        EXPECT_NE(outbox.next(), nullptr);
+    }
+    EXPECT_EQ(outbox.counters().keyframes_replaced, 0u);
+    // Of many seas two wait, however often the sea changes.
+    for (std::uint32_t epoch = 10; epoch < 40; ++epoch) {
+        auto later = std::make_shared<EncodedKeyframe>(*parcel(epoch, 0));
+        later->epoch = epoch;
+        outbox.push_keyframe(later, height);
+    }
+    EXPECT_EQ(outbox.counters().keyframes_replaced, 28u);
+}
+
 TEST(Outbox, a_keyframe_that_has_begun_is_finished_before_a_newer_one) {
     Outbox outbox;
     const EncodedKeyframePtr begun = parcel(1, 0, 2);

@@ -88,7 +88,8 @@ class FailingSynthesizer final : public Synthesizer {
 
 /// A simulation, what it published, and its clock.
 struct Bench {
-    RunningSeaPtr sea;
+    RunningSeaPtr sea; ///< that the course begins with
+    std::shared_ptr<SeaCourse> course = std::make_shared<SeaCourse>(sea);
     std::atomic<TimeUs> now_us = 0;
     std::atomic<TimeUs> leap_us = 0; ///< of the clock at each look
     std::shared_ptr<std::atomic<int>> failures = std::make_shared<std::atomic<int>>(0);
@@ -103,7 +104,7 @@ struct Bench {
 
     explicit Bench(const std::string& more = {}) : sea(running_sea(more)) {
         Result<std::unique_ptr<Simulation>> started = Simulation::start(
-            sea,
+            course,
             [this](const sea::RealizationPtr& realization,
                    std::uint32_t epoch) -> Result<std::unique_ptr<Synthesizer>> {
                 auto made = std::make_unique<FailingSynthesizer>(failures, no_memory);

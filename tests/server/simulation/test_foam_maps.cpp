@@ -68,7 +68,7 @@ TEST(FoamMaps, of_the_scenes_whiten_what_is_observed_at_their_wind) {
         const RunningSeaPtr sea = *make_running_sea(*scene, 1);
         NativeSynthesizer device{2};
         ASSERT_TRUE(device.set_sea(sea->realization, 1));
-        FoamMaps foam(*sea);
+        FoamMaps foam(steady_course(sea));
         EXPECT_NEAR(sea->foam_law->mean_coverage, observed, 0.005 * observed);
         double sum = 0;
         constexpr int moments = 4;

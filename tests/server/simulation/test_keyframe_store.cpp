@@ -17,6 +17,7 @@ using sea::TimeUs;
 
 sea::KeyframePtr keyframe(int cascade, TimeUs time_us, FieldSet fields, int size = 8) {
     auto made = std::make_shared<sea::Keyframe>();
+    made->epoch = 1;
     made->cascade = cascade;
     made->size = size;
     made->length_m = 10;
@@ -36,11 +37,11 @@ TEST(KeyframeStore, memory_stays_below_its_limit_and_newest_use_stays) {
     KeyframeStore store(Room::of(4 * one));
     for (TimeUs t = 0; t < 100; ++t) {
         store.insert(keyframe(0, t, height, 64));
-        EXPECT_TRUE(store.find(0, 0, {Field::height})) << "used all the time, never dropped";
+        EXPECT_TRUE(store.find({0, 0, {Field::height}})) << "used all the time, never dropped";
         EXPECT_LE(store.counters().bytes, 4 * one);
     }
-    EXPECT_FALSE(store.find(0, 50, {Field::height}));
-    EXPECT_FALSE(store.find(0, 0, {Field::slope_x})) << "held, but without this field";
+    EXPECT_FALSE(store.find({0, 50, {Field::height}}));
+    EXPECT_FALSE(store.find({0, 0, {Field::slope_x}})) << "held, but without this field";
 }
 
 // Naive: one order of use for all: a flood of far times throws out what everybody asks about.
@@ -53,13 +54,13 @@ TEST(KeyframeStore, what_is_streamed_stays_however_much_is_asked_for_elsewhere) 
     for (TimeUs t = 1000; t < 1100; ++t)
         store.insert(keyframe(0, t, height, 64));
     for (TimeUs t = 0; t < 4; ++t)
-        EXPECT_TRUE(store.find(0, t, height)) << t;
+        EXPECT_TRUE(store.find({0, t, height})) << t;
     EXPECT_EQ(store.counters().bytes, 8 * one);
     for (TimeUs t = 4; t < 100; ++t)
         store.insert(keyframe(0, t, height, 64), true);
-    EXPECT_TRUE(store.find(0, 1099, height)) << "half of the room is for those who ask";
-    EXPECT_TRUE(store.find(0, 99, height));
-    EXPECT_FALSE(store.find(0, 4, height));
+    EXPECT_TRUE(store.find({0, 1099, height})) << "half of the room is for those who ask";
+    EXPECT_TRUE(store.find({0, 99, height}));
+    EXPECT_FALSE(store.find({0, 4, height}));
     EXPECT_EQ(store.counters().bytes, 8 * one);
 }
 
@@ -73,10 +74,10 @@ TEST(KeyframeStore, what_nobody_uses_for_two_trims_is_let_go_with_its_spline) {
     }
     const std::size_t both = store.counters().bytes;
     EXPECT_EQ(store.trim(), 0u) << "both have been used since";
-    EXPECT_TRUE(store.find(0, 0, height));
+    EXPECT_TRUE(store.find({0, 0, height}));
     EXPECT_EQ(store.trim(), both / 2);
-    EXPECT_TRUE(store.splined(0, 0));
-    EXPECT_FALSE(store.held(0, 1));
+    EXPECT_TRUE(store.splined({0, 0, {}}));
+    EXPECT_FALSE(store.held({0, 1, {}}));
     store.trim();
     EXPECT_EQ(store.trim(), 0u);
     EXPECT_EQ(store.counters().bytes, 0u);
@@ -159,7 +160,7 @@ TEST(KeyframeStore, any_mix_of_uses_leaves_the_count_equal_to_the_bytes_held_and
                 const FieldSet wanted = field_sets[below(3)];
                 const bool found =
                     held != model.entries.end() && held->keyframe->fields.contains(wanted);
-                EXPECT_EQ(store.find(cascade, time_us, wanted) != nullptr, found);
+                EXPECT_EQ(store.find({cascade, time_us, wanted}) != nullptr, found);
                 if (found)
                     model.use(held);
             } else {
@@ -179,7 +180,7 @@ TEST(KeyframeStore, any_mix_of_uses_leaves_the_count_equal_to_the_bytes_held_and
             for (int c = 0; c < 2; ++c)
                 for (TimeUs t = 0; t < 12; ++t) {
                     const auto expected = model.place(c, t);
-                    ASSERT_EQ(store.held(c, t),
+                    ASSERT_EQ(store.held({c, t, {}}),
                               expected == model.entries.end() ? nullptr : expected->keyframe);
                 }
         }

@@ -21,12 +21,12 @@ std::vector<sea::QueryPoint> points(std::size_t count, TimeUs step_us = 0) {
 
 double fetch_us(const Prices& prices, const RunningSeaPtr& sea, std::vector<TimeUs> times_us,
                 Demand demand, const HoldingOf& held = nothing_held) {
-    return prices.keyframes_us(keyframes_around(sea->budget, times_us, demand), held);
+    return prices.keyframes_us(keyframes_around(*steady_course(sea), times_us, demand), held);
 }
 
 TEST(Prices, a_fetch_is_its_distinct_keyframes_times_their_fields_and_samples) {
     const RunningSeaPtr sea = running_sea();
-    const Prices prices(sea);
+    const Prices prices(steady_course(sea));
     const Demand height{1u, {Field::height}};
     const double one = 64.0 * 64.0 * price_sample_us; // a keyframe of one field
     EXPECT_DOUBLE_EQ(fetch_us(prices, sea, {0}, height), 2 * one);
@@ -39,8 +39,8 @@ TEST(Prices, a_fetch_is_its_distinct_keyframes_times_their_fields_and_samples) {
 
 TEST(Prices, foam_far_away_is_a_start_of_its_history_and_near_by_the_ticks_between) {
     const RunningSeaPtr sea = running_sea(foam_of_5_s);
-    const Prices prices(sea);
-    FoamMaps foam(*sea);
+    const Prices prices(steady_course(sea));
+    FoamMaps foam(steady_course(sea));
     const double tick = 64.0 * 64.0 * price_foam_sample_us;
     const double keyframe = 64.0 * 64.0 * 4 * price_sample_us; // foam and what it stands on
     const double start = foam.ticks_to(0, 0) * tick;
@@ -56,7 +56,7 @@ TEST(Prices, foam_far_away_is_a_start_of_its_history_and_near_by_the_ticks_betwe
 }
 
 TEST(Prices, points_at_one_time_share_its_surface_and_points_at_many_pay_for_each) {
-    const Prices prices(running_sea());
+    const Prices prices(steady_course(running_sea()));
     const double surface = prices.surface_us(0, nothing_held);
     ASSERT_GT(surface, 0);
     EXPECT_NEAR(prices.points_us(points(1000), nothing_held), surface + 1000 * price_point_us,
@@ -71,7 +71,7 @@ TEST(Prices, points_at_one_time_share_its_surface_and_points_at_many_pay_for_eac
 }
 
 TEST(Prices, an_exact_sum_is_all_waves_for_each_point_and_more_for_each_time) {
-    const Prices prices(running_sea());
+    const Prices prices(steady_course(running_sea()));
     const double one = prices.exact_us(points(1)), two = prices.exact_us(points(2));
     EXPECT_GT(one, 0);
     EXPECT_NEAR(prices.exact_us(points(256)), one + 255 * (two - one), 1e-6);
@@ -80,7 +80,7 @@ TEST(Prices, an_exact_sum_is_all_waves_for_each_point_and_more_for_each_time) {
 
 // What nobody looks up counts as not held, so that pricing 4096 times costs no 4096 lookups.
 TEST(Prices, looking_up_what_is_held_ends_at_some_time) {
-    const Prices prices(running_sea());
+    const Prices prices(steady_course(running_sea()));
     int looked_up = 0;
     (void)prices.points_us(points(4096, 3'600'000'000), [&](const KeyframeRequest&) {
         ++looked_up;

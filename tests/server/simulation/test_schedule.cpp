@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // The schedule alone: times in, keyframes out.
+#include <map>
 #include <random>
+#include <tuple>
 
 #include <gtest/gtest.h>
 
 #include "server/simulation/schedule.h"
+#include "tests/server/simulation/simulation_bench.h"
 
 namespace seaway::server {
 namespace {
@@ -23,6 +26,17 @@ sea::ErrorBudget budget() {
     budget.cascades[0].interval_us = long_us;
     budget.cascades[1].interval_us = short_us;
     return budget;
+}
+
+/// Of one sea with these intervals.
+const SeaCourse& course() {
+    static const SeaCoursePtr steady = [] {
+        RunningSea sea{};
+        sea.epoch = 1;
+        sea.budget = budget();
+        return steady_course(std::make_shared<const RunningSea>(std::move(sea)));
+    }();
+    return *steady;
 }
 
 EffectPlan plan(FieldSet first, FieldSet second) {
@@ -62,7 +76,7 @@ TEST(Schedule, intervals_hold_their_times_before_the_epoch_too) {
 }
 
 TEST(Schedule, nothing_is_due_while_nobody_wants_anything) {
-    Schedule schedule(budget());
+    Schedule schedule(course());
     EXPECT_TRUE(all_due(schedule, plan({}, {}), 5'000'000).empty());
     EXPECT_EQ(schedule.next_due_us(plan({}, {})), std::nullopt);
 }
@@ -70,7 +84,7 @@ TEST(Schedule, nothing_is_due_while_nobody_wants_anything) {
 TEST(Schedule, each_keyframe_comes_once_ahead_of_its_time_whenever_it_is_looked_at) {
     std::mt19937_64 numbers(2);
     for (int round = 0; round < 50; ++round) {
-        Schedule schedule(budget());
+        Schedule schedule(course());
         const EffectPlan wanted = plan(height, height);
         std::vector<TimeUs> seen[2];
         TimeUs now_us = -3'000'000;
@@ -89,7 +103,7 @@ TEST(Schedule, each_keyframe_comes_once_ahead_of_its_time_whenever_it_is_looked_
 }
 
 TEST(Schedule, after_a_leap_it_goes_on_with_the_keyframe_of_now_and_counts_the_rest) {
-    Schedule schedule(budget());
+    Schedule schedule(course());
     const EffectPlan wanted = plan({}, height);
     const TimeUs last_us = all_due(schedule, wanted, 1'000'000).back().time_us;
     const TimeUs now_us = 11'000'000;
@@ -103,7 +117,7 @@ TEST(Schedule, after_a_leap_it_goes_on_with_the_keyframe_of_now_and_counts_the_r
 }
 
 TEST(Schedule, a_stream_that_ended_starts_anew_at_now) {
-    Schedule schedule(budget());
+    Schedule schedule(course());
     all_due(schedule, plan(height, {}), 0);
     all_due(schedule, plan({}, {}), 100'000);
     std::uint64_t left_out = 0;
@@ -117,7 +131,7 @@ TEST(Schedule, what_a_new_subscriber_fetches_ends_where_the_stream_goes_on) {
     const Demand both{.cascades = ~0u, .fields = height};
     const TimeUs now_us = 1'234'567;
     for (const bool others_watch : {false, true}) {
-        Schedule schedule(budget());
+        Schedule schedule(course());
         if (others_watch)
             all_due(schedule, plan(height, height), now_us);
         const std::vector<KeyframeRequest> current = schedule.current(both, now_us);
@@ -137,16 +151,62 @@ TEST(Schedule, what_a_new_subscriber_fetches_ends_where_the_stream_goes_on) {
     }
 }
 
+/// Sea 1 with intervals of budget(), a glide of shorter ones from 10 s on, and from 20 s on a sea of other ones.
+std::shared_ptr<SeaCourse> changing_course() {
+    const auto course = *SeaCourse::begin(*sea::parse_scene(small_sea, "small_sea", "."));
+    sea::Scene stormy = course->first()->scene;
+    std::get<sea::WindSea>(stormy.sea.systems[0]).wind_speed_10m_mps = 18.0;
+    EXPECT_TRUE(course->add(stormy, 10'123'456, 20'234'567));
+    return course;
+}
+
+// Each moment has the two keyframes around it of the sea that runs then, an interval and the lead before; none comes twice,
+// and a newcomer's are those that the stream has had.
+TEST(Schedule, where_one_sea_follows_another_the_stream_has_the_keyframes_of_both_in_time) {
+    const auto course = changing_course();
+    Schedule schedule(*course);
+    EffectPlan wanted = plan(height, height);
+    std::map<std::tuple<int, std::uint32_t, TimeUs>, TimeUs> out; // when it came
+    std::mt19937_64 numbers(3);
+    std::vector<KeyframeRequest> start = schedule.current({.cascades = 3u, .fields = height}, 0);
+    for (const KeyframeRequest& one : start)
+        out[{one.cascade, one.epoch, one.time_us}] = 0;
+    for (TimeUs now_us = 0; now_us < 25'000'000;
+         now_us += 1 + static_cast<TimeUs>(numbers() % 90'000)) {
+        for (const KeyframeRequest& one : all_due(schedule, wanted, now_us))
+            EXPECT_TRUE(
+                out.emplace(std::tuple(one.cascade, one.epoch, one.time_us), now_us).second);
+        for (const KeyframeRequest& one :
+             schedule.current({.cascades = 3u, .fields = height}, now_us))
+            EXPECT_TRUE(out.contains({one.cascade, one.epoch, one.time_us}))
+                << one.epoch << ' ' << one.time_us << " at " << now_us;
+    }
+    for (TimeUs t_us = 0; t_us < 24'000'000; t_us += 7'001) {
+        const RunningSeaPtr sea = course->at(t_us);
+        for (int c = 0; c < 2; ++c) {
+            const TimeUs interval_us =
+                sea->budget.cascades[static_cast<std::size_t>(c)].interval_us;
+            const TimeUs first_us = interval_start(t_us, interval_us);
+            for (const TimeUs k_us : {first_us, first_us + interval_us}) {
+                const auto found = out.find({c, sea->epoch, k_us});
+                ASSERT_NE(found, out.end()) << sea->epoch << ' ' << k_us;
+                EXPECT_LE(found->second, std::max<TimeUs>(t_us - publish_lead_us + 90'000, 0))
+                    << k_us;
+            }
+        }
+    }
+}
+
 TEST(Schedule, around_times_each_keyframe_is_asked_for_once) {
     const TimeUs times_us[] = {100, 200, 89'999, 90'000, -1};
-    const auto wanted = keyframes_around(budget(), times_us, {.cascades = 2u, .fields = height});
+    const auto wanted = keyframes_around(course(), times_us, {.cascades = 2u, .fields = height});
     std::vector<TimeUs> times;
     for (const KeyframeRequest& one : wanted) {
         EXPECT_EQ(one.cascade, 1);
         times.push_back(one.time_us);
     }
     EXPECT_EQ(times, (std::vector<TimeUs>{-90'000, 0, 90'000, 180'000}));
-    EXPECT_TRUE(keyframes_around(budget(), {}, {.cascades = 3u, .fields = height}).empty());
+    EXPECT_TRUE(keyframes_around(course(), {}, {.cascades = 3u, .fields = height}).empty());
 }
 
 } // namespace

@@ -117,8 +117,12 @@ TEST(ScheduleOfAll, the_next_that_is_due_is_the_first_of_all_cascades_that_someb
     for (std::size_t c = 0; c < 3; ++c)
         budget.cascades[c].interval_us = intervals_us[c];
     const FieldSet height{Field::height};
+    RunningSea sea{};
+    sea.epoch = 1;
+    sea.budget = budget;
+    const SeaCoursePtr course = steady_course(std::make_shared<const RunningSea>(std::move(sea)));
     for (unsigned wanted = 1; wanted < 8; ++wanted) {
-        Schedule schedule(budget);
+        Schedule schedule(*course);
         EffectPlan plan;
         for (std::size_t c = 0; c < 3; ++c)
             plan.cascades.push_back({(wanted >> c) & 1u ? height : FieldSet{}, intervals_us[c], 0});

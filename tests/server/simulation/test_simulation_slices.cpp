@@ -77,11 +77,11 @@ TEST(Slices, exact_points_let_others_in_between_however_many_waves_there_are) {
 }
 
 TEST(Slices, of_points_end_when_they_are_over_and_hold_one_point_at_least) {
-    const RunningSeaPtr sea = running_sea();
+    const SeaCoursePtr course = steady_course(running_sea());
     PointQuestion question({{1, 2, 0}, {3, 4, 0}, {5, 6, 1'000'000}});
     for (int slice = 1; slice <= 3; ++slice) {
         EXPECT_FALSE(question.complete());
-        question.sum_exactly(*sea, [] { return true; });
+        question.sum_exactly(*course, [] { return true; });
     }
     EXPECT_TRUE(question.complete());
 }

@@ -158,7 +158,8 @@ void Crowd::publish() {
                     encoder.encode(*tiles.keyframe, tiles.codec_error, tiles.quality, wanted);
                 core_->post([this, keyframe = *encoded] {
                     publications_[keyframe->number] = {++turn_, keyframe->quality,
-                                                       keyframe->cascade, keyframe->fields};
+                                                       keyframe->cascade, keyframe->fields,
+                                                       keyframe->epoch};
                     newest_turn_[keyframe->cascade][keyframe->quality] = turn_;
                     keyframe_bytes_ = std::max(keyframe_bytes_, keyframe->bytes);
                     for (Seat& seat : seats_)
@@ -271,7 +272,7 @@ constexpr std::size_t replies_allowed = limits::replies_waiting_max + 1 +
 /// What may wait for one session (server/publish/outbox.h, protocol/limits.h).
 std::size_t Crowd::bytes_allowed() const {
     const std::size_t states = limits::durable_waiting_max * sea_.states.front()->size();
-    const std::size_t streamed = 2 * keyframe_bytes_; // one a cascade
+    const std::size_t streamed = 4 * keyframe_bytes_; // one a cascade of each of two seas
     const std::size_t spectra = limits::spectra_max * spectrum_bytes_;
     // A start holds two keyframes of two cascades, without a place in the room of fetches.
     const std::size_t side = static_cast<std::size_t>(sea_.size);

@@ -117,15 +117,17 @@ void Ledger::begins(const wire::Tile& tile, const std::optional<server::Demand>&
         return;
     require(!grant || grant->quality == published->second.quality,
             "a session is streamed its own quality");
-    std::uint64_t& newest = newest_[tile.cascade()];
-    require(published->second.turn > newest, "no keyframe comes after a newer one of its cascade");
+    std::uint64_t& newest = newest_[{tile.epoch(), tile.cascade()}];
+    require(published->second.turn > newest,
+            "no keyframe comes after a newer one of its cascade and sea");
     newest = std::max(newest, published->second.turn);
     for (const auto& [number, other] : publications)
         require(other.turn <= published->second.turn ||
                     other.cascade != published->second.cascade ||
+                    other.epoch != published->second.epoch ||
                     other.quality != published->second.quality || !grant ||
                     !other.fields.contains(grant->fields),
-                "what begins is the newest there is");
+                "what begins is the newest there is of its sea");
     judge_.count("keyframe begun");
 }
 
@@ -181,8 +183,11 @@ std::string Ledger::owing() const {
 }
 
 std::uint64_t Ledger::newest(int cascade) const {
-    const auto found = newest_.find(cascade);
-    return found == newest_.end() ? 0 : found->second;
+    std::uint64_t newest = 0;
+    for (const auto& [of, turn] : newest_)
+        if (of.second == cascade)
+            newest = std::max(newest, turn);
+    return newest;
 }
 
 } // namespace seaway::tests::simulated

@@ -21,6 +21,7 @@ struct Published {
     std::uint8_t quality = 0;
     int cascade = 0;
     sea::FieldSet fields;
+    std::uint32_t epoch = 0;
 };
 using Publications = std::map<std::uint64_t, Published>; ///< by number of the keyframe
 
@@ -74,7 +75,7 @@ class Ledger {
     std::set<std::uint64_t> unacknowledged_;
     std::uint64_t begun_ = 0; ///< streamed keyframe under way; 0: none
     int tiles_left_ = 0;      ///< of it
-    std::map<int, std::uint64_t> newest_;
+    std::map<std::pair<std::uint32_t, int>, std::uint64_t> newest_; ///< by epoch and cascade
     std::map<std::uint64_t, std::uint32_t> fetched_fields_;
     std::optional<std::uint64_t> complete_;
     std::uint32_t spectrum_epoch_ = 0; ///< of the one under way

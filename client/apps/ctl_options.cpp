@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/apps/ctl_options.h"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "base/command_line.h"
+#include "base/messages.h"
+#include "base/text_file.h"
+#include "client/apps/exit_code.h"
+#include "client/apps/query_points.h"
+#include "client/link/url.h"
+#include "protocol/limits.h"
+#include "sea/basics/glide.h"
+
+namespace seaway::client {
+namespace {
+
+constexpr const char* footer = "Changes are written to the server's journal before they are "
+                               "answered; the answer says when the sea begins to glide\n"
+                               "and when it is there. PATH is that of a scene file: "
+                               "sea.system.0.wind_speed_10m_mps, sea.depth_m, foam.bias;\n"
+                               "systems.0.from_deg is short for sea.system.0.from_deg. Tiles, "
+                               "effects and accuracy stay as they are.\n"
+                               "The token is the administrator's (--admin-token-file of the "
+                               "server), over wss or from the server's own machine.\n"
+                               "Exit codes: 0 done, 1 cannot write, 2 usage, 5 cannot connect, "
+                               "lost or no answer in time, 6 refused by the server.";
+
+struct Words {
+    std::vector<std::string> values;
+    std::string scene;
+    std::string over = "60s";
+    double at_s = -1e12; ///< past: as soon as can be
+    std::uint64_t session = 0;
+};
+
+Result<protocol::ChangeWish> change_of(const Words& words) {
+    protocol::ChangeWish wish;
+    wish.set = words.values;
+    SEAWAY_TRY_LET(const double over_s, parse_duration_s(words.over));
+    const double least_s = sea::seconds_from_us(sea::glide_us_min);
+    const double most_s = sea::seconds_from_us(sea::glide_us_max);
+    if (!(over_s >= least_s && over_s <= most_s))
+        return Error{fmt::format("--over {}: {} s to {} s", words.over, least_s, most_s)};
+    wish.over_us = sea::us_from_seconds(over_s);
+    wish.at_us = sea::us_from_seconds(words.at_s);
+    if (words.scene.empty())
+        return wish;
+    Result<std::string> scene =
+        read_text_file(words.scene, protocol::limits::change_scene_bytes_max);
+    if (!scene)
+        return Error{fmt::format("cannot read scene '{}': {}", words.scene, scene.error().message)};
+    wish.scene = *std::move(scene);
+    return wish;
+}
+
+/// Of a command that changes the sea.
+void add_when(CommandLine& command, Words& words) {
+    command.option("--over", words.over, "How long the sea takes to glide over: 90s, 2m, 1h")
+        .takes("DURATION")
+        .shows_default();
+    command.option("--at", words.at_s, "Sea time at which it begins; else as soon as can be")
+        .between(-sea::seconds_from_us(sea::time_us_max), sea::seconds_from_us(sea::time_us_max))
+        .takes("SECONDS");
+}
+
+Result<CtlOptions> options_of(CtlOptions options, const Words& words, bool changes) {
+    SEAWAY_TRY(parse_url(options.url));
+    if (!(options.timeout_s > 0 && options.timeout_s <= 86400))
+        return Error{fmt::format("--timeout {}: above 0, up to 86400 s", options.timeout_s)};
+    if (changes) {
+        SEAWAY_TRY_LET(options.what, change_of(words));
+    }
+    return options;
+}
+
+} // namespace
+
+Result<double> parse_duration_s(const std::string& text) {
+    constexpr std::pair<char, double> units[] = {{'s', 1}, {'m', 60}, {'h', 3600}, {'d', 86400}};
+    std::string number = text;
+    double unit_s = 1;
+    for (const auto& [letter, seconds] : units)
+        if (!text.empty() && text.back() == letter) {
+            number.pop_back();
+            unit_s = seconds;
+        }
+    const std::optional<double> value = parse_number(number, 1e9);
+    if (!value || *value < 0)
+        return Error{fmt::format("'{}' is no duration; give one as 90s, 2m, 1.5h or 3d", text)};
+    return *value * unit_s;
+}
+
+std::variant<CtlOptions, int> read_ctl_options(int argc, const char* const* argv) {
+    CtlOptions options;
+    Words words;
+    CommandLine line("seaway-ctl", "Changes the sea of a running server, and looks into it.");
+    line.option("url", options.url, "Server: ws://HOST:PORT or wss://HOST:PORT")
+        .takes("URL")
+        .required();
+    line.option("--token-file", options.token_file, "File with the administrator's token")
+        .takes("FILE");
+    line.option("--ca-file", options.ca_file, "Certificates (PEM) to trust, for wss").takes("FILE");
+    line.option("--timeout", options.timeout_s, "Patience with the request")
+        .takes("SECONDS")
+        .shows_default();
+    CommandLine& set = line.command("set", "Sets values of the scene; the sea glides over");
+    set.option("values", words.values, "Values by their paths").takes("PATH=VALUE ...").required();
+    add_when(set, words);
+    CommandLine& load = line.command("load", "Glides over to another scene");
+    load.option("scene", words.scene, "Scene file").takes("SCENE.toml").required();
+    add_when(load, words);
+    CommandLine& state = line.command("state", "The sea, as /v1/state");
+    CommandLine& plan = line.command("plan", "What is computed for whom, as /v1/plan");
+    CommandLine& sessions = line.command("sessions", "Who is connected");
+    CommandLine& drop = line.command("drop", "Ends a session");
+    drop.option("session", words.session, "Its number, as sessions says").takes("N").required();
+    line.footer(footer);
+    const Result<CommandLine::Next> next = line.read(argc, argv);
+    if (!next)
+        return complain("seaway-ctl", exit_usage, next.error().message);
+    if (*next == CommandLine::Next::leave)
+        return status_after_output("seaway-ctl", exit_done, exit_output);
+    if (state.given())
+        options.what = AdminWish{wire::Act::state};
+    if (plan.given())
+        options.what = AdminWish{wire::Act::plan};
+    if (sessions.given())
+        options.what = AdminWish{wire::Act::sessions};
+    if (drop.given())
+        options.what = AdminWish{wire::Act::drop, words.session};
+    Result<CtlOptions> whole = options_of(std::move(options), words, set.given() || load.given());
+    if (!whole)
+        return complain("seaway-ctl", exit_usage, whole.error().message);
+    return *std::move(whole);
+}
+
+} // namespace seaway::client

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/apps/exit_code.h"
+
+#include "base/messages.h"
+#include "base/text_file.h"
+#include "client/link/failure.h"
+#include "protocol/token_file.h"
+
+namespace seaway::client {
+
+int exit_code(const char* program, const Error& error) {
+    complain(program, 0, error.message);
+    if (error.is(OutputError::lost))
+        return exit_output;
+    switch (failure_of(error)) {
+    case Failure::bad_argument:
+        return exit_usage;
+    case Failure::refused:
+    case Failure::not_held:
+    case Failure::too_large:
+        return exit_refused;
+    case Failure::none: // not of this room
+    case Failure::cannot_connect:
+    case Failure::lost:
+    case Failure::deadline:
+        break;
+    }
+    return exit_lost;
+}
+
+Result<std::string> read_token(const std::string& path) {
+    Result<std::string> token = path.empty() ? std::string() : protocol::read_token_file(path);
+    return token ? token : failed(Failure::bad_argument, token.error().message);
+}
+
+} // namespace seaway::client

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+// What seaway-query and seaway-ctl have in common: their token file and how they end.
+#pragma once
+
+#include <string>
+
+#include "base/result.h"
+
+namespace seaway::client {
+
+/// Exit codes of both: the public contract.
+enum ExitCode : int {
+    exit_done = 0,
+    exit_output = 1,  ///< standard output cannot be written
+    exit_usage = 2,   ///< command line or points that make no sense
+    exit_lost = 5,    ///< cannot connect, connection lost, or no answer in time
+    exit_refused = 6, ///< the server refused the request
+};
+
+/// Says why, in one line; the exit code that says the same.
+int exit_code(const char* program, const Error& error);
+
+/// Empty path: no token. An error is Failure::bad_argument.
+Result<std::string> read_token(const std::string& path);
+
+} // namespace seaway::client

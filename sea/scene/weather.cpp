@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sea/scene/weather.h"
+
+#include <filesystem>
+
+#include <fmt/format.h>
+
+namespace seaway::sea {
+
+namespace {
+
+/// As people say it: the systems of the sea.
+std::string whole_path(const std::string& path) {
+    constexpr std::string_view said = "systems.";
+    return path.starts_with(said) ? "sea.system." + path.substr(said.size()) : path;
+}
+
+bool same_cascades(const Scene& a, const Scene& b) {
+    if (a.cascades.size() != b.cascades.size())
+        return false;
+    for (std::size_t c = 0; c < a.cascades.size(); ++c)
+        if (a.cascades[c].length_m != b.cascades[c].length_m ||
+            a.cascades[c].size != b.cascades[c].size)
+            return false;
+    return true;
+}
+
+bool same_effects(const Effects& a, const Effects& b) {
+    return a.choppy == b.choppy && a.slopes == b.slopes && a.foam == b.foam;
+}
+
+} // namespace
+
+Result<void> check_glide(const Scene& from, const Scene& to) {
+    const char* stays = nullptr;
+    if (!same_cascades(from, to))
+        stays = "cascade";
+    else if (!same_effects(from.effects, to.effects))
+        stays = "effects";
+    else if (from.accuracy.height_error_m != to.accuracy.height_error_m ||
+             from.accuracy.preset != to.accuracy.preset)
+        stays = "accuracy";
+    else if (from.sea.loop_period_s != to.sea.loop_period_s)
+        stays = "sea.loop_period_s";
+    else if (from.foam.decay_s != to.foam.decay_s)
+        stays = "foam.decay_s";
+    if (to.sea.loop_period_s > 0)
+        return Error{"a sea that repeats (sea.loop_period_s) cannot change"};
+    if (stays)
+        return Error{fmt::format("{} cannot change while the sea runs: restart the server with the "
+                                 "other scene",
+                                 stays)};
+    return {};
+}
+
+Result<Scene> changed(const Scene& scene, std::span<const TomlAssignment> values) {
+    Scene still = scene;
+    still.weather.clear();
+    std::vector<TomlAssignment> whole(values.begin(), values.end());
+    for (TomlAssignment& value : whole)
+        value.path = whole_path(value.path);
+    SEAWAY_TRY_LET(const std::string text, with_toml_values(to_toml(still), scene.source, whole));
+    const std::string folder = std::filesystem::path(scene.source).parent_path().string();
+    SEAWAY_TRY_LET(Scene next, parse_scene(text, scene.source + " as changed", folder));
+    next.source = scene.source;
+    SEAWAY_TRY(check_glide(scene, next));
+    return next;
+}
+
+Result<std::vector<Scene>> weather_scenes(const Scene& scene) {
+    std::vector<Scene> scenes;
+    for (std::size_t i = 0; i < scene.weather.size(); ++i) {
+        Result<Scene> next = changed(i == 0 ? scene : scenes.back(), scene.weather[i].set);
+        if (!next)
+            return Error{
+                fmt::format("{}: weather[{}]: {}", scene.source, i + 1, next.error().message)};
+        scenes.push_back(*std::move(next));
+    }
+    return scenes;
+}
+
+} // namespace seaway::sea

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+// What administrators may ask of a session: changes of the sea, and what there is.
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "protocol/limits.h"
+#include "server/net/refusals.h"
+#include "server/net/session.h"
+
+namespace seaway::server {
+
+namespace limits = protocol::limits;
+using nlohmann::ordered_json;
+using wire::ErrorCode;
+
+namespace {
+
+constexpr std::size_t sessions_listed_max = 256;
+constexpr int changes_in_flight_max = 4;
+
+Error administrators_alone() {
+    return {ErrorCode::unauthorised, "this is for administrators: connect with their token"};
+}
+
+Result<SeaWish> wish_of(const wire::Change& change) {
+    SeaWish wish;
+    wish.over_us = change.over_us();
+    wish.at_us = change.at_us();
+    if (change.scene() != nullptr)
+        wish.scene = change.scene()->str();
+    if (change.set() != nullptr)
+        for (const flatbuffers::String* text : *change.set()) {
+            Result<TomlAssignment> value = parse_toml_assignment(text->string_view());
+            if (!value)
+                return Error{ErrorCode::bad_value, value.error().message};
+            wish.set.push_back(*std::move(value));
+        }
+    return wish;
+}
+
+} // namespace
+
+void Session::on_change(const wire::Change& change) {
+    const std::uint32_t request_id = change.request_id();
+    if (standing_ != Standing::administrator)
+        return refuse(request_id, administrators_alone());
+    if (const Result<void> fine = protocol::check(change); !fine)
+        return refuse(request_id, fine.error());
+    if (changes_in_flight_ >= changes_in_flight_max)
+        return refuse(request_id, {ErrorCode::too_many_requests,
+                                   fmt::format("{} changes are not made yet", changes_in_flight_)});
+    Result<SeaWish> wish = wish_of(change);
+    if (!wish)
+        return refuse(request_id, wish.error());
+    ++changes_in_flight_;
+    core_.log(fmt::format("event=change_asked session={} over_s={} what=\"{}\"", id_,
+                          sea::seconds_from_us(wish->over_us),
+                          wish->scene.empty() ? printable(change.set()->Get(0)->string_view())
+                                              : std::string("a scene")));
+    core_.host.change(*std::move(wish), [core = core_.weak_from_this(), session = id_,
+                                         request_id](Result<SeaPromise> promise) {
+        const std::shared_ptr<Core> alive = core.lock();
+        if (alive == nullptr)
+            return;
+        alive->post([core, session, request_id, promise = std::move(promise)] {
+            const std::shared_ptr<Core> here = core.lock();
+            if (Session* found = here ? here->find(session) : nullptr)
+                found->changed(request_id, promise);
+        });
+    });
+}
+
+void Session::changed(std::uint32_t request_id, const Result<SeaPromise>& promise) {
+    --changes_in_flight_;
+    if (!promise)
+        return refuse(request_id, promise.error());
+    reply(protocol::changed(request_id, promise->epoch, promise->start_us, promise->end_us));
+}
+
+void Session::on_administer(const wire::Administer& administer) {
+    const std::uint32_t request_id = administer.request_id();
+    if (standing_ != Standing::administrator)
+        return refuse(request_id, administrators_alone());
+    if (const Result<void> fine = protocol::check(administer); !fine)
+        return refuse(request_id, fine.error());
+    switch (administer.act()) {
+    case wire::Act::state:
+        return reply(protocol::administered(request_id, core_.host.state_json()));
+    case wire::Act::plan:
+        return reply(protocol::administered(request_id, core_.host.plan_json()));
+    case wire::Act::sessions:
+        return reply(protocol::administered(request_id, sessions_json()));
+    case wire::Act::drop:
+        if (const Result<void> gone = drop(administer.session()); !gone)
+            return refuse(request_id, gone.error());
+        return reply(protocol::administered(
+            request_id, fmt::format("{{\"dropped\": {}}}\n", administer.session())));
+    }
+}
+
+std::string Session::sessions_json() const {
+    ordered_json listed = ordered_json::array();
+    const auto now = std::chrono::steady_clock::now();
+    for (const auto& [id, session] : core_.sessions) {
+        if (listed.size() == sessions_listed_max)
+            break;
+        const std::optional<Demand> grant = core_.host.subscriptions().find(id);
+        listed.push_back(
+            {{"session", id},
+             {"peer", session->peer_.name},
+             {"client", session->client_},
+             {"administrator", session->standing_ == Standing::administrator},
+             {"open_s",
+              std::chrono::duration_cast<std::chrono::seconds>(now - session->opened_).count()},
+             {"subscribed", grant.has_value()},
+             {"messages_sent", session->messages_sent_},
+             {"bytes_sent", session->bytes_sent_},
+             {"bytes_waiting", session->outbox_.bytes_waiting()}});
+    }
+    const ordered_json json{{"sessions", core_.sessions.size()}, {"listed", listed}};
+    return json.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
+}
+
+Result<void> Session::drop(SessionId session) {
+    if (session == id_)
+        return Error{ErrorCode::bad_value,
+                     fmt::format("session is {}, which is this one: close it instead", session)};
+    Session* found = core_.find(session);
+    if (found == nullptr)
+        return Error{ErrorCode::bad_value, fmt::format("session is {}; there is none", session)};
+    found->close(ErrorCode::dropped, "an administrator has ended this session");
+    return {};
+}
+
+} // namespace seaway::server

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/sea_director.h"
+
+#include <algorithm>
+#include <new>
+#include <numeric>
+#include <utility>
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "sea/scene/weather.h"
+#include "server/simulation/schedule.h"
+
+namespace seaway::server {
+
+using sea::TimeUs;
+
+namespace {
+
+/// Between now and the first keyframe of the new sea, beside what making it is found to take.
+constexpr TimeUs spare_us = 1'000'000;
+/// A change begins where keyframes of all its seas lie, if such a time is near.
+constexpr TimeUs meeting_us_max = 8'000'000;
+/// How long it sleeps at most: the clock may have leapt.
+constexpr std::chrono::seconds nap{1};
+
+Error refused(Error why) {
+    return why.kind == ErrorKind{} ? Error{Refusal::bad_value, std::move(why.message)} : why;
+}
+
+/// Of all keyframe intervals of both.
+std::vector<TimeUs> intervals_of(const RunningSea& a, const RunningSea& b) {
+    std::vector<TimeUs> all;
+    for (const RunningSea* sea : {&a, &b})
+        for (const sea::CascadeBudget& cascade : sea->budget.cascades)
+            all.push_back(cascade.interval_us);
+    return all;
+}
+
+/// The next time that is a whole multiple of all of them, where they meet often enough.
+TimeUs next_meeting(TimeUs time_us, const std::vector<TimeUs>& intervals_us) {
+    TimeUs together_us = 1;
+    for (const TimeUs interval_us : intervals_us) {
+        together_us = std::lcm(together_us, interval_us);
+        if (together_us > meeting_us_max)
+            return time_us;
+    }
+    return interval_start(time_us + together_us - 1, together_us);
+}
+
+} // namespace
+
+SeaDirector::SeaDirector(std::shared_ptr<SeaCourse> course, Journal* journal, std::uint32_t changes,
+                         World& world, SeaClock& clock)
+    : course_(std::move(course)), journal_(journal), changes_(changes), world_(world),
+      clock_(clock), thread_([this] { run(); }) {
+    world_.change_by(
+        [this](SeaWish wish, Host::Changed done) { change(std::move(wish), std::move(done)); });
+}
+
+SeaDirector::~SeaDirector() {
+    world_.change_by(nullptr);
+    std::deque<Asked> left;
+    {
+        const std::scoped_lock lock(mutex_);
+        stopping_ = true;
+        left.swap(asked_);
+    }
+    wake_.notify_one();
+    thread_.join();
+    for (const Asked& asked : left)
+        asked.done(Error{Refusal::gone, "the server stops"});
+}
+
+void SeaDirector::change(SeaWish wish, Host::Changed done) {
+    {
+        const std::scoped_lock lock(mutex_);
+        if (!stopping_ && asked_.size() < changes_waiting_max) {
+            asked_.push_back({std::move(wish), std::move(done)});
+            wake_.notify_one();
+            return;
+        }
+    }
+    done(Error{Refusal::busy, fmt::format("{} changes wait already", changes_waiting_max)});
+}
+
+void SeaDirector::run() {
+    std::unique_lock lock(mutex_);
+    while (!stopping_) {
+        if (asked_.empty()) {
+            lock.unlock();
+            (void)world_.announce_due();
+            lock.lock();
+            wake_.wait_for(lock, nap, [this] { return stopping_ || !asked_.empty(); });
+            continue;
+        }
+        const Asked asked = std::move(asked_.front());
+        asked_.pop_front();
+        lock.unlock();
+        Result<SeaPromise> promise = Error{Refusal::busy, "there is no memory for another sea"};
+        try {
+            promise = make(asked.wish);
+        } catch (const std::bad_alloc&) {
+        }
+        if (promise)
+            (void)world_.announce_due();
+        asked.done(std::move(promise));
+        lock.lock();
+    }
+}
+
+Result<sea::Scene> SeaDirector::wished(const SeaWish& wish) const {
+    const sea::Scene running = course_->scene_at(std::max(wish.at_us, clock_.now_us()));
+    if (wish.scene.empty())
+        return sea::changed(running, wish.set);
+    SEAWAY_TRY_LET(sea::Scene scene, sea::parse_scene(wish.scene, "the scene that was sent",
+                                                      std::string(sea::no_files)));
+    scene.source = running.source;
+    return scene;
+}
+
+TimeUs SeaDirector::start_of(const SeaWish& wish, const RunningSea& to,
+                             std::chrono::steady_clock::duration making) const {
+    const TimeUs now_us = clock_.now_us();
+    const std::vector<TimeUs> intervals_us = intervals_of(*course_->at(now_us), to);
+    const TimeUs making_us = std::chrono::duration_cast<std::chrono::microseconds>(making).count();
+    const TimeUs first_us = now_us + *std::ranges::max_element(intervals_us) + publish_lead_us +
+                            std::max(spare_us, 3 * making_us);
+    return next_meeting(std::max(wish.at_us, first_us), intervals_us);
+}
+
+Result<SeaPromise> SeaDirector::make(const SeaWish& wish) {
+    const auto began = std::chrono::steady_clock::now();
+    const Result<sea::Scene> scene = wished(wish);
+    if (!scene)
+        return refused(scene.error());
+    const Result<RunningSeaPtr> to = make_running_sea(*scene, 0);
+    if (!to)
+        return refused(to.error());
+    const TimeUs start_us = start_of(wish, **to, std::chrono::steady_clock::now() - began);
+    const SeaPromise promise{course_->epochs() + 1, start_us, start_us + wish.over_us};
+    if (!sea::in_time_range(promise.end_us))
+        return Error{Refusal::bad_value, "the change would end beyond the times of a sea"};
+    if (const Result<void> fine = course_->check(*scene, promise.start_us, promise.end_us); !fine)
+        return refused(fine.error());
+    if (journal_)
+        SEAWAY_TRY(journal_->append(
+            {changes_ + 1, promise.start_us, promise.end_us, sea::to_toml(*scene)}));
+    ++changes_;
+    SEAWAY_CHECK(course_->add(*scene, promise.start_us, promise.end_us).has_value(),
+                 "what was checked can be added");
+    spdlog::info("event=sea_changes change={} start_s={} over_s={} hs_m={:.2f}", changes_,
+                 sea::seconds_from_us(promise.start_us),
+                 sea::seconds_from_us(promise.end_us - promise.start_us),
+                 (*to)->summary.realised.significant_height_m);
+    if (clock_.now_us() > promise.start_us)
+        spdlog::warn("event=sea_changes_late change={} why=\"the journal took long\"", changes_);
+    return promise;
+}
+
+} // namespace seaway::server

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+// SeaDirector: who changes the sea of a running server. One change after the other: it is checked, its seas are made, it
+// is written to the journal, and only then it is part of the course and told to everybody, long enough before it begins.
+// Also tells of the seas of the timetable when their time comes near.
+//
+// Has a thread of its own, for seas take their time; nobody else waits for them. Thread-safe.
+#pragma once
+
+#include <condition_variable>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <thread>
+
+#include "server/journal/journal.h"
+#include "server/world.h"
+
+namespace seaway::server {
+
+/// Changes that wait for those before them.
+inline constexpr std::size_t changes_waiting_max = 16;
+
+class SeaDirector {
+  public:
+    /// All outlive it; `journal` may be null, `changes` is the count of those that it holds. Takes over World::change().
+    SeaDirector(std::shared_ptr<SeaCourse> course, Journal* journal, std::uint32_t changes,
+                World& world, SeaClock& clock);
+    /// Those that wait are refused.
+    ~SeaDirector();
+    SeaDirector(const SeaDirector&) = delete;
+    SeaDirector& operator=(const SeaDirector&) = delete;
+
+    /// `done` is called once, on the director's thread or at once. Errors: bad_value with what of the wish cannot be,
+    /// busy, and one without a kind where the journal could not be written.
+    void change(SeaWish wish, Host::Changed done);
+
+  private:
+    struct Asked {
+        SeaWish wish;
+        Host::Changed done;
+    };
+    void run();
+    Result<SeaPromise> make(const SeaWish& wish);
+    Result<sea::Scene> wished(const SeaWish& wish) const;
+    /// As soon as can be: when every keyframe that is out by then is of the sea before.
+    sea::TimeUs start_of(const SeaWish& wish, const RunningSea& to,
+                         std::chrono::steady_clock::duration making) const;
+
+    const std::shared_ptr<SeaCourse> course_;
+    Journal* const journal_;
+    std::uint32_t changes_;
+    World& world_;
+    SeaClock& clock_;
+
+    std::mutex mutex_; ///< of what follows
+    std::condition_variable wake_;
+    std::deque<Asked> asked_;
+    bool stopping_ = false;
+    std::thread thread_;
+};
+
+} // namespace seaway::server

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/simulation/course_synthesis.h"
+
+#include <algorithm>
+#include <array>
+
+namespace seaway::server {
+
+using sea::Field;
+using sea::FieldSet;
+
+namespace {
+
+struct Rate {
+    Field rate;
+    Field value;
+};
+constexpr std::array<Rate, 3> rates{{{Field::height_rate, Field::height},
+                                     {Field::displacement_x_rate, Field::displacement_x},
+                                     {Field::displacement_y_rate, Field::displacement_y}}};
+
+/// The maps whose rates these are.
+FieldSet values_of_rates(FieldSet fields) {
+    FieldSet values;
+    for (const Rate& one : rates)
+        if (fields.contains(one.rate))
+            values |= FieldSet{one.value};
+    return values;
+}
+
+} // namespace
+
+CourseSynthesis::Held CourseSynthesis::sea_of(const KeyframeRequest& request) const {
+    const RunningSeaPtr sea = course_->sea(request.epoch);
+    if (!sea->glide)
+        return {request.epoch};
+    // Before its start a glide is one sea, and after its end another.
+    const sea::SeaTransition& change = sea->glide->change;
+    return {request.epoch, std::clamp(request.time_us, change.start_us(), change.end_us())};
+}
+
+Result<void> CourseSynthesis::hold(const Held& wanted) {
+    if (held_ == wanted)
+        return {};
+    const RunningSeaPtr sea = course_->sea(wanted.epoch);
+    held_.reset();
+    SEAWAY_TRY(device_->set_sea(!wanted.time_us ? sea->realization
+                                : wanted.growth ? sea->glide->change.growth(*wanted.time_us)
+                                                : sea->waves_at(*wanted.time_us),
+                                wanted.epoch));
+    held_ = wanted;
+    return {};
+}
+
+Result<std::vector<NewKeyframePtr>>
+CourseSynthesis::synthesize(std::span<const KeyframeRequest> requests) {
+    std::vector<NewKeyframePtr> keyframes(requests.size());
+    for (std::size_t i = 0; i < requests.size(); ++i) {
+        if (keyframes[i])
+            continue;
+        const Held sea = sea_of(requests[i]);
+        std::vector<std::size_t> places;
+        std::vector<KeyframeRequest> alike;
+        for (std::size_t j = i; j < requests.size(); ++j)
+            if (!keyframes[j] && sea_of(requests[j]) == sea) {
+                places.push_back(j);
+                alike.push_back(requests[j]);
+            }
+        SEAWAY_TRY_LET(const std::vector<NewKeyframePtr> made, of_one_sea(sea, alike));
+        for (std::size_t k = 0; k < places.size(); ++k)
+            keyframes[places[k]] = made[k];
+    }
+    return keyframes;
+}
+
+Result<std::vector<NewKeyframePtr>>
+CourseSynthesis::of_one_sea(const Held& sea, std::span<const KeyframeRequest> requests) {
+    SEAWAY_TRY(hold(sea));
+    SEAWAY_TRY_LET(std::vector<NewKeyframePtr> made, device_->synthesize(requests));
+    if (sea.time_us && course_->sea(sea.epoch)->glides_at(*sea.time_us))
+        SEAWAY_TRY(add_growth(sea, requests, made));
+    return made;
+}
+
+Result<void> CourseSynthesis::add_growth(const Held& sea, std::span<const KeyframeRequest> requests,
+                                         std::span<const NewKeyframePtr> keyframes) {
+    std::vector<KeyframeRequest> grown;
+    std::vector<NewKeyframePtr> onto;
+    for (std::size_t i = 0; i < requests.size(); ++i)
+        if (const FieldSet values = values_of_rates(requests[i].fields); !values.empty()) {
+            grown.push_back(requests[i]);
+            grown.back().fields = values;
+            onto.push_back(keyframes[i]);
+        }
+    if (grown.empty())
+        return {};
+    SEAWAY_TRY(hold({sea.epoch, sea.time_us, true}));
+    SEAWAY_TRY_LET(const std::vector<NewKeyframePtr> growth, device_->synthesize(grown));
+    const sea::SeaTransition& change = course_->sea(sea.epoch)->glide->change;
+    const auto rate_hz =
+        static_cast<float>(sea::glide_rate(*sea.time_us, change.start_us(), change.end_us()));
+    for (std::size_t i = 0; i < grown.size(); ++i)
+        for (const Rate& one : rates) {
+            if (!grown[i].fields.contains(one.value))
+                continue;
+            const std::span<float> map = onto[i]->plane(one.rate);
+            const std::span<const float> more = std::as_const(*growth[i]).plane(one.value);
+            std::ranges::transform(map, more, map.begin(),
+                                   [rate_hz](float a, float b) { return a + rate_hz * b; });
+        }
+    return {};
+}
+
+} // namespace seaway::server

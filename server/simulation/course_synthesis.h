@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// Keyframes of any epoch of a course from one device, which holds one sea at a time.
+//
+// In a glide the device is given the waves of each moment anew. Their time rates, by which keyframes are joined, are
+// those of waves that stand; what their growth adds to them is made of a second sea, the growth itself
+// (SeaTransition::growth), so that the maps between two keyframes hold the same bounds as those of a steady sea.
+//
+// For one thread.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "server/device/rebuilt_synthesizer.h"
+#include "server/simulation/sea_course.h"
+
+namespace seaway::server {
+
+class CourseSynthesis {
+  public:
+    /// The device holds the course's first sea.
+    CourseSynthesis(SeaCoursePtr course, std::unique_ptr<RebuiltSynthesizer> device)
+        : course_(std::move(course)), device_(std::move(device)), held_{{course_->first()->epoch}} {
+    }
+
+    /// One keyframe a request, in order, as Synthesizer::synthesize(). Those of one sea and moment share dispatches.
+    Result<std::vector<NewKeyframePtr>> synthesize(std::span<const KeyframeRequest> requests);
+
+    const RebuiltSynthesizer& device() const { return *device_; }
+
+  private:
+    /// What the device holds: an epoch, and of a glide the moment, or its growth.
+    struct Held {
+        std::uint32_t epoch;
+        std::optional<sea::TimeUs> time_us = {};
+        bool growth = false;
+        bool operator==(const Held&) const = default;
+    };
+    Held sea_of(const KeyframeRequest& request) const;
+    Result<void> hold(const Held& sea);
+    Result<std::vector<NewKeyframePtr>> of_one_sea(const Held& sea,
+                                                   std::span<const KeyframeRequest> requests);
+    /// What the waves grow by.
+    Result<void> add_growth(const Held& sea, std::span<const KeyframeRequest> requests,
+                            std::span<const NewKeyframePtr> keyframes);
+
+    const SeaCoursePtr course_;
+    const std::unique_ptr<RebuiltSynthesizer> device_;
+    std::optional<Held> held_;
+};
+
+} // namespace seaway::server

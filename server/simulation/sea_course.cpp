@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/simulation/sea_course.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "sea/scene/weather.h"
+
+namespace seaway::server {
+
+using sea::TimeUs;
+
+namespace {
+
+constexpr TimeUs ever_us = std::numeric_limits<TimeUs>::max();
+constexpr TimeUs always_us = std::numeric_limits<TimeUs>::min();
+
+/// Waves run alike in both, and have no clocks of their own.
+bool run_alike(const sea::SeaState& a, const sea::SeaState& b) {
+    const auto stylised = [](const sea::SeaState& sea) {
+        return std::ranges::any_of(sea.systems, [](const sea::WaveSystem& system) {
+            return std::holds_alternative<sea::SineRamps>(system);
+        });
+    };
+    return a.depth_m == b.depth_m && a.gravity_mps2 == b.gravity_mps2 &&
+           a.surface_tension == b.surface_tension && !stylised(a) && !stylised(b);
+}
+
+RunningSeaPtr made(Result<RunningSeaPtr> sea) {
+    SEAWAY_CHECK(sea.has_value(), "a sea that was checked when it was added can be made");
+    return *std::move(sea);
+}
+
+} // namespace
+
+SeaCourse::SeaCourse(RunningSeaPtr first) : first_(std::move(first)) {
+    changes_.push_back({always_us, always_us, first_->scene});
+    epochs_.push_back({always_us, ever_us, 0, false});
+}
+
+Result<std::shared_ptr<SeaCourse>> SeaCourse::begin(const sea::Scene& scene) {
+    SEAWAY_TRY_LET(RunningSeaPtr first, make_running_sea(scene, 1));
+    auto course = std::make_shared<SeaCourse>(std::move(first));
+    SEAWAY_TRY_LET(std::vector<Change> rows, course->timetable(scene, always_us));
+    for (Change& row : rows)
+        course->append(std::move(row));
+    return course;
+}
+
+Result<void> SeaCourse::check_next(const sea::Scene& from, const sea::Scene& to) const {
+    SEAWAY_TRY(sea::check_glide(from, to));
+    SEAWAY_TRY_LET(const sea::Realization waves, sea::realize(to));
+    const auto tile = [](const sea::CascadeModes& modes) {
+        return std::pair(modes.spec.length_m, modes.spec.size);
+    };
+    const auto& tiles = first_->realization->cascades;
+    if (!std::ranges::equal(waves.cascades, tiles, {}, tile, tile))
+        return Error{fmt::format("explicit waves need other tiles than the {} that run: restart "
+                                 "the server with the other scene",
+                                 tiles.size())};
+    return {};
+}
+
+Result<std::vector<SeaCourse::Change>> SeaCourse::timetable(const sea::Scene& scene,
+                                                            TimeUs from_us) const {
+    SEAWAY_TRY_LET(std::vector<sea::Scene> scenes, sea::weather_scenes(scene));
+    std::vector<Change> rows;
+    for (std::size_t i = 0; i < scenes.size(); ++i) {
+        const sea::WeatherChange& row = scene.weather[i];
+        const TimeUs start_us = sea::us_from_seconds(row.at_s);
+        if (start_us < from_us)
+            return Error{fmt::format("{}: weather[{}].at_s is {}, the sea is there only at {} s",
+                                     scene.source, i + 1, row.at_s, sea::seconds_from_us(from_us))};
+        const sea::Scene& before = rows.empty() ? scene : rows.back().scene;
+        if (const Result<void> fine = check_next(before, scenes[i]); !fine)
+            return Error{
+                fmt::format("{}: weather[{}]: {}", scene.source, i + 1, fine.error().message)};
+        rows.push_back(
+            {start_us, start_us + sea::us_from_seconds(row.over_s), std::move(scenes[i])});
+    }
+    return rows;
+}
+
+Result<std::vector<SeaCourse::Change>> SeaCourse::changes_to(const sea::Scene& scene,
+                                                             TimeUs start_us, TimeUs end_us) const {
+    SEAWAY_CHECK(start_us < end_us, "a change takes some time");
+    SEAWAY_TRY(check_next(scene_at(start_us), scene));
+    SEAWAY_TRY_LET(std::vector<Change> changes, timetable(scene, end_us));
+    changes.insert(changes.begin(), {start_us, end_us, scene});
+    const std::scoped_lock lock(mutex_);
+    if (changes_.size() + changes.size() > changes_max)
+        return Error{fmt::format("the log holds {} changes; allowed: at most {}", changes_.size(),
+                                 changes_max)};
+    return changes;
+}
+
+Result<void> SeaCourse::check(const sea::Scene& scene, TimeUs start_us, TimeUs end_us) const {
+    SEAWAY_TRY(changes_to(scene, start_us, end_us));
+    return {};
+}
+
+Result<void> SeaCourse::add(const sea::Scene& scene, TimeUs start_us, TimeUs end_us) {
+    SEAWAY_TRY_LET(std::vector<Change> changes, changes_to(scene, start_us, end_us));
+    const std::scoped_lock lock(mutex_);
+    for (Change& change : changes)
+        append(std::move(change));
+    return {};
+}
+
+void SeaCourse::append(Change change) {
+    change.chained = changes_.back().chained || !run_alike(first_->scene.sea, change.scene.sea);
+    for (const auto& [start_us, glides] :
+         {std::pair(change.start_us, true), std::pair(change.end_us, false)}) {
+        for (Epoch& earlier : epochs_)
+            earlier.end_us = std::min(earlier.end_us, start_us);
+        epochs_.push_back({start_us, ever_us, changes_.size(), glides});
+    }
+    changes_.push_back(std::move(change));
+}
+
+std::uint32_t SeaCourse::epoch_at(TimeUs time_us, std::size_t epochs) const {
+    while (epochs > 1 && epochs_[epochs - 1].start_us > time_us)
+        --epochs;
+    return static_cast<std::uint32_t>(epochs);
+}
+
+RunningSeaPtr SeaCourse::held(std::uint32_t epoch) const {
+    if (epoch == first_->epoch)
+        return first_;
+    const auto found = std::ranges::find(kept_, epoch, &RunningSea::epoch);
+    if (found == kept_.end())
+        return nullptr;
+    std::rotate(found, found + 1, kept_.end());
+    return kept_.back();
+}
+
+RunningSeaPtr SeaCourse::sea(std::uint32_t epoch) const {
+    {
+        const std::scoped_lock lock(mutex_);
+        SEAWAY_CHECK(epoch >= 1 && epoch <= epochs_.size(), "an epoch that there is");
+        if (RunningSeaPtr sea = held(epoch))
+            return sea;
+    }
+    const std::scoped_lock making(making_);
+    {
+        const std::scoped_lock lock(mutex_);
+        if (RunningSeaPtr sea = held(epoch)) // made while this one waited
+            return sea;
+    }
+    RunningSeaPtr sea = make(epoch);
+    const std::scoped_lock lock(mutex_);
+    kept_.push_back(sea);
+    if (kept_.size() > seas_kept)
+        kept_.pop_front();
+    return sea;
+}
+
+RunningSeaPtr SeaCourse::make(std::uint32_t epoch) const {
+    Epoch wanted{};
+    Change change{};
+    std::uint32_t from = 0;
+    {
+        const std::scoped_lock lock(mutex_);
+        wanted = epochs_[epoch - 1];
+        change = changes_[wanted.change];
+        from = wanted.glides ? epoch_at(change.start_us, epoch - 1) : 0;
+    }
+    if (wanted.glides) {
+        const RunningSeaPtr to =
+            change.chained ? made(make_running_sea(change.scene, epoch + 1)) : sea(epoch + 1);
+        return made(make_glide(*sea(from), *to, epoch, change.start_us, change.end_us));
+    }
+    if (!change.chained)
+        return made(make_running_sea(change.scene, epoch));
+    return made(make_running_sea(change.scene, epoch, sea(epoch - 1)->realization));
+}
+
+RunningSeaPtr SeaCourse::at(TimeUs time_us) const {
+    return sea(window_at(time_us).epoch);
+}
+
+EpochWindow SeaCourse::window_at(TimeUs time_us) const {
+    std::uint32_t epoch = 0;
+    {
+        const std::scoped_lock lock(mutex_);
+        epoch = epoch_at(time_us, epochs_.size());
+    }
+    return window(epoch);
+}
+
+EpochWindow SeaCourse::window(std::uint32_t epoch) const {
+    const std::scoped_lock lock(mutex_);
+    SEAWAY_CHECK(epoch >= 1 && epoch <= epochs_.size(), "an epoch that there is");
+    const Epoch& held = epochs_[epoch - 1];
+    return {epoch, held.start_us, held.end_us};
+}
+
+std::vector<EpochWindow> SeaCourse::windows(TimeUs from_us, TimeUs until_us) const {
+    std::vector<EpochWindow> found;
+    const std::scoped_lock lock(mutex_);
+    for (std::size_t i = 0; i < epochs_.size(); ++i) {
+        const EpochWindow window{static_cast<std::uint32_t>(i + 1), epochs_[i].start_us,
+                                 epochs_[i].end_us};
+        if (!window.empty() && window.end_us > from_us && window.start_us < until_us)
+            found.push_back(window);
+    }
+    std::ranges::sort(found, {}, &EpochWindow::start_us);
+    return found;
+}
+
+std::uint32_t SeaCourse::epochs() const {
+    const std::scoped_lock lock(mutex_);
+    return static_cast<std::uint32_t>(epochs_.size());
+}
+
+sea::Scene SeaCourse::scene_at(TimeUs time_us) const {
+    const std::scoped_lock lock(mutex_);
+    return changes_[epochs_[epoch_at(time_us, epochs_.size()) - 1].change].scene;
+}
+
+} // namespace seaway::server

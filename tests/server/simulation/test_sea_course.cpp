@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which sea runs when, and that one becomes the other without a jump.
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "sea/scene/weather.h"
+#include "server/simulation/sea_course.h"
+#include "tests/server/simulation/simulation_bench.h"
+
+namespace seaway::server {
+namespace {
+
+constexpr TimeUs second_us = 1'000'000;
+
+sea::Scene scene_of(const std::string& more = {}) {
+    Result<sea::Scene> scene = sea::parse_scene(small_sea + more, "small_sea", ".");
+    EXPECT_TRUE(scene) << (scene ? "" : scene.error().message);
+    return *std::move(scene);
+}
+
+sea::Scene windy(const sea::Scene& scene, const std::string& wind_mps) {
+    const TomlAssignment wind{"systems.0.wind_speed_10m_mps", wind_mps};
+    Result<sea::Scene> next = sea::changed(scene, {&wind, 1});
+    EXPECT_TRUE(next) << (next ? "" : next.error().message);
+    return *std::move(next);
+}
+
+double height(const SeaCourse& course, std::uint32_t epoch, TimeUs time_us) {
+    return course.sea(epoch)->truth_at(time_us)->at(3.0, 4.0, time_us).height;
+}
+
+double hs_m(const SeaCourse& course, TimeUs time_us) {
+    const sea::RealizationPtr waves = course.at(time_us)->waves_at(time_us);
+    double m0 = 0;
+    for (const sea::CascadeModes& modes : waves->cascades)
+        for (const std::complex<double>& h0 : modes.h0)
+            m0 += 2 * std::norm(h0);
+    return 4 * std::sqrt(m0);
+}
+
+TEST(SeaCourse, a_change_is_a_glide_and_the_sea_that_it_leads_to) {
+    const auto course = *SeaCourse::begin(scene_of());
+    ASSERT_TRUE(course->add(windy(scene_of(), "14.0"), 100 * second_us, 160 * second_us));
+    EXPECT_EQ(course->epochs(), 3u);
+    EXPECT_EQ(course->at(99 * second_us)->epoch, 1u);
+    EXPECT_EQ(course->at(100 * second_us)->epoch, 2u);
+    EXPECT_EQ(course->at(160 * second_us - 1)->epoch, 2u);
+    EXPECT_EQ(course->at(160 * second_us)->epoch, 3u);
+    EXPECT_EQ(course->window(2).end_us, 160 * second_us);
+    // Half of the amplitudes in the middle: all waves of both seas have the same numbers.
+    const double first = hs_m(*course, 0), last = hs_m(*course, 200 * second_us);
+    EXPECT_GT(last, 1.5 * first);
+    EXPECT_GT(hs_m(*course, 130 * second_us), first);
+    EXPECT_LT(hs_m(*course, 130 * second_us), last);
+    // The sea that it leads to is that of its scene alone, bit for bit.
+    EXPECT_EQ(course->sea(3)->realization->cascades[0].h0,
+              (*make_running_sea(windy(scene_of(), "14.0"), 1))->realization->cascades[0].h0);
+}
+
+// What every epoch is beyond its window joins the next one: both keyframes of an interval are of one sea.
+TEST(SeaCourse, seas_of_neighbouring_epochs_are_one_where_they_meet) {
+    const auto course = *SeaCourse::begin(scene_of());
+    sea::Scene shallow = windy(scene_of(), "13.0");
+    shallow.sea.depth_m = 15.0; // other frequencies
+    ASSERT_TRUE(course->add(shallow, 100 * second_us, 130 * second_us));
+    ASSERT_TRUE(course->add(windy(shallow, "5.0"), 115 * second_us, 140 * second_us)); // takes over
+    ASSERT_TRUE(course->add(scene_of(), 200 * second_us, 230 * second_us));
+    EXPECT_TRUE(course->window(3).empty()) << "another took over before it began";
+    const auto windows = course->windows(0, 1000 * second_us);
+    ASSERT_EQ(windows.size(), 6u);
+    for (std::size_t i = 1; i < windows.size(); ++i) {
+        const TimeUs at_us = windows[i].start_us;
+        EXPECT_EQ(windows[i - 1].end_us, at_us);
+        // A centimetre a second at most, from the glide's slope, in a microsecond.
+        EXPECT_NEAR(height(*course, windows[i - 1].epoch, at_us),
+                    height(*course, windows[i].epoch, at_us), 1e-9)
+            << windows[i].epoch;
+    }
+}
+
+TEST(SeaCourse, the_same_log_is_the_same_sea_whatever_was_asked_before) {
+    const auto replayed = [](bool asked_along) {
+        const auto course = *SeaCourse::begin(scene_of());
+        sea::Scene scene = scene_of();
+        for (int i = 0; i < 8; ++i) {
+            scene.sea.depth_m = i % 2 ? 20.0 : 40.0; // phases hang on each other
+            scene = windy(scene, std::to_string(6 + i) + ".5");
+            EXPECT_TRUE(course->add(scene, (100 + 40 * i) * second_us, (150 + 40 * i) * second_us));
+            if (asked_along)
+                (void)course->at((120 + 40 * i) * second_us);
+        }
+        return course;
+    };
+    const auto one = replayed(true), other = replayed(false);
+    for (const TimeUs time_us :
+         {420 * second_us, 110 * second_us, 1000 * second_us, 250 * second_us})
+        EXPECT_EQ(one->at(time_us)->truth_at(time_us)->at(1, 2, time_us).height,
+                  other->at(time_us)->truth_at(time_us)->at(1, 2, time_us).height)
+            << time_us;
+}
+
+TEST(SeaCourse, a_timetable_brings_its_storm_by_itself) {
+    const auto course = *SeaCourse::begin(scene_of(R"(
+[[weather]]
+at_s = 60
+over_s = 20
+set = { sea.system.0.wind_speed_10m_mps = 16 }
+[[weather]]
+at_s = 100
+over_s = 30
+set.systems.0.wind_speed_10m_mps = 5
+)"));
+    EXPECT_EQ(course->epochs(), 5u);
+    const double calm = hs_m(*course, 0), storm = hs_m(*course, 90 * second_us);
+    EXPECT_GT(storm, 1.8 * calm);
+    EXPECT_LT(hs_m(*course, 200 * second_us), calm);
+    // A change by hand ends the timetable from its start on.
+    ASSERT_TRUE(course->add(windy(scene_of(), "16"), 90 * second_us, 110 * second_us));
+    EXPECT_GT(hs_m(*course, 200 * second_us), 1.8 * calm);
+    EXPECT_TRUE(course->window(4).empty());
+}
+
+TEST(SeaCourse, what_cannot_change_while_a_sea_runs_is_refused_by_name_and_changes_nothing) {
+    const auto course = *SeaCourse::begin(scene_of());
+    const auto refused = [&](const sea::Scene& scene) {
+        const Result<void> added = course->add(scene, 100 * second_us, 130 * second_us);
+        return added ? std::string("taken") : added.error().message;
+    };
+    sea::Scene other = scene_of();
+    other.cascades[0].size = 128;
+    EXPECT_EQ(refused(other).substr(0, 7), "cascade");
+    other = scene_of();
+    other.effects.foam = false;
+    EXPECT_EQ(refused(other).substr(0, 7), "effects");
+    other = scene_of();
+    other.accuracy.height_error_m = 0.5;
+    EXPECT_EQ(refused(other).substr(0, 8), "accuracy");
+    other = scene_of();
+    other.foam.decay_s = 1;
+    EXPECT_EQ(refused(other).substr(0, 12), "foam.decay_s");
+    other = scene_of();
+    other.sea.loop_period_s = 60;
+    EXPECT_NE(refused(other).find("loop_period_s"), std::string::npos);
+    other = scene_of();
+    sea::ExplicitModes modes;
+    modes.length_m = 77;
+    modes.modes = {{1, 0, 0.5, 0.0}};
+    other.sea.systems.emplace_back(modes);
+    EXPECT_NE(refused(other).find("tiles"), std::string::npos) << refused(other);
+    EXPECT_EQ(course->epochs(), 1u);
+}
+
+// Of a change between two equally high seas of other directions the envelope is as high as both together.
+TEST(SeaCourse, the_bounds_of_a_glide_hold_the_waves_of_both_seas) {
+    const auto course = *SeaCourse::begin(scene_of());
+    sea::Scene low = windy(scene_of(), "3.0");
+    ASSERT_TRUE(course->add(low, 100 * second_us, 130 * second_us));
+    const sea::ErrorBudget &high_b = course->sea(1)->budget, &glide = course->sea(2)->budget,
+                           &low_b = course->sea(3)->budget;
+    EXPECT_GT(high_b.displacement_reach_m, 1.5 * low_b.displacement_reach_m);
+    EXPECT_GE(glide.displacement_reach_m, 0.999 * high_b.displacement_reach_m);
+    for (std::size_t c = 0; c < 2; ++c) {
+        EXPECT_LE(glide.cascades[c].interval_us, high_b.cascades[c].interval_us);
+        EXPECT_GE(glide.cascades[c].loss.height.east_m,
+                  0.999 * high_b.cascades[c].loss.height.east_m);
+    }
+}
+
+// Naive: a log of a month is a month of seas in memory.
+TEST(SeaCourse, seas_are_let_go_and_made_again) {
+    const auto course = *SeaCourse::begin(scene_of());
+    std::weak_ptr<const RunningSea> early;
+    for (int i = 1; i <= 10; ++i) {
+        ASSERT_TRUE(course->add(windy(scene_of(), std::to_string(5 + i)), 100 * i * second_us,
+                                (100 * i + 20) * second_us));
+        if (i == 1)
+            early = course->at(130 * second_us);
+    }
+    const auto was = early.lock() ? early.lock()->realization->cascades[1].h0
+                                  : std::vector<std::complex<double>>{};
+    for (int i = 1; i <= 10; ++i)
+        (void)course->at((100 * i + 50) * second_us);
+    EXPECT_TRUE(early.expired());
+    EXPECT_EQ(course->at(130 * second_us)->realization->cascades[1].h0, was);
+}
+
+} // namespace
+} // namespace seaway::server

@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: Apache-2.0
+// A sea that changes while real programs serve it, watch it and end.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <fstream>
+#include <random>
+#include <thread>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "base/child_process.h"
+#include "client/client.h"
+#include "tests/support/folder.h"
+#include "tests/support/server_process.h"
+
+namespace seaway {
+namespace {
+
+using client::Client;
+using sea::TimeUs;
+
+constexpr const char* token = "change-the-sea";
+
+std::string token_file() {
+    const std::string path = tests::folder().file("admin.token");
+    std::ofstream(path) << token << '\n';
+    return path;
+}
+
+std::vector<std::string> arguments(const std::string& data_dir) {
+    return {"scenes/calm.toml", "--listen", "127.0.0.1:0",        "--device",  "native",
+            "--data-dir",       data_dir,   "--admin-token-file", token_file()};
+}
+
+std::unique_ptr<Client> connect(const std::string& url) {
+    client::ConnectOptions options;
+    options.url = url;
+    Result<std::unique_ptr<Client>> client = Client::connect(options);
+    EXPECT_TRUE(client) << (client ? "" : client.error().message);
+    return client ? std::move(*client) : nullptr;
+}
+
+struct Said {
+    int code;
+    std::string words;
+};
+
+/// seaway-ctl with these words behind URL and token.
+Said ctl(const std::string& url, std::vector<std::string> words,
+         const std::string& with_token = token_file()) {
+    std::vector<std::string> all{SEAWAY_BIN_DIR "/seaway-ctl", url};
+    if (!with_token.empty())
+        all.insert(all.end(), {"--token-file", with_token});
+    all.insert(all.end(), words.begin(), words.end());
+    std::string line;
+    for (const std::string& word : all)
+        line += "'" + word + "' ";
+    FILE* pipe = popen((line + "2>&1").c_str(), "r");
+    std::string text;
+    char buffer[4096];
+    for (std::size_t count; (count = fread(buffer, 1, sizeof buffer, pipe)) > 0;)
+        text.append(buffer, count);
+    return {WEXITSTATUS(pclose(pipe)), text};
+}
+
+/// A number of the JSON that `set` prints.
+double number(const std::string& json, const std::string& key) {
+    const std::size_t at = json.find("\"" + key + "\": ");
+    EXPECT_NE(at, std::string::npos) << json;
+    return at == std::string::npos ? 0 : std::stod(json.substr(at + key.size() + 4));
+}
+
+/// What a client saw at one place, 50 times a second.
+struct Watched {
+    std::vector<sea::QueryPoint> points;
+    std::vector<sea::Answer> sampled;
+    int extrapolated = 0;
+};
+
+/// Until a sea time. No step is larger than the water's speed makes it, and half a metre a second for its change and the glide.
+Watched watched(Client& client, double until_s) {
+    Watched seen;
+    while (sea::seconds_from_us(client.now_us()) < until_s) {
+        const sea::QueryPoint point{3, 4, client.now_us()};
+        const auto answer = client.sample({&point, 1});
+        if (!answer) {
+            ADD_FAILURE() << answer.error().message;
+            return seen;
+        }
+        const sea::Answer& now = answer->front();
+        seen.extrapolated += (now.flags & sea::answer_extrapolated) != 0;
+        if (!seen.points.empty()) {
+            const sea::Answer& last = seen.sampled.back();
+            const double dt_s = sea::seconds_from_us(point.time_us - seen.points.back().time_us);
+            const double speed_mps =
+                std::abs(now.velocity_mps[2]) + std::abs(last.velocity_mps[2]) + 0.5;
+            if (dt_s < 0.1) {
+                EXPECT_LT(std::abs(now.height_m - last.height_m), 0.02 + speed_mps * dt_s)
+                    << point.time_us;
+            }
+        }
+        seen.points.push_back(point);
+        seen.sampled.push_back(now);
+        std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+    return seen;
+}
+
+// What a client samples from its stream is the exact sum of the server's, before, during and after; and no step of it is
+// larger than those of the waves.
+TEST(Changes, a_client_that_samples_sees_a_storm_come_without_a_jump_and_right_to_its_bounds) {
+    tests::ServerProcess server(arguments(tests::folder().file("storm")));
+    const std::string url = server.wait_until_ready();
+    const auto client = connect(url);
+    ASSERT_TRUE(client) << server.log();
+    ASSERT_TRUE(client->subscribe({.fields = sea::surface_fields}, 8, 10));
+    const Said said = ctl(url, {"set", "systems.0.wind_speed_10m_mps=17", "--over", "10s"});
+    ASSERT_EQ(said.code, 0) << said.words;
+    const double start_s = number(said.words, "start_s"), end_s = number(said.words, "end_s");
+    EXPECT_NEAR(end_s - start_s, 10, 1e-6);
+    EXPECT_GT(start_s, sea::seconds_from_us(client->now_us())) << "announced before it begins";
+    const auto [points, sampled, extrapolated] = watched(*client, end_s + 2);
+    for (std::size_t first = 0; first < points.size(); first += 100) {
+        const auto batch =
+            std::span(points).subspan(first, std::min<std::size_t>(100, points.size() - first));
+        const auto exact = client->ask(batch, {.exact = true, .timeout_s = 60});
+        ASSERT_TRUE(exact) << exact.error().message;
+        for (std::size_t i = 0; i < batch.size(); ++i) {
+            const sea::Answer& one = sampled[first + i];
+            if (one.flags & (sea::answer_extrapolated | sea::answer_folded))
+                continue;
+            EXPECT_LE(std::abs(one.height_m - (*exact)[i].height_m),
+                      one.error_m + (*exact)[i].error_m)
+                << batch[i].time_us;
+        }
+    }
+    EXPECT_LT(extrapolated, static_cast<int>(points.size()) / 10)
+        << "keyframes come in time, of each sea";
+    EXPECT_GT(client->sea_state(client->now_us())->realised.hs_m,
+              2 * client->sea_state(0)->realised.hs_m);
+    // Who comes now sees the same sea, and who asks about the past the one that was.
+    const auto late = connect(url);
+    ASSERT_TRUE(late);
+    EXPECT_EQ(late->sea_state(late->now_us())->realised.hs_m,
+              client->sea_state(client->now_us())->realised.hs_m);
+    const std::vector<sea::QueryPoint> past(points.begin(), points.begin() + 20);
+    const auto fetched = late->fetch_and_sample(past, 20);
+    ASSERT_TRUE(fetched) << fetched.error().message;
+    for (std::size_t i = 0; i < past.size(); ++i)
+        EXPECT_NEAR((*fetched)[i].height_m, sampled[i].height_m,
+                    (*fetched)[i].error_m + sampled[i].error_m);
+}
+
+TEST(Changes, survive_a_kill_bit_for_bit_and_none_that_was_acknowledged_is_lost) {
+    const std::string folder = tests::folder().file("killed");
+    std::mt19937 random(12);
+    std::vector<sea::QueryPoint> points;
+    for (int i = 0; i < 100; ++i)
+        points.push_back({31.0 * i, -17.0 * i, 1'000'000L * (i - 10)});
+    std::vector<sea::Answer> before;
+    for (int round = 0; round < 4; ++round) {
+        tests::ServerProcess server(arguments(folder));
+        const std::string url = server.wait_until_ready();
+        const auto client = connect(url);
+        ASSERT_TRUE(client) << server.log();
+        if (round > 0) {
+            const auto after = client->ask(points, {.exact = true, .timeout_s = 60});
+            ASSERT_TRUE(after) << after.error().message;
+            for (std::size_t i = 0; i < points.size(); ++i)
+                EXPECT_EQ((*after)[i].height_m, before[i].height_m) << round << ' ' << i;
+        }
+        const Said said =
+            ctl(url, {"set", fmt::format("systems.0.wind_speed_10m_mps={}", 6 + 3 * round),
+                      fmt::format("sea.depth_m={}", 20 + 10 * round), "--over", "20s"});
+        ASSERT_EQ(said.code, 0) << said.words;
+        const auto asked = client->ask(points, {.exact = true, .timeout_s = 60});
+        ASSERT_TRUE(asked) << asked.error().message;
+        before = *asked;
+        std::this_thread::sleep_for(std::chrono::milliseconds(random() % 3000));
+        server.send(SIGKILL);
+        EXPECT_TRUE(server.wait_for_exit(std::chrono::seconds(10)));
+    }
+}
+
+TEST(Changes, are_for_administrators_and_refused_with_what_is_wrong) {
+    tests::ServerProcess server(arguments(tests::folder().file("admin")));
+    const std::string url = server.wait_until_ready();
+    ASSERT_FALSE(url.empty()) << server.log();
+    const auto refused = [&](std::vector<std::string> words, const std::string& why,
+                             const std::string& with_token = token_file()) {
+        const Said said = ctl(url, words, with_token);
+        EXPECT_EQ(said.code, 6) << said.words;
+        EXPECT_NE(said.words.find(why), std::string::npos) << said.words;
+    };
+    refused({"set", "sea.depth_m=20"}, "for administrators", "");
+    refused({"sessions"}, "for administrators", "");
+    refused({"set", "sea.depth_m=-1"}, "sea.depth_m: -1");
+    refused({"set", "sea.dept_m=20"}, "depth_m");
+    refused({"set", "systems.7.from_deg=20"}, "there is no sea.system.7");
+    refused({"set", "accuracy.height_error_m=0.5"}, "accuracy cannot change");
+    refused({"load", SEAWAY_SOURCE_DIR "/scenes/hurricane.toml"},
+            "cannot change while the sea runs");
+    refused({"drop", "999"}, "session is 999");
+    EXPECT_EQ(ctl(url, {"set", "sea.depth_m=20", "--over", "1s"}).code, 2);
+    EXPECT_EQ(ctl(url, {"set"}).code, 2);
+    EXPECT_EQ(ctl("ws://127.0.0.1:1", {"state"}).code, 5);
+    const Said state = ctl(url, {"state"});
+    EXPECT_EQ(state.code, 0);
+    EXPECT_NE(state.words.find("\"hs_m\""), std::string::npos);
+    EXPECT_NE(ctl(url, {"plan"}).words.find("\"cascades\""), std::string::npos);
+    // A session that an administrator ends.
+    const auto client = connect(url);
+    ASSERT_TRUE(client);
+    const std::string number = std::to_string(client->welcome().session);
+    EXPECT_NE(ctl(url, {"sessions"}).words.find("\"session\": " + number), std::string::npos);
+    EXPECT_EQ(ctl(url, {"drop", number}).code, 0);
+    for (int i = 0; i < 1000 && client->is_open(); ++i)
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    EXPECT_NE(client->closed_reason().find("dropped"), std::string::npos)
+        << client->closed_reason();
+}
+
+} // namespace
+} // namespace seaway
