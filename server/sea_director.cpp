@@ -21,7 +21,7 @@ namespace {
 /// Between now and the first keyframe of the new sea, beside what making it is found to take.
 constexpr TimeUs spare_us = 1'000'000;
 /// A change begins where keyframes of all its seas lie, if such a time is near.
-constexpr TimeUs meeting_us_max = 8'000'000;
+constexpr TimeUs meeting_us_max = 2'000'000;
 /// How long it sleeps at most: the clock may have leapt.
 constexpr std::chrono::seconds nap{1};
 
