@@ -18,6 +18,8 @@ namespace {
 
 /// Sea states that are kept: the running one, those announced, and some of times that were asked about.
 constexpr std::size_t sea_states_max = 32;
+/// Glides that begin before the one before them has ended.
+constexpr int glides_chained_max = 4;
 
 /// A later epoch takes over from those that were to begin when it does, or after.
 void drop_overtaken(std::vector<SeaStatePtr>& states) {
@@ -104,6 +106,10 @@ void Client::take_waves(ConnectionEvents& events) {
     events.on_spectrum = [this](const SeaStatePtr& state, const protocol::SpectrumHead& head) {
         const auto begun = std::make_shared<ReceivedSpectrum>(state, head);
         const std::scoped_lock lock(mutex_);
+        std::erase_if(received_, [&](const auto& held) { // of seas that are over
+            return std::ranges::none_of(
+                sea_states_, [&](const SeaStatePtr& known) { return known->epoch == held.first; });
+        });
         received_[state->epoch] = begun;
     };
     events.on_waves = [this](std::uint32_t epoch, const sea::SpectrumLeft& left,
@@ -121,6 +127,7 @@ void Client::take_waves(ConnectionEvents& events) {
 void Client::forget_waves(std::uint32_t epoch) {
     rebuilt_.erase(epoch);
     received_.erase(epoch);
+    glides_.erase(epoch);
 }
 
 std::string Client::closed_reason() const {
@@ -140,6 +147,10 @@ ClockStatus Client::clock() const {
 
 SeaStatePtr Client::sea_state(TimeUs time_us) const {
     const std::scoped_lock lock(mutex_);
+    return sea_state_held(time_us);
+}
+
+SeaStatePtr Client::sea_state_held(TimeUs time_us) const {
     SeaStatePtr running = sea_states_.front();
     for (const SeaStatePtr& state : sea_states_)
         if (state->start_time_us <= time_us)
@@ -183,6 +194,8 @@ Result<protocol::SpectrumGrant> Client::subscribe_spectrum(const protocol::Spect
     }
     for (const auto& spectrum : spectra) {
         const RebuiltSeaPtr waves = spectrum->sea();
+        if (spectrum->state()->glide) // probes are of the sea that it leads to
+            continue;
         if (const Result<void> same = waves ? agrees(*spectrum->state(), *waves) : Result<void>();
             !same) {
             const std::scoped_lock lock(mutex_);
@@ -250,18 +263,46 @@ Result<void> Client::rebuild(TimeUs time_us) {
     return {};
 }
 
-RebuiltSeaPtr Client::rebuilt(std::uint32_t epoch) const {
+OwnSeaPtr Client::own_sea(const SeaStatePtr& state) const {
     const std::scoped_lock lock(mutex_);
-    if (const auto found = rebuilt_.find(epoch); found != rebuilt_.end())
+    return own_sea_held(state, glides_chained_max);
+}
+
+OwnSeaPtr Client::own_sea_held(const SeaStatePtr& state, int depth) const {
+    if (const auto found = rebuilt_.find(state->epoch); found != rebuilt_.end())
         return found->second;
-    const auto found = received_.find(epoch);
-    return found == received_.end() ? nullptr : found->second->sea();
+    const auto received = [&](std::uint32_t epoch) -> OwnSeaPtr {
+        const auto found = received_.find(epoch);
+        return found == received_.end() ? nullptr : found->second->sea();
+    };
+    const OwnSeaPtr waves = received(state->epoch);
+    if (!state->glide) {
+        if (waves)
+            return waves;
+        for (const SeaStatePtr& other : sea_states_) // its waves are those that a glide led to
+            if (other->glide && other->glide->end_us == state->start_time_us)
+                return received(other->epoch);
+        return nullptr;
+    }
+    const SeaStatePtr before = sea_state_held(state->start_time_us - 1);
+    if (!waves || depth == 0 || before == state)
+        return nullptr;
+    const OwnSeaPtr from = own_sea_held(before, depth - 1);
+    if (!from)
+        return nullptr;
+    Glide& glide = glides_[state->epoch];
+    if (glide.from != from || glide.to != waves) {
+        const auto made =
+            GlidingSea::create(*state, *from, *waves, state->start_time_us, state->glide->end_us);
+        glide = {from, waves, made ? *made : nullptr};
+    }
+    return glide.sea;
 }
 
 std::size_t Client::answer_rebuilt(std::span<const QueryPoint> points, std::size_t first,
                                    std::span<Answer> answers) const {
     const SeaStatePtr state = sea_state(points[first].time_us);
-    const RebuiltSeaPtr waves = rebuilt(state->epoch);
+    const OwnSeaPtr waves = own_sea(state);
     if (!waves)
         return first;
     std::size_t end = first + 1;

@@ -30,6 +30,7 @@
 #include "client/link/clock.h"
 #include "client/link/connection.h"
 #include "client/local_surface.h"
+#include "client/rebuilt/gliding_sea.h"
 #include "client/rebuilt/rebuilt_sea.h"
 #include "client/rebuilt/received_spectrum.h"
 
@@ -144,8 +145,11 @@ class Client {
     Result<bool> try_hold(std::span<const sea::TimeUs> times_us, double timeout_s,
                           sea::FieldSet also);
     bool seas_are(std::span<const std::pair<sea::TimeUs, SeaStatePtr>> expected) const;
-    /// Null: this client has not the waves of that epoch.
-    RebuiltSeaPtr rebuilt(std::uint32_t epoch) const;
+    /// Null: this client has not the waves of that sea; of a glide, not those of both of its ends.
+    OwnSeaPtr own_sea(const SeaStatePtr& state) const;
+    /// The same with mutex_ held; `depth` more glides may lead there.
+    OwnSeaPtr own_sea_held(const SeaStatePtr& state, int depth) const;
+    SeaStatePtr sea_state_held(sea::TimeUs time_us) const;
     void take_waves(ConnectionEvents& events);
     void forget_waves(std::uint32_t epoch);
     /// Answers the points from `first` on that are of one rebuilt sea; where they end, `first` if there are none.
@@ -161,7 +165,15 @@ class Client {
     ClockFilter clock_;
     std::vector<SeaStatePtr> sea_states_;            ///< by start time
     std::map<std::uint32_t, RebuiltSeaPtr> rebuilt_; ///< by epoch, of sea_states_
-    std::map<std::uint32_t, std::shared_ptr<ReceivedSpectrum>> received_; ///< likewise
+    std::map<std::uint32_t, std::shared_ptr<ReceivedSpectrum>>
+        received_; ///< likewise; of a glide: its end
+    /// A glide with the ends that it was made of.
+    struct Glide {
+        OwnSeaPtr from;
+        OwnSeaPtr to;
+        OwnSeaPtr sea;
+    };
+    mutable std::map<std::uint32_t, Glide> glides_; ///< likewise
     sea::FieldSet not_offered_;
     std::vector<Wanted*> wanted_;
     /// What the server was found to take at once, where its tiles are larger than usual.

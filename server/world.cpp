@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "protocol/limits.h"
 #include "server/map_source.h"
 #include "server/process_metrics.h"
 #include "server/simulation/memory_needs.h"
@@ -94,6 +95,29 @@ std::vector<SharedBytes> World::sea_state_messages() const {
     for (const EpochWindow& window : course_->windows(now_us, now_us + announced_ahead_us))
         messages.push_back(sea_state_message(window.epoch));
     return messages;
+}
+
+Result<GrantedSpectrum> World::spectrum(const SpectrumDemand& wish) {
+    std::vector<SpectrumSource> sources;
+    const auto add = [&](const RunningSeaPtr& sea) {
+        // A change is a glide and the sea that it leads to, the next epoch.
+        const bool ends_a_glide =
+            !sea->glide && sea->epoch > 1 && course_->sea(sea->epoch - 1)->glide;
+        sources.push_back({sea->epoch, sea->realization, sea->scene.sea.dispersion(),
+                           sea->budget.height_error_m, ends_a_glide ? sea->epoch - 1 : 0});
+    };
+    const sea::TimeUs now_us = clock_.now_us();
+    const RunningSeaPtr running = course_->at(now_us);
+    add(running);
+    for (RunningSeaPtr sea = running;
+         sea->glide && sources.size() < protocol::limits::spectra_max;) {
+        sea = course_->at(sea->glide->change.start_us() - 1);
+        add(sea);
+    }
+    for (const EpochWindow& window : course_->windows(now_us, now_us + announced_ahead_us))
+        if (window.epoch != running->epoch && sources.size() < protocol::limits::spectra_max)
+            add(course_->sea(window.epoch));
+    return spectra_.grant(sources, wish);
 }
 
 void World::change(SeaWish wish, Changed done) {

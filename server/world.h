@@ -60,12 +60,8 @@ class World final : public Host {
     void fetch(FetchRequest request, Fetched done) override;
     void query(QueryBatch batch, Queried done) override;
     void map(MapQuery query, Mapped done) override;
-    Result<GrantedSpectrum> spectrum(const SpectrumDemand& wish) override {
-        const RunningSeaPtr sea = sea_now();
-        return spectra_.grant(
-            {sea->epoch, sea->realization, sea->scene.sea.dispersion(), sea->budget.height_error_m},
-            wish);
-    }
+    /// Of the sea that runs, of those that it glides from, and of those announced.
+    Result<GrantedSpectrum> spectrum(const SpectrumDemand& wish) override;
     Result<std::uint64_t>
     map_bytes(const std::map<std::string, std::string>& parameters) const override;
     void change(SeaWish wish, Changed done) override;

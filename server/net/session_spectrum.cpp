@@ -72,6 +72,7 @@ void Session::spectra_made(std::optional<std::uint32_t> request_id,
         spectra_sent_.push_back(spectrum->epoch);
         if (spectra_sent_.size() > limits::spectra_max)
             spectra_sent_.erase(spectra_sent_.begin());
+        tell_of(spectrum->epoch);
         outbox_.push_spectrum(spectrum);
         ++pushed;
     }

@@ -153,6 +153,61 @@ TEST(Changes, a_client_that_samples_sees_a_storm_come_without_a_jump_and_right_t
                     (*fetched)[i].error_m + sampled[i].error_m);
 }
 
+/// The client's own answers are the exact ones of the server, and never those of keyframes.
+void expect_right(Client& client, std::span<const sea::QueryPoint> points) {
+    const auto own = client.sample(points);
+    ASSERT_TRUE(own) << own.error().message;
+    const auto exact = client.ask(points, {.exact = true, .timeout_s = 60});
+    ASSERT_TRUE(exact) << exact.error().message;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        if ((*own)[i].flags & sea::answer_folded)
+            continue;
+        EXPECT_LE(std::abs((*own)[i].height_m - (*exact)[i].height_m),
+                  (*own)[i].error_m + (*exact)[i].error_m)
+            << points[i].time_us;
+        EXPECT_LE((*own)[i].error_m, 0.015) << "of 0.008 m, on a slope";
+    }
+}
+
+// Waves are sent once for both: nothing comes while the sea glides, and none when it has.
+TEST(Changes, who_has_the_waves_glides_by_itself_and_so_does_who_joins_on_the_way) {
+    tests::ServerProcess server(arguments(tests::folder().file("waves")));
+    const std::string url = server.wait_until_ready();
+    const auto client = connect(url);
+    ASSERT_TRUE(client) << server.log();
+    ASSERT_TRUE(client->subscribe_spectrum({}, 30));
+    const Said said =
+        ctl(url, {"set", "systems.0.wind_speed_10m_mps=12", "sea.depth_m=25", "--over", "12s"});
+    ASSERT_EQ(said.code, 0) << said.words;
+    const double start_s = number(said.words, "start_s"), end_s = number(said.words, "end_s");
+    std::vector<sea::QueryPoint> points;
+    for (const double at_s :
+         {start_s - 500, start_s - 0.001, start_s + 0.5, start_s + 3, start_s + 6, start_s + 9,
+          end_s - 0.001, end_s + 0.001, end_s + 40, end_s + 1e5})
+        for (int place = 0; place < 5; ++place)
+            points.push_back({37.0 * place, -91.0 * place, sea::us_from_seconds(at_s)});
+    // The state of the sea at the end comes within the ten seconds before it begins.
+    const auto sleep_until = [&](double until_s) {
+        while (sea::seconds_from_us(client->now_us()) < until_s)
+            std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    };
+    sleep_until(start_s + 5);
+    expect_right(*client, points);
+    const auto late = connect(url);
+    ASSERT_TRUE(late);
+    const auto granted = late->subscribe_spectrum({}, 30);
+    ASSERT_TRUE(granted) << granted.error().message;
+    EXPECT_EQ(granted->spectra, 2u) << "of both ends, and no third for the sea behind";
+    expect_right(*late, points);
+    sleep_until(end_s + 1);
+    for (const auto& one : {client.get(), late.get()})
+        expect_right(*one, points);
+    const auto afterwards = connect(url);
+    ASSERT_TRUE(afterwards);
+    ASSERT_TRUE(afterwards->subscribe_spectrum({}, 30)) << "and its probes agree";
+    expect_right(*afterwards, std::span(points).last(15));
+}
+
 TEST(Changes, survive_a_kill_bit_for_bit_and_none_that_was_acknowledged_is_lost) {
     const std::string folder = tests::folder().file("killed");
     std::mt19937 random(12);
