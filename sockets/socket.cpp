@@ -1,14 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sockets/socket.h"
 
+#include <deque>
 #include <optional>
+#include <utility>
 
 #include <boost/asio/post.hpp>
 #include <boost/asio/ssl.hpp>
+#include <boost/asio/write.hpp>
 #include <boost/beast/core/tcp_stream.hpp>
 #include <boost/beast/ssl.hpp>
 #include <boost/beast/websocket/ssl.hpp>
 #include <boost/beast/websocket/teardown.hpp>
+
+#include "base/check.h"
 
 namespace seaway::sockets {
 
@@ -16,19 +21,56 @@ namespace asio = boost::asio;
 namespace beast = boost::beast;
 
 /// One of both.
-struct Socket::Streams {
+struct Socket::Streams : std::enable_shared_from_this<Streams> {
     std::optional<beast::tcp_stream> plain;
     std::optional<beast::ssl_stream<beast::tcp_stream>> tls;
 
     beast::tcp_stream& tcp() { return tls ? tls->next_layer() : *plain; }
+
+    struct Write {
+        std::vector<asio::const_buffer> buffers;
+        Bytes done;
+    };
+    /// Held by the write that is under way alone, so that what waits ends with it.
+    using Writes = std::deque<Write>;
+
+    void write(Write write) {
+        if (const std::shared_ptr<Writes> waiting = writes.lock())
+            return waiting->push_back(std::move(write));
+        const auto waiting = std::make_shared<Writes>();
+        writes = waiting;
+        begin(waiting, std::move(write));
+    }
+    void begin(const std::shared_ptr<Writes>& all, Write write) {
+        const std::vector<asio::const_buffer> buffers = std::move(write.buffers);
+        auto on_written = [weak = weak_from_this(), waiting = std::shared_ptr<Writes>(all),
+                           done = std::move(write.done)](error_code error,
+                                                         std::size_t bytes) mutable {
+            const std::shared_ptr<Streams> self = weak.lock();
+            if (self != nullptr && !waiting->empty()) {
+                Write next = std::move(waiting->front());
+                waiting->pop_front();
+                self->begin(waiting, std::move(next));
+            }
+            waiting.reset();
+            done(error, bytes);
+        };
+        if (tls)
+            asio::async_write(*tls, buffers, std::move(on_written));
+        else
+            asio::async_write(*plain, buffers, std::move(on_written));
+    }
+
+    bool whole = false;
+    std::weak_ptr<Writes> writes;
 };
 
-Socket::Socket(asio::ip::tcp::socket socket) : streams_(std::make_unique<Streams>()) {
+Socket::Socket(asio::ip::tcp::socket socket) : streams_(std::make_shared<Streams>()) {
     streams_->plain.emplace(std::move(socket));
 }
 
 Socket::Socket(asio::ip::tcp::socket socket, asio::ssl::context& tls)
-    : streams_(std::make_unique<Streams>()) {
+    : streams_(std::make_shared<Streams>()) {
     streams_->tls.emplace(beast::tcp_stream(std::move(socket)), tls);
 }
 
@@ -98,7 +140,18 @@ void Socket::read_some(FewBuffers<asio::mutable_buffer> buffers, Bytes done) {
         streams_->plain->async_read_some(buffers, std::move(done));
 }
 
+void Socket::write_whole() {
+    streams_->whole = true;
+}
+
+void Socket::write_all(std::vector<asio::const_buffer> buffers, Bytes done) {
+    SEAWAY_CHECK(streams_->whole, "writes in pieces would come between");
+    streams_->write({std::move(buffers), std::move(done)});
+}
+
 void Socket::write_some(FewBuffers<asio::const_buffer> buffers, Bytes done) {
+    if (streams_->whole)
+        return write_all({buffers.begin(), buffers.end()}, std::move(done));
     if (streams_->tls)
         streams_->tls->async_write_some(buffers, std::move(done));
     else

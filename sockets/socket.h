@@ -10,6 +10,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <boost/asio/any_io_executor.hpp>
 #include <boost/asio/buffer.hpp>
@@ -78,6 +79,11 @@ class Socket {
     void expires_after(std::chrono::milliseconds patience);
     void expires_never();
 
+    /// From now on a write is whole before the next one begins, and goes out in the order in which it came.
+    void write_whole();
+    /// Only after write_whole(): the buffers, and what they are of, stay until `done`.
+    void write_all(std::vector<boost::asio::const_buffer> buffers, Bytes done);
+
     void set_no_delay();
     /// No more is sent; what the peer still sends can be read.
     void shutdown_send();
@@ -108,7 +114,7 @@ class Socket {
     void tear_down(boost::beast::role_type role, Completion<error_code> done);
 
     struct Streams;
-    std::unique_ptr<Streams> streams_;
+    std::shared_ptr<Streams> streams_; ///< of this one alone
 };
 
 } // namespace seaway::sockets

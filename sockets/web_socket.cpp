@@ -2,6 +2,8 @@
 #include "sockets/web_socket.h"
 
 #include <algorithm>
+#include <array>
+#include <vector>
 
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/websocket.hpp>
@@ -44,6 +46,22 @@ Result<void> result(error_code error) {
     return {};
 }
 
+/// Of a whole binary message that is not masked (RFC 6455, 5.2).
+struct FrameHeader {
+    explicit FrameHeader(std::size_t length) {
+        constexpr std::uint8_t last_of_binary = 0x82;
+        const int length_bytes = length < 126 ? 0 : length < 65536 ? 2 : 8;
+        bytes[size++] = last_of_binary;
+        bytes[size++] = static_cast<std::uint8_t>(length_bytes == 0   ? length
+                                                  : length_bytes == 2 ? 126
+                                                                      : 127);
+        for (int shift = 8 * (length_bytes - 1); shift >= 0; shift -= 8)
+            bytes[size++] = static_cast<std::uint8_t>(length >> shift);
+    }
+    std::array<std::uint8_t, 10> bytes{};
+    std::size_t size = 0;
+};
+
 } // namespace
 
 struct WebSocket::Impl {
@@ -53,6 +71,7 @@ struct WebSocket::Impl {
     const WebSocketOptions options;
     websocket::stream<Socket> stream;
     beast::flat_buffer buffer;
+    std::vector<FrameHeader> headers;  ///< of what is being written
     websocket::response_type response; ///< of a server
 };
 
@@ -76,7 +95,10 @@ void WebSocket::accept(const Upgrade& upgrade, Done done) {
             response.set(http::field::sec_websocket_protocol, options.subprotocol);
         }));
     impl_->stream.async_accept(upgrade.request,
-                               [done = std::move(done)](error_code error) { done(result(error)); });
+                               [impl = impl_.get(), done = std::move(done)](error_code error) {
+                                   impl->stream.next_layer().write_whole();
+                                   done(result(error));
+                               });
 }
 
 void WebSocket::shake_hands(const std::string& host, const std::string& path, Done done) {
@@ -122,6 +144,23 @@ void WebSocket::write(std::span<const std::uint8_t> bytes, Done done) {
     impl_->stream.async_write(
         asio::buffer(bytes.data(), bytes.size()),
         [done = std::move(done)](error_code error, std::size_t) { done(result(error)); });
+}
+
+void WebSocket::write(std::span<const std::span<const std::uint8_t>> messages, Done done) {
+    std::vector<FrameHeader>& headers = impl_->headers;
+    headers.clear();
+    headers.reserve(messages.size()); // which stay where they are
+    std::vector<asio::const_buffer> buffers;
+    buffers.reserve(2 * messages.size());
+    for (const std::span<const std::uint8_t> message : messages) {
+        const FrameHeader& header = headers.emplace_back(message.size());
+        buffers.emplace_back(header.bytes.data(), header.size);
+        buffers.emplace_back(message.data(), message.size());
+    }
+    impl_->stream.next_layer().write_all(
+        std::move(buffers), Socket::Bytes([done = std::move(done)](error_code error, std::size_t) {
+            done(result(error));
+        }));
 }
 
 void WebSocket::close(const Close& why, std::function<void()> done) {

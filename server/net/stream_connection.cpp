@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <new>
 #include <optional>
+#include <span>
+#include <vector>
 
 #include <boost/asio/steady_timer.hpp>
 #include <fmt/format.h>
@@ -22,6 +24,11 @@ using sockets::WebSocketEnd;
 /// A read buffer above this is given back after each message: a thousand idle sessions that once
 /// sent a large query hold nothing.
 constexpr std::size_t idle_buffer_bytes = 16 * 1024;
+/// Messages go out together until they have so many bytes: what is begun cannot be replaced by what is newer, and
+/// this much lies in the system's buffer of a slow reader anyway.
+constexpr std::size_t gathered_bytes = 128 * 1024;
+/// What one call to the system takes is 64 buffers, two a message.
+constexpr std::size_t gathered_messages_max = 32;
 /// For GoAway and the closing handshake, after which the socket is closed hard.
 constexpr std::chrono::milliseconds close_deadline{1000};
 
@@ -56,21 +63,23 @@ class StreamConnection final : public Link, public std::enable_shared_from_this<
     // ---- Link ------------------------------------------------------------------------------
 
     void send_more() override {
-        if (writing_ != nullptr || lost_)
+        if (!writing_.empty() || lost_)
             return;
-        writing_ =
-            go_away_ != nullptr ? std::exchange(go_away_, nullptr) : session_->next_message();
-        if (writing_ == nullptr) {
+        gather();
+        if (writing_.empty()) {
             if (closing_)
                 shake_hands();
             return;
         }
-        write_timer_.expires_after(core().options.write_timeout);
+        write_timer_.expires_after(write_patience());
         write_timer_.async_wait([self = shared_from_this()](error_code error) {
             if (!error)
                 self->write_overdue();
         });
-        ws_.write(*writing_, [self = shared_from_this()](const Result<void>& done) {
+        spans_.clear();
+        for (const SharedBytes& message : writing_)
+            spans_.emplace_back(*message);
+        ws_.write(spans_, [self = shared_from_this()](const Result<void>& done) {
             self->or_drop([&] { self->on_written(done); });
         });
     }
@@ -101,6 +110,26 @@ class StreamConnection final : public Link, public std::enable_shared_from_this<
 
   private:
     Core& core() { return *slot_.core(); }
+
+    /// What goes out in one write: the last word, or what the session has to send.
+    void gather() {
+        if (go_away_ != nullptr) {
+            writing_.push_back(std::exchange(go_away_, nullptr));
+            return;
+        }
+        std::size_t bytes = 0;
+        while (bytes < gathered_bytes && writing_.size() < gathered_messages_max) {
+            SharedBytes message = session_->next_message();
+            if (message == nullptr)
+                return;
+            bytes += message->size();
+            writing_.push_back(std::move(message));
+        }
+    }
+    /// write_timeout for each message.
+    std::chrono::milliseconds write_patience() {
+        return core().options.write_timeout * static_cast<int>(writing_.size());
+    }
 
     void on_accepted(const Result<void>& accepted) {
         upgrade_.reset();
@@ -191,7 +220,7 @@ class StreamConnection final : public Link, public std::enable_shared_from_this<
     }
 
     void on_written(const Result<void>& written) {
-        writing_ = nullptr;
+        writing_.clear();
         write_timer_.cancel();
         if (!written)
             return on_lost(written.error());
@@ -200,11 +229,14 @@ class StreamConnection final : public Link, public std::enable_shared_from_this<
     }
 
     void write_overdue() {
-        if (writing_ == nullptr || lost_)
+        if (writing_.empty() || lost_)
             return;
+        std::size_t bytes = 0;
+        for (const SharedBytes& message : writing_)
+            bytes += message->size();
         session_->end(protocol::name(wire::ErrorCode::too_slow),
-                      fmt::format("{} bytes could not be sent within {} ms", writing_->size(),
-                                  core().options.write_timeout.count()));
+                      fmt::format("{} bytes could not be sent within {} ms", bytes,
+                                  write_patience().count()));
         drop();
     }
 
@@ -214,7 +246,7 @@ class StreamConnection final : public Link, public std::enable_shared_from_this<
             const auto [code, reason] = ws_.peer_close();
             session_->end(closed_by_client, fmt::format("code {} {}", code, reason));
         } else if (error.is(WebSocketEnd::silent)) {
-            const bool stuck = writing_ != nullptr;
+            const bool stuck = !writing_.empty();
             session_->end(
                 protocol::name(stuck ? wire::ErrorCode::too_slow : wire::ErrorCode::idle),
                 fmt::format("nothing received for {} ms", core().options.idle_timeout.count()));
@@ -244,7 +276,8 @@ class StreamConnection final : public Link, public std::enable_shared_from_this<
     asio::steady_timer write_timer_;
     asio::steady_timer close_timer_;
     std::optional<Session> session_;
-    SharedBytes writing_;
+    std::vector<SharedBytes> writing_;
+    std::vector<std::span<const std::uint8_t>> spans_; ///< of those
     SharedBytes go_away_;
     sockets::WebSocket::Close close_reason_;
     bool reading_ = false;

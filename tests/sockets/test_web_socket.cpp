@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sockets/web_socket.h"
 
+#include <algorithm>
+#include <functional>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include <boost/asio/read_until.hpp>
@@ -131,6 +134,66 @@ TEST_F(WebSocketTest, messages_go_both_ways_and_the_end_has_its_code_and_reason)
     EXPECT_EQ(client.peer_close().code, 4001u);
     EXPECT_EQ(client.peer_close().reason, std::string(123, 'x'))
         << "a closing frame holds 125 bytes";
+}
+
+// Lengths at which a frame's header changes, RFC 6455, 5.2. The client's frames are Beast's.
+TEST_F(WebSocketTest, messages_of_one_write_come_one_by_one_in_order_whatever_their_lengths) {
+    WebSocket& far = accept("a.v1");
+    std::vector<std::vector<std::uint8_t>> messages;
+    for (const std::size_t length : {1, 125, 126, 127, 999, 0, 1000})
+        messages.emplace_back(length, static_cast<std::uint8_t>(messages.size() + 1));
+    const std::vector<std::span<const std::uint8_t>> spans(messages.begin(), messages.end());
+    std::vector<std::vector<std::uint8_t>> received;
+    const std::function<void(const Result<WebSocket::Message>&)> keep =
+        [&](const Result<WebSocket::Message>& message) {
+            ASSERT_TRUE(message) << message.error().message;
+            EXPECT_TRUE(message->binary);
+            received.emplace_back(message->bytes.begin(), message->bytes.end());
+            client.read(keep);
+        };
+    client.read(keep);
+    int written = 0;
+    const auto done = [&](const Result<void>& sent) { written += sent ? 1 : 0; };
+    far.write(spans, done);
+    while ((received.size() < messages.size() || written == 0) && pair.io.run_one() > 0)
+        continue;
+    EXPECT_EQ(received, messages);
+    EXPECT_EQ(written, 1);
+}
+
+// Naive: a ping, which the library sends by itself, goes into the middle of a message that is half written.
+TEST_F(WebSocketTest, a_ping_waits_for_the_end_of_what_is_being_written) {
+    WebSocketOptions impatient = options("a.v1");
+    impatient.idle_patience = std::chrono::seconds(2); // a ping after one of silence
+    server.emplace(std::move(*pair.ends[1]), impatient);
+    server->accept(upgrade_of(request), [this](Result<void> done) { accepted = done; });
+    while (!(shaken && accepted) && pair.io.run_one() > 0)
+        continue;
+    server->read([](const Result<WebSocket::Message>&) {});
+    const std::vector<std::uint8_t> message(1000, 'm');
+    const std::vector<std::span<const std::uint8_t>> spans(20'000,
+                                                           message); // 20 MB: no socket takes it
+    bool written = false;
+    server->write(spans, [&](const Result<void>& sent) { written = sent.has_value(); });
+    pair.io.restart();
+    pair.io.run_for(std::chrono::milliseconds(1300)); // nobody reads
+    EXPECT_FALSE(written);
+    std::size_t received = 0;
+    bool broken = false;
+    const std::function<void(const Result<WebSocket::Message>&)> count =
+        [&](const Result<WebSocket::Message>& next) {
+            broken = !next || !std::ranges::equal(next->bytes, message);
+            received += broken ? 0 : 1;
+            if (!broken && received < spans.size())
+                client.read(count);
+        };
+    client.read(count);
+    pair.io.restart();
+    while (!broken && !(written && received == spans.size()) && pair.io.run_one() > 0)
+        continue;
+    EXPECT_FALSE(broken);
+    EXPECT_EQ(received, spans.size());
+    EXPECT_TRUE(written);
 }
 
 TEST_F(WebSocketTest, a_message_above_the_limit_is_not_understood) {
