@@ -34,8 +34,11 @@ keyframes_around(const SeaCourse& course, std::span<const TimeUs> times_us, cons
         return std::tuple(r.cascade, r.time_us, r.epoch);
     };
     std::ranges::sort(wanted, {}, order);
-    const auto twice = std::ranges::unique(wanted, {}, order);
-    wanted.erase(twice.begin(), twice.end());
+    // Not that of std::ranges: clang 14, which builds the fuzzers, cannot read what it returns.
+    const auto same = [&](const KeyframeRequest& a, const KeyframeRequest& b) {
+        return order(a) == order(b);
+    };
+    wanted.erase(std::unique(wanted.begin(), wanted.end(), same), wanted.end());
     return wanted;
 }
 
