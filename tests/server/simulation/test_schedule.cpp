@@ -197,6 +197,23 @@ TEST(Schedule, where_one_sea_follows_another_the_stream_has_the_keyframes_of_bot
     }
 }
 
+// Naive: those of the next sea begin when the last of this one is out: a burst, of which a reader loses what it cannot take.
+TEST(Schedule, each_keyframe_of_both_seas_comes_at_its_own_due_time) {
+    const auto course = changing_course();
+    Schedule schedule(*course);
+    constexpr TimeUs step_us = 5'000;
+    for (TimeUs now_us = 5'000'000; now_us < 24'000'000; now_us += step_us)
+        for (const KeyframeRequest& one : all_due(schedule, plan(height, height), now_us)) {
+            const TimeUs interval_us = course->sea(one.epoch)
+                                           ->budget.cascades[static_cast<std::size_t>(one.cascade)]
+                                           .interval_us;
+            const TimeUs due_us = one.time_us - interval_us - publish_lead_us;
+            if (now_us > 8'000'000) {
+                EXPECT_LE(now_us - due_us, step_us) << one.epoch << ' ' << one.time_us;
+            }
+        }
+}
+
 TEST(Schedule, around_times_each_keyframe_is_asked_for_once) {
     const TimeUs times_us[] = {100, 200, 89'999, 90'000, -1};
     const auto wanted = keyframes_around(course(), times_us, {.cascades = 2u, .fields = height});

@@ -155,6 +155,35 @@ TEST(SimulationChanges, foam_goes_on_over_a_change_and_is_the_same_for_who_comes
         EXPECT_LT(largest, 5e-3) << "e^-10 of some 50";
         EXPECT_GT(*std::ranges::max_element(one), 2.0f);
     }
+    // Ratios to the mean: 1 on average by the law of the sea that runs, some 10 by that of the calmer one before.
+    const TimeUs interval_us = late.course->sea(3)->budget.cascades[0].interval_us;
+    double sum = 0, count = 0;
+    for (int i = 0; i < 8; ++i)
+        for (const float ratio :
+             map(late, 3, interval_start(end_us + (30 + 7 * i) * second_us, interval_us))) {
+            sum += double{ratio};
+            ++count;
+        }
+    EXPECT_NEAR(sum / count, 1.0, 0.5);
+}
+
+// The last keyframe of one sea and the first of the next lie on both sides of the boundary: their foam is that of the
+// boundary, so that no history ever goes back.
+TEST(SimulationChanges, foam_at_a_boundary_between_keyframes_is_that_of_the_boundary) {
+    Bench bench("[foam]\nthreshold = 0.9\ndecay_s = 2\n");
+    const TimeUs start_us = 40'001'234;
+    change(bench, "systems.0.wind_speed_10m_mps", "13.0", start_us, start_us + 20 * second_us);
+    const auto both = *bench.fetch({start_us - 1, start_us}, {1u, {Field::foam}});
+    std::vector<float> before, after;
+    for (const sea::KeyframePtr& keyframe : both) {
+        const auto plane = std::as_const(*keyframe).plane(Field::foam);
+        if (keyframe->epoch == 1 && keyframe->time_us > start_us)
+            before.assign(plane.begin(), plane.end());
+        if (keyframe->epoch == 2 && keyframe->time_us < start_us)
+            after.assign(plane.begin(), plane.end());
+    }
+    ASSERT_FALSE(before.empty());
+    EXPECT_EQ(before, after);
 }
 
 TEST(SimulationChanges, a_device_that_fails_in_a_glide_is_rebuilt_and_goes_on_with_it) {
