@@ -2,6 +2,7 @@
 #include "server/world.h"
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
 #include <utility>
 
@@ -53,17 +54,23 @@ void World::change_by(Change change) {
 
 sea::TimeUs World::announce_due() {
     const sea::TimeUs now_us = clock_.now_us();
+    std::vector<std::uint32_t> told;
     for (const EpochWindow& window : course_->windows(now_us, now_us + announced_ahead_us)) {
+        told.push_back(window.epoch);
         Announce announce;
         {
             const std::scoped_lock lock(mutex_);
-            if (sea_states_.contains(window.epoch))
+            if (std::ranges::find(told_, window.epoch) != told_.end())
                 continue;
             announce = announce_;
         }
         const SharedBytes message = sea_state_message(window.epoch);
         if (announce)
             announce(message);
+    }
+    {
+        const std::scoped_lock lock(mutex_);
+        told_ = std::move(told); // what has left the windows does not come back
     }
     constexpr sea::TimeUs ever_us = std::numeric_limits<sea::TimeUs>::max();
     const auto later = course_->windows(now_us + announced_ahead_us, ever_us);
@@ -83,10 +90,12 @@ SharedBytes World::sea_state_message(std::uint32_t epoch) const {
     auto message = std::make_shared<const std::vector<std::uint8_t>>(
         protocol::sea_state(announcement(*sea, course_->window(epoch), warnings_of(*sea))));
     const std::scoped_lock lock(mutex_);
-    const SharedBytes& held = sea_states_.emplace(epoch, std::move(message)).first->second;
-    if (sea_states_.size() > sea_states_kept)
-        sea_states_.erase(sea_states_.begin());
-    return held;
+    const auto made = sea_states_.emplace(epoch, std::move(message)).first;
+    if (sea_states_.size() > sea_states_kept) {
+        const auto oldest = sea_states_.begin();
+        sea_states_.erase(oldest == made ? std::next(oldest) : oldest);
+    }
+    return made->second;
 }
 
 std::vector<SharedBytes> World::sea_state_messages() const {

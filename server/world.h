@@ -87,7 +87,9 @@ class World final : public Host {
     Publish publish_;
     Announce announce_;
     Change change_;
-    /// By epoch: of seas that are told of, or of which keyframes went out; the newest some.
+    /// Epochs that announce_due() has told of and that have not ended.
+    std::vector<std::uint32_t> told_;
+    /// By epoch: of seas that are told of, or of which keyframes went out; the newest some, and the one asked for last.
     mutable std::map<std::uint32_t, SharedBytes> sea_states_;
 };
 

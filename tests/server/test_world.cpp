@@ -60,6 +60,51 @@ TEST(World, what_who_has_gone_asked_for_is_dropped_without_work) {
     EXPECT_EQ(bench.simulation->counters().synthesis.transforms, 0u);
 }
 
+// ---- seas to come ------------------------------------------------------------------------------
+
+/// A sea of waves of a minute and more, quickly made, that changes so many times.
+SeaCoursePtr changing_course(int changes) {
+    std::string rows;
+    for (int i = 0; i < changes; ++i)
+        rows += "[[weather]]\nat_s = " + std::to_string(100 + 40 * i) +
+                "\nover_s = 20\nset.systems.0.from_deg = " + std::to_string(250 + i) + "\n";
+    const Result<sea::Scene> scene = sea::parse_scene(small_sea + rows, "small_sea", ".");
+    EXPECT_TRUE(scene) << (scene ? "" : scene.error().message);
+    return *SeaCourse::begin(*scene);
+}
+
+// Naive: the message of the oldest sea is let go at once, as the oldest, and handed out all the same.
+TEST(World, says_the_same_of_a_sea_however_many_others_were_asked_about_since) {
+    SeaClock clock = stopped_at(0);
+    const World world(changing_course(35), clock);
+    const std::vector<std::uint8_t> first = *world.sea_state_message(1);
+    for (std::uint32_t epoch = 2; epoch <= 71; ++epoch)
+        (void)world.sea_state_message(epoch);
+    for (int again = 0; again < 2; ++again) {
+        EXPECT_TRUE(*world.sea_state_message(1) == first);
+        ASSERT_EQ(world.sea_state_messages().size(), 1u);
+        EXPECT_TRUE(*world.sea_state_messages().front() == first);
+    }
+}
+
+// Naive: whoever fetches keyframes of a sea to come is told of it, and then nobody else is.
+TEST(World, everybody_is_told_once_of_a_sea_that_somebody_has_asked_about_already) {
+    TimeUs now_us = 0;
+    SeaClock clock(
+        0, [&now_us] { return now_us; }, [&now_us] { return now_us; });
+    World world(changing_course(1), clock);
+    std::vector<SharedBytes> told;
+    world.announce_to([&told](SharedBytes message) { told.push_back(std::move(message)); });
+    const SharedBytes glide = world.sea_state_message(2);
+    (void)world.announce_due();
+    EXPECT_EQ(told.size(), 0u) << "not yet";
+    now_us = 95'000'000;
+    (void)world.announce_due();
+    (void)world.announce_due();
+    ASSERT_EQ(told.size(), 1u);
+    EXPECT_EQ(told.front(), glide);
+}
+
 // ---- what is granted and what is sent for it -------------------------------------------------
 
 const FieldSet heights{Field::height, Field::height_rate};
