@@ -44,13 +44,14 @@ Result<RunningSeaPtr> make_running_sea(const sea::Scene& scene, std::uint32_t ep
     Result<sea::Realization> realized = sea::realize(scene);
     if (!realized)
         return realized.error();
+    SEAWAY_TRY_LET(sea::CertificatePtr certificate, sea::load_certificate(scene));
     return make_running_sea(scene, epoch,
-                            std::make_shared<const sea::Realization>(std::move(realized).value()));
+                            std::make_shared<const sea::Realization>(std::move(realized).value()),
+                            std::move(certificate));
 }
 
-Result<RunningSeaPtr> make_running_sea(const sea::Scene& scene, std::uint32_t epoch,
-                                       sea::RealizationPtr realization) {
-    SEAWAY_TRY_LET(sea::CertificatePtr certificate, sea::load_certificate(scene));
+RunningSeaPtr make_running_sea(const sea::Scene& scene, std::uint32_t epoch,
+                               sea::RealizationPtr realization, sea::CertificatePtr certificate) {
     const sea::FieldSet offered = offered_fields(scene.effects);
     return std::make_shared<const RunningSea>(RunningSea{
         epoch, scene, realization, sea::plan_budget(*realization, scene.accuracy.height_error_m),

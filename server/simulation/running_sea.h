@@ -78,9 +78,9 @@ using RunningSeaPtr = std::shared_ptr<const RunningSea>;
 /// cannot be had.
 Result<RunningSeaPtr> make_running_sea(const sea::Scene& scene, std::uint32_t epoch);
 
-/// The same of a scene that is realised already, and possibly changed since.
-Result<RunningSeaPtr> make_running_sea(const sea::Scene& scene, std::uint32_t epoch,
-                                       sea::RealizationPtr realization);
+/// The same of a scene that is realised already, and possibly changed since, with this certificate. Reads no file.
+RunningSeaPtr make_running_sea(const sea::Scene& scene, std::uint32_t epoch,
+                               sea::RealizationPtr realization, sea::CertificatePtr certificate);
 
 /// From the waves of `from` at `start_us` to `to`, which is steady and has its own phases; the glide ends in
 /// glide->change.after(). Keyframes lie as densely as those of either. An error says why they cannot be joined.

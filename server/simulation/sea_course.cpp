@@ -29,7 +29,8 @@ bool run_alike(const sea::SeaState& a, const sea::SeaState& b) {
            a.surface_tension == b.surface_tension && !stylised(a) && !stylised(b);
 }
 
-RunningSeaPtr made(Result<RunningSeaPtr> sea) {
+template <class Sea>
+Sea made(Result<Sea> sea) {
     SEAWAY_CHECK(sea.has_value(), "a sea that was checked when it was added can be made");
     return *std::move(sea);
 }
@@ -52,6 +53,11 @@ Result<std::shared_ptr<SeaCourse>> SeaCourse::begin(const sea::Scene& scene) {
 
 Result<void> SeaCourse::check_next(const sea::Scene& from, const sea::Scene& to) const {
     SEAWAY_TRY(sea::check_glide(from, to));
+    // Seas are made days later, when a file may have gone.
+    const std::string& certificate = to.accuracy.certificate.name;
+    if (!certificate.empty() && certificate != first_->scene.accuracy.certificate.name)
+        return Error{"accuracy.certificate cannot change while the sea runs: restart the server "
+                     "with the other scene"};
     SEAWAY_TRY_LET(const sea::Realization waves, sea::realize(to));
     const auto tile = [](const sea::CascadeModes& modes) {
         return std::pair(modes.spec.length_m, modes.spec.size);
@@ -169,13 +175,23 @@ RunningSeaPtr SeaCourse::make(std::uint32_t epoch) const {
         from = wanted.glides ? epoch_at(change.start_us, epoch - 1) : 0;
     }
     if (wanted.glides) {
-        const RunningSeaPtr to =
-            change.chained ? made(make_running_sea(change.scene, epoch + 1)) : sea(epoch + 1);
+        const RunningSeaPtr to = change.chained ? steady(change.scene, epoch + 1) : sea(epoch + 1);
         return made(make_glide(*sea(from), *to, epoch, change.start_us, change.end_us));
     }
     if (!change.chained)
-        return made(make_running_sea(change.scene, epoch));
-    return made(make_running_sea(change.scene, epoch, sea(epoch - 1)->realization));
+        return steady(change.scene, epoch);
+    return make_running_sea(change.scene, epoch, sea(epoch - 1)->realization,
+                            certificate_of(change.scene));
+}
+
+RunningSeaPtr SeaCourse::steady(const sea::Scene& scene, std::uint32_t epoch) const {
+    return make_running_sea(scene, epoch,
+                            std::make_shared<const sea::Realization>(made(sea::realize(scene))),
+                            certificate_of(scene));
+}
+
+sea::CertificatePtr SeaCourse::certificate_of(const sea::Scene& scene) const {
+    return scene.accuracy.certificate.name.empty() ? nullptr : first_->certificate;
 }
 
 RunningSeaPtr SeaCourse::at(TimeUs time_us) const {

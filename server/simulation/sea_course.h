@@ -85,6 +85,10 @@ class SeaCourse {
     };
 
     RunningSeaPtr make(std::uint32_t epoch) const;
+    /// Of its scene alone; reads no file.
+    RunningSeaPtr steady(const sea::Scene& scene, std::uint32_t epoch) const;
+    /// The one that was read at the start, where the scene names it.
+    sea::CertificatePtr certificate_of(const sea::Scene& scene) const;
     RunningSeaPtr held(std::uint32_t epoch) const;
     /// Of the first so many epochs.
     std::uint32_t epoch_at(sea::TimeUs time_us, std::size_t epochs) const;

@@ -137,6 +137,9 @@ TEST(SeaCourse, what_cannot_change_while_a_sea_runs_is_refused_by_name_and_chang
     other.accuracy.height_error_m = 0.5;
     EXPECT_EQ(refused(other).substr(0, 8), "accuracy");
     other = scene_of();
+    other.accuracy.certificate.name = "c.json";
+    EXPECT_EQ(refused(other).substr(0, 20), "accuracy.certificate") << refused(other);
+    other = scene_of();
     other.foam.decay_s = 1;
     EXPECT_EQ(refused(other).substr(0, 12), "foam.decay_s");
     other = scene_of();
@@ -165,6 +168,20 @@ TEST(SeaCourse, the_bounds_of_a_glide_hold_the_waves_of_both_seas) {
         EXPECT_GE(glide.cascades[c].loss.height.east_m,
                   0.999 * high_b.cascades[c].loss.height.east_m);
     }
+}
+
+// Naive: each sea reads the file that its scene names, days later, when it may have gone.
+TEST(SeaCourse, seas_to_come_have_the_certificate_that_was_read_at_the_start) {
+    RunningSea first = **make_running_sea(scene_of(), 1);
+    first.scene.accuracy.certificate = {"c.json", "no_such_folder/c.json"};
+    first.certificate = std::make_shared<const sea::Certificate>();
+    SeaCourse course(std::make_shared<const RunningSea>(first));
+    sea::Scene next = windy(scene_of(), "11");
+    ASSERT_TRUE(course.add(next, 100 * second_us, 130 * second_us));
+    next.accuracy.certificate = first.scene.accuracy.certificate;
+    ASSERT_TRUE(course.add(next, 200 * second_us, 230 * second_us));
+    EXPECT_EQ(course.at(150 * second_us)->certificate, nullptr) << "its scene names none";
+    EXPECT_EQ(course.at(250 * second_us)->certificate, first.certificate);
 }
 
 // Naive: a log of a month is a month of seas in memory.
