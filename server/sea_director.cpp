@@ -25,6 +25,19 @@ constexpr TimeUs meeting_us_max = 2'000'000;
 /// How long it sleeps at most: the clock may have leapt.
 constexpr std::chrono::seconds nap{1};
 
+/// Since it began.
+class Stopwatch {
+  public:
+    TimeUs us() const {
+        return std::chrono::duration_cast<std::chrono::microseconds>(
+                   std::chrono::steady_clock::now() - began_)
+            .count();
+    }
+
+  private:
+    std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
+};
+
 Error refused(Error why) {
     return why.kind == ErrorKind{} ? Error{Refusal::bad_value, std::move(why.message)} : why;
 }
@@ -110,8 +123,8 @@ void SeaDirector::run() {
     }
 }
 
-Result<sea::Scene> SeaDirector::wished(const SeaWish& wish) const {
-    const sea::Scene running = course_->scene_at(std::max(wish.at_us, clock_.now_us()));
+Result<sea::Scene> SeaDirector::wished(const SeaWish& wish, TimeUs from_us) const {
+    const sea::Scene running = course_->scene_at(from_us);
     if (wish.scene.empty())
         return sea::changed(running, wish.set);
     SEAWAY_TRY_LET(sea::Scene scene, sea::parse_scene(wish.scene, "the scene that was sent",
@@ -120,40 +133,53 @@ Result<sea::Scene> SeaDirector::wished(const SeaWish& wish) const {
     return scene;
 }
 
-TimeUs SeaDirector::start_of(const SeaWish& wish, const RunningSea& to,
-                             std::chrono::steady_clock::duration making) const {
+TimeUs SeaDirector::first_start(const RunningSea& to) const {
     const TimeUs now_us = clock_.now_us();
-    const std::vector<TimeUs> intervals_us = intervals_of(*course_->at(now_us), to);
-    const TimeUs making_us = std::chrono::duration_cast<std::chrono::microseconds>(making).count();
-    const TimeUs first_us = now_us + *std::ranges::max_element(intervals_us) + publish_lead_us +
-                            std::max(spare_us, 3 * making_us);
-    return next_meeting(std::max(wish.at_us, first_us), intervals_us);
+    return now_us + std::ranges::max(intervals_of(*course_->at(now_us), to)) + publish_lead_us;
+}
+
+TimeUs SeaDirector::start_of(const SeaWish& wish, const RunningSea& to, TimeUs making_us) const {
+    const TimeUs first_us = first_start(to) + std::max(spare_us, 3 * making_us);
+    return next_meeting(std::max(wish.at_us, first_us),
+                        intervals_of(*course_->at(clock_.now_us()), to));
+}
+
+Result<SeaDirector::Planned> SeaDirector::plan(const SeaWish& wish) const {
+    const Stopwatch all;
+    for (TimeUs from_us = std::max(wish.at_us, clock_.now_us());;) {
+        SEAWAY_TRY_LET(sea::Scene scene, wished(wish, from_us));
+        SEAWAY_TRY_LET(RunningSeaPtr to, make_running_sea(scene, 0));
+        const TimeUs start_us = start_of(wish, *to, all.us());
+        const SeaPromise promise{course_->epochs() + 1, start_us, start_us + wish.over_us};
+        if (!sea::in_time_range(promise.end_us))
+            return Error{"the change would end beyond the times of a sea"};
+        const Stopwatch checking;
+        SEAWAY_TRY(course_->check(scene, promise.start_us, promise.end_us));
+        // Anew, later, where a change that was promised begins before this one, which is then one of that sea; or where
+        // there was so much to check, as a timetable, that adding it would take until after the start.
+        const bool in_time = first_start(*to) + checking.us() <= start_us;
+        SEAWAY_TRY_LET(const sea::Scene then, wished(wish, start_us));
+        if (in_time && sea::to_toml(then) == sea::to_toml(scene))
+            return Planned{std::move(scene), std::move(to), promise};
+        from_us = start_us;
+    }
 }
 
 Result<SeaPromise> SeaDirector::make(const SeaWish& wish) {
-    const auto began = std::chrono::steady_clock::now();
-    const Result<sea::Scene> scene = wished(wish);
-    if (!scene)
-        return refused(scene.error());
-    const Result<RunningSeaPtr> to = make_running_sea(*scene, 0);
-    if (!to)
-        return refused(to.error());
-    const TimeUs start_us = start_of(wish, **to, std::chrono::steady_clock::now() - began);
-    const SeaPromise promise{course_->epochs() + 1, start_us, start_us + wish.over_us};
-    if (!sea::in_time_range(promise.end_us))
-        return Error{Refusal::bad_value, "the change would end beyond the times of a sea"};
-    if (const Result<void> fine = course_->check(*scene, promise.start_us, promise.end_us); !fine)
-        return refused(fine.error());
+    const Result<Planned> planned = plan(wish);
+    if (!planned)
+        return refused(planned.error());
+    const auto& [scene, to, promise] = *planned;
     if (journal_)
         SEAWAY_TRY(journal_->append(
-            {changes_ + 1, promise.start_us, promise.end_us, sea::to_toml(*scene)}));
+            {changes_ + 1, promise.start_us, promise.end_us, sea::to_toml(scene)}));
     ++changes_;
-    SEAWAY_CHECK(course_->add(*scene, promise.start_us, promise.end_us).has_value(),
+    SEAWAY_CHECK(course_->add(scene, promise.start_us, promise.end_us).has_value(),
                  "what was checked can be added");
     spdlog::info("event=sea_changes change={} start_s={} over_s={} hs_m={:.2f}", changes_,
                  sea::seconds_from_us(promise.start_us),
                  sea::seconds_from_us(promise.end_us - promise.start_us),
-                 (*to)->summary.realised.significant_height_m);
+                 to->summary.realised.significant_height_m);
     if (clock_.now_us() > promise.start_us)
         spdlog::warn("event=sea_changes_late change={} why=\"the journal took long\"", changes_);
     return promise;

@@ -41,10 +41,19 @@ class SeaDirector {
     };
     void run();
     Result<SeaPromise> make(const SeaWish& wish);
-    Result<sea::Scene> wished(const SeaWish& wish) const;
-    /// As soon as can be: when every keyframe that is out by then is of the sea before.
-    sea::TimeUs start_of(const SeaWish& wish, const RunningSea& to,
-                         std::chrono::steady_clock::duration making) const;
+    struct Planned {
+        sea::Scene scene;
+        RunningSeaPtr to;
+        SeaPromise promise;
+    };
+    /// A change that can be added, and begins late enough for that.
+    Result<Planned> plan(const SeaWish& wish) const;
+    /// Its scene if it begins then: values are set in what runs, or is glided to, at that time.
+    Result<sea::Scene> wished(const SeaWish& wish, sea::TimeUs from_us) const;
+    /// When every keyframe that is out by now is of the sea before.
+    sea::TimeUs first_start(const RunningSea& to) const;
+    /// As soon as can be, or when it is wished.
+    sea::TimeUs start_of(const SeaWish& wish, const RunningSea& to, sea::TimeUs making_us) const;
 
     const std::shared_ptr<SeaCourse> course_;
     Journal* const journal_;

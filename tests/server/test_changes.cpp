@@ -5,6 +5,7 @@
 #include <cmath>
 #include <fstream>
 #include <random>
+#include <sstream>
 #include <thread>
 
 #include <fmt/format.h>
@@ -237,6 +238,47 @@ TEST(Changes, survive_a_kill_bit_for_bit_and_none_that_was_acknowledged_is_lost)
         server.send(SIGKILL);
         EXPECT_TRUE(server.wait_for_exit(std::chrono::seconds(10)));
     }
+}
+
+// Naive: values are set in the sea of this moment, and the change before, promised and not yet begun, is lost.
+TEST(Changes, one_that_follows_another_at_once_keeps_what_that_one_set) {
+    tests::ServerProcess server(arguments(tests::folder().file("quick")));
+    const std::string url = server.wait_until_ready();
+    const auto client = connect(url);
+    ASSERT_TRUE(client) << server.log();
+    Said said{};
+    for (const char* value :
+         {"systems.0.wind_speed_10m_mps=12", "sea.depth_m=30", "foam.bias=0.1"}) {
+        said = ctl(url, {"set", value, "--over", "10s"});
+        ASSERT_EQ(said.code, 0) << said.words;
+    }
+    // One begins before all others, and has nothing of one that is to come.
+    ASSERT_EQ(ctl(url, {"set", "sea.depth_m=44", "--at", "1000"}).code, 0);
+    const auto told = [&](double time_s) {
+        const sea::QueryPoint point{0, 0, static_cast<TimeUs>(time_s * 1e6)};
+        EXPECT_TRUE(client->fetch_and_sample({&point, 1}, 20));
+        return client->sea_state(point.time_us)->scene;
+    };
+    const std::string scene = told(number(said.words, "end_s") + 1);
+    for (const char* line : {"wind_speed_10m_mps = 12", "depth_m = 30", "bias = 0.1"})
+        EXPECT_NE(scene.find(line), std::string::npos) << line << " in\n" << scene;
+}
+
+// Naive: the start is set before the rows of the timetable are looked through, and is over when they are.
+TEST(Changes, a_scene_with_a_long_timetable_begins_after_it_was_announced) {
+    tests::ServerProcess server(arguments(tests::folder().file("long")));
+    const std::string url = server.wait_until_ready();
+    const auto client = connect(url);
+    ASSERT_TRUE(client) << server.log();
+    std::ostringstream scene;
+    scene << std::ifstream(SEAWAY_SOURCE_DIR "/scenes/calm.toml").rdbuf();
+    for (int i = 0; i < 60; ++i)
+        scene << fmt::format("[[weather]]\nat_s = {}\nover_s = 20\nset.systems.0.from_deg = {}\n",
+                             1000 + 100 * i, 200 + i);
+    const Said said =
+        ctl(url, {"--timeout", "60", "load", tests::folder().write("long.toml", scene.str())});
+    ASSERT_EQ(said.code, 0) << said.words;
+    EXPECT_GT(number(said.words, "start_s"), sea::seconds_from_us(client->now_us()));
 }
 
 TEST(Changes, are_for_administrators_and_refused_with_what_is_wrong) {
