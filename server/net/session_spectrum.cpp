@@ -62,7 +62,7 @@ void Session::spectra_made(std::optional<std::uint32_t> request_id,
         }
         return;
     }
-    std::uint32_t pushed = 0;
+    std::vector<EncodedSpectrumPtr> sent;
     const auto has = [this](std::uint32_t epoch) {
         return std::ranges::find(spectra_sent_, epoch) != spectra_sent_.end();
     };
@@ -72,17 +72,19 @@ void Session::spectra_made(std::optional<std::uint32_t> request_id,
         spectra_sent_.push_back(spectrum->epoch);
         if (spectra_sent_.size() > limits::spectra_max)
             spectra_sent_.erase(spectra_sent_.begin());
-        tell_of(spectrum->epoch);
-        outbox_.push_spectrum(spectrum);
-        ++pushed;
+        sent.push_back(spectrum);
     }
-    if (request_id) // goes before them
-        return reply(
-            protocol::spectrum_subscribed(*request_id, {.error_m = granted->error_m,
-                                                        .slope_error = granted->slope_error,
-                                                        .fields = granted->fields,
-                                                        .spectra = pushed,
-                                                        .why = granted->why}));
+    for (const EncodedSpectrumPtr& spectrum : sent)
+        tell_of(spectrum->epoch);
+    if (request_id) // goes before them: the client counts them from then on
+        reply(protocol::spectrum_subscribed(*request_id,
+                                            {.error_m = granted->error_m,
+                                             .slope_error = granted->slope_error,
+                                             .fields = granted->fields,
+                                             .spectra = static_cast<std::uint32_t>(sent.size()),
+                                             .why = granted->why}));
+    for (const EncodedSpectrumPtr& spectrum : sent)
+        outbox_.push_spectrum(spectrum);
     link_.send_more();
 }
 

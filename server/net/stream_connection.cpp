@@ -124,8 +124,6 @@ class StreamConnection final : public Link, public std::enable_shared_from_this<
                 return;
             bytes += message->size();
             writing_.push_back(std::move(message));
-            if (session_->outbox().spectrum_waiting())
-                return; // its chunks go one by one
         }
     }
     /// write_timeout for each message.

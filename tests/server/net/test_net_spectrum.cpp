@@ -88,6 +88,24 @@ TEST_F(NetSpectrum, the_sea_at_the_end_of_a_glide_is_sent_to_those_alone_who_do_
     EXPECT_EQ(spectrum_from(*newcomer), 3u);
 }
 
+// Naive: what tells of the second sea lets the waves of the first go, before the client knows how many to wait for.
+TEST_F(NetSpectrum, the_grant_goes_before_all_waves_also_where_seas_are_told_of_with_them) {
+    host.offer_spectra({SmallSea::spectrum_of(1, 3), SmallSea::spectrum_of(2, 3)});
+    host.told_later = {{2, SmallSea::state_message(2)}};
+    start();
+    const auto client = greeted();
+    ASSERT_FALSE(client->send(protocol::subscribe_spectrum(1, {})));
+    for (;;) {
+        const wire::Message* message = client->receive();
+        ASSERT_TRUE(message);
+        ASSERT_NE(message->body_type(), Body::Spectrum);
+        if (message->body_type() == Body::SpectrumSubscribed)
+            break;
+    }
+    EXPECT_EQ(spectrum_from(*client), 1u);
+    EXPECT_EQ(spectrum_from(*client), 2u);
+}
+
 TEST_F(NetSpectrum, who_does_not_ask_or_asks_no_more_is_sent_none) {
     offer(1, 3);
     start();

@@ -90,6 +90,12 @@ class SmallSea : public server::Host {
 
     sea::TimeUs sea_time_us() const override { return newest * interval_us; }
     std::vector<protocol::SharedBytes> sea_state_messages() const override { return states; }
+    protocol::SharedBytes sea_state_message(std::uint32_t epoch) const override {
+        const auto told = told_later.find(epoch);
+        return told == told_later.end() ? nullptr : told->second;
+    }
+    std::map<std::uint32_t, protocol::SharedBytes>
+        told_later; ///< by epoch, where its waves are sent
     server::Demand grant(const server::Demand& wish) const override {
         server::Demand grant = wish;
         grant.cascades &= 3u;
