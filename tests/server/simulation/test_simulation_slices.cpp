@@ -27,24 +27,34 @@ std::uint64_t made_when_a_small_question_is_answered(Bench& bench) {
     return made.get_future().get();
 }
 
-// Naive: all keyframes of the surface around a point in one go, and then all their splines.
+/// Keyframes that are made by the time that a small question is answered which comes when a large one has begun.
+std::uint64_t made_meanwhile(bool map) {
+    Bench bench(large);
+    std::promise<bool> answered;
+    std::optional<Gate> gate(std::in_place, bench);
+    if (map)
+        bench.simulation->surface(
+            7'000'000, [&](const auto& surface) { answered.set_value(surface.has_value()); },
+            someone);
+    else
+        bench.simulation->answer(
+            {{1.0, 2.0, 7'000'000}}, false,
+            [&](const auto& answers) { answered.set_value(answers.has_value()); }, someone);
+    gate.reset();
+    const std::uint64_t made = made_when_a_small_question_is_answered(bench);
+    EXPECT_TRUE(answered.get_future().get());
+    EXPECT_EQ(bench.simulation->counters().synthesis.keyframes, 6u);
+    return made;
+}
+
+// Naive: all keyframes of the surface around a point in one go, and then all their splines. Where this thread is held up until
+// all is made it has seen nothing: it tries again, and never sees less than all where nobody is let in.
 TEST(Slices, one_point_at_a_new_time_in_a_large_sea_lets_others_in_between) {
     for (const bool map : {false, true}) {
-        Bench bench(large);
-        std::promise<bool> answered;
-        std::optional<Gate> gate(std::in_place, bench);
-        if (map)
-            bench.simulation->surface(
-                7'000'000, [&](const auto& surface) { answered.set_value(surface.has_value()); },
-                someone);
-        else
-            bench.simulation->answer(
-                {{1.0, 2.0, 7'000'000}}, false,
-                [&](const auto& answers) { answered.set_value(answers.has_value()); }, someone);
-        gate.reset();
-        EXPECT_LT(made_when_a_small_question_is_answered(bench), 6u) << "two of each cascade";
-        EXPECT_TRUE(answered.get_future().get());
-        EXPECT_EQ(bench.simulation->counters().synthesis.keyframes, 6u);
+        bool let_in = false;
+        for (int tries = 0; tries < 20 && !let_in; ++tries)
+            let_in = made_meanwhile(map) < 6; // two of each cascade
+        EXPECT_TRUE(let_in) << (map ? "a map" : "a point");
     }
 }
 
