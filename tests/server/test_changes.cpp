@@ -16,7 +16,7 @@
 #include "tests/support/folder.h"
 #include "tests/support/server_process.h"
 
-namespace seaway {
+namespace seaway::changes {
 namespace {
 
 using client::Client;
@@ -320,4 +320,4 @@ TEST(Changes, are_for_administrators_and_refused_with_what_is_wrong) {
 }
 
 } // namespace
-} // namespace seaway
+} // namespace seaway::changes

@@ -12,7 +12,7 @@ using sea::Field;
 using sea::FieldSet;
 using sea::TimeUs;
 
-constexpr TimeUs interval_us = 100'000;
+constexpr TimeUs held_interval_us = 100'000;
 
 /// Every value of it is another.
 HeldKeyframePtr keyframe(TimeUs time_us, FieldSet fields, int size) {
@@ -28,11 +28,11 @@ HeldKeyframePtr keyframe(TimeUs time_us, FieldSet fields, int size) {
 
 TEST(HeldKeyframe, as_spline_it_samples_the_same_and_holds_half_the_memory) {
     const FieldSet fields = sea::surface_fields | FieldSet{Field::foam, Field::slope_x};
-    const HeldKeyframePtr whole = keyframe(7 * interval_us, fields, 256);
+    const HeldKeyframePtr whole = keyframe(7 * held_interval_us, fields, 256);
     KeyframeRing ring({.as_splines = true});
     ring.insert(whole);
     const std::optional<KeyframePair> pair =
-        ring.around(0, 1, 7 * interval_us, interval_us, fields);
+        ring.around(0, 1, 7 * held_interval_us, held_interval_us, fields);
     ASSERT_TRUE(pair && pair->covers) << "what came is there to be sampled";
     const HeldKeyframe& held = *pair->before;
     EXPECT_EQ(held.fields(), fields);
@@ -48,10 +48,10 @@ TEST(HeldKeyframe, as_spline_it_samples_the_same_and_holds_half_the_memory) {
     EXPECT_EQ(ring.bytes(0), held.bytes());
 
     // Richer replaces poorer, and not the other way round, as where values are held.
-    ring.insert(keyframe(7 * interval_us, {Field::height, Field::height_rate}, 256));
+    ring.insert(keyframe(7 * held_interval_us, {Field::height, Field::height_rate}, 256));
     EXPECT_EQ(ring.newest(0)->fields(), fields);
     // Foam alone has no spline: it stays as it is.
-    const HeldKeyframePtr foam = keyframe(8 * interval_us, {Field::foam}, 16);
+    const HeldKeyframePtr foam = keyframe(8 * held_interval_us, {Field::foam}, 16);
     ring.insert(foam);
     EXPECT_EQ(ring.newest(0), foam);
 }

@@ -20,6 +20,8 @@ using sea::Field;
 using sea::FieldSet;
 using sea::TimeUs;
 
+inline constexpr TimeUs second_us = 1'000'000;
+
 inline constexpr const char* small_sea = R"(
 [sea]
 seed = 7

@@ -11,8 +11,6 @@
 namespace seaway::server {
 namespace {
 
-constexpr TimeUs second_us = 1'000'000;
-
 sea::Scene scene_of(const std::string& more = {}) {
     Result<sea::Scene> scene = sea::parse_scene(small_sea + more, "small_sea", ".");
     EXPECT_TRUE(scene) << (scene ? "" : scene.error().message);
@@ -26,7 +24,7 @@ sea::Scene windy(const sea::Scene& scene, const std::string& wind_mps) {
     return *std::move(next);
 }
 
-double height(const SeaCourse& course, std::uint32_t epoch, TimeUs time_us) {
+double height_m(const SeaCourse& course, std::uint32_t epoch, TimeUs time_us) {
     return course.sea(epoch)->truth_at(time_us)->at(3.0, 4.0, time_us).height;
 }
 
@@ -73,8 +71,8 @@ TEST(SeaCourse, seas_of_neighbouring_epochs_are_one_where_they_meet) {
         const TimeUs at_us = windows[i].start_us;
         EXPECT_EQ(windows[i - 1].end_us, at_us);
         // A centimetre a second at most, from the glide's slope, in a microsecond.
-        EXPECT_NEAR(height(*course, windows[i - 1].epoch, at_us),
-                    height(*course, windows[i].epoch, at_us), 1e-9)
+        EXPECT_NEAR(height_m(*course, windows[i - 1].epoch, at_us),
+                    height_m(*course, windows[i].epoch, at_us), 1e-9)
             << windows[i].epoch;
     }
 }

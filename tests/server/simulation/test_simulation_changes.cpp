@@ -12,8 +12,6 @@
 namespace seaway::server {
 namespace {
 
-constexpr TimeUs second_us = 1'000'000;
-
 sea::Scene changed(const Bench& bench, const std::string& path, const std::string& value) {
     const TomlAssignment one{path, value};
     Result<sea::Scene> next = sea::changed(bench.sea->scene, {&one, 1});
