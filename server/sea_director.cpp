@@ -2,6 +2,7 @@
 #include "server/sea_director.h"
 
 #include <algorithm>
+#include <iterator>
 #include <new>
 #include <numeric>
 #include <utility>
@@ -165,7 +166,25 @@ Result<SeaDirector::Planned> SeaDirector::plan(const SeaWish& wish) const {
     }
 }
 
+Result<void> SeaDirector::check_promised(const SeaWish& wish) {
+    const TimeUs now_us = clock_.now_us();
+    std::erase_if(promised_, [now_us](TimeUs start_us) { return start_us <= now_us; });
+    std::vector<TimeUs> soon;
+    std::ranges::copy_if(promised_, std::back_inserter(soon), [now_us](TimeUs start_us) {
+        return start_us < now_us + World::announced_ahead_us;
+    });
+    if (soon.size() < changes_promised_max || wish.at_us >= now_us + World::announced_ahead_us)
+        return {};
+    const TimeUs wait_us = std::ranges::min(soon) - now_us;
+    Error busy{Refusal::busy,
+               fmt::format("{} changes are promised and have not begun: ask again in {:.1f} s",
+                           soon.size(), sea::seconds_from_us(wait_us))};
+    busy.retry_after_ms = static_cast<std::uint32_t>(wait_us / 1000 + 1);
+    return busy;
+}
+
 Result<SeaPromise> SeaDirector::make(const SeaWish& wish) {
+    SEAWAY_TRY(check_promised(wish));
     const Result<Planned> planned = plan(wish);
     if (!planned)
         return refused(planned.error());
@@ -174,6 +193,7 @@ Result<SeaPromise> SeaDirector::make(const SeaWish& wish) {
         SEAWAY_TRY(journal_->append(
             {changes_ + 1, promise.start_us, promise.end_us, sea::to_toml(scene)}));
     ++changes_;
+    promised_.push_back(promise.start_us);
     SEAWAY_CHECK(course_->add(scene, promise.start_us, promise.end_us).has_value(),
                  "what was checked can be added");
     spdlog::info("event=sea_changes change={} start_s={} over_s={} hs_m={:.2f}", changes_,

@@ -11,6 +11,7 @@
 #include <memory>
 #include <mutex>
 #include <thread>
+#include <vector>
 
 #include "server/journal/journal.h"
 #include "server/world.h"
@@ -19,6 +20,9 @@ namespace seaway::server {
 
 /// Changes that wait for those before them.
 inline constexpr std::size_t changes_waiting_max = 16;
+/// Changes that are promised and have not begun, of those that are told of already: the seas of more would throw out those
+/// that run (SeaCourse, seas_kept).
+inline constexpr std::size_t changes_promised_max = 3;
 
 class SeaDirector {
   public:
@@ -40,6 +44,8 @@ class SeaDirector {
         Host::Changed done;
     };
     void run();
+    /// An error, busy: more are promised than may be, and this one would begin soon.
+    Result<void> check_promised(const SeaWish& wish);
     Result<SeaPromise> make(const SeaWish& wish);
     struct Planned {
         sea::Scene scene;
@@ -58,6 +64,7 @@ class SeaDirector {
     const std::shared_ptr<SeaCourse> course_;
     Journal* const journal_;
     std::uint32_t changes_;
+    std::vector<sea::TimeUs> promised_; ///< starts that have not come; of the director's thread
     World& world_;
     SeaClock& clock_;
 

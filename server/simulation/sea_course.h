@@ -27,7 +27,7 @@ namespace seaway::server {
 
 /// Epochs that are kept made: the running one, those around it, and some that are asked about. 20 to 40 MB each at
 /// three cascades of 256 x 256.
-inline constexpr std::size_t seas_kept = 6;
+inline constexpr std::size_t seas_kept = 8;
 /// Of a log, timetables included.
 inline constexpr std::size_t changes_max = 10'000;
 

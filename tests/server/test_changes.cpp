@@ -281,6 +281,30 @@ TEST(Changes, a_scene_with_a_long_timetable_begins_after_it_was_announced) {
     EXPECT_GT(number(said.words, "start_s"), sea::seconds_from_us(client->now_us()));
 }
 
+// Naive: each is promised, and the seas of those to come throw out the one that runs: nothing comes for seconds.
+TEST(Changes, more_than_a_few_that_have_not_begun_are_refused_until_one_has) {
+    tests::ServerProcess server(arguments(tests::folder().file("many")));
+    const std::string url = server.wait_until_ready();
+    ASSERT_FALSE(url.empty()) << server.log();
+    const auto set = [&](int from_deg) {
+        return ctl(url, {"set", fmt::format("systems.0.from_deg={}", from_deg), "--over", "10s"});
+    };
+    Said said{0, ""};
+    int taken = 0;
+    while (said.code == 0 && taken < 40)
+        taken += (said = set(10 * taken)).code == 0;
+    EXPECT_EQ(said.code, 6) << said.words;
+    EXPECT_NE(said.words.find("have not begun"), std::string::npos) << said.words;
+    EXPECT_GE(taken, 2);
+    for (int i = 0; i < 100 && said.code != 0; ++i) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(200));
+        said = set(5);
+    }
+    EXPECT_EQ(said.code, 0) << said.words;
+    // One that is far off keeps no place.
+    EXPECT_EQ(ctl(url, {"set", "sea.depth_m=30", "--at", "5000"}).code, 0);
+}
+
 TEST(Changes, are_for_administrators_and_refused_with_what_is_wrong) {
     tests::ServerProcess server(arguments(tests::folder().file("admin")));
     const std::string url = server.wait_until_ready();
