@@ -21,7 +21,7 @@ struct Resumed {
 /// Without a folder a sea begins at `now_utc_us`. With one the sea of its journal goes on, which must have begun with this
 /// scene: its changes are added to the course, which holds the beginning; a folder without a journal gets one. An error
 /// is one line: those of SqliteJournal::open(), that the journal is of another sea, with the first line that differs,
-/// and a change that this version cannot play. About 0.1 s a change.
+/// and a change that this version cannot play. About 2 ms a change.
 Result<Resumed> begin_or_resume(const std::string& data_dir, SeaCourse& course,
                                 std::int64_t now_utc_us);
 

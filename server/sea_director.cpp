@@ -43,6 +43,14 @@ Error refused(Error why) {
     return why.kind == ErrorKind{} ? Error{Refusal::bad_value, std::move(why.message)} : why;
 }
 
+/// Until then.
+Error busy(TimeUs wait_us, const std::string& why) {
+    Error error{Refusal::busy,
+                fmt::format("{}: ask again in {:.1f} s", why, sea::seconds_from_us(wait_us))};
+    error.retry_after_ms = static_cast<std::uint32_t>(std::max<TimeUs>(wait_us, 0) / 1000 + 1);
+    return error;
+}
+
 /// Of all keyframe intervals of both.
 std::vector<TimeUs> intervals_of(const RunningSea& a, const RunningSea& b) {
     std::vector<TimeUs> all;
@@ -104,7 +112,7 @@ void SeaDirector::run() {
     while (!stopping_) {
         if (asked_.empty()) {
             lock.unlock();
-            (void)world_.announce_due();
+            announce();
             lock.lock();
             wake_.wait_for(lock, nap, [this] { return stopping_ || !asked_.empty(); });
             continue;
@@ -118,9 +126,18 @@ void SeaDirector::run() {
         } catch (const std::bad_alloc&) {
         }
         if (promise)
-            (void)world_.announce_due();
+            announce();
         asked.done(std::move(promise));
         lock.lock();
+    }
+}
+
+void SeaDirector::announce() {
+    try {
+        (void)world_.announce_due();
+    } catch (const std::bad_alloc&) {
+        spdlog::warn("event=sea_not_announced why=\"there is no memory for it, again in {} s\"",
+                     nap.count());
     }
 }
 
@@ -141,8 +158,8 @@ TimeUs SeaDirector::first_start(const RunningSea& to) const {
 
 TimeUs SeaDirector::start_of(const SeaWish& wish, const RunningSea& to, TimeUs making_us) const {
     const TimeUs first_us = first_start(to) + std::max(spare_us, 3 * making_us);
-    return next_meeting(std::max(wish.at_us, first_us),
-                        intervals_of(*course_->at(clock_.now_us()), to));
+    const TimeUs start_us = std::max(wish.at_us, first_us);
+    return next_meeting(start_us, intervals_of(*course_->at(start_us), to));
 }
 
 Result<SeaDirector::Planned> SeaDirector::plan(const SeaWish& wish) const {
@@ -151,6 +168,7 @@ Result<SeaDirector::Planned> SeaDirector::plan(const SeaWish& wish) const {
         SEAWAY_TRY_LET(sea::Scene scene, wished(wish, from_us));
         SEAWAY_TRY_LET(RunningSeaPtr to, make_running_sea(scene, 0));
         const TimeUs start_us = start_of(wish, *to, all.us());
+        SEAWAY_TRY(check_takeovers(start_us));
         const SeaPromise promise{course_->epochs() + 1, start_us, start_us + wish.over_us};
         if (!sea::in_time_range(promise.end_us))
             return Error{"the change would end beyond the times of a sea"};
@@ -175,12 +193,19 @@ Result<void> SeaDirector::check_promised(const SeaWish& wish) {
     });
     if (soon.size() < changes_promised_max || wish.at_us >= now_us + World::announced_ahead_us)
         return {};
-    const TimeUs wait_us = std::ranges::min(soon) - now_us;
-    Error busy{Refusal::busy,
-               fmt::format("{} changes are promised and have not begun: ask again in {:.1f} s",
-                           soon.size(), sea::seconds_from_us(wait_us))};
-    busy.retry_after_ms = static_cast<std::uint32_t>(wait_us / 1000 + 1);
-    return busy;
+    return busy(std::ranges::min(soon) - now_us,
+                fmt::format("{} changes are promised and have not begun", soon.size()));
+}
+
+Result<void> SeaDirector::check_takeovers(TimeUs start_us) const {
+    const int glides = course_->glides_in_row(start_us);
+    if (glides <= takeovers_max)
+        return {};
+    const TimeUs end_us = course_->window_at(start_us).end_us;
+    return busy(end_us - clock_.now_us(),
+                fmt::format("{} changes in a row have taken over from one that had not ended, the "
+                            "last ends at {:.1f} s",
+                            glides - 1, sea::seconds_from_us(end_us)));
 }
 
 Result<SeaPromise> SeaDirector::make(const SeaWish& wish) {

@@ -44,8 +44,12 @@ class SeaDirector {
         Host::Changed done;
     };
     void run();
+    /// Where there is no memory now, the next look does.
+    void announce();
     /// An error, busy: more are promised than may be, and this one would begin soon.
     Result<void> check_promised(const SeaWish& wish);
+    /// An error, busy: too many before it have taken over from changes that had not ended.
+    Result<void> check_takeovers(sea::TimeUs start_us) const;
     Result<SeaPromise> make(const SeaWish& wish);
     struct Planned {
         sea::Scene scene;

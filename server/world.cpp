@@ -52,26 +52,33 @@ void World::change_by(Change change) {
     change_ = std::move(change);
 }
 
+bool World::is_told(std::uint32_t epoch) const {
+    const std::scoped_lock lock(mutex_);
+    return std::ranges::find(told_, epoch, &RunningSea::epoch) != told_.end();
+}
+
 sea::TimeUs World::announce_due() {
     const sea::TimeUs now_us = clock_.now_us();
-    std::vector<std::uint32_t> told;
+    std::vector<RunningSeaPtr> told;
+    std::vector<SharedBytes> untold;
     for (const EpochWindow& window : course_->windows(now_us, now_us + announced_ahead_us)) {
-        told.push_back(window.epoch);
-        Announce announce;
-        {
-            const std::scoped_lock lock(mutex_);
-            if (std::ranges::find(told_, window.epoch) != told_.end())
-                continue;
-            announce = announce_;
-        }
+        told.push_back(course_->sea(window.epoch));
         const SharedBytes message = sea_state_message(window.epoch);
-        if (announce)
-            announce(message);
+        if (!is_told(window.epoch))
+            untold.push_back(message);
     }
+    std::vector<RunningSeaPtr> origins = origins_of(told.front());
+    Announce announce;
     {
         const std::scoped_lock lock(mutex_);
-        told_ = std::move(told); // what has left the windows does not come back
+        told_.swap(told); // what has left the windows does not come back
+        origins_.swap(origins);
+        announce = announce_;
     }
+    // Who comes now is told of them already: of the two a session takes one.
+    for (SharedBytes& message : untold)
+        if (announce)
+            announce(std::move(message));
     constexpr sea::TimeUs ever_us = std::numeric_limits<sea::TimeUs>::max();
     const auto later = course_->windows(now_us + announced_ahead_us, ever_us);
     const auto next = std::ranges::find_if(later, [&](const EpochWindow& window) {
@@ -80,52 +87,60 @@ sea::TimeUs World::announce_due() {
     return next == later.end() ? ever_us : next->start_us - announced_ahead_us;
 }
 
+std::vector<RunningSeaPtr> World::origins_of(RunningSeaPtr sea) const {
+    std::vector<RunningSeaPtr> origins;
+    while (sea->glide && origins.size() + 1 < protocol::limits::spectra_max) {
+        sea = course_->at(sea->glide->change.start_us() - 1);
+        origins.push_back(sea);
+    }
+    return origins;
+}
+
 SharedBytes World::sea_state_message(std::uint32_t epoch) const {
     {
         const std::scoped_lock lock(mutex_);
-        if (const auto found = sea_states_.find(epoch); found != sea_states_.end())
-            return found->second;
+        const auto found = std::ranges::find(sea_states_, epoch, &SeaState::epoch);
+        if (found != sea_states_.end()) {
+            std::rotate(found, found + 1, sea_states_.end());
+            return sea_states_.back().message;
+        }
     }
     const RunningSeaPtr sea = course_->sea(epoch);
     auto message = std::make_shared<const std::vector<std::uint8_t>>(
         protocol::sea_state(announcement(*sea, course_->window(epoch), warnings_of(*sea))));
     const std::scoped_lock lock(mutex_);
-    const auto made = sea_states_.emplace(epoch, std::move(message)).first;
-    if (sea_states_.size() > sea_states_kept) {
-        const auto oldest = sea_states_.begin();
-        sea_states_.erase(oldest == made ? std::next(oldest) : oldest);
-    }
-    return made->second;
+    sea_states_.push_back({epoch, message});
+    if (sea_states_.size() > sea_states_kept)
+        sea_states_.pop_front();
+    return message;
 }
 
 std::vector<SharedBytes> World::sea_state_messages() const {
     const sea::TimeUs now_us = clock_.now_us();
     std::vector<SharedBytes> messages;
+    // One that nobody has been told of is not made yet: all will be told when it is.
     for (const EpochWindow& window : course_->windows(now_us, now_us + announced_ahead_us))
-        messages.push_back(sea_state_message(window.epoch));
+        if (messages.empty() || is_told(window.epoch))
+            messages.push_back(sea_state_message(window.epoch));
     return messages;
 }
 
 Result<GrantedSpectrum> World::spectrum(const SpectrumDemand& wish) {
-    std::vector<SpectrumSource> sources;
-    const auto add = [&](const RunningSeaPtr& sea) {
-        // A change is a glide and the sea that it leads to, the next epoch.
-        const bool ends_a_glide =
-            !sea->glide && sea->epoch > 1 && course_->sea(sea->epoch - 1)->glide;
-        sources.push_back({sea->epoch, sea->realization, sea->scene.sea.dispersion(),
-                           sea->budget.height_error_m, ends_a_glide ? sea->epoch - 1 : 0});
-    };
-    const sea::TimeUs now_us = clock_.now_us();
-    const RunningSeaPtr running = course_->at(now_us);
-    add(running);
-    for (RunningSeaPtr sea = running;
-         sea->glide && sources.size() < protocol::limits::spectra_max;) {
-        sea = course_->at(sea->glide->change.start_us() - 1);
-        add(sea);
+    const RunningSeaPtr running = sea_now();
+    std::vector<RunningSeaPtr> seas{running};
+    {
+        const std::scoped_lock lock(mutex_);
+        seas.insert(seas.end(), origins_.begin(), origins_.end());
+        std::ranges::copy_if(told_, std::back_inserter(seas),
+                             [&](const RunningSeaPtr& sea) { return sea != running; });
     }
-    for (const EpochWindow& window : course_->windows(now_us, now_us + announced_ahead_us))
-        if (window.epoch != running->epoch && sources.size() < protocol::limits::spectra_max)
-            add(course_->sea(window.epoch));
+    std::vector<SpectrumSource> sources;
+    for (const RunningSeaPtr& sea : seas)
+        // A change is a glide and the sea that it leads to, the next epoch.
+        sources.push_back({sea->epoch, sea->realization, sea->scene.sea.dispersion(),
+                           sea->budget.height_error_m,
+                           course_->ends_a_glide(sea->epoch) ? sea->epoch - 1 : 0});
+    sources.resize(std::min<std::size_t>(sources.size(), protocol::limits::spectra_max));
     return spectra_.grant(sources, wish);
 }
 

@@ -7,6 +7,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <deque>
 #include <functional>
 #include <map>
 #include <memory>
@@ -76,7 +77,11 @@ class World final : public Host {
     /// What tiles of this rung leave out because it follows from what they hold.
     sea::FieldSet follows(const RunningSea& sea, std::uint8_t quality) const;
     KeyframeTiles tiles(sea::KeyframePtr keyframe, std::uint8_t quality) const;
+    /// The one that runs; made here only where the clock has leapt to a sea that nobody was told of.
     RunningSeaPtr sea_now() const { return course_->at(clock_.now_us()); }
+    /// What a sea glides from, and that from: the nearest first.
+    std::vector<RunningSeaPtr> origins_of(RunningSeaPtr sea) const;
+    bool is_told(std::uint32_t epoch) const;
 
     const SeaCoursePtr course_;
     SeaClock& clock_;
@@ -87,10 +92,16 @@ class World final : public Host {
     Publish publish_;
     Announce announce_;
     Change change_;
-    /// Epochs that announce_due() has told of and that have not ended.
-    std::vector<std::uint32_t> told_;
-    /// By epoch: of seas that are told of, or of which keyframes went out; the newest some, and the one asked for last.
-    mutable std::map<std::uint32_t, SharedBytes> sea_states_;
+    /// The sea that runs and those that announce_due() has told of, in order of time; and before them what they glide from.
+    /// Held, so that nobody on the network's thread has to make one.
+    std::vector<RunningSeaPtr> told_;
+    std::vector<RunningSeaPtr> origins_;
+    struct SeaState {
+        std::uint32_t epoch;
+        SharedBytes message;
+    };
+    /// Of seas that are told of, or of which keyframes went out; asked for last: at the back.
+    mutable std::deque<SeaState> sea_states_;
 };
 
 } // namespace seaway::server

@@ -215,14 +215,28 @@ Result<Scene> read_scene(const std::string& path) {
     return parse_scene(*text, path, std::filesystem::path(path).parent_path().string());
 }
 
-Result<Realization> realize(const Scene& scene) {
+namespace {
+
+using Realize = Result<Realization> (*)(const SeaState&, std::span<const CascadeSpec>);
+
+Result<Realization> realized_by(Realize function, const Scene& scene) {
     SeaState sea = scene.sea;
     if (!scene.effects.choppy)
         sea.choppiness = {0.0, 0.0}; // nothing moves sideways, for the exact sum as for the maps
-    Result<Realization> realized = realize(sea, scene.cascades);
+    Result<Realization> realized = function(sea, scene.cascades);
     if (!realized && !scene.source.empty())
         return Error{fmt::format("{}: {}", scene.source, realized.error().message)};
     return realized;
+}
+
+} // namespace
+
+Result<Realization> realize(const Scene& scene) {
+    return realized_by(realize, scene);
+}
+
+Result<Realization> realize_clocks(const Scene& scene) {
+    return realized_by(realize_clocks, scene);
 }
 
 } // namespace seaway::sea

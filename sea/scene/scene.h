@@ -96,5 +96,7 @@ std::string to_toml(const Scene& scene);
 /// realize() of the scene's sea on the scene's cascades; without choppiness where the scene allows
 /// no horizontal displacement. An error names the scene.
 Result<Realization> realize(const Scene& scene);
+/// Its tiles, frequencies and phases alone.
+Result<Realization> realize_clocks(const Scene& scene);
 
 } // namespace seaway::sea

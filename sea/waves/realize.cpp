@@ -218,16 +218,17 @@ int explicit_tile_size(int steps) {
     return size;
 }
 
-Result<Realization> realize(const SeaState& sea, std::span<const CascadeSpec> cascades) {
+namespace {
+
+/// With the waves of these spectra, one a system, or of none.
+Result<Realization> realize_with(const std::vector<DirectionalSpectrum>& spectra,
+                                 const SeaState& sea, std::span<const CascadeSpec> cascades) {
     Result<std::vector<Band>> bands = assign_bands(cascades);
     if (!bands)
         return bands.error();
     Realization realization;
     realization.choppiness = sea.choppiness;
     realization.loop_period_us = us_from_seconds(sea.loop_period_s);
-    std::vector<DirectionalSpectrum> spectra;
-    for (const WaveSystem& system : sea.systems)
-        spectra.emplace_back(system, sea);
     for (std::size_t c = 0; c < cascades.size(); ++c) {
         const auto points =
             static_cast<std::size_t>(cascades[c].size) * static_cast<std::size_t>(cascades[c].size);
@@ -245,6 +246,22 @@ Result<Realization> realize(const SeaState& sea, std::span<const CascadeSpec> ca
     for (CascadeModes& modes : realization.cascades)
         modes.depth_m = sea.depth_m;
     return realization;
+}
+
+} // namespace
+
+Result<Realization> realize(const SeaState& sea, std::span<const CascadeSpec> cascades) {
+    std::vector<DirectionalSpectrum> spectra;
+    for (const WaveSystem& system : sea.systems)
+        spectra.emplace_back(system, sea);
+    return realize_with(spectra, sea, cascades);
+}
+
+Result<Realization> realize_clocks(const SeaState& sea, std::span<const CascadeSpec> cascades) {
+    SEAWAY_TRY_LET(Realization clocks, realize_with({}, sea, cascades));
+    for (CascadeModes& modes : clocks.cascades)
+        modes.h0 = {};
+    return clocks;
 }
 
 } // namespace seaway::sea

@@ -23,6 +23,9 @@ namespace seaway::sea {
 /// that their tile cannot hold.
 Result<Realization> realize(const SeaState& sea, std::span<const CascadeSpec> cascades);
 
+/// The same without amplitudes (h0 is empty): tiles, frequencies and phases. About 2 ms.
+Result<Realization> realize_clocks(const SeaState& sea, std::span<const CascadeSpec> cascades);
+
 /// The stored frequency of a wave: omega(k), or with a loop the nearest whole number of turns a
 /// period, at least one (hard case B7: rounding down would freeze long swell).
 Rate mode_rate(double omega_radps, TimeUs loop_period_us);

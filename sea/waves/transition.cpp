@@ -109,29 +109,35 @@ double mixed_depth_m(double a_m, double b_m, double share) {
 
 } // namespace
 
+Result<RealizationPtr> continued(const Realization& from, const Realization& to, TimeUs time_us) {
+    const auto tile = [](const CascadeModes& modes) {
+        return std::pair(modes.spec.length_m, modes.spec.size);
+    };
+    if (!std::ranges::equal(from.cascades, to.cascades, {}, tile, tile))
+        return Error{fmt::format("a sea can only glide over to one with the same cascades: lengths "
+                                 "and sizes of {} and {} cascades differ",
+                                 from.cascades.size(), to.cascades.size())};
+    const TimeUs from_time = from.phase_time(time_us);
+    const TimeUs to_time = to.phase_time(time_us);
+    auto after = std::make_shared<Realization>(to);
+    for (std::size_t c = 0; c < to.cascades.size(); ++c) {
+        CascadeModes& modes = after->cascades[c];
+        const CascadeModes& old_modes = from.cascades[c];
+        adopt_rates(old_modes, modes);
+        modes.phase_offset_turns = continuous_offsets(old_modes, modes, from_time, to_time);
+        modes.h0 = with_offsets(to.cascades[c], modes.phase_offset_turns);
+        continue_sines(old_modes, modes, from_time, to_time);
+    }
+    return RealizationPtr(std::move(after));
+}
+
 Result<SeaTransition> SeaTransition::create(RealizationPtr from, RealizationPtr to, TimeUs start_us,
                                             TimeUs end_us) {
     SEAWAY_CHECK(from != nullptr && to != nullptr && start_us <= end_us,
                  "a transition leads from a sea to a sea, forward in time");
-    bool same_tiles = from->cascades.size() == to->cascades.size();
-    for (std::size_t c = 0; same_tiles && c < to->cascades.size(); ++c)
-        same_tiles = from->cascades[c].spec.length_m == to->cascades[c].spec.length_m &&
-                     from->cascades[c].spec.size == to->cascades[c].spec.size;
-    if (!same_tiles)
-        return Error{fmt::format("a sea can only glide over to one with the same cascades: lengths "
-                                 "and sizes of {} and {} cascades differ",
-                                 from->cascades.size(), to->cascades.size())};
+    SEAWAY_TRY_LET(RealizationPtr after, continued(*from, *to, start_us));
     const TimeUs from_time = from->phase_time(start_us);
     const TimeUs to_time = to->phase_time(start_us);
-    auto after = std::make_shared<Realization>(*to);
-    for (std::size_t c = 0; c < to->cascades.size(); ++c) {
-        CascadeModes& modes = after->cascades[c];
-        const CascadeModes& old_modes = from->cascades[c];
-        adopt_rates(old_modes, modes);
-        modes.phase_offset_turns = continuous_offsets(old_modes, modes, from_time, to_time);
-        modes.h0 = with_offsets(to->cascades[c], modes.phase_offset_turns);
-        continue_sines(old_modes, modes, from_time, to_time);
-    }
     // Between start and end the sea is of two, and repeats with the loop of neither: a wave that fades
     // would jump where the loop of the new sea begins anew. Phases are taken at the time itself.
     auto fading = std::make_shared<Realization>(*after);

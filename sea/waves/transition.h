@@ -22,6 +22,10 @@
 
 namespace seaway::sea {
 
+/// `to` with each phase, at this time, that of `from`, whose amplitudes are not looked at: both may be clocks alone (realize_clocks()).
+/// Errors: cascades of other lengths or sizes.
+Result<RealizationPtr> continued(const Realization& from, const Realization& to, TimeUs time_us);
+
 class SeaTransition {
   public:
     /// Frequencies change at `start_us`; amplitudes between it and `end_us` >= start_us. `from` may

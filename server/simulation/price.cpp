@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/simulation/price.h"
 
+#include <algorithm>
+
 #include "server/simulation/foam_maps.h"
 #include "server/simulation/schedule.h"
 
@@ -61,6 +63,8 @@ double Prices::keyframes_us(std::span<const KeyframeRequest> wanted, const Holdi
             continue;
         const double one = samples(request.cascade);
         us += one * with_foam_inputs(request.fields).size() * price_sample_us;
+        if (SeaCourse::is_glide(request.epoch)) // the waves of the moment, and what they grow by
+            us += 2 * all_samples_ * price_glide_wave_us;
         if (!request.fields.contains(sea::Field::foam))
             continue;
         double ticks = foam_start_ticks_[static_cast<std::size_t>(request.cascade)];
@@ -76,20 +80,54 @@ double Prices::keyframes_us(std::span<const KeyframeRequest> wanted, const Holdi
 double Prices::surfaces_us(std::vector<TimeUs> times_us, const HoldingOf& held) const {
     Lookups look(held);
     const sea::FieldSet fields = course_->first()->sampler_fields();
-    double us = 0;
-    for (const KeyframeRequest& request : keyframes_around(*course_, times_us, {~0u, fields})) {
+    double us = seas_us(times_us);
+    for (const KeyframeRequest& request : expected_around(times_us, {~0u, fields})) {
         const double one = samples(request.cascade) * fields.size();
         const Holding holding = look(request);
         us += holding == Holding::nothing ? one * price_sample_us : 0;
+        if (holding == Holding::nothing && SeaCourse::is_glide(request.epoch))
+            us += 2 * all_samples_ * price_glide_wave_us;
         us += holding != Holding::spline ? one * price_spline_sample_us : 0;
     }
     return us;
 }
 
+double Prices::seas_us(std::span<const TimeUs> times_us) const {
+    double us = 0;
+    std::vector<std::uint32_t> epochs;
+    for (const TimeUs time_us : times_us)
+        epochs.push_back(course_->window_at(time_us).epoch);
+    std::ranges::sort(epochs);
+    epochs.erase(std::unique(epochs.begin(), epochs.end()), epochs.end());
+    for (const std::uint32_t epoch : epochs)
+        if (!course_->sea_if_held(epoch))
+            us += all_samples_ * price_sea_wave_us * (SeaCourse::is_glide(epoch) ? 2 : 1);
+    return us;
+}
+
+std::vector<KeyframeRequest> Prices::expected_around(std::span<const TimeUs> times_us,
+                                                     const Demand& demand) const {
+    return keyframes_around(
+        [this](TimeUs time_us) {
+            const std::uint32_t epoch = course_->window_at(time_us).epoch;
+            const RunningSeaPtr sea = course_->sea_if_held(epoch);
+            return SeaOfTime{epoch, sea ? sea : course_->first()};
+        },
+        times_us, demand);
+}
+
+double Prices::fetch_us(std::vector<TimeUs> times_us, const Demand& demand,
+                        const HoldingOf& held) const {
+    sort_once(times_us);
+    return seas_us(times_us) + keyframes_us(expected_around(times_us, demand), held);
+}
+
 double Prices::folds_factor(std::span<const sea::QueryPoint> points) const {
-    return !points.empty() && fold_search(course_->at(points.front().time_us)->budget).always
-               ? price_folds_factor
-               : 1;
+    if (points.empty())
+        return 1;
+    const RunningSeaPtr sea =
+        course_->sea_if_held(course_->window_at(points.front().time_us).epoch);
+    return fold_search((sea ? sea : course_->first())->budget).always ? price_folds_factor : 1;
 }
 
 double Prices::points_us(std::span<const sea::QueryPoint> points, const HoldingOf& held) const {
@@ -100,7 +138,13 @@ double Prices::points_us(std::span<const sea::QueryPoint> points, const HoldingO
 
 double Prices::exact_us(std::span<const sea::QueryPoint> points) const {
     const double folds = folds_factor(points);
-    return all_samples_ * (static_cast<double>(times_of(points).size()) * price_moment_wave_us +
+    const std::vector<TimeUs> times_us = times_of(points);
+    const auto gliding = static_cast<double>(std::ranges::count_if(times_us, [this](TimeUs t_us) {
+        return SeaCourse::is_glide(course_->window_at(t_us).epoch);
+    }));
+    return seas_us(times_us) +
+           all_samples_ * (static_cast<double>(times_us.size()) * price_moment_wave_us +
+                           gliding * price_glide_wave_us +
                            static_cast<double>(points.size()) * folds * price_exact_wave_us);
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What is asked of the simulation, in microseconds of its thread, before any of it is done: keyframes
 // that are not held, ticks of foam on the way to them, splines, points, exact sums. The one place where
-// requests are priced; what they then take is measured, and settled with their asker (account.h).
+// requests are priced; what they then take is measured, and settled with their asker (account.h). Pricing makes nothing.
 //
 // Units were measured with tests/load/load_costs on the north_sea_gale scene, two cores, AVX2
 // (docs/performance.md has the table). Values; Prices is immutable and thread-safe.
@@ -13,6 +13,7 @@
 
 #include "sea/surface/answer.h"
 #include "server/device/synthesizer.h"
+#include "server/host/subscriptions.h"
 #include "server/simulation/sea_course.h"
 
 namespace seaway::server {
@@ -23,6 +24,9 @@ inline constexpr double price_foam_sample_us = 0.004;    ///< one sample of a ti
 inline constexpr double price_point_us = 2.2;            ///< one answer from splines that are there
 inline constexpr double price_exact_wave_us = 0.00018; ///< one grid point of the sea, for one point
 inline constexpr double price_moment_wave_us = 0.00025; ///< one grid point of the sea, for one time
+inline constexpr double price_glide_wave_us = 0.016; ///< likewise, while waves are between two seas
+inline constexpr double price_sea_wave_us =
+    0.9; ///< one grid point of a sea that is not made; of a glide for each of two
 /// Points of seas that fold are searched all around.
 inline constexpr double price_folds_factor = 10;
 
@@ -39,6 +43,9 @@ class Prices {
     explicit Prices(SeaCoursePtr course);
 
     double keyframes_us(std::span<const KeyframeRequest> wanted, const HoldingOf& held) const;
+    /// All of them around these times, those included that must be made before.
+    double fetch_us(std::vector<sea::TimeUs> times_us, const Demand& demand,
+                    const HoldingOf& held) const;
     /// Answers from surfaces, those included that are to be made.
     double points_us(std::span<const sea::QueryPoint> points, const HoldingOf& held) const;
     double exact_us(std::span<const sea::QueryPoint> points) const;
@@ -54,6 +61,11 @@ class Prices {
     /// By the sea of the first of them.
     double folds_factor(std::span<const sea::QueryPoint> points) const;
     double surfaces_us(std::vector<sea::TimeUs> times_us, const HoldingOf& held) const;
+    /// Making the seas of these times, so far as nobody has; none is made to know that.
+    double seas_us(std::span<const sea::TimeUs> times_us) const;
+    /// keyframes_around(), of seas that are not made with the intervals of the first.
+    std::vector<KeyframeRequest> expected_around(std::span<const sea::TimeUs> times_us,
+                                                 const Demand& demand) const;
 
     const SeaCoursePtr course_;
     std::vector<double> samples_;       ///< of one field, a cascade

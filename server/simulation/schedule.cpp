@@ -16,10 +16,21 @@ TimeUs interval_start(TimeUs time_us, TimeUs interval_us) {
 
 std::vector<KeyframeRequest>
 keyframes_around(const SeaCourse& course, std::span<const TimeUs> times_us, const Demand& demand) {
+    return keyframes_around(
+        [&](TimeUs time_us) {
+            const RunningSeaPtr sea = course.at(time_us);
+            return SeaOfTime{sea->epoch, sea};
+        },
+        times_us, demand);
+}
+
+std::vector<KeyframeRequest> keyframes_around(const std::function<SeaOfTime(TimeUs)>& sea_of,
+                                              std::span<const TimeUs> times_us,
+                                              const Demand& demand) {
     std::vector<KeyframeRequest> wanted;
     for (const TimeUs time_us : times_us) {
         SEAWAY_CHECK(sea::in_time_range(time_us), "such a time is refused where it is asked");
-        const RunningSeaPtr sea = course.at(time_us);
+        const auto [epoch, sea] = sea_of(time_us);
         for (int c = 0; c < static_cast<int>(sea->budget.cascades.size()); ++c) {
             if (!demand.wants(c))
                 continue;
@@ -27,7 +38,7 @@ keyframes_around(const SeaCourse& course, std::span<const TimeUs> times_us, cons
                 sea->budget.cascades[static_cast<std::size_t>(c)].interval_us;
             const TimeUs start_us = interval_start(time_us, interval_us);
             for (const TimeUs t_us : {start_us, start_us + interval_us})
-                wanted.push_back({c, t_us, demand.fields, sea->epoch});
+                wanted.push_back({c, t_us, demand.fields, epoch});
         }
     }
     const auto order = [](const KeyframeRequest& r) {

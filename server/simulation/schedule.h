@@ -8,6 +8,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <utility>
@@ -32,6 +33,15 @@ sea::TimeUs interval_start(sea::TimeUs time_us, sea::TimeUs interval_us);
 /// The two keyframes of each wanted cascade around each time, each of them once, cascade by
 /// cascade, in order of time; of the sea that runs at the time. Times must be in_time_range().
 std::vector<KeyframeRequest> keyframes_around(const SeaCourse& course,
+                                              std::span<const sea::TimeUs> times_us,
+                                              const Demand& demand);
+
+/// The same where `sea_of` says which sea is taken to run at a time, by its epoch, and whose intervals it has.
+struct SeaOfTime {
+    std::uint32_t epoch;
+    RunningSeaPtr intervals;
+};
+std::vector<KeyframeRequest> keyframes_around(const std::function<SeaOfTime(sea::TimeUs)>& sea_of,
                                               std::span<const sea::TimeUs> times_us,
                                               const Demand& demand);
 

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "sea/scene/weather.h"
+#include "sea/waves/transition.h"
 
 namespace seaway::server {
 
@@ -58,7 +59,7 @@ Result<void> SeaCourse::check_next(const sea::Scene& from, const sea::Scene& to)
     if (!certificate.empty() && certificate != first_->scene.accuracy.certificate.name)
         return Error{"accuracy.certificate cannot change while the sea runs: restart the server "
                      "with the other scene"};
-    SEAWAY_TRY_LET(const sea::Realization waves, sea::realize(to));
+    SEAWAY_TRY_LET(const sea::Realization waves, sea::realize_clocks(to));
     const auto tile = [](const sea::CascadeModes& modes) {
         return std::pair(modes.spec.length_m, modes.spec.size);
     };
@@ -133,61 +134,109 @@ std::uint32_t SeaCourse::epoch_at(TimeUs time_us, std::size_t epochs) const {
     return static_cast<std::uint32_t>(epochs);
 }
 
-RunningSeaPtr SeaCourse::held(std::uint32_t epoch) const {
-    if (epoch == first_->epoch)
-        return first_;
-    const auto found = std::ranges::find(kept_, epoch, &RunningSea::epoch);
-    if (found == kept_.end())
-        return nullptr;
-    std::rotate(found, found + 1, kept_.end());
-    return kept_.back();
+std::uint32_t SeaCourse::epoch_before(std::size_t change) const {
+    return epoch_at(changes_[change].start_us, 2 * change - 1);
 }
 
-RunningSeaPtr SeaCourse::sea(std::uint32_t epoch) const {
-    {
-        const std::scoped_lock lock(mutex_);
-        SEAWAY_CHECK(epoch >= 1 && epoch <= epochs_.size(), "an epoch that there is");
-        if (RunningSeaPtr sea = held(epoch))
-            return sea;
-    }
-    const std::scoped_lock making(making_);
-    {
-        const std::scoped_lock lock(mutex_);
-        if (RunningSeaPtr sea = held(epoch)) // made while this one waited
-            return sea;
-    }
-    RunningSeaPtr sea = make(epoch);
+RunningSeaPtr SeaCourse::sea_if_held(std::uint32_t epoch) const {
+    const std::scoped_lock lock(mutex_);
+    SEAWAY_CHECK(epoch >= 1 && epoch <= epochs_.size(), "an epoch that there is");
+    if (epoch == first_->epoch)
+        return first_;
+    const auto found = alive_.find(epoch);
+    RunningSeaPtr sea = found == alive_.end() ? nullptr : found->second.lock();
+    if (const auto kept = std::ranges::find(kept_, sea); sea && kept != kept_.end())
+        std::rotate(kept, kept + 1, kept_.end());
+    return sea;
+}
+
+RunningSeaPtr SeaCourse::hold(RunningSeaPtr sea) const {
     const std::scoped_lock lock(mutex_);
     kept_.push_back(sea);
     if (kept_.size() > seas_kept)
         kept_.pop_front();
+    std::erase_if(alive_, [](const auto& one) { return one.second.expired(); });
+    alive_[sea->epoch] = sea;
     return sea;
 }
 
-RunningSeaPtr SeaCourse::make(std::uint32_t epoch) const {
+RunningSeaPtr SeaCourse::sea(std::uint32_t epoch) const {
+    if (RunningSeaPtr sea = sea_if_held(epoch))
+        return sea;
+    const std::scoped_lock making(making_);
+    Way way = way_to(epoch); // of no epochs: made while this one waited
+    for (const std::uint32_t one : way.epochs)
+        way.from = hold(make(one, way.from));
+    return way.from;
+}
+
+SeaCourse::Way SeaCourse::way_to(std::uint32_t epoch) const {
+    Way way;
+    for (;;) {
+        way.from = sea_if_held(epoch);
+        if (way.from)
+            break;
+        way.epochs.push_back(epoch);
+        const std::scoped_lock lock(mutex_);
+        const Epoch& wanted = epochs_[epoch - 1];
+        if (!wanted.glides)
+            break;
+        epoch = epoch_before(wanted.change);
+    }
+    std::ranges::reverse(way.epochs);
+    return way;
+}
+
+RunningSeaPtr SeaCourse::make(std::uint32_t epoch, const RunningSeaPtr& from) const {
     Epoch wanted{};
-    Change change{};
-    std::uint32_t from = 0;
+    const Change* change = nullptr;
     {
         const std::scoped_lock lock(mutex_);
         wanted = epochs_[epoch - 1];
-        change = changes_[wanted.change];
-        from = wanted.glides ? epoch_at(change.start_us, epoch - 1) : 0;
+        change = &changes_[wanted.change];
     }
-    if (wanted.glides) {
-        const RunningSeaPtr to = change.chained ? steady(change.scene, epoch + 1) : sea(epoch + 1);
-        return made(make_glide(*sea(from), *to, epoch, change.start_us, change.end_us));
-    }
-    if (!change.chained)
-        return steady(change.scene, epoch);
-    return make_running_sea(change.scene, epoch, sea(epoch - 1)->realization,
-                            certificate_of(change.scene));
+    if (!wanted.glides)
+        return steady(wanted.change, epoch);
+    RunningSeaPtr to = sea_if_held(epoch + 1);
+    if (!to)
+        to = hold(steady(wanted.change, epoch + 1));
+    return made(make_glide(*from, *to, epoch, change->start_us, change->end_us));
 }
 
-RunningSeaPtr SeaCourse::steady(const sea::Scene& scene, std::uint32_t epoch) const {
-    return make_running_sea(scene, epoch,
-                            std::make_shared<const sea::Realization>(made(sea::realize(scene))),
-                            certificate_of(scene));
+RunningSeaPtr SeaCourse::steady(std::size_t change, std::uint32_t epoch) const {
+    const Change* made_of = nullptr;
+    {
+        const std::scoped_lock lock(mutex_);
+        made_of = &changes_[change];
+    }
+    auto waves = std::make_shared<const sea::Realization>(made(sea::realize(made_of->scene)));
+    if (made_of->chained)
+        waves = made(sea::continued(*clocks_before(change), *waves, made_of->start_us));
+    return make_running_sea(made_of->scene, epoch, std::move(waves),
+                            certificate_of(made_of->scene));
+}
+
+sea::RealizationPtr SeaCourse::clocks_before(std::size_t change) const {
+    std::vector<PhaseStep> steps; // the last one first
+    sea::RealizationPtr clocks;
+    const sea::Scene* own = nullptr; ///< whose phases are its own
+    {
+        const std::scoped_lock lock(mutex_);
+        while (!clocks && !own) {
+            const Change& step = changes_[change];
+            const Epoch& from = epochs_[epoch_before(change) - 1];
+            steps.push_back({change, &step.scene, step.start_us, step.end_us, from.glides});
+            change = from.change;
+            if (from.glides)
+                continue;
+            if (!changes_[change].chained)
+                own = &changes_[change].scene;
+            else
+                clocks = phases_.of(change);
+        }
+    }
+    std::ranges::reverse(steps);
+    return made(phases_.before(clocks ? clocks : made(own_clocks(*own)), steps));
 }
 
 sea::CertificatePtr SeaCourse::certificate_of(const sea::Scene& scene) const {
@@ -225,6 +274,15 @@ std::vector<EpochWindow> SeaCourse::windows(TimeUs from_us, TimeUs until_us) con
     }
     std::ranges::sort(found, {}, &EpochWindow::start_us);
     return found;
+}
+
+int SeaCourse::glides_in_row(TimeUs time_us) const {
+    const std::scoped_lock lock(mutex_);
+    int glides = 0;
+    for (std::uint32_t epoch = epoch_at(time_us, epochs_.size()); epochs_[epoch - 1].glides;
+         epoch = epoch_before(epochs_[epoch - 1].change))
+        ++glides;
+    return glides;
 }
 
 std::uint32_t SeaCourse::epochs() const {

@@ -10,17 +10,20 @@
 // Each epoch is a sea of its own at any time, so that keyframes around a boundary are there on both sides of it: those
 // of one epoch before and behind join to maps without a jump, and at the boundary both seas are one.
 //
-// Seas are made when they are asked for and let go when others are (seas_kept): a timetable of a month costs no more
-// than a calm day. Making one takes about 0.2 s at three cascades of 256 x 256. Thread-safe.
+// Seas are made when they are asked for and let go when others are (seas_kept) and nobody holds them: a timetable of a
+// month costs no more than a calm day. Making one takes about 0.2 s at three cascades of 256 x 256, a glide twice that, one
+// that took over from glides 0.2 s more for each of them. Thread-safe.
 #pragma once
 
 #include <deque>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <utility>
 #include <vector>
 
 #include "base/result.h"
+#include "server/simulation/course_phases.h"
 #include "server/simulation/running_sea.h"
 
 namespace seaway::server {
@@ -30,6 +33,10 @@ namespace seaway::server {
 inline constexpr std::size_t seas_kept = 8;
 /// Of a log, timetables included.
 inline constexpr std::size_t changes_max = 10'000;
+
+/// Glides that take over from glides that have not ended, in a row: each begins with a mixture of all before, which takes
+/// 0.2 s more to make.
+inline constexpr int takeovers_max = 8;
 
 /// An epoch runs from start_us on until, without, end_us. Empty: another took over before it began.
 struct EpochWindow {
@@ -57,6 +64,8 @@ class SeaCourse {
     RunningSeaPtr at(sea::TimeUs time_us) const;
     /// Of an epoch that there is.
     RunningSeaPtr sea(std::uint32_t epoch) const;
+    /// Null where it would have to be made.
+    RunningSeaPtr sea_if_held(std::uint32_t epoch) const;
     /// What was said of the running sea when it began: effects, tiles and accuracy of all others too.
     const RunningSeaPtr& first() const { return first_; }
 
@@ -65,6 +74,12 @@ class SeaCourse {
     /// Those that have not ended at `from_us` and begin before `until_us`, in order of time.
     std::vector<EpochWindow> windows(sea::TimeUs from_us, sea::TimeUs until_us) const;
     std::uint32_t epochs() const;
+    static bool is_glide(std::uint32_t epoch) { return epoch % 2 == 0; }
+    /// It is the steady sea behind a change, whose glide is the epoch before.
+    static bool ends_a_glide(std::uint32_t epoch) { return epoch > 1 && !is_glide(epoch); }
+
+    /// How many glides hang together at this time, each having taken over from the one before; 0: the sea is steady.
+    int glides_in_row(sea::TimeUs time_us) const;
 
     /// The scene that the sea of this time is, or glides to.
     sea::Scene scene_at(sea::TimeUs time_us) const;
@@ -74,8 +89,8 @@ class SeaCourse {
         sea::TimeUs start_us;
         sea::TimeUs end_us;
         sea::Scene scene;
-        bool chained =
-            false; ///< phases hang on all that was before: waves run otherwise than they did
+        /// Waves run otherwise than at the beginning, or have: phases hang on all that was before.
+        bool chained = false;
     };
     struct Epoch {
         sea::TimeUs start_us;
@@ -84,14 +99,25 @@ class SeaCourse {
         bool glides;
     };
 
-    RunningSeaPtr make(std::uint32_t epoch) const;
-    /// Of its scene alone; reads no file.
-    RunningSeaPtr steady(const sea::Scene& scene, std::uint32_t epoch) const;
+    /// A glide begins with the sea that it leaves.
+    struct Way {
+        RunningSeaPtr from; ///< null: the first on the way needs none
+        std::vector<std::uint32_t>
+            epochs; ///< to be made so that the last one can be, in this order
+    };
+    Way way_to(std::uint32_t epoch) const;
+    RunningSeaPtr make(std::uint32_t epoch, const RunningSeaPtr& from) const;
+    /// The sea behind a change; reads no file.
+    RunningSeaPtr steady(std::size_t change, std::uint32_t epoch) const;
+    /// Where the waves of a chained change are when it begins.
+    sea::RealizationPtr clocks_before(std::size_t change) const;
     /// The one that was read at the start, where the scene names it.
     sea::CertificatePtr certificate_of(const sea::Scene& scene) const;
-    RunningSeaPtr held(std::uint32_t epoch) const;
+    RunningSeaPtr hold(RunningSeaPtr sea) const;
     /// Of the first so many epochs.
     std::uint32_t epoch_at(sea::TimeUs time_us, std::size_t epochs) const;
+    /// That a change takes over from.
+    std::uint32_t epoch_before(std::size_t change) const;
     /// A change and its timetable, or the latter alone, checked; an error names the row.
     Result<std::vector<Change>> changes_to(const sea::Scene& scene, sea::TimeUs start_us,
                                            sea::TimeUs end_us) const;
@@ -101,11 +127,15 @@ class SeaCourse {
 
     const RunningSeaPtr first_;
 
-    mutable std::recursive_mutex making_; ///< one sea is made at a time
-    mutable std::mutex mutex_;            ///< of what follows
-    std::vector<Change> changes_;
-    std::vector<Epoch> epochs_;              ///< epoch n at n - 1
+    mutable std::mutex making_; ///< one sea is made at a time
+    mutable CoursePhases phases_;
+    mutable std::mutex mutex_;   ///< of what follows
+    std::deque<Change> changes_; ///< each stays where it is and as it is
+    std::vector<Epoch>
+        epochs_; ///< change n has those at 2 n - 1 and 2 n, which are epochs 2 n and 2 n + 1
     mutable std::deque<RunningSeaPtr> kept_; ///< asked for last: at the back
+    mutable std::map<std::uint32_t, std::weak_ptr<const RunningSea>>
+        alive_; ///< somebody holds them
 };
 
 using SeaCoursePtr = std::shared_ptr<const SeaCourse>;

@@ -238,11 +238,11 @@ void Simulation::fetch(std::vector<TimeUs> times_us, const Demand& demand, Fetch
     for (const TimeUs time_us : times_us)
         if (const Result<void> fine = check_time(time_us); !fine)
             return done(fine.error());
-    std::vector<KeyframeRequest> wanted = keyframes_around(*course_, times_us, demand);
-    const double price_us = prices_.keyframes_us(wanted, holding());
+    const double price_us = prices_.fetch_us(times_us, demand, holding());
     Question question =
-        keyframe_question([wanted = std::move(wanted)] { return wanted; }, Walk::questions,
-                          [] { return true; }, std::move(done), asker);
+        keyframe_question([this, times_us = std::move(times_us),
+                           demand] { return keyframes_around(*course_, times_us, demand); },
+                          Walk::questions, [] { return true; }, std::move(done), asker);
     question.price_us = price_us;
     question.prompt = price_us <= prices_.prompt_us();
     questions_.ask(std::move(question));

@@ -13,6 +13,7 @@
 
 #include "base/child_process.h"
 #include "client/client.h"
+#include "server/simulation/sea_course.h"
 #include "tests/support/folder.h"
 #include "tests/support/server_process.h"
 
@@ -21,6 +22,7 @@ namespace {
 
 using client::Client;
 using sea::TimeUs;
+using server::takeovers_max;
 
 constexpr const char* token = "change-the-sea";
 
@@ -303,6 +305,25 @@ TEST(Changes, more_than_a_few_that_have_not_begun_are_refused_until_one_has) {
     EXPECT_EQ(said.code, 0) << said.words;
     // One that is far off keeps no place.
     EXPECT_EQ(ctl(url, {"set", "sea.depth_m=30", "--at", "5000"}).code, 0);
+}
+
+// Naive: a sea that glides is a mixture of all that it glided from, without end, each to be made when a client asks about it.
+TEST(Changes, that_take_over_from_one_another_are_refused_where_too_many_hang_together) {
+    tests::ServerProcess server(arguments(tests::folder().file("row")));
+    const std::string url = server.wait_until_ready();
+    ASSERT_FALSE(url.empty()) << server.log();
+    const auto set = [&](int at_s) {
+        return ctl(url, {"set", fmt::format("systems.0.from_deg={}", at_s % 360), "--over", "600s",
+                         "--at", std::to_string(at_s)});
+    };
+    for (int i = 0; i <= takeovers_max; ++i) {
+        const Said said = set(1000 + 10 * i);
+        ASSERT_EQ(said.code, 0) << i << said.words;
+    }
+    const Said said = set(1000 + 10 * takeovers_max + 10);
+    EXPECT_EQ(said.code, 6) << said.words;
+    EXPECT_NE(said.words.find("in a row have taken over"), std::string::npos) << said.words;
+    EXPECT_EQ(set(5000).code, 0) << "they have ended by then";
 }
 
 TEST(Changes, are_for_administrators_and_refused_with_what_is_wrong) {

@@ -70,6 +70,44 @@ TEST(Prices, points_at_one_time_share_its_surface_and_points_at_many_pay_for_eac
     EXPECT_GT(prices.points_us(points(2, 3'600'000'000), nothing_held), prices.prompt_us());
 }
 
+// Naive: who asks about the seas of a long log has them made before anybody has said what that takes.
+TEST(Prices, seas_that_are_not_made_are_paid_for_and_none_is_made_to_know_it) {
+    const sea::Scene scene = *sea::parse_scene(small_sea, "small_sea", ".");
+    const auto course = *SeaCourse::begin(scene);
+    for (int i = 0; i < 100; ++i)
+        ASSERT_TRUE(course->add(scene, (100 * i + 50) * second_us, (100 * i + 70) * second_us));
+    const Prices prices(course);
+    const double sea_us = 2 * 64.0 * 64.0 * price_sea_wave_us;
+    const TimeUs steady_us = 100 * second_us; // and so on: epochs 3, 5, 7 ...
+    const auto at = [](TimeUs time_us) { return std::vector<sea::QueryPoint>{{0, 0, time_us}}; };
+    EXPECT_NEAR(prices.points_us(at(steady_us), all_held), sea_us + price_point_us, 1e-6);
+    EXPECT_NEAR(prices.points_us(at(60 * second_us), all_held), 2 * sea_us + price_point_us, 1e-6);
+    EXPECT_NEAR(prices.fetch_us({steady_us, 2 * steady_us}, {1u, {Field::height}}, all_held),
+                2 * sea_us, 1e-6);
+    EXPECT_GT(prices.exact_us(points(100, 100 * second_us)), 99 * sea_us);
+    EXPECT_GT(prices.points_us(at(steady_us), all_held), prices.prompt_us());
+    for (std::uint32_t epoch = 2; epoch <= course->epochs(); ++epoch)
+        EXPECT_EQ(course->sea_if_held(epoch), nullptr) << epoch;
+    (void)course->sea(3);
+    EXPECT_NEAR(prices.points_us(at(steady_us), all_held), price_point_us, 1e-6);
+}
+
+TEST(Prices, an_exact_sum_in_a_glide_has_its_waves_made_for_each_time) {
+    const sea::Scene scene = *sea::parse_scene(small_sea, "small_sea", ".");
+    const auto course = *SeaCourse::begin(scene);
+    ASSERT_TRUE(course->add(scene, 100 * second_us, 200 * second_us));
+    (void)course->sea(2);
+    const Prices prices(course);
+    const auto between = [&](TimeUs from_us, std::size_t count) {
+        std::vector<sea::QueryPoint> all = points(count, second_us);
+        for (sea::QueryPoint& point : all)
+            point.time_us += from_us;
+        return prices.exact_us(all);
+    };
+    EXPECT_NEAR(between(101 * second_us, 50) - between(0, 50),
+                50 * 2 * 64.0 * 64.0 * price_glide_wave_us, 1e-6);
+}
+
 TEST(Prices, an_exact_sum_is_all_waves_for_each_point_and_more_for_each_time) {
     const Prices prices(steady_course(running_sea()));
     const double one = prices.exact_us(points(1)), two = prices.exact_us(points(2));
