@@ -142,11 +142,21 @@ void Socket::read_some(FewBuffers<asio::mutable_buffer> buffers, Bytes done) {
 
 void Socket::write_whole() {
     streams_->whole = true;
+    error_code ignored;                                   // of a socket that is gone
+    streams_->tcp().socket().non_blocking(true, ignored); // for write_now()
 }
 
 void Socket::write_all(std::vector<asio::const_buffer> buffers, Bytes done) {
     SEAWAY_CHECK(streams_->whole, "writes in pieces would come between");
     streams_->write({std::move(buffers), std::move(done)});
+}
+
+std::size_t Socket::write_now(const std::vector<asio::const_buffer>& buffers) {
+    SEAWAY_CHECK(streams_->whole, "writes in pieces would come between");
+    if (streams_->tls || !streams_->writes.expired())
+        return 0;
+    error_code later; // a system that takes nothing now, or a connection that is gone
+    return streams_->plain->socket().write_some(buffers, later);
 }
 
 void Socket::write_some(FewBuffers<asio::const_buffer> buffers, Bytes done) {

@@ -83,6 +83,10 @@ class Socket {
     void write_whole();
     /// Only after write_whole(): the buffers, and what they are of, stay until `done`.
     void write_all(std::vector<boost::asio::const_buffer> buffers, Bytes done);
+    /// Only after write_whole(): as many bytes of the first 64 buffers as the system takes at once, without waiting;
+    /// 0 where another write is under way, over TLS, and where the connection is gone, which the next write_all() says.
+    /// What was not taken has to follow by write_all() before anything else is written.
+    std::size_t write_now(const std::vector<boost::asio::const_buffer>& buffers);
 
     void set_no_delay();
     /// No more is sent; what the peer still sends can be read.

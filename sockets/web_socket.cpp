@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 #include <vector>
 
 #include <boost/beast/core/flat_buffer.hpp>
@@ -71,8 +72,9 @@ struct WebSocket::Impl {
     const WebSocketOptions options;
     websocket::stream<Socket> stream;
     beast::flat_buffer buffer;
-    std::vector<FrameHeader> headers;  ///< of what is being written
-    websocket::response_type response; ///< of a server
+    std::vector<FrameHeader> headers;     ///< of what is being written
+    std::vector<asio::const_buffer> rest; ///< of what was begun
+    websocket::response_type response;    ///< of a server
 };
 
 WebSocket::WebSocket(Socket socket, const WebSocketOptions& options)
@@ -146,21 +148,32 @@ void WebSocket::write(std::span<const std::uint8_t> bytes, Done done) {
         [done = std::move(done)](error_code error, std::size_t) { done(result(error)); });
 }
 
-void WebSocket::write(std::span<const std::span<const std::uint8_t>> messages, Done done) {
+bool WebSocket::begin(std::span<const std::span<const std::uint8_t>> messages) {
     std::vector<FrameHeader>& headers = impl_->headers;
     headers.clear();
     headers.reserve(messages.size()); // which stay where they are
-    std::vector<asio::const_buffer> buffers;
-    buffers.reserve(2 * messages.size());
+    std::vector<asio::const_buffer>& rest = impl_->rest;
+    rest.clear();
     for (const std::span<const std::uint8_t> message : messages) {
         const FrameHeader& header = headers.emplace_back(message.size());
-        buffers.emplace_back(header.bytes.data(), header.size);
-        buffers.emplace_back(message.data(), message.size());
+        rest.emplace_back(header.bytes.data(), header.size);
+        rest.emplace_back(message.data(), message.size());
     }
+    std::size_t taken = impl_->stream.next_layer().write_now(rest);
+    auto first = rest.begin();
+    for (; first != rest.end() && first->size() <= taken; ++first)
+        taken -= first->size();
+    rest.erase(rest.begin(), first);
+    if (!rest.empty())
+        rest.front() += taken;
+    return rest.empty();
+}
+
+void WebSocket::finish(Done done) {
     impl_->stream.next_layer().write_all(
-        std::move(buffers), Socket::Bytes([done = std::move(done)](error_code error, std::size_t) {
-            done(result(error));
-        }));
+        std::exchange(impl_->rest, {}),
+        Socket::Bytes(
+            [done = std::move(done)](error_code error, std::size_t) { done(result(error)); }));
 }
 
 void WebSocket::close(const Close& why, std::function<void()> done) {

@@ -68,8 +68,11 @@ class WebSocket {
     void read(std::function<void(Result<Message>)> done);
     /// One binary message in one frame; `bytes` stay until `done`.
     void write(std::span<const std::uint8_t> bytes, Done done);
-    /// Of a server: several of them in one call to the system, if it takes them.
-    void write(std::span<const std::span<const std::uint8_t>> messages, Done done);
+    /// Of a server: several of them in one call to the system, as far as it takes them without waiting. True: all of
+    /// them have gone. False: finish() has to follow.
+    [[nodiscard]] bool begin(std::span<const std::span<const std::uint8_t>> messages);
+    /// Sends the rest of what begin() began; the messages stay until `done`.
+    void finish(Done done);
     /// Sends the closing frame and waits for the peer's. Reasons are cut at what a frame holds.
     void close(const Close& why, std::function<void()> done);
 

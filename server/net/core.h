@@ -13,6 +13,7 @@
 #include "server/host/memory.h"
 #include "server/net/addresses.h"
 #include "server/net/counters.h"
+#include "server/net/deliveries.h"
 #include "server/net/disposal.h"
 #include "server/net/encode_worker.h"
 #include "server/net/map_places.h"
@@ -56,6 +57,7 @@ class Core : public std::enable_shared_from_this<Core> {
     Disposal disposal;
     std::map<SessionId, Session*> sessions;
     SessionId next_session = 1;
+    Deliveries deliveries{*this};
     Door door;
     Door health_door;
     int upgrades = 0; ///< under way: each will be a session

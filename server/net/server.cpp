@@ -300,24 +300,6 @@ void NetServer::Impl::take_health(tcp::socket socket, const tcp::endpoint& from)
                {endpoint_of(from).text(), health_address_, is_loopback(from.address()), false});
 }
 
-/// As many as hold more of the stream than there is memory for.
-void close_who_is_furthest_behind(Core& core) {
-    while (core.memory->room(MemoryUse::streamed)->overfull()) {
-        Session* behind = nullptr;
-        std::uint64_t oldest = 0;
-        for (const auto& [id, session] : core.sessions)
-            if (const std::uint64_t number = session->outbox().oldest_streamed();
-                number != 0 && (oldest == 0 || number < oldest)) {
-                oldest = number;
-                behind = session;
-            }
-        if (behind == nullptr)
-            return; // what is held is being sent, or remembered
-        behind->close(wire::ErrorCode::too_slow,
-                      "tiles that wait for readers fill the memory there is for them");
-    }
-}
-
 void NetServer::Impl::publish(KeyframeTiles tiles) {
     const sea::FieldSet wanted =
         core_->host.subscriptions().wanted(tiles.keyframe->cascade, tiles.quality);
@@ -341,8 +323,7 @@ void NetServer::Impl::publish(KeyframeTiles tiles) {
                     fmt::format("event=keyframe_refused why=\"{}\"", encoded.error().message));
             }
             ++here->counters.keyframes_published;
-            for_each_session(*here, [&](Session& session) { session.deliver(*encoded); });
-            close_who_is_furthest_behind(*here);
+            here->deliveries.add(*encoded);
         });
         return true;
     };

@@ -354,6 +354,13 @@ void Session::close(ErrorCode code, const std::string& why) {
     link_.close(std::make_shared<const protocol::Bytes>(protocol::go_away(code, why)), code, why);
 }
 
+void Session::give_up(const std::string& why) {
+    if (!outbox_.is_sending_streamed())
+        return close(ErrorCode::too_slow, why);
+    end(protocol::name(ErrorCode::too_slow), why);
+    link_.drop();
+}
+
 void Session::end(std::string_view reason, std::string_view why) {
     if (ended_)
         return;

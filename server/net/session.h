@@ -54,6 +54,8 @@ class Session {
     /// False: enough replies wait; read nothing until it is true again.
     bool wants_requests() const;
     protocol::SharedBytes next_message();
+    /// All that next_message() has given is gone.
+    void sent() { outbox_.sent(); }
     void hello_overdue();
     /// The connection is gone. `reason` is a label of Counters::sessions_closed.
     void end(std::string_view reason, std::string_view why);
@@ -66,6 +68,9 @@ class Session {
     void announce(protocol::SharedBytes sea_state);
     /// Ends the session with GoAway.
     void close(wire::ErrorCode code, const std::string& why);
+    /// Ends it as too slow, so that what it holds is let go of: where it does not take what it is being sent, without
+    /// a word, for which it would have to take that first.
+    void give_up(const std::string& why);
 
     const Outbox& outbox() const { return outbox_; }
 

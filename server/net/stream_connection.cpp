@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <fmt/format.h>
 
@@ -26,7 +27,7 @@ using sockets::WebSocketEnd;
 constexpr std::size_t idle_buffer_bytes = 16 * 1024;
 /// Messages go out together until they have so many bytes: what is begun cannot be replaced by what is newer, and
 /// this much lies in the system's buffer of a slow reader anyway.
-constexpr std::size_t gathered_bytes = 128 * 1024;
+constexpr std::size_t gathered_bytes = 256 * 1024;
 /// What one call to the system takes is 64 buffers, two a message.
 constexpr std::size_t gathered_messages_max = 32;
 /// For GoAway and the closing handshake, after which the socket is closed hard.
@@ -62,26 +63,17 @@ class StreamConnection final : public Link, public std::enable_shared_from_this<
 
     // ---- Link ------------------------------------------------------------------------------
 
+    /// What the system takes at once costs no handler, no timer and no turn of the loop.
     void send_more() override {
-        if (!writing_.empty() || lost_)
+        if (!writing_.empty() || goes_on_ || lost_)
             return;
-        gather();
-        if (writing_.empty()) {
-            if (closing_)
-                shake_hands();
-            return;
-        }
-        write_timer_.expires_after(write_patience());
-        write_timer_.async_wait([self = shared_from_this()](error_code error) {
-            if (!error)
-                self->write_overdue();
-        });
-        spans_.clear();
-        for (const SharedBytes& message : writing_)
-            spans_.emplace_back(*message);
-        ws_.write(spans_, [self = shared_from_this()](const Result<void>& done) {
-            self->or_drop([&] { self->on_written(done); });
-        });
+        const bool all = gather();
+        if (!writing_.empty() && !begin())
+            return finish();
+        if (!all)
+            return go_on();
+        if (closing_)
+            shake_hands();
     }
 
     /// Closes the socket; whatever is under way ends with an error, and the last handler that goes
@@ -111,20 +103,57 @@ class StreamConnection final : public Link, public std::enable_shared_from_this<
   private:
     Core& core() { return *slot_.core(); }
 
-    /// What goes out in one write: the last word, or what the session has to send.
-    void gather() {
+    /// What goes out in one write: the last word, or what the session has to send. False: there is more.
+    bool gather() {
         if (go_away_ != nullptr) {
             writing_.push_back(std::exchange(go_away_, nullptr));
-            return;
+            return true;
         }
         std::size_t bytes = 0;
         while (bytes < gathered_bytes && writing_.size() < gathered_messages_max) {
             SharedBytes message = session_->next_message();
             if (message == nullptr)
-                return;
+                return true;
             bytes += message->size();
             writing_.push_back(std::move(message));
         }
+        return false;
+    }
+    /// True: the system has taken it all.
+    bool begin() {
+        spans_.clear();
+        for (const SharedBytes& message : writing_)
+            spans_.emplace_back(*message);
+        if (!ws_.begin(spans_))
+            return false;
+        writing_.clear();
+        session_->sent();
+        return true;
+    }
+    /// The reader is slower than we are: the rest as it takes it.
+    void finish() {
+        write_timer_.expires_after(write_patience());
+        write_timer_.async_wait([self = shared_from_this()](error_code error) {
+            if (!error)
+                self->write_overdue();
+        });
+        ws_.finish([self = shared_from_this()](const Result<void>& done) {
+            self->or_drop([&] { self->on_written(done); });
+        });
+    }
+    /// With what else waits, after others have had their turn.
+    void go_on() {
+        goes_on_ = true;
+        asio::post(ws_.socket().get_executor(), [self = shared_from_this()] {
+            self->goes_on_ = false;
+            self->or_drop([&] { self->on_sent(); });
+        });
+    }
+    void on_sent() {
+        if (lost_)
+            return;
+        read(); // may have been held back by replies that waited
+        send_more();
     }
     /// write_timeout for each message.
     std::chrono::milliseconds write_patience() {
@@ -221,11 +250,11 @@ class StreamConnection final : public Link, public std::enable_shared_from_this<
 
     void on_written(const Result<void>& written) {
         writing_.clear();
+        session_->sent();
         write_timer_.cancel();
         if (!written)
             return on_lost(written.error());
-        read(); // may have been held back by replies that waited
-        send_more();
+        on_sent();
     }
 
     void write_overdue() {
@@ -280,6 +309,7 @@ class StreamConnection final : public Link, public std::enable_shared_from_this<
     std::vector<std::span<const std::uint8_t>> spans_; ///< of those
     SharedBytes go_away_;
     sockets::WebSocket::Close close_reason_;
+    bool goes_on_ = false; ///< with sending, in a while
     bool reading_ = false;
     bool closing_ = false;
     bool shaking_ = false;

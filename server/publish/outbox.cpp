@@ -8,6 +8,12 @@ namespace seaway::server {
 namespace limits = protocol::limits;
 using protocol::SharedBytes;
 
+Outbox::Streamed Outbox::Parcel::streamed() const {
+    if (keyframe == nullptr || keyframe->place == nullptr)
+        return {};
+    return {keyframe->number, keyframe->bytes};
+}
+
 SharedBytes Outbox::Parcel::take() {
     if (done != nullptr)
         return std::exchange(done, nullptr);
@@ -16,7 +22,7 @@ SharedBytes Outbox::Parcel::take() {
     while (map < keyframe->maps.size()) {
         const EncodedField& encoded = keyframe->maps[map];
         if (fields.contains(encoded.field) && part < encoded.parts.size())
-            return encoded.parts[part++];
+            return {keyframe, encoded.parts[part++].get()}; // keeps the keyframe's place
         ++map;
         part = 0;
     }
@@ -137,10 +143,18 @@ SharedBytes Outbox::next_spectrum() {
     return message;
 }
 
+SharedBytes Outbox::take_of(Parcel& parcel) {
+    const Streamed of = parcel.streamed();
+    SharedBytes message = parcel.take();
+    if (message != nullptr && being_sent_.number == 0)
+        being_sent_ = of;
+    return message;
+}
+
 SharedBytes Outbox::next_fetched() {
     while (!fetched_.empty()) {
         const bool last = fetched_.front().done != nullptr;
-        if (SharedBytes message = fetched_.front().take()) {
+        if (SharedBytes message = take_of(fetched_.front())) {
             fetched_bytes_ -= message->size();
             if (last) {
                 fetched_.pop_front();
@@ -154,13 +168,13 @@ SharedBytes Outbox::next_fetched() {
 }
 
 SharedBytes Outbox::next_streamed() {
-    if (SharedBytes message = begun_.take())
+    if (SharedBytes message = take_of(begun_))
         return message;
     while (!waiting_.empty() && unacknowledged_.size() < static_cast<std::size_t>(credit_)) {
         begun_ = std::move(waiting_.front());
         waiting_.pop_front();
         const std::uint64_t number = begun_.keyframe->number;
-        SharedBytes message = begun_.take();
+        SharedBytes message = take_of(begun_);
         if (message == nullptr) // holds nothing that the session was granted
             continue;
         unacknowledged_.push_back(number);
@@ -170,12 +184,12 @@ SharedBytes Outbox::next_streamed() {
     return nullptr;
 }
 
-std::uint64_t Outbox::oldest_streamed() const {
-    std::uint64_t oldest = 0;
+Outbox::Streamed Outbox::oldest_streamed() const {
+    Streamed oldest = being_sent_;
     const auto look = [&oldest](const Parcel& parcel) {
-        if (parcel.keyframe != nullptr && parcel.keyframe->place != nullptr &&
-            (oldest == 0 || parcel.keyframe->number < oldest))
-            oldest = parcel.keyframe->number;
+        const Streamed one = parcel.streamed();
+        if (one.number != 0 && (oldest.number == 0 || one.number < oldest.number))
+            oldest = one;
     };
     look(begun_);
     std::ranges::for_each(waiting_, look);

@@ -66,11 +66,19 @@ class Outbox {
 
     /// The message to send next, or null if there is none (or no credit for it).
     protocol::SharedBytes next();
+    /// All that next() has handed out is gone.
+    void sent() { being_sent_ = {}; }
 
     std::size_t bytes_waiting() const;
     std::size_t reply_bytes_waiting() const { return reply_bytes_; }
-    /// Number of the oldest keyframe of the stream that has not been handed out whole; 0: none.
-    std::uint64_t oldest_streamed() const;
+    /// A keyframe of the stream, and what it holds; number 0: none.
+    struct Streamed {
+        std::uint64_t number = 0;
+        std::size_t bytes = 0;
+    };
+    /// The oldest one of which something waits or is being sent.
+    Streamed oldest_streamed() const;
+    bool is_sending_streamed() const { return being_sent_.number != 0; }
     const OutboxCounters& counters() const { return counters_; }
 
   private:
@@ -82,6 +90,7 @@ class Outbox {
         std::size_t map = 0;
         std::size_t part = 0;
 
+        Streamed streamed() const;
         protocol::SharedBytes take(); ///< null when there is nothing left
     };
 
@@ -92,6 +101,7 @@ class Outbox {
     };
 
     protocol::SharedBytes next_spectrum();
+    protocol::SharedBytes take_of(Parcel& parcel);
     protocol::SharedBytes next_fetched();
     protocol::SharedBytes next_streamed();
 
@@ -105,6 +115,7 @@ class Outbox {
     bool fetched_turn_ = true;
     std::deque<Parcel> waiting_; ///< at most one a cascade of each of two seas, oldest first
     Parcel begun_;               ///< streamed keyframe that is being handed out
+    Streamed being_sent_;        ///< the first one handed out since sent()
     std::vector<std::uint64_t> unacknowledged_;
     int credit_ = protocol::limits::credit_default;
     OutboxCounters counters_;

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/net/deliveries.h"
+
+#include <algorithm>
+
+#include "server/net/core.h"
+#include "server/net/session.h"
+
+namespace seaway::server {
+namespace {
+
+/// As many as hold more of the stream than there is memory for: whoever holds the oldest keyframe, then the next one.
+/// What they hold is let go of in the next turns of the loop.
+void close_who_is_furthest_behind(Core& core) {
+    const Room& room = *core.memory->room(MemoryUse::streamed);
+    for (std::size_t held = room.held_bytes(); held > room.bytes_max();) {
+        Outbox::Streamed oldest;
+        for (const auto& [id, session] : core.sessions)
+            if (const Outbox::Streamed one = session->outbox().oldest_streamed();
+                one.number != 0 && (oldest.number == 0 || one.number < oldest.number))
+                oldest = one;
+        if (oldest.number == 0)
+            return; // what is held is remembered
+        for (auto at = core.sessions.begin(); at != core.sessions.end();)
+            if (Session& session = *(at++)->second;
+                session.outbox().oldest_streamed().number == oldest.number)
+                session.give_up("tiles that wait for readers fill the memory there is for them");
+        held -= std::min(held, oldest.bytes);
+    }
+}
+
+} // namespace
+
+void Deliveries::add(EncodedKeyframePtr keyframe) {
+    waiting_.push_back(std::move(keyframe));
+    if (!goes_on_)
+        turn();
+}
+
+void Deliveries::go_on() {
+    core_.post([weak = core_.weak_from_this(), this] {
+        if (const std::shared_ptr<Core> core = weak.lock())
+            turn();
+    });
+    goes_on_ = true; // not where there was no memory for it: then the next keyframe does
+}
+
+void Deliveries::turn() {
+    goes_on_ = false;
+    if (waiting_.empty())
+        return;
+    for (int i = 0; i < sessions_a_turn; ++i) {
+        const auto next = core_.sessions.upper_bound(last_);
+        if (next == core_.sessions.end()) {
+            waiting_.pop_front();
+            last_ = 0;
+            close_who_is_furthest_behind(core_);
+            break;
+        }
+        last_ = next->first;
+        next->second->deliver(waiting_.front());
+    }
+    if (!waiting_.empty())
+        go_on();
+}
+
+} // namespace seaway::server

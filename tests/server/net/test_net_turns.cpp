@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+// Whose turn it is on the io thread: between the sessions that are sent a keyframe others are read and answered.
+#include <deque>
+#include <list>
+
+#include <gtest/gtest.h>
+
+#include "server/net/core.h"
+#include "server/net/session.h"
+#include "tests/server/simulation/small_sea.h"
+
+namespace seaway::tests {
+namespace {
+
+/// A connection that takes everything at once.
+class OpenLink final : public server::Link {
+  public:
+    void send_more() override {
+        while (const protocol::SharedBytes message = session->next_message())
+            if (const auto* tile = wire::GetMessage(message->data())->body_as_Tile())
+                tiles_of.push_back(tile->time_us());
+    }
+    void drop() noexcept override {}
+    void close(protocol::SharedBytes, wire::ErrorCode, const std::string&) override {}
+
+    std::vector<sea::TimeUs> tiles_of;
+    server::Session* session = nullptr;
+};
+
+/// Sessions that are subscribed, and an io thread made of turns by hand.
+class NetTurns : public ::testing::Test {
+  protected:
+    void take_in(int sessions) {
+        for (int i = 0; i < sessions; ++i) {
+            OpenLink& link = links.emplace_back();
+            link.session = &sessions_.emplace_back(*core, link, peer, server::Standing::stranger);
+            link.session->receive(protocol::hello("test", ""));
+            sea.subscriptions().set(link.session->id(),
+                                    {.cascades = 1u, .fields = {sea::Field::height}, .error_m = 0});
+        }
+    }
+    void deliver(sea::TimeUs time_us) {
+        auto keyframe = std::make_shared<sea::Keyframe>(*sea.keyframe(0, 1, sea.offered).keyframe);
+        keyframe->time_us = time_us;
+        const std::vector<float> lossless(sea.offered.size(), 0.0f);
+        core->deliveries.add(*encoder.encode(*keyframe, lossless, 0, sea.offered));
+    }
+    /// Works that were posted; false: there was none.
+    bool one_turn() {
+        if (posted.empty())
+            return false;
+        const server::Core::Work work = std::move(posted.front());
+        posted.pop_front();
+        work();
+        return true;
+    }
+    std::size_t sent() const {
+        std::size_t count = 0;
+        for (const OpenLink& link : links)
+            count += link.tiles_of.size();
+        return count;
+    }
+
+    static constexpr std::size_t a_turn = server::Deliveries::sessions_a_turn;
+    SmallSea sea;
+    std::deque<server::Core::Work> posted;
+    std::shared_ptr<server::Core> core =
+        std::make_shared<server::Core>(server::NetOptions{}, sea, [this](server::Core::Work work) {
+            posted.push_back(std::move(work));
+        });
+    server::Peer peer{"test", std::make_shared<server::Address>("test", core->options), true,
+                      false};
+    server::Encoder encoder;
+    std::list<OpenLink> links;
+    std::list<server::Session> sessions_;
+};
+
+// Naive: all of them in one go: with a thousand clients each answer waits for up to 20 ms.
+TEST_F(NetTurns, a_keyframe_goes_to_some_sessions_at_a_time_and_then_others_have_their_turn) {
+    take_in(3 * a_turn - 1);
+    deliver(1000);
+    EXPECT_EQ(sent(), a_turn);
+    bool others_had_theirs = false;
+    core->post([&] { others_had_theirs = true; });
+    ASSERT_TRUE(one_turn());
+    EXPECT_EQ(sent(), 2 * a_turn);
+    ASSERT_TRUE(one_turn());
+    EXPECT_TRUE(others_had_theirs) << "before the third turn";
+    while (one_turn())
+        continue;
+    EXPECT_EQ(sent(), 3 * a_turn - 1);
+    for (const OpenLink& link : links)
+        EXPECT_EQ(link.tiles_of.size(), 1u) << "each of them once";
+}
+
+TEST_F(NetTurns, who_leaves_and_who_comes_between_two_turns_is_in_nobodys_way) {
+    take_in(2 * a_turn);
+    deliver(1000);
+    auto leaves = std::next(sessions_.begin(), a_turn);
+    sessions_.begin()->end("test", "has been sent it");
+    leaves->end("test", "would have been next");
+    take_in(1);
+    while (one_turn())
+        continue;
+    EXPECT_EQ(sent(), 2 * a_turn - 1 + 1) << "but for the one that left before its turn";
+    EXPECT_EQ(links.back().tiles_of.size(), 1u);
+}
+
+TEST_F(NetTurns, keyframes_come_to_everybody_in_the_order_in_which_they_were_made) {
+    take_in(a_turn + 1);
+    deliver(1000);
+    deliver(2000);
+    while (one_turn())
+        continue;
+    for (const OpenLink& link : links)
+        EXPECT_EQ(link.tiles_of, (std::vector<sea::TimeUs>{1000, 2000}));
+}
+
+} // namespace
+} // namespace seaway::tests
