@@ -27,22 +27,22 @@ Error busy(std::string why) {
 
 Result<std::unique_ptr<Simulation>>
 Simulation::start(SeaCoursePtr course, const SynthesizerFactory& factory,
-                  const Subscriptions& subscriptions, std::function<TimeUs()> now,
+                  const Subscriptions& subscriptions, SimulationClock clock,
                   SimulationEvents events, WorkBudget budget, MemoryPtr memory) {
     SEAWAY_TRY_LET(std::unique_ptr<RebuiltSynthesizer> device,
                    RebuiltSynthesizer::start(factory, course->first()->realization,
                                              course->first()->epoch, events.on_warning));
     std::unique_ptr<Simulation> simulation(
-        new Simulation(std::move(course), std::move(device), subscriptions, std::move(now),
+        new Simulation(std::move(course), std::move(device), subscriptions, std::move(clock),
                        std::move(events), budget, std::move(memory)));
     simulation->thread_ = std::thread([self = simulation.get()] { self->run(); });
     return simulation;
 }
 
 Simulation::Simulation(SeaCoursePtr course, std::unique_ptr<RebuiltSynthesizer> device,
-                       const Subscriptions& subscriptions, std::function<TimeUs()> now,
+                       const Subscriptions& subscriptions, SimulationClock clock,
                        SimulationEvents events, WorkBudget budget, MemoryPtr memory)
-    : course_(std::move(course)), subscriptions_(subscriptions), now_(std::move(now)),
+    : course_(std::move(course)), subscriptions_(subscriptions), clock_(std::move(clock)),
       events_(std::move(events)), memory_(std::move(memory)),
       source_(course_, std::move(device), *memory_), prices_(course_), schedule_(*course_),
       streamed_foam_(*course_->first(), source_, schedule_),
@@ -87,7 +87,7 @@ bool Simulation::work_ahead() {
             worked = true;
             ++stream_slices_;
         }
-        if (!source_.failure() && streamed_foam_.walk(now_())) {
+        if (!source_.failure() && streamed_foam_.walk(clock_.now())) {
             worked = true;
             ++stream_slices_;
         }
@@ -113,7 +113,8 @@ void Simulation::trim_now_and_then() {
 bool Simulation::work_on_stream() {
     heartbeat_.works();
     if (!streaming_) {
-        const TimeUs now_us = now_();
+        const TimeUs now_us = clock_.now();
+        schedule_.hurry(clock_.hurry());
         streamed_plan_ = streamed_foam_.carried(plan(now_us), subscriptions_, now_us);
         Schedule::Due due = schedule_.take_due(streamed_plan_, now_us);
         if (due.keyframes.empty())
@@ -143,7 +144,9 @@ void Simulation::work_on_a_question(bool more) {
     if (!more) {
         wait_us = schedule_.next_due_us(streamed_plan_);
         if (wait_us)
-            wait_us = std::max<TimeUs>(*wait_us - now_(), 1);
+            wait_us = clock_.wait_us(*wait_us);
+        if (wait_us)
+            wait_us = std::max<TimeUs>(*wait_us, 1);
         if (trims_left_ > 0 || source_.holds_keyframes()) {
             constexpr TimeUs trim_us = std::chrono::microseconds(trim_interval).count();
             wait_us = std::min(wait_us.value_or(trim_us), trim_us);
@@ -251,7 +254,7 @@ void Simulation::fetch(std::vector<TimeUs> times_us, const Demand& demand, Fetch
 void Simulation::fetch_current(const Demand& demand, Fetched done, const Asker& asker) {
     // Has no price of its own: it is what a subscription begins with, and mostly held.
     Question question = keyframe_question(
-        [this, demand] { return schedule_.current(demand, now_()); }, Walk::starts,
+        [this, demand] { return schedule_.current(demand, clock_.now()); }, Walk::starts,
         [this, demand] { return !streamed_foam_.starts(demand); }, std::move(done), asker);
     question.prompt = true;
     questions_.ask(std::move(question));
