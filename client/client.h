@@ -162,9 +162,7 @@ class Client {
     KeyframeRing ring_;
 
     mutable std::mutex mutex_;
-    ClockFilter clock_; ///< of the time since the sea's epoch
-    sea::Paces paces_;
-    sea::TimeUs shown_us_ = std::numeric_limits<sea::TimeUs>::min();
+    ClockFilter clock_;
     std::vector<SeaStatePtr> sea_states_;            ///< by start time
     std::map<std::uint32_t, RebuiltSeaPtr> rebuilt_; ///< by epoch, of sea_states_
     std::map<std::uint32_t, std::shared_ptr<ReceivedSpectrum>>

@@ -6,6 +6,7 @@
 #include "base/command_line.h"
 #include "base/messages.h"
 #include "base/text_file.h"
+#include "server/simulation/answer_threads.h"
 
 namespace seaway::server {
 namespace {
@@ -72,9 +73,15 @@ void sea_options(CommandLine& line, Options& options) {
                 "Folder of the journal, made where it is missing: a server that is started again "
                 "there goes on with the same sea, at the time at which it would be")
         .takes("DIR");
+    line.option("--answer-threads", options.answer_threads,
+                "Threads that answer points beside the one that makes keyframes; 0: one a core, "
+                "four at most")
+        .takes("COUNT")
+        .between(0, answer_threads_max)
+        .shows_default();
     line.option("--work-rate", options.work_rate,
-                "Share of the simulation's thread that each session may use; who asks for more is "
-                "told when to ask again")
+                "Share of the threads that work for those who ask that each session may use; who "
+                "asks for more is told when to ask again")
         .between(0.001, 1000.0)
         .takes("SHARE")
         .shows_default();

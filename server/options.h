@@ -14,8 +14,9 @@ struct Options {
     NetOptions net;
     std::string device = "auto"; ///< auto | list | name part | index
     std::string data_dir;        ///< folder of the journal; empty: the sea ends with the process
-    double work_rate = 1;        ///< of each session: share of the simulation's thread
-    double work_burst_s = 10;    ///< of each session: work asked for at once, beyond the rate, s
+    int answer_threads = 0;      ///< that answer points; 0: answer_threads_default()
+    double work_rate = 1;     ///< of each session: share of the threads that work for those who ask
+    double work_burst_s = 10; ///< of each session: work asked for at once, beyond the rate, s
     int memory_mb =
         0; ///< MiB for what is held for those who ask (host/memory.h); 0: what the sea needs
     std::string log = "text"; ///< text | json

@@ -8,7 +8,7 @@
 //     const auto memory = std::make_shared<Memory>(640u << 20, needs_of(sea));
 //     Room::Place place = memory->room(MemoryUse::maps).take(bytes);
 //
-// Thread-safe, but for what room.h says of take() and fits().
+// Thread-safe.
 #pragma once
 
 #include <array>

@@ -3,7 +3,7 @@
 // made and gives it back when the last of its holders lets it go, on whichever thread; who finds none
 // waits, or is refused. So what a crowd of questions holds is bounded. Each is a share of one budget (memory.h).
 //
-// take() and fits() are for one thread; all else is thread-safe. Places may outlive the one who asked.
+// Thread-safe. Places may outlive the one who asked.
 #pragma once
 
 #include <atomic>
@@ -34,19 +34,16 @@ class Room : public std::enable_shared_from_this<Room> {
     /// One always gets what it asks for, however large.
     bool fits(std::size_t bytes) const { return held_ == 0 || held_ + bytes <= bytes_max_; }
     /// Null: not now.
-    Place take(std::size_t bytes) { return fits(bytes) ? take_anyway(bytes) : nullptr; }
-    /// For who makes room afterwards, on any thread.
-    Place take_anyway(std::size_t bytes) {
-        const std::size_t held = held_ += bytes;
-        for (std::size_t most = held_most_; most < held;)
-            held_most_.compare_exchange_weak(most, held);
-        return Place(this, [room = shared_from_this(), bytes](const void*) {
-            room->held_ -= bytes;
-            const std::scoped_lock lock(room->mutex_);
-            if (room->freed_)
-                room->freed_();
-        });
+    Place take(std::size_t bytes) {
+        std::size_t held = held_;
+        do
+            if (held > 0 && held + bytes > bytes_max_)
+                return nullptr;
+        while (!held_.compare_exchange_weak(held, held + bytes));
+        return taken(bytes, held + bytes);
     }
+    /// For who makes room afterwards.
+    Place take_anyway(std::size_t bytes) { return taken(bytes, held_ += bytes); }
     bool overfull() const { return held_ > bytes_max_; }
 
     std::size_t bytes_max() const { return bytes_max_; }
@@ -56,6 +53,16 @@ class Room : public std::enable_shared_from_this<Room> {
   private:
     explicit Room(std::size_t bytes_max) : bytes_max_(bytes_max) {}
 
+    Place taken(std::size_t bytes, std::size_t held) {
+        for (std::size_t most = held_most_; most < held;)
+            held_most_.compare_exchange_weak(most, held);
+        return Place(this, [room = shared_from_this(), bytes](const void*) {
+            room->held_ -= bytes;
+            const std::scoped_lock lock(room->mutex_);
+            if (room->freed_)
+                room->freed_();
+        });
+    }
     const std::size_t bytes_max_;
     std::atomic<std::size_t> held_ = 0;
     std::atomic<std::size_t> held_most_ = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Account: what one asker may have worked for it: so much of the simulation's thread a second, and some
+// Account: what one asker may have worked for it: so much of the threads' time a second, and some
 // of it saved up. A bucket of microseconds that fills at `rate`; a request may be made while there is
 // anything in it, and takes its price out, which may leave a debt: so one large request is possible and
 // the next one waits. Plain arithmetic on times that are given.
@@ -13,7 +13,8 @@ namespace seaway::server {
 
 /// Of each asker.
 struct WorkBudget {
-    /// Share of the simulation's thread. 1: who waits for answers before asking more is never refused.
+    /// Seconds of work a second. As many as there are threads that work for those who ask: who waits for
+    /// answers before asking more is never refused.
     double rate = 1;
     /// Work that may be asked for at once, beyond the rate, s.
     double burst_s = 10;

@@ -3,14 +3,11 @@
 
 #include <algorithm>
 #include <chrono>
-#include <iterator>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "server/host/refusal.h"
-#include "server/simulation/memory_needs.h"
-#include "server/simulation/schedule.h"
 
 namespace seaway::server {
 
@@ -25,10 +22,6 @@ std::vector<int> cascade_sizes(const RunningSea& sea) {
     return sizes;
 }
 
-KeyframeRequest request_of(const sea::Keyframe& keyframe) {
-    return {keyframe.cascade, keyframe.time_us, keyframe.fields, keyframe.epoch};
-}
-
 } // namespace
 
 KeyframeSource::KeyframeSource(SeaCoursePtr course, std::unique_ptr<RebuiltSynthesizer> device,
@@ -37,8 +30,6 @@ KeyframeSource::KeyframeSource(SeaCoursePtr course, std::unique_ptr<RebuiltSynth
       device_(course_, std::move(device)), streamed_foam_{{course_->first()->epoch,
                                                            FoamMaps(course_)}},
       started_foam_{FoamMaps(course_)}, asked_foam_{FoamMaps(course_)},
-      surface_bytes_(surface_bytes(*course_->first())), surfaces_(memory.room(MemoryUse::surfaces)),
-      prompt_surfaces_(memory.room(MemoryUse::prompt_surfaces)),
       store_(memory.room(MemoryUse::keyframes)), description_(device_.device().description()),
       costs_(cascade_sizes(*course_->first())) {}
 
@@ -102,12 +93,6 @@ Result<bool> KeyframeSource::work_on(KeyframeJob& job) {
         return *failure_;
     std::int64_t budget = samples_per_slice;
     return or_fail(slice(job, budget));
-}
-
-Result<bool> KeyframeSource::work_on(SurfaceJob& job) {
-    if (failure_)
-        return *failure_;
-    return or_fail(slice(job));
 }
 
 KeyframeRequest KeyframeSource::with_held_fields(KeyframeRequest request) const {
@@ -319,52 +304,6 @@ KeyframeSource::synthesize(std::span<const KeyframeRequest> requests,
     if (made)
         costs_.add(asked, synthesis_ - before);
     return made;
-}
-
-// ---- surfaces ------------------------------------------------------------------------------
-
-bool KeyframeSource::waits(const SurfaceJob& job) const {
-    return !job.place_ && !room_of(job).fits(surface_bytes_);
-}
-
-Result<bool> KeyframeSource::slice(SurfaceJob& job) {
-    if (!job.place_ && !(job.place_ = room_of(job).take(surface_bytes_)))
-        return false;
-    if (!job.keyframes_)
-        job.keyframes_.emplace(keyframes_around(*course_, {&job.time_us_, 1},
-                                                {~0u, course_->first()->sampler_fields()}),
-                               Walk::questions);
-    std::int64_t budget = samples_per_slice;
-    if (!job.keyframes_->complete()) {
-        SEAWAY_TRY_LET(const bool made, slice(*job.keyframes_, budget));
-        if (made)
-            std::ranges::move(job.keyframes_->take(), std::back_inserter(job.held_));
-        if (!job.keyframes_->complete())
-            return false;
-    }
-    while (budget > 0 && job.splines_.size() < job.held_.size()) {
-        const sea::KeyframePtr& next = job.held_[job.splines_.size()];
-        const bool there = store_.splined(request_of(*next));
-        job.splines_.push_back(store_.spline(next));
-        if (!there)
-            budget -= samples(next->cascade) * next->fields.size();
-    }
-    if (job.splines_.size() < job.held_.size())
-        return false;
-    const RunningSeaPtr sea = course_->sea(job.held_.front()->epoch);
-    const sea::Choppiness choppiness = sea->choppiness_at(job.time_us_);
-    std::vector<sea::SplinePair> pairs;
-    job.end_us_ = course_->window(sea->epoch).end_us;
-    if (sea->glide && !(choppiness == sea->choppiness_at(job.time_us_ + 1)))
-        job.end_us_ = job.time_us_ + 1; // the surface of this moment alone
-    for (std::size_t i = 0; i < job.held_.size(); i += 2) {
-        pairs.push_back({job.splines_[i], job.splines_[i + 1]});
-        job.end_us_ = std::min(job.end_us_, job.held_[i + 1]->time_us);
-    }
-    job.surface_ = std::make_shared<const sea::Surface>(
-        std::move(pairs), choppiness, fold_search(sea->budget), map_error(sea->budget, 0.0),
-        sea::inverse_tolerance_m(sea->budget.height_error_m));
-    return true;
 }
 
 } // namespace seaway::server

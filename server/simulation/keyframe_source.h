@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Keyframe source: any keyframe of the seas of a course, from the store or from the device, with foam
 // where it is wanted; and what all of that has cost. What may take long - many keyframes, a foam
-// history that starts, the splines of a surface - is a job, worked on slice by slice.
+// history that starts - is a job, worked on slice by slice.
 //
 // Where there is no memory for what is asked, that is an error of kind Refusal::busy and nothing else
 // happens. The first failure of the device that rebuilding does not mend is the last word: from then on every
-// call gives that same error, of kind Refusal::gone. For one thread, except report() and failed().
+// call gives that same error, of kind Refusal::gone. For one thread, except store(), holding(), report() and failed().
 #pragma once
 
 #include <atomic>
@@ -18,7 +18,6 @@
 #include <vector>
 
 #include "base/result.h"
-#include "sea/surface/surface.h"
 #include "server/device/rebuilt_synthesizer.h"
 #include "server/host/memory.h"
 #include "server/simulation/course_synthesis.h"
@@ -29,8 +28,6 @@
 #include "server/simulation/sea_course.h"
 
 namespace seaway::server {
-
-using SurfacePtr = std::shared_ptr<const sea::Surface>;
 
 /// Walks through time, each with foam histories of its own: the stream goes step by step, starts of
 /// subscriptions join it near now, questions jump to where someone asks.
@@ -94,30 +91,10 @@ class KeyframeJob {
     const std::weak_ptr<const void>* awaited_turn_ = nullptr; ///< of the source
 };
 
-/// The surface around a time, from the keyframes of every cascade.
-class SurfaceJob {
-  public:
-    /// A prompt one never waits for others that take long: it has a room apart.
-    explicit SurfaceJob(sea::TimeUs time_us, bool prompt = false)
-        : time_us_(time_us), prompt_(prompt) {}
-
-    /// Once KeyframeSource::work_on() has said that it is there.
-    const SurfacePtr& surface() const { return surface_; }
-    /// It holds its times up to, without, this one.
-    sea::TimeUs end_us() const { return end_us_; }
-
-  private:
-    friend class KeyframeSource;
-
-    sea::TimeUs time_us_;
-    bool prompt_;
-    Room::Place place_;
-    std::optional<KeyframeJob> keyframes_;
-    std::vector<sea::KeyframePtr> held_;
-    std::vector<sea::SplineMapPtr> splines_; ///< of the first of `held_`
-    SurfacePtr surface_;
-    sea::TimeUs end_us_ = 0;
-};
+/// What a keyframe is one of.
+inline KeyframeRequest request_of(const sea::Keyframe& keyframe) {
+    return {keyframe.cascade, keyframe.time_us, keyframe.fields, keyframe.epoch};
+}
 
 class KeyframeSource {
   public:
@@ -127,12 +104,6 @@ class KeyframeSource {
     /// One slice; true: a part is made, to be taken. Of several jobs of one walk that need foam one
     /// gets on at a time, the others wait until it is made or gone.
     Result<bool> work_on(KeyframeJob& job);
-    /// One slice; true: the surface is there. Jobs wait while others hold the memory there is for surfaces,
-    /// and prompt ones have a share apart; for as long as this one lives it holds its own.
-    Result<bool> work_on(SurfaceJob& job);
-
-    /// A slice would come to nothing: others hold the room for surfaces.
-    bool waits(const SurfaceJob& job) const;
 
     /// Ticks that the stream's foam of a cascade is away from a time.
     int foam_ticks_to(int cascade, sea::TimeUs time_us) const;
@@ -150,6 +121,8 @@ class KeyframeSource {
     /// There is something to trim().
     bool holds_keyframes() const { return store_.counters().keyframes > 0; }
 
+    /// What is held, with its splines. Any thread.
+    KeyframeStore& store() { return store_; }
     /// What of a keyframe is there now. Any thread.
     Holding holding(const KeyframeRequest& request) const;
 
@@ -168,7 +141,6 @@ class KeyframeSource {
     bool open_part(KeyframeJob& job);
     void look_up(KeyframeJob& job, std::size_t begin);
     Result<bool> slice(KeyframeJob& job, std::int64_t& budget);
-    Result<bool> slice(SurfaceJob& job);
     bool takes_its_turn(KeyframeJob& job);
     Result<void> synthesize_some(KeyframeJob& job, std::int64_t& budget);
     Result<void> add_foam(KeyframeJob& job, std::int64_t& budget);
@@ -208,12 +180,6 @@ class KeyframeSource {
     AskedFoam& foam_of(Walk walk) { return walk == Walk::starts ? started_foam_ : asked_foam_; }
     AskedFoam started_foam_;
     AskedFoam asked_foam_;
-    Room& room_of(const SurfaceJob& job) const {
-        return job.prompt_ ? *prompt_surfaces_ : *surfaces_;
-    }
-    const std::size_t surface_bytes_; ///< of one
-    const std::shared_ptr<Room> surfaces_;
-    const std::shared_ptr<Room> prompt_surfaces_;
     double synthesis_s_ = 0; ///< spent waiting for the device
     KeyframeStore store_;
     std::optional<Error> failure_;

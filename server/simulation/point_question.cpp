@@ -27,9 +27,8 @@ Result<void> check_point(const sea::QueryPoint& point) {
     return check_time(point.time_us);
 }
 
-PointQuestion::PointQuestion(std::vector<sea::QueryPoint> points, bool prompt)
-    : points_(std::move(points)), prompt_(prompt), order_(points_.size()),
-      answers_(points_.size()) {
+PointQuestion::PointQuestion(std::vector<sea::QueryPoint> points, SurfaceUse use)
+    : points_(std::move(points)), use_(use), order_(points_.size()), answers_(points_.size()) {
     std::iota(order_.begin(), order_.end(), std::size_t{0});
     std::stable_sort(order_.begin(), order_.end(), [&](std::size_t a, std::size_t b) {
         return points_[a].time_us < points_[b].time_us;
@@ -42,16 +41,13 @@ SliceOver over_after(std::chrono::steady_clock::duration time) {
     };
 }
 
-Result<void> PointQuestion::sample(KeyframeSource& source, const SliceOver& over) {
+void PointQuestion::sample(Surfaces& surfaces, const SliceOver& over) {
     if (complete())
-        return {};
+        return;
     if (!surface_)
-        surface_.emplace(next().time_us, prompt_);
-    if (!surface_->surface()) {
-        SEAWAY_TRY_LET(const bool there, source.work_on(*surface_));
-        if (!there)
-            return {};
-    }
+        surface_.emplace(next().time_us, use_);
+    if (!surface_->surface() && !surfaces.work_on(*surface_))
+        return;
     const sea::TimeUs end_us = surface_->end_us();
     SEAWAY_CHECK(next().time_us < end_us, "each slice brings a question nearer to its end");
     do
@@ -59,7 +55,6 @@ Result<void> PointQuestion::sample(KeyframeSource& source, const SliceOver& over
     while (!complete() && next().time_us < end_us && !over());
     if (complete() || next().time_us >= end_us)
         surface_.reset();
-    return {};
 }
 
 void PointQuestion::sum_exactly(const SeaCourse& course, const SliceOver& over) {

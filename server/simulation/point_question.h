@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // PointQuestion: a batch of points, each at its own time, answered slice by slice in order of time,
-// so that points which share keyframes stand together. For one thread.
+// so that points which share keyframes stand together. One thread's at a time.
 #pragma once
 
 #include <chrono>
@@ -11,15 +11,16 @@
 
 #include "sea/surface/answer.h"
 #include "sea/waves/reference.h"
-#include "server/simulation/keyframe_source.h"
+#include "server/simulation/questions.h"
+#include "server/simulation/surfaces.h"
 
 namespace seaway::server {
 
 /// Says that a slice has lasted long enough; asked after each point, of which a slice has one at
 /// least. What a point takes depends on the sea: an exact one 10 us to 0.1 s.
 using SliceOver = std::function<bool()>;
-/// By the clock, from now on.
-inline constexpr std::chrono::milliseconds points_slice{5};
+/// By the clock, from now on. A single point that comes waits for no more than what is left of a slice.
+inline constexpr std::chrono::microseconds points_slice{200};
 SliceOver over_after(std::chrono::steady_clock::duration time);
 
 /// Refusal::bad_value, with value and range, for times and places where no sea is computed. A place
@@ -29,17 +30,23 @@ Result<void> check_point(const sea::QueryPoint& point);
 
 class PointQuestion {
   public:
-    /// The points have passed check_point(). `prompt`: as SurfaceJob's.
-    explicit PointQuestion(std::vector<sea::QueryPoint> points, bool prompt = false);
+    /// The points have passed check_point().
+    explicit PointQuestion(std::vector<sea::QueryPoint> points, SurfaceUse use = SurfaceUse::batch);
 
+    /// Who is to do the next slice: the simulation where make_keyframes() is to be called.
+    Hand hand() const {
+        return surface_ && surface_->lacks_keyframes() ? Hand::simulation : Hand::answers;
+    }
     /// One slice: the next points, at least one, from the surface around them, or a slice of making
     /// that surface.
-    Result<void> sample(KeyframeSource& source, const SliceOver& over);
-    /// The same by the direct sum.
+    void sample(Surfaces& surfaces, const SliceOver& over);
+    /// A slice of the keyframes that the next surface lacks.
+    Result<void> make_keyframes(Surfaces& surfaces) { return surfaces.make_keyframes(*surface_); }
+    /// The same as sample() by the direct sum.
     void sum_exactly(const SeaCourse& course, const SliceOver& over);
 
     /// A slice would come to nothing, for want of room for the next surface.
-    bool waits(const KeyframeSource& source) const { return surface_ && source.waits(*surface_); }
+    bool waits(const Surfaces& surfaces) const { return surface_ && surfaces.waits(*surface_); }
 
     /// What a question of so many points holds.
     static std::size_t bytes_of(std::size_t points) {
@@ -55,7 +62,7 @@ class PointQuestion {
     void put(const sea::Answer& answer) { answers_[order_[done_count_++]] = answer; }
 
     const std::vector<sea::QueryPoint> points_;
-    const bool prompt_;
+    const SurfaceUse use_;
     std::vector<std::size_t> order_; ///< by time
     std::vector<sea::Answer> answers_;
     std::size_t done_count_ = 0;        ///< of `order_`

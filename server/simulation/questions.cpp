@@ -44,7 +44,8 @@ void Questions::forget_who_left() {
         Line& line = at->second;
         const bool as_new =
             line.virtual_us <= virtual_us_ - head_start_us && line.account.full(now_s);
-        const bool forgotten = line.waiting.empty() && (at->first.left() || as_new);
+        const bool forgotten =
+            line.waiting.empty() && line.worked_on == 0 && (at->first.left() || as_new);
         at = forgotten ? lines_.erase(at) : std::next(at);
     }
     lines_most_ = std::max<std::size_t>(64, 2 * lines_.size());
@@ -58,19 +59,23 @@ void Questions::add(Line& line, Question question, bool first) {
     if (question.place == nullptr)
         question.place = room_->take_anyway(question.bytes);
     line.bytes += question.bytes;
+    question.next = question.hand ? question.hand() : Hand::simulation;
     if (first)
         line.waiting.push_front(std::move(question));
     else
         line.waiting.push_back(std::move(question));
-    ++waiting_;
+    ++open_;
 }
 
-std::optional<Questions::Place> Questions::next_of(Lines::iterator line, bool prompt) {
+std::optional<Questions::Place> Questions::next_of(Lines::iterator line, Hand hand, bool prompt) {
+    if (!prompt && line->second.longs > 0)
+        return std::nullopt;
     std::deque<Question>& waiting = line->second.waiting;
     const auto first = std::ranges::find_if(waiting, [&](const Question& question) {
-        return question.prompt == prompt && (!question.ready || question.ready());
+        return question.prompt == prompt && (!prompt || question.next == hand) &&
+               (!question.ready || question.ready());
     });
-    if (first == waiting.end())
+    if (first == waiting.end() || first->next != hand)
         return std::nullopt;
     return Place{line, first,
                  line->second.virtual_us + std::max(first->price_us - first->spent_us, 0.0)};
@@ -83,7 +88,7 @@ void Questions::earlier(std::optional<Place>& best, const std::optional<Place>& 
         best = other;
 }
 
-std::optional<Questions::Place> Questions::next() {
+std::optional<Questions::Place> Questions::next(Hand hand) {
     std::optional<Place> prompt, other;
     for (auto line = lines_.begin(); line != lines_.end(); ++line) {
         std::deque<Question>& waiting = line->second.waiting;
@@ -91,19 +96,20 @@ std::optional<Questions::Place> Questions::next() {
             waiting, [](const Question& question) { return question.asker.gone(); });
         if (gone != waiting.end()) // dropped before anything is worked on
             return Place{line, gone, 0};
-        earlier(prompt, next_of(line, true));
-        earlier(other, next_of(line, false));
+        earlier(prompt, next_of(line, hand, true));
+        earlier(other, next_of(line, hand, false));
     }
-    return !prompt || (other && owed_us_ >= owed_us_max) ? other : prompt;
+    const double owed_us = owed_us_[static_cast<std::size_t>(hand)];
+    return !prompt || (other && owed_us >= owed_us_max) ? other : prompt;
 }
 
 std::optional<Error> Questions::why_not(const Question& question, Line& line) {
     if (closed_)
         return closed_;
-    const std::size_t own = line.waiting.size();
+    const std::size_t own = line.waiting.size() + line.worked_on;
     if (own >= questions_of_one_max)
         return busy(crowd_wait_s, fmt::format("{} questions of yours wait already", own));
-    if (waiting_ >= questions_waiting_max * (own == 0 ? 2 : 1))
+    if (open_ >= questions_waiting_max * (own == 0 ? 2 : 1))
         return busy(crowd_wait_s, fmt::format("{} questions wait already, try again later",
                                               questions_waiting_max));
     if (room_->held_bytes() + question.bytes > room_->bytes_max() / (own == 0 ? 1 : 2) &&
@@ -126,17 +132,18 @@ void Questions::ask(Question question) {
         lock.unlock();
         return question.refuse(*refusal);
     }
-    ++asked_;
+    asked_ += question.own ? 0 : 1;
     line.account.take(question.price_us);
     add(line, std::move(question));
+    const Hand hand = line.waiting.back().next;
     lock.unlock();
-    changed_.notify_all();
+    waits_for(hand).notify_one();
 }
 
 std::optional<Question> Questions::take(std::optional<sea::TimeUs> wait_us) {
     std::unique_lock lock(mutex_);
-    const auto something = [&] { return woken_ || next(); };
-    const std::optional<Place> first = next();
+    const auto something = [&] { return woken_ || next(Hand::simulation); };
+    const std::optional<Place> first = next(Hand::simulation);
     if (!first || (woken_ && !passed_over_)) {
         passed_over_ = first.has_value();
         if (wait_us)
@@ -147,40 +154,84 @@ std::optional<Question> Questions::take(std::optional<sea::TimeUs> wait_us) {
         return std::nullopt;
     }
     passed_over_ = false;
-    Line& line = first->line->second;
-    Question question = std::move(*first->question);
-    line.waiting.erase(first->question);
+    return taken(*first);
+}
+
+std::optional<Question> Questions::take_to_answer() {
+    std::unique_lock lock(mutex_);
+    std::optional<Place> first;
+    ++idle_;
+    to_answer_.wait(lock, [&] { return closed_ || (first = next(Hand::answers)); });
+    --idle_;
+    if (closed_)
+        return std::nullopt;
+    Question question = taken(*first);
+    if (idle_ > 0 && next(Hand::answers)) // who puts something back tells nobody: it looks itself
+        to_answer_.notify_one();
+    return question;
+}
+
+Question Questions::taken(const Place& place) {
+    Line& line = place.line->second;
+    Question question = std::move(*place.question);
+    line.waiting.erase(place.question);
     line.turn = ++turns_;
+    ++line.worked_on;
+    line.longs += question.prompt ? 0 : 1;
     virtual_us_ = std::max(virtual_us_, line.virtual_us);
-    --waiting_;
     line.bytes -= question.bytes;
     return question;
+}
+
+void Questions::given_back(Line& line, const Question& question) {
+    --open_;
+    --line.worked_on;
+    line.longs -= question.prompt ? 0 : 1;
 }
 
 void Questions::spent(Question& question, double us) {
     question.spent_us += us;
     const std::scoped_lock lock(mutex_);
-    owed_us_ = question.prompt ? std::min(owed_us_ + us / 4, 2 * owed_us_max)
-                               : std::max(owed_us_ - us, 0.0);
+    double& owed_us = owed_us_[static_cast<std::size_t>(question.next)];
+    owed_us =
+        question.prompt ? std::min(owed_us + us / 4, 2 * owed_us_max) : std::max(owed_us - us, 0.0);
     if (const auto line = lines_.find(question.asker); line != lines_.end())
         line->second.virtual_us += us;
 }
 
 void Questions::put_back(Question question) {
-    const std::scoped_lock lock(mutex_);
+    std::unique_lock lock(mutex_);
+    if (closed_) {
+        lock.unlock();
+        return question.refuse(*closed_);
+    }
     Line& line = line_of(question.asker);
+    given_back(line, question);
     const double own_us = line.virtual_us;
     const bool is_long = !question.prompt;
+    const Hand before = question.next;
     add(line, std::move(question), is_long);
     if (line.waiting.size() == 1)
         line.virtual_us = own_us; // it has not been away
+    const Hand hand = (is_long ? line.waiting.front() : line.waiting.back()).next;
+    lock.unlock();
+    if (hand != before)
+        waits_for(hand).notify_one();
 }
 
 void Questions::over(const Question& question) {
-    const std::scoped_lock lock(mutex_);
-    const auto line = lines_.find(question.asker);
-    if (line != lines_.end())
+    {
+        const std::scoped_lock lock(mutex_);
+        const auto line = lines_.find(question.asker);
+        if (line == lines_.end())
+            return; // closed
+        given_back(line->second, question);
         line->second.account.give_back(question.price_us - question.spent_us);
+    }
+    if (question.prompt)
+        return;
+    changed_.notify_all(); // the next long one of its asker may begin
+    to_answer_.notify_all();
 }
 
 void Questions::wake() {
@@ -189,6 +240,7 @@ void Questions::wake() {
         woken_ = true;
     }
     changed_.notify_all();
+    to_answer_.notify_all();
 }
 
 void Questions::close(const Error& why) {
@@ -197,8 +249,9 @@ void Questions::close(const Error& why) {
         const std::scoped_lock lock(mutex_);
         closed_ = why;
         left.swap(lines_);
-        waiting_ = 0;
+        open_ = 0;
     }
+    to_answer_.notify_all();
     for (const auto& [asker, line] : left)
         for (const Question& question : line.waiting)
             question.refuse(why);

@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <chrono>
 #include <new>
-#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "server/host/refusal.h"
+#include "server/simulation/slice.h"
 
 namespace seaway::server {
 
@@ -17,46 +17,56 @@ using sea::TimeUs;
 
 namespace {
 
-Error busy(std::string why) {
-    Error error{Refusal::busy, std::move(why)};
-    error.retry_after_ms = 1000;
-    return error;
+/// Questions wait for places in these.
+constexpr MemoryUse awaited_rooms[] = {MemoryUse::fetches, MemoryUse::surfaces,
+                                       MemoryUse::prompt_surfaces};
+
+/// Of all threads together.
+WorkBudget of_threads(WorkBudget each, int threads) {
+    each.rate *= threads;
+    return each;
 }
 
 } // namespace
 
-Result<std::unique_ptr<Simulation>>
-Simulation::start(SeaCoursePtr course, const SynthesizerFactory& factory,
-                  const Subscriptions& subscriptions, SimulationClock clock,
-                  SimulationEvents events, WorkBudget budget, MemoryPtr memory) {
+Result<std::unique_ptr<Simulation>> Simulation::start(SeaCoursePtr course,
+                                                      const SynthesizerFactory& factory,
+                                                      const Subscriptions& subscriptions,
+                                                      std::function<TimeUs()> now,
+                                                      SimulationEvents events, WorkBudget budget,
+                                                      MemoryPtr memory, int answer_threads) {
     SEAWAY_TRY_LET(std::unique_ptr<RebuiltSynthesizer> device,
                    RebuiltSynthesizer::start(factory, course->first()->realization,
                                              course->first()->epoch, events.on_warning));
-    std::unique_ptr<Simulation> simulation(
-        new Simulation(std::move(course), std::move(device), subscriptions, std::move(clock),
-                       std::move(events), budget, std::move(memory)));
+    std::unique_ptr<Simulation> simulation(new Simulation(
+        std::move(course), std::move(device), subscriptions, std::move(now), std::move(events),
+        of_threads(budget, 1 + answer_threads), std::move(memory)));
     simulation->thread_ = std::thread([self = simulation.get()] { self->run(); });
+    simulation->answer_threads_.start(answer_threads);
     return simulation;
 }
 
 Simulation::Simulation(SeaCoursePtr course, std::unique_ptr<RebuiltSynthesizer> device,
-                       const Subscriptions& subscriptions, SimulationClock clock,
+                       const Subscriptions& subscriptions, std::function<TimeUs()> now,
                        SimulationEvents events, WorkBudget budget, MemoryPtr memory)
-    : course_(std::move(course)), subscriptions_(subscriptions), clock_(std::move(clock)),
+    : course_(std::move(course)), subscriptions_(subscriptions), now_(std::move(now)),
       events_(std::move(events)), memory_(std::move(memory)),
-      source_(course_, std::move(device), *memory_), prices_(course_), schedule_(*course_),
-      streamed_foam_(*course_->first(), source_, schedule_),
+      source_(course_, std::move(device), *memory_), surfaces_(course_, source_, *memory_),
+      prices_(course_), schedule_(*course_), streamed_foam_(*course_->first(), source_, schedule_),
       fetch_room_(memory_->room(MemoryUse::fetches)),
       questions_(budget, memory_->room(MemoryUse::points)) {
-    fetch_room_->on_freed([this] { questions_.wake(); });
+    for (const MemoryUse use : awaited_rooms)
+        memory_->room(use)->on_freed([this] { questions_.wake(); });
 }
 
 Simulation::~Simulation() {
-    fetch_room_->on_freed(nullptr);
+    for (const MemoryUse use : awaited_rooms)
+        memory_->room(use)->on_freed(nullptr);
     stopping_ = true;
     questions_.wake();
     if (thread_.joinable())
-        thread_.join();
+        thread_.join(); // it has closed the questions
+    answer_threads_.join();
 }
 
 EffectPlan Simulation::plan(TimeUs now_us) const {
@@ -75,9 +85,9 @@ void Simulation::run() {
         }
     }
     heartbeat_.rests();
+    questions_.close(source_.failure().value_or(Error{Refusal::gone, "the server stops"}));
     if (source_.failure() && events_.on_failure)
         events_.on_failure(source_.failure()->message);
-    questions_.close(source_.failure().value_or(Error{Refusal::gone, "the server stops"}));
 }
 
 bool Simulation::work_ahead() {
@@ -87,7 +97,7 @@ bool Simulation::work_ahead() {
             worked = true;
             ++stream_slices_;
         }
-        if (!source_.failure() && streamed_foam_.walk(clock_.now())) {
+        if (!source_.failure() && streamed_foam_.walk(now_())) {
             worked = true;
             ++stream_slices_;
         }
@@ -104,7 +114,8 @@ void Simulation::trim_now_and_then() {
     if (now < trimmed_ + trim_interval)
         return;
     trimmed_ = now;
-    trims_left_ = std::max(trims_left_ - 1, 0);
+    if (trims_left_ > 0)
+        --trims_left_;
     (void)source_.trim();
     if (events_.on_trim)
         events_.on_trim();
@@ -113,8 +124,7 @@ void Simulation::trim_now_and_then() {
 bool Simulation::work_on_stream() {
     heartbeat_.works();
     if (!streaming_) {
-        const TimeUs now_us = clock_.now();
-        schedule_.hurry(clock_.hurry());
+        const TimeUs now_us = now_();
         streamed_plan_ = streamed_foam_.carried(plan(now_us), subscriptions_, now_us);
         Schedule::Due due = schedule_.take_due(streamed_plan_, now_us);
         if (due.keyframes.empty())
@@ -144,9 +154,7 @@ void Simulation::work_on_a_question(bool more) {
     if (!more) {
         wait_us = schedule_.next_due_us(streamed_plan_);
         if (wait_us)
-            wait_us = clock_.wait_us(*wait_us);
-        if (wait_us)
-            wait_us = std::max<TimeUs>(*wait_us, 1);
+            wait_us = std::max<TimeUs>(*wait_us - now_(), 1);
         if (trims_left_ > 0 || source_.holds_keyframes()) {
             constexpr TimeUs trim_us = std::chrono::microseconds(trim_interval).count();
             wait_us = std::min(wait_us.value_or(trim_us), trim_us);
@@ -156,40 +164,8 @@ void Simulation::work_on_a_question(bool more) {
     std::optional<Question> question = questions_.take(wait_us);
     if (!question)
         return;
-    trims_left_ = trims_after_work;
     heartbeat_.works();
-    if (question->asker.gone())
-        question->refuse({Refusal::gone, "nobody waits for the answer"});
-    else if (!answered(*question))
-        return questions_.put_back(*std::move(question));
-    questions_.over(*question);
-}
-
-bool Simulation::answered(Question& question) {
-    using Clock = std::chrono::steady_clock;
-    const Clock::time_point start = Clock::now();
-    bool done = true;
-    try {
-        done = question.slice();
-    } catch (const std::bad_alloc&) {
-        refuse_surely(question, busy("there is no memory for this now, try again later"));
-    } catch (const std::system_error& error) { // a thread that could not be started
-        refuse_surely(question, busy(fmt::format("the system gives no more: {}, try again later",
-                                                 error.code().message())));
-    }
-    questions_.spent(question,
-                     std::chrono::duration<double, std::micro>(Clock::now() - start).count());
-    return done;
-}
-
-void Simulation::refuse_surely(const Question& question, const Error& why) {
-    for (int attempt = 0; attempt < 100; ++attempt) {
-        try {
-            return question.refuse(why);
-        } catch (const std::bad_alloc&) { // others give some back soon
-            std::this_thread::sleep_for(std::chrono::milliseconds(10));
-        }
-    }
+    work_on_slice(questions_, *std::move(question));
 }
 
 SimulationCounters Simulation::counters() const {
@@ -211,6 +187,12 @@ SimulationCounters Simulation::counters() const {
 
 HoldingOf Simulation::holding() const {
     return [this](const KeyframeRequest& request) { return source_.holding(request); };
+}
+
+void Simulation::ask(Question question) {
+    if (trims_left_.exchange(trims_after_work) == 0)
+        questions_.wake(); // it sleeps until there is something to let go
+    questions_.ask(std::move(question));
 }
 
 Question Simulation::keyframe_question(std::function<std::vector<KeyframeRequest>()> wanted,
@@ -248,16 +230,16 @@ void Simulation::fetch(std::vector<TimeUs> times_us, const Demand& demand, Fetch
                           Walk::questions, [] { return true; }, std::move(done), asker);
     question.price_us = price_us;
     question.prompt = price_us <= prices_.prompt_us();
-    questions_.ask(std::move(question));
+    ask(std::move(question));
 }
 
 void Simulation::fetch_current(const Demand& demand, Fetched done, const Asker& asker) {
     // Has no price of its own: it is what a subscription begins with, and mostly held.
     Question question = keyframe_question(
-        [this, demand] { return schedule_.current(demand, clock_.now()); }, Walk::starts,
+        [this, demand] { return schedule_.current(demand, now_()); }, Walk::starts,
         [this, demand] { return !streamed_foam_.starts(demand); }, std::move(done), asker);
     question.prompt = true;
-    questions_.ask(std::move(question));
+    ask(std::move(question));
 }
 
 void Simulation::answer(std::vector<sea::QueryPoint> points, bool exact, Answered done,
@@ -267,48 +249,76 @@ void Simulation::answer(std::vector<sea::QueryPoint> points, bool exact, Answere
             return done(fine.error());
     const double price_us = exact ? prices_.exact_us(points) : prices_.points_us(points, holding());
     const std::size_t bytes = PointQuestion::bytes_of(points.size());
-    auto batch =
-        std::make_shared<PointQuestion>(std::move(points), price_us <= prices_.prompt_us());
-    questions_.ask({.slice =
-                        [this, batch, exact, done] {
-                            if (exact) {
-                                batch->sum_exactly(*course_, over_after(points_slice));
-                            } else if (const Result<void> sampled =
-                                           batch->sample(source_, over_after(points_slice));
-                                       !sampled) {
-                                done(sampled.error());
-                                return true;
-                            }
-                            if (batch->complete())
-                                done(batch->take_answers());
-                            return batch->complete();
-                        },
-                    .refuse = done,
-                    .asker = asker,
-                    .ready = [this, batch] { return !batch->waits(source_); },
-                    .price_us = price_us,
-                    .prompt = price_us <= prices_.prompt_us(),
-                    .bytes = bytes});
+    const bool prompt = price_us <= prices_.prompt_us();
+    const bool few = prompt && static_cast<double>(points.size()) <= prompt_points;
+    const bool again = prompt && !exact && !points.empty();
+    const TimeUs last_us = again ? points.back().time_us : 0;
+    auto batch = std::make_shared<PointQuestion>(std::move(points), few      ? SurfaceUse::few
+                                                                    : prompt ? SurfaceUse::prompt
+                                                                             : SurfaceUse::batch);
+    ask({.slice =
+             [this, batch, exact, done] {
+                 if (batch->hand() == Hand::simulation) {
+                     const Result<void> made = batch->make_keyframes(surfaces_);
+                     if (!made)
+                         done(made.error());
+                     return !made;
+                 }
+                 if (exact)
+                     batch->sum_exactly(*course_, over_after(points_slice));
+                 else
+                     batch->sample(surfaces_, over_after(points_slice));
+                 if (batch->complete())
+                     done(batch->take_answers());
+                 return batch->complete();
+             },
+         .refuse = done,
+         .asker = asker,
+         .ready = [this, batch] { return !batch->waits(surfaces_); },
+         .hand = [batch] { return batch->hand(); },
+         .price_us = price_us,
+         .prompt = prompt,
+         .bytes = bytes});
+    if (const auto time_us = again ? foresight_.asked(last_us, now_()) : std::nullopt)
+        make_ready(*time_us);
+}
+
+Question Simulation::surface_question(std::shared_ptr<SurfaceJob> job, Surfaced done,
+                                      const Asker& asker) {
+    return {.slice =
+                [this, job, done] {
+                    if (job->lacks_keyframes()) {
+                        const Result<void> made = surfaces_.make_keyframes(*job);
+                        if (!made)
+                            done(made.error());
+                        return !made;
+                    }
+                    const bool there = surfaces_.work_on(*job);
+                    if (there)
+                        done(job->surface());
+                    return there;
+                },
+            .refuse = done,
+            .asker = asker,
+            .ready = [this, job] { return !surfaces_.waits(*job); },
+            .hand = [job] { return job->lacks_keyframes() ? Hand::simulation : Hand::answers; }};
 }
 
 void Simulation::surface(TimeUs time_us, Surfaced done, const Asker& asker) {
     if (const Result<void> fine = check_time(time_us); !fine)
         return done(fine.error());
-    const double price_us = prices_.surface_us(time_us, holding());
-    auto job = std::make_shared<SurfaceJob>(time_us);
-    questions_.ask({.slice =
-                        [this, job, done] {
-                            const Result<bool> there = source_.work_on(*job);
-                            if (!there)
-                                done(there.error());
-                            else if (*there)
-                                done(job->surface());
-                            return !there || *there;
-                        },
-                    .refuse = done,
-                    .asker = asker,
-                    .ready = [this, job] { return !source_.waits(*job); },
-                    .price_us = price_us});
+    Question question =
+        surface_question(std::make_shared<SurfaceJob>(time_us), std::move(done), asker);
+    question.price_us = prices_.surface_us(time_us, holding());
+    ask(std::move(question));
+}
+
+void Simulation::make_ready(TimeUs time_us) {
+    Question question = surface_question(
+        std::make_shared<SurfaceJob>(time_us, SurfaceUse::ahead), [](const auto&) {},
+        Asker(foreseer_));
+    question.own = true;
+    questions_.ask(std::move(question));
 }
 
 } // namespace seaway::server

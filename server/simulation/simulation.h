@@ -1,19 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 // Simulation: the thread that publishes the keyframes that the effect plan calls for, ahead of time
-// (Schedule), and answers questions about any time (Questions), all from one KeyframeSource.
+// (Schedule), and makes those that are asked for about any time (Questions), all from one KeyframeSource; and the
+// threads that answer points from what is held (AnswerThreads).
 //
-// Order of work, over and over: the keyframes that are due, stream_slices_ahead slices of them at most, a
-// slice of foam that starts (StreamedFoam), a slice of what was asked. None of them waits for the end of
-// another, however far the stream is behind. Without demand and without questions the thread sleeps and nothing is
+// Order of work of the simulation thread, over and over: the keyframes that are due, stream_slices_ahead slices of
+// them at most, a slice of foam that starts (StreamedFoam), a slice of what was asked. None of them waits for the end
+// of another, however far the stream is behind. Without demand and without questions all threads sleep and nothing is
 // dispatched. When the device has failed for good, on_failure is called and the simulation is over.
 //
 // All public functions may be called from any thread and return at once; callbacks come on the
-// simulation thread and must not block.
+// simulation thread or, of points and surfaces, on one of those that answer, and must not block.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <concepts>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -25,7 +26,9 @@
 #include "sea/surface/answer.h"
 #include "server/host/refusal.h"
 #include "server/host/subscriptions.h"
+#include "server/simulation/answer_threads.h"
 #include "server/simulation/effect_plan.h"
+#include "server/simulation/foresight.h"
 #include "server/simulation/heartbeat.h"
 #include "server/simulation/keyframe_source.h"
 #include "server/simulation/point_question.h"
@@ -33,6 +36,7 @@
 #include "server/simulation/schedule.h"
 #include "server/simulation/sea_course.h"
 #include "server/simulation/streamed_foam.h"
+#include "server/simulation/surfaces.h"
 
 namespace seaway::server {
 
@@ -67,27 +71,6 @@ inline constexpr int trims_after_work = 30;
 /// catches up still leaves a fifth of the thread to those who ask.
 inline constexpr int stream_slices_ahead = 4;
 
-/// The sea's clock. All from any thread.
-struct SimulationClock {
-    std::function<sea::TimeUs()> now;
-    /// How long it is until that sea time by the machine's clock; none: as long as the sea stands.
-    std::function<std::optional<sea::TimeUs>(sea::TimeUs)> wait_us;
-    /// As often as clocks do the sea runs, now or soon; 1 at least.
-    std::function<double()> hurry;
-
-    /// Of a sea that runs as clocks do.
-    template <std::invocable Now>
-    SimulationClock(Now now_) // NOLINT(google-explicit-constructor): a clock is mostly that
-        : now(std::move(now_)), wait_us([this_now = now](sea::TimeUs time_us) {
-              return std::optional(time_us - this_now());
-          }),
-          hurry([] { return 1.0; }) {}
-    SimulationClock(std::function<sea::TimeUs()> now_,
-                    std::function<std::optional<sea::TimeUs>(sea::TimeUs)> wait_us_,
-                    std::function<double()> hurry_)
-        : now(std::move(now_)), wait_us(std::move(wait_us_)), hurry(std::move(hurry_)) {}
-};
-
 /// What a fetch brings, part by part.
 struct FetchedKeyframes {
     std::vector<sea::KeyframePtr> keyframes;
@@ -96,13 +79,16 @@ struct FetchedKeyframes {
 
 class Simulation {
   public:
-    /// Makes the device, warms it up and starts the thread; the course may be added to at any time. Streams what
+    /// Makes the device, warms it up and starts the threads, of which those who answer are 1 to answer_threads_max;
+    /// the rate of `budget` is a share of the time of all of them. The course may be added to at any time. `now` is the sea's clock. Streams what
     /// `subscriptions` say, which outlive the simulation; whoever changes them calls
     /// demand_changed().
     static Result<std::unique_ptr<Simulation>>
     start(SeaCoursePtr course, const SynthesizerFactory& factory,
-          const Subscriptions& subscriptions, SimulationClock clock, SimulationEvents events,
-          WorkBudget budget = {}, MemoryPtr memory = std::make_shared<Memory>());
+          const Subscriptions& subscriptions, std::function<sea::TimeUs()> now,
+          SimulationEvents events, WorkBudget budget = {},
+          MemoryPtr memory = std::make_shared<Memory>(),
+          int answer_threads = answer_threads_default());
     ~Simulation();
     Simulation(const Simulation&) = delete;
     Simulation& operator=(const Simulation&) = delete;
@@ -132,19 +118,21 @@ class Simulation {
     using Surfaced = std::function<void(Result<SurfacePtr>)>;
     void surface(sea::TimeUs time_us, Surfaced done, const Asker& asker);
 
-    EffectPlan plan() const { return plan(clock_.now()); }
+    EffectPlan plan() const { return plan(now_()); }
     SimulationCounters counters() const;
     EffectCosts costs() const { return source_.report().costs; }
     std::string device() const { return source_.report().device; }
     bool healthy() const { return !source_.failed(); }
-    /// For how long the slice that is under way has lasted: some 50 ms, one large keyframe or one exact answer where
-    /// all is well.
-    Heartbeat::Clock::duration turn() const { return heartbeat_.turn(); }
+    /// For how long the slice that has been under way for longest has lasted: some 50 ms, one large keyframe or one
+    /// exact answer where all is well.
+    Heartbeat::Clock::duration turn() const {
+        return std::max(heartbeat_.turn(), answer_threads_.turn());
+    }
 
   private:
     Simulation(SeaCoursePtr course, std::unique_ptr<RebuiltSynthesizer> device,
-               const Subscriptions& subscriptions, SimulationClock clock, SimulationEvents events,
-               WorkBudget budget, MemoryPtr memory);
+               const Subscriptions& subscriptions, std::function<sea::TimeUs()> now,
+               SimulationEvents events, WorkBudget budget, MemoryPtr memory);
 
     EffectPlan plan(sea::TimeUs now_us) const;
     void run();
@@ -156,20 +144,23 @@ class Simulation {
     void trim_now_and_then();
     /// `more`: there is other work, no question is waited for.
     void work_on_a_question(bool more);
-    bool answered(Question& question);
-    static void refuse_surely(const Question& question, const Error& why);
     HoldingOf holding() const;
+    void ask(Question question);
+    /// Splines, and keyframes that nobody streams, of a time that somebody is going to ask about.
+    void make_ready(sea::TimeUs time_us);
+    Question surface_question(std::shared_ptr<SurfaceJob> job, Surfaced done, const Asker& asker);
     Question keyframe_question(std::function<std::vector<KeyframeRequest>()> wanted, Walk walk,
                                std::function<bool()> ready, Fetched done, const Asker& asker);
 
     const SeaCoursePtr course_;
     const Subscriptions& subscriptions_;
-    const SimulationClock clock_;
+    const std::function<sea::TimeUs()> now_;
     const SimulationEvents events_;
     const MemoryPtr memory_;
 
     // Used by the simulation thread alone, but for reports.
     KeyframeSource source_;
+    Surfaces surfaces_; ///< any thread
     const Prices prices_;
     Schedule schedule_;
     StreamedFoam streamed_foam_;
@@ -178,7 +169,9 @@ class Simulation {
     const std::shared_ptr<Room>
         fetch_room_; ///< raw, from before they are made until they are encoded
     std::chrono::steady_clock::time_point trimmed_ = std::chrono::steady_clock::now();
-    int trims_left_ = 0;
+    std::atomic<int> trims_left_ = 0;
+    Foresight foresight_;
+    const std::shared_ptr<const void> foreseer_ = std::make_shared<char>(); ///< asks for it
     Questions questions_;
 
     Heartbeat heartbeat_;
@@ -186,6 +179,7 @@ class Simulation {
     std::atomic<std::uint64_t> keyframes_published_ = 0;
     std::atomic<std::uint64_t> keyframes_skipped_ = 0;
     std::atomic<std::uint64_t> stream_slices_ = 0;
+    AnswerThreads answer_threads_{questions_};
     std::thread thread_;
 };
 

@@ -82,9 +82,12 @@ class Costs {
     }
 
     void points() {
+        const SeaCoursePtr course = server::steady_course(sea_);
+        const Memory memory;
         KeyframeSource source(
-            server::steady_course(sea_),
-            RebuiltSynthesizer::start(native, sea_->realization, 1, nullptr).value(), Memory());
+            course, RebuiltSynthesizer::start(native, sea_->realization, 1, nullptr).value(),
+            memory);
+        server::Surfaces surfaces(course, source, memory);
         std::vector<sea::QueryPoint> points;
         for (int i = 0; i < 4096; ++i)
             points.push_back({i * 71.3, i * 17.7, 300'000});
@@ -92,7 +95,10 @@ class Costs {
         const auto sampled = [&] {
             PointQuestion question(points);
             while (!question.complete())
-                (void)question.sample(source, never).has_value();
+                if (question.hand() == server::Hand::simulation)
+                    (void)question.make_keyframes(surfaces).has_value();
+                else
+                    question.sample(surfaces, never);
         };
         row("a point", least_us(6, [&](int) { sampled(); }) / 4096.0, price_point_us);
         points.resize(64);

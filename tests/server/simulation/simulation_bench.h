@@ -90,6 +90,8 @@ class FailingSynthesizer final : public Synthesizer {
 
 /// A simulation, what it published, and its clock.
 struct Bench {
+    static constexpr int answer_threads = 2;
+
     RunningSeaPtr sea; ///< that the course begins with
     std::shared_ptr<SeaCourse> course = std::make_shared<SeaCourse>(sea);
     std::atomic<TimeUs> now_us = 0;
@@ -104,7 +106,7 @@ struct Bench {
     Subscriptions subscriptions;
     std::unique_ptr<Simulation> simulation;
 
-    explicit Bench(const std::string& more = {}) : sea(running_sea(more)) {
+    explicit Bench(const std::string& more = {}, WorkBudget budget = {}) : sea(running_sea(more)) {
         Result<std::unique_ptr<Simulation>> started = Simulation::start(
             course,
             [this](const sea::RealizationPtr& realization,
@@ -120,7 +122,8 @@ struct Bench {
                  published.push_back(keyframe);
              },
              [this](const std::string&) { ++warnings; },
-             [this](const std::string& why) { failed.set_value(why); }});
+             [this](const std::string& why) { failed.set_value(why); }},
+            budget, std::make_shared<Memory>(), answer_threads);
         simulation = std::move(started).value();
         subscriptions.on_change([this] { simulation->demand_changed(); });
     }
@@ -188,27 +191,30 @@ struct Bench {
     }
 };
 
-/// Holds the simulation thread from now until it goes.
+/// Holds the simulation thread from now until it goes, and those that answer.
 class Gate {
   public:
     explicit Gate(Bench& bench) {
-        std::promise<void> entered;
-        bench.simulation->fetch(
-            {}, {},
-            [&entered, opened = opened_](const auto&) {
-                auto waits = opened->get_future();
-                entered.set_value();
-                waits.wait();
-            },
-            someone);
-        entered.get_future().wait();
+        std::promise<void> entered[1 + Bench::answer_threads];
+        const auto hold = [&entered, opened = opened_](int thread) {
+            return [&entered, opened, thread](const auto&) {
+                entered[thread].set_value();
+                opened.wait();
+            };
+        };
+        bench.simulation->fetch({}, {}, hold(0), someone);
+        for (int i = 1; i <= Bench::answer_threads; ++i)
+            bench.simulation->answer({}, false, hold(i), someone);
+        for (std::promise<void>& one : entered)
+            one.get_future().wait();
     }
-    ~Gate() { opened_->set_value(); }
+    ~Gate() { open_.set_value(); }
     Gate(const Gate&) = delete;
     Gate& operator=(const Gate&) = delete;
 
   private:
-    std::shared_ptr<std::promise<void>> opened_ = std::make_shared<std::promise<void>>();
+    std::promise<void> open_;
+    const std::shared_future<void> opened_ = open_.get_future().share();
 };
 
 } // namespace seaway::server

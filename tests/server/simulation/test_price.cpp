@@ -378,8 +378,8 @@ TEST(Budgets, points_that_wait_fill_their_memory_and_who_has_a_few_finds_room) {
     for (int i = 0; i < 16; ++i)
         ask(healthy, PointQuestion::bytes_of(1));
     EXPECT_EQ(desk.refusals.size(), 1u);
-    while (desk.questions.take(0))
-        ;
+    while (const std::optional<Question> question = desk.questions.take(0))
+        desk.questions.over(*question);
     EXPECT_EQ(desk.questions.bytes(), 0u);
 }
 

@@ -174,6 +174,8 @@ TEST(Slices, one_who_asks_much_delays_one_who_asks_little_by_a_slice) {
         ASSERT_TRUE(question);
         if (!question->slice())
             questions.put_back(*std::move(question));
+        else
+            questions.over(*question);
     }
     EXPECT_EQ(order, "bmbmbb");
 }
@@ -215,6 +217,7 @@ TEST(Slices, a_question_that_is_not_ready_holds_up_nobody_behind_it) {
     std::optional<Question> question = questions.take(0);
     ASSERT_TRUE(question);
     question->slice();
+    questions.over(*question);
     EXPECT_EQ(order, "x") << "the one behind it";
     EXPECT_FALSE(questions.take(0));
     ready = true;

@@ -64,8 +64,8 @@ TEST(Turns, foam_that_starts_delays_no_question_and_no_stream_of_who_wants_none)
         const Gate gate(bench);
         bench.now_us += bench.sea->budget.cascades[0].interval_us;
         bench.subscriptions.set(2, {1u, with_foam});
-        bench.simulation->answer(
-            {{1.0, 2.0, 0}}, false,
+        bench.simulation->fetch(
+            {0}, {3u, sea::surface_fields},
             [&](const auto&) {
                 made_at_answer.set_value(bench.simulation->counters().synthesis.keyframes - before);
                 streamed_at_answer.set_value(bench.times(0).size());
@@ -308,9 +308,11 @@ TEST(Turns, a_map_of_foam_that_is_held_is_taken_over_and_not_walked_for_again) {
 TEST(Turns, questions_of_who_has_gone_are_dropped_without_work) {
     Bench bench;
     auto here = std::make_shared<char>();
+    std::mutex mutex;
     std::vector<Error> refusals;
     const auto note = [&](const auto& result) {
         ASSERT_FALSE(result);
+        const std::scoped_lock lock(mutex);
         refusals.push_back(result.error());
     };
     {
@@ -322,9 +324,14 @@ TEST(Turns, questions_of_who_has_gone_are_dropped_without_work) {
         bench.simulation->fetch_current({~0u, sea::surface_fields}, note, asker);
         here = nullptr;
     }
-    for (int i = 0; i < 4; ++i)
+    const auto refused = [&] {
+        const std::scoped_lock lock(mutex);
+        return refusals.size();
+    };
+    const auto end = std::chrono::steady_clock::now() + patience;
+    while (refused() < 4 && std::chrono::steady_clock::now() < end)
         bench.settle(); // askers take turns: each time it is one of theirs
-    ASSERT_EQ(refusals.size(), 4u) << "each is answered all the same";
+    ASSERT_EQ(refused(), 4u) << "each is answered all the same";
     for (const Error& refusal : refusals)
         EXPECT_TRUE(refusal.is(Refusal::gone));
     EXPECT_EQ(bench.simulation->counters().synthesis.keyframes, 0u);

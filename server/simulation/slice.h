@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+// One slice of a question, on whichever thread has taken it.
+#pragma once
+
+#include "server/simulation/questions.h"
+
+namespace seaway::server {
+
+/// Works on it once, and puts it back, or ends it: answered, or refused where its asker has gone or the system
+/// gives no memory or no thread. Nothing is thrown, but std::bad_alloc: then the question is lost.
+void work_on_slice(Questions& questions, Question question);
+
+} // namespace seaway::server

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+// Surfaces: the sea around a time, made of keyframes that are held. Any thread makes them of what is
+// there; what is not there is made by the one thread that has the device (make_keyframes), slice by
+// slice, and the surface is finished by whoever asked for it. A surface that somebody uses is shared by
+// all who ask about its times.
+//
+// Surfaces is thread-safe; a SurfaceJob is one thread's at a time.
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include "base/result.h"
+#include "sea/surface/surface.h"
+#include "server/host/memory.h"
+#include "server/simulation/keyframe_source.h"
+
+namespace seaway::server {
+
+using SurfacePtr = std::shared_ptr<const sea::Surface>;
+
+/// Who waits for whose memory.
+enum class SurfaceUse {
+    batch,  ///< for long: waits while others hold the room there is
+    prompt, ///< has a room apart
+    few,    ///< prompt, for a slice or two: waits for no room where all is held and nothing is made
+    ahead,  ///< of the server itself, one at a time: waits for no room
+};
+
+/// The surface around a time, and how far it has come.
+class SurfaceJob {
+  public:
+    explicit SurfaceJob(sea::TimeUs time_us, SurfaceUse use = SurfaceUse::batch)
+        : time_us_(time_us), use_(use) {}
+
+    /// Once Surfaces::work_on() has said that it is there. Whoever holds it holds its room.
+    const SurfacePtr& surface() const { return surface_; }
+    /// It holds its times up to, without, this one.
+    sea::TimeUs end_us() const { return end_us_; }
+    /// The next slice is one of Surfaces::make_keyframes().
+    bool lacks_keyframes() const { return lacks_keyframes_; }
+
+  private:
+    friend class Surfaces;
+
+    const sea::TimeUs time_us_;
+    const SurfaceUse use_;
+    bool lacks_keyframes_ = false;
+    bool awaits_room_ = false;
+    Room::Place place_;
+    std::optional<KeyframeJob> keyframes_;
+    std::vector<sea::KeyframePtr> held_;     ///< two a cascade, all or none
+    std::vector<sea::SplineMapPtr> splines_; ///< of the first of `held_`
+    SurfacePtr surface_;
+    sea::TimeUs end_us_ = 0;
+};
+
+class Surfaces {
+  public:
+    Surfaces(SeaCoursePtr course, KeyframeSource& source, const Memory& memory);
+
+    /// One slice, a spline at most; true: the surface is there. Else the job lacks keyframes, waits for
+    /// room, or needs another slice.
+    bool work_on(SurfaceJob& job);
+    /// One slice of the keyframes that the job lacks; on the source's thread.
+    Result<void> make_keyframes(SurfaceJob& job);
+
+    /// A slice would come to nothing: others hold the room.
+    bool waits(const SurfaceJob& job) const {
+        return job.awaits_room_ && !job.place_ && !room_of(job).fits(bytes_);
+    }
+
+  private:
+    struct Used {
+        std::uint32_t epoch;
+        sea::TimeUs start_us;
+        sea::TimeUs end_us;
+        std::weak_ptr<const sea::Surface> surface;
+    };
+
+    bool share(SurfaceJob& job);
+    bool look_up(SurfaceJob& job);
+    bool take_room(SurfaceJob& job, bool anyway);
+    /// One at most; true: all are there.
+    bool make_splines(SurfaceJob& job);
+    void finish(SurfaceJob& job);
+    std::vector<KeyframeRequest> wanted(const SurfaceJob& job) const;
+    Room& room_of(const SurfaceJob& job) const {
+        return job.use_ == SurfaceUse::batch ? *batches_ : *prompt_;
+    }
+
+    const SeaCoursePtr course_;
+    KeyframeSource& source_;
+    const std::size_t bytes_; ///< of one
+    const std::shared_ptr<Room> batches_;
+    const std::shared_ptr<Room> prompt_;
+
+    std::mutex mutex_;       ///< of what follows
+    std::vector<Used> used_; ///< by somebody, now or a while ago
+};
+
+} // namespace seaway::server

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+// Surfaces made of what is held, by any thread: who shares one, who waits for room, and what is made by whom.
+#include <deque>
+
+#include "sea/scene/weather.h"
+#include "server/simulation/memory_needs.h"
+#include "tests/server/simulation/simulation_bench.h"
+
+namespace seaway::server {
+namespace {
+
+/// A source and its surfaces without threads.
+struct SurfaceBench {
+    explicit SurfaceBench(std::size_t memory_bytes = Memory::bytes_default)
+        : memory(memory_bytes, needs_of(*course->first())) {}
+
+    std::shared_ptr<SeaCourse> course = std::make_shared<SeaCourse>(running_sea());
+    Memory memory;
+    KeyframeSource source{course,
+                          RebuiltSynthesizer::start(
+                              [](const sea::RealizationPtr& sea,
+                                 std::uint32_t epoch) -> Result<std::unique_ptr<Synthesizer>> {
+                                  auto made = std::make_unique<NativeSynthesizer>(1);
+                                  SEAWAY_TRY(made->set_sea(sea, epoch));
+                                  return std::unique_ptr<Synthesizer>(std::move(made));
+                              },
+                              course->first()->realization, 1, nullptr)
+                              .value(),
+                          memory};
+    Surfaces surfaces{course, source, memory};
+
+    /// All slices.
+    void finish(SurfaceJob& job) {
+        while (!surfaces.work_on(job)) {
+            ASSERT_FALSE(surfaces.waits(job));
+            if (job.lacks_keyframes()) {
+                ASSERT_TRUE(surfaces.make_keyframes(job));
+            }
+        }
+    }
+};
+
+TEST(Surfaces, keyframes_that_are_not_held_are_asked_of_the_device_and_nothing_else_is) {
+    SurfaceBench bench;
+    SurfaceJob first(100'000);
+    EXPECT_FALSE(bench.surfaces.work_on(first));
+    EXPECT_TRUE(first.lacks_keyframes());
+    bench.finish(first);
+    const std::uint64_t made = bench.source.report().synthesis.keyframes;
+    EXPECT_EQ(made, 4u);
+    SurfaceJob second(100'001);
+    bench.finish(second);
+    EXPECT_FALSE(second.lacks_keyframes());
+    EXPECT_EQ(bench.source.report().synthesis.keyframes, made);
+}
+
+TEST(Surfaces, a_slice_makes_one_spline_at_most) {
+    SurfaceBench bench;
+    SurfaceJob job(100'000);
+    (void)bench.surfaces.work_on(job);
+    while (job.lacks_keyframes())
+        ASSERT_TRUE(bench.surfaces.make_keyframes(job));
+    const auto bytes = [&] { return bench.source.report().store.bytes; };
+    for (int slice = 1; slice <= 4; ++slice) {
+        const std::size_t before = bytes();
+        EXPECT_EQ(bench.surfaces.work_on(job), slice == 4);
+        EXPECT_EQ(bytes() - before, sea::SplineMap::bytes_of(64)) << slice;
+    }
+}
+
+// Naive: as many surfaces as questions; those about now, who come while batches are under way, wait for room.
+TEST(Surfaces, who_asks_about_times_of_a_surface_that_is_used_shares_it_and_takes_no_room) {
+    SurfaceBench bench;
+    const auto room = bench.memory.room(MemoryUse::prompt_surfaces);
+    std::optional<SurfaceJob> first(std::in_place, 100'000, SurfaceUse::prompt);
+    bench.finish(*first);
+    const std::size_t held = room->held_bytes();
+    EXPECT_GT(held, 0u);
+    SurfaceJob second(first->end_us() - 1, SurfaceUse::prompt);
+    bench.finish(second);
+    EXPECT_EQ(second.surface(), first->surface());
+    EXPECT_EQ(second.end_us(), first->end_us());
+    EXPECT_EQ(room->held_bytes(), held);
+    SurfaceJob later(first->end_us(), SurfaceUse::prompt);
+    bench.finish(later);
+    EXPECT_NE(later.surface(), first->surface()) << "it ends there";
+    first.reset();
+    EXPECT_EQ(room->held_bytes(), 2 * held) << "somebody still has it";
+}
+
+// A change takes over while somebody uses the surface that was to be.
+TEST(Surfaces, of_a_sea_that_another_took_over_from_is_not_shared_with_who_asks_later) {
+    SurfaceBench bench;
+    const TimeUs time_us = 20 * second_us;
+    SurfaceJob before(time_us);
+    bench.finish(before);
+    const TomlAssignment wind{"systems.0.wind_speed_10m_mps", "12.0"};
+    const Result<sea::Scene> stormier = sea::changed(bench.course->first()->scene, {&wind, 1});
+    ASSERT_TRUE(stormier);
+    ASSERT_TRUE(bench.course->add(*stormier, 5 * second_us, 15 * second_us));
+    SurfaceJob after(time_us);
+    bench.finish(after);
+    EXPECT_NE(after.surface(), before.surface());
+    EXPECT_NE(after.surface()->pairs()[0].before->epoch(),
+              before.surface()->pairs()[0].before->epoch());
+}
+
+TEST(Surfaces, batches_wait_for_room_and_a_few_points_of_what_is_held_do_not) {
+    const std::size_t least = Memory::least_bytes(needs_of(*running_sea()));
+    SurfaceBench bench(least);
+    // Held, with splines, as keyframes of the stream are; then others fill the room.
+    std::optional<SurfaceJob> streamed(std::in_place, 888 * second_us, SurfaceUse::prompt);
+    bench.finish(*streamed);
+    const TimeUs held_us = streamed->end_us() - 1;
+    streamed.reset();
+    std::deque<SurfaceJob> others;
+    do {
+        SurfaceJob& job =
+            others.emplace_back(static_cast<TimeUs>(others.size()) * second_us, SurfaceUse::prompt);
+        for (bool there = false; !there && !bench.surfaces.waits(job);) {
+            there = bench.surfaces.work_on(job);
+            if (job.lacks_keyframes()) {
+                ASSERT_TRUE(bench.surfaces.make_keyframes(job));
+            }
+        }
+    } while (!bench.surfaces.waits(others.back()) && others.size() < 100);
+    ASSERT_LT(others.size(), 100u) << "the room is full";
+    SurfaceJob made(999 * second_us, SurfaceUse::few);
+    EXPECT_FALSE(bench.surfaces.work_on(made));
+    EXPECT_TRUE(bench.surfaces.waits(made)) << "there is something to be made";
+    SurfaceJob few(held_us, SurfaceUse::few);
+    EXPECT_TRUE(bench.surfaces.work_on(few));
+    SurfaceJob batch(held_us + 1, SurfaceUse::prompt);
+    EXPECT_FALSE(bench.surfaces.work_on(batch));
+    while (others.size() > 1)
+        others.pop_front();
+    EXPECT_FALSE(bench.surfaces.waits(others.back())) << "others have let go";
+}
+
+TEST(Rooms, never_give_more_than_they_have_to_several_threads) {
+    const auto room = Room::of(10);
+    std::atomic<bool> overfull = false;
+    std::vector<std::thread> threads;
+    for (int i = 0; i < 4; ++i)
+        threads.emplace_back([&] {
+            for (int k = 0; k < 20'000; ++k) {
+                const Room::Place place = room->take(4);
+                overfull = overfull || room->held_bytes() > 10;
+            }
+        });
+    for (std::thread& thread : threads)
+        thread.join();
+    EXPECT_FALSE(overfull);
+    EXPECT_EQ(room->held_bytes(), 0u);
+    EXPECT_LE(room->held_bytes_most(), 10u);
+}
+
+} // namespace
+} // namespace seaway::server
