@@ -87,9 +87,13 @@ ConnectionEvents Client::connection_events() {
             events_.on_keyframe(keyframe);
     };
     take_waves(events);
-    events.on_clock = [this](LocalUs sent_us, LocalUs received_us, TimeUs sea_time_us) {
+    events.on_clock = [this](LocalUs sent_us, LocalUs received_us, TimeUs elapsed_us) {
         const std::scoped_lock lock(mutex_);
-        clock_.add(sent_us, received_us, sea_time_us);
+        clock_.add(sent_us, received_us, elapsed_us);
+    };
+    events.on_pace = [this](const sea::Pace& pace) {
+        const std::scoped_lock lock(mutex_);
+        paces_.add(pace);
     };
     events.on_closed = [this](const Error& reason) {
         {
@@ -137,7 +141,11 @@ std::string Client::closed_reason() const {
 
 TimeUs Client::now_us() {
     const std::scoped_lock lock(mutex_);
-    return clock_.now(local_now_us());
+    const TimeUs elapsed_us = clock_.now(local_now_us());
+    paces_.forget_before(elapsed_us);
+    // A pace that was heard of late changes what follows, not what was shown.
+    shown_us_ = std::max(shown_us_, paces_.sea_time(elapsed_us));
+    return shown_us_;
 }
 
 ClockStatus Client::clock() const {

@@ -162,7 +162,9 @@ class Client {
     KeyframeRing ring_;
 
     mutable std::mutex mutex_;
-    ClockFilter clock_;
+    ClockFilter clock_; ///< of the time since the sea's epoch
+    sea::Paces paces_;
+    sea::TimeUs shown_us_ = std::numeric_limits<sea::TimeUs>::min();
     std::vector<SeaStatePtr> sea_states_;            ///< by start time
     std::map<std::uint32_t, RebuiltSeaPtr> rebuilt_; ///< by epoch, of sea_states_
     std::map<std::uint32_t, std::shared_ptr<ReceivedSpectrum>>

@@ -9,6 +9,7 @@
 #include "protocol/limits.h"
 #include "protocol/messages.h"
 #include "sea/basics/foam_range.h"
+#include "sea/basics/pace.h"
 
 namespace seaway::protocol {
 namespace {
@@ -92,6 +93,8 @@ Result<void> check(const wire::Message& message) {
         return check(*message.body_as_Administer());
     case Body::Changed:
         return check(*message.body_as_Changed());
+    case Body::Pace:
+        return check(*message.body_as_Pace());
     case Body::NONE:
     case Body::Unsubscribe:
     case Body::Ack:
@@ -148,6 +151,12 @@ Result<void> check(const wire::Query& query) {
 
 Result<void> check(const wire::Change& change) {
     const std::size_t values = count(change.set());
+    if (const flatbuffers::Optional<std::uint32_t> pace = change.pace_permille()) {
+        if (values != 0 || count(change.scene()) != 0)
+            return Error{wire::ErrorCode::bad_value,
+                         "a change of pace has no `set` and no `scene`"};
+        return in_range<std::uint32_t>("pace_permille", *pace, 0, sea::pace_permille_max);
+    }
     if ((values == 0) == (count(change.scene()) == 0))
         return Error{wire::ErrorCode::bad_value,
                      "a change has either values in `set` or a `scene`, one of them"};
@@ -170,6 +179,13 @@ Result<void> check(const wire::Changed& changed) {
     return all_of(
         in_range("start_us", changed.start_us(), -limits::time_us_max, limits::time_us_max),
         in_range("end_us", changed.end_us(), changed.start_us(), limits::time_us_max));
+}
+
+Result<void> check(const wire::Pace& pace) {
+    return all_of(
+        in_range("from_us", pace.from_us(), -limits::time_us_max, limits::time_us_max),
+        in_range("sea_time_us", pace.sea_time_us(), -limits::time_us_max, limits::time_us_max),
+        in_range<std::uint32_t>("permille", pace.permille(), 0, sea::pace_permille_max));
 }
 
 Result<void> check(const wire::Welcome& welcome) {

@@ -43,6 +43,7 @@ inline constexpr std::array message_table{
     MessageInfo{wire::Body::Administer, Sender::client},
     MessageInfo{wire::Body::Changed, Sender::server},
     MessageInfo{wire::Body::Administered, Sender::server},
+    MessageInfo{wire::Body::Pace, Sender::server},
 };
 
 /// The row of a kind; null for NONE and for kinds of later versions.

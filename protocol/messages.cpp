@@ -68,6 +68,7 @@ bool lists_aligned(const wire::Message& message) {
     case Body::Administer:
     case Body::Changed:
     case Body::Administered:
+    case Body::Pace:
     case Body::Welcome:
     case Body::Subscribed:
     case Body::Tile:
@@ -181,7 +182,11 @@ Bytes change(std::uint32_t request_id, const ChangeWish& wish) {
     const auto set = built.CreateVectorOfStrings(wish.set);
     const auto scene = string_of(built, wish.scene);
     return finish(built,
-                  wire::CreateChange(built, request_id, set, scene, wish.over_us, wish.at_us));
+                  wire::CreateChange(built, request_id, set, scene, wish.over_us, wish.at_us,
+                                     wish.pace_permille
+                                         ? flatbuffers::Optional<std::uint32_t>(
+                                               static_cast<std::uint32_t>(*wish.pace_permille))
+                                         : flatbuffers::nullopt));
 }
 
 Bytes administer(std::uint32_t request_id, wire::Act act, std::uint64_t session) {
@@ -191,13 +196,25 @@ Bytes administer(std::uint32_t request_id, wire::Act act, std::uint64_t session)
 
 // ---- server to client ----------------------------------------------------------------------
 
-Bytes welcome(std::uint64_t session, std::string_view server, sea::TimeUs sea_time_us) {
+namespace {
+
+/// Nothing where it is sea time.
+flatbuffers::Optional<std::int64_t> elapsed_us(const sea::SeaTime& time) {
+    if (time.elapsed_us == time.sea_us)
+        return flatbuffers::nullopt;
+    return time.elapsed_us;
+}
+
+} // namespace
+
+Bytes welcome(std::uint64_t session, std::string_view server, const sea::SeaTime& time) {
     FlatBufferBuilder built = builder(256);
     const auto name = string_of(built, server);
-    return finish(
-        built, wire::CreateWelcome(built, version, session, name, sea_time_us,
-                                   limits::points_per_query_max, limits::exact_points_per_query_max,
-                                   limits::times_per_fetch_max, limits::client_message_bytes_max));
+    return finish(built, wire::CreateWelcome(built, version, session, name, time.sea_us,
+                                             limits::points_per_query_max,
+                                             limits::exact_points_per_query_max,
+                                             limits::times_per_fetch_max,
+                                             limits::client_message_bytes_max, elapsed_us(time)));
 }
 
 Bytes subscribed(std::uint32_t request_id, const TileWish& grant, int credit) {
@@ -267,9 +284,20 @@ Bytes fetch_done(std::uint32_t request_id, std::uint32_t keyframes, sea::FieldSe
     return finish(built, wire::CreateFetchDone(built, request_id, keyframes, fields.bits()));
 }
 
-Bytes pong(std::uint32_t request_id, std::int64_t client_time_us, sea::TimeUs sea_time_us) {
+Bytes pong(std::uint32_t request_id, std::int64_t client_time_us, const sea::SeaTime& time) {
     FlatBufferBuilder built = builder(96);
-    return finish(built, wire::CreatePong(built, request_id, client_time_us, sea_time_us));
+    return finish(
+        built, wire::CreatePong(built, request_id, client_time_us, time.sea_us, elapsed_us(time)));
+}
+
+Bytes pace(const sea::Pace& pace) {
+    FlatBufferBuilder built = builder(64);
+    return finish(built, wire::CreatePace(built, pace.from_us, pace.sea_us,
+                                          static_cast<std::uint32_t>(pace.permille)));
+}
+
+sea::Pace pace(const wire::Pace& pace) {
+    return {pace.from_us(), pace.sea_time_us(), static_cast<int>(pace.permille())};
 }
 
 Bytes spectrum_subscribed(std::uint32_t request_id, const SpectrumGrant& grant) {

@@ -28,6 +28,7 @@
 #include "sea/basics/dispersion.h"
 #include "sea/basics/field.h"
 #include "sea/basics/glide.h"
+#include "sea/basics/pace.h"
 #include "sea/basics/probe.h"
 #include "sea/basics/time.h"
 #include "sea/basics/water_type.h"
@@ -83,6 +84,7 @@ Result<void> check(const wire::SpectrumSubscribed& subscribed);
 Result<void> check(const wire::Spectrum& spectrum);
 Result<void> check(const wire::SpectrumChunk& chunk);
 Result<void> check(const wire::Changed& changed);
+Result<void> check(const wire::Pace& pace);
 
 // ---- client to server ----------------------------------------------------------------------
 
@@ -115,20 +117,28 @@ struct SpectrumWish {
 Bytes subscribe_spectrum(std::uint32_t request_id, const SpectrumWish& wish);
 Bytes ping(std::uint32_t request_id, std::int64_t client_time_us);
 
-/// A change of the sea. `set`: "path=value" each, or `scene`: TOML, the other empty.
+/// A change of the sea. `set`: "path=value" each, or `scene`: TOML, or `pace_permille`: the others empty.
 struct ChangeWish {
     std::vector<std::string> set = {};
     std::string scene = {};
     sea::TimeUs over_us = 0;
     sea::TimeUs at_us = 0; ///< past: as soon as can be
+    std::optional<int> pace_permille = {};
 };
 Bytes change(std::uint32_t request_id, const ChangeWish& wish);
 Bytes administer(std::uint32_t request_id, wire::Act act, std::uint64_t session);
 
 // ---- server to client ----------------------------------------------------------------------
 
+/// Of a Welcome or Pong.
+template <class Told>
+sea::SeaTime sea_time(const Told& told) {
+    const flatbuffers::Optional<std::int64_t> elapsed_us = told.elapsed_us();
+    return {told.sea_time_us(), elapsed_us ? *elapsed_us : told.sea_time_us()};
+}
+
 /// Limits are filled in from protocol/limits.h.
-Bytes welcome(std::uint64_t session, std::string_view server, sea::TimeUs sea_time_us);
+Bytes welcome(std::uint64_t session, std::string_view server, const sea::SeaTime& time);
 
 struct CascadeInfo {
     double length_m = 0;
@@ -238,7 +248,9 @@ Bytes query_reply(std::uint32_t request_id, std::uint32_t epoch,
 sea::Answer answer(const wire::PointAnswer& answer);
 
 Bytes fetch_done(std::uint32_t request_id, std::uint32_t keyframes, sea::FieldSet fields);
-Bytes pong(std::uint32_t request_id, std::int64_t client_time_us, sea::TimeUs sea_time_us);
+Bytes pong(std::uint32_t request_id, std::int64_t client_time_us, const sea::SeaTime& time);
+Bytes pace(const sea::Pace& pace);
+sea::Pace pace(const wire::Pace& pace);
 /// What a SubscribeSpectrum gets.
 struct SpectrumGrant {
     float error_m = 0;

@@ -103,6 +103,13 @@ void say_ready(const std::string& url) {
         spdlog::warn("{}", told.error().message);
 }
 
+/// For the simulation.
+SimulationClock clock_of(SeaClock& clock) {
+    return {[&clock] { return clock.now_us(); },
+            [&clock](sea::TimeUs time_us) { return clock.wait_us(time_us); },
+            [&clock] { return clock.hurry(); }};
+}
+
 int serve(const Options& options) {
     StopSignal::survive_others();
     if (const Result<void> fine = NetServer::check(options.net); !fine)
@@ -131,11 +138,11 @@ int serve(const Options& options) {
     StopDeadline deadline(stop_limit, exit_no_device,
                           [json = options.log == "json"] { return last_words(json); });
     const LogEnd log_end; // before the deadline is called off
-    SeaClock clock(resumed->epoch_utc_us);
+    SeaClock clock(resumed->epoch_utc_us, SeaClock::utc_now_us, SeaClock::steady_now_us,
+                   resumed->paces);
     World world(*course, clock, *memory);
     Result<std::unique_ptr<Simulation>> simulation = Simulation::start(
-        *course, device_factory(options), world.subscriptions(),
-        [&clock] { return clock.now_us(); }, events(world),
+        *course, device_factory(options), world.subscriptions(), clock_of(clock), events(world),
         {.rate = options.work_rate, .burst_s = options.work_burst_s}, *memory,
         options.answer_threads > 0 ? options.answer_threads : answer_threads_default());
     if (!simulation)

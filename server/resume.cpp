@@ -69,10 +69,14 @@ Result<Resumed> begin_or_resume(const std::string& data_dir, SeaCourse& course,
                    SqliteJournal::open(data_dir, {now_utc_us, sea::to_toml(scene)}));
     SEAWAY_TRY_LET(const std::vector<SeaChange> changes, journal->since(0));
     SEAWAY_TRY(check_same_sea(journal->path(), changes.front(), scene));
+    Resumed resumed{nullptr, journal->epoch_utc_us(), static_cast<std::uint32_t>(changes.size())};
     for (std::size_t i = 1; i < changes.size(); ++i)
-        SEAWAY_TRY(play(journal->path(), changes[i], course));
-    const std::int64_t epoch_utc_us = journal->epoch_utc_us();
-    return Resumed{std::move(journal), epoch_utc_us, static_cast<std::uint32_t>(changes.size())};
+        if (changes[i].pace)
+            resumed.paces.add(*changes[i].pace);
+        else
+            SEAWAY_TRY(play(journal->path(), changes[i], course));
+    resumed.journal = std::move(journal);
+    return resumed;
 }
 
 } // namespace seaway::server

@@ -16,6 +16,7 @@ struct Resumed {
     std::unique_ptr<Journal> journal; ///< null without a data folder: the sea ends with the process
     std::int64_t epoch_utc_us;        ///< instant of sea time 0
     std::uint32_t changes = 1;        ///< that were played, the beginning included
+    sea::Paces paces = {};
 };
 
 /// Without a folder a sea begins at `now_utc_us`. With one the sea of its journal goes on, which must have begun with this

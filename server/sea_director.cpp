@@ -21,6 +21,8 @@ namespace {
 
 /// Between now and the first keyframe of the new sea, beside what making it is found to take.
 constexpr TimeUs spare_us = 1'000'000;
+/// A pace is told of this long before it holds, so that all who hear it change over at the same moment.
+constexpr TimeUs pace_ahead_us = 1'000'000;
 /// A change begins where keyframes of all its seas lie, if such a time is near.
 constexpr TimeUs meeting_us_max = 2'000'000;
 /// How long it sleeps at most: the clock may have leapt.
@@ -153,11 +155,12 @@ Result<sea::Scene> SeaDirector::wished(const SeaWish& wish, TimeUs from_us) cons
 
 TimeUs SeaDirector::first_start(const RunningSea& to) const {
     const TimeUs now_us = clock_.now_us();
-    return now_us + std::ranges::max(intervals_of(*course_->at(now_us), to)) + publish_lead_us;
+    return now_us + std::ranges::max(intervals_of(*course_->at(now_us), to)) +
+           clock_.hurried(publish_lead_us);
 }
 
 TimeUs SeaDirector::start_of(const SeaWish& wish, const RunningSea& to, TimeUs making_us) const {
-    const TimeUs first_us = first_start(to) + std::max(spare_us, 3 * making_us);
+    const TimeUs first_us = first_start(to) + clock_.hurried(std::max(spare_us, 3 * making_us));
     const TimeUs start_us = std::max(wish.at_us, first_us);
     return next_meeting(start_us, intervals_of(*course_->at(start_us), to));
 }
@@ -176,7 +179,7 @@ Result<SeaDirector::Planned> SeaDirector::plan(const SeaWish& wish) const {
         SEAWAY_TRY(course_->check(scene, promise.start_us, promise.end_us));
         // Anew, later, where a change that was promised begins before this one, which is then one of that sea; or where
         // there was so much to check, as a timetable, that adding it would take until after the start.
-        const bool in_time = first_start(*to) + checking.us() <= start_us;
+        const bool in_time = first_start(*to) + clock_.hurried(checking.us()) <= start_us;
         SEAWAY_TRY_LET(const sea::Scene then, wished(wish, start_us));
         if (in_time && sea::to_toml(then) == sea::to_toml(scene))
             return Planned{std::move(scene), std::move(to), promise};
@@ -188,10 +191,10 @@ Result<void> SeaDirector::check_promised(const SeaWish& wish) {
     const TimeUs now_us = clock_.now_us();
     std::erase_if(promised_, [now_us](TimeUs start_us) { return start_us <= now_us; });
     std::vector<TimeUs> soon;
-    std::ranges::copy_if(promised_, std::back_inserter(soon), [now_us](TimeUs start_us) {
-        return start_us < now_us + World::announced_ahead_us;
-    });
-    if (soon.size() < changes_promised_max || wish.at_us >= now_us + World::announced_ahead_us)
+    const TimeUs soon_us = now_us + world_.announced_ahead();
+    std::ranges::copy_if(promised_, std::back_inserter(soon),
+                         [soon_us](TimeUs start_us) { return start_us < soon_us; });
+    if (soon.size() < changes_promised_max || wish.at_us >= soon_us)
         return {};
     return busy(std::ranges::min(soon) - now_us,
                 fmt::format("{} changes are promised and have not begun", soon.size()));
@@ -208,16 +211,34 @@ Result<void> SeaDirector::check_takeovers(TimeUs start_us) const {
                             glides - 1, sea::seconds_from_us(end_us)));
 }
 
+Result<void> SeaDirector::log(SeaChange change) {
+    change.epoch = changes_ + 1;
+    if (journal_)
+        SEAWAY_TRY(journal_->append(change));
+    ++changes_;
+    return {};
+}
+
+Result<SeaPromise> SeaDirector::make_pace(int permille) {
+    const sea::Pace pace = clock_.next_pace(clock_.moment().elapsed_us + pace_ahead_us, permille);
+    SEAWAY_TRY(log({.scene = {}, .pace = pace}));
+    clock_.follow(pace);
+    world_.announce_pace(pace);
+    spdlog::info("event=sea_pace change={} pace={} from_s={}", changes_,
+                 permille / static_cast<double>(sea::pace_unit), sea::seconds_from_us(pace.sea_us));
+    return SeaPromise{0, pace.sea_us, pace.sea_us};
+}
+
 Result<SeaPromise> SeaDirector::make(const SeaWish& wish) {
+    if (wish.pace_permille)
+        return make_pace(*wish.pace_permille);
     SEAWAY_TRY(check_promised(wish));
     const Result<Planned> planned = plan(wish);
     if (!planned)
         return refused(planned.error());
     const auto& [scene, to, promise] = *planned;
-    if (journal_)
-        SEAWAY_TRY(journal_->append(
-            {changes_ + 1, promise.start_us, promise.end_us, sea::to_toml(scene)}));
-    ++changes_;
+    SEAWAY_TRY(log(
+        {.start_us = promise.start_us, .end_us = promise.end_us, .scene = sea::to_toml(scene)}));
     promised_.push_back(promise.start_us);
     SEAWAY_CHECK(course_->add(scene, promise.start_us, promise.end_us).has_value(),
                  "what was checked can be added");

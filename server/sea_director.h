@@ -51,6 +51,10 @@ class SeaDirector {
     /// An error, busy: too many before it have taken over from changes that had not ended.
     Result<void> check_takeovers(sea::TimeUs start_us) const;
     Result<SeaPromise> make(const SeaWish& wish);
+    /// Written durably, where there is a journal.
+    Result<void> log(SeaChange change);
+    /// How fast the sea runs, soon.
+    Result<SeaPromise> make_pace(int permille);
     struct Planned {
         sea::Scene scene;
         RunningSeaPtr to;

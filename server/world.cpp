@@ -21,6 +21,10 @@ namespace {
 /// States of seas that are held ready; one of an older sea is made again where somebody asks for its keyframes.
 constexpr std::size_t sea_states_kept = 64;
 
+SharedBytes pace_message(const sea::Pace& pace) {
+    return std::make_shared<const std::vector<std::uint8_t>>(protocol::pace(pace));
+}
+
 } // namespace
 
 World::World(SeaCoursePtr course, SeaClock& clock, MemoryPtr memory)
@@ -47,6 +51,18 @@ void World::announce_to(Announce announce) {
     announce_ = std::move(announce);
 }
 
+void World::announce_pace(const sea::Pace& pace) {
+    Announce announce;
+    {
+        const std::scoped_lock lock(mutex_);
+        announce = announce_;
+    }
+    if (announce)
+        announce(pace_message(pace));
+    if (simulation_)
+        simulation_->demand_changed(); // it looks at the clock
+}
+
 void World::change_by(Change change) {
     const std::scoped_lock lock(mutex_);
     change_ = std::move(change);
@@ -59,9 +75,10 @@ bool World::is_told(std::uint32_t epoch) const {
 
 sea::TimeUs World::announce_due() {
     const sea::TimeUs now_us = clock_.now_us();
+    const sea::TimeUs until_us = now_us + announced_ahead();
     std::vector<RunningSeaPtr> told;
     std::vector<SharedBytes> untold;
-    for (const EpochWindow& window : course_->windows(now_us, now_us + announced_ahead_us)) {
+    for (const EpochWindow& window : course_->windows(now_us, until_us)) {
         told.push_back(course_->sea(window.epoch));
         const SharedBytes message = sea_state_message(window.epoch);
         if (!is_told(window.epoch))
@@ -80,11 +97,10 @@ sea::TimeUs World::announce_due() {
         if (announce)
             announce(std::move(message));
     constexpr sea::TimeUs ever_us = std::numeric_limits<sea::TimeUs>::max();
-    const auto later = course_->windows(now_us + announced_ahead_us, ever_us);
-    const auto next = std::ranges::find_if(later, [&](const EpochWindow& window) {
-        return window.start_us >= now_us + announced_ahead_us;
-    });
-    return next == later.end() ? ever_us : next->start_us - announced_ahead_us;
+    const auto later = course_->windows(until_us, ever_us);
+    const auto next = std::ranges::find_if(
+        later, [&](const EpochWindow& window) { return window.start_us >= until_us; });
+    return next == later.end() ? ever_us : next->start_us - (until_us - now_us);
 }
 
 std::vector<RunningSeaPtr> World::origins_of(RunningSeaPtr sea) const {
@@ -118,9 +134,12 @@ SharedBytes World::sea_state_message(std::uint32_t epoch) const {
 std::vector<SharedBytes> World::sea_state_messages() const {
     const sea::TimeUs now_us = clock_.now_us();
     std::vector<SharedBytes> messages;
+    for (const sea::Pace& pace : clock_.paces())
+        messages.push_back(pace_message(pace));
     // One that nobody has been told of is not made yet: all will be told when it is.
-    for (const EpochWindow& window : course_->windows(now_us, now_us + announced_ahead_us))
-        if (messages.empty() || is_told(window.epoch))
+    bool runs = true;
+    for (const EpochWindow& window : course_->windows(now_us, now_us + announced_ahead()))
+        if (std::exchange(runs, false) || is_told(window.epoch))
             messages.push_back(sea_state_message(window.epoch));
     return messages;
 }

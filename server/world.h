@@ -35,8 +35,10 @@ class World final : public Host {
     using Announce = std::function<void(SharedBytes)>;
     using Change = std::function<void(SeaWish, Changed)>;
 
-    /// A sea is told of this long before it begins.
+    /// A sea is told of this long before it begins, by the clocks of who hears it.
     static constexpr sea::TimeUs announced_ahead_us = 10'000'000;
+    /// The same in sea time.
+    sea::TimeUs announced_ahead() const { return clock_.hurried(announced_ahead_us); }
 
     /// `clock` outlives the world.
     World(SeaCoursePtr course, SeaClock& clock, MemoryPtr memory = std::make_shared<Memory>());
@@ -54,7 +56,14 @@ class World final : public Host {
     /// there is nothing more to tell. Slow.
     sea::TimeUs announce_due();
 
+    /// Told to everybody, before it holds.
+    void announce_pace(const sea::Pace& pace);
+
     sea::TimeUs sea_time_us() const override { return clock_.now_us(); }
+    sea::SeaTime sea_time() const override {
+        const SeaMoment moment = clock_.moment();
+        return {moment.now_us, moment.elapsed_us};
+    }
     std::vector<SharedBytes> sea_state_messages() const override;
     SharedBytes sea_state_message(std::uint32_t epoch) const override;
     Demand grant(const Demand& wish) const override;

@@ -196,6 +196,7 @@ std::string state_json(const RunningSea& sea, const std::vector<std::string>& wa
     }
     const ordered_json json{{"epoch", sea.epoch},
                             {"sea_time_s", sea::seconds_from_us(at.now_us)},
+                            {"pace", at.pace_permille / static_cast<double>(sea::pace_unit)},
                             {"epoch_utc", utc_text(at.epoch_utc_us)},
                             {"device", device},
                             {"scene", std::filesystem::path(sea.scene.source).filename().string()},
@@ -254,8 +255,10 @@ std::string metrics_text(const EffectPlan& plan, const SimulationCounters& count
     };
     const auto whole = [](std::uint64_t value) { return static_cast<double>(value); };
     add("sea_time_seconds", "gauge", "Sea time.", sea::seconds_from_us(at.now_us));
+    add("sea_pace_ratio", "gauge", "How fast the sea runs: 1 as clocks do, 0 paused.",
+        at.pace_permille / static_cast<double>(sea::pace_unit));
     add("sea_clock_behind_seconds", "gauge",
-        "How far sea time is behind UTC since the epoch; it is pulled by 1 ms a second.",
+        "How far the sea's clock is behind UTC since the epoch; it is pulled by 1 ms a second.",
         sea::seconds_from_us(at.behind_us));
     add("plan_idle", "gauge", "1 while nobody asks for anything.", plan.idle());
     add("dispatches_total", "counter", "Kernels started.", whole(counters.synthesis.dispatches));

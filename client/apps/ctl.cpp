@@ -30,6 +30,8 @@ Result<Reply> answer_to(const Ask& ask) {
 std::string told(const CtlOptions& options, const Reply& reply) {
     if (std::holds_alternative<AdminWish>(options.what))
         return reply.text;
+    if (std::get<protocol::ChangeWish>(options.what).pace_permille)
+        return fmt::format("{{\"from_s\": {}}}\n", sea::seconds_from_us(reply.start_us));
     return fmt::format("{{\"epoch\": {}, \"start_s\": {}, \"end_s\": {}}}\n", reply.epoch,
                        sea::seconds_from_us(reply.start_us), sea::seconds_from_us(reply.end_us));
 }

@@ -13,6 +13,7 @@
 #include "client/link/url.h"
 #include "protocol/limits.h"
 #include "sea/basics/glide.h"
+#include "sea/basics/pace.h"
 
 namespace seaway::client {
 namespace {
@@ -34,6 +35,7 @@ struct Words {
     std::string over = "60s";
     double at_s = -1e12; ///< past: as soon as can be
     std::uint64_t session = 0;
+    double pace = 1;
 };
 
 Result<protocol::ChangeWish> change_of(const Words& words) {
@@ -64,6 +66,12 @@ void add_when(CommandLine& command, Words& words) {
     command.option("--at", words.at_s, "Sea time at which it begins; else as soon as can be")
         .between(-sea::seconds_from_us(sea::time_us_max), sea::seconds_from_us(sea::time_us_max))
         .takes("SECONDS");
+}
+
+protocol::ChangeWish pace_of(double pace) {
+    protocol::ChangeWish wish;
+    wish.pace_permille = static_cast<int>(std::lround(pace * sea::pace_unit));
+    return wish;
 }
 
 Result<CtlOptions> options_of(CtlOptions options, const Words& words, bool changes) {
@@ -112,6 +120,13 @@ std::variant<CtlOptions, int> read_ctl_options(int argc, const char* const* argv
     CommandLine& load = line.command("load", "Glides over to another scene");
     load.option("scene", words.scene, "Scene file").takes("SCENE.toml").required();
     add_when(load, words);
+    CommandLine& pause = line.command("pause", "Stops sea time where it is, in a second");
+    CommandLine& rate = line.command(
+        "rate", "How fast sea time runs, in a second: 1 as clocks do, 0.5 half as fast");
+    rate.option("rate", words.pace, "In steps of 0.001; keyframes come so much more often")
+        .takes("RATE")
+        .between(0.0, sea::pace_permille_max / static_cast<double>(sea::pace_unit))
+        .required();
     CommandLine& state = line.command("state", "The sea, as /v1/state");
     CommandLine& plan = line.command("plan", "What is computed for whom, as /v1/plan");
     CommandLine& sessions = line.command("sessions", "Who is connected");
@@ -123,6 +138,10 @@ std::variant<CtlOptions, int> read_ctl_options(int argc, const char* const* argv
         return complain("seaway-ctl", exit_usage, next.error().message);
     if (*next == CommandLine::Next::leave)
         return status_after_output("seaway-ctl", exit_done, exit_output);
+    if (pause.given())
+        options.what = pace_of(0);
+    if (rate.given())
+        options.what = pace_of(words.pace);
     if (state.given())
         options.what = AdminWish{wire::Act::state};
     if (plan.given())

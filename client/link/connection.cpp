@@ -212,6 +212,8 @@ Result<void> Connection::dispatch(const wire::Message& message) {
         return take(*message.body_as_Changed());
     case Body::Administered:
         return take(*message.body_as_Administered());
+    case Body::Pace:
+        return take(*message.body_as_Pace());
     case Body::Pong:
         take(*message.body_as_Pong());
         break;
@@ -241,7 +243,7 @@ Result<void> Connection::take(const wire::Welcome& welcome) {
     SEAWAY_TRY(protocol::check(welcome));
     const std::int64_t now_us = local_now_us();
     if (events_.on_clock)
-        events_.on_clock(hello_sent_us_, now_us, welcome.sea_time_us());
+        events_.on_clock(hello_sent_us_, now_us, protocol::sea_time(welcome).elapsed_us);
     const std::scoped_lock lock(opening_mutex_);
     if (welcomed_)
         return Error{"a second welcome"};
@@ -390,7 +392,15 @@ void Connection::one_spectrum_less() {
 
 void Connection::take(const wire::Pong& pong) {
     if (events_.on_clock)
-        events_.on_clock(pong.client_time_us(), local_now_us(), pong.sea_time_us());
+        events_.on_clock(pong.client_time_us(), local_now_us(),
+                         protocol::sea_time(pong).elapsed_us);
+}
+
+Result<void> Connection::take(const wire::Pace& pace) {
+    SEAWAY_TRY(protocol::check(pace));
+    if (events_.on_pace)
+        events_.on_pace(protocol::pace(pace));
+    return {};
 }
 
 void Connection::take(const wire::Refused& refused) {

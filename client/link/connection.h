@@ -55,9 +55,11 @@ struct ConnectionEvents {
     std::function<Result<void>(std::uint32_t epoch, const sea::SpectrumLeft& left,
                                std::span<const sea::WaveBlock> blocks)>
         on_waves{};
-    /// One look at the server's clock: local times as local_now_us().
-    std::function<void(std::int64_t sent_us, std::int64_t received_us, sea::TimeUs sea_time_us)>
+    /// One look at the server's clock, in time since the sea's epoch: local times as local_now_us().
+    std::function<void(std::int64_t sent_us, std::int64_t received_us, sea::TimeUs elapsed_us)>
         on_clock{};
+    /// How sea time follows from that, from a moment on.
+    std::function<void(const sea::Pace& pace)> on_pace{};
     /// Once, and last; not after a failed open(). One line.
     std::function<void(const Error& reason)> on_closed{};
 };
@@ -137,6 +139,7 @@ class Connection {
     void one_spectrum_less();
     Result<void> take(const wire::Changed& changed);
     Result<void> take(const wire::Administered& administered);
+    Result<void> take(const wire::Pace& pace);
     void take(const wire::Pong& pong);
     void take(const wire::Refused& refused);
     void take(const wire::GoAway& go_away);

@@ -16,6 +16,7 @@
 
 #include "base/result.h"
 #include "sea/basics/field.h"
+#include "sea/basics/pace.h"
 #include "sea/surface/answer.h"
 #include "sea/surface/maps/keyframe.h"
 #include "server/host/asker.h"
@@ -103,8 +104,11 @@ class Host {
     const MemoryPtr& memory() const { return memory_; }
 
     virtual sea::TimeUs sea_time_us() const = 0;
+    /// With the time since the epoch, of one moment.
+    virtual sea::SeaTime sea_time() const { return sea_time_us(); }
 
-    /// Wire message SeaState of the sea that runs (and of the next one, if announced).
+    /// What a session is told first: the paces of the sea that hold and are to come, if it has any, and the wire message
+    /// SeaState of the sea that runs (and of the next one, if announced).
     virtual std::vector<SharedBytes> sea_state_messages() const = 0;
     /// The same of one epoch, of which keyframes have been handed out; null: everybody knows it.
     virtual SharedBytes sea_state_message(std::uint32_t /*epoch*/) const { return nullptr; }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,9 +19,11 @@ struct SeaWish {
     sea::TimeUs over_us = 0;
     /// Sea time at which it is to begin; earlier than can be: as soon as can be.
     sea::TimeUs at_us = 0;
+    /// How fast the sea is to run; nothing else is changed then.
+    std::optional<int> pace_permille = {};
 };
 
-/// The change is durable.
+/// The change is durable. One of pace has no epoch, and begins and ends at once.
 struct SeaPromise {
     std::uint32_t epoch = 0; ///< of the glide; that of the sea which it leads to is the next
     sea::TimeUs start_us = 0;

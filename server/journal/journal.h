@@ -7,21 +7,24 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "base/result.h"
-#include "sea/basics/time.h"
+#include "sea/basics/pace.h"
 
 namespace seaway::server {
 
-/// From which moment on which sea runs.
+/// From which moment on which sea runs, or how fast.
 struct SeaChange {
     std::uint32_t epoch = 1; ///< its number: 1, 2, 3 ... without a gap
     sea::TimeUs start_us =
         0; ///< sea time at which the sea before begins to go; takes over from what was to come
     sea::TimeUs end_us = 0; ///< and at which this one is there; not before start_us
     std::string scene;      ///< effective scene (sea::to_toml)
+    /// How fast the sea runs from a moment on; then there is no scene, and no start and end.
+    std::optional<sea::Pace> pace = {};
 
     bool operator==(const SeaChange&) const = default;
 };

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
@@ -26,25 +27,67 @@ std::int64_t SeaClock::steady_now_us() {
     return now_of<std::chrono::steady_clock>();
 }
 
-SeaClock::SeaClock(std::int64_t epoch_utc_us, Microseconds utc, Microseconds steady)
+SeaClock::SeaClock(std::int64_t epoch_utc_us, Microseconds utc, Microseconds steady,
+                   sea::Paces paces)
     : epoch_utc_us_(epoch_utc_us), utc_(std::move(utc)), steady_(std::move(steady)),
-      steady_us_(steady_()), sea_us_(utc_() - epoch_utc_us_) {}
+      steady_us_(steady_()), elapsed_us_(utc_() - epoch_utc_us_), paces_(std::move(paces)),
+      shown_us_(paces_.sea_time(elapsed_us_)) {}
 
 SeaMoment SeaClock::moment() {
     const std::scoped_lock lock(mutex_);
+    return locked_moment();
+}
+
+SeaMoment SeaClock::locked_moment() {
     const std::int64_t steady_us = steady_();
-    const sea::TimeUs elapsed_us = std::max<sea::TimeUs>(steady_us - steady_us_, 0);
+    const sea::TimeUs passed_us = std::max<sea::TimeUs>(steady_us - steady_us_, 0);
     steady_us_ = std::max(steady_us_, steady_us);
-    sea_us_ += elapsed_us;
+    elapsed_us_ += passed_us;
     // Whole microseconds are pulled: what is left of them counts the next time, however often the clock is read.
-    unspent_us_ += elapsed_us;
+    unspent_us_ += passed_us;
     const sea::TimeUs most_us = unspent_us_ / pull_parts;
     unspent_us_ %= pull_parts;
-    const sea::TimeUs behind_us = utc_() - epoch_utc_us_ - sea_us_;
+    const sea::TimeUs behind_us = utc_() - epoch_utc_us_ - elapsed_us_;
     const sea::TimeUs caught_up_us =
         behind_us > leap_us ? behind_us : std::clamp(behind_us, -most_us, most_us);
-    sea_us_ += caught_up_us;
-    return {sea_us_, behind_us - caught_up_us, epoch_utc_us_};
+    elapsed_us_ += caught_up_us;
+    paces_.forget_before(elapsed_us_);
+    shown_us_ = std::max(shown_us_, paces_.sea_time(elapsed_us_));
+    return {shown_us_, elapsed_us_, paces_.at(elapsed_us_).permille, behind_us - caught_up_us,
+            epoch_utc_us_};
+}
+
+void SeaClock::follow(const sea::Pace& pace) {
+    const std::scoped_lock lock(mutex_);
+    paces_.add(pace);
+}
+
+sea::Pace SeaClock::next_pace(sea::TimeUs from_us, int permille) {
+    const std::scoped_lock lock(mutex_);
+    return paces_.next(from_us, permille);
+}
+
+std::vector<sea::Pace> SeaClock::paces() {
+    const std::scoped_lock lock(mutex_);
+    (void)locked_moment();
+    return paces_.all();
+}
+
+std::optional<sea::TimeUs> SeaClock::wait_us(sea::TimeUs sea_us) {
+    const std::scoped_lock lock(mutex_);
+    const sea::TimeUs now_us = locked_moment().elapsed_us;
+    const std::optional<sea::TimeUs> then_us = paces_.moment_of(sea_us, now_us);
+    return then_us ? std::optional(*then_us - now_us) : std::nullopt;
+}
+
+double SeaClock::hurry() {
+    const std::scoped_lock lock(mutex_);
+    const int permille = paces_.fastest_permille(locked_moment().elapsed_us);
+    return std::max(permille, sea::pace_unit) / static_cast<double>(sea::pace_unit);
+}
+
+sea::TimeUs SeaClock::hurried(sea::TimeUs us) {
+    return std::llround(hurry() * static_cast<double>(us));
 }
 
 std::string utc_text(std::int64_t utc_us) {

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// The sea's clock: how long ago, by UTC, the sea's epoch was. So a server that was restarted goes on at the time at
+// The sea's clock: how long ago, by UTC, the sea's epoch was, and which time of the sea it is. So a server that was restarted goes on at the time at
 // which it would be, and servers with one epoch agree as well as their clocks do.
 //
-// Sea time never goes backwards and, but for one case, never jumps: it runs with the steady clock of the machine
+// Time never goes backwards and, but for one case, never jumps: it runs with the steady clock of the machine
 // and is pulled towards UTC by at most one part in a thousand. Where UTC is far ahead (the machine slept, or its clock was set)
 // the sea follows at once.
+//
+// How fast the sea runs is another matter (sea/basics/pace.h): what is kept by UTC is the time since the epoch, and
+// sea time follows from it.
 //
 // Thread-safe.
 #pragma once
@@ -12,16 +15,21 @@
 #include <cstdint>
 #include <functional>
 #include <mutex>
+#include <optional>
 #include <string>
+#include <vector>
 
+#include "sea/basics/pace.h"
 #include "sea/basics/time.h"
 
 namespace seaway::server {
 
 /// One look at the clock.
 struct SeaMoment {
-    sea::TimeUs now_us;
-    /// How far sea time is behind what UTC says; ahead of it: negative. Zero, but after the machine's clock was set.
+    sea::TimeUs now_us;     ///< sea time
+    sea::TimeUs elapsed_us; ///< since the epoch; the same, of a sea that has always run at pace 1
+    int pace_permille;
+    /// How far the time since the epoch is behind what UTC says; ahead of it: negative. Zero, but after the machine's clock was set.
     sea::TimeUs behind_us;
     std::int64_t epoch_utc_us; ///< instant of sea time 0, since 1970-01-01T00:00:00Z
 };
@@ -40,7 +48,21 @@ class SeaClock {
 
     /// `utc`: since 1970-01-01T00:00:00Z; `steady`: never set, from anywhere. Those of the machine if not given.
     explicit SeaClock(std::int64_t epoch_utc_us, Microseconds utc = utc_now_us,
-                      Microseconds steady = steady_now_us);
+                      Microseconds steady = steady_now_us, sea::Paces paces = {});
+
+    /// From its moment on. Where that is past, sea time stands until the new pace has come to where it is.
+    void follow(const sea::Pace& pace);
+    /// What would hold from a moment on at this pace.
+    sea::Pace next_pace(sea::TimeUs from_us, int permille);
+    /// The pace that holds, and those to come.
+    std::vector<sea::Pace> paces();
+
+    /// How long it is until that time, by the machine's clock; none: as long as the sea stands.
+    std::optional<sea::TimeUs> wait_us(sea::TimeUs sea_us);
+    /// As often as clocks do the sea runs, now or once a pace that was announced holds; 1 at least.
+    double hurry();
+    /// The sea time that passes at most while so much does.
+    sea::TimeUs hurried(sea::TimeUs us);
 
     SeaMoment moment();
     sea::TimeUs now_us() { return moment().now_us; }
@@ -49,12 +71,16 @@ class SeaClock {
     static std::int64_t steady_now_us();
 
   private:
+    SeaMoment locked_moment();
+
     const std::int64_t epoch_utc_us_;
     const Microseconds utc_;
     const Microseconds steady_;
     std::mutex mutex_; ///< of what follows
     std::int64_t steady_us_;
-    sea::TimeUs sea_us_;
+    sea::TimeUs elapsed_us_;
+    sea::Paces paces_;
+    sea::TimeUs shown_us_;
     sea::TimeUs unspent_us_ = 0; ///< time that has passed and not come to a microsecond of pull
 };
 

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 #include <utility>
 
 #include <fmt/format.h>
@@ -92,10 +93,34 @@ class Statement {
     int bound_ = 0;
 };
 
+constexpr std::string_view pace_word = "pace ";
+
+/// What was changed: a scene, or "pace FROM_US SEA_US PERMILLE", which no scene begins with.
+std::string text_of(const SeaChange& change) {
+    if (!change.pace)
+        return change.scene;
+    return fmt::format("{}{} {} {}", pace_word, change.pace->from_us, change.pace->sea_us,
+                       change.pace->permille);
+}
+
+Result<SeaChange> with_text(SeaChange change, std::string text) {
+    if (!text.starts_with(pace_word)) {
+        change.scene = std::move(text);
+        return change;
+    }
+    std::istringstream words(text.substr(pace_word.size()));
+    sea::Pace pace;
+    if (!(words >> pace.from_us >> pace.sea_us >> pace.permille) || !words.eof() ||
+        pace.permille < 0 || pace.permille > sea::pace_permille_max)
+        return Error{fmt::format("change {} has a pace that cannot be read", change.epoch)};
+    change.pace = pace;
+    return change;
+}
+
 /// Of a change and of the sum of all before it: SQLite takes zeros for what is cut off its last page.
 std::uint64_t sum_of(std::uint64_t before, const SeaChange& change) {
     return text_hash(fmt::format("{} {} {} {} {}", before, change.epoch, change.start_us,
-                                 change.end_us, change.scene));
+                                 change.end_us, text_of(change)));
 }
 
 /// Of the log before its first change.
@@ -106,7 +131,7 @@ std::uint64_t first_sum(std::int64_t epoch_utc_us) {
 Result<void> insert(sqlite3* database, const SeaChange& change, std::uint64_t sum) {
     SEAWAY_TRY_LET(Statement row,
                    Statement::prepare(database, "INSERT INTO changes VALUES (?, ?, ?, ?, ?)"));
-    row.bind(change.epoch).bind(change.start_us).bind(change.end_us).bind(change.scene);
+    row.bind(change.epoch).bind(change.start_us).bind(change.end_us).bind(text_of(change));
     row.bind(static_cast<std::int64_t>(sum));
     SEAWAY_TRY(row.step());
     return {};
@@ -306,8 +331,12 @@ Result<std::vector<SeaChange>> SqliteJournal::since(std::uint32_t epoch) const {
         SEAWAY_TRY_LET(const bool row, rows.step());
         if (!row)
             return changes;
-        changes.push_back({static_cast<std::uint32_t>(rows.integer(0)), rows.integer(1),
-                           rows.integer(2), rows.text(3)});
+        SEAWAY_TRY_LET(
+            SeaChange change,
+            with_text(
+                {static_cast<std::uint32_t>(rows.integer(0)), rows.integer(1), rows.integer(2), {}},
+                rows.text(3)));
+        changes.push_back(std::move(change));
     }
 }
 

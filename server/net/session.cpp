@@ -101,6 +101,7 @@ void Session::dispatch(std::span<const std::uint8_t> bytes) {
     case wire::Body::SpectrumChunk:
     case wire::Body::Changed:
     case wire::Body::Administered:
+    case wire::Body::Pace:
         return close(ErrorCode::bad_message, "message kind does not come from a client");
     }
 }
@@ -128,7 +129,7 @@ void Session::on_hello(const wire::Hello& hello) {
     client_ = printable(hello.client() ? hello.client()->string_view() : "");
     core_.log(fmt::format("event=session_open session={} peer={} client=\"{}\" administrator={}",
                           id_, peer_.name, client_, standing_ == Standing::administrator));
-    reply(protocol::welcome(id_, "seaway " SEAWAY_VERSION, core_.host.sea_time_us()));
+    reply(protocol::welcome(id_, "seaway " SEAWAY_VERSION, core_.host.sea_time()));
     for (const protocol::SharedBytes& state : core_.host.sea_state_messages())
         announce(state);
 }
@@ -275,7 +276,7 @@ void Session::answered(std::uint32_t request_id, const Result<QueryAnswers>& ans
 }
 
 void Session::on_ping(const wire::Ping& ping) {
-    reply(protocol::pong(ping.request_id(), ping.client_time_us(), core_.host.sea_time_us()));
+    reply(protocol::pong(ping.request_id(), ping.client_time_us(), core_.host.sea_time()));
 }
 
 bool Session::wants_requests() const {

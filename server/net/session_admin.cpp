@@ -28,6 +28,8 @@ Result<SeaWish> wish_of(const wire::Change& change) {
     SeaWish wish;
     wish.over_us = change.over_us();
     wish.at_us = change.at_us();
+    if (const flatbuffers::Optional<std::uint32_t> pace = change.pace_permille())
+        wish.pace_permille = static_cast<int>(*pace);
     if (change.scene() != nullptr)
         wish.scene = change.scene()->str();
     if (change.set() != nullptr)
@@ -38,6 +40,14 @@ Result<SeaWish> wish_of(const wire::Change& change) {
             wish.set.push_back(*std::move(value));
         }
     return wish;
+}
+
+/// For the log.
+std::string what_of(const SeaWish& wish) {
+    if (wish.pace_permille)
+        return fmt::format("pace {}", *wish.pace_permille / static_cast<double>(sea::pace_unit));
+    return wish.set.empty() ? "a scene"
+                            : printable(wish.set.front().path + "=" + wish.set.front().value);
 }
 
 } // namespace
@@ -56,9 +66,7 @@ void Session::on_change(const wire::Change& change) {
         return refuse(request_id, wish.error());
     ++changes_in_flight_;
     core_.log(fmt::format("event=change_asked session={} over_s={} what=\"{}\"", id_,
-                          sea::seconds_from_us(wish->over_us),
-                          wish->scene.empty() ? printable(change.set()->Get(0)->string_view())
-                                              : std::string("a scene")));
+                          sea::seconds_from_us(wish->over_us), what_of(*wish)));
     core_.host.change(*std::move(wish), [core = core_.weak_from_this(), session = id_,
                                          request_id](Result<SeaPromise> promise) {
         const std::shared_ptr<Core> alive = core.lock();

@@ -92,7 +92,7 @@ std::pair<Schedule::Place, Schedule::Stream> Schedule::next(const Stream& stream
         return next(Stream{*stream.following}, cascade);
     const std::optional<Place> following = next_of_following(stream, cascade);
     SEAWAY_CHECK(main || following, "where one sea ends another follows");
-    if (main && (!following || main->due_us() <= following->due_us()))
+    if (main && (!following || main->interval_begins_us() <= following->interval_begins_us()))
         return {*main, Stream{*main, stream.following}};
     return {*following, main ? Stream{stream.main, *following} : Stream{*following}};
 }
@@ -103,7 +103,7 @@ Schedule::Stream Schedule::started(std::size_t cascade, TimeUs now_us) const {
     for (;;) {
         const Stream then = next(stream, cascade).second;
         const Place after = next(then, cascade).first;
-        if (after.due_us() > now_us || after.sea->epoch != stream.main.sea->epoch)
+        if (due_us(after) > now_us || after.sea->epoch != stream.main.sea->epoch)
             return stream;
         stream = then;
     }
@@ -118,9 +118,9 @@ Schedule::Due Schedule::take_due(const EffectPlan& plan, TimeUs now_us) {
             continue;
         }
         auto [place, then] = next(stream(c, now_us), c);
-        if (now_us < place.due_us())
+        if (now_us < due_us(place))
             continue;
-        if (place.time_us < now_us - catch_up_us) {
+        if (place.time_us < now_us - catch_up_us_) {
             const Place resumed = around(c, now_us);
             due.left_out += static_cast<std::uint64_t>(
                 std::max<TimeUs>(resumed.time_us - place.time_us, 0) / place.interval_us);
@@ -138,8 +138,8 @@ std::optional<TimeUs> Schedule::next_due_us(const EffectPlan& plan) const {
     for (std::size_t c = 0; c < streams_.size(); ++c) {
         if (plan.cascades[c].fields.empty() || !streams_[c])
             continue;
-        const TimeUs due_us = next(*streams_[c], c).first.due_us();
-        next_us = std::min(next_us.value_or(due_us), due_us);
+        const TimeUs this_us = due_us(next(*streams_[c], c).first);
+        next_us = std::min(next_us.value_or(this_us), this_us);
     }
     return next_us;
 }

@@ -49,6 +49,12 @@ class Schedule {
   public:
     explicit Schedule(const SeaCourse& course);
 
+    /// The lead, and what is too late, in sea time: `hurry` times as much where the sea runs faster than clocks do.
+    void hurry(double hurry) {
+        lead_us_ = static_cast<sea::TimeUs>(hurry * static_cast<double>(publish_lead_us));
+        catch_up_us_ = static_cast<sea::TimeUs>(hurry * static_cast<double>(catch_up_us));
+    }
+
     struct Due {
         std::vector<KeyframeRequest> keyframes; ///< to be published now, oldest of each cascade
         std::uint64_t left_out = 0;             ///< too late to be of use, and skipped
@@ -73,8 +79,10 @@ class Schedule {
         sea::TimeUs interval_us;
         sea::TimeUs time_us;
 
-        sea::TimeUs due_us() const { return time_us - interval_us - publish_lead_us; }
+        /// Before this, by the lead.
+        sea::TimeUs interval_begins_us() const { return time_us - interval_us; }
     };
+    sea::TimeUs due_us(const Place& place) const { return place.interval_begins_us() - lead_us_; }
     /// The last that a stream has had: of the sea that it is in, and of the one that follows, whose first keyframes
     /// come before the last ones of the other. Both are due at their own times.
     struct Stream {
@@ -96,6 +104,8 @@ class Schedule {
     }
 
     const SeaCourse& course_;
+    sea::TimeUs lead_us_ = publish_lead_us;
+    sea::TimeUs catch_up_us_ = catch_up_us;
     std::vector<std::optional<Stream>> streams_; ///< one a cascade, while it runs
 };
 

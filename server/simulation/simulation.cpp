@@ -32,14 +32,14 @@ WorkBudget of_threads(WorkBudget each, int threads) {
 Result<std::unique_ptr<Simulation>> Simulation::start(SeaCoursePtr course,
                                                       const SynthesizerFactory& factory,
                                                       const Subscriptions& subscriptions,
-                                                      std::function<TimeUs()> now,
+                                                      SimulationClock clock,
                                                       SimulationEvents events, WorkBudget budget,
                                                       MemoryPtr memory, int answer_threads) {
     SEAWAY_TRY_LET(std::unique_ptr<RebuiltSynthesizer> device,
                    RebuiltSynthesizer::start(factory, course->first()->realization,
                                              course->first()->epoch, events.on_warning));
     std::unique_ptr<Simulation> simulation(new Simulation(
-        std::move(course), std::move(device), subscriptions, std::move(now), std::move(events),
+        std::move(course), std::move(device), subscriptions, std::move(clock), std::move(events),
         of_threads(budget, 1 + answer_threads), std::move(memory)));
     simulation->thread_ = std::thread([self = simulation.get()] { self->run(); });
     simulation->answer_threads_.start(answer_threads);
@@ -47,9 +47,9 @@ Result<std::unique_ptr<Simulation>> Simulation::start(SeaCoursePtr course,
 }
 
 Simulation::Simulation(SeaCoursePtr course, std::unique_ptr<RebuiltSynthesizer> device,
-                       const Subscriptions& subscriptions, std::function<TimeUs()> now,
+                       const Subscriptions& subscriptions, SimulationClock clock,
                        SimulationEvents events, WorkBudget budget, MemoryPtr memory)
-    : course_(std::move(course)), subscriptions_(subscriptions), now_(std::move(now)),
+    : course_(std::move(course)), subscriptions_(subscriptions), clock_(std::move(clock)),
       events_(std::move(events)), memory_(std::move(memory)),
       source_(course_, std::move(device), *memory_), surfaces_(course_, source_, *memory_),
       prices_(course_), schedule_(*course_), streamed_foam_(*course_->first(), source_, schedule_),
@@ -97,7 +97,7 @@ bool Simulation::work_ahead() {
             worked = true;
             ++stream_slices_;
         }
-        if (!source_.failure() && streamed_foam_.walk(now_())) {
+        if (!source_.failure() && streamed_foam_.walk(clock_.now())) {
             worked = true;
             ++stream_slices_;
         }
@@ -124,7 +124,8 @@ void Simulation::trim_now_and_then() {
 bool Simulation::work_on_stream() {
     heartbeat_.works();
     if (!streaming_) {
-        const TimeUs now_us = now_();
+        const TimeUs now_us = clock_.now();
+        schedule_.hurry(clock_.hurry());
         streamed_plan_ = streamed_foam_.carried(plan(now_us), subscriptions_, now_us);
         Schedule::Due due = schedule_.take_due(streamed_plan_, now_us);
         if (due.keyframes.empty())
@@ -154,7 +155,9 @@ void Simulation::work_on_a_question(bool more) {
     if (!more) {
         wait_us = schedule_.next_due_us(streamed_plan_);
         if (wait_us)
-            wait_us = std::max<TimeUs>(*wait_us - now_(), 1);
+            wait_us = clock_.wait_us(*wait_us);
+        if (wait_us)
+            wait_us = std::max<TimeUs>(*wait_us, 1);
         if (trims_left_ > 0 || source_.holds_keyframes()) {
             constexpr TimeUs trim_us = std::chrono::microseconds(trim_interval).count();
             wait_us = std::min(wait_us.value_or(trim_us), trim_us);
@@ -236,7 +239,7 @@ void Simulation::fetch(std::vector<TimeUs> times_us, const Demand& demand, Fetch
 void Simulation::fetch_current(const Demand& demand, Fetched done, const Asker& asker) {
     // Has no price of its own: it is what a subscription begins with, and mostly held.
     Question question = keyframe_question(
-        [this, demand] { return schedule_.current(demand, now_()); }, Walk::starts,
+        [this, demand] { return schedule_.current(demand, clock_.now()); }, Walk::starts,
         [this, demand] { return !streamed_foam_.starts(demand); }, std::move(done), asker);
     question.prompt = true;
     ask(std::move(question));
@@ -279,7 +282,7 @@ void Simulation::answer(std::vector<sea::QueryPoint> points, bool exact, Answere
          .price_us = price_us,
          .prompt = prompt,
          .bytes = bytes});
-    if (const auto time_us = again ? foresight_.asked(last_us, now_()) : std::nullopt)
+    if (const auto time_us = again ? foresight_.asked(last_us, clock_.now()) : std::nullopt)
         make_ready(*time_us);
 }
 

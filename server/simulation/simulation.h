@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <concepts>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -71,6 +72,27 @@ inline constexpr int trims_after_work = 30;
 /// catches up still leaves a fifth of the thread to those who ask.
 inline constexpr int stream_slices_ahead = 4;
 
+/// The sea's clock. All from any thread.
+struct SimulationClock {
+    std::function<sea::TimeUs()> now;
+    /// How long it is until that sea time by the machine's clock; none: as long as the sea stands.
+    std::function<std::optional<sea::TimeUs>(sea::TimeUs)> wait_us;
+    /// As often as clocks do the sea runs, now or soon; 1 at least.
+    std::function<double()> hurry;
+
+    /// Of a sea that runs as clocks do.
+    template <std::invocable Now>
+    SimulationClock(Now now_) // NOLINT(google-explicit-constructor): a clock is mostly that
+        : now(std::move(now_)), wait_us([this_now = now](sea::TimeUs time_us) {
+              return std::optional(time_us - this_now());
+          }),
+          hurry([] { return 1.0; }) {}
+    SimulationClock(std::function<sea::TimeUs()> now_,
+                    std::function<std::optional<sea::TimeUs>(sea::TimeUs)> wait_us_,
+                    std::function<double()> hurry_)
+        : now(std::move(now_)), wait_us(std::move(wait_us_)), hurry(std::move(hurry_)) {}
+};
+
 /// What a fetch brings, part by part.
 struct FetchedKeyframes {
     std::vector<sea::KeyframePtr> keyframes;
@@ -80,14 +102,13 @@ struct FetchedKeyframes {
 class Simulation {
   public:
     /// Makes the device, warms it up and starts the threads, of which those who answer are 1 to answer_threads_max;
-    /// the rate of `budget` is a share of the time of all of them. The course may be added to at any time. `now` is the sea's clock. Streams what
+    /// the rate of `budget` is a share of the time of all of them. The course may be added to at any time. Streams what
     /// `subscriptions` say, which outlive the simulation; whoever changes them calls
     /// demand_changed().
     static Result<std::unique_ptr<Simulation>>
     start(SeaCoursePtr course, const SynthesizerFactory& factory,
-          const Subscriptions& subscriptions, std::function<sea::TimeUs()> now,
-          SimulationEvents events, WorkBudget budget = {},
-          MemoryPtr memory = std::make_shared<Memory>(),
+          const Subscriptions& subscriptions, SimulationClock clock, SimulationEvents events,
+          WorkBudget budget = {}, MemoryPtr memory = std::make_shared<Memory>(),
           int answer_threads = answer_threads_default());
     ~Simulation();
     Simulation(const Simulation&) = delete;
@@ -118,7 +139,7 @@ class Simulation {
     using Surfaced = std::function<void(Result<SurfacePtr>)>;
     void surface(sea::TimeUs time_us, Surfaced done, const Asker& asker);
 
-    EffectPlan plan() const { return plan(now_()); }
+    EffectPlan plan() const { return plan(clock_.now()); }
     SimulationCounters counters() const;
     EffectCosts costs() const { return source_.report().costs; }
     std::string device() const { return source_.report().device; }
@@ -131,8 +152,8 @@ class Simulation {
 
   private:
     Simulation(SeaCoursePtr course, std::unique_ptr<RebuiltSynthesizer> device,
-               const Subscriptions& subscriptions, std::function<sea::TimeUs()> now,
-               SimulationEvents events, WorkBudget budget, MemoryPtr memory);
+               const Subscriptions& subscriptions, SimulationClock clock, SimulationEvents events,
+               WorkBudget budget, MemoryPtr memory);
 
     EffectPlan plan(sea::TimeUs now_us) const;
     void run();
@@ -154,7 +175,7 @@ class Simulation {
 
     const SeaCoursePtr course_;
     const Subscriptions& subscriptions_;
-    const std::function<sea::TimeUs()> now_;
+    const SimulationClock clock_;
     const SimulationEvents events_;
     const MemoryPtr memory_;
 

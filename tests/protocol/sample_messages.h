@@ -98,11 +98,12 @@ inline std::vector<sea::Answer> some_answers() {
              .flags = 5}};
 }
 
+inline constexpr sea::TimeUs some_times[] = {-5, 1'000'000};
+inline constexpr sea::QueryPoint some_points[] = {{1.5, -2.5, 7}, {1e6, 2e6, -9}};
+
 /// A message of this kind. No default: a new kind does not compile without its sample.
 inline Bytes sample(wire::Body body) {
     using wire::Body;
-    const sea::TimeUs times[] = {-5, 1'000'000};
-    const sea::QueryPoint points[] = {{1.5, -2.5, 7}, {1e6, 2e6, -9}};
     const std::uint8_t payload[] = {1, 2, 3};
     const TileWish wish{.cascades = 3u, .fields = sea::surface_fields, .error_m = 0.01f};
     switch (body) {
@@ -115,9 +116,9 @@ inline Bytes sample(wire::Body body) {
     case Body::Ack:
         return ack(1ull << 40);
     case Body::Fetch:
-        return fetch(8, times, wish);
+        return fetch(8, some_times, wish);
     case Body::Query:
-        return query(9, points, true);
+        return query(9, some_points, true);
     case Body::Ping:
         return ping(10, -11);
     case Body::Welcome:
@@ -154,6 +155,8 @@ inline Bytes sample(wire::Body body) {
         return changed(11, 4, 5'000'000, 125'000'000);
     case Body::Administered:
         return administered(12, "{}\n");
+    case Body::Pace:
+        return pace(sea::Pace{7'000'000, 5'000'000, 2'500});
     case Body::NONE:
         break;
     }

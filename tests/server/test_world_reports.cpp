@@ -191,12 +191,13 @@ TEST(StateJson, every_field_is_that_of_the_running_sea) {
     json fields = json::array();
     for (const sea::FieldInfo& field : sea::field_table)
         fields.push_back(field.name);
-    json shown = json::parse(
-        state_json(sea, {"first", "second"}, "abacus", {12'500'000, 0, 1'700'000'000'000'001}));
+    json shown = json::parse(state_json(sea, {"first", "second"}, "abacus",
+                                        {12'500'000, 5'000'000, 2500, 0, 1'700'000'000'000'001}));
     EXPECT_FALSE(shown["certificate"]["says"].get<std::string>().empty());
     shown["certificate"].erase("says");
     expect_same(shown, {{"epoch", 6},
                         {"sea_time_s", 12.5},
+                        {"pace", 2.5},
                         {"epoch_utc", "2023-11-14T22:13:20.000001Z"},
                         {"device", "abacus"},
                         {"scene", "some.toml"},
@@ -266,6 +267,7 @@ SimulationCounters some_counters() {
 TEST(SimulationMetrics, every_line_shows_the_figure_that_it_names) {
     std::map<std::string, double> expected{{"seaway_sea_time_seconds", 59.25},
                                            {"seaway_sea_clock_behind_seconds", -0.25},
+                                           {"seaway_sea_pace_ratio", 0.5},
                                            {"seaway_plan_idle", 0},
                                            {"seaway_dispatches_total", 3},
                                            {"seaway_transforms_total", 5},
@@ -297,8 +299,8 @@ TEST(SimulationMetrics, every_line_shows_the_figure_that_it_names) {
             put("seconds", 0.5 * weight / weight_all + beside_s);
         }
     tests::expect_metrics(
-        tests::read_metrics(
-            metrics_text(some_plan(), some_counters(), some_costs(), {59'250'000, -250'000, 0})),
+        tests::read_metrics(metrics_text(some_plan(), some_counters(), some_costs(),
+                                         {59'250'000, 118'500'000, 500, -250'000, 0})),
         expected);
     EffectPlan idle = some_plan();
     idle.cascades[0].fields = {};

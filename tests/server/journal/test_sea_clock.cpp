@@ -105,6 +105,50 @@ TEST(SeaClock, follows_at_once_where_utc_is_far_ahead_and_never_goes_back) {
     EXPECT_EQ(clock.now_us(), 3700 * second_us);
 }
 
+TEST(SeaClock, follows_its_paces_and_goes_on_with_them_after_a_restart) {
+    Machine machine;
+    SeaClock clock = machine.clock();
+    EXPECT_EQ(clock.wait_us(101 * second_us), second_us);
+    const sea::Pace half = clock.next_pace(101 * second_us, 500);
+    clock.follow(half);
+    EXPECT_EQ(clock.wait_us(102 * second_us), 3 * second_us) << "a second, then two";
+    EXPECT_EQ(clock.hurried(7), 7);
+    machine.pass(3 * second_us);
+    EXPECT_EQ(clock.now_us(), 102 * second_us);
+    EXPECT_EQ(clock.moment().elapsed_us, 103 * second_us);
+    EXPECT_EQ(clock.moment().pace_permille, 500);
+    const sea::Pace none = clock.next_pace(104 * second_us, 0);
+    const sea::Pace fast = {200 * second_us, none.sea_us, 4000};
+    clock.follow(none);
+    machine.pass(60 * second_us);
+    EXPECT_EQ(clock.now_us(), none.sea_us);
+    EXPECT_EQ(clock.wait_us(none.sea_us + 1), std::nullopt);
+    clock.follow(fast);
+    EXPECT_EQ(clock.hurried(7), 28) << "before it holds: what is to be there by then";
+    sea::Paces paces;
+    for (const sea::Pace& pace : {half, none, fast})
+        paces.add(pace);
+    SeaClock restarted(
+        epoch_us, [&] { return machine.utc_us; }, [&] { return machine.steady_us; }, paces);
+    for (int i = 0; i < 100; ++i, machine.pass(777'777))
+        ASSERT_EQ(restarted.now_us(), clock.now_us());
+    EXPECT_GT(clock.now_us(), none.sea_us + 100 * second_us);
+}
+
+// Naive: a pause that was late to be written sets the sea back to when it was to begin.
+TEST(SeaClock, stands_until_a_pace_that_began_in_the_past_has_come_to_where_it_is) {
+    Machine machine;
+    SeaClock clock = machine.clock();
+    machine.pass(2 * second_us);
+    EXPECT_EQ(clock.now_us(), 102 * second_us);
+    clock.follow({101 * second_us, 101 * second_us, 500});
+    EXPECT_EQ(clock.now_us(), 102 * second_us);
+    machine.pass(second_us);
+    EXPECT_EQ(clock.now_us(), 102 * second_us);
+    machine.pass(2 * second_us);
+    EXPECT_EQ(clock.now_us(), 103 * second_us);
+}
+
 TEST(SeaClock, never_goes_backwards_for_many_readers_of_the_machines_own_clocks) {
     SeaClock clock(SeaClock::utc_now_us());
     std::atomic<int> backwards = 0;

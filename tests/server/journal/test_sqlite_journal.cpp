@@ -79,6 +79,21 @@ TEST(Journal, keeps_any_text_of_a_scene_byte_by_byte) {
     EXPECT_EQ(SqliteJournal::open(folder, beginning).value()->since(0).value()[0].scene, scene);
 }
 
+TEST(Journal, keeps_how_fast_the_sea_runs_among_its_changes) {
+    const std::string folder = fresh_folder();
+    const std::vector<SeaChange> all{
+        {1, 0, 0, beginning.scene},
+        {.epoch = 2, .scene = {}, .pace = sea::Pace{-5, 1'234'567'890'123'456, 0}},
+        change(3),
+        {.epoch = 4, .scene = {}, .pace = sea::Pace{9, 8, sea::pace_permille_max}}};
+    {
+        auto journal = SqliteJournal::open(folder, beginning).value();
+        for (std::size_t i = 1; i < all.size(); ++i)
+            ASSERT_TRUE(journal->append(all[i]));
+    }
+    EXPECT_EQ(SqliteJournal::open(folder, beginning).value()->since(0).value(), all);
+}
+
 TEST(Journal, takes_no_change_out_of_turn) {
     auto journal = SqliteJournal::open(fresh_folder(), beginning).value();
     ASSERT_TRUE(journal->append(change(2)));

@@ -102,6 +102,27 @@ TEST(Schedule, each_keyframe_comes_once_ahead_of_its_time_whenever_it_is_looked_
     }
 }
 
+// Naive: a quarter of a second of a sea that runs ten times as fast is 25 ms.
+TEST(Schedule, of_a_sea_that_runs_faster_than_clocks_keyframes_come_as_much_earlier) {
+    Schedule schedule(course());
+    const EffectPlan both = plan(height, height);
+    (void)all_due(schedule, both, 0);
+    const auto next_lead = [&] {
+        TimeUs now_us = *schedule.next_due_us(both);
+        const auto due = all_due(schedule, both, now_us);
+        EXPECT_FALSE(due.empty());
+        const TimeUs interval_us = due.front().cascade == 0 ? long_us : short_us;
+        return due.front().time_us - interval_us - now_us;
+    };
+    EXPECT_EQ(next_lead(), publish_lead_us);
+    schedule.hurry(10);
+    (void)all_due(schedule, both, long_us); // what is late for that comes at once
+    EXPECT_EQ(next_lead(), 10 * publish_lead_us);
+    schedule.hurry(1);
+    for (int i = 0; i < 40; ++i) // what was ahead is not sent again
+        EXPECT_GE(next_lead(), publish_lead_us);
+}
+
 TEST(Schedule, after_a_leap_it_goes_on_with_the_keyframe_of_now_and_counts_the_rest) {
     Schedule schedule(course());
     const EffectPlan wanted = plan({}, height);

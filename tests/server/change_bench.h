@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+// A server whose sea an administrator changes, and who he is.
+#pragma once
+
+#include <cstdio>
+#include <fstream>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "client/client.h"
+#include "tests/support/folder.h"
+#include "tests/support/server_process.h"
+
+namespace seaway::changes {
+
+inline constexpr const char* token = "change-the-sea";
+
+inline std::string token_file() {
+    const std::string path = tests::folder().file("admin.token");
+    std::ofstream(path) << token << '\n';
+    return path;
+}
+
+inline std::vector<std::string> arguments(const std::string& data_dir) {
+    return {"scenes/calm.toml", "--listen", "127.0.0.1:0",        "--device",  "native",
+            "--data-dir",       data_dir,   "--admin-token-file", token_file()};
+}
+
+inline std::unique_ptr<client::Client> connect(const std::string& url) {
+    client::ConnectOptions options;
+    options.url = url;
+    Result<std::unique_ptr<client::Client>> client = client::Client::connect(options);
+    EXPECT_TRUE(client) << (client ? "" : client.error().message);
+    return client ? std::move(*client) : nullptr;
+}
+
+struct Said {
+    int code;
+    std::string words;
+};
+
+/// seaway-ctl with these words behind URL and token.
+inline Said ctl(const std::string& url, std::vector<std::string> words,
+                const std::string& with_token = token_file()) {
+    std::vector<std::string> all{SEAWAY_BIN_DIR "/seaway-ctl", url};
+    if (!with_token.empty())
+        all.insert(all.end(), {"--token-file", with_token});
+    all.insert(all.end(), words.begin(), words.end());
+    std::string line;
+    for (const std::string& word : all)
+        line += "'" + word + "' ";
+    FILE* pipe = popen((line + "2>&1").c_str(), "r");
+    std::string text;
+    char buffer[4096];
+    for (std::size_t count; (count = fread(buffer, 1, sizeof buffer, pipe)) > 0;)
+        text.append(buffer, count);
+    return {WEXITSTATUS(pclose(pipe)), text};
+}
+
+/// A number of the JSON that `set` prints.
+inline double number(const std::string& json, const std::string& key) {
+    const std::size_t at = json.find("\"" + key + "\": ");
+    EXPECT_NE(at, std::string::npos) << json;
+    return at == std::string::npos ? 0 : std::stod(json.substr(at + key.size() + 4));
+}
+
+} // namespace seaway::changes
