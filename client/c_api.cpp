@@ -135,6 +135,11 @@ int seaway_is_connected(const seaway_client* client) {
     return client && client->client->is_open() ? 1 : 0;
 }
 
+double seaway_retry_after_s(const seaway_client* client) {
+    const std::optional<Error> end = client ? client->client->end() : std::nullopt;
+    return end ? end->retry_after_ms / 1000.0 : 0;
+}
+
 int64_t seaway_now_us(seaway_client* client) {
     return client ? client->client->now_us() : 0;
 }

@@ -98,7 +98,7 @@ ConnectionEvents Client::connection_events() {
     events.on_closed = [this](const Error& reason) {
         {
             const std::scoped_lock lock(mutex_);
-            closed_reason_ = reason.message;
+            end_ = reason;
         }
         if (events_.on_closed)
             events_.on_closed(reason);
@@ -134,9 +134,14 @@ void Client::forget_waves(std::uint32_t epoch) {
     glides_.erase(epoch);
 }
 
-std::string Client::closed_reason() const {
+std::optional<Error> Client::end() const {
     const std::scoped_lock lock(mutex_);
-    return closed_reason_;
+    return end_;
+}
+
+std::string Client::closed_reason() const {
+    const std::optional<Error> why = end();
+    return why ? why->message : std::string();
 }
 
 TimeUs Client::now_us() {

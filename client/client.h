@@ -58,8 +58,10 @@ class Client {
     Client& operator=(const Client&) = delete;
 
     bool is_open() const { return connection_->is_open(); }
-    /// Why the connection ended; empty while it is open.
-    std::string closed_reason() const;
+    /// Why the connection ended, and for how long the server wants nobody to come back (link/reconnect.h); nothing
+    /// while it is open.
+    std::optional<Error> end() const;
+    std::string closed_reason() const; ///< the same in words; empty while it is open
     const Welcome& welcome() const { return connection_->welcome(); }
 
     /// Sea time by the filtered clock: never runs backwards.
@@ -181,7 +183,7 @@ class Client {
     /// What the server was found to take at once, where its tiles are larger than usual.
     std::size_t times_taken_max_ = std::numeric_limits<std::size_t>::max();
     bool cascades_apart_ = false;
-    std::string closed_reason_;
+    std::optional<Error> end_;
 
     std::unique_ptr<Connection> connection_; ///< first to go: its events use all of the above
 };

@@ -83,6 +83,10 @@ void seaway_disconnect(seaway_client* client);
 /* 1 while the connection stands, else 0. */
 int seaway_is_connected(const seaway_client* client);
 
+/* Of a connection that has ended: for how long the server asked its clients to stay away, seconds; 0 where it said
+ * nothing, or stands, or client is NULL. Connect again after once to twice as long, by lot: all others come, too. */
+double seaway_retry_after_s(const seaway_client* client);
+
 /* ---- time ---------------------------------------------------------------------------------- */
 
 /* Sea time by the filtered clock: the same on all clients, never runs backwards. 0 for NULL. */

@@ -35,6 +35,7 @@ class Sea {
     }
 
     bool is_connected() const { return seaway_is_connected(client_.get()) != 0; }
+    double retry_after_s() const { return seaway_retry_after_s(client_.get()); }
     int64_t now_us() { return seaway_now_us(client_.get()); }
 
     seaway_clock_status clock() const {

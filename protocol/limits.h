@@ -126,6 +126,9 @@ inline constexpr std::size_t replies_bytes_max = 1024 * 1024;
 /// Durable messages (sea states) that wait for a session; one more closes it as too slow.
 inline constexpr std::size_t durable_waiting_max = 16;
 
+/// For how long a GoAway may ask a client to stay away: an hour.
+inline constexpr std::uint32_t retry_after_ms_max = 3'600'000;
+
 /// Bytes of fetched tiles that wait for a session; a fetch that does not fit is refused.
 inline constexpr std::size_t fetch_bytes_max = 32u * 1024 * 1024;
 

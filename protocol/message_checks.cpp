@@ -95,6 +95,8 @@ Result<void> check(const wire::Message& message) {
         return check(*message.body_as_Changed());
     case Body::Pace:
         return check(*message.body_as_Pace());
+    case Body::GoAway:
+        return check(*message.body_as_GoAway());
     case Body::NONE:
     case Body::Unsubscribe:
     case Body::Ack:
@@ -102,7 +104,6 @@ Result<void> check(const wire::Message& message) {
     case Body::FetchDone:
     case Body::Pong:
     case Body::Refused:
-    case Body::GoAway:
     case Body::Administered:
         break;
     }
@@ -186,6 +187,11 @@ Result<void> check(const wire::Pace& pace) {
         in_range("from_us", pace.from_us(), -limits::time_us_max, limits::time_us_max),
         in_range("sea_time_us", pace.sea_time_us(), -limits::time_us_max, limits::time_us_max),
         in_range<std::uint32_t>("permille", pace.permille(), 0, sea::pace_permille_max));
+}
+
+Result<void> check(const wire::GoAway& go_away) {
+    return in_range<std::uint32_t>("retry_after_ms", go_away.retry_after_ms(), 0,
+                                   limits::retry_after_ms_max);
 }
 
 Result<void> check(const wire::Welcome& welcome) {

@@ -369,10 +369,10 @@ Bytes refused(std::uint32_t request_id, wire::ErrorCode code, std::string_view m
     return finish(built, wire::CreateRefused(built, request_id, code, text, retry_after_ms));
 }
 
-Bytes go_away(wire::ErrorCode code, std::string_view message) {
+Bytes go_away(wire::ErrorCode code, std::string_view message, std::uint32_t retry_after_ms) {
     FlatBufferBuilder built = builder(256);
     const auto text = string_of(built, message);
-    return finish(built, wire::CreateGoAway(built, code, text));
+    return finish(built, wire::CreateGoAway(built, code, text, retry_after_ms));
 }
 
 std::string_view name(wire::ErrorCode code) {

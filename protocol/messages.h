@@ -85,6 +85,7 @@ Result<void> check(const wire::Spectrum& spectrum);
 Result<void> check(const wire::SpectrumChunk& chunk);
 Result<void> check(const wire::Changed& changed);
 Result<void> check(const wire::Pace& pace);
+Result<void> check(const wire::GoAway& go_away);
 
 // ---- client to server ----------------------------------------------------------------------
 
@@ -287,7 +288,8 @@ Bytes administered(std::uint32_t request_id, std::string_view text);
 /// `retry_after_ms`: not worth asking again before; 0: nothing is known.
 Bytes refused(std::uint32_t request_id, wire::ErrorCode code, std::string_view message,
               std::uint32_t retry_after_ms = 0);
-Bytes go_away(wire::ErrorCode code, std::string_view message);
+/// `retry_after_ms`: not to come back before, at most limits::retry_after_ms_max; 0: nothing is known.
+Bytes go_away(wire::ErrorCode code, std::string_view message, std::uint32_t retry_after_ms = 0);
 
 /// "bad_message" and so on, as in logs and metrics; "unknown" for codes of later versions.
 std::string_view name(wire::ErrorCode code);

@@ -3,6 +3,8 @@
 #include <chrono>
 #include <cstdio>
 #include <exception>
+#include <memory>
+#include <variant>
 
 #include <malloc.h>
 
@@ -27,8 +29,9 @@
 namespace seaway::server {
 namespace {
 
-/// From the signal on. Less than what a service manager waits before it kills (systemd 90 s, Docker 10 s).
-constexpr std::chrono::seconds stop_limit{8};
+/// From the end of --drain on: with its half second less than what a service manager waits before it kills (systemd 90 s,
+/// Docker 10 s).
+constexpr std::chrono::milliseconds stop_limit{7500};
 
 int fail(ExitCode code, const Error& error) {
     return give_up(code, error.message);
@@ -85,10 +88,15 @@ int checked(const RunningSea& sea) {
 std::string last_words(bool json) {
     const std::string words =
         fmt::format("event=stop_hangs why=\"the device or a thread has not ended "
-                    "for {} s; what the journal holds is safe\"",
-                    stop_limit.count());
+                    "for {:g} s; what the journal holds is safe\"",
+                    std::chrono::duration<double>(stop_limit).count());
     const std::string time = utc_text(SeaClock::utc_now_us());
     return json ? json_line(time, "critical", words) : time + " critical " + words;
+}
+
+std::chrono::milliseconds drain_of(const NetOptions& options) {
+    return std::chrono::ceil<std::chrono::milliseconds>(
+        std::chrono::duration<double>(options.drain_s));
 }
 
 /// The watchdog, while both the sea and its sockets come on.
@@ -110,40 +118,60 @@ SimulationClock clock_of(SeaClock& clock) {
             [&clock] { return clock.hurry(); }};
 }
 
-int serve(const Options& options) {
-    StopSignal::survive_others();
+/// What can be known before there is anything to serve.
+struct Read {
+    sea::Scene scene;
+    std::shared_ptr<SeaCourse> course;
+    MemoryPtr memory;
+};
+
+/// Or the exit code, of what has been complained about.
+std::variant<Read, int> read_all(const Options& options) {
     if (const Result<void> fine = NetServer::check(options.net); !fine)
         return fail(exit_usage, fine.error());
     if (const Result<void> raised = raise_open_files(options.net); !raised)
         return fail(exit_usage, raised.error());
-    const Result<sea::Scene> scene = sea::read_scene(options.scene);
+    Result<sea::Scene> scene = sea::read_scene(options.scene);
     if (!scene)
         return fail(exit_usage, scene.error());
-    const Result<std::shared_ptr<SeaCourse>> course = SeaCourse::begin(*scene);
+    Result<std::shared_ptr<SeaCourse>> course = SeaCourse::begin(*scene);
     if (!course)
         return fail(exit_usage, course.error());
     const RunningSea& first = *(*course)->first();
     tell_of(first);
-    const Result<MemoryPtr> memory = memory_for(options, first);
+    Result<MemoryPtr> memory = memory_for(options, first);
     if (!memory)
         return fail(exit_usage, memory.error());
-    if (options.check)
-        return checked(first);
+    return Read{*std::move(scene), *std::move(course), *std::move(memory)};
+}
+
+int check(const Options& options) {
+    const auto read = read_all(options);
+    const int* code = std::get_if<int>(&read);
+    return code ? *code : checked(*std::get<Read>(read).course->first());
+}
+
+int serve(const Options& options) {
+    StopSignal::end_at_once(exit_stopped);
+    const auto read = read_all(options);
+    if (const int* code = std::get_if<int>(&read))
+        return *code;
+    const auto& [scene, course, memory] = std::get<Read>(read);
     const Result<Resumed> resumed =
-        begin_or_resume(options.data_dir, **course, SeaClock::utc_now_us());
+        begin_or_resume(options.data_dir, *course, SeaClock::utc_now_us());
     if (!resumed)
         return fail(exit_usage, resumed.error());
 
     const StopSignal stop;
-    StopDeadline deadline(stop_limit, exit_no_device,
+    StopDeadline deadline(stop_limit + drain_of(options.net), exit_no_device,
                           [json = options.log == "json"] { return last_words(json); });
     const LogEnd log_end; // before the deadline is called off
     SeaClock clock(resumed->epoch_utc_us, SeaClock::utc_now_us, SeaClock::steady_now_us,
                    resumed->paces);
-    World world(*course, clock, *memory);
+    World world(course, clock, memory);
     Result<std::unique_ptr<Simulation>> simulation = Simulation::start(
-        *course, device_factory(options), world.subscriptions(), clock_of(clock), events(world),
-        {.rate = options.work_rate, .burst_s = options.work_burst_s}, *memory,
+        course, device_factory(options), world.subscriptions(), clock_of(clock), events(world),
+        {.rate = options.work_rate, .burst_s = options.work_burst_s}, memory,
         options.answer_threads > 0 ? options.answer_threads : answer_threads_default());
     if (!simulation)
         return fail(exit_no_device, simulation.error());
@@ -151,11 +179,11 @@ int serve(const Options& options) {
     Result<std::unique_ptr<NetServer>> net = NetServer::start(options.net, world);
     if (!net)
         return fail(exit_cannot_listen, net.error());
-    spdlog::info("device=\"{}\" scene={} epoch={} url={}", (*simulation)->device(), scene->source,
+    spdlog::info("device=\"{}\" scene={} epoch={} url={}", (*simulation)->device(), scene.source,
                  utc_text(resumed->epoch_utc_us), (*net)->url());
     world.publish_to([&net](KeyframeTiles tiles) { (*net)->publish(std::move(tiles)); });
     world.announce_to([&net](SharedBytes state) { (*net)->announce(std::move(state)); });
-    auto director = std::make_unique<SeaDirector>(*course, resumed->journal.get(), resumed->changes,
+    auto director = std::make_unique<SeaDirector>(course, resumed->journal.get(), resumed->changes,
                                                   world, clock);
 
     say_ready((*net)->url());
@@ -191,7 +219,9 @@ int main(int argc, char** argv) {
             return *code;
         const auto& wanted = std::get<Options>(options);
         set_log_format(wanted.log);
-        return wanted.device == "list" ? list_devices() : serve(wanted);
+        if (wanted.device == "list")
+            return list_devices();
+        return wanted.check ? check(wanted) : serve(wanted);
     } catch (const std::exception& error) {
         spdlog::critical("{}", error.what());
         return 1;

@@ -6,6 +6,7 @@
 #include "base/command_line.h"
 #include "base/messages.h"
 #include "base/text_file.h"
+#include "protocol/limits.h"
 #include "server/simulation/answer_threads.h"
 
 namespace seaway::server {
@@ -60,6 +61,18 @@ void net_options(CommandLine& line, NetOptions& net) {
             "name that the server answers to. May be given again")
         .takes("ORIGIN")
         .one_at_a_time();
+    line.option("--drain", net.drain_s,
+                "When it is asked to stop: for how long what was asked for is still answered")
+        .takes("SECONDS")
+        .between(0.0, 3600.0)
+        .shows_default();
+    line.option("--retry-after", net.retry_after_s,
+                "How long clients are told then to stay away, who wait once to twice as long; 0: "
+                "2, or more where "
+                "they are more than 400")
+        .takes("SECONDS")
+        .between(0.0, protocol::limits::retry_after_ms_max / 1000.0)
+        .shows_default();
     limit_options(line, net);
 }
 

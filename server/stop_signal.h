@@ -8,6 +8,7 @@
 #include <atomic>
 #include <chrono>
 #include <csignal>
+#include <cstdlib>
 #include <ctime>
 #include <functional>
 #include <initializer_list>
@@ -17,9 +18,12 @@ namespace seaway::server {
 
 class StopSignal {
   public:
-    /// What ends a process unless it says otherwise and is not meant to end this one: first of all.
-    /// A SIGHUP waits until wait() is called.
-    static void survive_others() {
+    /// First of all, while nothing is served yet and all that there is may end at any instant: who is asked to
+    /// stop ends with this code. A SIGHUP waits until wait() is called, others do nothing from here on.
+    static void end_at_once(int exit_code) {
+        early_exit_code_ = exit_code;
+        for (const int signal : {SIGTERM, SIGINT})
+            std::signal(signal, [](int) { std::_Exit(early_exit_code_); });
         // SIGPIPE: a peer that goes away is an error code, not our end.
         for (const int signal : {SIGPIPE, SIGUSR1, SIGUSR2})
             std::signal(signal, SIG_IGN);
@@ -73,6 +77,7 @@ class StopSignal {
         return set;
     }
 
+    static inline volatile std::sig_atomic_t early_exit_code_ = 0;
     static inline std::atomic<bool> failed_ = false;
     sigset_t set_;
 };

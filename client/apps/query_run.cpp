@@ -11,6 +11,7 @@
 #include "base/text_file.h"
 #include "client/apps/query_output.h"
 #include "client/link/failure.h"
+#include "client/link/reconnect.h"
 
 namespace seaway::client {
 namespace {
@@ -72,11 +73,15 @@ Result<std::unique_ptr<Client>> connected(const Connect& connect, const QueryOpt
 std::unique_ptr<Client> connected_again(const Connect& connect, const QueryOptions& options,
                                         Error why, const std::atomic<bool>& stop) {
     std::string said;
-    for (seconds wait{0.5}; !stop; wait = std::min(2 * wait, seconds{16})) {
+    for (ReconnectPauses pauses; !stop;) {
+        const seconds pause = pauses.next(why);
         if (said != why.message)
-            complain("seaway-query", 0, why.message + "; trying again");
+            complain("seaway-query", 0,
+                     why.retry_after_ms == 0
+                         ? why.message + "; trying again"
+                         : fmt::format("{}; trying again in {:.1f} s", why.message, pause.count()));
         said = why.message;
-        sleep_until(steady_clock::now() + ticks(wait), stop);
+        sleep_until(steady_clock::now() + std::chrono::ceil<steady_clock::duration>(pause), stop);
         Result<std::unique_ptr<Client>> client = stop ? why : connected(connect, options);
         if (client)
             return std::move(*client);
@@ -105,7 +110,10 @@ Result<void> run_query(const Connect& connect, const QueryOptions& options,
         const sea::TimeUs now_us = client->now_us();
         const std::vector<sea::QueryPoint> points =
             points_at(places, options, now_us, watching ? now_us - start_us : 0);
-        const Result<std::vector<sea::Answer>> answers = answers_to(*client, options, points);
+        // Who samples for himself could go on with what he holds, of a sea that is perhaps another one now.
+        const std::optional<Error> end = watching ? client->end() : std::nullopt;
+        const Result<std::vector<sea::Answer>> answers =
+            end ? *end : answers_to(*client, options, points);
         if (!answers && watching && has_ended(answers.error())) {
             client = connected_again(connect, options, answers.error(), stop);
             if (!client)

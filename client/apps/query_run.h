@@ -15,8 +15,8 @@ namespace seaway::client {
 
 using Connect = std::function<Result<std::unique_ptr<Client>>()>;
 
-/// Asks once, or repeatedly until `stop` is set; a watch whose connection ends connects again, with waits of half a
-/// second to sixteen, and says so on stderr. Rows go to `out`, whole and flushed; where they cannot be written
+/// Asks once, or repeatedly until `stop` is set; a watch whose connection ends connects again, with the waits of
+/// link/reconnect.h, and says so on stderr. Rows go to `out`, whole and flushed; where they cannot be written
 /// it ends (OutputError).
 Result<void> run_query(const Connect& connect, const QueryOptions& options,
                        const std::vector<Place>& places, const std::atomic<bool>& stop,

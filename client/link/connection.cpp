@@ -100,9 +100,12 @@ Result<void> Connection::say_hello(const ConnectOptions& options, const OpenStre
 
     std::unique_lock lock(opening_mutex_);
     opening_.wait_until(lock, deadline, [this] { return end_ || (welcomed_ && sea_known_); });
-    if (end_)
-        return failed(Failure::cannot_connect,
-                      fmt::format("{} turns us away: {}", options.url, end_->message));
+    if (end_) {
+        Error why = failed(Failure::cannot_connect,
+                           fmt::format("{} turns us away: {}", options.url, end_->message));
+        why.retry_after_ms = end_->retry_after_ms;
+        return why;
+    }
     if (!welcomed_ || !sea_known_)
         return failed(Failure::cannot_connect,
                       fmt::format("{} accepts the connection but sends no {} in {} s", options.url,
@@ -221,8 +224,7 @@ Result<void> Connection::dispatch(const wire::Message& message) {
         take(*message.body_as_Refused());
         break;
     case Body::GoAway:
-        take(*message.body_as_GoAway());
-        break;
+        return take(*message.body_as_GoAway());
     case Body::NONE: // the reader lets none of these through
     case Body::Hello:
     case Body::Subscribe:
@@ -307,8 +309,10 @@ Result<void> Connection::take(const wire::Tile& tile) {
                       state->depth_m, streamed_fields_, requested);
     if (!added)
         return added.error();
-    if (added->acknowledge)
-        send(protocol::ack(header.keyframe));
+    // One that is missing would take a keyframe's place in the window for ever.
+    if (added->acknowledge && !send(protocol::ack(header.keyframe)))
+        stream_->close(fmt::format("the server takes nothing: {} bytes and more wait for it",
+                                   MessageStream::waiting_bytes_max));
     if (added->complete && events_.on_keyframe)
         events_.on_keyframe(added->complete);
     return {};
@@ -412,11 +416,6 @@ void Connection::take(const wire::Refused& refused) {
     requests_.refuse(refused.request_id(), why);
 }
 
-void Connection::take(const wire::GoAway& go_away) {
-    going_away_ = fmt::format("the server ends the session ({}): {}",
-                              protocol::name(go_away.code()), text(go_away.message()));
-}
-
 void Connection::on_tick() {
     if (!open_)
         return;
@@ -427,20 +426,6 @@ void Connection::on_tick() {
     ++pings_;
     next_ping_us_ = now_us + pause_after_ping_us(pings_);
     send(protocol::ping(pings_, now_us));
-}
-
-void Connection::on_closed(const std::string& reason) {
-    const Error why = failed(Failure::lost, going_away_.empty() ? reason : going_away_);
-    bool was_open = false;
-    {
-        const std::scoped_lock lock(opening_mutex_);
-        was_open = open_.exchange(false);
-        end_ = why;
-        opening_.notify_all();
-    }
-    if (was_open && events_.on_closed)
-        events_.on_closed(why);
-    requests_.fail_all(why); // who waits for one finds the reason known
 }
 
 } // namespace seaway::client

@@ -60,7 +60,8 @@ struct ConnectionEvents {
         on_clock{};
     /// How sea time follows from that, from a moment on.
     std::function<void(const sea::Pace& pace)> on_pace{};
-    /// Once, and last; not after a failed open(). One line.
+    /// Once, and last; not after a failed open(). One line, and for how long the server wants nobody to come
+    /// (retry_after_ms), which ReconnectPauses keeps.
     std::function<void(const Error& reason)> on_closed{};
 };
 
@@ -142,7 +143,7 @@ class Connection {
     Result<void> take(const wire::Pace& pace);
     void take(const wire::Pong& pong);
     void take(const wire::Refused& refused);
-    void take(const wire::GoAway& go_away);
+    Result<void> take(const wire::GoAway& go_away);
     bool send(protocol::Bytes message);
     SeaStatePtr sea_state(std::uint32_t epoch) const;
 
@@ -163,7 +164,7 @@ class Connection {
     std::int64_t next_ping_us_ = 0;
     std::uint32_t pings_ = 0;
     std::int64_t hello_sent_us_ = 0;
-    std::string going_away_;
+    std::optional<Error> going_away_;
     sea::FieldSet streamed_fields_;
     TileAssembly assembly_;
     std::uint32_t spectrum_epoch_ = 0; ///< of the one that is being sent

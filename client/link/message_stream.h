@@ -33,8 +33,8 @@ class MessageStream {
     /// Messages are read from here on; once.
     virtual void start(MessageStreamEvents events) = 0;
 
-    /// Queues a message. False if it is closed or if the peer takes nothing: more than
-    /// `waiting_bytes_max` wait. Thread-safe.
+    /// Queues a message. False if the peer takes nothing: more than `waiting_bytes_max` wait. Of a stream that has
+    /// ended, or ends, it is lost: on_closed says why. Thread-safe.
     virtual bool send(protocol::Bytes message) = 0;
 
     /// Ends it; on_closed gets the reason. Thread-safe.

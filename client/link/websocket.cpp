@@ -87,10 +87,11 @@ class SocketStream final : public MessageStream {
     }
 
     bool send(protocol::Bytes message) override {
+        if (closing_)
+            return true;
         const std::size_t bytes = message.size();
-        if (closing_ || waiting_bytes_.fetch_add(bytes) + bytes > waiting_bytes_max) {
-            if (!closing_)
-                waiting_bytes_ -= bytes;
+        if (waiting_bytes_.fetch_add(bytes) + bytes > waiting_bytes_max) {
+            waiting_bytes_ -= bytes;
             return false;
         }
         asio::post(io_, [this, message = std::move(message)]() mutable {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <thread>
 
+#include "client/link/reconnect.h"
 #include "client/view/sea/sea_source.h"
 
 namespace seaway::client {
@@ -20,10 +21,6 @@ std::chrono::duration<double> seconds(double s) {
 }
 
 } // namespace
-
-double Feed::next_wait_s(double wait_s) {
-    return std::min(2 * wait_s, wait_max_s);
-}
 
 Feed::Feed(const ConnectOptions& options) : state_(std::make_shared<State>()) {
     state_->options = options;
@@ -78,13 +75,13 @@ Error Feed::one_connection(const std::shared_ptr<State>& state) {
     lock.unlock();
     before.reset(); // waits for its connection's thread
     lock.lock();
-    while (!state->stop && client->is_open())
+    while (!state->stop && !client->end())
         state->changed.wait_for(lock, seconds(0.1));
-    return Error{client->closed_reason()};
+    return client->end().value_or(Error{"the window closes"});
 }
 
 void Feed::run(const std::shared_ptr<State>& state) {
-    double wait_s = wait_min_s;
+    ReconnectPauses pauses;
     std::unique_lock lock(state->mutex);
     while (!state->stop) {
         const int connections = state->status.connections;
@@ -93,12 +90,11 @@ void Feed::run(const std::shared_ptr<State>& state) {
         const Error ended = one_connection(state);
         lock.lock();
         if (state->status.connections > connections)
-            wait_s = wait_min_s;
+            pauses.connected();
         state->status.link = Link::waiting;
         state->status.reason = ended.message;
-        state->next = Clock::now() + std::chrono::duration_cast<Clock::duration>(seconds(wait_s));
+        state->next = Clock::now() + std::chrono::ceil<Clock::duration>(pauses.next(ended));
         state->changed.wait_until(lock, state->next, [&] { return state->stop; });
-        wait_s = next_wait_s(wait_s);
     }
     state->ended = true;
     state->changed.notify_all();

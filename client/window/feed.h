@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Feed: a client that is kept connected. A thread of its own connects, subscribes to what is drawn, and does so again
-// when the connection has ended, with waits that grow from half a second to sixteen. The client that was connected last
-// stays: what it holds can still be shown, and its clock goes on.
+// when the connection has ended, with the waits of link/reconnect.h. The client that was connected last stays: what it
+// holds can still be shown, and its clock goes on.
 //
 // Thread-safe; nothing but the destructor blocks, a third of a second: an attempt that still waits for a silent host then
 // ends by itself, later.
@@ -34,10 +34,7 @@ struct FeedStatus {
 
 class Feed {
   public:
-    static constexpr double wait_min_s = 0.5, wait_max_s = 16;
     static constexpr int credit = 2;
-    /// Of the wait before, the next one.
-    static double next_wait_s(double wait_s);
 
     explicit Feed(const ConnectOptions& options);
     ~Feed();

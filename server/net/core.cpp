@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/net/core.h"
 
+#include <algorithm>
 #include <chrono>
 
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include "protocol/limits.h"
 #include "server/net/session.h"
 
 namespace seaway::server {
@@ -43,6 +46,19 @@ Gauges Core::gauges() const {
         gauges.outboxes += session->outbox().counters();
     }
     return gauges;
+}
+
+void Core::begin_to_stop() {
+    constexpr double most_s = protocol::limits::retry_after_ms_max / 1000.0;
+    const double spread_s = static_cast<double>(sessions.size()) / comers_per_s;
+    const double wait_s = options.retry_after_s > 0
+                              ? options.retry_after_s
+                              : std::clamp(spread_s, retry_after_s_min, most_s);
+    retry_after =
+        std::chrono::ceil<std::chrono::milliseconds>(std::chrono::duration<double>(wait_s));
+    stopping = true;
+    log(fmt::format("event=stopping sessions={} drain_s={} retry_after_ms={}", sessions.size(),
+                    options.drain_s, retry_after.count()));
 }
 
 void Core::log(const std::string& line) {

@@ -2,6 +2,7 @@
 // Core: what all connections of one NetServer share. Of the io thread alone, except where said.
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <map>
 #include <memory>
@@ -67,6 +68,7 @@ class Core : public std::enable_shared_from_this<Core> {
     /// Sessions, and upgrades under way, without a token and without a Hello.
     WaitingLine awaiting_hello;
     bool stopping = false;
+    std::chrono::milliseconds retry_after{0}; ///< while it stops
 
     /// Runs `work` on the io thread; does nothing after detach(). Any thread.
     void post(Work work);
@@ -79,6 +81,13 @@ class Core : public std::enable_shared_from_this<Core> {
                static_cast<std::size_t>(options.sessions_max);
     }
     Gauges gauges() const;
+
+    /// Nobody new is taken from here on, and those who are sent away hear when to come back: after
+    /// options.retry_after_s, or so much later the more they are.
+    void begin_to_stop();
+    /// Clients wait once to twice what they are told, so in half a minute 6000 are back.
+    static constexpr double comers_per_s = 200;
+    static constexpr double retry_after_s_min = 2;
 
     /// One log line, at most `log_lines_per_second_max` of them: a flood of bad clients must not
     /// become a flood of log. What was left out is counted in the next line.

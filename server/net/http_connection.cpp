@@ -166,6 +166,8 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
         }
         if (is_stream)
             return upgrade(judged.standing);
+        if (core().stopping && asked.path == map_path)
+            return respond(stopping_page(core()), head_only(), false);
         const bool reads = request.method() == http::verb::get || head_only();
         if (reads && asked.path == map_path && !health_only)
             return head_only() ? announce_map(asked.parameters, request.keep_alive())
@@ -200,6 +202,9 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
 
     void upgrade(Standing standing) {
         const Request& request = parser_->get();
+        if (core().stopping)
+            return refuse_session(protocol::name(wire::ErrorCode::shutting_down),
+                                  stopping_page(core()));
         if (!offers(text(request[http::field::sec_websocket_protocol]),
                     protocol::websocket_subprotocol))
             return refuse_session("subprotocol",

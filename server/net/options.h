@@ -64,7 +64,13 @@ struct NetOptions {
     /// `map_patience`, is cut off.
     double map_bytes_per_s_wanted = 4.0 * 1024 * 1024;
     std::chrono::milliseconds map_patience{1000};
-    std::chrono::milliseconds stop_deadline{1500}; ///< for GoAway and closing handshakes
+
+    /// From stop() on: what has been asked for is still answered, at most so long.
+    double drain_s = 0.5;
+    std::chrono::milliseconds stop_deadline{1200}; ///< then, for GoAway and closing handshakes
+    /// How long those whom it sends away then should stay away (GoAway.retry_after_ms); 0: as long as it takes
+    /// that all of them do not come in one instant (core.h). At most limits::retry_after_ms_max.
+    double retry_after_s = 0;
 };
 
 } // namespace seaway::server

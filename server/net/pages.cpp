@@ -53,7 +53,7 @@ const std::array<Route, 6> routes{{
          if (!health.live)
              return Page{.status = 503, .body = health.why + "\n"};
          if (core.stopping)
-             return Page{.status = 503, .body = "the server stops\n"};
+             return stopping_page(core);
          // One that has not said Hello makes room.
          return core.takes_a_session() || !core.awaiting_hello.empty()
                     ? Page{.body = "ready\n"}
@@ -78,6 +78,13 @@ const std::array<Route, 6> routes{{
 }};
 
 } // namespace
+
+Page stopping_page(const Core& core) {
+    const auto retry_after = std::chrono::ceil<std::chrono::seconds>(core.retry_after);
+    return {.status = 503,
+            .body = "the server stops\n",
+            .retry_after_s = static_cast<int>(retry_after.count())};
+}
 
 std::optional<Page> keep_out(const Core& core, std::string_view path, const Judgement& judged) {
     if (judged.barred == Barred::too_many_wrong)

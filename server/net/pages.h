@@ -31,6 +31,9 @@ struct Page {
 /// brought has to be right, also where none is needed. Empty: come in; else why not.
 std::optional<Page> keep_out(const Core& core, std::string_view path, const Judgement& judged);
 
+/// 503, with the time after which to come again: of whatever begins while the server stops.
+Page stopping_page(const Core& core);
+
 /// GET and HEAD of /healthz, /readyz, /metrics, /v1/state, /v1/plan and /. /healthz is 200 "ok" or 503; /readyz
 /// is 200 only where a session would be taken, too. Anything else is 404 or 405 with a sentence; where `health_only`, all but /healthz, /readyz and /metrics.
 Page page_for(Core& core, std::string_view method, std::string_view path, bool health_only);

@@ -27,6 +27,7 @@ namespace {
 namespace asio = boost::asio;
 using asio::ip::tcp;
 using sockets::error_code;
+using Clock = std::chrono::steady_clock;
 
 /// Kernel memory a slow reader can fill; large enough for a fast one on a long link.
 constexpr int send_buffer_bytes = 256 * 1024;
@@ -161,8 +162,7 @@ class NetServer::Impl {
     }
 
     int port() const { return public_.endpoint().port; }
-    std::chrono::steady_clock::duration silence() {
-        using Clock = std::chrono::steady_clock;
+    Clock::duration silence() {
         if (asked_ && !answered_)
             return Clock::now() - *asked_;
         asked_ = Clock::now();
@@ -208,6 +208,7 @@ class NetServer::Impl {
     void take_public(tcp::socket socket, const tcp::endpoint& from);
     void take_health(tcp::socket socket, const tcp::endpoint& from);
     void begin_stop();
+    void come_to_an_end();
 
     /// A session may end, and leave the map, while it is called.
     template <class Call>
@@ -218,12 +219,13 @@ class NetServer::Impl {
 
     asio::io_context io_{1};
     asio::steady_timer stop_timer_{io_};
+    Clock::time_point drained_; ///< once it stops
     std::shared_ptr<Core> core_;
     std::shared_ptr<asio::ssl::context> tls_; ///< null: plain
     Listener public_{io_, *core_, [this](tcp::socket socket, const tcp::endpoint& from) {
                          take_public(std::move(socket), from);
                      }};
-    std::optional<std::chrono::steady_clock::time_point> asked_; ///< by silence()
+    std::optional<Clock::time_point> asked_; ///< by silence()
     std::atomic<bool> answered_ = false;
     Listener health_{io_, *core_, [this](tcp::socket socket, const tcp::endpoint& from) {
                          take_health(std::move(socket), from);
@@ -332,30 +334,38 @@ void NetServer::Impl::publish(KeyframeTiles tiles) {
 }
 
 void NetServer::Impl::begin_stop() {
-    core_->stopping = true;
-    public_.close();
-    health_.close();
-    for_each_session(*core_, [](Session& session) {
-        session.close(wire::ErrorCode::shutting_down, "the server stops");
+    core_->begin_to_stop();
+    drained_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                                  std::chrono::duration<double>(core_->options.drain_s));
+    come_to_an_end();
+}
+
+/// Sends away whoever has been answered, or after options.drain_s everybody. Ends when the last connection
+/// has said goodbye, or at its deadline; until then those who come are told that the server stops.
+void NetServer::Impl::come_to_an_end() {
+    stop_timer_.expires_after(std::chrono::milliseconds(10));
+    stop_timer_.async_wait([this](error_code) { come_to_an_end(); });
+    const bool drained = Clock::now() >= drained_;
+    for_each_session(*core_, [drained](Session& session) {
+        if (drained || !session.is_owed())
+            session.close(wire::ErrorCode::shutting_down, "the server stops");
     });
-    // Ends when the last connection has said goodbye, or at the deadline.
-    const auto deadline = std::chrono::steady_clock::now() + core_->options.stop_deadline;
-    const auto look = [this, deadline](const auto& again) -> void {
-        if (core_->door.connections == 0 || std::chrono::steady_clock::now() >= deadline)
-            return io_.stop();
-        stop_timer_.expires_after(std::chrono::milliseconds(10));
-        stop_timer_.async_wait([again](error_code) { again(again); });
-    };
-    look(look);
+    const Door& door = core_->door;
+    const bool served = door.connections <= static_cast<int>(door.awaiting_requests.size());
+    if (served || Clock::now() >= drained_ + core_->options.stop_deadline) {
+        public_.close();
+        health_.close();
+        io_.stop();
+    }
 }
 
 void NetServer::Impl::stop() {
-    core_->encoding.stop();
-    core_->spectra.stop();
     if (thread_.joinable()) {
         asio::post(io_, [this] { begin_stop(); });
         thread_.join();
     }
+    core_->encoding.stop();
+    core_->spectra.stop();
     core_->detach();
     core_->map_places.stop();
     core_->waiting_for_maps.clear();

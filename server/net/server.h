@@ -7,7 +7,7 @@
 //     if (!net) ...                       // exit code 4: (*net).error().message says what to do
 //     fmt::print("ready {}\n", (*net)->url());
 //     (*net)->publish(keyframe_tiles);    // from the simulation, any thread
-//     (*net)->stop();                     // GoAway to all, at most options.stop_deadline
+//     (*net)->stop();                     // at most options.drain_s + options.stop_deadline
 //
 // HTTP (GET, HEAD): /healthz, /readyz, /metrics, /v1/state, /v1/plan, / ; WebSocket: /v1/stream with the
 // subprotocol seaway.v1 (docs/protocol.md). Every session ends with one log line and one count, by
@@ -65,8 +65,10 @@ class NetServer {
     /// version 1 asks for.
     void announce(protocol::SharedBytes sea_state);
 
-    /// Sends GoAway, closes, joins; maps that are being let go have ended then. Idempotent. Host
-    /// callbacks that come later do nothing.
+    /// From the first moment /readyz is 503 and nobody new is taken. Who is owed nothing is sent away at once, with a
+    /// time to stay away (GoAway.retry_after_ms); what is under way is finished before, for options.drain_s at
+    /// most. Then closes, joins; maps that are being let go have ended then. Idempotent. Host callbacks that come
+    /// later do nothing.
     void stop();
 
   private:

@@ -49,7 +49,7 @@ void Session::or_drop(Work work) {
 }
 
 void Session::receive(std::span<const std::uint8_t> bytes) {
-    if (closing_ || ended_)
+    if (closing_ || ended_ || core_.stopping) // which ends what is not taken
         return;
     or_drop([&] { dispatch(bytes); });
 }
@@ -280,7 +280,7 @@ void Session::on_ping(const wire::Ping& ping) {
 }
 
 bool Session::wants_requests() const {
-    return outbox_.accepts_requests();
+    return outbox_.accepts_requests() && !core_.stopping;
 }
 
 protocol::SharedBytes Session::next_message() {
@@ -347,12 +347,20 @@ void Session::refuse(std::uint32_t request_id, const Error& why) {
     reply(protocol::refused(request_id, code, why.message, why.retry_after_ms));
 }
 
+bool Session::is_owed() const {
+    return queries_in_flight_ + fetches_in_flight_ + spectra_in_making_ + changes_in_flight_ > 0 ||
+           outbox_.fetches_waiting() > 0 || outbox_.reply_bytes_waiting() > 0;
+}
+
 void Session::close(ErrorCode code, const std::string& why) {
     if (closing_ || ended_)
         return;
     closing_ = true;
     end(protocol::name(code), why);
-    link_.close(std::make_shared<const protocol::Bytes>(protocol::go_away(code, why)), code, why);
+    const auto retry_after_ms = code == ErrorCode::shutting_down ? core_.retry_after.count() : 0;
+    link_.close(std::make_shared<const protocol::Bytes>(
+                    protocol::go_away(code, why, static_cast<std::uint32_t>(retry_after_ms))),
+                code, why);
 }
 
 void Session::give_up(const std::string& why) {

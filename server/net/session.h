@@ -66,6 +66,8 @@ class Session {
     void deliver(const EncodedKeyframePtr& keyframe);
     /// Sends a SeaState that it has not been sent.
     void announce(protocol::SharedBytes sea_state);
+    /// Something that it asked for is not answered, or not sent.
+    bool is_owed() const;
     /// Ends the session with GoAway.
     void close(wire::ErrorCode code, const std::string& why);
     /// Ends it as too slow, so that what it holds is let go of: where it does not take what it is being sent, without

@@ -46,6 +46,7 @@ class WaitingLine {
     };
 
     bool empty() const { return places_.empty(); }
+    std::size_t size() const { return places_.size(); }
 
     /// Gives up the one of `address` that has waited longest; false if there is none.
     bool give_up_of(const Address& address) {

@@ -113,6 +113,20 @@ TEST(Messages, a_refusal_says_when_to_ask_again_where_that_is_known) {
     EXPECT_EQ(of(sample(Body::Refused))->retry_after_ms(), 0u);
 }
 
+TEST(Messages, who_is_sent_away_hears_when_to_come_back_where_that_is_known) {
+    MessageReader reader(Sender::server);
+    const auto of = [&](const Bytes& bytes) { return read(reader, bytes)->body_as_GoAway(); };
+    const auto says = [](std::uint32_t wait_ms) {
+        return go_away(wire::ErrorCode::shutting_down, "later", wait_ms);
+    };
+    const Bytes hour = says(limits::retry_after_ms_max);
+    EXPECT_EQ(of(hour)->retry_after_ms(), 3'600'000u);
+    EXPECT_TRUE(check(*of(hour)));
+    const Bytes longer = says(limits::retry_after_ms_max + 1);
+    EXPECT_FALSE(check(*of(longer)));
+    EXPECT_EQ(of(sample(Body::GoAway))->retry_after_ms(), 0u) << "bytes from before there was one";
+}
+
 // Added at the end; a sea of which it says nothing is steady.
 TEST(Messages, what_glides_is_on_the_way_from_what_it_was_to_what_the_sea_state_says) {
     MessageReader reader(Sender::server);

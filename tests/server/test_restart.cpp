@@ -6,6 +6,7 @@
 #include <fstream>
 #include <random>
 #include <regex>
+#include <set>
 #include <sstream>
 
 #include <fcntl.h>
@@ -88,7 +89,8 @@ TEST(Restart, killed_at_any_instant_it_serves_the_same_sea_at_the_time_that_it_w
 }
 
 /// A process that watches the height at the origin, 20 times a second.
-pid_t watch(const std::string& url, const std::string& rows, const std::string& words) {
+pid_t watch(const std::string& url, const std::string& rows, const std::string& words,
+            const char* patience_s) {
     const pid_t watcher = fork();
     if (watcher == 0) {
         const int out = open(rows.c_str(), O_WRONLY | O_CREAT, 0600);
@@ -96,7 +98,7 @@ pid_t watch(const std::string& url, const std::string& rows, const std::string& 
         dup2(out, STDOUT_FILENO);
         dup2(err, STDERR_FILENO);
         execl(SEAWAY_BIN_DIR "/seaway-query", "seaway-query", url.c_str(), "--at", "0,0", "--watch",
-              "20", "--format", "csv", "--timeout", "2", nullptr);
+              "20", "--format", "csv", "--timeout", patience_s, nullptr);
         _exit(127);
     }
     return watcher;
@@ -110,7 +112,7 @@ TEST(Restart, a_watcher_goes_on_with_the_server_that_comes_back) {
     auto server = std::make_unique<tests::ServerProcess>(arguments(folder));
     const std::string url = server->wait_until_ready();
     ASSERT_FALSE(url.empty()) << server->log();
-    const pid_t watcher = watch(url, rows, words);
+    const pid_t watcher = watch(url, rows, words, "2");
     const auto text = [](const std::string& path) {
         std::ifstream file(path);
         return std::string(std::istreambuf_iterator<char>(file), {});
@@ -156,6 +158,78 @@ TEST(Restart, a_watcher_goes_on_with_the_server_that_comes_back) {
         EXPECT_GT(t_s, last_s);
         last_s = t_s;
     }
+}
+
+/// Of each line of the log with this event its time, ms of the day.
+std::vector<double> times_of(const std::string& log, const std::string& event) {
+    std::vector<double> times_ms;
+    const std::regex line("T(\\d\\d):(\\d\\d):(\\d\\d\\.\\d+)\\S* info [^\\n]*event=" + event);
+    for (std::sregex_iterator at(log.begin(), log.end(), line), end; at != end; ++at)
+        times_ms.push_back(3.6e6 * std::stod((*at)[1]) + 6e4 * std::stod((*at)[2]) +
+                           1e3 * std::stod((*at)[3]));
+    return times_ms;
+}
+
+/// Processes that are ended with it.
+struct Watchers {
+    std::vector<pid_t> processes;
+    ~Watchers() {
+        for (const pid_t process : processes) {
+            kill(process, SIGTERM);
+            waitpid(process, nullptr, 0);
+        }
+    }
+};
+
+// The server is stopped and started again at once: it is there long before any of its watchers may come.
+TEST(Restart, watchers_stay_away_for_as_long_as_they_are_told_and_come_back_one_by_one) {
+    constexpr int count = 20;
+    constexpr double wait_s = 6;
+    std::vector<std::string> words = arguments(tests::folder().file("told"));
+    words.insert(words.end(), {"--retry-after", fmt::format("{}", wait_s)});
+    auto server = std::make_unique<tests::ServerProcess>(words);
+    const std::string url = server->wait_until_ready();
+    ASSERT_FALSE(url.empty()) << server->log();
+    Watchers watchers;
+    const auto file = [](const char* kind, int i) {
+        return tests::folder().file(fmt::format("told_{}_{}", kind, i));
+    };
+    for (int i = 0; i < count; ++i)
+        watchers.processes.push_back(watch(url, file("rows", i), file("words", i), "60"));
+    const auto all_open = [&] {
+        for (int i = 0; i < 6000; ++i) {
+            if (times_of(server->log(), "session_open").size() == count)
+                return true;
+            std::this_thread::sleep_for(std::chrono::milliseconds(10));
+        }
+        return false;
+    };
+    ASSERT_TRUE(all_open()) << server->log();
+    server->send(SIGTERM);
+    ASSERT_EQ(server->wait_for_exit(std::chrono::seconds(20)), 0) << server->log();
+    const std::vector<double> stopped_ms = times_of(server->log(), "stopping");
+    ASSERT_EQ(stopped_ms.size(), 1u) << server->log();
+    words[2] = url.substr(url.rfind('/') + 1);
+    server = std::make_unique<tests::ServerProcess>(words);
+    ASSERT_FALSE(server->wait_until_ready().empty()) << server->log();
+    ASSERT_TRUE(all_open()) << server->log();
+    for (const double back_ms : times_of(server->log(), "session_open")) {
+        constexpr double day_ms = 8.64e7; // midnight may have been between
+        EXPECT_GE(std::fmod(back_ms - stopped_ms[0] + day_ms, day_ms), 1e3 * wait_s);
+    }
+    std::set<std::string> waits;
+    for (int i = 0; i < count; ++i) {
+        std::ifstream said(file("words", i));
+        const std::string text{std::istreambuf_iterator<char>(said), {}};
+        std::smatch found;
+        ASSERT_TRUE(std::regex_search(
+            text, found, std::regex("\\(shutting_down\\): .*; trying again in ([0-9.]+) s")))
+            << text;
+        EXPECT_GE(std::stod(found[1]), wait_s);
+        EXPECT_LE(std::stod(found[1]), 2 * wait_s);
+        waits.insert(found[1]);
+    }
+    EXPECT_GT(waits.size(), 5u) << "by lot: of 60 tenths of a second, twenty";
 }
 
 TEST(Restart, without_a_data_folder_a_sea_begins_with_its_process) {

@@ -61,6 +61,31 @@ TEST(Signals, a_hang_up_reads_the_tokens_again_and_others_change_nothing) {
     EXPECT_EQ(server.wait_for_exit(std::chrono::seconds(20)), 0) << server.log();
 }
 
+// A scene with a sea and a timetable that take a while to look through.
+TEST(Signals, who_is_asked_to_stop_before_the_scene_has_been_read_stops_with_exit_code_0) {
+    std::ifstream file(SEAWAY_SOURCE_DIR "/scenes/north_sea_gale.toml");
+    std::string scene{std::istreambuf_iterator<char>(file), {}};
+    for (int hour = 1; hour <= 64; ++hour)
+        scene += "\n[[weather]]\nat_s = " + std::to_string(3600 * hour) +
+                 "\nover_s = 600\nset = { sea.system.0.wind_speed_10m_mps = " +
+                 std::to_string(12 + hour % 7) + " }\n";
+    for (const int signal : {SIGTERM, SIGINT}) {
+        tests::ServerProcess server({tests::folder().write("long.toml", scene), "--device",
+                                     "native", "--listen", "127.0.0.1:0"});
+        const std::string status = "/proc/" + std::to_string(server.pid()) + "/status";
+        ASSERT_TRUE(
+            comes([&] { // it is past the loader: SIGUSR1 is passed over from the first line on
+                std::ifstream in(status);
+                for (std::string line; std::getline(in, line);)
+                    if (line.starts_with("SigIgn:"))
+                        return (std::stoull(line.substr(7), nullptr, 16) >> (SIGUSR1 - 1) & 1) == 1;
+                return false;
+            }));
+        server.send(signal);
+        EXPECT_EQ(server.wait_for_exit(std::chrono::seconds(60)), 0) << server.log();
+    }
+}
+
 // 2026-11-22T23:27:58.723+0100: without the zone a line says nothing beside those of another machine.
 TEST(Signals, each_line_of_the_log_has_its_time_with_the_zone) {
     tests::ServerProcess server(

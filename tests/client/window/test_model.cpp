@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "client/window/feed.h"
 #include "client/window/glfw_window.h"
 #include "client/window/model.h"
 #include "client/window/spectrum_curve.h"
@@ -11,6 +12,7 @@
 #include "tests/client/view/small_seas.h"
 #include "tests/client/view/synthetic_sea.h"
 #include "tests/support/folder.h"
+#include "tests/support/server_process.h"
 
 namespace seaway::client {
 namespace {
@@ -62,12 +64,24 @@ TEST(Model, a_connection_says_its_state_and_why) {
     EXPECT_EQ(value_of(rows, "sea shown"), "now");
 }
 
-TEST(Model, waits_between_attempts_grow_to_sixteen_seconds) {
-    double wait_s = Feed::wait_min_s;
-    std::vector<double> waits;
-    for (int i = 0; i < 8; ++i, wait_s = Feed::next_wait_s(wait_s))
-        waits.push_back(wait_s);
-    EXPECT_THAT(waits, testing::ElementsAre(0.5, 1, 2, 4, 8, 16, 16, 16));
+TEST(Feed, stays_away_for_as_long_as_a_server_that_stops_asks) {
+    tests::ServerProcess server({"scenes/calm.toml", "--device", "native", "--listen",
+                                 "127.0.0.1:0", "--retry-after", "600"});
+    const std::string url = server.wait_until_ready();
+    ASSERT_FALSE(url.empty()) << server.log();
+    Feed feed({.url = url});
+    const auto becomes = [&feed](Link link) {
+        for (int i = 0; i < 12'000 && feed.status().link != link; ++i)
+            std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        return feed.status().link == link;
+    };
+    ASSERT_TRUE(becomes(Link::live)) << server.log();
+    server.send(SIGTERM);
+    ASSERT_TRUE(becomes(Link::waiting));
+    const FeedStatus status = feed.status();
+    EXPECT_THAT(status.reason, testing::HasSubstr("shutting_down"));
+    EXPECT_GT(status.next_s, 500) << "of the 600, with a minute and more for a busy machine";
+    EXPECT_LE(status.next_s, 1200);
 }
 
 TEST(Model, a_sea_is_told_as_it_was_asked_for_and_as_it_is) {

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// How a connection ends: the server's last word, and the stream's.
+#include <fmt/format.h>
+
+#include "client/link/connection.h"
+#include "client/link/failure.h"
+
+namespace seaway::client {
+
+Result<void> Connection::take(const wire::GoAway& go_away) {
+    SEAWAY_TRY(protocol::check(go_away));
+    const auto* why = go_away.message();
+    going_away_ = failed(Failure::lost, fmt::format("the server ends the session ({}): {}",
+                                                    protocol::name(go_away.code()),
+                                                    why ? why->string_view() : ""));
+    going_away_->retry_after_ms = go_away.retry_after_ms();
+    return {};
+}
+
+void Connection::on_closed(const std::string& reason) {
+    const Error why = going_away_.value_or(failed(Failure::lost, reason));
+    bool was_open = false;
+    {
+        const std::scoped_lock lock(opening_mutex_);
+        was_open = open_.exchange(false);
+        end_ = why;
+        opening_.notify_all();
+    }
+    if (was_open && events_.on_closed)
+        events_.on_closed(why);
+    requests_.fail_all(why); // who waits for one finds the reason known
+}
+
+} // namespace seaway::client
