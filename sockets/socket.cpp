@@ -12,6 +12,7 @@
 #include <boost/beast/ssl.hpp>
 #include <boost/beast/websocket/ssl.hpp>
 #include <boost/beast/websocket/teardown.hpp>
+#include <sys/sendfile.h>
 
 #include "base/check.h"
 
@@ -151,9 +152,22 @@ void Socket::write_all(std::vector<asio::const_buffer> buffers, Bytes done) {
     streams_->write({std::move(buffers), std::move(done)});
 }
 
-std::size_t Socket::write_now(const std::vector<asio::const_buffer>& buffers) {
+bool Socket::takes_writes_now() const {
     SEAWAY_CHECK(streams_->whole, "writes in pieces would come between");
-    if (streams_->tls || !streams_->writes.expired())
+    return !streams_->tls && streams_->writes.expired();
+}
+
+std::size_t Socket::send_now(const FileRange& range) {
+    if (!takes_writes_now())
+        return 0;
+    auto at = static_cast<off_t>(range.begin);
+    const ssize_t sent =
+        ::sendfile(streams_->plain->socket().native_handle(), range.handle, &at, range.bytes);
+    return sent < 0 ? 0 : static_cast<std::size_t>(sent);
+}
+
+std::size_t Socket::write_now(const std::vector<asio::const_buffer>& buffers) {
+    if (!takes_writes_now())
         return 0;
     error_code later; // a system that takes nothing now, or a connection that is gone
     return streams_->plain->socket().write_some(buffers, later);

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
@@ -28,6 +29,13 @@ enum class role_type;
 namespace seaway::sockets {
 
 using boost::system::error_code;
+
+/// Bytes of an open file.
+struct FileRange {
+    int handle = -1;
+    std::uint64_t begin = 0;
+    std::size_t bytes = 0;
+};
 
 /// The first buffers of a sequence that are not empty: what one call to the system takes.
 template <class Buffer>
@@ -87,6 +95,9 @@ class Socket {
     /// 0 where another write is under way, over TLS, and where the connection is gone, which the next write_all() says.
     /// What was not taken has to follow by write_all() before anything else is written.
     std::size_t write_now(const std::vector<boost::asio::const_buffer>& buffers);
+    /// The same of what lies in a file, whose bytes the system does not copy: they must not change any more. Where
+    /// SIGPIPE is neither ignored nor blocked a peer that has gone raises it.
+    std::size_t send_now(const FileRange& range);
 
     void set_no_delay();
     /// No more is sent; what the peer still sends can be read.
@@ -113,6 +124,7 @@ class Socket {
     friend void beast_close_socket(Socket& socket) { socket.close(); }
 
   private:
+    bool takes_writes_now() const;
     void read_some(FewBuffers<boost::asio::mutable_buffer> buffers, Bytes done);
     void write_some(FewBuffers<boost::asio::const_buffer> buffers, Bytes done);
     void tear_down(boost::beast::role_type role, Completion<error_code> done);

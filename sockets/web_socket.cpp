@@ -2,7 +2,6 @@
 #include "sockets/web_socket.h"
 
 #include <algorithm>
-#include <array>
 #include <utility>
 #include <vector>
 
@@ -10,6 +9,7 @@
 #include <boost/beast/websocket.hpp>
 #include <fmt/format.h>
 
+#include "sockets/frame_header.h"
 #include "sockets/upgrade.h"
 
 namespace seaway::sockets {
@@ -46,22 +46,6 @@ Result<void> result(error_code error) {
         return Error{kind_of(error), error.message()};
     return {};
 }
-
-/// Of a whole binary message that is not masked (RFC 6455, 5.2).
-struct FrameHeader {
-    explicit FrameHeader(std::size_t length) {
-        constexpr std::uint8_t last_of_binary = 0x82;
-        const int length_bytes = length < 126 ? 0 : length < 65536 ? 2 : 8;
-        bytes[size++] = last_of_binary;
-        bytes[size++] = static_cast<std::uint8_t>(length_bytes == 0   ? length
-                                                  : length_bytes == 2 ? 126
-                                                                      : 127);
-        for (int shift = 8 * (length_bytes - 1); shift >= 0; shift -= 8)
-            bytes[size++] = static_cast<std::uint8_t>(length >> shift);
-    }
-    std::array<std::uint8_t, 10> bytes{};
-    std::size_t size = 0;
-};
 
 } // namespace
 
@@ -148,7 +132,8 @@ void WebSocket::write(std::span<const std::uint8_t> bytes, Done done) {
         [done = std::move(done)](error_code error, std::size_t) { done(result(error)); });
 }
 
-bool WebSocket::begin(std::span<const std::span<const std::uint8_t>> messages) {
+bool WebSocket::begin(std::span<const std::span<const std::uint8_t>> messages,
+                      const FileRange& same) {
     std::vector<FrameHeader>& headers = impl_->headers;
     headers.clear();
     headers.reserve(messages.size()); // which stay where they are
@@ -159,7 +144,8 @@ bool WebSocket::begin(std::span<const std::span<const std::uint8_t>> messages) {
         rest.emplace_back(header.bytes.data(), header.size);
         rest.emplace_back(message.data(), message.size());
     }
-    std::size_t taken = impl_->stream.next_layer().write_now(rest);
+    Socket& socket = impl_->stream.next_layer();
+    std::size_t taken = same.bytes > 0 ? socket.send_now(same) : socket.write_now(rest);
     auto first = rest.begin();
     for (; first != rest.end() && first->size() <= taken; ++first)
         taken -= first->size();

@@ -70,7 +70,9 @@ class WebSocket {
     void write(std::span<const std::uint8_t> bytes, Done done);
     /// Of a server: several of them in one call to the system, as far as it takes them without waiting. True: all of
     /// them have gone. False: finish() has to follow.
-    [[nodiscard]] bool begin(std::span<const std::span<const std::uint8_t>> messages);
+    /// `same`, if not empty, has the same frames with their headers (frame_header.h), and is not copied.
+    [[nodiscard]] bool begin(std::span<const std::span<const std::uint8_t>> messages,
+                             const FileRange& same = {});
     /// Sends the rest of what begin() began; the messages stay until `done`.
     void finish(Done done);
     /// Sends the closing frame and waits for the peer's. Reasons are cut at what a frame holds.

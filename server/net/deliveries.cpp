@@ -31,8 +31,8 @@ void close_who_is_furthest_behind(Core& core) {
 
 } // namespace
 
-void Deliveries::add(EncodedKeyframePtr keyframe) {
-    waiting_.push_back(std::move(keyframe));
+void Deliveries::add(EncodedKeyframePtr keyframe, KeyframeFilePtr file) {
+    waiting_.push_back({std::move(keyframe), std::move(file)});
     if (!goes_on_)
         turn();
 }
@@ -58,7 +58,7 @@ void Deliveries::turn() {
             break;
         }
         last_ = next->first;
-        next->second->deliver(waiting_.front());
+        next->second->deliver(waiting_.front().keyframe, waiting_.front().file);
     }
     if (!waiting_.empty())
         go_on();

@@ -7,7 +7,7 @@
 #include <deque>
 
 #include "server/host/subscriptions.h"
-#include "server/publish/encoder.h"
+#include "server/publish/keyframe_file.h"
 
 namespace seaway::server {
 
@@ -21,14 +21,18 @@ class Deliveries {
     explicit Deliveries(Core& core) : core_(core) {}
 
     /// To the sessions that are there when its turn comes. Those of an older keyframe come first.
-    void add(EncodedKeyframePtr keyframe);
+    void add(EncodedKeyframePtr keyframe, KeyframeFilePtr file = nullptr);
 
   private:
     void go_on();
     void turn();
 
     Core& core_;
-    std::deque<EncodedKeyframePtr> waiting_;
+    struct Delivery {
+        EncodedKeyframePtr keyframe;
+        KeyframeFilePtr file;
+    };
+    std::deque<Delivery> waiting_;
     SessionId last_ = 0; ///< that has been sent the first of them
     bool goes_on_ = false;
 };

@@ -19,6 +19,7 @@ struct NetOptions {
     /// PEM files, both or neither; with them the port speaks TLS (1.2 and later) only.
     std::string tls_cert_file;
     std::string tls_key_file;
+    bool has_tls() const { return !tls_cert_file.empty(); }
 
     /// Files whose first line a client has to bring, as Hello.token or, for pages and maps, as
     /// "Authorization: Bearer". No file: everybody may come in. The admin token also opens the door,

@@ -2,6 +2,7 @@
 #include "server/net/server.h"
 
 #include <atomic>
+#include <csignal>
 #include <functional>
 #include <new>
 #include <optional>
@@ -19,6 +20,7 @@
 #include "server/net/credentials.h"
 #include "server/net/endpoint.h"
 #include "server/net/session.h"
+#include "sockets/frame_header.h"
 #include "sockets/socket.h"
 
 namespace seaway::server {
@@ -31,8 +33,15 @@ using Clock = std::chrono::steady_clock;
 
 /// Kernel memory a slow reader can fill; large enough for a fast one on a long link.
 constexpr int send_buffer_bytes = 256 * 1024;
+/// From so many on a file for all costs less than a copy for each.
+constexpr std::size_t subscribers_for_a_file = 4;
 /// Out of file descriptors: wait, do not spin.
 constexpr std::chrono::milliseconds accept_pause{100};
+
+void append_frame_header(std::size_t length, protocol::Bytes& out) {
+    const sockets::FrameHeader header(length);
+    out.insert(out.end(), header.bytes.begin(), header.bytes.begin() + header.size);
+}
 
 Endpoint endpoint_of(const tcp::endpoint& endpoint) {
     return {endpoint.address().to_string(), endpoint.port(), endpoint.address().is_v6()};
@@ -186,6 +195,10 @@ class NetServer::Impl {
   private:
     /// The io thread. What there is no memory for is one connection's or one message's, which it ends.
     void serve() {
+        sigset_t broken_pipes; // of files that are sent; sockets are told for each call
+        sigemptyset(&broken_pipes);
+        sigaddset(&broken_pipes, SIGPIPE);
+        pthread_sigmask(SIG_BLOCK, &broken_pipes, nullptr);
         for (;;) {
             try {
                 io_.run();
@@ -199,7 +212,7 @@ class NetServer::Impl {
         }
     }
 
-    bool with_tls() const { return !core_->options.tls_cert_file.empty(); }
+    bool with_tls() const { return core_->options.has_tls(); }
     void take(const Credentials& credentials) {
         core_->tokens = credentials.tokens;
         tls_ = credentials.tls;
@@ -315,7 +328,12 @@ void NetServer::Impl::publish(KeyframeTiles tiles) {
         auto encoded = encoder.encode(*tiles.keyframe, tiles.codec_error, tiles.quality, wanted,
                                       {tiles.compact_size, tiles.follows},
                                       core->memory->room(MemoryUse::streamed).get());
-        core->post([weak, encoded = std::move(encoded)] {
+        KeyframeFilePtr file;
+        if (encoded && !core->options.has_tls() &&
+            core->host.subscriptions().size() >= subscribers_for_a_file)
+            file = keyframe_file(**encoded, append_frame_header,
+                                 *core->memory->room(MemoryUse::streamed));
+        core->post([weak, encoded = std::move(encoded), file = std::move(file)] {
             const std::shared_ptr<Core> here = weak.lock();
             if (here == nullptr)
                 return;
@@ -325,7 +343,7 @@ void NetServer::Impl::publish(KeyframeTiles tiles) {
                     fmt::format("event=keyframe_refused why=\"{}\"", encoded.error().message));
             }
             ++here->counters.keyframes_published;
-            here->deliveries.add(*encoded);
+            here->deliveries.add(*encoded, file);
         });
         return true;
     };

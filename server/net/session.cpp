@@ -302,7 +302,7 @@ void Session::hello_overdue() {
               fmt::format("no Hello within {} ms", core_.options.hello_deadline.count()));
 }
 
-void Session::deliver(const EncodedKeyframePtr& keyframe) {
+void Session::deliver(const EncodedKeyframePtr& keyframe, const KeyframeFilePtr& file) {
     const std::optional<Demand> grant = core_.host.subscriptions().find(id_);
     if (!grant || closing_ || keyframe->quality != grant->quality ||
         !grant->wants(keyframe->cascade))
@@ -313,7 +313,7 @@ void Session::deliver(const EncodedKeyframePtr& keyframe) {
         return;
     or_drop([&] {
         tell_of(keyframe->epoch);
-        outbox_.push_keyframe(keyframe, grant->fields);
+        outbox_.push_keyframe(keyframe, grant->fields, file);
         link_.send_more();
     });
 }

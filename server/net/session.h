@@ -63,7 +63,7 @@ class Session {
     // ---- from the server -------------------------------------------------------------------
 
     /// Streams the keyframe if it is of this session's quality and holds all that was granted.
-    void deliver(const EncodedKeyframePtr& keyframe);
+    void deliver(const EncodedKeyframePtr& keyframe, const KeyframeFilePtr& file = nullptr);
     /// Sends a SeaState that it has not been sent.
     void announce(protocol::SharedBytes sea_state);
     /// Something that it asked for is not answered, or not sent.

@@ -124,7 +124,12 @@ class StreamConnection final : public Link, public std::enable_shared_from_this<
         spans_.clear();
         for (const SharedBytes& message : writing_)
             spans_.emplace_back(*message);
-        if (!ws_.begin(spans_))
+        const Outbox::Run& run = session_->outbox().run();
+        const sockets::FileRange same =
+            run.of == nullptr || writing_.size() != session_->outbox().handed_out()
+                ? sockets::FileRange{}
+                : sockets::FileRange{run.of->file->handle(), run.begin, run.end - run.begin};
+        if (!ws_.begin(spans_, same))
             return false;
         writing_.clear();
         session_->sent();

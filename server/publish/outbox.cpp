@@ -27,7 +27,15 @@ SharedBytes Outbox::Parcel::take() {
         part = 0;
     }
     keyframe = nullptr;
+    file = nullptr;
     return nullptr;
+}
+
+Outbox::Run Outbox::Parcel::taken() const {
+    if (file == nullptr)
+        return {};
+    const std::vector<std::uint64_t>& at = file->at[map];
+    return {file, at[part - 1], at[part]};
 }
 
 void Outbox::push_reply(SharedBytes message) {
@@ -71,7 +79,8 @@ bool Outbox::push_fetched(std::span<const EncodedKeyframePtr> keyframes, sea::Fi
     return true;
 }
 
-void Outbox::push_keyframe(EncodedKeyframePtr keyframe, sea::FieldSet fields) {
+void Outbox::push_keyframe(EncodedKeyframePtr keyframe, sea::FieldSet fields,
+                           KeyframeFilePtr file) {
     SEAWAY_CHECK(keyframe->cascade >= 0 && keyframe->cascade < limits::cascades_max,
                  "cascade number out of range");
     if (unacknowledged_.size() >= static_cast<std::size_t>(credit_))
@@ -89,7 +98,7 @@ void Outbox::push_keyframe(EncodedKeyframePtr keyframe, sea::FieldSet fields) {
             same_sea = at;
     }
     const auto older = same_sea != waiting_.end() || of_cascade < 2 ? same_sea : oldest;
-    Parcel parcel{.keyframe = keyframe, .fields = fields, .done = nullptr};
+    Parcel parcel{.keyframe = keyframe, .fields = fields, .done = nullptr, .file = std::move(file)};
     if (older == waiting_.end()) {
         waiting_.push_back(std::move(parcel));
     } else {
@@ -113,6 +122,20 @@ bool Outbox::acknowledge(std::uint64_t keyframe) {
 }
 
 SharedBytes Outbox::next() {
+    last_run_ = {};
+    SharedBytes message = next_message();
+    if (message == nullptr)
+        return nullptr;
+    if (handed_out_++ == 0)
+        run_ = std::move(last_run_);
+    else if (run_.of != nullptr && run_.of == last_run_.of && run_.end == last_run_.begin)
+        run_.end = last_run_.end;
+    else
+        run_ = {};
+    return message;
+}
+
+SharedBytes Outbox::next_message() {
     if (!replies_.empty()) {
         SharedBytes message = std::move(replies_.front());
         replies_.pop_front();
@@ -148,6 +171,8 @@ SharedBytes Outbox::take_of(Parcel& parcel) {
     SharedBytes message = parcel.take();
     if (message != nullptr && being_sent_.number == 0)
         being_sent_ = of;
+    if (message != nullptr)
+        last_run_ = parcel.taken();
     return message;
 }
 

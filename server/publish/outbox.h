@@ -16,7 +16,7 @@
 
 #include "protocol/limits.h"
 #include "server/host/encoded_spectrum.h"
-#include "server/publish/encoder.h"
+#include "server/publish/keyframe_file.h"
 
 namespace seaway::server {
 
@@ -56,7 +56,9 @@ class Outbox {
     bool spectrum_waiting() const { return !spectra_.empty(); }
     void stop_spectra() { spectra_.clear(); }
 
-    void push_keyframe(EncodedKeyframePtr keyframe, sea::FieldSet fields);
+    /// `file`: where its messages lie, too, if anywhere.
+    void push_keyframe(EncodedKeyframePtr keyframe, sea::FieldSet fields,
+                       KeyframeFilePtr file = nullptr);
     /// limits::credit_min .. credit_max.
     void set_credit(int keyframes);
     /// Forgets streamed keyframes that wait. Those begun are finished.
@@ -66,8 +68,21 @@ class Outbox {
 
     /// The message to send next, or null if there is none (or no credit for it).
     protocol::SharedBytes next();
+    /// Bytes of a file; none: null.
+    struct Run {
+        KeyframeFilePtr of;
+        std::uint64_t begin = 0;
+        std::uint64_t end = 0;
+    };
+    /// Where all that next() has handed out since sent() lies, if it lies in a file, one behind the other.
+    const Run& run() const { return run_; }
+    std::size_t handed_out() const { return handed_out_; } ///< messages since sent()
     /// All that next() has handed out is gone.
-    void sent() { being_sent_ = {}; }
+    void sent() {
+        being_sent_ = {};
+        handed_out_ = 0;
+        run_ = {};
+    }
 
     std::size_t bytes_waiting() const;
     std::size_t reply_bytes_waiting() const { return reply_bytes_; }
@@ -87,11 +102,13 @@ class Outbox {
         EncodedKeyframePtr keyframe;
         sea::FieldSet fields;
         protocol::SharedBytes done; ///< or this one message
+        KeyframeFilePtr file = nullptr;
         std::size_t map = 0;
         std::size_t part = 0;
 
         Streamed streamed() const;
         protocol::SharedBytes take(); ///< null when there is nothing left
+        Run taken() const;            ///< where that lies
     };
 
     /// A spectrum's messages, handed out one by one.
@@ -100,6 +117,7 @@ class Outbox {
         std::size_t next = 0;
     };
 
+    protocol::SharedBytes next_message();
     protocol::SharedBytes next_spectrum();
     protocol::SharedBytes take_of(Parcel& parcel);
     protocol::SharedBytes next_fetched();
@@ -115,6 +133,9 @@ class Outbox {
     bool fetched_turn_ = true;
     std::deque<Parcel> waiting_; ///< at most one a cascade of each of two seas, oldest first
     Parcel begun_;               ///< streamed keyframe that is being handed out
+    std::size_t handed_out_ = 0; ///< messages since sent()
+    Run run_;                    ///< of those
+    Run last_run_;               ///< of the last one
     Streamed being_sent_;        ///< the first one handed out since sent()
     std::vector<std::uint64_t> unacknowledged_;
     int credit_ = protocol::limits::credit_default;

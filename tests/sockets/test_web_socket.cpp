@@ -11,6 +11,8 @@
 #include <boost/asio/write.hpp>
 #include <gtest/gtest.h>
 
+#include "base/memory_file.h"
+#include "sockets/frame_header.h"
 #include "sockets/upgrade.h"
 #include "tests/sockets/pair.h"
 
@@ -200,36 +202,46 @@ TEST_F(WebSocketTest, a_ping_waits_for_the_end_of_what_is_being_written) {
     EXPECT_TRUE(written);
 }
 
-// Nobody reads until the system takes no more, which is somewhere in a message.
+// Nobody reads until the system takes no more, which is somewhere in a message; written, and sent from a file.
 TEST_F(WebSocketTest, what_the_system_takes_a_part_of_comes_whole) {
     WebSocket& far = accept("a.v1");
     std::vector<std::vector<std::uint8_t>> messages;
+    std::vector<std::uint8_t> framed{1, 2, 3}; // something else comes before
     for (std::size_t length = 967; length < 999; ++length) {
         messages.emplace_back(length);
         for (std::size_t i = 0; i < length; ++i)
             messages.back()[i] = static_cast<std::uint8_t>(i * 31 + length);
+        const FrameHeader header(length);
+        framed.insert(framed.end(), header.bytes.begin(), header.bytes.begin() + header.size);
+        framed.insert(framed.end(), messages.back().begin(), messages.back().end());
     }
+    const std::shared_ptr<const MemoryFile> file = MemoryFile::of(framed);
+    ASSERT_TRUE(file);
     const std::vector<std::span<const std::uint8_t>> spans(messages.begin(), messages.end());
-    std::size_t begun = 1;
-    while (far.begin(spans))
-        ++begun;
-    bool finished = false;
-    far.finish([&](const Result<void>& sent) { finished = sent.has_value(); });
-    std::size_t received = 0;
-    bool broken = false;
-    const std::function<void(const Result<WebSocket::Message>&)> count =
-        [&](const Result<WebSocket::Message>& next) {
-            broken =
-                !next || !std::ranges::equal(next->bytes, messages[received % messages.size()]);
-            received += broken ? 0 : 1;
-            if (!broken && received < begun * messages.size())
-                client.read(count);
-        };
-    client.read(count);
-    while (!broken && !(finished && received == begun * messages.size()) && pair.io.run_one() > 0)
-        continue;
-    EXPECT_FALSE(broken) << "message " << received;
-    EXPECT_TRUE(finished);
+    for (const FileRange& same : {FileRange{}, FileRange{file->handle(), 3, framed.size() - 3}}) {
+        std::size_t begun = 1;
+        while (far.begin(spans, same))
+            ++begun;
+        EXPECT_GT(begun, 1u);
+        bool finished = false;
+        far.finish([&](const Result<void>& sent) { finished = sent.has_value(); });
+        std::size_t received = 0;
+        bool broken = false;
+        const std::function<void(const Result<WebSocket::Message>&)> count =
+            [&](const Result<WebSocket::Message>& next) {
+                broken =
+                    !next || !std::ranges::equal(next->bytes, messages[received % messages.size()]);
+                received += broken ? 0 : 1;
+                if (!broken && received < begun * messages.size())
+                    client.read(count);
+            };
+        client.read(count);
+        while (!broken && !(finished && received == begun * messages.size()) &&
+               pair.io.run_one() > 0)
+            continue;
+        EXPECT_FALSE(broken) << "message " << received;
+        EXPECT_TRUE(finished);
+    }
 }
 
 TEST_F(WebSocketTest, a_message_above_the_limit_is_not_understood) {

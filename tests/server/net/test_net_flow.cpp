@@ -3,6 +3,8 @@
 // is begun is finished, and what is told is all that there is.
 #include "tests/server/net/net_fixture.h"
 
+#include <csignal>
+#include <filesystem>
 #include <future>
 
 #include "protocol/limits.h"
@@ -286,6 +288,52 @@ TEST_F(NetStream, a_refused_subscription_leaves_what_waits_unless_nothing_of_it_
             streamed(11, wire::Field::height);
         expect_no_tile();
     }
+}
+
+// Where many are sent the same it comes out of a file for those whose fields lie one behind the other there, and is
+// written for the others.
+TEST_F(NetStream, everybody_is_sent_the_same_bytes_whatever_way_they_take) {
+    host.size = 300; // four tiles a field
+    start();
+    const sea::FieldSet all{sea::Field::height, sea::Field::displacement_x,
+                            sea::Field::displacement_y};
+    const sea::FieldSet with_a_gap{sea::Field::height, sea::Field::displacement_y};
+    std::vector<std::unique_ptr<Client>> clients;
+    for (int i = 0; i < 8; ++i) {
+        Client& one = *clients.emplace_back(greeted());
+        const protocol::TileWish wish{.cascades = 1u, .fields = i < 4 ? all : with_a_gap};
+        ASSERT_FALSE(one.send(protocol::subscribe(1, wish, 4)));
+        ASSERT_TRUE(one.receive(wire::Body::FetchDone));
+    }
+    for (const std::int64_t n : {10, 11})
+        net->publish(host.keyframe(0, n, all));
+    std::map<std::tuple<std::int64_t, wire::Field, int>, std::vector<std::uint8_t>> first;
+    for (std::size_t i = 0; i < clients.size(); ++i)
+        for (int tile = 0; tile < 2 * 4 * (i < 4 ? 3 : 2); ++tile) {
+            const wire::Message* message = clients[i]->receive();
+            ASSERT_TRUE(message && message->body_as_Tile()) << i << ", tile " << tile;
+            const wire::Tile& it = *message->body_as_Tile();
+            const std::vector<std::uint8_t> payload(it.payload()->begin(), it.payload()->end());
+            const auto [same, is_first] =
+                first.try_emplace({it.time_us(), it.field(), it.part()}, payload);
+            EXPECT_EQ(is_first, i == 0);
+            EXPECT_EQ(same->second, payload) << i << ", tile " << tile;
+        }
+    EXPECT_EQ(first.size(), 2u * 4u * 3u);
+}
+
+// What is sent out of a file cannot say, as other writes do, that a peer that has gone is an error and no signal.
+TEST_F(NetStream, no_thread_that_sends_is_ended_by_a_peer_that_goes_away) {
+    start();
+    greeted(); // so that the thread has begun
+    std::size_t blocking = 0;
+    for (const auto& thread : std::filesystem::directory_iterator("/proc/self/task")) {
+        std::ifstream status(thread.path() / "status");
+        for (std::string line; std::getline(status, line);)
+            if (line.starts_with("SigBlk:"))
+                blocking += std::stoull(line.substr(7), nullptr, 16) == 1ull << (SIGPIPE - 1);
+    }
+    EXPECT_EQ(blocking, 1u) << "the io thread; one that is only beginning blocks all signals";
 }
 
 TEST(EncodeWorker, what_has_begun_is_finished_before_the_next_of_its_line) {
