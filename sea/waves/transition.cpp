@@ -107,6 +107,27 @@ double mixed_depth_m(double a_m, double b_m, double share) {
     return 1.0 / glided(1.0 / a_m, 1.0 / b_m, share);
 }
 
+/// By what share coth(k d) grows while the inverse of the depth grows by so much: d/d(1/d) of its logarithm is
+/// 2 k d^2 / sinh(2 k d). Nothing where orbit_aspect() stays as it is.
+double orbit_growth(double k_radpm, double depth_m, double per_depth_radpm) {
+    const double kd = k_radpm * depth_m;
+    if (per_depth_radpm == 0.0 || kd < orbit_kd_min || orbit_aspect(k_radpm, depth_m) == 1.0)
+        return 0.0;
+    return 2.0 * kd * depth_m * per_depth_radpm / std::sinh(2.0 * kd);
+}
+
+/// Every mode of the lattice but k = 0.
+template <class F>
+void for_each_lattice_mode(const CascadeSpec& spec, const F& f) {
+    std::size_t i = 0;
+    for (int iy = 0; iy < spec.size; ++iy)
+        for (int ix = 0; ix < spec.size; ++ix, ++i)
+            if (i > 0)
+                f(spec.wavenumber_step_radpm() *
+                      std::hypot(signed_index(ix, spec.size), signed_index(iy, spec.size)),
+                  i);
+}
+
 } // namespace
 
 Result<RealizationPtr> continued(const Realization& from, const Realization& to, TimeUs time_us) {
@@ -197,6 +218,26 @@ RealizationPtr SeaTransition::growth(TimeUs time_us) const {
             scale(field, -1.0);
             modes.sines.push_back(std::move(field));
         }
+    }
+    return sea;
+}
+
+bool SeaTransition::changes_depth() const {
+    const auto depth_m = [](const CascadeModes& modes) { return modes.depth_m; };
+    return !std::ranges::equal(fading_->cascades, growing_->cascades, {}, depth_m, depth_m);
+}
+
+RealizationPtr SeaTransition::displacement_growth(TimeUs time_us) const {
+    const RealizationPtr waves = gliding(time_us);
+    auto sea = std::make_shared<Realization>(*growth(time_us));
+    for (std::size_t c = 0; c < sea->cascades.size(); ++c) {
+        CascadeModes& modes = sea->cascades[c];
+        const double per_depth =
+            1.0 / growing_->cascades[c].depth_m - 1.0 / fading_->cascades[c].depth_m;
+        for_each_lattice_mode(modes.spec, [&](double k_radpm, std::size_t i) {
+            modes.h0[i] +=
+                waves->cascades[c].h0[i] * orbit_growth(k_radpm, modes.depth_m, per_depth);
+        });
     }
     return sea;
 }

@@ -47,6 +47,10 @@ class SeaTransition {
     /// The new sea less the old one, with the depth of gliding() at this time: what its maps, times glide_rate(), add
     /// to the time rates of gliding()'s, which are those of waves that stand.
     RealizationPtr growth(TimeUs time_us) const;
+    /// The same for displacements, where the depth glides too: a wave of one height moves water further sideways as it
+    /// becomes shallower.
+    RealizationPtr displacement_growth(TimeUs time_us) const;
+    bool changes_depth() const;
 
     /// A sea none of whose waves is ever smaller than in the glide, with the larger choppiness and in the shallower
     /// water: what is bounded for it is bounded for gliding() at every time.

@@ -39,15 +39,27 @@ CourseSynthesis::Held CourseSynthesis::sea_of(const KeyframeRequest& request) co
     return {request.epoch, std::clamp(request.time_us, change.start_us(), change.end_us())};
 }
 
+sea::RealizationPtr CourseSynthesis::waves_of(const Held& held) const {
+    const RunningSeaPtr sea = course_->sea(held.epoch);
+    if (!held.time_us)
+        return sea->realization;
+    switch (held.part) {
+    case Part::waves:
+        return sea->waves_at(*held.time_us);
+    case Part::growth:
+        return sea->glide->change.growth(*held.time_us);
+    case Part::displacement_growth:
+        return sea->glide->change.displacement_growth(*held.time_us);
+    }
+    SEAWAY_CHECK(false, "a part of a glide");
+    return nullptr;
+}
+
 Result<void> CourseSynthesis::hold(const Held& wanted) {
     if (held_ == wanted)
         return {};
-    const RunningSeaPtr sea = course_->sea(wanted.epoch);
     held_.reset();
-    SEAWAY_TRY(device_->set_sea(!wanted.time_us ? sea->realization
-                                : wanted.growth ? sea->glide->change.growth(*wanted.time_us)
-                                                : sea->waves_at(*wanted.time_us),
-                                wanted.epoch));
+    SEAWAY_TRY(device_->set_sea(waves_of(wanted), wanted.epoch));
     held_ = wanted;
     return {};
 }
@@ -84,27 +96,40 @@ CourseSynthesis::of_one_sea(const Held& sea, std::span<const KeyframeRequest> re
 
 Result<void> CourseSynthesis::add_growth(const Held& sea, std::span<const KeyframeRequest> requests,
                                          std::span<const NewKeyframePtr> keyframes) {
+    constexpr FieldSet sideways{Field::displacement_x, Field::displacement_y};
+    const FieldSet all = sideways | FieldSet{Field::height};
+    const Held growth{sea.epoch, sea.time_us, Part::growth};
+    if (!course_->sea(sea.epoch)->glide->change.changes_depth())
+        return add_growth_of(all, growth, requests, keyframes);
+    SEAWAY_TRY(add_growth_of(all.without(sideways), growth, requests, keyframes));
+    const Held further{sea.epoch, sea.time_us, Part::displacement_growth};
+    return add_growth_of(sideways, further, requests, keyframes);
+}
+
+Result<void> CourseSynthesis::add_growth_of(FieldSet maps, const Held& growth,
+                                            std::span<const KeyframeRequest> requests,
+                                            std::span<const NewKeyframePtr> keyframes) {
     std::vector<KeyframeRequest> grown;
     std::vector<NewKeyframePtr> onto;
     for (std::size_t i = 0; i < requests.size(); ++i)
-        if (const FieldSet values = values_of_rates(requests[i].fields); !values.empty()) {
+        if (const FieldSet values = values_of_rates(requests[i].fields) & maps; !values.empty()) {
             grown.push_back(requests[i]);
             grown.back().fields = values;
             onto.push_back(keyframes[i]);
         }
     if (grown.empty())
         return {};
-    SEAWAY_TRY(hold({sea.epoch, sea.time_us, true}));
-    SEAWAY_TRY_LET(const std::vector<NewKeyframePtr> growth, device_->synthesize(grown));
-    const sea::SeaTransition& change = course_->sea(sea.epoch)->glide->change;
+    SEAWAY_TRY(hold(growth));
+    SEAWAY_TRY_LET(const std::vector<NewKeyframePtr> made, device_->synthesize(grown));
+    const sea::SeaTransition& change = course_->sea(growth.epoch)->glide->change;
     const auto rate_hz =
-        static_cast<float>(sea::glide_rate(*sea.time_us, change.start_us(), change.end_us()));
+        static_cast<float>(sea::glide_rate(*growth.time_us, change.start_us(), change.end_us()));
     for (std::size_t i = 0; i < grown.size(); ++i)
         for (const Rate& one : rates) {
             if (!grown[i].fields.contains(one.value))
                 continue;
             const std::span<float> map = onto[i]->plane(one.rate);
-            const std::span<const float> more = std::as_const(*growth[i]).plane(one.value);
+            const std::span<const float> more = std::as_const(*made[i]).plane(one.value);
             std::ranges::transform(map, more, map.begin(),
                                    [rate_hz](float a, float b) { return a + rate_hz * b; });
         }

@@ -32,11 +32,12 @@ class CourseSynthesis {
     const RebuiltSynthesizer& device() const { return *device_; }
 
   private:
-    /// What the device holds: an epoch, and of a glide the moment, or its growth.
+    /// What the device holds: an epoch, and of a glide the moment, or what that grows by.
+    enum class Part { waves, growth, displacement_growth };
     struct Held {
         std::uint32_t epoch;
         std::optional<sea::TimeUs> time_us = {};
-        bool growth = false;
+        Part part = Part::waves;
         bool operator==(const Held&) const = default;
     };
     Held sea_of(const KeyframeRequest& request) const;
@@ -46,6 +47,11 @@ class CourseSynthesis {
     /// What the waves grow by.
     Result<void> add_growth(const Held& sea, std::span<const KeyframeRequest> requests,
                             std::span<const NewKeyframePtr> keyframes);
+    /// To the rates of these maps.
+    Result<void> add_growth_of(sea::FieldSet maps, const Held& grown,
+                               std::span<const KeyframeRequest> requests,
+                               std::span<const NewKeyframePtr> keyframes);
+    sea::RealizationPtr waves_of(const Held& held) const;
 
     const SeaCoursePtr course_;
     const std::unique_ptr<RebuiltSynthesizer> device_;

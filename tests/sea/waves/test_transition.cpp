@@ -161,6 +161,44 @@ TEST(Transition, growth_times_the_rate_of_the_glide_is_what_rates_lack) {
     }
 }
 
+// Naive: water in a sea that becomes shallower moves further sideways, and its rate says nothing of it. 1/d runs from 0 to
+// 1/12; cascades whose waves are long and short for that.
+TEST(Transition, rates_of_displacements_have_the_glide_of_the_depth_in_them) {
+    SeaState shallow = windy_sea();
+    shallow.depth_m = 12.0;
+    const auto deep_sea = realized(windy_sea(), three_cascades);
+    const auto shallow_sea = realized(shallow, three_cascades);
+    for (const bool deepens : {false, true}) {
+        const auto change = SeaTransition::create(deepens ? shallow_sea : deep_sea,
+                                                  deepens ? deep_sea : shallow_sea, 0, 10'000'000);
+        ASSERT_TRUE(change->changes_depth());
+        double missed = 0;
+        for (const TimeUs t : {1'000'000, 5'000'000, 9'000'000})
+            for (const double x : {0.0, 70.0, 333.0}) {
+                const auto sideways = [x](const RealizationPtr& sea, TimeUs at) {
+                    return DirectSum(sea).at(x, 4.0, at);
+                };
+                const TimeUs step = 1000;
+                const double moved =
+                    (sideways(change->gliding(t + step), t + step).displacement_x -
+                     sideways(change->gliding(t - step), t - step).displacement_x) /
+                    (2e-6 * static_cast<double>(step));
+                const double waves = sideways(change->gliding(t), t).displacement_x_rate;
+                const double rate = glide_rate(t, 0, 10'000'000);
+                EXPECT_NEAR(moved,
+                            waves +
+                                rate * sideways(change->displacement_growth(t), t).displacement_x,
+                            1e-4)
+                    << t; // h^2 w^3 / 6 of the difference
+                missed = std::max(
+                    missed,
+                    std::abs(moved - waves - rate * sideways(change->growth(t), t).displacement_x));
+            }
+        EXPECT_GT(missed, 1e-3) << "else this says nothing";
+    }
+    EXPECT_FALSE(SeaTransition::create(deep_sea, deep_sea, 0, 10'000'000)->changes_depth());
+}
+
 SineRamps one_of(SineKind kind, double amplitude_m) {
     SineRamps ramps;
     ramps.kind = kind;

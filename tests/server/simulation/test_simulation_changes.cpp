@@ -66,6 +66,45 @@ TEST(SimulationChanges,
     }
 }
 
+/// Of displacements half way between keyframes of the first cascade, against the exact sum.
+double largest_miss_m(Bench& bench, TimeUs from_us, TimeUs until_us) {
+    const RunningSeaPtr sea = bench.course->at(from_us);
+    const TimeUs interval_us = sea->budget.cascades[0].interval_us;
+    const double step_m = 301.0 / 64, h_s = sea::seconds_from_us(interval_us);
+    double largest_m = 0;
+    for (TimeUs at_us = interval_start(from_us, interval_us); at_us < until_us;
+         at_us += interval_us) {
+        const TimeUs middle_us = at_us + interval_us / 2;
+        const auto held =
+            *bench.fetch({middle_us}, {1u, {Field::displacement_x, Field::displacement_x_rate}});
+        auto first = std::make_shared<sea::Realization>(*sea->waves_at(middle_us));
+        first->cascades.resize(1);
+        const sea::DirectSum truth(first);
+        for (std::size_t i = 0; i < 64 * 64; i += 37) {
+            const auto at = [&](std::size_t k, Field field) {
+                return static_cast<double>(std::as_const(*held[k]).plane(field)[i]);
+            };
+            const double mixed =
+                (at(0, Field::displacement_x) + at(1, Field::displacement_x)) / 2 +
+                h_s / 8 * (at(0, Field::displacement_x_rate) - at(1, Field::displacement_x_rate));
+            const double x_m = static_cast<double>(i % 64) * step_m;
+            const double y_m = static_cast<double>(i / 64) * step_m;
+            largest_m =
+                std::max(largest_m, std::abs(mixed - truth.at(x_m, y_m, middle_us).displacement_x));
+        }
+    }
+    return largest_m;
+}
+
+// Naive: between its keyframes water is where it would be in water of one depth. A glide misses no more than the sea that
+// it leads to, in which water moves furthest sideways.
+TEST(SimulationChanges, displacements_between_keyframes_follow_a_glide_of_the_depth) {
+    Bench bench;
+    change(bench, "sea.depth_m", "3.0", 20 * second_us, 30 * second_us);
+    EXPECT_LT(largest_miss_m(bench, 22 * second_us, 28 * second_us),
+              1.2 * largest_miss_m(bench, 40 * second_us, 50 * second_us));
+}
+
 // Every moment has two keyframes around it of the sea that runs then, and nobody has to ask for them.
 TEST(SimulationChanges, a_stream_has_the_keyframes_around_every_moment_of_every_sea) {
     Bench bench;
