@@ -62,7 +62,10 @@ void PointQuestion::sum_exactly(const SeaCourse& course, const SliceOver& over) 
         const sea::QueryPoint& point = next();
         if (!moment_ || moment_us_ != point.time_us) {
             moment_.reset(); // it refers to the sum
-            exact_sea_ = course.at(point.time_us);
+            exact_sea_ = course.sea_unless_making(course.window_at(point.time_us).epoch);
+            awaits_sea_ = !exact_sea_;
+            if (awaits_sea_)
+                return;
             truth_ = exact_sea_->truth_at(point.time_us);
             moment_ = truth_->at_time(point.time_us);
             moment_us_ = point.time_us;

@@ -45,8 +45,10 @@ class PointQuestion {
     /// The same as sample() by the direct sum.
     void sum_exactly(const SeaCourse& course, const SliceOver& over);
 
-    /// A slice would come to nothing, for want of room for the next surface.
-    bool waits(const Surfaces& surfaces) const { return surface_ && surfaces.waits(*surface_); }
+    /// A slice would come to nothing, for want of room for the next surface or of the sea of the next point.
+    bool waits(const Surfaces& surfaces, const SeaCourse& course) const {
+        return (surface_ && surfaces.waits(*surface_)) || (awaits_sea_ && course.is_making());
+    }
 
     /// What a question of so many points holds.
     static std::size_t bytes_of(std::size_t points) {
@@ -68,6 +70,7 @@ class PointQuestion {
     std::size_t done_count_ = 0;        ///< of `order_`
     std::optional<SurfaceJob> surface_; ///< around the next one
     RunningSeaPtr exact_sea_;           ///< at moment_us_
+    bool awaits_sea_ = false;
     std::shared_ptr<const sea::DirectSum> truth_;
     std::optional<sea::DirectSum::Moment> moment_; ///< of truth_
     sea::TimeUs moment_us_ = 0;

@@ -163,11 +163,45 @@ RunningSeaPtr SeaCourse::hold(RunningSeaPtr sea) const {
 RunningSeaPtr SeaCourse::sea(std::uint32_t epoch) const {
     if (RunningSeaPtr sea = sea_if_held(epoch))
         return sea;
-    const std::scoped_lock making(making_);
+    return made_with(std::unique_lock(making_), epoch);
+}
+
+RunningSeaPtr SeaCourse::sea_unless_making(std::uint32_t epoch) const {
+    if (RunningSeaPtr sea = sea_if_held(epoch))
+        return sea;
+    std::unique_lock turn(making_, std::try_to_lock);
+    return turn ? made_with(std::move(turn), epoch) : nullptr;
+}
+
+RunningSeaPtr SeaCourse::made_with(std::unique_lock<std::mutex> turn, std::uint32_t epoch) const {
+    struct Making {
+        const SeaCourse& course;
+        std::unique_lock<std::mutex> turn;
+        Making(const SeaCourse& of, std::unique_lock<std::mutex> own)
+            : course(of), turn(std::move(own)) {
+            course.is_making_ = true;
+        }
+        ~Making() { // also where there was no memory for it
+            course.is_making_ = false;
+            turn.unlock();
+            course.tell_made();
+        }
+    } const making(*this, std::move(turn));
     Way way = way_to(epoch); // of no epochs: made while this one waited
     for (const std::uint32_t one : way.epochs)
         way.from = hold(make(one, way.from));
     return way.from;
+}
+
+void SeaCourse::when_made(std::function<void()> call) const {
+    const std::scoped_lock lock(mutex_);
+    when_made_ = std::move(call);
+}
+
+void SeaCourse::tell_made() const {
+    const std::scoped_lock lock(mutex_);
+    if (when_made_)
+        when_made_();
 }
 
 SeaCourse::Way SeaCourse::way_to(std::uint32_t epoch) const {

@@ -15,7 +15,9 @@
 // that took over from glides 0.2 s more for each of them. Thread-safe.
 #pragma once
 
+#include <atomic>
 #include <deque>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -66,6 +68,12 @@ class SeaCourse {
     RunningSeaPtr sea(std::uint32_t epoch) const;
     /// Null where it would have to be made.
     RunningSeaPtr sea_if_held(std::uint32_t epoch) const;
+    /// Held or made; null where another thread makes one now: as long as is_making(), so that no more than one of those
+    /// who answer questions is at it.
+    RunningSeaPtr sea_unless_making(std::uint32_t epoch) const;
+    bool is_making() const { return is_making_; }
+    /// Called by who has made some, on his thread. Before anything else is asked; empty: nobody.
+    void when_made(std::function<void()> call) const;
     /// What was said of the running sea when it began: effects, tiles and accuracy of all others too.
     const RunningSeaPtr& first() const { return first_; }
 
@@ -106,6 +114,8 @@ class SeaCourse {
             epochs; ///< to be made so that the last one can be, in this order
     };
     Way way_to(std::uint32_t epoch) const;
+    RunningSeaPtr made_with(std::unique_lock<std::mutex> turn, std::uint32_t epoch) const;
+    void tell_made() const;
     RunningSeaPtr make(std::uint32_t epoch, const RunningSeaPtr& from) const;
     /// The sea behind a change; reads no file.
     RunningSeaPtr steady(std::size_t change, std::uint32_t epoch) const;
@@ -128,6 +138,7 @@ class SeaCourse {
     const RunningSeaPtr first_;
 
     mutable std::mutex making_; ///< one sea is made at a time
+    mutable std::atomic<bool> is_making_ = false;
     mutable CoursePhases phases_;
     mutable std::mutex mutex_;   ///< of what follows
     std::deque<Change> changes_; ///< each stays where it is and as it is
@@ -136,6 +147,7 @@ class SeaCourse {
     mutable std::deque<RunningSeaPtr> kept_; ///< asked for last: at the back
     mutable std::map<std::uint32_t, std::weak_ptr<const RunningSea>>
         alive_; ///< somebody holds them
+    mutable std::function<void()> when_made_;
 };
 
 using SeaCoursePtr = std::shared_ptr<const SeaCourse>;

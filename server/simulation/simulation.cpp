@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "server/host/refusal.h"
+#include "server/simulation/fetched_seas.h"
 #include "server/simulation/slice.h"
 
 namespace seaway::server {
@@ -57,9 +58,11 @@ Simulation::Simulation(SeaCoursePtr course, std::unique_ptr<RebuiltSynthesizer> 
       questions_(budget, memory_->room(MemoryUse::points)) {
     for (const MemoryUse use : awaited_rooms)
         memory_->room(use)->on_freed([this] { questions_.wake(); });
+    course_->when_made([this] { questions_.wake(); });
 }
 
 Simulation::~Simulation() {
+    course_->when_made(nullptr);
     for (const MemoryUse use : awaited_rooms)
         memory_->room(use)->on_freed(nullptr);
     stopping_ = true;
@@ -227,10 +230,16 @@ void Simulation::fetch(std::vector<TimeUs> times_us, const Demand& demand, Fetch
         if (const Result<void> fine = check_time(time_us); !fine)
             return done(fine.error());
     const double price_us = prices_.fetch_us(times_us, demand, holding());
-    Question question =
-        keyframe_question([this, times_us = std::move(times_us),
-                           demand] { return keyframes_around(*course_, times_us, demand); },
-                          Walk::questions, [] { return true; }, std::move(done), asker);
+    auto seas = std::make_shared<FetchedSeas>(*course_, times_us, demand.fields);
+    Question question = keyframe_question(
+        [this, times_us = std::move(times_us), demand] {
+            return keyframes_around(*course_, times_us, demand);
+        },
+        Walk::questions, [seas] { return !seas->wait(); }, std::move(done), asker);
+    question.hand = [seas] { return seas->are_there() ? Hand::simulation : Hand::answers; };
+    question.slice = [seas, slice = std::move(question.slice)] {
+        return seas->are_there() ? slice() : seas->make_some();
+    };
     question.price_us = price_us;
     question.prompt = price_us <= prices_.prompt_us();
     ask(std::move(question));
@@ -277,7 +286,7 @@ void Simulation::answer(std::vector<sea::QueryPoint> points, bool exact, Answere
              },
          .refuse = done,
          .asker = asker,
-         .ready = [this, batch] { return !batch->waits(surfaces_); },
+         .ready = [this, batch] { return !batch->waits(surfaces_, *course_); },
          .hand = [batch] { return batch->hand(); },
          .price_us = price_us,
          .prompt = prompt,

@@ -24,12 +24,18 @@ std::vector<KeyframeRequest> Surfaces::wanted(const SurfaceJob& job) const {
 }
 
 bool Surfaces::work_on(SurfaceJob& job) {
-    if (job.held_.empty() && (share(job) || !look_up(job)))
+    if (job.held_.empty() && (share(job) || !has_sea(job) || !look_up(job)))
         return job.surface_ != nullptr;
     if (!make_splines(job))
         return false;
     finish(job);
     return true;
+}
+
+/// Left to the course, which keeps a few: who waits must not fill the memory with them.
+bool Surfaces::has_sea(SurfaceJob& job) {
+    job.awaits_sea_ = !course_->sea_unless_making(course_->window_at(job.time_us_).epoch);
+    return !job.awaits_sea_;
 }
 
 bool Surfaces::share(SurfaceJob& job) {

@@ -49,6 +49,7 @@ class SurfaceJob {
     const SurfaceUse use_;
     bool lacks_keyframes_ = false;
     bool awaits_room_ = false;
+    bool awaits_sea_ = false;
     Room::Place place_;
     std::optional<KeyframeJob> keyframes_;
     std::vector<sea::KeyframePtr> held_;     ///< two a cascade, all or none
@@ -67,9 +68,10 @@ class Surfaces {
     /// One slice of the keyframes that the job lacks; on the source's thread.
     Result<void> make_keyframes(SurfaceJob& job);
 
-    /// A slice would come to nothing: others hold the room.
+    /// A slice would come to nothing: others hold the room, or another thread makes a sea.
     bool waits(const SurfaceJob& job) const {
-        return job.awaits_room_ && !job.place_ && !room_of(job).fits(bytes_);
+        return (job.awaits_sea_ && course_->is_making()) ||
+               (job.awaits_room_ && !job.place_ && !room_of(job).fits(bytes_));
     }
 
   private:
@@ -80,6 +82,7 @@ class Surfaces {
         std::weak_ptr<const sea::Surface> surface;
     };
 
+    bool has_sea(SurfaceJob& job);
     bool share(SurfaceJob& job);
     bool look_up(SurfaceJob& job);
     bool take_room(SurfaceJob& job, bool anyway);

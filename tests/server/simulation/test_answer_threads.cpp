@@ -75,6 +75,30 @@ TEST(AnswerThreads, a_map_of_what_is_held_is_begun_while_the_simulation_thread_i
     EXPECT_TRUE(waits.get());
 }
 
+// Naive: a question about a sea of long ago has it made by the thread that has the stream, 0.2 s each.
+TEST(AnswerThreads, make_the_seas_that_fetches_and_points_are_of) {
+    Bench bench;
+    for (int i = 0; i < 3; ++i)
+        ASSERT_TRUE(bench.course->add(bench.sea->scene, (100 + 100 * i) * second_us,
+                                      (120 + 100 * i) * second_us));
+    const HeldSimulation held(bench);
+    const auto is_made = [&](std::uint32_t epoch) {
+        for (int i = 0; i < 3000 && !bench.course->sea_if_held(epoch); ++i)
+            std::this_thread::sleep_for(std::chrono::milliseconds(10));
+        return bench.course->sea_if_held(epoch) != nullptr;
+    };
+    // Each has one long question under way.
+    const std::shared_ptr<const void> one = std::make_shared<int>(), two = std::make_shared<int>();
+    bench.simulation->fetch(
+        {150 * second_us}, {1u, {Field::height}}, [](const auto&) {}, Asker(one));
+    EXPECT_TRUE(is_made(3)) << "by a fetch";
+    bench.simulation->answer(
+        {{1, 2, 250 * second_us}}, false, [](const auto&) {}, Asker(two));
+    EXPECT_TRUE(is_made(5)) << "by a point";
+    EXPECT_TRUE(is_answered(bench, {{1, 2, 350 * second_us}}, true));
+    EXPECT_TRUE(is_made(7)) << "by an exact sum";
+}
+
 TEST(AnswerThreads, what_is_not_held_waits_for_the_simulation_thread_and_holds_up_nobody_else) {
     Bench bench;
     ASSERT_TRUE(bench.fetch({0}, {3u, sea::surface_fields}));

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which sea runs when, and that one becomes the other without a jump.
+#include <atomic>
 #include <cmath>
+#include <thread>
 
 #include <gtest/gtest.h>
 
@@ -180,6 +182,34 @@ TEST(SeaCourse, seas_to_come_have_the_certificate_that_was_read_at_the_start) {
     ASSERT_TRUE(course.add(next, 200 * second_us, 230 * second_us));
     EXPECT_EQ(course.at(150 * second_us)->certificate, nullptr) << "its scene names none";
     EXPECT_EQ(course.at(250 * second_us)->certificate, first.certificate);
+}
+
+// Naive: each of the threads that answer makes the sea that its question is of, and none is left for those whose sea is there.
+TEST(SeaCourse, while_one_thread_makes_a_sea_no_other_waits_for_it_that_does_not_want_to) {
+    const auto course = *SeaCourse::begin(scene_of());
+    for (int i = 1; i <= 60; ++i)
+        ASSERT_TRUE(course->add(windy(scene_of(), std::to_string(5 + i % 9)), 100 * i * second_us,
+                                (100 * i + 20) * second_us));
+    std::atomic<int> told = 0;
+    course->when_made([&told] { ++told; });
+    bool refused = false;
+    for (std::uint32_t epoch = 2; epoch < 120 && !refused; epoch += 2) {
+        std::thread maker([&] { (void)course->sea(epoch); });
+        while (!course->is_making() && !course->sea_if_held(epoch)) {
+        }
+        refused = course->sea_unless_making(121) == nullptr;
+        maker.join();
+        if (!refused) { // too late: it was there already, and this thread made the other
+            EXPECT_NE(course->sea_if_held(121), nullptr);
+            for (std::uint32_t other = 100; other < 110; ++other)
+                (void)course->sea(other);
+        }
+    }
+    EXPECT_TRUE(refused);
+    EXPECT_GT(told, 0) << "so that who was refused comes back";
+    EXPECT_FALSE(course->is_making());
+    EXPECT_NE(course->sea_unless_making(121), nullptr);
+    course->when_made(nullptr);
 }
 
 // Naive: a log of a month is a month of seas in memory.

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// FetchedSeas: the seas that keyframes around some times are of, and those that their foam remembers: made, one a slice, by
+// a thread that has no stream to serve, before the thread that has asks the device for the keyframes. They are left to the
+// course, which keeps a few: who waits must not fill the memory with them. One thread's at a time.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "sea/basics/field.h"
+#include "server/simulation/sea_course.h"
+
+namespace seaway::server {
+
+class FetchedSeas {
+  public:
+    /// The course outlives it. Nothing is made yet.
+    FetchedSeas(const SeaCourse& course, std::span<const sea::TimeUs> times_us,
+                sea::FieldSet fields);
+
+    bool are_there() const { return there_ == epochs_.size(); }
+    /// The next one. False: for the slices of questions, which this does not answer.
+    bool make_some();
+    /// Another thread makes one now.
+    bool wait() const { return awaits_ && course_.is_making(); }
+
+  private:
+    const SeaCourse& course_;
+    std::vector<std::uint32_t> epochs_;
+    std::size_t there_ = 0; ///< of the first epochs
+    bool awaits_ = false;
+};
+
+} // namespace seaway::server
