@@ -22,6 +22,23 @@ class Text {
         for (const auto& [key, value] : values)
             fmt::format_to(out(), "seaway_net_{}{{{}=\"{}\"}} {}\n", name, label, key, value);
     }
+    /// Histograms of one name, by a label.
+    template <class Map>
+    void durations(std::string_view name, std::string_view label, std::string_view help,
+                   const Map& values) {
+        head(name, "histogram", help);
+        for (const auto& [key, value] : values) {
+            std::uint64_t within = 0;
+            for (std::size_t i = 0; i < Durations::bounds_s.size(); ++i)
+                fmt::format_to(out(), "seaway_net_{}_bucket{{{}=\"{}\",le=\"{:g}\"}} {}\n", name,
+                               label, key, Durations::bounds_s[i], within += value.within[i]);
+            fmt::format_to(out(),
+                           "seaway_net_{0}_bucket{{{1}=\"{2}\",le=\"+Inf\"}} {3}\n"
+                           "seaway_net_{0}_sum{{{1}=\"{2}\"}} {4}\n"
+                           "seaway_net_{0}_count{{{1}=\"{2}\"}} {3}\n",
+                           name, label, key, value.count, value.sum_s);
+        }
+    }
     std::string take() { return std::move(text_); }
 
   private:
@@ -65,6 +82,10 @@ std::string metrics_text(const Counters& c, const Gauges& g, const EncoderCounte
     t.one("sent_bytes_total", "counter", "Bytes of messages to clients", c.bytes_sent);
     t.one("queries_total", "counter", "Queries accepted", c.queries);
     t.one("query_points_total", "counter", "Points of queries accepted", c.query_points);
+    t.durations("answer_seconds", "points",
+                "From when a query has been read until its reply is handed to its line",
+                std::map<std::string, const Durations&>{{"few", c.few_answered},
+                                                        {"many", c.many_answered}});
     t.one("fetches_total", "counter", "Fetches and starts of subscriptions", c.fetches);
     t.one("keyframes_published_total", "counter", "Keyframes that somebody wanted",
           c.keyframes_published);

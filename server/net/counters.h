@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 
+#include "server/net/durations.h"
 #include "server/publish/encoder.h"
 #include "server/publish/outbox.h"
 
@@ -15,6 +16,9 @@ namespace seaway::server {
 /// Why sessions ended besides the error codes of the wire (protocol::name).
 inline constexpr std::string_view closed_by_client = "closed_by_client";
 inline constexpr std::string_view disconnected = "disconnected"; ///< without a closing handshake
+
+/// Of a query that is counted as one of few.
+inline constexpr std::size_t few_points = 16;
 
 struct Counters {
     std::uint64_t connections_accepted = 0;
@@ -36,6 +40,9 @@ struct Counters {
     std::uint64_t bytes_sent = 0;
     std::uint64_t queries = 0;
     std::uint64_t query_points = 0;
+    /// From when a query had been read until its reply was handed to its line: of few_points at most, and of more.
+    Durations few_answered;
+    Durations many_answered;
     std::uint64_t fetches = 0;
     std::uint64_t keyframes_published = 0; ///< that somebody wanted
     std::uint64_t keyframes_dropped = 0;   ///< encoder too far behind

@@ -242,18 +242,16 @@ void Session::on_query(const wire::Query& query) {
     replies_in_flight_bytes_ += bytes;
     ++core_.counters.queries;
     core_.counters.query_points += batch.points.size();
-    core_.host.query(std::move(batch), [core = core_.weak_from_this(), session = id_, request_id,
-                                        bytes, place](Result<QueryAnswers> answers) {
+    const Asked asked{request_id, points, bytes, place};
+    core_.host.query(std::move(batch), [core = core_.weak_from_this(), session = id_,
+                                        asked](Result<QueryAnswers> answers) {
         const std::shared_ptr<Core> alive = core.lock();
         if (alive == nullptr)
             return;
-        alive->post([core, session, request_id, bytes, place, answers = std::move(answers)] {
+        alive->post([core, session, asked, answers = std::move(answers)] {
             const std::shared_ptr<Core> here = core.lock();
-            Session* found = here ? here->find(session) : nullptr;
-            if (found == nullptr)
-                return;
-            found->replies_in_flight_bytes_ -= bytes;
-            found->answered(request_id, answers, place);
+            if (Session* found = here ? here->find(session) : nullptr)
+                found->answered(asked, answers);
         });
     });
 }
@@ -264,15 +262,18 @@ Room::Place Session::reply_place(std::size_t bytes) const {
     return own <= small_replies_bytes ? replies.take_anyway(bytes) : replies.take(bytes);
 }
 
-void Session::answered(std::uint32_t request_id, const Result<QueryAnswers>& answers,
-                       const Room::Place& place) {
+void Session::answered(const Asked& asked, const Result<QueryAnswers>& answers) {
+    replies_in_flight_bytes_ -= asked.bytes;
     --queries_in_flight_;
     if (!answers)
-        return refuse(request_id, answers.error());
+        return refuse(asked.request_id, answers.error());
     outbox_.push_reply(
-        with_place(place, std::make_shared<const protocol::Bytes>(protocol::query_reply(
-                              request_id, answers->epoch, answers->answers))));
+        with_place(asked.place, std::make_shared<const protocol::Bytes>(protocol::query_reply(
+                                    asked.request_id, answers->epoch, answers->answers))));
     link_.send_more();
+    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - asked.at;
+    Counters& counters = core_.counters;
+    (asked.points <= few_points ? counters.few_answered : counters.many_answered).add(took.count());
 }
 
 void Session::on_ping(const wire::Ping& ping) {

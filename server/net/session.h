@@ -93,8 +93,15 @@ class Session {
 
     void fetch(std::uint32_t request_id, std::vector<sea::TimeUs> times_us, const Demand& demand);
     void fetched(std::uint32_t request_id, const Result<FetchedTiles>& encoded);
-    void answered(std::uint32_t request_id, const Result<QueryAnswers>& answers,
-                  const Room::Place& place);
+    /// A query that is under way.
+    struct Asked {
+        std::uint32_t request_id;
+        std::size_t points;
+        std::size_t bytes; ///< of its reply
+        Room::Place place; ///< of these
+        std::chrono::steady_clock::time_point at = std::chrono::steady_clock::now();
+    };
+    void answered(const Asked& asked, const Result<QueryAnswers>& answers);
     /// For the reply to so many points; null: there is none.
     Room::Place reply_place(std::size_t bytes) const;
     /// Has the spectra made that this session wants; what comes of it answers the request, where there is one.

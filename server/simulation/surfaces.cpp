@@ -103,12 +103,24 @@ bool Surfaces::make_splines(SurfaceJob& job) {
     bool made = false;
     while (job.splines_.size() < job.held_.size()) {
         const sea::KeyframePtr& next = job.held_[job.splines_.size()];
-        const bool there = store.splined(request_of(*next));
-        if (!there && std::exchange(made, true))
-            return false;
+        std::shared_ptr<const void> turn;
+        if (!store.splined(request_of(*next))) {
+            if (std::exchange(made, true))
+                return false;
+            turn = spline_turn();
+            job.awaits_spline_ = turn == nullptr;
+            if (job.awaits_spline_)
+                return false;
+        }
         job.splines_.push_back(store.spline(next));
     }
     return true;
+}
+
+std::shared_ptr<const void> Surfaces::spline_turn() {
+    if (splining_.exchange(true))
+        return nullptr;
+    return {this, [this](const void*) { splining_ = false; }};
 }
 
 void Surfaces::finish(SurfaceJob& job) {

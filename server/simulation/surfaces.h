@@ -7,6 +7,7 @@
 // Surfaces is thread-safe; a SurfaceJob is one thread's at a time.
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -50,6 +51,7 @@ class SurfaceJob {
     bool lacks_keyframes_ = false;
     bool awaits_room_ = false;
     bool awaits_sea_ = false;
+    bool awaits_spline_ = false; ///< that another thread makes
     Room::Place place_;
     std::optional<KeyframeJob> keyframes_;
     std::vector<sea::KeyframePtr> held_;     ///< two a cascade, all or none
@@ -63,15 +65,19 @@ class Surfaces {
     Surfaces(SeaCoursePtr course, KeyframeSource& source, const Memory& memory);
 
     /// One slice, a spline at most; true: the surface is there. Else the job lacks keyframes, waits for
-    /// room, or needs another slice.
+    /// room or for the spline of another, or needs another slice.
     bool work_on(SurfaceJob& job);
+    /// Held by who makes a spline, which takes some ms: no other thread begins one, so that of several threads one
+    /// at most is lost to who comes with a single point. Null: somebody holds it.
+    std::shared_ptr<const void> spline_turn();
     /// One slice of the keyframes that the job lacks; on the source's thread.
     Result<void> make_keyframes(SurfaceJob& job);
 
-    /// A slice would come to nothing: others hold the room, or another thread makes a sea.
+    /// A slice would come to nothing: others hold the room, or another thread makes a sea or a spline.
     bool waits(const SurfaceJob& job) const {
         return (job.awaits_sea_ && course_->is_making()) ||
-               (job.awaits_room_ && !job.place_ && !room_of(job).fits(bytes_));
+               (job.awaits_room_ && !job.place_ && !room_of(job).fits(bytes_)) ||
+               (job.awaits_spline_ && splining_);
     }
 
   private:
@@ -100,6 +106,7 @@ class Surfaces {
     const std::shared_ptr<Room> batches_;
     const std::shared_ptr<Room> prompt_;
 
+    std::atomic<bool> splining_ = false;
     std::mutex mutex_;       ///< of what follows
     std::vector<Used> used_; ///< by somebody, now or a while ago
 };

@@ -56,13 +56,23 @@ inline MetricsPage read_metrics(const std::string& text) {
     MetricsPage page;
     std::istringstream in(text);
     std::string helped;
+    // Samples of a histogram have a word behind its name.
+    const auto base_of = [&page](const std::string& sample) {
+        const std::string name = sample.substr(0, sample.find('{'));
+        for (const char* suffix : {"_bucket", "_sum", "_count"})
+            if (name.ends_with(suffix))
+                if (const std::string base = name.substr(0, name.rfind('_'));
+                    page.types.contains(base) && page.types.at(base) == "histogram")
+                    return base;
+        return name;
+    };
     for (std::string line; std::getline(in, line);) {
         std::istringstream words(line);
         std::string name, kind;
         if (line.starts_with("# TYPE ")) {
             words >> kind >> kind >> name >> kind;
             EXPECT_TRUE(page.types.emplace(name, kind).second) << line;
-            EXPECT_TRUE(kind == "counter" || kind == "gauge") << line;
+            EXPECT_TRUE(kind == "counter" || kind == "gauge" || kind == "histogram") << line;
             EXPECT_EQ(fault_of(name, kind), "") << line;
             EXPECT_EQ(helped, name) << "no help text";
             continue;
@@ -76,8 +86,8 @@ inline MetricsPage read_metrics(const std::string& text) {
         words >> name >> value;
         EXPECT_TRUE(!words.fail() && words.eof()) << line;
         EXPECT_TRUE(page.values.emplace(name, value).second) << line;
-        EXPECT_EQ(helped, name.substr(0, name.find('{'))) << "samples of a name stand together";
-        EXPECT_EQ(page.types.count(name.substr(0, name.find('{'))), 1u) << line;
+        EXPECT_EQ(helped, base_of(name)) << "samples of a name stand together";
+        EXPECT_EQ(page.types.count(base_of(name)), 1u) << line;
     }
     return page;
 }

@@ -52,6 +52,17 @@ const std::map<std::string, double> figures{
     {"seaway_net_encoded_bytes_total", 251},
     {"seaway_net_encode_seconds_total", 0.25}};
 
+/// The rows of the histogram of answers, which go from the page.
+std::map<std::string, double> take_answers(MetricsPage& page) {
+    const std::string name = "seaway_net_answer_seconds";
+    std::map<std::string, double> rows;
+    for (const auto& [row, value] : page.values)
+        if (row.starts_with(name))
+            rows[row.substr(name.size())] = value;
+    std::erase_if(page.values, [&](const auto& row) { return row.first.starts_with(name); });
+    return rows;
+}
+
 // No two figures are equal.
 
 TEST(NetMetricsText, every_line_shows_the_figure_that_it_names) {
@@ -85,7 +96,35 @@ TEST(NetMetricsText, every_line_shows_the_figure_that_it_names) {
                         .outboxes = {11, 13, 17}};
     const EncoderCounters encoder{
         .fields_encoded = 211, .fields_reused = 239, .samples = 241, .bytes = 251, .seconds = 0.25};
-    expect_metrics(read_metrics(server::metrics_text(counters, gauges, encoder)), figures);
+    MetricsPage page = read_metrics(server::metrics_text(counters, gauges, encoder));
+    (void)take_answers(page);
+    expect_metrics(page, figures);
+}
+
+// By the rules of Prometheus: each bucket holds those of all before it, a bound is within its own.
+TEST(NetMetricsText, durations_are_histograms_of_few_points_and_of_many) {
+    Counters counters;
+    for (const double seconds : {0.00015, 0.0005, 0.0004, 0.9, 5.0})
+        counters.few_answered.add(seconds);
+    counters.many_answered.add(0.03);
+    MetricsPage page = read_metrics(server::metrics_text(counters, {}, {}));
+    EXPECT_EQ(page.types["seaway_net_answer_seconds"], "histogram");
+    const std::map<std::string, double> rows = take_answers(page);
+    const auto within = [&](const std::string& points, const std::string& bound) {
+        const auto row = rows.find("_bucket{points=\"" + points + "\",le=\"" + bound + "\"}");
+        return row == rows.end() ? -1 : row->second;
+    };
+    const std::map<std::string, double> few{
+        {"0.0001", 0}, {"0.0002", 1}, {"0.0005", 3}, {"0.001", 3}, {"0.002", 3},
+        {"0.005", 3},  {"0.01", 3},   {"0.02", 3},   {"0.05", 3},  {"0.1", 3},
+        {"0.2", 3},    {"1", 4},      {"+Inf", 5}};
+    for (const auto& [bound, count] : few) {
+        EXPECT_EQ(within("few", bound), count) << bound;
+        EXPECT_EQ(within("many", bound), bound == "+Inf" || std::stod(bound) >= 0.05) << bound;
+    }
+    EXPECT_EQ(rows.at("_count{points=\"few\"}"), 5);
+    EXPECT_NEAR(rows.at("_sum{points=\"few\"}"), 5.90105, 1e-9);
+    EXPECT_EQ(rows.size(), 2 * (few.size() + 2));
 }
 
 class NetMetrics : public NetTest {
@@ -228,6 +267,10 @@ TEST_F(NetMetrics, the_whole_page_adds_up_to_what_happened) {
         EXPECT_GT(last.values[name], 0) << name;
         last.values.erase(name);
     }
+    const std::map<std::string, double> answers = take_answers(last);
+    EXPECT_EQ(answers.at("_count{points=\"few\"}"), 2) << "queries of 2 and 3 points";
+    EXPECT_EQ(answers.at("_count{points=\"many\"}"), 0);
+    EXPECT_GT(answers.at("_sum{points=\"few\"}"), 0);
     last.values.erase("seaway_simulation_up"); // of the host
     EXPECT_EQ(last.values["seaway_memory_budget_bytes"], 640.0 * 1024 * 1024);
     EXPECT_GT(last.values["seaway_memory_held_bytes{of=\"encoded\"}"], 0);

@@ -68,6 +68,27 @@ TEST(Surfaces, a_slice_makes_one_spline_at_most) {
     }
 }
 
+TEST(Surfaces, of_all_threads_one_makes_a_spline_and_who_needs_none_goes_on) {
+    SurfaceBench bench;
+    SurfaceJob held(100'000);
+    bench.finish(held);
+    const TimeUs next_us = held.end_us();
+    SurfaceJob made(next_us);
+    (void)bench.surfaces.work_on(made);
+    while (made.lacks_keyframes())
+        ASSERT_TRUE(bench.surfaces.make_keyframes(made));
+    std::shared_ptr<const void> turn = bench.surfaces.spline_turn();
+    ASSERT_TRUE(turn);
+    EXPECT_FALSE(bench.surfaces.work_on(made));
+    EXPECT_TRUE(bench.surfaces.waits(made)) << "another thread makes one";
+    EXPECT_FALSE(bench.surfaces.spline_turn());
+    SurfaceJob point(100'001, SurfaceUse::few);
+    EXPECT_TRUE(bench.surfaces.work_on(point));
+    turn.reset();
+    EXPECT_FALSE(bench.surfaces.waits(made));
+    bench.finish(made);
+}
+
 // Naive: as many surfaces as questions; those about now, who come while batches are under way, wait for room.
 TEST(Surfaces, who_asks_about_times_of_a_surface_that_is_used_shares_it_and_takes_no_room) {
     SurfaceBench bench;
