@@ -11,8 +11,8 @@ namespace seaway {
 
 class MemoryFile {
   public:
-    /// So many are there at a time: each is a descriptor.
-    static constexpr int open_max = 64;
+    /// So many are there at a time: each is a descriptor, of which the program has 64 besides connections.
+    static constexpr int open_max = 32;
 
     /// Null: there are `open_max`, or the system has no memory or no descriptor for one more. Copies the bytes. Any
     /// thread.

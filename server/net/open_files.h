@@ -7,7 +7,7 @@
 
 namespace seaway::server {
 
-/// Besides connections: listeners, scene, log, certificate, device.
+/// Besides connections: listeners, scene, log, certificate, device, and MemoryFile::open_max files that keyframes are sent out of.
 inline constexpr int other_files_max = 64;
 
 /// Raises the limit on open files to what the system allows (setrlimit(2), RLIMIT_NOFILE). An error
