@@ -77,7 +77,7 @@ class Schema:
             code = self.scalar(kind)
             if code:
                 values[field] = (struct.unpack_from("<" + code, data, at)[0] if at
-                                 else int(default, 0) if default else 0)
+                                 else None if default == "null" else int(default, 0) if default else 0)
             elif not at:
                 values[field] = None
             elif kind in self.structs:
@@ -151,7 +151,7 @@ class Schema:
 
     def _write_table(self, out, name, values):
         fields = self.tables[name]
-        slots = [None if field not in values else (self.scalar(kind) or "ref", values[field]
+        slots = [None if values.get(field) is None else (self.scalar(kind) or "ref", values[field]
                                                    if self.scalar(kind) else 0)
                  for field, kind, _ in fields]
         table, places = self._write_inline(out, slots)
