@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Points are answered by threads of their own: whatever the simulation thread is at, in any number of
 // threads, with the same bits; and what that thread alone can do is left to it.
-#include <cstring>
+#include <bit>
 
 #include "tests/server/simulation/simulation_bench.h"
 
@@ -118,6 +118,7 @@ TEST(AnswerThreads, what_is_not_held_waits_for_the_simulation_thread_and_holds_u
 
 // Times that share keyframes and times that do not, in batches that are preempted by each other.
 TEST(AnswerThreads, give_the_same_bits_however_many_ask_at_once) {
+    const auto bits = [](double value) { return std::bit_cast<std::uint64_t>(value); };
     Bench bench;
     for (const bool exact : {false, true}) {
         const std::vector<sea::QueryPoint> points = some_points(400, 1'700'000);
@@ -132,11 +133,11 @@ TEST(AnswerThreads, give_the_same_bits_however_many_ask_at_once) {
             const std::vector<sea::Answer> answers = one.get_future().get();
             ASSERT_EQ(answers.size(), alone.size());
             for (std::size_t i = 0; i < alone.size(); ++i) {
-                EXPECT_EQ(std::memcmp(&answers[i].height_m, &alone[i].height_m, sizeof(double)), 0);
-                EXPECT_EQ(std::memcmp(answers[i].normal, alone[i].normal, 3 * sizeof(double)), 0);
-                EXPECT_EQ(
-                    std::memcmp(answers[i].velocity_mps, alone[i].velocity_mps, 3 * sizeof(double)),
-                    0);
+                EXPECT_EQ(bits(answers[i].height_m), bits(alone[i].height_m));
+                for (int k = 0; k < 3; ++k) {
+                    EXPECT_EQ(bits(answers[i].normal[k]), bits(alone[i].normal[k]));
+                    EXPECT_EQ(bits(answers[i].velocity_mps[k]), bits(alone[i].velocity_mps[k]));
+                }
                 EXPECT_EQ(answers[i].flags, alone[i].flags);
             }
         }
