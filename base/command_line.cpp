@@ -189,6 +189,10 @@ Result<CommandLine::Next> CommandLine::read(std::vector<std::string> words) {
         return Next::leave;
     } catch (const CLI::ParseError& error) {
         std::string line = error.what();
+        // The parser says that a command is missing before it says which word was none.
+        if (const std::vector<std::string> unknown = app_->remaining();
+            !commands_.empty() && !unknown.empty() && app_->get_subcommands().empty())
+            line = fmt::format("'{}' is none of its commands", printable(unknown.front()));
         std::replace(line.begin(), line.end(), '\n', ' ');
         return Error{line};
     }

@@ -10,8 +10,9 @@ namespace seaway {
 
 class FolderLock {
   public:
-    /// Locks `folder`/lock, which is made where it is missing. The error says why not, without the path: that
-    /// another process holds it, or that the folder cannot be written.
+    /// Locks `folder`/lock, which is made where it is missing, and the folder itself, so that nobody else comes in
+    /// where the file was removed; some network file systems lock no folders. The error says why not, without the
+    /// path: that another process holds it, or that the folder cannot be written.
     static Result<FolderLock> take(const std::string& folder);
 
     ~FolderLock();
@@ -21,8 +22,9 @@ class FolderLock {
     FolderLock& operator=(const FolderLock&) = delete;
 
   private:
-    explicit FolderLock(int file) : file_(file) {}
+    FolderLock(int file, int folder) : file_(file), folder_(folder) {}
     int file_;
+    int folder_;
 };
 
 /// What was made, renamed or removed in the folder outlives a loss of power. The error says why not.

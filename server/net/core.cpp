@@ -37,6 +37,7 @@ Session* Core::find(SessionId session) const {
 
 Gauges Core::gauges() const {
     Gauges gauges{.sessions = sessions.size(),
+                  .sessions_max = static_cast<std::size_t>(options.sessions_max),
                   .subscriptions = host.subscriptions().size(),
                   .connections = static_cast<std::size_t>(door.connections),
                   .outbox_bytes = 0,

@@ -55,6 +55,7 @@ class Text {
 std::string metrics_text(const Counters& c, const Gauges& g, const EncoderCounters& e) {
     Text t;
     t.one("sessions", "gauge", "WebSocket sessions open", g.sessions);
+    t.one("sessions_max", "gauge", "As many are taken at a time", g.sessions_max);
     t.one("subscriptions", "gauge", "Sessions that are streamed tiles", g.subscriptions);
     t.one("connections", "gauge", "Connections open, HTTP and WebSocket", g.connections);
     t.one("outbox_bytes", "gauge", "Bytes that wait in all outboxes; shared bytes count again",

@@ -54,6 +54,7 @@ struct Counters {
 /// Figures of the moment.
 struct Gauges {
     std::size_t sessions = 0;
+    std::size_t sessions_max = 0;
     std::size_t subscriptions = 0;
     std::size_t connections = 0;
     std::size_t outbox_bytes = 0;

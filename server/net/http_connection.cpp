@@ -211,6 +211,10 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
                                   {.status = 400,
                                    .body = fmt::format("offer the subprotocol {}\n",
                                                        protocol::websocket_subprotocol)});
+        if (!is_websocket_key(text(request[http::field::sec_websocket_key])))
+            return refuse_session(
+                "bad_request",
+                {.status = 400, .body = "Sec-WebSocket-Key is not 16 bytes in base64\n"});
         if (buffer_.size() > 0)
             return refuse_session(
                 "bad_request", {.status = 400, .body = "bytes before the upgrade was answered\n"});

@@ -177,6 +177,15 @@ std::variant<Asked, Refused> read_head(const HttpHead& head, const Origins& orig
     return asked;
 }
 
+bool is_websocket_key(std::string_view value) {
+    constexpr std::string_view letters =
+        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    constexpr std::size_t letters_of_16_bytes = 22;
+    return value.size() == letters_of_16_bytes + 2 && value.ends_with("==") &&
+           value.substr(0, letters_of_16_bytes).find_first_not_of(letters) ==
+               std::string_view::npos;
+}
+
 bool offers(std::string_view list, std::string_view subprotocol) {
     while (true) {
         const std::size_t comma = list.find(',');

@@ -48,4 +48,7 @@ std::variant<Asked, Refused> read_head(const HttpHead& head, const Origins& orig
 /// The list of a Sec-WebSocket-Protocol field holds this name, in this case (RFC 7936, section 2).
 bool offers(std::string_view list, std::string_view subprotocol);
 
+/// 16 bytes in base64, as Sec-WebSocket-Key has to be (RFC 6455, 4.1).
+bool is_websocket_key(std::string_view value);
+
 } // namespace seaway::server

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/net/http_response.h"
+#include "server/net/status_page.h"
 
 #include <memory>
 #include <string>
@@ -28,6 +29,7 @@ void begin(http::response<Body>& response, unsigned status, const std::string& t
     response.set(http::field::content_type, type);
     response.set(http::field::cache_control, "no-store");
     response.set("X-Content-Type-Options", "nosniff");
+    response.set("Content-Security-Policy", std::string(status_policy));
     response.keep_alive(keep_alive);
 }
 

@@ -6,28 +6,12 @@
 
 #include <fmt/format.h>
 
+#include "server/net/status_page.h"
+
 namespace seaway::server {
 namespace {
 
 constexpr const char* json = "application/json";
-
-std::string status_page(Core& core) {
-    const Gauges gauges = core.gauges();
-    return fmt::format(
-        "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>Seaway</title>"
-        "<h1>Seaway {}</h1><p>{}</p><table>"
-        "<tr><td>Sea time<td>{:.1f} s"
-        "<tr><td>Sessions<td>{} of {}"
-        "<tr><td>Subscriptions<td>{}"
-        "</table><p><a href=\"/v1/state\">state</a> <a href=\"/v1/plan\">plan</a> "
-        "<a href=\"/metrics\">metrics</a> <a href=\"/healthz\">health</a> <a "
-        "href=\"/readyz\">readiness</a></p>"
-        "<p>Stream: WebSocket {}, subprotocol {}</p></html>\n",
-        SEAWAY_VERSION,
-        core.host.health().live ? "The sea runs." : "Out of order: " + core.host.health().why,
-        sea::seconds_from_us(core.host.sea_time_us()), gauges.sessions, core.options.sessions_max,
-        gauges.subscriptions, protocol::stream_path, protocol::websocket_subprotocol);
-}
 
 struct Route {
     std::string_view path;
@@ -37,10 +21,19 @@ struct Route {
 
 constexpr const char* prometheus = "text/plain; version=0.0.4; charset=utf-8";
 
-const std::array<Route, 6> routes{{
+const std::array<Route, 8> routes{{
     {"/", false,
-     [](Core& core) {
-         return Page{200, "text/html; charset=utf-8", status_page(core), {}};
+     [](Core&) {
+         return Page{.content_type = "text/html; charset=utf-8", .body = std::string(status_html)};
+     }},
+    {status_script_path, false,
+     [](Core&) {
+         return Page{.content_type = "text/javascript; charset=utf-8",
+                     .body = std::string(status_script)};
+     }},
+    {status_style_path, false,
+     [](Core&) {
+         return Page{.content_type = "text/css; charset=utf-8", .body = std::string(status_style)};
      }},
     {"/healthz", true,
      [](Core& core) {
@@ -93,8 +86,11 @@ std::optional<Page> keep_out(const Core& core, std::string_view path, const Judg
                     .retry_after_s = static_cast<int>(judged.retry_after.count())};
     if (judged.barred == Barred::in_the_clear)
         return Page{.status = 403, .body = judged.why + "\n"};
+    constexpr std::array open_paths{std::string_view("/healthz"), std::string_view("/readyz"),
+                                    protocol::stream_path,        std::string_view("/"),
+                                    status_script_path,           status_style_path};
     const bool needs_none =
-        is_open(core) || path == "/healthz" || path == "/readyz" || path == protocol::stream_path;
+        is_open(core) || std::ranges::find(open_paths, path) != open_paths.end();
     if (judged.barred == Barred::wrong || (judged.standing == Standing::stranger && !needs_none))
         return Page{
             .status = 401,

@@ -26,9 +26,9 @@ struct Page {
     int retry_after_s = 0; ///< the same may be asked again after so long; 0: nothing is said
 };
 
-/// With a client token, everything but /healthz, /readyz and the stream, whose Hello may bring it, is for
-/// those who bring that one, or the administrator's, as "Authorization: Bearer TOKEN". A token that is
-/// brought has to be right, also where none is needed. Empty: come in; else why not.
+/// With a client token, everything but /healthz, /readyz, the shell of the status page and the stream, whose
+/// Hello may bring it, is for those who bring that one, or the administrator's, as "Authorization: Bearer
+/// TOKEN". A token that is brought has to be right, also where none is needed. Empty: come in; else why not.
 std::optional<Page> keep_out(const Core& core, std::string_view path, const Judgement& judged);
 
 /// 503, with the time after which to come again: of whatever begins while the server stops.

@@ -105,6 +105,9 @@ TEST(CommandLine, one_of_its_commands_has_to_be_given) {
     first.option("--frames", frames);
     CommandLine& second = line.command("second", "Another.");
     EXPECT_FALSE(line.read(std::vector<std::string>{}));
+    const auto wrong = line.read({"frist", "--frames", "3"});
+    ASSERT_FALSE(wrong);
+    EXPECT_NE(wrong.error().message.find("'frist'"), std::string::npos) << wrong.error().message;
     ASSERT_TRUE(line.read({"first", "--frames", "3"}));
     EXPECT_TRUE(first.given());
     EXPECT_FALSE(second.given());

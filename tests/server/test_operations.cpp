@@ -65,10 +65,11 @@ TEST(Config, a_file_says_what_the_command_line_does_not) {
     const std::string url = server.wait_until_ready();
     ASSERT_FALSE(url.empty()) << server.log();
     EXPECT_NE(server.log().find("device=\"native"), std::string::npos) << server.log();
-    EXPECT_EQ(tests::ask_http(tests::port_of(url), "/", "GET").status, 401) << "the file's token";
-    EXPECT_NE(
-        tests::ask_http(tests::port_of(url), "/", "GET", "Bearer swordfish").body.find("0 of 17"),
-        std::string::npos);
+    const int port = tests::port_of(url);
+    EXPECT_EQ(tests::ask_http(port, "/metrics", "GET").status, 401) << "the file's token";
+    EXPECT_NE(tests::ask_http(port, "/metrics", "GET", "Bearer swordfish")
+                  .body.find("seaway_net_sessions_max 17\n"),
+              std::string::npos);
 }
 
 TEST(Config, what_is_wrong_in_it_is_named_in_one_line) {

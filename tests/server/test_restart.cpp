@@ -287,6 +287,11 @@ TEST(Restart, a_data_folder_in_use_is_named) {
     EXPECT_NE(second.log().find("--data-dir " + folder + ": another process works in it"),
               std::string::npos)
         << second.log();
+    // Nor where somebody has removed what the first one holds.
+    ASSERT_TRUE(std::filesystem::remove(folder + "/lock"));
+    tests::ServerProcess third(arguments(folder));
+    EXPECT_EQ(third.wait_for_exit(std::chrono::seconds(60)), 2) << third.log();
+    EXPECT_NE(third.log().find("another process works in it"), std::string::npos) << third.log();
 }
 
 } // namespace

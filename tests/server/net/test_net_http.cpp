@@ -77,26 +77,20 @@ TEST_F(NetHttp, every_answer_says_which_program_it_is_and_is_not_to_be_kept) {
         << upgraded;
 }
 
-// Two sessions, one of which subscribes, at 12.3 s.
-TEST_F(NetHttp, the_page_for_people_shows_each_figure_in_its_row) {
+// What it shows its script asks for (tests/browser): this is the same whatever sea there is, and may load nothing of others.
+TEST_F(NetHttp, the_page_for_people_is_a_shell_that_loads_its_own_script_and_nothing_else) {
     options.sessions_max = 17;
-    host.newest = 123;
     start();
-    std::unique_ptr<Client> clients[2];
-    for (auto& client : clients) {
-        client = std::make_unique<Client>(port());
-        ASSERT_FALSE(client->connect());
-        ASSERT_TRUE(client->greet());
-    }
-    ASSERT_FALSE(clients[1]->send(
-        protocol::subscribe(1, {.cascades = 1u, .fields = {sea::Field::height}}, 2)));
-    ASSERT_TRUE(clients[1]->receive(wire::Body::Subscribed));
-    const std::string page = get("/").body;
-    for (const char* row :
-         {"Sea time<td>12.3 s<", "Sessions<td>2 of 17<", "Subscriptions<td>1<", "The sea runs."})
-        EXPECT_NE(page.find(row), std::string::npos) << row << " in " << page;
-    host.well = false;
-    EXPECT_NE(get("/").body.find("Out of order: the simulation has failed"), std::string::npos);
+    const HttpAnswer page = get("/");
+    for (const char* part : {"/status.js", "/status.css"})
+        EXPECT_NE(page.body.find(fmt::format("\"{}\"", part)), std::string::npos) << part;
+    EXPECT_EQ(page.body.find("<script>"), std::string::npos) << "none stands in the page";
+    EXPECT_EQ(page.fields.at("Content-Security-Policy").find("default-src 'none'; "), 0u);
+    EXPECT_EQ(page.fields.at("Content-Security-Policy").find("unsafe"), std::string::npos);
+    EXPECT_EQ(get("/status.js").fields.at("Content-Type"), "text/javascript; charset=utf-8");
+    EXPECT_EQ(get("/status.css").fields.at("Content-Type"), "text/css; charset=utf-8");
+    EXPECT_EQ(host.maps_asked, 0) << "a page costs nothing of the sea";
+    EXPECT_EQ(metric("seaway_net_sessions_max"), 17);
 }
 
 TEST_F(NetHttp, requests_that_are_too_large_or_not_for_reading_have_each_a_status) {
@@ -158,8 +152,7 @@ TEST_F(NetHttp, with_a_client_token_pages_and_maps_ask_for_it) {
     const auto status = [&](const std::string& target, const std::string& authorization) {
         return ask_http(port(), target, "GET", authorization).status;
     };
-    for (const char* target :
-         {"/", "/v1/state", "/v1/plan", "/metrics", "/v1/map?columns=2", "/none"}) {
+    for (const char* target : {"/v1/state", "/v1/plan", "/metrics", "/v1/map?columns=2", "/none"}) {
         EXPECT_EQ(status(target, ""), 401) << target;
         EXPECT_EQ(status(target, "Bearer sesame"), 401) << target;
         EXPECT_EQ(status(target, "Basic open sesame"), 401) << target;
@@ -172,7 +165,8 @@ TEST_F(NetHttp, with_a_client_token_pages_and_maps_ask_for_it) {
     EXPECT_NE(refused.body.find("Authorization"), std::string::npos);
     EXPECT_EQ(status("/v1/state", "Bearer open sesame"), 200);
     EXPECT_EQ(status("/metrics", "bearer open sesame"), 200) << "schemes have no case";
-    EXPECT_EQ(status("/healthz", ""), 200) << "says nothing of the sea";
+    for (const char* target : {"/healthz", "/", "/status.js", "/status.css"})
+        EXPECT_EQ(status(target, ""), 200) << target << " says nothing of the sea";
     EXPECT_EQ(status("/v1/stream", ""), 426) << "its Hello brings the token";
 }
 

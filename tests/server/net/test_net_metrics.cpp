@@ -15,6 +15,7 @@ using wire::Body;
 
 const std::map<std::string, double> figures{
     {"seaway_net_sessions", 2},
+    {"seaway_net_sessions_max", 263},
     {"seaway_net_subscriptions", 3},
     {"seaway_net_connections", 5},
     {"seaway_net_outbox_bytes", 7},
@@ -90,6 +91,7 @@ TEST(NetMetricsText, every_line_shows_the_figure_that_it_names) {
                             .out_of_memory = 257,
                             .outboxes = {1000, 2000, 3000}};
     const Gauges gauges{.sessions = 2,
+                        .sessions_max = 263,
                         .subscriptions = 3,
                         .connections = 5,
                         .outbox_bytes = 7,
@@ -187,6 +189,7 @@ class NetMetrics : public NetTest {
 /// After the day below, but for what depends on how often the page was looked at.
 const std::map<std::string, double> happened{
     {"seaway_net_sessions", 1},
+    {"seaway_net_sessions_max", 1024},
     {"seaway_net_subscriptions", 1},
     {"seaway_net_connections", 2},
     {"seaway_net_outbox_bytes", 0},

@@ -304,5 +304,13 @@ TEST(WaitingLine, the_longest_waiting_of_the_most_crowded_address_makes_room) {
     EXPECT_EQ(given_up, "1302");
 }
 
+TEST(HttpHead, a_key_of_a_websocket_is_sixteen_bytes_in_base64) {
+    EXPECT_TRUE(server::is_websocket_key("dGhlIHNhbXBsZSBub25jZQ=="));
+    for (const char* wrong :
+         {"", "dGhlIHNhbXBsZQ==", "dGhlIHNhbXBsZSBub25jZQ", "dGhlIHNhbXBsZSBub25jZSEh",
+          "dGhlIHNhbXBsZSBub25jZQ== ", "dGhlIHNhbXBs_SBub25jZQ==", "dGhlIHNhbXBsZSBub25jZQAA=="})
+        EXPECT_FALSE(server::is_websocket_key(wrong)) << wrong;
+}
+
 } // namespace
 } // namespace seaway::server

@@ -1,0 +1,159 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""The status page in a Chromium, in front of the real server: what it shows is what the server says.
+
+    test_status_page.py SEAWAY_SERVER CHROMIUM [FOLDER_FOR_SCREENSHOTS]
+"""
+import json
+import os
+import signal
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+import urllib.request
+
+import browser
+
+SERVER, CHROMIUM = sys.argv[1:3]
+PICTURES = sys.argv[3] if len(sys.argv) > 3 else None
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+LIVE = "document.documentElement?.dataset.state === 'live'"
+MAP = "document.getElementById('map')"
+
+
+class Server:
+    def __init__(self, scene, *options):
+        self.process = subprocess.Popen([SERVER, scene, "--device", "native", "--listen", "127.0.0.1:0", *options],
+                                        stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, cwd=ROOT)
+        self.url = self.process.stdout.readline().split()[1].replace("ws://", "http://")
+
+    def get(self, path, token=None):
+        headers = {"Authorization": "Bearer " + token} if token else {}
+        with urllib.request.urlopen(urllib.request.Request(self.url + path, headers=headers), timeout=60) as answer:
+            return answer.read()
+
+    def metric(self, name, token=None):
+        lines = self.get("/metrics", token).decode().splitlines()
+        return sum(float(line.split()[-1]) for line in lines if line.split("{")[0].split(" ")[0] == name)
+
+    def stop(self):
+        if self.process.poll() is None:
+            self.process.send_signal(signal.SIGTERM)
+        self.process.wait(timeout=60)
+        self.process.stdout.close()
+
+
+class StatusPage(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.browser = browser.Browser(CHROMIUM)
+        cls.addClassCleanup(cls.browser.close)
+
+    def serve(self, scene, *options):
+        server = Server(scene, *options)
+        self.addCleanup(server.stop)
+        return server
+
+    def keep(self, page, name):
+        picture = page.picture()
+        if PICTURES:
+            with open(os.path.join(PICTURES, name + ".png"), "wb") as file:
+                file.write(picture)
+
+    def shown(self, page):
+        return page.value(f"Object.assign({{}}, {MAP}.dataset)")
+
+    def test_it_shows_the_heights_of_the_sea_that_the_server_has(self):
+        server = self.serve("scenes/north_sea_gale.toml")
+        page = self.browser.open(server.url + "/")
+        page.wait_for(LIVE)
+        page.wait_for(f"{MAP}.dataset.pictures >= 2")  # it goes on by itself
+        # One instant of the page, and the same places and time asked of the server.
+        seen = json.loads(page.value(f"""JSON.stringify({{data: {{...{MAP}.dataset}}, size: {MAP}.width,
+            pixels: Array.from({MAP}.getContext('2d').getImageData(0, 0, {MAP}.width, {MAP}.height).data)}})"""))
+        data, size = seen["data"], seen["size"]
+        side_m = float(data["sideM"])
+        raw = server.get(f"/v1/map?width_m={side_m}&height_m={side_m}&columns={size}&rows={size}&t_s={data['tS']}")
+        heights = struct.unpack(f"<{size * size}f", raw[64:])
+        within = 2 * struct.unpack_from("<f", raw, 20)[0]  # both maps are within the bound that they state
+        self.assertAlmostEqual(float(data["lowestM"]), min(heights), delta=within)
+        self.assertAlmostEqual(float(data["highestM"]), max(heights), delta=within)
+        self.assertGreater(max(heights) - min(heights), 2, "it is a gale")
+        # Colours grow lighter from trough to crest, north up: blue of the darkest is 66, of the lightest 250.
+        self.assertEqual(len(seen["pixels"]), 4 * size * size)
+        for row, column in ((0, 0), (0, size - 1), (size // 3, size // 2), (size - 1, 0), (size - 1, size - 1)):
+            height = heights[(size - 1 - row) * size + column]
+            share = min(max(0.5 + height / (2 * float(data["reachM"])), 0), 1) * 2
+            blue = 66 + (150 - 66) * share if share < 1 else 150 + (250 - 150) * (share - 1)
+            self.assertAlmostEqual(seen["pixels"][4 * (row * size + column) + 2], blue,
+                                   delta=1 + 184 * within / (2 * float(data["reachM"])))
+        state = json.loads(server.get("/v1/state"))
+        text = page.value("document.body.innerText")
+        self.assertIn(f"{state['realised']['hs_m']:.2f} m", text)
+        self.assertIn("0 of 1024", text)
+        self.assertIn("none under way", text)
+        self.keep(page, "gale")
+        self.assertEqual(page.complaints(), [])
+        page.resize(380, 800)
+        page.wait_for("document.documentElement.scrollWidth <= 380")
+        self.keep(page, "gale_narrow")
+        page.ask("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": "dark"}])
+        self.assertEqual(page.value("getComputedStyle(document.body).backgroundColor"), "rgb(16, 24, 30)")
+        self.keep(page, "gale_dark")
+        # Loaded again, and a second time beside it.
+        page.ask("Page.reload")
+        beside = self.browser.open(server.url + "/")
+        for one in (page, beside):
+            one.ask("Page.bringToFront")  # one that cannot be seen asks for nothing
+            one.wait_for(LIVE)
+        # Who cannot be seen asks for nothing; one picture may have been on its way.
+        pictures = f"Number({MAP}.dataset.pictures)"
+        hidden = page.value(pictures)
+        beside.wait_for(f"{pictures} >= {beside.value(pictures) + 3}")
+        self.assertLessEqual(page.value(pictures), hidden + 1)
+        # Where nobody looks nothing is computed.
+        for one in (page, beside):
+            one.ask("Page.navigate", url="about:blank")
+        time.sleep(2)  # what was under way
+        before = server.metric("seaway_keyframes_total")
+        time.sleep(3)
+        self.assertEqual(server.metric("seaway_keyframes_total"), before)
+
+    def test_with_a_token_it_asks_for_it_and_shows_nothing_before(self):
+        with tempfile.NamedTemporaryFile("w", suffix=".token") as file:
+            file.write("open sesame\n")
+            file.flush()
+            server = self.serve("scenes/calm.toml", "--client-token-file", file.name)
+            page = self.browser.open(server.url + "/")
+            page.wait_for("document.documentElement?.dataset.state === 'token'")
+            self.assertTrue(page.value("document.getElementById('all').hidden"))
+            self.keep(page, "token")
+
+            def enter(token):
+                page.value(f"document.getElementById('token').value = '{token}';"
+                           "document.querySelector('#door button').click()")
+
+            enter("guess")
+            page.wait_for("document.getElementById('says').innerText.includes('not the token')")
+            enter("open sesame")
+            page.wait_for(LIVE)
+            self.assertNotIn("sesame", page.value("location.href + document.documentElement.outerHTML"))
+
+    def test_a_calm_sea_is_shown_and_a_server_that_goes_is_told_of(self):
+        server = self.serve("scenes/calm.toml")
+        page = self.browser.open(server.url + "/")
+        page.wait_for(LIVE)
+        self.assertEqual(page.complaints(), [])
+        self.assertIn("heights from", page.value("document.getElementById('caption').innerText"))
+        self.keep(page, "calm")
+        server.stop()
+        page.wait_for("document.documentElement?.dataset.state === 'lost'")
+        self.assertIn("does not answer", page.value("document.getElementById('says').innerText"))
+        self.keep(page, "gone")
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])
