@@ -68,6 +68,11 @@ bool timeout_fits(double timeout_s) {
     return timeout_s >= 0 && timeout_s <= 86400; // false for NaN
 }
 
+/// 0, or within a range.
+bool limit_fits(double limit, double least, double most) {
+    return limit == 0 || (limit >= least && limit <= most); // false for NaN
+}
+
 std::string text(const char* given, std::string otherwise) {
     return given ? std::string(given) : std::move(otherwise);
 }
@@ -206,11 +211,21 @@ seaway_code seaway_subscribe(seaway_client* client, const seaway_subscription* s
                 {.error_m = static_cast<float>(wanted.error_m)}, or_default(wanted.timeout_s));
             return granted ? Result<void>() : granted.error();
         }
+        if (!limit_fits(wanted.rate_hz_max, protocol::limits::rate_hz_min,
+                        protocol::limits::rate_hz_max) ||
+            !limit_fits(wanted.size_max, protocol::limits::size_min,
+                        protocol::limits::map_side_max))
+            return bad(fmt::format(
+                "seaway_subscribe: rate_hz_max must be 0 or {} to {}, size_max 0 or {} to {}",
+                protocol::limits::rate_hz_min, protocol::limits::rate_hz_max,
+                protocol::limits::size_min, protocol::limits::map_side_max));
         if (wanted.rung != SEAWAY_TILES)
             return bad("seaway_subscribe: rung must be SEAWAY_TILES or SEAWAY_SPECTRUM");
         protocol::TileWish wish;
         wish.fields = sea::surface_fields;
         wish.error_m = static_cast<float>(wanted.error_m);
+        wish.rate_hz_max = static_cast<float>(wanted.rate_hz_max);
+        wish.size_max = static_cast<int>(wanted.size_max);
         const Result<Grant> granted =
             client->client->subscribe(wish, static_cast<int>(credit), or_default(wanted.timeout_s));
         return granted ? Result<void>() : granted.error();

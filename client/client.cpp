@@ -87,6 +87,10 @@ ConnectionEvents Client::connection_events() {
             events_.on_keyframe(keyframe);
     };
     take_waves(events);
+    events.on_grant = [this](const Grant& grant) {
+        const std::scoped_lock lock(mutex_);
+        grant_ = grant;
+    };
     events.on_clock = [this](LocalUs sent_us, LocalUs received_us, TimeUs elapsed_us) {
         const std::scoped_lock lock(mutex_);
         clock_.add(sent_us, received_us, elapsed_us);
@@ -142,6 +146,11 @@ std::optional<Error> Client::end() const {
 std::string Client::closed_reason() const {
     const std::optional<Error> why = end();
     return why ? why->message : std::string();
+}
+
+std::optional<Grant> Client::grant() const {
+    const std::scoped_lock lock(mutex_);
+    return grant_;
 }
 
 TimeUs Client::now_us() {

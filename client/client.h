@@ -75,6 +75,8 @@ class Client {
     /// keyframes around now are held. An error (refused) says why nothing is granted.
     Result<Grant> subscribe(const protocol::TileWish& wish, int credit, double timeout_s);
     void unsubscribe() { connection_->unsubscribe(); }
+    /// What the last subscription gets now: a change of the sea may make its bound another.
+    std::optional<Grant> grant() const;
 
     /// Has the waves themselves sent, of the sea that runs and of every later one: some 60 KB each, then nothing;
     /// points are answered from them at any time, from the first of them on with what is still missed in
@@ -179,6 +181,7 @@ class Client {
     };
     mutable std::map<std::uint32_t, Glide> glides_; ///< likewise
     sea::FieldSet not_offered_;
+    std::optional<Grant> grant_;
     std::vector<Wanted*> wanted_;
     /// What the server was found to take at once, where its tiles are larger than usual.
     std::size_t times_taken_max_ = std::numeric_limits<std::size_t>::max();

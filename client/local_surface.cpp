@@ -27,6 +27,24 @@ void add_codec(sea::MapLoss& loss, const KeyframePair& pair, Field value, Field 
         loss.coded_relief = 0;
 }
 
+/// Adds what the coarser one of a pair misses.
+void add_coarser(sea::CascadeLoss& loss, const KeyframePair& pair, sea::TimeUs interval_us) {
+    const bool far_apart =
+        pair.after->keyframe().time_us - pair.before->keyframe().time_us > interval_us;
+    const auto take_larger = [](double& largest, double value) {
+        largest = std::max(largest, value);
+    };
+    for (const HeldKeyframePtr& keyframe : {pair.before, pair.after}) {
+        const sea::CoarserLoss& coarser = keyframe->coarser();
+        take_larger(loss.height.cut_m, coarser.cut_m);
+        take_larger(loss.displacement.cut_m, coarser.displacement_cut_m);
+        if (!far_apart)
+            continue;
+        take_larger(loss.height.time_m, coarser.time_m);
+        take_larger(loss.displacement.time_m, coarser.displacement_time_m);
+    }
+}
+
 /// Noise of a displacement that follows from heights lies along its waves: kx^4/k^2 has a mean of 3/16 of the largest k^2,
 /// half as much again as half of kx^2's.
 constexpr double follows_steeper = 1.5;
@@ -67,18 +85,24 @@ sea::MapError local_map_error(const SeaState& state, std::span<const KeyframePai
                         .displacement_bound_m = told ? state.single_precision_displacement_m
                                                      : state.interpolation_displacement_m,
                         .strain_bound = state.interpolation_strain};
-    double coded_strain2 = 0;
+    double coded_strain2 = 0, coarser_strain2 = 0;
     bool compact = false;
     for (const KeyframePair& pair : pairs) {
         const sea::Keyframe& map = pair.before->keyframe();
         const auto cascade = static_cast<std::size_t>(map.cascade);
+        const sea::TimeUs interval_us = state.cascades[cascade].interval_us;
         sea::CascadeLoss& loss =
             error.cascades.emplace_back(told ? state.losses[cascade] : sea::CascadeLoss{});
         add_codec(loss.height, pair, Field::height, Field::height_rate);
         add_codec(loss.displacement, pair, Field::displacement_x, Field::displacement_x_rate);
         add_codec(loss.displacement, pair, Field::displacement_y, Field::displacement_y_rate);
+        add_coarser(loss, pair, interval_us);
+        const double coarser_strain =
+            std::max(pair.before->coarser().strain, pair.after->coarser().strain);
+        coarser_strain2 += coarser_strain * coarser_strain;
+        const sea::TimeUs apart_us = pair.after->keyframe().time_us - map.time_us;
         coded_strain2 += coded_strain_variance(
-            loss.displacement, pair, sea::seconds_from_us(state.cascades[cascade].interval_us));
+            loss.displacement, pair, sea::seconds_from_us(std::max(interval_us, apart_us)));
         compact = compact || pair.before->compact() || pair.after->compact();
     }
     if (compact) { // the way to the smaller grids and back
@@ -86,6 +110,8 @@ sea::MapError local_map_error(const SeaState& state, std::span<const KeyframePai
         error.displacement_bound_m +=
             sea::regrid_over_single * state.single_precision_displacement_m;
     }
+    if (coarser_strain2 > 0)
+        error.strain_bound = std::hypot(error.strain_bound, std::sqrt(coarser_strain2));
     const sea::Choppiness choppiness = largest_choppiness(state);
     error.codec_strain_bound =
         std::max(choppiness.x, choppiness.y) * sea::coded_strain_bound(coded_strain2);

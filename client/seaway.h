@@ -44,7 +44,7 @@ extern "C" {
 #endif
 
 /* Grows with every change that a caller must be rebuilt for. */
-#define SEAWAY_ABI_VERSION 1
+#define SEAWAY_ABI_VERSION 2
 uint32_t seaway_abi_version(void);
 
 typedef enum seaway_code {
@@ -166,6 +166,10 @@ typedef struct seaway_subscription {
     uint32_t credit;  /* keyframes under way, 1 .. 8; 0: 2 */
     uint32_t rung;    /* SEAWAY_TILES or SEAWAY_SPECTRUM; one does not end the other */
     double timeout_s; /* 0: 10 */
+    /* Of tiles, for thin lines; what is left out counts in error_m of every answer. 0: no limit. */
+    double rate_hz_max; /* keyframes of each cascade a second, 1 to 1000 */
+    uint32_t size_max;  /* grid points a side of a map, 32 to 2048 */
+    uint32_t reserved;  /* 0 */
 } seaway_subscription;
 
 /* Has what is needed for sampling sent from now on; NULL: the defaults. An earlier subscription of the

@@ -88,6 +88,11 @@ inline constexpr double position_m_max = sea::position_max_m;
 /// Bound on height that a Subscribe or Fetch may wish for, m: no sea is higher.
 inline constexpr float error_m_max = 1e6f;
 
+/// The lowest rate of keyframes and the smallest maps that a Subscribe may ask for: what is less says nothing of most seas.
+inline constexpr float rate_hz_min = 1.0f;
+inline constexpr float rate_hz_max = 1000.0f;
+inline constexpr int size_min = 32;
+
 /// Times a Fetch: two keyframes of every cascade for each.
 inline constexpr std::uint32_t times_per_fetch_max = 8;
 

@@ -22,6 +22,9 @@ Result<void> in_range(std::string_view field, T value, T lo, T hi) {
                  fmt::format("{} is {}, allowed are {} to {}", field, value, lo, hi)};
 }
 
+/// Between keyframes.
+constexpr std::int64_t interval_us_max = std::int64_t{3600} * 1'000'000;
+
 /// One of a list, within `max` either side of 0. What is not a finite number is let through: such a
 /// point is answered, and flagged, like the others.
 template <class T>
@@ -121,7 +124,13 @@ Result<void> check(const wire::Subscribe& subscribe) {
     return all_of(
         check_fields(subscribe.fields()),
         in_range("error_m", subscribe.error_m(), 0.0f, limits::error_m_max),
-        in_range<int>("credit", subscribe.credit(), limits::credit_min, limits::credit_max));
+        in_range<int>("credit", subscribe.credit(), limits::credit_min, limits::credit_max),
+        subscribe.rate_hz_max() == 0 ? Result<void>()
+                                     : in_range("rate_hz_max", subscribe.rate_hz_max(),
+                                                limits::rate_hz_min, limits::rate_hz_max),
+        subscribe.size_max() == 0 ? Result<void>()
+                                  : in_range<int>("size_max", subscribe.size_max(),
+                                                  limits::size_min, limits::map_side_max));
 }
 
 Result<void> check(const wire::Fetch& fetch) {
@@ -277,12 +286,12 @@ Result<void> check(const wire::SeaState& state) {
     if (!fine || state.cascades() == nullptr)
         return fine;
     for (const wire::CascadeInfo* cascade : *state.cascades()) {
-        fine = all_of(in_range("length_m", cascade->length_m(), 1e-3, 1e9),
-                      in_range<std::uint32_t>("size", cascade->size(), 1, limits::map_side_max),
-                      in_range<std::int64_t>("interval_us", cascade->interval_us(), 1,
-                                             std::int64_t{3600} * 1'000'000),
-                      in_range("k_lo_radpm", cascade->k_lo_radpm(), 0.0, 1e9),
-                      in_range("k_hi_radpm", cascade->k_hi_radpm(), 0.0, 1e9));
+        fine = all_of(
+            in_range("length_m", cascade->length_m(), 1e-3, 1e9),
+            in_range<std::uint32_t>("size", cascade->size(), 1, limits::map_side_max),
+            in_range<std::int64_t>("interval_us", cascade->interval_us(), 1, interval_us_max),
+            in_range("k_lo_radpm", cascade->k_lo_radpm(), 0.0, 1e9),
+            in_range("k_hi_radpm", cascade->k_hi_radpm(), 0.0, 1e9));
         if (!fine)
             break;
     }
@@ -290,12 +299,34 @@ Result<void> check(const wire::SeaState& state) {
 }
 
 Result<void> check(const wire::Subscribed& subscribed) {
+    const wire::TileLimits* const limited = subscribed.limits();
     return all_of(
+        in_range("limits.rate_hz", limited ? limited->rate_hz() : 0.0f, 0.0f, 1e6f),
+        in_range<std::uint32_t>("limits.size", limited ? limited->size() : 0, 0,
+                                limits::map_side_max),
         in_range("error_m", subscribed.error_m(), 0.0f, limits::error_m_max),
         in_range<int>("credit", subscribed.credit(), limits::credit_min, limits::credit_max));
 }
 
+namespace {
+
+/// None, or what a loss can be.
+Result<void> check_coarser(const wire::Coarser* coarser) {
+    if (coarser == nullptr)
+        return {};
+    return all_of(
+        in_range<std::int64_t>("coarser.interval_us", coarser->interval_us(), 1, interval_us_max),
+        in_range("coarser.time_m", coarser->time_m(), 0.0f, 1e9f),
+        in_range("coarser.displacement_time_m", coarser->displacement_time_m(), 0.0f, 1e9f),
+        in_range("coarser.cut_m", coarser->cut_m(), 0.0f, 1e9f),
+        in_range("coarser.displacement_cut_m", coarser->displacement_cut_m(), 0.0f, 1e9f),
+        in_range("coarser.strain", coarser->strain(), 0.0f, 1e9f));
+}
+
+} // namespace
+
 Result<void> check(const wire::Tile& tile) {
+    SEAWAY_TRY(check_coarser(tile.coarser()));
     const int size = tile.size();
     return all_of(in_range<int>("cascade", tile.cascade(), 0, limits::cascades_max - 1),
                   in_range<int>("field", static_cast<int>(tile.field()), 0, sea::field_count - 1),

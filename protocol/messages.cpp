@@ -137,7 +137,8 @@ Bytes subscribe(std::uint32_t request_id, const TileWish& wish, int credit) {
     FlatBufferBuilder built = builder(128);
     return finish(built, wire::CreateSubscribe(built, request_id, wish.cascades, wish.fields.bits(),
                                                wish.error_m, static_cast<std::uint8_t>(credit),
-                                               wish.compact));
+                                               wish.compact, wish.rate_hz_max,
+                                               static_cast<std::uint16_t>(wish.size_max)));
 }
 
 Bytes unsubscribe(bool spectrum) {
@@ -217,16 +218,48 @@ Bytes welcome(std::uint64_t session, std::string_view server, const sea::SeaTime
                                              limits::client_message_bytes_max, elapsed_us(time)));
 }
 
-Bytes subscribed(std::uint32_t request_id, const TileWish& grant, int credit) {
-    FlatBufferBuilder built = builder(128);
+Bytes subscribed(std::uint32_t request_id, const TileWish& grant, int credit,
+                 std::string_view why) {
+    FlatBufferBuilder built = builder(256);
+    // Absent where there is nothing to say: who asks for nothing new reads the bytes of old.
+    const auto reason = why.empty() ? Offset<flatbuffers::String>() : string_of(built, why);
+    const wire::TileLimits limits(grant.rate_hz_max, static_cast<std::uint32_t>(grant.size_max));
+    const bool limited = grant.rate_hz_max > 0 || grant.size_max > 0;
     return finish(built,
                   wire::CreateSubscribed(built, request_id, grant.cascades, grant.fields.bits(),
-                                         grant.error_m, static_cast<std::uint8_t>(credit)));
+                                         grant.error_m, static_cast<std::uint8_t>(credit), reason,
+                                         limited ? &limits : nullptr));
 }
+
+namespace {
+
+wire::Coarser wire_of(const sea::CoarserLoss& loss) {
+    return {loss.interval_us,
+            bound_to_float(loss.time_m),
+            bound_to_float(loss.displacement_time_m),
+            bound_to_float(loss.cut_m),
+            bound_to_float(loss.displacement_cut_m),
+            bound_to_float(loss.strain),
+            0};
+}
+
+sea::CoarserLoss loss_of(const wire::Coarser* loss) {
+    if (loss == nullptr)
+        return {};
+    return {loss->interval_us(),
+            static_cast<double>(loss->time_m()),
+            static_cast<double>(loss->displacement_time_m()),
+            static_cast<double>(loss->cut_m()),
+            static_cast<double>(loss->displacement_cut_m()),
+            static_cast<double>(loss->strain())};
+}
+
+} // namespace
 
 Bytes tile(const TileHeader& header, std::span<const std::uint8_t> payload) {
     FlatBufferBuilder built = builder(192 + payload.size());
     const auto bytes = vector_of(built, payload);
+    const wire::Coarser coarser = wire_of(header.coarser);
     return finish(
         built,
         wire::CreateTile(
@@ -235,7 +268,8 @@ Bytes tile(const TileHeader& header, std::span<const std::uint8_t> payload) {
             static_cast<std::uint16_t>(header.size), static_cast<std::uint16_t>(header.x0),
             static_cast<std::uint16_t>(header.y0), static_cast<std::uint16_t>(header.width),
             static_cast<std::uint16_t>(header.height), static_cast<std::uint16_t>(header.part),
-            static_cast<std::uint16_t>(header.parts), header.error, bytes, header.follows.bits()));
+            static_cast<std::uint16_t>(header.parts), header.error, bytes, header.follows.bits(),
+            header.coarser.interval_us != 0 ? &coarser : nullptr));
 }
 
 TileHeader header(const wire::Tile& tile) {
@@ -252,7 +286,8 @@ TileHeader header(const wire::Tile& tile) {
             .part = tile.part(),
             .parts = tile.parts(),
             .error = tile.error(),
-            .follows = sea::FieldSet::from_bits(tile.follows())};
+            .follows = sea::FieldSet::from_bits(tile.follows()),
+            .coarser = loss_of(tile.coarser())};
 }
 
 Bytes query_reply(std::uint32_t request_id, std::uint32_t epoch,

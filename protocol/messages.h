@@ -100,6 +100,10 @@ struct TileWish {
     /// Takes linear maps at the smallest grid that carries their waves, brings them to the cascade's own, and makes
     /// displacements of heights (docs/protocol.md, "Compact maps"). Of a wish only.
     bool compact = false;
+    /// Keyframes of a cascade a second and grid points a side of a map, at most; 0: any. Of a subscription. Granted: where
+    /// that is less than all there is.
+    float rate_hz_max = 0;
+    int size_max = 0;
 };
 
 /// credit: limits::credit_min .. credit_max unacknowledged keyframes.
@@ -220,7 +224,9 @@ Bytes sea_state(const SeaStateValues& state);
 /// The inverse; `state` must have passed check().
 SeaStateValues values(const wire::SeaState& state);
 
-Bytes subscribed(std::uint32_t request_id, const TileWish& grant, int credit);
+/// `why`: in what that is less than the wish; empty: in nothing.
+Bytes subscribed(std::uint32_t request_id, const TileWish& grant, int credit,
+                 std::string_view why = {});
 
 /// Everything of a Tile message but its payload.
 struct TileHeader {
@@ -239,6 +245,8 @@ struct TileHeader {
     float error = 0; ///< bound that the encoder met, in the field's unit
     /// Fields of this keyframe that follow from this map and are not sent (sea::following).
     sea::FieldSet follows = {};
+    /// What it misses beside what the sea says of its maps; interval_us 0: nothing.
+    sea::CoarserLoss coarser = {};
 };
 Bytes tile(const TileHeader& header, std::span<const std::uint8_t> payload);
 /// The inverse; `tile` must have passed check().

@@ -39,7 +39,9 @@ int fail(ExitCode code, const Error& error) {
 
 SimulationEvents events(World& world) {
     return {
-        [&world](const sea::KeyframePtr& keyframe) { world.on_keyframe(keyframe); },
+        [&world](const sea::KeyframePtr& keyframe, std::size_t rate) {
+            world.on_keyframe(keyframe, rate);
+        },
         [](const std::string& why) { spdlog::warn("{}", why); },
         [](const std::string& why) {
             spdlog::error("{}", why);

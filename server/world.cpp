@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "protocol/limits.h"
+#include "server/host/grant.h"
 #include "server/map_source.h"
 #include "server/process_metrics.h"
 #include "server/simulation/memory_needs.h"
@@ -174,21 +175,16 @@ void World::change(SeaWish wish, Changed done) {
     change(std::move(wish), std::move(done));
 }
 
-sea::FieldSet World::follows(const RunningSea& sea, std::uint8_t quality) const {
-    return is_compact(quality) && sea.budget.displacement_follows
-               ? sea::following(sea.streamed()) & sea.streamed()
-               : sea::FieldSet{};
-}
-
 KeyframeTiles World::tiles(sea::KeyframePtr keyframe, std::uint8_t quality) const {
     const RunningSeaPtr sea = course_->sea(keyframe->epoch);
     (void)sea_state_message(keyframe->epoch); // held ready for the sessions that it goes to
-    std::vector<float> bounds =
-        sea::codec_bounds(sea->budget, keyframe->fields, keyframe->cascade,
-                          codec_error_m(sea->budget, quality), is_compact(quality));
-    const auto cascade = static_cast<std::size_t>(keyframe->cascade);
-    const int size = is_compact(quality) ? sea->budget.cascades[cascade].compact_size : 0;
-    return {std::move(keyframe), std::move(bounds), quality, size, follows(*sea, quality)};
+    RungMaps maps = maps_of(sea->budget, keyframe->cascade, keyframe->fields, quality);
+    return {std::move(keyframe),
+            std::move(maps.codec_error),
+            quality,
+            maps.compact_size,
+            follows_of(sea->budget, sea->streamed(), quality),
+            maps.coarser};
 }
 
 void World::attach(Simulation& simulation) {
@@ -196,33 +192,44 @@ void World::attach(Simulation& simulation) {
     subscriptions().on_change([&simulation] { simulation.demand_changed(); });
 }
 
-void World::on_keyframe(const sea::KeyframePtr& keyframe) {
+void World::on_keyframe(const sea::KeyframePtr& keyframe, std::size_t rate) {
     Publish publish;
     {
         const std::scoped_lock lock(mutex_);
         publish = publish_;
     }
+    const std::bitset<quality_rungs> used = subscriptions().qualities(keyframe->cascade);
     for (std::uint8_t quality = 0; quality < quality_rungs; ++quality)
-        if (publish && !subscriptions().wanted(keyframe->cascade, quality).empty())
+        if (publish && used[quality] && rung_of(quality).rate == rate)
             publish(tiles(keyframe, quality));
 }
 
+std::vector<RunningSeaPtr> World::seas_told() const {
+    std::vector<RunningSeaPtr> seas{sea_now()};
+    const std::scoped_lock lock(mutex_);
+    const sea::TimeUs now_us = clock_.now_us();
+    std::ranges::copy_if(told_, std::back_inserter(seas), [&](const RunningSeaPtr& sea) {
+        return sea != seas.front() && course_->window(sea->epoch).end_us > now_us;
+    });
+    return seas;
+}
+
 Demand World::grant(const Demand& wish) const {
-    const RunningSeaPtr sea = sea_now();
-    Demand granted;
-    granted.cascades = wish.cascades & ((1u << sea->budget.cascades.size()) - 1u);
-    granted.fields = sea::FieldSet::from_bits(wish.fields.bits() & sea->streamed().bits());
-    granted.quality = quality_for(sea->budget, static_cast<double>(wish.error_m), wish.compact);
-    granted.compact = wish.compact;
-    granted.follows =
-        granted.fields & follows(*sea, granted.quality) & sea::following(granted.fields);
-    granted.fields = granted.fields.without(granted.follows);
-    granted.error_m = static_cast<float>(height_error_m(sea->budget, granted.quality));
+    const std::vector<RunningSeaPtr> seas = seas_told();
+    std::vector<const sea::ErrorBudget*> budgets;
+    for (const RunningSeaPtr& sea : seas)
+        budgets.push_back(&sea->budget);
+    Demand granted = grant_of(wish, budgets, seas.front()->streamed(), subscriptions().qualities());
+    granted.until_us = course_->window(seas.front()->epoch).end_us;
     return granted;
 }
 
 void World::fetch(FetchRequest request, Fetched done) {
-    const Demand granted = grant(request.demand);
+    // What a subscription begins with is what it was granted.
+    const bool starts = request.times_us.empty();
+    Demand granted = starts ? request.demand : grant(request.demand);
+    if (starts)
+        granted.fields = granted.fields.without(granted.follows);
     if (granted.empty())
         return done(
             Error{Refusal::not_offered, "this sea offers none of these fields and cascades"});
@@ -235,7 +242,7 @@ void World::fetch(FetchRequest request, Fetched done) {
             part.tiles.push_back(tiles(std::move(keyframe), quality));
         done(std::move(part));
     };
-    if (request.times_us.empty())
+    if (starts)
         simulation_->fetch_current(granted, std::move(made), request.asker);
     else
         simulation_->fetch(std::move(request.times_us), granted, std::move(made), request.asker);

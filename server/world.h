@@ -50,8 +50,9 @@ class World final : public Host {
     /// Where the states of seas to come go from now on, and who changes the sea.
     void announce_to(Announce announce);
     void change_by(Change change);
-    /// A keyframe that the plan called for: published once a quality in use.
-    void on_keyframe(const sea::KeyframePtr& keyframe);
+    /// A keyframe that the plan called for, for those who take keyframes at a rate (of rate_rungs_hz): published once a
+    /// quality in use.
+    void on_keyframe(const sea::KeyframePtr& keyframe, std::size_t rate = 0);
     /// Makes the seas that begin within announced_ahead_us and tells everybody who has not been told. Says until when
     /// there is nothing more to tell. Slow.
     sea::TimeUs announce_due();
@@ -83,14 +84,14 @@ class World final : public Host {
     }
 
   private:
-    /// What tiles of this rung leave out because it follows from what they hold.
-    sea::FieldSet follows(const RunningSea& sea, std::uint8_t quality) const;
     KeyframeTiles tiles(sea::KeyframePtr keyframe, std::uint8_t quality) const;
     /// The one that runs; made here only where the clock has leapt to a sea that nobody was told of.
     RunningSeaPtr sea_now() const { return course_->at(clock_.now_us()); }
     /// What a sea glides from, and that from: the nearest first.
     std::vector<RunningSeaPtr> origins_of(RunningSeaPtr sea) const;
     bool is_told(std::uint32_t epoch) const;
+    /// The one that runs, first, and those that were announced.
+    std::vector<RunningSeaPtr> seas_told() const;
 
     const SeaCoursePtr course_;
     SeaClock& clock_;

@@ -219,23 +219,33 @@ std::string state_json(const RunningSea& sea, const std::vector<std::string>& wa
     return json.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
 }
 
+/// Of a cascade, in a steady sea.
+double keyframes_per_s(const CascadePlan& plan, const sea::CascadeBudget& cascade) {
+    double most_hz = 0;
+    for (std::size_t rate = 0; rate < rate_rungs_hz.size(); ++rate)
+        if (!plan.at(rate).empty())
+            most_hz = std::max(most_hz, 1.0 / (sea::every_for(cascade, rate_rungs_hz[rate]) *
+                                               sea::seconds_from_us(plan.interval_us)));
+    return most_hz;
+}
+
 std::string plan_json(const RunningSea& sea, const EffectPlan& plan,
                       const SimulationCounters& counters, const EffectCosts& costs,
                       const std::string& device) {
     ordered_json cascades = ordered_json::array();
     for (std::size_t c = 0; c < plan.cascades.size(); ++c) {
         const CascadePlan& cascade = plan.cascades[c];
-        const double rate_hz = 1.0 / sea::seconds_from_us(cascade.interval_us);
+        const double rate_hz = keyframes_per_s(cascade, sea.budget.cascades[c]);
         ordered_json effects = ordered_json::array();
         for (std::size_t e = 0; e < effect_table().size(); ++e)
-            if (const sea::FieldSet fields = fields_of(effect_table()[e], cascade.fields);
+            if (const sea::FieldSet fields = fields_of(effect_table()[e], cascade.all());
                 !fields.empty())
                 effects.push_back(effect_json(costs, c, e, fields, rate_hz));
         cascades.push_back({{"length_m", sea.realization->cascades[c].spec.length_m},
                             {"size", sea.realization->cascades[c].spec.size},
                             {"effects", effects},
-                            {"fields", names(cascade.fields)},
-                            {"keyframes_per_s", cascade.fields.empty() ? 0.0 : rate_hz},
+                            {"fields", names(cascade.all())},
+                            {"keyframes_per_s", rate_hz},
                             {"transforms_per_keyframe", cascade.transforms}});
     }
     const ordered_json json{{"device", device},

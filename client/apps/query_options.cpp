@@ -111,6 +111,11 @@ Result<void> check(const QueryOptions& options) {
                        "--from says what --local answers from"));
     SEAWAY_TRY(require(options.bench_points == 0 || options.source == Source::tiles,
                        "--bench measures answers from tiles or the server: it takes no --from"));
+    SEAWAY_TRY(options.limits.check());
+    const bool limited = options.limits.rate_hz_max != 0 || options.limits.size_max != 0;
+    const bool streamed = options.local && options.watch_hz > 0 && options.source == Source::tiles;
+    SEAWAY_TRY(require(!limited || streamed,
+                       "--rate-max and --size-max limit a stream: they need --local --watch"));
     SEAWAY_TRY(require(options.timeout_s > 0 && options.timeout_s <= 86400,
                        fmt::format("--timeout {}: above 0, up to 86400 s", options.timeout_s)));
     return {};
@@ -164,6 +169,7 @@ std::variant<QueryOptions, int> read_query_options(int argc, const char* const* 
                 "the clock")
         .takes("HZ")
         .between(watch_hz_min, watch_hz_max);
+    options.limits.describe(line);
     line.option("--bench", options.bench_points,
                 "Measure rates with queries of this many random points instead")
         .takes("POINTS")

@@ -9,6 +9,7 @@
 
 #include "client/apps/exit_code.h"
 #include "client/apps/query_points.h"
+#include "client/tile_limits.h"
 
 namespace seaway::client {
 
@@ -29,6 +30,7 @@ struct QueryOptions {
     double watch_hz = 0;  ///< 0: once
     int bench_points = 0; ///< 0: no benchmark
     double timeout_s = 10;
+    TileLimits limits; ///< of what is streamed
     std::string token_file;
     std::string ca_file;
 };

@@ -64,7 +64,11 @@ Result<std::unique_ptr<Client>> connected(const Connect& connect, const QueryOpt
         SEAWAY_TRY(client->subscribe_spectrum({}, options.timeout_s));
     } else if (options.watch_hz > 0 && options.local) {
         constexpr int credit = 2;
-        SEAWAY_TRY(client->subscribe({.fields = sea::surface_fields}, credit, options.timeout_s));
+        protocol::TileWish wish{.fields = sea::surface_fields};
+        options.limits.put_into(wish);
+        SEAWAY_TRY_LET(const Grant grant, client->subscribe(wish, credit, options.timeout_s));
+        if (!grant.why.empty())
+            complain("seaway-query", 0, "granted less: " + grant.why);
     }
     return client;
 }

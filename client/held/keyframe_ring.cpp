@@ -151,6 +151,10 @@ std::optional<KeyframePair> KeyframeRing::around(int cascade, std::uint32_t epoc
     }
     if (!pair.before && !pair.after)
         return std::nullopt;
+    const auto apart_us = [](const HeldKeyframePtr& held) {
+        return held ? held->coarser().interval_us : 0;
+    };
+    interval_us = std::max({interval_us, apart_us(pair.before), apart_us(pair.after)});
     pair.covers = pair.before && pair.after &&
                   pair.after->keyframe().time_us - pair.before->keyframe().time_us <= interval_us;
     if (pair.covers)

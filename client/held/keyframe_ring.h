@@ -15,6 +15,7 @@
 #include <optional>
 #include <vector>
 
+#include "sea/surface/map_error.h"
 #include "sea/surface/maps/keyframe.h"
 #include "sea/surface/maps/spline_map.h"
 
@@ -30,6 +31,7 @@ class HeldKeyframe {
         int size = 0;          ///< of the grid on which linear maps came; 0: on their own
         sea::FieldSet follows; ///< made of height and its rate, whose errors they have
         double gain = 0.5;     ///< their variance over that of what they were made of (sea::Orbits)
+        sea::CoarserLoss coarser = {}; ///< what they miss beside what the sea says
     };
 
     /// `errors`: the bound that the encoder met, [field], in the field's unit; 0 where absent.
@@ -50,6 +52,8 @@ class HeldKeyframe {
 
     /// Were linear maps coded on a smaller grid?
     bool compact() const { return compact_.size > 0; }
+    /// What it misses beside what the sea says of its maps.
+    const sea::CoarserLoss& coarser() const { return compact_.coarser; }
     /// Between the samples that were coded.
     double coded_spacing_m() const {
         return keyframe_->length_m / (compact() ? compact_.size : keyframe_->size);
@@ -87,8 +91,8 @@ using HeldKeyframePtr = std::shared_ptr<const HeldKeyframe>;
 struct KeyframePair {
     HeldKeyframePtr before;
     HeldKeyframePtr after;
-    /// The time lies between them and they are no further apart than the cascade's interval, so
-    /// that the stated interpolation error holds.
+    /// The time lies between them and they are no further apart than the cascade's interval, or than one of them says
+    /// that keyframes come, so that the stated interpolation error holds.
     bool covers = false;
 };
 

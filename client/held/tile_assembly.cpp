@@ -262,6 +262,7 @@ HeldKeyframePtr TileAssembly::assemble(Pending& pending) {
         smaller = smaller.without({Field::height, Field::height_rate});
     }
     enlarge(pending, smaller, keyframe);
+    compact.coarser = pending.header.coarser;
     if (pending.linear_size < pending.size)
         compact.size = pending.linear_size;
     pending.handed_out = pending.whole;

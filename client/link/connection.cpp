@@ -290,8 +290,15 @@ Result<void> Connection::take(const wire::Subscribed& subscribed) {
     grant.fields = sea::FieldSet::from_bits(subscribed.fields());
     grant.error_m = subscribed.error_m();
     grant.credit = subscribed.credit();
+    grant.why = text(subscribed.why());
+    if (const wire::TileLimits* limits = subscribed.limits()) {
+        grant.rate_hz_max = limits->rate_hz();
+        grant.size_max = static_cast<int>(limits->size());
+    }
     streamed_fields_ = grant.fields;
     requests_.note_grant(subscribed.request_id(), grant);
+    if (events_.on_grant)
+        events_.on_grant(grant);
     return {};
 }
 

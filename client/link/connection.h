@@ -55,6 +55,8 @@ struct ConnectionEvents {
     std::function<Result<void>(std::uint32_t epoch, const sea::SpectrumLeft& left,
                                std::span<const sea::WaveBlock> blocks)>
         on_waves{};
+    /// What the subscription gets: at its start, and again whenever a change of the sea makes that something else.
+    std::function<void(const Grant&)> on_grant{};
     /// One look at the server's clock, in time since the sea's epoch: local times as local_now_us().
     std::function<void(std::int64_t sent_us, std::int64_t received_us, sea::TimeUs elapsed_us)>
         on_clock{};

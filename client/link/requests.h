@@ -29,6 +29,9 @@ struct Grant {
     sea::FieldSet fields;
     float error_m = 0; ///< bound on height that these tiles give, all parts together
     int credit = 0;
+    std::string why = {};  ///< in what it is less than the wish; empty: in nothing
+    float rate_hz_max = 0; ///< keyframes of a cascade a second, at most; 0: all there are
+    int size_max = 0;      ///< side of a map, at most; 0: maps are not cut
 };
 
 /// What came back; each kind of request fills its own part.

@@ -147,6 +147,7 @@ Result<void> check(const Words& words, const ViewOptions& options) {
     if (options.url.empty())
         return Error{"URL is required"};
     SEAWAY_TRY(parse_url(options.url));
+    SEAWAY_TRY(options.limits.check());
     SEAWAY_TRY(require(options.camera.view_deg >= camera_view_min_deg &&
                            options.camera.view_deg <= camera_view_max_deg,
                        fmt::format("--fov {:g}: {:g} .. {:g} degrees", options.camera.view_deg,
@@ -223,6 +224,7 @@ std::variant<ViewOptions, int> read_view_options(int argc, const char* const* ar
     line.option("--device", options.device, "Vulkan device: auto, an index, or part of a name");
     line.option("--token-file", options.token_file, "file with the server's client token");
     line.option("--ca-file", options.ca_file, "certificates to trust besides the system's, PEM");
+    options.limits.describe(line);
     line.option("--timeout", options.timeout_s, "seconds to wait for the server")
         .between(timeout_min_s, timeout_max_s);
     const Result<CommandLine::Next> next = line.read(argc, argv);

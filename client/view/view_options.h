@@ -6,6 +6,7 @@
 #include <string>
 #include <variant>
 
+#include "client/tile_limits.h"
 #include "client/view/camera.h"
 #include "client/view/debug_views.h"
 #include "client/view/quality.h"
@@ -36,6 +37,7 @@ struct ViewOptions {
     Quality quality = quality_table[quality_high];
     int bench_frames = 0; ///< above 0: these are drawn and timed, no file is written
     std::string device = "auto";
+    TileLimits limits; ///< of what is streamed
     double timeout_s = 20;
     std::string token_file;
     std::string ca_file;

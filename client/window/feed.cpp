@@ -22,8 +22,10 @@ std::chrono::duration<double> seconds(double s) {
 
 } // namespace
 
-Feed::Feed(const ConnectOptions& options) : state_(std::make_shared<State>()) {
+Feed::Feed(const ConnectOptions& options, const TileLimits& limits)
+    : state_(std::make_shared<State>()) {
     state_->options = options;
+    state_->limits = limits;
     std::thread([state = state_] { run(state); }).detach();
 }
 
@@ -63,8 +65,9 @@ Error Feed::one_connection(const std::shared_ptr<State>& state) {
     if (!made)
         return made.error();
     const std::shared_ptr<Client> client = std::move(*made);
-    const Result<Grant> grant =
-        client->subscribe({.fields = drawn_fields}, credit, state->options.timeout_s);
+    protocol::TileWish wish{.fields = drawn_fields};
+    state->limits.put_into(wish);
+    const Result<Grant> grant = client->subscribe(wish, credit, state->options.timeout_s);
     if (!grant)
         return grant.error();
     std::unique_lock lock(state->mutex);

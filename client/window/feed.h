@@ -17,6 +17,7 @@
 #include <string>
 
 #include "client/client.h"
+#include "client/tile_limits.h"
 
 namespace seaway::client {
 
@@ -36,7 +37,7 @@ class Feed {
   public:
     static constexpr int credit = 2;
 
-    explicit Feed(const ConnectOptions& options);
+    explicit Feed(const ConnectOptions& options, const TileLimits& limits = {});
     ~Feed();
     Feed(const Feed&) = delete;
     Feed& operator=(const Feed&) = delete;
@@ -49,6 +50,7 @@ class Feed {
     /// Outlives the feed where its thread does.
     struct State {
         ConnectOptions options;
+        TileLimits limits;
         std::mutex mutex;
         std::condition_variable changed;
         bool stop = false, ended = false;

@@ -189,8 +189,9 @@ int draw_files(const ViewOptions& options, const ConnectOptions& connect) {
     const Result<std::unique_ptr<Client>> client = Client::connect(connect);
     if (!client)
         return fail(client.error());
-    const Result<Grant> grant =
-        (*client)->subscribe({.fields = drawn_fields}, stream_credit, options.timeout_s);
+    protocol::TileWish wish{.fields = drawn_fields};
+    options.limits.put_into(wish);
+    const Result<Grant> grant = (*client)->subscribe(wish, stream_credit, options.timeout_s);
     if (!grant)
         return fail(grant.error());
     if (options.bench_frames > 0) {

@@ -65,7 +65,7 @@ Result<void> Viewer::create(const ConnectOptions& connect, bool validation) {
     }
     SEAWAY_TRY_LET(gui_, Gui::create(*device_, *window_, *swapchain_));
     window_->set_taken([this](double x, double y) { return panels_.taken(x, y); });
-    feed_.emplace(connect);
+    feed_.emplace(connect, options_.limits);
     return {};
 }
 

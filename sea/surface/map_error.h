@@ -13,6 +13,7 @@
 #include <cmath>
 #include <vector>
 
+#include "sea/basics/time.h"
 #include "sea/surface/maps/hermite.h"
 
 namespace seaway::sea {
@@ -49,13 +50,14 @@ struct MapLoss {
     double north_m = 0;  ///< likewise from south to north
     double value_m = 0;  ///< by coding, of values at grid points
     double rate_mps = 0; ///< by coding, of time rates at grid points
+    double cut_m = 0;    ///< everywhere and at any time: of waves that the map was sent without
     /// What a spline leaves out of a coded value's variance in the middle of a cell, by axis: a fifth where errors at
     /// the grid points are independent; nothing where they are long waves, coded on a smaller grid.
     double coded_relief = 0.2;
 
     /// Between grid points and keyframes, anywhere and at any time.
     double interpolation_variance_m2() const {
-        return time_m * time_m + east_m * east_m + north_m * north_m;
+        return time_m * time_m + east_m * east_m + north_m * north_m + cut_m * cut_m;
     }
     /// All of it, keyframes `interval_s` apart.
     double largest_variance_m2(double interval_s) const {
@@ -73,7 +75,7 @@ struct MapLoss {
         const double coded =
             value_m * value_m * (w.value[0] * w.value[0] + w.value[2] * w.value[2]) +
             rate_mps * rate_mps * (w.value[1] * w.value[1] + w.value[3] * w.value[3]);
-        return time * time + east_m * east_m * east + north_m * north_m * north +
+        return time * time + east_m * east_m * east + north_m * north_m * north + cut_m * cut_m +
                coded * (1.0 - coded_relief * east) * (1.0 - coded_relief * north);
     }
 };
@@ -82,6 +84,19 @@ struct MapLoss {
 struct CascadeLoss {
     MapLoss height;
     MapLoss displacement; ///< of D, both components together
+};
+
+/// What maps of one cascade miss that come coarser than its sea says: further apart in time, or without their finest
+/// waves.
+struct CoarserLoss {
+    TimeUs interval_us = 0;         ///< keyframes come so far apart; 0: neither
+    double time_m = 0;              ///< MapLoss::time_m at that interval, of heights
+    double displacement_time_m = 0; ///< and of D
+    double cut_m = 0;               ///< MapLoss::cut_m of heights
+    double displacement_cut_m = 0;  ///< and of D
+    double strain = 0;              ///< of grad D by both, fold_sigmas standard deviations
+
+    bool operator==(const CoarserLoss&) const = default;
 };
 
 /// Of all maps of a surface.

@@ -42,6 +42,8 @@ struct KeyframeTiles {
     int compact_size = 0;
     /// What is not sent because it follows from what is.
     sea::FieldSet follows = {};
+    /// What they miss beside what the sea says of its maps; none: nothing.
+    sea::CoarserLoss coarser = {};
 };
 
 struct QueryBatch {
@@ -119,7 +121,8 @@ class Host {
         done(Error{Refusal::not_offered, "this sea cannot change"});
     }
 
-    /// What of a wish can be had; empty if nothing that was asked for is offered.
+    /// What of a wish can be had; empty if nothing that was asked for is offered, or if it is `busy`. Of the sea that
+    /// runs and of those that were announced.
     virtual Demand grant(const Demand& wish) const = 0;
 
     /// Who was granted what: kept here once, by who grants. The keyframes of a grant come through

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Quality rungs: the few codec bounds that tiles are encoded at, each on the maps' own grids and on the smallest
-// that carry their waves ("compact", docs/protocol.md), so that every keyframe is encoded
-// once a rung and shared by all its subscribers. Pure functions; thread-safe.
+// that carry their waves ("compact", docs/protocol.md), and the same cut to smaller grids or of fewer keyframes, so that
+// every keyframe is encoded once a rung and shared by all its subscribers. Pure functions; thread-safe.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <vector>
 
+#include "sea/surface/budget/coarser.h"
 #include "sea/surface/budget/error_budget.h"
 
 namespace seaway::server {
@@ -14,11 +16,58 @@ namespace seaway::server {
 /// Codec error of each rung, in shares of the scene's codec budget. Rung 0 keeps the scene's
 /// `height_error_m`; each further one saves about a bit a sample.
 inline constexpr std::array<double, 5> codec_rungs{1.0, 2.0, 4.0, 8.0, 16.0};
-/// Compact rungs follow those of whole grids.
-inline constexpr auto quality_rungs = static_cast<std::uint8_t>(2 * codec_rungs.size());
+/// Largest sides of maps, and highest rates of keyframes: the first is all there is.
+inline constexpr std::array size_rungs{0, 256, 128, 64, 32};
+inline constexpr std::array rate_rungs_hz{0.0, 8.0, 4.0, 2.0, 1.0};
+
+/// Compact rungs follow those of whole grids; those of smaller maps or fewer keyframes follow these.
+inline constexpr auto whole_rungs = static_cast<std::uint8_t>(2 * codec_rungs.size());
+inline constexpr auto quality_rungs =
+    static_cast<std::uint8_t>(whole_rungs * size_rungs.size() * rate_rungs_hz.size());
+
+/// Of those, that somebody has at a time: each is encoded for itself, so that crowds of odd wishes cost no more than so
+/// many.
+inline constexpr std::size_t coarser_rungs_max = 8;
+
+/// One of each.
+struct Rung {
+    std::size_t codec = 0;
+    bool compact = false;
+    std::size_t size = 0; ///< of size_rungs
+    std::size_t rate = 0; ///< of rate_rungs_hz
+};
+
+inline constexpr std::uint8_t number_of(const Rung& rung) {
+    return static_cast<std::uint8_t>(rung.codec + codec_rungs.size() * (rung.compact ? 1 : 0) +
+                                     whole_rungs * (rung.size + size_rungs.size() * rung.rate));
+}
+inline constexpr Rung rung_of(std::uint8_t quality) {
+    const std::size_t coarser = quality / whole_rungs;
+    return {quality % codec_rungs.size(), quality / codec_rungs.size() % 2 == 1,
+            coarser % size_rungs.size(), coarser / size_rungs.size()};
+}
 
 inline constexpr bool is_compact(std::uint8_t quality) {
-    return quality >= codec_rungs.size();
+    return rung_of(quality).compact;
+}
+/// Smaller maps or fewer keyframes than all there is.
+inline constexpr bool is_coarser(std::uint8_t quality) {
+    return quality >= whole_rungs;
+}
+
+/// Grid points a side that linear maps of a rung are sent with.
+inline int sent_size(const sea::CascadeBudget& cascade, const Rung& rung) {
+    const int own = rung.compact ? cascade.compact_size : cascade.size;
+    const int smaller = sea::cut_size(cascade, own, size_rungs[rung.size]);
+    return smaller == 0 ? own : smaller;
+}
+
+/// What maps of a rung are beside what the budget has of this cascade.
+inline sea::CoarserMaps coarser_maps(const sea::CascadeBudget& cascade, const Rung& rung) {
+    // A smaller grid that still carries all waves cuts none.
+    const int size = sent_size(cascade, rung);
+    return {.size = size < cascade.compact_size ? size : 0,
+            .every = sea::every_for(cascade, rate_rungs_hz[rung.rate])};
 }
 
 /// What tiles of this rung may cost of a height, m (ErrorBudget::codec_error_m).
@@ -26,22 +75,22 @@ inline double codec_error_m(const sea::ErrorBudget& budget, std::uint8_t quality
     return codec_rungs[quality % codec_rungs.size()] * budget.codec_error_m;
 }
 
-/// Bound on a height from tiles of this rung, all parts together, on level water, m.
-inline double height_error_m(const sea::ErrorBudget& budget, std::uint8_t quality) {
-    return level_error_m(budget, codec_error_m(budget, quality)) +
-           (is_compact(quality) ? compact_error_m(budget) : 0.0);
+/// Are any of its maps sent on another grid than their own?
+inline bool is_regridded(const sea::ErrorBudget& budget, const Rung& rung) {
+    for (const sea::CascadeBudget& cascade : budget.cascades)
+        if (sent_size(cascade, rung) < cascade.size)
+            return true;
+    return rung.compact;
 }
 
-/// The cheapest rung that keeps the wanted bound; the best one if none does or 0 was asked.
-inline std::uint8_t quality_for(const sea::ErrorBudget& budget, double wanted_error_m,
-                                bool compact) {
-    const auto first = static_cast<std::uint8_t>(compact ? codec_rungs.size() : 0);
-    const auto end = static_cast<std::uint8_t>(first + codec_rungs.size());
-    std::uint8_t quality = first;
-    for (std::uint8_t rung = first; rung < end; ++rung)
-        if (height_error_m(budget, rung) <= wanted_error_m)
-            quality = rung;
-    return quality;
+/// Bound on a height from tiles of this rung, all parts together, on level water, m.
+inline double height_error_m(const sea::ErrorBudget& budget, std::uint8_t quality) {
+    const Rung rung = rung_of(quality);
+    std::vector<sea::CoarserMaps> maps;
+    for (const sea::CascadeBudget& cascade : budget.cascades)
+        maps.push_back(coarser_maps(cascade, rung));
+    return level_error_m(budget, codec_error_m(budget, quality), maps) +
+           (is_regridded(budget, rung) ? compact_error_m(budget) : 0.0);
 }
 
 } // namespace seaway::server

@@ -45,6 +45,31 @@ sea::FieldSet Subscriptions::wanted(int cascade, std::uint8_t quality) const {
         [&](const Demand& grant) { return grant.quality == quality && grant.wants(cascade); });
 }
 
+std::array<sea::FieldSet, rate_rungs_hz.size()> Subscriptions::wanted_by_rate(int cascade) const {
+    const std::scoped_lock lock(mutex_);
+    std::array<sea::FieldSet, rate_rungs_hz.size()> fields{};
+    for (const auto& [session, grant] : grants_)
+        if (grant.wants(cascade))
+            fields[rung_of(grant.quality).rate] |= grant.fields;
+    return fields;
+}
+
+std::bitset<quality_rungs> Subscriptions::qualities(int cascade) const {
+    const std::scoped_lock lock(mutex_);
+    std::bitset<quality_rungs> used;
+    for (const auto& [session, grant] : grants_)
+        used[grant.quality] = used[grant.quality] || grant.wants(cascade);
+    return used;
+}
+
+std::bitset<quality_rungs> Subscriptions::qualities() const {
+    const std::scoped_lock lock(mutex_);
+    std::bitset<quality_rungs> used;
+    for (const auto& [session, grant] : grants_)
+        used.set(grant.quality);
+    return used;
+}
+
 sea::FieldSet Subscriptions::wanted_without(int cascade, sea::Field field) const {
     return union_of(
         [&](const Demand& grant) { return grant.wants(cascade) && !grant.fields.contains(field); });

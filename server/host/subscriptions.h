@@ -6,13 +6,19 @@
 // Thread-safe.
 #pragma once
 
+#include <array>
+#include <bitset>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <map>
 #include <mutex>
 #include <optional>
+#include <string>
 
 #include "sea/basics/field.h"
+#include "sea/basics/time.h"
+#include "server/host/quality.h"
 
 namespace seaway::server {
 
@@ -28,9 +34,32 @@ struct Demand {
     std::uint8_t quality = 0;
     /// Takes linear maps at the smallest grid that carries their waves. Of a wish: the rung says it of a grant.
     bool compact = false;
+    /// The highest rate of keyframes of a cascade, Hz, and the largest side of a map; 0: any. Granted: what it will be,
+    /// where that is less than all there is.
+    float rate_hz_max = 0;
+    int size_max = 0;
     /// Granted only: fields that are the session's, too, but are not sent: they follow from those that are.
     sea::FieldSet follows = {};
+    /// Granted only: in what it is less than the wish; empty: in nothing. An empty grant: why.
+    std::string why = {};
+    bool busy = false; ///< Granted only, and empty: asking again later may help.
+    /// Granted only: the sea time from which on it is worth looking whether the same wish would get something else.
+    sea::TimeUs until_us = std::numeric_limits<sea::TimeUs>::max();
+    /// Of a wish: it is a grant's of this quality, and stays at its rate, where seas have changed.
+    bool renewed = false;
 
+    bool grants_as(const Demand& other) const {
+        return cascades == other.cascades && fields == other.fields && follows == other.follows &&
+               quality == other.quality;
+    }
+
+    /// The same with the limits of another.
+    Demand limited_as(const Demand& other) const {
+        Demand limited = *this;
+        limited.rate_hz_max = other.rate_hz_max;
+        limited.size_max = other.size_max;
+        return limited;
+    }
     bool wants(int cascade) const { return ((cascades >> cascade) & 1u) != 0; }
     bool empty() const { return cascades == 0 || fields.empty(); }
 };
@@ -50,6 +79,11 @@ class Subscriptions {
     /// Union of what is wanted of a cascade, at any quality and at one.
     sea::FieldSet wanted(int cascade) const;
     sea::FieldSet wanted(int cascade, std::uint8_t quality) const;
+    /// The same of those who take keyframes at most at a rate, one a rung of rates.
+    std::array<sea::FieldSet, rate_rungs_hz.size()> wanted_by_rate(int cascade) const;
+    /// Rungs at which somebody wants a cascade, and at which anybody wants any.
+    std::bitset<quality_rungs> qualities(int cascade) const;
+    std::bitset<quality_rungs> qualities() const;
     /// The same of those who do not want a field.
     sea::FieldSet wanted_without(int cascade, sea::Field field) const;
 

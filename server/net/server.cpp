@@ -326,7 +326,7 @@ void NetServer::Impl::publish(KeyframeTiles tiles) {
         if (core == nullptr)
             return true;
         auto encoded = encoder.encode(*tiles.keyframe, tiles.codec_error, tiles.quality, wanted,
-                                      {tiles.compact_size, tiles.follows},
+                                      {tiles.compact_size, tiles.follows, tiles.coarser},
                                       core->memory->room(MemoryUse::streamed).get());
         KeyframeFilePtr file;
         if (encoded && !core->options.has_tls() &&

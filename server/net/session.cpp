@@ -143,21 +143,57 @@ void Session::on_subscribe(const wire::Subscribe& subscribe) {
     const Demand wish{.cascades = subscribe.cascades(),
                       .fields = sea::FieldSet::from_bits(subscribe.fields()),
                       .error_m = subscribe.error_m(),
-                      .compact = subscribe.compact()};
+                      .compact = subscribe.compact(),
+                      .rate_hz_max = subscribe.rate_hz_max(),
+                      .size_max = subscribe.size_max()};
     on_unsubscribe();
     const Demand grant = core_.host.grant(wish);
     if (grant.empty())
-        return refuse(request_id, {Refusal::not_offered, "this sea offers none of these fields"});
+        return refuse(request_id,
+                      {grant.busy ? Refusal::busy : Refusal::not_offered,
+                       grant.why.empty() ? "this sea offers none of these fields" : grant.why});
     core_.host.subscriptions().set(id_, grant);
     outbox_.set_credit(subscribe.credit());
-    reply(protocol::subscribed(request_id,
-                               {.cascades = grant.cascades,
-                                .fields = grant.fields | grant.follows,
-                                .error_m = grant.error_m},
-                               subscribe.credit()));
+    subscription_ = Subscription{request_id, wish, subscribe.credit(), grant};
+    state_grant();
     Demand start = grant;
     start.fields |= grant.follows;
     fetch(request_id, {}, start);
+}
+
+void Session::state_grant() {
+    const Demand& grant = subscription_->granted;
+    reply(protocol::subscribed(subscription_->request_id,
+                               {.cascades = grant.cascades,
+                                .fields = grant.fields | grant.follows,
+                                .error_m = grant.error_m,
+                                .rate_hz_max = grant.rate_hz_max,
+                                .size_max = grant.size_max},
+                               subscription_->credit, grant.why));
+}
+
+void Session::renew_grant() {
+    if (!subscription_)
+        return;
+    const Demand before = subscription_->granted;
+    Demand wish = subscription_->wish;
+    wish.renewed = true;
+    wish.quality = before.quality;
+    const Demand now = core_.host.grant(wish);
+    subscription_->granted.until_us = now.until_us;
+    if (now.empty()) // what streams goes on, and each tile says what it misses
+        return;
+    const bool other_tiles = !now.grants_as(before);
+    if (!other_tiles && now.error_m == before.error_m && now.why == before.why &&
+        now.rate_hz_max == before.rate_hz_max && now.size_max == before.size_max)
+        return;
+    subscription_->granted = now;
+    if (other_tiles) {
+        subscription_->former_quality = before.quality;
+        subscription_->former_cascades = before.cascades;
+        core_.host.subscriptions().set(id_, now);
+    }
+    state_grant();
 }
 
 void Session::on_unsubscribe(bool spectrum) {
@@ -166,6 +202,7 @@ void Session::on_unsubscribe(bool spectrum) {
         outbox_.stop_spectra();
         return;
     }
+    subscription_.reset();
     core_.host.subscriptions().erase(id_);
     outbox_.stop_stream();
 }
@@ -303,10 +340,22 @@ void Session::hello_overdue() {
               fmt::format("no Hello within {} ms", core_.options.hello_deadline.count()));
 }
 
+bool Session::takes(const EncodedKeyframe& keyframe, const Demand& grant) {
+    if (!grant.wants(keyframe.cascade))
+        return false;
+    const std::uint32_t cascade = 1u << keyframe.cascade;
+    const bool awaited = keyframe.quality == grant.quality;
+    if (!subscription_)
+        return awaited;
+    if (awaited)
+        subscription_->former_cascades &= ~cascade;
+    return awaited || (keyframe.quality == subscription_->former_quality &&
+                       (subscription_->former_cascades & cascade) != 0);
+}
+
 void Session::deliver(const EncodedKeyframePtr& keyframe, const KeyframeFilePtr& file) {
     const std::optional<Demand> grant = core_.host.subscriptions().find(id_);
-    if (!grant || closing_ || keyframe->quality != grant->quality ||
-        !grant->wants(keyframe->cascade))
+    if (!grant || closing_ || !takes(*keyframe, *grant))
         return;
     // A keyframe computed for an earlier plan may lack what this session was granted: half a
     // keyframe is of no use to it.
@@ -314,6 +363,8 @@ void Session::deliver(const EncodedKeyframePtr& keyframe, const KeyframeFilePtr&
         return;
     or_drop([&] {
         tell_of(keyframe->epoch);
+        if (subscription_ && core_.host.sea_time_us() >= subscription_->granted.until_us)
+            renew_grant();
         outbox_.push_keyframe(keyframe, grant->fields, file);
         link_.send_more();
     });
@@ -332,6 +383,7 @@ void Session::announce(protocol::SharedBytes sea_state) {
         told_.pop_front();
     if (!outbox_.push_durable(std::move(sea_state)))
         return close(ErrorCode::too_slow, "sea states wait and cannot be sent");
+    renew_grant();
     if (spectrum_wish_)
         make_spectra({});
     link_.send_more();

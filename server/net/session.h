@@ -91,6 +91,12 @@ class Session {
     std::string sessions_json() const;
     Result<void> drop(SessionId session);
 
+    /// Says what is granted to subscription_.
+    void state_grant();
+    /// Looks what of its wish can be had of the seas that there are now, and says so where that is something else.
+    void renew_grant();
+    /// Is a keyframe of one that the session is sent?
+    bool takes(const EncodedKeyframe& keyframe, const Demand& grant);
     void fetch(std::uint32_t request_id, std::vector<sea::TimeUs> times_us, const Demand& demand);
     void fetched(std::uint32_t request_id, const Result<FetchedTiles>& encoded);
     /// A query that is under way.
@@ -131,6 +137,16 @@ class Session {
     int queries_in_flight_ = 0;
     std::size_t replies_in_flight_bytes_ = 0; ///< of those
     int fetches_in_flight_ = 0;               ///< at the host or at the encoder
+    struct Subscription {
+        std::uint32_t request_id;
+        Demand wish;
+        int credit;
+        Demand granted;
+        /// Another quality that it had before, of which keyframes of these cascades are still on their way.
+        std::uint8_t former_quality = 0;
+        std::uint32_t former_cascades = 0;
+    };
+    std::optional<Subscription> subscription_;
     std::optional<SpectrumDemand> spectrum_wish_;
     int spectra_in_making_ = 0;
     std::vector<std::uint32_t> spectra_sent_; ///< epochs, since the wish; the newest few

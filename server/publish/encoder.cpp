@@ -67,9 +67,8 @@ Result<EncodedKeyframePtr> Encoder::encode(const sea::Keyframe& keyframe,
             encoded->maps.push_back(*map);
             counters_.fields_reused += wanted.contains(field) ? 1 : 0;
         } else if (wanted.contains(field)) {
-            Result<EncodedField> map_made =
-                encode_field(smaller.contains(field) ? small : keyframe, field, error,
-                             encoded->number, compact.follows);
+            Result<EncodedField> map_made = encode_field(smaller.contains(field) ? small : keyframe,
+                                                         field, error, encoded->number, compact);
             if (!map_made)
                 return map_made.error();
             encoded->maps.push_back(std::move(*map_made));
@@ -109,7 +108,7 @@ sea::Keyframe Encoder::compacted(const sea::Keyframe& keyframe, sea::FieldSet fi
 
 Result<EncodedField> Encoder::encode_field(const sea::Keyframe& keyframe, sea::Field field,
                                            float error, std::uint64_t number,
-                                           sea::FieldSet follows) {
+                                           const CompactTiles& compact) {
     const auto start = std::chrono::steady_clock::now();
     const int side = protocol::limits::tile_side_max;
     const int per_axis = (keyframe.size + side - 1) / side;
@@ -131,7 +130,8 @@ Result<EncodedField> Encoder::encode_field(const sea::Keyframe& keyframe, sea::F
                                           .part = part,
                                           .parts = per_axis * per_axis,
                                           .error = error,
-                                          .follows = follows & sea::following(field)};
+                                          .follows = compact.follows & sea::following(field),
+                                          .coarser = compact.coarser};
         const auto offset = static_cast<std::size_t>(y0) * static_cast<std::size_t>(keyframe.size) +
                             static_cast<std::size_t>(x0);
         const auto payload =

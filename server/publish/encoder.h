@@ -62,6 +62,7 @@ struct CompactTiles {
     int size =
         0; ///< linear ones on a grid of so many points a side, which carries their waves; 0: their own
     sea::FieldSet follows; ///< what tiles say that is not sent, because it follows from them
+    sea::CoarserLoss coarser = {}; ///< what tiles say that they miss
 };
 
 class Encoder {
@@ -91,7 +92,7 @@ class Encoder {
     sea::Keyframe compacted(const sea::Keyframe& keyframe, sea::FieldSet fields, int size);
     /// A map of `keyframe`.
     Result<EncodedField> encode_field(const sea::Keyframe& keyframe, sea::Field field, float error,
-                                      std::uint64_t number, sea::FieldSet follows);
+                                      std::uint64_t number, const CompactTiles& compact);
 
     struct Remembered {
         EncodedKeyframePtr keyframe;

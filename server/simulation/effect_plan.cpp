@@ -2,6 +2,7 @@
 #include "server/simulation/effect_plan.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "sea/foam/foam_law.h"
 
@@ -52,7 +53,7 @@ FieldSet offered_fields(const sea::Effects& allowed) {
 
 bool EffectPlan::idle() const {
     return std::all_of(cascades.begin(), cascades.end(),
-                       [](const CascadePlan& cascade) { return cascade.fields.empty(); });
+                       [](const CascadePlan& cascade) { return cascade.all().empty(); });
 }
 
 int transforms_for(FieldSet fields) {
@@ -68,10 +69,12 @@ EffectPlan plan_effects(FieldSet offered, const Subscriptions& subscriptions,
                         const sea::ErrorBudget& budget) {
     EffectPlan plan;
     for (std::size_t c = 0; c < budget.cascades.size(); ++c) {
-        const FieldSet wanted = subscriptions.wanted(static_cast<int>(c));
-        CascadePlan cascade{FieldSet::from_bits(wanted.bits() & offered.bits()),
-                            budget.cascades[c].interval_us, 0};
-        cascade.transforms = transforms_for(cascade.fields);
+        CascadePlan cascade{{}, budget.cascades[c].interval_us, 0};
+        cascade.rarer = subscriptions.wanted_by_rate(static_cast<int>(c));
+        for (FieldSet& fields : cascade.rarer)
+            fields &= offered;
+        cascade.fields = std::exchange(cascade.rarer[0], {});
+        cascade.transforms = transforms_for(cascade.all());
         plan.cascades.push_back(cascade);
     }
     return plan;

@@ -6,6 +6,7 @@
 // them along. Thread-safe: values and pure functions.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <string_view>
@@ -32,9 +33,20 @@ std::span<const EffectInfo> effect_table();
 sea::FieldSet offered_fields(const sea::Effects& effects);
 
 struct CascadePlan {
-    sea::FieldSet fields;    ///< union of all demand, within what is offered; empty: idle
+    sea::FieldSet fields;    ///< union of all demand for every keyframe, within what is offered
     sea::TimeUs interval_us; ///< between keyframes
-    int transforms = 0;      ///< 2-D transforms of real fields a keyframe
+    int transforms = 0;      ///< 2-D transforms of real fields a keyframe that has all of both
+    /// The same for those who take keyframes at most at a rate (rate_rungs_hz, the first of which is nobody's here).
+    std::array<sea::FieldSet, rate_rungs_hz.size()> rarer{};
+
+    /// Of keyframes at this rate.
+    sea::FieldSet at(std::size_t rate) const { return rate == 0 ? fields : rarer[rate]; }
+    sea::FieldSet all() const {
+        sea::FieldSet all = fields;
+        for (const sea::FieldSet more : rarer)
+            all |= more;
+        return all;
+    }
 };
 
 struct EffectPlan {

@@ -56,13 +56,15 @@ std::vector<KeyframeRequest> keyframes_around(const std::function<SeaOfTime(Time
 Schedule::Schedule(const SeaCourse& course)
     : course_(course), streams_(course.first()->budget.cascades.size()) {}
 
-Schedule::Place Schedule::place(RunningSeaPtr sea, std::size_t cascade, TimeUs time_us) {
-    const TimeUs interval_us = sea->budget.cascades[cascade].interval_us;
+Schedule::Place Schedule::place(RunningSeaPtr sea, Lane lane, TimeUs time_us) {
+    const sea::CascadeBudget& budget = sea->budget.cascades[lane.cascade];
+    const TimeUs interval_us =
+        sea::every_for(budget, rate_rungs_hz[lane.rate]) * budget.interval_us;
     return {std::move(sea), interval_us, interval_start(time_us, interval_us)};
 }
 
-Schedule::Place Schedule::around(std::size_t cascade, TimeUs now_us) const {
-    return place(course_.at(now_us), cascade, now_us);
+Schedule::Place Schedule::around(Lane lane, TimeUs now_us) const {
+    return place(course_.at(now_us), lane, now_us);
 }
 
 std::optional<Schedule::Place> Schedule::next_of_main(const Stream& stream) const {
@@ -72,81 +74,111 @@ std::optional<Schedule::Place> Schedule::next_of_main(const Stream& stream) cons
     return Place{last.sea, last.interval_us, last.time_us + last.interval_us};
 }
 
-std::optional<Schedule::Place> Schedule::next_of_following(const Stream& stream,
-                                                           std::size_t cascade) const {
+std::optional<Schedule::Place> Schedule::next_of_following(const Stream& stream, Lane lane) const {
     const EpochWindow window = course_.window(stream.main.sea->epoch);
     if (window.end_us == std::numeric_limits<TimeUs>::max())
         return std::nullopt;
     // One that another has taken over from before it began has no end of its own.
     const TimeUs from_us = window.empty() ? stream.main.time_us : window.end_us;
-    const Place first = place(course_.at(from_us), cascade, from_us);
+    const Place first = place(course_.at(from_us), lane, from_us);
     if (!stream.following || stream.following->sea->epoch != first.sea->epoch)
         return first;
     return Place{first.sea, first.interval_us, stream.following->time_us + first.interval_us};
 }
 
-std::pair<Schedule::Place, Schedule::Stream> Schedule::next(const Stream& stream,
-                                                            std::size_t cascade) const {
+std::pair<Schedule::Place, Schedule::Stream> Schedule::next(const Stream& stream, Lane lane) const {
     const std::optional<Place> main = next_of_main(stream);
     if (!main && stream.following) // over: the other one is the stream
-        return next(Stream{*stream.following}, cascade);
-    const std::optional<Place> following = next_of_following(stream, cascade);
+        return next(Stream{*stream.following}, lane);
+    const std::optional<Place> following = next_of_following(stream, lane);
     SEAWAY_CHECK(main || following, "where one sea ends another follows");
     if (main && (!following || main->interval_begins_us() <= following->interval_begins_us()))
         return {*main, Stream{*main, stream.following}};
     return {*following, main ? Stream{stream.main, *following} : Stream{*following}};
 }
 
-Schedule::Stream Schedule::started(std::size_t cascade, TimeUs now_us) const {
-    Stream stream{around(cascade, now_us)};
+Schedule::Stream Schedule::started(Lane lane, TimeUs now_us) const {
+    Stream stream{around(lane, now_us)};
     stream.main.time_us -= stream.main.interval_us;
     for (;;) {
-        const Stream then = next(stream, cascade).second;
-        const Place after = next(then, cascade).first;
+        const Stream then = next(stream, lane).second;
+        const Place after = next(then, lane).first;
         if (due_us(after) > now_us || after.sea->epoch != stream.main.sea->epoch)
             return stream;
         stream = then;
     }
 }
 
+sea::FieldSet Schedule::fields_of(const CascadePlan& plan, Lane lane, const Place& place) {
+    sea::FieldSet fields = plan.at(lane.rate);
+    // Foam is a history that goes with every keyframe, not some intervals ahead of it.
+    for (std::size_t rate = 0; rate < rate_rungs_hz.size() && lane.rate != 0; ++rate)
+        if (Schedule::place(place.sea, {lane.cascade, rate}, place.time_us).time_us ==
+            place.time_us)
+            fields |= plan.at(rate).without({sea::Field::foam});
+    return fields;
+}
+
+void Schedule::Due::add(const KeyframeRequest& keyframe, std::size_t rate) {
+    std::size_t at = 0;
+    while (at < keyframes.size() &&
+           (keyframes[at].cascade != keyframe.cascade ||
+            keyframes[at].time_us != keyframe.time_us || keyframes[at].epoch != keyframe.epoch))
+        ++at;
+    if (at == keyframes.size()) {
+        keyframes.push_back(keyframe);
+        rates.emplace_back();
+    }
+    keyframes[at].fields |= keyframe.fields;
+    rates[at].set(rate);
+}
+
+void Schedule::take_due(const CascadePlan& plan, Lane lane, TimeUs now_us, Due& due) {
+    std::optional<Stream>& running = streams_[lane.cascade][lane.rate];
+    if (plan.at(lane.rate).empty()) {
+        running.reset();
+        return;
+    }
+    auto [place, then] = next(stream(lane, now_us), lane);
+    if (now_us < due_us(place))
+        return;
+    if (place.time_us < now_us - catch_up_us_) {
+        const Place resumed = around(lane, now_us);
+        due.left_out += static_cast<std::uint64_t>(
+            std::max<TimeUs>(resumed.time_us - place.time_us, 0) / place.interval_us);
+        place = resumed;
+        then = Stream{resumed};
+    }
+    due.add({static_cast<int>(lane.cascade), place.time_us, fields_of(plan, lane, place),
+             place.sea->epoch},
+            lane.rate);
+    running = std::move(then);
+}
+
 Schedule::Due Schedule::take_due(const EffectPlan& plan, TimeUs now_us) {
     Due due;
-    for (std::size_t c = 0; c < streams_.size(); ++c) {
-        const sea::FieldSet fields = plan.cascades[c].fields;
-        if (fields.empty()) {
-            streams_[c].reset();
-            continue;
-        }
-        auto [place, then] = next(stream(c, now_us), c);
-        if (now_us < due_us(place))
-            continue;
-        if (place.time_us < now_us - catch_up_us_) {
-            const Place resumed = around(c, now_us);
-            due.left_out += static_cast<std::uint64_t>(
-                std::max<TimeUs>(resumed.time_us - place.time_us, 0) / place.interval_us);
-            place = resumed;
-            then = Stream{resumed};
-        }
-        due.keyframes.push_back({static_cast<int>(c), place.time_us, fields, place.sea->epoch});
-        streams_[c] = std::move(then);
-    }
+    for (std::size_t rate = 0; rate < rate_rungs_hz.size(); ++rate)
+        for (std::size_t c = 0; c < streams_.size(); ++c)
+            take_due(plan.cascades[c], {c, rate}, now_us, due);
     return due;
 }
 
 std::optional<TimeUs> Schedule::next_due_us(const EffectPlan& plan) const {
     std::optional<TimeUs> next_us;
-    for (std::size_t c = 0; c < streams_.size(); ++c) {
-        if (plan.cascades[c].fields.empty() || !streams_[c])
-            continue;
-        const TimeUs this_us = due_us(next(*streams_[c], c).first);
-        next_us = std::min(next_us.value_or(this_us), this_us);
-    }
+    for (std::size_t c = 0; c < streams_.size(); ++c)
+        for (std::size_t rate = 0; rate < rate_rungs_hz.size(); ++rate) {
+            const Lane lane{c, rate};
+            if (plan.cascades[c].at(rate).empty() || !running(lane))
+                continue;
+            const TimeUs this_us = due_us(next(*running(lane), lane).first);
+            next_us = std::min(next_us.value_or(this_us), this_us);
+        }
     return next_us;
 }
 
 TimeUs Schedule::next_us(int cascade, TimeUs now_us) const {
-    const auto c = static_cast<std::size_t>(cascade);
-    return next(stream(c, now_us), c).first.time_us;
+    const Lane lane{static_cast<std::size_t>(cascade)};
+    return next(stream(lane, now_us), lane).first.time_us;
 }
 
 std::vector<KeyframeRequest> Schedule::current(const Demand& demand, TimeUs now_us) const {
@@ -154,9 +186,10 @@ std::vector<KeyframeRequest> Schedule::current(const Demand& demand, TimeUs now_
     for (std::size_t c = 0; c < streams_.size(); ++c) {
         if (!demand.wants(static_cast<int>(c)))
             continue;
+        const Lane lane{c, rung_of(demand.quality).rate};
         // What a stream that had begun with now would have had by the time that this one is where it is.
-        const Stream end = stream(c, now_us);
-        Stream at{around(c, now_us)};
+        const Stream end = stream(lane, now_us);
+        Stream at{around(lane, now_us)};
         at.main.time_us -= at.main.interval_us;
         const auto add = [&](const Place& place) {
             wanted.push_back({static_cast<int>(c), place.time_us, demand.fields, place.sea->epoch});
@@ -168,7 +201,7 @@ std::vector<KeyframeRequest> Schedule::current(const Demand& demand, TimeUs now_
             return place.sea->epoch < stream.main.sea->epoch;
         };
         for (;;) {
-            const auto [place, then] = next(at, c);
+            const auto [place, then] = next(at, lane);
             if (!has(end, place))
                 break;
             add(place);

@@ -2,11 +2,14 @@
 // Schedule: which keyframes are due when. Arithmetic on times alone, without thread, lock, clock or
 // device. A keyframe of a cascade lies at a whole multiple of its interval and is due interval +
 // publish_lead_us before its own time, so that the two around now are always out. Where one sea follows another,
-// the stream has the keyframes around that moment of both.
+// the stream has the keyframes around that moment of both. Who takes fewer keyframes has a stream of his own of every
+// n-th of them, each of which is due n intervals ahead.
 //
 // A Schedule remembers how far each stream has come; it is for one thread.
 #pragma once
 
+#include <array>
+#include <bitset>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -45,6 +48,9 @@ std::vector<KeyframeRequest> keyframes_around(const std::function<SeaOfTime(sea:
                                               std::span<const sea::TimeUs> times_us,
                                               const Demand& demand);
 
+/// Bit n: rate_rungs_hz[n].
+using RateSet = std::bitset<rate_rungs_hz.size()>;
+
 class Schedule {
   public:
     explicit Schedule(const SeaCourse& course);
@@ -57,7 +63,11 @@ class Schedule {
 
     struct Due {
         std::vector<KeyframeRequest> keyframes; ///< to be published now, oldest of each cascade
-        std::uint64_t left_out = 0;             ///< too late to be of use, and skipped
+        /// Of each: for those who take keyframes at most at one of these rates.
+        std::vector<RateSet> rates;
+
+        void add(const KeyframeRequest& keyframe, std::size_t rate);
+        std::uint64_t left_out = 0; ///< too late to be of use, and skipped
     };
     /// What the streams need next. To be called again until nothing is due.
     Due take_due(const EffectPlan& plan, sea::TimeUs now_us);
@@ -65,7 +75,7 @@ class Schedule {
     /// When something will be due; none while nobody wants anything.
     std::optional<sea::TimeUs> next_due_us(const EffectPlan& plan) const;
 
-    /// The keyframe that a cascade's stream has come to, or would start with now.
+    /// The keyframe that a cascade's stream of all keyframes has come to, or would start with now.
     sea::TimeUs next_us(int cascade, sea::TimeUs now_us) const;
 
     /// What a new subscriber needs: from the keyframe before now to where the stream has come, or
@@ -89,24 +99,36 @@ class Schedule {
         Place main;
         std::optional<Place> following = {};
     };
+    /// Which stream: of a cascade, for those who take keyframes at most at a rate.
+    struct Lane {
+        std::size_t cascade;
+        std::size_t rate = 0; ///< of rate_rungs_hz
+    };
     /// The keyframe of this sea at or before a time.
-    static Place place(RunningSeaPtr sea, std::size_t cascade, sea::TimeUs time_us);
-    Place around(std::size_t cascade, sea::TimeUs now_us) const;
+    static Place place(RunningSeaPtr sea, Lane lane, sea::TimeUs time_us);
+    Place around(Lane lane, sea::TimeUs now_us) const;
+    /// What is wanted of a keyframe by all who take it.
+    static sea::FieldSet fields_of(const CascadePlan& plan, Lane lane, const Place& place);
+    void take_due(const CascadePlan& plan, Lane lane, sea::TimeUs now_us, Due& due);
     /// A stream as if it had come to the keyframe before the last one that is due: a first subscriber fetches what comes
     /// before.
-    Stream started(std::size_t cascade, sea::TimeUs now_us) const;
+    Stream started(Lane lane, sea::TimeUs now_us) const;
     /// What comes next, the first that is due, and the stream as it is then.
-    std::pair<Place, Stream> next(const Stream& stream, std::size_t cascade) const;
+    std::pair<Place, Stream> next(const Stream& stream, Lane lane) const;
     std::optional<Place> next_of_main(const Stream& stream) const;
-    std::optional<Place> next_of_following(const Stream& stream, std::size_t cascade) const;
-    Stream stream(std::size_t cascade, sea::TimeUs now_us) const {
-        return streams_[cascade] ? *streams_[cascade] : started(cascade, now_us);
+    std::optional<Place> next_of_following(const Stream& stream, Lane lane) const;
+    const std::optional<Stream>& running(Lane lane) const {
+        return streams_[lane.cascade][lane.rate];
+    }
+    Stream stream(Lane lane, sea::TimeUs now_us) const {
+        return running(lane) ? *running(lane) : started(lane, now_us);
     }
 
     const SeaCourse& course_;
     sea::TimeUs lead_us_ = publish_lead_us;
     sea::TimeUs catch_up_us_ = catch_up_us;
-    std::vector<std::optional<Stream>> streams_; ///< one a cascade, while it runs
+    /// While they run: of each cascade one a rate.
+    std::vector<std::array<std::optional<Stream>, rate_rungs_hz.size()>> streams_;
 };
 
 } // namespace seaway::server

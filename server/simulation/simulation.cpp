@@ -135,6 +135,8 @@ bool Simulation::work_on_stream() {
             return false;
         keyframes_skipped_ += due.left_out;
         streaming_.emplace(std::move(due.keyframes), Walk::stream);
+        streaming_rates_ = std::move(due.rates);
+        streaming_published_ = 0;
     }
     const Result<bool> made = source_.work_on(*streaming_);
     if (made && *made)
@@ -147,9 +149,12 @@ bool Simulation::work_on_stream() {
 }
 
 void Simulation::publish(const std::vector<sea::KeyframePtr>& keyframes) {
-    for (const sea::KeyframePtr& keyframe : keyframes)
-        if (events_.on_keyframe)
-            events_.on_keyframe(keyframe);
+    for (const sea::KeyframePtr& keyframe : keyframes) {
+        const RateSet rates = streaming_rates_[streaming_published_++];
+        for (std::size_t rate = 0; rate < rates.size(); ++rate)
+            if (rates[rate] && events_.on_keyframe)
+                events_.on_keyframe(keyframe, rate);
+    }
     keyframes_published_ += keyframes.size();
 }
 

@@ -42,7 +42,9 @@
 namespace seaway::server {
 
 struct SimulationEvents {
-    std::function<void(const sea::KeyframePtr&)> on_keyframe; ///< a planned one, once
+    /// A planned one, once for those who take every keyframe (0) and once for each rate at most of which some take them
+    /// (rate_rungs_hz).
+    std::function<void(const sea::KeyframePtr&, std::size_t rate)> on_keyframe;
     std::function<void(const std::string& why)> on_warning;
     std::function<void(const std::string& why)> on_failure; ///< the simulation has ended
     std::function<void()> on_trim;                          ///< what nobody uses has been let go
@@ -187,6 +189,8 @@ class Simulation {
     StreamedFoam streamed_foam_;
     EffectPlan streamed_plan_;             ///< what the streams were made by last
     std::optional<KeyframeJob> streaming_; ///< due keyframes that are being made
+    std::vector<RateSet> streaming_rates_; ///< of them, in order
+    std::size_t streaming_published_ = 0;  ///< of them
     const std::shared_ptr<Room>
         fetch_room_; ///< raw, from before they are made until they are encoded
     std::chrono::steady_clock::time_point trimmed_ = std::chrono::steady_clock::now();

@@ -23,9 +23,8 @@ EffectPlan StreamedFoam::carried(EffectPlan plan, const Subscriptions& subscript
         }
         if (!foam.starts())
             continue;
-        planned.fields = sea::FieldSet::from_bits(
-            subscriptions.wanted_without(cascade, Field::foam).bits() & offered_.bits());
-        planned.transforms = transforms_for(planned.fields);
+        planned.fields &= subscriptions.wanted_without(cascade, Field::foam);
+        planned.transforms = transforms_for(planned.all());
     }
     return plan;
 }

@@ -19,8 +19,7 @@ namespace seaway::server {
 class StreamedFoam {
   public:
     StreamedFoam(const RunningSea& sea, KeyframeSource& source, const Schedule& schedule)
-        : offered_(sea.offered), source_(source), schedule_(schedule),
-          cascades_(sea.budget.cascades.size()) {}
+        : source_(source), schedule_(schedule), cascades_(sea.budget.cascades.size()) {}
 
     /// The plan with foam where the stream carries it; elsewhere what they want who want no foam.
     /// Starts foam where the plan has it and the stream does not.
@@ -41,7 +40,6 @@ class StreamedFoam {
         bool starts() const { return state == State::to_now || state == State::to_stream; }
     };
 
-    const sea::FieldSet offered_;
     KeyframeSource& source_;
     const Schedule& schedule_;
     std::vector<Cascade> cascades_;

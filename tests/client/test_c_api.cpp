@@ -294,6 +294,23 @@ TEST_F(CInterface, a_timeout_of_zero_is_the_default_for_every_question) {
     seaway_disconnect(client);
 }
 
+TEST_F(CInterface, limits_of_a_stream_are_taken_up_to_their_own_and_refused_by_name_beyond_them) {
+    Sea sea(url);
+    for (const auto& [rate_hz, size, fine] : {std::tuple(1.0, 32u, true),
+                                              {1000.0, 2048u, true},
+                                              {0.5, 0u, false},
+                                              {std::nan(""), 0u, false},
+                                              {1001.0, 0u, false},
+                                              {0.0, 31u, false},
+                                              {0.0, 2049u, false}}) {
+        const seaway_subscription wanted{0, 0, 0, 0, rate_hz, size, 0};
+        const seaway_code code = seaway_subscribe(sea.handle(), &wanted);
+        EXPECT_EQ(code, fine ? SEAWAY_OK : SEAWAY_BAD_ARGUMENT) << rate_hz << ' ' << size;
+        const std::string said = fine ? "" : "rate_hz_max must be 0 or 1 to 1000";
+        EXPECT_NE(std::string(seaway_last_error()).find(said), std::string::npos);
+    }
+}
+
 TEST_F(CInterface, as_many_keyframes_are_under_way_as_credit_says) {
     const auto count = [&](const std::string& name) {
         return metric(net->port(), "seaway_net_keyframes_" + name + "_total");

@@ -96,6 +96,10 @@ TEST(Options, that_make_no_sense_are_exit_code_2) {
         {"ws://a:1", "--at", "1,2", "--token-file", ""},
         {"ws://a:1", "--at", "1,2", "--format", "xml"},
         {"ws://a:1", "--at", "1,2", "--timeout", "nan"},
+        {"ws://a:1", "--at", "1,2", "--local", "--size-max", "64"},
+        {"ws://a:1", "--at", "1,2", "--local", "--watch", "1", "--size-max", "31"},
+        {"ws://a:1", "--at", "1,2", "--local", "--watch", "1", "--rate-max", "0.9"},
+        {"ws://a:1", "--at", "1,2", "--watch", "1", "--rate-max", "2"},
         {"ws://a:1", "--at", "1,2", "--bogus"}};
     for (const auto& arguments : wrong) {
         const auto read = query_options_of(arguments);

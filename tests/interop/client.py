@@ -78,10 +78,10 @@ class Session:
         self.send(kind, request_id=self.last_id, **values)
         return self.wait_for(reply, self.last_id)
 
-    def subscribe(self, fields=SURFACE_FIELDS, error_m=0.0, credit=8):
+    def subscribe(self, fields=SURFACE_FIELDS, error_m=0.0, credit=8, rate_hz_max=0.0, size_max=0):
         """Has tiles streamed; returns when the present can be sampled."""
         self.ask("Subscribe", "FetchDone", cascades=0xFFFFFFFF, fields=fields, error_m=error_m, credit=credit,
-                 compact=self.compact)
+                 compact=self.compact, rate_hz_max=rate_hz_max, size_max=size_max)
         return self.granted
 
     def subscribe_spectrum(self, error_m=0.0, slope_error=0.0, fields=0):
@@ -113,12 +113,15 @@ class Session:
         state = self.state_at(time_us)
         pairs = []
         for number, cascade in enumerate(state["cascades"]):
-            interval = cascade["interval_us"]
-            first = time_us // interval * interval
-            held = [(t, self.keyframes.get((state["epoch"], number, t))) for t in (first, first + interval)]
-            if any(keyframe is None for _, keyframe in held):
+            mine = {t: k for (epoch, c, t), k in self.keyframes.items() if (epoch, c) == (state["epoch"], number)}
+            before = max((t for t in mine if t <= time_us), default=None)
+            after = min((t for t in mine if t > time_us), default=None)
+            if before is None or after is None:
                 return None
-            pairs.append(tuple(held))
+            apart = max(mine[t].coarser["interval_us"] for t in (before, after))
+            if after - before > max(apart, cascade["interval_us"]):
+                return None
+            pairs.append(((before, mine[before]), (after, mine[after])))
         return pairs
 
     def surface(self, time_us):

@@ -127,8 +127,13 @@ class Surface:
             def rms(*fields):
                 return max(k.coded_rms(f) for k in (k0, k1) for f in fields)
 
+            far = t1 - t0 > cascade["interval_us"]
+
             def missed(prefix, *fields):
-                return ((between(share) * loss[prefix + "time_m"]) ** 2 + east * loss[prefix + "east_m"] ** 2
+                coarser = [k.coarser for k in (k0, k1) if k.coarser["interval_us"]]
+                cut = max((c[prefix + "cut_m"] for c in coarser), default=0)
+                time = max([loss[prefix + "time_m"]] + [c[prefix + "time_m"] for c in coarser if far])
+                return (cut ** 2 + (between(share) * time) ** 2 + east * loss[prefix + "east_m"] ** 2
                         + north * loss[prefix + "north_m"] ** 2
                         + (1 if compact else (1 - east / 5) * (1 - north / 5))
                         * ((weights[0] ** 2 + weights[2] ** 2) * rms(*fields) ** 2

@@ -107,7 +107,7 @@ class Live(unittest.TestCase):
             response = connection.getresponse()
             return response.status, response.getheader("Allow"), response.read()
 
-    def compare(self, times_us, count, session=None):
+    def compare(self, times_us, count, session=None, slopes=True):
         """Own heights against the server's and against the direct sum, within the stated bounds."""
         random.seed(3)
         session, compared = session or self.session, 0
@@ -124,7 +124,7 @@ class Live(unittest.TestCase):
                 self.assertEqual(exact["flags"], 16)
                 # Slopes carry the codec's bound of a height over a grid spacing, which is a few mm
                 # over the 0.6 m of the finest tile; velocities carry the rates' bounds, some cm/s.
-                for index, axis in enumerate("xyz"):
+                for index, axis in enumerate("xyz" if slopes else ""):
                     self.assertAlmostEqual(mine["normal"][index], theirs["normal_" + axis], delta=0.05)
                     self.assertAlmostEqual(mine["velocity_mps"][index], theirs[f"velocity_{axis}_mps"], delta=0.15)
                 compared += 1
@@ -194,6 +194,26 @@ class Live(unittest.TestCase):
             self.assertTrue(all(sorted(k.gains) == [1, 2, 4, 5] for k in held))
             self.compare([5_000_001, 86_400_000_000], 12, session)
         session.socket.close()
+
+    def test_heights_of_smaller_maps_and_fewer_keyframes_are_the_servers_within_what_they_state(self):
+        for compact, size_max, rate_hz_max in ((True, 32, 0), (False, 64, 0), (True, 0, 2), (False, 32, 2)):
+            session = client.Session(self.host, self.port, compact=compact)
+            granted = session.subscribe(error_m=0.02, size_max=size_max, rate_hz_max=rate_hz_max)
+            self.assertEqual(granted["fields"], client.SURFACE_FIELDS)
+            if granted["error_m"] > 0.0201:  # else a smaller grid still has all waves
+                self.assertIn("heights within", granted["why"])
+            self.assertLessEqual(granted["limits"]["size"], size_max)
+            self.assertLessEqual(granted["limits"]["rate_hz"], rate_hz_max)
+            while not session.pairs(now_us := session.sea_time_us()):
+                session.receive()
+            if size_max:
+                self.assertTrue(all(k.compact_size <= size_max for k in session.keyframes.values() if k.compact_size))
+            self.compare([now_us], 24, session, slopes=False)
+            session.socket.close()
+        with self.assertRaises(client.Refused) as refused:
+            self.session.subscribe(rate_hz_max=1)
+        self.assertEqual(refused.exception.code, client.SCHEMA.enums["ErrorCode"]["not_offered"])
+        self.assertIn("rate_hz_max", str(refused.exception))
 
     def test_a_bulk_map_is_what_the_client_samples(self):
         self.session.fetch([7_000_000], error_m=0.02)

@@ -69,14 +69,18 @@ class Keyframe:
         self.gains = {}  # of the variance of what follows from another map
         self.maps, self.errors, self.missing, self.size = {}, {}, {}, size
         self.compact_size = None  # of the grid that linear maps came on, if it was a smaller one
+        self.coarser = {"interval_us": 0}  # what they miss beside what the sea says
 
     def add(self, tile):
         """True when all parts of this field are there."""
         field = tile["field"]
+        self.coarser = tile["coarser"] or self.coarser
         if field not in self.maps:
             self.maps[field] = np.zeros((tile["size"], tile["size"]), np.float32)
             self.errors[field] = 0.0
             self.missing[field] = set(range(tile["parts"]))
+        if tile["part"] not in self.missing[field]:
+            return not self.missing[field]  # again, by the stream; this one may be on its own grid already
         x0, y0 = tile["x0"], tile["y0"]
         self.maps[field][y0:y0 + tile["height"], x0:x0 + tile["width"]] = decode(tile["payload"])
         self.errors[field] = max(self.errors[field], tile["error"])

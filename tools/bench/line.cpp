@@ -7,7 +7,7 @@
 
 #include "client/held/tile_assembly.h"
 #include "server/device/device_choice.h"
-#include "server/host/quality.h"
+#include "server/host/grant.h"
 #include "server/publish/encoder.h"
 #include "tools/bench/accuracy/seas/configured_sea.h"
 #include "tools/bench/effects.h"
@@ -20,21 +20,6 @@ using sea::FieldSet;
 using server::RunningSea;
 
 namespace {
-
-/// What a session is sent.
-struct Grant {
-    FieldSet sent;
-    FieldSet follows;
-    std::uint8_t quality = 0;
-};
-
-Grant grant_of(const RunningSea& sea, FieldSet fields, double error_m, bool compact) {
-    Grant grant{fields & sea.streamed(), {}, server::quality_for(sea.budget, error_m, compact)};
-    if (compact && sea.budget.displacement_follows)
-        grant.follows = grant.sent & sea::following(grant.sent);
-    grant.sent = grant.sent.without(grant.follows);
-    return grant;
-}
 
 /// Of one second.
 struct Sum {
@@ -53,30 +38,29 @@ struct Row {
 
 /// One cascade; prints its rows.
 Result<Sum> measure(const RunningSea& sea, server::Synthesizer& device, int cascade,
-                    const Grant& grant, int keyframes, server::Encoder& encoder,
+                    const server::Demand& grant, int keyframes, server::Encoder& encoder,
                     server::FoamMaps& foam) {
     const sea::CascadeBudget& own = sea.budget.cascades[static_cast<std::size_t>(cascade)];
     const sea::CascadeSpec& spec =
         sea.realization->cascades[static_cast<std::size_t>(cascade)].spec;
-    const bool compact = server::is_compact(grant.quality);
-    const std::vector<float> bounds =
-        sea::codec_bounds(sea.budget, server::with_foam_inputs(grant.sent), cascade,
-                          server::codec_error_m(sea.budget, grant.quality), compact);
+    const server::RungMaps maps =
+        server::maps_of(sea.budget, cascade, server::with_foam_inputs(grant.fields), grant.quality);
+    const sea::TimeUs interval_us = maps.every * own.interval_us;
     const protocol::CascadeInfo info{.length_m = spec.length_m, .size = spec.size};
     client::TileAssembly assembly;
     std::vector<Row> rows;
     Sum sum;
     for (int n = 0; n < keyframes; ++n) {
-        const sea::TimeUs time_us = demand_start_us + 7 * n * own.interval_us;
-        const server::KeyframeRequest request{cascade, time_us - time_us % own.interval_us,
-                                              server::with_foam_inputs(grant.sent)};
+        const sea::TimeUs time_us = demand_start_us + 7 * n * interval_us;
+        const server::KeyframeRequest request{cascade, time_us - time_us % interval_us,
+                                              server::with_foam_inputs(grant.fields)};
         SEAWAY_TRY_LET(const auto made, device.synthesize({&request, 1}));
-        if (grant.sent.contains(Field::foam))
+        if (grant.fields.contains(Field::foam))
             SEAWAY_TRY(foam.fill(made[0], strains_of(device, cascade)));
         const double start_s = cpu_seconds();
         SEAWAY_TRY_LET(const server::EncodedKeyframePtr encoded,
-                       encoder.encode(*made[0], bounds, grant.quality, grant.sent,
-                                      {compact ? own.compact_size : 0, grant.follows}));
+                       encoder.encode(*made[0], maps.codec_error, grant.quality, grant.fields,
+                                      {maps.compact_size, grant.follows, maps.coarser}));
         const double encoded_s = cpu_seconds();
         protocol::MessageReader reader(protocol::Sender::server);
         for (const server::EncodedField& map : encoded->maps) {
@@ -92,13 +76,13 @@ Result<Sum> measure(const RunningSea& sea, server::Synthesizer& device, int casc
                 into.samples += tile.width() * tile.height();
                 SEAWAY_TRY(assembly.add(protocol::header(tile),
                                         {tile.payload()->data(), tile.payload()->size()}, info,
-                                        sea.scene.sea.depth_m, grant.sent | grant.follows, {}));
+                                        sea.scene.sea.depth_m, grant.fields | grant.follows, {}));
             }
         }
         sum.encode_s += encoded_s - start_s;
         sum.take_s += cpu_seconds() - encoded_s;
     }
-    const double rate = 1.0 / sea::seconds_from_us(own.interval_us);
+    const double rate = 1.0 / sea::seconds_from_us(interval_us);
     for (const Row& row : rows) {
         fmt::print("  {:>5g} m  {:<20} {:>5} {:>8.3g} {:>10.3g} {:>8.2f} {:>9.1f}\n", spec.length_m,
                    sea::info(row.field).name, row.size, rate, row.bound, row.bits / row.samples,
@@ -121,12 +105,23 @@ Result<void> run_line(const LineOptions& options) {
     }
     SEAWAY_TRY_LET(const auto device, server::make_synthesizer(options.device));
     SEAWAY_TRY(device->set_sea(sea->realization, 1));
-    const Grant grant = grant_of(*sea, fields, options.error_m, !options.whole);
+    const sea::ErrorBudget* const budgets[] = {&sea->budget};
+    const server::Demand grant =
+        server::grant_of({.cascades = ~0u,
+                          .fields = fields,
+                          .error_m = static_cast<float>(options.error_m),
+                          .compact = !options.whole,
+                          .rate_hz_max = static_cast<float>(options.rate_hz_max),
+                          .size_max = options.size_max},
+                         budgets, sea->streamed(), {});
+    if (grant.empty())
+        return Error{grant.why};
+    if (!grant.why.empty())
+        fmt::print("granted less: {}\n", grant.why);
     fmt::print("asked {:g} m, granted {:.4f} m, {} maps\n  cascade  {:<20} {:>5} {:>8} {:>10} "
                "{:>8} {:>9}\n",
-               options.error_m, server::height_error_m(sea->budget, grant.quality),
-               options.whole ? "whole" : "compact", "field", "grid", "a second", "bound", "bits",
-               "kbit/s");
+               options.error_m, grant.error_m, options.whole ? "whole" : "compact", "field", "grid",
+               "a second", "bound", "bits", "kbit/s");
     SEAWAY_TRY_LET(server::FoamMaps foam, foam_at_start(sea, *device));
     server::Encoder encoder;
     Sum all;

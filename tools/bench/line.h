@@ -15,9 +15,11 @@ struct LineOptions {
     std::string device = "native"; ///< as --device takes it
     double error_m = 0.01;         ///< what the client asks for
     std::vector<std::string>
-        ask;            ///< effects, as height,choppy; empty: what a sampling client takes
-    int keyframes = 4;  ///< of each cascade
-    bool whole = false; ///< for a client from before compact maps were
+        ask;                ///< effects, as height,choppy; empty: what a sampling client takes
+    int keyframes = 4;      ///< of each cascade
+    bool whole = false;     ///< for a client from before compact maps were
+    double rate_hz_max = 0; ///< keyframes of a cascade a second, at most; 0: all
+    int size_max = 0;       ///< points a side of a map, at most; 0: any
 };
 
 /// Prints a table: the grid a map is sent on, its keyframes a second, the codec's bound, bits a sample

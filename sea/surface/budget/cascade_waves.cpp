@@ -35,6 +35,7 @@ struct CascadeWaves::Wave {
     double omega_radps;
     double aspect; ///< of the water's orbits
     bool given;
+    double index; ///< on the lattice, any direction
 };
 
 /// What a grid misses along each axis. A wave that is missed by `east` and by `north` is missed by their
@@ -58,7 +59,9 @@ struct CascadeWaves::Missed {
 };
 
 CascadeWaves::CascadeWaves(const CascadeModes& modes)
-    : size_(modes.spec.size), compact_size_(size_), spacing_m_(modes.spec.spacing_m()) {
+    : size_(modes.spec.size), compact_size_(size_), spacing_m_(modes.spec.spacing_m()),
+      length_m_(modes.spec.length_m), depth_m_(modes.depth_m),
+      rings_(static_cast<std::size_t>(size_)) { // the corners are at 0.71 of it
     for (std::size_t i = 0; i < modes.h0.size(); ++i)
         if (modes.h0[i] != std::complex<double>{})
             omega_max_radps_ = std::max(omega_max_radps_, omega_from_rate(modes.rate[i]));
@@ -71,19 +74,18 @@ CascadeWaves::CascadeWaves(const CascadeModes& modes)
                            static_cast<std::size_t>(ix);
             const double variance = 2.0 * std::norm(modes.h0[i]);
             const double kx = dk * signed_index(ix, size_), ky = dk * signed_index(iy, size_);
-            if (variance > 0)
-                reach =
-                    std::max(reach, std::hypot(signed_index(ix, size_), signed_index(iy, size_)));
-            if (variance > 0)
-                add({variance, kx, ky, omega_from_rate(modes.rate[i]),
-                     orbit_aspect(std::hypot(kx, ky), modes.depth_m), modes.is_given(i)},
-                    missed);
+            if (!(variance > 0))
+                continue;
+            const double index = std::hypot(signed_index(ix, size_), signed_index(iy, size_));
+            reach = std::max(reach, index);
+            add({variance, kx, ky, omega_from_rate(modes.rate[i]),
+                 orbit_aspect(std::hypot(kx, ky), modes.depth_m), modes.is_given(i), index},
+                missed);
         }
     if (modes.sines.empty())
         compact_size_ = smallest_grid(reach, size_);
     if (compact_size_ < size_)
-        displacement_follows_ =
-            Orbits(compact_size_, modes.spec.length_m, modes.depth_m).gain() <= 1.0;
+        displacement_follows_ = displacement_follows(compact_size_);
     for (const SineField& field : modes.sines) {
         const SineError& error = sines_.emplace_back(field, spacing_m_);
         Missed sines;
@@ -119,10 +121,42 @@ void CascadeWaves::add(const Wave& wave, Missed (&missed)[3]) {
     count(height_, missed[0], 1.0, spline_error);
     count(displacement_, missed[1], wave.aspect, spline_error);
     count(strain_, missed[2], wave.aspect * k, spline_slope_error);
+    Ring& ring = rings_[static_cast<std::size_t>(wave.index)];
+    const auto count_ring = [&](WaveSum& sum, double factor) {
+        const double part = wave.variance_m2 * square(factor);
+        sum.add(part, std::sqrt(2.0 * part), wave.given);
+    };
+    count_ring(ring.height, 1.0);
+    count_ring(ring.displacement, wave.aspect);
+    count_ring(ring.slope, k);
+    count_ring(ring.strain, wave.aspect * k);
     const double detail =
         wave.variance_m2 * (2.0 - 2.0 * std::cos(qx)) * (2.0 - 2.0 * std::cos(qy));
     detail_m2_ += detail;
     rate_detail_m2ps2_ += detail * square(wave.omega_radps);
+}
+
+bool CascadeWaves::can_be_cut() const {
+    return sines_.empty() && Regrid::takes(size_);
+}
+
+bool CascadeWaves::displacement_follows(int size) const {
+    return Orbits(size, length_m_, depth_m_).gain() <= 1.0;
+}
+
+CutWaves CascadeWaves::cut(int size) const {
+    Ring missed;
+    for (auto n = static_cast<std::size_t>(size / 2); n < rings_.size(); ++n) {
+        missed.height.add(rings_[n].height, 1.0);
+        missed.displacement.add(rings_[n].displacement, 1.0);
+        missed.slope.add(rings_[n].slope, 1.0);
+        missed.strain.add(rings_[n].strain, 1.0);
+    }
+    const auto rms = [](const WaveSum& sum, double sigmas) {
+        return std::sqrt(sum.variance_m2(sigmas));
+    };
+    return {rms(missed.height, bound_sigmas), rms(missed.displacement, bound_sigmas),
+            rms(missed.slope, bound_sigmas), rms(missed.strain, fold_sigmas)};
 }
 
 bool CascadeWaves::told_by(TimeUs interval_us) const {

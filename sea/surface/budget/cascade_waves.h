@@ -50,6 +50,14 @@ struct Motion {
     double single_m = 0; ///< what single precision costs
 };
 
+/// What a map misses of heights, of displacements, of their gradients: standard deviations, m and 1.
+struct CutWaves {
+    double height_m = 0;
+    double displacement_m = 0; ///< both components together
+    double slope = 0;
+    double strain = 0;
+};
+
 class CascadeWaves {
   public:
     explicit CascadeWaves(const CascadeModes& modes);
@@ -71,6 +79,13 @@ class CascadeWaves {
     /// The smallest grid that carries all its waves (sea/surface/maps/regrid.h); its own size where stylised
     /// waves have no end.
     int compact_size() const { return compact_size_; }
+    /// Those of its waves that a grid of so many points a side has no room for (sea/surface/maps/regrid.h); stylised ones
+    /// are not cut. Cost: one pass over some hundred sums.
+    CutWaves cut(int size) const;
+    /// Are all of its waves modes, which can be cut, on a grid that transforms are quick at?
+    bool can_be_cut() const;
+    /// Would displacements follow from heights on a grid of so many points a side?
+    bool displacement_follows(int size) const;
     /// Do displacements follow from heights on that grid, without more noise than heights have? Not those of stylised
     /// waves, which move nothing sideways, nor where water is shallow for most waves.
     bool displacement_follows() const { return displacement_follows_; }
@@ -95,6 +110,13 @@ class CascadeWaves {
     Motion strain_;
     double detail_m2_ = 0;
     double rate_detail_m2ps2_ = 0;
+    double length_m_;
+    double depth_m_;
+    /// Of the waves with a lattice index of n up to n + 1.
+    struct Ring {
+        WaveSum height, displacement, slope, strain;
+    };
+    std::vector<Ring> rings_;
     std::vector<SineError> sines_; ///< stylised waves, which move nothing sideways
 };
 

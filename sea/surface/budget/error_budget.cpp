@@ -75,6 +75,24 @@ double left_to_spend(const ErrorBudget& budget, std::span<const CascadeWaves> ca
     return std::max(asked_m2 - missed_m2, spent_at_least * asked_m2);
 }
 
+/// What coarser maps of these waves miss.
+void note_coarser(CascadeBudget& cascade, const CascadeWaves& waves) {
+    cascade.can_be_cut = waves.can_be_cut();
+    for (std::size_t n = 0; n < smaller_grids.size() && cascade.can_be_cut; ++n)
+        if (smaller_grids[n] < cascade.size)
+            cascade.cuts[n] = {waves.cut(smaller_grids[n]),
+                               waves.displacement_follows(smaller_grids[n])};
+    for (int every = 1; every <= every_most; ++every) {
+        const TimeUs interval_us = every * cascade.interval_us;
+        if (every > 1 && !waves.told_by(interval_us))
+            break;
+        const CascadeLoss loss = waves.loss(interval_us);
+        cascade.slow[static_cast<std::size_t>(every - 1)] = {
+            loss.height.time_m, loss.displacement.time_m, waves.time_strain_rms(interval_us)};
+        cascade.every_max = every;
+    }
+}
+
 void settle(ErrorBudget& budget, std::span<const CascadeWaves> cascades, const Spending& spending) {
     double height_m2 = 0, displacement_m2 = 0, strain2 = 0, single_strain = 0;
     std::size_t following = 0;
@@ -82,13 +100,14 @@ void settle(ErrorBudget& budget, std::span<const CascadeWaves> cascades, const S
         const CascadeWaves& waves = cascades[c];
         const TimeUs interval_us = spending.intervals_us[c];
         budget.cascades.push_back({interval_us, waves.loss(interval_us), spending.codec_shares[c],
-                                   waves.spacing_m(), waves.size(), waves.size(), 1.0});
+                                   waves.spacing_m(), waves.size(), waves.size()});
         if (compact_error_m(budget) <= compact_error_share * budget.height_error_m &&
             waves.compact_size() < waves.size()) {
             budget.cascades.back().compact_size = waves.compact_size();
             budget.cascades.back().compact_share = disc_share(waves.compact_size());
             following += waves.displacement_follows() ? 1u : 0u;
         }
+        note_coarser(budget.cascades.back(), waves);
         const CascadeLoss& loss = budget.cascades.back().loss;
         height_m2 += loss.height.interpolation_variance_m2();
         displacement_m2 += loss.displacement.interpolation_variance_m2();
@@ -164,15 +183,24 @@ FoldSearch fold_search(const ErrorBudget& budget) {
 std::vector<float> codec_bounds(const ErrorBudget& budget, FieldSet fields, int cascade,
                                 double codec_error_m, bool compact) {
     const CascadeBudget& own = budget.cascades[static_cast<std::size_t>(cascade)];
-    const double value_m = coded_value_bound_m(budget, own, codec_error_m) /
-                           std::sqrt(compact ? own.compact_share : 1.0);
+    return codec_bounds(budget, fields, cascade, codec_error_m,
+                        compact ? own.compact_size : own.size, 1);
+}
+
+std::vector<float> codec_bounds(const ErrorBudget& budget, FieldSet fields, int cascade,
+                                double codec_error_m, int sent_size, int every) {
+    const CascadeBudget& own = budget.cascades[static_cast<std::size_t>(cascade)];
+    const double share = sent_size == own.size           ? 1.0
+                         : sent_size == own.compact_size ? own.compact_share
+                                                         : disc_share(sent_size);
+    const double value_m = coded_value_bound_m(budget, own, codec_error_m) / std::sqrt(share);
+    const double interval_s = seconds_from_us(every * own.interval_us);
     std::vector<float> bounds;
     for (const Field field : fields) {
         const FieldInfo& row = info(field);
         if (surface_fields.contains(field))
-            bounds.push_back(static_cast<float>(row.time_rate ? rate_over_value * value_m /
-                                                                    seconds_from_us(own.interval_us)
-                                                              : value_m));
+            bounds.push_back(static_cast<float>(
+                row.time_rate ? rate_over_value * value_m / interval_s : value_m));
         else
             bounds.push_back(is_linear(field) ? slope_error : jacobian_error);
     }

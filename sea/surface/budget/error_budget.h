@@ -12,10 +12,12 @@
 // Pure functions; thread-safe. Cost: a few milliseconds a cascade, and what sine_error.h says.
 #pragma once
 
+#include <array>
 #include <span>
 #include <vector>
 
 #include "sea/basics/field.h"
+#include "sea/surface/budget/cascade_waves.h"
 #include "sea/surface/budget/interpolation_laws.h"
 #include "sea/surface/budget/spending.h"
 #include "sea/surface/inverse.h"
@@ -28,6 +30,11 @@ namespace seaway::sea {
 /// steep as it is high.
 inline constexpr double inverse_share = 0.02;
 
+/// The grids that maps can be cut to (sea/surface/budget/coarser.h), largest first: even, and quick to transform.
+inline constexpr std::array smaller_grids{256, 128, 64, 32};
+/// Keyframes may be left out as long as one of so many is left, and as long as they tell of the waves.
+inline constexpr int every_most = 8;
+
 /// What the keyframes of one cascade cost in accuracy.
 struct CascadeBudget {
     TimeUs interval_us = 0;
@@ -39,6 +46,21 @@ struct CascadeBudget {
     int compact_size = 0;
     double compact_share =
         1; ///< of the variance of coding that is left of it on the cascade's own grid
+    /// Of what maps may be coarser than that: cut to one of smaller_grids each, and with every n-th keyframe alone, at
+    /// n - 1, as long as these tell of the waves.
+    struct Cut {
+        CutWaves waves;
+        bool displacement_follows = false;
+    };
+    struct Slow {
+        double time_m = 0;
+        double displacement_time_m = 0;
+        double strain = 0; ///< rms
+    };
+    std::array<Cut, smaller_grids.size()> cuts{};
+    std::array<Slow, every_most> slow{};
+    bool can_be_cut = false;
+    int every_max = 1;
 };
 
 struct ErrorBudget {
@@ -91,6 +113,11 @@ double level_error_m(const ErrorBudget& budget, double codec_error_m);
 /// in waves that nobody has.
 std::vector<float> codec_bounds(const ErrorBudget& budget, FieldSet fields, int cascade,
                                 double codec_error_m, bool compact = false);
+
+/// The same of maps that are sent on a grid of `sent_size` points a side, which may be their own, when only every
+/// `every`-th keyframe is sent.
+std::vector<float> codec_bounds(const ErrorBudget& budget, FieldSet fields, int cascade,
+                                double codec_error_m, int sent_size, int every);
 
 /// What compact tiles may cost of a height beside that: single precision on the way to the smaller grid and back.
 double compact_error_m(const ErrorBudget& budget);

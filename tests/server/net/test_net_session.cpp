@@ -326,6 +326,60 @@ TEST_F(NetSession, a_new_sea_state_reaches_every_session) {
     }
 }
 
+// Naive: what was granted in a calm sea is stated for ever. And keyframes of the rung before that are on their way when
+// the rung changes are thrown away: a hole of an interval.
+TEST_F(NetSession, when_the_sea_changes_what_is_granted_is_said_again_and_nothing_is_missing) {
+    start();
+    publish(5);
+    Client client(port());
+    ASSERT_FALSE(client.connect());
+    ASSERT_TRUE(client.greet());
+    ASSERT_FALSE(client.send(protocol::subscribe(3, heights, 8)));
+    const wire::Message* message = client.receive();
+    ASSERT_TRUE(message && message->body_as_Subscribed());
+    EXPECT_EQ(message->body_as_Subscribed()->error_m(), SmallSea::bound(0));
+    EXPECT_EQ(message->body_as_Subscribed()->why(), nullptr)
+        << "nothing less: nothing more to read";
+    EXPECT_EQ(message->body_as_Subscribed()->limits(), nullptr);
+    while (!message->body_as_FetchDone())
+        ASSERT_TRUE((message = client.receive()));
+    net->announce(SmallSea::state_message(7));
+    ASSERT_TRUE((message = client.receive()) && message->body_as_SeaState()) << "and nothing else";
+    host.coarser_now = true;
+    net->announce(SmallSea::state_message(8));
+    bool told = false, announced = false;
+    while (!told || !announced) {
+        ASSERT_TRUE((message = client.receive()));
+        announced = announced || message->body_as_SeaState();
+        if (const wire::Subscribed* again = message->body_as_Subscribed()) {
+            EXPECT_EQ(again->request_id(), 3u);
+            EXPECT_EQ(again->error_m(), SmallSea::bound(1));
+            EXPECT_EQ(again->why()->str(), "the sea has grown");
+            told = true;
+        }
+    }
+    const auto next_tile_us = [&] {
+        do
+            message = client.receive();
+        while (message && !message->body_as_Tile());
+        EXPECT_TRUE(message);
+        return message ? message->body_as_Tile()->time_us() : 0;
+    };
+    const auto on_its_way = [&](std::int64_t n, std::uint8_t quality) {
+        net->publish(host.keyframe(0, n, {sea::Field::height}, quality));
+    };
+    host.subscriptions().set(99, {.cascades = 1u, .fields = {sea::Field::height}}); // another one's
+    on_its_way(7, 0);
+    EXPECT_EQ(next_tile_us(), 7 * interval_us) << "of the rung before";
+    on_its_way(8, 1);
+    EXPECT_EQ(next_tile_us(), 8 * interval_us);
+    on_its_way(9, 0);
+    on_its_way(9, 1);
+    EXPECT_EQ(next_tile_us(), 9 * interval_us);
+    on_its_way(10, 1);
+    EXPECT_EQ(next_tile_us(), 10 * interval_us) << "each once";
+}
+
 TEST_F(NetSession, the_subscription_ends_with_unsubscribe_and_with_the_session) {
     start();
     {

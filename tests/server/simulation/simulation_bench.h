@@ -99,7 +99,8 @@ struct Bench {
     std::shared_ptr<std::atomic<int>> failures = std::make_shared<std::atomic<int>>(0);
     std::mutex mutex;
     std::vector<sea::KeyframePtr> published;
-    std::atomic<int> no_memory = 0; ///< of the next calls
+    std::vector<sea::KeyframePtr> published_rarer; ///< for those who take fewer
+    std::atomic<int> no_memory = 0;                ///< of the next calls
     std::atomic<int> warnings = 0;
     std::atomic<int> uploads = 0; ///< of the sea to a device
     std::promise<std::string> failed;
@@ -117,9 +118,9 @@ struct Bench {
                 return std::unique_ptr<Synthesizer>(std::move(made));
             },
             subscriptions, [this] { return now_us += leap_us; },
-            {[this](const sea::KeyframePtr& keyframe) {
+            {[this](const sea::KeyframePtr& keyframe, std::size_t rate) {
                  const std::scoped_lock lock(mutex);
-                 published.push_back(keyframe);
+                 (rate == 0 ? published : published_rarer).push_back(keyframe);
              },
              [this](const std::string&) { ++warnings; },
              [this](const std::string& why) { failed.set_value(why); }},

@@ -40,6 +40,7 @@ class SmallSea : public server::Host {
     std::vector<protocol::SharedBytes> states{state_message(0)};
     std::atomic<bool> answer_queries = true; ///< else they wait in `unanswered`
     std::atomic<bool> answer_fetches = true; ///< else they wait in `unanswered`
+    std::atomic<bool> coarser_now = false;   ///< the sea that runs has the coarser rung alone
     std::atomic<bool> is_busy = false;       ///< queries, fetches and maps are refused
 
     static protocol::SharedBytes state_message(std::uint32_t epoch, std::size_t scene_bytes = 100) {
@@ -102,6 +103,11 @@ class SmallSea : public server::Host {
         grant.fields = sea::FieldSet::from_bits(wish.fields.bits() & offered.bits());
         grant.quality = quality(wish);
         grant.error_m = bound(grant.quality);
+        if (coarser_now) { // whatever was wished for
+            grant.quality = 1;
+            grant.error_m = bound(1);
+            grant.why = "the sea has grown";
+        }
         return grant;
     }
     void fetch(server::FetchRequest request, Fetched done) override {
