@@ -60,6 +60,9 @@ inline constexpr std::size_t spectrum_chunk_bytes_max = 16 * 1024;
 /// All chunks of one sea; a finer spectrum is not granted. Most are below 100 KB.
 inline constexpr std::size_t spectrum_bytes_max = 4u * 1024 * 1024;
 
+/// Waves of a sea to come, a session, in sea time; faster where they would not be there by the end of the glide.
+inline constexpr double spectrum_bytes_per_s = 1900;
+
 /// Chunks of one sea.
 inline constexpr std::uint32_t spectrum_chunks_max = 4096;
 

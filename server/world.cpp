@@ -157,9 +157,10 @@ Result<GrantedSpectrum> World::spectrum(const SpectrumDemand& wish) {
     std::vector<SpectrumSource> sources;
     for (const RunningSeaPtr& sea : seas)
         // A change is a glide and the sea that it leads to, the next epoch.
-        sources.push_back({sea->epoch, sea->realization, sea->scene.sea.dispersion(),
-                           sea->budget.height_error_m,
-                           course_->ends_a_glide(sea->epoch) ? sea->epoch - 1 : 0});
+        sources.push_back(
+            {sea->epoch, sea->realization, sea->scene.sea.dispersion(), sea->budget.height_error_m,
+             course_->ends_a_glide(sea->epoch) ? sea->epoch - 1 : 0,
+             sea->glide ? sea->glide->change.end_us() : course_->window(sea->epoch).start_us});
     sources.resize(std::min<std::size_t>(sources.size(), protocol::limits::spectra_max));
     return spectra_.grant(sources, wish);
 }

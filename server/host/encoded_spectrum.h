@@ -4,11 +4,13 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "sea/basics/field.h"
+#include "sea/basics/time.h"
 
 namespace seaway::server {
 
@@ -18,6 +20,8 @@ struct EncodedSpectrum {
     std::uint32_t epoch = 0;
     /// The glide that ends in this sea: who has its spectrum has this one. 0: none.
     std::uint32_t ends_epoch = 0;
+    /// Sea time by which who glides there needs all of it; past: at once.
+    sea::TimeUs whole_by_us = std::numeric_limits<sea::TimeUs>::min();
     /// Spectrum, then its chunks in order.
     std::vector<Message> messages;
     std::size_t bytes = 0; ///< of them all

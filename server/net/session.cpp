@@ -324,6 +324,8 @@ bool Session::wants_requests() const {
 protocol::SharedBytes Session::next_message() {
     if (closing_ || ended_)
         return nullptr;
+    if (outbox_.paces_spectra())
+        outbox_.allow_spectra(core_.host.sea_time_us());
     protocol::SharedBytes message = outbox_.next();
     if (message != nullptr) {
         ++messages_sent_;

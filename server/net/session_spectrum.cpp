@@ -25,6 +25,7 @@ void Session::on_subscribe_spectrum(const wire::SubscribeSpectrum& subscribe) {
     if (subscribe.fields() == 0)
         spectrum_wish_->fields = sea::surface_fields;
     spectra_sent_.clear();
+    outbox_.stop_spectra(); // those of seas to come: they come with this one
     make_spectra(request_id);
 }
 
@@ -84,7 +85,10 @@ void Session::spectra_made(std::optional<std::uint32_t> request_id,
                                              .spectra = static_cast<std::uint32_t>(sent.size()),
                                              .why = granted->why}));
     for (const EncodedSpectrumPtr& spectrum : sent)
-        outbox_.push_spectrum(spectrum);
+        if (request_id)
+            outbox_.push_spectrum(spectrum);
+        else // of a sea to come
+            outbox_.push_paced_spectrum(spectrum, core_.host.sea_time_us());
     link_.send_more();
 }
 

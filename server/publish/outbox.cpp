@@ -64,6 +64,36 @@ void Outbox::push_spectrum(EncodedSpectrumPtr spectrum) {
         spectra_.pop_front();
 }
 
+void Outbox::push_paced_spectrum(EncodedSpectrumPtr spectrum, sea::TimeUs now_us) {
+    const double left_s = sea::seconds_from_us(spectrum->whole_by_us - now_us);
+    const auto bytes = static_cast<double>(spectrum->bytes);
+    const bool later = spectrum->whole_by_us > now_us;
+    push_spectrum(std::move(spectrum));
+    if (!later)
+        return;
+    spectra_.back().begun_us = now_us;
+    spectra_.back().bytes_per_s = std::max(limits::spectrum_bytes_per_s, bytes / left_s);
+    allow_spectra(now_us);
+}
+
+void Outbox::allow_spectra(sea::TimeUs now_us) {
+    for (SpectrumParcel& parcel : spectra_)
+        if (parcel.bytes_per_s > 0)
+            parcel.allowed_bytes = static_cast<std::size_t>(
+                1 +
+                parcel.bytes_per_s * std::max(sea::seconds_from_us(now_us - parcel.begun_us), 0.0));
+}
+
+bool Outbox::paces_spectra() const {
+    return std::ranges::any_of(spectra_,
+                               [](const SpectrumParcel& one) { return one.bytes_per_s > 0; });
+}
+
+bool Outbox::spectrum_waiting() const {
+    return std::ranges::any_of(spectra_,
+                               [](const SpectrumParcel& one) { return one.bytes_per_s == 0; });
+}
+
 bool Outbox::push_fetched(std::span<const EncodedKeyframePtr> keyframes, sea::FieldSet fields,
                           SharedBytes done) {
     std::size_t bytes = fetched_bytes_ + done->size();
@@ -160,7 +190,10 @@ SharedBytes Outbox::next_spectrum() {
     if (spectra_.empty())
         return nullptr;
     SpectrumParcel& first = spectra_.front();
+    if (first.bytes >= first.allowed_bytes)
+        return nullptr;
     SharedBytes message = first.spectrum->messages[first.next++];
+    first.bytes += message->size();
     if (first.next == first.spectrum->messages.size())
         spectra_.pop_front();
     return message;

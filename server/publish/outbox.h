@@ -53,7 +53,15 @@ class Outbox {
     /// After those that wait; of two of one sea the later one counts. Of more than limits::spectra_max the
     /// oldest is given up: its sea is over.
     void push_spectrum(EncodedSpectrumPtr spectrum);
-    bool spectrum_waiting() const { return !spectra_.empty(); }
+    /// The same for one that is needed whole only later: its head now, and the rest as allow_spectra() says, evenly until
+    /// then, or by spectrum_bytes_per_s where that is sooner.
+    void push_paced_spectrum(EncodedSpectrumPtr spectrum, sea::TimeUs now_us);
+    /// What has come due of those by this sea time may be handed out.
+    void allow_spectra(sea::TimeUs now_us);
+    /// One that is not paced.
+    bool spectrum_waiting() const;
+    /// There is something for allow_spectra().
+    bool paces_spectra() const;
     void stop_spectra() { spectra_.clear(); }
 
     /// `file`: where its messages lie, too, if anywhere.
@@ -115,6 +123,10 @@ class Outbox {
     struct SpectrumParcel {
         EncodedSpectrumPtr spectrum;
         std::size_t next = 0;
+        std::size_t bytes = 0; ///< handed out
+        std::size_t allowed_bytes = std::numeric_limits<std::size_t>::max();
+        sea::TimeUs begun_us = 0; ///< of one that is paced
+        double bytes_per_s = 0;   ///< 0: at once
     };
 
     protocol::SharedBytes next_message();

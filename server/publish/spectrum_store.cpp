@@ -102,6 +102,7 @@ EncodedSpectrumPtr encode(const SpectrumSource& sea, const sea::QuantisedSpectru
     auto encoded = std::make_shared<EncodedSpectrum>();
     encoded->epoch = sea.epoch;
     encoded->ends_epoch = sea.ends_epoch;
+    encoded->whole_by_us = sea.whole_by_us;
     encoded->messages.push_back(std::make_shared<const protocol::Bytes>(
         protocol::spectrum({.epoch = sea.epoch,
                             .chunks = static_cast<std::uint32_t>(chunks.messages.size()),

@@ -36,7 +36,8 @@ struct SpectrumSource {
     sea::RealizationPtr waves = {};
     sea::Dispersion dispersion = {};
     double height_error_m = 0;
-    std::uint32_t ends_epoch = 0; ///< EncodedSpectrum
+    std::uint32_t ends_epoch = 0;                                      ///< EncodedSpectrum
+    sea::TimeUs whole_by_us = std::numeric_limits<sea::TimeUs>::min(); ///< likewise
 };
 
 class SpectrumStore {

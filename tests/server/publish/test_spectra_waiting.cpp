@@ -2,6 +2,7 @@
 // Outbox: spectra among what waits.
 #include <gtest/gtest.h>
 
+#include "protocol/limits.h"
 #include "server/publish/outbox.h"
 
 namespace seaway::server {
@@ -53,6 +54,45 @@ TEST(Outbox, a_spectrum_is_replaced_by_a_later_one_of_its_sea_and_given_up_when_
     EXPECT_EQ(outbox.bytes_waiting(), 4u * 3 * 50) << "of the four newest seas, however many came";
     outbox.stop_spectra();
     EXPECT_EQ(outbox.next(), nullptr);
+}
+
+// Naive: all waves of a sea to come go out at its announcement, 50 KB in an instant to everybody.
+TEST(Outbox, waves_of_a_sea_to_come_go_out_by_and_by_and_are_whole_when_they_are_needed) {
+    constexpr sea::TimeUs second_us = 1'000'000;
+    const auto paced = [](sea::TimeUs whole_by_us) {
+        auto made = std::make_shared<EncodedSpectrum>(*spectrum_of(2, 400)); // of 50 bytes each
+        made->bytes = 20'000;
+        made->whole_by_us = whole_by_us;
+        return made;
+    };
+    const auto take_all = [](Outbox& outbox) {
+        std::size_t bytes = 0;
+        while (const protocol::SharedBytes message = outbox.next())
+            bytes += message->size();
+        return bytes;
+    };
+    const sea::TimeUs start_us = 77 * second_us;
+    for (const int left_s : {5, 600}) {
+        Outbox outbox;
+        outbox.push_paced_spectrum(paced(start_us + left_s * second_us), start_us);
+        EXPECT_FALSE(outbox.spectrum_waiting()) << "another may be asked for";
+        const double bytes_per_s = left_s == 5 ? 4000 : protocol::limits::spectrum_bytes_per_s;
+        std::size_t bytes = take_all(outbox);
+        EXPECT_EQ(bytes, 50u) << "its head, so that it is known";
+        for (int half_s = 1; outbox.paces_spectra() && half_s < 1000; ++half_s) {
+            outbox.allow_spectra(start_us + half_s * second_us / 2);
+            bytes += take_all(outbox);
+            EXPECT_NEAR(static_cast<double>(bytes), std::min(20'000.0, bytes_per_s * half_s / 2),
+                        51)
+                << left_s;
+        }
+        EXPECT_EQ(bytes, 20'000u);
+    }
+    // What should be there already goes at once, and waits for no time.
+    Outbox outbox;
+    outbox.push_paced_spectrum(paced(start_us), start_us);
+    EXPECT_TRUE(outbox.spectrum_waiting());
+    EXPECT_EQ(take_all(outbox), 20'000u);
 }
 
 } // namespace
