@@ -133,7 +133,7 @@ void grant_maps(Demand& granted, const Demand& wish, Budgets budgets, FieldSet o
         say(granted.why, fmt::format("this sea has {} cascades", budgets.front()->cascades.size()));
     granted.fields = wish.fields & offered;
     if (const FieldSet missing = wish.fields.without(granted.fields); !missing.empty())
-        say(granted.why, fmt::format("this sea has no {}", names(missing)));
+        say(granted.why, fmt::format("this sea streams no {}", names(missing)));
     FieldSet whole;
     for (const sea::Field field : granted.fields)
         if (!sea::is_linear(field))

@@ -156,7 +156,7 @@ TEST(Grants, what_is_less_than_the_wish_is_said) {
         "10\nfetch_m = 1e5\n[[cascade]]\nlength_m = 300\nsize = 64\n[effects]\nslopes = false\n");
     wish = wish_of({"", true, 0, 0});
     wish.fields.insert(sea::Field::slope_x);
-    EXPECT_EQ(granted(plain, wish).why, "this sea has no slope_x");
+    EXPECT_EQ(granted(plain, wish).why, "this sea streams no slope_x");
 }
 
 // Keyframes further apart than a turn of the fastest wave say nothing of it: refused by name, not served as noise.
