@@ -5,13 +5,11 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "protocol/limits.h"
 #include "server/net/refusals.h"
 #include "server/net/session.h"
 
 namespace seaway::server {
 
-namespace limits = protocol::limits;
 using nlohmann::ordered_json;
 using wire::ErrorCode;
 

@@ -88,7 +88,8 @@ double largest_miss_m(Bench& bench, TimeUs from_us, TimeUs until_us) {
                 (at(0, Field::displacement_x) + at(1, Field::displacement_x)) / 2 +
                 h_s / 8 * (at(0, Field::displacement_x_rate) - at(1, Field::displacement_x_rate));
             const double x_m = static_cast<double>(i % 64) * step_m;
-            const double y_m = static_cast<double>(i / 64) * step_m;
+            const std::size_t row = i / 64;
+            const double y_m = static_cast<double>(row) * step_m;
             largest_m =
                 std::max(largest_m, std::abs(mixed - truth.at(x_m, y_m, middle_us).displacement_x));
         }
