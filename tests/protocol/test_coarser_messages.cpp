@@ -40,8 +40,8 @@ TEST(CoarserMessages, what_coarser_maps_miss_travels_and_nothing_of_it_where_the
     TileWish less = grant;
     less.rate_hz_max = 2.5f;
     less.size_max = 64;
-    const wire::Subscribed& said =
-        *message_of(reader, subscribed(7, less, 4, "why not"))->body_as_Subscribed();
+    const Bytes with_less = subscribed(7, less, 4, "why not");
+    const wire::Subscribed& said = *message_of(reader, with_less)->body_as_Subscribed();
     EXPECT_EQ(said.why()->str(), "why not");
     EXPECT_EQ(said.limits()->rate_hz(), 2.5f);
     EXPECT_EQ(said.limits()->size(), 64u);
