@@ -3,6 +3,11 @@
 // tests/golden were made from these; see the note there before a value is changed.
 #pragma once
 
+#include <deque>
+#include <utility>
+
+#include <gtest/gtest.h>
+
 #include "protocol/messages.h"
 
 namespace seaway::protocol::tests {
@@ -161,6 +166,19 @@ inline Bytes sample(wire::Body body) {
         break;
     }
     return {};
+}
+
+/// The message in these bytes, which it refers to; null, and a failure, where there is none.
+inline const wire::Message* read(MessageReader& reader, const Bytes& bytes) {
+    const auto message = reader.read(bytes);
+    EXPECT_TRUE(message.has_value()) << (message ? "" : message.error().message);
+    return message ? *message : nullptr;
+}
+
+/// The same of bytes that nobody else keeps.
+inline const wire::Message* read(MessageReader& reader, Bytes&& bytes) {
+    static std::deque<Bytes> all;
+    return read(reader, all.emplace_back(std::move(bytes)));
 }
 
 /// Samples of every kind that this side sends.

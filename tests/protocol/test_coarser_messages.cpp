@@ -10,13 +10,8 @@
 namespace seaway::protocol {
 namespace {
 
+using tests::read;
 using tests::some_tile;
-
-const wire::Message* message_of(MessageReader& reader, const Bytes& bytes) {
-    const Result<const wire::Message*> message = reader.read(bytes);
-    EXPECT_TRUE(message) << (message ? "" : message.error().message);
-    return message ? *message : nullptr;
-}
 
 // Naive: a field that says nothing is written all the same, and every tile of those who never asked grows by it.
 TEST(CoarserMessages, what_coarser_maps_miss_travels_and_nothing_of_it_where_they_miss_nothing) {
@@ -24,15 +19,15 @@ TEST(CoarserMessages, what_coarser_maps_miss_travels_and_nothing_of_it_where_the
     const std::vector<std::uint8_t> payload{1};
     TileHeader header = some_tile();
     const std::size_t plain = tile(header, payload).size();
-    EXPECT_EQ(message_of(reader, tile(header, payload))->body_as_Tile()->coarser(), nullptr);
+    EXPECT_EQ(read(reader, tile(header, payload))->body_as_Tile()->coarser(), nullptr);
     header.coarser = {640'000, 0.25, 0.125, 0.5, 0.75, 2.0};
     const Bytes told = tile(header, payload);
     EXPECT_GE(told.size(), plain + 32);
-    const wire::Tile& back = *message_of(reader, told)->body_as_Tile();
+    const wire::Tile& back = *read(reader, told)->body_as_Tile();
     EXPECT_TRUE(check(back));
     EXPECT_EQ(protocol::header(back).coarser, header.coarser);
     header.coarser.cut_m = 1e10;
-    const Result<void> fine = check(*message_of(reader, tile(header, payload)));
+    const Result<void> fine = check(*read(reader, tile(header, payload)));
     ASSERT_FALSE(fine);
     EXPECT_NE(fine.error().message.find("coarser.cut_m"), std::string::npos);
     const TileWish grant{.cascades = 3u, .fields = sea::surface_fields, .error_m = 0.02f};
@@ -41,11 +36,11 @@ TEST(CoarserMessages, what_coarser_maps_miss_travels_and_nothing_of_it_where_the
     less.rate_hz_max = 2.5f;
     less.size_max = 64;
     const Bytes with_less = subscribed(7, less, 4, "why not");
-    const wire::Subscribed& said = *message_of(reader, with_less)->body_as_Subscribed();
+    const wire::Subscribed& said = *read(reader, with_less)->body_as_Subscribed();
     EXPECT_EQ(said.why()->str(), "why not");
     EXPECT_EQ(said.limits()->rate_hz(), 2.5f);
     EXPECT_EQ(said.limits()->size(), 64u);
-    const wire::Subscribed& nothing = *message_of(reader, old)->body_as_Subscribed();
+    const wire::Subscribed& nothing = *read(reader, old)->body_as_Subscribed();
     EXPECT_EQ(nothing.why(), nullptr);
     EXPECT_EQ(nothing.limits(), nullptr);
 }
@@ -54,7 +49,7 @@ TEST(CoarserMessages, limits_out_of_range_are_errors_that_name_the_field) {
     MessageReader reader(Sender::client);
     const TileWish wish{.fields = sea::surface_fields};
     const auto why = [&](const Bytes& bytes) {
-        const Result<void> fine = check(*message_of(reader, bytes));
+        const Result<void> fine = check(*read(reader, bytes));
         return fine ? std::string() : fine.error().message;
     };
     const auto limited = [&](float rate_hz_max, int size_max) {

@@ -13,18 +13,13 @@
 namespace seaway::protocol {
 namespace {
 
+using tests::read;
 using tests::sample;
 using tests::samples;
 using tests::some_state;
 using tests::some_tile;
 using wire::Body;
 using wire::ErrorCode;
-
-const wire::Message* read(MessageReader& reader, const Bytes& bytes) {
-    const auto message = reader.read(bytes);
-    EXPECT_TRUE(message.has_value()) << (message ? "" : message.error().message);
-    return message ? *message : nullptr;
-}
 
 TEST(Messages, client_messages_read_back_as_they_were_written) {
     MessageReader reader(Sender::client);

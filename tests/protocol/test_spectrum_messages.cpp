@@ -10,15 +10,10 @@
 namespace seaway::protocol {
 namespace {
 
+using tests::read;
 using tests::sample;
 using tests::some_state;
 using wire::Body;
-
-const wire::Message* message_in(MessageReader& reader, const Bytes& bytes) {
-    const auto message = reader.read(bytes);
-    EXPECT_TRUE(message.has_value()) << (message ? "" : message.error().message);
-    return message ? *message : nullptr;
-}
 
 TEST(SpectrumMessages, sixteen_probes_are_less_than_a_kilobyte) {
     SeaStateValues state = some_state();
@@ -34,7 +29,7 @@ TEST(SpectrumMessages, probes_are_where_seas_are_and_say_numbers) {
         SeaStateValues state = some_state();
         state.probes[1] = probe;
         state.probe_error_m = error_m;
-        const Result<void> fine = check(*message_in(reader, sea_state(state)));
+        const Result<void> fine = check(*read(reader, sea_state(state)));
         return fine ? std::string() : fine.error().message;
     };
     const double nan = std::numeric_limits<double>::quiet_NaN();
@@ -49,27 +44,25 @@ TEST(SpectrumMessages, probes_are_where_seas_are_and_say_numbers) {
     EXPECT_EQ(why({1, 2, 3, 4, 5, 6}, -1).find("probe_error_m is -1"), 0u);
     SeaStateValues many = some_state();
     many.probes.resize(limits::probes_max + 1);
-    EXPECT_EQ(
-        check(*message_in(reader, sea_state(many))).error().message.find("count of probes is 65"),
-        0u);
+    EXPECT_EQ(check(*read(reader, sea_state(many))).error().message.find("count of probes is 65"),
+              0u);
 }
 
 TEST(SpectrumMessages, those_of_a_spectrum_read_back_as_they_were_written) {
     MessageReader of_client(Sender::client), reader(Sender::server);
     const auto* wish =
-        message_in(of_client, sample(Body::SubscribeSpectrum))->body_as_SubscribeSpectrum();
+        read(of_client, sample(Body::SubscribeSpectrum))->body_as_SubscribeSpectrum();
     EXPECT_EQ(wish->slope_error(), 0.005f);
     EXPECT_EQ(wish->fields(), sea::surface_fields.bits());
     const SpectrumGrant granted =
-        grant(*message_in(reader, sample(Body::SpectrumSubscribed))->body_as_SpectrumSubscribed());
+        grant(*read(reader, sample(Body::SpectrumSubscribed))->body_as_SpectrumSubscribed());
     EXPECT_EQ(spectrum_subscribed(11, granted), sample(Body::SpectrumSubscribed));
     EXPECT_EQ(granted.why, "foam is no wave");
-    const SpectrumHead begun =
-        head(*message_in(reader, sample(Body::Spectrum))->body_as_Spectrum());
+    const SpectrumHead begun = head(*read(reader, sample(Body::Spectrum))->body_as_Spectrum());
     EXPECT_EQ(spectrum(begun), sample(Body::Spectrum));
     EXPECT_EQ(begun.steps, (sea::SpectrumSteps{0.0000625, 2.5}));
     EXPECT_EQ(begun.dispersion.depth_m, 95.5);
-    const auto* chunk = message_in(reader, sample(Body::SpectrumChunk))->body_as_SpectrumChunk();
+    const auto* chunk = read(reader, sample(Body::SpectrumChunk))->body_as_SpectrumChunk();
     EXPECT_EQ(chunk->chunk(), 11u);
     EXPECT_EQ(left(*chunk).displacement_m, 0.25);
     EXPECT_EQ(left(*chunk).slope, 0.0625);
@@ -80,7 +73,7 @@ TEST(SpectrumMessages, what_a_spectrum_says_is_in_range_or_named) {
     const auto why = [&](const auto& change) {
         SpectrumHead begun = tests::some_spectrum();
         change(begun);
-        const Result<void> fine = check(*message_in(reader, spectrum(begun)));
+        const Result<void> fine = check(*read(reader, spectrum(begun)));
         return fine ? std::string() : fine.error().message;
     };
     const double nan = std::numeric_limits<double>::quiet_NaN();
@@ -95,14 +88,13 @@ TEST(SpectrumMessages, what_a_spectrum_says_is_in_range_or_named) {
     EXPECT_EQ(why([&](SpectrumHead& h) { h.loop_period_us = -1; }).find("loop_period_us"), 0u);
     EXPECT_EQ(why([&](SpectrumHead& h) { h.chunks = 4097; }).find("chunks is 4097"), 0u);
     const std::vector<std::uint8_t> long_one(limits::spectrum_chunk_bytes_max + 1);
-    EXPECT_EQ(check(*message_in(reader, spectrum_chunk(1, 0, {}, long_one)))
+    EXPECT_EQ(check(*read(reader, spectrum_chunk(1, 0, {}, long_one)))
                   .error()
                   .message.find("count of payload bytes"),
               0u);
-    EXPECT_FALSE(check(*message_in(reader, spectrum_chunk(1, 4096, {}, {long_one.data(), 1}))));
-    EXPECT_FALSE(check(*message_in(reader, spectrum_chunk(1, 0, {}, {}))));
-    EXPECT_FALSE(
-        check(*message_in(reader, spectrum_chunk(1, 0, {nan, 0, 0}, {long_one.data(), 1}))));
+    EXPECT_FALSE(check(*read(reader, spectrum_chunk(1, 4096, {}, {long_one.data(), 1}))));
+    EXPECT_FALSE(check(*read(reader, spectrum_chunk(1, 0, {}, {}))));
+    EXPECT_FALSE(check(*read(reader, spectrum_chunk(1, 0, {nan, 0, 0}, {long_one.data(), 1}))));
 }
 
 } // namespace
