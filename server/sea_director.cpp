@@ -220,7 +220,13 @@ Result<void> SeaDirector::log(SeaChange change) {
 }
 
 Result<SeaPromise> SeaDirector::make_pace(int permille) {
-    const sea::Pace pace = clock_.next_pace(clock_.moment().elapsed_us + pace_ahead_us, permille);
+    const TimeUs now_us = clock_.moment().elapsed_us;
+    const auto promised = std::ranges::count_if(
+        clock_.paces(), [now_us](const sea::Pace& pace) { return pace.from_us > now_us; });
+    if (promised >= static_cast<std::ptrdiff_t>(changes_promised_max))
+        return busy(pace_ahead_us,
+                    fmt::format("{} paces are promised and do not hold yet", promised));
+    const sea::Pace pace = clock_.next_pace(now_us + pace_ahead_us, permille);
     SEAWAY_TRY(log({.scene = {}, .pace = pace}));
     clock_.follow(pace);
     world_.announce_pace(pace);

@@ -11,6 +11,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -47,12 +48,17 @@ struct SeaTime {
     TimeUs sea_us;
     TimeUs elapsed_us; ///< since the epoch
 };
+/// Paces that are held: the one that holds, and more to come than a server promises.
+inline constexpr std::size_t paces_max = 16;
+
 class Paces {
   public:
-    /// Takes over from those that were to come after its beginning.
+    /// Takes over from those that were to come after its beginning. Of more than paces_max the first is forgotten.
     void add(const Pace& pace) {
         std::erase_if(paces_, [&](const Pace& held) { return held.from_us >= pace.from_us; });
         paces_.push_back(pace);
+        if (paces_.size() > paces_max)
+            paces_.erase(paces_.begin());
     }
     /// Goes on from where the sea is by then.
     Pace next(TimeUs from_us, int permille) const { return {from_us, sea_time(from_us), permille}; }

@@ -36,6 +36,15 @@ TEST(Paces, a_pace_goes_on_from_where_the_sea_was) {
     EXPECT_EQ(paces.sea_time(13'000'000), 9'000'000);
 }
 
+// Naive: a server that promises paces without end fills the memory of its clients.
+TEST(Paces, of_many_to_come_the_last_ones_are_held) {
+    Paces paces;
+    for (TimeUs second = 1; second <= 100'000; ++second)
+        paces.add({second * 1'000'000, 7, 1});
+    EXPECT_EQ(paces.all().size(), paces_max);
+    EXPECT_EQ(paces.all().back().from_us, 100'000'000'000);
+}
+
 // Naive: a double loses microseconds after a month, and two readers round otherwise.
 TEST(Paces, time_never_jumps_or_goes_back_and_the_moment_of_a_time_is_the_first_one) {
     std::mt19937_64 random(4);
