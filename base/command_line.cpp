@@ -7,6 +7,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "base/manual.h"
 #include "base/messages.h"
 #include "base/options_file.h"
 
@@ -69,7 +70,13 @@ CommandOption& CommandOption::between(double least, double most) {
 
 CommandLine::CommandLine(const std::string& program, const std::string& about)
     : own_(std::make_unique<CLI::App>(about, program)), app_(own_.get()) {
-    app_->set_version_flag("--version", program + " " + SEAWAY_VERSION);
+    app_->set_version_flag("--version", version());
+}
+
+/// The numbers are those of protocol/messages.h and client/seaway.h, read by base/CMakeLists.txt.
+std::string CommandLine::version() const {
+    return fmt::format("{} {} (protocol {}, ABI {})", app_->get_name(), SEAWAY_VERSION,
+                       SEAWAY_PROTOCOL, SEAWAY_ABI);
 }
 
 CommandLine::CommandLine(CLI::App* command) : app_(command) {}
@@ -180,6 +187,11 @@ Result<CommandLine::Next> CommandLine::read(int argc, const char* const* argv) {
 }
 
 Result<CommandLine::Next> CommandLine::read(std::vector<std::string> words) {
+    if (words.size() == 1 && (words[0] == "--manual" || words[0] == "--completion")) {
+        fmt::print("{}",
+                   words[0] == "--manual" ? manual_page(*app_, version()) : bash_completion(*app_));
+        return Next::leave;
+    }
     SEAWAY_TRY(add_words_of_file(words));
     std::reverse(words.begin(), words.end()); // as the parser wants them
     try {

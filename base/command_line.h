@@ -51,7 +51,8 @@ class CommandLine {
   public:
     enum class Next { go_on, leave };
 
-    /// Has --help and --version.
+    /// Has --help and --version, which also names the versions of the protocol and of the C interface; and, for who
+    /// packages it, --manual and --completion (base/manual.h), not listed by --help.
     CommandLine(const std::string& program, const std::string& about);
     ~CommandLine();
     CommandLine(const CommandLine&) = delete;
@@ -81,6 +82,8 @@ class CommandLine {
     explicit CommandLine(CLI::App* command);
 
     Result<void> add_words_of_file(std::vector<std::string>& words) const;
+
+    std::string version() const;
 
     std::unique_ptr<CLI::App> own_;
     CLI::App* app_;

@@ -1,8 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // The C interface over Client. Every function catches what the library throws: no exception leaves.
+// What the header declares is seen from outside the library, where all else is hidden.
+#pragma GCC visibility push(default)
 #include "client/seaway.h"
+#pragma GCC visibility pop
 
+#include <algorithm>
+#include <cstring>
 #include <exception>
+#include <mutex>
 #include <new>
 #include <string>
 
@@ -16,7 +22,10 @@ using namespace seaway;
 using namespace seaway::client;
 
 struct seaway_client {
-    std::unique_ptr<Client> client;
+    std::mutex watch_mutex; ///< held while it is called
+    seaway_status_watch watch = nullptr;
+    void* user = nullptr;
+    std::unique_ptr<Client> client; ///< first to go: its events call watch
 };
 
 // The two structs are the library's own ones, field for field, so that points need no copy.
@@ -27,6 +36,7 @@ static_assert(sizeof(seaway_point) == sizeof(sea::QueryPoint) &&
 namespace {
 
 constexpr double timeout_default_s = 10;
+constexpr double look_back_max_s = 60;
 
 thread_local std::string last_error;
 
@@ -95,6 +105,35 @@ void put(std::span<const sea::Answer> answers, seaway_answer* out) {
     }
 }
 
+seaway_status as_c(const ClientStatus& from) {
+    seaway_status to{};
+    to.size = sizeof(to);
+    to.state = static_cast<uint32_t>(from.state);
+    to.attempts = static_cast<uint32_t>(from.attempts);
+    to.connections = static_cast<uint32_t>(from.connections);
+    to.seas = static_cast<uint32_t>(from.seas);
+    to.holds |= from.holds_tiles ? uint32_t{SEAWAY_HOLDS_TILES} : 0u;
+    to.holds |= from.holds_waves ? uint32_t{SEAWAY_HOLDS_WAVES} : 0u;
+    to.next_attempt_s = from.next_attempt_s;
+    to.stale_s = from.stale_s;
+    to.held_from_us = from.held_from_us;
+    to.held_until_us = from.held_until_us;
+    from.reason.copy(to.reason, sizeof(to.reason) - 1);
+    return to;
+}
+
+ClientEvents events_of(seaway_client& client) {
+    ClientEvents events;
+    events.on_status = [&client](const ClientStatus& status) {
+        const std::scoped_lock lock(client.watch_mutex);
+        if (!client.watch)
+            return;
+        const seaway_status now = as_c(status);
+        client.watch(client.user, &now);
+    };
+    return events;
+}
+
 } // namespace
 
 uint32_t seaway_abi_version(void) {
@@ -111,6 +150,7 @@ seaway_code seaway_connect(const char* url, const seaway_connect_options* option
         if (!url || !client)
             return bad("seaway_connect: url and client must not be null");
         ConnectOptions connect;
+        RingLimits limits;
         connect.url = url;
         if (options) {
             if (!timeout_fits(options->timeout_s))
@@ -120,11 +160,18 @@ seaway_code seaway_connect(const char* url, const seaway_connect_options* option
             connect.ca_file = text(options->ca_file, "");
             if (options->timeout_s > 0)
                 connect.timeout_s = options->timeout_s;
+            if (options->stays_lost > 1 || options->reserved != 0)
+                return bad("seaway_connect: stays_lost must be 0 or 1, reserved 0");
+            connect.stays_lost = options->stays_lost == 1;
+            if (!(options->look_back_s >= 0 && options->look_back_s <= look_back_max_s))
+                return bad(
+                    fmt::format("seaway_connect: look_back_s must be 0 to {}", look_back_max_s));
+            if (options->look_back_s > 0)
+                limits.look_back_us = sea::us_from_seconds(options->look_back_s);
         }
-        Result<std::unique_ptr<Client>> connected = Client::connect(connect);
-        if (!connected)
-            return connected.error();
-        *client = new seaway_client{std::move(*connected)};
+        auto made = std::make_unique<seaway_client>();
+        SEAWAY_TRY_LET(made->client, Client::connect(connect, events_of(*made), limits));
+        *client = made.release();
         return {};
     });
 }
@@ -143,6 +190,30 @@ int seaway_is_connected(const seaway_client* client) {
 double seaway_retry_after_s(const seaway_client* client) {
     const std::optional<Error> end = client ? client->client->end() : std::nullopt;
     return end ? end->retry_after_ms / 1000.0 : 0;
+}
+
+seaway_code seaway_get_status(const seaway_client* client, seaway_status* status) {
+    return guarded([&]() -> Result<void> {
+        if (!client || !status)
+            return bad("seaway_get_status: client and status must not be null");
+        if (status->size < offsetof(seaway_status, attempts))
+            return bad("seaway_get_status: status->size must be sizeof(seaway_status)");
+        seaway_status now = as_c(client->client->status());
+        now.size = std::min(status->size, now.size);
+        std::memcpy(status, &now, now.size);
+        return {};
+    });
+}
+
+seaway_code seaway_watch_status(seaway_client* client, seaway_status_watch watch, void* user) {
+    return guarded([&]() -> Result<void> {
+        if (!client)
+            return bad("seaway_watch_status: client must not be null");
+        const std::scoped_lock lock(client->watch_mutex);
+        client->watch = watch;
+        client->user = user;
+        return {};
+    });
 }
 
 int64_t seaway_now_us(seaway_client* client) {

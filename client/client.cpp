@@ -34,29 +34,13 @@ constexpr std::size_t batches_in_flight = 4;
 
 } // namespace
 
-Client::Client(ClientEvents events, RingLimits limits)
-    : events_(std::move(events)), ring_(limits) {}
-
-Client::~Client() {
-    connection_.reset();
-}
-
-Result<std::unique_ptr<Client>> Client::connect(const ConnectOptions& options, ClientEvents events,
-                                                RingLimits limits) {
-    std::unique_ptr<Client> client(new Client(std::move(events), limits));
-    Result<std::unique_ptr<Connection>> connection =
-        Connection::open(options, client->connection_events());
-    if (!connection)
-        return connection.error();
-    client->connection_ = std::move(*connection);
-    return client;
-}
-
-ConnectionEvents Client::connection_events() {
+ConnectionEvents Client::connection_events(const JoiningPtr& joining) {
     ConnectionEvents events;
-    events.on_sea_state = [this](const SeaStatePtr& state) {
+    events.on_sea_state = [this, joining](const SeaStatePtr& state) {
         {
             const std::scoped_lock lock(mutex_);
+            if (!joining->joined)
+                join(*joining, *state);
             std::erase_if(sea_states_, [&](const SeaStatePtr& held) {
                 if (held->epoch == state->epoch && held->probes != state->probes)
                     forget_waves(held->epoch);
@@ -77,7 +61,12 @@ ConnectionEvents Client::connection_events() {
             events_.on_sea_state(state);
     };
     events.on_keyframe = [this](const HeldKeyframePtr& keyframe) {
-        ring_.insert(keyframe);
+        TimeUs now_us = 0;
+        {
+            const std::scoped_lock lock(mutex_);
+            now_us = sea_time_held();
+        }
+        ring_.insert_passing(keyframe, now_us);
         {
             const std::scoped_lock lock(mutex_);
             for (Wanted* wanted : wanted_)
@@ -91,23 +80,39 @@ ConnectionEvents Client::connection_events() {
         const std::scoped_lock lock(mutex_);
         grant_ = grant;
     };
-    events.on_clock = [this](LocalUs sent_us, LocalUs received_us, TimeUs elapsed_us) {
-        const std::scoped_lock lock(mutex_);
-        clock_.add(sent_us, received_us, elapsed_us);
-    };
-    events.on_pace = [this](const sea::Pace& pace) {
-        const std::scoped_lock lock(mutex_);
-        paces_.add(pace);
-    };
-    events.on_closed = [this](const Error& reason) {
+    take_times(events, joining);
+    events.on_closed = [this, joining](const Error& reason) {
         {
             const std::scoped_lock lock(mutex_);
-            end_ = reason;
+            joining->end = reason;
+            changed_.notify_all();
         }
         if (events_.on_closed)
-            events_.on_closed(reason);
+            events_.on_closed(told(reason, Failure::lost));
+        if (options_.stays_lost)
+            say_status();
     };
     return events;
+}
+
+void Client::take_times(ConnectionEvents& events, const JoiningPtr& joining) {
+    events.on_clock = [this, joining](LocalUs sent_us, LocalUs received_us, TimeUs elapsed_us) {
+        const std::scoped_lock lock(mutex_);
+        if (!joining->joined) {
+            joining->looks.push_back({sent_us, received_us, elapsed_us});
+            return;
+        }
+        clock_.add(sent_us, received_us, elapsed_us);
+        heard_at_us_ = received_us;
+        heard_us_ = std::max(heard_us_, paces_.sea_time(elapsed_us));
+    };
+    events.on_pace = [this, joining](const sea::Pace& pace) {
+        const std::scoped_lock lock(mutex_);
+        if (joining->joined)
+            paces_.add(pace);
+        else
+            joining->paces.push_back(pace);
+    };
 }
 
 void Client::take_waves(ConnectionEvents& events) {
@@ -118,29 +123,41 @@ void Client::take_waves(ConnectionEvents& events) {
             return std::ranges::none_of(
                 sea_states_, [&](const SeaStatePtr& known) { return known->epoch == held.first; });
         });
-        received_[state->epoch] = begun;
+        // Of a sea whose waves are held they would begin with the coarsest.
+        (received_.contains(state->epoch) ? arriving_ : received_)[state->epoch] = begun;
     };
     events.on_waves = [this](std::uint32_t epoch, const sea::SpectrumLeft& left,
                              std::span<const sea::WaveBlock> blocks) -> Result<void> {
-        std::shared_ptr<ReceivedSpectrum> spectrum;
-        {
+        const auto held = [&](const auto& spectra) {
             const std::scoped_lock lock(mutex_);
-            if (const auto found = received_.find(epoch); found != received_.end())
-                spectrum = found->second;
-        }
-        return spectrum ? spectrum->add(left, blocks) : Result<void>(); // its sea is over
+            const auto found = spectra.find(epoch);
+            return found == spectra.end() ? nullptr : found->second;
+        };
+        const auto arriving = held(arriving_), received = held(received_);
+        const auto& spectrum = arriving ? arriving : received;
+        if (!spectrum)
+            return {}; // its sea is over
+        SEAWAY_TRY(spectrum->add(left, blocks));
+        if (!arriving || (received && arriving->left_m() > received->left_m()))
+            return {};
+        const std::scoped_lock lock(mutex_);
+        received_[epoch] = arriving;
+        arriving_.erase(epoch);
+        return {};
     };
 }
 
 void Client::forget_waves(std::uint32_t epoch) {
     rebuilt_.erase(epoch);
     received_.erase(epoch);
+    arriving_.erase(epoch);
     glides_.erase(epoch);
 }
 
 std::optional<Error> Client::end() const {
     const std::scoped_lock lock(mutex_);
-    return end_;
+    const std::optional<Error>& end = joining_->end;
+    return end ? std::optional(told(*end, Failure::lost)) : std::nullopt;
 }
 
 std::string Client::closed_reason() const {
@@ -191,20 +208,56 @@ void Client::note_offer(sea::FieldSet asked, sea::FieldSet granted) {
     not_offered_ = sea::FieldSet::from_bits((not_offered_.bits() & ~granted.bits()) | missing);
 }
 
+template <class Kind>
+auto Client::subscribe_and_keep(std::optional<Kind>& kept, const Kind& subscription)
+    -> decltype(subscribe_on(*link(), subscription)) {
+    std::unique_lock lock(mutex_);
+    // Kept from here on: the connection may end, and come back, behind the grant.
+    const std::optional<Kind> before = std::exchange(kept, subscription);
+    lock.unlock();
+    auto granted = subscribe_on(*link(), subscription);
+    lock.lock();
+    if (!granted)
+        kept = before;
+    return granted;
+}
+
 Result<Grant> Client::subscribe(const protocol::TileWish& wish, int credit, double timeout_s) {
-    Waiter waiter;
-    connection_->subscribe(wish, credit, timeout_s, waiter.handler());
-    Result<Reply> reply = waiter.wait();
-    if (!reply)
-        return reply.error();
-    note_offer(wish.fields, reply->grant.fields);
-    return reply->grant;
+    return subscribe_and_keep(subscription_, Subscription{wish, credit, timeout_s});
+}
+
+void Client::unsubscribe() {
+    link()->unsubscribe();
+    const std::scoped_lock lock(mutex_);
+    subscription_.reset();
 }
 
 Result<protocol::SpectrumGrant> Client::subscribe_spectrum(const protocol::SpectrumWish& wish,
                                                            double timeout_s) {
+    return subscribe_and_keep(spectrum_subscription_, SpectrumSubscription{wish, timeout_s});
+}
+
+void Client::unsubscribe_spectrum() {
+    link()->unsubscribe_spectrum();
+    const std::scoped_lock lock(mutex_);
+    spectrum_subscription_.reset();
+}
+
+Result<Grant> Client::subscribe_on(Connection& connection, const Subscription& subscription) {
     Waiter waiter;
-    connection_->subscribe_spectrum(wish, timeout_s, waiter.handler());
+    connection.subscribe(subscription.wish, subscription.credit, subscription.timeout_s,
+                         waiter.handler());
+    Result<Reply> reply = waiter.wait();
+    if (!reply)
+        return reply.error();
+    note_offer(subscription.wish.fields, reply->grant.fields);
+    return reply->grant;
+}
+
+Result<protocol::SpectrumGrant> Client::subscribe_on(Connection& connection,
+                                                     const SpectrumSubscription& subscription) {
+    Waiter waiter;
+    connection.subscribe_spectrum(subscription.wish, subscription.timeout_s, waiter.handler());
     Result<Reply> reply = waiter.wait();
     if (!reply)
         return reply.error();
@@ -240,6 +293,7 @@ Result<std::vector<Answer>> Client::ask(std::span<const QueryPoint> points, cons
         asking.exact ? welcome().exact_points_per_query_max : welcome().points_per_query_max, 1u);
     const auto progress = std::make_shared<Progress>();
     progress->answers.resize(points.size());
+    const ConnectionPtr connection = link();
     std::unique_lock lock(progress->mutex);
     for (std::size_t first = 0; first < points.size(); first += batch_size) {
         progress->changed.wait(lock, [&] { return progress->under_way < batches_in_flight; });
@@ -248,7 +302,7 @@ Result<std::vector<Answer>> Client::ask(std::span<const QueryPoint> points, cons
         ++progress->under_way;
         lock.unlock();
         const auto batch = points.subspan(first, std::min(batch_size, points.size() - first));
-        connection_->query(
+        connection->query(
             batch, asking.exact, asking.timeout_s, [progress, first](Result<Reply> reply) {
                 const std::scoped_lock inner(progress->mutex);
                 --progress->under_way;
@@ -268,11 +322,12 @@ Result<std::vector<Answer>> Client::ask(std::span<const QueryPoint> points, cons
 }
 
 Result<LocalSurface> Client::surface(TimeUs time_us) const {
-    return local_surface(*sea_state(time_us), ring_, time_us, sampled_fields());
+    return of_one_sea(
+        [&] { return local_surface(*sea_state(time_us), ring_, time_us, sampled_fields()); });
 }
 
 Result<std::vector<Answer>> Client::sample(std::span<const QueryPoint> points) const {
-    return sample_from(ring_, points);
+    return of_one_sea([&] { return sample_from(ring_, points); });
 }
 
 Result<void> Client::rebuild(TimeUs time_us) {
@@ -361,10 +416,27 @@ Result<std::vector<Answer>> Client::sample_from(const KeyframeRing& ring,
                 cell = std::move(cell_now);
             }
         }
-        answers[i] = surface->surface.answer(points[i]);
+        // All that follows of the same keyframes, at once: points share what a time costs, and wait for memory together.
+        const auto same = [&](TimeUs other_us) {
+            return other_us == time_us ||
+                   (!glides_choppiness(*state) && sea_state(other_us) == state &&
+                    time_cell(*state, other_us) == cell);
+        };
+        std::size_t end = i + 1;
+        while (end < points.size() &&
+               (points[end].time_us == points[end - 1].time_us || same(points[end].time_us)))
+            ++end;
+        const std::span<Answer> run = std::span(answers).subspan(i, end - i);
+        surface->surface.answer(points.subspan(i, end - i), run);
         if (!surface->covers)
-            answers[i].flags |= sea::answer_extrapolated;
+            for (Answer& answer : run)
+                answer.flags |= sea::answer_extrapolated;
+        i = end - 1;
     }
+    if (!mark_stale(points, answers))
+        return failed(
+            Failure::not_held,
+            "the connection is lost, and the keyframes that are held end before that time");
     return answers;
 }
 

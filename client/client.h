@@ -12,16 +12,26 @@
 //     (*client)->subscribe({.fields = sea::surface_fields}, 2, 10);
 //     Result<std::vector<sea::Answer>> sampled = (*client)->sample({&point, 1});
 //
-// Thread-safe. Functions that block say so and must not be called from an event. A connection that
-// has ended stays ended: what is held can still be sampled, and the owner may make a new client.
+// A connection that is lost comes back by itself, with waits of link/reconnect.h, and what was subscribed to is subscribed
+// to again (ConnectOptions::stays_lost: it does not). Meanwhile what is held is sampled, on the same clock; answers about
+// times of which the server may know more are flagged answer_stale (staleness.h). Whoever is turned away for good stops. A
+// server that comes back with the same sea goes on with what is held; one with another sea, or another time, makes this
+// client drop all of it: ClientStatus::seas counts them. What waits for a reply when the connection ends fails with lost.
+//
+// Thread-safe. Functions that block say so and must not be called from an event.
 #pragma once
 
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
 #include <limits>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <span>
+#include <stop_token>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -29,18 +39,23 @@
 #include "client/held/keyframe_ring.h"
 #include "client/link/clock.h"
 #include "client/link/connection.h"
+#include "client/link/reconnect.h"
 #include "client/local_surface.h"
 #include "client/rebuilt/gliding_sea.h"
 #include "client/rebuilt/rebuilt_sea.h"
 #include "client/rebuilt/received_spectrum.h"
+#include "client/staleness.h"
+#include "client/status.h"
 
 namespace seaway::client {
 
-/// On the connection's thread; must not block. Any may be left empty.
+/// On a thread of the client's; must not block. Any may be left empty.
 struct ClientEvents {
     std::function<void(const SeaStatePtr&)> on_sea_state{};
     std::function<void(const HeldKeyframePtr&)> on_keyframe{};
-    std::function<void(const Error& reason)> on_closed{};
+    std::function<void(const Error& reason)> on_closed{}; ///< each time
+    /// Something of it is another than before, but for times that pass. One after the other, the last of them is what is.
+    std::function<void(const ClientStatus&)> on_status{};
 };
 
 struct Asking {
@@ -57,14 +72,17 @@ class Client {
     Client(const Client&) = delete;
     Client& operator=(const Client&) = delete;
 
-    bool is_open() const { return connection_->is_open(); }
+    bool is_open() const { return link()->is_open(); }
     /// Why the connection ended, and for how long the server wants nobody to come back (link/reconnect.h); nothing
     /// while it is open.
     std::optional<Error> end() const;
     std::string closed_reason() const; ///< the same in words; empty while it is open
-    const Welcome& welcome() const { return connection_->welcome(); }
+    Welcome welcome() const { return link()->welcome(); }
+    ClientStatus status() const;
+    int seas() const { return seas_; } ///< as in ClientStatus
 
-    /// Sea time by the filtered clock: never runs backwards.
+    /// Sea time by the filtered clock: never runs backwards, and without a connection goes on. Of another sea
+    /// (ClientStatus::seas) it is another time.
     sea::TimeUs now_us();
     ClockStatus clock() const;
 
@@ -74,7 +92,7 @@ class Client {
     /// Has tiles streamed from now on; an earlier subscription is replaced. Blocks until the
     /// keyframes around now are held. An error (refused) says why nothing is granted.
     Result<Grant> subscribe(const protocol::TileWish& wish, int credit, double timeout_s);
-    void unsubscribe() { connection_->unsubscribe(); }
+    void unsubscribe();
     /// What the last subscription gets now: a change of the sea may make its bound another.
     std::optional<Grant> grant() const;
 
@@ -85,7 +103,7 @@ class Client {
     Result<protocol::SpectrumGrant> subscribe_spectrum(const protocol::SpectrumWish& wish,
                                                        double timeout_s);
     /// What is held stays.
-    void unsubscribe_spectrum() { connection_->unsubscribe_spectrum(); }
+    void unsubscribe_spectrum();
 
     /// The server answers: any number of points, split into batches, in order. Blocks.
     Result<std::vector<sea::Answer>> ask(std::span<const sea::QueryPoint> points,
@@ -94,10 +112,11 @@ class Client {
     /// The same for a batch the server takes at once; does not block (Connection::query).
     void ask_async(std::span<const sea::QueryPoint> points, const Asking& asking,
                    ReplyHandler handler) {
-        connection_->query(points, asking.exact, asking.timeout_s, std::move(handler));
+        link()->query(points, asking.exact, asking.timeout_s, std::move(handler));
     }
 
-    /// This client answers from what it holds; at once, never asks the server. Points of equal or
+    /// This client answers from what it holds; at once, never asks the server. An error (not_held): there is nothing
+    /// to go by, or the connection is lost and the keyframes end before the time of a point. Points of equal or
     /// near times should stand together. About 1 us a point, 3 ms more for a new keyframe; of a sea
     /// that it has rebuilt, at any time, what client/rebuilt/rebuilt_sea.h says.
     Result<std::vector<sea::Answer>> sample(std::span<const sea::QueryPoint> points) const;
@@ -126,8 +145,62 @@ class Client {
     const KeyframeRing& ring() const { return ring_; }
 
   private:
-    Client(ClientEvents events, RingLimits limits);
-    ConnectionEvents connection_events();
+    using ConnectionPtr = std::shared_ptr<Connection>;
+    /// One connection, as far as this client is concerned: what came before it is known whether its sea is the same.
+    struct Joining {
+        struct Look {
+            LocalUs sent_us, received_us;
+            sea::TimeUs elapsed_us;
+        };
+        std::vector<Look> looks;
+        std::vector<sea::Pace> paces;
+        bool joined = false;
+        std::optional<Error> end;
+    };
+    using JoiningPtr = std::shared_ptr<Joining>;
+    struct Subscription {
+        protocol::TileWish wish;
+        int credit;
+        double timeout_s;
+    };
+    struct SpectrumSubscription {
+        protocol::SpectrumWish wish;
+        double timeout_s;
+    };
+
+    Client(ConnectOptions options, ClientEvents events, RingLimits limits);
+    /// Never null once connect() has succeeded.
+    ConnectionPtr link() const;
+    ConnectionEvents connection_events(const JoiningPtr& joining);
+    void take_times(ConnectionEvents& events, const JoiningPtr& joining);
+
+    // client_goes_on.cpp: on the keeper's thread, but for what says otherwise.
+    Result<void> open_link();
+    void keep();
+    /// Tries until it is connected, or there is no sense in it, or the client goes. `lock` is of mutex_.
+    void come_back(std::unique_lock<std::mutex>& lock, Error why);
+    /// Subscribes again; while that is refused, after waits, for as long as the connection stands.
+    void subscribe_again(std::unique_lock<std::mutex>& lock);
+    Result<void> subscribe_as_before();
+    void say_status();
+    /// mutex_ held, on the connection's thread: its first sea is known.
+    void join(Joining& joining, const SeaState& state);
+    /// mutex_ held. Why it is not the sea that is held; empty: it is.
+    std::string why_another(const Joining& joining, const SeaState& state) const;
+    void forget_sea(); ///< mutex_ held
+    Result<Grant> subscribe_on(Connection& connection, const Subscription& subscription);
+    Result<protocol::SpectrumGrant> subscribe_on(Connection& connection,
+                                                 const SpectrumSubscription& subscription);
+    /// What is kept is subscribed to again by the keeper; of a failure that of before stays.
+    template <class Kind>
+    auto subscribe_and_keep(std::optional<Kind>& kept, const Kind& subscription)
+        -> decltype(subscribe_on(*link(), subscription));
+    /// mutex_ held. Is nothing heard of the server?
+    bool silent(LocalUs now_us) const;
+    /// Flags what the server may know more about. False: an answer is of no keyframes, and no server is there to
+    /// send some.
+    bool mark_stale(std::span<const sea::QueryPoint> points, std::span<sea::Answer> answers) const;
+
     sea::FieldSet sampled_fields() const { return offered(sea::surface_fields); }
     /// Without what the server is known not to offer.
     sea::FieldSet offered(sea::FieldSet fields) const;
@@ -153,15 +226,28 @@ class Client {
     OwnSeaPtr own_sea(const SeaStatePtr& state) const;
     /// The same with mutex_ held; `depth` more glides may lead there.
     OwnSeaPtr own_sea_held(const SeaStatePtr& state, int depth) const;
+    /// mutex_ held. Of now, by the estimate alone.
+    sea::TimeUs sea_time_held() const;
     SeaStatePtr sea_state_held(sea::TimeUs time_us) const;
     void take_waves(ConnectionEvents& events);
-    void forget_waves(std::uint32_t epoch);
+    void forget_waves(std::uint32_t epoch); ///< mutex_ held
     /// Answers the points from `first` on that are of one rebuilt sea; where they end, `first` if there are none.
     std::size_t answer_rebuilt(std::span<const sea::QueryPoint> points, std::size_t first,
                                std::span<sea::Answer> answers) const;
     Result<std::vector<sea::Answer>> sample_from(const KeyframeRing& ring,
                                                  std::span<const sea::QueryPoint> points) const;
+    /// What `look` finds in what is held, of one sea: looked at again where another has taken its place meanwhile.
+    template <class Look>
+    auto of_one_sea(const Look& look) const {
+        for (;;) {
+            const int before = seas_;
+            auto found = look();
+            if (seas_ == before)
+                return found;
+        }
+    }
 
+    ConnectOptions options_;
     const ClientEvents events_;
     KeyframeRing ring_;
 
@@ -173,6 +259,8 @@ class Client {
     std::map<std::uint32_t, RebuiltSeaPtr> rebuilt_; ///< by epoch, of sea_states_
     std::map<std::uint32_t, std::shared_ptr<ReceivedSpectrum>>
         received_; ///< likewise; of a glide: its end
+    /// Sent anew of epochs whose waves are held: they take over once they are as good.
+    std::map<std::uint32_t, std::shared_ptr<ReceivedSpectrum>> arriving_;
     /// A glide with the ends that it was made of.
     struct Glide {
         OwnSeaPtr from;
@@ -186,9 +274,24 @@ class Client {
     /// What the server was found to take at once, where its tiles are larger than usual.
     std::size_t times_taken_max_ = std::numeric_limits<std::size_t>::max();
     bool cascades_apart_ = false;
-    std::optional<Error> end_;
 
-    std::unique_ptr<Connection> connection_; ///< first to go: its events use all of the above
+    // How it goes on.
+    std::condition_variable changed_; ///< the end of a connection, or of the client
+    std::stop_source leaving_;
+    ConnectionPtr connection_;
+    JoiningPtr joining_; ///< of connection_
+    std::optional<Subscription> subscription_;
+    std::optional<SpectrumSubscription> spectrum_subscription_;
+    ReconnectPauses pauses_;
+    ClientStatus status_; ///< what changes by events
+    std::chrono::steady_clock::time_point next_attempt_{};
+    std::atomic<int> seas_ = 0; ///< changed before what is held of the one before is dropped
+    bool resuming_ = false;     ///< from the end of a connection until all is subscribed to again
+    LocalUs heard_at_us_ = 0;
+    sea::TimeUs heard_us_ = std::numeric_limits<sea::TimeUs>::min(); ///< sea time then
+    Unheard missed_;    ///< of the last connection that ended, where the sea was changed meanwhile
+    std::mutex saying_; ///< of on_status; before mutex_
+    std::thread keeper_;
 };
 
 } // namespace seaway::client

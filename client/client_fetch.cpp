@@ -94,7 +94,7 @@ Result<void> Client::fetch(std::span<const TimeUs> times_us, sea::FieldSet field
         if (cascades_left == 0)
             wish.cascades = all_cascades;
         Waiter waiter;
-        connection_->fetch(times_us.first(count), wish, timeout_s, waiter.handler());
+        link()->fetch(times_us.first(count), wish, timeout_s, waiter.handler());
         const Result<Reply> reply = waiter.wait();
         if (reply) {
             note_offer(wish.fields, reply->fields);
@@ -164,10 +164,8 @@ Result<bool> Client::try_hold(std::span<const TimeUs> times_us, double timeout_s
         if (!wanted.add(*state, time_us, fields))
             missing.push_back(time_us);
     }
-    if (missing.empty())
-        return true;
     SEAWAY_TRY(fetch(missing, fields, timeout_s));
-    // What was held before is the oldest of the ring: it is put back where it made room.
+    // What only passed by stays from here on, and the oldest of the ring is put back where it made room.
     wanted.give_to(ring_);
     return seas_are(expected);
 }
@@ -202,6 +200,7 @@ Result<std::vector<Answer>> Client::fetch_and_sample(std::span<const QueryPoint>
         return points[a].time_us < points[b].time_us;
     });
     std::vector<Answer> answers(points.size());
+    const int seas = seas_;
     int tellings = 0;
     for (std::size_t first = 0; first < order.size();) {
         std::vector<TimeUs> times_us;
@@ -234,6 +233,8 @@ Result<std::vector<Answer>> Client::fetch_and_sample(std::span<const QueryPoint>
         }
         first = next;
     }
+    if (seas_ != seas)
+        return failed(Failure::lost, "the sea became another one meanwhile");
     return answers;
 }
 

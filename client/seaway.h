@@ -18,8 +18,12 @@
  * keyframe for the first time.
  *
  * Errors: every function that can fail returns a seaway_code; seaway_last_error() then says why in
- * one line, for the calling thread. Nothing is written to the outputs of a call that failed. A lost
- * connection stays lost: what is held can still be sampled; to go on, disconnect and connect again.
+ * one line, for the calling thread. Nothing is written to the outputs of a call that failed.
+ *
+ * A connection that is lost comes back by itself: after waits that grow from 0.5 to 16 s, or for as long as the server
+ * asked for, by lot; what was subscribed to is subscribed to again. Meanwhile time goes on, and what is held is sampled:
+ * waves at any time, keyframes up to their end, beyond which it is SEAWAY_NOT_HELD; answers of which the server may know more
+ * are flagged SEAWAY_STALE. seaway_get_status and seaway_watch_status say how it stands.
  *
  *     seaway_client* client = NULL;
  *     if (seaway_connect("ws://localhost:9430", NULL, &client) != SEAWAY_OK)
@@ -44,7 +48,7 @@ extern "C" {
 #endif
 
 /* Grows with every change that a caller must be rebuilt for. */
-#define SEAWAY_ABI_VERSION 2
+#define SEAWAY_ABI_VERSION 3
 uint32_t seaway_abi_version(void);
 
 typedef enum seaway_code {
@@ -54,8 +58,9 @@ typedef enum seaway_code {
     SEAWAY_LOST = 3,           /* the connection has ended */
     SEAWAY_REFUSED = 4,        /* the server refused this request */
     SEAWAY_DEADLINE = 5,       /* no reply in time; the connection goes on */
-    SEAWAY_NOT_HELD = 6,       /* no keyframes around this time: subscribe, or seaway_hold */
-    SEAWAY_INTERNAL = 7        /* out of memory, or a bug */
+    SEAWAY_NOT_HELD =
+        6, /* no keyframes around this time: subscribe, seaway_hold, or wait for the server */
+    SEAWAY_INTERNAL = 7 /* out of memory, or a bug */
 } seaway_code;
 
 /* Why the last call of this thread failed; "" after none. Valid until its next call. */
@@ -71,6 +76,11 @@ typedef struct seaway_connect_options {
     const char* token;   /* if the server asks for one */
     const char* ca_file; /* certificates (PEM) to trust besides the system's, for wss */
     double timeout_s;    /* for connecting until the sea is known; 0: 5 */
+    uint32_t stays_lost; /* 1: a connection that has ended does not come back */
+    uint32_t reserved;   /* 0 */
+    /* How long before now streamed keyframes can still be sampled, 0 to 60; 0: 0.25. What seaway_hold fetches stays
+     * besides. Each second costs some 1.6 MB a keyframe of 256 x 256, of a gale 12 MB. */
+    double look_back_s;
 } seaway_connect_options;
 
 /* url: ws://HOST:PORT or wss://HOST:PORT. options may be NULL. Blocks. */
@@ -80,16 +90,57 @@ seaway_code seaway_connect(const char* url, const seaway_connect_options* option
 /* Ends the connection and frees the client. NULL is allowed. Blocks a second at most. */
 void seaway_disconnect(seaway_client* client);
 
-/* 1 while the connection stands, else 0. */
+/* 1 while the connection stands, else 0; seaway_get_status says more. */
 int seaway_is_connected(const seaway_client* client);
 
 /* Of a connection that has ended: for how long the server asked its clients to stay away, seconds; 0 where it said
- * nothing, or stands, or client is NULL. Connect again after once to twice as long, by lot: all others come, too. */
+ * nothing, or stands, or client is NULL. For who stays_lost: connect again after once to twice as long, by lot, as all
+ * others come, too. */
 double seaway_retry_after_s(const seaway_client* client);
+
+/* How a client stands. */
+enum {
+    SEAWAY_CONNECTED = 0,
+    SEAWAY_WAITING = 1, /* lost: for the time of the next attempt */
+    SEAWAY_CONNECTING =
+        2, /* an attempt is under way, or what was subscribed to is not granted yet */
+    SEAWAY_STOPPED =
+        3 /* lost for good: wrong token, another protocol, dropped by an administrator, stays_lost */
+};
+enum {
+    SEAWAY_HOLDS_TILES = 1, /* keyframes: from held_from_us to held_until_us */
+    SEAWAY_HOLDS_WAVES = 2  /* waves: any time can be sampled */
+};
+
+typedef struct seaway_status {
+    uint32_t size;        /* given: sizeof(seaway_status); so much of it is filled in */
+    uint32_t state;       /* SEAWAY_CONNECTED to SEAWAY_STOPPED */
+    uint32_t attempts;    /* since the connection ended */
+    uint32_t connections; /* so far */
+    /* Different seas so far, from 1 on. The server behind the address may have become another one, of another sea or another
+     * time: what was held is dropped then, and seaway_now_us is the time of that sea. */
+    uint32_t seas;
+    uint32_t holds;        /* sum of SEAWAY_HOLDS_TILES, SEAWAY_HOLDS_WAVES; of the sea of now */
+    double next_attempt_s; /* SEAWAY_WAITING: until then */
+    double stale_s;        /* since the server was heard last; 0 while it is heard */
+    int64_t held_from_us;
+    int64_t held_until_us;
+    char reason[256]; /* of the last trouble, as far as it fits; "" before any */
+} seaway_status;
+
+/* At once. The size must be given; what a newer library knows beyond it is left out. */
+seaway_code seaway_get_status(const seaway_client* client, seaway_status* status);
+
+/* Calls `watch(user, status)` whenever anything of the status but the passing of time is another, on a thread of the
+ * library: it must not block, and not call seaway_disconnect or seaway_watch_status. Calls come one after the other; the status
+ * is valid during the call. NULL ends it: no call is under way when this returns. One a client. */
+typedef void (*seaway_status_watch)(void* user, const seaway_status* status);
+seaway_code seaway_watch_status(seaway_client* client, seaway_status_watch watch, void* user);
 
 /* ---- time ---------------------------------------------------------------------------------- */
 
-/* Sea time by the filtered clock: the same on all clients, never runs backwards. 0 for NULL. */
+/* Sea time by the filtered clock: the same on all clients, never runs backwards while seaway_status.seas stays the same.
+ * 0 for NULL. */
 int64_t seaway_now_us(seaway_client* client);
 
 typedef struct seaway_clock_status {
@@ -135,7 +186,10 @@ enum {
     SEAWAY_VERTICAL_VELOCITY =
         32, /* a sea offered without sideways motion: velocity's vertical part */
     SEAWAY_OPEN =
-        64 /* with SEAWAY_FOLDED: which sheet is the highest is open; error_m is no bound */
+        64, /* with SEAWAY_FOLDED: which sheet is the highest is open; error_m is no bound */
+    /* Nothing is heard of the server. error_m has grown by what a change to a sea no higher than this one may have made of it
+     * since, begun as soon and as fast as it may; it is no bound where the sea was changed to a higher one. */
+    SEAWAY_STALE = 128
 };
 
 typedef struct seaway_answer {
@@ -193,7 +247,8 @@ seaway_code seaway_sample(const seaway_client* client, const seaway_point* point
 
 #ifdef __cplusplus
 } /* extern "C" */
-static_assert(sizeof(seaway_point) == 24 && sizeof(seaway_answer) == 72,
+static_assert(sizeof(seaway_point) == 24 && sizeof(seaway_answer) == 72 &&
+                  sizeof(seaway_connect_options) == 48 && sizeof(seaway_status) == 312,
               "these structs are the ABI");
 #endif
 

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "client/seaway.h"
+#include "seaway.h" // beside this file, here and where it is installed
 
 namespace seaway {
 
@@ -36,6 +36,12 @@ class Sea {
 
     bool is_connected() const { return seaway_is_connected(client_.get()) != 0; }
     double retry_after_s() const { return seaway_retry_after_s(client_.get()); }
+    seaway_status status() const {
+        seaway_status status{};
+        status.size = sizeof(status);
+        require(seaway_get_status(client_.get(), &status));
+        return status;
+    }
     int64_t now_us() { return seaway_now_us(client_.get()); }
 
     seaway_clock_status clock() const {

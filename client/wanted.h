@@ -41,6 +41,12 @@ class Client::Wanted {
     /// What was held longest goes first from a ring: this makes all of it new.
     void give_to(KeyframeRing& ring) const;
 
+    /// The sea is another one: what was wanted is not. With Client::mutex_ held.
+    void forget() {
+        keys_.clear();
+        ring_.clear();
+    }
+
     const KeyframeRing& ring() const { return ring_; }
 
   private:

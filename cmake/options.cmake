@@ -35,6 +35,10 @@ target_compile_options(seaway_options INTERFACE -ffp-contract=off -Wall -Wextra 
   $<$<NOT:$<BOOL:$<TARGET_PROPERTY:UNITY_BUILD>>>:-Wshadow>
   -Wnon-virtual-dtor -Wcast-align -Wold-style-cast -Woverloaded-virtual
   -Wno-missing-field-initializers -Werror=switch)
+# The same objects make programs, tests and libseaway.so: nothing is compiled twice. What is hidden is called and
+# read as in a program (docs/decisions/0046-packages.md has the cost).
+target_compile_options(seaway_options INTERFACE -fPIC -fvisibility=hidden
+  $<$<COMPILE_LANGUAGE:CXX>:-fvisibility-inlines-hidden>)
 # GCC collects garbage in what it holds while it compiles, a tenth of its time; up to 512 MB of it may lie.
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   target_compile_options(seaway_options INTERFACE --param=ggc-min-heapsize=524288)

@@ -7,6 +7,7 @@
 #include "base/messages.h"
 #include "base/text_file.h"
 #include "protocol/limits.h"
+#include "server/net/senders.h"
 #include "server/simulation/answer_threads.h"
 
 namespace seaway::server {
@@ -91,6 +92,12 @@ void sea_options(CommandLine& line, Options& options) {
                 "four at most")
         .takes("COUNT")
         .between(0, answer_threads_max)
+        .shows_default();
+    line.option("--io-threads", options.net.io_threads,
+                "Threads that send keyframes to the clients; more than one for many clients on a "
+                "large machine")
+        .takes("COUNT")
+        .between(1, io_threads_max)
         .shows_default();
     line.option("--work-rate", options.work_rate,
                 "Share of the threads that work for those who ask that each session may use; who "

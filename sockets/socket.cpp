@@ -15,6 +15,7 @@
 #include <sys/sendfile.h>
 
 #include "base/check.h"
+#include "sockets/ready_set.h"
 
 namespace seaway::sockets {
 
@@ -62,9 +63,60 @@ struct Socket::Streams : std::enable_shared_from_this<Streams> {
             asio::async_write(*plain, buffers, std::move(on_written));
     }
 
+    void receive(Received done);
+    void stop_receiving();
+    void say_later(Received done, error_code error);
+    ~Streams() { stop_receiving(); }
+
     bool whole = false;
     std::weak_ptr<Writes> writes;
+    ReadySet* ready = nullptr; ///< of a plain one that receives
+    ReadySet::Id member = 0;
+    std::vector<std::uint8_t> received; ///< of TLS
 };
+
+/// Of what a peer of TLS sends the layer below holds a record already.
+constexpr std::size_t tls_received_bytes = 4 * 1024;
+
+void Socket::Streams::receive(Received done) {
+    if (tls) {
+        received.resize(tls_received_bytes);
+        tls->async_read_some(
+            asio::buffer(received),
+            [weak = weak_from_this(), done = std::move(done)](error_code error, std::size_t bytes) {
+                if (const std::shared_ptr<Streams> self = weak.lock())
+                    done(error, {self->received.data(), error ? 0 : bytes});
+            });
+        return;
+    }
+    if (!plain->socket().is_open())
+        return say_later(std::move(done), asio::error::operation_aborted);
+    if (ready == nullptr) {
+        auto& set = asio::use_service<ReadySet>(
+            asio::query(plain->get_executor(), asio::execution::context));
+        member = set.add(plain->socket().native_handle());
+        ready = &set;
+    }
+    if (const error_code error = ready->receive(member, done))
+        say_later(std::move(done), error);
+}
+
+void Socket::Streams::stop_receiving() {
+    if (tls) {
+        error_code ignored; // of one that is closed
+        tcp().socket().cancel(ignored);
+        return;
+    }
+    ReadySet* set = std::exchange(ready, nullptr);
+    if (set == nullptr)
+        return;
+    if (Received done = set->remove(member))
+        say_later(std::move(done), asio::error::operation_aborted);
+}
+
+void Socket::Streams::say_later(Received done, error_code error) {
+    asio::post(plain->get_executor(), [done = std::move(done), error] { done(error, {}); });
+}
 
 Socket::Socket(asio::ip::tcp::socket socket) : streams_(std::make_shared<Streams>()) {
     streams_->plain.emplace(std::move(socket));
@@ -131,7 +183,17 @@ void Socket::shutdown_send() {
 }
 
 void Socket::close() {
+    streams_->stop_receiving();
     streams_->tcp().close();
+}
+
+void Socket::receive(Received done) {
+    SEAWAY_CHECK(streams_->whole, "a layer above may have read ahead");
+    streams_->receive(std::move(done));
+}
+
+void Socket::stop_receiving() {
+    streams_->stop_receiving();
 }
 
 void Socket::read_some(FewBuffers<asio::mutable_buffer> buffers, Bytes done) {
@@ -174,8 +236,6 @@ std::size_t Socket::write_now(const std::vector<asio::const_buffer>& buffers) {
 }
 
 void Socket::write_some(FewBuffers<asio::const_buffer> buffers, Bytes done) {
-    if (streams_->whole)
-        return write_all({buffers.begin(), buffers.end()}, std::move(done));
     if (streams_->tls)
         streams_->tls->async_write_some(buffers, std::move(done));
     else

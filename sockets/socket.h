@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -65,6 +66,7 @@ class Socket {
     using executor_type = boost::asio::any_io_executor;
     using Bytes = Completion<error_code, std::size_t>;
     using Done = std::function<void(error_code)>;
+    using Received = std::function<void(error_code, std::span<std::uint8_t>)>;
 
     /// An accepted connection, or one still to be made.
     explicit Socket(boost::asio::ip::tcp::socket socket);
@@ -99,6 +101,15 @@ class Socket {
     /// SIGPIPE is neither ignored nor blocked a peer that has gone raises it.
     std::size_t send_now(const FileRange& range);
 
+    /// Only after write_whole(): what comes next, in a buffer that many share: until `done` returns. With an error,
+    /// which the end of the stream is too, nothing. One at a time.
+    void receive(Received done);
+    /// The one that is under way ends with operation_aborted.
+    void stop_receiving();
+    /// The end of a connection whose protocol is over, as its own `role` does it: it says no more, and waits until the peer
+    /// has gone.
+    void tear_down(boost::beast::role_type role, Completion<error_code> done);
+
     void set_no_delay();
     /// No more is sent; what the peer still sends can be read.
     void shutdown_send();
@@ -127,7 +138,6 @@ class Socket {
     bool takes_writes_now() const;
     void read_some(FewBuffers<boost::asio::mutable_buffer> buffers, Bytes done);
     void write_some(FewBuffers<boost::asio::const_buffer> buffers, Bytes done);
-    void tear_down(boost::beast::role_type role, Completion<error_code> done);
 
     struct Streams;
     std::shared_ptr<Streams> streams_; ///< of this one alone

@@ -3,14 +3,10 @@
 
 #include <algorithm>
 #include <utility>
-#include <vector>
 
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/websocket.hpp>
 #include <fmt/format.h>
-
-#include "sockets/frame_header.h"
-#include "sockets/upgrade.h"
 
 namespace seaway::sockets {
 
@@ -47,6 +43,11 @@ Result<void> result(error_code error) {
     return {};
 }
 
+/// Bad request, unauthorised, forbidden, upgrade required: the same request meets the same answer.
+bool stays_declined(unsigned http_status) {
+    return http_status == 400 || http_status == 401 || http_status == 403 || http_status == 426;
+}
+
 } // namespace
 
 struct WebSocket::Impl {
@@ -56,9 +57,7 @@ struct WebSocket::Impl {
     const WebSocketOptions options;
     websocket::stream<Socket> stream;
     beast::flat_buffer buffer;
-    std::vector<FrameHeader> headers;     ///< of what is being written
-    std::vector<asio::const_buffer> rest; ///< of what was begun
-    websocket::response_type response;    ///< of a server
+    websocket::response_type response; ///< of a server
 };
 
 WebSocket::WebSocket(Socket socket, const WebSocketOptions& options)
@@ -74,19 +73,6 @@ WebSocket::WebSocket(Socket socket, const WebSocketOptions& options)
 WebSocket::~WebSocket() = default;
 WebSocket::WebSocket(WebSocket&&) noexcept = default;
 
-void WebSocket::accept(const Upgrade& upgrade, Done done) {
-    impl_->stream.set_option(websocket::stream_base::decorator(
-        [&options = impl_->options](websocket::response_type& response) {
-            response.set(http::field::server, options.program);
-            response.set(http::field::sec_websocket_protocol, options.subprotocol);
-        }));
-    impl_->stream.async_accept(upgrade.request,
-                               [impl = impl_.get(), done = std::move(done)](error_code error) {
-                                   impl->stream.next_layer().write_whole();
-                                   done(result(error));
-                               });
-}
-
 void WebSocket::shake_hands(const std::string& host, const std::string& path, Done done) {
     impl_->stream.set_option(websocket::stream_base::decorator(
         [&options = impl_->options](websocket::request_type& request) {
@@ -96,14 +82,18 @@ void WebSocket::shake_hands(const std::string& host, const std::string& path, Do
     const auto answered = [impl = impl_.get(), path](error_code error) -> Result<void> {
         if (error == websocket::error::upgrade_declined) {
             const std::string why = first_line(impl->response.body());
-            return Error{fmt::format("the server answers HTTP {} at {}{}{}",
-                                     impl->response.result_int(), path, why.empty() ? "" : ": ",
-                                     why)};
+            const unsigned status = impl->response.result_int();
+            Error declined{fmt::format("the server answers HTTP {} at {}{}{}", status, path,
+                                       why.empty() ? "" : ": ", why)};
+            if (stays_declined(status))
+                declined.kind = WebSocketEnd::declined;
+            return declined;
         }
         if (error)
             return Error{fmt::format("this is no WebSocket server ({})", error.message())};
         if (impl->response[http::field::sec_websocket_protocol] != impl->options.subprotocol)
-            return Error{fmt::format("the server does not speak {}", impl->options.subprotocol)};
+            return Error{WebSocketEnd::declined,
+                         fmt::format("the server does not speak {}", impl->options.subprotocol)};
         return {};
     };
     impl_->stream.async_handshake(
@@ -130,36 +120,6 @@ void WebSocket::write(std::span<const std::uint8_t> bytes, Done done) {
     impl_->stream.async_write(
         asio::buffer(bytes.data(), bytes.size()),
         [done = std::move(done)](error_code error, std::size_t) { done(result(error)); });
-}
-
-bool WebSocket::begin(std::span<const std::span<const std::uint8_t>> messages,
-                      const FileRange& same) {
-    std::vector<FrameHeader>& headers = impl_->headers;
-    headers.clear();
-    headers.reserve(messages.size()); // which stay where they are
-    std::vector<asio::const_buffer>& rest = impl_->rest;
-    rest.clear();
-    for (const std::span<const std::uint8_t> message : messages) {
-        const FrameHeader& header = headers.emplace_back(message.size());
-        rest.emplace_back(header.bytes.data(), header.size);
-        rest.emplace_back(message.data(), message.size());
-    }
-    Socket& socket = impl_->stream.next_layer();
-    std::size_t taken = same.bytes > 0 ? socket.send_now(same) : socket.write_now(rest);
-    auto first = rest.begin();
-    for (; first != rest.end() && first->size() <= taken; ++first)
-        taken -= first->size();
-    rest.erase(rest.begin(), first);
-    if (!rest.empty())
-        rest.front() += taken;
-    return rest.empty();
-}
-
-void WebSocket::finish(Done done) {
-    impl_->stream.next_layer().write_all(
-        std::exchange(impl_->rest, {}),
-        Socket::Bytes(
-            [done = std::move(done)](error_code error, std::size_t) { done(result(error)); }));
 }
 
 void WebSocket::close(const Close& why, std::function<void()> done) {

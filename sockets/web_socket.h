@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// WebSocket: binary messages over a Socket, of a server or of a client. Beast's templates are compiled
-// in web_socket.cpp and nowhere else.
+// WebSocket: binary messages over a Socket, the client's end. Beast's templates are compiled in web_socket.cpp and
+// in served_web_socket.cpp, which is the server's end, and nowhere else.
 //
 // Of one thread, that of the socket's executor, which also runs the callbacks. At most one read() and
 // one write() are under way; whoever owns the WebSocket keeps it until each has called back, and
@@ -20,14 +20,13 @@
 
 namespace seaway::sockets {
 
-struct Upgrade;
-
 /// Kinds of errors.
 enum class WebSocketEnd {
     closed,         ///< the peer said so; peer_close() has its code and reason
     silent,         ///< nothing was heard of the peer for too long
     not_understood, ///< what came is no WebSocket, or a message too large
     broken,         ///< the connection is gone
+    declined,       ///< of shake_hands(): by a server that would decline again
 };
 
 struct WebSocketOptions {
@@ -59,8 +58,6 @@ class WebSocket {
     WebSocket(WebSocket&&) noexcept;
     WebSocket& operator=(WebSocket&&) = delete;
 
-    /// Answers a client's request. Errors have the reason alone as message.
-    void accept(const Upgrade& upgrade, Done done);
     /// Asks a server; errors are whole lines: that it is none, that it declines and with which
     /// status, that it does not speak the subprotocol.
     void shake_hands(const std::string& host, const std::string& path, Done done);
@@ -68,13 +65,6 @@ class WebSocket {
     void read(std::function<void(Result<Message>)> done);
     /// One binary message in one frame; `bytes` stay until `done`.
     void write(std::span<const std::uint8_t> bytes, Done done);
-    /// Of a server: several of them in one call to the system, as far as it takes them without waiting. True: all of
-    /// them have gone. False: finish() has to follow.
-    /// `same`, if not empty, has the same frames with their headers (frame_header.h), and is not copied.
-    [[nodiscard]] bool begin(std::span<const std::span<const std::uint8_t>> messages,
-                             const FileRange& same = {});
-    /// Sends the rest of what begin() began; the messages stay until `done`.
-    void finish(Done done);
     /// Sends the closing frame and waits for the peer's. Reasons are cut at what a frame holds.
     void close(const Close& why, std::function<void()> done);
 

@@ -57,6 +57,8 @@ def room_of(path):
 def objection(path, header):
     """Why a file may not include a header; None where it may."""
     room, target = room_of(path), room_of(header)
+    if "/" not in header and (ROOT / path).parent.joinpath(header).is_file():
+        return None  # beside it, here and where both are installed
     if header.startswith("tests/"):
         return "nothing includes tests"
     if target:

@@ -21,6 +21,7 @@ int exit_code(const char* program, const Error& error) {
         return exit_refused;
     case Failure::none: // not of this room
     case Failure::cannot_connect:
+    case Failure::for_good:
     case Failure::lost:
     case Failure::deadline:
         break;

@@ -30,16 +30,17 @@ Result<void> run(const QueryOptions& options) {
     const Result<std::string> token = read_token(options.token_file);
     if (!token)
         return token.error();
-    const Connect connect = [&] {
+    const Connect connect = [&](ClientEvents events) {
         return Client::connect({.url = options.url,
                                 .name = "seaway-query/" SEAWAY_VERSION,
                                 .token = *token,
                                 .ca_file = options.ca_file,
-                                .timeout_s = options.timeout_s});
+                                .timeout_s = options.timeout_s},
+                               std::move(events));
     };
     if (options.bench_points == 0)
         return run_query(connect, options, places, stop, stdout);
-    const Result<std::unique_ptr<Client>> client = connect();
+    const Result<std::unique_ptr<Client>> client = connect({});
     return client ? run_bench(**client, options, stop, stdout) : client.error();
 }
 

@@ -81,8 +81,9 @@ std::string json_array(std::span<const QueryPoint> points, std::span<const Answe
 } // namespace
 
 std::string flag_names(std::uint32_t flags) {
-    constexpr std::array<const char*, 7> names{
-        "folded", "not_converged", "extrapolated", "invalid", "exact", "vertical_velocity", "open"};
+    constexpr std::array<const char*, 8> names{"folded",  "not_converged", "extrapolated",
+                                               "invalid", "exact",         "vertical_velocity",
+                                               "open",    "stale"};
     std::string out;
     for (std::size_t bit = 0; bit < names.size(); ++bit)
         if ((flags >> bit) & 1u)

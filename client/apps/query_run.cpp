@@ -3,7 +3,10 @@
 
 #include <algorithm>
 #include <chrono>
+#include <memory>
+#include <optional>
 #include <thread>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -11,12 +14,14 @@
 #include "base/text_file.h"
 #include "client/apps/query_output.h"
 #include "client/link/failure.h"
-#include "client/link/reconnect.h"
 
 namespace seaway::client {
 namespace {
 
 using std::chrono::steady_clock;
+
+/// Where a beat had no answer, the next is no later.
+constexpr std::chrono::milliseconds ask_again{100};
 
 /// Points at their times. `elapsed_us`: since the first answer; times that were given move with it.
 std::vector<sea::QueryPoint> points_at(const std::vector<Place>& places,
@@ -55,43 +60,35 @@ void sleep_until(steady_clock::time_point then, const std::atomic<bool>& stop) {
             std::min<steady_clock::duration>(slice, then - steady_clock::now()));
 }
 
-/// A connection that is ready to be asked.
-Result<std::unique_ptr<Client>> connected(const Connect& connect, const QueryOptions& options) {
-    SEAWAY_TRY_LET(std::unique_ptr<Client> client, connect());
-    if (options.local && options.source == Source::scene) {
-        SEAWAY_TRY(client->rebuild(client->now_us()));
-    } else if (options.local && options.source == Source::spectrum) {
-        SEAWAY_TRY(client->subscribe_spectrum({}, options.timeout_s));
+/// Says why the server is not there, each reason once, on a thread of the client's.
+ClientEvents telling() {
+    const auto said = std::make_shared<std::string>();
+    return {.on_status = [said](const ClientStatus& status) {
+        if (status.state == LinkState::connected)
+            said->clear();
+        if (status.state != LinkState::waiting || *said == status.reason)
+            return;
+        *said = status.reason;
+        complain("seaway-query", 0,
+                 fmt::format("{}; trying again in {:.1f} s", status.reason, status.next_attempt_s));
+    }};
+}
+
+/// Has what the options want to be answered from; of the waves of a scene, anew for each sea.
+Result<void> make_ready(Client& client, const QueryOptions& options) {
+    if (options.local && options.source == Source::scene)
+        return client.rebuild(client.now_us());
+    if (options.local && options.source == Source::spectrum) {
+        SEAWAY_TRY(client.subscribe_spectrum({}, options.timeout_s));
     } else if (options.watch_hz > 0 && options.local) {
         constexpr int credit = 2;
         protocol::TileWish wish{.fields = sea::surface_fields};
         options.limits.put_into(wish);
-        SEAWAY_TRY_LET(const Grant grant, client->subscribe(wish, credit, options.timeout_s));
+        SEAWAY_TRY_LET(const Grant grant, client.subscribe(wish, credit, options.timeout_s));
         if (!grant.why.empty())
             complain("seaway-query", 0, "granted less: " + grant.why);
     }
-    return client;
-}
-
-/// Tries until it succeeds; null once `stop` is set. Each reason is said once.
-std::unique_ptr<Client> connected_again(const Connect& connect, const QueryOptions& options,
-                                        Error why, const std::atomic<bool>& stop) {
-    std::string said;
-    for (ReconnectPauses pauses; !stop;) {
-        const seconds pause = pauses.next(why);
-        if (said != why.message)
-            complain("seaway-query", 0,
-                     why.retry_after_ms == 0
-                         ? why.message + "; trying again"
-                         : fmt::format("{}; trying again in {:.1f} s", why.message, pause.count()));
-        said = why.message;
-        sleep_until(steady_clock::now() + std::chrono::ceil<steady_clock::duration>(pause), stop);
-        Result<std::unique_ptr<Client>> client = stop ? why : connected(connect, options);
-        if (client)
-            return std::move(*client);
-        why = client.error();
-    }
-    return nullptr;
+    return {};
 }
 
 /// The connection has ended, or its server hangs.
@@ -100,44 +97,62 @@ bool has_ended(const Error& error) {
     return failure == Failure::lost || failure == Failure::deadline;
 }
 
+/// Nothing where the server may still answer, or come back: the error then has been said.
+std::optional<Error> for_good(const Client& client, const Error& error, std::string& said) {
+    const ClientStatus status = client.status();
+    if (status.state == LinkState::stopped)
+        return failed(Failure::lost, status.reason);
+    const bool away = status.state != LinkState::connected;
+    if (!has_ended(error) && !(away && failure_of(error) == Failure::not_held))
+        return error;
+    if (!away && said != error.message) // else telling() has
+        complain("seaway-query", 0, error.message + "; trying again");
+    said = error.message;
+    return std::nullopt;
+}
+
 } // namespace
 
 Result<void> run_query(const Connect& connect, const QueryOptions& options,
                        const std::vector<Place>& places, const std::atomic<bool>& stop,
                        std::FILE* out) {
-    SEAWAY_TRY_LET(std::unique_ptr<Client> client, connected(connect, options));
     const bool watching = options.watch_hz > 0;
+    SEAWAY_TRY_LET(const std::unique_ptr<Client> client,
+                   connect(watching ? telling() : ClientEvents{}));
+    SEAWAY_TRY(make_ready(*client, options));
     const auto start = steady_clock::now();
     sea::TimeUs start_us = client->now_us();
-    std::string text = output_head(options.format);
+    std::string text = output_head(options.format), said;
+    int seas = client->seas();
     for (std::int64_t tick = 0;; ++tick) {
+        if (std::exchange(seas, client->seas()) != seas) {
+            // Times that were given move on by the clock of the wall, whatever sea time this sea begins with.
+            start_us = client->now_us() -
+                       sea::us_from_seconds(seconds(steady_clock::now() - start).count());
+            if (options.source == Source::scene)
+                SEAWAY_TRY(make_ready(*client, options));
+        }
         const sea::TimeUs now_us = client->now_us();
         const std::vector<sea::QueryPoint> points =
             points_at(places, options, now_us, watching ? now_us - start_us : 0);
-        // Who samples for himself could go on with what he holds, of a sea that is perhaps another one now.
-        const std::optional<Error> end = watching ? client->end() : std::nullopt;
-        const Result<std::vector<sea::Answer>> answers =
-            end ? *end : answers_to(*client, options, points);
-        if (!answers && watching && has_ended(answers.error())) {
-            client = connected_again(connect, options, answers.error(), stop);
-            if (!client)
-                return {};
-            // Times that were given move on by the clock of the wall, whatever sea time the server begins with.
-            start_us = client->now_us() -
-                       sea::us_from_seconds(seconds(steady_clock::now() - start).count());
-            continue;
+        const Result<std::vector<sea::Answer>> answers = answers_to(*client, options, points);
+        if (!answers) {
+            if (const auto error =
+                    watching ? for_good(*client, answers.error(), said) : answers.error())
+                return *error;
+        } else {
+            said.clear();
+            text += output_rows(options.format, points, *answers, watching);
+            SEAWAY_TRY(write_out(out, text));
+            text.clear();
         }
-        if (!answers)
-            return answers.error();
-        text += output_rows(options.format, points, *answers, watching);
-        SEAWAY_TRY(write_out(out, text));
-        text.clear();
         if (!watching)
             return {};
         // The next beat that is not over yet: a slow answer costs beats, it never piles them up.
         const seconds elapsed = steady_clock::now() - start;
         tick = std::max(tick, static_cast<std::int64_t>(elapsed.count() * options.watch_hz));
-        sleep_until(start + ticks(seconds(static_cast<double>(tick + 1) / options.watch_hz)), stop);
+        const auto beat = start + ticks(seconds(static_cast<double>(tick + 1) / options.watch_hz));
+        sleep_until(answers ? beat : std::min(beat, steady_clock::now() + ask_again), stop);
         if (stop)
             return {};
     }

@@ -13,11 +13,11 @@
 
 namespace seaway::client {
 
-using Connect = std::function<Result<std::unique_ptr<Client>>()>;
+using Connect = std::function<Result<std::unique_ptr<Client>>(ClientEvents)>;
 
-/// Asks once, or repeatedly until `stop` is set; a watch whose connection ends connects again, with the waits of
-/// link/reconnect.h, and says so on stderr. Rows go to `out`, whole and flushed; where they cannot be written
-/// it ends (OutputError).
+/// Asks once, or repeatedly until `stop` is set; a watch whose connection ends waits for the client to come back and says so
+/// on stderr; it ends where that is turned away for good. Rows go to `out`, whole and flushed; where they cannot be
+/// written it ends (OutputError).
 Result<void> run_query(const Connect& connect, const QueryOptions& options,
                        const std::vector<Place>& places, const std::atomic<bool>& stop,
                        std::FILE* out);

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 
 #include "base/check.h"
 #include "protocol/limits.h"
@@ -52,12 +51,15 @@ HeldKeyframePtr HeldKeyframe::as_spline(const HeldKeyframePtr& whole) {
         std::make_shared<HeldKeyframe>(std::move(rest), whole->errors_, whole->compact_);
     made->fields_ = whole->fields_;
     std::call_once(made->spline_once_, [&] { made->spline_ = whole->spline(); });
+    made->splined_ = true;
     return made;
 }
 
 sea::SplineMapPtr HeldKeyframe::spline() const {
-    std::call_once(spline_once_,
-                   [this] { spline_ = std::make_shared<const sea::SplineMap>(*keyframe_); });
+    std::call_once(spline_once_, [this] {
+        spline_ = std::make_shared<const sea::SplineMap>(*keyframe_);
+        splined_ = true;
+    });
     return spline_;
 }
 
@@ -80,40 +82,90 @@ std::size_t RingLimits::room(std::size_t keyframe_bytes) const {
 void KeyframeRing::insert(HeldKeyframePtr keyframe) {
     if (limits_.as_splines)
         keyframe = HeldKeyframe::as_spline(keyframe);
+    const std::scoped_lock lock(mutex_);
+    if (Cascade* cascade = take({std::move(keyframe), false}))
+        make_room(*cascade);
+}
+
+void KeyframeRing::insert_passing(HeldKeyframePtr keyframe, TimeUs now_us) {
+    if (limits_.as_splines)
+        keyframe = HeldKeyframe::as_spline(keyframe);
+    const std::scoped_lock lock(mutex_);
+    Cascade* cascade = take({std::move(keyframe), true});
+    if (!cascade)
+        return;
+    let_pass(*cascade, now_us);
+    drop_maps_of_splines();
+    make_room(*cascade);
+}
+
+KeyframeRing::Cascade* KeyframeRing::take(Held fresh_held) {
+    const HeldKeyframePtr& keyframe = fresh_held.keyframe;
     const sea::Keyframe& fresh = keyframe->keyframe();
     SEAWAY_CHECK(fresh.cascade >= 0 && fresh.cascade < protocol::limits::cascades_max,
                  "the cascade of a keyframe is checked when its tiles are read");
     const auto index = static_cast<std::size_t>(fresh.cascade);
-    const std::scoped_lock lock(mutex_);
     if (cascades_.size() <= index)
         cascades_.resize(index + 1);
     Cascade& cascade = cascades_[index];
-    const auto same = std::find_if(cascade.by_arrival.begin(), cascade.by_arrival.end(),
-                                   [&](const HeldKeyframePtr& held) {
-                                       return held->keyframe().time_us == fresh.time_us &&
-                                              held->keyframe().epoch == fresh.epoch;
-                                   });
+    const auto same =
+        std::find_if(cascade.by_arrival.begin(), cascade.by_arrival.end(), [&](const Held& held) {
+            return held.keyframe->keyframe().time_us == fresh.time_us &&
+                   held.keyframe->keyframe().epoch == fresh.epoch;
+        });
     if (same != cascade.by_arrival.end()) {
-        const sea::FieldSet held = (*same)->fields();
+        same->passes = same->passes && fresh_held.passes; // what was asked for stays so
+        const sea::FieldSet held = same->keyframe->fields();
         if (held.contains(keyframe->fields()) && held != keyframe->fields())
-            return;
-        cascade.bytes -= (*same)->bytes();
+            return nullptr;
+        fresh_held.passes = same->passes;
+        cascade.bytes -= same->keyframe->bytes();
         cascade.by_arrival.erase(same);
     }
     cascade.bytes += keyframe->bytes();
-    cascade.by_arrival.push_back(std::move(keyframe));
-    make_room(cascade, fresh.time_us);
+    cascade.by_arrival.push_back(std::move(fresh_held));
+    return &cascade;
 }
 
-void KeyframeRing::make_room(Cascade& cascade, TimeUs now_us) {
-    const auto drop = [&](std::deque<HeldKeyframePtr>::iterator at) {
-        cascade.bytes -= (*at)->bytes();
-        return cascade.by_arrival.erase(at);
+void KeyframeRing::let_pass(Cascade& cascade, TimeUs now_us) {
+    const TimeUs needed_from_us = now_us - limits_.look_back_us;
+    const auto left_behind = [&](const sea::Keyframe& old) {
+        return std::ranges::any_of(cascade.by_arrival, [&](const Held& other) {
+            const sea::Keyframe& next = other.keyframe->keyframe();
+            return next.epoch == old.epoch && next.time_us > old.time_us &&
+                   next.time_us <= needed_from_us;
+        });
     };
     for (auto at = cascade.by_arrival.begin();
          at != cascade.by_arrival.end() &&
-         cascade.by_arrival.size() > RingLimits::keyframes_per_cascade_min;)
-        at = std::abs(now_us - (*at)->keyframe().time_us) > limits_.reach_us ? drop(at) : at + 1;
+         cascade.by_arrival.size() > RingLimits::passing_per_cascade_min;) {
+        const sea::Keyframe& keyframe = at->keyframe->keyframe();
+        const bool far = keyframe.time_us - now_us > RingLimits::ahead_max_us;
+        if (!at->passes || (!far && !left_behind(keyframe))) {
+            ++at;
+            continue;
+        }
+        cascade.bytes -= at->keyframe->bytes();
+        at = cascade.by_arrival.erase(at);
+    }
+}
+
+void KeyframeRing::drop_maps_of_splines() {
+    for (Cascade& cascade : cascades_)
+        for (Held& held : cascade.by_arrival) {
+            if (!held.keyframe->has_spline() || !held.keyframe->has_maps())
+                continue;
+            cascade.bytes -= held.keyframe->bytes();
+            held.keyframe = HeldKeyframe::as_spline(held.keyframe);
+            cascade.bytes += held.keyframe->bytes();
+        }
+}
+
+void KeyframeRing::make_room(Cascade& cascade) {
+    const auto drop = [&](std::deque<Held>::iterator at) {
+        cascade.bytes -= at->keyframe->bytes();
+        cascade.by_arrival.erase(at);
+    };
     while (cascade.by_arrival.size() > limits_.keyframes_per_cascade ||
            (cascade.bytes > limits_.bytes_per_cascade &&
             cascade.by_arrival.size() > RingLimits::keyframes_per_cascade_min))
@@ -134,7 +186,7 @@ std::optional<KeyframePair> KeyframeRing::around(int cascade, std::uint32_t epoc
     KeyframePair pair;
     const sea::Keyframe* newest = nullptr;
     for (auto at = ring->by_arrival.rbegin(); at != ring->by_arrival.rend(); ++at) {
-        const HeldKeyframePtr& held = *at;
+        const HeldKeyframePtr& held = at->keyframe;
         const sea::Keyframe& keyframe = held->keyframe();
         if (keyframe.epoch != epoch || !held->fields().contains(fields))
             continue;
@@ -172,10 +224,30 @@ HeldKeyframePtr KeyframeRing::newest(int cascade) const {
     const Cascade* ring = find(cascade);
     HeldKeyframePtr newest;
     if (ring)
-        for (const HeldKeyframePtr& held : ring->by_arrival)
+        for (const auto& [held, passes] : ring->by_arrival)
             if (!newest || held->keyframe().time_us > newest->keyframe().time_us)
                 newest = held;
     return newest;
+}
+
+std::optional<std::pair<TimeUs, TimeUs>> KeyframeRing::held(int cascade,
+                                                            std::uint32_t epoch) const {
+    const std::scoped_lock lock(mutex_);
+    std::optional<std::pair<TimeUs, TimeUs>> span;
+    if (const Cascade* ring = find(cascade))
+        for (const auto& [held, passes] : ring->by_arrival) {
+            const TimeUs time_us = held->keyframe().time_us;
+            if (held->keyframe().epoch != epoch)
+                continue;
+            span = span ? std::pair(std::min(span->first, time_us), std::max(span->second, time_us))
+                        : std::pair(time_us, time_us);
+        }
+    return span;
+}
+
+void KeyframeRing::clear() {
+    const std::scoped_lock lock(mutex_);
+    cascades_.clear();
 }
 
 std::size_t KeyframeRing::size(int cascade) const {

@@ -2,17 +2,21 @@
 // Keyframe ring: the keyframes that a client holds, a bounded number a cascade, and the pair of
 // them around a time, which is what a sampler or a renderer works from.
 //
-// Thread-safe. Readers get shared pointers to immutable keyframes: what they hold stays whole while
-// the ring moves on. The one that came first is dropped first.
+// Of a stream it holds what is ahead and what the look-back needs; of what was asked for, as much as there is room for: the
+// one that came first is dropped first. A keyframe that has been sampled is held as its spline alone.
+//
+// Thread-safe. Readers get shared pointers to immutable keyframes: what they hold stays whole while the ring moves on.
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstddef>
 #include <deque>
 #include <limits>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "sea/surface/map_error.h"
@@ -69,8 +73,11 @@ class HeldKeyframe {
     /// Made ready for sampling at the first call (about 3 ms at 256 x 256), then shared.
     /// can_be_sampled() must hold. Thread-safe.
     sea::SplineMapPtr spline() const;
+    bool has_spline() const { return splined_; }
+    /// Are the maps that the spline stands for there as well?
+    bool has_maps() const { return keyframe_->fields == fields_; }
 
-    /// Memory with its spline.
+    /// Memory with its spline, whether that is made or not.
     std::size_t bytes() const;
     /// The same of one that is still to come, whole.
     static std::size_t bytes_of(sea::FieldSet fields, int size);
@@ -83,6 +90,7 @@ class HeldKeyframe {
     double compact_share_; ///< of the coded variance that is left
     mutable std::once_flag spline_once_;
     mutable sea::SplineMapPtr spline_;
+    mutable std::atomic<bool> splined_ = false;
 };
 using HeldKeyframePtr = std::shared_ptr<const HeldKeyframe>;
 
@@ -101,14 +109,15 @@ struct RingLimits {
     std::size_t keyframes_per_cascade = 48;
     /// Splines included. At least `keyframes_per_cascade_min` are held all the same.
     std::size_t bytes_per_cascade = 192u * 1024 * 1024;
-    /// A keyframe that comes drops those of its cascade that are further away in sea time than this, but for the
-    /// last `keyframes_per_cascade_min`: for who follows a stream and never fetches. A server sends an interval and a
-    /// quarter of a second ahead; where intervals are long the last four are what is needed.
-    sea::TimeUs reach_us = std::numeric_limits<sea::TimeUs>::max();
     /// Keyframes that can be sampled are held as splines (HeldKeyframe::as_spline), made as they come in: for who
     /// samples or draws every one of them and reads no raw map of it.
     bool as_splines = false;
+    /// Of keyframes that pass by: those which no time needs that lies less than this before now are dropped.
+    sea::TimeUs look_back_us = 250'000;
+    /// And those that lie further ahead than any server sends a stream: they came with somebody's fetch.
+    static constexpr sea::TimeUs ahead_max_us = 10'000'000;
     static constexpr std::size_t keyframes_per_cascade_min = 4;
+    static constexpr std::size_t passing_per_cascade_min = 2; ///< whatever their times are
 
     /// How many keyframes of so many bytes each are held of one cascade.
     std::size_t room(std::size_t keyframe_bytes) const;
@@ -121,6 +130,8 @@ class KeyframeRing {
     /// Takes a keyframe. One of the same epoch, cascade and time is replaced, unless it holds more
     /// fields than the new one.
     void insert(HeldKeyframePtr keyframe);
+    /// The same of one that passes by: it goes once the present has left it behind. `now_us`: sea time.
+    void insert_passing(HeldKeyframePtr keyframe, sea::TimeUs now_us);
 
     /// The keyframes around a time, of one epoch and with at least `fields`. A time beyond those
     /// held gives the nearest keyframe twice, not covering. Nothing if none is held.
@@ -130,19 +141,32 @@ class KeyframeRing {
     /// The newest keyframe in sea time; null if none is held.
     HeldKeyframePtr newest(int cascade) const;
 
+    /// The first and the last time of a cascade's keyframes of an epoch; nothing if none is held.
+    std::optional<std::pair<sea::TimeUs, sea::TimeUs>> held(int cascade, std::uint32_t epoch) const;
+
+    void clear();
+
     std::size_t size(int cascade) const;
     /// What all held keyframes of a cascade count for, splines included.
     std::size_t bytes(int cascade) const;
     const RingLimits& limits() const { return limits_; }
 
   private:
+    struct Held {
+        HeldKeyframePtr keyframe;
+        bool passes = false;
+    };
     struct Cascade {
-        std::deque<HeldKeyframePtr> by_arrival;
+        std::deque<Held> by_arrival;
         std::size_t bytes = 0;
     };
 
     const Cascade* find(int cascade) const;
-    void make_room(Cascade& cascade, sea::TimeUs now_us);
+    /// mutex_ held. The cascade that took it; null: a better one is held.
+    Cascade* take(Held held);
+    void make_room(Cascade& cascade);
+    void let_pass(Cascade& cascade, sea::TimeUs now_us);
+    void drop_maps_of_splines();
 
     const RingLimits limits_;
     mutable std::mutex mutex_;

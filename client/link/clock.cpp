@@ -95,10 +95,11 @@ sea::TimeUs ClockFilter::now(LocalUs local_us) {
     }
     const auto elapsed_us = static_cast<double>(std::max<LocalUs>(local_us - shown_at_us_, 0));
     const double behind_us = target_us - shown_offset_us_;
-    if (behind_us > step_us)
+    anew_ = anew_ && behind_us > step_us;
+    if (behind_us > step_us && !anew_)
         shown_offset_us_ = target_us;
     else {
-        const double rate = behind_us < -step_us ? 0.5 : slew_rate;
+        const double rate = behind_us < -step_us ? 0.5 : anew_ ? 1.0 : slew_rate;
         shown_offset_us_ += std::clamp(behind_us, -rate * elapsed_us, rate * elapsed_us);
     }
     shown_at_us_ = std::max(shown_at_us_, local_us);
@@ -117,7 +118,10 @@ ClockStatus ClockFilter::status(LocalUs local_us) const {
     status.drift_ppm = slope_ * 1e6;
     status.slew_us = shown_any_ ? target_us - shown_offset_us_ : 0;
     status.round_trip_us = best_round_trip_us_;
-    status.error_us = 0.5 * static_cast<double>(best_round_trip_us_) + scatter_us_;
+    const LocalUs unheard_us =
+        std::max<LocalUs>(local_us - window_.back().middle_us - silence_us, 0);
+    status.error_us = 0.5 * static_cast<double>(best_round_trip_us_) + scatter_us_ +
+                      drift_unheard * static_cast<double>(unheard_us);
     return status;
 }
 

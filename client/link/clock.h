@@ -38,12 +38,23 @@ class ClockFilter {
     static constexpr std::size_t samples_max = 256;
     static constexpr double share_kept = 0.2;
     static constexpr double slew_rate = 0.005;
-    /// Larger differences are not slewed: forward at once, backward by running at half speed.
+    /// Larger differences are not slewed: forward at once, and after begin_anew() at twice the speed; backward at half of it.
     static constexpr double step_us = 250'000;
+    /// What the estimate may be off by grows so fast once nothing was heard for `silence_us`: servers pull their sea time towards
+    /// UTC by 1 ms a second, and quartz runs off by less than half of that.
+    static constexpr double drift_unheard = 1.5e-3;
+    static constexpr LocalUs silence_us = 2'000'000;
 
     /// A reply: sent and received in local time, and the sea time that the server wrote into it.
     /// A reply that came before it was sent is ignored.
     void add(LocalUs sent_us, LocalUs received_us, sea::TimeUs sea_time_us);
+
+    /// Another server of the same time answers from now on: what was shown goes on from there, slewed. At least one
+    /// add() follows before anything is read.
+    void begin_anew() {
+        window_.clear();
+        anew_ = true;
+    }
 
     bool synchronised() const { return !window_.empty(); }
 
@@ -71,6 +82,7 @@ class ClockFilter {
     double scatter_us_ = 0;
     LocalUs best_round_trip_us_ = 0;
 
+    bool anew_ = false; ///< until what is shown is near again
     bool shown_any_ = false;
     LocalUs shown_at_us_ = 0;
     double shown_offset_us_ = 0; ///< of what is shown, relative to base_us_

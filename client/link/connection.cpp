@@ -31,6 +31,8 @@ std::int64_t pause_after_ping_us(std::uint32_t pings_sent) {
     return pings_sent <= filling_pings ? filling_ping_interval_us : ping_interval_us;
 }
 
+/// How often who waits for a welcome looks whether it is to give up.
+constexpr std::chrono::milliseconds stop_looks{50};
 /// Seas that tiles can still arrive for.
 constexpr std::size_t sea_states_kept = 32;
 
@@ -88,6 +90,7 @@ Result<void> Connection::say_hello(const ConnectOptions& options, const OpenStre
     WebSocketOptions socket_options;
     socket_options.connect_timeout_s = options.timeout_s;
     socket_options.ca_file = options.ca_file;
+    socket_options.stop = options.stop;
     Result<std::unique_ptr<MessageStream>> stream = open_stream(*url, socket_options);
     if (!stream)
         return stream.error();
@@ -99,10 +102,15 @@ Result<void> Connection::say_hello(const ConnectOptions& options, const OpenStre
     stream_->send(protocol::hello(options.name, options.token));
 
     std::unique_lock lock(opening_mutex_);
-    opening_.wait_until(lock, deadline, [this] { return end_ || (welcomed_ && sea_known_); });
+    const auto known = [this] { return end_ || (welcomed_ && sea_known_); };
+    while (!known() && !options.stop.stop_requested() &&
+           std::chrono::steady_clock::now() < deadline)
+        opening_.wait_until(lock, std::min(deadline, std::chrono::steady_clock::now() + stop_looks),
+                            known);
     if (end_) {
-        Error why = failed(Failure::cannot_connect,
-                           fmt::format("{} turns us away: {}", options.url, end_->message));
+        Error why =
+            failed(end_->is(Failure::for_good) ? Failure::for_good : Failure::cannot_connect,
+                   fmt::format("{} turns us away: {}", options.url, end_->message));
         why.retry_after_ms = end_->retry_after_ms;
         return why;
     }

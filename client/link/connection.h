@@ -14,6 +14,7 @@
 #include <memory>
 #include <mutex>
 #include <span>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -34,6 +35,9 @@ struct ConnectOptions {
     std::string token{};                                ///< if the server asks for one
     std::string ca_file{};                              ///< PEM, besides the system's certificates
     double timeout_s = 5; ///< for connecting until the first sea state
+    /// Of a Client: once its connection has ended it is not connected again.
+    bool stays_lost = false;
+    std::stop_token stop{}; ///< connecting is given up soon after
 };
 
 /// What the server said about itself and its limits.
@@ -63,7 +67,7 @@ struct ConnectionEvents {
     /// How sea time follows from that, from a moment on.
     std::function<void(const sea::Pace& pace)> on_pace{};
     /// Once, and last; not after a failed open(). One line, and for how long the server wants nobody to come
-    /// (retry_after_ms), which ReconnectPauses keeps.
+    /// (retry_after_ms), which ReconnectPauses keeps. lost, or for_good where coming again would meet the same.
     std::function<void(const Error& reason)> on_closed{};
 };
 
@@ -78,7 +82,8 @@ class Connection {
     using OpenStream =
         std::function<Result<std::unique_ptr<MessageStream>>(const Url&, const WebSocketOptions&)>;
 
-    /// Connects, says hello and waits for the first sea state. Blocks `timeout_s` at most.
+    /// Connects, says hello and waits for the first sea state. Blocks `timeout_s` at most. Errors: cannot_connect;
+    /// for_good where coming again would meet the same.
     static Result<std::unique_ptr<Connection>> open(const ConnectOptions& options,
                                                     ConnectionEvents events,
                                                     const OpenStream& open_stream = open_websocket);
@@ -88,6 +93,8 @@ class Connection {
 
     const Welcome& welcome() const { return welcome_; }
     bool is_open() const { return open_; }
+    /// Ends it: on_closed gets the reason, and with it everything that waits. Does not block.
+    void close() { stream_->close("closed by this client"); }
 
     // Each hands its handler the reply, a refusal, a passed deadline or the end of the connection:
     // exactly once, on the connection's thread or at once. `timeout_s` is from now on.

@@ -7,12 +7,23 @@
 
 namespace seaway::client {
 
+namespace {
+
+/// Who comes again meets the same. After other codes a line that flipped a bit may be all that was wrong.
+bool stays_so(wire::ErrorCode code) {
+    return code == wire::ErrorCode::unsupported_version || code == wire::ErrorCode::unauthorised ||
+           code == wire::ErrorCode::dropped;
+}
+
+} // namespace
+
 Result<void> Connection::take(const wire::GoAway& go_away) {
     SEAWAY_TRY(protocol::check(go_away));
     const auto* why = go_away.message();
-    going_away_ = failed(Failure::lost, fmt::format("the server ends the session ({}): {}",
-                                                    protocol::name(go_away.code()),
-                                                    why ? why->string_view() : ""));
+    going_away_ =
+        failed(stays_so(go_away.code()) ? Failure::for_good : Failure::lost,
+               fmt::format("the server ends the session ({}): {}", protocol::name(go_away.code()),
+                           why ? why->string_view() : ""));
     going_away_->retry_after_ms = go_away.retry_after_ms();
     return {};
 }

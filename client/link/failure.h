@@ -19,6 +19,8 @@ enum class Failure : int {
     deadline = 5,       ///< no reply in time; the connection goes on
     not_held = 6,       ///< no keyframes around this time
     too_large = 100,    ///< the answer would be too large: within this room alone, which asks again
+    for_good =
+        101, ///< lost or not to be had, and coming again would meet the same: of Connection alone
 };
 
 inline Error failed(Failure failure, std::string message) {
@@ -27,6 +29,13 @@ inline Error failed(Failure failure, std::string message) {
 
 inline Failure failure_of(const Error& error) {
     return error.kind.as<Failure>().value_or(Failure::none);
+}
+
+/// Of an error of a Connection the kind that programs are told.
+inline Error told(Error error, Failure for_good) {
+    if (error.is(Failure::for_good))
+        error.kind = for_good;
+    return error;
 }
 
 } // namespace seaway::client

@@ -7,6 +7,7 @@
 #include <functional>
 #include <memory>
 #include <span>
+#include <stop_token>
 #include <string>
 
 #include "base/result.h"
@@ -48,10 +49,11 @@ struct WebSocketOptions {
     /// Certificates (PEM) to trust besides the system's; for a server with one of its own.
     std::string ca_file;
     std::string user_agent = "seaway-client/" SEAWAY_VERSION;
+    std::stop_token stop{}; ///< connecting is given up soon after
 };
 
 /// Connects and shakes hands; blocks until that is done or has failed. A silent peer is found out
-/// by WebSocket pings within 30 s.
+/// by WebSocket pings within 30 s. Errors: cannot_connect; for_good where the server declines for a reason that stays.
 Result<std::unique_ptr<MessageStream>> open_websocket(const Url& url,
                                                       const WebSocketOptions& options);
 

@@ -69,10 +69,16 @@ class SocketStream final : public MessageStream {
         asio::post(io_, [this] { resolve(); });
         thread_ = std::thread([this] { run(); });
         // Steps have their own time limits; name resolution has none.
-        const auto patience = to_milliseconds(options_.connect_timeout_s) + close_patience;
-        if (result.wait_for(patience) == std::future_status::timeout) {
+        const auto deadline = std::chrono::steady_clock::now() +
+                              to_milliseconds(options_.connect_timeout_s) + close_patience;
+        while (result.wait_for(tick_interval) == std::future_status::timeout) {
+            const bool stopped = options_.stop.stop_requested();
+            if (!stopped && std::chrono::steady_clock::now() < deadline)
+                continue;
             io_.stop();
-            return cannot_connect(fmt::format("no answer in {} s", options_.connect_timeout_s));
+            return cannot_connect(
+                stopped ? "given up by this client"
+                        : fmt::format("no answer in {} s", options_.connect_timeout_s));
         }
         return result.get();
     }
@@ -170,7 +176,12 @@ class SocketStream final : public MessageStream {
     void shake_hands() {
         ws_.socket().expires_never(); // from here on the WebSocket keeps the time
         ws_.shake_hands(url_.authority(), url_.path, [this](const Result<void>& shaken) {
-            opened(shaken ? shaken : cannot_connect(shaken.error().message));
+            if (shaken)
+                return opened(shaken);
+            Error why = cannot_connect(shaken.error().message);
+            if (shaken.error().is(WebSocketEnd::declined))
+                why.kind = Failure::for_good;
+            opened(why);
         });
     }
 

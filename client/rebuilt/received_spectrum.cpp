@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/rebuilt/received_spectrum.h"
 
+#include <limits>
+
 namespace seaway::client {
 namespace {
 
@@ -44,6 +46,11 @@ RebuiltSeaPtr ReceivedSpectrum::sea() const {
             RebuiltError{sea::spectrum_sigmas * left_->height_m,
                          sea::spectrum_sigmas * left_->displacement_m});
     return sea_;
+}
+
+double ReceivedSpectrum::left_m() const {
+    const std::scoped_lock lock(mutex_);
+    return left_ ? left_->height_m : std::numeric_limits<double>::infinity();
 }
 
 } // namespace seaway::client

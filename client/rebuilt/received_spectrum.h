@@ -26,6 +26,9 @@ class ReceivedSpectrum {
     /// Null before the first waves.
     RebuiltSeaPtr sea() const;
 
+    /// What is still missed of a height, one standard deviation in metres; infinite before the first waves.
+    double left_m() const;
+
     const SeaStatePtr& state() const { return state_; }
 
   private:

@@ -13,8 +13,22 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// A window shows the sea of now: around it lie what is sent ahead and the keyframes of a late frame.
-constexpr sea::TimeUs reach_us = 1'000'000;
+/// A window shows the sea of now, or of a late frame.
+constexpr sea::TimeUs look_back_us = 1'000'000;
+
+Link link_of(LinkState state) {
+    switch (state) {
+    case LinkState::connected:
+        return Link::live;
+    case LinkState::waiting:
+        return Link::waiting;
+    case LinkState::connecting:
+        return Link::connecting;
+    case LinkState::stopped:
+        break;
+    }
+    return Link::stopped;
+}
 
 std::chrono::duration<double> seconds(double s) {
     return std::chrono::duration<double>(s);
@@ -34,7 +48,8 @@ Feed::~Feed() {
     state_->stop = true;
     state_->changed.notify_all();
     state_->changed.wait_for(lock, seconds(0.3), [&] { return state_->ended; });
-    state_->client.reset();
+    const std::shared_ptr<Client> client = std::move(state_->client);
+    lock.unlock(); // for its events
 }
 
 std::shared_ptr<Client> Feed::client() const {
@@ -43,60 +58,58 @@ std::shared_ptr<Client> Feed::client() const {
 }
 
 FeedStatus Feed::status() const {
-    const std::scoped_lock lock(state_->mutex);
+    std::unique_lock lock(state_->mutex);
     FeedStatus status = state_->status;
     status.keyframes = state_->keyframes;
     status.bytes = state_->bytes;
     if (status.link == Link::waiting)
         status.next_s =
             std::max(std::chrono::duration<double>(state_->next - Clock::now()).count(), 0.0);
+    const std::shared_ptr<Client> client = state_->client;
+    lock.unlock();
+    if (!client)
+        return status;
+    const ClientStatus now = client->status();
+    status.link = link_of(now.state);
+    status.reason = now.reason;
+    status.next_s = now.next_attempt_s;
+    status.connections = now.connections;
+    status.grant = client->grant().value_or(Grant{});
     return status;
 }
 
-/// Returns why it has ended, or could not begin.
-Error Feed::one_connection(const std::shared_ptr<State>& state) {
+/// From here on the client goes on by itself.
+Result<std::shared_ptr<Client>> Feed::first_connection(const std::shared_ptr<State>& state) {
     ClientEvents events;
     events.on_keyframe = [state = state.get()](const HeldKeyframePtr& keyframe) {
         ++state->keyframes;
         state->bytes += keyframe->keyframe().values.size() * sizeof(float);
     };
-    Result<std::unique_ptr<Client>> made = Client::connect(
-        state->options, std::move(events), {.reach_us = reach_us, .as_splines = true});
-    if (!made)
-        return made.error();
-    const std::shared_ptr<Client> client = std::move(*made);
+    SEAWAY_TRY_LET(std::shared_ptr<Client> client,
+                   Client::connect(state->options, std::move(events),
+                                   {.as_splines = true, .look_back_us = look_back_us}));
     protocol::TileWish wish{.fields = drawn_fields};
     state->limits.put_into(wish);
-    const Result<Grant> grant = client->subscribe(wish, credit, state->options.timeout_s);
-    if (!grant)
-        return grant.error();
-    std::unique_lock lock(state->mutex);
-    std::shared_ptr<Client> before = std::exchange(state->client, client);
-    state->status.link = Link::live;
-    state->status.grant = *grant;
-    ++state->status.connections;
-    lock.unlock();
-    before.reset(); // waits for its connection's thread
-    lock.lock();
-    while (!state->stop && !client->end())
-        state->changed.wait_for(lock, seconds(0.1));
-    return client->end().value_or(Error{"the window closes"});
+    SEAWAY_TRY(client->subscribe(wish, credit, state->options.timeout_s));
+    return client;
 }
 
 void Feed::run(const std::shared_ptr<State>& state) {
     ReconnectPauses pauses;
     std::unique_lock lock(state->mutex);
-    while (!state->stop) {
-        const int connections = state->status.connections;
+    while (!state->stop && !state->client) {
         state->status.link = Link::connecting;
         lock.unlock();
-        const Error ended = one_connection(state);
+        Result<std::shared_ptr<Client>> client = first_connection(state);
         lock.lock();
-        if (state->status.connections > connections)
-            pauses.connected();
+        if (client) {
+            state->client = std::move(*client);
+            break;
+        }
         state->status.link = Link::waiting;
-        state->status.reason = ended.message;
-        state->next = Clock::now() + std::chrono::ceil<Clock::duration>(pauses.next(ended));
+        state->status.reason = client.error().message;
+        state->next =
+            Clock::now() + std::chrono::ceil<Clock::duration>(pauses.next(client.error()));
         state->changed.wait_until(lock, state->next, [&] { return state->stop; });
     }
     state->ended = true;

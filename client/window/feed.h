@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Feed: a client that is kept connected. A thread of its own connects, subscribes to what is drawn, and does so again
-// when the connection has ended, with the waits of link/reconnect.h. The client that was connected last stays: what it
-// holds can still be shown, and its clock goes on.
+// Feed: a client that is waited for. A thread of its own connects and subscribes to what is drawn, with the waits of
+// link/reconnect.h until that is had once; from then on the client goes on by itself (client.h).
 //
 // Thread-safe; nothing but the destructor blocks, a third of a second: an attempt that still waits for a silent host then
 // ends by itself, later.
@@ -21,7 +20,7 @@
 
 namespace seaway::client {
 
-enum class Link { connecting, live, waiting };
+enum class Link { connecting, live, waiting, stopped };
 
 struct FeedStatus {
     Link link = Link::connecting;
@@ -60,7 +59,7 @@ class Feed {
         std::shared_ptr<Client> client;
     };
     static void run(const std::shared_ptr<State>& state);
-    static Error one_connection(const std::shared_ptr<State>& state);
+    static Result<std::shared_ptr<Client>> first_connection(const std::shared_ptr<State>& state);
 
     std::shared_ptr<State> state_;
 };

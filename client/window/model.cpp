@@ -18,6 +18,8 @@ std::string link_text(const FeedStatus& feed) {
         return feed.connections > 0 ? "connecting again" : "connecting";
     case Link::live:
         return "live";
+    case Link::stopped:
+        return "stopped";
     case Link::waiting:
         break;
     }

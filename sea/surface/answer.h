@@ -33,6 +33,14 @@ enum AnswerFlag : std::uint32_t {
     /// With answer_folded: a sheet begins or ends so near that the error of the maps leaves open which
     /// one is the highest, and `error_m` is not a bound. The exact sum knows.
     answer_open = 1u << 6,
+    /// Of a client whose server may know more of this time: `error_m` has what staleness.h says.
+    answer_stale = 1u << 7,
+};
+
+/// What is asked for.
+enum class AnswerParts {
+    height, ///< height_m, error_m, flags and the normal, which the error takes; no velocity
+    all,
 };
 
 /// The surface above a world point.

@@ -191,8 +191,26 @@ double jacobian(const LagrangianPoint& point, const Choppiness& choppiness) {
            choppiness.x * choppiness.y * point.strain_xy * point.strain_xy;
 }
 
+Answer answer_of(const LagrangianPoint& p, const Choppiness& choppiness) {
+    const std::array<double, 3> normal = normal_of(p, choppiness);
+    // On the underside of a fold it points down and is turned up.
+    const double length =
+        std::sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
+    const double scale = length > 0 ? (normal[2] < 0 ? -1.0 : 1.0) / length : 0.0;
+    Answer answer;
+    answer.height_m = p.height;
+    if (length > 0)
+        for (std::size_t i = 0; i < 3; ++i)
+            answer.normal[i] = normal[i] * scale;
+    answer.velocity_mps[0] = p.displacement_x_rate; // the water's: choppiness is the picture's
+    answer.velocity_mps[1] = p.displacement_y_rate;
+    answer.velocity_mps[2] = p.height_rate;
+    return answer;
+}
+
 double surface_slope(const Answer& answer) {
-    return capped_slope(std::hypot(answer.normal[0], answer.normal[1]), answer.normal[2]);
+    const double* n = answer.normal;
+    return capped_slope(std::sqrt(n[0] * n[0] + n[1] * n[1]), n[2]);
 }
 
 Answer surface_at(const QueryPoint& point, const InverseOptions& options, LagrangianField field,
@@ -209,21 +227,10 @@ Answer surface_at(const QueryPoint& point, const InverseOptions& options, Lagran
         *lagrangian = highest.sheet.lagrangian;
 
     const LagrangianPoint& p = highest.sheet.point;
-    const std::array<double, 3> normal = normal_of(p, options.choppiness);
-    // On the underside of a fold it points down and is turned up.
-    const double length = std::hypot(normal[0], normal[1], normal[2]);
-    const double scale = length > 0 ? (normal[2] < 0 ? -1.0 : 1.0) / length : 0.0;
-
-    Answer answer;
-    answer.height_m = p.height;
-    if (length > 0)
-        for (std::size_t i = 0; i < 3; ++i)
-            answer.normal[i] = normal[i] * scale;
-    answer.velocity_mps[0] = p.displacement_x_rate; // the water's: choppiness is the picture's
-    answer.velocity_mps[1] = p.displacement_y_rate;
-    answer.velocity_mps[2] = p.height_rate;
+    Answer answer = answer_of(p, options.choppiness);
     answer.flags = highest.flags;
-    if (normal[2] <= 0 && !(answer.flags & answer_folded)) // turned sheets are never alone
+    // Turned sheets are never alone.
+    if (jacobian(p, options.choppiness) <= 0 && !(answer.flags & answer_folded))
         answer.flags |= answer_folded | answer_open;
     if (highest.sheet.residual_m > options.tolerance_m)
         answer.flags |= answer_not_converged;

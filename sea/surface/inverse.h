@@ -95,6 +95,9 @@ Answer surface_at(const QueryPoint& point, const InverseOptions& options, Lagran
 Answer surface_at(const QueryPoint& point, const InverseOptions& options,
                   const DirectSum::Moment& moment);
 
+/// Height, normal and velocity of what solves the equation; flags and error are nothing yet.
+Answer answer_of(const LagrangianPoint& point, const Choppiness& choppiness);
+
 /// The steepness of the answered surface, |grad eta| in world coordinates, capped at 10.
 double surface_slope(const Answer& answer);
 

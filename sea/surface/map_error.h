@@ -71,12 +71,27 @@ struct MapLoss {
     /// less between them: by axis 0.756 of their variance in the middle of a cell, and nowhere more than
     /// 1 - 0.2 between_samples().
     double variance_m2(double share, double east, double north, const HermiteWeights& w) const {
+        return at(share, w).variance_m2(east, north);
+    }
+    /// The same of one time, for many places.
+    struct AtTime {
+        double anywhere_m2;
+        double east_m2;
+        double north_m2;
+        double coded_m2;
+        double coded_relief;
+        double variance_m2(double east, double north) const {
+            return anywhere_m2 + east_m2 * east + north_m2 * north +
+                   coded_m2 * (1.0 - coded_relief * east) * (1.0 - coded_relief * north);
+        }
+    };
+    AtTime at(double share, const HermiteWeights& w) const {
         const double time = time_m * between_samples(share);
         const double coded =
             value_m * value_m * (w.value[0] * w.value[0] + w.value[2] * w.value[2]) +
             rate_mps * rate_mps * (w.value[1] * w.value[1] + w.value[3] * w.value[3]);
-        return time * time + east_m * east_m * east + north_m * north_m * north + cut_m * cut_m +
-               coded * (1.0 - coded_relief * east) * (1.0 - coded_relief * north);
+        return {time * time + cut_m * cut_m, east_m * east_m, north_m * north_m, coded,
+                coded_relief};
     }
 };
 

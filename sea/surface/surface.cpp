@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "sea/surface/maps/hermite.h"
@@ -62,6 +63,14 @@ Surface::Surface(std::vector<SplinePair> pairs, Choppiness choppiness, FoldSearc
     fold_blur_m_ =
         sideways_ * (fold_sigmas * std::sqrt(displacement_m2) + error_.displacement_bound_m);
     fold_strain_blur_ = sideways_ * error_.strain_bound + error_.codec_strain_bound;
+    flat_height_bound_m_ = height_bound_m(0.0);
+    for (const SplinePair& pair : pairs_) {
+        const SplineMap& map = *pair.before;
+        tiles_.push_back({map.coefficients().data(), pair.after->coefficients().data(),
+                          map.length_m(), static_cast<double>(map.size()),
+                          map.size() / map.length_m(),
+                          (map.size() + SplineMap::border) * SplineMap::channels});
+    }
 }
 
 double Surface::height_bound_m(double slope) const {
@@ -77,23 +86,56 @@ double Surface::height_bound_m(double slope) const {
            sideways * error_.displacement_bound_m;
 }
 
-double Surface::height_bound_m(Vec2 lagrangian, TimeUs time_us, double slope) const {
+/// What all answers of one time have in common.
+struct Surface::AtTime {
+    TimeUs time_us;
+    SurfaceSheets sheets;
+    std::array<PointWeights, surface_pairs_max> weights;
+    struct Loss {
+        MapLoss::AtTime height;
+        MapLoss::AtTime displacement;
+        double cells_a_metre;
+    };
+    std::array<Loss, surface_pairs_max> losses;
+    std::uint32_t flags;
+
+    AtTime(const Surface& surface, TimeUs time)
+        : time_us(time), sheets(surface, time), flags(surface.lasting_flags(time)) {
+        for (std::size_t c = 0; c < surface.pairs_.size(); ++c) {
+            const HermiteWeights& w = sheets.weights(c);
+            for (int i = 0; i < 4; ++i) {
+                weights[c].value[i] = static_cast<float>(w.value[i]);
+                weights[c].rate[i] = static_cast<float>(w.rate[i]);
+            }
+        }
+        for (std::size_t c = 0; c < surface.error_.cascades.size(); ++c) {
+            const SplinePair& pair = surface.pairs_[c];
+            const double interval = interval_s(pair);
+            const double share =
+                interval > 0 ? seconds_from_us(time - pair.before->time_us()) / interval : 0.0;
+            const CascadeLoss& loss = surface.error_.cascades[c];
+            losses[c] = {loss.height.at(share, sheets.weights(c)),
+                         loss.displacement.at(share, sheets.weights(c)),
+                         pair.before->size() / pair.before->length_m()};
+        }
+    }
+};
+
+std::uint32_t Surface::lasting_flags(TimeUs time_us) const {
+    return (covers(time_us) ? 0u : answer_extrapolated) |
+           (moves_sideways_ ? 0u : answer_vertical_velocity);
+}
+
+double Surface::height_bound_m(Vec2 lagrangian, const AtTime& then, double slope) const {
     const double sideways = slope * sideways_;
     const auto between = [](double cells) { return between_samples(cells - std::floor(cells)); };
     double variance_m2 = 0;
     for (std::size_t c = 0; c < error_.cascades.size(); ++c) {
-        const SplinePair& pair = pairs_[c];
-        const TimeUs start_us = pair.before->time_us();
-        const double interval = interval_s(pair);
-        const double share = interval > 0 ? seconds_from_us(time_us - start_us) / interval : 0.0;
-        const HermiteWeights weights = hermite_weights(start_us, pair.after->time_us(), time_us);
-        const double cells_a_metre = pair.before->size() / pair.before->length_m();
-        const double east = between(lagrangian.x * cells_a_metre);
-        const double north = between(lagrangian.y * cells_a_metre);
-        const CascadeLoss& loss = error_.cascades[c];
-        variance_m2 +=
-            loss.height.variance_m2(share, east, north, weights) +
-            sideways * sideways * loss.displacement.variance_m2(share, east, north, weights);
+        const AtTime::Loss& loss = then.losses[c];
+        const double east = between(lagrangian.x * loss.cells_a_metre);
+        const double north = between(lagrangian.y * loss.cells_a_metre);
+        variance_m2 += loss.height.variance_m2(east, north) +
+                       sideways * sideways * loss.displacement.variance_m2(east, north);
     }
     return bound_sigmas * std::sqrt(variance_m2) + error_.height_bound_m +
            sideways * error_.displacement_bound_m;
@@ -125,26 +167,134 @@ bool Surface::covers(TimeUs time_us) const {
     });
 }
 
-Answer Surface::answer(const QueryPoint& point) const {
+Answer Surface::careful(const QueryPoint& point, const AtTime& then) const {
+    SurfaceSheets sheets = then.sheets; // a search leaves its patches there
     const InverseOptions options{choppiness_, tolerance_m_, folds_};
     const auto field = [&](double x_m, double y_m) { return at(x_m, y_m, point.time_us); };
-    SurfaceSheets sheets(*this, point.time_us);
     Vec2 lagrangian{point.x_m, point.y_m};
     Answer answer = surface_at(point, options, field, &sheets, &lagrangian);
     if (answer.flags & answer_invalid)
         return answer;
-    answer.error_m += height_bound_m(lagrangian, point.time_us, surface_slope(answer));
-    if (!covers(point.time_us))
-        answer.flags |= answer_extrapolated;
-    if (!moves_sideways_)
-        answer.flags |= answer_vertical_velocity;
+    answer.error_m += height_bound_m(lagrangian, then, surface_slope(answer));
+    answer.flags |= then.flags;
     return answer;
 }
 
-void Surface::answer(std::span<const QueryPoint> points, std::span<Answer> answers) const {
+Answer Surface::gentle(const QueryPoint& point, const PointPlace& place, const AtTime& then,
+                       AnswerParts parts) const {
+    using spline_channel::height, spline_channel::displacement_x, spline_channel::displacement_y;
+    const auto of = [](float value) { return static_cast<double>(value); };
+    LagrangianPoint p;
+    p.height = of(place.value[height]);
+    p.slope_x = of(place.d_dx[height]);
+    p.slope_y = of(place.d_dy[height]);
+    p.strain_xx = of(place.d_dx[displacement_x]);
+    p.strain_yy = of(place.d_dy[displacement_y]);
+    p.strain_xy = 0.5 * (of(place.d_dy[displacement_x]) + of(place.d_dx[displacement_y]));
+    if (parts == AnswerParts::all) {
+        p.height_rate = of(place.rate[height]);
+        p.displacement_x_rate = of(place.rate[displacement_x]);
+        p.displacement_y_rate = of(place.rate[displacement_y]);
+    }
+    Answer answer = answer_of(p, choppiness_);
+    const double slope = surface_slope(answer);
+    answer.error_m =
+        place.residual_m * slope +
+        height_bound_m({point.x_m + place.shift_x_m, point.y_m + place.shift_y_m}, then, slope);
+    answer.flags = then.flags;
+    return answer;
+}
+
+void Surface::answer_block(std::span<const QueryPoint> points, std::span<Answer> answers,
+                           AnswerParts parts, const PointKernel& kernel,
+                           std::span<const AtTime* const> then) const {
+    std::array<PointPlace, PointKernel::block> places;
+    std::array<std::size_t, PointKernel::block> point_of;
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const QueryPoint& point = points[i];
+        if (!std::isfinite(point.x_m) || !std::isfinite(point.y_m) || tiles_.empty()) {
+            answers[i] = careful(point, *then[i]);
+            continue;
+        }
+        places[count].x_m = point.x_m;
+        places[count].y_m = point.y_m;
+        places[count].weights = then[i]->weights.data();
+        point_of[count++] = i;
+    }
+    const PointTask task{tiles_.data(),
+                         static_cast<int>(tiles_.size()),
+                         choppiness_.x,
+                         choppiness_.y,
+                         tolerance_m_,
+                         2 * folds_.reach_m,
+                         parts == AnswerParts::all};
+    kernel.solve(task, places.data(), static_cast<int>(count));
+    const auto root_of = [&](std::size_t p) {
+        return Vec2{places[p].x_m + places[p].shift_x_m, places[p].y_m + places[p].shift_y_m};
+    };
+    for (std::size_t p = 0; p < count; ++p)
+        if (places[p].solved)
+            then[point_of[p]]->sheets.fetch(root_of(p));
+    for (std::size_t p = 0; p < count; ++p) {
+        const PointPlace& place = places[p];
+        const std::size_t i = point_of[p];
+        const bool settled = place.solved && then[i]->sheets.alone(root_of(p));
+        answers[i] =
+            settled ? gentle(points[i], place, *then[i], parts) : careful(points[i], *then[i]);
+        if (parts == AnswerParts::height && !(answers[i].flags & answer_invalid))
+            std::fill_n(answers[i].velocity_mps, 3, 0.0);
+    }
+}
+
+void Surface::answer(std::span<const QueryPoint> points, std::span<Answer> answers,
+                     AnswerParts parts, const PointKernel& kernel) const {
     SEAWAY_CHECK(points.size() == answers.size(), "one answer a point");
-    for (std::size_t i = 0; i < points.size(); ++i)
-        answers[i] = answer(points[i]);
+    constexpr std::size_t block = PointKernel::block;
+    // One more than a block has times, so that the last one of a block is there for the next.
+    std::array<std::optional<AtTime>, block + 1> times;
+    std::size_t slot = 0;
+    for (std::size_t first = 0; first < points.size(); first += block) {
+        const std::size_t count = std::min(block, points.size() - first);
+        std::array<const AtTime*, block> then;
+        for (std::size_t i = 0; i < count; ++i) {
+            const TimeUs time_us = points[first + i].time_us;
+            if (!times[slot] || times[slot]->time_us != time_us) {
+                slot = (slot + 1) % times.size();
+                times[slot].emplace(*this, time_us);
+            }
+            then[i] = &*times[slot];
+        }
+        answer_block(points.subspan(first, count), answers.subspan(first, count), parts, kernel,
+                     {then.data(), count});
+    }
+}
+
+void Surface::answer(std::span<const QueryPoint> points, std::span<Answer> answers,
+                     AnswerParts parts) const {
+    static const PointKernel& best = point_kernel(best_instructions());
+    answer(points, answers, parts, best);
+}
+
+Answer Surface::answer(const QueryPoint& point) const {
+    Answer answer;
+    this->answer({&point, 1}, {&answer, 1});
+    return answer;
+}
+
+Answer Surface::answer_carefully(const QueryPoint& point) const {
+    const AtTime then(*this, point.time_us);
+    return careful(point, then);
+}
+
+const PointKernel& point_kernel(Instructions instructions) {
+#if defined(SEAWAY_X86)
+    if (instructions != Instructions::portable)
+        return point_kernel_avx2();
+#else
+    SEAWAY_CHECK(instructions == Instructions::portable, "no other kernel is built");
+#endif
+    return point_kernel_portable();
 }
 
 } // namespace seaway::sea

@@ -5,9 +5,9 @@
 // summed before the displacement is inverted (hard case D6). The server's answers, a client's own
 // answers and the height of a rendered vertex all come from here.
 //
-// Immutable; thread-safe; allocates nothing after construction. About 2 us a scattered point with
-// three cascades of 256 x 256: what it waits for is memory. Ten to fifty times that in a sea that
-// folds often, where all sheets are looked for.
+// Immutable; thread-safe; allocates nothing after construction but in searches for sheets. Where the surface is
+// gentle and alone, which bounds prove place by place, points are solved some at a time (point_kernel.h): see
+// docs/performance.md for what they cost. Elsewhere one by one, with all sheets, ten to fifty times that.
 #pragma once
 
 #include <span>
@@ -17,6 +17,7 @@
 #include "sea/surface/inverse.h"
 #include "sea/surface/map_error.h"
 #include "sea/surface/maps/spline_map.h"
+#include "sea/surface/point_kernel.h"
 #include "sea/waves/realization.h"
 
 namespace seaway::sea {
@@ -43,7 +44,14 @@ class Surface {
     /// time outside the span of a pair is flagged answer_extrapolated.
     Answer answer(const QueryPoint& point) const;
 
-    void answer(std::span<const QueryPoint> points, std::span<Answer> answers) const;
+    /// The same bits as one by one, in two thirds of the time. Points of one time should stand together.
+    void answer(std::span<const QueryPoint> points, std::span<Answer> answers,
+                AnswerParts parts = AnswerParts::all) const;
+    /// The same by a kernel of the caller's choice: all kernels give the same bits.
+    void answer(std::span<const QueryPoint> points, std::span<Answer> answers, AnswerParts parts,
+                const PointKernel& kernel) const;
+    /// With the search for sheets whether it is needed or not, and Newton in double precision.
+    Answer answer_carefully(const QueryPoint& point) const;
 
     const std::vector<SplinePair>& pairs() const { return pairs_; }
     const Choppiness& choppiness() const { return choppiness_; }
@@ -51,6 +59,7 @@ class Surface {
     const MapError& map_error() const { return error_; }
     /// Bound on a height where the surface is that steep, at the worst place and time between samples.
     double height_bound_m(double slope) const;
+    double flat_height_bound_m() const { return flat_height_bound_m_; } ///< of slope 0
     /// What maps may be wrong by where folds are told apart: of lambda D, m, and of lambda grad D.
     double fold_blur_m() const { return fold_blur_m_; }
     double fold_strain_blur() const { return fold_strain_blur_; }
@@ -59,8 +68,17 @@ class Surface {
     bool covers(TimeUs time_us) const;
 
   private:
+    struct AtTime;
     /// Bound on a height at an undisplaced place.
-    double height_bound_m(Vec2 lagrangian, TimeUs time_us, double slope) const;
+    double height_bound_m(Vec2 lagrangian, const AtTime& then, double slope) const;
+    Answer careful(const QueryPoint& point, const AtTime& then) const;
+    Answer gentle(const QueryPoint& point, const PointPlace& place, const AtTime& then,
+                  AnswerParts parts) const;
+    /// PointKernel::block points at most, whose times are `then`.
+    void answer_block(std::span<const QueryPoint> points, std::span<Answer> answers,
+                      AnswerParts parts, const PointKernel& kernel,
+                      std::span<const AtTime* const> then) const;
+    std::uint32_t lasting_flags(TimeUs time_us) const;
 
     std::vector<SplinePair> pairs_;
     Choppiness choppiness_;
@@ -70,7 +88,9 @@ class Surface {
     double sideways_; ///< the larger choppiness
     double fold_blur_m_;
     double fold_strain_blur_;
-    bool moves_sideways_ = true; ///< every map holds displacements
+    double flat_height_bound_m_;
+    std::vector<PointTile> tiles_; ///< of pairs_, for kernels
+    bool moves_sideways_ = true;   ///< every map holds displacements
 };
 
 } // namespace seaway::sea

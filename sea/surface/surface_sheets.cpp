@@ -23,11 +23,19 @@ SurfaceSheets::SurfaceSheets(const Surface& surface, TimeUs time_us)
     : PatchSheets(surface.choppiness()), surface_(surface),
       sideways_(std::max(surface.choppiness().x, surface.choppiness().y)) {
     blur_m_ = rounding_m + surface.fold_blur_m();
-    height_blur_m_ = rounding_m + surface.height_bound_m(0.0);
+    height_blur_m_ = rounding_m + surface.flat_height_bound_m();
     strain_blur_ = surface.fold_strain_blur();
     for (std::size_t c = 0; c < surface.pairs().size(); ++c) {
         const SplinePair& pair = surface.pairs()[c];
         weights_[c] = hermite_weights(pair.before->time_us(), pair.after->time_us(), time_us);
+    }
+    reach_all_m_ = blur_m_;
+    for (std::size_t c = 0; c < surface.pairs().size(); ++c) {
+        const SplinePair& pair = surface.pairs()[c];
+        reach_m_[c] =
+            mixed(c, pair.before->windows().whole_tile(), pair.after->windows().whole_tile())
+                .range_m;
+        reach_all_m_ += reach_m_[c];
     }
 }
 
@@ -51,22 +59,23 @@ SurfaceSheets::Gentleness SurfaceSheets::mixed(std::size_t cascade, const Strain
 
 std::optional<Box> SurfaceSheets::others(Vec2 target, const Vec2* root, bool) {
     const std::vector<SplinePair>& pairs = surface_.pairs();
-    std::array<double, surface_pairs_max> reach_m;
-    double radius_m = blur_m_;
-    for (std::size_t c = 0; c < pairs.size(); ++c) {
-        reach_m[c] = mixed(c, pairs[c].before->windows().whole_tile(),
-                           pairs[c].after->windows().whole_tile())
-                         .range_m;
-        radius_m += reach_m[c];
-    }
+    double radius_m = reach_all_m_;
     if (root != nullptr) {
         radius_m = radius_around(*root, radius_m);
         if (!(radius_m > 0))
             return std::nullopt;
     }
     const Vec2 middle = root != nullptr ? *root : target;
-    return narrowed(Box::around(middle, radius_m, radius_m), target, {reach_m.data(), pairs.size()},
-                    root != nullptr);
+    return narrowed(Box::around(middle, radius_m, radius_m), target,
+                    {reach_m_.data(), pairs.size()}, root != nullptr);
+}
+
+void SurfaceSheets::fetch(Vec2 root) const {
+    for (const SplinePair& pair : surface_.pairs()) {
+        const std::size_t place = pair.before->windows().place(root.x, root.y, 0);
+        __builtin_prefetch(&pair.before->windows().at(place));
+        __builtin_prefetch(&pair.after->windows().at(place));
+    }
 }
 
 double SurfaceSheets::radius_around(Vec2 root, double radius_m) const {
@@ -75,8 +84,10 @@ double SurfaceSheets::radius_around(Vec2 root, double radius_m) const {
     for (int round = 0; round < rounds_max; ++round) {
         double others_m = blur_m_;
         for (std::size_t c = 0; c < pairs.size(); ++c) {
-            here[c] = mixed(c, pairs[c].before->windows().around(root.x, root.y, radius_m),
-                            pairs[c].after->windows().around(root.x, root.y, radius_m));
+            const StrainWindows &before = pairs[c].before->windows(),
+                                &after = pairs[c].after->windows();
+            const std::size_t place = before.place(root.x, root.y, radius_m);
+            here[c] = mixed(c, before.at(place), after.at(place));
             others_m += here[c].range_m;
         }
         double less_m = std::min(radius_m, others_m);

@@ -23,6 +23,13 @@ class SurfaceSheets final : public PatchSheets {
   public:
     SurfaceSheets(const Surface& surface, TimeUs time_us);
 
+    /// There is no other sheet beside this solution: others() would be nothing.
+    bool alone(Vec2 root) const { return !(radius_around(root, reach_all_m_) > 0); }
+    /// What alone() looks at is fetched from now on.
+    void fetch(Vec2 root) const;
+    /// Of each pair at this time.
+    const HermiteWeights& weights(std::size_t cascade) const { return weights_[cascade]; }
+
     std::optional<Box> others(Vec2 target, const Vec2* root, bool suspected) override;
     double blur_m() const override { return blur_m_; }
     double strain_blur() const override { return strain_blur_; }
@@ -44,6 +51,8 @@ class SurfaceSheets final : public PatchSheets {
 
     const Surface& surface_;
     std::array<HermiteWeights, surface_pairs_max> weights_; ///< one a pair
+    std::array<double, surface_pairs_max> reach_m_;         ///< of each pair, anywhere
+    double reach_all_m_;                                    ///< of all together, and the blur
     double sideways_;
     double blur_m_;
     double strain_blur_;

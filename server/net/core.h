@@ -20,6 +20,7 @@
 #include "server/net/map_places.h"
 #include "server/net/options.h"
 #include "server/net/origins.h"
+#include "server/net/senders.h"
 #include "server/net/tokens.h"
 #include "server/net/waiting_line.h"
 
@@ -58,6 +59,7 @@ class Core : public std::enable_shared_from_this<Core> {
     Disposal disposal;
     std::map<SessionId, Session*> sessions;
     SessionId next_session = 1;
+    Senders senders;
     Deliveries deliveries{*this};
     Door door;
     Door health_door;

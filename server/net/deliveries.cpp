@@ -49,16 +49,24 @@ void Deliveries::turn() {
     goes_on_ = false;
     if (waiting_.empty())
         return;
-    for (int i = 0; i < sessions_a_turn; ++i) {
-        const auto next = core_.sessions.upper_bound(last_);
-        if (next == core_.sessions.end()) {
-            waiting_.pop_front();
-            last_ = 0;
-            close_who_is_furthest_behind(core_);
-            break;
+    const EncodedKeyframePtr keyframe = waiting_.front().keyframe;
+    const Session::Streamed streamed{keyframe, waiting_.front().file,
+                                     core_.host.sea_state_message(keyframe->epoch)};
+    const int of_this_turn = sessions_a_turn * core_.senders.threads();
+    bool all = false;
+    core_.senders.together([&] {
+        auto next = core_.sessions.upper_bound(last_);
+        for (int i = 0; i < of_this_turn && next != core_.sessions.end(); ++i) {
+            Session& session = *next->second; // which may end, and leave the map
+            last_ = (next++)->first;
+            session.deliver(streamed);
         }
-        last_ = next->first;
-        next->second->deliver(waiting_.front().keyframe, waiting_.front().file);
+        all = next == core_.sessions.end();
+    });
+    if (all) {
+        waiting_.pop_front();
+        last_ = 0;
+        close_who_is_furthest_behind(core_);
     }
     if (!waiting_.empty())
         go_on();

@@ -15,7 +15,7 @@ class Core;
 
 class Deliveries {
   public:
-    /// Of a turn: sending to so many takes 0.2 ms.
+    /// Of a turn, for each thread that sends: sending to so many takes 0.2 ms.
     static constexpr int sessions_a_turn = 8;
 
     explicit Deliveries(Core& core) : core_(core) {}

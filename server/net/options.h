@@ -54,6 +54,9 @@ struct NetOptions {
     /// Of messages and requests; beyond it, two seconds' worth aside, they are read later.
     double request_bytes_per_s_per_address = 32.0 * 1024 * 1024;
 
+    /// That send keyframes, the io thread among them (senders.h): more than one where many clients share a large machine.
+    int io_threads = 1;
+
     std::chrono::milliseconds hello_deadline{2000};  ///< from the upgrade to the first message
     std::chrono::milliseconds http_deadline{10'000}; ///< for a whole request, and between requests
     /// A session that sends nothing, not even pongs, is dead. Pings go out at half of it.

@@ -2,7 +2,6 @@
 #include "server/net/server.h"
 
 #include <atomic>
-#include <csignal>
 #include <functional>
 #include <new>
 #include <optional>
@@ -160,6 +159,7 @@ class NetServer::Impl {
             SEAWAY_TRY(health_.listen("--health-listen", options.health_listen));
             health_.accept();
         }
+        SEAWAY_TRY(core_->senders.start(options.io_threads));
         thread_ = std::thread([this] { serve(); });
         return {};
     }
@@ -195,10 +195,7 @@ class NetServer::Impl {
   private:
     /// The io thread. What there is no memory for is one connection's or one message's, which it ends.
     void serve() {
-        sigset_t broken_pipes; // of files that are sent; sockets are told for each call
-        sigemptyset(&broken_pipes);
-        sigaddset(&broken_pipes, SIGPIPE);
-        pthread_sigmask(SIG_BLOCK, &broken_pipes, nullptr);
+        const NoBrokenPipes none;
         for (;;) {
             try {
                 io_.run();

@@ -342,32 +342,33 @@ void Session::hello_overdue() {
               fmt::format("no Hello within {} ms", core_.options.hello_deadline.count()));
 }
 
-bool Session::takes(const EncodedKeyframe& keyframe, const Demand& grant) {
-    if (!grant.wants(keyframe.cascade))
+bool Session::takes(const EncodedKeyframe& keyframe) {
+    const Demand& granted = subscription_->granted;
+    if (!granted.wants(keyframe.cascade))
         return false;
     const std::uint32_t cascade = 1u << keyframe.cascade;
-    const bool awaited = keyframe.quality == grant.quality;
-    if (!subscription_)
-        return awaited;
+    const bool awaited = keyframe.quality == granted.quality;
     if (awaited)
         subscription_->former_cascades &= ~cascade;
     return awaited || (keyframe.quality == subscription_->former_quality &&
                        (subscription_->former_cascades & cascade) != 0);
 }
 
-void Session::deliver(const EncodedKeyframePtr& keyframe, const KeyframeFilePtr& file) {
-    const std::optional<Demand> grant = core_.host.subscriptions().find(id_);
-    if (!grant || closing_ || !takes(*keyframe, *grant))
+void Session::deliver(const Streamed& streamed) {
+    const EncodedKeyframe& keyframe = *streamed.keyframe;
+    if (!subscription_ || closing_ || !takes(keyframe))
         return;
     // A keyframe computed for an earlier plan may lack what this session was granted: half a
     // keyframe is of no use to it.
-    if (!keyframe->fields.contains(grant->fields))
+    const sea::FieldSet fields = subscription_->granted.fields;
+    if (!keyframe.fields.contains(fields))
         return;
     or_drop([&] {
-        tell_of(keyframe->epoch);
-        if (subscription_ && core_.host.sea_time_us() >= subscription_->granted.until_us)
+        if (streamed.sea_state != nullptr)
+            announce(streamed.sea_state);
+        if (core_.host.sea_time_us() >= subscription_->granted.until_us)
             renew_grant();
-        outbox_.push_keyframe(keyframe, grant->fields, file);
+        outbox_.push_keyframe(streamed.keyframe, fields, streamed.file);
         link_.send_more();
     });
 }

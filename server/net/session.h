@@ -62,8 +62,14 @@ class Session {
 
     // ---- from the server -------------------------------------------------------------------
 
-    /// Streams the keyframe if it is of this session's quality and holds all that was granted.
-    void deliver(const EncodedKeyframePtr& keyframe, const KeyframeFilePtr& file = nullptr);
+    /// A keyframe of the stream, where it lies, and what says of which sea it is.
+    struct Streamed {
+        EncodedKeyframePtr keyframe;
+        KeyframeFilePtr file;
+        protocol::SharedBytes sea_state;
+    };
+    /// Sends it if it is of this session's quality and holds all that was granted.
+    void deliver(const Streamed& streamed);
     /// Sends a SeaState that it has not been sent.
     void announce(protocol::SharedBytes sea_state);
     /// Something that it asked for is not answered, or not sent.
@@ -96,7 +102,7 @@ class Session {
     /// Looks what of its wish can be had of the seas that there are now, and says so where that is something else.
     void renew_grant();
     /// Is a keyframe of one that the session is sent?
-    bool takes(const EncodedKeyframe& keyframe, const Demand& grant);
+    bool takes(const EncodedKeyframe& keyframe);
     void fetch(std::uint32_t request_id, std::vector<sea::TimeUs> times_us, const Demand& demand);
     void fetched(std::uint32_t request_id, const Result<FetchedTiles>& encoded);
     /// A query that is under way.

@@ -11,8 +11,8 @@
 #include "protocol/limits.h"
 #include "server/net/connection.h"
 #include "server/net/session.h"
+#include "sockets/served_web_socket.h"
 #include "sockets/upgrade.h"
-#include "sockets/web_socket.h"
 
 namespace seaway::server {
 namespace {
@@ -42,7 +42,9 @@ sockets::WebSocketOptions web_socket_options(const NetOptions& options) {
             .kept_buffer_bytes = idle_buffer_bytes};
 }
 
-class StreamConnection final : public Link, public std::enable_shared_from_this<StreamConnection> {
+class StreamConnection final : public Link,
+                               public Sending,
+                               public std::enable_shared_from_this<StreamConnection> {
   public:
     StreamConnection(ConnectionSlot slot, sockets::Socket socket, Peer peer, Standing standing)
         : slot_(std::move(slot)), upgrade_(slot_.core()), without_hello_(peer.address),
@@ -65,26 +67,38 @@ class StreamConnection final : public Link, public std::enable_shared_from_this<
 
     /// What the system takes at once costs no handler, no timer and no turn of the loop.
     void send_more() override {
-        if (!writing_.empty() || goes_on_ || lost_)
+        if (sends() || sends_later_)
             return;
-        const bool all = gather();
-        if (!writing_.empty() && !begin())
-            return finish();
-        if (!all)
-            return go_on();
-        if (closing_)
-            shake_hands();
+        sends_later_ = core().senders.later(shared_from_this());
+        if (sends_later_ || !take_up())
+            return;
+        write();
+        go_on_or_finish();
+    }
+
+    // ---- Sending ---------------------------------------------------------------------------
+
+    bool take() noexcept override {
+        sends_later_ = false;
+        bool there = false;
+        or_just_drop([&] { there = !sends() && take_up(); });
+        return there;
+    }
+    void write() noexcept override {
+        try {
+            wrote_ = ws_.begin(spans_, same_) ? Wrote::all : Wrote::part;
+        } catch (const std::bad_alloc&) {
+            wrote_ = Wrote::nothing;
+        }
+    }
+    void written() noexcept override {
+        or_just_drop([&] { go_on_or_finish(); });
     }
 
     /// Closes the socket; whatever is under way ends with an error, and the last handler that goes
     /// takes this object with it.
     void drop() noexcept override {
-        lost_ = true;
-        says_hello_no_more();
-        hello_timer_.cancel();
-        delay_timer_.cancel();
-        write_timer_.cancel();
-        close_timer_.cancel();
+        nothing_more();
         ws_.socket().close();
     }
 
@@ -119,21 +133,38 @@ class StreamConnection final : public Link, public std::enable_shared_from_this<
         }
         return false;
     }
-    /// True: the system has taken it all.
-    bool begin() {
+    /// What is to be sent, for write(). False: there is nothing.
+    bool take_up() {
+        took_all_ = gather();
+        if (writing_.empty()) {
+            go_on_or_close();
+            return false;
+        }
         spans_.clear();
         for (const SharedBytes& message : writing_)
             spans_.emplace_back(*message);
         const Outbox::Run& run = session_->outbox().run();
-        const sockets::FileRange same =
-            run.of == nullptr || writing_.size() != session_->outbox().handed_out()
-                ? sockets::FileRange{}
-                : sockets::FileRange{run.of->file->handle(), run.begin, run.end - run.begin};
-        if (!ws_.begin(spans_, same))
-            return false;
+        same_ = run.of == nullptr || writing_.size() != session_->outbox().handed_out()
+                    ? sockets::FileRange{}
+                    : sockets::FileRange{run.of->file->handle(), run.begin, run.end - run.begin};
+        return true;
+    }
+    void go_on_or_finish() {
+        if (wrote_ == Wrote::nothing) // there is no memory for its headers
+            return drop();
+        if (wrote_ == Wrote::part)
+            return finish();
         writing_.clear();
         session_->sent();
-        return true;
+        go_on_or_close();
+    }
+    /// Something is being sent, or nothing will be any more.
+    bool sends() const { return !writing_.empty() || goes_on_ || lost_; }
+    void go_on_or_close() {
+        if (!took_all_)
+            go_on();
+        else if (closing_)
+            shake_hands();
     }
     /// The reader is slower than we are: the rest as it takes it.
     void finish() {
@@ -204,9 +235,11 @@ class StreamConnection final : public Link, public std::enable_shared_from_this<
     }
 
     void read() {
-        if (reading_ || closing_ || lost_ || !session_->wants_requests())
+        if (reading_ || lost_ || (closing_ ? !shaking_ : !session_->wants_requests()))
             return;
         reading_ = true;
+        if (closing_)
+            return read_now(); // until the peer has said goodbye
         const auto wait =
             peer_.address->request_bytes.wait_for(0, std::chrono::steady_clock::now());
         if (wait.count() == 0)
@@ -214,19 +247,27 @@ class StreamConnection final : public Link, public std::enable_shared_from_this<
         ++core().counters.reads_delayed;
         delay_timer_.expires_after(wait);
         delay_timer_.async_wait([self = shared_from_this()](error_code error) {
-            if (error || self->lost_ || self->closing_)
-                self->reading_ = false;
-            else
-                self->read_now();
+            self->reading_ = false;
+            if (!error)
+                self->read();
         });
     }
 
     void read_now() {
-        ws_.read([self = shared_from_this()](const Result<sockets::WebSocket::Message>& message) {
-            self->or_drop([&] { self->on_read(message); });
-        });
+        ws_.read(
+            [self = shared_from_this()](const Result<sockets::ServedWebSocket::Message>& message) {
+                self->or_drop([&] { self->on_read(message); });
+            });
     }
 
+    template <class Work>
+    void or_just_drop(Work work) noexcept {
+        try {
+            work();
+        } catch (const std::bad_alloc&) {
+            drop();
+        }
+    }
     /// A connection whose next step there is no memory for is over.
     template <class Work>
     void or_drop(Work work) {
@@ -238,7 +279,7 @@ class StreamConnection final : public Link, public std::enable_shared_from_this<
         }
     }
 
-    void on_read(const Result<sockets::WebSocket::Message>& message) {
+    void on_read(const Result<sockets::ServedWebSocket::Message>& message) {
         reading_ = false;
         if (!message)
             return on_lost(message.error());
@@ -276,6 +317,8 @@ class StreamConnection final : public Link, public std::enable_shared_from_this<
 
     /// Read or write has failed: the connection is over. Says why, unless that is known already.
     void on_lost(const Error& error) {
+        if (lost_)
+            return;
         if (error.is(WebSocketEnd::closed)) {
             const auto [code, reason] = ws_.peer_close();
             session_->end(closed_by_client, fmt::format("code {} {}", code, reason));
@@ -289,19 +332,37 @@ class StreamConnection final : public Link, public std::enable_shared_from_this<
         } else {
             session_->end(disconnected, error.message);
         }
-        drop();
+        if (error.is(WebSocketEnd::closed) || error.is(WebSocketEnd::not_understood))
+            leave();
+        else
+            drop();
+    }
+
+    /// Nothing is read or sent any more but the last word.
+    void leave() {
+        nothing_more();
+        ws_.leave([self = shared_from_this()] { self->drop(); });
+    }
+    void nothing_more() noexcept {
+        lost_ = true;
+        says_hello_no_more();
+        hello_timer_.cancel();
+        delay_timer_.cancel();
+        write_timer_.cancel();
+        close_timer_.cancel();
     }
 
     void shake_hands() {
         if (std::exchange(shaking_, true))
             return;
-        ws_.close(close_reason_, [self = shared_from_this()] { self->drop(); });
+        ws_.close(close_reason_);
+        read();
     }
 
     ConnectionSlot slot_;
     std::optional<UpgradeSlot> upgrade_; ///< until there is a session
     std::optional<Counted<&Address::without_hello>> without_hello_;
-    sockets::WebSocket ws_;
+    sockets::ServedWebSocket ws_;
     Peer peer_;
     const Standing standing_;
     WaitingLine::Place awaits_hello_; ///< strangers only
@@ -312,9 +373,14 @@ class StreamConnection final : public Link, public std::enable_shared_from_this<
     std::optional<Session> session_;
     std::vector<SharedBytes> writing_;
     std::vector<std::span<const std::uint8_t>> spans_; ///< of those
+    sockets::FileRange same_;                          ///< as those
+    enum class Wrote { nothing, part, all };
+    Wrote wrote_ = Wrote::nothing;
+    bool took_all_ = true; ///< that there was
     SharedBytes go_away_;
-    sockets::WebSocket::Close close_reason_;
-    bool goes_on_ = false; ///< with sending, in a while
+    sockets::CloseReason close_reason_;
+    bool goes_on_ = false;     ///< with sending, in a while
+    bool sends_later_ = false; ///< with others
     bool reading_ = false;
     bool closing_ = false;
     bool shaking_ = false;

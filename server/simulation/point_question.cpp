@@ -2,6 +2,7 @@
 #include "server/simulation/point_question.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 
@@ -51,10 +52,27 @@ void PointQuestion::sample(Surfaces& surfaces, const SliceOver& over) {
     const sea::TimeUs end_us = surface_->end_us();
     SEAWAY_CHECK(next().time_us < end_us, "each slice brings a question nearer to its end");
     do
-        put(surface_->surface()->answer(next()));
+        put_some(*surface_->surface(), end_us);
     while (!complete() && next().time_us < end_us && !over());
     if (complete() || next().time_us >= end_us)
         surface_.reset();
+}
+
+void PointQuestion::put_some(const sea::Surface& surface, sea::TimeUs end_us) {
+    // A slice is looked at after each of them: in seas that fold often some take 20 us.
+    constexpr std::size_t most = 2 * sea::PointKernel::block;
+    std::array<sea::QueryPoint, most> points;
+    std::array<sea::Answer, most> answers;
+    std::size_t count = 0;
+    for (std::size_t i = done_count_; i < order_.size() && count < most; ++i) {
+        points[count] = points_[order_[i]];
+        if (points[count].time_us >= end_us)
+            break;
+        ++count;
+    }
+    surface.answer({points.data(), count}, {answers.data(), count});
+    for (std::size_t i = 0; i < count; ++i)
+        put(answers[i]);
 }
 
 void PointQuestion::sum_exactly(const SeaCourse& course, const SliceOver& over) {

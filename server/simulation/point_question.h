@@ -61,6 +61,8 @@ class PointQuestion {
 
   private:
     const sea::QueryPoint& next() const { return points_[order_[done_count_]]; }
+    /// The next ones before `end_us`, one at least.
+    void put_some(const sea::Surface& surface, sea::TimeUs end_us);
     void put(const sea::Answer& answer) { answers_[order_[done_count_++]] = answer; }
 
     const std::vector<sea::QueryPoint> points_;

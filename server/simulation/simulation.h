@@ -66,7 +66,7 @@ struct SimulationCounters {
 
 /// Keyframes that nobody has used for one to two of these are let go, and what is free is given back to
 /// the system.
-inline constexpr std::chrono::seconds trim_interval{2};
+inline constexpr std::chrono::seconds trim_interval{1};
 /// For so many intervals after the last question: what was made for it is still on its way out.
 inline constexpr int trims_after_work = 30;
 

@@ -114,5 +114,39 @@ TEST(CommandLine, one_of_its_commands_has_to_be_given) {
     EXPECT_EQ(frames, 3);
 }
 
+/// A program with an option of each kind and a command; what it writes of itself.
+std::string written(const std::string& word) {
+    std::string scene;
+    std::string form = "text";
+    std::string secret;
+    CommandLine line("seaway-thing", "Does something. And more.\n.Not a request");
+    line.option("scene", scene, "What is looked at").required().takes("SCENE.toml");
+    line.option("--form", form, "How it is written").takes("NAME|all").one_of({"text", "json"});
+    CommandLine& drop = line.command("drop", "Ends a thing");
+    drop.option("--token-file", secret, "A file").takes("FILE");
+    testing::internal::CaptureStdout();
+    const auto next = line.read({word});
+    EXPECT_TRUE(next && *next == CommandLine::Next::leave);
+    return testing::internal::GetCapturedStdout();
+}
+
+TEST(CommandLine, a_page_of_the_manual_says_what_the_help_says_and_no_text_is_a_request) {
+    const std::string page = written("--manual");
+    for (const char* part :
+         {".TH SEAWAY\\-THING 1", "seaway\\-thing \\- does something\n",
+          "[OPTIONS] scene COMMAND ...", "\n\\&.Not a request", "What is looked at",
+          "\\-\\-form NAME|all", ".SS drop [OPTIONS]", "\\-\\-token\\-file FILE"})
+        EXPECT_NE(page.find(part), std::string::npos) << part << " in\n" << page;
+}
+
+TEST(CommandLine, completion_offers_words_where_words_are_taken_and_files_where_files_are) {
+    const std::string script = written("--completion");
+    for (const char* part :
+         {" :--form) words='all text json' paths=0", " drop:--token-file) words='' paths=1",
+          " :*) words='drop' paths=1", "words='-h --help --version --form' paths=0",
+          "complete -o filenames -F _seaway_thing seaway-thing\n"})
+        EXPECT_NE(script.find(part), std::string::npos) << part << " in\n" << script;
+}
+
 } // namespace
 } // namespace seaway

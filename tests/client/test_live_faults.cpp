@@ -27,7 +27,7 @@ TEST_F(LiveFaults, a_flipped_bit_ends_the_connection_with_a_reason_or_is_no_samp
         // The upgrade, the announcement of the sea, and some twenty tiles.
         line.flip_next_at(FaultProxy::Way::to_client, draw.below(25'000),
                           static_cast<unsigned>(draw.below(8)));
-        const auto client = Client::connect({.url = url, .timeout_s = 1});
+        const auto client = Client::connect({.url = url, .timeout_s = 1, .stays_lost = true});
         if (!client) {
             EXPECT_FALSE(client.error().message.empty());
             ++ended;
@@ -41,7 +41,7 @@ TEST_F(LiveFaults, a_flipped_bit_ends_the_connection_with_a_reason_or_is_no_samp
         EXPECT_NE((*client)->is_open(), !(*client)->closed_reason().empty());
     }
     EXPECT_GT(ended, 20);
-    const auto well = Client::connect({.url = url, .timeout_s = 5});
+    const auto well = Client::connect({.url = url, .timeout_s = 5, .stays_lost = true});
     ASSERT_TRUE(well) << well.error().message;
     const auto answers = (*well)->fetch_and_sample(points, 10);
     ASSERT_TRUE(answers) << answers.error().message;
@@ -57,7 +57,7 @@ TEST_F(LiveFaults, a_line_that_breaks_anywhere_is_said_and_what_is_held_stays) {
     int broken = 0;
     for (int i = 0; i < 40; ++i) {
         line.cut_next_after(FaultProxy::Way::to_client, draw.below(25'000));
-        const auto client = Client::connect({.url = url, .timeout_s = 5});
+        const auto client = Client::connect({.url = url, .timeout_s = 5, .stays_lost = true});
         const auto answers = client ? (*client)->fetch_and_sample({&point, 1}, 5)
                                     : Result<std::vector<sea::Answer>>(client.error());
         if (answers) {

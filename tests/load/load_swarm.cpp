@@ -50,6 +50,7 @@ struct Options {
     double seconds = 0;
     double warm_up_s = 3;
     double error_m = 0;
+    int nice = 0;
     bool compact = false;
 };
 
@@ -113,7 +114,8 @@ void send_out(Crew& crew, const Options& options, const Scenario& scenario, int 
                   .wish = {.fields = fields_called(options.fields),
                            .error_m = static_cast<float>(options.error_m),
                            .compact = options.compact},
-                  .credit = options.credit};
+                  .credit = options.credit,
+                  .nice = options.nice};
     for (int i = 0; i < options.processes; ++i) {
         errand.readers = share(options.clients, i);
         errand.stalled = share(options.stalled, i);
@@ -122,10 +124,12 @@ void send_out(Crew& crew, const Options& options, const Scenario& scenario, int 
     errand.readers = errand.stalled = 0;
     if (scenario.asks) {
         errand.asks = true;
+        errand.nice = 0;
         crew.send(errand);
     }
     if (scenario.floods) {
         errand.asks = false;
+        errand.nice = options.nice;
         errand.floods = true;
         crew.send(errand);
     }
@@ -206,6 +210,11 @@ Result<const Scenario*> read(int argc, char** argv, Options& options) {
     line.option("--clients", options.clients, "That read").between(0, 4000);
     line.option("--stalled", options.stalled, "That subscribe and never read").between(0, 4000);
     line.option("--processes", options.processes, "Of the swarm").between(1, 64).shows_default();
+    line.option("--nice", options.nice,
+                "How far readers and floods stand back for the server, and for who asks, whose "
+                "processors they are not where they are on machines of their own")
+        .between(0, 19)
+        .shows_default();
     line.option("--rounds", options.rounds, "Runs of each server").between(1, 1000);
     line.option("--credit", options.credit, "Of each client").between(1, 8).shows_default();
     line.option("--seconds", options.seconds, "Measured").between(0.0, 1e5);

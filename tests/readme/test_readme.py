@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
-"""The commands of README.md, "Use it", run as they are written, against a server on a free port.
+"""The commands of README.md, "Use it", run as they are written, against a server on a free port; and the program of "Use it in
+your program" compiles and runs as it is written against what `cmake --install` puts into a folder.
 
-    test_readme.py BIN_DIR
+    test_readme.py BIN_DIR [BUILD_DIR]
 
 Taken from the page: the scene and flags of the server, and every command of the second block. Only
-the port, the folder of the programs and the folder that files go to are put in.
+the port, the folder of the programs and the folder that files go to are put in. Without BUILD_DIR there is no program: a
+library with a sanitizer in it is for programs that have it, too.
 """
 import os
 import pathlib
@@ -18,7 +20,11 @@ import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 BIN = pathlib.Path(sys.argv.pop(1)).resolve()
-PORT = "9430"
+BUILD = pathlib.Path(sys.argv.pop(1)).resolve() if sys.argv[1:] and os.path.isdir(sys.argv[1]) else None
+sys.path.append(str(ROOT / "tests/packages"))
+
+from programs import PORT, use_it_in_your_program  # noqa: E402
+
 FOREVER = "--watch"  # such a command goes on until it is stopped
 
 
@@ -67,6 +73,33 @@ class UseIt(unittest.TestCase):
                 for name in re.findall(r"\S+\.png", command):
                     picture = pathlib.Path(self.folder.name) / name
                     self.assertTrue(picture.read_bytes().startswith(b"\x89PNG"), f"{name} is no picture")
+
+    def eight_lines(self):
+        program, commands = use_it_in_your_program()
+        self.assertEqual(len(program.strip().splitlines()), 8)
+        self.assertIn(PORT, program)
+        folder = pathlib.Path(self.folder.name)
+        for component in ("library", "development"):
+            subprocess.run(["cmake", "--install", BUILD, "--prefix", folder / "prefix", "--component", component],
+                           check=True, capture_output=True)
+        library, = (folder / "prefix").rglob("libseaway.so.?")
+        environment = {**os.environ, "PKG_CONFIG_PATH": str(library.parent / "pkgconfig"),
+                       "LD_LIBRARY_PATH": str(library.parent)}
+
+        def shell(command):
+            done = subprocess.run(command, shell=True, cwd=folder, env=environment, text=True, capture_output=True)
+            self.assertEqual((done.returncode, done.stderr), (0, ""), command)
+            return done.stdout
+
+        (folder / "height.c").write_text(program.replace(PORT, self.port))
+        said = [shell(command) for command in commands]
+        self.assertRegex(said[-1], r"^-?\d+\.\d\d m \n$", "a height and no complaint")
+        (folder / "height.c").write_text(program.replace(PORT, "1"))
+        said = [shell(command) for command in commands]
+        self.assertIn("127.0.0.1:1", said[-1], "without a server it says why")
+
+    if BUILD:
+        test_eight_lines_compile_against_what_is_installed_and_print_a_height = eight_lines
 
 
 if __name__ == "__main__":

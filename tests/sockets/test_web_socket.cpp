@@ -13,6 +13,7 @@
 
 #include "base/memory_file.h"
 #include "sockets/frame_header.h"
+#include "sockets/served_web_socket.h"
 #include "sockets/upgrade.h"
 #include "tests/sockets/pair.h"
 
@@ -60,7 +61,7 @@ class WebSocketTest : public ::testing::Test {
         while (!shaken && pair.io.run_one() > 0)
             continue;
     }
-    WebSocket& accept(const std::string& subprotocol) {
+    ServedWebSocket& accept(const std::string& subprotocol) {
         server.emplace(std::move(*pair.ends[1]), options(subprotocol));
         server->accept(upgrade_of(request), [this](Result<void> done) { accepted = done; });
         while (!(shaken && accepted) && pair.io.run_one() > 0)
@@ -70,7 +71,7 @@ class WebSocketTest : public ::testing::Test {
 
     Pair pair;
     WebSocket client;
-    std::optional<WebSocket> server;
+    std::optional<ServedWebSocket> server;
     std::string request;
     std::optional<Result<void>> shaken, accepted;
 };
@@ -105,7 +106,7 @@ TEST_F(WebSocketTest, a_server_of_another_subprotocol_is_left) {
 }
 
 TEST_F(WebSocketTest, messages_go_both_ways_and_the_end_has_its_code_and_reason) {
-    WebSocket& far = accept("a.v1");
+    ServedWebSocket& far = accept("a.v1");
     ASSERT_TRUE(shaken && *shaken && *accepted);
     const std::vector<std::uint8_t> there(500, 7), back{1, 2, 3};
     std::vector<std::vector<std::uint8_t>> received;
@@ -118,20 +119,25 @@ TEST_F(WebSocketTest, messages_go_both_ways_and_the_end_has_its_code_and_reason)
     client.write(there, [&](const Result<void>& sent) { EXPECT_TRUE(sent); });
     while (received.empty() && pair.io.run_one() > 0)
         continue;
-    far.write(back, [&](const Result<void>& sent) { EXPECT_TRUE(sent); });
+    const std::vector<std::span<const std::uint8_t>> one{back};
+    EXPECT_TRUE(far.begin(one));
     while (received.size() < 2 && pair.io.run_one() > 0)
         continue;
     ASSERT_EQ(received.size(), 2u);
     EXPECT_EQ(received[0], there);
     EXPECT_EQ(received[1], back);
 
-    std::optional<Error> end;
+    std::optional<Error> end, far_end;
     client.read([&](const Result<WebSocket::Message>& message) { end = message.error(); });
-    bool closed = false;
-    far.close({4001, std::string(200, 'x')}, [&] { closed = true; });
-    pair.run();
-    EXPECT_TRUE(closed);
-    ASSERT_TRUE(end);
+    far.read([&](const Result<WebSocket::Message>& message) { far_end = message.error(); });
+    far.close({4001, std::string(200, 'x')});
+    while (!far_end && pair.io.run_one() > 0)
+        continue;
+    bool left = false;
+    far.leave([&] { left = true; });
+    while (!(end && left) && pair.io.run_one() > 0)
+        continue;
+    EXPECT_TRUE(far_end->is(WebSocketEnd::closed)) << far_end->message;
     EXPECT_TRUE(end->is(WebSocketEnd::closed)) << end->message;
     EXPECT_EQ(client.peer_close().code, 4001u);
     EXPECT_EQ(client.peer_close().reason, std::string(123, 'x'))
@@ -140,7 +146,7 @@ TEST_F(WebSocketTest, messages_go_both_ways_and_the_end_has_its_code_and_reason)
 
 // Lengths at which a frame's header changes, RFC 6455, 5.2. The client's frames are Beast's.
 TEST_F(WebSocketTest, messages_of_one_write_come_one_by_one_in_order_whatever_their_lengths) {
-    WebSocket& far = accept("a.v1");
+    ServedWebSocket& far = accept("a.v1");
     std::vector<std::vector<std::uint8_t>> messages;
     for (const std::size_t length : {1, 125, 126, 127, 999, 0, 1000})
         messages.emplace_back(length, static_cast<std::uint8_t>(messages.size() + 1));
@@ -204,7 +210,7 @@ TEST_F(WebSocketTest, a_ping_waits_for_the_end_of_what_is_being_written) {
 
 // Nobody reads until the system takes no more, which is somewhere in a message; written, and sent from a file.
 TEST_F(WebSocketTest, what_the_system_takes_a_part_of_comes_whole) {
-    WebSocket& far = accept("a.v1");
+    ServedWebSocket& far = accept("a.v1");
     std::vector<std::vector<std::uint8_t>> messages;
     std::vector<std::uint8_t> framed{1, 2, 3}; // something else comes before
     for (std::size_t length = 967; length < 999; ++length) {
@@ -245,7 +251,7 @@ TEST_F(WebSocketTest, what_the_system_takes_a_part_of_comes_whole) {
 }
 
 TEST_F(WebSocketTest, a_message_above_the_limit_is_not_understood) {
-    WebSocket& far = accept("a.v1");
+    ServedWebSocket& far = accept("a.v1");
     std::optional<Error> end;
     far.read([&](const Result<WebSocket::Message>& message) { end = message.error(); });
     client.read([](const Result<WebSocket::Message>&) {}); // answers the closing frame
@@ -293,7 +299,7 @@ TEST(WebSocketPatience, of_the_handshake_and_of_silence_are_two) {
                                [](error_code, std::size_t) {});
         while (request.find("\r\n\r\n") == std::string::npos && pair.io.run_one() > 0)
             continue;
-        WebSocket far(std::move(*pair.ends[1]), options("a.v1"));
+        ServedWebSocket far(std::move(*pair.ends[1]), options("a.v1"));
         far.accept(upgrade_of(request), [](const Result<void>&) {});
         while (!shaken && pair.io.run_one() > 0)
             continue;
@@ -302,8 +308,10 @@ TEST(WebSocketPatience, of_the_handshake_and_of_silence_are_two) {
         std::optional<Error> end;
         client.read([&](const Result<WebSocket::Message>& message) { end = message.error(); });
         pair.io.restart();
-        pair.io.run_for(silent ? std::chrono::milliseconds(20'000)
-                               : std::chrono::milliseconds(300));
+        const auto until = std::chrono::steady_clock::now() +
+                           (silent ? std::chrono::seconds(20) : std::chrono::milliseconds(300));
+        while (!end && pair.io.run_one_until(until) > 0)
+            continue;
         EXPECT_EQ(end.has_value(), silent);
         if (end) {
             EXPECT_TRUE(end->is(WebSocketEnd::silent)) << end->message;

@@ -258,7 +258,7 @@ struct FaultProxy::Impl {
         pairs.clear();
     }
 
-    const int server_port;
+    std::atomic<int> server_port;
     asio::io_context io{1};
     Line line;
     tcp::acceptor acceptor;
@@ -270,6 +270,10 @@ struct FaultProxy::Impl {
 FaultProxy::FaultProxy(int server_port, LineFaults faults, std::uint64_t seed)
     : impl_(std::make_unique<Impl>(server_port, faults, seed)) {}
 FaultProxy::~FaultProxy() = default;
+
+void FaultProxy::lead_to(int server_port) {
+    impl_->server_port = server_port;
+}
 
 int FaultProxy::port() const {
     return impl_->taken;

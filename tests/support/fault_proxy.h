@@ -32,6 +32,8 @@ class FaultProxy {
     FaultProxy& operator=(const FaultProxy&) = delete;
 
     int port() const;
+    /// Who comes from now on is led to another server.
+    void lead_to(int server_port);
     /// From now on, also of connections that there are.
     void set(const LineFaults& faults);
     /// Carries nothing until it is told to again; nobody is told.

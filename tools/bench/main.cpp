@@ -12,6 +12,7 @@
 #include "tools/bench/compare.h"
 #include "tools/bench/effects.h"
 #include "tools/bench/line.h"
+#include "tools/bench/sample.h"
 #include "tools/bench/spectrum.h"
 #include "tools/bench/tune/tune.h"
 
@@ -155,6 +156,17 @@ seaway::CommandLine& add_spectrum(seaway::CommandLine& line,
     return command;
 }
 
+seaway::CommandLine& add_sample(seaway::CommandLine& line, seaway::bench::SampleOptions& options) {
+    seaway::CommandLine& command =
+        line.command("sample", "Answers from maps that are held, on one thread");
+    command.option("--scene", options.scene).shows_default();
+    command.option("--seconds", options.seconds, "For each row")
+        .between(0.01, 60.0)
+        .shows_default();
+    command.option("--kernel", options.kernel, "best, or portable").shows_default();
+    return command;
+}
+
 /// An exit status, or one line on stderr and 2.
 int finished(const seaway::Result<int>& status) {
     if (!status)
@@ -184,6 +196,8 @@ int main(int argc, char** argv) {
     const CommandLine& counted = add_line(line, bytes);
     bench::SpectrumOptions waves;
     const CommandLine& summed = add_spectrum(line, waves);
+    bench::SampleOptions points;
+    const CommandLine& sampled = add_sample(line, points);
     bench::GuardOptions guard;
     CommandLine& guarded =
         line.command("guard", "Are errors what they were? Exit code 1: one has grown by a fifth");
@@ -210,6 +224,7 @@ int main(int argc, char** argv) {
                               : compare.given() ? bench::run_compare(pair)
                               : counted.given() ? bench::run_line(bytes)
                               : summed.given()  ? bench::run_spectrum(waves)
+                              : sampled.given() ? bench::run_sample(points)
                                                 : bench::run_effects(options);
     return finished(done ? Result<int>(0) : Result<int>(done.error()));
 }

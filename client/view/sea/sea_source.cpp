@@ -55,6 +55,7 @@ Result<SeaFrame> sea_frame_at(Client& client, sea::TimeUs time_us, double timeou
 }
 
 Result<SeaFrame> held_sea_frame(const Client& client, sea::TimeUs time_us) {
+    const int seas = client.seas();
     const SeaStatePtr state = client.sea_state(time_us);
     if (state->cascades.size() > shaders::view_cascades_max)
         return failed(Failure::refused,
@@ -79,6 +80,8 @@ Result<SeaFrame> held_sea_frame(const Client& client, sea::TimeUs time_us) {
         frame.cascades.push_back(std::move(*cascade));
     }
     frame.error = local_map_error(*state, pairs);
+    if (client.seas() != seas)
+        return failed(Failure::not_held, "the sea has become another one");
     return frame;
 }
 

@@ -147,7 +147,7 @@ std::size_t StrainWindows::bytes_of(int size) {
     return windows * sizeof(StrainBounds);
 }
 
-const StrainBounds& StrainWindows::around(double x_m, double y_m, double radius_m) const {
+std::size_t StrainWindows::place(double x_m, double y_m, double radius_m) const {
     const double per_m = size_ / length_m_;
     std::size_t i = 0;
     while (i + 1 < levels_.size() && radius_m * per_m > levels_[i].block - support)
@@ -158,7 +158,7 @@ const StrainBounds& StrainWindows::around(double x_m, double y_m, double radius_
         return std::min(static_cast<int>((turns - std::floor(turns)) * level.blocks),
                         level.blocks - 1);
     };
-    return windows_[level.first + index(block(x_m), block(y_m), level.blocks)];
+    return level.first + index(block(x_m), block(y_m), level.blocks);
 }
 
 } // namespace seaway::sea

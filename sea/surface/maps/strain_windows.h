@@ -33,7 +33,12 @@ class StrainWindows {
     StrainWindows(const float* coefficients, int size, double length_m);
 
     /// Holds everywhere within `radius_m` of the place.
-    const StrainBounds& around(double x_m, double y_m, double radius_m) const;
+    const StrainBounds& around(double x_m, double y_m, double radius_m) const {
+        return at(place(x_m, y_m, radius_m));
+    }
+    /// The same in two steps: the place is that of all maps of the same size and length.
+    std::size_t place(double x_m, double y_m, double radius_m) const;
+    const StrainBounds& at(std::size_t place) const { return windows_[place]; }
 
     const StrainBounds& whole_tile() const { return windows_.back(); }
     std::size_t bytes() const { return windows_.size() * sizeof(StrainBounds); }

@@ -186,29 +186,6 @@ TEST(Ring, is_bounded_by_bytes_but_keeps_what_sampling_needs) {
     EXPECT_EQ(ring.size(0), RingLimits::keyframes_per_cascade_min);
 }
 
-TEST(Ring, of_a_stream_keeps_what_is_near_and_never_less_than_the_last_four) {
-    KeyframeRing ring({.reach_us = 5 * interval_us});
-    for (TimeUs n = 0; n < 40; ++n) {
-        ring.insert(keyframe(n * interval_us));
-        ASSERT_LE(ring.size(0), 6u) << n;
-    }
-    EXPECT_EQ(ring.size(0), 6u) << "the newest and five intervals before it";
-    const auto pair = ring.around(0, 1, 35 * interval_us, interval_us, height_fields);
-    ASSERT_TRUE(pair);
-    EXPECT_TRUE(pair->covers);
-    EXPECT_FALSE(ring.around(0, 1, 32 * interval_us, interval_us, height_fields)->covers);
-    // A server that was started anew: its time begins again, what was held is of no use soon.
-    for (TimeUs n = 0; n < 6; ++n)
-        ring.insert(keyframe(n * interval_us - 1000 * interval_us));
-    EXPECT_EQ(ring.size(0), 6u);
-    EXPECT_LE(ring.newest(0)->keyframe().time_us, -994 * interval_us);
-
-    KeyframeRing slow({.reach_us = interval_us / 2});
-    for (TimeUs n = 0; n < 10; ++n)
-        slow.insert(keyframe(n * interval_us));
-    EXPECT_EQ(slow.size(0), RingLimits::keyframes_per_cascade_min);
-}
-
 /// What a keyframe takes, counted from what it has made.
 std::size_t bytes_held(const HeldKeyframe& held) {
     return held.keyframe().values.size() * sizeof(float) +

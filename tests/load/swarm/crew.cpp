@@ -6,6 +6,7 @@
 #include <memory>
 
 #include <sys/epoll.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -142,8 +143,11 @@ void Crew::send(const Errand& errand) {
     Tally& tally = shared<Tally>();
     tallies_.push_back(&tally);
     const pid_t child = ::fork();
-    if (child == 0)
+    if (child == 0) {
+        if (errand.nice > 0 && ::setpriority(PRIO_PROCESS, 0, errand.nice) != 0)
+            std::_Exit(1);
         std::_Exit(Worker(errand, stage_, tally).work());
+    }
     children_.push_back(child);
 }
 

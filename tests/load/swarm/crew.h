@@ -22,6 +22,7 @@ struct Errand {
         0; ///< sends messages with mistakes in them, by lot from this seed; 0: does not
     protocol::TileWish wish = {};
     int credit = 4;
+    int nice = 0; ///< how far it stands back for whoever else wants the processor
 };
 
 /// Children until they are told to end. Not thread-safe; for a process of one thread.

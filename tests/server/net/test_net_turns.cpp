@@ -31,12 +31,13 @@ class OpenLink final : public server::Link {
 class NetTurns : public ::testing::Test {
   protected:
     void take_in(int sessions) {
+        sea.answer_fetches = false; // what streams alone is counted
         for (int i = 0; i < sessions; ++i) {
             OpenLink& link = links.emplace_back();
             link.session = &sessions_.emplace_back(*core, link, peer, server::Standing::stranger);
             link.session->receive(protocol::hello("test", ""));
-            sea.subscriptions().set(link.session->id(),
-                                    {.cascades = 1u, .fields = {sea::Field::height}, .error_m = 0});
+            link.session->receive(protocol::subscribe(
+                1, {.cascades = 1u, .fields = {sea::Field::height}, .error_m = 0}, 2));
         }
     }
     void deliver(sea::TimeUs time_us) {

@@ -164,7 +164,8 @@ void Crowd::publish() {
                     keyframe_bytes_ = std::max(keyframe_bytes_, keyframe->bytes);
                     for (Seat& seat : seats_)
                         if (server::Session* session = core_->find(seat.session().id()))
-                            session->deliver(keyframe);
+                            session->deliver({keyframe, nullptr,
+                                              core_->host.sea_state_message(keyframe->epoch)});
                 });
                 return true;
             };

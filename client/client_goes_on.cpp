@@ -1,0 +1,309 @@
+// SPDX-License-Identifier: Apache-2.0
+// Client: how it connects, loses its connection and comes back (decision 0045).
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "client/link/failure.h"
+#include "client/wanted.h"
+
+namespace seaway::client {
+
+using sea::TimeUs;
+
+namespace {
+
+/// A server answers pings each second; whose third is missing is silent.
+constexpr LocalUs silent_us = 3'000'000;
+/// How soon an ended connection is looked at again that somebody still holds.
+constexpr std::chrono::milliseconds let_go_looks{1};
+
+bool same_tiles(const SeaState& a, const SeaState& b) {
+    return std::ranges::equal(a.cascades, b.cascades, [](const auto& one, const auto& other) {
+        return one.size == other.size && one.length_m == other.length_m;
+    });
+}
+
+} // namespace
+
+Client::Client(ConnectOptions options, ClientEvents events, RingLimits limits)
+    : options_(std::move(options)), events_(std::move(events)), ring_(limits) {}
+
+Client::~Client() {
+    {
+        const std::scoped_lock lock(mutex_);
+        leaving_.request_stop();
+        changed_.notify_all();
+        if (connection_) // and who waits for its replies goes on
+            connection_->close();
+    }
+    if (keeper_.joinable())
+        keeper_.join();
+    connection_.reset(); // first to go: its events use everything else
+}
+
+Result<std::unique_ptr<Client>> Client::connect(const ConnectOptions& options, ClientEvents events,
+                                                RingLimits limits) {
+    std::unique_ptr<Client> client(new Client(options, std::move(events), limits));
+    if (const Result<void> opened = client->open_link(); !opened)
+        return told(opened.error(), Failure::cannot_connect);
+    if (!options.stays_lost)
+        client->keeper_ = std::thread([client = client.get()] { client->keep(); });
+    return client;
+}
+
+Client::ConnectionPtr Client::link() const {
+    const std::scoped_lock lock(mutex_);
+    return connection_;
+}
+
+Result<void> Client::open_link() {
+    const auto joining = std::make_shared<Joining>();
+    ConnectOptions options = options_;
+    options.stop = leaving_.get_token();
+    SEAWAY_TRY_LET(ConnectionPtr opened, Connection::open(options, connection_events(joining)));
+    {
+        const std::scoped_lock lock(mutex_);
+        connection_.swap(opened);
+        joining_ = joining;
+        ++status_.connections;
+    }
+    // Not to end on the thread of its own events, one of which may be the last to hold it.
+    while (opened && opened.use_count() > 1)
+        std::this_thread::sleep_for(let_go_looks);
+    return {};
+}
+
+void Client::keep() {
+    std::unique_lock lock(mutex_);
+    while (!leaving_.stop_requested()) {
+        if (!joining_->end) {
+            changed_.wait(lock);
+            continue;
+        }
+        come_back(lock, *joining_->end);
+        if (status_.state == LinkState::stopped)
+            return;
+        subscribe_again(lock);
+    }
+}
+
+void Client::come_back(std::unique_lock<std::mutex>& lock, Error why) {
+    const auto say = [&] {
+        lock.unlock();
+        say_status();
+        lock.lock();
+    };
+    resuming_ = true;
+    status_.attempts = 0;
+    for (;;) {
+        status_.reason = why.message;
+        status_.state = why.is(Failure::for_good) ? LinkState::stopped : LinkState::waiting;
+        const auto next = std::chrono::steady_clock::now() +
+                          std::chrono::ceil<std::chrono::steady_clock::duration>(pauses_.next(why));
+        next_attempt_ = next;
+        say();
+        if (status_.state == LinkState::stopped)
+            return;
+        changed_.wait_until(lock, next, [&] { return leaving_.stop_requested(); });
+        if (leaving_.stop_requested())
+            return;
+        status_.state = LinkState::connecting;
+        ++status_.attempts;
+        say();
+        lock.unlock();
+        const Result<void> opened = open_link();
+        lock.lock();
+        if (opened)
+            return;
+        why = opened.error();
+    }
+}
+
+void Client::subscribe_again(std::unique_lock<std::mutex>& lock) {
+    const auto over = [&] { return leaving_.stop_requested() || joining_->end; };
+    while (!over()) {
+        lock.unlock();
+        const Result<void> done = subscribe_as_before();
+        lock.lock();
+        if (over())
+            return;
+        std::chrono::duration<double> pause{0};
+        if (done) {
+            resuming_ = false;
+            status_.state = LinkState::connected;
+            pauses_.connected();
+        } else {
+            status_.reason = done.error().message;
+            pause = pauses_.next(done.error());
+        }
+        lock.unlock();
+        say_status();
+        lock.lock();
+        if (done)
+            return;
+        changed_.wait_for(lock, pause, over);
+    }
+}
+
+Result<void> Client::subscribe_as_before() {
+    std::optional<Subscription> tiles;
+    std::optional<SpectrumSubscription> waves;
+    {
+        const std::scoped_lock lock(mutex_);
+        tiles = subscription_;
+        waves = spectrum_subscription_;
+    }
+    const ConnectionPtr connection = link();
+    if (waves)
+        SEAWAY_TRY(subscribe_on(*connection, *waves));
+    if (tiles)
+        SEAWAY_TRY(subscribe_on(*connection, *tiles));
+    return {};
+}
+
+TimeUs Client::sea_time_held() const {
+    const LocalUs local_us = local_now_us();
+    const double elapsed_us = clock_.status(local_us).offset_us + static_cast<double>(local_us);
+    return paces_.sea_time(std::llround(elapsed_us));
+}
+
+void Client::say_status() {
+    if (!events_.on_status)
+        return;
+    const std::scoped_lock lock(saying_);
+    events_.on_status(status());
+}
+
+ClientStatus Client::status() const {
+    const LocalUs now_us = local_now_us();
+    const std::scoped_lock lock(mutex_);
+    ClientStatus status = status_;
+    status.seas = seas_;
+    if (joining_->end && status.state == LinkState::connected) { // a moment ago, or for ever
+        status.state = options_.stays_lost ? LinkState::stopped : LinkState::waiting;
+        status.reason = joining_->end->message;
+    } else if (status.state == LinkState::waiting) {
+        const std::chrono::duration<double> left = next_attempt_ - std::chrono::steady_clock::now();
+        status.next_attempt_s = std::max(left.count(), 0.0);
+    }
+    if (silent(now_us))
+        status.stale_s = 1e-6 * static_cast<double>(now_us - heard_at_us_);
+    const SeaStatePtr state = sea_state_held(sea_time_held());
+    status.holds_waves = rebuilt_.contains(state->epoch) || received_.contains(state->epoch);
+    status.holds_tiles = !state->cascades.empty();
+    status.held_from_us = std::numeric_limits<TimeUs>::min();
+    status.held_until_us = std::numeric_limits<TimeUs>::max();
+    for (std::size_t c = 0; c < state->cascades.size(); ++c) {
+        const auto held = ring_.held(static_cast<int>(c), state->epoch).value_or(std::pair(0, 0));
+        status.held_from_us = std::max(status.held_from_us, held.first);
+        status.held_until_us = std::min(status.held_until_us, held.second);
+    }
+    if (status.held_from_us >= status.held_until_us) {
+        status.holds_tiles = false;
+        status.held_from_us = status.held_until_us = 0;
+    }
+    return status;
+}
+
+// ---- is it the same sea? ---------------------------------------------------------------------
+
+std::string Client::why_another(const Joining& joining, const SeaState& state) const {
+    const auto found = std::ranges::find(sea_states_, state.epoch, &SeaState::epoch);
+    const SeaState& like = found == sea_states_.end() ? *sea_states_.back() : **found;
+    if (!same_tiles(like, state))
+        return "its cascades are others";
+    if (found != sea_states_.end() &&
+        (like.start_time_us != state.start_time_us || like.probes != state.probes ||
+         like.realised.hs_m != state.realised.hs_m))
+        return fmt::format("its waves of epoch {} are others", state.epoch);
+    // A change that was made meanwhile has a number of its own.
+    if (found == sea_states_.end() && state.epoch < sea_state_held(heard_us_)->epoch)
+        return "it has an earlier epoch";
+    for (const Joining::Look& look : joining.looks) {
+        const double round_trip_us = static_cast<double>(look.received_us - look.sent_us);
+        const ClockStatus clock = clock_.status(look.received_us);
+        const double expected_us = clock.offset_us + static_cast<double>(look.received_us);
+        const double off_us =
+            static_cast<double>(look.elapsed_us) + 0.5 * round_trip_us - expected_us;
+        if (std::abs(off_us) > ClockFilter::step_us + clock.error_us + 0.5 * round_trip_us)
+            return fmt::format("its time is {:.3g} s away", 1e-6 * std::abs(off_us));
+    }
+    return {};
+}
+
+void Client::join(Joining& joining, const SeaState& state) {
+    const bool first = sea_states_.empty();
+    const std::string another = first ? std::string() : why_another(joining, state);
+    if (!another.empty()) {
+        status_.reason = fmt::format("another sea than before: {}", another);
+        forget_sea();
+    } else if (!first) {
+        if (std::ranges::find(sea_states_, state.epoch, &SeaState::epoch) == sea_states_.end())
+            missed_ = {std::min(missed_.from_us, heard_us_),
+                       std::max(heard_us_, state.start_time_us)};
+        clock_.begin_anew();
+    }
+    if (first)
+        ++seas_;
+    for (const sea::Pace& pace : joining.paces)
+        paces_.add(pace);
+    for (const Joining::Look& look : joining.looks) {
+        clock_.add(look.sent_us, look.received_us, look.elapsed_us);
+        heard_at_us_ = look.received_us;
+        heard_us_ = std::max(heard_us_, paces_.sea_time(look.elapsed_us));
+    }
+    joining.joined = true;
+}
+
+void Client::forget_sea() {
+    ++seas_;
+    sea_states_.clear();
+    rebuilt_.clear();
+    received_.clear();
+    arriving_.clear();
+    glides_.clear();
+    ring_.clear();
+    for (Wanted* wanted : wanted_)
+        wanted->forget();
+    clock_ = {};
+    paces_ = {};
+    shown_us_ = heard_us_ = std::numeric_limits<TimeUs>::min();
+    missed_ = {};
+    not_offered_ = {};
+    grant_.reset();
+    times_taken_max_ = std::numeric_limits<std::size_t>::max();
+    cascades_apart_ = false;
+}
+
+// ---- what that means for answers -------------------------------------------------------------
+
+bool Client::silent(LocalUs now_us) const {
+    return joining_->end || now_us - heard_at_us_ > silent_us;
+}
+
+bool Client::mark_stale(std::span<const sea::QueryPoint> points,
+                        std::span<sea::Answer> answers) const {
+    Unheard unheard;
+    bool nothing_comes = false;
+    {
+        const std::scoped_lock lock(mutex_);
+        unheard = missed_;
+        if (silent(local_now_us()))
+            unheard = {std::min(missed_.from_us, heard_us_)};
+        nothing_comes = resuming_ || joining_->end;
+    }
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        if (nothing_comes && (answers[i].flags & sea::answer_extrapolated))
+            return false;
+        if (!unheard.contains(points[i].time_us))
+            continue;
+        answers[i].flags |= sea::answer_stale;
+        answers[i].error_m +=
+            stale_error_m(*sea_state(points[i].time_us), unheard.from_us, points[i].time_us);
+    }
+    return true;
+}
+
+} // namespace seaway::client

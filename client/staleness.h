@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// Staleness: what the answers of a client are worth about times of which its server may know more.
+//
+// A server tells of a change before it begins: by the longest interval of its keyframes and change_told_ahead_us
+// (docs/protocol.md, "Changes of the sea"). Whoever has heard nothing for longer knows of no change, and cannot know that there
+// is none. What is added to error_m is derived for one assumption, which is all of it: that the sea changes at the first moment
+// at which it may have, in the shortest time that a change takes, to waves of as much energy that have nothing to do with
+// its own. Their difference has the variance 2 m0 s^2, s the share of the glide (sea/basics/glide.h); bound_sigmas
+// standard deviations of that, and as much on the slopes for displacements. Of a change to a higher sea it is no bound.
+//
+// Pure; thread-safe.
+#pragma once
+
+#include <limits>
+
+#include "client/link/connection.h"
+
+namespace seaway::client {
+
+inline constexpr sea::TimeUs change_told_ahead_us = 1'000'000;
+
+/// A span of sea time of which a client may not have been told all: from what it heard last on.
+struct Unheard {
+    sea::TimeUs from_us = std::numeric_limits<sea::TimeUs>::max();
+    sea::TimeUs until_us = std::numeric_limits<sea::TimeUs>::max();
+
+    bool contains(sea::TimeUs time_us) const { return time_us > from_us && time_us < until_us; }
+};
+
+/// What is added to the error of a height about this time; never less at a later one. 0 up to the first moment at which
+/// a change may have begun.
+double stale_error_m(const SeaState& state, sea::TimeUs heard_us, sea::TimeUs time_us);
+
+} // namespace seaway::client

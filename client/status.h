@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// ClientStatus: how a client stands with its server, and what it can answer meanwhile.
+#pragma once
+
+#include <string>
+
+#include "sea/basics/time.h"
+
+namespace seaway::client {
+
+enum class LinkState {
+    connected = 0,  ///< and all that was subscribed to is, again
+    waiting = 1,    ///< lost: for the time of the next attempt
+    connecting = 2, ///< an attempt is under way, or what was subscribed to is not granted yet
+    stopped = 3,    ///< lost for good: the reason says why
+};
+
+struct ClientStatus {
+    LinkState state = LinkState::connected;
+    /// Why the last connection ended, the last attempt failed, what was held was dropped or a subscription was not had
+    /// again, whichever was last; empty: none has.
+    std::string reason;
+    int attempts = 0;    ///< since the connection ended
+    int connections = 0; ///< so far
+    /// Different ones so far behind the address: from 1 on. With another one its time, epochs and waves are others.
+    int seas = 0;
+    double next_attempt_s = 0; ///< waiting: until then
+    /// Since the server was heard last; 0 while its sea is known to go on. Answers about later times are flagged
+    /// answer_stale.
+    double stale_s = 0;
+    /// Sampling answers about now, and about every time, from waves.
+    bool holds_waves = false;
+    /// Keyframes of the sea of now are held: between these times of it.
+    bool holds_tiles = false;
+    sea::TimeUs held_from_us = 0;
+    sea::TimeUs held_until_us = 0;
+};
+
+} // namespace seaway::client

@@ -1,0 +1,15 @@
+# Run by `cmake --install`: what a machine with systemd needs to run the server, for the prefix at hand. `source`: the
+# repository.
+set(etc ${CMAKE_INSTALL_PREFIX}/etc)
+if(CMAKE_INSTALL_PREFIX STREQUAL "/usr")
+  set(etc /etc)
+endif()
+set(written $ENV{DESTDIR}${CMAKE_INSTALL_PREFIX}/lib/systemd/system/seaway-server.service)
+file(READ ${source}/deploy/seaway-server.service unit)
+string(REPLACE "/usr/bin/" "${CMAKE_INSTALL_PREFIX}/bin/" unit "${unit}")
+string(REPLACE "/etc/" "${etc}/" unit "${unit}")
+message(STATUS "Installing: ${written}")
+file(WRITE ${written} "${unit}")
+file(CHMOD ${written} PERMISSIONS OWNER_READ OWNER_WRITE GROUP_READ WORLD_READ)
+file(INSTALL ${source}/deploy/seaway-server.toml DESTINATION ${etc}/seaway)
+file(INSTALL ${source}/scenes/north_sea_gale.toml DESTINATION ${etc}/seaway RENAME sea.toml)

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+// A thousand floats in the sea of a running server: one batch of points a step, and what a step takes.
+//
+//     c++ -O2 fleet.cpp $(pkg-config --cflags --libs seaway) -o fleet
+//     ./fleet ws://127.0.0.1:9430 [STEPS]
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <thread>
+#include <vector>
+
+#include <seaway/buoyancy.h>
+#include <seaway/seaway.hpp>
+
+namespace {
+
+constexpr std::size_t floats = 1000;
+constexpr std::size_t in_row = 40;
+constexpr double apart_m = 25;
+constexpr double step_s = 1.0 / 20;
+
+/// A raft of 2 x 2 m that floats half out: four columns.
+constexpr double places_m[12] = {0.5, 0.5, 0, -0.5, 0.5, 0, -0.5, -0.5, 0, 0.5, -0.5, 0};
+constexpr double volumes_m3[4] = {0.4, 0.4, 0.4, 0.4};
+constexpr std::size_t corners = 4;
+
+seaway_hull raft() {
+    seaway_hull hull{};
+    hull.mass_kg = 820;
+    hull.inertia_kgm2[0] = hull.inertia_kgm2[1] = 300;
+    hull.inertia_kgm2[2] = 550;
+    hull.added_mass[2] = 0.8;
+    hull.linear_drag = 400;
+    hull.quadratic_drag = 1;
+    hull.vertices_m = places_m;
+    hull.vertex_count = corners;
+    hull.volumes_m3 = volumes_m3;
+    hull.column_m = 0.4;
+    return hull;
+}
+
+std::vector<seaway_body> fleet() {
+    std::vector<seaway_body> bodies;
+    for (std::size_t row = 0; row < floats / in_row; ++row)
+        for (std::size_t i = 0; i < in_row; ++i)
+            bodies.push_back(
+                {{apart_m * static_cast<double>(i), apart_m * static_cast<double>(row), 0},
+                 {1, 0, 0, 0},
+                 {0, 0, 0},
+                 {0, 0, 0}});
+    return bodies;
+}
+
+double median(std::vector<double> values) {
+    std::nth_element(values.begin(), values.begin() + static_cast<long>(values.size() / 2),
+                     values.end());
+    return values[values.size() / 2];
+}
+
+struct Times {
+    std::vector<double> water_us;
+    std::vector<double> motion_us;
+};
+
+double since_us(std::chrono::steady_clock::time_point then) {
+    return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - then)
+        .count();
+}
+
+/// One step of all; false: the water has no answer.
+bool step(const seaway::Sea& sea, const seaway_hull& hull, std::int64_t time_us,
+          std::vector<seaway_body>& bodies, std::vector<seaway_point>& points,
+          std::vector<seaway_answer>& answers, Times& times) {
+    const auto begin = std::chrono::steady_clock::now();
+    for (std::size_t i = 0; i < floats; ++i)
+        seaway_hull_points(&hull, &bodies[i], time_us, &points[i * corners]);
+    if (seaway_sample(sea.handle(), points.data(), points.size(), answers.data()) != SEAWAY_OK)
+        return false;
+    times.water_us.push_back(since_us(begin));
+    const auto sampled = std::chrono::steady_clock::now();
+    bool fine = true;
+    for (std::size_t i = 0; i < floats; ++i)
+        fine &= seaway_hull_step(&hull, &bodies[i], &points[i * corners], &answers[i * corners],
+                                 step_s) == SEAWAY_OK;
+    times.motion_us.push_back(since_us(sampled));
+    return fine;
+}
+
+int run(const char* url, int steps) {
+    seaway::Sea sea(url);
+    sea.subscribe();
+    const seaway_hull hull = raft();
+    std::vector<seaway_body> bodies = fleet();
+    std::vector<seaway_point> points(floats * corners);
+    std::vector<seaway_answer> answers(points.size());
+    Times times;
+    const auto begin = std::chrono::steady_clock::now();
+    for (int i = 0; i < steps; ++i) {
+        std::this_thread::sleep_until(begin + i * std::chrono::duration<double>(step_s));
+        if (!step(sea, hull, sea.now_us(), bodies, points, answers, times))
+            return std::fprintf(stderr, "fleet: %s\n", seaway_last_error()), 1;
+    }
+    double off_m = 0;
+    for (std::size_t i = 0; i < floats; ++i)
+        off_m = std::max(off_m, std::abs(bodies[i].position_m[2] - answers[i * corners].height_m));
+    std::printf(
+        "%zu floats, %zu points in one batch: a step takes %.0f us for the water and %.0f us for "
+        "the floats (medians of %d); none is further than %.2f m from the water\n",
+        floats, points.size(), median(times.water_us), median(times.motion_us), steps, off_m);
+    return 0;
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    const int steps = argc > 2 ? std::atoi(argv[2]) : 200;
+    if (argc < 2 || steps < 1)
+        return std::fprintf(stderr, "usage: fleet ws://HOST:PORT [STEPS]\n"), 2;
+    try {
+        return run(argv[1], steps);
+    } catch (const seaway::SeaError& error) {
+        return std::fprintf(stderr, "fleet: %s\n", error.what()), 1;
+    }
+}

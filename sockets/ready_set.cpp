@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sockets/ready_set.h"
+
+#include <cerrno>
+#include <chrono>
+#include <new>
+#include <thread>
+#include <utility>
+
+#include <boost/asio/error.hpp>
+#include <boost/asio/io_context.hpp>
+#include <sys/epoll.h>
+#include <sys/socket.h>
+
+#include "base/check.h"
+
+namespace seaway::sockets {
+
+namespace asio = boost::asio;
+
+namespace {
+
+/// Of one turn: what others have posted waits for no more.
+constexpr int arrivals_a_turn = 16;
+/// Without memory for a handler: wait, do not spin, and do not forget.
+constexpr std::chrono::milliseconds memory_pause{10};
+
+} // namespace
+
+ReadySet::ReadySet(asio::execution_context& context)
+    : service(context), epoll_(::epoll_create1(EPOLL_CLOEXEC)),
+      ready_(static_cast<asio::io_context&>(context)) {
+    boost::system::error_code ignored; // without a handle every receive() says so
+    ready_.assign(epoll_, ignored);
+}
+
+ReadySet::~ReadySet() = default;
+
+/// Handlers own what owns the sockets that ask for them.
+void ReadySet::shutdown() {
+    std::unordered_map<Id, Member> last;
+    last.swap(members_);
+    waiting_ = 0;
+    boost::system::error_code ignored;
+    ready_.close(ignored);
+}
+
+ReadySet::Id ReadySet::add(int handle) {
+    const Id made = next_++;
+    members_[made].handle = handle;
+    return made;
+}
+
+ReadySet::error_code ReadySet::receive(Id which, Handler handler) {
+    Member& member = members_.at(which);
+    SEAWAY_CHECK(!member.handler, "one at a time is received");
+    if (!member.watched && !watch(which, member))
+        return asio::error::no_descriptors;
+    member.handler = std::move(handler);
+    ++waiting_;
+    if (!armed_)
+        arm();
+    return {};
+}
+
+ReadySet::Handler ReadySet::remove(Id which) noexcept {
+    const auto found = members_.find(which);
+    if (found == members_.end())
+        return nullptr;
+    Member& member = found->second;
+    watch_no_more(member);
+    Handler handler = std::move(member.handler);
+    if (handler)
+        --waiting_;
+    members_.erase(found);
+    if (waiting_ == 0 && armed_) {
+        boost::system::error_code ignored;
+        ready_.cancel(ignored); // an io_context with nothing else to do comes to its end
+    }
+    return handler;
+}
+
+bool ReadySet::watch(Id which, Member& member) {
+    epoll_event event{};
+    event.events = EPOLLIN | EPOLLRDHUP;
+    event.data.u64 = which;
+    member.watched = epoll_ >= 0 && ::epoll_ctl(epoll_, EPOLL_CTL_ADD, member.handle, &event) == 0;
+    return member.watched;
+}
+
+/// A socket that nobody reads is taken out: the system reports one that is gone whether asked for or not.
+void ReadySet::watch_no_more(Member& member) {
+    if (std::exchange(member.watched, false))
+        ::epoll_ctl(epoll_, EPOLL_CTL_DEL, member.handle, nullptr);
+}
+
+void ReadySet::arm() noexcept {
+    for (;;) {
+        try {
+            ready_.async_wait(asio::posix::stream_descriptor::wait_read,
+                              [this](boost::system::error_code) { on_ready(); });
+            armed_ = true;
+            return;
+        } catch (const std::bad_alloc&) {
+            std::this_thread::sleep_for(memory_pause);
+        }
+    }
+}
+
+void ReadySet::on_ready() {
+    armed_ = false;
+    struct
+        ArmAgain { // also behind a handler that throws; what it was in the way of is reported again
+        ReadySet& set;
+        ~ArmAgain() {
+            if (set.waiting_ > 0 && !set.armed_)
+                set.arm();
+        }
+    } const again{*this};
+    std::array<epoll_event, arrivals_a_turn> events{};
+    const int count = ::epoll_wait(epoll_, events.data(), arrivals_a_turn, 0);
+    for (int i = 0; i < count; ++i)
+        give(events[static_cast<std::size_t>(i)].data.u64);
+}
+
+void ReadySet::give(Id which) {
+    const auto found = members_.find(which);
+    if (found == members_.end())
+        return; // removed by a handler of this turn
+    Member& member = found->second;
+    if (!member.handler)
+        return watch_no_more(member);
+    const ssize_t received = ::recv(member.handle, bytes_.data(), bytes_.size(), MSG_DONTWAIT);
+    const bool nothing = received < 0 && (errno == EAGAIN || errno == EINTR);
+    if (nothing)
+        return;
+    boost::system::error_code error;
+    if (received < 0)
+        error.assign(errno, boost::system::system_category());
+    else if (received == 0)
+        error = asio::error::eof;
+    Handler handler = std::move(member.handler);
+    member.handler = nullptr;
+    --waiting_;
+    handler(error, {bytes_.data(), received > 0 ? static_cast<std::size_t>(received) : 0});
+}
+
+} // namespace seaway::sockets

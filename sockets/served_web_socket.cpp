@@ -1,0 +1,301 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sockets/served_web_socket.h"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <boost/asio/post.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/beast/websocket.hpp>
+
+#include "sockets/frame_header.h"
+#include "sockets/upgrade.h"
+
+namespace seaway::sockets {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace http = beast::http;
+namespace websocket = beast::websocket;
+
+struct ServedWebSocket::Impl : std::enable_shared_from_this<Impl> {
+    using Clock = std::chrono::steady_clock;
+
+    Impl(Socket of, const WebSocketOptions& its_options)
+        : options(its_options), socket(std::move(of)), timer(socket.get_executor()),
+          frames(options.message_bytes_max, options.kept_buffer_bytes) {}
+
+    void watch_silence();
+    void on_quiet();
+    void receive(Read done);
+    void on_received(error_code error, std::span<const std::uint8_t> bytes, Read done);
+    void read_frames(std::span<const std::uint8_t> bytes, Read done);
+    void on_close(std::span<const std::uint8_t> payload, const Read& done);
+    void not_understood(const Error& why, const Read& done);
+    void send(std::vector<std::uint8_t> frame, std::function<void()> sent = nullptr);
+    void send_pong(std::span<const std::uint8_t> payload);
+    Error broken(error_code error) const;
+
+    const WebSocketOptions options;
+    Socket socket;
+    asio::steady_timer timer; ///< of silence, and of the end
+    FrameReader frames;
+    Read wanted;                    ///< by a read() within the callback of another
+    bool calling = false;           ///< such a callback
+    std::vector<std::uint8_t> left; ///< received, and not read yet
+    Clock::time_point heard = Clock::now();
+    bool pinged = false; ///< since then
+    bool receiving = false;
+    bool silent = false;
+    bool closing = false; ///< a closing frame has been sent
+    CloseReason peer_close;
+    CloseReason last_word;                              ///< ours, of leave()
+    std::optional<std::vector<std::uint8_t>> next_pong; ///< behind the one that is under way
+    bool pong_under_way = false;
+    std::vector<FrameHeader> headers;     ///< of what is being written
+    std::vector<asio::const_buffer> rest; ///< of what was begun
+};
+
+// ---- the handshake -------------------------------------------------------------------------
+
+void ServedWebSocket::accept(const Upgrade& upgrade, Done done) {
+    // On the socket that stays: Beast's stream is gone when the answer is.
+    auto stream = std::make_shared<websocket::stream<Socket&>>(impl_->socket);
+    stream->set_option(websocket::stream_base::timeout{impl_->options.handshake_patience,
+                                                       websocket::stream_base::none(), false});
+    stream->set_option(
+        websocket::stream_base::decorator([impl = impl_](websocket::response_type& response) {
+            response.set(http::field::server, impl->options.program);
+            response.set(http::field::sec_websocket_protocol, impl->options.subprotocol);
+        }));
+    auto* const beast_stream = stream.get();
+    beast_stream->async_accept(upgrade.request, [impl = impl_, stream = std::move(stream),
+                                                 done = std::move(done)](error_code error) {
+        if (error)
+            return done(Error{WebSocketEnd::broken, error.message()});
+        impl->socket.expires_never();
+        impl->socket.write_whole();
+        impl->watch_silence();
+        done({});
+    });
+}
+
+// ---- silence -------------------------------------------------------------------------------
+
+/// One timer that looks when silence could have lasted too long, not one that each message puts off.
+void ServedWebSocket::Impl::watch_silence() {
+    timer.expires_at(heard + (pinged ? options.idle_patience : options.idle_patience / 2));
+    timer.async_wait([weak = weak_from_this()](error_code error) {
+        if (const std::shared_ptr<Impl> self = weak.lock(); self != nullptr && !error)
+            self->on_quiet();
+    });
+}
+
+void ServedWebSocket::Impl::on_quiet() {
+    if (!receiving)
+        heard = Clock::now(); // nobody listens
+    const auto quiet = Clock::now() - heard;
+    if (quiet >= options.idle_patience) {
+        silent = true;
+        return socket.stop_receiving();
+    }
+    if (quiet >= options.idle_patience / 2 && !std::exchange(pinged, true))
+        send(control_frame(FrameReader::Kind::ping, {}));
+    watch_silence();
+}
+
+// ---- reading -------------------------------------------------------------------------------
+
+void ServedWebSocket::read(Read done) {
+    Impl& impl = *impl_;
+    if (impl.calling) {
+        impl.wanted = std::move(done); // of whoever called, who goes on
+        return;
+    }
+    if (impl.left.empty())
+        return impl.receive(std::move(done));
+    asio::post(impl.socket.get_executor(), [self = impl_, done = std::move(done)]() mutable {
+        const std::vector<std::uint8_t> bytes = std::exchange(self->left, {});
+        self->read_frames(bytes, std::move(done));
+    });
+}
+
+void ServedWebSocket::Impl::receive(Read done) {
+    receiving = true;
+    socket.receive([self = shared_from_this(), done = std::move(done)](
+                       error_code error, std::span<std::uint8_t> bytes) mutable {
+        self->on_received(error, bytes, std::move(done));
+    });
+}
+
+void ServedWebSocket::Impl::on_received(error_code error, std::span<const std::uint8_t> bytes,
+                                        Read done) {
+    receiving = false;
+    if (error)
+        return done(broken(error));
+    heard = Clock::now();
+    pinged = false;
+    read_frames(bytes, std::move(done));
+}
+
+Error ServedWebSocket::Impl::broken(error_code error) const {
+    if (silent)
+        return {WebSocketEnd::silent, "nothing was heard"};
+    return {WebSocketEnd::broken, error.message()};
+}
+
+/// One message a read(); what is left when nobody reads waits for the next.
+void ServedWebSocket::Impl::read_frames(std::span<const std::uint8_t> bytes, Read done) {
+    while (done) {
+        const Result<std::optional<FrameReader::Frame>> next = frames.next(bytes);
+        if (!next)
+            return not_understood(next.error(), done);
+        if (!*next)
+            return receive(std::move(done));
+        const FrameReader::Frame& frame = **next;
+        switch (frame.kind) {
+        case FrameReader::Kind::close:
+            return on_close(frame.bytes, done);
+        case FrameReader::Kind::ping:
+            send_pong(frame.bytes);
+            break;
+        case FrameReader::Kind::pong:
+            break;
+        case FrameReader::Kind::message: {
+            struct Calling {
+                bool& is;
+                ~Calling() { is = false; }
+            } const calls{calling = true};
+            std::exchange(done, nullptr)(Message{frame.bytes, frame.binary});
+        }
+            done = std::exchange(wanted, nullptr);
+            break;
+        }
+    }
+    left.assign(bytes.begin(), bytes.end());
+}
+
+void ServedWebSocket::Impl::not_understood(const Error& why, const Read& done) {
+    last_word = {why.is(BadFrame::too_large) ? 1009u : 1002u, ""};
+    done(Error{WebSocketEnd::not_understood, why.message});
+}
+
+void ServedWebSocket::Impl::on_close(std::span<const std::uint8_t> payload, const Read& done) {
+    const Result<CloseReason> said = read_close(payload);
+    if (!said)
+        return not_understood(said.error(), done);
+    peer_close = *said;
+    last_word = {said->code, ""};
+    done(Error{WebSocketEnd::closed, "closed by the peer"});
+}
+
+void ServedWebSocket::leave(std::function<void()> done) {
+    Impl& impl = *impl_;
+    impl.timer.expires_after(impl.options.handshake_patience);
+    impl.timer.async_wait([weak = impl.weak_from_this()](error_code error) {
+        if (const std::shared_ptr<Impl> self = weak.lock(); self != nullptr && !error)
+            self->socket.close();
+    });
+    const auto tear_down = [self = impl_, done = std::move(done)] {
+        self->socket.stop_receiving();
+        self->socket.tear_down(beast::role_type::server,
+                               Completion<error_code>([self, done](error_code) {
+                                   self->timer.cancel();
+                                   done();
+                               }));
+    };
+    if (std::exchange(impl.closing, true))
+        return tear_down();
+    impl.send(close_frame(impl.last_word), tear_down);
+}
+
+// ---- writing -------------------------------------------------------------------------------
+
+/// Behind what is being written, whole.
+void ServedWebSocket::Impl::send(std::vector<std::uint8_t> frame, std::function<void()> sent) {
+    const auto held = std::make_shared<const std::vector<std::uint8_t>>(std::move(frame));
+    socket.write_all({asio::buffer(*held)},
+                     Socket::Bytes([held, sent = std::move(sent)](error_code, std::size_t) mutable {
+                         if (sent)
+                             sent();
+                     }));
+}
+
+/// One at a time; of pings that come meanwhile the last one is answered (RFC 6455, 5.5.3).
+void ServedWebSocket::Impl::send_pong(std::span<const std::uint8_t> payload) {
+    std::vector<std::uint8_t> frame = control_frame(FrameReader::Kind::pong, payload);
+    if (closing)
+        return;
+    if (std::exchange(pong_under_way, true)) {
+        next_pong = std::move(frame);
+        return;
+    }
+    send(std::move(frame), [weak = weak_from_this()] {
+        const std::shared_ptr<Impl> self = weak.lock();
+        if (self == nullptr)
+            return;
+        self->pong_under_way = false;
+        if (const auto next = std::exchange(self->next_pong, {}))
+            self->send_pong(std::span(*next).subspan(2));
+    });
+}
+
+bool ServedWebSocket::begin(std::span<const std::span<const std::uint8_t>> messages,
+                            const FileRange& same) {
+    std::vector<FrameHeader>& headers = impl_->headers;
+    headers.clear();
+    headers.reserve(messages.size()); // which stay where they are
+    std::vector<asio::const_buffer>& rest = impl_->rest;
+    rest.clear();
+    for (const std::span<const std::uint8_t> message : messages) {
+        const FrameHeader& header = headers.emplace_back(message.size());
+        rest.emplace_back(header.bytes.data(), header.size);
+        rest.emplace_back(message.data(), message.size());
+    }
+    Socket& socket = impl_->socket;
+    std::size_t taken = same.bytes > 0 ? socket.send_now(same) : socket.write_now(rest);
+    auto first = rest.begin();
+    for (; first != rest.end() && first->size() <= taken; ++first)
+        taken -= first->size();
+    rest.erase(rest.begin(), first);
+    if (!rest.empty())
+        rest.front() += taken;
+    return rest.empty();
+}
+
+void ServedWebSocket::finish(Done done) {
+    impl_->socket.write_all(
+        std::exchange(impl_->rest, {}),
+        Socket::Bytes([done = std::move(done)](error_code error, std::size_t) {
+            done(error ? Result<void>(Error{WebSocketEnd::broken, error.message()})
+                       : Result<void>());
+        }));
+}
+
+void ServedWebSocket::close(const CloseReason& why) {
+    if (!std::exchange(impl_->closing, true))
+        impl_->send(close_frame(why));
+}
+
+// ---- ServedWebSocket -----------------------------------------------------------------------
+
+ServedWebSocket::ServedWebSocket(Socket socket, const WebSocketOptions& options)
+    : impl_(std::make_shared<Impl>(std::move(socket), options)) {}
+ServedWebSocket::~ServedWebSocket() {
+    if (impl_ == nullptr)
+        return;
+    impl_->timer.cancel();
+    impl_->socket.close(); // what is under way holds the rest
+}
+ServedWebSocket::ServedWebSocket(ServedWebSocket&&) noexcept = default;
+
+const CloseReason& ServedWebSocket::peer_close() const {
+    return impl_->peer_close;
+}
+Socket& ServedWebSocket::socket() {
+    return impl_->socket;
+}
+
+} // namespace seaway::sockets

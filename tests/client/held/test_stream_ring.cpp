@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a ring holds of a stream.
+#include <gtest/gtest.h>
+
+#include "client/held/keyframe_ring.h"
+
+namespace seaway::client {
+namespace {
+
+using sea::Field;
+using sea::FieldSet;
+using sea::TimeUs;
+
+constexpr TimeUs step_us = 100'000;
+constexpr FieldSet streamed_fields{Field::height, Field::height_rate};
+
+HeldKeyframePtr streamed(TimeUs time_us, int cascade = 0) {
+    sea::Keyframe made{1, cascade, time_us, 16, 50, streamed_fields, {}};
+    made.values.assign(2 * made.plane_size(), 0.5f);
+    return std::make_shared<const HeldKeyframe>(std::move(made), HeldKeyframe::FieldErrors{});
+}
+
+std::optional<KeyframePair> held_around(const KeyframeRing& ring, TimeUs time_us) {
+    return ring.around(0, 1, time_us, step_us, streamed_fields);
+}
+
+// A server sends each keyframe an interval and more before its time; the present has then reached the one before.
+TEST(Ring, of_a_stream_keeps_what_is_ahead_and_what_the_look_back_needs) {
+    KeyframeRing ring({.look_back_us = 5 * step_us});
+    for (TimeUs n = 0; n < 40; ++n) {
+        ring.insert_passing(streamed((n + 2) * step_us), n * step_us + 1);
+        ASSERT_LE(ring.size(0), 8u) << n;
+    }
+    const TimeUs now_us = 39 * step_us + 1;
+    for (TimeUs back_us = -step_us; back_us <= 5 * step_us; back_us += step_us / 3)
+        EXPECT_TRUE(held_around(ring, now_us - back_us)->covers) << back_us;
+    EXPECT_FALSE(held_around(ring, now_us - 7 * step_us)->covers);
+    EXPECT_EQ(ring.size(0), 8u) << "two ahead, the one before now, and five for the look-back";
+}
+
+TEST(Ring, what_was_asked_for_stays_when_the_present_has_gone_by) {
+    KeyframeRing ring({.look_back_us = 0});
+    ring.insert(streamed(3 * step_us));
+    ring.insert_passing(streamed(4 * step_us), 3 * step_us);
+    ring.insert(streamed(4 * step_us)); // it came by, and is asked for
+    for (TimeUs n = 5; n < 50; ++n) {
+        ring.insert_passing(streamed(n * step_us), (n - 1) * step_us);
+        ring.insert_passing(streamed(4 * step_us), (n - 1) * step_us);
+    }
+    EXPECT_TRUE(held_around(ring, 3 * step_us + 1)->covers);
+    EXPECT_FALSE(held_around(ring, 7 * step_us)->covers);
+    EXPECT_LE(ring.size(0), 5u);
+}
+
+// They came with a fetch whose asker has them.
+TEST(Ring, keyframes_far_ahead_that_nobody_asked_for_do_not_stay) {
+    KeyframeRing ring;
+    for (TimeUs n = 0; n < 20; ++n)
+        ring.insert_passing(streamed(n * step_us), (n - 2) * step_us);
+    const std::size_t before = ring.size(0);
+    for (TimeUs n = 0; n < 40; ++n)
+        ring.insert_passing(streamed(RingLimits::ahead_max_us + (20 + n) * step_us), 18 * step_us);
+    EXPECT_LE(ring.size(0), before);
+    EXPECT_TRUE(held_around(ring, 18 * step_us)->covers);
+}
+
+// Of a server that was started anew its time begins again; and one second of a sea with long intervals is none of them.
+TEST(Ring, holds_two_whatever_their_times_are) {
+    KeyframeRing ring({.look_back_us = 0});
+    for (TimeUs n = 0; n < 10; ++n)
+        ring.insert_passing(streamed(n * step_us), 100 * step_us);
+    EXPECT_EQ(ring.size(0), RingLimits::passing_per_cascade_min);
+}
+
+TEST(Ring, of_what_has_been_sampled_the_spline_alone_is_held) {
+    KeyframeRing ring;
+    const HeldKeyframePtr sampled = streamed(0, 1);
+    ring.insert_passing(sampled, 0);
+    const sea::SplineMapPtr spline = sampled->spline();
+    const std::size_t before = ring.bytes(1);
+    ring.insert_passing(streamed(0, 0), 0); // of another cascade, too
+    const HeldKeyframePtr held = ring.newest(1);
+    EXPECT_EQ(held->spline(), spline);
+    EXPECT_TRUE(held->keyframe().values.empty());
+    EXPECT_EQ(held->fields(), streamed_fields);
+    EXPECT_EQ(ring.bytes(1), before - 2 * 16 * 16 * sizeof(float));
+    EXPECT_TRUE(ring.around(1, 1, 0, step_us, streamed_fields)->covers);
+}
+
+} // namespace
+} // namespace seaway::client

@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: Apache-2.0
+// A client that comes back by itself, over a line that breaks: what the C interface tells of it, what it leaves behind, and what
+// staleness costs.
+#include <cmath>
+#include <filesystem>
+#include <mutex>
+#include <random>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "client/client.h"
+#include "client/link/failure.h"
+#include "client/seaway.h"
+#include "sea/basics/glide.h"
+#include "tests/client/wave_server.h"
+#include "tests/support/fault_proxy.h"
+
+namespace seaway::client {
+namespace {
+
+using tests::eventually;
+using tests::FaultProxy;
+
+class LiveGoesOn : public tests::WaveServer {
+  protected:
+    std::unique_ptr<FaultProxy> line;
+    std::string url;
+
+    void SetUp() override {
+        WaveServer::SetUp();
+        line = std::make_unique<FaultProxy>(net->port());
+        url = "ws://127.0.0.1:" + std::to_string(line->port());
+    }
+};
+
+std::ptrdiff_t entries(const char* folder) {
+    return std::distance(std::filesystem::directory_iterator(folder), {});
+}
+
+// Threads and descriptors, 200 times: each end has a stream with a thread of its own.
+TEST_F(LiveGoesOn, leaves_nothing_behind_when_it_comes_back) {
+    constexpr int clients_count = 20, rounds = 10;
+    std::vector<std::unique_ptr<Client>> clients;
+    for (int i = 0; i < clients_count; ++i) {
+        auto client = Client::connect({.url = url, .timeout_s = 30});
+        ASSERT_TRUE(client) << client.error().message;
+        ASSERT_TRUE((*client)->subscribe({.fields = sea::surface_fields}, 2, 30));
+        clients.push_back(std::move(*client));
+    }
+    const auto all_have = [&](int connections) {
+        return std::ranges::all_of(clients, [&](const auto& client) {
+            const ClientStatus status = client->status();
+            return status.connections == connections && status.state == LinkState::connected;
+        });
+    };
+    const auto settled = [&] { return line->connections() == clients_count; };
+    ASSERT_TRUE(eventually(settled));
+    const auto threads = entries("/proc/self/task"), files = entries("/proc/self/fd");
+    for (int round = 1; round <= rounds; ++round) {
+        line->cut();
+        ASSERT_TRUE(eventually([&] { return all_have(round + 1); })) << "round " << round;
+        ASSERT_TRUE(eventually(settled));
+    }
+    EXPECT_TRUE(eventually([&] { return entries("/proc/self/task") == threads; }));
+    EXPECT_TRUE(eventually([&] { return entries("/proc/self/fd") == files; }))
+        << entries("/proc/self/fd") << " files, before " << files;
+    EXPECT_EQ(clients.front()->status().seas, 1);
+}
+
+// A host that takes the connection and says nothing is waited for, but not by who leaves.
+TEST_F(LiveGoesOn, leaves_at_once_in_the_middle_of_an_attempt) {
+    auto client = Client::connect({.url = url, .timeout_s = 3600});
+    ASSERT_TRUE(client) << client.error().message;
+    line->stall(true);
+    line->cut();
+    ASSERT_TRUE(eventually([&] { return (*client)->status().state == LinkState::connecting; }));
+    client->reset(); // or this test does not end within an hour
+}
+
+struct Told {
+    std::mutex mutex;
+    std::vector<seaway_status> all;
+};
+
+TEST_F(LiveGoesOn, is_told_to_a_c_program_by_a_call_and_when_asked) {
+    seaway_client* client = nullptr;
+    ASSERT_EQ(seaway_connect(url.c_str(), nullptr, &client), SEAWAY_OK) << seaway_last_error();
+    Told told;
+    const auto watch = [](void* user, const seaway_status* status) {
+        auto* to = static_cast<Told*>(user);
+        const std::scoped_lock lock(to->mutex);
+        to->all.push_back(*status);
+    };
+    ASSERT_EQ(seaway_watch_status(client, watch, &told), SEAWAY_OK);
+    ASSERT_EQ(seaway_subscribe(client, nullptr), SEAWAY_OK) << seaway_last_error();
+    seaway_status status{};
+    status.size = sizeof(status);
+    ASSERT_EQ(seaway_get_status(client, &status), SEAWAY_OK);
+    EXPECT_EQ(status.state, static_cast<uint32_t>(SEAWAY_CONNECTED));
+    EXPECT_EQ(status.holds, static_cast<uint32_t>(SEAWAY_HOLDS_TILES));
+    EXPECT_LT(status.held_from_us, status.held_until_us);
+    EXPECT_STREQ(status.reason, "");
+    line->cut();
+    const auto state_is = [&](uint32_t state) {
+        return eventually([&] {
+            status.size = sizeof(status);
+            return seaway_get_status(client, &status) == SEAWAY_OK && status.state == state;
+        });
+    };
+    ASSERT_TRUE(state_is(SEAWAY_WAITING));
+    EXPECT_GT(std::string(status.reason).size(), 0u);
+    EXPECT_GT(status.next_attempt_s, 0);
+    EXPECT_LE(status.next_attempt_s, 0.75) << "the first wait and half of it again";
+    EXPECT_EQ(seaway_is_connected(client), 0);
+    const seaway_point point{0, 0, seaway_now_us(client)};
+    seaway_answer answer{};
+    ASSERT_EQ(seaway_sample(client, &point, 1, &answer), SEAWAY_OK) << seaway_last_error();
+    EXPECT_EQ(answer.flags, static_cast<uint32_t>(SEAWAY_STALE));
+    ASSERT_TRUE(state_is(SEAWAY_CONNECTED));
+    EXPECT_EQ(status.connections, 2u);
+    const auto calls = [&] {
+        const std::scoped_lock lock(told.mutex);
+        return told.all.size();
+    };
+    ASSERT_TRUE(eventually([&] { return calls() == 3; })) << calls();
+    EXPECT_EQ(told.all[0].state, static_cast<uint32_t>(SEAWAY_WAITING));
+    EXPECT_EQ(told.all[1].state, static_cast<uint32_t>(SEAWAY_CONNECTING));
+    EXPECT_EQ(told.all[1].attempts, 1u);
+    EXPECT_EQ(told.all[2].state, static_cast<uint32_t>(SEAWAY_CONNECTED));
+    ASSERT_EQ(seaway_watch_status(client, nullptr, nullptr), SEAWAY_OK);
+    line->cut();
+    EXPECT_TRUE(state_is(SEAWAY_WAITING));
+    EXPECT_TRUE(state_is(SEAWAY_CONNECTED));
+    EXPECT_EQ(calls(), 3u) << "nobody is told any more";
+    seaway_disconnect(client);
+}
+
+// An older program's struct is shorter: nothing is written behind it.
+TEST_F(LiveGoesOn, a_status_is_filled_in_as_far_as_the_program_knows_it) {
+    seaway_client* client = nullptr;
+    ASSERT_EQ(seaway_connect(url.c_str(), nullptr, &client), SEAWAY_OK) << seaway_last_error();
+    seaway_status status{};
+    status.size = offsetof(seaway_status, seas);
+    status.seas = 77;
+    ASSERT_EQ(seaway_get_status(client, &status), SEAWAY_OK);
+    EXPECT_EQ(status.size, offsetof(seaway_status, seas));
+    EXPECT_EQ(status.connections, 1u);
+    EXPECT_EQ(status.seas, 77u);
+    status.size = 0;
+    EXPECT_EQ(seaway_get_status(client, &status), SEAWAY_BAD_ARGUMENT);
+    seaway_disconnect(client);
+    seaway_connect_options options{};
+    options.stays_lost = 2;
+    EXPECT_EQ(seaway_connect(url.c_str(), &options, &client), SEAWAY_BAD_ARGUMENT);
+    options = {};
+    for (const double back_s : {-0.1, 60.1, std::nan("")}) {
+        options.look_back_s = back_s;
+        EXPECT_EQ(seaway_connect(url.c_str(), &options, &client), SEAWAY_BAD_ARGUMENT) << back_s;
+        EXPECT_THAT(seaway_last_error(), testing::HasSubstr("look_back_s must be 0 to 60"));
+    }
+}
+
+// Subscribed while the line was down: refused as lost, and not subscribed to behind its back.
+TEST_F(LiveGoesOn, what_was_unsubscribed_from_stays_so) {
+    auto client = Client::connect({.url = url});
+    ASSERT_TRUE(client) << client.error().message;
+    ASSERT_TRUE((*client)->subscribe({.fields = sea::surface_fields}, 2, 30));
+    (*client)->unsubscribe();
+    line->cut();
+    ASSERT_TRUE(eventually([&] { return !(*client)->is_open(); }));
+    const auto refused = (*client)->subscribe({.fields = sea::surface_fields}, 2, 30);
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(failure_of(refused.error()), Failure::lost);
+    ASSERT_TRUE(eventually([&] { return (*client)->status().connections == 2; }));
+    // A subscription begins with the keyframes around now.
+    const std::uint64_t before = line->bytes_carried(FaultProxy::Way::to_client);
+    EXPECT_EQ((*client)->grant().has_value(), true) << "of the one that there was";
+    const sea::QueryPoint point{0, 0, 0};
+    ASSERT_TRUE((*client)->ask({&point, 1}, {}));
+    EXPECT_LT(line->bytes_carried(FaultProxy::Way::to_client) - before, 2000u);
+}
+
+SeaState stale_state() {
+    SeaState state;
+    state.cascades = {{.length_m = 10, .size = 16, .interval_us = 100'000},
+                      {.length_m = 100, .size = 16, .interval_us = 2'000'000}};
+    state.realised.hs_m = 4;
+    state.choppiness_x = 1;
+    state.choppiness_y = 0.5;
+    state.rms_slope = 0.1;
+    return state;
+}
+
+TEST(Staleness, costs_nothing_until_a_change_may_have_begun_and_then_grows_to_another_sea) {
+    const SeaState state = stale_state();
+    const sea::TimeUs heard_us = 50'000'000;
+    EXPECT_EQ(stale_error_m(state, heard_us, heard_us - 5'000'000), 0);
+    EXPECT_EQ(stale_error_m(state, heard_us, heard_us + 3'000'000), 0) << "2 s interval, 1 s more";
+    double last_m = 0;
+    for (int i = 1; i <= 100; ++i) {
+        const double error_m = stale_error_m(state, heard_us, heard_us + 3'000'000 + i * 100'000);
+        EXPECT_GT(error_m, last_m);
+        last_m = error_m;
+    }
+    // Five standard deviations of the difference of two seas of 1 m each, and a tenth for slopes.
+    EXPECT_NEAR(last_m, 5 * std::sqrt(2.0) * 1.1, 1e-12);
+    EXPECT_EQ(stale_error_m(state, heard_us, heard_us + 3'600'000'000), last_m);
+}
+
+// The hardest change that the error is stated for: waves of the same energy that have nothing to do with those before.
+TEST(Staleness, is_true_of_a_change_to_another_sea_of_the_same_height) {
+    const SeaState state = stale_state();
+    std::mt19937_64 random(4);
+    std::normal_distribution<double> height(0, state.realised.hs_m / 4);
+    int outside = 0, halfway = 0;
+    for (int i = 0; i < 100'000; ++i) {
+        const double before_m = height(random), after_m = height(random);
+        const auto passed_us = static_cast<sea::TimeUs>(random() % sea::glide_us_min);
+        const double share = sea::glide_share(passed_us, 0, sea::glide_us_min);
+        const double missed_m = std::abs(share * (after_m - before_m));
+        const double error_m = stale_error_m(state, -3'000'000, passed_us);
+        outside += missed_m > error_m;
+        halfway += missed_m > error_m / 5;
+    }
+    EXPECT_EQ(outside, 0) << "5.5 standard deviations: 4e-8 of 1e5";
+    EXPECT_GT(halfway, 10'000) << "27 % are beyond 1.1 of them: it is not a bound of anything";
+}
+
+} // namespace
+} // namespace seaway::client

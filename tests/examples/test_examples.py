@@ -1,0 +1,140 @@
+#!/usr/bin/env python3
+"""The examples run as they are written, and what they show is so.
+
+    test_examples.py BUILD_DIR
+
+All of them against one server on the gale. What they draw was looked at; here it is measured.
+"""
+import ctypes
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import numpy
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+BUILD = pathlib.Path(sys.argv.pop(1)).resolve()
+SCENE = ROOT / "scenes/north_sea_gale.toml"
+sys.path += [str(ROOT / "tests/packages"), str(ROOT / "examples/python")]
+os.environ["SEAWAY_LIBRARY"] = str(BUILD / "lib/libseaway.so.0")
+
+from programs import Served  # noqa: E402
+
+
+class Examples(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.work = pathlib.Path(cls.folder.name)
+        cls.server = Served([BUILD / "bin/seaway-server", SCENE, "--device", "native"])
+        cls.server.__enter__()
+        cls.url = f"ws://127.0.0.1:{cls.server.port}"
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.server.__exit__()
+        cls.folder.cleanup()
+
+    def run_example(self, *command, code=0):
+        environment = {**os.environ, "PATH": f"{BUILD / 'bin'}:{os.environ['PATH']}"}
+        done = subprocess.run(command, cwd=self.work, env=environment, capture_output=True, text=True, timeout=300)
+        self.assertEqual(done.returncode, code, done.stdout + done.stderr)
+        return done.stdout + done.stderr
+
+    def table(self, text):
+        return numpy.genfromtxt(text.splitlines(), delimiter=",", names=True)
+
+    def test_a_buoy_rides_the_waves(self):
+        rows = self.table(self.run_example(BUILD / "bin/example_buoy", self.url, "12"))
+        self.assertGreaterEqual(len(rows), 11)
+        # It starts at 0 wherever the water is; after a few seconds it is within its own height of it.
+        self.assertLess(numpy.abs(rows["buoy_m"] - rows["water_m"])[5:].max(), 1.2)
+        self.assertTrue((rows["error_m"] < 0.1).all())
+
+    def test_a_freighter_rides_the_gale_for_ten_minutes_without_tunnelling_or_jitter(self):
+        self.run_example(BUILD / "bin/example_ship", self.url, "ship.csv", "ship.svg")
+        rows = self.table((self.work / "ship.csv").read_text())
+        self.assertEqual(len(rows), 6000)
+        self.assertTrue(all(numpy.isfinite(rows[name]).all() for name in rows.dtype.names))
+        # Not through the water: 5.5 m of freeboard and 6.5 m of draught are amidships never used up.
+        self.assertLess(numpy.abs(rows["heave_m"] - rows["water_m"]).max(), 5.5)
+        self.assertLess(numpy.abs(rows["roll_deg"]).max(), 30)
+        self.assertLess(numpy.abs(rows["pitch_deg"]).max(), 20)
+        # It does ride: a gale of Hs 6 m lifts 120 m of ship by more than a tenth of that.
+        self.assertGreater(rows["heave_m"].std(), 0.6)
+        # No jitter: a ship of 6 s and more has nearly nothing above 0.5 Hz, and no step is felt as a knock.
+        for name in ("heave_m", "roll_deg", "pitch_deg"):
+            power = numpy.abs(numpy.fft.rfft(rows[name] - rows[name].mean())) ** 2
+            fast = numpy.fft.rfftfreq(len(rows), 0.1) > 0.5
+            self.assertLess(power[fast].sum(), 2e-3 * power.sum(), name)
+        self.assertLess(numpy.abs(numpy.diff(rows["heave_m"], 2)).max() / 0.1 ** 2, 9.81 / 2)
+        plot = (self.work / "ship.svg").read_text()
+        self.assertEqual(plot.count("<polyline"), 3)
+
+    def test_a_fleet_asks_in_one_batch_and_stays_on_the_water(self):
+        said = self.run_example(BUILD / "bin/example_fleet", self.url, "60")
+        figures = re.fullmatch(r"1000 floats, 4000 points in one batch: a step takes (\d+) us for the water and (\d+) us "
+                               r"for the floats \(medians of 60\); none is further than (\d+\.\d+) m from the water\n", said)
+        self.assertTrue(figures, said)
+        self.assertLess(float(figures.group(3)), 1.5)
+
+    def test_buoys_in_python_measure_the_spectrum_that_was_asked_for(self):
+        said = self.run_example(sys.executable, "-B", ROOT / "examples/python/buoy_spectrum.py", self.url,
+                                SCENE, "buoy.csv", "spectrum.png")
+        measured, asked, peak, peak_asked = map(float, re.fullmatch(
+            r"Hs ([\d.]+) m measured, ([\d.]+) m asked for; peak ([\d.]+) Hz and ([\d.]+) Hz\n", said).groups())
+        # 25 records of half an hour on one realisation: 5 %, twice; the peak within two lines of 1/256 Hz.
+        self.assertLess(abs(measured / asked - 1), 0.1)
+        self.assertLessEqual(abs(peak - peak_asked), 2 / 256 + 1e-3)
+        self.assertEqual((self.work / "buoy.csv").read_text().count("\n"), 1 + 7200)
+        self.assertTrue((self.work / "spectrum.png").read_bytes().startswith(b"\x89PNG"))
+
+    def test_without_a_server_they_say_so(self):
+        nobody = "ws://127.0.0.1:1"
+        for command in ([BUILD / "bin/example_buoy", nobody], [BUILD / "bin/example_ship", nobody],
+                        [BUILD / "bin/example_fleet", nobody],
+                        [sys.executable, "-B", ROOT / "examples/python/buoy_spectrum.py", nobody, SCENE]):
+            said = self.run_example(*command, code=1)
+            self.assertIn("127.0.0.1:1", said)
+            self.assertEqual(said.count("\n"), 1, said)
+
+    def test_structs_in_python_are_those_of_the_header(self):
+        import seaway
+        sizes = {"seaway_point": seaway.POINT.itemsize, "seaway_answer": seaway.ANSWER.itemsize,
+                 "seaway_subscription": ctypes.sizeof(seaway.Subscription), "seaway_sea": ctypes.sizeof(seaway.SeaAt)}
+        checks = "".join(f'_Static_assert(sizeof({name}) == {size}, "{name}");\n' for name, size in sizes.items())
+        checks += f'_Static_assert(SEAWAY_ABI_VERSION == {seaway.ABI_VERSION}, "version");\n'
+        done = subprocess.run(["cc", "-std=c11", "-fsyntax-only", "-x", "c", f"-I{BUILD}/include", "-"],
+                              input="#include <seaway/seaway.h>\n" + checks, capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        with seaway.Sea(self.url) as sea:
+            asked = seaway.points([[0.0, 10.0, 20.0]], 5.0, sea.now_us())
+            served = sea.query(asked, exact=True)
+            sea.subscribe(seaway.SPECTRUM)
+            sampled = sea.sample(asked)
+            self.assertEqual(sampled.shape, (1, 3))
+            off = numpy.abs(served["height_m"] - sampled["height_m"])
+            self.assertTrue((off <= served["error_m"] + sampled["error_m"]).all(), off)
+            self.assertGreater(sea.at(sea.now_us()).hs_m, 4)
+
+    def test_the_page_for_engines_calls_what_there_is(self):
+        page = (ROOT / "examples/engine.md").read_text()
+        headers = "".join((ROOT / "client" / name).read_text() for name in ("seaway.h", "buoyancy.h", "buoyancy_panel.h"))
+        names = set(re.findall(r"\b(?:seaway_\w+|SEAWAY_\w+)", page))
+        self.assertGreater(len(names), 12)
+        for name in names:
+            self.assertRegex(headers, rf"\b{name}\b")
+        for i, program in enumerate(re.findall(r"```cpp\n(.*?)```", page, re.S)):
+            done = subprocess.run(["c++", "-std=c++17", "-Wall", "-Wextra", "-Werror", "-fsyntax-only", "-x", "c++",
+                                   f"-I{BUILD}/include", "-"], input=program, capture_output=True, text=True)
+            self.assertEqual(done.returncode, 0, f"program {i}: {done.stderr}")
+        self.assertTrue(shutil.which("c++"))
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,149 @@
+#!/usr/bin/env python3
+"""The Debian packages install, work and go without a trace in a bare root of their own.
+
+    test_debian.py BUILD_DIR
+
+As root in a chroot made of what this machine has installed (throwaway_root.py): no network, and what a package
+does not say it needs is not there. Who is not root has the packages built and read, and is told what was not tried.
+"""
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import throwaway_root
+from programs import PORT, Served, use_it_in_your_program
+
+BUILD = pathlib.Path(sys.argv.pop(1)).resolve()
+PACKAGES = ("libseaway0", "libseaway-dev", "seaway-server", "seaway-tools")
+COMPILER = ("gcc", "g++", "libc6-dev", "pkg-config")  # what a user of the development package has besides
+
+
+def said(*command):
+    done = subprocess.run(command, capture_output=True, text=True)
+    if done.returncode:
+        raise AssertionError(f"{command}: {done.returncode}\n{done.stdout[-4000:]}{done.stderr[-4000:]}")
+    return done.stdout
+
+
+class Packages(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        said("cpack", "--config", BUILD / "CPackConfig.cmake", "-B", cls.folder.name)
+        cls.files = {path.name.split("_")[0]: path for path in pathlib.Path(cls.folder.name).glob("*.deb")}
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    def field(self, package, name):
+        return said("dpkg-deb", "-f", self.files[package], name).strip()
+
+    def contents(self, package):
+        return said("dpkg-deb", "-c", self.files[package])
+
+    def test_four_packages_say_what_they_need(self):
+        self.assertEqual(sorted(self.files), sorted(PACKAGES))
+        for package in PACKAGES:
+            self.assertEqual(self.field(package, "Package"), package)
+            self.assertTrue(self.field(package, "Description"))
+        for package in ("libseaway0", "seaway-server", "seaway-tools"):
+            needed = self.field(package, "Depends")
+            for library in ("libc6 (>=", "libstdc++6 (>=", "libssl3", "libzstd1"):
+                self.assertIn(library, needed, f"{package}: found by dpkg-shlibdeps")
+        self.assertEqual(self.field("libseaway-dev", "Depends"),
+                         f"libseaway0 (= {self.field('libseaway0', 'Version')})")
+        for package in PACKAGES:
+            for line in self.contents(package).splitlines():
+                self.assertRegex(line, r" root/root .* \./(?:usr/|etc/|$|etc$|usr$)", "belongs to root, below usr or etc")
+
+    def test_it_installs_works_and_goes_in_a_bare_root(self):
+        refusal = throwaway_root.refusal()
+        if refusal:
+            print(f"NOT TRIED: to install, run and remove in a root of their own: {refusal}. The packages were "
+                  "built and read alone.", file=sys.stderr)
+            return
+        needed = [name for package in PACKAGES for one in throwaway_root.names(self.field(package, "Depends"))
+                  for name in one if name not in PACKAGES]
+        with tempfile.TemporaryDirectory() as folder:
+            self.root = throwaway_root.Root(folder, [*needed, *COMPILER])
+            before = self.root.files()
+            self.install()
+            self.serve_and_ask()
+            self.remove()
+            self.assertEqual(self.root.files() - before, set(), "is left behind")
+            self.assertEqual(before - self.root.files(), set(), "is gone that was not ours")
+
+    def inside(self, *command, **options):
+        done = self.root.run(*command, **options)
+        self.assertEqual(done.returncode, 0, f"{command}: {done.stdout}{done.stderr}")
+        return done.stdout
+
+    def user(self):
+        return self.root.run("getent", "passwd", "seaway").stdout
+
+    def install(self):
+        for package in PACKAGES:  # a test of its own: without what it says it needs it is refused
+            (self.root.folder / "tmp" / self.files[package].name).write_bytes(self.files[package].read_bytes())
+        refused = self.root.run("dpkg", "-i", f"/tmp/{self.files['libseaway-dev'].name}")
+        self.assertIn("depends on libseaway0", refused.stderr)
+        self.inside("dpkg", "-r", "libseaway-dev")
+        self.inside("dpkg", "-i", *(f"/tmp/{self.files[package].name}" for package in PACKAGES))
+        self.assertEqual(self.inside("dpkg", "--audit"), "")
+        name, _, number, _, _, home, shell = self.user().strip().split(":")
+        self.assertEqual((name, home, shell), ("seaway", "/var/lib/seaway", "/usr/sbin/nologin"))
+        self.assertLess(int(number), 1000, "a user of the system")
+        enabled = self.root.folder / "etc/systemd/system/multi-user.target.wants/seaway-server.service"
+        self.assertTrue(enabled.is_symlink(), "starts with the machine")
+        for path in (self.root.folder / "tmp").glob("*.deb"):
+            path.unlink()
+
+    def serve_and_ask(self):
+        """As the unit has it, but for the port and the folder of the journal that systemd makes."""
+        self.inside("install", "-d", "-o", "seaway", "-g", "seaway", "/var/lib/seaway")
+        self.inside("seaway-server", "/etc/seaway/sea.toml", "--config", "/etc/seaway/seaway-server.toml",
+                    "--check", user="seaway")
+        enter = ["chroot", "--userspec=seaway:seaway", self.root.folder, "seaway-server"]
+        options = ["/etc/seaway/sea.toml", "--device", "native", "--data-dir", "/var/lib/seaway"]
+        program, commands = use_it_in_your_program()
+        with Served([*enter, *options], env=self.root.environment()) as server:
+            (self.root.folder / "tmp/height.c").write_text(program.replace(PORT, server.port))
+            out = [self.inside("sh", "-c", f"cd /tmp && {command}") for command in commands]
+            self.examples_compile_as_they_say(server.port)
+            asked = self.inside("seaway-query", f"ws://127.0.0.1:{server.port}", "--at", "12,-40")
+        self.assertRegex(out[-1], r"^-?\d+\.\d\d m \n$")
+        self.assertIn("12", asked)
+        shutil.rmtree(self.root.folder / "tmp")
+        (self.root.folder / "tmp").mkdir(mode=0o1777)
+        self.assertTrue((self.root.folder / "var/lib/seaway/journal.sqlite").is_file())
+
+    def examples_compile_as_they_say(self, port):
+        """By the command at the head of each; the buoy then floats for a second."""
+        folder = "usr/share/doc/libseaway-dev/examples"
+        for name in ("buoy.c", "ship.cpp", "fleet.cpp"):
+            head = (self.root.folder / folder / name).read_text()
+            command = re.search(r"^(?: \*|//)     (c(?:c|\+\+) .*)$", head, re.M).group(1)
+            self.inside("sh", "-c", f"cp -r /{folder}/. /tmp && cd /tmp && {command}")
+        self.assertIn("time_s,water_m", self.inside("/tmp/buoy", f"ws://127.0.0.1:{port}", "1"))
+
+    def remove(self):
+        scene = self.root.folder / "etc/seaway/sea.toml"
+        scene.write_text(scene.read_text() + "# mine\n")
+        self.inside("dpkg", "-r", *PACKAGES)
+        self.assertTrue(self.user(), "the journal is still somebody's")
+        self.assertTrue((self.root.folder / "var/lib/seaway/journal.sqlite").is_file())
+        self.assertIn("# mine", scene.read_text())
+        self.inside("dpkg", "-P", *PACKAGES)
+        self.assertEqual(self.user(), "")
+        self.assertEqual(self.root.run("getent", "group", "seaway").stdout, "")
+        for path in ("var/lib/seaway", "etc/seaway", "etc/systemd/system/multi-user.target.wants/seaway-server.service"):
+            self.assertFalse((self.root.folder / path).exists(), path)
+        self.assertNotIn("seaway", self.inside("dpkg-query", "-W"))
+
+
+if __name__ == "__main__":
+    unittest.main()

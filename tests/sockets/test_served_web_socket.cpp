@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sockets/served_web_socket.h"
+
+#include <deque>
+#include <optional>
+
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/write.hpp>
+#include <gtest/gtest.h>
+
+#include "sockets/upgrade.h"
+#include "tests/sockets/client_frames.h"
+#include "tests/sockets/pair.h"
+
+namespace seaway::sockets {
+namespace {
+
+namespace asio = boost::asio;
+namespace http = boost::beast::http;
+
+/// The server's end behind its handshake, and a bare socket at the other.
+class ServedWebSocketTest : public ::testing::Test {
+  protected:
+    ServedWebSocketTest() { accept(); }
+
+    void accept(std::chrono::milliseconds patience = std::chrono::seconds(10)) {
+        Upgrade upgrade{{http::verb::get, "/", 11}};
+        upgrade.request.set(http::field::host, "here");
+        upgrade.request.set(http::field::upgrade, "websocket");
+        upgrade.request.set(http::field::connection, "Upgrade");
+        upgrade.request.set(http::field::sec_websocket_version, "13");
+        upgrade.request.set(http::field::sec_websocket_key, "dGhlIHNhbXBsZSBub25jZQ==");
+        server.reset();
+        pair.emplace();
+        server.emplace(std::move(*pair->ends[0]),
+                       WebSocketOptions{.subprotocol = "a.v1",
+                                        .program = "test/1",
+                                        .handshake_patience = std::chrono::seconds(10),
+                                        .idle_patience = patience,
+                                        .message_bytes_max = 100'000,
+                                        .kept_buffer_bytes = 16});
+        bool accepted = false;
+        server->accept(upgrade, [&](const Result<void>& done) { accepted = done.has_value(); });
+        answer.clear();
+        listen();
+        run_until([&] { return accepted && answer.find("\r\n\r\n") != std::string::npos; });
+        answer.erase(0, answer.find("\r\n\r\n") + 4);
+    }
+    ~ServedWebSocketTest() override { server.reset(); }
+
+    template <class Condition>
+    void run_until(Condition condition) {
+        asio::steady_timer deadline(pair->io, std::chrono::seconds(20));
+        bool late = false;
+        deadline.async_wait([&](error_code error) { late = !error; });
+        pair->io.restart();
+        while (!condition() && !late && pair->io.run_one() > 0)
+            continue;
+        EXPECT_FALSE(late);
+        deadline.cancel();
+        pair->io.poll();
+    }
+    /// Everything that the server says, for as long as it does.
+    void listen() {
+        pair->ends[1]->async_read_some(asio::buffer(chunk),
+                                       [this](error_code error, std::size_t bytes) {
+                                           answer.append(chunk.data(), bytes);
+                                           gone = static_cast<bool>(error);
+                                           if (!error)
+                                               listen();
+                                       });
+    }
+    void say(const FrameBytes& bytes) {
+        sent.push_back(bytes);
+        asio::async_write(*pair->ends[1], asio::buffer(sent.back()),
+                          [](error_code, std::size_t) {});
+    }
+    void read_all() {
+        server->read([this](const Result<ServedWebSocket::Message>& message) {
+            if (!message) {
+                end = message.error();
+                return;
+            }
+            heard.emplace_back(message->bytes.begin(), message->bytes.end());
+            if (heard.size() < read_max)
+                read_all();
+        });
+    }
+
+    std::optional<Pair> pair;
+    std::optional<ServedWebSocket> server;
+    std::deque<FrameBytes> sent;
+    std::array<char, 4096> chunk{};
+    std::string answer;
+    bool gone = false;
+    std::vector<FrameBytes> heard;
+    std::size_t read_max = 1'000'000;
+    std::optional<Error> end;
+};
+
+TEST_F(ServedWebSocketTest, many_messages_of_one_arrival_are_read_one_by_one_when_they_are_wanted) {
+    FrameBytes together;
+    for (int i = 0; i < 1000; ++i) // 27 KB: more than one arrival holds
+        append_client_frame(together, FrameBytes(20, static_cast<std::uint8_t>(i)));
+    read_max = 3;
+    read_all();
+    say(together);
+    run_until([&] { return heard.size() == 3; });
+    pair->io.restart();
+    pair->io.run_for(std::chrono::milliseconds(50));
+    EXPECT_EQ(heard.size(), 3u) << "nobody asked for the fourth";
+    read_max = 1000;
+    read_all();
+    run_until([&] { return heard.size() == 1000; });
+    for (std::size_t i = 0; i < heard.size(); ++i)
+        ASSERT_EQ(heard[i], FrameBytes(20, static_cast<std::uint8_t>(i)));
+}
+
+TEST_F(ServedWebSocketTest, a_large_message_comes_whole_in_many_arrivals) {
+    FrameBytes large(100'000);
+    for (std::size_t i = 0; i < large.size(); ++i)
+        large[i] = static_cast<std::uint8_t>(i % 251);
+    read_all();
+    say(client_frame(large));
+    run_until([&] { return heard.size() == 1; });
+    EXPECT_EQ(heard[0], large);
+}
+
+TEST_F(ServedWebSocketTest, pings_are_answered_with_what_they_say) {
+    read_all();
+    say(client_frame(FrameBytes{'o', 'n', 'e'}, {.opcode = 9}));
+    const std::string pong("\x8a\x03one", 5);
+    run_until([&] { return answer.size() >= pong.size(); });
+    EXPECT_EQ(answer, pong);
+}
+
+// RFC 6455, 5.5.3: the last ping is the one that must be answered; what waits for a peer that reads nothing is one pong.
+TEST_F(ServedWebSocketTest, a_flood_of_pings_to_which_nobody_listens_leaves_one_answer_waiting) {
+    const FrameBytes message(90'000, 'm');
+    const std::vector<std::span<const std::uint8_t>> spans(300,
+                                                           message); // 27 MB: no socket takes it
+    bool written = false;
+    ASSERT_FALSE(server->begin(spans));
+    server->finish([&](const Result<void>&) { written = true; });
+    FrameBytes pings;
+    for (int i = 0; i < 5000; ++i)
+        append_client_frame(pings, FrameBytes{'p', static_cast<std::uint8_t>('0' + i % 10)},
+                            {.opcode = 9});
+    append_client_frame(pings, FrameBytes{'x'});
+    read_all();
+    say(pings);
+    run_until([&] { return written && heard.size() == 1 && answer.ends_with("p9"); });
+    std::size_t pongs = 0;
+    for (std::size_t at = answer.find("\x8a\x02p"); at != std::string::npos;
+         at = answer.find("\x8a\x02p", at + 1))
+        ++pongs;
+    EXPECT_LE(pongs, 5000u / 600u) << "a few for each arrival, not one for each ping";
+}
+
+TEST_F(ServedWebSocketTest, who_closes_is_answered_with_the_same_code_and_the_stream_ends) {
+    read_all();
+    say(client_frame(FrameBytes{0x03, 0xe9, 'b', 'y', 'e'}, {.opcode = 8}));
+    run_until([&] { return end.has_value(); });
+    EXPECT_TRUE(end->is(WebSocketEnd::closed));
+    EXPECT_EQ(server->peer_close().code, 1001u);
+    EXPECT_EQ(server->peer_close().reason, "bye");
+    bool left = false;
+    server->leave([&] { left = true; });
+    run_until([&] { return gone; });
+    EXPECT_EQ(answer, std::string("\x88\x02\x03\xe9", 4));
+    EXPECT_FALSE(left) << "the peer is still there";
+    pair->ends[1]->close();
+    run_until([&] { return left; });
+}
+
+TEST_F(ServedWebSocketTest, what_is_not_understood_is_told_so_by_its_code) {
+    read_all();
+    say({0x82, 0x01, 0x00});
+    run_until([&] { return end.has_value(); });
+    EXPECT_TRUE(end->is(WebSocketEnd::not_understood)) << end->message;
+    server->leave([] {});
+    run_until([&] { return gone; });
+    EXPECT_EQ(answer, std::string("\x88\x02\x03\xea", 4)); // 1002
+}
+
+TEST_F(ServedWebSocketTest, a_peer_that_says_nothing_is_pinged_and_given_up) {
+    accept(std::chrono::milliseconds(200));
+    read_all();
+    run_until([&] { return end.has_value(); });
+    EXPECT_TRUE(end->is(WebSocketEnd::silent)) << end->message;
+    EXPECT_EQ(answer, std::string("\x89\x00", 2)) << "one ping";
+}
+
+TEST_F(ServedWebSocketTest, who_is_not_listened_to_is_not_silent) {
+    accept(std::chrono::milliseconds(100));
+    pair->io.restart();
+    pair->io.run_for(std::chrono::milliseconds(400));
+    read_all();
+    say(client_frame(FrameBytes{'h'}));
+    run_until([&] { return end || !heard.empty(); });
+    EXPECT_FALSE(end);
+}
+
+TEST_F(ServedWebSocketTest, a_peer_that_is_gone_ends_what_is_read) {
+    read_all();
+    pair->ends[1]->close();
+    run_until([&] { return end.has_value(); });
+    EXPECT_TRUE(end->is(WebSocketEnd::broken)) << end->message;
+}
+
+// Closed while it reads: the reader is told, and nothing keeps the loop from its end.
+TEST_F(ServedWebSocketTest, what_is_under_way_when_it_is_closed_ends_with_an_error) {
+    read_all();
+    server->socket().close();
+    EXPECT_FALSE(end) << "never within the call";
+    run_until([&] { return end.has_value(); });
+    EXPECT_TRUE(end->is(WebSocketEnd::broken)) << end->message;
+}
+
+} // namespace
+} // namespace seaway::sockets

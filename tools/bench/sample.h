@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// `seaway-bench sample`: what answers from maps that are held cost on one thread, by how many are asked for at once, whether
+// they share a time, and what of them is wanted. docs/performance.md shows it.
+#pragma once
+
+#include <string>
+
+#include "base/result.h"
+
+namespace seaway::bench {
+
+struct SampleOptions {
+    std::string scene = "scenes/north_sea_gale.toml";
+    double seconds = 1;          ///< that each row is measured for
+    std::string kernel = "best"; ///< or portable
+};
+
+/// Prints a row a way of asking: median and 99 % of the CPU time that a batch takes, divided by its
+/// points, and points a second. Single points are timed sixteen at a time. Places are scattered
+/// over 20 km and new in each batch, as its time is; "warm" is one place asked again and again.
+Result<void> run_sample(const SampleOptions& options);
+
+} // namespace seaway::bench
