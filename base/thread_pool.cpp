@@ -40,11 +40,20 @@ ThreadPool::ThreadPool(int threads) {
     if (threads == 0)
         threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
     workers_.reserve(static_cast<std::size_t>(threads - 1));
-    for (int worker = 1; worker < threads; ++worker)
-        workers_.emplace_back([this, worker] { serve(worker); });
+    try {
+        for (int worker = 1; worker < threads; ++worker)
+            workers_.emplace_back([this, worker] { serve(worker); });
+    } catch (...) { // those that there are wait for work, and nobody would join them
+        end();
+        throw;
+    }
 }
 
 ThreadPool::~ThreadPool() {
+    end();
+}
+
+void ThreadPool::end() {
     {
         const std::lock_guard lock(mutex_);
         stop_ = true;

@@ -40,7 +40,8 @@ int awaited_phase(std::span<const Phase> phases, std::size_t index);
 
 class ThreadPool {
   public:
-    /// `threads` counts the caller; 0 takes what the machine runs at once.
+    /// `threads` counts the caller; 0 takes what the machine runs at once. Throws std::system_error, and leaves no thread
+    /// behind, where the system gives fewer.
     explicit ThreadPool(int threads = 0);
     ~ThreadPool();
     ThreadPool(const ThreadPool&) = delete;
@@ -50,6 +51,7 @@ class ThreadPool {
     void run(std::span<const Phase> phases);
 
   private:
+    void end();
     void work(int worker);
     void serve(int worker);
 

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <exception>
 #include <memory>
+#include <system_error>
 #include <variant>
 
 #include <malloc.h>
@@ -214,8 +215,8 @@ int list_devices() {
 
 int main(int argc, char** argv) {
     using namespace seaway::server;
-    set_log_format("text");
     try {
+        set_log_format("text");
         const auto options = read_options(argc, argv);
         if (const int* code = std::get_if<int>(&options))
             return *code;
@@ -224,6 +225,15 @@ int main(int argc, char** argv) {
         if (wanted.device == "list")
             return list_devices();
         return wanted.check ? check(wanted) : serve(wanted);
+    } catch (const std::system_error& error) {
+        if (error.code() != std::errc::resource_unavailable_try_again)
+            return give_up(exit_usage, error.what());
+        return give_up(
+            exit_usage,
+            "the system gives it no further thread: more are needed than a limit of processes "
+            "leaves "
+            "(ulimit -u, TasksMax= of its unit, pids.max of its group), or memory for their stacks "
+            "(ulimit -v); --answer-threads 1 --io-threads 1 needs the fewest");
     } catch (const std::exception& error) {
         spdlog::critical("{}", error.what());
         return 1;

@@ -155,11 +155,11 @@ std::variant<QueryOptions, int> read_query_options(int argc, const char* const* 
         .shows_default();
     line.option("--exact", options.exact, "The server sums all waves directly, in double");
     line.option("--local", options.local, "This client answers, the server only sends");
-    line.option(
-            "--from", words.source,
-            "With --local: from streamed tiles, or from the waves of the server's scene, made here "
-            "and held against the server's probes")
-        .takes("tiles|scene")
+    line.option("--from", words.source,
+                "With --local: from streamed tiles, from the waves as the server sends them, or "
+                "from the "
+                "waves of its scene, made here; waves are held against the server's probes")
+        .takes("tiles|spectrum|scene")
         .shows_default();
     line.option("--format", words.format, "How rows are written")
         .takes("table|json|csv")

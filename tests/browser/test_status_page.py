@@ -140,6 +140,7 @@ class StatusPage(unittest.TestCase):
             page.wait_for("document.getElementById('says').innerText.includes('not the token')")
             enter("open sesame")
             page.wait_for(LIVE)
+            self.assertEqual(page.value("getComputedStyle(document.getElementById('door')).display"), "none")
             self.assertNotIn("sesame", page.value("location.href + document.documentElement.outerHTML"))
 
     def test_a_calm_sea_is_shown_and_a_server_that_goes_is_told_of(self):

@@ -329,6 +329,12 @@ TEST_F(Program, a_full_disk_behind_standard_output_ends_it) {
     }
 }
 
+TEST_F(Program, its_help_names_each_source) {
+    const Outcome outcome = run_program("--help");
+    EXPECT_EQ(outcome.exit_code, 0);
+    EXPECT_NE(outcome.out.find("--from tiles|spectrum|scene"), std::string::npos) << outcome.out;
+}
+
 // Naive: 1e12 s in nanoseconds is no number of them, and every beat is over already.
 TEST_F(Program, the_slowest_watch_waits_for_its_second_beat) {
     const Outcome outcome =

@@ -3,11 +3,13 @@
 // may end, the process goes on.
 #include <filesystem>
 #include <fstream>
+#include <system_error>
 #include <thread>
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
+#include "base/thread_pool.h"
 #include "protocol/messages.h"
 #include "tests/server/net/clients.h"
 #include "tests/support/metrics_page.h"
@@ -110,6 +112,51 @@ TEST_F(Scarcity, a_map_for_which_there_is_no_thread_is_refused_and_the_process_g
         status = tests::ask_http(port, map, "GET").status;
     EXPECT_EQ(status, 200);
     serves_on();
+}
+
+// Limits of processes do not hold for root, who becomes somebody else first; with nobody else's processes to count, each
+// limit is met by another of the threads that a start makes. Others have processes enough to be over a limit of one.
+TEST(Threads, a_start_that_gets_too_few_says_so_and_ends_with_exit_code_2) {
+    const bool is_root = geteuid() == 0;
+    const int most = is_root ? 64 : 1; // a start makes a dozen, and as many as there are cores
+    int refused = 0;
+    bool served = false;
+    for (int limit = 1; limit <= most && !served; ++limit) {
+        std::vector<std::string> words;
+        if (is_root)
+            words = {"--ruid=61234", "--bounding-set=-sys_resource,-sys_admin", "prlimit"};
+        words.insert(words.end(), {"--nproc=" + std::to_string(limit),
+                                   SEAWAY_BIN_DIR "/seaway-server", "scenes/calm.toml", "--device",
+                                   "native", "--listen", "127.0.0.1:0", "--answer-threads", "2"});
+        tests::ServerProcess server(words, -1, is_root ? "/usr/bin/setpriv" : "/usr/bin/prlimit");
+        served = !server.wait_until_ready().empty();
+        if (served) {
+            server.send(SIGTERM);
+            EXPECT_EQ(server.wait_for_exit(std::chrono::seconds(30)), 0) << server.log();
+            break;
+        }
+        EXPECT_EQ(server.wait_for_exit(std::chrono::seconds(30)), 2) << limit << server.log();
+        EXPECT_NE(server.log().find("the system gives it no further thread"), std::string::npos)
+            << limit << server.log();
+        ++refused;
+    }
+    EXPECT_GE(refused, is_root ? 8 : 1) << "a server has more threads than that";
+    EXPECT_EQ(served, is_root) << "enough are enough";
+}
+
+// Threads that nobody joins end the process. A stack takes 8 MiB of addresses.
+TEST(Threads, a_pool_that_gets_too_few_leaves_none_behind) {
+    std::ifstream statm("/proc/self/statm");
+    rlim_t pages = 0;
+    statm >> pages;
+    rlimit before{};
+    ASSERT_EQ(getrlimit(RLIMIT_AS, &before), 0);
+    const rlimit limit{pages * static_cast<rlim_t>(sysconf(_SC_PAGESIZE)) + (512u << 20),
+                       before.rlim_max};
+    ASSERT_EQ(setrlimit(RLIMIT_AS, &limit), 0);
+    EXPECT_THROW(ThreadPool(1000), std::system_error);
+    ASSERT_EQ(setrlimit(RLIMIT_AS, &before), 0);
+    EXPECT_EQ(ThreadPool(4).threads(), 4);
 }
 
 } // namespace
