@@ -1,82 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 // The C interface over Client. Every function catches what the library throws: no exception leaves.
-// What the header declares is seen from outside the library, where all else is hidden.
-#pragma GCC visibility push(default)
-#include "client/seaway.h"
-#pragma GCC visibility pop
-
 #include <algorithm>
 #include <cstring>
-#include <exception>
-#include <mutex>
-#include <new>
-#include <string>
 
 #include <fmt/format.h>
 
-#include "client/client.h"
-#include "client/link/failure.h"
+#include "client/c_api.h"
 #include "protocol/limits.h"
 
 using namespace seaway;
 using namespace seaway::client;
-
-struct seaway_client {
-    std::mutex watch_mutex; ///< held while it is called
-    seaway_status_watch watch = nullptr;
-    void* user = nullptr;
-    std::unique_ptr<Client> client; ///< first to go: its events call watch
-};
-
-// The two structs are the library's own ones, field for field, so that points need no copy.
-static_assert(sizeof(seaway_point) == sizeof(sea::QueryPoint) &&
-              offsetof(seaway_point, y_m) == offsetof(sea::QueryPoint, y_m) &&
-              offsetof(seaway_point, time_us) == offsetof(sea::QueryPoint, time_us));
+using namespace seaway::client::c;
 
 namespace {
 
-constexpr double timeout_default_s = 10;
 constexpr double look_back_max_s = 60;
-
-thread_local std::string last_error;
-
-seaway_code fail(seaway_code code, std::string why) {
-    last_error = std::move(why);
-    return code;
-}
-
-seaway_code fail(const Error& error) {
-    const int code = static_cast<int>(failure_of(error));
-    return fail(code > SEAWAY_OK && code < SEAWAY_INTERNAL ? static_cast<seaway_code>(code)
-                                                           : SEAWAY_INTERNAL,
-                error.message);
-}
-
-/// Runs a body that returns a Result<void>; nothing may be thrown into C.
-template <class Body>
-seaway_code guarded(const Body& body) {
-    try {
-        last_error.clear();
-        const Result<void> done = body();
-        return done ? SEAWAY_OK : fail(done.error());
-    } catch (const std::bad_alloc&) {
-        return fail(SEAWAY_INTERNAL, "out of memory");
-    } catch (const std::exception& problem) {
-        return fail(SEAWAY_INTERNAL, problem.what());
-    }
-}
-
-Error bad(std::string why) {
-    return failed(Failure::bad_argument, std::move(why));
-}
-
-double or_default(double timeout_s) {
-    return timeout_s == 0 ? timeout_default_s : timeout_s;
-}
-
-bool timeout_fits(double timeout_s) {
-    return timeout_s >= 0 && timeout_s <= 86400; // false for NaN
-}
 
 /// 0, or within a range.
 bool limit_fits(double limit, double least, double most) {
@@ -85,24 +23,6 @@ bool limit_fits(double limit, double least, double most) {
 
 std::string text(const char* given, std::string otherwise) {
     return given ? std::string(given) : std::move(otherwise);
-}
-
-std::span<const sea::QueryPoint> as_points(const seaway_point* points, size_t count) {
-    return {reinterpret_cast<const sea::QueryPoint*>(points), count};
-}
-
-void put(std::span<const sea::Answer> answers, seaway_answer* out) {
-    for (const sea::Answer& answer : answers) {
-        out->height_m = answer.height_m;
-        for (int axis = 0; axis < 3; ++axis) {
-            out->normal[axis] = answer.normal[axis];
-            out->velocity_mps[axis] = answer.velocity_mps[axis];
-        }
-        out->error_m = answer.error_m;
-        out->flags = answer.flags;
-        out->reserved = 0;
-        ++out;
-    }
 }
 
 seaway_status as_c(const ClientStatus& from) {
@@ -125,6 +45,7 @@ seaway_status as_c(const ClientStatus& from) {
 ClientEvents events_of(seaway_client& client) {
     ClientEvents events;
     events.on_status = [&client](const ClientStatus& status) {
+        client.questions->status_changed();
         const std::scoped_lock lock(client.watch_mutex);
         if (!client.watch)
             return;

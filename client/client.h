@@ -41,6 +41,7 @@
 #include "client/link/connection.h"
 #include "client/link/reconnect.h"
 #include "client/local_surface.h"
+#include "client/looks.h"
 #include "client/rebuilt/gliding_sea.h"
 #include "client/rebuilt/rebuilt_sea.h"
 #include "client/rebuilt/received_spectrum.h"
@@ -125,6 +126,18 @@ class Client {
     /// server's probes; from then on its points are answered from its waves. Blocks, never asks the server.
     /// Errors: rebuild_from_scene().
     Result<void> rebuild(sea::TimeUs time_us);
+
+    /// Where sample() of this time has its answers from.
+    SourceNow source(sea::TimeUs time_us) const;
+
+    /// sample() with all that is known of a point, of some of the waves (looks.h). Errors as sample().
+    Result<std::vector<Water>> look(std::span<const sea::QueryPoint> points,
+                                    const Looking& looking) const;
+
+    /// A whole map of a cascade from the keyframes held, at any time that they cover or come near. An error (not_held): there
+    /// are none with these fields; bad_argument: the sea has no such cascade.
+    Result<CascadeMap> map(int cascade, sea::TimeUs time_us,
+                           std::span<const std::optional<sea::Field>> channels) const;
 
     /// The surface around a time from what is held: for renderers and for many points.
     Result<LocalSurface> surface(sea::TimeUs time_us) const;
@@ -224,6 +237,11 @@ class Client {
     bool seas_are(std::span<const std::pair<sea::TimeUs, SeaStatePtr>> expected) const;
     /// Null: this client has not the waves of that sea; of a glide, not those of both of its ends.
     OwnSeaPtr own_sea(const SeaStatePtr& state) const;
+    /// Of its waves those of some cascades.
+    std::shared_ptr<const RebuiltSea> felt_sea(const OwnSeaPtr& waves, const SeaState& state,
+                                               std::uint32_t cascades, sea::TimeUs time_us) const;
+    Result<void> look_at(std::span<const sea::QueryPoint> points, const Looking& looking,
+                         std::span<Water> water) const; ///< all of one time
     /// The same with mutex_ held; `depth` more glides may lead there.
     OwnSeaPtr own_sea_held(const SeaStatePtr& state, int depth) const;
     /// mutex_ held. Of now, by the estimate alone.
@@ -268,6 +286,14 @@ class Client {
         OwnSeaPtr sea;
     };
     mutable std::map<std::uint32_t, Glide> glides_; ///< likewise
+    /// What felt_sea() made last.
+    struct Felt {
+        OwnSeaPtr of;
+        std::uint32_t cascades = 0;
+        sea::TimeUs time_us = 0;
+        std::shared_ptr<const RebuiltSea> sea;
+    };
+    mutable Felt felt_;
     sea::FieldSet not_offered_;
     std::optional<Grant> grant_;
     std::vector<Wanted*> wanted_;

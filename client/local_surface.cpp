@@ -119,11 +119,14 @@ sea::MapError local_map_error(const SeaState& state, std::span<const KeyframePai
 }
 
 Result<LocalSurface> local_surface(const SeaState& state, const KeyframeRing& ring,
-                                   sea::TimeUs time_us, sea::FieldSet fields) {
+                                   sea::TimeUs time_us, sea::FieldSet fields,
+                                   std::uint32_t cascades) {
     std::vector<KeyframePair> pairs;
     std::vector<sea::SplinePair> splines;
     bool covered = true;
     for (std::size_t c = 0; c < state.cascades.size(); ++c) {
+        if (!(cascades >> c & 1u))
+            continue;
         std::optional<KeyframePair> pair = ring.around(static_cast<int>(c), state.epoch, time_us,
                                                        state.cascades[c].interval_us, fields);
         if (!pair || !pair->before->can_be_sampled() || !pair->after->can_be_sampled())

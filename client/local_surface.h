@@ -8,6 +8,7 @@
 // Pure but for the ring that is read; thread-safe.
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -26,9 +27,10 @@ struct LocalSurface {
 };
 
 /// The surface around one time. `fields`: what keyframes must hold to be used. An error (not_held)
-/// names the cascade of which nothing is held.
+/// names the cascade of which nothing is held. `cascades`: of these alone, a bit each.
 Result<LocalSurface> local_surface(const SeaState& state, const KeyframeRing& ring,
-                                   sea::TimeUs time_us, sea::FieldSet fields);
+                                   sea::TimeUs time_us, sea::FieldSet fields,
+                                   std::uint32_t cascades = 0xffffffffu);
 
 /// Are keyframes held on both sides of this time, of every cascade? If so, then for the whole of
 /// its time_cell().

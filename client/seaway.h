@@ -9,6 +9,8 @@
  * network.
  * Both state a bound on the error of every height, and agree within it.
  *
+ * Maps for textures, foam, displacements, questions without waiting: client/seaway_engine.h.
+ *
  * Threads: every function may be called from any thread at any time, also several at once for one
  * client; only seaway_disconnect must be the last call for its client. "Blocks" is said where a
  * call waits for the network. No function keeps a pointer that it is given.
@@ -60,7 +62,8 @@ typedef enum seaway_code {
     SEAWAY_DEADLINE = 5,       /* no reply in time; the connection goes on */
     SEAWAY_NOT_HELD =
         6, /* no keyframes around this time: subscribe, seaway_hold, or wait for the server */
-    SEAWAY_INTERNAL = 7 /* out of memory, or a bug */
+    SEAWAY_INTERNAL = 7, /* out of memory, or a bug */
+    SEAWAY_PENDING = 8   /* of seaway_take_answers: no reply yet */
 } seaway_code;
 
 /* Why the last call of this thread failed; "" after none. Valid until its next call. */

@@ -43,7 +43,7 @@ install(DIRECTORY looks DESTINATION ${CMAKE_INSTALL_DATADIR}/seaway COMPONENT to
 # ---- library and development -------------------------------------------------------------------
 install(TARGETS seaway_shared EXPORT seaway_targets
   LIBRARY DESTINATION ${libdir} COMPONENT library NAMELINK_COMPONENT development)
-install(FILES client/seaway.h client/seaway.hpp client/buoyancy.h client/buoyancy_hull.h client/buoyancy_obj.h
+install(FILES client/seaway.h client/seaway.hpp client/seaway_engine.h client/buoyancy.h client/buoyancy_hull.h client/buoyancy_obj.h
   client/buoyancy_panel.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/seaway
   COMPONENT development)
 install(EXPORT seaway_targets FILE seaway-targets.cmake NAMESPACE seaway::

@@ -2,6 +2,7 @@
 /* The headers and a program that uses them must be plain C. */
 #include "client/buoyancy.h"
 #include "client/seaway.h"
+#include "client/seaway_engine.h"
 
 /* The worked example of the header, one frame of it. */
 seaway_code one_frame_in_c(const char* url, seaway_answer* water) {
@@ -34,4 +35,35 @@ seaway_code one_step_in_c(seaway_client* client, seaway_body* box) {
     hull.triangle_count = 12;
     return seaway_hull_ride(&hull, box, seaway_water_of_client, client, seaway_now_us(client),
                             1.0 / 60, points, answers);
+}
+
+/* The worked example of seaway_engine.h. */
+seaway_code one_map_in_c(seaway_client* client, float* texels, size_t bytes, seaway_map* map) {
+    seaway_wish wish = SEAWAY_SIZED(seaway_wish);
+    seaway_grant grant = SEAWAY_SIZED(seaway_grant);
+    seaway_map_wish wanted = SEAWAY_SIZED(seaway_map_wish);
+    seaway_code code;
+    wish.fields = SEAWAY_SURFACE_FIELDS | SEAWAY_BIT(SEAWAY_FOAM);
+    wish.error_m = 0.05;
+    code = seaway_subscribe_to(client, &wish, &grant);
+    if (code != SEAWAY_OK)
+        return code;
+    wanted.time_us = seaway_now_us(client);
+    wanted.channels = 4;
+    wanted.field[0] = SEAWAY_DISPLACEMENT_X;
+    wanted.field[1] = SEAWAY_DISPLACEMENT_Y;
+    wanted.field[2] = SEAWAY_HEIGHT;
+    wanted.field[3] = SEAWAY_NO_FIELD;
+    return seaway_get_map(client, &wanted, texels, bytes, map);
+}
+
+/* A question whose answer is taken later: as a loop of frames does it. */
+seaway_code one_question_in_c(seaway_client* client, seaway_answer* water) {
+    const seaway_point keel = {12.0, -40.0, seaway_now_us(client)};
+    seaway_event event = SEAWAY_SIZED(seaway_event);
+    uint64_t question = 0;
+    seaway_code code = seaway_ask(client, &keel, 1, 0, 0, &question);
+    while (code == SEAWAY_OK && !(event.kind == SEAWAY_ANSWERED && event.question == question))
+        code = seaway_poll(client, 0.01, &event);
+    return code == SEAWAY_OK ? seaway_take_answers(client, question, water, 1) : code;
 }

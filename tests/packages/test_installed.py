@@ -31,8 +31,9 @@ def said(*command, **options):
 
 
 def declared_functions():
-    """Of the C header; what stands in its comments is none."""
-    text = re.sub(r"/\*.*?\*/", "", (ROOT / "client/seaway.h").read_text(), flags=re.S)
+    """Of the C headers; what stands in their comments is none."""
+    headers = "".join((ROOT / "client" / name).read_text() for name in ("seaway.h", "seaway_engine.h"))
+    text = re.sub(r"/\*.*?\*/", "", headers, flags=re.S)
     return set(re.findall(r"\b(seaway_\w+)\s*\([^;{]*\)\s*;", text)) - set(re.findall(r"typedef[^;]*?(seaway_\w+)\)", text))
 
 
@@ -72,6 +73,7 @@ class Installed(unittest.TestCase):
 
     def test_headers_are_c99_and_cpp17_without_this_repository(self):
         for compiler, standard, header in (("cc", "c99", "seaway.h"), ("cc", "c99", "buoyancy.h"),
+                                           ("cc", "c11", "seaway_engine.h"), ("c++", "c++17", "seaway_engine.h"),
                                            ("c++", "c++17", "seaway.hpp"), ("c++", "c++17", "buoyancy.h")):
             said(compiler, f"-std={standard}", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-fsyntax-only", "-x",
                  "c++" if "++" in compiler else "c", f"-I{self.prefix}/include", "-",

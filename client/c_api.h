@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the files of the C interface share: a client, and how results become codes. Not for programs: they see seaway.h.
+#pragma once
+
+// What the headers declare is seen from outside the library, where all else is hidden.
+#pragma GCC visibility push(default)
+#include "client/seaway.h"
+#include "client/seaway_engine.h"
+#pragma GCC visibility pop
+
+#include <algorithm>
+#include <cstring>
+#include <exception>
+#include <memory>
+#include <mutex>
+#include <new>
+#include <span>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "client/client.h"
+#include "client/link/failure.h"
+#include "client/questions.h"
+
+struct seaway_client {
+    std::shared_ptr<seaway::client::Questions> questions =
+        std::make_shared<seaway::client::Questions>();
+    std::mutex watch_mutex; ///< held while it is called
+    seaway_status_watch watch = nullptr;
+    void* user = nullptr;
+    std::unique_ptr<seaway::client::Client>
+        client; ///< first to go: its events call watch and questions
+};
+
+// The two structs are the library's own ones, field for field, so that points need no copy.
+static_assert(sizeof(seaway_point) == sizeof(seaway::sea::QueryPoint) &&
+              offsetof(seaway_point, y_m) == offsetof(seaway::sea::QueryPoint, y_m) &&
+              offsetof(seaway_point, time_us) == offsetof(seaway::sea::QueryPoint, time_us));
+
+namespace seaway::client::c {
+
+inline constexpr double timeout_default_s = 10;
+inline thread_local std::string last_error;
+
+inline seaway_code fail(seaway_code code, std::string why) {
+    last_error = std::move(why);
+    return code;
+}
+
+inline seaway_code fail(const Error& error) {
+    const int code = static_cast<int>(failure_of(error));
+    return fail(code > SEAWAY_OK && code < SEAWAY_INTERNAL ? static_cast<seaway_code>(code)
+                                                           : SEAWAY_INTERNAL,
+                error.message);
+}
+
+/// Runs a body that returns a Result<void>; nothing may be thrown into C.
+template <class Body>
+seaway_code guarded(const Body& body) {
+    try {
+        last_error.clear();
+        const Result<void> done = body();
+        return done ? SEAWAY_OK : fail(done.error());
+    } catch (const std::bad_alloc&) {
+        return fail(SEAWAY_INTERNAL, "out of memory");
+    } catch (const std::exception& problem) {
+        return fail(SEAWAY_INTERNAL, problem.what());
+    }
+}
+
+inline Error bad(std::string why) {
+    return failed(Failure::bad_argument, std::move(why));
+}
+
+inline double or_default(double timeout_s) {
+    return timeout_s == 0 ? timeout_default_s : timeout_s;
+}
+
+inline bool timeout_fits(double timeout_s) {
+    return timeout_s >= 0 && timeout_s <= 86400; // false for NaN
+}
+
+inline std::span<const sea::QueryPoint> as_points(const seaway_point* points, size_t count) {
+    return {reinterpret_cast<const sea::QueryPoint*>(points), count};
+}
+
+inline void put(std::span<const sea::Answer> answers, seaway_answer* out) {
+    for (const sea::Answer& answer : answers) {
+        out->height_m = answer.height_m;
+        for (int axis = 0; axis < 3; ++axis) {
+            out->normal[axis] = answer.normal[axis];
+            out->velocity_mps[axis] = answer.velocity_mps[axis];
+        }
+        out->error_m = answer.error_m;
+        out->flags = answer.flags;
+        out->reserved = 0;
+        ++out;
+    }
+}
+
+/// What a caller gave that may know an older or a newer library: what it has not got is 0, and what this library does not
+/// know must be. `least`: bytes that the first version had.
+template <class Struct>
+Result<Struct> sized(const Struct* given, std::size_t least, const char* name) {
+    Struct made{};
+    if (!given)
+        return made;
+    if (given->size < least)
+        return bad(fmt::format("{}: size must be sizeof({})", name, name));
+    const auto* bytes = reinterpret_cast<const unsigned char*>(given);
+    for (std::size_t i = sizeof(Struct); i < given->size; ++i)
+        if (bytes[i] != 0)
+            return bad(fmt::format("{}: this library does not know what is set at its byte {}: "
+                                   "its own has {}",
+                                   name, i, sizeof(Struct)));
+    std::memcpy(&made, given, std::min<std::size_t>(given->size, sizeof(Struct)));
+    return made;
+}
+
+/// Has the caller room for it? `least`: bytes that the first version had.
+template <class Struct>
+Result<void> has_room(const Struct* to, std::size_t least, const char* name) {
+    if (!to)
+        return bad(fmt::format("{} must not be null", name));
+    if (to->size < least)
+        return bad(fmt::format("{}: size must be sizeof({})", name, name));
+    return {};
+}
+
+/// Fills in as much as the caller has room for.
+template <class Struct>
+Result<void> give(Struct value, Struct* to, std::size_t least, const char* name) {
+    SEAWAY_TRY(has_room(to, least, name));
+    value.size = static_cast<uint32_t>(std::min<std::size_t>(to->size, sizeof(Struct)));
+    std::memcpy(to, &value, value.size);
+    return {};
+}
+
+} // namespace seaway::client::c

@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: Apache-2.0
+// Client: what engines ask beside heights (looks.h).
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "client/client.h"
+#include "client/link/failure.h"
+#include "sea/surface/budget/error_budget.h"
+
+namespace seaway::client {
+
+using sea::TimeUs;
+using sea::Vec2;
+
+namespace {
+
+/// Of the waves of a sea those of some cascades.
+sea::RealizationPtr only(const sea::RealizationPtr& waves, std::uint32_t cascades) {
+    auto some = std::make_shared<sea::Realization>(*waves);
+    some->cascades.clear();
+    for (std::size_t c = 0; c < waves->cascades.size(); ++c)
+        if (cascades >> c & 1u)
+            some->cascades.push_back(waves->cascades[c]);
+    return some;
+}
+
+double sideways(const sea::Choppiness& choppiness) {
+    return std::max(choppiness.x, choppiness.y);
+}
+
+/// A sea of which nothing is felt.
+void lie_flat(const sea::QueryPoint& point, Water& water) {
+    if (std::isfinite(point.x_m) && std::isfinite(point.y_m))
+        return;
+    const double nan = std::nan("");
+    water.answer = {nan, {nan, nan, nan}, {nan, nan, nan}, nan, sea::answer_invalid};
+    water.displacement_m[0] = water.displacement_m[1] = water.jacobian = nan;
+}
+
+std::uint32_t all_cascades(const SeaState& state) {
+    return (1u << state.cascades.size()) - 1u;
+}
+
+} // namespace
+
+SourceNow Client::source(TimeUs time_us) const {
+    return of_one_sea([&]() -> SourceNow {
+        const SeaStatePtr state = sea_state(time_us);
+        if (own_sea(state)) {
+            const std::scoped_lock lock(mutex_);
+            if (rebuilt_.contains(state->epoch))
+                return {AnswersFrom::parameters,
+                        "the sea was made here from its scene and agrees with the server's probes"};
+            return {AnswersFrom::spectrum, "the server sent the waves themselves"};
+        }
+        const Result<LocalSurface> tiles = local_surface(*state, ring_, time_us, sampled_fields());
+        if (!tiles)
+            return {AnswersFrom::server, tiles.error().message};
+        if (!tiles->covers)
+            return {AnswersFrom::tiles,
+                    "keyframes are held, but not on both sides of this time: answers are flagged "
+                    "as extrapolated"};
+        return {AnswersFrom::tiles, "keyframes are held on both sides of this time, and no waves"};
+    });
+}
+
+std::shared_ptr<const RebuiltSea> Client::felt_sea(const OwnSeaPtr& waves, const SeaState& state,
+                                                   std::uint32_t cascades, TimeUs time_us) const {
+    const auto steady = std::dynamic_pointer_cast<const RebuiltSea>(waves);
+    if (steady && cascades == all_cascades(state))
+        return steady;
+    {
+        const std::scoped_lock lock(mutex_);
+        if (felt_.of == waves && felt_.cascades == cascades && (steady || felt_.time_us == time_us))
+            return felt_.sea;
+    }
+    auto made = std::make_shared<const RebuiltSea>(only(waves->waves_at(time_us), cascades), state,
+                                                   waves->error());
+    const std::scoped_lock lock(mutex_);
+    felt_ = {waves, cascades, time_us, made};
+    return made;
+}
+
+Result<void> Client::look_at(std::span<const sea::QueryPoint> points, const Looking& looking,
+                             std::span<Water> water) const {
+    const TimeUs time_us = points.front().time_us;
+    const SeaStatePtr state = sea_state(time_us);
+    const std::uint32_t cascades = felt_cascades(*state, looking);
+    const HeldFoam foam(*state, ring_, time_us);
+    const auto put = [&](const sea::InverseOptions& options, sea::LagrangianField field,
+                         double blur_m) {
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            const std::optional<Vec2> place =
+                put_movement(points[i], options, field, blur_m, water[i]);
+            water[i].foam = place ? foam.at(*place) : std::nan("");
+        }
+    };
+    std::vector<sea::Answer> answers(points.size());
+    const auto keep = [&](std::uint32_t flags) {
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            water[i].answer = answers[i];
+            water[i].answer.flags |= flags;
+        }
+    };
+    if (cascades == 0) {
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            lie_flat(points[i], water[i]);
+            water[i].foam = std::isfinite(water[i].answer.height_m)
+                                ? foam.at({points[i].x_m, points[i].y_m})
+                                : std::nan("");
+        }
+        return {};
+    }
+    if (const OwnSeaPtr waves = own_sea(state)) {
+        const std::shared_ptr<const RebuiltSea> sea = felt_sea(waves, *state, cascades, time_us);
+        sea->answer(points, answers);
+        keep(0);
+        const sea::Choppiness choppiness = sea->sum().sea().choppiness;
+        put({choppiness, 1e-7, sea::fold_search(state->displacement_reach_m, choppiness, 0)},
+            sea->sum().at_time(time_us), sideways(choppiness) * sea->error().displacement_m);
+        return {};
+    }
+    SEAWAY_TRY_LET(const LocalSurface held,
+                   local_surface(*state, ring_, time_us, sampled_fields(), cascades));
+    const sea::Surface& surface = held.surface;
+    surface.answer(points, answers);
+    keep(held.covers ? 0u : sea::answer_extrapolated);
+    put(
+        {surface.choppiness(), sea::inverse_tolerance_m(state->height_error_m), surface.folds()},
+        [&](double x_m, double y_m) { return surface.at(x_m, y_m, time_us); },
+        surface.fold_blur_m());
+    return {};
+}
+
+Result<std::vector<Water>> Client::look(std::span<const sea::QueryPoint> points,
+                                        const Looking& looking) const {
+    return of_one_sea([&]() -> Result<std::vector<Water>> {
+        std::vector<Water> water(points.size());
+        for (std::size_t first = 0; first < points.size();) {
+            std::size_t end = first + 1;
+            while (end < points.size() && points[end].time_us == points[first].time_us)
+                ++end;
+            SEAWAY_TRY(look_at(points.subspan(first, end - first), looking,
+                               std::span(water).subspan(first, end - first)));
+            first = end;
+        }
+        std::vector<sea::Answer> answers;
+        for (const Water& one : water)
+            answers.push_back(one.answer);
+        if (!mark_stale(points, answers))
+            return failed(Failure::not_held, "the connection is lost, and the keyframes that are "
+                                             "held end before that time");
+        for (std::size_t i = 0; i < water.size(); ++i)
+            water[i].answer = answers[i];
+        return water;
+    });
+}
+
+namespace {
+
+/// Bounds on a value anywhere and at any time between keyframes.
+void put_bounds(const sea::Surface& surface, CascadeMap& map) {
+    const sea::SplinePair& pair = surface.pairs().front();
+    const double interval_s = sea::seconds_from_us(pair.after->time_us() - pair.before->time_us());
+    map.error_m = surface.flat_height_bound_m();
+    const sea::MapError& error = surface.map_error();
+    map.displacement_error_m = error.displacement_bound_m;
+    if (!error.cascades.empty())
+        map.displacement_error_m +=
+            sea::bound_sigmas *
+            std::sqrt(error.cascades.front().displacement.largest_variance_m2(interval_s));
+}
+
+void fill(const sea::Surface& surface, TimeUs time_us,
+          std::span<const std::optional<sea::Field>> channels,
+          const std::optional<KeyframePair>& foam, CascadeMap& map) {
+    map.values.reserve(static_cast<std::size_t>(map.size) * static_cast<std::size_t>(map.size) *
+                       channels.size());
+    for (int y = 0; y < map.size; ++y)
+        for (int x = 0; x < map.size; ++x) {
+            const Vec2 place{x * map.length_m / map.size, y * map.length_m / map.size};
+            const sea::LagrangianPoint point = surface.at(place.x, place.y, time_us);
+            for (const std::optional<sea::Field>& field : channels) {
+                double value = 0;
+                if (field == sea::Field::jacobian)
+                    value = sea::jacobian(point, surface.choppiness());
+                else if (field == sea::Field::foam)
+                    value = foam_ratio(*foam, time_us, place);
+                else if (field)
+                    value = sea::value_of(point, *field);
+                map.values.push_back(static_cast<float>(value));
+            }
+        }
+}
+
+} // namespace
+
+Result<CascadeMap> Client::map(int cascade, TimeUs time_us,
+                               std::span<const std::optional<sea::Field>> channels) const {
+    return of_one_sea([&]() -> Result<CascadeMap> {
+        const SeaStatePtr state = sea_state(time_us);
+        const auto index = static_cast<std::size_t>(cascade);
+        if (index >= state->cascades.size())
+            return failed(Failure::bad_argument,
+                          fmt::format("cascade {}: the sea has {}, from 0 on", cascade,
+                                      state->cascades.size()));
+        // Of displacements that did not come nothing is said.
+        sea::FieldSet needed{sea::Field::height, sea::Field::height_rate};
+        std::optional<KeyframePair> foam;
+        for (const std::optional<sea::Field>& field : channels) {
+            if (!field)
+                continue;
+            const bool of_heights = *field == sea::Field::height ||
+                                    *field == sea::Field::height_rate ||
+                                    *field == sea::Field::slope_x || *field == sea::Field::slope_y;
+            if (*field == sea::Field::foam)
+                foam = ring_.around(cascade, state->epoch, time_us,
+                                    state->cascades[index].interval_us, {sea::Field::foam});
+            else if (!of_heights)
+                needed |= sea::surface_fields;
+            if (*field == sea::Field::foam && (!foam || !foam->covers))
+                return failed(
+                    Failure::not_held,
+                    fmt::format("no foam of cascade {} is held around that time", cascade));
+        }
+        SEAWAY_TRY_LET(const LocalSurface held,
+                       local_surface(*state, ring_, time_us, needed, 1u << index));
+        const sea::Surface& surface = held.surface;
+        const sea::SplineMap& spline = *surface.pairs().front().before;
+        CascadeMap map{.epoch = state->epoch, .size = spline.size(), .length_m = spline.length_m()};
+        put_bounds(surface, map);
+        sea::Answer marks;
+        if (!held.covers)
+            marks.flags |= sea::answer_extrapolated;
+        const sea::QueryPoint here{0, 0, time_us};
+        if (!mark_stale({&here, 1}, {&marks, 1}))
+            return failed(Failure::not_held, "the connection is lost, and the keyframes that are "
+                                             "held end before that time");
+        map.flags = marks.flags;
+        fill(surface, time_us, channels, foam, map);
+        return map;
+    });
+}
+
+} // namespace seaway::client

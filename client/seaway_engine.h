@@ -1,0 +1,275 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Seaway client, C interface for engines: what client/seaway.h has not: a choice of what is streamed, whole maps for
+ * textures, foam and displacement at points, waves too short to matter left out, questions without waiting, and what
+ * answers come from. Frame, units, threads, memory and errors are as seaway.h says.
+ *
+ * Structs that begin with `size` carry it: set it to sizeof(the struct), the rest to 0 (SEAWAY_SIZED). A program that was
+ * built with an older header runs with a newer library: what it does not know is as if it were 0, or is not written. A
+ * newer program that sets what an older library does not know is told SEAWAY_BAD_ARGUMENT.
+ *
+ *     seaway_wish wish = SEAWAY_SIZED(seaway_wish);
+ *     seaway_grant grant = SEAWAY_SIZED(seaway_grant);
+ *     wish.fields = SEAWAY_SURFACE_FIELDS | SEAWAY_BIT(SEAWAY_FOAM);
+ *     wish.error_m = 0.05;
+ *     if (seaway_subscribe_to(client, &wish, &grant) != SEAWAY_OK)
+ *         return complain(seaway_last_error());
+ *
+ *     seaway_map_wish wanted = SEAWAY_SIZED(seaway_map_wish);
+ *     seaway_map map = SEAWAY_SIZED(seaway_map);
+ *     wanted.time_us = seaway_now_us(client);        // cascade 0, floats
+ *     wanted.channels = 4;                           // x, y, height, nothing
+ *     wanted.field[0] = SEAWAY_DISPLACEMENT_X;
+ *     wanted.field[1] = SEAWAY_DISPLACEMENT_Y;
+ *     wanted.field[2] = SEAWAY_HEIGHT;
+ *     wanted.field[3] = SEAWAY_NO_FIELD;
+ *     seaway_get_map(client, &wanted, texels, sizeof(texels), &map);
+ */
+#ifndef SEAWAY_CLIENT_SEAWAY_ENGINE_H
+#define SEAWAY_CLIENT_SEAWAY_ENGINE_H
+
+#include "seaway.h" /* beside this file, here and where it is installed */
+
+#ifdef __cplusplus
+extern "C" {
+#define SEAWAY_SIZED(type)                                                                         \
+    ([] {                                                                                          \
+        type sized{};                                                                              \
+        sized.size = sizeof(type);                                                                 \
+        return sized;                                                                              \
+    }())
+#else
+#define SEAWAY_SIZED(type)                                                                         \
+    { .size = sizeof(type) }
+#endif
+
+/* ---- what is streamed ------------------------------------------------------------------------ */
+
+/* Maps of a cascade. Displacements are those of choppiness 1: seaway_cascade has what to multiply them by. */
+enum {
+    SEAWAY_HEIGHT = 0,              /* m */
+    SEAWAY_DISPLACEMENT_X = 1,      /* m, east */
+    SEAWAY_DISPLACEMENT_Y = 2,      /* m, north */
+    SEAWAY_HEIGHT_RATE = 3,         /* m/s */
+    SEAWAY_DISPLACEMENT_X_RATE = 4, /* m/s */
+    SEAWAY_DISPLACEMENT_Y_RATE = 5, /* m/s */
+    SEAWAY_SLOPE_X = 6,             /* d height / d x, before points are displaced */
+    SEAWAY_SLOPE_Y = 7,
+    SEAWAY_STRAIN_XX = 8, /* d displacement x / d x */
+    SEAWAY_STRAIN_YY = 9,
+    SEAWAY_STRAIN_XY = 10,
+    SEAWAY_JACOBIAN = 11, /* of this cascade alone, choppiness included */
+    SEAWAY_FOAM =
+        12, /* ratio to the mean of the sea; docs/foam.md says how cascades are put together */
+    SEAWAY_NO_FIELD = 255 /* of seaway_map_wish: zeros */
+};
+#define SEAWAY_BIT(field) (UINT32_C(1) << (field))
+/* All that sampling needs, and what slopes, strains and the Jacobian are made of. */
+#define SEAWAY_SURFACE_FIELDS UINT32_C(63)
+
+typedef struct seaway_wish {
+    uint32_t size;
+    uint32_t
+        fields; /* sum of SEAWAY_BIT; 0: SEAWAY_SURFACE_FIELDS. With less of these there are maps, no samples */
+    uint32_t
+        cascades; /* bit c: cascade c, 0 the longest waves; 0: all. Of less, sample with seaway_looking.cascades */
+    uint32_t size_max;  /* grid points a side of a map, 32 to 2048; 0: no limit */
+    double error_m;     /* wanted bound on height; 0: the server chooses */
+    double rate_hz_max; /* keyframes of each cascade a second, 1 to 1000; 0: no limit */
+    double timeout_s;   /* 0: 10 */
+    uint32_t credit;    /* keyframes under way, 1 .. 8; 0: 2 */
+    uint32_t reserved;  /* 0 */
+} seaway_wish;
+
+typedef struct seaway_grant {
+    uint32_t size;
+    uint32_t fields;
+    uint32_t cascades;
+    uint32_t size_max;  /* 0: maps are not cut */
+    double error_m;     /* bound on height that these tiles give, all parts together */
+    double rate_hz_max; /* 0: all there are */
+    uint32_t credit;
+    uint32_t reserved;
+    char why[256]; /* in what it is less than the wish, as far as it fits; "": in nothing */
+} seaway_grant;
+
+/* seaway_subscribe of SEAWAY_TILES with a choice: it replaces it, and is replaced by it. NULL wish: the defaults; NULL grant: not
+ * told. A field, cascade or limit that there is not is SEAWAY_BAD_ARGUMENT by its name; what the server has not is left out
+ * of the grant, which says so. Blocks until the present is held. */
+seaway_code seaway_subscribe_to(seaway_client* client, const seaway_wish* wish,
+                                seaway_grant* grant);
+
+/* What it gets now: a change of the sea may make it another. SEAWAY_NOT_HELD: there is none. */
+seaway_code seaway_get_grant(const seaway_client* client, seaway_grant* grant);
+
+/* ---- what there is ----------------------------------------------------------------------------- */
+
+/* What answers come from. */
+enum {
+    SEAWAY_FROM_SERVER = 0,   /* seaway_query alone: nothing is held of that time */
+    SEAWAY_FROM_TILES = 1,    /* keyframes */
+    SEAWAY_FROM_SPECTRUM = 2, /* waves that the server sent */
+    SEAWAY_FROM_PARAMETERS =
+        3 /* waves made here from the scene, held against the server's probes */
+};
+
+/* Limits and state at one moment. */
+typedef struct seaway_state {
+    uint32_t size;
+    uint32_t state;    /* SEAWAY_CONNECTED to SEAWAY_STOPPED */
+    uint32_t source;   /* of the present, SEAWAY_FROM_SERVER to SEAWAY_FROM_PARAMETERS */
+    uint32_t seas;     /* as in seaway_status */
+    uint32_t epoch;    /* of the sea of now */
+    uint32_t cascades; /* of it */
+    uint32_t fields;   /* sent by the subscription to tiles, sum of SEAWAY_BIT; 0: there is none */
+    uint32_t cascades_sent;    /* likewise, a bit each */
+    uint32_t points_max;       /* of a seaway_ask */
+    uint32_t exact_points_max; /* of an exact one */
+    uint32_t questions;        /* neither taken nor cancelled */
+    uint32_t questions_max;
+    uint32_t credit_max;
+    uint32_t size_min; /* of seaway_wish.size_max */
+    uint32_t size_max;
+    uint32_t reserved;
+    double rate_hz_min; /* of seaway_wish.rate_hz_max */
+    double rate_hz_max;
+    double place_max_m;  /* coordinates, either side of 0 */
+    int64_t time_max_us; /* times, either side of 0 */
+    int64_t now_us;
+    double error_m; /* granted bound on height; 0: none is granted */
+} seaway_state;
+
+seaway_code seaway_get_state(seaway_client* client, seaway_state* state);
+
+typedef struct seaway_cascade {
+    uint32_t size;
+    uint32_t grid;         /* points a side of a whole map */
+    double length_m;       /* of its tile, which repeats */
+    double longest_wave_m; /* infinite for the first cascade */
+    double shortest_wave_m;
+    int64_t interval_us; /* between keyframes */
+    double choppiness_x; /* of all cascades, at the time asked about */
+    double choppiness_y;
+} seaway_cascade;
+
+/* One of seaway_state.cascades, from 0 on, of the sea that runs at this time. */
+seaway_code seaway_get_cascade(const seaway_client* client, int64_t time_us, uint32_t index,
+                               seaway_cascade* cascade);
+
+typedef struct seaway_source {
+    uint32_t size;
+    uint32_t source; /* SEAWAY_FROM_SERVER to SEAWAY_FROM_PARAMETERS */
+    char why[244];   /* in words, as far as it fits */
+} seaway_source;
+
+/* What seaway_sample of this time would answer from: parameters before a spectrum before tiles; the same call within the same
+ * stated bounds, whichever it is. */
+seaway_code seaway_get_source(const seaway_client* client, int64_t time_us, seaway_source* source);
+
+/* Makes the sea of this time from its scene: nothing but the scene and the probes came over the line. Of that sea alone: after
+ * a change call it again. SEAWAY_NOT_HELD: it cannot be made here, or is not the server's by the probes. Blocks for some tenths
+ * of a second, asks nobody. */
+seaway_code seaway_rebuild(seaway_client* client, int64_t time_us);
+
+/* ---- at points ----------------------------------------------------------------------------------- */
+
+/* Which waves count. */
+typedef struct seaway_looking {
+    uint32_t size;
+    uint32_t cascades; /* bit c: cascade c; 0: all */
+    /* A hull that is L long does not feel waves that are much shorter. Cascades all of whose waves are shorter are left out;
+     * shorter waves of a cascade that has longer ones too stay. 0: all waves. error_m is then of the water that is left. */
+    double min_wavelength_m;
+} seaway_looking;
+
+typedef struct seaway_water {
+    seaway_answer answer;
+    double displacement_m[2]; /* how far the water here was moved sideways, choppiness included */
+    /* Bound on each of the two, to first order; infinite where the surface is about to fold. */
+    double displacement_error_m;
+    double jacobian; /* area here over area before: below 0 a fold; no bound is stated */
+    double
+        foam; /* share that is white, 0 to 1; NaN where no foam is held (SEAWAY_FOAM in seaway_wish.fields) */
+} seaway_water;
+
+/* seaway_sample with all that is known of a point. `stride`: bytes from one seaway_water to the next, sizeof(seaway_water): of
+ * a newer library no more than that is written. Displacement and Jacobian are NaN where the surface is folded and the
+ * sheet of the answer is not found again. Some 5 us a point from tiles, 60 from waves; allocates. NULL looking: all waves. */
+seaway_code seaway_sample_water(const seaway_client* client, const seaway_looking* looking,
+                                const seaway_point* points, size_t count, seaway_water* water,
+                                size_t stride);
+
+/* ---- whole maps ------------------------------------------------------------------------------------ */
+
+enum { SEAWAY_FLOAT = 0, SEAWAY_HALF = 1 };
+
+typedef struct seaway_map_wish {
+    uint32_t size;
+    uint32_t cascade;
+    int64_t time_us;
+    uint32_t type;     /* SEAWAY_FLOAT or SEAWAY_HALF, native byte order */
+    uint32_t channels; /* 1 to 4 */
+    uint32_t field[4]; /* of each channel: SEAWAY_HEIGHT to SEAWAY_FOAM, or SEAWAY_NO_FIELD */
+    size_t row_stride; /* bytes from row to row; 0: rows follow each other */
+} seaway_map_wish;
+
+typedef struct seaway_map {
+    uint32_t size;
+    uint32_t
+        grid; /* texels a side. Texel (x, y) is the point (x, y) * length_m / grid before it is displaced; row 0 is south */
+    double length_m; /* the tile repeats at this length */
+    int64_t time_us;
+    double error_m;              /* bound on each height, rounding to half floats included */
+    double displacement_error_m; /* likewise on each displacement, at choppiness 1 */
+    uint32_t epoch;
+    uint32_t flags; /* SEAWAY_EXTRAPOLATED, SEAWAY_STALE: the bounds are none then */
+    size_t bytes;   /* that this wish takes */
+} seaway_map;
+
+/* One cascade at one time into `texels`, which has room for `bytes`; NULL: `map` alone is filled in. From keyframes, whatever else
+ * is held; SEAWAY_NOT_HELD without. Foam needs SEAWAY_FOAM in seaway_wish.fields. A sum of all cascades at (x, y) is the
+ * undisplaced sea there, which is then moved. Some 15 ms at 256 x 256. Nothing beyond a row's texels is written. */
+seaway_code seaway_get_map(const seaway_client* client, const seaway_map_wish* wish, void* texels,
+                           size_t bytes, seaway_map* map);
+
+/* ---- without waiting --------------------------------------------------------------------------------- */
+
+/* Asks the server about seaway_state.points_max points at most; at once. `question` gets its number, never 0. SEAWAY_REFUSED:
+ * questions_max are open. */
+seaway_code seaway_ask(seaway_client* client, const seaway_point* points, size_t count, int exact,
+                       double timeout_s, uint64_t* question);
+
+/* Takes what was answered, and ends the question; at once. `count` as it was asked. SEAWAY_PENDING: it is under way. What went
+ * wrong with it ends it, too: SEAWAY_LOST, SEAWAY_DEADLINE, SEAWAY_REFUSED. */
+seaway_code seaway_take_answers(seaway_client* client, uint64_t question, seaway_answer* answers,
+                                size_t count);
+
+/* The answer is not wanted any more. */
+seaway_code seaway_cancel(seaway_client* client, uint64_t question);
+
+enum {
+    SEAWAY_NOTHING = 0,  /* in this time */
+    SEAWAY_ANSWERED = 1, /* `question` can be taken */
+    SEAWAY_STATUS = 2    /* seaway_get_status says something else */
+};
+typedef struct seaway_event {
+    uint32_t size;
+    uint32_t kind;
+    uint64_t question;
+} seaway_event;
+
+/* The next thing that happened, in order, for a program without callbacks: waits for one `timeout_s` at most, 0 not at all. The
+ * library does its network work on a thread of its own that sleeps when there is none; nothing of the program's runs there. */
+seaway_code seaway_poll(seaway_client* client, double timeout_s, seaway_event* event);
+
+/* A file descriptor that is readable while seaway_poll has something, for poll and epoll: neither read nor close it. It ends with
+ * the client. -1, and seaway_last_error: there is none. */
+int seaway_poll_descriptor(seaway_client* client);
+
+#ifdef __cplusplus
+} /* extern "C" */
+static_assert(sizeof(seaway_wish) == 48 && sizeof(seaway_looking) == 16 &&
+                  sizeof(seaway_water) == 112 && sizeof(seaway_map_wish) == 48,
+              "these structs are the ABI, and grow at their end alone");
+#endif
+
+#endif

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+// Questions without waiting, limits, state and sources, as seaway_engine.h promises them.
+#include <poll.h>
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "tests/client/engine.h"
+
+namespace seaway {
+namespace {
+
+using tests::Engine;
+using tests::eventually;
+
+TEST_F(Engine, a_question_is_answered_while_the_program_goes_on) {
+    Sea client(net->url());
+    const std::vector<seaway_point> points = places(50);
+    std::uint64_t question = 0;
+    ASSERT_EQ(seaway_ask(client.handle(), points.data(), points.size(), 0, 60, &question),
+              SEAWAY_OK);
+    EXPECT_NE(question, 0u);
+    pollfd waits{seaway_poll_descriptor(client.handle()), POLLIN, 0};
+    ASSERT_GE(waits.fd, 0);
+    seaway_event event = SEAWAY_SIZED(seaway_event);
+    do { // what the status says may have changed first
+        ASSERT_EQ(::poll(&waits, 1, 60'000), 1);
+        ASSERT_EQ(seaway_poll(client.handle(), 0, &event), SEAWAY_OK);
+        ASSERT_NE(event.kind, static_cast<std::uint32_t>(SEAWAY_NOTHING)) << "it was readable";
+    } while (event.kind != SEAWAY_ANSWERED);
+    EXPECT_EQ(event.question, question);
+    std::vector<seaway_answer> answers(points.size());
+    EXPECT_NE(refusal(seaway_take_answers(client.handle(), question, answers.data(), 1))
+                  .find("50 points"),
+              std::string::npos);
+    ASSERT_EQ(seaway_take_answers(client.handle(), question, answers.data(), answers.size()),
+              SEAWAY_OK);
+    for (std::size_t i = 0; i < points.size(); ++i)
+        EXPECT_EQ(answers[i].height_m,
+                  sea.truth({points[i].x_m, points[i].y_m, points[i].time_us}).height_m);
+    EXPECT_NE(
+        refusal(seaway_take_answers(client.handle(), question, answers.data(), 50)).find("taken"),
+        std::string::npos);
+    while (event.kind != SEAWAY_NOTHING)
+        ASSERT_EQ(seaway_poll(client.handle(), 0, &event), SEAWAY_OK);
+    EXPECT_EQ(::poll(&waits, 1, 0), 0) << "nothing is left to be told";
+}
+
+TEST_F(Engine, a_question_is_pending_until_its_deadline_unless_it_is_cancelled) {
+    sea.answer_queries = false;
+    Sea client(net->url());
+    const seaway_point point{1, 2, asked_us};
+    seaway_answer answer{};
+    std::uint64_t first = 0, second = 0;
+    ASSERT_EQ(seaway_ask(client.handle(), &point, 1, 0, 60, &first), SEAWAY_OK);
+    ASSERT_EQ(seaway_ask(client.handle(), &point, 1, 0, 0.2, &second), SEAWAY_OK);
+    EXPECT_EQ(seaway_take_answers(client.handle(), first, &answer, 1), SEAWAY_PENDING);
+    EXPECT_EQ(seaway_cancel(client.handle(), first), SEAWAY_OK);
+    EXPECT_EQ(seaway_cancel(client.handle(), first), SEAWAY_BAD_ARGUMENT);
+    EXPECT_EQ(seaway_take_answers(client.handle(), first, &answer, 1), SEAWAY_BAD_ARGUMENT);
+    seaway_code code = SEAWAY_PENDING;
+    EXPECT_TRUE(eventually([&] {
+        code = seaway_take_answers(client.handle(), second, &answer, 1);
+        return code != SEAWAY_PENDING;
+    }));
+    EXPECT_EQ(code, SEAWAY_DEADLINE);
+    EXPECT_EQ(answer.error_m, 0) << "nothing is written";
+
+    seaway_state state = SEAWAY_SIZED(seaway_state);
+    ASSERT_EQ(seaway_get_state(client.handle(), &state), SEAWAY_OK);
+    for (std::uint32_t i = 0; i < state.questions_max; ++i)
+        ASSERT_EQ(seaway_ask(client.handle(), &point, 1, 0, 60, &first), SEAWAY_OK);
+    EXPECT_NE(refusal(seaway_ask(client.handle(), &point, 1, 0, 60, &second), SEAWAY_REFUSED)
+                  .find(std::to_string(state.questions_max)),
+              std::string::npos);
+    const std::vector<seaway_point> many(state.points_max + 1, point);
+    EXPECT_NE(refusal(seaway_ask(client.handle(), many.data(), many.size(), 0, 60, &second))
+                  .find(std::to_string(state.points_max)),
+              std::string::npos);
+    net->stop();
+    EXPECT_TRUE(eventually([&] {
+        code = seaway_take_answers(client.handle(), first, &answer, 1);
+        return code != SEAWAY_PENDING;
+    }));
+    EXPECT_EQ(code, SEAWAY_LOST);
+}
+
+TEST_F(Engine, the_state_says_what_is_held_and_what_may_be_asked) {
+    Sea client(net->url());
+    seaway_state state = SEAWAY_SIZED(seaway_state);
+    const auto look = [&] { return seaway_get_state(client.handle(), &state); };
+    ASSERT_EQ(look(), SEAWAY_OK);
+    EXPECT_EQ(state.state, static_cast<std::uint32_t>(SEAWAY_CONNECTED));
+    EXPECT_EQ(state.source, static_cast<std::uint32_t>(SEAWAY_FROM_SERVER));
+    EXPECT_EQ(state.cascades, 2u);
+    EXPECT_EQ(state.epoch, tests::WaveSea::epoch);
+    EXPECT_EQ(state.fields, 0u);
+    EXPECT_EQ(state.points_max, 4096u);
+    EXPECT_EQ(state.exact_points_max, 256u);
+    EXPECT_EQ(state.credit_max, 8u);
+    EXPECT_EQ(state.questions, 0u);
+    client.subscribe();
+    ASSERT_EQ(look(), SEAWAY_OK);
+    EXPECT_EQ(state.fields, SEAWAY_SURFACE_FIELDS);
+    EXPECT_EQ(state.cascades_sent, 3u);
+    EXPECT_NEAR(state.error_m, 0.01, 1e-9) << "a float of it";
+
+    seaway_cascade cascade = SEAWAY_SIZED(seaway_cascade);
+    ASSERT_EQ(seaway_get_cascade(client.handle(), asked_us, 1, &cascade), SEAWAY_OK);
+    EXPECT_EQ(cascade.grid, 32u);
+    EXPECT_EQ(cascade.length_m, 29);
+    EXPECT_EQ(cascade.interval_us, 100'000);
+    EXPECT_EQ(cascade.choppiness_x, 1);
+    EXPECT_NEAR(cascade.shortest_wave_m, 2 * 29.0 / 32, 1e-9) << "two points a wave";
+    EXPECT_EQ(seaway_get_cascade(client.handle(), asked_us, 2, &cascade), SEAWAY_BAD_ARGUMENT);
+}
+
+TEST_F(Engine, says_what_a_time_would_be_answered_from_and_why) {
+    Sea client(net->url());
+    seaway_source source = SEAWAY_SIZED(seaway_source);
+    const auto from = [&] {
+        EXPECT_EQ(seaway_get_source(client.handle(), asked_us, &source), SEAWAY_OK);
+        return source.source;
+    };
+    EXPECT_EQ(from(), static_cast<std::uint32_t>(SEAWAY_FROM_SERVER));
+    EXPECT_NE(std::string(source.why).find("no keyframe"), std::string::npos);
+    client.hold({asked_us});
+    EXPECT_EQ(from(), static_cast<std::uint32_t>(SEAWAY_FROM_TILES));
+    seaway_subscription spectrum{};
+    spectrum.rung = SEAWAY_SPECTRUM;
+    client.subscribe(spectrum);
+    EXPECT_EQ(from(), static_cast<std::uint32_t>(SEAWAY_FROM_SPECTRUM));
+    EXPECT_NE(refusal(seaway_rebuild(client.handle(), asked_us), SEAWAY_NOT_HELD).find("no scene"),
+              std::string::npos);
+    EXPECT_EQ(from(), static_cast<std::uint32_t>(SEAWAY_FROM_SPECTRUM));
+}
+
+} // namespace
+} // namespace seaway

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+// One question, four sources: what a client answers from tiles, from waves that were sent, from waves that it made itself, and
+// what the server answers differ by no more than they say.
+#include <cmath>
+#include <map>
+#include <random>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "client/seaway.hpp"
+#include "client/seaway_engine.h"
+#include "tests/support/server_process.h"
+
+namespace seaway {
+namespace {
+
+class RungsAgree : public ::testing::Test {
+  protected:
+    std::unique_ptr<tests::ServerProcess> server;
+    std::map<std::uint32_t, std::unique_ptr<Sea>> seas; ///< by SEAWAY_FROM_*
+    std::mt19937_64 random{17};
+
+    void SetUp() override {
+        server = std::make_unique<tests::ServerProcess>(std::vector<std::string>{
+            "scenes/north_sea_gale.toml", "--listen", "127.0.0.1:0", "--device", "native"});
+        const std::string url = server->wait_until_ready();
+        ASSERT_FALSE(url.empty()) << server->log();
+        for (std::uint32_t from = SEAWAY_FROM_SERVER; from <= SEAWAY_FROM_PARAMETERS; ++from)
+            seas[from] = std::make_unique<Sea>(url);
+        seaway_subscription spectrum{};
+        spectrum.rung = SEAWAY_SPECTRUM;
+        spectrum.timeout_s = 300; // however busy the machine is
+        seas[SEAWAY_FROM_SPECTRUM]->subscribe(spectrum);
+        Sea& own = *seas[SEAWAY_FROM_PARAMETERS];
+        ASSERT_EQ(seaway_rebuild(own.handle(), own.now_us()), SEAWAY_OK) << seaway_last_error();
+    }
+
+    /// Anywhere within 100 km, each at a time of its own within 50 ms of one between an hour before and a month after the
+    /// epoch: tiles come by intervals.
+    std::vector<seaway_point> points(int count) {
+        std::uniform_real_distribution<double> place(-1e5, 1e5);
+        const std::int64_t begin_us = std::uniform_int_distribution<std::int64_t>(
+            -3'600'000'000, 30 * 86'400'000'000)(random);
+        std::uniform_int_distribution<std::int64_t> moment_us(0, 50'000);
+        std::vector<seaway_point> made;
+        for (int i = 0; i < count; ++i)
+            made.push_back({place(random), place(random), begin_us + moment_us(random)});
+        std::vector<std::int64_t> times_us;
+        for (const seaway_point& point : made)
+            times_us.push_back(point.time_us);
+        seas[SEAWAY_FROM_TILES]->hold(times_us, 300);
+        for (const auto& [from, sea] : seas) {
+            seaway_source source = SEAWAY_SIZED(seaway_source);
+            EXPECT_EQ(seaway_get_source(sea->handle(), begin_us, &source), SEAWAY_OK);
+            EXPECT_EQ(source.source, from) << source.why;
+        }
+        return made;
+    }
+};
+
+/// Which sheet is the highest is open: the one thing that error_m is no bound of.
+bool open_at(const seaway_answer& a, const seaway_answer& b) {
+    return ((a.flags | b.flags) & SEAWAY_OPEN) != 0;
+}
+
+// Bounds of maps are five standard deviations: one of a million answers lies beyond, so none of these.
+TEST_F(RungsAgree,
+       at_10000_random_places_and_times_all_sources_agree_within_the_sum_of_their_bounds) {
+    int compared = 0, open = 0;
+    for (int interval = 0; interval < 25; ++interval) {
+        const std::vector<seaway_point> asked = points(400);
+        std::map<std::uint32_t, std::vector<seaway_answer>> answers;
+        for (const auto& [from, sea] : seas)
+            answers[from] =
+                from == SEAWAY_FROM_SERVER ? sea->query(asked, false, 300) : sea->sample(asked);
+        for (auto one = answers.begin(); one != answers.end(); ++one)
+            for (auto other = std::next(one); other != answers.end(); ++other)
+                for (std::size_t i = 0; i < asked.size(); ++i) {
+                    const seaway_answer& a = one->second[i];
+                    const seaway_answer& b = other->second[i];
+                    ASSERT_EQ((a.flags | b.flags) & SEAWAY_EXTRAPOLATED, 0u);
+                    ++compared;
+                    if (open_at(a, b)) {
+                        ++open;
+                        continue;
+                    }
+                    EXPECT_LE(std::abs(a.height_m - b.height_m), a.error_m + b.error_m)
+                        << one->first << " and " << other->first << " at " << asked[i].x_m << " "
+                        << asked[i].y_m << " " << asked[i].time_us;
+                }
+    }
+    EXPECT_EQ(compared, 6 * 10'000);
+    EXPECT_LT(open, compared / 100) << "else nothing was compared";
+}
+
+// The gale's cascades end at bands; a ship of 60 m feels some of them.
+TEST_F(RungsAgree, waves_that_are_too_short_are_left_out_alike_by_all_that_is_sampled_here) {
+    const std::vector<seaway_point> asked = points(400);
+    seaway_looking looking = SEAWAY_SIZED(seaway_looking);
+    looking.min_wavelength_m = 60;
+    std::map<std::uint32_t, std::vector<seaway_water>> water;
+    double left_out_m2 = 0;
+    for (const auto& [from, sea] : seas) {
+        if (from == SEAWAY_FROM_SERVER)
+            continue;
+        water[from].resize(asked.size());
+        ASSERT_EQ(seaway_sample_water(sea->handle(), &looking, asked.data(), asked.size(),
+                                      water[from].data(), sizeof(seaway_water)),
+                  SEAWAY_OK)
+            << seaway_last_error();
+    }
+    const std::vector<seaway_answer> whole = seas[SEAWAY_FROM_TILES]->sample(asked);
+    const std::vector<seaway_water>& tiles = water[SEAWAY_FROM_TILES];
+    for (const auto& [from, other] : water)
+        for (std::size_t i = 0; i < asked.size(); ++i) {
+            if (open_at(tiles[i].answer, other[i].answer))
+                continue;
+            EXPECT_LE(std::abs(tiles[i].answer.height_m - other[i].answer.height_m),
+                      tiles[i].answer.error_m + other[i].answer.error_m);
+            for (int axis = 0; axis < 2; ++axis)
+                EXPECT_LE(std::abs(tiles[i].displacement_m[axis] - other[i].displacement_m[axis]),
+                          tiles[i].displacement_error_m + other[i].displacement_error_m);
+            if (from == SEAWAY_FROM_TILES)
+                left_out_m2 += std::pow(tiles[i].answer.height_m - whole[i].height_m, 2);
+        }
+    // Waves below the second band's 30 m or so are some tenths of a metre of a gale.
+    EXPECT_GT(left_out_m2 / static_cast<double>(asked.size()), 0.05 * 0.05)
+        << "nothing was left out";
+}
+
+} // namespace
+} // namespace seaway
