@@ -129,5 +129,56 @@ TEST_F(RungsAgree, waves_that_are_too_short_are_left_out_alike_by_all_that_is_sa
         << "nothing was left out";
 }
 
+// A hull on the longest waves, on a thin line: what it leaves out is not sent, and what it cannot have it is told.
+TEST_F(RungsAgree,
+       who_subscribes_to_the_longest_waves_in_small_maps_samples_those_and_is_told_why) {
+    Sea& sea = *seas[SEAWAY_FROM_SERVER];
+    seaway_wish wish = SEAWAY_SIZED(seaway_wish);
+    seaway_grant grant = SEAWAY_SIZED(seaway_grant);
+    seaway_looking looking = SEAWAY_SIZED(seaway_looking);
+    wish.fields = SEAWAY_SURFACE_FIELDS | SEAWAY_BIT(SEAWAY_FOAM);
+    wish.cascades = looking.cascades = 1;
+    wish.error_m = 1e-4; // finer than any map of 64 points
+    wish.timeout_s = 300;
+    std::uniform_real_distribution<double> place(-1e4, 1e4);
+    for (const bool small : {false, true}) {
+        wish.size_max = small ? 64 : 0;
+        ASSERT_EQ(seaway_subscribe_to(sea.handle(), &wish, &grant), SEAWAY_OK)
+            << seaway_last_error();
+        EXPECT_EQ(grant.cascades, 1u);
+        EXPECT_EQ(grant.size_max, wish.size_max);
+        EXPECT_EQ((grant.fields & SEAWAY_BIT(SEAWAY_FOAM)) == 0, small) << "no sum of waves";
+        EXPECT_EQ(std::string(grant.why).find("foam") != std::string::npos, small) << grant.why;
+
+        const std::int64_t now_us = sea.now_us();
+        std::vector<seaway_point> asked;
+        for (int i = 0; i < 200; ++i)
+            asked.push_back({place(random), place(random), now_us});
+        std::map<Sea*, std::vector<seaway_water>> water;
+        for (Sea* at : {&sea, seas[SEAWAY_FROM_PARAMETERS].get()}) {
+            water[at].resize(asked.size());
+            ASSERT_EQ(seaway_sample_water(at->handle(), &looking, asked.data(), asked.size(),
+                                          water[at].data(), sizeof(seaway_water)),
+                      SEAWAY_OK)
+                << seaway_last_error();
+        }
+        for (std::size_t i = 0; i < asked.size(); ++i) {
+            const seaway_water& thin = water[&sea][i];
+            const seaway_answer& whole = water[seas[SEAWAY_FROM_PARAMETERS].get()][i].answer;
+            if (thin.answer.flags & SEAWAY_EXTRAPOLATED)
+                continue; // a machine so busy that the stream is behind
+            EXPECT_LE(std::abs(thin.answer.height_m - whole.height_m),
+                      thin.answer.error_m + whole.error_m);
+            if (!small) {
+                EXPECT_TRUE(thin.foam >= 0 && thin.foam <= 1) << thin.foam;
+            }
+        }
+    }
+    seaway_answer answer{};
+    const seaway_point point{0, 0, sea.now_us()};
+    EXPECT_EQ(seaway_sample(sea.handle(), &point, 1, &answer), SEAWAY_NOT_HELD)
+        << "of the other cascades nothing came";
+}
+
 } // namespace
 } // namespace seaway
