@@ -72,7 +72,8 @@ typedef struct seaway_wish {
         fields; /* sum of SEAWAY_BIT; 0: SEAWAY_SURFACE_FIELDS. With less of these there are maps, no samples */
     uint32_t
         cascades; /* bit c: cascade c, 0 the longest waves; 0: all. Of less, sample with seaway_looking.cascades */
-    uint32_t size_max;  /* grid points a side of a map, 32 to 2048; 0: no limit */
+    uint32_t
+        size_max; /* grid points a side of a map, 32 to 2048; 0: no limit. Cut maps have no foam */
     double error_m;     /* wanted bound on height; 0: the server chooses */
     double rate_hz_max; /* keyframes of each cascade a second, 1 to 1000; 0: no limit */
     double timeout_s;   /* 0: 10 */
