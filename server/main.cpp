@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <exception>
 #include <memory>
+#include <new>
 #include <system_error>
 #include <variant>
 
@@ -108,6 +109,16 @@ void pat(const ServiceManager& manager, const World& world, NetServer& net) {
         manager.alive();
 }
 
+/// A server that goes on leaves what there is no memory for.
+template <class Work>
+void or_leave(const char* event, Work work) {
+    try {
+        work();
+    } catch (const std::bad_alloc&) {
+        spdlog::error("event={} why=\"there is no memory for it\"", event);
+    }
+}
+
 void say_ready(const std::string& url) {
     const Result<void> told = write_out(stdout, fmt::format("ready {}\n", url));
     if (!told) // who reads the log knows the address all the same
@@ -192,8 +203,9 @@ int serve(const Options& options) {
     say_ready((*net)->url());
     const ServiceManager manager;
     manager.ready((*net)->url());
-    const bool asked = stop.wait([&net] { reload(**net); }, manager.pat_every(),
-                                 [&] { pat(manager, world, **net); });
+    const bool asked = stop.wait(
+        [&net] { or_leave("reload_refused", [&net] { reload(**net); }); }, manager.pat_every(),
+        [&] { or_leave("watchdog_not_told", [&] { pat(manager, world, **net); }); });
     manager.stopping();
     deadline.begins();
     (*net)->stop();

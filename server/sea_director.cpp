@@ -129,8 +129,17 @@ void SeaDirector::run() {
         }
         if (promise)
             announce();
-        asked.done(std::move(promise));
+        tell(asked, std::move(promise));
         lock.lock();
+    }
+}
+
+/// Who cannot be told will ask again: the change stands in the journal, or it does not.
+void SeaDirector::tell(const Asked& asked, Result<SeaPromise> promise) {
+    try {
+        asked.done(std::move(promise));
+    } catch (const std::bad_alloc&) {
+        spdlog::warn("event=change_not_told why=\"there is no memory for it\"");
     }
 }
 

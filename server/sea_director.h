@@ -46,6 +46,7 @@ class SeaDirector {
     void run();
     /// Where there is no memory now, the next look does.
     void announce();
+    static void tell(const Asked& asked, Result<SeaPromise> promise);
     /// An error, busy: more are promised than may be, and this one would begin soon.
     Result<void> check_promised(const SeaWish& wish);
     /// An error, busy: too many before it have taken over from changes that had not ended.

@@ -2,9 +2,6 @@
 #include "sockets/ready_set.h"
 
 #include <cerrno>
-#include <chrono>
-#include <new>
-#include <thread>
 #include <utility>
 
 #include <boost/asio/error.hpp>
@@ -22,8 +19,6 @@ namespace {
 
 /// Of one turn: what others have posted waits for no more.
 constexpr int arrivals_a_turn = 16;
-/// Without memory for a handler: wait, do not spin, and do not forget.
-constexpr std::chrono::milliseconds memory_pause{10};
 
 } // namespace
 
@@ -58,7 +53,7 @@ ReadySet::error_code ReadySet::receive(Id which, Handler handler) {
         return asio::error::no_descriptors;
     member.handler = std::move(handler);
     ++waiting_;
-    if (!armed_)
+    if (!armed())
         arm();
     return {};
 }
@@ -73,7 +68,7 @@ ReadySet::Handler ReadySet::remove(Id which) noexcept {
     if (handler)
         --waiting_;
     members_.erase(found);
-    if (waiting_ == 0 && armed_) {
+    if (waiting_ == 0 && armed()) {
         boost::system::error_code ignored;
         ready_.cancel(ignored); // an io_context with nothing else to do comes to its end
     }
@@ -95,25 +90,16 @@ void ReadySet::watch_no_more(Member& member) {
 }
 
 void ReadySet::arm() noexcept {
-    for (;;) {
-        try {
-            ready_.async_wait(asio::posix::stream_descriptor::wait_read,
-                              [this](boost::system::error_code) { on_ready(); });
-            armed_ = true;
-            return;
-        } catch (const std::bad_alloc&) {
-            std::this_thread::sleep_for(memory_pause);
-        }
-    }
+    ready_.async_wait(asio::posix::stream_descriptor::wait_read,
+                      with(memory_, [this](boost::system::error_code) { on_ready(); }));
 }
 
 void ReadySet::on_ready() {
-    armed_ = false;
     struct
         ArmAgain { // also behind a handler that throws; what it was in the way of is reported again
         ReadySet& set;
         ~ArmAgain() {
-            if (set.waiting_ > 0 && !set.armed_)
+            if (set.waiting_ > 0 && !set.armed())
                 set.arm();
         }
     } const again{*this};

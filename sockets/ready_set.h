@@ -17,6 +17,8 @@
 #include <boost/asio/posix/stream_descriptor.hpp>
 #include <boost/system/error_code.hpp>
 
+#include "sockets/handler_memory.h"
+
 namespace seaway::sockets {
 
 class ReadySet : public boost::asio::execution_context::service {
@@ -47,6 +49,7 @@ class ReadySet : public boost::asio::execution_context::service {
     };
     void shutdown() override;
     void arm() noexcept;
+    bool armed() const { return memory_->in_use(); }
     void on_ready();
     void give(Id member);
     bool watch(Id id, Member& member);
@@ -57,7 +60,7 @@ class ReadySet : public boost::asio::execution_context::service {
     int epoll_ = -1;
     boost::asio::posix::stream_descriptor ready_;
     std::size_t waiting_ = 0; ///< handlers
-    bool armed_ = false;
+    const HandlerMemoryPtr memory_ = std::make_shared<HandlerMemory>();
     std::array<std::uint8_t, 16 * 1024> bytes_{};
 };
 

@@ -183,6 +183,8 @@ void Socket::shutdown_send() {
 }
 
 void Socket::close() {
+    if (streams_ == nullptr)
+        return; // given away
     streams_->stop_receiving();
     streams_->tcp().close();
 }

@@ -6,7 +6,8 @@
 namespace seaway::server {
 
 EncodeWorker::EncodeWorker(MemoryPtr memory)
-    : memory_(std::move(memory)), thread_([this] { run(); }) {}
+    : memory_(std::move(memory)), encoder_(memory_->room(MemoryUse::encoded)),
+      thread_([this] { run(); }) {}
 
 EncodeWorker::~EncodeWorker() {
     stop();
@@ -67,7 +68,6 @@ EncodeWorker::Line* EncodeWorker::next_line() {
 }
 
 void EncodeWorker::run() {
-    Encoder encoder(memory_->room(MemoryUse::encoded));
     std::unique_lock lock(mutex_);
     while (true) {
         Line* line = nullptr;
@@ -79,13 +79,13 @@ void EncodeWorker::run() {
         lock.unlock();
         bool done = true; // also where there is no memory for it
         try {
-            done = next.job(encoder);
+            done = next.job(encoder_);
         } catch (const std::bad_alloc&) {
         }
         if (done)
             next = {}; // what it holds is released outside the lock
         lock.lock();
-        counters_ = encoder.counters();
+        counters_ = encoder_.counters();
         try {
             if (!done && !stopping_)
                 line->push_front(std::move(next));

@@ -64,6 +64,7 @@ class EncodeWorker {
     Line starts_;
     bool starts_turn_ = true;
     EncoderCounters counters_;
+    Encoder encoder_; ///< of the thread alone, and made before it, where what throws is heard
     std::thread thread_;
 };
 

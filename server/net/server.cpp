@@ -7,6 +7,7 @@
 #include <optional>
 #include <thread>
 
+#include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/host_name.hpp>
 #include <boost/asio/ip/tcp.hpp>
@@ -20,6 +21,7 @@
 #include "server/net/endpoint.h"
 #include "server/net/session.h"
 #include "sockets/frame_header.h"
+#include "sockets/handler_memory.h"
 #include "sockets/socket.h"
 
 namespace seaway::server {
@@ -79,23 +81,13 @@ class Listener {
         return {};
     }
 
+    /// Once at a time. Does not throw.
     void accept() {
-        acceptor_.async_accept([this](error_code error, tcp::socket socket) {
-            accepting_ = false;
+        if (memory_->in_use() || !acceptor_.is_open())
+            return;
+        acceptor_.async_accept(sockets::with(memory_, [this](error_code error, tcp::socket socket) {
             on_accepted(error, std::move(socket));
-        });
-        accepting_ = true;
-    }
-
-    /// After an exception, which may have come out of accept(). Does not throw.
-    void accept_again() noexcept {
-        while (!accepting_ && acceptor_.is_open()) {
-            try {
-                accept();
-            } catch (const std::bad_alloc&) {
-                std::this_thread::sleep_for(accept_pause);
-            }
-        }
+        }));
     }
 
     void close() {
@@ -112,10 +104,8 @@ class Listener {
             return;
         if (error) {
             core_.log(fmt::format("event=accept_failed why=\"{}\"", error.message()));
-            accepting_ = true;
             timer_.expires_after(accept_pause);
             timer_.async_wait([this](error_code waited) {
-                accepting_ = false;
                 if (!waited)
                     accept();
             });
@@ -134,7 +124,7 @@ class Listener {
     asio::steady_timer timer_;
     Take take_;
     Endpoint endpoint_;
-    bool accepting_ = false; ///< or pausing
+    const sockets::HandlerMemoryPtr memory_ = std::make_shared<sockets::HandlerMemory>();
 };
 
 } // namespace
@@ -174,9 +164,10 @@ class NetServer::Impl {
     Clock::duration silence() {
         if (asked_ && !answered_)
             return Clock::now() - *asked_;
-        asked_ = Clock::now();
+        asked_.reset();
         answered_ = false;
         asio::post(io_, [this] { answered_ = true; });
+        asked_ = Clock::now(); // not where there was no memory to ask
         return {};
     }
     int health_port() const { return health_.endpoint().port; }
@@ -203,9 +194,8 @@ class NetServer::Impl {
             } catch (const std::bad_alloc&) {
                 ++core_->counters.out_of_memory;
             }
-            public_.accept_again();
-            if (!core_->options.health_listen.empty())
-                health_.accept_again();
+            public_.accept(); // who came may have taken the handler along
+            health_.accept();
         }
     }
 
@@ -228,6 +218,8 @@ class NetServer::Impl {
     }
 
     asio::io_context io_{1};
+    /// It ends when it is stopped: the last thing that it waited for may have gone with an exception.
+    const asio::executor_work_guard<asio::io_context::executor_type> goes_on_{io_.get_executor()};
     asio::steady_timer stop_timer_{io_};
     Clock::time_point drained_; ///< once it stops
     std::shared_ptr<Core> core_;

@@ -130,7 +130,7 @@ bool Simulation::work_on_stream() {
         const TimeUs now_us = clock_.now();
         schedule_.hurry(clock_.hurry());
         streamed_plan_ = streamed_foam_.carried(plan(now_us), subscriptions_, now_us);
-        Schedule::Due due = schedule_.take_due(streamed_plan_, now_us);
+        Schedule::Due due = schedule_.take_due(*streamed_plan_, now_us);
         if (due.keyframes.empty())
             return false;
         keyframes_skipped_ += due.left_out;
@@ -161,7 +161,9 @@ void Simulation::publish(const std::vector<sea::KeyframePtr>& keyframes) {
 void Simulation::work_on_a_question(bool more) {
     std::optional<TimeUs> wait_us = 0;
     if (!more) {
-        wait_us = schedule_.next_due_us(streamed_plan_);
+        constexpr TimeUs plan_again_us = 10'000; // there was no memory for a first one
+        wait_us = streamed_plan_ ? schedule_.next_due_us(*streamed_plan_)
+                                 : clock_.now() + plan_again_us;
         if (wait_us)
             wait_us = clock_.wait_us(*wait_us);
         if (wait_us)

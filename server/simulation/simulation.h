@@ -187,7 +187,7 @@ class Simulation {
     const Prices prices_;
     Schedule schedule_;
     StreamedFoam streamed_foam_;
-    EffectPlan streamed_plan_;             ///< what the streams were made by last
+    std::optional<EffectPlan> streamed_plan_; ///< what the streams were made by last
     std::optional<KeyframeJob> streaming_; ///< due keyframes that are being made
     std::vector<RateSet> streaming_rates_; ///< of them, in order
     std::size_t streaming_published_ = 0;  ///< of them

@@ -3,9 +3,11 @@
 // may end, the process goes on.
 #include <filesystem>
 #include <fstream>
+#include <iostream>
 #include <system_error>
 #include <thread>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
@@ -27,6 +29,14 @@ class Scarcity : public ::testing::Test {
         const std::string url = server.wait_until_ready();
         EXPECT_FALSE(url.empty()) << server.log();
         port = tests::port_of(url);
+    }
+
+    void TearDown() override {
+        if (!HasFailure())
+            return;
+        const auto code = server.wait_for_exit(std::chrono::seconds(1));
+        std::cout << server.log()
+                  << (code ? fmt::format("it ended with {}\n", *code) : "it runs\n");
     }
 
     /// So much more than it has now.

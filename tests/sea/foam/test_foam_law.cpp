@@ -35,8 +35,8 @@ TEST(FoamLaw, I19_short_crested_jacobian_has_mean_one_and_the_slope_variance) {
     // Var J = lambda^2 mss to first order; 10 % below 0.02 (physics.md I19).
     const sea::RealizationPtr sea = storm(0.011);
     StrainMoments m;
-    for (const sea::CascadeModes& modes : sea->cascades)
-        m += strain_moments(modes, sea->choppiness);
+    for (const sea::CascadeModes& modes : stormy->cascades)
+        m += strain_moments(modes, stormy->choppiness);
     const double variance = m.aa + m.bb + 2 * m.ab;
     ASSERT_LT(variance, 0.02);
     // Shares below 1 - s and below 1 + s of a nearly Gaussian J.
@@ -173,8 +173,9 @@ TEST(FoamLaw, a_bias_adds_the_breaking_share_and_is_foam_from_a_bias_apart_from_
     const FoamLawPtr plain = make_foam_law(*storm(), foam_model);
     const FoamLawPtr biased = make_foam_law(*storm(), {0.6, 4.0, 3.0, 0.3});
     StrainMoments total;
-    for (const sea::CascadeModes& modes : storm()->cascades)
-        total += strain_moments(modes, storm()->choppiness);
+    const auto stormy = storm();
+    for (const sea::CascadeModes& modes : stormy->cascades)
+        total += strain_moments(modes, stormy->choppiness);
     EXPECT_NEAR(biased->mean_coverage - plain->mean_coverage,
                 12.0 * 0.3 * breaking_share(0.6, total), 1e-9);
 }
