@@ -32,8 +32,8 @@ class WaitingLine {
         /// At the end, also where it was in a line already. The line outlives the place.
         void take(WaitingLine& line, AddressPtr address, std::function<void()> give_up) {
             leave();
-            line_ = &line;
             at_ = line.places_.insert(line.places_.end(), {std::move(address), std::move(give_up)});
+            line_ = &line; // not where there was no memory for it
         }
         void leave() {
             if (WaitingLine* line = std::exchange(line_, nullptr))
