@@ -124,7 +124,7 @@ typedef struct seaway_status {
      * time: what was held is dropped then, and seaway_now_us is the time of that sea. */
     uint32_t seas;
     uint32_t holds;        /* sum of SEAWAY_HOLDS_TILES, SEAWAY_HOLDS_WAVES; of the sea of now */
-    double next_attempt_s; /* SEAWAY_WAITING: until then */
+    double next_attempt_s; /* SEAWAY_WAITING: until then; 0 also before it is known */
     double stale_s;        /* since the server was heard last; 0 while it is heard */
     int64_t held_from_us;
     int64_t held_until_us;

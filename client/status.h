@@ -24,7 +24,7 @@ struct ClientStatus {
     int connections = 0; ///< so far
     /// Different ones so far behind the address: from 1 on. With another one its time, epochs and waves are others.
     int seas = 0;
-    double next_attempt_s = 0; ///< waiting: until then
+    double next_attempt_s = 0; ///< waiting: until then; 0 also before it is known
     /// Since the server was heard last; 0 while its sea is known to go on. Answers about later times are flagged
     /// answer_stale.
     double stale_s = 0;

@@ -162,8 +162,8 @@ void Simulation::work_on_a_question(bool more) {
     std::optional<TimeUs> wait_us = 0;
     if (!more) {
         constexpr TimeUs plan_again_us = 10'000; // there was no memory for a first one
-        wait_us = streamed_plan_ ? schedule_.next_due_us(*streamed_plan_)
-                                 : clock_.now() + plan_again_us;
+        wait_us =
+            streamed_plan_ ? schedule_.next_due_us(*streamed_plan_) : clock_.now() + plan_again_us;
         if (wait_us)
             wait_us = clock_.wait_us(*wait_us);
         if (wait_us)

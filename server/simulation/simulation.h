@@ -188,9 +188,9 @@ class Simulation {
     Schedule schedule_;
     StreamedFoam streamed_foam_;
     std::optional<EffectPlan> streamed_plan_; ///< what the streams were made by last
-    std::optional<KeyframeJob> streaming_; ///< due keyframes that are being made
-    std::vector<RateSet> streaming_rates_; ///< of them, in order
-    std::size_t streaming_published_ = 0;  ///< of them
+    std::optional<KeyframeJob> streaming_;    ///< due keyframes that are being made
+    std::vector<RateSet> streaming_rates_;    ///< of them, in order
+    std::size_t streaming_published_ = 0;     ///< of them
     const std::shared_ptr<Room>
         fetch_room_; ///< raw, from before they are made until they are encoded
     std::chrono::steady_clock::time_point trimmed_ = std::chrono::steady_clock::now();

@@ -78,6 +78,9 @@ TEST(Feed, stays_away_for_as_long_as_a_server_that_stops_asks) {
     ASSERT_TRUE(becomes(Link::live)) << server.log();
     server.send(SIGTERM);
     ASSERT_TRUE(becomes(Link::waiting));
+    // It is lost a moment before it is known for how long.
+    for (int i = 0; i < 12'000 && feed.status().next_s == 0; ++i)
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
     const FeedStatus status = feed.status();
     EXPECT_THAT(status.reason, testing::HasSubstr("shutting_down"));
     EXPECT_GT(status.next_s, 500) << "of the 600, with a minute and more for a busy machine";

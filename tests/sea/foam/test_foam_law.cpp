@@ -35,8 +35,8 @@ TEST(FoamLaw, I19_short_crested_jacobian_has_mean_one_and_the_slope_variance) {
     // Var J = lambda^2 mss to first order; 10 % below 0.02 (physics.md I19).
     const sea::RealizationPtr sea = storm(0.011);
     StrainMoments m;
-    for (const sea::CascadeModes& modes : stormy->cascades)
-        m += strain_moments(modes, stormy->choppiness);
+    for (const sea::CascadeModes& modes : sea->cascades)
+        m += strain_moments(modes, sea->choppiness);
     const double variance = m.aa + m.bb + 2 * m.ab;
     ASSERT_LT(variance, 0.02);
     // Shares below 1 - s and below 1 + s of a nearly Gaussian J.
