@@ -20,7 +20,13 @@ struct PatchLines {
 
     /// The lattice line at or below a coordinate.
     static long line(double position_m, double spacing_m) {
-        return static_cast<long>(std::floor(position_m / spacing_m));
+        return number(std::floor(position_m / spacing_m));
+    }
+    /// The last one beyond where doubles tell lines apart, 0 of what is no number: nothing overflows.
+    static long number(double whole) {
+        constexpr double told_apart = 0x1p53;
+        return std::isnan(whole) ? 0
+                                 : static_cast<long>(std::clamp(whole, -told_apart, told_apart));
     }
     bool round() const { return count == period + 5; } ///< all lines of the tile are held
     /// Where the first of the four lines is held that a spline at `u` lattice steps is made of, and
@@ -31,7 +37,7 @@ struct PatchLines {
     };
     Place place(double u) const {
         const double second = std::floor(u);
-        const long off = static_cast<long>(second) - 1 - first;
+        const long off = number(second) - 1 - first;
         if (round())
             return {turned(off), u - second};
         const long held = std::clamp(off, 0L, static_cast<long>(count) - 4);
