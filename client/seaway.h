@@ -16,8 +16,7 @@
  * call waits for the network. No function keeps a pointer that it is given.
  *
  * Memory: whoever passes an array owns it; counts are of elements, sizes of structs are fixed for
- * this ABI version (checked at compile time below). seaway_sample allocates only when it meets a
- * keyframe for the first time.
+ * this ABI version (checked at compile time below). seaway_sample allocates a few small things in each call.
  *
  * Errors: every function that can fail returns a seaway_code; seaway_last_error() then says why in
  * one line, for the calling thread. Nothing is written to the outputs of a call that failed.
