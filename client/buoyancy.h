@@ -160,15 +160,21 @@ static inline void seaway_to_engine(seaway_frame frame, const double v[3], doubl
     out[2] = frame == SEAWAY_Z_UP_LEFT ? up : frame == SEAWAY_Y_UP ? -north : north;
 }
 
+/* The axis of a turn in out[1..3] as a frame of the other hand sees it, beside the turn's w. */
+static inline void seaway_mirror_turn(seaway_frame frame, double w, double out[4]) {
+    out[0] = w;
+    if (frame == SEAWAY_Y_UP)
+        return;
+    for (int i = 1; i < 4; ++i)
+        out[i] = -out[i];
+}
+
 /* Turns: an orientation w, x, y, z of a body whose mesh was brought over by seaway_to_engine; with w = 0 an angular velocity or
  * a torque, which a mirror turns round. */
 static inline void seaway_turn_to_engine(seaway_frame frame, const double q[4], double out[4]) {
-    const double mirror = frame == SEAWAY_Y_UP ? 1 : -1;
-    double axis[3];
-    seaway_to_engine(frame, q + 1, axis);
-    out[0] = q[0];
-    for (int i = 0; i < 3; ++i)
-        out[i + 1] = mirror * axis[i];
+    const double w = q[0];
+    seaway_to_engine(frame, q + 1, out + 1);
+    seaway_mirror_turn(frame, w, out);
 }
 
 /* The way back of seaway_to_engine. */
@@ -181,12 +187,9 @@ static inline void seaway_from_engine(seaway_frame frame, const double v[3], dou
 
 /* The way back of seaway_turn_to_engine. */
 static inline void seaway_turn_from_engine(seaway_frame frame, const double q[4], double out[4]) {
-    const double mirror = frame == SEAWAY_Y_UP ? 1 : -1;
-    double axis[3];
-    seaway_from_engine(frame, q + 1, axis);
-    out[0] = q[0];
-    for (int i = 0; i < 3; ++i)
-        out[i + 1] = mirror * axis[i];
+    const double w = q[0];
+    seaway_from_engine(frame, q + 1, out + 1);
+    seaway_mirror_turn(frame, w, out);
 }
 
 #include "buoyancy_hull.h"

@@ -48,6 +48,25 @@ class Engine : public WaveServer {
         return made;
     }
 
+    /// The sea around `asked_us` as tiles, or its spectrum.
+    static void hold_sea(Sea& client, bool tiles) {
+        if (tiles)
+            return client.hold({asked_us, asked_us + 10'000, asked_us + 20'000});
+        seaway_subscription spectrum{};
+        spectrum.rung = SEAWAY_SPECTRUM;
+        client.subscribe(spectrum);
+    }
+
+    static std::vector<seaway_water> water_at(const Sea& client, const seaway_looking* looking,
+                                              const std::vector<seaway_point>& points) {
+        std::vector<seaway_water> water(points.size());
+        EXPECT_EQ(seaway_sample_water(client.handle(), looking, points.data(), points.size(),
+                                      water.data(), sizeof(seaway_water)),
+                  SEAWAY_OK)
+            << seaway_last_error();
+        return water;
+    }
+
     static std::string refusal(seaway_code code, seaway_code expected = SEAWAY_BAD_ARGUMENT) {
         EXPECT_EQ(code, expected) << seaway_last_error();
         return seaway_last_error();

@@ -195,17 +195,8 @@ TEST_F(Engine, water_at_a_point_was_moved_there_as_the_exact_sum_moves_it) {
     const std::vector<seaway_point> points = places(200);
     for (const bool tiles : {true, false}) {
         Sea client(net->url());
-        seaway_subscription spectrum{};
-        spectrum.rung = SEAWAY_SPECTRUM;
-        if (tiles)
-            client.hold({asked_us, asked_us + 10'000, asked_us + 20'000});
-        else
-            client.subscribe(spectrum);
-        std::vector<seaway_water> water(points.size());
-        ASSERT_EQ(seaway_sample_water(client.handle(), nullptr, points.data(), points.size(),
-                                      water.data(), sizeof(seaway_water)),
-                  SEAWAY_OK)
-            << seaway_last_error();
+        hold_sea(client, tiles);
+        const std::vector<seaway_water> water = water_at(client, nullptr, points);
         const std::vector<seaway_answer> answers = client.sample(points);
         for (std::size_t i = 0; i < points.size(); ++i) {
             const sea::DirectSum::Moment moment = truth.at_time(points[i].time_us);
@@ -235,17 +226,8 @@ TEST_F(Engine, waves_that_are_left_out_are_missing_from_heights_and_from_nothing
     looking.cascades = 1;
     for (const bool tiles : {true, false}) {
         Sea client(net->url());
-        seaway_subscription spectrum{};
-        spectrum.rung = SEAWAY_SPECTRUM;
-        if (tiles)
-            client.hold({asked_us, asked_us + 10'000, asked_us + 20'000});
-        else
-            client.subscribe(spectrum);
-        std::vector<seaway_water> water(points.size());
-        ASSERT_EQ(seaway_sample_water(client.handle(), &looking, points.data(), points.size(),
-                                      water.data(), sizeof(seaway_water)),
-                  SEAWAY_OK)
-            << seaway_last_error();
+        hold_sea(client, tiles);
+        const std::vector<seaway_water> water = water_at(client, &looking, points);
         for (std::size_t i = 0; i < points.size(); ++i) {
             const sea::Answer exact = sea::surface_at(
                 {points[i].x_m, points[i].y_m, points[i].time_us},
