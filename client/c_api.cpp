@@ -250,11 +250,9 @@ seaway_code seaway_sample(const seaway_client* client, const seaway_point* point
     return guarded([&]() -> Result<void> {
         if (!client || (count > 0 && (!points || !answers)))
             return bad("seaway_sample: client, points and answers must not be null");
-        const Result<std::vector<sea::Answer>> sampled =
-            client->client->sample(as_points(points, count));
-        if (!sampled)
-            return sampled.error();
-        put(*sampled, answers);
+        RecycledVector<sea::Answer> sampled(count); // a call that fails writes nothing
+        SEAWAY_TRY(client->client->sample_into(as_points(points, count), sampled));
+        put(sampled, answers);
         return {};
     });
 }

@@ -29,6 +29,8 @@ void drop_overtaken(std::vector<SeaStatePtr>& states) {
         });
     });
 }
+/// Who samples waits for no spline: those of so many keyframes after a sample are made as they come.
+constexpr int splines_ahead_max = 256;
 /// Batches of one ask() under way: enough to hide the round trip.
 constexpr std::size_t batches_in_flight = 4;
 
@@ -60,21 +62,7 @@ ConnectionEvents Client::connection_events(const JoiningPtr& joining) {
         if (events_.on_sea_state)
             events_.on_sea_state(state);
     };
-    events.on_keyframe = [this](const HeldKeyframePtr& keyframe) {
-        TimeUs now_us = 0;
-        {
-            const std::scoped_lock lock(mutex_);
-            now_us = sea_time_held();
-        }
-        ring_.insert_passing(keyframe, now_us);
-        {
-            const std::scoped_lock lock(mutex_);
-            for (Wanted* wanted : wanted_)
-                wanted->offer(keyframe);
-        }
-        if (events_.on_keyframe)
-            events_.on_keyframe(keyframe);
-    };
+    events.on_keyframe = [this](const HeldKeyframePtr& keyframe) { take_keyframe(keyframe); };
     take_waves(events);
     events.on_grant = [this](const Grant& grant) {
         const std::scoped_lock lock(mutex_);
@@ -93,6 +81,27 @@ ConnectionEvents Client::connection_events(const JoiningPtr& joining) {
             say_status();
     };
     return events;
+}
+
+void Client::take_keyframe(const HeldKeyframePtr& keyframe) {
+    TimeUs now_us = 0;
+    {
+        const std::scoped_lock lock(mutex_);
+        now_us = sea_time_held();
+    }
+    if (splines_ahead_ > 0 && keyframe->can_be_sampled()) {
+        --splines_ahead_;
+        keyframe->spline();
+    }
+    ring_.insert_passing(keyframe, now_us);
+    surfaces_.follow(ring_);
+    {
+        const std::scoped_lock lock(mutex_);
+        for (Wanted* wanted : wanted_)
+            wanted->offer(keyframe);
+    }
+    if (events_.on_keyframe)
+        events_.on_keyframe(keyframe);
 }
 
 void Client::take_times(ConnectionEvents& events, const JoiningPtr& joining) {
@@ -326,8 +335,16 @@ Result<LocalSurface> Client::surface(TimeUs time_us) const {
         [&] { return local_surface(*sea_state(time_us), ring_, time_us, sampled_fields()); });
 }
 
+Result<void> Client::sample_into(std::span<const QueryPoint> points,
+                                 std::span<Answer> answers) const {
+    SEAWAY_CHECK(points.size() == answers.size(), "one answer a point");
+    return of_one_sea([&] { return sample_from(ring_, surfaces_, points, answers); });
+}
+
 Result<std::vector<Answer>> Client::sample(std::span<const QueryPoint> points) const {
-    return of_one_sea([&] { return sample_from(ring_, points); });
+    std::vector<Answer> answers(points.size());
+    SEAWAY_TRY(sample_into(points, answers));
+    return answers;
 }
 
 Result<void> Client::rebuild(TimeUs time_us) {
@@ -376,68 +393,56 @@ OwnSeaPtr Client::own_sea_held(const SeaStatePtr& state, int depth) const {
     return glide.sea;
 }
 
-std::size_t Client::answer_rebuilt(std::span<const QueryPoint> points, std::size_t first,
-                                   std::span<Answer> answers) const {
-    const SeaStatePtr state = sea_state(points[first].time_us);
-    const OwnSeaPtr waves = own_sea(state);
-    if (!waves)
-        return first;
-    std::size_t end = first + 1;
-    while (end < points.size() && (points[end].time_us == points[first].time_us ||
-                                   sea_state(points[end].time_us) == state))
-        ++end;
-    waves->answer(points.subspan(first, end - first), answers.subspan(first, end - first));
-    return end;
+Client::SeaThen Client::sea_then(TimeUs time_us) const {
+    const std::scoped_lock lock(mutex_);
+    SeaThen then{sea_state_held(time_us), nullptr, {}};
+    for (const SeaStatePtr& state : sea_states_) { // by their beginning
+        if (state->start_time_us > time_us) {
+            then.span.until_us = state->start_time_us;
+            break;
+        }
+        then.span.from_us = state->start_time_us;
+    }
+    then.waves = own_sea_held(then.state, glides_chained_max);
+    return then;
 }
 
-Result<std::vector<Answer>> Client::sample_from(const KeyframeRing& ring,
-                                                std::span<const QueryPoint> points) const {
-    std::vector<Answer> answers(points.size());
+Result<void> Client::sample_from(const KeyframeRing& ring, HeldSurfaces& surfaces,
+                                 std::span<const QueryPoint> points,
+                                 std::span<Answer> answers) const {
     const sea::FieldSet fields = sampled_fields();
-    SeaStatePtr state;
-    TimeCell cell;
-    std::optional<LocalSurface> surface;
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        const TimeUs time_us = points[i].time_us;
-        if (const std::size_t end = answer_rebuilt(points, i, answers); end > i) {
-            i = end - 1;
+    HeldSurfaces::Lent surface;
+    for (std::size_t first = 0; first < points.size();) {
+        const TimeUs time_us = points[first].time_us;
+        const SeaThen then = sea_then(time_us);
+        // All that follows of the same keyframes, at once: points share what a time costs, and wait for memory together.
+        TimeSpan span = then.span;
+        if (!then.waves)
+            span = glides_choppiness(*then.state) ? TimeSpan{time_us, time_us}
+                                                  : span.within(cell_span(*then.state, time_us));
+        std::size_t end = first + 1;
+        while (end < points.size() &&
+               (points[end].time_us == time_us || span.contains(points[end].time_us)))
+            ++end;
+        const std::span<const QueryPoint> asked = points.subspan(first, end - first);
+        const std::span<Answer> answered = answers.subspan(first, end - first);
+        first = end;
+        if (then.waves) {
+            then.waves->answer(asked, answered);
             continue;
         }
-        if (!surface || time_us != points[i - 1].time_us) {
-            const SeaStatePtr state_now = sea_state(time_us);
-            TimeCell cell_now = time_cell(*state_now, time_us);
-            if (!surface || state_now != state || cell_now != cell ||
-                glides_choppiness(*state_now)) {
-                Result<LocalSurface> found = local_surface(*state_now, ring, time_us, fields);
-                if (!found)
-                    return found.error();
-                surface.emplace(std::move(*found));
-                state = state_now;
-                cell = std::move(cell_now);
-            }
-        }
-        // All that follows of the same keyframes, at once: points share what a time costs, and wait for memory together.
-        const auto same = [&](TimeUs other_us) {
-            return other_us == time_us ||
-                   (!glides_choppiness(*state) && sea_state(other_us) == state &&
-                    time_cell(*state, other_us) == cell);
-        };
-        std::size_t end = i + 1;
-        while (end < points.size() &&
-               (points[end].time_us == points[end - 1].time_us || same(points[end].time_us)))
-            ++end;
-        const std::span<Answer> run = std::span(answers).subspan(i, end - i);
-        surface->surface.answer(points.subspan(i, end - i), run);
+        splines_ahead_ = splines_ahead_max;
+        SEAWAY_TRY(surfaces.lend(then.state, ring, time_us, fields, surface));
+        surface->surface.answer(asked, answered);
         if (!surface->covers)
-            for (Answer& answer : run)
+            for (Answer& answer : answered)
                 answer.flags |= sea::answer_extrapolated;
-        i = end - 1;
     }
     if (!mark_stale(points, answers))
         return failed(
             Failure::not_held,
             "the connection is lost, and the keyframes that are held end before that time");
-    return answers;
+    return {};
 }
 
 } // namespace seaway::client

@@ -37,6 +37,7 @@
 
 #include "base/result.h"
 #include "client/held/keyframe_ring.h"
+#include "client/held_surfaces.h"
 #include "client/link/clock.h"
 #include "client/link/connection.h"
 #include "client/link/reconnect.h"
@@ -121,6 +122,10 @@ class Client {
     /// near times should stand together. About 1 us a point, 3 ms more for a new keyframe; of a sea
     /// that it has rebuilt, at any time, what client/rebuilt/rebuilt_sea.h says.
     Result<std::vector<sea::Answer>> sample(std::span<const sea::QueryPoint> points) const;
+    /// The same into the caller's memory, as many answers as points; of an error they are anything. From keyframes that came since
+    /// somebody sampled it allocates nothing, but what a search for sheets keeps for the next one of its thread.
+    Result<void> sample_into(std::span<const sea::QueryPoint> points,
+                             std::span<sea::Answer> answers) const;
 
     /// Makes the sea that runs at this time from the scene that the server sent, and holds it against the
     /// server's probes; from then on its points are answered from its waves. Blocks, never asks the server.
@@ -186,6 +191,7 @@ class Client {
     ConnectionPtr link() const;
     ConnectionEvents connection_events(const JoiningPtr& joining);
     void take_times(ConnectionEvents& events, const JoiningPtr& joining);
+    void take_keyframe(const HeldKeyframePtr& keyframe);
 
     // client_goes_on.cpp: on the keeper's thread, but for what says otherwise.
     Result<void> open_link();
@@ -249,11 +255,16 @@ class Client {
     SeaStatePtr sea_state_held(sea::TimeUs time_us) const;
     void take_waves(ConnectionEvents& events);
     void forget_waves(std::uint32_t epoch); ///< mutex_ held
-    /// Answers the points from `first` on that are of one rebuilt sea; where they end, `first` if there are none.
-    std::size_t answer_rebuilt(std::span<const sea::QueryPoint> points, std::size_t first,
-                               std::span<sea::Answer> answers) const;
-    Result<std::vector<sea::Answer>> sample_from(const KeyframeRing& ring,
-                                                 std::span<const sea::QueryPoint> points) const;
+    /// The sea that runs at a time, its waves if they are here, and until when it does.
+    struct SeaThen {
+        SeaStatePtr state;
+        OwnSeaPtr waves;
+        TimeSpan span;
+    };
+    SeaThen sea_then(sea::TimeUs time_us) const;
+    Result<void> sample_from(const KeyframeRing& ring, HeldSurfaces& surfaces,
+                             std::span<const sea::QueryPoint> points,
+                             std::span<sea::Answer> answers) const;
     /// What `look` finds in what is held, of one sea: looked at again where another has taken its place meanwhile.
     template <class Look>
     auto of_one_sea(const Look& look) const {
@@ -268,6 +279,8 @@ class Client {
     ConnectOptions options_;
     const ClientEvents events_;
     KeyframeRing ring_;
+    mutable HeldSurfaces surfaces_;              ///< of ring_
+    mutable std::atomic<int> splines_ahead_ = 0; ///< of so many keyframes that come
 
     mutable std::mutex mutex_;
     ClockFilter clock_; ///< of the time since the sea's epoch

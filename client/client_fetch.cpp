@@ -221,11 +221,11 @@ Result<std::vector<Answer>> Client::fetch_and_sample(std::span<const QueryPoint>
         if (!seas_are(expected) && tellings++ < tellings_max)
             continue;
         tellings = 0;
-        const Result<std::vector<Answer>> sampled = sample_from(wanted.ring(), batch);
-        if (!sampled)
-            return sampled.error();
+        std::vector<Answer> sampled(batch.size());
+        HeldSurfaces surfaces;
+        SEAWAY_TRY(sample_from(wanted.ring(), surfaces, batch, sampled));
         for (std::size_t i = first; i < next; ++i) {
-            answers[order[i]] = (*sampled)[i - first];
+            answers[order[i]] = sampled[i - first];
             if (answers[order[i]].flags & sea::answer_extrapolated)
                 return failed(Failure::not_held,
                               fmt::format("the server did not send the keyframes around {} s",

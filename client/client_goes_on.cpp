@@ -265,6 +265,7 @@ void Client::forget_sea() {
     arriving_.clear();
     glides_.clear();
     ring_.clear();
+    surfaces_.follow(ring_);
     for (Wanted* wanted : wanted_)
         wanted->forget();
     clock_ = {};

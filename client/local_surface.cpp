@@ -118,12 +118,9 @@ sea::MapError local_map_error(const SeaState& state, std::span<const KeyframePai
     return error;
 }
 
-Result<LocalSurface> local_surface(const SeaState& state, const KeyframeRing& ring,
-                                   sea::TimeUs time_us, sea::FieldSet fields,
-                                   std::uint32_t cascades) {
-    std::vector<KeyframePair> pairs;
-    std::vector<sea::SplinePair> splines;
-    bool covered = true;
+Result<HeldPairs> held_pairs(const SeaState& state, const KeyframeRing& ring, sea::TimeUs time_us,
+                             sea::FieldSet fields, std::uint32_t cascades) {
+    HeldPairs held{.pairs = {}, .covers = true};
     for (std::size_t c = 0; c < state.cascades.size(); ++c) {
         if (!(cascades >> c & 1u))
             continue;
@@ -134,16 +131,30 @@ Result<LocalSurface> local_surface(const SeaState& state, const KeyframeRing& ri
                           fmt::format("no keyframe of cascade {} is held that heights can be "
                                       "sampled from: subscribe, or fetch around the time",
                                       c));
-        covered = covered && pair->covers;
-        splines.push_back({pair->before->spline(), pair->after->spline()});
-        pairs.push_back(std::move(*pair));
+        pair->before->spline();
+        pair->after->spline();
+        held.covers = held.covers && pair->covers;
+        held.pairs.push_back(std::move(*pair));
     }
-    return LocalSurface{
-        sea::Surface(std::move(splines),
-                     {state.choppiness_x_at(time_us), state.choppiness_y_at(time_us)},
-                     folds_of(state), local_map_error(state, pairs),
-                     sea::inverse_tolerance_m(state.height_error_m)),
-        covered};
+    return held;
+}
+
+sea::Surface surface_of(const SeaState& state, sea::TimeUs time_us, const HeldPairs& held) {
+    ShortList<sea::SplinePair, sea::surface_pairs_max> splines;
+    for (const KeyframePair& pair : held.pairs)
+        splines.push_back({pair.before->spline(), pair.after->spline()});
+    return {{splines.data(), splines.size()},
+            {state.choppiness_x_at(time_us), state.choppiness_y_at(time_us)},
+            folds_of(state),
+            local_map_error(state, {held.pairs.data(), held.pairs.size()}),
+            sea::inverse_tolerance_m(state.height_error_m)};
+}
+
+Result<LocalSurface> local_surface(const SeaState& state, const KeyframeRing& ring,
+                                   sea::TimeUs time_us, sea::FieldSet fields,
+                                   std::uint32_t cascades) {
+    SEAWAY_TRY_LET(const HeldPairs held, held_pairs(state, ring, time_us, fields, cascades));
+    return LocalSurface{surface_of(state, time_us, held), held.covers};
 }
 
 bool covers(const SeaState& state, const KeyframeRing& ring, sea::TimeUs time_us,

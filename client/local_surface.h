@@ -10,9 +10,9 @@
 
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "base/result.h"
+#include "base/short_list.h"
 #include "client/held/keyframe_ring.h"
 #include "client/link/connection.h"
 #include "sea/surface/surface.h"
@@ -28,6 +28,14 @@ struct LocalSurface {
 
 /// The surface around one time. `fields`: what keyframes must hold to be used. An error (not_held)
 /// names the cascade of which nothing is held. `cascades`: of these alone, a bit each.
+/// The keyframes of it, and no surface yet. Their splines are made.
+struct HeldPairs {
+    ShortList<KeyframePair, sea::surface_pairs_max> pairs;
+    bool covers = false;
+};
+Result<HeldPairs> held_pairs(const SeaState& state, const KeyframeRing& ring, sea::TimeUs time_us,
+                             sea::FieldSet fields, std::uint32_t cascades = 0xffffffffu);
+sea::Surface surface_of(const SeaState& state, sea::TimeUs time_us, const HeldPairs& held);
 Result<LocalSurface> local_surface(const SeaState& state, const KeyframeRing& ring,
                                    sea::TimeUs time_us, sea::FieldSet fields,
                                    std::uint32_t cascades = 0xffffffffu);
@@ -44,7 +52,7 @@ sea::MapError local_map_error(const SeaState& state, std::span<const KeyframePai
 bool glides_choppiness(const SeaState& state);
 
 /// One keyframe interval of every cascade: times in the same cell need the same keyframes.
-using TimeCell = std::vector<sea::TimeUs>;
+using TimeCell = ShortList<sea::TimeUs, sea::surface_pairs_max>;
 TimeCell time_cell(const SeaState& state, sea::TimeUs time_us);
 
 } // namespace seaway::client

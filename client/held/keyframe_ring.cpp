@@ -83,6 +83,7 @@ void KeyframeRing::insert(HeldKeyframePtr keyframe) {
     if (limits_.as_splines)
         keyframe = HeldKeyframe::as_spline(keyframe);
     const std::scoped_lock lock(mutex_);
+    ++changes_;
     if (Cascade* cascade = take({std::move(keyframe), false}))
         make_room(*cascade);
 }
@@ -91,6 +92,7 @@ void KeyframeRing::insert_passing(HeldKeyframePtr keyframe, TimeUs now_us) {
     if (limits_.as_splines)
         keyframe = HeldKeyframe::as_spline(keyframe);
     const std::scoped_lock lock(mutex_);
+    ++changes_;
     Cascade* cascade = take({std::move(keyframe), true});
     if (!cascade)
         return;
@@ -245,8 +247,18 @@ std::optional<std::pair<TimeUs, TimeUs>> KeyframeRing::held(int cascade,
     return span;
 }
 
+bool KeyframeRing::holds(const sea::SplineMap* spline) const {
+    const std::scoped_lock lock(mutex_);
+    return std::ranges::any_of(cascades_, [&](const Cascade& cascade) {
+        return std::ranges::any_of(cascade.by_arrival, [&](const Held& held) {
+            return held.keyframe->has_spline() && held.keyframe->spline().get() == spline;
+        });
+    });
+}
+
 void KeyframeRing::clear() {
     const std::scoped_lock lock(mutex_);
+    ++changes_;
     cascades_.clear();
 }
 

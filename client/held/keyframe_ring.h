@@ -11,6 +11,7 @@
 #include <array>
 #include <atomic>
 #include <cstddef>
+#include <cstdint>
 #include <deque>
 #include <limits>
 #include <memory>
@@ -146,6 +147,11 @@ class KeyframeRing {
 
     void clear();
 
+    /// Another number after every call that may have changed what is held.
+    std::uint64_t changes() const { return changes_; }
+    /// Is the keyframe of this spline held?
+    bool holds(const sea::SplineMap* spline) const;
+
     std::size_t size(int cascade) const;
     /// What all held keyframes of a cascade count for, splines included.
     std::size_t bytes(int cascade) const;
@@ -170,6 +176,7 @@ class KeyframeRing {
 
     const RingLimits limits_;
     mutable std::mutex mutex_;
+    std::atomic<std::uint64_t> changes_ = 0; ///< written with mutex_ held
     std::vector<Cascade> cascades_;
 };
 

@@ -11,8 +11,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
+#include "base/short_list.h"
 #include "sea/basics/time.h"
 #include "sea/surface/maps/hermite.h"
 
@@ -114,13 +114,17 @@ struct CoarserLoss {
     bool operator==(const CoarserLoss&) const = default;
 };
 
+/// A surface has no more cascades than this.
+inline constexpr std::size_t surface_pairs_max = 16;
+
 /// Of all maps of a surface.
 struct MapError {
-    std::vector<CascadeLoss> cascades; ///< in the order of the surface's pairs, or empty
-    double height_bound_m = 0;         ///< beside those: single precision
-    double displacement_bound_m = 0;   ///< likewise, of D
-    double strain_bound = 0;           ///< of grad D: interpolation and single precision
-    double codec_strain_bound = 0;     ///< of lambda grad D
+    ShortList<CascadeLoss, surface_pairs_max>
+        cascades;                    ///< in the order of the surface's pairs, or empty
+    double height_bound_m = 0;       ///< beside those: single precision
+    double displacement_bound_m = 0; ///< likewise, of D
+    double strain_bound = 0;         ///< of grad D: interpolation and single precision
+    double codec_strain_bound = 0;   ///< of lambda grad D
 };
 
 } // namespace seaway::sea

@@ -9,7 +9,7 @@ std::optional<Box> MomentSheets::others(Vec2 target, const Vec2* root, bool susp
     if (root != nullptr && !suspected && !options_.folds.always)
         return std::nullopt;
     const double sideways = std::max(options_.choppiness.x, options_.choppiness.y);
-    std::vector<double> reach_m;
+    RecycledVector<double> reach_m;
     double all_m = 0;
     blur_m_ = options_.tolerance_m;
     height_blur_m_ = options_.tolerance_m;

@@ -88,8 +88,8 @@ class RowsHull {
 
 /// Of coefficients laid out as `patch` says, `channels` each.
 template <int channels, int order>
-SplineHull<channels, order> hull_of(const SheetPatch& patch, const std::vector<float>& coefficients,
-                                    const Box& box) {
+SplineHull<channels, order> hull_of(const SheetPatch& patch,
+                                    const RecycledVector<float>& coefficients, const Box& box) {
     const PatchLines::Range x = patch.x.range(box.low.x, box.high.x, patch.spacing_m);
     const PatchLines::Range y = patch.y.range(box.low.y, box.high.y, patch.spacing_m);
     const std::size_t pitch = channels * static_cast<std::size_t>(patch.x.count);

@@ -140,16 +140,16 @@ double PatchSheets::spacing_m() const {
     return finest_m;
 }
 
-std::vector<Roughness> PatchSheets::roughness(const Box& box) const {
-    std::vector<Roughness> all;
+RecycledVector<Roughness> PatchSheets::roughness(const Box& box) const {
+    RecycledVector<Roughness> all;
     for (const SheetPatch& patch : patches_)
         all.push_back(
             hull_of<2, 2>(patch, patch.moved, box).roughness(0, 1, 1.0 / patch.spacing_m));
     return all;
 }
 
-std::vector<Rise> PatchSheets::rises(const Box& box) const {
-    std::vector<Rise> all;
+RecycledVector<Rise> PatchSheets::rises(const Box& box) const {
+    RecycledVector<Rise> all;
     for (const SheetPatch& patch : patches_)
         all.push_back(hull_of<1, 1>(patch, patch.height, box).rise(0, 1.0 / patch.spacing_m));
     return all;

@@ -7,12 +7,11 @@
 // strains of all patches over the last box keep X + lambda D(X) one to one, there is one sheet; else
 // find_sheets() goes on with the patches.
 //
-// For one point; not thread-safe. Allocates.
+// For one point; not thread-safe. Memory is kept for the next search of the thread (base/recycled.h).
 #pragma once
 
 #include <optional>
 #include <span>
-#include <vector>
 
 #include "sea/surface/inverse.h"
 #include "sea/waves/sheet_patch.h"
@@ -25,8 +24,8 @@ class PatchSheets : public SheetBounds {
 
     LagrangianPoint displaced(Vec2 at) const override;
     double height(Vec2 at) const override;
-    std::vector<Roughness> roughness(const Box& box) const override;
-    std::vector<Rise> rises(const Box& box) const override;
+    RecycledVector<Roughness> roughness(const Box& box) const override;
+    RecycledVector<Rise> rises(const Box& box) const override;
     Box left_of(const Box& box, Vec2 target) const override {
         return left_of(box, target, blur_m());
     }
@@ -45,7 +44,7 @@ class PatchSheets : public SheetBounds {
     bool one_to_one(const Box& box) const;
 
     Choppiness choppiness_;
-    std::vector<SheetPatch> patches_;
+    RecycledVector<SheetPatch> patches_;
 };
 
 } // namespace seaway::sea

@@ -59,8 +59,8 @@ struct Singular {
 /// What is known of all places in a box.
 struct Region {
     Box box;
-    std::vector<Roughness> parts;
-    std::vector<Rise> rises{};
+    RecycledVector<Roughness> parts;
+    RecycledVector<Rise> rises{};
     double bend_per_m = 0; ///< of lambda grad D
     double smallest_m = 0; ///< smaller boxes are not halved
 };
@@ -239,7 +239,7 @@ class Search {
         return holds(bend_of(field_.roughness(Box::around(at, radius_m, radius_m))));
     }
 
-    double bend_of(const std::vector<Roughness>& parts) const {
+    double bend_of(const RecycledVector<Roughness>& parts) const {
         double bend_per_m = 0;
         for (const Roughness& r : parts)
             bend_per_m += sideways_ * r.bend_per_m;
@@ -279,7 +279,7 @@ class Search {
     }
 
     /// False: there is one nearer than that.
-    static bool add_once(std::vector<Vec2>& places, Vec2 place, double apart_m) {
+    static bool add_once(RecycledVector<Vec2>& places, Vec2 place, double apart_m) {
         for (const Vec2& other : places)
             if (std::hypot(other.x - place.x, other.y - place.y) < apart_m)
                 return false;
@@ -320,11 +320,11 @@ class Search {
     const SheetField& field_;
     const double sideways_;
     const double finest_m2_;
-    std::vector<Region> regions_;
-    std::vector<Node> open_; ///< a heap, highest first
+    RecycledVector<Region> regions_;
+    RecycledVector<Node> open_; ///< a heap, highest first
     double best_m_ = -unbounded;
     double doubtful_m_ = -unbounded; ///< the highest that a sheet may be which the blur leaves open
-    std::vector<Vec2> near_edges_, edges_;
+    RecycledVector<Vec2> near_edges_, edges_;
     Sheets sheets_;
 };
 

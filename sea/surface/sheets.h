@@ -12,12 +12,12 @@
 // is known, the highest sheet is all that is still asked for: boxes are taken highest first, and what
 // cannot reach as high as the best solution is left.
 //
-// Thread-safe. Allocates. Cost: 20 to 200 evaluations, sheet_evaluations_max at most.
+// Thread-safe. Memory is kept for the next search of the thread (base/recycled.h). Cost: 20 to 200 evaluations, sheet_evaluations_max at most.
 #pragma once
 
 #include <optional>
-#include <vector>
 
+#include "base/recycled.h"
 #include "sea/basics/lagrangian_point.h"
 #include "sea/surface/maps/roughness.h"
 #include "sea/waves/realization.h"
@@ -48,8 +48,8 @@ class SheetField {
     virtual LagrangianPoint displaced(Vec2 at) const = 0;
     virtual double height(Vec2 at) const = 0;
     /// How much each part varies over the box, one a cascade, at choppiness 1.
-    virtual std::vector<Roughness> roughness(const Box& box) const = 0;
-    virtual std::vector<Rise> rises(const Box& box) const = 0;
+    virtual RecycledVector<Roughness> roughness(const Box& box) const = 0;
+    virtual RecycledVector<Rise> rises(const Box& box) const = 0;
     /// What is left of the box for solutions by how far points in it are moved.
     virtual Box left_of(const Box& box, Vec2 target) const = 0;
     /// Smaller boxes have bounds that are no tighter.
@@ -70,7 +70,7 @@ struct SheetSearch {
 struct Sheets {
     /// Solutions, and places on both sides of the edge of a fold. Those that are lower than the highest
     /// may be missing.
-    std::vector<Vec2> found;
+    RecycledVector<Vec2> found;
     bool folded = false; ///< there is a turned sheet, or there may be one within the blur
     /// A sheet as high as the highest may begin or end within the blur: which one is the highest is left
     /// open.

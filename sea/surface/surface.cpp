@@ -43,11 +43,13 @@ double interval_s(const SplinePair& pair) {
 
 } // namespace
 
-Surface::Surface(std::vector<SplinePair> pairs, Choppiness choppiness, FoldSearch folds,
-                 MapError error, double tolerance_m)
-    : pairs_(std::move(pairs)), choppiness_(choppiness), folds_(folds), error_(std::move(error)),
-      tolerance_m_(tolerance_m), sideways_(std::max(choppiness.x, choppiness.y)) {
-    SEAWAY_CHECK(pairs_.size() <= surface_pairs_max, "a surface has 16 cascades at most");
+Surface::Surface(std::span<const SplinePair> pairs, Choppiness choppiness, FoldSearch folds,
+                 const MapError& error, double tolerance_m)
+    : choppiness_(choppiness), folds_(folds), error_(error), tolerance_m_(tolerance_m),
+      sideways_(std::max(choppiness.x, choppiness.y)) {
+    SEAWAY_CHECK(pairs.size() <= surface_pairs_max, "a surface has 16 cascades at most");
+    for (const SplinePair& pair : pairs)
+        pairs_.push_back(pair);
     SEAWAY_CHECK(error_.cascades.empty() || error_.cascades.size() == pairs_.size(),
                  "one loss a cascade");
     for (const SplinePair& pair : pairs_) {

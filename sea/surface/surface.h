@@ -5,14 +5,15 @@
 // summed before the displacement is inverted (hard case D6). The server's answers, a client's own
 // answers and the height of a rendered vertex all come from here.
 //
-// Immutable; thread-safe; allocates nothing after construction but in searches for sheets. Where the surface is
+// Immutable; thread-safe; allocates nothing but what searches for sheets keep for the next one of their thread. Where the surface is
 // gentle and alone, which bounds prove place by place, points are solved some at a time (point_kernel.h): see
 // docs/performance.md for what they cost. Elsewhere one by one, with all sheets, ten to fifty times that.
 #pragma once
 
+#include <initializer_list>
 #include <span>
-#include <vector>
 
+#include "base/short_list.h"
 #include "sea/surface/answer.h"
 #include "sea/surface/inverse.h"
 #include "sea/surface/map_error.h"
@@ -28,14 +29,14 @@ struct SplinePair {
     SplineMapPtr after;
 };
 
-/// A surface has no more cascades than this.
-inline constexpr std::size_t surface_pairs_max = 16;
-
 class Surface {
   public:
     /// `pairs` may be any subset of the cascades, surface_pairs_max at most; `error` is of these.
-    Surface(std::vector<SplinePair> pairs, Choppiness choppiness, FoldSearch folds, MapError error,
-            double tolerance_m = InverseOptions{}.tolerance_m);
+    Surface(std::span<const SplinePair> pairs, Choppiness choppiness, FoldSearch folds,
+            const MapError& error, double tolerance_m = InverseOptions{}.tolerance_m);
+    Surface(std::initializer_list<SplinePair> pairs, Choppiness choppiness, FoldSearch folds,
+            const MapError& error, double tolerance_m = InverseOptions{}.tolerance_m)
+        : Surface(std::span(pairs.begin(), pairs.size()), choppiness, folds, error, tolerance_m) {}
 
     /// The undisplaced sea. A time outside a pair's span extrapolates its cubic.
     LagrangianPoint at(double x_m, double y_m, TimeUs time_us) const;
@@ -53,7 +54,7 @@ class Surface {
     /// With the search for sheets whether it is needed or not, and Newton in double precision.
     Answer answer_carefully(const QueryPoint& point) const;
 
-    const std::vector<SplinePair>& pairs() const { return pairs_; }
+    std::span<const SplinePair> pairs() const { return {pairs_.data(), pairs_.size()}; }
     const Choppiness& choppiness() const { return choppiness_; }
     const FoldSearch& folds() const { return folds_; }
     const MapError& map_error() const { return error_; }
@@ -80,7 +81,7 @@ class Surface {
                       std::span<const AtTime* const> then) const;
     std::uint32_t lasting_flags(TimeUs time_us) const;
 
-    std::vector<SplinePair> pairs_;
+    ShortList<SplinePair, surface_pairs_max> pairs_;
     Choppiness choppiness_;
     FoldSearch folds_;
     MapError error_;
@@ -89,8 +90,8 @@ class Surface {
     double fold_blur_m_;
     double fold_strain_blur_;
     double flat_height_bound_m_;
-    std::vector<PointTile> tiles_; ///< of pairs_, for kernels
-    bool moves_sideways_ = true;   ///< every map holds displacements
+    ShortList<PointTile, surface_pairs_max> tiles_; ///< of pairs_, for kernels
+    bool moves_sideways_ = true;                    ///< every map holds displacements
 };
 
 } // namespace seaway::sea

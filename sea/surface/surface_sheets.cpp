@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <vector>
+#include <span>
 
 namespace seaway::sea {
 
@@ -58,7 +58,7 @@ SurfaceSheets::Gentleness SurfaceSheets::mixed(std::size_t cascade, const Strain
 }
 
 std::optional<Box> SurfaceSheets::others(Vec2 target, const Vec2* root, bool) {
-    const std::vector<SplinePair>& pairs = surface_.pairs();
+    const std::span<const SplinePair> pairs = surface_.pairs();
     double radius_m = reach_all_m_;
     if (root != nullptr) {
         radius_m = radius_around(*root, radius_m);
@@ -79,7 +79,7 @@ void SurfaceSheets::fetch(Vec2 root) const {
 }
 
 double SurfaceSheets::radius_around(Vec2 root, double radius_m) const {
-    const std::vector<SplinePair>& pairs = surface_.pairs();
+    const std::span<const SplinePair> pairs = surface_.pairs();
     std::array<Gentleness, surface_pairs_max> here;
     for (int round = 0; round < rounds_max; ++round) {
         double others_m = blur_m_;

@@ -6,7 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <vector>
+
+#include "base/recycled.h"
 
 namespace seaway::sea {
 
@@ -86,8 +87,8 @@ struct SheetPatch {
 
     double spacing_m;
     PatchLines x, y;
-    std::vector<float> moved;  ///< [row][column][D_x, D_y], m
-    std::vector<float> height; ///< [row][column], m
+    RecycledVector<float> moved;  ///< [row][column][D_x, D_y], m
+    RecycledVector<float> height; ///< [row][column], m
 };
 
 } // namespace seaway::sea

@@ -10,6 +10,7 @@
 #include "sea/surface/sheets.h"
 #include "sea/surface/surface_sheets.h"
 #include "tests/sea/surface/folding_sea.h"
+#include "tests/support/allocations.h"
 
 namespace seaway::sea {
 namespace {
@@ -46,6 +47,27 @@ TEST(Sheets, a_folded_answer_keeps_its_bound_unless_it_is_flagged_open) {
     EXPECT_EQ(exact_open, 0);
     EXPECT_LT(open, 0.9 * folded); // a flag that is always set says nothing
     EXPECT_GT(open, 0);
+}
+
+// Engines ask in every frame. What a search needs is kept by its thread, so once the same was asked there is enough.
+TEST(Sheets, are_searched_for_without_an_allocation_once_the_thread_has_searched) {
+    const FoldingSea& sea = folding_sea();
+    std::mt19937 random(15);
+    std::uniform_real_distribution<double> place(-5e3, 5e3);
+    std::vector<QueryPoint> points;
+    while (points.size() < 50) { // below turned sheets
+        const Vec2 X{place(random), place(random)};
+        const LagrangianPoint p = sea.surface.at(X.x, X.y, moment_us);
+        if (jacobian(p, sea.sea->choppiness) < 0)
+            points.push_back({sea.landed(X, p).x, sea.landed(X, p).y, moment_us});
+    }
+    std::vector<Answer> answers(points.size());
+    sea.surface.answer(points, answers);
+    for (const Answer& answer : answers)
+        EXPECT_TRUE(answer.flags & answer_folded);
+    const seaway::tests::Allocations asked;
+    sea.surface.answer(points, answers);
+    EXPECT_EQ(asked.count(), 0u);
 }
 
 // A sea that is the maps' own, moved sideways by as much as they are stated to be wrong: what they answer
@@ -134,10 +156,10 @@ class OneWave final : public SheetField {
         return p;
     }
     double height(Vec2 X) const override { return a_ * std::cos(s_of(X)); }
-    std::vector<Roughness> roughness(const Box&) const override {
+    RecycledVector<Roughness> roughness(const Box&) const override {
         return {{.range_m = 2 * a_, .strain_range = 2 * a_, .bend_per_m = a_}};
     }
-    std::vector<Rise> rises(const Box&) const override {
+    RecycledVector<Rise> rises(const Box&) const override {
         return {{.range_m = 2 * a_, .slope = a_}};
     }
     Box left_of(const Box& box, Vec2) const override { return box; }

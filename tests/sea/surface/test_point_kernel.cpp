@@ -229,7 +229,7 @@ TEST(PointKernel, none_and_one_cascade_are_answered) {
     const HeldScene& scene = HeldScene::file("north_sea_gale");
     const Surface flat({}, {}, {}, {});
     EXPECT_EQ(flat.answer({1, 2, 3}).height_m, 0.0);
-    const Surface one({scene.surface.pairs()[0]}, {}, {}, {});
+    const Surface one(scene.surface.pairs().first(1), {}, {}, {});
     EXPECT_NEAR(one.answer({1, 2, 0}).height_m, one.answer_carefully({1, 2, 0}).height_m, 1e-4);
     scene.surface.answer({}, {});
 }

@@ -224,12 +224,14 @@ class CountingSheets final : public sea::SheetBounds {
     sea::Box left_of(const sea::Box& box, sea::Vec2 target) const override {
         return sheets_.left_of(box, target);
     }
-    std::vector<sea::Rise> rises(const sea::Box& box) const override { return sheets_.rises(box); }
+    RecycledVector<sea::Rise> rises(const sea::Box& box) const override {
+        return sheets_.rises(box);
+    }
     sea::LagrangianPoint displaced(sea::Vec2 at) const override {
         ++count_;
         return sheets_.displaced(at);
     }
-    std::vector<sea::Roughness> roughness(const sea::Box& box) const override {
+    RecycledVector<sea::Roughness> roughness(const sea::Box& box) const override {
         return sheets_.roughness(box);
     }
 

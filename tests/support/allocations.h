@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+// How often this thread has asked for memory. A program that links allocations.cpp has its operators new counted.
+#pragma once
+
+#include <cstddef>
+
+namespace seaway::tests {
+
+std::size_t allocations_of_this_thread();
+
+/// While it lives, on its thread.
+class Allocations {
+  public:
+    std::size_t count() const { return allocations_of_this_thread() - before_; }
+
+  private:
+    std::size_t before_ = allocations_of_this_thread();
+};
+
+} // namespace seaway::tests
