@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// RecycledVector: a std::vector whose memory is kept by the thread that gives it back, for the next one on that thread.
+// RecycledVector: a std::vector of numbers that are not cleared, or of anything, whose memory is kept by the thread that gives it back, for the next one on that thread.
 // For work that is done again and again and must not wait for the allocator: after the first time it allocates nothing.
 //
 // Blocks are powers of two; a thread keeps `recycled_bytes_max` at most and frees what is beyond, all of it when it ends. A vector
@@ -11,6 +11,7 @@
 #include <bit>
 #include <cstddef>
 #include <new>
+#include <utility>
 #include <vector>
 
 namespace seaway {
@@ -88,6 +89,15 @@ struct Allocator {
     }
     void deallocate(T* memory, std::size_t count) noexcept {
         Blocks::of_this_thread().give(memory, count * sizeof(T));
+    }
+    /// What has no beginning is not cleared: a vector of so many numbers holds any.
+    template <class U>
+    void construct(U* at) {
+        ::new (at) U;
+    }
+    template <class U, class... Args>
+    void construct(U* at, Args&&... args) {
+        ::new (at) U(std::forward<Args>(args)...);
     }
     template <class U>
     bool operator==(const Allocator<U>&) const {

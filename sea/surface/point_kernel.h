@@ -67,5 +67,6 @@ const PointKernel& point_kernel(Instructions instructions);
 // One a translation unit that is compiled for them.
 const PointKernel& point_kernel_portable();
 const PointKernel& point_kernel_avx2();
+const PointKernel& point_kernel_avx512();
 
 } // namespace seaway::sea

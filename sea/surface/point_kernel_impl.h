@@ -15,8 +15,10 @@ namespace {
 
 typedef float F4 __attribute__((vector_size(16)));
 typedef float F8 __attribute__((vector_size(32)));
+typedef float F16 __attribute__((vector_size(64)));
 typedef float F4Unaligned __attribute__((vector_size(16), aligned(4), may_alias));
 typedef float F8Unaligned __attribute__((vector_size(32), aligned(4), may_alias));
+typedef float F16Unaligned __attribute__((vector_size(64), aligned(4), may_alias));
 
 constexpr int channels = spline_channel::count;
 constexpr int steps_max = 6;
@@ -97,14 +99,35 @@ SEAWAY_INLINE F4 mixed(const float* before, const float* after, const float* w) 
     }
 }
 
+/// The same of four texels in a row.
+SEAWAY_INLINE F16 mixed_row(const float* before, const float* after, const float* w) {
+    const F16 wb{w[0], w[0], w[0], w[0], w[1], w[1], w[1], w[1],
+                 w[0], w[0], w[0], w[0], w[1], w[1], w[1], w[1]};
+    const F16 wa{w[2], w[2], w[2], w[2], w[3], w[3], w[3], w[3],
+                 w[2], w[2], w[2], w[2], w[3], w[3], w[3], w[3]};
+    const auto two = [&](int i) {
+        return wb * *reinterpret_cast<const F16Unaligned*>(before + i) +
+               wa * *reinterpret_cast<const F16Unaligned*>(after + i);
+    };
+    const F16 west = two(0), east = two(2 * channels);
+    return __builtin_shufflevector(west, east, 0, 1, 2, 3, 8, 9, 10, 11, 16, 17, 18, 19, 24, 25, 26,
+                                   27) +
+           __builtin_shufflevector(west, east, 4, 5, 6, 7, 12, 13, 14, 15, 20, 21, 22, 23, 28, 29,
+                                   30, 31);
+}
+
 template <int W>
 SEAWAY_INLINE void mix(const PointTile& tile, const float* weights, int first, Patch& patch) {
     const float* before = tile.before + first;
     const float* after = tile.after + first;
-    for (int j = 0; j < 4; ++j, before += tile.pitch, after += tile.pitch)
-        for (int i = 0; i < 4; ++i)
-            *reinterpret_cast<F4*>(patch.texels[4 * j + i]) =
-                mixed<W>(before + i * channels, after + i * channels, weights);
+    for (int j = 0; j < 4; ++j, before += tile.pitch, after += tile.pitch) {
+        if constexpr (W == 16)
+            *reinterpret_cast<F16*>(patch.texels[4 * j]) = mixed_row(before, after, weights);
+        else
+            for (int i = 0; i < 4; ++i)
+                *reinterpret_cast<F4*>(patch.texels[4 * j + i]) =
+                    mixed<W>(before + i * channels, after + i * channels, weights);
+    }
     patch.first = first;
 }
 
@@ -122,7 +145,23 @@ SEAWAY_INLINE Here sample(const PointTile& tile, const Patch& patch, const Spot&
     const auto per_m = static_cast<float>(tile.texels_per_m);
     dx *= per_m;
     dy *= per_m;
-    if constexpr (W == 8) {
+    if constexpr (W == 16) {
+        F16 column{}, slope{};
+        for (int j = 0; j < 4; ++j) {
+            const F16 row = *reinterpret_cast<const F16*>(patch.texels[4 * j]);
+            column += wy[j] * row;
+            slope += dy[j] * row;
+        }
+        const auto sum = [](const F16& c, F4 w) {
+            const F16 all =
+                c * __builtin_shufflevector(w, w, 0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3);
+            const F8 both = __builtin_shufflevector(all, all, 0, 1, 2, 3, 4, 5, 6, 7) +
+                            __builtin_shufflevector(all, all, 8, 9, 10, 11, 12, 13, 14, 15);
+            return __builtin_shufflevector(both, both, 0, 1, 2, 3) +
+                   __builtin_shufflevector(both, both, 4, 5, 6, 7);
+        };
+        return {sum(column, wx), sum(column, dx), sum(slope, wx)};
+    } else if constexpr (W == 8) {
         F8 column[2] = {}, slope[2] = {};
         for (int j = 0; j < 4; ++j)
             for (int v = 0; v < 2; ++v) {

@@ -241,7 +241,9 @@ void Surface::answer_block(std::span<const QueryPoint> points, std::span<Answer>
     for (std::size_t p = 0; p < count; ++p) {
         const PointPlace& place = places[p];
         const std::size_t i = point_of[p];
-        const bool settled = place.solved && then[i]->sheets.alone(root_of(p));
+        const SurfaceSheets& sheets = then[i]->sheets;
+        const Vec2 target{points[i].x_m, points[i].y_m};
+        const bool settled = place.solved && sheets.single(target, root_of(p));
         answers[i] =
             settled ? gentle(points[i], place, *then[i], parts) : careful(points[i], *then[i]);
         if (parts == AnswerParts::height && !(answers[i].flags & answer_invalid))
@@ -291,7 +293,9 @@ Answer Surface::answer_carefully(const QueryPoint& point) const {
 
 const PointKernel& point_kernel(Instructions instructions) {
 #if defined(SEAWAY_X86)
-    if (instructions != Instructions::portable)
+    if (instructions == Instructions::avx512)
+        return point_kernel_avx512();
+    if (instructions == Instructions::avx2)
         return point_kernel_avx2();
 #else
     SEAWAY_CHECK(instructions == Instructions::portable, "no other kernel is built");

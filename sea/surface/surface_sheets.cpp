@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstring>
 #include <span>
 
@@ -16,6 +17,11 @@ constexpr double worth_another_round = 0.7;
 constexpr double rounding_m = 1e-6;
 
 typedef float F4 __attribute__((vector_size(16)));
+typedef double D4 __attribute__((vector_size(32)));
+
+static_assert(offsetof(StrainBounds, xy_size) == offsetof(StrainBounds, range_m) + 12 &&
+                  offsetof(StrainBounds, xy_rate) == offsetof(StrainBounds, range_rate) + 12,
+              "the four bounds of values and of rates lie side by side");
 
 } // namespace
 
@@ -42,19 +48,17 @@ SurfaceSheets::SurfaceSheets(const Surface& surface, TimeUs time_us)
 SurfaceSheets::Gentleness SurfaceSheets::mixed(std::size_t cascade, const StrainBounds& before,
                                                const StrainBounds& after) const {
     const HermiteWeights& w = weights_[cascade];
-    const double rate_before = std::abs(w.value[1]), rate_after = std::abs(w.value[3]);
-    const auto value = [&](float StrainBounds::*part) {
-        return w.value[0] * static_cast<double>(before.*part) +
-               w.value[2] * static_cast<double>(after.*part);
+    // All four parts at once: range, xx, yy, xy.
+    const auto four = [](const float& first) {
+        F4 parts;
+        std::memcpy(&parts, &first, sizeof parts);
+        return __builtin_convertvector(parts, D4);
     };
-    const auto rate = [&](float StrainBounds::*part) {
-        return rate_before * static_cast<double>(before.*part) +
-               rate_after * static_cast<double>(after.*part);
-    };
-    return {sideways_ * (value(&StrainBounds::range_m) + rate(&StrainBounds::range_rate)),
-            value(&StrainBounds::xx_min) - rate(&StrainBounds::xx_rate),
-            value(&StrainBounds::yy_min) - rate(&StrainBounds::yy_rate),
-            value(&StrainBounds::xy_size) + rate(&StrainBounds::xy_rate)};
+    const D4 value = w.value[0] * four(before.range_m) + w.value[2] * four(after.range_m);
+    const D4 rate = std::abs(w.value[1]) * four(before.range_rate) +
+                    std::abs(w.value[3]) * four(after.range_rate);
+    const D4 bound = value + rate * D4{1, -1, -1, 1};
+    return {sideways_ * bound[0], bound[1], bound[2], bound[3]};
 }
 
 std::optional<Box> SurfaceSheets::others(Vec2 target, const Vec2* root, bool) {
@@ -68,6 +72,10 @@ std::optional<Box> SurfaceSheets::others(Vec2 target, const Vec2* root, bool) {
     const Vec2 middle = root != nullptr ? *root : target;
     return narrowed(Box::around(middle, radius_m, radius_m), target,
                     {reach_m_.data(), pairs.size()}, root != nullptr);
+}
+
+bool SurfaceSheets::single(Vec2 target, Vec2 root) const {
+    return alone(root) || !SurfaceSheets(*this).others(target, &root, false);
 }
 
 void SurfaceSheets::fetch(Vec2 root) const {

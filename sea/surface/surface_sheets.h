@@ -25,6 +25,8 @@ class SurfaceSheets final : public PatchSheets {
 
     /// There is no other sheet beside this solution: others() would be nothing.
     bool alone(Vec2 root) const { return !(radius_around(root, reach_all_m_) > 0); }
+    /// The same, asked of patches as well where windows leave it open: 5 us, nothing kept.
+    bool single(Vec2 target, Vec2 root) const;
     /// What alone() looks at is fetched from now on.
     void fetch(Vec2 root) const;
     /// Of each pair at this time.

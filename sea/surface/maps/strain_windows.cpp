@@ -32,10 +32,12 @@ struct Block {
 Block block_of(const Hull& hull, float per_m) {
     const float xy_min = 0.5f * per_m * (hull.y.low[dx] + hull.x.low[dy]);
     const float xy_max = 0.5f * per_m * (hull.y.high[dx] + hull.x.high[dy]);
-    Block block{{per_m * hull.x.low[dx], per_m * hull.y.low[dy],
-                 std::max(std::abs(xy_min), std::abs(xy_max)), per_m * hull.x.size(dx_rate),
-                 per_m * hull.y.size(dy_rate),
-                 0.5f * per_m * (hull.y.size(dx_rate) + hull.x.size(dy_rate)), 0.0f, 0.0f},
+    Block block{{.xx_min = per_m * hull.x.low[dx],
+                 .yy_min = per_m * hull.y.low[dy],
+                 .xy_size = std::max(std::abs(xy_min), std::abs(xy_max)),
+                 .xx_rate = per_m * hull.x.size(dx_rate),
+                 .yy_rate = per_m * hull.y.size(dy_rate),
+                 .xy_rate = 0.5f * per_m * (hull.y.size(dx_rate) + hull.x.size(dy_rate))},
                 {},
                 {}};
     constexpr int kept[4] = {dx, dy, dx_rate, dy_rate};

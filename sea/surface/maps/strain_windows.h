@@ -17,14 +17,14 @@ namespace seaway::sea {
 /// Bounds of strains and displacements at choppiness 1 over a window of a map, and of their time
 /// rates, 1/s. Half a line of a cache.
 struct alignas(32) StrainBounds {
+    float range_m = 0; ///< |D(a) - D(b)| within the window
     float xx_min = 0;
     float yy_min = 0;
-    float xy_size = 0; ///< largest absolute value, as the next three
+    float xy_size = 0;    ///< largest absolute value, as those of the rates
+    float range_rate = 0; ///< as range_m, m/s
     float xx_rate = 0;
     float yy_rate = 0;
     float xy_rate = 0;
-    float range_m = 0;    ///< |D(a) - D(b)| within the window
-    float range_rate = 0; ///< and of its time rate, m/s
 };
 
 class StrainWindows {
