@@ -22,6 +22,17 @@ namespace {
 /// Of a session: whatever others leave unread, some points are answered.
 constexpr std::size_t small_replies_bytes = 16 * 1024;
 
+/// Whose query this thread is handing to the host, which may answer it meanwhile.
+thread_local SessionId asking = 0;
+
+class Asking {
+  public:
+    explicit Asking(SessionId session) { asking = session; }
+    ~Asking() { asking = 0; }
+    Asking(const Asking&) = delete;
+    Asking& operator=(const Asking&) = delete;
+};
+
 } // namespace
 
 Session::Session(Core& core, Link& link, Peer peer, Standing standing)
@@ -280,11 +291,14 @@ void Session::on_query(const wire::Query& query) {
     ++core_.counters.queries;
     core_.counters.query_points += batch.points.size();
     const Asked asked{request_id, points, bytes, place};
+    const Asking handing(id_);
     core_.host.query(std::move(batch), [core = core_.weak_from_this(), session = id_,
                                         asked](Result<QueryAnswers> answers) {
         const std::shared_ptr<Core> alive = core.lock();
         if (alive == nullptr)
             return;
+        if (asking == session)
+            return alive->find(session)->answered(asked, answers);
         alive->post([core, session, asked, answers = std::move(answers)] {
             const std::shared_ptr<Core> here = core.lock();
             if (Session* found = here ? here->find(session) : nullptr)

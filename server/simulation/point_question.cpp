@@ -42,12 +42,12 @@ SliceOver over_after(std::chrono::steady_clock::duration time) {
     };
 }
 
-void PointQuestion::sample(Surfaces& surfaces, const SliceOver& over) {
+void PointQuestion::sample(Surfaces& surfaces, const SliceOver& over, Make make) {
     if (complete())
         return;
     if (!surface_)
         surface_.emplace(next().time_us, use_);
-    if (!surface_->surface() && !surfaces.work_on(*surface_))
+    if (!surface_->surface() && !surfaces.work_on(*surface_, make))
         return;
     const sea::TimeUs end_us = surface_->end_us();
     SEAWAY_CHECK(next().time_us < end_us, "each slice brings a question nearer to its end");

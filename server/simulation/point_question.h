@@ -39,7 +39,7 @@ class PointQuestion {
     }
     /// One slice: the next points, at least one, from the surface around them, or a slice of making
     /// that surface.
-    void sample(Surfaces& surfaces, const SliceOver& over);
+    void sample(Surfaces& surfaces, const SliceOver& over, Make make = Make::what_lacks);
     /// A slice of the keyframes that the next surface lacks.
     Result<void> make_keyframes(Surfaces& surfaces) { return surfaces.make_keyframes(*surface_); }
     /// The same as sample() by the direct sum.

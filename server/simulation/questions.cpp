@@ -125,19 +125,45 @@ std::optional<Error> Questions::why_not(const Question& question, Line& line) {
     return std::nullopt;
 }
 
-void Questions::ask(Question question) {
-    std::unique_lock lock(mutex_);
+Questions::Line* Questions::admit(std::unique_lock<std::mutex>& lock, Question& question) {
     Line& line = line_of(question.asker);
     if (const std::optional<Error> refusal = why_not(question, line)) {
         lock.unlock();
-        return question.refuse(*refusal);
+        question.refuse(*refusal);
+        return nullptr;
     }
     asked_ += question.own ? 0 : 1;
     line.account.take(question.price_us);
     add(line, std::move(question));
-    const Hand hand = line.waiting.back().next;
+    return &line;
+}
+
+void Questions::ask(Question question) {
+    std::unique_lock lock(mutex_);
+    const Line* line = admit(lock, question);
+    if (!line)
+        return;
+    const Hand hand = line->waiting.back().next;
     lock.unlock();
     waits_for(hand).notify_one();
+}
+
+std::optional<Question> Questions::ask_or_take(Question question) {
+    std::unique_lock lock(mutex_);
+    Line* line = admit(lock, question);
+    if (!line)
+        return std::nullopt;
+    const Question* own = &line->waiting.back();
+    const Hand hand = own->next;
+    const std::optional<Place> first = hand == Hand::answers ? next(Hand::answers) : std::nullopt;
+    if (first && &*first->question == own) {
+        Question mine = taken(*first);
+        mine.askers = true;
+        return mine;
+    }
+    lock.unlock();
+    waits_for(hand).notify_one();
+    return std::nullopt;
 }
 
 std::optional<Question> Questions::take(std::optional<sea::TimeUs> wait_us) {
@@ -210,12 +236,13 @@ void Questions::put_back(Question question) {
     const double own_us = line.virtual_us;
     const bool is_long = !question.prompt;
     const Hand before = question.next;
+    const bool was_askers = std::exchange(question.askers, false); // who looks for no other
     add(line, std::move(question), is_long);
     if (line.waiting.size() == 1)
         line.virtual_us = own_us; // it has not been away
     const Hand hand = (is_long ? line.waiting.front() : line.waiting.back()).next;
     lock.unlock();
-    if (hand != before)
+    if (hand != before || was_askers)
         waits_for(hand).notify_one();
 }
 

@@ -68,6 +68,7 @@ struct Question {
     double spent_us = 0;          ///< so far
     Room::Place place = {};       ///< of its bytes, while it waits
     Hand next = Hand::simulation; ///< what `hand` said last
+    bool askers = false;          ///< who asked works on it
 };
 
 class Questions {
@@ -80,6 +81,9 @@ class Questions {
     /// Refused at once, Refusal::busy, where no more may wait or the asker's budget is spent, with
     /// the time after which it is worth asking again; after close() with its reason.
     void ask(Question question);
+    /// As ask(); but where it is this question's turn among those for the threads that answer, who asks is given it, to work
+    /// on as they do: a slice, spent(), put_back() or over().
+    std::optional<Question> ask_or_take(Question question);
 
     /// The one whose turn it is of those for the simulation. Where none waits, or after wake(): none, once one has
     /// come, wake() has been called or `wait_us` have passed (for ever without it), so that who waited looks at
@@ -125,6 +129,8 @@ class Questions {
         double finish_us; ///< by which it would be done if all had equal shares
     };
 
+    /// Into its line, or null: it is refused.
+    Line* admit(std::unique_lock<std::mutex>& lock, Question& question);
     Line& line_of(const Asker& asker);
     void forget_who_left();
     void add(Line& line, Question question, bool first = false);

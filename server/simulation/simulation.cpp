@@ -202,10 +202,30 @@ HoldingOf Simulation::holding() const {
     return [this](const KeyframeRequest& request) { return source_.holding(request); };
 }
 
-void Simulation::ask(Question question) {
+void Simulation::woken_for_work() {
     if (trims_left_.exchange(trims_after_work) == 0)
         questions_.wake(); // it sleeps until there is something to let go
+}
+
+void Simulation::ask(Question question) {
+    woken_for_work();
     questions_.ask(std::move(question));
+}
+
+void Simulation::answer_at_once(Question question, const std::function<bool()>& slice) {
+    const double start_s = steady_seconds();
+    {
+        const std::scoped_lock lock(at_once_mutex_);
+        if (!at_once_.may_ask(start_s))
+            return ask(std::move(question));
+    }
+    woken_for_work();
+    std::optional<Question> mine = questions_.ask_or_take(std::move(question));
+    if (!mine)
+        return;
+    work_on_slice(questions_, *std::move(mine), slice);
+    const std::scoped_lock lock(at_once_mutex_);
+    at_once_.take(1e6 * (steady_seconds() - start_s));
 }
 
 Question Simulation::keyframe_question(std::function<std::vector<KeyframeRequest>()> wanted,
@@ -275,29 +295,33 @@ void Simulation::answer(std::vector<sea::QueryPoint> points, bool exact, Answere
     auto batch = std::make_shared<PointQuestion>(std::move(points), few      ? SurfaceUse::few
                                                                     : prompt ? SurfaceUse::prompt
                                                                              : SurfaceUse::batch);
-    ask({.slice =
-             [this, batch, exact, done] {
-                 if (batch->hand() == Hand::simulation) {
-                     const Result<void> made = batch->make_keyframes(surfaces_);
-                     if (!made)
-                         done(made.error());
-                     return !made;
-                 }
-                 if (exact)
-                     batch->sum_exactly(*course_, over_after(points_slice));
-                 else
-                     batch->sample(surfaces_, over_after(points_slice));
-                 if (batch->complete())
-                     done(batch->take_answers());
-                 return batch->complete();
-             },
-         .refuse = done,
-         .asker = asker,
-         .ready = [this, batch] { return !batch->waits(surfaces_, *course_); },
-         .hand = [batch] { return batch->hand(); },
-         .price_us = price_us,
-         .prompt = prompt,
-         .bytes = bytes});
+    const auto slice = [this, batch, exact, done](Make make) {
+        if (batch->hand() == Hand::simulation) {
+            const Result<void> made = batch->make_keyframes(surfaces_);
+            if (!made)
+                done(made.error());
+            return !made;
+        }
+        if (exact)
+            batch->sum_exactly(*course_, over_after(points_slice));
+        else
+            batch->sample(surfaces_, over_after(points_slice), make);
+        if (batch->complete())
+            done(batch->take_answers());
+        return batch->complete();
+    };
+    Question question{.slice = [slice] { return slice(Make::what_lacks); },
+                      .refuse = done,
+                      .asker = asker,
+                      .ready = [this, batch] { return !batch->waits(surfaces_, *course_); },
+                      .hand = [batch] { return batch->hand(); },
+                      .price_us = price_us,
+                      .prompt = prompt,
+                      .bytes = bytes};
+    if (few && again && price_us <= at_once_us)
+        answer_at_once(std::move(question), [slice] { return slice(Make::nothing); });
+    else
+        ask(std::move(question));
     if (const auto time_us = again ? foresight_.asked(last_us, clock_.now()) : std::nullopt)
         make_ready(*time_us);
 }

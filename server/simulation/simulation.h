@@ -74,6 +74,11 @@ inline constexpr int trims_after_work = 30;
 /// catches up still leaves a fifth of the thread to those who ask.
 inline constexpr int stream_slices_ahead = 4;
 
+/// Points of no higher price are answered by who asks: with fewer threads to be woken they take half as long. So much of
+/// the time of those who ask, so that what else they do, which is to send keyframes, waits for little.
+inline constexpr double at_once_us = 50;
+inline constexpr WorkBudget at_once_budget{.rate = 0.2, .burst_s = 0.002};
+
 /// The sea's clock. All from any thread.
 struct SimulationClock {
     std::function<sea::TimeUs()> now;
@@ -133,7 +138,8 @@ class Simulation {
     /// What a new subscriber needs: from the keyframe before now to the newest published one.
     void fetch_current(const Demand& demand, Fetched done, const Asker& asker);
 
-    /// One answer a point, in order, each at its own time, past or future.
+    /// One answer a point, in order, each at its own time, past or future. Few points of what is held are answered before
+    /// this returns, where it is their turn and the calling thread has not answered much of late (at_once_us).
     using Answered = std::function<void(Result<std::vector<sea::Answer>>)>;
     void answer(std::vector<sea::QueryPoint> points, bool exact, Answered done, const Asker& asker);
 
@@ -168,7 +174,10 @@ class Simulation {
     /// `more`: there is other work, no question is waited for.
     void work_on_a_question(bool more);
     HoldingOf holding() const;
+    void woken_for_work();
     void ask(Question question);
+    /// Asks, or does the first slice of it here.
+    void answer_at_once(Question question, const std::function<bool()>& slice);
     /// Splines, and keyframes that nobody streams, of a time that somebody is going to ask about.
     void make_ready(sea::TimeUs time_us);
     Question surface_question(std::shared_ptr<SurfaceJob> job, Surfaced done, const Asker& asker);
@@ -195,6 +204,8 @@ class Simulation {
         fetch_room_; ///< raw, from before they are made until they are encoded
     std::chrono::steady_clock::time_point trimmed_ = std::chrono::steady_clock::now();
     std::atomic<int> trims_left_ = 0;
+    std::mutex at_once_mutex_;
+    Account at_once_{at_once_budget, steady_seconds()}; ///< of those who call answer()
     Foresight foresight_;
     const std::shared_ptr<const void> foreseer_ = std::make_shared<char>(); ///< asks for it
     Questions questions_;

@@ -21,7 +21,10 @@ Error busy(std::string why) {
     return error;
 }
 
+/// Who asked himself, on a thread that many wait for, is told by what is thrown.
 void refuse_surely(const Question& question, const Error& why) {
+    if (question.askers)
+        return question.refuse(why);
     for (int attempt = 0; attempt < 100; ++attempt) {
         try {
             return question.refuse(why);
@@ -31,12 +34,12 @@ void refuse_surely(const Question& question, const Error& why) {
     }
 }
 
-bool answered(Questions& questions, Question& question) {
+bool answered(Questions& questions, Question& question, const std::function<bool()>& slice) {
     using Clock = std::chrono::steady_clock;
     const Clock::time_point start = Clock::now();
     bool done = true;
     try {
-        done = question.slice();
+        done = slice();
     } catch (const std::bad_alloc&) {
         refuse_surely(question, busy("there is no memory for this now, try again later"));
     } catch (const std::system_error& error) { // a thread that could not be started
@@ -48,12 +51,26 @@ bool answered(Questions& questions, Question& question) {
     return done;
 }
 
+bool done_or_lost(Questions& questions, Question& question, const std::function<bool()>& slice) {
+    try {
+        return answered(questions, question, slice);
+    } catch (const std::bad_alloc&) {
+        questions.over(question);
+        throw;
+    }
+}
+
 } // namespace
 
 void work_on_slice(Questions& questions, Question question) {
+    const std::function<bool()> slice = question.slice;
+    work_on_slice(questions, std::move(question), slice);
+}
+
+void work_on_slice(Questions& questions, Question question, const std::function<bool()>& slice) {
     if (question.asker.gone())
         question.refuse({Refusal::gone, "nobody waits for the answer"});
-    else if (!answered(questions, question))
+    else if (!done_or_lost(questions, question, slice))
         return questions.put_back(std::move(question));
     questions.over(question);
 }

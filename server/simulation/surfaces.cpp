@@ -23,18 +23,21 @@ std::vector<KeyframeRequest> Surfaces::wanted(const SurfaceJob& job) const {
                             {~0u, course_->first()->sampler_fields()});
 }
 
-bool Surfaces::work_on(SurfaceJob& job) {
-    if (job.held_.empty() && (share(job) || !has_sea(job) || !look_up(job)))
+bool Surfaces::work_on(SurfaceJob& job, Make make) {
+    if (job.held_.empty() && (share(job) || !has_sea(job, make) || !look_up(job)))
         return job.surface_ != nullptr;
-    if (!make_splines(job))
+    if (!make_splines(job, make))
         return false;
     finish(job);
     return true;
 }
 
 /// Left to the course, which keeps a few: who waits must not fill the memory with them.
-bool Surfaces::has_sea(SurfaceJob& job) {
-    job.awaits_sea_ = !course_->sea_unless_making(course_->window_at(job.time_us_).epoch);
+bool Surfaces::has_sea(SurfaceJob& job, Make make) {
+    const std::uint32_t epoch = course_->window_at(job.time_us_).epoch;
+    if (make == Make::nothing)
+        return course_->sea_if_held(epoch) != nullptr;
+    job.awaits_sea_ = !course_->sea_unless_making(epoch);
     return !job.awaits_sea_;
 }
 
@@ -98,9 +101,9 @@ Result<void> Surfaces::make_keyframes(SurfaceJob& job) {
     return {};
 }
 
-bool Surfaces::make_splines(SurfaceJob& job) {
+bool Surfaces::make_splines(SurfaceJob& job, Make make) {
     KeyframeStore& store = source_.store();
-    bool made = false;
+    bool made = make == Make::nothing;
     while (job.splines_.size() < job.held_.size()) {
         const sea::KeyframePtr& next = job.held_[job.splines_.size()];
         std::shared_ptr<const void> turn;

@@ -30,6 +30,12 @@ enum class SurfaceUse {
     ahead,  ///< of the server itself, one at a time: waits for no room
 };
 
+/// What a slice may do that takes long.
+enum class Make {
+    what_lacks,
+    nothing, ///< some microseconds of looking for what is there
+};
+
 /// The surface around a time, and how far it has come.
 class SurfaceJob {
   public:
@@ -66,7 +72,7 @@ class Surfaces {
 
     /// One slice, a spline at most; true: the surface is there. Else the job lacks keyframes, waits for
     /// room or for the spline of another, or needs another slice.
-    bool work_on(SurfaceJob& job);
+    bool work_on(SurfaceJob& job, Make make = Make::what_lacks);
     /// Held by who makes a spline, which takes some ms: no other thread begins one, so that of several threads one
     /// at most is lost to who comes with a single point. Null: somebody holds it.
     std::shared_ptr<const void> spline_turn();
@@ -88,12 +94,12 @@ class Surfaces {
         std::weak_ptr<const sea::Surface> surface;
     };
 
-    bool has_sea(SurfaceJob& job);
+    bool has_sea(SurfaceJob& job, Make make);
     bool share(SurfaceJob& job);
     bool look_up(SurfaceJob& job);
     bool take_room(SurfaceJob& job, bool anyway);
     /// One at most; true: all are there.
-    bool make_splines(SurfaceJob& job);
+    bool make_splines(SurfaceJob& job, Make make);
     void finish(SurfaceJob& job);
     std::vector<KeyframeRequest> wanted(const SurfaceJob& job) const;
     Room& room_of(const SurfaceJob& job) const {

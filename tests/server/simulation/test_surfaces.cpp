@@ -68,6 +68,20 @@ TEST(Surfaces, a_slice_makes_one_spline_at_most) {
     }
 }
 
+TEST(Surfaces, who_wants_nothing_made_has_what_is_there_or_nothing) {
+    SurfaceBench bench;
+    SurfaceJob far(100'000, SurfaceUse::few);
+    EXPECT_FALSE(bench.surfaces.work_on(far, Make::nothing));
+    while (far.lacks_keyframes())
+        ASSERT_TRUE(bench.surfaces.make_keyframes(far));
+    const std::size_t before = bench.source.report().store.bytes;
+    EXPECT_FALSE(bench.surfaces.work_on(far, Make::nothing));
+    EXPECT_EQ(bench.source.report().store.bytes, before) << "no spline";
+    bench.finish(far);
+    SurfaceJob held(100'001, SurfaceUse::few);
+    EXPECT_TRUE(bench.surfaces.work_on(held, Make::nothing));
+}
+
 TEST(Surfaces, of_all_threads_one_makes_a_spline_and_who_needs_none_goes_on) {
     SurfaceBench bench;
     SurfaceJob held(100'000);
