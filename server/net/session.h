@@ -88,7 +88,7 @@ class Session {
     void on_unsubscribe(bool spectrum = false);
     void on_subscribe_spectrum(const wire::SubscribeSpectrum& subscribe);
     void on_fetch(const wire::Fetch& fetch);
-    void on_query(const wire::Query& query);
+    void on_query(const wire::Query& query); // session_query.cpp
     void on_ping(const wire::Ping& ping);
     // For administrators (session_admin.cpp).
     void on_change(const wire::Change& change);
