@@ -55,6 +55,10 @@ function(seaway_test name)
     # lavapipe's compiler (LLVM) leaks some KB when it is unloaded.
     set_tests_properties(${name} PROPERTIES ENVIRONMENT ASAN_OPTIONS=detect_leaks=0)
   endif()
+  if(SEAWAY_SANITIZE MATCHES thread)
+    set_tests_properties(${name} PROPERTIES
+      ENVIRONMENT TSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/tsan.supp)
+  endif()
 endfunction()
 
 # seaway_loops(ROOM NAME): NAME_portable.cpp and, on x86, NAME_avx2.cpp of a room: loops over whole
