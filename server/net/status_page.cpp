@@ -58,7 +58,7 @@ form { margin: 1rem 0; } footer { color: var(--soft); } footer a { margin-right:
 const std::string_view status_script = R"js("use strict";
 const side = 128, map_side_m_max = 4000, pause_ms = 1000, retry_ms = 5000;
 const at = id => document.getElementById(id);
-let token = "", before = null, sea = null;
+let token = "", entered = "", wake = () => {}, before = null, sea = null;
 
 class Refused extends Error { constructor(status, text) { super(text); this.status = status; } }
 
@@ -178,6 +178,7 @@ function tell(state, words) {
 
 async function look() {
   if (document.visibilityState === "hidden") return pause_ms; // nobody looks: nothing is asked
+  if (entered) [token, entered] = [entered, ""];
   try {
     const health = await fetch("/healthz", {cache: "no-store"});
     if (!health.ok) {
@@ -208,16 +209,22 @@ async function look() {
   }
 }
 
+// One look after another, whatever is entered meanwhile.
 async function run() {
-  const wait_ms = await look();
-  if (wait_ms > 0) setTimeout(run, wait_ms);
+  for (;;) {
+    const wait_ms = await look();
+    if (!entered) await new Promise(done => {
+      wake = done;
+      if (wait_ms > 0) setTimeout(done, wait_ms);
+    });
+  }
 }
 
 at("door").addEventListener("submit", event => {
   event.preventDefault();
-  token = at("token").value.trim();
+  entered = at("token").value.trim();
   at("token").value = "";
-  if (token) run();
+  if (entered) wake();
 });
 run();
 )js";
