@@ -1,15 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/host/subscriptions.h"
 
+#include <utility>
+
 namespace seaway::server {
 
 void Subscriptions::set(SessionId session, const Demand& grant) {
     {
+        Demand now = grant; // where there is no memory for it nothing has changed
         const std::scoped_lock lock(mutex_);
-        if (!grant.empty())
-            grants_[session] = grant;
-        else if (grants_.erase(session) == 0)
-            return;
+        const auto [at, is_new] = grants_.try_emplace(session);
+        if (!is_new)
+            --of_quality_[at->second.quality];
+        if (now.empty()) {
+            grants_.erase(at);
+            if (is_new)
+                return;
+        } else {
+            ++of_quality_[now.quality];
+            at->second = std::move(now);
+        }
     }
     if (changed_)
         changed_();
@@ -65,8 +75,8 @@ std::bitset<quality_rungs> Subscriptions::qualities(int cascade) const {
 std::bitset<quality_rungs> Subscriptions::qualities() const {
     const std::scoped_lock lock(mutex_);
     std::bitset<quality_rungs> used;
-    for (const auto& [session, grant] : grants_)
-        used.set(grant.quality);
+    for (std::size_t quality = 0; quality < used.size(); ++quality)
+        used[quality] = of_quality_[quality] > 0;
     return used;
 }
 

@@ -81,7 +81,8 @@ class Subscriptions {
     sea::FieldSet wanted(int cascade, std::uint8_t quality) const;
     /// The same of those who take keyframes at most at a rate, one a rung of rates.
     std::array<sea::FieldSet, rate_rungs_hz.size()> wanted_by_rate(int cascade) const;
-    /// Rungs at which somebody wants a cascade, and at which anybody wants any.
+    /// Rungs at which somebody wants a cascade, and at which anybody wants any; the latter without a look at each session, as
+    /// each session asks for it when grants are renewed.
     std::bitset<quality_rungs> qualities(int cascade) const;
     std::bitset<quality_rungs> qualities() const;
     /// The same of those who do not want a field.
@@ -94,6 +95,7 @@ class Subscriptions {
     std::function<void()> changed_;
     mutable std::mutex mutex_;
     std::map<SessionId, Demand> grants_;
+    std::array<std::size_t, quality_rungs> of_quality_{}; ///< how many have each
 };
 
 } // namespace seaway::server

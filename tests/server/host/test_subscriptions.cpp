@@ -35,6 +35,22 @@ TEST(Subscriptions, wanted_is_the_union_over_sessions_of_a_cascade_at_a_quality)
     EXPECT_EQ(all.size(), 2u);
 }
 
+TEST(Subscriptions, a_quality_is_in_use_for_as_long_as_somebody_has_it) {
+    Subscriptions all;
+    all.set(1, {.cascades = 1u, .fields = {Field::height}, .quality = 2});
+    all.set(2, {.cascades = 3u, .fields = {Field::height}, .quality = 2});
+    all.set(3, {.cascades = 1u, .fields = {Field::height}, .quality = 5});
+    EXPECT_EQ(all.qualities(), std::bitset<quality_rungs>{}.set(2).set(5));
+    EXPECT_EQ(all.qualities(1), std::bitset<quality_rungs>{}.set(2)) << "of a cascade";
+    all.set(3, {.cascades = 1u, .fields = {Field::slope_x}, .quality = 0});
+    all.erase(1);
+    EXPECT_EQ(all.qualities(), std::bitset<quality_rungs>{}.set(0).set(2));
+    all.set(2, {});
+    all.erase(2);
+    all.erase(9);
+    EXPECT_EQ(all.qualities(), std::bitset<quality_rungs>{}.set(0));
+}
+
 TEST(Subscriptions, what_those_want_who_go_without_a_field_is_theirs_alone_and_of_the_cascade) {
     Subscriptions all;
     all.set(1, {.cascades = 1u, .fields = {Field::height, Field::foam}, .quality = 0});
