@@ -338,6 +338,8 @@ Result<LocalSurface> Client::surface(TimeUs time_us) const {
 Result<void> Client::sample_into(std::span<const QueryPoint> points,
                                  std::span<Answer> answers) const {
     SEAWAY_CHECK(points.size() == answers.size(), "one answer a point");
+    for (const QueryPoint& point : points)
+        SEAWAY_TRY(check_time(point.time_us));
     return of_one_sea([&] { return sample_from(ring_, surfaces_, points, answers); });
 }
 

@@ -136,6 +136,8 @@ Result<void> Client::look_at(std::span<const sea::QueryPoint> points, const Look
 
 Result<std::vector<Water>> Client::look(std::span<const sea::QueryPoint> points,
                                         const Looking& looking) const {
+    for (const sea::QueryPoint& point : points)
+        SEAWAY_TRY(check_time(point.time_us));
     return of_one_sea([&]() -> Result<std::vector<Water>> {
         std::vector<Water> water(points.size());
         for (std::size_t first = 0; first < points.size();) {
@@ -199,6 +201,7 @@ void fill(const sea::Surface& surface, TimeUs time_us,
 
 Result<CascadeMap> Client::map(int cascade, TimeUs time_us,
                                std::span<const std::optional<sea::Field>> channels) const {
+    SEAWAY_TRY(check_time(time_us));
     return of_one_sea([&]() -> Result<CascadeMap> {
         const SeaStatePtr state = sea_state(time_us);
         const auto index = static_cast<std::size_t>(cascade);

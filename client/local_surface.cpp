@@ -118,6 +118,13 @@ sea::MapError local_map_error(const SeaState& state, std::span<const KeyframePai
     return error;
 }
 
+Result<void> check_time(sea::TimeUs time_us) {
+    if (sea::in_time_range(time_us))
+        return {};
+    return failed(Failure::bad_argument, fmt::format("time_us is {}: it must be {} to {}", time_us,
+                                                     -sea::time_us_max, sea::time_us_max));
+}
+
 Result<HeldPairs> held_pairs(const SeaState& state, const KeyframeRing& ring, sea::TimeUs time_us,
                              sea::FieldSet fields, std::uint32_t cascades) {
     HeldPairs held{.pairs = {}, .covers = true};

@@ -28,6 +28,9 @@ struct LocalSurface {
 
 /// The surface around one time. `fields`: what keyframes must hold to be used. An error (not_held)
 /// names the cascade of which nothing is held. `cascades`: of these alone, a bit each.
+/// Failure::bad_argument for a time at which no sea is computed, here or by a server (sea::time_us_max).
+Result<void> check_time(sea::TimeUs time_us);
+
 /// The keyframes of it, and no surface yet. Their splines are made.
 struct HeldPairs {
     ShortList<KeyframePair, sea::surface_pairs_max> pairs;

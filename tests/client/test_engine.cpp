@@ -217,6 +217,38 @@ TEST_F(Engine, water_at_a_point_was_moved_there_as_the_exact_sum_moves_it) {
     }
 }
 
+TEST_F(Engine, a_time_at_which_there_is_no_sea_is_refused_by_name_whatever_is_held) {
+    seaway_state state = SEAWAY_SIZED(seaway_state);
+    for (const bool tiles : {true, false}) {
+        Sea client(net->url());
+        hold_sea(client, tiles);
+        ASSERT_EQ(seaway_get_state(client.handle(), &state), SEAWAY_OK);
+        for (const std::int64_t time_us :
+             {state.time_max_us + 1, -state.time_max_us - 1, INT64_MAX, INT64_MIN}) {
+            const seaway_point points[] = {{0, 0, asked_us}, {0, 0, time_us}};
+            const std::string named = "time_us is " + std::to_string(time_us);
+            seaway_answer answers[2];
+            seaway_water water[2];
+            EXPECT_NE(refusal(seaway_sample(client.handle(), points, 2, answers)).find(named),
+                      std::string::npos);
+            EXPECT_NE(refusal(seaway_sample_water(client.handle(), nullptr, points, 2, water,
+                                                  sizeof(seaway_water)))
+                          .find(named),
+                      std::string::npos);
+            seaway_map_wish wish = map_wish();
+            seaway_map map = SEAWAY_SIZED(seaway_map);
+            wish.time_us = time_us;
+            EXPECT_NE(refusal(seaway_get_map(client.handle(), &wish, nullptr, 0, &map)).find(named),
+                      std::string::npos);
+        }
+        for (const std::int64_t time_us : {state.time_max_us, -state.time_max_us}) {
+            const seaway_answer far = client.sample({0, 0, time_us});
+            EXPECT_TRUE(std::isfinite(far.height_m));
+            EXPECT_EQ((far.flags & SEAWAY_EXTRAPOLATED) != 0, tiles);
+        }
+    }
+}
+
 TEST_F(Engine, waves_that_are_left_out_are_missing_from_heights_and_from_nothing_else) {
     auto longest = std::make_shared<sea::Realization>(*tests::few_waves());
     longest->cascades.resize(1);
