@@ -61,6 +61,9 @@ Result<std::vector<FileOption>> read_options_file(const std::string& path) {
     SEAWAY_TRY_LET(const TomlDocument document, TomlDocument::parse(*text, path));
     std::vector<FileOption> options;
     for (const auto& [key, node] : document.table()) {
+        if (key.str().empty())
+            return Error{
+                fmt::format("{}:{}: an option without a name", path, key.source().begin.line)};
         SEAWAY_TRY_LET(FileOption option, option_of(path, std::string(key.str()), node));
         options.push_back(std::move(option));
     }

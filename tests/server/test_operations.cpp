@@ -85,6 +85,7 @@ TEST(Config, what_is_wrong_in_it_is_named_in_one_line) {
     EXPECT_NE(says("[net]\nlisten = \"127.0.0.1:0\"\n").find("wrong.toml:1: net"),
               std::string::npos);
     EXPECT_NE(says("data-dir\n").find("wrong.toml:1:"), std::string::npos);
+    EXPECT_NE(says("\n'' = 1\n").find("wrong.toml:2: an option without a name"), std::string::npos);
     EXPECT_NE(says("data-dir = true\n").find("a value is expected"), std::string::npos);
     EXPECT_NE(says("check = 1\n").find("true or false"), std::string::npos);
     EXPECT_NE(says("listen = [\"a\", \"b\"]\n").find("one value"), std::string::npos);
