@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The C interface for engines over Client: what is streamed, what there is, water at points, questions (seaway_engine.h).
+// The C interface for engines over Client: what is streamed, what there is, questions (seaway_engine.h).
 #include <bit>
 #include <cmath>
 #include <limits>
@@ -15,9 +15,8 @@ namespace limits = seaway::protocol::limits;
 
 namespace {
 
-// What each struct began with; all that follows may be missing.
+/// What it began with; all that follows may be missing.
 constexpr std::size_t wish_least = offsetof(seaway_wish, cascades);
-constexpr std::size_t looking_least = offsetof(seaway_looking, min_wavelength_m);
 
 uint32_t all_fields() {
     return sea::FieldSet::from_bits(0xffffffffu).bits();
@@ -191,41 +190,6 @@ seaway_code seaway_rebuild(seaway_client* client, int64_t time_us) {
         if (!client)
             return bad("seaway_rebuild: client must not be null");
         return client->client->rebuild(time_us);
-    });
-}
-
-seaway_code seaway_sample_water(const seaway_client* client, const seaway_looking* looking,
-                                const seaway_point* points, size_t count, seaway_water* water,
-                                size_t stride) {
-    return guarded([&]() -> Result<void> {
-        if (!client || (count > 0 && (!points || !water)))
-            return bad("seaway_sample_water: client, points and water must not be null");
-        SEAWAY_TRY_LET(const seaway_looking given, sized(looking, looking_least, "seaway_looking"));
-        if (stride < sizeof(seaway_answer))
-            return bad(fmt::format("seaway_sample_water: stride is {}: it must be "
-                                   "sizeof(seaway_water)",
-                                   stride));
-        if (!(given.min_wavelength_m >= 0 && std::isfinite(given.min_wavelength_m)))
-            return bad(fmt::format("seaway_looking.min_wavelength_m is {}: it must be 0 or more",
-                                   given.min_wavelength_m));
-        Looking some{.min_wavelength_m = given.min_wavelength_m};
-        if (given.cascades != 0)
-            some.cascades = given.cascades;
-        SEAWAY_TRY_LET(const std::vector<Water> found,
-                       client->client->look(as_points(points, count), some));
-        auto* to = reinterpret_cast<unsigned char*>(water);
-        for (const Water& from : found) {
-            seaway_water one{};
-            put({&from.answer, 1}, &one.answer);
-            one.displacement_m[0] = from.displacement_m[0];
-            one.displacement_m[1] = from.displacement_m[1];
-            one.displacement_error_m = from.displacement_error_m;
-            one.jacobian = from.jacobian;
-            one.foam = from.foam;
-            std::memcpy(to, &one, std::min(stride, sizeof(one)));
-            to += stride;
-        }
-        return {};
     });
 }
 

@@ -31,8 +31,6 @@ void drop_overtaken(std::vector<SeaStatePtr>& states) {
 }
 /// Who samples waits for no spline: those of so many keyframes after a sample are made as they come.
 constexpr int splines_ahead_max = 256;
-/// Batches of one ask() under way: enough to hide the round trip.
-constexpr std::size_t batches_in_flight = 4;
 
 } // namespace
 
@@ -288,46 +286,6 @@ Result<protocol::SpectrumGrant> Client::subscribe_on(Connection& connection,
         }
     }
     return reply->spectrum;
-}
-
-Result<std::vector<Answer>> Client::ask(std::span<const QueryPoint> points, const Asking& asking) {
-    struct Progress {
-        std::mutex mutex;
-        std::condition_variable changed;
-        std::size_t under_way = 0;
-        std::vector<Answer> answers;
-        std::optional<Error> problem;
-    };
-    const std::size_t batch_size = std::max(
-        asking.exact ? welcome().exact_points_per_query_max : welcome().points_per_query_max, 1u);
-    const auto progress = std::make_shared<Progress>();
-    progress->answers.resize(points.size());
-    const ConnectionPtr connection = link();
-    std::unique_lock lock(progress->mutex);
-    for (std::size_t first = 0; first < points.size(); first += batch_size) {
-        progress->changed.wait(lock, [&] { return progress->under_way < batches_in_flight; });
-        if (progress->problem)
-            break;
-        ++progress->under_way;
-        lock.unlock();
-        const auto batch = points.subspan(first, std::min(batch_size, points.size() - first));
-        connection->query(
-            batch, asking.exact, asking.timeout_s, [progress, first](Result<Reply> reply) {
-                const std::scoped_lock inner(progress->mutex);
-                --progress->under_way;
-                if (reply)
-                    std::copy(reply->answers.begin(), reply->answers.end(),
-                              progress->answers.begin() + static_cast<std::ptrdiff_t>(first));
-                else if (!progress->problem)
-                    progress->problem = reply.error();
-                progress->changed.notify_all();
-            });
-        lock.lock();
-    }
-    progress->changed.wait(lock, [&] { return progress->under_way == 0; });
-    if (progress->problem)
-        return *progress->problem;
-    return std::move(progress->answers);
 }
 
 Result<LocalSurface> Client::surface(TimeUs time_us) const {

@@ -63,6 +63,7 @@ struct ClientEvents {
 struct Asking {
     bool exact = false;    ///< direct sum in double precision by the server; slow
     double timeout_s = 10; ///< for each batch that the points are split into
+    Looking looking = {};  ///< which waves count
 };
 
 class Client {
@@ -114,7 +115,7 @@ class Client {
     /// The same for a batch the server takes at once; does not block (Connection::query).
     void ask_async(std::span<const sea::QueryPoint> points, const Asking& asking,
                    ReplyHandler handler) {
-        link()->query(points, asking.exact, asking.timeout_s, std::move(handler));
+        link()->query(points, asking.exact, asking.timeout_s, std::move(handler), asking.looking);
     }
 
     /// This client answers from what it holds; at once, never asks the server. An error (not_held): there is nothing
@@ -138,6 +139,14 @@ class Client {
     /// sample() with all that is known of a point, of some of the waves (looks.h). Errors as sample().
     Result<std::vector<Water>> look(std::span<const sea::QueryPoint> points,
                                     const Looking& looking) const;
+
+    /// The water at depths (sea/surface/below.h), up from still water, from waves that this client has. An error (not_held):
+    /// it has none of that time; bad_argument: a time at which there is no sea. Some 300 us a point of a gale.
+    Result<Below> below(std::span<const sea::QueryPoint> points, std::span<const double> z_m,
+                        const Looking& looking) const;
+    /// The same by the server, as ask(): any number of points.
+    Result<Below> ask_below(std::span<const sea::QueryPoint> points, std::span<const double> z_m,
+                            const Asking& asking);
 
     /// A whole map of a cascade from the keyframes held, at any time that they cover or come near. An error (not_held): there
     /// are none with these fields; bad_argument: the sea has no such cascade.
@@ -163,6 +172,10 @@ class Client {
     const KeyframeRing& ring() const { return ring_; }
 
   private:
+    /// `z_m`: none, or one a point.
+    Result<Below> ask_all(std::span<const sea::QueryPoint> points, std::span<const double> z_m,
+                          const Asking& asking);
+
     using ConnectionPtr = std::shared_ptr<Connection>;
     /// One connection, as far as this client is concerned: what came before it is known whether its sea is the same.
     struct Joining {
@@ -243,9 +256,6 @@ class Client {
     bool seas_are(std::span<const std::pair<sea::TimeUs, SeaStatePtr>> expected) const;
     /// Null: this client has not the waves of that sea; of a glide, not those of both of its ends.
     OwnSeaPtr own_sea(const SeaStatePtr& state) const;
-    /// Of its waves those of some cascades.
-    std::shared_ptr<const RebuiltSea> felt_sea(const OwnSeaPtr& waves, const SeaState& state,
-                                               std::uint32_t cascades, sea::TimeUs time_us) const;
     Result<void> look_at(std::span<const sea::QueryPoint> points, const Looking& looking,
                          std::span<Water> water) const; ///< all of one time
     /// The same with mutex_ held; `depth` more glides may lead there.
@@ -299,14 +309,6 @@ class Client {
         OwnSeaPtr sea;
     };
     mutable std::map<std::uint32_t, Glide> glides_; ///< likewise
-    /// What felt_sea() made last.
-    struct Felt {
-        OwnSeaPtr of;
-        std::uint32_t cascades = 0;
-        sea::TimeUs time_us = 0;
-        std::shared_ptr<const RebuiltSea> sea;
-    };
-    mutable Felt felt_;
     sea::FieldSet not_offered_;
     std::optional<Grant> grant_;
     std::vector<Wanted*> wanted_;

@@ -16,16 +16,6 @@ using sea::Vec2;
 
 namespace {
 
-/// Of the waves of a sea those of some cascades.
-sea::RealizationPtr only(const sea::RealizationPtr& waves, std::uint32_t cascades) {
-    auto some = std::make_shared<sea::Realization>(*waves);
-    some->cascades.clear();
-    for (std::size_t c = 0; c < waves->cascades.size(); ++c)
-        if (cascades >> c & 1u)
-            some->cascades.push_back(waves->cascades[c]);
-    return some;
-}
-
 double sideways(const sea::Choppiness& choppiness) {
     return std::max(choppiness.x, choppiness.y);
 }
@@ -37,10 +27,6 @@ void lie_flat(const sea::QueryPoint& point, Water& water) {
     const double nan = std::nan("");
     water.answer = {nan, {nan, nan, nan}, {nan, nan, nan}, nan, sea::answer_invalid};
     water.displacement_m[0] = water.displacement_m[1] = water.jacobian = nan;
-}
-
-std::uint32_t all_cascades(const SeaState& state) {
-    return (1u << state.cascades.size()) - 1u;
 }
 
 } // namespace
@@ -64,23 +50,6 @@ SourceNow Client::source(TimeUs time_us) const {
                     "as extrapolated"};
         return {AnswersFrom::tiles, "keyframes are held on both sides of this time, and no waves"};
     });
-}
-
-std::shared_ptr<const RebuiltSea> Client::felt_sea(const OwnSeaPtr& waves, const SeaState& state,
-                                                   std::uint32_t cascades, TimeUs time_us) const {
-    const auto steady = std::dynamic_pointer_cast<const RebuiltSea>(waves);
-    if (steady && cascades == all_cascades(state))
-        return steady;
-    {
-        const std::scoped_lock lock(mutex_);
-        if (felt_.of == waves && felt_.cascades == cascades && (steady || felt_.time_us == time_us))
-            return felt_.sea;
-    }
-    auto made = std::make_shared<const RebuiltSea>(only(waves->waves_at(time_us), cascades), state,
-                                                   waves->error());
-    const std::scoped_lock lock(mutex_);
-    felt_ = {waves, cascades, time_us, made};
-    return made;
 }
 
 Result<void> Client::look_at(std::span<const sea::QueryPoint> points, const Looking& looking,
@@ -114,12 +83,15 @@ Result<void> Client::look_at(std::span<const sea::QueryPoint> points, const Look
         return {};
     }
     if (const OwnSeaPtr waves = own_sea(state)) {
-        const std::shared_ptr<const RebuiltSea> sea = felt_sea(waves, *state, cascades, time_us);
-        sea->answer(points, answers);
-        keep(0);
-        const sea::Choppiness choppiness = sea->sum().sea().choppiness;
-        put({choppiness, 1e-7, sea::fold_search(state->displacement_reach_m, choppiness, 0)},
-            sea->sum().at_time(time_us), sideways(choppiness) * sea->error().displacement_m);
+        waves->at(time_us, [&](const RebuiltSea& sea) {
+            const sea::DirectSum::Moment moment = sea.sum().at_time(time_us, cascades);
+            for (std::size_t i = 0; i < points.size(); ++i)
+                answers[i] = sea.answer(points[i], moment);
+            keep(0);
+            const sea::Choppiness choppiness = sea.sum().sea().choppiness;
+            put({choppiness, 1e-7, sea::fold_search(state->displacement_reach_m, choppiness, 0)},
+                moment, sideways(choppiness) * sea.error().displacement_m);
+        });
         return {};
     }
     SEAWAY_TRY_LET(const LocalSurface held,
@@ -157,6 +129,39 @@ Result<std::vector<Water>> Client::look(std::span<const sea::QueryPoint> points,
         for (std::size_t i = 0; i < water.size(); ++i)
             water[i].answer = answers[i];
         return water;
+    });
+}
+
+Result<Below> Client::below(std::span<const sea::QueryPoint> points, std::span<const double> z_m,
+                            const Looking& looking) const {
+    SEAWAY_CHECK(points.size() == z_m.size(), "one depth a point");
+    for (const sea::QueryPoint& point : points)
+        SEAWAY_TRY(check_time(point.time_us));
+    return of_one_sea([&]() -> Result<Below> {
+        Below found{std::vector<sea::Answer>(points.size()),
+                    std::vector<sea::WaterBelow>(points.size())};
+        for (std::size_t first = 0; first < points.size();) {
+            const TimeUs time_us = points[first].time_us;
+            std::size_t end = first + 1;
+            while (end < points.size() && points[end].time_us == time_us)
+                ++end;
+            const SeaStatePtr state = sea_state(time_us);
+            const OwnSeaPtr waves = own_sea(state);
+            if (!waves)
+                return failed(Failure::not_held,
+                              "water below the surface follows from waves, and none are held of "
+                              "that time: subscribe to the spectrum, rebuild the sea, or ask the "
+                              "server");
+            waves->at(time_us, [&](const RebuiltSea& sea) {
+                const sea::DirectSum::Moment moment =
+                    sea.sum().at_time(time_us, felt_cascades(*state, looking));
+                for (std::size_t i = first; i < end; ++i)
+                    found.answers[i] = sea.answer(points[i], z_m[i], moment, found.water[i]);
+            });
+            first = end;
+        }
+        (void)mark_stale(points, found.answers); // waves go on without a server
+        return found;
     });
 }
 

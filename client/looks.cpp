@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 namespace seaway::client {
 
@@ -82,12 +81,10 @@ std::optional<Vec2> place_of(const sea::QueryPoint& point, const sea::InverseOpt
 
 std::uint32_t felt_cascades(const SeaState& state, const Looking& looking) {
     std::uint32_t felt = 0;
-    for (std::size_t c = 0; c < state.cascades.size(); ++c) {
-        const double longest_radpm = state.cascades[c].k_lo_radpm;
-        if (longest_radpm * looking.min_wavelength_m <= 2 * std::numbers::pi)
+    for (std::size_t c = 0; c < state.cascades.size(); ++c)
+        if (looking.feels(c, state.cascades[c].k_lo_radpm))
             felt |= 1u << c;
-    }
-    return felt & looking.cascades;
+    return felt;
 }
 
 std::optional<Vec2> put_movement(const sea::QueryPoint& point, const sea::InverseOptions& options,

@@ -23,11 +23,7 @@ struct SourceNow {
     std::string why;
 };
 
-/// Which waves count.
-struct Looking {
-    std::uint32_t cascades = 0xffffffffu; ///< a bit each
-    double min_wavelength_m = 0;          ///< cascades all of whose waves are shorter are left out
-};
+using sea::Looking;
 /// The cascades of a sea that are left.
 std::uint32_t felt_cascades(const SeaState& state, const Looking& looking);
 
@@ -37,6 +33,12 @@ struct Water {
     double displacement_error_m = 0; ///< bound on each, to first order; infinite next to a fold
     double jacobian = 1;
     double foam = 0; ///< share that is white; NaN where none is held
+};
+
+/// The water at depths, one of each a point.
+struct Below {
+    std::vector<sea::Answer> answers; ///< the surface above
+    std::vector<sea::WaterBelow> water;
 };
 
 /// What of the water follows from its waves: needs `water.answer`. Displacement and Jacobian are NaN where the sheet of the

@@ -193,7 +193,8 @@ enum {
         64, /* with SEAWAY_FOLDED: which sheet is the highest is open; error_m is no bound */
     /* Nothing is heard of the server. error_m has grown by what a change to a sea no higher than this one may have made of it
      * since, begun as soon and as fast as it may; it is no bound where the sea was changed to a higher one. */
-    SEAWAY_STALE = 128
+    SEAWAY_STALE = 128,
+    SEAWAY_DRY = 256 /* of seaway_below: no water there, above the surface or below the sea floor */
 };
 
 typedef struct seaway_answer {

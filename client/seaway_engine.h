@@ -199,6 +199,36 @@ seaway_code seaway_sample_water(const seaway_client* client, const seaway_lookin
                                 const seaway_point* points, size_t count, seaway_water* water,
                                 size_t stride);
 
+/* The water below the surface above it. */
+typedef struct seaway_below {
+    seaway_answer surface;  /* above the point: height, normal, velocity, bound; flags of both */
+    double velocity_mps[3]; /* of the water at the point; zero with SEAWAY_DRY */
+    /* Dynamic pressure over density: times the water's density it is what presses there beside -density g z, and beside the
+     * air. Zero in still water and with SEAWAY_DRY. */
+    double pressure_m2ps2;
+} seaway_below;
+
+/* The water at points z_m[i] metres up from still water, so mostly below 0, of each of `count` points: velocity and dynamic
+ * pressure by linear theory with Wheeler's stretching, which at the surface are seaway_answer's velocity and, without
+ * surface tension, g times its height; at the sea floor water moves along it alone. Valid for waves that do not break; first
+ * order in steepness, so off by some tenth of a wave's velocity where its steepness is a tenth, and without the drift of second
+ * order. No bound is stated. The formulas: sea/surface/below.h of the source.
+ * From waves (SEAWAY_SPECTRUM, seaway_rebuild): keyframes alone are SEAWAY_NOT_HELD. At once; some 300 us a point of a gale;
+ * allocates. NULL looking: all waves. `stride`: sizeof(seaway_below). */
+seaway_code seaway_sample_below(const seaway_client* client, const seaway_looking* looking,
+                                const seaway_point* points, const double* z_m, size_t count,
+                                seaway_below* below, size_t stride);
+
+/* The same by the server, at any time, as exact as seaway_query's exact answers. Blocks. */
+seaway_code seaway_query_below(seaway_client* client, const seaway_looking* looking,
+                               const seaway_point* points, const double* z_m, size_t count,
+                               double timeout_s, seaway_below* below, size_t stride);
+
+/* seaway_query of the waves that count: cascades that are left out are not made for it. */
+seaway_code seaway_query_some(seaway_client* client, const seaway_looking* looking,
+                              const seaway_point* points, size_t count, int exact, double timeout_s,
+                              seaway_answer* answers);
+
 /* ---- whole maps ------------------------------------------------------------------------------------ */
 
 enum { SEAWAY_FLOAT = 0, SEAWAY_HALF = 1 };
@@ -269,7 +299,8 @@ int seaway_poll_descriptor(seaway_client* client);
 #ifdef __cplusplus
 } /* extern "C" */
 static_assert(sizeof(seaway_wish) == 48 && sizeof(seaway_looking) == 16 &&
-                  sizeof(seaway_water) == 112 && sizeof(seaway_map_wish) == 48,
+                  sizeof(seaway_water) == 112 && sizeof(seaway_below) == 104 &&
+                  sizeof(seaway_map_wish) == 48,
               "these structs are the ABI, and grow at their end alone");
 #endif
 

@@ -144,8 +144,9 @@ Result<void> check(const wire::Fetch& fetch) {
 }
 
 Result<void> check(const wire::Query& query) {
+    const bool exact = query.exact() || count(query.z_m()) != 0;
     const std::size_t points_max =
-        query.exact() ? limits::exact_points_per_query_max : limits::points_per_query_max;
+        exact ? limits::exact_points_per_query_max : limits::points_per_query_max;
     if (count(query.points()) > points_max)
         return Error{wire::ErrorCode::too_many_points,
                      fmt::format("count of points is {}, allowed are 0 to {}",
@@ -156,7 +157,14 @@ Result<void> check(const wire::Query& query) {
         SEAWAY_TRY(within("points.x_m", i, point.x_m(), limits::position_m_max));
         SEAWAY_TRY(within("points.y_m", i, point.y_m(), limits::position_m_max));
     }
-    return {};
+    const std::size_t depths = count(query.z_m());
+    if (depths != 0 && depths != count(query.points()))
+        return Error{wire::ErrorCode::bad_value,
+                     fmt::format("count of z_m is {}, allowed are 0 and that of points, {}", depths,
+                                 count(query.points()))};
+    for (flatbuffers::uoffset_t i = 0; i < depths; ++i)
+        SEAWAY_TRY(within("z_m", i, query.z_m()->Get(i), limits::position_m_max));
+    return in_range("min_wavelength_m", query.min_wavelength_m(), 0.0, limits::position_m_max);
 }
 
 Result<void> check(const wire::Change& change) {
@@ -343,6 +351,10 @@ Result<void> check(const wire::Tile& tile) {
 }
 
 Result<void> check(const wire::QueryReply& reply) {
+    if (count(reply.below()) != 0 && count(reply.below()) != count(reply.answers()))
+        return Error{wire::ErrorCode::bad_value,
+                     fmt::format("count of below is {}, allowed are 0 and that of answers, {}",
+                                 count(reply.below()), count(reply.answers()))};
     return in_range<std::size_t>("count of answers", count(reply.answers()), 0,
                                  limits::points_per_query_max);
 }

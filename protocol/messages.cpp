@@ -52,7 +52,8 @@ bool lists_aligned(const wire::Message& message) {
     case Body::Fetch:
         return aligned(message.body_as_Fetch()->times_us());
     case Body::Query:
-        return aligned(message.body_as_Query()->points());
+        return aligned(message.body_as_Query()->points()) &&
+               aligned(message.body_as_Query()->z_m());
     case Body::SeaState:
         return aligned(message.body_as_SeaState()->cascades()) &&
                aligned(message.body_as_SeaState()->probes());
@@ -164,13 +165,20 @@ Bytes fetch(std::uint32_t request_id, std::span<const sea::TimeUs> times_us, con
                                            wish.fields.bits(), wish.error_m, wish.compact));
 }
 
-Bytes query(std::uint32_t request_id, std::span<const sea::QueryPoint> points, bool exact) {
-    FlatBufferBuilder built = builder(128 + points.size() * sizeof(wire::Point));
+Bytes query(std::uint32_t request_id, std::span<const sea::QueryPoint> points, bool exact,
+            const sea::Looking& looking, std::span<const double> z_m) {
+    FlatBufferBuilder built = builder(192 + points.size() * sizeof(wire::Point) + z_m.size_bytes());
+    const auto depths = vector_of(built, z_m);
     wire::Point* list = nullptr;
     const auto offset = built.CreateUninitializedVectorOfStructs(points.size(), &list);
     for (std::size_t i = 0; i < points.size(); ++i)
         list[i] = wire::Point(points[i].x_m, points[i].y_m, points[i].time_us);
-    return finish(built, wire::CreateQuery(built, request_id, exact, offset));
+    return finish(built, wire::CreateQuery(built, request_id, exact, offset, looking.cascades,
+                                           looking.min_wavelength_m, depths));
+}
+
+sea::Looking looking(const wire::Query& query) {
+    return {query.cascades(), query.min_wavelength_m()};
 }
 
 Bytes ping(std::uint32_t request_id, std::int64_t client_time_us) {
@@ -291,8 +299,16 @@ TileHeader header(const wire::Tile& tile) {
 }
 
 Bytes query_reply(std::uint32_t request_id, std::uint32_t epoch,
-                  std::span<const sea::Answer> answers) {
-    FlatBufferBuilder built = builder(128 + answers.size() * sizeof(wire::PointAnswer));
+                  std::span<const sea::Answer> answers, std::span<const sea::WaterBelow> below) {
+    FlatBufferBuilder built = builder(192 + answers.size() * sizeof(wire::PointAnswer) +
+                                      below.size() * sizeof(wire::Below));
+    wire::Below* waters = nullptr;
+    const auto below_offset = built.CreateUninitializedVectorOfStructs(below.size(), &waters);
+    for (std::size_t i = 0; i < below.size(); ++i)
+        waters[i] = wire::Below(static_cast<float>(below[i].velocity_mps[0]),
+                                static_cast<float>(below[i].velocity_mps[1]),
+                                static_cast<float>(below[i].velocity_mps[2]),
+                                static_cast<float>(below[i].pressure_m2ps2));
     wire::PointAnswer* list = nullptr;
     const auto offset = built.CreateUninitializedVectorOfStructs(answers.size(), &list);
     for (std::size_t i = 0; i < answers.size(); ++i) {
@@ -303,7 +319,13 @@ Bytes query_reply(std::uint32_t request_id, std::uint32_t epoch,
             static_cast<float>(a.velocity_mps[1]), static_cast<float>(a.velocity_mps[2]),
             bound_to_float(a.error_m), a.flags);
     }
-    return finish(built, wire::CreateQueryReply(built, request_id, epoch, offset));
+    return finish(built, wire::CreateQueryReply(built, request_id, epoch, offset, below_offset));
+}
+
+sea::WaterBelow water(const wire::Below& below) {
+    return {
+        .velocity_mps = {below.velocity_x_mps(), below.velocity_y_mps(), below.velocity_z_mps()},
+        .pressure_m2ps2 = below.pressure_m2ps2()};
 }
 
 sea::Answer answer(const wire::PointAnswer& a) {

@@ -112,7 +112,10 @@ Bytes subscribe(std::uint32_t request_id, const TileWish& wish, int credit);
 Bytes unsubscribe(bool spectrum = false);
 Bytes ack(std::uint64_t keyframe);
 Bytes fetch(std::uint32_t request_id, std::span<const sea::TimeUs> times_us, const TileWish& wish);
-Bytes query(std::uint32_t request_id, std::span<const sea::QueryPoint> points, bool exact);
+/// `z_m`: none, or one a point.
+Bytes query(std::uint32_t request_id, std::span<const sea::QueryPoint> points, bool exact,
+            const sea::Looking& looking = {}, std::span<const double> z_m = {});
+sea::Looking looking(const wire::Query& query);
 /// How exactly a client wants the waves, and what it wants to make of them. Bounds of 0: the server chooses.
 struct SpectrumWish {
     float error_m = 0;
@@ -252,9 +255,12 @@ Bytes tile(const TileHeader& header, std::span<const std::uint8_t> payload);
 /// The inverse; `tile` must have passed check().
 TileHeader header(const wire::Tile& tile);
 
+/// `below`: none, or one an answer.
 Bytes query_reply(std::uint32_t request_id, std::uint32_t epoch,
-                  std::span<const sea::Answer> answers);
+                  std::span<const sea::Answer> answers,
+                  std::span<const sea::WaterBelow> below = {});
 sea::Answer answer(const wire::PointAnswer& answer);
+sea::WaterBelow water(const wire::Below& below);
 
 Bytes fetch_done(std::uint32_t request_id, std::uint32_t keyframes, sea::FieldSet fields);
 Bytes pong(std::uint32_t request_id, std::int64_t client_time_us, const sea::SeaTime& time);

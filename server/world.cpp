@@ -252,13 +252,17 @@ void World::fetch(FetchRequest request, Fetched done) {
 void World::query(QueryBatch batch, Queried done) {
     const sea::TimeUs time_us =
         batch.points.empty() ? clock_.now_us() : batch.points.front().time_us;
+    PointsAsked asked(std::move(batch.points));
+    asked.exact = batch.exact;
+    asked.looking = batch.looking;
+    asked.z_m = std::move(batch.z_m);
     simulation_->answer(
-        std::move(batch.points), batch.exact,
+        std::move(asked),
         [epoch = course_->window_at(time_us).epoch,
-         done = std::move(done)](Result<std::vector<sea::Answer>> answers) {
-            if (!answers)
-                return done(answers.error());
-            done(QueryAnswers{epoch, *std::move(answers)});
+         done = std::move(done)](Result<PointsAnswered> answered) {
+            if (!answered)
+                return done(answered.error());
+            done(QueryAnswers{epoch, std::move(answered->answers), std::move(answered->below)});
         },
         batch.asker);
 }

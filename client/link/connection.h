@@ -100,8 +100,10 @@ class Connection {
     // exactly once, on the connection's thread or at once. `timeout_s` is from now on.
 
     /// At most welcome().points_per_query_max points, or exact_points_per_query_max.
+    /// `looking`: which waves count. `z_m`: none, or of each point the water there as well, as exact points.
     void query(std::span<const sea::QueryPoint> points, bool exact, double timeout_s,
-               ReplyHandler handler);
+               ReplyHandler handler, const sea::Looking& looking = {},
+               std::span<const double> z_m = {});
 
     /// Keyframes come through on_keyframe. Replies when those around now have come.
     void subscribe(const protocol::TileWish& wish, int credit, double timeout_s,

@@ -36,15 +36,16 @@ struct Grant {
 
 /// What came back; each kind of request fills its own part.
 struct Reply {
-    std::uint32_t epoch = 0;          ///< query
-    std::vector<sea::Answer> answers; ///< query: one a point, in order
-    Grant grant;                      ///< subscribe
-    std::uint32_t keyframes = 0;      ///< subscribe, fetch: how many were sent at once
-    sea::FieldSet fields;             ///< subscribe, fetch: fields of those
-    protocol::SpectrumGrant spectrum; ///< subscribe_spectrum
-    sea::TimeUs start_us = 0;         ///< change: the sea glides (epoch) from here on
-    sea::TimeUs end_us = 0;           ///< change: and is there (epoch + 1)
-    std::string text;                 ///< administer: JSON
+    std::uint32_t epoch = 0;            ///< query
+    std::vector<sea::Answer> answers;   ///< query: one a point, in order
+    std::vector<sea::WaterBelow> below; ///< query: one a depth
+    Grant grant;                        ///< subscribe
+    std::uint32_t keyframes = 0;        ///< subscribe, fetch: how many were sent at once
+    sea::FieldSet fields;               ///< subscribe, fetch: fields of those
+    protocol::SpectrumGrant spectrum;   ///< subscribe_spectrum
+    sea::TimeUs start_us = 0;           ///< change: the sea glides (epoch) from here on
+    sea::TimeUs end_us = 0;             ///< change: and is there (epoch + 1)
+    std::string text;                   ///< administer: JSON
 };
 
 using ReplyHandler = std::function<void(Result<Reply>)>;

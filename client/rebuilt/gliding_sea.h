@@ -27,6 +27,10 @@ class GlidingSea final : public OwnSea {
                 std::span<sea::Answer> answers) const override;
     sea::RealizationPtr waves_at(sea::TimeUs time_us) const override { return change_.at(time_us); }
     RebuiltError error() const override { return error_; }
+    void at(sea::TimeUs time_us,
+            const std::function<void(const RebuiltSea&)>& look) const override {
+        look(*at(time_us));
+    }
 
   private:
     GlidingSea(sea::SeaTransition change, const protocol::SeaStateValues& state,

@@ -46,14 +46,28 @@ void RebuiltSea::answer(std::span<const sea::QueryPoint> points,
     }
 }
 
-sea::Answer RebuiltSea::answer(const sea::QueryPoint& point,
-                               const sea::DirectSum::Moment& moment) const {
-    sea::Answer answer =
-        sea::surface_at(point, {waves_->choppiness, tolerance_m(point), folds_}, moment);
+sea::InverseOptions RebuiltSea::options(const sea::QueryPoint& point) const {
+    return {waves_->choppiness, tolerance_m(point), folds_};
+}
+
+void RebuiltSea::add_error(const sea::QueryPoint& point, sea::Answer& answer) const {
     const double sideways =
         sea::surface_slope(answer) * std::max(waves_->choppiness.x, waves_->choppiness.y);
     answer.error_m +=
         tolerance_m(point) + std::hypot(error_.height_m, sideways * error_.displacement_m);
+}
+
+sea::Answer RebuiltSea::answer(const sea::QueryPoint& point,
+                               const sea::DirectSum::Moment& moment) const {
+    sea::Answer answer = sea::surface_at(point, options(point), moment);
+    add_error(point, answer);
+    return answer;
+}
+
+sea::Answer RebuiltSea::answer(const sea::QueryPoint& point, double z_m,
+                               const sea::DirectSum::Moment& moment, sea::WaterBelow& water) const {
+    sea::Answer answer = sea::water_at(point, z_m, options(point), moment, water);
+    add_error(point, answer);
     return answer;
 }
 

@@ -7,12 +7,13 @@
 // time; where it folds 0.2 to 5 ms more.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <span>
 
 #include "base/result.h"
 #include "protocol/messages.h"
-#include "sea/surface/inverse.h"
+#include "sea/surface/below.h"
 #include "sea/waves/probes.h"
 #include "sea/waves/reference.h"
 
@@ -24,6 +25,8 @@ struct RebuiltError {
     double displacement_m = 0; ///< of a component of D
 };
 
+class RebuiltSea;
+
 class OwnSea {
   public:
     virtual ~OwnSea() = default;
@@ -34,6 +37,9 @@ class OwnSea {
     /// Its waves at a time, and what they are off by then.
     virtual sea::RealizationPtr waves_at(sea::TimeUs time_us) const = 0;
     virtual RebuiltError error() const = 0;
+    /// Calls `look` with the sea of one time.
+    virtual void at(sea::TimeUs time_us,
+                    const std::function<void(const RebuiltSea&)>& look) const = 0;
 };
 using OwnSeaPtr = std::shared_ptr<const OwnSea>;
 
@@ -47,11 +53,20 @@ class RebuiltSea final : public OwnSea {
                 std::span<sea::Answer> answers) const override;
     sea::RealizationPtr waves_at(sea::TimeUs) const override { return waves_; }
     RebuiltError error() const override { return error_; }
+    void at(sea::TimeUs, const std::function<void(const RebuiltSea&)>& look) const override {
+        look(*this);
+    }
 
+    /// Of a moment of sum(), which may be of some cascades alone.
+    sea::Answer answer(const sea::QueryPoint& point, const sea::DirectSum::Moment& moment) const;
+    /// With the water at a depth (sea/surface/below.h).
+    sea::Answer answer(const sea::QueryPoint& point, double z_m,
+                       const sea::DirectSum::Moment& moment, sea::WaterBelow& water) const;
     const sea::DirectSum& sum() const { return sum_; }
 
   private:
-    sea::Answer answer(const sea::QueryPoint& point, const sea::DirectSum::Moment& moment) const;
+    sea::InverseOptions options(const sea::QueryPoint& point) const;
+    void add_error(const sea::QueryPoint& point, sea::Answer& answer) const;
 
     const sea::RealizationPtr waves_;
     const sea::DirectSum sum_;

@@ -2,7 +2,9 @@
 // What one asks of the sea at a point, and what one gets.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <numbers>
 
 #include "sea/basics/time.h"
 
@@ -35,6 +37,24 @@ enum AnswerFlag : std::uint32_t {
     answer_open = 1u << 6,
     /// Of a client whose server may know more of this time: `error_m` has what staleness.h says.
     answer_stale = 1u << 7,
+    /// Asked about the water at a depth: there is none, above the surface or below the sea floor.
+    answer_dry = 1u << 8,
+};
+
+/// Which waves count. A hull that is L long does not feel waves that are much shorter.
+struct Looking {
+    std::uint32_t cascades = 0xffffffffu; ///< a bit each
+    /// Cascades all of whose waves are shorter are left out; shorter waves of a cascade that has longer ones
+    /// too stay.
+    double min_wavelength_m = 0;
+
+    /// `longest_radpm`: where the band of this cascade begins.
+    bool feels(std::size_t cascade, double longest_radpm) const {
+        return (cascades >> cascade & 1u) != 0 &&
+               longest_radpm * min_wavelength_m <= 2 * std::numbers::pi;
+    }
+    bool feels_all() const { return cascades == 0xffffffffu && min_wavelength_m == 0; }
+    bool operator==(const Looking&) const = default;
 };
 
 /// What is asked for.
@@ -53,6 +73,14 @@ struct Answer {
     double velocity_mps[3] = {0, 0, 0};
     double error_m = 0;      ///< bound on |height_m - truth|
     std::uint32_t flags = 0; ///< AnswerFlag
+};
+
+/// The water at a world point below the surface (sea/surface/below.h).
+struct WaterBelow {
+    double velocity_mps[3] = {0, 0, 0};
+    /// Dynamic pressure over density: times the water's density it is what presses beside its weight below still water,
+    /// -density g z. Zero in still water.
+    double pressure_m2ps2 = 0;
 };
 
 } // namespace seaway::sea

@@ -165,12 +165,12 @@ Highest highest_sheet(Solver& solver, const Sheet& found, Vec2 target,
             sheets.newton_decides() ? 0.0 : reached_m - best.point.height};
 }
 
+} // namespace
+
 Answer invalid_answer() {
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
     return {nan, {nan, nan, nan}, {nan, nan, nan}, nan, answer_invalid};
 }
-
-} // namespace
 
 FoldSearch fold_search(double reach_m, const Choppiness& choppiness, double rms_strain) {
     constexpr double reach_min_m = 1e-3;
@@ -239,9 +239,9 @@ Answer surface_at(const QueryPoint& point, const InverseOptions& options, Lagran
 }
 
 Answer surface_at(const QueryPoint& point, const InverseOptions& options,
-                  const DirectSum::Moment& moment) {
+                  const DirectSum::Moment& moment, Vec2* lagrangian) {
     MomentSheets sheets(moment, options);
-    return surface_at(point, options, LagrangianField(moment), &sheets);
+    return surface_at(point, options, LagrangianField(moment), &sheets, lagrangian);
 }
 
 } // namespace seaway::sea

@@ -93,7 +93,10 @@ Answer surface_at(const QueryPoint& point, const InverseOptions& options, Lagran
 
 /// The exact sum, with all of its sheets (sea/surface/moment_sheets.h).
 Answer surface_at(const QueryPoint& point, const InverseOptions& options,
-                  const DirectSum::Moment& moment);
+                  const DirectSum::Moment& moment, Vec2* lagrangian = nullptr);
+
+/// Above what is no point: NaN, answer_invalid.
+Answer invalid_answer();
 
 /// Height, normal and velocity of what solves the equation; flags and error are nothing yet.
 Answer answer_of(const LagrangianPoint& point, const Choppiness& choppiness);

@@ -129,25 +129,28 @@ bool DirectSum::add_block(const CascadeModes& cascade, int first, int ny) {
     return true;
 }
 
-DirectSum::Moment DirectSum::at_time(TimeUs time_us) const {
+DirectSum::Moment DirectSum::at_time(TimeUs time_us, std::uint32_t cascades) const {
     Moment moment;
     moment.sum_ = this;
     moment.height_.resize(spectrum_.size());
     moment.rate_.resize(spectrum_.size());
     moment.phase_time_ = sea_->phase_time(time_us);
-    sums_->evolve(spectrum_.data(), spectrum_.size(), moment.phase_time_, moment.height_.data(),
-                  moment.rate_.data());
+    moment.cascades_ = cascades;
+    for (std::size_t t = 0; t < tiles_.size(); ++t) {
+        if (!moment.has(t) || tiles_[t].runs.empty())
+            continue;
+        const std::size_t begin = tiles_[t].runs.front().begin;
+        sums_->evolve(spectrum_.data() + begin, tiles_[t].runs.back().end - begin,
+                      moment.phase_time_, moment.height_.data() + begin,
+                      moment.rate_.data() + begin);
+    }
     return moment;
 }
 
 TileWaves DirectSum::Moment::waves(std::size_t tile) const {
     const Tile& t = sum_->tiles_[tile];
-    return {t.runs.data(),
-            t.runs.size(),
-            height_.data(),
-            rate_.data(),
-            sum_->displacement_over_k_m_.data(),
-            t.kx_radpm.data()};
+    return {t.runs.data(), has(tile) ? t.runs.size() : 0,       height_.data(),
+            rate_.data(),  sum_->displacement_over_k_m_.data(), t.kx_radpm.data()};
 }
 
 LagrangianPoint DirectSum::Moment::at(double x_m, double y_m) const {
@@ -157,25 +160,29 @@ LagrangianPoint DirectSum::Moment::at(double x_m, double y_m) const {
             point.*info(field).at_point = std::numeric_limits<double>::quiet_NaN();
         return point;
     }
-    std::vector<Turns> east, north;
     for (std::size_t t = 0; t < sum_->tiles_.size(); ++t) {
-        const Tile& tile = sum_->tiles_[t];
-        const std::size_t blocks = tile.kx_radpm.size();
-        east.resize(blocks);
-        north.resize(blocks);
-        sum_->sums_->turns(turns_of(x_m, tile.length_m), blocks, east.data());
-        sum_->sums_->turns(turns_of(y_m, tile.length_m), blocks, north.data());
-        sum_->sums_->point(waves(t), east.data(), north.data(), point);
-    }
-    for (const CascadeModes& cascade : sum_->sea_->cascades)
-        for (const SineField& field : cascade.sines) {
+        if (!has(t))
+            continue;
+        add(t, waves(t), x_m, y_m, point);
+        for (const SineField& field : sum_->sea_->cascades[t].sines) {
             const LagrangianPoint sines = sines_at(field, x_m, y_m, phase_time_);
             point.height += sines.height;
             point.height_rate += sines.height_rate;
             point.slope_x += sines.slope_x;
             point.slope_y += sines.slope_y;
         }
+    }
     return point;
+}
+
+void DirectSum::Moment::add(std::size_t tile, const TileWaves& waves, double x_m, double y_m,
+                            LagrangianPoint& point) const {
+    const Tile& t = sum_->tiles_[tile];
+    const std::size_t blocks = t.kx_radpm.size();
+    std::vector<Turns> east(blocks), north(blocks);
+    sum_->sums_->turns(turns_of(x_m, t.length_m), blocks, east.data());
+    sum_->sums_->turns(turns_of(y_m, t.length_m), blocks, north.data());
+    sum_->sums_->point(waves, east.data(), north.data(), point);
 }
 
 } // namespace seaway::sea

@@ -84,7 +84,7 @@ SheetPatch DirectSum::Moment::patch(int cascade, double x_low_m, double x_high_m
     const auto count = static_cast<int>(tile.circle.size());
     SheetPatch patch(x_low_m, x_high_m, y_low_m, y_high_m, tile.length_m / count, count);
 
-    const std::size_t runs = tile.runs.size();
+    const std::size_t runs = summed.run_count;
     std::vector<RunTurn> north(runs * static_cast<std::size_t>(patch.y.count));
     for (std::size_t r = 0; r < runs; ++r) {
         const double share = lines.share(tile.runs[r].ny);
@@ -123,6 +123,8 @@ DirectSum::Moment::PatchScale DirectSum::Moment::patch_scale(int cascade) const 
     const double q_step = 0.5 * spec.spacing_m() / two_pi * step;
     const auto fourth = [](double q) { return q * q * (q * q); };
     Bound displacement, missed, missed_height;
+    if (!has(c))
+        return {};
     for (const WaveRun& run : sum_->tiles_[c].runs)
         for (std::size_t b = run.begin; b < run.end; ++b)
             for (int lane = 0; lane < sum_lanes; ++lane) {

@@ -50,11 +50,14 @@ struct QueryBatch {
     bool exact = false;
     std::vector<sea::QueryPoint> points;
     Asker asker;
+    sea::Looking looking = {};    ///< which waves count
+    std::vector<double> z_m = {}; ///< none, or one a point: the water there as well, by exact sums
 };
 
 struct QueryAnswers {
     std::uint32_t epoch = 0;
-    std::vector<sea::Answer> answers; ///< one a point, in order
+    std::vector<sea::Answer> answers;        ///< one a point, in order
+    std::vector<sea::WaterBelow> below = {}; ///< one a depth
 };
 
 struct FetchRequest {

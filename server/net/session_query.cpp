@@ -41,11 +41,17 @@ void Session::on_query(const wire::Query& query) {
                       {ErrorCode::too_many_requests,
                        fmt::format("{} queries are not answered yet", queries_in_flight_)});
     const std::size_t points = query.points() == nullptr ? 0 : query.points()->size();
-    const std::size_t bytes = points * sizeof(wire::PointAnswer);
+    const std::size_t depths = query.z_m() == nullptr ? 0 : query.z_m()->size();
+    const std::size_t bytes = points * sizeof(wire::PointAnswer) + depths * sizeof(wire::Below);
     const Room::Place place = reply_place(bytes);
     if (!place)
         return refuse(request_id, no_room_for("answers"));
-    QueryBatch batch{.exact = query.exact(), .points = {}, .asker = Asker(here_)};
+    QueryBatch batch{.exact = query.exact() || depths != 0,
+                     .points = {},
+                     .asker = Asker(here_),
+                     .looking = protocol::looking(query)};
+    if (depths != 0)
+        batch.z_m.assign(query.z_m()->begin(), query.z_m()->end());
     if (query.points() != nullptr) {
         batch.points.reserve(points);
         for (const wire::Point* point : *query.points())
@@ -83,9 +89,9 @@ void Session::answered(const Asked& asked, const Result<QueryAnswers>& answers) 
     --queries_in_flight_;
     if (!answers)
         return refuse(asked.request_id, answers.error());
-    outbox_.push_reply(
-        with_place(asked.place, std::make_shared<const protocol::Bytes>(protocol::query_reply(
-                                    asked.request_id, answers->epoch, answers->answers))));
+    outbox_.push_reply(with_place(
+        asked.place, std::make_shared<const protocol::Bytes>(protocol::query_reply(
+                         asked.request_id, answers->epoch, answers->answers, answers->below))));
     link_.send_more();
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - asked.at;
     Counters& counters = core_.counters;

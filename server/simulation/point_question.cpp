@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "sea/surface/below.h"
 #include "server/host/refusal.h"
 
 namespace seaway::server {
@@ -28,11 +29,25 @@ Result<void> check_point(const sea::QueryPoint& point) {
     return check_time(point.time_us);
 }
 
-PointQuestion::PointQuestion(std::vector<sea::QueryPoint> points, SurfaceUse use)
-    : points_(std::move(points)), use_(use), order_(points_.size()), answers_(points_.size()) {
+std::uint32_t felt_cascades(const sea::Realization& sea, const sea::Looking& looking) {
+    if (looking.feels_all())
+        return sea::all_cascades;
+    std::uint32_t felt = 0;
+    for (std::size_t c = 0; c < sea.cascades.size(); ++c)
+        if (looking.feels(c, sea.cascades[c].band.k_lo_radpm))
+            felt |= 1u << c;
+    return felt;
+}
+
+PointQuestion::PointQuestion(PointsAsked asked, SurfaceUse use, std::uint32_t cascades)
+    : asked_(std::move(asked)), use_(use), cascades_(cascades), order_(asked_.points.size()) {
+    SEAWAY_CHECK(asked_.z_m.empty() || asked_.z_m.size() == asked_.points.size(),
+                 "a depth a point, or none");
+    answered_.answers.resize(asked_.points.size());
+    answered_.below.resize(asked_.z_m.size());
     std::iota(order_.begin(), order_.end(), std::size_t{0});
     std::stable_sort(order_.begin(), order_.end(), [&](std::size_t a, std::size_t b) {
-        return points_[a].time_us < points_[b].time_us;
+        return asked_.points[a].time_us < asked_.points[b].time_us;
     });
 }
 
@@ -43,10 +58,12 @@ SliceOver over_after(std::chrono::steady_clock::duration time) {
 }
 
 void PointQuestion::sample(Surfaces& surfaces, const SliceOver& over, Make make) {
+    if (cascades_ == 0)
+        lie_flat();
     if (complete())
         return;
     if (!surface_)
-        surface_.emplace(next().time_us, use_);
+        surface_.emplace(next().time_us, use_, cascades_);
     if (!surface_->surface() && !surfaces.work_on(*surface_, make))
         return;
     const sea::TimeUs end_us = surface_->end_us();
@@ -65,7 +82,7 @@ void PointQuestion::put_some(const sea::Surface& surface, sea::TimeUs end_us) {
     std::array<sea::Answer, most> answers;
     std::size_t count = 0;
     for (std::size_t i = done_count_; i < order_.size() && count < most; ++i) {
-        points[count] = points_[order_[i]];
+        points[count] = asked_.points[order_[i]];
         if (points[count].time_us >= end_us)
             break;
         ++count;
@@ -73,6 +90,14 @@ void PointQuestion::put_some(const sea::Surface& surface, sea::TimeUs end_us) {
     surface.answer({points.data(), count}, {answers.data(), count});
     for (std::size_t i = 0; i < count; ++i)
         put(answers[i]);
+}
+
+void PointQuestion::lie_flat() {
+    while (!complete()) {
+        const sea::QueryPoint& point = next();
+        const bool known = std::isfinite(point.x_m) && std::isfinite(point.y_m);
+        put(known ? sea::Answer{} : sea::invalid_answer());
+    }
 }
 
 void PointQuestion::sum_exactly(const SeaCourse& course, const SliceOver& over) {
@@ -85,22 +110,27 @@ void PointQuestion::sum_exactly(const SeaCourse& course, const SliceOver& over) 
             if (awaits_sea_)
                 return;
             truth_ = exact_sea_->truth_at(point.time_us);
-            moment_ = truth_->at_time(point.time_us);
+            moment_ = truth_->at_time(point.time_us, cascades_);
             moment_us_ = point.time_us;
         }
-        // A nanometre, and what rounding leaves of a coordinate far out.
-        const double tolerance_m =
-            1e-9 + 4e-16 * std::max(std::abs(point.x_m), std::abs(point.y_m));
-        sea::Answer answer = sea::surface_at(point,
-                                             {exact_sea_->choppiness_at(point.time_us), tolerance_m,
-                                              fold_search(exact_sea_->budget)},
-                                             *moment_);
-        answer.error_m += tolerance_m;
-        answer.flags |= sea::answer_exact;
-        put(answer);
+        put(exactly(point));
         if (over())
             return;
     }
+}
+
+sea::Answer PointQuestion::exactly(const sea::QueryPoint& point) {
+    // A nanometre, and what rounding leaves of a coordinate far out.
+    const double tolerance_m = 1e-9 + 4e-16 * std::max(std::abs(point.x_m), std::abs(point.y_m));
+    const sea::InverseOptions options{exact_sea_->choppiness_at(point.time_us), tolerance_m,
+                                      fold_search(exact_sea_->budget)};
+    const std::size_t at = order_[done_count_];
+    sea::Answer answer = asked_.z_m.empty() ? sea::surface_at(point, options, *moment_)
+                                            : sea::water_at(point, asked_.z_m[at], options,
+                                                            *moment_, answered_.below[at]);
+    answer.error_m += tolerance_m;
+    answer.flags |= sea::answer_exact;
+    return answer;
 }
 
 } // namespace seaway::server

@@ -28,10 +28,31 @@ SliceOver over_after(std::chrono::steady_clock::duration time);
 Result<void> check_time(sea::TimeUs time_us);
 Result<void> check_point(const sea::QueryPoint& point);
 
+struct PointsAsked {
+    PointsAsked(std::vector<sea::QueryPoint> points_) // NOLINT(google-explicit-constructor)
+        : points(std::move(points_)) {}
+
+    std::vector<sea::QueryPoint> points; ///< that have passed check_point()
+    bool exact = false;                  ///< by the direct sum
+    sea::Looking looking = {};
+    /// None, or one a point: the water there as well (sea/surface/below.h), always by the direct sum.
+    std::vector<double> z_m = {};
+};
+
+/// In the order of the points.
+struct PointsAnswered {
+    std::vector<sea::Answer> answers;
+    std::vector<sea::WaterBelow> below; ///< one a depth
+};
+
+/// The cascades of a sea that are left, a bit each. All seas of a course have the same ones.
+std::uint32_t felt_cascades(const sea::Realization& sea, const sea::Looking& looking);
+
 class PointQuestion {
   public:
-    /// The points have passed check_point().
-    explicit PointQuestion(std::vector<sea::QueryPoint> points, SurfaceUse use = SurfaceUse::batch);
+    /// `cascades`: which of them count.
+    explicit PointQuestion(PointsAsked asked, SurfaceUse use = SurfaceUse::batch,
+                           std::uint32_t cascades = sea::all_cascades);
 
     /// Who is to do the next slice: the simulation where make_keyframes() is to be called.
     Hand hand() const {
@@ -51,24 +72,28 @@ class PointQuestion {
     }
 
     /// What a question of so many points holds.
-    static std::size_t bytes_of(std::size_t points) {
-        return points * (sizeof(sea::QueryPoint) + sizeof(std::size_t) + sizeof(sea::Answer));
+    static std::size_t bytes_of(std::size_t points, std::size_t depths = 0) {
+        return points * (sizeof(sea::QueryPoint) + sizeof(std::size_t) + sizeof(sea::Answer)) +
+               depths * (sizeof(double) + sizeof(sea::WaterBelow));
     }
 
     bool complete() const { return done_count_ == order_.size(); }
-    /// One a point, in the order of the points.
-    std::vector<sea::Answer> take_answers() { return std::move(answers_); }
+    PointsAnswered take_answers() { return std::move(answered_); }
 
   private:
-    const sea::QueryPoint& next() const { return points_[order_[done_count_]]; }
+    const sea::QueryPoint& next() const { return asked_.points[order_[done_count_]]; }
     /// The next ones before `end_us`, one at least.
     void put_some(const sea::Surface& surface, sea::TimeUs end_us);
-    void put(const sea::Answer& answer) { answers_[order_[done_count_++]] = answer; }
+    void put(const sea::Answer& answer) { answered_.answers[order_[done_count_++]] = answer; }
+    /// Of a sea of which nothing is felt.
+    void lie_flat();
+    sea::Answer exactly(const sea::QueryPoint& point);
 
-    const std::vector<sea::QueryPoint> points_;
+    const PointsAsked asked_;
     const SurfaceUse use_;
+    const std::uint32_t cascades_;
     std::vector<std::size_t> order_; ///< by time
-    std::vector<sea::Answer> answers_;
+    PointsAnswered answered_;
     std::size_t done_count_ = 0;        ///< of `order_`
     std::optional<SurfaceJob> surface_; ///< around the next one
     RunningSeaPtr exact_sea_;           ///< at moment_us_

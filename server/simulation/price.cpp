@@ -77,11 +77,12 @@ double Prices::keyframes_us(std::span<const KeyframeRequest> wanted, const Holdi
     return us;
 }
 
-double Prices::surfaces_us(std::vector<TimeUs> times_us, const HoldingOf& held) const {
+double Prices::surfaces_us(std::vector<TimeUs> times_us, const HoldingOf& held,
+                           std::uint32_t cascades) const {
     Lookups look(held);
     const sea::FieldSet fields = course_->first()->sampler_fields();
     double us = seas_us(times_us);
-    for (const KeyframeRequest& request : expected_around(times_us, {~0u, fields})) {
+    for (const KeyframeRequest& request : expected_around(times_us, {cascades, fields})) {
         const double one = samples(request.cascade) * fields.size();
         const Holding holding = look(request);
         us += holding == Holding::nothing ? one * price_sample_us : 0;
@@ -130,13 +131,14 @@ double Prices::folds_factor(std::span<const sea::QueryPoint> points) const {
     return fold_search((sea ? sea : course_->first())->budget).always ? price_folds_factor : 1;
 }
 
-double Prices::points_us(std::span<const sea::QueryPoint> points, const HoldingOf& held) const {
+double Prices::points_us(std::span<const sea::QueryPoint> points, const HoldingOf& held,
+                         std::uint32_t cascades) const {
     const double folds = folds_factor(points);
-    return surfaces_us(times_of(points), held) +
+    return surfaces_us(times_of(points), held, cascades) +
            static_cast<double>(points.size()) * folds * price_point_us;
 }
 
-double Prices::exact_us(std::span<const sea::QueryPoint> points) const {
+double Prices::exact_us(std::span<const sea::QueryPoint> points, std::size_t depths) const {
     const double folds = folds_factor(points);
     const std::vector<TimeUs> times_us = times_of(points);
     const auto gliding = static_cast<double>(std::ranges::count_if(times_us, [this](TimeUs t_us) {
@@ -145,11 +147,12 @@ double Prices::exact_us(std::span<const sea::QueryPoint> points) const {
     return seas_us(times_us) +
            all_samples_ * (static_cast<double>(times_us.size()) * price_moment_wave_us +
                            gliding * price_glide_wave_us +
-                           static_cast<double>(points.size()) * folds * price_exact_wave_us);
+                           static_cast<double>(points.size()) * folds * price_exact_wave_us +
+                           static_cast<double>(depths) * price_below_wave_us);
 }
 
 double Prices::surface_us(TimeUs time_us, const HoldingOf& held) const {
-    return surfaces_us({time_us}, held);
+    return surfaces_us({time_us}, held, sea::all_cascades);
 }
 
 } // namespace seaway::server

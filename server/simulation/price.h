@@ -24,6 +24,7 @@ inline constexpr double price_foam_sample_us = 0.004;    ///< one sample of a ti
 inline constexpr double price_point_us = 2.2;            ///< one answer from splines that are there
 inline constexpr double price_exact_wave_us = 0.00018; ///< one grid point of the sea, for one point
 inline constexpr double price_moment_wave_us = 0.00025; ///< one grid point of the sea, for one time
+inline constexpr double price_below_wave_us = 0.0012;   ///< likewise, for the water below one point
 inline constexpr double price_glide_wave_us = 0.016; ///< likewise, while waves are between two seas
 inline constexpr double price_sea_wave_us =
     0.9; ///< one grid point of a sea that is not made; of a glide for each of two
@@ -47,8 +48,10 @@ class Prices {
     double fetch_us(std::vector<sea::TimeUs> times_us, const Demand& demand,
                     const HoldingOf& held) const;
     /// Answers from surfaces, those included that are to be made.
-    double points_us(std::span<const sea::QueryPoint> points, const HoldingOf& held) const;
-    double exact_us(std::span<const sea::QueryPoint> points) const;
+    double points_us(std::span<const sea::QueryPoint> points, const HoldingOf& held,
+                     std::uint32_t cascades = sea::all_cascades) const;
+    /// `depths`: of so many the water below as well.
+    double exact_us(std::span<const sea::QueryPoint> points, std::size_t depths = 0) const;
     double surface_us(sea::TimeUs time_us, const HoldingOf& held) const;
 
     /// Questions of no higher price are prompt ones: some points at one time, of whose surface nothing
@@ -60,7 +63,8 @@ class Prices {
   private:
     /// By the sea of the first of them.
     double folds_factor(std::span<const sea::QueryPoint> points) const;
-    double surfaces_us(std::vector<sea::TimeUs> times_us, const HoldingOf& held) const;
+    double surfaces_us(std::vector<sea::TimeUs> times_us, const HoldingOf& held,
+                       std::uint32_t cascades) const;
     /// Making the seas of these times, so far as nobody has; none is made to know that.
     double seas_us(std::span<const sea::TimeUs> times_us) const;
     /// keyframes_around(), of seas that are not made with the intervals of the first.

@@ -281,20 +281,22 @@ void Simulation::fetch_current(const Demand& demand, Fetched done, const Asker& 
     ask(std::move(question));
 }
 
-void Simulation::answer(std::vector<sea::QueryPoint> points, bool exact, Answered done,
-                        const Asker& asker) {
+void Simulation::answer(PointsAsked asked, Answered done, const Asker& asker) {
+    const std::span<const sea::QueryPoint> points = asked.points;
     for (const sea::QueryPoint& point : points)
         if (const Result<void> fine = check_point(point); !fine)
             return done(fine.error());
-    const double price_us = exact ? prices_.exact_us(points) : prices_.points_us(points, holding());
-    const std::size_t bytes = PointQuestion::bytes_of(points.size());
+    const bool exact = asked.exact || !asked.z_m.empty();
+    const std::uint32_t cascades = felt_cascades(*course_->first()->realization, asked.looking);
+    const double price_us = exact ? prices_.exact_us(points, asked.z_m.size())
+                                  : prices_.points_us(points, holding(), cascades);
+    const std::size_t bytes = PointQuestion::bytes_of(points.size(), asked.z_m.size());
     const bool prompt = price_us <= prices_.prompt_us();
     const bool few = prompt && static_cast<double>(points.size()) <= prompt_points;
-    const bool again = prompt && !exact && !points.empty();
+    const bool again = prompt && !exact && !points.empty() && cascades == sea::all_cascades;
     const TimeUs last_us = again ? points.back().time_us : 0;
-    auto batch = std::make_shared<PointQuestion>(std::move(points), few      ? SurfaceUse::few
-                                                                    : prompt ? SurfaceUse::prompt
-                                                                             : SurfaceUse::batch);
+    const SurfaceUse use = few ? SurfaceUse::few : prompt ? SurfaceUse::prompt : SurfaceUse::batch;
+    auto batch = std::make_shared<PointQuestion>(std::move(asked), use, cascades);
     const auto slice = [this, batch, exact, done](Make make) {
         if (batch->hand() == Hand::simulation) {
             const Result<void> made = batch->make_keyframes(surfaces_);

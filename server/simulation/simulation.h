@@ -140,8 +140,22 @@ class Simulation {
 
     /// One answer a point, in order, each at its own time, past or future. Few points of what is held are answered before
     /// this returns, where it is their turn and the calling thread has not answered much of late (at_once_us).
-    using Answered = std::function<void(Result<std::vector<sea::Answer>>)>;
-    void answer(std::vector<sea::QueryPoint> points, bool exact, Answered done, const Asker& asker);
+    using Answered = std::function<void(Result<PointsAnswered>)>;
+    void answer(PointsAsked asked, Answered done, const Asker& asker);
+    void answer(std::vector<sea::QueryPoint> points, bool exact,
+                const std::function<void(Result<std::vector<sea::Answer>>)>& done,
+                const Asker& asker) {
+        PointsAsked asked(std::move(points));
+        asked.exact = exact;
+        answer(
+            std::move(asked),
+            [done](Result<PointsAnswered> answered) {
+                if (!answered)
+                    return done(answered.error());
+                done(std::move(answered->answers));
+            },
+            asker);
+    }
 
     /// The surface around a time, for who samples much of it at once.
     using Surfaced = std::function<void(Result<SurfacePtr>)>;

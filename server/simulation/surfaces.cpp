@@ -13,6 +13,20 @@ namespace seaway::server {
 
 using sea::TimeUs;
 
+namespace {
+
+/// What is lost of cascades that are not there is not lost.
+sea::MapError of_some(sea::MapError error, std::uint32_t cascades) {
+    decltype(error.cascades) some;
+    for (std::size_t c = 0; c < error.cascades.size(); ++c)
+        if (cascades >> c & 1u)
+            some.push_back(error.cascades[c]);
+    error.cascades = some;
+    return error;
+}
+
+} // namespace
+
 Surfaces::Surfaces(SeaCoursePtr course, KeyframeSource& source, const Memory& memory)
     : course_(std::move(course)), source_(source), bytes_(surface_bytes(*course_->first())),
       batches_(memory.room(MemoryUse::surfaces)), prompt_(memory.room(MemoryUse::prompt_surfaces)) {
@@ -20,7 +34,7 @@ Surfaces::Surfaces(SeaCoursePtr course, KeyframeSource& source, const Memory& me
 
 std::vector<KeyframeRequest> Surfaces::wanted(const SurfaceJob& job) const {
     return keyframes_around(*course_, {&job.time_us_, 1},
-                            {~0u, course_->first()->sampler_fields()});
+                            {job.cascades_, course_->first()->sampler_fields()});
 }
 
 bool Surfaces::work_on(SurfaceJob& job, Make make) {
@@ -45,7 +59,8 @@ bool Surfaces::share(SurfaceJob& job) {
     const std::uint32_t epoch = course_->window_at(job.time_us_).epoch;
     const std::scoped_lock lock(mutex_);
     for (const Used& used : used_) {
-        if (used.epoch != epoch || job.time_us_ < used.start_us || job.time_us_ >= used.end_us)
+        if (used.epoch != epoch || used.cascades != job.cascades_ || job.time_us_ < used.start_us ||
+            job.time_us_ >= used.end_us)
             continue;
         if (SurfacePtr surface = used.surface.lock()) {
             job.surface_ = std::move(surface);
@@ -145,11 +160,11 @@ void Surfaces::finish(SurfaceJob& job) {
     job.surface_ = with_place(
         std::exchange(job.place_, nullptr),
         std::make_shared<const sea::Surface>(std::move(pairs), choppiness, fold_search(sea->budget),
-                                             map_error(sea->budget, 0.0),
+                                             of_some(map_error(sea->budget, 0.0), job.cascades_),
                                              sea::inverse_tolerance_m(sea->budget.height_error_m)));
     const std::scoped_lock lock(mutex_);
     std::erase_if(used_, [](const Used& used) { return used.surface.expired(); });
-    used_.push_back({sea->epoch, start_us, job.end_us_, job.surface_});
+    used_.push_back({sea->epoch, job.cascades_, start_us, job.end_us_, job.surface_});
 }
 
 } // namespace seaway::server

@@ -39,8 +39,10 @@ enum class Make {
 /// The surface around a time, and how far it has come.
 class SurfaceJob {
   public:
-    explicit SurfaceJob(sea::TimeUs time_us, SurfaceUse use = SurfaceUse::batch)
-        : time_us_(time_us), use_(use) {}
+    /// Of some cascades alone, one at least: the others are neither made nor held.
+    explicit SurfaceJob(sea::TimeUs time_us, SurfaceUse use = SurfaceUse::batch,
+                        std::uint32_t cascades = sea::all_cascades)
+        : time_us_(time_us), use_(use), cascades_(cascades) {}
 
     /// Once Surfaces::work_on() has said that it is there. Whoever holds it holds its room.
     const SurfacePtr& surface() const { return surface_; }
@@ -54,6 +56,7 @@ class SurfaceJob {
 
     const sea::TimeUs time_us_;
     const SurfaceUse use_;
+    const std::uint32_t cascades_;
     bool lacks_keyframes_ = false;
     bool awaits_room_ = false;
     bool awaits_sea_ = false;
@@ -89,6 +92,7 @@ class Surfaces {
   private:
     struct Used {
         std::uint32_t epoch;
+        std::uint32_t cascades;
         sea::TimeUs start_us;
         sea::TimeUs end_us;
         std::weak_ptr<const sea::Surface> surface;

@@ -61,6 +61,20 @@ class AnyThread : public tests::WaveServer {
         };
     }
 
+    Call diving() {
+        return [this] {
+            std::vector<seaway_below> below(points.size());
+            const std::vector<double> z_m(points.size(), -1);
+            const seaway_code asked =
+                seaway_query_below(client, nullptr, points.data(), z_m.data(), points.size(), 5,
+                                   below.data(), sizeof(seaway_below));
+            const seaway_code sampled =
+                seaway_sample_below(client, nullptr, points.data(), z_m.data(), points.size(),
+                                    below.data(), sizeof(seaway_below));
+            return sampled == SEAWAY_NOT_HELD ? asked : sampled;
+        };
+    }
+
     Call asking() {
         return [this] {
             std::vector<seaway_answer> answers(points.size());
@@ -122,7 +136,7 @@ class AnyThread : public tests::WaveServer {
 };
 
 TEST_F(AnyThread, may_call_every_function_while_others_do_and_the_line_breaks) {
-    std::vector<Call> calls = {sampling(),    looking(), asking(),  asking(),
+    std::vector<Call> calls = {sampling(),    looking(), asking(),  diving(),
                                subscribing(), drawing(), watching()};
     constexpr std::size_t rounds_least = 5;
     std::atomic<bool> over = false;

@@ -16,7 +16,7 @@
 
 #include "protocol/messages.h"
 #include "protocol/spectrum_codec.h"
-#include "sea/surface/inverse.h"
+#include "sea/surface/below.h"
 #include "sea/waves/probes.h"
 #include "sea/waves/quantised_spectrum.h"
 #include "sea/waves/reference.h"
@@ -69,6 +69,8 @@ class WaveSea : public server::Host {
     /// Fields that it can give; whoever asks for others gets the rest.
     std::atomic<sea::FieldSet> offered = sea::surface_fields | sea::FieldSet{sea::Field::slope_x};
     std::atomic<bool> answer_queries = true;
+    std::atomic<bool> knows_below =
+        true; ///< else depths are passed over, as by a server that is older
     std::atomic<int> fetches = 0;
     std::atomic<int> queries = 0;
     std::atomic<int> exact_queries = 0;             ///< of them
@@ -77,9 +79,16 @@ class WaveSea : public server::Host {
         0; ///< it looks at its clock, and answers, this much later than asked
 
     sea::Answer truth(const sea::QueryPoint& point) const {
-        const sea::DirectSum::Moment moment = sum_.at_time(point.time_us);
+        sea::WaterBelow unused;
+        sea::Answer answer = truth(point, sea::all_cascades, 0, unused);
+        answer.flags &= ~std::uint32_t{sea::answer_dry};
+        return answer;
+    }
+    sea::Answer truth(const sea::QueryPoint& point, std::uint32_t cascades, double z_m,
+                      sea::WaterBelow& water) const {
+        const sea::DirectSum::Moment moment = sum_.at_time(point.time_us, cascades);
         const sea::InverseOptions options{sea_->choppiness, 1e-9, 5.0};
-        sea::Answer answer = sea::surface_at(point, options, moment);
+        sea::Answer answer = sea::water_at(point, z_m, options, moment, water);
         answer.error_m += 1e-9;
         return answer;
     }
@@ -172,8 +181,19 @@ class WaveSea : public server::Host {
         exact_queries += batch.exact;
         server::QueryAnswers out;
         out.epoch = epoch;
-        for (const sea::QueryPoint& point : batch.points) {
-            out.answers.push_back(truth(point));
+        std::uint32_t felt = 0;
+        for (std::size_t c = 0; c < sea_->cascades.size(); ++c)
+            if (batch.looking.feels(c, sea_->cascades[c].band.k_lo_radpm))
+                felt |= 1u << c;
+        if (knows_below)
+            out.below.resize(batch.z_m.size());
+        for (std::size_t i = 0; i < batch.points.size(); ++i) {
+            sea::WaterBelow unused;
+            const double z_m = batch.z_m.empty() ? 0 : batch.z_m[i];
+            out.answers.push_back(
+                truth(batch.points[i], felt, z_m, out.below.empty() ? unused : out.below[i]));
+            if (out.below.empty())
+                out.answers.back().flags &= ~std::uint32_t{sea::answer_dry};
             out.answers.back().flags |= batch.exact ? sea::answer_exact : 0u;
         }
         if (answer_queries)

@@ -95,10 +95,16 @@ class Session:
     def fetch(self, times_us, fields=SURFACE_FIELDS, error_m=0.0):
         return self.ask("Fetch", "FetchDone", times_us=times_us, fields=fields, error_m=error_m, compact=self.compact)
 
-    def query(self, points, exact=False):
+    def query(self, points, exact=False, min_wavelength_m=0.0):
         """points: (x_m, y_m, time_us)."""
         listed = [{"x_m": x, "y_m": y, "time_us": t} for x, y, t in points]
-        return self.ask("Query", "QueryReply", exact=exact, points=listed)["answers"]
+        return self.ask("Query", "QueryReply", exact=exact, points=listed, min_wavelength_m=min_wavelength_m)["answers"]
+
+    def query_below(self, points):
+        """points: (x_m, y_m, time_us, z_m); the surface above each, and the water at each."""
+        listed = [{"x_m": x, "y_m": y, "time_us": t} for x, y, t, _ in points]
+        reply = self.ask("Query", "QueryReply", points=listed, z_m=[z for _, _, _, z in points])
+        return reply["answers"], reply["below"]
 
     def sea_time_us(self):
         return self.ask("Ping", "Pong", client_time_us=0)["sea_time_us"]

@@ -109,6 +109,15 @@ class Costs {
         };
         row("an exact point, of a million samples", a_million(least_us(5, summed)) / 64,
             1e6 * price_exact_wave_us);
+        const auto dived = [&](int) {
+            server::PointsAsked asked(points);
+            asked.z_m.assign(points.size(), -5.0);
+            PointQuestion question(asked);
+            while (!question.complete())
+                question.sum_exactly(*server::steady_course(sea_), never);
+        };
+        row("an exact point and the water below, likewise", a_million(least_us(5, dived)) / 64,
+            1e6 * (price_exact_wave_us + price_below_wave_us));
         for (std::size_t i = 0; i < points.size(); ++i)
             points[i].time_us += static_cast<sea::TimeUs>(i) * 7'000'000;
         row("an exact point at a time of its own, likewise", a_million(least_us(5, summed)) / 64,

@@ -104,6 +104,8 @@ inline std::vector<sea::Answer> some_answers() {
 }
 
 inline constexpr sea::TimeUs some_times[] = {-5, 1'000'000};
+inline constexpr double some_depths[] = {-3.5, 1.0};
+inline constexpr sea::WaterBelow some_waters[] = {{{1, 2, -3}, 9.5}};
 inline constexpr sea::QueryPoint some_points[] = {{1.5, -2.5, 7}, {1e6, 2e6, -9}};
 
 /// A message of this kind. No default: a new kind does not compile without its sample.
@@ -123,7 +125,7 @@ inline Bytes sample(wire::Body body) {
     case Body::Fetch:
         return fetch(8, some_times, wish);
     case Body::Query:
-        return query(9, some_points, true);
+        return query(9, some_points, true, {3u, 2.5}, some_depths);
     case Body::Ping:
         return ping(10, -11);
     case Body::Welcome:
@@ -135,7 +137,7 @@ inline Bytes sample(wire::Body body) {
     case Body::Tile:
         return tile(some_tile(), payload);
     case Body::QueryReply:
-        return query_reply(9, 3, some_answers());
+        return query_reply(9, 3, some_answers(), some_waters);
     case Body::FetchDone:
         return fetch_done(8, 6, sea::surface_fields);
     case Body::Pong:

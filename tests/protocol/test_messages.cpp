@@ -40,6 +40,8 @@ TEST(Messages, client_messages_read_back_as_they_were_written) {
     EXPECT_TRUE(query_back->exact());
     EXPECT_EQ(query_back->points()->Get(1)->y_m(), 2e6);
     EXPECT_EQ(query_back->points()->Get(1)->time_us(), -9);
+    EXPECT_EQ(query_back->z_m()->Get(0), -3.5);
+    EXPECT_EQ(looking(*query_back), (sea::Looking{3u, 2.5}));
     EXPECT_TRUE(check(*query_back).has_value());
     EXPECT_EQ(read(reader, sample(Body::Ping))->body_as_Ping()->client_time_us(), -11);
 }
@@ -64,6 +66,12 @@ TEST(Messages, server_messages_read_back_as_they_were_written) {
     const auto* reply = read(reader, sample(Body::QueryReply))->body_as_QueryReply();
     EXPECT_EQ(answer(*reply->answers()->Get(0)).height_m, 1.25);
     EXPECT_EQ(answer(*reply->answers()->Get(0)).flags, 5u);
+    ASSERT_TRUE(check(*reply).has_value());
+    EXPECT_EQ(water(*reply->below()->Get(0)).velocity_mps[2], -3);
+    EXPECT_EQ(water(*reply->below()->Get(0)).pressure_m2ps2, 9.5);
+    const std::vector<sea::WaterBelow> too_many(2);
+    EXPECT_FALSE(check(
+        *read(reader, query_reply(9, 3, tests::some_answers(), too_many))->body_as_QueryReply()));
     EXPECT_EQ(read(reader, sample(Body::FetchDone))->body_as_FetchDone()->keyframes(), 6u);
     EXPECT_EQ(read(reader, sample(Body::Pong))->body_as_Pong()->sea_time_us(), 12);
     EXPECT_EQ(read(reader, sample(Body::Refused))->body_as_Refused()->code(),
@@ -201,7 +209,8 @@ TEST(Messages, lists_that_are_not_aligned_are_not_a_message) {
     const sea::TimeUs times[] = {-5, 1'000'000};
     const sea::QueryPoint points[] = {{1.5, -2.5, 7}, {1e6, 2e6, -9}};
     const std::vector<sea::Answer> answers(3);
-    const Bytes asked = query(9, points, false), fetched = fetch(8, times, {}),
+    const double depths[] = {-1, -2};
+    const Bytes asked = query(9, points, false, {}, depths), fetched = fetch(8, times, {}),
                 stated = sea_state(some_state()), answered = query_reply(9, 1, answers);
     for (const std::size_t shift : {0u, 4u}) {
         MessageReader reader(Sender::client);
@@ -210,6 +219,8 @@ TEST(Messages, lists_that_are_not_aligned_are_not_a_message) {
         const Bytes moved = with_list_at(asked, *body, wire::Query::VT_POINTS, 24, shift);
         MessageReader again(Sender::client);
         EXPECT_EQ(again.read(moved).has_value(), shift == 0) << "points";
+        const Bytes sunk = with_list_at(asked, *body, wire::Query::VT_Z_M, 8, shift);
+        EXPECT_EQ(again.read(sunk).has_value(), shift == 0) << "depths";
         whole = read(reader, fetched);
         body = reinterpret_cast<const flatbuffers::Table*>(whole->body_as_Fetch());
         const Bytes late = with_list_at(fetched, *body, wire::Fetch::VT_TIMES_US, 8, shift);
@@ -408,6 +419,21 @@ TEST(Messages, times_and_places_beyond_their_range_are_errors_that_say_which) {
     const double nan = std::numeric_limits<double>::quiet_NaN();
     EXPECT_TRUE(ask({nan, std::numeric_limits<double>::infinity(), 0}))
         << "answered, and flagged as no number";
+    const auto sink = [&](std::size_t points, const std::vector<double>& z_m,
+                          const sea::Looking& looking = {}) {
+        const std::vector<sea::QueryPoint> at(points);
+        return check(*read(reader, query(1, at, false, looking, z_m))->body_as_Query());
+    };
+    EXPECT_TRUE(sink(2, {-limits::position_m_max, nan}));
+    EXPECT_EQ(sink(1, {-1.01 * limits::position_m_max}).error().message.find("z_m [0] is "), 0u);
+    EXPECT_EQ(sink(3, {-1, -2}).error().message.find("count of z_m is 2"), 0u);
+    EXPECT_TRUE(sink(limits::exact_points_per_query_max + 1,
+                     std::vector<double>(limits::exact_points_per_query_max + 1))
+                    .error()
+                    .is(wire::ErrorCode::too_many_points))
+        << "depths are exact questions";
+    for (const double wave_m : {-1e-9, 1.01 * limits::position_m_max, nan})
+        EXPECT_EQ(sink(1, {}, {1, wave_m}).error().message.find("min_wavelength_m is "), 0u);
     const std::vector<sea::QueryPoint> many(limits::points_per_query_max + 1);
     EXPECT_TRUE(check(*read(reader, query(1, many, false))->body_as_Query())
                     .error()

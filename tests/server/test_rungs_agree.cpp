@@ -95,7 +95,7 @@ TEST_F(RungsAgree,
 }
 
 // The gale's cascades end at bands; a ship of 60 m feels some of them.
-TEST_F(RungsAgree, waves_that_are_too_short_are_left_out_alike_by_all_that_is_sampled_here) {
+TEST_F(RungsAgree, waves_that_are_too_short_are_left_out_alike_by_all_sources) {
     const std::vector<seaway_point> asked = points(400);
     seaway_looking looking = SEAWAY_SIZED(seaway_looking);
     looking.min_wavelength_m = 60;
@@ -124,9 +124,72 @@ TEST_F(RungsAgree, waves_that_are_too_short_are_left_out_alike_by_all_that_is_sa
             if (from == SEAWAY_FROM_TILES)
                 left_out_m2 += std::pow(tiles[i].answer.height_m - whole[i].height_m, 2);
         }
+    for (const int exact : {0, 1}) {
+        const std::size_t count = exact ? 50 : asked.size();
+        std::vector<seaway_answer> served(count);
+        ASSERT_EQ(seaway_query_some(seas[SEAWAY_FROM_SERVER]->handle(), &looking, asked.data(),
+                                    count, exact, 300, served.data()),
+                  SEAWAY_OK)
+            << seaway_last_error();
+        for (std::size_t i = 0; i < count; ++i)
+            if (!open_at(tiles[i].answer, served[i])) {
+                EXPECT_LE(std::abs(tiles[i].answer.height_m - served[i].height_m),
+                          tiles[i].answer.error_m + served[i].error_m);
+            }
+    }
     // Waves below the second band's 30 m or so are some tenths of a metre of a gale.
     EXPECT_GT(left_out_m2 / static_cast<double>(asked.size()), 0.05 * 0.05)
         << "nothing was left out";
+}
+
+// The spectrum's waves are off by some mm; velocities by that times their frequencies, pressures times g. Probes and floats leave
+// 1e-6 of what was rebuilt from parameters. The exact ones know the same waves: of a 10 m/s sea 1e-5.
+TEST_F(RungsAgree, the_water_below_is_the_same_from_the_server_the_spectrum_and_the_parameters) {
+    std::vector<seaway_point> asked = points(60);
+    std::vector<double> z_m;
+    for (std::size_t i = 0; i < asked.size(); ++i)
+        z_m.push_back(-0.5 * static_cast<double>(i) + 3);
+    std::map<std::uint32_t, std::vector<seaway_below>> below;
+    for (const auto& [from, sea] : seas) {
+        std::vector<seaway_below>& found = below[from];
+        found.resize(asked.size());
+        if (from == SEAWAY_FROM_TILES) {
+            EXPECT_EQ(seaway_sample_below(sea->handle(), nullptr, asked.data(), z_m.data(),
+                                          asked.size(), found.data(), sizeof(seaway_below)),
+                      SEAWAY_NOT_HELD)
+                << "maps know of the surface alone";
+            continue;
+        }
+        const seaway_code code =
+            from == SEAWAY_FROM_SERVER
+                ? seaway_query_below(sea->handle(), nullptr, asked.data(), z_m.data(), asked.size(),
+                                     300, found.data(), sizeof(seaway_below))
+                : seaway_sample_below(sea->handle(), nullptr, asked.data(), z_m.data(),
+                                      asked.size(), found.data(), sizeof(seaway_below));
+        ASSERT_EQ(code, SEAWAY_OK) << seaway_last_error();
+    }
+    int wet = 0;
+    for (const auto& [from, found] : below) {
+        if (from == SEAWAY_FROM_TILES)
+            continue;
+        const bool coarse = from == SEAWAY_FROM_SPECTRUM;
+        for (std::size_t i = 0; i < asked.size(); ++i) {
+            const seaway_below& one = found[i];
+            const seaway_below& other = below[SEAWAY_FROM_SERVER][i];
+            // A crest may end between the depth and what two sources make of the surface.
+            const double apart_m = one.surface.height_m - z_m[i];
+            if (open_at(one.surface, other.surface) || std::abs(apart_m) < 0.05)
+                continue;
+            EXPECT_EQ(one.surface.flags & SEAWAY_DRY, other.surface.flags & SEAWAY_DRY);
+            wet += (one.surface.flags & SEAWAY_DRY) == 0;
+            const double near_mps = coarse ? 0.05 : 1e-4;
+            for (int axis = 0; axis < 3; ++axis)
+                EXPECT_NEAR(one.velocity_mps[axis], other.velocity_mps[axis], near_mps)
+                    << from << " at " << z_m[i];
+            EXPECT_NEAR(one.pressure_m2ps2, other.pressure_m2ps2, coarse ? 0.2 : 1e-3);
+        }
+    }
+    EXPECT_GT(wet, 3 * 45) << "most of these are below water";
 }
 
 // A hull on the longest waves, on a thin line: what it leaves out is not sent, and what it cannot have it is told.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the simulation counts, after a known run of questions: each counter is what happened.
+#include "sea/basics/constants.h"
 #include "sea/scene/scene_warnings.h"
+#include "sea/surface/below.h"
 #include "tests/server/simulation/simulation_bench.h"
 
 namespace seaway::server {
@@ -50,6 +52,69 @@ TEST(SimulationCounters, are_what_a_known_run_of_questions_has_made) {
     expect(2, 2, 4, "another time");
     bench.answer({{1, 2, 70'000'001}}, true);
     expect(2, 2, 5, "an exact question takes no keyframes");
+}
+
+/// One answer each, and its water.
+PointsAnswered looked(Bench& bench, PointsAsked asked) {
+    std::promise<PointsAnswered> answered;
+    bench.simulation->answer(
+        std::move(asked),
+        [&](Result<PointsAnswered> found) { answered.set_value(std::move(found).value()); },
+        someone);
+    return answered.get_future().get();
+}
+
+TEST(SimulationCounters,
+     waves_that_nobody_feels_are_not_made_and_two_filters_share_what_they_feel) {
+    Bench bench;
+    const sea::Band& fine = bench.sea->realization->cascades[1].band;
+    PointsAsked asked({{1, 2, 1'000'001}, {50, -20, 1'000'001}});
+    asked.looking.min_wavelength_m = 1.001 * sea::two_pi / fine.k_lo_radpm;
+    const auto made = [&] { return bench.simulation->counters().synthesis.keyframes; };
+    const PointsAnswered longer = looked(bench, asked);
+    EXPECT_EQ(made(), 2u) << "before and after, of the cascade of long waves";
+    PointsAsked exactly = asked;
+    exactly.exact = true;
+    const PointsAnswered exact = looked(bench, exactly);
+    const std::vector<sea::Answer> whole = bench.answer(asked.points);
+    EXPECT_EQ(made(), 4u) << "what two filters feel is made once";
+    for (std::size_t i = 0; i < asked.points.size(); ++i) {
+        EXPECT_LE(std::abs(longer.answers[i].height_m - exact.answers[i].height_m),
+                  longer.answers[i].error_m + exact.answers[i].error_m);
+        EXPECT_LT(longer.answers[i].error_m, whole[i].error_m) << "what is not there is not lost";
+        EXPECT_GT(std::abs(longer.answers[i].height_m - whole[i].height_m), 1e-3);
+    }
+    asked.looking = {.cascades = 2};
+    looked(bench, asked);
+    EXPECT_EQ(made(), 4u) << "held";
+    asked.looking = {.cascades = 4};
+    const PointsAnswered nothing = looked(bench, asked);
+    EXPECT_EQ(nothing.answers[0].height_m, 0) << "there is no third cascade";
+    EXPECT_EQ(nothing.answers[0].error_m, 0);
+    EXPECT_EQ(made(), 4u);
+}
+
+TEST(SimulationCounters, the_water_below_is_the_direct_sums_and_takes_no_keyframes) {
+    Bench bench;
+    PointsAsked asked({{1, 2, 70'000'001}, {3, 4, 10'000'001}, {5, 6, 70'000'001}});
+    asked.z_m = {-1.5, -20, 50};
+    const PointsAnswered found = looked(bench, asked);
+    ASSERT_EQ(found.below.size(), 3u);
+    for (std::size_t i = 0; i < 3; ++i) {
+        const sea::QueryPoint& point = asked.points[i];
+        sea::WaterBelow water;
+        const sea::Answer answer = sea::water_at(
+            point, asked.z_m[i],
+            {bench.sea->realization->choppiness, 1e-9, fold_search(bench.sea->budget)},
+            bench.sea->truth->at_time(point.time_us), water);
+        EXPECT_EQ(found.answers[i].height_m, answer.height_m);
+        EXPECT_EQ(found.answers[i].flags, answer.flags | sea::answer_exact);
+        EXPECT_EQ(found.below[i].pressure_m2ps2, water.pressure_m2ps2) << "in order of points";
+        EXPECT_EQ(found.below[i].velocity_mps[0], water.velocity_mps[0]);
+    }
+    EXPECT_NE(found.below[0].pressure_m2ps2, 0);
+    EXPECT_TRUE(found.answers[2].flags & sea::answer_dry);
+    EXPECT_EQ(bench.simulation->counters().synthesis.keyframes, 0u);
 }
 
 TEST(SimulationCounters, count_each_keyframe_of_every_cascade_that_was_published) {

@@ -88,7 +88,7 @@ TEST(Slices, exact_points_let_others_in_between_however_many_waves_there_are) {
 
 TEST(Slices, of_points_end_when_they_are_over_and_hold_one_point_at_least) {
     const SeaCoursePtr course = steady_course(running_sea());
-    PointQuestion question({{1, 2, 0}, {3, 4, 0}, {5, 6, 1'000'000}});
+    PointQuestion question(std::vector<sea::QueryPoint>{{1, 2, 0}, {3, 4, 0}, {5, 6, 1'000'000}});
     for (int slice = 1; slice <= 3; ++slice) {
         EXPECT_FALSE(question.complete());
         question.sum_exactly(*course, [] { return true; });

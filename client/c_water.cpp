@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+// The C interface for engines over Client: water at points and below them, of the waves that count (seaway_engine.h).
+#include <cmath>
+
+#include "client/c_api.h"
+#include "protocol/limits.h"
+
+using namespace seaway;
+using namespace seaway::client;
+using namespace seaway::client::c;
+
+namespace {
+
+/// What the struct began with; all that follows may be missing.
+constexpr std::size_t looking_least = offsetof(seaway_looking, min_wavelength_m);
+
+Result<Looking> looking_of(const seaway_looking* looking) {
+    SEAWAY_TRY_LET(const seaway_looking given, sized(looking, looking_least, "seaway_looking"));
+    if (!(given.min_wavelength_m >= 0 &&
+          given.min_wavelength_m <= protocol::limits::position_m_max))
+        return bad(fmt::format("seaway_looking.min_wavelength_m is {}: it must be 0 to {}",
+                               given.min_wavelength_m, protocol::limits::position_m_max));
+    Looking some{.min_wavelength_m = given.min_wavelength_m};
+    if (given.cascades != 0)
+        some.cascades = given.cascades;
+    return some;
+}
+
+/// Structs that a caller may know fewer members of, one after the other.
+template <class Struct>
+class Out {
+  public:
+    Out(Struct* to, std::size_t stride)
+        : to_(reinterpret_cast<unsigned char*>(to)), stride_(stride) {}
+    void put(const Struct& one) {
+        std::memcpy(to_, &one, std::min(stride_, sizeof(one)));
+        to_ += stride_;
+    }
+
+  private:
+    unsigned char* to_;
+    std::size_t stride_;
+};
+
+Result<void> stride_fits(std::size_t stride, const char* call, const char* name) {
+    if (stride >= sizeof(seaway_answer))
+        return {};
+    return bad(fmt::format("{}: stride is {}: it must be sizeof({})", call, stride, name));
+}
+
+void put_below(const Below& found, seaway_below* below, std::size_t stride) {
+    Out<seaway_below> out(below, stride);
+    for (std::size_t i = 0; i < found.answers.size(); ++i) {
+        seaway_below one{};
+        put({&found.answers[i], 1}, &one.surface);
+        for (int axis = 0; axis < 3; ++axis)
+            one.velocity_mps[axis] = found.water[i].velocity_mps[axis];
+        one.pressure_m2ps2 = found.water[i].pressure_m2ps2;
+        out.put(one);
+    }
+}
+
+/// `find` gets points, depths and which waves count.
+template <class Find>
+seaway_code below_of(const char* call, const seaway_client* client, const seaway_looking* looking,
+                     const seaway_point* points, const double* z_m, size_t count,
+                     seaway_below* below, size_t stride, const Find& find) {
+    return guarded([&]() -> Result<void> {
+        if (!client || (count > 0 && (!points || !z_m || !below)))
+            return bad(fmt::format("{}: client, points, z_m and below must not be null", call));
+        SEAWAY_TRY_LET(const Looking some, looking_of(looking));
+        SEAWAY_TRY(stride_fits(stride, call, "seaway_below"));
+        SEAWAY_TRY_LET(const Below found,
+                       find(as_points(points, count), std::span(z_m, count), some));
+        put_below(found, below, stride);
+        return {};
+    });
+}
+
+} // namespace
+
+seaway_code seaway_sample_water(const seaway_client* client, const seaway_looking* looking,
+                                const seaway_point* points, size_t count, seaway_water* water,
+                                size_t stride) {
+    return guarded([&]() -> Result<void> {
+        if (!client || (count > 0 && (!points || !water)))
+            return bad("seaway_sample_water: client, points and water must not be null");
+        SEAWAY_TRY_LET(const Looking some, looking_of(looking));
+        SEAWAY_TRY(stride_fits(stride, "seaway_sample_water", "seaway_water"));
+        SEAWAY_TRY_LET(const std::vector<Water> found,
+                       client->client->look(as_points(points, count), some));
+        Out<seaway_water> out(water, stride);
+        for (const Water& from : found) {
+            seaway_water one{};
+            put({&from.answer, 1}, &one.answer);
+            one.displacement_m[0] = from.displacement_m[0];
+            one.displacement_m[1] = from.displacement_m[1];
+            one.displacement_error_m = from.displacement_error_m;
+            one.jacobian = from.jacobian;
+            one.foam = from.foam;
+            out.put(one);
+        }
+        return {};
+    });
+}
+
+seaway_code seaway_sample_below(const seaway_client* client, const seaway_looking* looking,
+                                const seaway_point* points, const double* z_m, size_t count,
+                                seaway_below* below, size_t stride) {
+    return below_of("seaway_sample_below", client, looking, points, z_m, count, below, stride,
+                    [&](auto asked, auto depths, const Looking& some) {
+                        return client->client->below(asked, depths, some);
+                    });
+}
+
+seaway_code seaway_query_below(seaway_client* client, const seaway_looking* looking,
+                               const seaway_point* points, const double* z_m, size_t count,
+                               double timeout_s, seaway_below* below, size_t stride) {
+    return below_of(
+        "seaway_query_below", client, looking, points, z_m, count, below, stride,
+        [&](auto asked, auto depths, const Looking& some) -> Result<Below> {
+            if (!timeout_fits(timeout_s))
+                return bad("seaway_query_below: timeout_s must be 0 to 86400");
+            return client->client->ask_below(asked, depths, {true, or_default(timeout_s), some});
+        });
+}
+
+seaway_code seaway_query_some(seaway_client* client, const seaway_looking* looking,
+                              const seaway_point* points, size_t count, int exact, double timeout_s,
+                              seaway_answer* answers) {
+    return guarded([&]() -> Result<void> {
+        if (!client || (count > 0 && (!points || !answers)))
+            return bad("seaway_query_some: client, points and answers must not be null");
+        if (!timeout_fits(timeout_s))
+            return bad("seaway_query_some: timeout_s must be 0 to 86400");
+        SEAWAY_TRY_LET(const Looking some, looking_of(looking));
+        SEAWAY_TRY_LET(const std::vector<sea::Answer> found,
+                       client->client->ask(as_points(points, count),
+                                           {exact != 0, or_default(timeout_s), some}));
+        put(found, answers);
+        return {};
+    });
+}

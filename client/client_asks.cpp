@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+// Client: points that the server answers.
+#include <algorithm>
+#include <condition_variable>
+
+#include "client/client.h"
+
+namespace seaway::client {
+
+using sea::Answer;
+using sea::QueryPoint;
+
+namespace {
+
+/// Batches of one ask() under way: enough to hide the round trip.
+constexpr std::size_t batches_in_flight = 4;
+
+} // namespace
+
+Result<std::vector<Answer>> Client::ask(std::span<const QueryPoint> points, const Asking& asking) {
+    SEAWAY_TRY_LET(Below found, ask_all(points, {}, asking));
+    return std::move(found.answers);
+}
+
+Result<Below> Client::ask_below(std::span<const QueryPoint> points, std::span<const double> z_m,
+                                const Asking& asking) {
+    SEAWAY_CHECK(points.size() == z_m.size(), "one depth a point");
+    return ask_all(points, z_m, asking);
+}
+
+Result<Below> Client::ask_all(std::span<const QueryPoint> points, std::span<const double> z_m,
+                              const Asking& asking) {
+    struct Progress {
+        std::mutex mutex;
+        std::condition_variable changed;
+        std::size_t under_way = 0;
+        Below found;
+        std::optional<Error> problem;
+    };
+    const std::size_t batch_size =
+        std::max(asking.exact || !z_m.empty() ? welcome().exact_points_per_query_max
+                                              : welcome().points_per_query_max,
+                 1u);
+    const auto progress = std::make_shared<Progress>();
+    progress->found.answers.resize(points.size());
+    progress->found.water.resize(z_m.size());
+    const ConnectionPtr connection = link();
+    std::unique_lock lock(progress->mutex);
+    for (std::size_t first = 0; first < points.size(); first += batch_size) {
+        progress->changed.wait(lock, [&] { return progress->under_way < batches_in_flight; });
+        if (progress->problem)
+            break;
+        ++progress->under_way;
+        lock.unlock();
+        const auto batch = points.subspan(first, std::min(batch_size, points.size() - first));
+        const auto depths = z_m.empty() ? z_m : z_m.subspan(first, batch.size());
+        const auto answered = [progress, first](Result<Reply> reply) {
+            const std::scoped_lock inner(progress->mutex);
+            --progress->under_way;
+            const auto at = static_cast<std::ptrdiff_t>(first);
+            if (reply) {
+                std::ranges::copy(reply->answers, progress->found.answers.begin() + at);
+                if (!reply->below.empty())
+                    std::ranges::copy(reply->below, progress->found.water.begin() + at);
+            } else if (!progress->problem) {
+                progress->problem = reply.error();
+            }
+            progress->changed.notify_all();
+        };
+        connection->query(batch, asking.exact, asking.timeout_s, answered, asking.looking, depths);
+        lock.lock();
+    }
+    progress->changed.wait(lock, [&] { return progress->under_way == 0; });
+    if (progress->problem)
+        return *progress->problem;
+    return std::move(progress->found);
+}
+
+} // namespace seaway::client
