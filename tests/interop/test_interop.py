@@ -130,6 +130,27 @@ class Live(unittest.TestCase):
                 compared += 1
         self.assertGreaterEqual(compared, 0.9 * count * len(times_us), "hardly anything folds in this sea")
 
+    def test_water_below_goes_on_from_the_surface_and_ends_at_no_surface(self):
+        now_us = self.session.sea_time_us()
+        places = [(31.0 * n, -17.0 * n) for n in range(20)]
+        exact = self.session.query([(x, y, now_us) for x, y in places], exact=True)
+        at_surface = [(x, y, now_us, answer["height_m"]) for (x, y), answer in zip(places, exact)]
+        answers, below = self.session.query_below(at_surface)
+        for surface, answer, water in zip(exact, answers, below):
+            self.assertEqual(surface["height_m"], answer["height_m"])
+            self.assertEqual(answer["flags"], 16)
+            for axis in "xyz":  # floats on the wire
+                self.assertAlmostEqual(water[f"velocity_{axis}_mps"], surface[f"velocity_{axis}_mps"], delta=1e-5)
+            # g eta; surface tension adds some hundredths of the shortest waves' share.
+            self.assertAlmostEqual(water["pressure_m2ps2"], 9.80665 * answer["height_m"], delta=0.05)
+        answers, below = self.session.query_below([(0.0, 0.0, now_us, 1000.0), (0.0, 0.0, now_us, -1000.0)])
+        self.assertEqual([answer["flags"] for answer in answers], [16 + 256, 16])
+        self.assertEqual(below[0]["pressure_m2ps2"], 0.0)
+        self.assertLess(abs(below[1]["pressure_m2ps2"]), 1e-3)
+        longer = self.session.query([(x, y, now_us) for x, y in places], min_wavelength_m=1e6)
+        whole = self.session.query([(x, y, now_us) for x, y in places])
+        self.assertNotEqual([answer["height_m"] for answer in longer], [answer["height_m"] for answer in whole])
+
     def test_probes_are_the_sea_at_undisplaced_places(self):
         state = self.session.state_at(0)
         self.assertEqual(len(state["probes"]), 16)

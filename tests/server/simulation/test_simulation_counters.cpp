@@ -84,6 +84,10 @@ TEST(SimulationCounters,
         EXPECT_LT(longer.answers[i].error_m, whole[i].error_m) << "what is not there is not lost";
         EXPECT_GT(std::abs(longer.answers[i].height_m - whole[i].height_m), 1e-3);
     }
+    const Result<SurfacePtr> in_use = bench.surface(1'000'001);
+    ASSERT_TRUE(in_use);
+    EXPECT_EQ(looked(bench, asked).answers[0].height_m, longer.answers[0].height_m)
+        << "whoever holds a surface of all waves";
     asked.looking = {.cascades = 2};
     looked(bench, asked);
     EXPECT_EQ(made(), 4u) << "held";
