@@ -126,36 +126,6 @@ bool Connection::send(protocol::Bytes message) {
     return stream_ && stream_->send(std::move(message));
 }
 
-void Connection::query(std::span<const sea::QueryPoint> points, bool exact, double timeout_s,
-                       ReplyHandler handler, const sea::Looking& looking,
-                       std::span<const double> z_m) {
-    const std::uint32_t points_max =
-        exact || !z_m.empty() ? welcome_.exact_points_per_query_max : welcome_.points_per_query_max;
-    if (points.size() > points_max)
-        return handler(failed(Failure::bad_argument, fmt::format("{} points in one query, the "
-                                                                 "server takes {}",
-                                                                 points.size(), points_max)));
-    const auto expected = points.size();
-    requests_.start(
-        Lane::query,
-        [&](std::uint32_t request_id) {
-            return protocol::query(request_id, points, exact, looking, z_m);
-        },
-        deadline_us(timeout_s),
-        [expected, depths = z_m.size(), handler = std::move(handler)](Result<Reply> reply) {
-            if (reply && reply->answers.size() != expected)
-                return handler(
-                    failed(Failure::refused, fmt::format("{} points asked, {} answered", expected,
-                                                         reply->answers.size())));
-            if (reply && reply->below.size() != depths)
-                return handler(failed(Failure::refused,
-                                      fmt::format("{} depths asked, {} answered: the server may "
-                                                  "know nothing of the water below",
-                                                  depths, reply->below.size())));
-            handler(std::move(reply));
-        });
-}
-
 void Connection::subscribe(const protocol::TileWish& wish, int credit, double timeout_s,
                            ReplyHandler handler) {
     requests_.start(
@@ -338,25 +308,6 @@ Result<void> Connection::take(const wire::Tile& tile) {
                                    MessageStream::waiting_bytes_max));
     if (added->complete && events_.on_keyframe)
         events_.on_keyframe(added->complete);
-    return {};
-}
-
-Result<void> Connection::take(const wire::QueryReply& reply) {
-    SEAWAY_TRY(protocol::check(reply));
-    Reply value;
-    value.epoch = reply.epoch();
-    if (reply.answers()) {
-        value.answers.reserve(reply.answers()->size());
-        for (const wire::PointAnswer* answer : *reply.answers())
-            value.answers.push_back(protocol::answer(*answer));
-    }
-    if (reply.below()) {
-        value.below.reserve(reply.below()->size());
-        for (const wire::Below* below : *reply.below())
-            value.below.push_back(protocol::water(*below));
-    }
-    if (!requests_.finish(Lane::query, reply.request_id(), std::move(value)))
-        return Error{fmt::format("an answer to query {}, which is not open", reply.request_id())};
     return {};
 }
 

@@ -236,5 +236,27 @@ TEST(MessageLimits, each_number_of_a_request_has_its_own_range) {
     expect_refused(answered(4097), "count of answers");
 }
 
+TEST(MessageLimits, of_depths_and_of_the_waves_that_count) {
+    const auto asked = [](std::size_t points, const std::vector<double>& z_m, double wave_m = 0) {
+        return why_not(Sender::client,
+                       query(1, std::vector<sea::QueryPoint>(points), false, {1, wave_m}, z_m));
+    };
+    EXPECT_EQ(asked(2, {-1e9, nan}), "") << "what is no number is answered, and flagged";
+    EXPECT_EQ(asked(2, {1e9, -0.0}), "");
+    expect_refused(asked(1, {-1.000001e9}), "z_m [0]");
+    expect_refused(asked(2, {0, 1.000001e9}), "z_m [1]");
+    expect_refused(asked(3, {-1, -2}), "count of z_m");
+    expect_refused(asked(0, {-1}), "count of z_m");
+    expect_range("min_wavelength_m", 0, 1e9, false,
+                 [&](double value) { return asked(1, {}, value); });
+    MessageReader reader(Sender::client);
+    const std::vector<double> depths(257);
+    const Bytes many = query(1, std::vector<sea::QueryPoint>(257), false, {}, depths);
+    const auto message = reader.read(many);
+    ASSERT_TRUE(message);
+    EXPECT_TRUE(check(**message).error().is(wire::ErrorCode::too_many_points))
+        << "depths are exact questions, of which there are 256 at most";
+}
+
 } // namespace
 } // namespace seaway::protocol

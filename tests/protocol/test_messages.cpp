@@ -419,21 +419,6 @@ TEST(Messages, times_and_places_beyond_their_range_are_errors_that_say_which) {
     const double nan = std::numeric_limits<double>::quiet_NaN();
     EXPECT_TRUE(ask({nan, std::numeric_limits<double>::infinity(), 0}))
         << "answered, and flagged as no number";
-    const auto sink = [&](std::size_t points, const std::vector<double>& z_m,
-                          const sea::Looking& looking = {}) {
-        const std::vector<sea::QueryPoint> at(points);
-        return check(*read(reader, query(1, at, false, looking, z_m))->body_as_Query());
-    };
-    EXPECT_TRUE(sink(2, {-limits::position_m_max, nan}));
-    EXPECT_EQ(sink(1, {-1.01 * limits::position_m_max}).error().message.find("z_m [0] is "), 0u);
-    EXPECT_EQ(sink(3, {-1, -2}).error().message.find("count of z_m is 2"), 0u);
-    EXPECT_TRUE(sink(limits::exact_points_per_query_max + 1,
-                     std::vector<double>(limits::exact_points_per_query_max + 1))
-                    .error()
-                    .is(wire::ErrorCode::too_many_points))
-        << "depths are exact questions";
-    for (const double wave_m : {-1e-9, 1.01 * limits::position_m_max, nan})
-        EXPECT_EQ(sink(1, {}, {1, wave_m}).error().message.find("min_wavelength_m is "), 0u);
     const std::vector<sea::QueryPoint> many(limits::points_per_query_max + 1);
     EXPECT_TRUE(check(*read(reader, query(1, many, false))->body_as_Query())
                     .error()
