@@ -151,7 +151,7 @@ typedef struct seaway_clock_status {
     double error_us;      /* bound on the error of the estimate */
     double slew_us;       /* what seaway_now_us still has to make up */
     double drift_ppm;     /* how much faster than the local clock the sea runs */
-    double round_trip_us; /* shortest of the last 30 s */
+    double round_trip_us; /* shortest of the last minute */
 } seaway_clock_status;
 
 seaway_code seaway_clock(const seaway_client* client, seaway_clock_status* status);

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <random>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -61,6 +63,64 @@ TEST(Clock, h1_drift_of_100_ppm_and_one_sided_queueing_leave_less_than_3_ms) {
 }
 
 // However few: a share of three samples would be one, and one has no slope.
+// A line of 20 ms each way with what a wireless one adds: each way 0 to some ms (an exponential of 2 ms), one packet in twenty held
+// for up to 60 ms more, and a queue of 8 ms on the way back alone. Asked are an rms of 1.5 ms and 3 ms at the 99th percentile,
+// from when the window is full; ten lines of ten minutes.
+TEST(Clock,
+     h1_wifi_jitter_on_both_ways_and_a_queue_on_one_leave_an_rms_of_1_5_ms_and_never_a_step_back) {
+    double all_us2 = 0;
+    std::vector<double> off_us;
+    for (unsigned line = 0; line < 10; ++line) {
+        std::mt19937_64 random(100 + line);
+        std::exponential_distribution<> air_us(1 / 2000.0), queue_us(1 / 8000.0);
+        std::uniform_real_distribution<> lot(0, 1);
+        const auto way_us = [&](bool queue) {
+            return std::llround(20'000 + air_us(random) + (queue ? queue_us(random) : 0.0) +
+                                (lot(random) < 0.05 ? 60'000 * lot(random) : 0.0));
+        };
+        const Link link{.drift_ppm = 30.0 * line - 150};
+        ClockFilter clock;
+        sea::TimeUs shown_us = std::numeric_limits<sea::TimeUs>::min();
+        LocalUs next_us = 0;
+        int pings = 0;
+        struct Reply {
+            LocalUs sent_us, received_us;
+            sea::TimeUs sea_us;
+        };
+        std::vector<Reply> under_way;
+        for (LocalUs now_us = 0; now_us < 600 * second_us; now_us += 10'000) {
+            if (now_us >= next_us) {
+                const LocalUs there_us = now_us + way_us(false);
+                under_way.push_back({now_us, there_us + way_us(true), link.sea_time(there_us)});
+                ++pings; // as connection.cpp sends them
+                next_us = now_us + (pings < 8     ? second_us / 20
+                                    : pings < 48  ? second_us / 10
+                                    : pings < 100 ? second_us / 2
+                                                  : second_us);
+            }
+            std::erase_if(under_way, [&](const Reply& reply) {
+                if (reply.received_us > now_us)
+                    return false;
+                clock.add(reply.sent_us, reply.received_us, reply.sea_us);
+                return true;
+            });
+            if (!clock.synchronised())
+                continue;
+            const sea::TimeUs next_shown_us = clock.now(now_us);
+            ASSERT_GE(next_shown_us, shown_us) << "at " << now_us;
+            shown_us = next_shown_us;
+            if (now_us < 65 * second_us)
+                continue;
+            off_us.push_back(std::abs(static_cast<double>(shown_us - link.sea_time(now_us))));
+            all_us2 += off_us.back() * off_us.back();
+        }
+    }
+    EXPECT_LT(std::sqrt(all_us2 / static_cast<double>(off_us.size())), 1500);
+    const auto p99 = off_us.begin() + static_cast<std::ptrdiff_t>(off_us.size() * 99 / 100);
+    std::nth_element(off_us.begin(), p99, off_us.end());
+    EXPECT_LT(*p99, 3000);
+}
+
 TEST(Clock, three_samples_over_more_than_ten_seconds_tell_the_drift) {
     for (const double drift_ppm : {100.0, -250.0}) {
         ClockFilter clock;
@@ -130,16 +190,16 @@ TEST(Clock, runs_at_half_speed_while_far_ahead) {
 }
 
 // A route that has become longer: the short trips of before say nothing about it any more.
-TEST(Clock, forgets_a_sample_after_30_s) {
+TEST(Clock, forgets_a_sample_after_a_minute) {
     ClockFilter clock;
     clock.add(0, 1'000, 5'000'000 + 500); // 1 ms, and the sea 5 s ahead
-    for (LocalUs sent_us = second_us; sent_us <= 29 * second_us; sent_us += second_us)
+    for (LocalUs sent_us = second_us; sent_us <= 59 * second_us; sent_us += second_us)
         clock.add(sent_us, sent_us + 80'000, sent_us + 40'000 + 5'020'000);
-    EXPECT_EQ(clock.status(29 * second_us).round_trip_us, 1'000) << "30 s are not over";
-    EXPECT_EQ(clock.status(29 * second_us).samples, 30);
-    clock.add(30 * second_us, 30 * second_us + 80'000, 30 * second_us + 40'000 + 5'020'000);
-    const ClockStatus status = clock.status(30 * second_us);
-    EXPECT_EQ(status.samples, 30);
+    EXPECT_EQ(clock.status(59 * second_us).round_trip_us, 1'000) << "the minute is not over";
+    EXPECT_EQ(clock.status(59 * second_us).samples, 60);
+    clock.add(60 * second_us, 60 * second_us + 80'000, 60 * second_us + 40'000 + 5'020'000);
+    const ClockStatus status = clock.status(60 * second_us);
+    EXPECT_EQ(status.samples, 60);
     EXPECT_EQ(status.round_trip_us, 80'000);
     EXPECT_NEAR(status.offset_us, 5'020'000, 1) << "the old offset weighs nothing";
     EXPECT_NEAR(status.error_us, 40'000, 1);
