@@ -76,4 +76,13 @@ struct Realization {
 
 using RealizationPtr = std::shared_ptr<const Realization>;
 
+/// What its modes take in memory.
+inline std::size_t bytes_of(const Realization& sea) {
+    std::size_t bytes = 0;
+    for (const CascadeModes& modes : sea.cascades)
+        bytes += modes.h0.size() * sizeof(modes.h0[0]) + modes.rate.size() * sizeof(Rate) +
+                 modes.phase_offset_turns.size() * sizeof(std::uint64_t) + modes.given.size();
+    return bytes;
+}
+
 } // namespace seaway::sea

@@ -71,6 +71,7 @@ class DirectSum {
         };
         PatchScale patch_scale(int cascade) const;
         const Realization& sea() const { return sum_->sea(); }
+        std::size_t bytes() const { return (height_.size() + rate_.size()) * sizeof(PairBlock); }
 
       private:
         friend class DirectSum;
@@ -99,6 +100,11 @@ class DirectSum {
     }
 
     const Realization& sea() const { return *sea_; }
+    /// Its own, and its sea's.
+    std::size_t bytes() const {
+        return bytes_of(*sea_) +
+               spectrum_.size() * (sizeof(PairSpectrum) + sizeof(Lanes) + sizeof(Given));
+    }
 
   private:
     /// Half plane: ny > 0, or ny = 0 and nx > 0; the other half is its conjugate. In blocks (wave_sums.h).

@@ -33,8 +33,9 @@ enum class MemoryUse : std::size_t {
     points,
     replies,
     maps,
+    sums,
 };
-inline constexpr std::size_t memory_uses = 11;
+inline constexpr std::size_t memory_uses = 12;
 
 /// Maps under way at a time: each takes two threads while it lasts.
 inline constexpr int maps_at_once_max = 2;
@@ -48,7 +49,7 @@ struct MemoryShare {
 /// Parts as floods and long runs of the gale used them (docs/performance.md).
 inline constexpr std::array<MemoryShare, memory_uses> memory_shares{{
     // The store: keyframes with their splines. Makes room itself, oldest use first out.
-    {MemoryUse::keyframes, "keyframes", 15},
+    {MemoryUse::keyframes, "keyframes", 14},
     // Of questions that take long, and of prompt ones: who finds no room waits.
     {MemoryUse::surfaces, "surfaces", 9},
     {MemoryUse::prompt_surfaces, "prompt_surfaces", 5},
@@ -69,6 +70,8 @@ inline constexpr std::array<MemoryShare, memory_uses> memory_shares{{
     {MemoryUse::replies, "replies", 3},
     // Maps under way, with the surface they are of: refused.
     {MemoryUse::maps, "maps", 3},
+    // Waves at the times of exact questions that are under way: who finds no room sums them anew in each slice.
+    {MemoryUse::sums, "sums", 1},
 }};
 inline constexpr int memory_parts = 64;
 

@@ -100,11 +100,18 @@ void PointQuestion::lie_flat() {
     }
 }
 
-void PointQuestion::sum_exactly(const SeaCourse& course, const SliceOver& over) {
+void PointQuestion::let_go_waves() {
+    moment_.reset(); // it refers to the sum
+    truth_.reset();
+    exact_sea_.reset();
+    sums_place_.reset();
+}
+
+void PointQuestion::sum_exactly(const SeaCourse& course, const SliceOver& over, Room& sums) {
     while (!complete()) {
         const sea::QueryPoint& point = next();
         if (!moment_ || moment_us_ != point.time_us) {
-            moment_.reset(); // it refers to the sum
+            let_go_waves();
             exact_sea_ = course.sea_unless_making(course.window_at(point.time_us).epoch);
             awaits_sea_ = !exact_sea_;
             if (awaits_sea_)
@@ -115,8 +122,14 @@ void PointQuestion::sum_exactly(const SeaCourse& course, const SliceOver& over) 
         }
         put(exactly(point));
         if (over())
-            return;
+            break;
     }
+    if (!complete() && !sums_place_) {
+        const bool shared = truth_ == exact_sea_->truth;
+        sums_place_ = sums.take(moment_->bytes() + (shared ? 0 : truth_->bytes()));
+    }
+    if (complete() || !sums_place_)
+        let_go_waves();
 }
 
 sea::Answer PointQuestion::exactly(const sea::QueryPoint& point) {

@@ -63,8 +63,9 @@ class PointQuestion {
     void sample(Surfaces& surfaces, const SliceOver& over, Make make = Make::what_lacks);
     /// A slice of the keyframes that the next surface lacks.
     Result<void> make_keyframes(Surfaces& surfaces) { return surfaces.make_keyframes(*surface_); }
-    /// The same as sample() by the direct sum.
-    void sum_exactly(const SeaCourse& course, const SliceOver& over);
+    /// The same as sample() by the direct sum. From one slice to the next it keeps the waves of its time where `sums` has room
+    /// for them, and makes them anew where not.
+    void sum_exactly(const SeaCourse& course, const SliceOver& over, Room& sums);
 
     /// A slice would come to nothing, for want of room for the next surface or of the sea of the next point.
     bool waits(const Surfaces& surfaces, const SeaCourse& course) const {
@@ -88,6 +89,7 @@ class PointQuestion {
     /// Of a sea of which nothing is felt.
     void lie_flat();
     sea::Answer exactly(const sea::QueryPoint& point);
+    void let_go_waves();
 
     const PointsAsked asked_;
     const SurfaceUse use_;
@@ -101,6 +103,7 @@ class PointQuestion {
     std::shared_ptr<const sea::DirectSum> truth_;
     std::optional<sea::DirectSum::Moment> moment_; ///< of truth_
     sea::TimeUs moment_us_ = 0;
+    Room::Place sums_place_; ///< of moment_, and of truth_ where that is of this moment alone
 };
 
 } // namespace seaway::server

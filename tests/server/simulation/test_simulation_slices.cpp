@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "sea/scene/weather.h"
 #include "tests/server/simulation/simulation_bench.h"
 
 namespace seaway::server {
@@ -91,9 +92,62 @@ TEST(Slices, of_points_end_when_they_are_over_and_hold_one_point_at_least) {
     PointQuestion question(std::vector<sea::QueryPoint>{{1, 2, 0}, {3, 4, 0}, {5, 6, 1'000'000}});
     for (int slice = 1; slice <= 3; ++slice) {
         EXPECT_FALSE(question.complete());
-        question.sum_exactly(*course, [] { return true; });
+        question.sum_exactly(
+            *course, [] { return true; }, *Memory().room(MemoryUse::sums));
     }
     EXPECT_TRUE(question.complete());
+}
+
+// Naive: each exact question keeps the waves of its time until it is answered: in a glide some MB of its own. A thousand sessions
+// held gigabytes beside the budget.
+TEST(Slices, a_crowd_of_exact_questions_holds_no_more_waves_than_there_is_room_for) {
+    const RunningSeaPtr sea = running_sea();
+    const auto course = std::make_shared<SeaCourse>(sea);
+    const TomlAssignment wind{"systems.0.wind_speed_10m_mps", "14.0"};
+    ASSERT_TRUE(course->add(*sea::changed(sea->scene, {&wind, 1}), 0, 100 * second_us));
+    const auto tight = Room::of(2u << 20), wide = Room::of(1u << 30);
+    struct Asked {
+        PointQuestion question;
+        Room& room;
+    };
+    std::vector<Asked> crowd;
+    for (int i = 0; i < 32; ++i) {
+        std::vector<sea::QueryPoint> points;
+        for (int n = 0; n < 5; ++n) // in the glide, two at one time; and when it is over
+            points.push_back({3.0 * n, 1.0 * i, (1 + n / 2) * 40 * second_us + i});
+        crowd.push_back({PointQuestion(points), i % 2 == 0 ? *tight : *wide});
+    }
+    std::size_t most = 0;
+    for (bool all = false; !all;) {
+        all = true;
+        for (Asked& one : crowd)
+            if (!one.question.complete()) {
+                one.question.sum_exactly(
+                    *course, [] { return true; }, one.room);
+                all = false;
+                most = std::max(most, tight->held_bytes());
+            }
+    }
+    EXPECT_LE(most, tight->bytes_max());
+    EXPECT_GT(most, 1u << 20) << "it is used";
+    EXPECT_GT(wide->held_bytes_most(), 4u << 20) << "what sixteen would hold";
+    EXPECT_EQ(tight->held_bytes() + wide->held_bytes(), 0u) << "given back";
+    for (std::size_t i = 0; i < crowd.size(); ++i) {
+        const PointsAnswered answered = crowd[i].question.take_answers();
+        for (std::size_t n = 0; n < answered.answers.size(); ++n) {
+            const sea::TimeUs time_us =
+                static_cast<sea::TimeUs>(1 + n / 2) * 40 * second_us + static_cast<sea::TimeUs>(i);
+            const RunningSeaPtr then = course->sea(course->window_at(time_us).epoch);
+            const auto truth = then->truth_at(time_us);
+            EXPECT_EQ(answered.answers[n].height_m,
+                      sea::surface_at(
+                          {3.0 * static_cast<double>(n), 1.0 * static_cast<double>(i), time_us},
+                          {then->choppiness_at(time_us), 1e-9, sea::fold_search(then->budget)},
+                          truth->at_time(time_us))
+                          .height_m)
+                << "made anew they are the same waves";
+        }
+    }
 }
 
 // Naive: each fetch holds all its raw keyframes until the last is made: 24 fetches held 6.6 GB.
