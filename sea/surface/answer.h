@@ -53,7 +53,6 @@ struct Looking {
         return (cascades >> cascade & 1u) != 0 &&
                longest_radpm * min_wavelength_m <= 2 * std::numbers::pi;
     }
-    bool feels_all() const { return cascades == 0xffffffffu && min_wavelength_m == 0; }
     bool operator==(const Looking&) const = default;
 };
 

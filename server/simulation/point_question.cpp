@@ -30,13 +30,14 @@ Result<void> check_point(const sea::QueryPoint& point) {
 }
 
 std::uint32_t felt_cascades(const sea::Realization& sea, const sea::Looking& looking) {
-    if (looking.feels_all())
-        return sea::all_cascades;
     std::uint32_t felt = 0;
+    bool all = true;
     for (std::size_t c = 0; c < sea.cascades.size(); ++c)
         if (looking.feels(c, sea.cascades[c].band.k_lo_radpm))
             felt |= 1u << c;
-    return felt;
+        else
+            all = false;
+    return all ? sea::all_cascades : felt;
 }
 
 PointQuestion::PointQuestion(PointsAsked asked, SurfaceUse use, std::uint32_t cascades)

@@ -45,7 +45,8 @@ struct PointsAnswered {
     std::vector<sea::WaterBelow> below; ///< one a depth
 };
 
-/// The cascades of a sea that are left, a bit each. All seas of a course have the same ones.
+/// The cascades of a sea that are left, a bit each; all_cascades where none is left out, whatever was asked. All seas of a course
+/// have the same ones.
 std::uint32_t felt_cascades(const sea::Realization& sea, const sea::Looking& looking);
 
 class PointQuestion {

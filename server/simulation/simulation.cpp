@@ -293,7 +293,9 @@ void Simulation::answer(PointsAsked asked, Answered done, const Asker& asker) {
     const std::size_t bytes = PointQuestion::bytes_of(points.size(), asked.z_m.size());
     const bool prompt = price_us <= prices_.prompt_us();
     const bool few = prompt && static_cast<double>(points.size()) <= prompt_points;
-    const bool again = prompt && !exact && !points.empty() && cascades == sea::all_cascades;
+    const bool looked_up = prompt && !exact && !points.empty();
+    const bool again =
+        looked_up && cascades == sea::all_cascades; // what comes is made ready for all waves
     const TimeUs last_us = again ? points.back().time_us : 0;
     const SurfaceUse use = few ? SurfaceUse::few : prompt ? SurfaceUse::prompt : SurfaceUse::batch;
     auto batch = std::make_shared<PointQuestion>(std::move(asked), use, cascades);
@@ -320,7 +322,7 @@ void Simulation::answer(PointsAsked asked, Answered done, const Asker& asker) {
                       .price_us = price_us,
                       .prompt = prompt,
                       .bytes = bytes};
-    if (few && again && price_us <= at_once_us)
+    if (few && looked_up && price_us <= at_once_us)
         answer_at_once(std::move(question), [slice] { return slice(Make::nothing); });
     else
         ask(std::move(question));

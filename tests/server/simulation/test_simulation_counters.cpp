@@ -91,6 +91,8 @@ TEST(SimulationCounters,
     asked.looking = {.cascades = 2};
     looked(bench, asked);
     EXPECT_EQ(made(), 4u) << "held";
+    EXPECT_EQ(felt_cascades(*bench.sea->realization, {.min_wavelength_m = 1e-3}), sea::all_cascades)
+        << "who feels all waves shares with those who asked for no less";
     asked.looking = {.cascades = 4};
     const PointsAnswered nothing = looked(bench, asked);
     EXPECT_EQ(nothing.answers[0].height_m, 0) << "there is no third cascade";
