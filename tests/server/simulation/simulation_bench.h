@@ -90,8 +90,7 @@ class FailingSynthesizer final : public Synthesizer {
 
 /// A simulation, what it published, and its clock.
 struct Bench {
-    static constexpr int answer_threads = 2;
-
+    const int answer_threads;
     RunningSeaPtr sea; ///< that the course begins with
     std::shared_ptr<SeaCourse> course = std::make_shared<SeaCourse>(sea);
     std::atomic<TimeUs> now_us = 0;
@@ -107,7 +106,8 @@ struct Bench {
     Subscriptions subscriptions;
     std::unique_ptr<Simulation> simulation;
 
-    explicit Bench(const std::string& more = {}, WorkBudget budget = {}) : sea(running_sea(more)) {
+    explicit Bench(const std::string& more = {}, WorkBudget budget = {}, int threads = 2)
+        : answer_threads(threads), sea(running_sea(more)) {
         Result<std::unique_ptr<Simulation>> started = Simulation::start(
             course,
             [this](const sea::RealizationPtr& realization,
@@ -196,15 +196,15 @@ struct Bench {
 class Gate {
   public:
     explicit Gate(Bench& bench) {
-        std::promise<void> entered[1 + Bench::answer_threads];
+        std::vector<std::promise<void>> entered(static_cast<std::size_t>(1 + bench.answer_threads));
         const auto hold = [&entered, opened = opened_](int thread) {
-            return [&entered, opened, thread](const auto&) {
-                entered[thread].set_value();
+            return [&held = entered[static_cast<std::size_t>(thread)], opened](const auto&) {
+                held.set_value();
                 opened.wait();
             };
         };
         bench.simulation->fetch({}, {}, hold(0), someone);
-        for (int i = 1; i <= Bench::answer_threads; ++i)
+        for (int i = 1; i <= bench.answer_threads; ++i)
             bench.simulation->answer({}, false, hold(i), someone);
         for (std::promise<void>& one : entered)
             one.get_future().wait();

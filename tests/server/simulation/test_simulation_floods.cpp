@@ -3,6 +3,7 @@
 // what a single point waits for, and that nothing but the one question fails.
 #include <algorithm>
 #include <system_error>
+#include <thread>
 
 #include "tests/server/simulation/simulation_bench.h"
 
@@ -23,24 +24,26 @@ class Flood {
         for (int i = 0; i < 4; ++i) {
             const Asker asker(here_.emplace_back(std::make_shared<char>()));
             const TimeUs far_us = (i + 1) * 3'600'000'000;
-            const auto ended = [this](const auto&) { ++answered_; };
             for (int k = 0; k < 4; ++k) {
-                bench.simulation->answer(points(512, far_us), false, ended, asker);
-                bench.simulation->answer(points(256, far_us), true, ended, asker);
-                bench.simulation->surface(far_us + k * 60'000'000, ended, asker);
+                bench.simulation->answer(
+                    points(512, far_us), false, [](const auto&) {}, asker);
+                bench.simulation->answer(
+                    points(256, far_us), true, [](const auto&) {}, asker);
+                bench.simulation->surface(
+                    far_us + k * 60'000'000, [](const auto&) {}, asker);
             }
             for (int k = 0; k < 2; ++k)
                 bench.simulation->fetch(
                     {far_us, 2 * far_us, 3 * far_us}, {3u, sea::surface_fields},
-                    [this](const auto& part) { answered_ += !part; }, asker);
+                    [this](const auto& part) { fetched_ += !part || part->last; }, asker);
         }
     }
     void leave() { here_.clear(); }
-    int answered() const { return answered_; }
+    int fetched() const { return fetched_; }
 
   private:
     std::vector<std::shared_ptr<const void>> here_;
-    std::atomic<int> answered_ = 0;
+    std::atomic<int> fetched_ = 0;
 };
 
 TEST(Floods, of_every_kind_cost_a_subscriber_no_keyframe) {
@@ -63,24 +66,47 @@ TEST(Floods, of_every_kind_cost_a_subscriber_no_keyframe) {
     flood.leave();
 }
 
-// Naive: a slice of each of the four for each slice of the point's own.
-TEST(Floods, of_every_kind_are_not_answered_before_a_single_point_that_comes_later) {
+// Naive: one of each who came before. A single thread answers: with two, the other goes on with the flood while
+// the system keeps the one from its core.
+TEST(Floods, of_small_questions_are_not_answered_before_a_single_point_that_comes_later) {
+    Bench bench({}, {}, 1);
+    std::atomic<int> answered = 0;
+    std::promise<int> before;
+    const auto single = std::make_shared<char>();
+    std::vector<std::shared_ptr<const void>> flood;
+    {
+        const Gate gate(bench);
+        for (int i = 0; i < 4; ++i) {
+            const Asker asker(flood.emplace_back(std::make_shared<char>()));
+            for (int k = 0; k < 8; ++k)
+                bench.simulation->answer(
+                    points(8, 0), true, [&](const auto&) { ++answered; }, asker);
+        }
+        bench.simulation->answer(
+            points(1, 0), true, [&](const auto&) { before.set_value(answered); }, Asker(single));
+    }
+    EXPECT_EQ(before.get_future().get(), 0);
+    bench.settle();
+    while (answered < 32)
+        std::this_thread::yield();
+}
+
+// The same on the thread that has the device.
+TEST(Floods, of_every_kind_are_not_fetched_before_a_keyframe_that_is_asked_for_later) {
     Bench bench;
-    std::promise<int> answered;
-    const auto here = std::make_shared<char>();
+    std::promise<int> before;
+    const auto single = std::make_shared<char>();
     std::optional<Flood> flood;
     {
         const Gate gate(bench);
         flood.emplace(bench);
-        bench.simulation->answer(
-            points(1, 0), false,
-            [&](const auto& answers) {
-                EXPECT_TRUE(answers);
-                answered.set_value(flood->answered());
-            },
-            Asker(here));
+        bench.simulation->fetch({0}, {1u, {Field::height}}, whole([&](const auto& all) {
+                                    EXPECT_TRUE(all);
+                                    before.set_value(flood->fetched());
+                                }),
+                                Asker(single));
     }
-    EXPECT_EQ(answered.get_future().get(), 0);
+    EXPECT_EQ(before.get_future().get(), 0);
     flood->leave();
     bench.settle();
 }
