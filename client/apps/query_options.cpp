@@ -9,6 +9,7 @@
 #include "base/messages.h"
 #include "base/text_file.h"
 #include "client/link/url.h"
+#include "protocol/limits.h"
 
 namespace seaway::client {
 namespace {
@@ -111,6 +112,8 @@ Result<void> check(const QueryOptions& options) {
                        "--from says what --local answers from"));
     SEAWAY_TRY(require(options.bench_points == 0 || options.source == Source::tiles,
                        "--bench measures answers from tiles or the server: it takes no --from"));
+    SEAWAY_TRY(require(options.bench_points == 0 || options.min_wavelength_m == 0,
+                       "--bench measures answers of all waves: it takes no --min-wavelength"));
     SEAWAY_TRY(options.limits.check());
     const bool limited = options.limits.rate_hz_max != 0 || options.limits.size_max != 0;
     const bool streamed = options.local && options.watch_hz > 0 && options.source == Source::tiles;
@@ -161,6 +164,10 @@ std::variant<QueryOptions, int> read_query_options(int argc, const char* const* 
                 "waves of its scene, made here; waves are held against the server's probes")
         .takes("tiles|spectrum|scene")
         .shows_default();
+    line.option("--min-wavelength", options.min_wavelength_m,
+                "Leave out cascades all of whose waves are shorter: what a hull does not feel")
+        .takes("METRES")
+        .between(0.0, protocol::limits::position_m_max);
     line.option("--format", words.format, "How rows are written")
         .takes("table|json|csv")
         .shows_default();

@@ -26,6 +26,7 @@ struct QueryOptions {
     bool exact = false;
     bool local = false;
     Source source = Source::tiles;
+    double min_wavelength_m = 0; ///< 0: all waves count
     Format format = Format::table;
     double watch_hz = 0;  ///< 0: once
     int bench_points = 0; ///< 0: no benchmark

@@ -37,13 +37,42 @@ std::vector<sea::QueryPoint> points_at(const std::vector<Place>& places,
     return points;
 }
 
+/// From what is held, of the waves that count; keyframes of points that are not streamed are fetched before, those of a few
+/// times after the other.
+Result<std::vector<sea::Answer>> look(Client& client, const QueryOptions& options,
+                                      const sea::Looking& looking,
+                                      std::span<const sea::QueryPoint> points) {
+    constexpr std::size_t times_at_once = 16; // the client holds those around 24
+    std::vector<sea::Answer> answers;
+    while (answers.size() < points.size()) {
+        const auto rest = points.subspan(answers.size());
+        std::vector<sea::TimeUs> times_us;
+        std::size_t end = 0;
+        for (; end < rest.size(); ++end)
+            if (times_us.empty() || times_us.back() != rest[end].time_us) {
+                if (times_us.size() == times_at_once)
+                    break;
+                times_us.push_back(rest[end].time_us);
+            }
+        if (options.source == Source::tiles)
+            SEAWAY_TRY(client.hold(times_us, options.timeout_s));
+        SEAWAY_TRY_LET(const std::vector<Water> water, client.look(rest.first(end), looking));
+        for (const Water& one : water)
+            answers.push_back(one.answer);
+    }
+    return answers;
+}
+
 Result<std::vector<sea::Answer>> answers_to(Client& client, const QueryOptions& options,
                                             std::span<const sea::QueryPoint> points) {
+    const sea::Looking looking{.min_wavelength_m = options.min_wavelength_m};
+    if (options.local && looking != sea::Looking{})
+        return look(client, options, looking, points);
     if (options.local && options.source == Source::tiles)
         return client.fetch_and_sample(points, options.timeout_s);
     if (options.local)
         return client.sample(points);
-    return client.ask(points, {options.exact, options.timeout_s});
+    return client.ask(points, {options.exact, options.timeout_s, looking});
 }
 
 using seconds = std::chrono::duration<double>;

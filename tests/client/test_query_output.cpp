@@ -154,13 +154,15 @@ TEST(QueryOptions, each_goes_where_it_says_and_has_its_default) {
     EXPECT_TRUE(plain.at.empty());
     EXPECT_FALSE(plain.time_s || plain.exact || plain.local);
     EXPECT_EQ(plain.format, Format::table);
+    EXPECT_EQ(plain.min_wavelength_m, 0);
     EXPECT_EQ(plain.watch_hz, 0);
     EXPECT_EQ(plain.bench_points, 0);
     EXPECT_EQ(plain.timeout_s, 10);
     EXPECT_EQ(plain.token_file + plain.ca_file, "");
     const QueryOptions all =
         taken({"ws://a:1", "--at", "1,-2", "3,4", "--time", "5.5", "--local", "--format", "json",
-               "--watch", "0.25", "--timeout", "7.5", "--token-file", "t", "--ca-file", "c"});
+               "--watch", "0.25", "--min-wavelength", "12.5", "--timeout", "7.5", "--token-file",
+               "t", "--ca-file", "c"});
     ASSERT_EQ(all.at.size(), 2u);
     EXPECT_EQ(all.at[0].x_m, 1);
     EXPECT_EQ(all.at[0].y_m, -2);
@@ -171,6 +173,7 @@ TEST(QueryOptions, each_goes_where_it_says_and_has_its_default) {
     EXPECT_FALSE(all.exact);
     EXPECT_EQ(all.format, Format::json);
     EXPECT_EQ(all.watch_hz, 0.25);
+    EXPECT_EQ(all.min_wavelength_m, 12.5);
     EXPECT_EQ(all.timeout_s, 7.5);
     EXPECT_EQ(all.token_file, "t");
     EXPECT_EQ(all.ca_file, "c");

@@ -100,6 +100,10 @@ TEST(Options, that_make_no_sense_are_exit_code_2) {
         {"ws://a:1", "--at", "1,2", "--local", "--watch", "1", "--size-max", "31"},
         {"ws://a:1", "--at", "1,2", "--local", "--watch", "1", "--rate-max", "0.9"},
         {"ws://a:1", "--at", "1,2", "--watch", "1", "--rate-max", "2"},
+        {"ws://a:1", "--at", "1,2", "--min-wavelength", "-1"},
+        {"ws://a:1", "--at", "1,2", "--min-wavelength", "1.001e9"},
+        {"ws://a:1", "--at", "1,2", "--min-wavelength", "nan"},
+        {"ws://a:1", "--bench", "2", "--min-wavelength", "3"},
         {"ws://a:1", "--at", "1,2", "--bogus"}};
     for (const auto& arguments : wrong) {
         const auto read = query_options_of(arguments);
@@ -210,6 +214,35 @@ TEST_F(Program, answers_by_server_by_itself_and_exactly_agree) {
         EXPECT_EQ(served[i]["height_m"], exact[i]["height_m"]);
         EXPECT_NEAR(local[i]["height_m"].get<double>(), exact[i]["height_m"].get<double>(),
                     local[i]["error_m"].get<double>());
+    }
+}
+
+// The second cascade begins at 20 m.
+TEST_F(Program, leaves_out_what_a_hull_does_not_feel_whoever_answers) {
+    const std::string where = "--at -12.5,40 3e4,-7 --time 1234.5678 --min-wavelength ";
+    const sea::QueryPoint points[] = {{-12.5, 40, 1'234'567'800}, {3e4, -7, 1'234'567'800}};
+    for (const auto& [shortest_m, felt] : {std::pair{"19.9", 3u}, {"20.1", 1u}})
+        for (const std::string way : {"", " --local", " --exact"}) {
+            const auto answered = rows(where + shortest_m + way);
+            ASSERT_EQ(answered.size(), 2u);
+            for (std::size_t i = 0; i < 2; ++i) {
+                sea::WaterBelow unused;
+                EXPECT_NEAR(answered[i]["height_m"].get<double>(),
+                            sea.truth(points[i], felt, 0, unused).height_m,
+                            answered[i]["error_m"].get<double>())
+                    << shortest_m << way;
+                EXPECT_LT(answered[i]["error_m"].get<double>(), 0.01) << "else both would do";
+            }
+        }
+    const auto many = rows("--points - --local --min-wavelength 20.1 "
+                           "<<END\n$(seq 1 60 | sed 's/.*/&,&,&/')\nEND\n");
+    ASSERT_EQ(many.size(), 60u) << "times that are not held at once";
+    for (std::size_t i = 0; i < 60; ++i) {
+        const double n = static_cast<double>(i + 1);
+        sea::WaterBelow unused;
+        EXPECT_NEAR(many[i]["height_m"].get<double>(),
+                    sea.truth({n, n, sea::us_from_seconds(n)}, 1u, 0, unused).height_m,
+                    many[i]["error_m"].get<double>());
     }
 }
 

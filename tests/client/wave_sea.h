@@ -9,6 +9,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <numbers>
 #include <set>
 #include <string>
 #include <thread>
@@ -41,7 +42,9 @@ inline sea::RealizationPtr few_waves() {
     for (const double length_m : {160.0, 29.0}) {
         sea::CascadeModes modes;
         modes.spec = {length_m, wave_map_size};
-        modes.band = {0, modes.spec.nyquist_radpm()};
+        const double shortest_of_both_m = 20; // none of the waves is near it
+        modes.band = {sea->cascades.empty() ? 0 : 2 * std::numbers::pi / shortest_of_both_m,
+                      modes.spec.nyquist_radpm()};
         modes.h0.resize(wave_map_size * wave_map_size);
         modes.rate.resize(modes.h0.size());
         sea->cascades.push_back(std::move(modes));
@@ -132,6 +135,7 @@ class WaveSea : public server::Host {
         for (std::size_t c = 0; c < sea_->cascades.size(); ++c)
             state.cascades.push_back({.length_m = sea_->cascades[c].spec.length_m,
                                       .size = wave_map_size,
+                                      .k_lo_radpm = sea_->cascades[c].band.k_lo_radpm,
                                       .k_hi_radpm = sea_->cascades[c].band.k_hi_radpm,
                                       .interval_us = wave_intervals_us[c]});
         state.height_error_m = 0.01;
