@@ -24,6 +24,9 @@ constexpr const char* footer =
     "flags is a sum: 1 folded (the highest sheet found; error_m is no bound), 2 not converged\n"
     "(error_m covers it), 4 extrapolated (error_m is no bound), 8 invalid point, 16 exact,\n"
     "32 vertical velocity alone.\n"
+    "With --z: x_m,y_m,t_s,z_m,surface_m,velocity_x_mps,velocity_y_mps,velocity_z_mps,\n"
+    "pressure_m2ps2,flags: velocity of the water there and its dynamic pressure over density, by\n"
+    "linear theory; no bound is stated. Flag 256: there is no water, all are 0.\n"
     "JSON is one array, with --watch one a line.\n"
     "Exit codes: 0 done, 1 cannot write, 2 usage or bad points, 5 cannot connect, lost or no "
     "answer in time,\n"
@@ -44,6 +47,17 @@ Result<std::optional<double>> parse_time(const std::string& text) {
                 fmt::format("--time '{}': 'now', or sea time in seconds between {:g} and {:g}",
                             text, -time_max_s, time_max_s)));
     return time_s;
+}
+
+Result<std::optional<double>> parse_z(const std::string& text) {
+    if (text.empty())
+        return std::optional<double>();
+    constexpr double most_m = protocol::limits::position_m_max;
+    const std::optional<double> z_m = parse_number(text, most_m);
+    SEAWAY_TRY(require(z_m.has_value(),
+                       fmt::format("--z '{}': metres up from still water, between {:g} and {:g}",
+                                   text, -most_m, most_m)));
+    return z_m;
 }
 
 Result<Format> parse_format(const std::string& text) {
@@ -112,8 +126,12 @@ Result<void> check(const QueryOptions& options) {
                        "--from says what --local answers from"));
     SEAWAY_TRY(require(options.bench_points == 0 || options.source == Source::tiles,
                        "--bench measures answers from tiles or the server: it takes no --from"));
-    SEAWAY_TRY(require(options.bench_points == 0 || options.min_wavelength_m == 0,
-                       "--bench measures answers of all waves: it takes no --min-wavelength"));
+    SEAWAY_TRY(require(options.bench_points == 0 || (options.min_wavelength_m == 0 && !options.z_m),
+                       "--bench measures answers of the surface, of all waves: it takes no "
+                       "--min-wavelength and no --z"));
+    SEAWAY_TRY(require(!options.z_m || !options.local || options.source != Source::tiles,
+                       "--z: the water below the surface follows from waves: with --local it "
+                       "needs --from spectrum or scene"));
     SEAWAY_TRY(options.limits.check());
     const bool limited = options.limits.rate_hz_max != 0 || options.limits.size_max != 0;
     const bool streamed = options.local && options.watch_hz > 0 && options.source == Source::tiles;
@@ -130,6 +148,7 @@ struct Words {
     std::string time = "now";
     std::string format = "table";
     std::string source = "tiles";
+    std::string z;
 };
 
 Result<void> take(const Words& words, QueryOptions& options) {
@@ -137,6 +156,7 @@ Result<void> take(const Words& words, QueryOptions& options) {
     SEAWAY_TRY_LET(options.time_s, parse_time(words.time));
     SEAWAY_TRY_LET(options.format, parse_format(words.format));
     SEAWAY_TRY_LET(options.source, parse_source(words.source));
+    SEAWAY_TRY_LET(options.z_m, parse_z(words.z));
     return check(options);
 }
 
@@ -168,6 +188,9 @@ std::variant<QueryOptions, int> read_query_options(int argc, const char* const* 
                 "Leave out cascades all of whose waves are shorter: what a hull does not feel")
         .takes("METRES")
         .between(0.0, protocol::limits::position_m_max);
+    line.option("--z", words.z,
+                "The water there instead of the surface: metres up from still water, so below 0")
+        .takes("METRES");
     line.option("--format", words.format, "How rows are written")
         .takes("table|json|csv")
         .shows_default();

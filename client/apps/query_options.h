@@ -27,6 +27,7 @@ struct QueryOptions {
     bool local = false;
     Source source = Source::tiles;
     double min_wavelength_m = 0; ///< 0: all waves count
+    std::optional<double> z_m;   ///< the water there is asked for, not the surface
     Format format = Format::table;
     double watch_hz = 0;  ///< 0: once
     int bench_points = 0; ///< 0: no benchmark

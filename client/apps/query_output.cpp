@@ -15,75 +15,100 @@ namespace {
 using sea::Answer;
 using sea::QueryPoint;
 
-constexpr std::array<const char*, 12> columns{"x_m",
-                                              "y_m",
-                                              "t_s",
-                                              "height_m",
-                                              "normal_x",
-                                              "normal_y",
-                                              "normal_z",
-                                              "velocity_x_mps",
-                                              "velocity_y_mps",
-                                              "velocity_z_mps",
-                                              "error_m",
-                                              "flags"};
+/// A row: numbers, each with its name, and flags last.
+template <std::size_t count>
+struct Columns {
+    std::array<const char*, count> names; ///< but that of the flags
+    const char* table_head;
+};
+constexpr Columns<11> of_surface{
+    {"x_m", "y_m", "t_s", "height_m", "normal_x", "normal_y", "normal_z", "velocity_x_mps",
+     "velocity_y_mps", "velocity_z_mps", "error_m"},
+    "         x_m          y_m           t_s  height_m   normal_x normal_y normal_z   "
+    "velocity_x_mps _y_mps _z_mps    error_m  flags\n"};
+constexpr Columns<9> of_water{{"x_m", "y_m", "t_s", "z_m", "surface_m", "velocity_x_mps",
+                               "velocity_y_mps", "velocity_z_mps", "pressure_m2ps2"},
+                              "         x_m          y_m           t_s        z_m  surface_m   "
+                              "velocity_x_mps _y_mps _z_mps  pressure_m2ps2  flags\n"};
 
-/// The columns but the last.
 std::array<double, 11> values(const QueryPoint& point, const Answer& a) {
     return {point.x_m,         point.y_m,         sea::seconds_from_us(point.time_us),
             a.height_m,        a.normal[0],       a.normal[1],
             a.normal[2],       a.velocity_mps[0], a.velocity_mps[1],
             a.velocity_mps[2], a.error_m};
 }
-
-void csv_row(std::string& out, const QueryPoint& point, const Answer& answer) {
-    for (const double value : values(point, answer))
-        fmt::format_to(std::back_inserter(out), "{},", value);
-    fmt::format_to(std::back_inserter(out), "{}\n", answer.flags);
+std::array<double, 9> values(const QueryPoint& point, double z_m, double surface_m,
+                             const sea::WaterBelow& water) {
+    return {point.x_m,
+            point.y_m,
+            sea::seconds_from_us(point.time_us),
+            z_m,
+            surface_m,
+            water.velocity_mps[0],
+            water.velocity_mps[1],
+            water.velocity_mps[2],
+            water.pressure_m2ps2};
 }
 
-void json_row(std::string& out, const QueryPoint& point, const Answer& answer) {
-    const std::array<double, 11> row = values(point, answer);
-    out += '{';
-    for (std::size_t i = 0; i < row.size(); ++i)
-        if (std::isfinite(row[i]))
-            fmt::format_to(std::back_inserter(out), "\"{}\":{},", columns[i], row[i]);
-        else
-            fmt::format_to(std::back_inserter(out), "\"{}\":null,", columns[i]);
-    fmt::format_to(std::back_inserter(out), "\"flags\":{}}}", answer.flags);
-}
-
-constexpr const char* table_head =
-    "         x_m          y_m           t_s  height_m   normal_x normal_y normal_z   "
-    "velocity_x_mps _y_mps _z_mps    error_m  flags\n";
-
-void table_row(std::string& out, const QueryPoint& point, const Answer& a) {
+void table_row(std::string& out, const std::array<double, 11>& v, std::uint32_t flags) {
     fmt::format_to(std::back_inserter(out),
                    "{:12.3f} {:12.3f} {:13.3f} {:9.4f}   {:8.4f} {:8.4f} {:8.4f}   {:14.3f} "
                    "{:6.3f} {:6.3f} {:10.5f}  {}\n",
-                   point.x_m, point.y_m, sea::seconds_from_us(point.time_us), a.height_m,
-                   a.normal[0], a.normal[1], a.normal[2], a.velocity_mps[0], a.velocity_mps[1],
-                   a.velocity_mps[2], a.error_m, flag_names(a.flags));
+                   v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], v[8], v[9], v[10],
+                   flag_names(flags));
+}
+void table_row(std::string& out, const std::array<double, 9>& v, std::uint32_t flags) {
+    fmt::format_to(std::back_inserter(out),
+                   "{:12.3f} {:12.3f} {:13.3f} {:10.3f} {:10.4f}   {:14.3f} {:6.3f} {:6.3f}  "
+                   "{:14.4f}  {}\n",
+                   v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], v[8], flag_names(flags));
 }
 
-std::string json_array(std::span<const QueryPoint> points, std::span<const Answer> answers,
-                       bool compact) {
+template <std::size_t count>
+void csv_row(std::string& out, const std::array<double, count>& row, std::uint32_t flags) {
+    for (const double value : row)
+        fmt::format_to(std::back_inserter(out), "{},", value);
+    fmt::format_to(std::back_inserter(out), "{}\n", flags);
+}
+
+template <std::size_t count>
+void json_row(std::string& out, const Columns<count>& columns, const std::array<double, count>& row,
+              std::uint32_t flags) {
+    out += '{';
+    for (std::size_t i = 0; i < row.size(); ++i)
+        if (std::isfinite(row[i]))
+            fmt::format_to(std::back_inserter(out), "\"{}\":{},", columns.names[i], row[i]);
+        else
+            fmt::format_to(std::back_inserter(out), "\"{}\":null,", columns.names[i]);
+    fmt::format_to(std::back_inserter(out), "\"flags\":{}}}", flags);
+}
+
+/// `values_of(i)`: of a row.
+template <std::size_t count, class ValuesOf>
+std::string rows_of(Format format, const Columns<count>& columns, std::span<const Answer> answers,
+                    bool compact, const ValuesOf& values_of) {
     const char* const between = compact ? "," : ",\n ";
-    std::string out = "[";
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        if (i > 0)
-            out += between;
-        json_row(out, points[i], answers[i]);
+    std::string out = format == Format::json    ? "["
+                      : format == Format::table ? columns.table_head
+                                                : "";
+    for (std::size_t i = 0; i < answers.size(); ++i) {
+        const std::array<double, count> row = values_of(i);
+        if (format == Format::csv)
+            csv_row(out, row, answers[i].flags);
+        else if (format == Format::table)
+            table_row(out, row, answers[i].flags);
+        else
+            json_row(out += i > 0 ? between : "", columns, row, answers[i].flags);
     }
-    return out + "]\n";
+    return format == Format::json ? out + "]\n" : out;
 }
 
 } // namespace
 
 std::string flag_names(std::uint32_t flags) {
-    constexpr std::array<const char*, 8> names{"folded",  "not_converged", "extrapolated",
+    constexpr std::array<const char*, 9> names{"folded",  "not_converged", "extrapolated",
                                                "invalid", "exact",         "vertical_velocity",
-                                               "open",    "stale"};
+                                               "open",    "stale",         "dry"};
     std::string out;
     for (std::size_t bit = 0; bit < names.size(); ++bit)
         if ((flags >> bit) & 1u)
@@ -91,22 +116,27 @@ std::string flag_names(std::uint32_t flags) {
     return out.empty() ? "-" : out;
 }
 
-std::string output_head(Format format) {
-    return format == Format::csv ? fmt::format("{}\n", fmt::join(columns, ",")) : std::string();
+std::string output_head(Format format, bool below) {
+    if (format != Format::csv)
+        return {};
+    return below ? fmt::format("{},flags\n", fmt::join(of_water.names, ","))
+                 : fmt::format("{},flags\n", fmt::join(of_surface.names, ","));
 }
 
 std::string output_rows(Format format, std::span<const QueryPoint> points,
                         std::span<const Answer> answers, bool compact) {
     SEAWAY_CHECK(points.size() == answers.size(), "one answer a point");
-    if (format == Format::json)
-        return json_array(points, answers, compact);
-    std::string out = format == Format::table ? table_head : "";
-    for (std::size_t i = 0; i < points.size(); ++i)
-        if (format == Format::csv)
-            csv_row(out, points[i], answers[i]);
-        else
-            table_row(out, points[i], answers[i]);
-    return out;
+    return rows_of(format, of_surface, answers, compact,
+                   [&](std::size_t i) { return values(points[i], answers[i]); });
+}
+
+std::string output_rows(Format format, std::span<const QueryPoint> points, double z_m,
+                        const Below& found, bool compact) {
+    SEAWAY_CHECK(points.size() == found.answers.size() && points.size() == found.water.size(),
+                 "one answer a point");
+    return rows_of(format, of_water, found.answers, compact, [&](std::size_t i) {
+        return values(points[i], z_m, found.answers[i].height_m, found.water[i]);
+    });
 }
 
 std::string output_bench(Format format, std::span<const BenchRow> rows) {

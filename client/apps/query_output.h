@@ -7,17 +7,22 @@
 #include <string>
 
 #include "client/apps/query_options.h"
+#include "client/looks.h"
 #include "sea/surface/answer.h"
 
 namespace seaway::client {
 
-/// What comes once, before the first rows: the header of CSV.
-std::string output_head(Format format);
+/// What comes once, before the first rows: the header of CSV. `below`: of rows of water below the surface.
+std::string output_head(Format format, bool below = false);
 
 /// One answer a point. JSON: one array, its objects on lines of their own, or all on one line with
 /// `compact`; what is not a number is null.
 std::string output_rows(Format format, std::span<const sea::QueryPoint> points,
                         std::span<const sea::Answer> answers, bool compact);
+
+/// The same of the water at `z_m`.
+std::string output_rows(Format format, std::span<const sea::QueryPoint> points, double z_m,
+                        const Below& found, bool compact);
 
 /// "folded extrapolated", "-" for none.
 std::string flag_names(std::uint32_t flags);

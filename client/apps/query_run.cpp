@@ -75,6 +75,23 @@ Result<std::vector<sea::Answer>> answers_to(Client& client, const QueryOptions& 
     return client.ask(points, {options.exact, options.timeout_s, looking});
 }
 
+/// Answers, as they are written.
+Result<std::string> rows_of(Client& client, const QueryOptions& options,
+                            std::span<const sea::QueryPoint> points) {
+    const bool compact = options.watch_hz > 0;
+    if (!options.z_m) {
+        SEAWAY_TRY_LET(const std::vector<sea::Answer> answers, answers_to(client, options, points));
+        return output_rows(options.format, points, answers, compact);
+    }
+    const sea::Looking looking{.min_wavelength_m = options.min_wavelength_m};
+    const std::vector<double> z_m(points.size(), *options.z_m);
+    SEAWAY_TRY_LET(
+        const Below found,
+        options.local ? client.below(points, z_m, looking)
+                      : client.ask_below(points, z_m, {options.exact, options.timeout_s, looking}));
+    return output_rows(options.format, points, *options.z_m, found, compact);
+}
+
 using seconds = std::chrono::duration<double>;
 
 steady_clock::duration ticks(seconds time) {
@@ -151,7 +168,7 @@ Result<void> run_query(const Connect& connect, const QueryOptions& options,
     SEAWAY_TRY(make_ready(*client, options));
     const auto start = steady_clock::now();
     sea::TimeUs start_us = client->now_us();
-    std::string text = output_head(options.format), said;
+    std::string text = output_head(options.format, options.z_m.has_value()), said;
     int seas = client->seas();
     for (std::int64_t tick = 0;; ++tick) {
         if (std::exchange(seas, client->seas()) != seas) {
@@ -164,14 +181,13 @@ Result<void> run_query(const Connect& connect, const QueryOptions& options,
         const sea::TimeUs now_us = client->now_us();
         const std::vector<sea::QueryPoint> points =
             points_at(places, options, now_us, watching ? now_us - start_us : 0);
-        const Result<std::vector<sea::Answer>> answers = answers_to(*client, options, points);
-        if (!answers) {
-            if (const auto error =
-                    watching ? for_good(*client, answers.error(), said) : answers.error())
+        const Result<std::string> rows = rows_of(*client, options, points);
+        if (!rows) {
+            if (const auto error = watching ? for_good(*client, rows.error(), said) : rows.error())
                 return *error;
         } else {
             said.clear();
-            text += output_rows(options.format, points, *answers, watching);
+            text += *rows;
             SEAWAY_TRY(write_out(out, text));
             text.clear();
         }
@@ -181,7 +197,7 @@ Result<void> run_query(const Connect& connect, const QueryOptions& options,
         const seconds elapsed = steady_clock::now() - start;
         tick = std::max(tick, static_cast<std::int64_t>(elapsed.count() * options.watch_hz));
         const auto beat = start + ticks(seconds(static_cast<double>(tick + 1) / options.watch_hz));
-        sleep_until(answers ? beat : std::min(beat, steady_clock::now() + ask_again), stop);
+        sleep_until(rows ? beat : std::min(beat, steady_clock::now() + ask_again), stop);
         if (stop)
             return {};
     }

@@ -103,10 +103,57 @@ TEST(QueryOutput, every_column_of_every_format_holds_what_it_is_called_by) {
     }
 }
 
+TEST(QueryOutput, every_column_of_water_below_holds_what_it_is_called_by) {
+    const char* const names[] = {"x_m",
+                                 "y_m",
+                                 "t_s",
+                                 "z_m",
+                                 "surface_m",
+                                 "velocity_x_mps",
+                                 "velocity_y_mps",
+                                 "velocity_z_mps",
+                                 "pressure_m2ps2"};
+    Below found{answers(), {{{6.5, -7.25, 8.125}, 9.0625}, {{-10.5, 11.25, -12.125}, -13.0625}}};
+    const json shown = json::parse(output_rows(Format::json, points(), -3.75, found, true));
+    const auto head = words_of(output_head(Format::csv, true));
+    const auto csv = lines_of(output_rows(Format::csv, points(), -3.75, found, false));
+    const auto table = lines_of(output_rows(Format::table, points(), -3.75, found, false));
+    EXPECT_EQ(output_head(Format::table, true) + output_head(Format::json, true), "");
+    ASSERT_EQ(shown.size(), 2u);
+    ASSERT_EQ(csv.size(), 2u);
+    ASSERT_EQ(table.size(), 3u);
+    ASSERT_EQ(head.size(), 10u);
+    EXPECT_EQ(words_of(table[0]).size(), 10u);
+    for (std::size_t i = 0; i < 2; ++i) {
+        const auto& r = rows[i];
+        const auto& water = found.water[i];
+        const double held[] = {r[0],
+                               r[1],
+                               r[2],
+                               -3.75,
+                               r[3],
+                               water.velocity_mps[0],
+                               water.velocity_mps[1],
+                               water.velocity_mps[2],
+                               water.pressure_m2ps2};
+        const auto values = words_of(csv[i]), cells = words_of(table[i + 1]);
+        ASSERT_EQ(values.size(), 10u);
+        for (std::size_t c = 0; c < 9; ++c) {
+            EXPECT_EQ(head[c], names[c]);
+            EXPECT_EQ(shown[i][names[c]].get<double>(), held[c]) << names[c];
+            EXPECT_EQ(std::stod(values[c]), held[c]) << names[c];
+            EXPECT_NEAR(std::stod(cells[c]), held[c], 5.1e-4) << names[c]; // three decimals
+        }
+        EXPECT_EQ(shown[i]["flags"].get<unsigned>(), flags[i]);
+        EXPECT_EQ(values[9], std::to_string(flags[i]));
+    }
+}
+
 TEST(QueryOutput, every_flag_has_its_own_name) {
-    const char* const names[] = {"folded", "not_converged",     "extrapolated", "invalid",
-                                 "exact",  "vertical_velocity", "open"};
-    for (std::uint32_t bit = 0; bit < 7; ++bit)
+    const char* const names[] = {"folded",  "not_converged", "extrapolated",
+                                 "invalid", "exact",         "vertical_velocity",
+                                 "open",    "stale",         "dry"};
+    for (std::uint32_t bit = 0; bit < 9; ++bit)
         EXPECT_EQ(flag_names(1u << bit), names[bit]);
 }
 
@@ -155,6 +202,7 @@ TEST(QueryOptions, each_goes_where_it_says_and_has_its_default) {
     EXPECT_FALSE(plain.time_s || plain.exact || plain.local);
     EXPECT_EQ(plain.format, Format::table);
     EXPECT_EQ(plain.min_wavelength_m, 0);
+    EXPECT_FALSE(plain.z_m);
     EXPECT_EQ(plain.watch_hz, 0);
     EXPECT_EQ(plain.bench_points, 0);
     EXPECT_EQ(plain.timeout_s, 10);
@@ -177,6 +225,8 @@ TEST(QueryOptions, each_goes_where_it_says_and_has_its_default) {
     EXPECT_EQ(all.timeout_s, 7.5);
     EXPECT_EQ(all.token_file, "t");
     EXPECT_EQ(all.ca_file, "c");
+    EXPECT_EQ(taken({"ws://a:1", "--at", "1,2", "--z", "-7.25"}).z_m, -7.25);
+    EXPECT_EQ(taken({"ws://a:1", "--at", "1,2", "--z=0"}).z_m, 0);
     const QueryOptions bench = taken({"ws://a:1", "--bench", "33", "--exact", "--format", "csv"});
     EXPECT_EQ(bench.bench_points, 33);
     EXPECT_TRUE(bench.exact);
@@ -192,6 +242,8 @@ TEST(QueryOptions, each_number_is_taken_up_to_its_limits_and_no_further) {
     for (const Limits& row :
          {Limits{"--time", {"1e12", "-1e12", "now"}, {"1.001e12", "-1.001e12", "nan", "inf"}},
           {"--watch", {"1e-5", "1000"}, {"9e-6", "1000.5", "-1", "inf"}},
+          {"--min-wavelength", {"0", "1e9"}, {"-1", "1.001e9", "nan", "inf"}},
+          {"--z", {"-1e9", "1e9"}, {"-1.001e9", "1.001e9", "nan", "inf", "deep"}},
           {"--timeout", {"86400", "1e-3"}, {"86401", "0", "-1", "inf"}}}) {
         for (const char* value : row.within)
             EXPECT_EQ(query_options_of({"ws://a:1", "--at", "1,2", row.option, value}).index(), 0u)

@@ -7,6 +7,7 @@
 
 #include <sys/wait.h>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -100,9 +101,8 @@ TEST(Options, that_make_no_sense_are_exit_code_2) {
         {"ws://a:1", "--at", "1,2", "--local", "--watch", "1", "--size-max", "31"},
         {"ws://a:1", "--at", "1,2", "--local", "--watch", "1", "--rate-max", "0.9"},
         {"ws://a:1", "--at", "1,2", "--watch", "1", "--rate-max", "2"},
-        {"ws://a:1", "--at", "1,2", "--min-wavelength", "-1"},
-        {"ws://a:1", "--at", "1,2", "--min-wavelength", "1.001e9"},
-        {"ws://a:1", "--at", "1,2", "--min-wavelength", "nan"},
+        {"ws://a:1", "--at", "1,2", "--local", "--z", "-1"},
+        {"ws://a:1", "--bench", "2", "--z", "-1"},
         {"ws://a:1", "--bench", "2", "--min-wavelength", "3"},
         {"ws://a:1", "--at", "1,2", "--bogus"}};
     for (const auto& arguments : wrong) {
@@ -244,6 +244,32 @@ TEST_F(Program, leaves_out_what_a_hull_does_not_feel_whoever_answers) {
                     sea.truth({n, n, sea::us_from_seconds(n)}, 1u, 0, unused).height_m,
                     many[i]["error_m"].get<double>());
     }
+}
+
+TEST_F(Program, dives) {
+    const sea::QueryPoint points[] = {{-12.5, 40, 50'000'000}, {3, 4, 50'000'000}};
+    for (const std::string felt : {"", " --min-wavelength 20.1"})
+        for (const double z_m : {-3.5, 9.0}) { // waves are 1.2 m high at most
+            const auto answered =
+                rows("--at -12.5,40 3,4 --time 50 --z " + fmt::format("{}", z_m) + felt);
+            ASSERT_EQ(answered.size(), 2u);
+            for (std::size_t i = 0; i < 2; ++i) {
+                sea::WaterBelow water;
+                const sea::Answer truth = sea.truth(points[i], felt.empty() ? 3u : 1u, z_m, water);
+                EXPECT_EQ(answered[i]["z_m"].get<double>(), z_m);
+                EXPECT_EQ(answered[i]["surface_m"].get<double>(), truth.height_m);
+                // Floats on the wire.
+                EXPECT_FLOAT_EQ(answered[i]["velocity_z_mps"].get<float>(),
+                                static_cast<float>(water.velocity_mps[2]));
+                EXPECT_FLOAT_EQ(answered[i]["pressure_m2ps2"].get<float>(),
+                                static_cast<float>(water.pressure_m2ps2));
+                EXPECT_EQ((answered[i]["flags"].get<unsigned>() & sea::answer_dry) != 0, z_m > 0);
+                EXPECT_EQ(water.pressure_m2ps2 == 0, z_m > 0);
+            }
+        }
+    sea.knows_below = false;
+    EXPECT_EQ(run_program(net->url() + " --at 0,0 --z -1 2>/dev/null").exit_code, 6)
+        << "a server that is older";
 }
 
 TEST_F(Program, reads_points_with_times_of_their_own) {
