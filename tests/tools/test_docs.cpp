@@ -136,6 +136,14 @@ TEST(Docs, every_feature_of_the_five_systems_has_one_row) {
         }
 }
 
+TEST(Docs, no_two_features_have_one_number) {
+    std::set<std::string> ids;
+    for (const std::string& id :
+         all_of(text_of(root / "docs/features.md"), R"(\n\| ([A-Z]\d*\.\d+) \|)"))
+        EXPECT_TRUE(ids.insert(id).second) << id;
+    EXPECT_GT(ids.size(), 105u + 34u) << "those of the five systems and ours";
+}
+
 TEST(Docs, every_trap_has_one_row) {
     const std::string page = text_of(root / "docs/physics.md");
     for (int trap = 1; trap <= 64; ++trap) {
