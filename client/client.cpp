@@ -393,7 +393,7 @@ Result<void> Client::sample_from(const KeyframeRing& ring, HeldSurfaces& surface
         }
         splines_ahead_ = splines_ahead_max;
         SEAWAY_TRY(surfaces.lend(then.state, ring, time_us, fields, surface));
-        surface->surface.answer(asked, answered);
+        surface->surface.answer(asked, answered, sea::AnswerParts::all, &surfaces.mixed());
         if (!surface->covers)
             for (Answer& answer : answered)
                 answer.flags |= sea::answer_extrapolated;

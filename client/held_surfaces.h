@@ -62,6 +62,8 @@ class HeldSurfaces {
     /// The surface around one time, as local_surface().
     Result<void> lend(const SeaStatePtr& state, const KeyframeRing& ring, sea::TimeUs time_us,
                       sea::FieldSet fields, Lent& lent);
+    /// For whoever asks a surface of these again and again about one time.
+    sea::MixedMaps& mixed() { return mixed_; }
     /// Lets go of keyframes that the ring has let go.
     void follow(const KeyframeRing& ring);
 
@@ -75,6 +77,7 @@ class HeldSurfaces {
     std::mutex mutex_;
     std::array<Place, places> places_;
     std::uint64_t uses_ = 0;
+    sea::MixedMaps mixed_;
 };
 
 } // namespace seaway::client

@@ -10,8 +10,8 @@
 #include <span>
 #include <vector>
 
+#include "base/aligned_floats.h"
 #include "base/thread_pool.h"
-#include "sea/native/aligned_floats.h"
 #include "sea/native/kernels.h"
 #include "sea/native/native_runner.h"
 

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "sea/native/aligned_floats.h"
+#include "base/aligned_floats.h"
 #include "sea/native/kernels.h"
 #include "sea/native/native_transform.h"
 

@@ -97,9 +97,9 @@ void write_mode(const CascadeModes& modes, int kx, int ky, std::size_t index, st
 void write_records(const CascadeModes& modes, std::size_t records, TransformState& state) {
     const int lanes = state.kernels->lanes;
     const std::size_t lane_floats = records * static_cast<std::size_t>(lanes);
-    state.records = native::allocate_floats(lane_floats * native::record_streams);
-    state.over_k = native::allocate_floats(lane_floats);
-    state.omega = native::allocate_floats(lane_floats);
+    state.records = allocate_floats(lane_floats * native::record_streams);
+    state.over_k = allocate_floats(lane_floats);
+    state.omega = allocate_floats(lane_floats);
     int first_kx = 0;
     for (const Block& block : state.blocks) {
         std::size_t index = block.first;
@@ -115,7 +115,7 @@ void write_records(const CascadeModes& modes, std::size_t records, TransformStat
 /// lattice only.
 void write_tables(const CascadeSpec& spec, TransformState& state) {
     const auto size = static_cast<std::size_t>(spec.size);
-    state.tables = native::allocate_floats((2 + 3 + linear_field_count) * size);
+    state.tables = allocate_floats((2 + 3 + linear_field_count) * size);
     float* next = state.tables.get();
     const auto add_table = [&](auto value) -> const float* {
         float* table = next;

@@ -23,8 +23,8 @@ std::vector<float> mixed_texels(const SplinePair& pair, TimeUs time_us) {
                           rate = spline_channel::rate;
     const HermiteWeights w =
         hermite_weights(pair.before->time_us(), pair.after->time_us(), time_us);
-    const std::vector<float>& a = pair.before->coefficients();
-    const std::vector<float>& b = pair.after->coefficients();
+    const std::span<const float> a = pair.before->coefficients();
+    const std::span<const float> b = pair.after->coefficients();
     std::vector<float> mixed(a.size() / from * to);
     for (std::size_t i = 0; i < a.size() / from; ++i)
         for (std::size_t c = 0; c < spline_channel::values; ++c) {

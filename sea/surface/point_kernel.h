@@ -11,6 +11,8 @@
 // what is summed; places in double. Solves where the surface is gentle, and says where it has not; nothing is allocated.
 #pragma once
 
+#include <cstddef>
+
 #include "base/instructions.h"
 
 namespace seaway::sea {
@@ -23,31 +25,47 @@ struct PointTile {
     double size;
     double texels_per_m;
     int pitch; ///< floats a row
+    /// Values of both at the time of all points, spline_channel::mixed floats a texel; null: they are mixed as needed.
+    const float* mixed = nullptr;
 };
 
 /// Hermite's weights of one cascade at one time: of (value, rate) before and after.
-struct PointWeights {
+struct alignas(64) PointWeights {
     float value[4];
     float rate[4];
+    float unused[8]; ///< a kernel loads all sixteen at once
 };
 
-struct PointPlace {
+/// Some points, what is alike of them side by side.
+struct alignas(64) PointBlock {
+    static constexpr int size = 8;
+    static constexpr int tiles_max = 16;
+
     // Asked
-    double x_m, y_m;             ///< in the world, finite
-    const PointWeights* weights; ///< one a tile
+    double x_m[size]; ///< in the world, finite
+    double y_m[size];
+    const PointWeights* weights[size]; ///< one a tile
+    int count = 0;                     ///< of points; what is beyond has no meaning
     // Answered
-    double shift_x_m, shift_y_m; ///< X - x
-    double residual_m;
-    bool solved; ///< the rest is set, and holds at x + shift
-    float value[3];
-    float d_dx[3];
-    float d_dy[3];
-    float rate[3]; ///< channels as in spline_channels.h
+    alignas(64) double shift_x_m[size]; ///< X - x
+    alignas(64) double shift_y_m[size];
+    alignas(64) double residual_m[size];
+    bool solved[size]; ///< what follows is set, and holds at x + shift
+    /// Channels as in spline_channels.h, beside one that has no meaning.
+    alignas(64) float value[size][4];
+    alignas(64) float d_dx[size][4];
+    alignas(64) float d_dy[size][4];
+    alignas(64) float rate[size][4];
+    /// The place on each tile: its cell, and how far it is into it.
+    alignas(32) int cell_x[tiles_max][size];
+    alignas(32) int cell_y[tiles_max][size];
+    alignas(32) float fraction_x[tiles_max][size];
+    alignas(32) float fraction_y[tiles_max][size];
 };
 
 struct PointTask {
     const PointTile* tiles;
-    int tile_count; ///< 1 to tiles_max
+    int tile_count; ///< 1 to PointBlock::tiles_max
     double choppiness_x;
     double choppiness_y;
     double tolerance_m;
@@ -56,10 +74,9 @@ struct PointTask {
 };
 
 struct PointKernel {
-    static constexpr int block = 8; ///< points at a time
-    static constexpr int tiles_max = 16;
-
-    void (*solve)(const PointTask& task, PointPlace* places, int count);
+    void (*solve)(const PointTask& task, PointBlock& points);
+    /// All of a tile at one time: PointTile::mixed.
+    void (*mix)(const PointTile& tile, const PointWeights& weights, std::size_t texels, float* to);
 };
 
 const PointKernel& point_kernel(Instructions instructions);

@@ -4,374 +4,277 @@
 #pragma once
 
 #include "sea/surface/fold_suspicion.h"
-#include "sea/surface/maps/spline_channels.h"
-#include "sea/surface/maps/spline_weights.h"
-#include "sea/surface/point_kernel.h"
+#include "sea/surface/point_texels.h"
 
 namespace seaway::sea {
 namespace {
 
-#define SEAWAY_INLINE [[gnu::always_inline]] inline
+typedef double D8 __attribute__((vector_size(64)));
+typedef long long L8 __attribute__((vector_size(64)));
+typedef int I8 __attribute__((vector_size(32)));
 
-typedef float F4 __attribute__((vector_size(16)));
-typedef float F8 __attribute__((vector_size(32)));
-typedef float F16 __attribute__((vector_size(64)));
-typedef float F4Unaligned __attribute__((vector_size(16), aligned(4), may_alias));
-typedef float F8Unaligned __attribute__((vector_size(32), aligned(4), may_alias));
-typedef float F16Unaligned __attribute__((vector_size(64), aligned(4), may_alias));
-
-constexpr int channels = spline_channel::count;
+constexpr int lanes = PointBlock::size;
 constexpr int steps_max = 6;
 
-struct Spot {
-    int first; ///< of 4 x 4 coefficients, floats from the beginning of the map
-    float fraction_x;
-    float fraction_y;
-};
-
-/// One cascade around one point, mixed at its time.
-struct alignas(64) Patch {
-    float texels[16][4];
-    int first; ///< Spot::first
-};
-
-struct Here {
-    F4 value;
-    F4 d_dx;
-    F4 d_dy;
-};
-
-/// Position of the world point on each tile, texels.
-struct Base {
-    double x[PointKernel::tiles_max];
-    double y[PointKernel::tiles_max];
-};
-
-SEAWAY_INLINE double within(double u, double size) {
-    return u - size * __builtin_floor(u / size);
+SEAWAY_INLINE D8 each(const double (&of_lanes)[lanes]) {
+    return *reinterpret_cast<const D8*>(of_lanes);
 }
 
-SEAWAY_INLINE int index_of(double u, double size) {
-    const int index = static_cast<int>(u);
-    const int last = static_cast<int>(size) - 1;
-    return index < last ? index : last;
+/// One channel of all lanes.
+template <int channel>
+SEAWAY_INLINE D8 column(const float (&rows)[lanes][4]) {
+    const F16 first = *reinterpret_cast<const F16*>(rows[0]);
+    const F16 second = *reinterpret_cast<const F16*>(rows[4]);
+    constexpr int c = channel;
+    return __builtin_convertvector(__builtin_shufflevector(first, second, c, c + 4, c + 8, c + 12,
+                                                           c + 16, c + 20, c + 24, c + 28),
+                                   D8);
 }
 
-SEAWAY_INLINE Spot spot_of(const PointTile& tile, double base_x, double base_y, double shift_x_m,
-                           double shift_y_m) {
-    double ux = base_x + shift_x_m * tile.texels_per_m;
-    double uy = base_y + shift_y_m * tile.texels_per_m;
-    if (!(ux >= 0 && ux < tile.size))
-        ux = within(ux, tile.size);
-    if (!(uy >= 0 && uy < tile.size))
-        uy = within(uy, tile.size);
-    const int ix = index_of(ux, tile.size), iy = index_of(uy, tile.size);
-    return {iy * tile.pitch + ix * channels, static_cast<float>(ux - ix),
-            static_cast<float>(uy - iy)};
+SEAWAY_INLINE bool any(const L8& mask) {
+    long long all = 0;
+    for (int p = 0; p < lanes; ++p)
+        all |= mask[p];
+    return all != 0;
 }
 
-SEAWAY_INLINE void fetch(const PointTile& tile, int first) {
-    for (const float* map : {tile.before, tile.after})
-        for (int j = 0; j < 4; ++j) {
-            const float* row = map + first + j * tile.pitch;
-            __builtin_prefetch(row);
-            __builtin_prefetch(row + 2 * channels);
-            __builtin_prefetch(row + 4 * channels - 1);
-        }
+/// 0 <= u < size, texels.
+SEAWAY_INLINE D8 within(D8 u, double size) {
+    if (any((u < 0) | (u >= size)))
+        for (int p = 0; p < lanes; ++p)
+            u[p] -= size * __builtin_floor(u[p] / size);
+    return u;
 }
 
-/// (before's value + after's value) + (before's rate + after's rate), each times its weight.
-template <int W>
-SEAWAY_INLINE F4 mixed(const float* before, const float* after, const float* w) {
-    if constexpr (W == 8) {
-        const F8 wb{w[0], w[0], w[0], w[0], w[1], w[1], w[1], w[1]};
-        const F8 wa{w[2], w[2], w[2], w[2], w[3], w[3], w[3], w[3]};
-        const F8 both = wb * *reinterpret_cast<const F8Unaligned*>(before) +
-                        wa * *reinterpret_cast<const F8Unaligned*>(after);
-        return __builtin_shufflevector(both, both, 0, 1, 2, 3) +
-               __builtin_shufflevector(both, both, 4, 5, 6, 7);
-    } else {
-        const auto part = [](const float* at) {
-            return static_cast<F4>(*reinterpret_cast<const F4Unaligned*>(at));
-        };
-        return (w[0] * part(before) + w[2] * part(after)) +
-               (w[1] * part(before + 4) + w[3] * part(after + 4));
-    }
+SEAWAY_INLINE I8 cell_of(const D8& u, double size) {
+    const I8 cell = __builtin_convertvector(u, I8);
+    const I8 last = I8{} + (static_cast<int>(size) - 1);
+    return cell < last ? cell : last;
 }
 
-/// The same of four texels in a row.
-SEAWAY_INLINE F16 mixed_row(const float* before, const float* after, const float* w) {
-    const F16 wb{w[0], w[0], w[0], w[0], w[1], w[1], w[1], w[1],
-                 w[0], w[0], w[0], w[0], w[1], w[1], w[1], w[1]};
-    const F16 wa{w[2], w[2], w[2], w[2], w[3], w[3], w[3], w[3],
-                 w[2], w[2], w[2], w[2], w[3], w[3], w[3], w[3]};
-    const auto two = [&](int i) {
-        return wb * *reinterpret_cast<const F16Unaligned*>(before + i) +
-               wa * *reinterpret_cast<const F16Unaligned*>(after + i);
-    };
-    const F16 west = two(0), east = two(2 * channels);
-    return __builtin_shufflevector(west, east, 0, 1, 2, 3, 8, 9, 10, 11, 16, 17, 18, 19, 24, 25, 26,
-                                   27) +
-           __builtin_shufflevector(west, east, 4, 5, 6, 7, 12, 13, 14, 15, 20, 21, 22, 23, 28, 29,
-                                   30, 31);
-}
-
-template <int W>
-SEAWAY_INLINE void mix(const PointTile& tile, const float* weights, int first, Patch& patch) {
-    const float* before = tile.before + first;
-    const float* after = tile.after + first;
-    for (int j = 0; j < 4; ++j, before += tile.pitch, after += tile.pitch) {
-        if constexpr (W == 16)
-            *reinterpret_cast<F16*>(patch.texels[4 * j]) = mixed_row(before, after, weights);
-        else
-            for (int i = 0; i < 4; ++i)
-                *reinterpret_cast<F4*>(patch.texels[4 * j + i]) =
-                    mixed<W>(before + i * channels, after + i * channels, weights);
-    }
-    patch.first = first;
-}
-
-/// The sum over i of column[i] weight[i], as (0 + 2) + (1 + 3).
-SEAWAY_INLINE F4 across(const F4 (&column)[4], F4 weight) {
-    return (column[0] * weight[0] + column[2] * weight[2]) +
-           (column[1] * weight[1] + column[3] * weight[3]);
-}
-
-template <int W>
-SEAWAY_INLINE Here sample(const PointTile& tile, const Patch& patch, const Spot& spot) {
-    F4 wx, dx, wy, dy;
-    spline_weights(spot.fraction_x, wx, dx);
-    spline_weights(spot.fraction_y, wy, dy);
-    const auto per_m = static_cast<float>(tile.texels_per_m);
-    dx *= per_m;
-    dy *= per_m;
-    if constexpr (W == 16) {
-        F16 column{}, slope{};
-        for (int j = 0; j < 4; ++j) {
-            const F16 row = *reinterpret_cast<const F16*>(patch.texels[4 * j]);
-            column += wy[j] * row;
-            slope += dy[j] * row;
-        }
-        const auto sum = [](const F16& c, F4 w) {
-            const F16 all =
-                c * __builtin_shufflevector(w, w, 0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3);
-            const F8 both = __builtin_shufflevector(all, all, 0, 1, 2, 3, 4, 5, 6, 7) +
-                            __builtin_shufflevector(all, all, 8, 9, 10, 11, 12, 13, 14, 15);
-            return __builtin_shufflevector(both, both, 0, 1, 2, 3) +
-                   __builtin_shufflevector(both, both, 4, 5, 6, 7);
-        };
-        return {sum(column, wx), sum(column, dx), sum(slope, wx)};
-    } else if constexpr (W == 8) {
-        F8 column[2] = {}, slope[2] = {};
-        for (int j = 0; j < 4; ++j)
-            for (int v = 0; v < 2; ++v) {
-                const F8 texels =
-                    *reinterpret_cast<const F8Unaligned*>(patch.texels[4 * j + 2 * v]);
-                column[v] += wy[j] * texels;
-                slope[v] += dy[j] * texels;
-            }
-        const auto sum = [](const F8(&c)[2], F4 w) {
-            const F8 low = __builtin_shufflevector(w, w, 0, 0, 0, 0, 1, 1, 1, 1);
-            const F8 high = __builtin_shufflevector(w, w, 2, 2, 2, 2, 3, 3, 3, 3);
-            const F8 both = c[0] * low + c[1] * high;
-            return __builtin_shufflevector(both, both, 0, 1, 2, 3) +
-                   __builtin_shufflevector(both, both, 4, 5, 6, 7);
-        };
-        return {sum(column, wx), sum(column, dx), sum(slope, wx)};
-    } else {
-        F4 column[4] = {}, slope[4] = {};
-        for (int j = 0; j < 4; ++j)
-            for (int i = 0; i < 4; ++i) {
-                const F4 texel = *reinterpret_cast<const F4*>(patch.texels[4 * j + i]);
-                column[i] += wy[j] * texel;
-                slope[i] += dy[j] * texel;
-            }
-        return {across(column, wx), across(column, dx), across(slope, wx)};
-    }
-}
-
-/// I + lambda grad D and the residual of a place.
+/// Towards the solution, from I + lambda grad D and the residual.
 struct Step {
-    double a, b, c, d;
-    double x_m, y_m; ///< towards the solution
-    double determinant;
+    D8 x_m, y_m;
+    D8 determinant;
 
-    Step(const PointTask& task, const Here& p, double residual_x_m, double residual_y_m) {
+    SEAWAY_INLINE Step(const PointTask& task, const PointBlock& points, const D8& residual_x_m,
+                       const D8& residual_y_m) {
         constexpr int dx = spline_channel::displacement_x, dy = spline_channel::displacement_y;
-        const double cross =
-            0.5 * (static_cast<double>(p.d_dy[dx]) + static_cast<double>(p.d_dx[dy]));
-        a = 1 + task.choppiness_x * static_cast<double>(p.d_dx[dx]);
-        b = task.choppiness_x * cross;
-        c = task.choppiness_y * cross;
-        d = 1 + task.choppiness_y * static_cast<double>(p.d_dy[dy]);
+        const D8 cross = 0.5 * (column<dx>(points.d_dy) + column<dy>(points.d_dx));
+        const D8 a = 1 + task.choppiness_x * column<dx>(points.d_dx);
+        const D8 b = task.choppiness_x * cross;
+        const D8 c = task.choppiness_y * cross;
+        const D8 d = 1 + task.choppiness_y * column<dy>(points.d_dy);
         determinant = a * d - b * c;
-        const double per = 1 / determinant;
+        const D8 per = 1 / determinant;
         x_m = (b * residual_y_m - d * residual_x_m) * per;
         y_m = (c * residual_x_m - a * residual_y_m) * per;
     }
 };
 
-/// A point on its way.
-struct Walk {
-    Here sum;
-    bool leaves; ///< for the careful solver
-    bool done;
-};
-
-template <int W>
+/// Lanes go on together: what is worked out from what was looked up is worked out for all of them at once, and what is
+/// looked up for one does not wait for another.
+template <int W, bool mixed_already>
 class Block {
   public:
-    Block(const PointTask& task, PointPlace* places, int count)
-        : task_(task), places_(places), count_(count) {
-        for (int p = 0; p < count_; ++p) {
-            PointPlace& place = places_[p];
-            place.shift_x_m = place.shift_y_m = 0;
-            place.solved = false;
-            walks_[p].sum = Here{F4{}, F4{}, F4{}};
-            walks_[p].leaves = walks_[p].done = false;
-            for (int t = 0; t < task_.tile_count; ++t) {
-                const PointTile& tile = task_.tiles[t];
-                const double east = place.x_m / tile.length_m, north = place.y_m / tile.length_m;
-                bases_[p].x[t] = (east - __builtin_floor(east)) * tile.size;
-                bases_[p].y[t] = (north - __builtin_floor(north)) * tile.size;
-                patches_[p][t].first = -1;
+    Block(const PointTask& task, PointBlock& points) : task_(task), points_(points) {
+        for (int p = points_.count; p < lanes; ++p) { // any place will do
+            points_.x_m[p] = points_.y_m[p] = 0;
+            points_.weights[p] = points_.weights[0];
+        }
+        for (int p = 0; p < lanes; ++p) {
+            points_.shift_x_m[p] = points_.shift_y_m[p] = points_.residual_m[p] = 0;
+            points_.solved[p] = false;
+            going_[p] = p < points_.count;
+        }
+        set(points_.value);
+        set(points_.d_dx);
+        set(points_.d_dy);
+        for (int t = 0; t < task_.tile_count; ++t) {
+            const PointTile& tile = task_.tiles[t];
+            for (int p = 0; p < lanes; ++p) {
+                const double east = points_.x_m[p] / tile.length_m;
+                const double north = points_.y_m[p] / tile.length_m;
+                base_x_[t][p] = (east - __builtin_floor(east)) * tile.size;
+                base_y_[t][p] = (north - __builtin_floor(north)) * tile.size;
+                patches_[t][p].first = -1;
             }
         }
     }
 
     void run() {
-        for (int t = 0; t < task_.tile_count; ++t) {
-            for (int p = 0; p < count_; ++p)
-                fetch(task_.tiles[t], spot(p, t).first);
-            for (int p = 0; p < count_; ++p)
-                add_cascade(p, t);
-        }
-        int left = count_;
-        for (int step = 0; step < steps_max && left > 0; ++step) {
-            if (step == 0)
-                fetch_moved();
-            left = 0;
-            for (int p = 0; p < count_; ++p)
-                left += newton(p) ? 0 : 1;
-        }
-        if (task_.rates)
-            for (int p = 0; p < count_; ++p)
-                if (places_[p].solved)
-                    add_rates(p);
+        for (int t = 0; t < task_.tile_count; ++t)
+            add_cascade(t);
+        for (int step = 0; step < steps_max && goes_on(); ++step)
+            newton(step == 0);
+        if (!task_.rates)
+            return;
+        if constexpr (mixed_already) // of values alone
+            for (int p = 0; p < points_.count; ++p)
+                for (int t = 0; t < task_.tile_count; ++t)
+                    fetch(task_.tiles[t], patches_[t][p].first);
+        for (int p = 0; p < points_.count; ++p)
+            if (points_.solved[p])
+                add_rates(p);
     }
 
   private:
-    SEAWAY_INLINE Spot spot(int p, int t) const {
-        return spot_of(task_.tiles[t], bases_[p].x[t], bases_[p].y[t], places_[p].shift_x_m,
-                       places_[p].shift_y_m);
+    SEAWAY_INLINE static void set(float (&rows)[lanes][4]) {
+        for (float(&row)[4] : rows)
+            *reinterpret_cast<F4*>(row) = F4{};
+    }
+    SEAWAY_INLINE static void add(float (&row)[4], const F4& more) {
+        *reinterpret_cast<F4*>(row) += more;
+    }
+    SEAWAY_INLINE bool goes_on() const {
+        bool any = false;
+        for (const bool one : going_)
+            any |= one;
+        return any;
     }
 
-    SEAWAY_INLINE Here here(int p, int t) {
-        const Spot at = spot(p, t);
-        Patch& patch = patches_[p][t];
-        if (patch.first != at.first)
-            mix<W>(task_.tiles[t], places_[p].weights[t].value, at.first, patch);
-        return sample<W>(task_.tiles[t], patch, at);
+    /// Where the points are on a tile.
+    SEAWAY_INLINE void look(int t) {
+        const PointTile& tile = task_.tiles[t];
+        const D8 ux =
+            within(each(base_x_[t]) + each(points_.shift_x_m) * tile.texels_per_m, tile.size);
+        const D8 uy =
+            within(each(base_y_[t]) + each(points_.shift_y_m) * tile.texels_per_m, tile.size);
+        const I8 ix = cell_of(ux, tile.size), iy = cell_of(uy, tile.size);
+        *reinterpret_cast<I8*>(points_.cell_x[t]) = ix;
+        *reinterpret_cast<I8*>(points_.cell_y[t]) = iy;
+        *reinterpret_cast<F8*>(points_.fraction_x[t]) =
+            __builtin_convertvector(ux - __builtin_convertvector(ix, D8), F8);
+        *reinterpret_cast<F8*>(points_.fraction_y[t]) =
+            __builtin_convertvector(uy - __builtin_convertvector(iy, D8), F8);
+        *reinterpret_cast<I8*>(first_[t]) = iy * tile.pitch + ix * channels;
     }
-
-    SEAWAY_INLINE void move(int p, const Step& step) {
-        PointPlace& place = places_[p];
-        place.shift_x_m += step.x_m;
-        place.shift_y_m += step.y_m;
-        // Not numbers are refused as well: nothing is looked up there.
-        const double far_m2 = place.shift_x_m * place.shift_x_m + place.shift_y_m * place.shift_y_m;
-        if (!(step.determinant > fold_suspected_below && far_m2 <= task_.reach_m * task_.reach_m)) {
-            walks_[p].leaves = true;
-            place.shift_x_m = place.shift_y_m = 0;
+    SEAWAY_INLINE void fetch_what_is_new(int t) {
+        for (int p = 0; p < points_.count; ++p)
+            if (going_[p] && first_[t][p] != patches_[t][p].first) {
+                if constexpr (mixed_already)
+                    fetch_mixed(task_.tiles[t], first_[t][p]);
+                else
+                    fetch(task_.tiles[t], first_[t][p]);
+            }
+    }
+    SEAWAY_INLINE Here here(int t, int p) {
+        const PointTile& tile = task_.tiles[t];
+        Patch& patch = patches_[t][p];
+        if constexpr (mixed_already) {
+            patch.first = first_[t][p];
+            return sample<W>(tile, tile.mixed + patch.first / mixed_share, tile.pitch / mixed_share,
+                             points_.fraction_x[t][p], points_.fraction_y[t][p]);
         }
+        if (patch.first != first_[t][p])
+            mix<W>(tile, points_.weights[p][t], first_[t][p], patch);
+        return sample<W>(tile, patch.texels[0], Patch::pitch, points_.fraction_x[t][p],
+                         points_.fraction_y[t][p]);
+    }
+
+    /// Of those in `moving`.
+    SEAWAY_INLINE void move(const Step& step, const bool (&moving)[lanes]) {
+        const D8 x_m = each(points_.shift_x_m) + step.x_m, y_m = each(points_.shift_y_m) + step.y_m;
+        // Not numbers are refused as well: nothing is looked up there.
+        const L8 near = x_m * x_m + y_m * y_m <= D8{} + task_.reach_m * task_.reach_m;
+        const L8 stays = near & (step.determinant > D8{} + fold_suspected_below);
+        for (int p = 0; p < lanes; ++p)
+            if (moving[p]) {
+                points_.shift_x_m[p] = stays[p] ? x_m[p] : 0;
+                points_.shift_y_m[p] = stays[p] ? y_m[p] : 0;
+                going_[p] = stays[p] != 0; // else it is for the careful solver
+            }
     }
 
     /// What the earlier cascades do is taken to be linear meanwhile, and is solved for.
-    SEAWAY_INLINE void add_cascade(int p, int t) {
-        Walk& walk = walks_[p];
-        if (walk.leaves)
-            return;
-        const Here one = here(p, t);
-        walk.sum.d_dx += one.d_dx;
-        walk.sum.d_dy += one.d_dy;
-        constexpr int dx = spline_channel::displacement_x, dy = spline_channel::displacement_y;
-        move(p, Step(task_, walk.sum, task_.choppiness_x * static_cast<double>(one.value[dx]),
-                     task_.choppiness_y * static_cast<double>(one.value[dy])));
-    }
-
-    SEAWAY_INLINE void fetch_moved() {
-        for (int p = 0; p < count_; ++p)
-            for (int t = 0; t < task_.tile_count; ++t)
-                if (const int first = spot(p, t).first; first != patches_[p][t].first)
-                    fetch(task_.tiles[t], first);
-    }
-
-    /// Done with this point?
-    SEAWAY_INLINE bool newton(int p) {
-        Walk& walk = walks_[p];
-        if (walk.leaves || walk.done)
-            return true;
-        walk.sum = Here{F4{}, F4{}, F4{}};
-        for (int t = 0; t < task_.tile_count; ++t) {
-            const Here one = here(p, t);
-            walk.sum.value += one.value;
-            walk.sum.d_dx += one.d_dx;
-            walk.sum.d_dy += one.d_dy;
-        }
-        constexpr int dx = spline_channel::displacement_x, dy = spline_channel::displacement_y;
-        PointPlace& place = places_[p];
-        const double x_m =
-            place.shift_x_m + task_.choppiness_x * static_cast<double>(walk.sum.value[dx]);
-        const double y_m =
-            place.shift_y_m + task_.choppiness_y * static_cast<double>(walk.sum.value[dy]);
-        const double residual_m2 = x_m * x_m + y_m * y_m;
-        const Step step(task_, walk.sum, x_m, y_m);
-        if (residual_m2 <= task_.tolerance_m * task_.tolerance_m) {
-            walk.done = true;
-            place.solved = step.determinant > fold_suspected_below;
-            place.residual_m = __builtin_sqrt(residual_m2);
-            for (int c = 0; c < spline_channel::values; ++c) {
-                place.value[c] = walk.sum.value[c];
-                place.d_dx[c] = walk.sum.d_dx[c];
-                place.d_dy[c] = walk.sum.d_dy[c];
+    SEAWAY_INLINE void add_cascade(int t) {
+        look(t);
+        fetch_what_is_new(t);
+        for (int p = 0; p < points_.count; ++p)
+            if (going_[p]) {
+                const Here one = here(t, p);
+                *reinterpret_cast<F4*>(points_.value[p]) = one.value;
+                add(points_.d_dx[p], one.d_dx);
+                add(points_.d_dy[p], one.d_dy);
             }
-            return true;
+        constexpr int dx = spline_channel::displacement_x, dy = spline_channel::displacement_y;
+        move(Step(task_, points_, task_.choppiness_x * column<dx>(points_.value),
+                  task_.choppiness_y * column<dy>(points_.value)),
+             going_);
+    }
+
+    SEAWAY_INLINE void newton(bool first) {
+        for (int t = 0; t < task_.tile_count; ++t) {
+            look(t);
+            if (first)
+                fetch_what_is_new(t);
         }
-        move(p, step);
-        return false;
+        for (int p = 0; p < points_.count; ++p)
+            if (going_[p]) {
+                Here sum{};
+                for (int t = 0; t < task_.tile_count; ++t) {
+                    const Here one = here(t, p);
+                    sum.value += one.value;
+                    sum.d_dx += one.d_dx;
+                    sum.d_dy += one.d_dy;
+                }
+                *reinterpret_cast<F4*>(points_.value[p]) = sum.value;
+                *reinterpret_cast<F4*>(points_.d_dx[p]) = sum.d_dx;
+                *reinterpret_cast<F4*>(points_.d_dy[p]) = sum.d_dy;
+            }
+        constexpr int dx = spline_channel::displacement_x, dy = spline_channel::displacement_y;
+        const D8 x_m = each(points_.shift_x_m) + task_.choppiness_x * column<dx>(points_.value);
+        const D8 y_m = each(points_.shift_y_m) + task_.choppiness_y * column<dy>(points_.value);
+        const D8 residual_m2 = x_m * x_m + y_m * y_m;
+        const Step step(task_, points_, x_m, y_m);
+        const L8 there = residual_m2 <= D8{} + task_.tolerance_m * task_.tolerance_m;
+        const L8 gentle = step.determinant > D8{} + fold_suspected_below;
+        bool moving[lanes];
+        for (int p = 0; p < lanes; ++p) {
+            moving[p] = going_[p] && !there[p];
+            if (going_[p] && there[p]) {
+                going_[p] = false;
+                points_.solved[p] = gentle[p] != 0;
+                points_.residual_m[p] = __builtin_sqrt(residual_m2[p]);
+            }
+        }
+        move(step, moving);
     }
 
     SEAWAY_INLINE void add_rates(int p) {
         F4 rate{};
         for (int t = 0; t < task_.tile_count; ++t) {
-            const Spot at = spot(p, t);
+            const PointTile& tile = task_.tiles[t];
             Patch patch;
-            mix<W>(task_.tiles[t], places_[p].weights[t].rate, at.first, patch);
-            rate += sample<W>(task_.tiles[t], patch, at).value;
+            mix<W, true>(tile, points_.weights[p][t], patches_[t][p].first, patch);
+            rate += sample<W>(tile, patch.texels[0], Patch::pitch, points_.fraction_x[t][p],
+                              points_.fraction_y[t][p])
+                        .value;
         }
-        for (int c = 0; c < spline_channel::values; ++c)
-            places_[p].rate[c] = rate[c];
+        *reinterpret_cast<F4*>(points_.rate[p]) = rate;
     }
 
     const PointTask& task_;
-    PointPlace* places_;
-    const int count_;
-    Walk walks_[PointKernel::block];
-    Base bases_[PointKernel::block];
-    Patch patches_[PointKernel::block][PointKernel::tiles_max];
+    PointBlock& points_;
+    bool going_[lanes]; ///< not solved, and not for the careful solver
+    /// The points in the world on each tile, texels.
+    alignas(64) double base_x_[PointBlock::tiles_max][lanes];
+    alignas(64) double base_y_[PointBlock::tiles_max][lanes];
+    alignas(32) int first_[PointBlock::tiles_max][lanes]; ///< Patch::first of the place
+    Patch patches_[PointBlock::tiles_max][lanes];
 };
 
 template <int W>
-void solve_points(const PointTask& task, PointPlace* places, int count) {
-    for (int first = 0; first < count; first += PointKernel::block) {
-        const int left = count - first;
-        Block<W>(task, places + first, left < PointKernel::block ? left : PointKernel::block).run();
-    }
+void solve_points(const PointTask& task, PointBlock& points) {
+    if (task.tiles[0].mixed != nullptr)
+        Block<W, true>(task, points).run();
+    else
+        Block<W, false>(task, points).run();
 }
 
 template <int W>
 const PointKernel& kernel_of() {
-    static constexpr PointKernel kernel{solve_points<W>};
+    static constexpr PointKernel kernel{solve_points<W>, mix_all<W>};
     return kernel;
 }
 

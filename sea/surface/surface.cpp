@@ -3,8 +3,9 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
-#include <optional>
+#include <new>
 #include <utility>
 
 #include "sea/surface/maps/hermite.h"
@@ -37,6 +38,11 @@ void add(LagrangianPoint& sum, const HermiteWeights& weights, const SplineSample
                             mix(weights.value, a.d_dx, b.d_dx, displacement_y));
 }
 
+std::uint64_t next_number() {
+    static std::atomic<std::uint64_t> last = 0;
+    return ++last;
+}
+
 double interval_s(const SplinePair& pair) {
     return seconds_from_us(pair.after->time_us() - pair.before->time_us());
 }
@@ -45,8 +51,8 @@ double interval_s(const SplinePair& pair) {
 
 Surface::Surface(std::span<const SplinePair> pairs, Choppiness choppiness, FoldSearch folds,
                  const MapError& error, double tolerance_m)
-    : choppiness_(choppiness), folds_(folds), error_(error), tolerance_m_(tolerance_m),
-      sideways_(std::max(choppiness.x, choppiness.y)) {
+    : number_(next_number()), choppiness_(choppiness), folds_(folds), error_(error),
+      tolerance_m_(tolerance_m), sideways_(std::max(choppiness.x, choppiness.y)) {
     SEAWAY_CHECK(pairs.size() <= surface_pairs_max, "a surface has 16 cascades at most");
     for (const SplinePair& pair : pairs)
         pairs_.push_back(pair);
@@ -123,21 +129,55 @@ struct Surface::AtTime {
     }
 };
 
+/// The last few times, made when they are first asked for. One more than a block has, so that the last one of a block is
+/// there for the next.
+class Surface::TimesOfBlock {
+  public:
+    explicit TimesOfBlock(const Surface& surface) : surface_(surface) {}
+    ~TimesOfBlock() {
+        while (made_-- > 0)
+            place(made_)->~AtTime();
+    }
+    TimesOfBlock(const TimesOfBlock&) = delete;
+    TimesOfBlock& operator=(const TimesOfBlock&) = delete;
+
+    const AtTime& at(TimeUs time_us) {
+        if (made_ > 0 && place(last_)->time_us == time_us)
+            return *place(last_);
+        last_ = made_ < places ? made_ : (last_ + 1) % places;
+        if (made_ < places)
+            ++made_;
+        else
+            place(last_)->~AtTime();
+        return *::new (room_ + last_ * sizeof(AtTime)) AtTime(surface_, time_us);
+    }
+
+  private:
+    static constexpr std::size_t places = PointBlock::size + 1;
+    AtTime* place(std::size_t n) {
+        return std::launder(reinterpret_cast<AtTime*>(room_ + n * sizeof(AtTime)));
+    }
+
+    const Surface& surface_;
+    std::size_t made_ = 0;
+    std::size_t last_ = 0;
+    alignas(AtTime) std::byte room_[places * sizeof(AtTime)]; ///< untouched until it is needed
+};
+
 std::uint32_t Surface::lasting_flags(TimeUs time_us) const {
     return (covers(time_us) ? 0u : answer_extrapolated) |
            (moves_sideways_ ? 0u : answer_vertical_velocity);
 }
 
-double Surface::height_bound_m(Vec2 lagrangian, const AtTime& then, double slope) const {
+template <class BetweenOf>
+double Surface::height_bound_m(BetweenOf between, const AtTime& then, double slope) const {
     const double sideways = slope * sideways_;
-    const auto between = [](double cells) { return between_samples(cells - std::floor(cells)); };
     double variance_m2 = 0;
     for (std::size_t c = 0; c < error_.cascades.size(); ++c) {
         const AtTime::Loss& loss = then.losses[c];
-        const double east = between(lagrangian.x * loss.cells_a_metre);
-        const double north = between(lagrangian.y * loss.cells_a_metre);
-        variance_m2 += loss.height.variance_m2(east, north) +
-                       sideways * sideways * loss.displacement.variance_m2(east, north);
+        const Between here = between(c);
+        variance_m2 += loss.height.variance_m2(here.east, here.north) +
+                       sideways * sideways * loss.displacement.variance_m2(here.east, here.north);
     }
     return bound_sigmas * std::sqrt(variance_m2) + error_.height_bound_m +
            sideways * error_.displacement_bound_m;
@@ -177,41 +217,53 @@ Answer Surface::careful(const QueryPoint& point, const AtTime& then) const {
     Answer answer = surface_at(point, options, field, &sheets, &lagrangian);
     if (answer.flags & answer_invalid)
         return answer;
-    answer.error_m += height_bound_m(lagrangian, then, surface_slope(answer));
+    const auto between = [&](std::size_t c) {
+        const double cells_a_metre = then.losses[c].cells_a_metre;
+        const auto along = [&](double place_m) {
+            const double cells = place_m * cells_a_metre;
+            return between_samples(cells - std::floor(cells));
+        };
+        return Between{along(lagrangian.x), along(lagrangian.y)};
+    };
+    answer.error_m += height_bound_m(between, then, surface_slope(answer));
     answer.flags |= then.flags;
     return answer;
 }
 
-Answer Surface::gentle(const QueryPoint& point, const PointPlace& place, const AtTime& then,
+Answer Surface::gentle(const PointBlock& points, std::size_t p, const AtTime& then,
                        AnswerParts parts) const {
     using spline_channel::height, spline_channel::displacement_x, spline_channel::displacement_y;
     const auto of = [](float value) { return static_cast<double>(value); };
-    LagrangianPoint p;
-    p.height = of(place.value[height]);
-    p.slope_x = of(place.d_dx[height]);
-    p.slope_y = of(place.d_dy[height]);
-    p.strain_xx = of(place.d_dx[displacement_x]);
-    p.strain_yy = of(place.d_dy[displacement_y]);
-    p.strain_xy = 0.5 * (of(place.d_dy[displacement_x]) + of(place.d_dx[displacement_y]));
+    LagrangianPoint point;
+    point.height = of(points.value[p][height]);
+    point.slope_x = of(points.d_dx[p][height]);
+    point.slope_y = of(points.d_dy[p][height]);
+    point.strain_xx = of(points.d_dx[p][displacement_x]);
+    point.strain_yy = of(points.d_dy[p][displacement_y]);
+    point.strain_xy =
+        0.5 * (of(points.d_dy[p][displacement_x]) + of(points.d_dx[p][displacement_y]));
     if (parts == AnswerParts::all) {
-        p.height_rate = of(place.rate[height]);
-        p.displacement_x_rate = of(place.rate[displacement_x]);
-        p.displacement_y_rate = of(place.rate[displacement_y]);
+        point.height_rate = of(points.rate[p][height]);
+        point.displacement_x_rate = of(points.rate[p][displacement_x]);
+        point.displacement_y_rate = of(points.rate[p][displacement_y]);
     }
-    Answer answer = answer_of(p, choppiness_);
+    Answer answer = answer_of(point, choppiness_);
     const double slope = surface_slope(answer);
-    answer.error_m =
-        place.residual_m * slope +
-        height_bound_m({point.x_m + place.shift_x_m, point.y_m + place.shift_y_m}, then, slope);
+    const auto between = [&](std::size_t c) {
+        return Between{between_samples(of(points.fraction_x[c][p])),
+                       between_samples(of(points.fraction_y[c][p]))};
+    };
+    answer.error_m = points.residual_m[p] * slope + height_bound_m(between, then, slope);
     answer.flags = then.flags;
     return answer;
 }
 
 void Surface::answer_block(std::span<const QueryPoint> points, std::span<Answer> answers,
                            AnswerParts parts, const PointKernel& kernel,
+                           std::span<const PointTile> tiles,
                            std::span<const AtTime* const> then) const {
-    std::array<PointPlace, PointKernel::block> places;
-    std::array<std::size_t, PointKernel::block> point_of;
+    PointBlock block;
+    std::array<std::size_t, PointBlock::size> point_of;
     std::size_t count = 0;
     for (std::size_t i = 0; i < points.size(); ++i) {
         const QueryPoint& point = points[i];
@@ -219,65 +271,85 @@ void Surface::answer_block(std::span<const QueryPoint> points, std::span<Answer>
             answers[i] = careful(point, *then[i]);
             continue;
         }
-        places[count].x_m = point.x_m;
-        places[count].y_m = point.y_m;
-        places[count].weights = then[i]->weights.data();
+        block.x_m[count] = point.x_m;
+        block.y_m[count] = point.y_m;
+        block.weights[count] = then[i]->weights.data();
         point_of[count++] = i;
     }
-    const PointTask task{tiles_.data(),
-                         static_cast<int>(tiles_.size()),
-                         choppiness_.x,
-                         choppiness_.y,
-                         tolerance_m_,
-                         2 * folds_.reach_m,
-                         parts == AnswerParts::all};
-    kernel.solve(task, places.data(), static_cast<int>(count));
-    const auto root_of = [&](std::size_t p) {
-        return Vec2{places[p].x_m + places[p].shift_x_m, places[p].y_m + places[p].shift_y_m};
-    };
-    for (std::size_t p = 0; p < count; ++p)
-        if (places[p].solved)
-            then[point_of[p]]->sheets.fetch(root_of(p));
+    if (count == 0)
+        return;
+    block.count = static_cast<int>(count);
+    kernel.solve({tiles.data(), static_cast<int>(tiles.size()), choppiness_.x, choppiness_.y,
+                  tolerance_m_, 2 * folds_.reach_m, parts == AnswerParts::all},
+                 block);
+    std::array<SurfaceSheets::Cells, PointBlock::size> cells;
     for (std::size_t p = 0; p < count; ++p) {
-        const PointPlace& place = places[p];
+        for (std::size_t c = 0; c < tiles_.size(); ++c)
+            cells[p][c] = {block.cell_x[c][p], block.cell_y[c][p]};
+        if (block.solved[p])
+            then[point_of[p]]->sheets.fetch(cells[p]);
+    }
+    for (std::size_t p = 0; p < count; ++p) {
         const std::size_t i = point_of[p];
-        const SurfaceSheets& sheets = then[i]->sheets;
         const Vec2 target{points[i].x_m, points[i].y_m};
-        const bool settled = place.solved && sheets.single(target, root_of(p));
-        answers[i] =
-            settled ? gentle(points[i], place, *then[i], parts) : careful(points[i], *then[i]);
+        const Vec2 root{target.x + block.shift_x_m[p], target.y + block.shift_y_m[p]};
+        const bool settled = block.solved[p] && then[i]->sheets.single(target, root, cells[p]);
+        answers[i] = settled ? gentle(block, p, *then[i], parts) : careful(points[i], *then[i]);
         if (parts == AnswerParts::height && !(answers[i].flags & answer_invalid))
             std::fill_n(answers[i].velocity_mps, 3, 0.0);
     }
 }
 
 void Surface::answer(std::span<const QueryPoint> points, std::span<Answer> answers,
-                     AnswerParts parts, const PointKernel& kernel) const {
+                     AnswerParts parts, const PointKernel& kernel, MixedMaps* mixed) const {
     SEAWAY_CHECK(points.size() == answers.size(), "one answer a point");
-    constexpr std::size_t block = PointKernel::block;
-    // One more than a block has times, so that the last one of a block is there for the next.
-    std::array<std::optional<AtTime>, block + 1> times;
-    std::size_t slot = 0;
-    for (std::size_t first = 0; first < points.size(); first += block) {
-        const std::size_t count = std::min(block, points.size() - first);
-        std::array<const AtTime*, block> then;
-        for (std::size_t i = 0; i < count; ++i) {
-            const TimeUs time_us = points[first + i].time_us;
-            if (!times[slot] || times[slot]->time_us != time_us) {
-                slot = (slot + 1) % times.size();
-                times[slot].emplace(*this, time_us);
-            }
-            then[i] = &*times[slot];
+    TimesOfBlock times(*this);
+    const auto answer_some = [&](std::size_t first, std::size_t end,
+                                 std::span<const PointTile> tiles) {
+        while (first < end) {
+            const std::size_t count = std::min<std::size_t>(PointBlock::size, end - first);
+            std::array<const AtTime*, PointBlock::size> then;
+            for (std::size_t i = 0; i < count; ++i)
+                then[i] = &times.at(points[first + i].time_us);
+            answer_block(points.subspan(first, count), answers.subspan(first, count), parts, kernel,
+                         tiles, {then.data(), count});
+            first += count;
         }
-        answer_block(points.subspan(first, count), answers.subspan(first, count), parts, kernel,
-                     {then.data(), count});
+    };
+    const std::span<const PointTile> unmixed(tiles_.data(), tiles_.size());
+    std::size_t begun = 0; // of those that nothing is mixed for
+    for (std::size_t first = 0; mixed != nullptr && first < points.size();) {
+        std::size_t end = first + 1;
+        while (end < points.size() && points[end].time_us == points[first].time_us)
+            ++end;
+        MixedMaps::Lent lent;
+        // What to keep count of it costs is nothing to a block.
+        if (end - first >= PointBlock::size || points.size() == 1)
+            mixed->lend(*this, points[first].time_us, end - first, kernel, lent);
+        if (lent) {
+            answer_some(begun, first, unmixed);
+            ShortList<PointTile, surface_pairs_max> tiles = tiles_;
+            for (std::size_t c = 0; c < tiles.size(); ++c)
+                tiles[c].mixed = lent.map(c);
+            answer_some(first, end, {tiles.data(), tiles.size()});
+            begun = end;
+        }
+        first = end;
     }
+    answer_some(begun, points.size(), unmixed);
+}
+
+void Surface::mix(TimeUs time_us, const PointKernel& kernel,
+                  std::span<const AlignedFloats> maps) const {
+    const AtTime then(*this, time_us);
+    for (std::size_t c = 0; c < pairs_.size(); ++c)
+        kernel.mix(tiles_[c], then.weights[c], pairs_[c].before->texels(), maps[c].get());
 }
 
 void Surface::answer(std::span<const QueryPoint> points, std::span<Answer> answers,
-                     AnswerParts parts) const {
+                     AnswerParts parts, MixedMaps* mixed) const {
     static const PointKernel& best = point_kernel(best_instructions());
-    answer(points, answers, parts, best);
+    answer(points, answers, parts, best, mixed);
 }
 
 Answer Surface::answer(const QueryPoint& point) const {

@@ -18,6 +18,7 @@
 #include "sea/surface/inverse.h"
 #include "sea/surface/map_error.h"
 #include "sea/surface/maps/spline_map.h"
+#include "sea/surface/mixed_maps.h"
 #include "sea/surface/point_kernel.h"
 #include "sea/waves/realization.h"
 
@@ -46,13 +47,19 @@ class Surface {
     Answer answer(const QueryPoint& point) const;
 
     /// The same bits as one by one, in two thirds of the time. Points of one time should stand together.
+    /// `mixed`: of who asks about the same times again, with this surface and others.
     void answer(std::span<const QueryPoint> points, std::span<Answer> answers,
-                AnswerParts parts = AnswerParts::all) const;
+                AnswerParts parts = AnswerParts::all, MixedMaps* mixed = nullptr) const;
     /// The same by a kernel of the caller's choice: all kernels give the same bits.
     void answer(std::span<const QueryPoint> points, std::span<Answer> answers, AnswerParts parts,
-                const PointKernel& kernel) const;
+                const PointKernel& kernel, MixedMaps* mixed = nullptr) const;
     /// With the search for sheets whether it is needed or not, and Newton in double precision.
     Answer answer_carefully(const QueryPoint& point) const;
+
+    /// Another one for each surface of the process.
+    std::uint64_t number() const { return number_; }
+    /// Its maps at one time, for MixedMaps.
+    void mix(TimeUs time_us, const PointKernel& kernel, std::span<const AlignedFloats> maps) const;
 
     std::span<const SplinePair> pairs() const { return {pairs_.data(), pairs_.size()}; }
     const Choppiness& choppiness() const { return choppiness_; }
@@ -70,17 +77,25 @@ class Surface {
 
   private:
     struct AtTime;
-    /// Bound on a height at an undisplaced place.
-    double height_bound_m(Vec2 lagrangian, const AtTime& then, double slope) const;
+    class TimesOfBlock;
+    /// between_samples() of a place on the grid of a cascade.
+    struct Between {
+        double east;
+        double north;
+    };
+    /// Bound on a height at a place that is `between(cascade)` its samples.
+    template <class BetweenOf>
+    double height_bound_m(BetweenOf between, const AtTime& then, double slope) const;
     Answer careful(const QueryPoint& point, const AtTime& then) const;
-    Answer gentle(const QueryPoint& point, const PointPlace& place, const AtTime& then,
+    Answer gentle(const PointBlock& points, std::size_t p, const AtTime& then,
                   AnswerParts parts) const;
-    /// PointKernel::block points at most, whose times are `then`.
+    /// PointBlock::size points at most, whose times are `then`.
     void answer_block(std::span<const QueryPoint> points, std::span<Answer> answers,
                       AnswerParts parts, const PointKernel& kernel,
-                      std::span<const AtTime* const> then) const;
+                      std::span<const PointTile> tiles, std::span<const AtTime* const> then) const;
     std::uint32_t lasting_flags(TimeUs time_us) const;
 
+    std::uint64_t number_;
     ShortList<SplinePair, surface_pairs_max> pairs_;
     Choppiness choppiness_;
     FoldSearch folds_;

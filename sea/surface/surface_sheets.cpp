@@ -11,61 +11,73 @@ namespace seaway::sea {
 
 namespace {
 
-constexpr int rounds_max = 4;
-constexpr double worth_another_round = 0.7;
+constexpr int rounds_max = 6;
+constexpr double worth_another_round = 0.8;
 /// Patches are in single precision.
 constexpr double rounding_m = 1e-6;
 
 typedef float F4 __attribute__((vector_size(16)));
-typedef double D4 __attribute__((vector_size(32)));
 
-static_assert(offsetof(StrainBounds, xy_size) == offsetof(StrainBounds, range_m) + 12 &&
-                  offsetof(StrainBounds, xy_rate) == offsetof(StrainBounds, range_rate) + 12,
-              "the four bounds of values and of rates lie side by side");
+static_assert(sizeof(StrainBounds) == sizeof(F4));
 
 } // namespace
 
 SurfaceSheets::SurfaceSheets(const Surface& surface, TimeUs time_us)
     : PatchSheets(surface.choppiness()), surface_(surface),
-      sideways_(std::max(surface.choppiness().x, surface.choppiness().y)) {
+      more_sideways_(std::max(surface.choppiness().x, surface.choppiness().y)),
+      less_sideways_(std::min(surface.choppiness().x, surface.choppiness().y)) {
     blur_m_ = rounding_m + surface.fold_blur_m();
     height_blur_m_ = rounding_m + surface.flat_height_bound_m();
     strain_blur_ = surface.fold_strain_blur();
-    for (std::size_t c = 0; c < surface.pairs().size(); ++c) {
-        const SplinePair& pair = surface.pairs()[c];
-        weights_[c] = hermite_weights(pair.before->time_us(), pair.after->time_us(), time_us);
-    }
+    const std::span<const SplinePair> pairs = surface.pairs();
+    std::array<Gentleness, surface_pairs_max> anywhere;
     reach_all_m_ = blur_m_;
-    for (std::size_t c = 0; c < surface.pairs().size(); ++c) {
-        const SplinePair& pair = surface.pairs()[c];
-        reach_m_[c] =
-            mixed(c, pair.before->windows().whole_tile(), pair.after->windows().whole_tile())
-                .range_m;
+    for (std::size_t c = 0; c < pairs.size(); ++c) {
+        const SplinePair& pair = pairs[c];
+        const HermiteWeights& w = weights_[c] =
+            hermite_weights(pair.before->time_us(), pair.after->time_us(), time_us);
+        const auto of = [](double value, double rate) {
+            const auto v = static_cast<float>(value), r = static_cast<float>(std::abs(rate));
+            return F4{v, v, r, -r}; // whatever its sign, a rate widens
+        };
+        bound_weights_[c] = {of(w.value[0], w.value[1]), of(w.value[2], w.value[3])};
+        anywhere[c] =
+            mixed(c, pair.before->windows().whole_tile(), pair.after->windows().whole_tile());
+        reach_m_[c] = anywhere[c].range_m;
         reach_all_m_ += reach_m_[c];
     }
+    // What is known of the whole tiles may do already.
+    reach_all_m_ = less_than(reach_all_m_, [&](std::size_t c) { return anywhere[c]; });
+}
+
+SurfaceSheets::Cells SurfaceSheets::cells(Vec2 place) const {
+    Cells cells;
+    for (std::size_t c = 0; c < surface_.pairs().size(); ++c)
+        cells[c] = surface_.pairs()[c].before->windows().cell(place.x, place.y);
+    return cells;
 }
 
 SurfaceSheets::Gentleness SurfaceSheets::mixed(std::size_t cascade, const StrainBounds& before,
                                                const StrainBounds& after) const {
-    const HermiteWeights& w = weights_[cascade];
-    // All four parts at once: range, xx, yy, xy.
-    const auto four = [](const float& first) {
+    const auto four = [](const StrainBounds& bounds) {
         F4 parts;
-        std::memcpy(&parts, &first, sizeof parts);
-        return __builtin_convertvector(parts, D4);
+        std::memcpy(&parts, &bounds, sizeof parts);
+        return parts;
     };
-    const D4 value = w.value[0] * four(before.range_m) + w.value[2] * four(after.range_m);
-    const D4 rate = std::abs(w.value[1]) * four(before.range_rate) +
-                    std::abs(w.value[3]) * four(after.range_rate);
-    const D4 bound = value + rate * D4{1, -1, -1, 1};
-    return {sideways_ * bound[0], bound[1], bound[2], bound[3]};
+    const BoundWeights& w = bound_weights_[cascade];
+    const F4 parts = w.before * four(before) + w.after * four(after);
+    const double strain_min = static_cast<double>(parts[1] + parts[3]);
+    return {more_sideways_ * static_cast<double>(parts[0] + parts[2]),
+            strain_min * (strain_min < 0 ? more_sideways_ : less_sideways_)};
 }
 
 std::optional<Box> SurfaceSheets::others(Vec2 target, const Vec2* root, bool) {
     const std::span<const SplinePair> pairs = surface_.pairs();
-    double radius_m = reach_all_m_;
+    double radius_m = blur_m_; // how far solutions lie from the target
+    for (std::size_t c = 0; c < pairs.size(); ++c)
+        radius_m += reach_m_[c];
     if (root != nullptr) {
-        radius_m = radius_around(*root, radius_m);
+        radius_m = radius_around(cells(*root));
         if (!(radius_m > 0))
             return std::nullopt;
     }
@@ -74,40 +86,47 @@ std::optional<Box> SurfaceSheets::others(Vec2 target, const Vec2* root, bool) {
                     {reach_m_.data(), pairs.size()}, root != nullptr);
 }
 
-bool SurfaceSheets::single(Vec2 target, Vec2 root) const {
-    return alone(root) || !SurfaceSheets(*this).others(target, &root, false);
+bool SurfaceSheets::single(Vec2 target, Vec2 root, const Cells& cells) const {
+    return alone(cells) || !SurfaceSheets(*this).others(target, &root, false);
 }
 
-void SurfaceSheets::fetch(Vec2 root) const {
-    for (const SplinePair& pair : surface_.pairs()) {
-        const std::size_t place = pair.before->windows().place(root.x, root.y, 0);
+void SurfaceSheets::fetch(const Cells& cells) const {
+    for (std::size_t c = 0; c < surface_.pairs().size(); ++c) {
+        const SplinePair& pair = surface_.pairs()[c];
+        const std::size_t place = pair.before->windows().place(cells[c], reach_all_m_);
         __builtin_prefetch(&pair.before->windows().at(place));
         __builtin_prefetch(&pair.after->windows().at(place));
     }
 }
 
-double SurfaceSheets::radius_around(Vec2 root, double radius_m) const {
+template <class Of>
+double SurfaceSheets::less_than(double radius_m, Of of) const {
+    const std::size_t count = surface_.pairs().size();
+    double others_m = blur_m_;
+    for (std::size_t c = 0; c < count; ++c)
+        others_m += of(c).range_m;
+    double less_m = std::min(radius_m, others_m);
+    double smallest = 1;
+    for (std::size_t c = 0; c < count; ++c) {
+        smallest += of(c).stretch;
+        others_m -= of(c).range_m;
+        if (smallest > 0)
+            less_m = std::min(less_m, others_m / smallest);
+    }
+    return smallest > strain_blur_ ? 0 : less_m;
+}
+
+double SurfaceSheets::radius_around(const Cells& cells) const {
     const std::span<const SplinePair> pairs = surface_.pairs();
+    double radius_m = reach_all_m_;
     std::array<Gentleness, surface_pairs_max> here;
-    for (int round = 0; round < rounds_max; ++round) {
-        double others_m = blur_m_;
+    for (int round = 0; round < rounds_max && radius_m > 0; ++round) {
         for (std::size_t c = 0; c < pairs.size(); ++c) {
-            const StrainWindows &before = pairs[c].before->windows(),
-                                &after = pairs[c].after->windows();
-            const std::size_t place = before.place(root.x, root.y, radius_m);
-            here[c] = mixed(c, before.at(place), after.at(place));
-            others_m += here[c].range_m;
+            const StrainWindows& before = pairs[c].before->windows();
+            const std::size_t place = before.place(cells[c], radius_m);
+            here[c] = mixed(c, before.at(place), pairs[c].after->windows().at(place));
         }
-        double less_m = std::min(radius_m, others_m);
-        Squeeze squeeze(surface_.choppiness());
-        for (std::size_t c = 0; c < pairs.size(); ++c) {
-            squeeze.add(here[c].xx_min, here[c].yy_min, here[c].xy_size);
-            others_m -= here[c].range_m;
-            if (const double smallest = squeeze.smallest(); smallest > 0)
-                less_m = std::min(less_m, others_m / smallest);
-        }
-        if (squeeze.smallest() > strain_blur_)
-            return 0;
+        const double less_m = less_than(radius_m, [&](std::size_t c) { return here[c]; });
         const bool again = less_m < worth_another_round * radius_m;
         radius_m = less_m;
         if (!again)

@@ -78,7 +78,7 @@ void PointQuestion::sample(Surfaces& surfaces, const SliceOver& over, Make make)
 
 void PointQuestion::put_some(const sea::Surface& surface, sea::TimeUs end_us) {
     // A slice is looked at after each of them: in seas that fold often some take 20 us.
-    constexpr std::size_t most = 2 * sea::PointKernel::block;
+    constexpr std::size_t most = 2 * sea::PointBlock::size;
     std::array<sea::QueryPoint, most> points;
     std::array<sea::Answer, most> answers;
     std::size_t count = 0;

@@ -163,6 +163,8 @@ seaway::CommandLine& add_sample(seaway::CommandLine& line, seaway::bench::Sample
     command.option("--seconds", options.seconds, "For each row")
         .between(0.01, 60.0)
         .shows_default();
+    command.option("--points", options.points, "Rows of so many points at once alone")
+        .between(1, 1024);
     command.option("--kernel", options.kernel, "best, or portable").shows_default();
     return command;
 }

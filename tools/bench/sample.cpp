@@ -106,13 +106,14 @@ void measure(const HeldSurface& held, const Way& way, const SampleOptions& optio
     std::vector<sea::Answer> answers(way.points);
     const sea::PointKernel& kernel = sea::point_kernel(
         options.kernel == "portable" ? Instructions::portable : best_instructions());
+    sea::MixedMaps mixed; // as a client has
     std::vector<double> each_ns;
     std::size_t first = 0;
     const double end = thread_ns() + 1e9 * options.seconds;
     for (double before = thread_ns(); before < end;) {
         std::size_t count = 0;
         for (; count < std::max(timed_points_min, way.points); count += way.points) {
-            held.surface.answer({&points[first], way.points}, answers, way.parts, kernel);
+            held.surface.answer({&points[first], way.points}, answers, way.parts, kernel, &mixed);
             first = (first + way.points) % places_drawn;
         }
         const double after = thread_ns();
@@ -139,11 +140,16 @@ Result<void> run_sample(const SampleOptions& options) {
     SEAWAY_TRY_LET(const HeldSurface held, held_surface(*sea));
     fmt::print("{:>6}  {:<22} {:<8} {:>9} {:>9} {:>10}\n", "points", "times", "parts", "ns, p50",
                "ns, p99", "M a second");
+    const auto wanted = [&](std::size_t points) {
+        return options.points == 0 || static_cast<std::size_t>(options.points) == points;
+    };
     for (const AnswerParts parts : {AnswerParts::height, AnswerParts::all}) {
-        measure(held, {1, Times::warm, parts}, options);
+        if (wanted(1))
+            measure(held, {1, Times::warm, parts}, options);
         for (const Times times : {Times::shared, Times::same, Times::own})
             for (const std::size_t points : {std::size_t{1}, std::size_t{64}, std::size_t{1024}})
-                measure(held, {points, times, parts}, options);
+                if (wanted(points))
+                    measure(held, {points, times, parts}, options);
     }
     return {};
 }

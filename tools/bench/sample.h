@@ -12,6 +12,7 @@ namespace seaway::bench {
 struct SampleOptions {
     std::string scene = "scenes/north_sea_gale.toml";
     double seconds = 1;          ///< that each row is measured for
+    int points = 0;              ///< rows of so many at once alone; 0: all rows
     std::string kernel = "best"; ///< or portable
 };
 

@@ -208,7 +208,7 @@ void DeviceSea::put(std::size_t cascade, const CascadeFrame& from) {
     };
     const auto coefficients = [&](const sea::SplineMap& map) {
         SEAWAY_CHECK(map.size() == to.points, "both keyframes of a tile have its size");
-        return std::span(map.coefficients());
+        return map.coefficients();
     };
     const auto foam = [&](const sea::Keyframe& map) {
         SEAWAY_CHECK(map.size == to.points, "foam has the size of its tile");

@@ -70,7 +70,7 @@ GridPosition grid_position(double x_m, double length_m, int size) {
 
 float* SplineMap::texel(int x, int y) {
     const auto pitch = static_cast<std::size_t>(size_ + border);
-    return coefficients_.data() +
+    return coefficients_.get() +
            (static_cast<std::size_t>(y + 1) * pitch + static_cast<std::size_t>(x + 1)) * channels;
 }
 
@@ -80,7 +80,8 @@ SplineMap::SplineMap(const Keyframe& keyframe)
     SEAWAY_CHECK(keyframe.fields.contains(FieldSet{Field::height, Field::height_rate}),
                  "a sampler needs height and its rate");
     const auto pitch = static_cast<std::size_t>(size_ + border);
-    coefficients_.assign(pitch * pitch * channels, 0.0f);
+    coefficients_ = allocate_floats(count_of(size_));
+    std::fill_n(coefficients_.get(), count_of(size_), 0.0f);
     for (std::size_t f = 0; f < channel_fields.size(); ++f) {
         if (!keyframe.fields.contains(channel_fields[f]))
             continue;
@@ -106,16 +107,16 @@ SplineMap::SplineMap(const Keyframe& keyframe)
         copy(x, size_, x, 0);
         copy(x, size_ + 1, x, 1 % size_);
     }
-    windows_.emplace(coefficients_.data(), size_, length_m_);
+    windows_.emplace(coefficients_.get(), size_, length_m_);
 }
 
 SplineMap::Cell SplineMap::cell(double x_m, double y_m) const {
     const GridPosition gx = grid_position(x_m, length_m_, size_);
     const GridPosition gy = grid_position(y_m, length_m_, size_);
     const auto pitch = static_cast<std::size_t>(size_ + border);
-    const float* first = coefficients_.data() + (static_cast<std::size_t>(gy.index) * pitch +
-                                                 static_cast<std::size_t>(gx.index)) *
-                                                    channels;
+    const float* first = coefficients_.get() + (static_cast<std::size_t>(gy.index) * pitch +
+                                                static_cast<std::size_t>(gx.index)) *
+                                                   channels;
     for (std::size_t j = 0; j < 4; ++j) {
         // Four texels of 32 bytes: two lines of a cache, or three.
         const float* row = first + j * pitch * channels;

@@ -14,8 +14,9 @@
 
 #include <memory>
 #include <optional>
-#include <vector>
+#include <span>
 
+#include "base/aligned_floats.h"
 #include "sea/basics/lagrangian_point.h"
 #include "sea/surface/maps/keyframe.h"
 #include "sea/surface/maps/spline_channels.h"
@@ -42,8 +43,7 @@ class SplineMap {
     std::size_t bytes() const { return bytes_of(size_); }
     /// What a map of this size takes, coefficients and windows.
     static std::size_t bytes_of(int size) {
-        const auto side = static_cast<std::size_t>(size + border);
-        return side * side * channels * sizeof(float) + StrainWindows::bytes_of(size);
+        return count_of(size) * sizeof(float) + StrainWindows::bytes_of(size);
     }
 
     /// Where a sample is taken from. Who takes several, from several maps, asks for all cells first: what
@@ -63,13 +63,18 @@ class SplineMap {
     static constexpr int channels = spline_channel::count;
     static constexpr int border = 3; ///< one before, two after
     int size() const { return size_; }
+    std::size_t texels() const { return count_of(size_) / channels; } ///< of coefficients()
     double length_m() const { return length_m_; }
-    const std::vector<float>& coefficients() const { return coefficients_; }
+    std::span<const float> coefficients() const { return {coefficients_.get(), count_of(size_)}; }
 
     /// How strongly the map squeezes the surface, place by place.
     const StrainWindows& windows() const { return *windows_; }
 
   private:
+    static std::size_t count_of(int size) {
+        const auto side = static_cast<std::size_t>(size + border);
+        return side * side * channels;
+    }
     float* texel(int x, int y); ///< -1 .. size+1: a border repeats the other side
 
     int size_;
@@ -77,7 +82,7 @@ class SplineMap {
     TimeUs time_us_;
     std::uint32_t epoch_;
     bool moves_sideways_;
-    std::vector<float> coefficients_;
+    AlignedFloats coefficients_;
     std::optional<StrainWindows> windows_; ///< made last, of the coefficients
 };
 

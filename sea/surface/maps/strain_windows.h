@@ -2,29 +2,26 @@
 // How strongly a map squeezes the surface around a place: what tells at the price of a table look-up
 // that no second sheet lies near, and what bounds the search where one may (sea/surface/sheets.h).
 //
-// The derivative of a B-spline is a weighted mean of the differences of its coefficients, so their
-// smallest and largest bound it everywhere (the convex hull property): these bounds are proved, and a
-// tenth to a third wider than what they bound.
+// The derivative of a B-spline is a weighted mean of the differences of its coefficients, so within a cell
+// their smallest and largest bound it (the convex hull property), and with them the smallest eigenvalue of the
+// strain: these bounds are proved, and a tenth to a third wider than what they bound.
 //
-// Immutable; thread-safe. A tenth of a map's memory; about 1 ms for a map of 256 x 256.
+// Immutable; thread-safe. A twentieth of a map's memory; about 1 ms for a map of 256 x 256.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <vector>
 
 namespace seaway::sea {
 
 /// Bounds of strains and displacements at choppiness 1 over a window of a map, and of their time
-/// rates, 1/s. Half a line of a cache.
-struct alignas(32) StrainBounds {
-    float range_m = 0; ///< |D(a) - D(b)| within the window
-    float xx_min = 0;
-    float yy_min = 0;
-    float xy_size = 0;    ///< largest absolute value, as those of the rates
-    float range_rate = 0; ///< as range_m, m/s
-    float xx_rate = 0;
-    float yy_rate = 0;
-    float xy_rate = 0;
+/// rates, 1/s. A quarter of a line of a cache.
+struct alignas(16) StrainBounds {
+    float range_m = 0;     ///< |D(a) - D(b)| within the window
+    float strain_min = 0;  ///< the smallest eigenvalue of the symmetric part of grad D
+    float range_rate = 0;  ///< as range_m, m/s
+    float strain_rate = 0; ///< the largest absolute eigenvalue of its time rate
 };
 
 class StrainWindows {
@@ -32,13 +29,34 @@ class StrainWindows {
     /// Of the coefficients of a SplineMap, as SplineMap::coefficients() lays them out.
     StrainWindows(const float* coefficients, int size, double length_m);
 
-    /// Holds everywhere within `radius_m` of the place.
-    const StrainBounds& around(double x_m, double y_m, double radius_m) const {
-        return at(place(x_m, y_m, radius_m));
+    /// A cell of the grid: that of all maps of the same size and length.
+    struct Cell {
+        int x;
+        int y;
+    };
+    Cell cell(double x_m, double y_m) const {
+        const auto along = [this](double position_m) {
+            const double turns = position_m / length_m_;
+            const int line = static_cast<int>((turns - std::floor(turns)) * size_);
+            return line < size_ ? line : size_ - 1;
+        };
+        return {along(x_m), along(y_m)};
     }
-    /// The same in two steps: the place is that of all maps of the same size and length.
-    std::size_t place(double x_m, double y_m, double radius_m) const;
+    /// Holds everywhere within `radius_m` of any place of the cell. The index is that of all maps of the same
+    /// size and length.
+    std::size_t place(const Cell& cell, double radius_m) const {
+        const double radius = radius_m * cells_a_metre_;
+        std::size_t i = 0;
+        while (i + 1 < levels_.size() && !(radius <= levels_[i].reach))
+            ++i;
+        const Level& level = levels_[i];
+        return level.first + static_cast<std::size_t>((cell.y >> level.shift) * level.blocks +
+                                                      (cell.x >> level.shift));
+    }
     const StrainBounds& at(std::size_t place) const { return windows_[place]; }
+    const StrainBounds& around(double x_m, double y_m, double radius_m) const {
+        return at(place(cell(x_m, y_m), radius_m));
+    }
 
     const StrainBounds& whole_tile() const { return windows_.back(); }
     std::size_t bytes() const { return windows_.size() * sizeof(StrainBounds); }
@@ -47,13 +65,15 @@ class StrainWindows {
 
   private:
     struct Level {
-        int block; ///< grid points a side
-        int blocks;
+        double reach; ///< cells beyond a block that its window holds
+        int shift;    ///< of a cell's number to its block's
+        int blocks;   ///< a side
         std::size_t first;
     };
 
     int size_;
     double length_m_;
+    double cells_a_metre_;
     std::vector<Level> levels_;
     std::vector<StrainBounds> windows_; ///< [level][y][x]: a block and those around it
 };

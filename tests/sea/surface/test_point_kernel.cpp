@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Answers that kernels solve some at a time, held to those that are looked for one by one with all care.
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -8,6 +9,7 @@
 #include <map>
 #include <random>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -181,6 +183,49 @@ TEST_P(PointKernelOf, a_point_alone_in_a_batch_and_by_every_kernel_has_the_same_
     }
 }
 
+// Maps that are mixed for one time are mixed by the sums that a patch is mixed by.
+TEST_P(PointKernelOf, maps_mixed_once_give_the_same_bits) {
+    const HeldScene& scene = HeldScene::file(GetParam());
+    std::vector<QueryPoint> points = scene.places(2003, 10e3, true);
+    points[0] = {std::nan(""), 0, points[1].time_us}; // no point is left out
+    for (const AnswerParts parts : {AnswerParts::all, AnswerParts::height})
+        for (const Instructions instructions : supported_instructions()) {
+            const PointKernel& kernel = point_kernel(instructions);
+            MixedMaps mixed;
+            bool were_mixed = false;
+            for (int round = 0; round < 5; ++round) {
+                std::vector<Answer> answers(points.size()), others(points.size());
+                scene.surface.answer(points, others, parts, kernel);
+                scene.surface.answer(points, answers, parts, kernel, &mixed);
+                for (std::size_t i = 1; i < points.size(); ++i)
+                    ASSERT_TRUE(same_bits(answers[i], others[i])) << i << " " << round;
+                EXPECT_TRUE(answers[0].flags & answer_invalid);
+                MixedMaps::Lent lent;
+                mixed.lend(scene.surface, points[1].time_us, 0, kernel, lent);
+                were_mixed = were_mixed || lent;
+            }
+            EXPECT_TRUE(were_mixed) << "10 000 points of one time";
+        }
+}
+
+// Some of one time, some of their own, some of another: each is answered once, at its own time.
+TEST_P(PointKernelOf, a_batch_of_many_times_has_the_same_bits_whatever_of_it_is_mixed) {
+    const HeldScene& scene = HeldScene::file(GetParam());
+    std::vector<QueryPoint> points = scene.places(3000, 10e3);
+    const std::size_t many = MixedMaps::pays_from_points;
+    for (std::size_t i = 0; i < 2 * many; ++i)
+        points.push_back({points[i % 1000].x_m, points[i % 1000].y_m,
+                          i < many + 3 ? scene.end_us / 3 : scene.end_us / 2});
+    for (std::size_t i = 0; i < 1000; ++i)
+        points.push_back(points[i]);
+    std::vector<Answer> answers(points.size());
+    MixedMaps mixed;
+    scene.surface.answer(points, answers, AnswerParts::all, &mixed);
+    const std::vector<Answer> others = answered(scene.surface, points);
+    for (std::size_t i = 0; i < points.size(); ++i)
+        ASSERT_TRUE(same_bits(answers[i], others[i])) << i;
+}
+
 TEST_P(PointKernelOf, who_wants_the_height_alone_gets_the_same_height) {
     const HeldScene& scene = HeldScene::file(GetParam());
     const std::vector<QueryPoint> points = scene.places(1000, 10e3);
@@ -193,6 +238,70 @@ TEST_P(PointKernelOf, who_wants_the_height_alone_gets_the_same_height) {
         ASSERT_EQ(all[i].flags, heights[i].flags);
         ASSERT_EQ(heights[i].velocity_mps[2], 0.0);
     }
+}
+
+// What one time costs is paid when as much has been lost without it, and never for times that nobody comes back to.
+TEST(MixedMaps, are_mixed_once_a_time_has_been_asked_about_so_often_that_it_pays) {
+    const HeldScene& scene = HeldScene::file("calm");
+    const Surface& surface = scene.surface;
+    const PointKernel& kernel = point_kernel(best_instructions());
+    const auto lent = [&](MixedMaps& mixed, const Surface& of, TimeUs time_us, std::size_t points) {
+        MixedMaps::Lent lent;
+        mixed.lend(of, time_us, points, kernel, lent);
+        return static_cast<bool>(lent);
+    };
+    constexpr std::size_t enough = MixedMaps::pays_from_points;
+    MixedMaps mixed;
+    EXPECT_FALSE(lent(mixed, surface, 0, enough - 1));
+    EXPECT_TRUE(lent(mixed, surface, 0, 1));
+    EXPECT_TRUE(lent(mixed, surface, 0, 1));
+    EXPECT_FALSE(lent(mixed, surface, 1, 1)) << "another time begins anew";
+    EXPECT_FALSE(lent(mixed, surface, 0, 1)) << "and the one before is forgotten";
+    EXPECT_TRUE(lent(mixed, surface, 0, enough));
+    const HeldScene& other = HeldScene::file("young");
+    EXPECT_FALSE(lent(mixed, other.surface, 0, 1)) << "so does another surface";
+    EXPECT_TRUE(lent(mixed, other.surface, 0, enough));
+}
+
+TEST(MixedMaps, stay_what_they_are_for_as_long_as_someone_has_them) {
+    const HeldScene& scene = HeldScene::file("calm");
+    const PointKernel& kernel = point_kernel(best_instructions());
+    MixedMaps mixed;
+    {
+        MixedMaps::Lent first, second;
+        mixed.lend(scene.surface, 0, MixedMaps::pays_from_points, kernel, first);
+        ASSERT_TRUE(first);
+        const float before = first.map(0)[1000];
+        mixed.lend(scene.surface, scene.end_us / 2, MixedMaps::pays_from_points, kernel, second);
+        EXPECT_FALSE(second) << "who comes with another time goes without";
+        EXPECT_EQ(first.map(0)[1000], before);
+    }
+    MixedMaps::Lent third;
+    mixed.lend(scene.surface, scene.end_us / 2, MixedMaps::pays_from_points, kernel, third);
+    EXPECT_TRUE(third);
+}
+
+TEST(MixedMaps, threads_with_times_of_their_own_answer_as_one_alone) {
+    const HeldScene& scene = HeldScene::file("north_sea_gale");
+    MixedMaps mixed;
+    std::vector<std::thread> threads;
+    std::atomic<int> wrong = 0;
+    for (int t = 0; t < 4; ++t)
+        threads.emplace_back([&, t] {
+            std::vector<QueryPoint> points = scene.places(2500, 5e3, true);
+            std::vector<Answer> answers(points.size());
+            for (int round = 0; round < 12; ++round) {
+                for (QueryPoint& point : points) // some together, some alone
+                    point.time_us = scene.end_us * ((round / 4 + t / 2) % 3) / 3;
+                scene.surface.answer(points, answers, AnswerParts::all, &mixed);
+                const std::vector<Answer> others = answered(scene.surface, points);
+                for (std::size_t i = 0; i < points.size(); ++i)
+                    wrong += !same_bits(answers[i], others[i]);
+            }
+        });
+    for (std::thread& thread : threads)
+        thread.join();
+    EXPECT_EQ(wrong, 0);
 }
 
 INSTANTIATE_TEST_SUITE_P(Seas, PointKernelOf,

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <random>
 #include <vector>
@@ -158,40 +159,48 @@ TEST(Sheets, maps_and_exact_sum_answer_alike_unless_flagged) {
     }
 }
 
+/// Smallest and largest eigenvalue of the symmetric part of grad D, or of its time rate.
+std::array<double, 2> strains_of(const SplineSample& s, int x, int y) {
+    const auto of = [](float value) { return static_cast<double>(value); };
+    const double mean = 0.5 * (of(s.d_dx[x]) + of(s.d_dy[y]));
+    const double gap =
+        std::hypot(0.5 * (of(s.d_dx[x]) - of(s.d_dy[y])), 0.5 * (of(s.d_dy[x]) + of(s.d_dx[y])));
+    return {mean - gap, mean + gap};
+}
+
 // What is proved to be one to one is not searched: a window that is too small would go unseen.
 TEST(Sheets, windows_bound_strains_and_displacements_within_their_radius) {
     const RealizationPtr sea = tests::make_sea({tests::random_cascade(100.0, 64, 18, 80, 0.03, 4)});
     const SplineMap map(*tests::exact_keyframe(sea, 0, 0));
     std::mt19937 random(4);
     std::uniform_real_distribution<double> place(-300, 300), share(-1, 1);
-    double tightest = 1e9;
     for (int i = 0; i < 300; ++i) {
         const double x = place(random), y = place(random);
         const double radius_m = 0.5 * std::pow(2.0, i % 8);
         const StrainBounds& bounds = map.windows().around(x, y, radius_m);
-        float xx = 1e9f;
         for (int k = 0; k < 60; ++k) {
             const SplineSample s =
                 map.sample(x + share(random) * radius_m, y + share(random) * radius_m);
-            constexpr float rounding = 1e-5f;
-            const float xy = 0.5f * (s.d_dy[1] + s.d_dx[2]);
-            ASSERT_GE(s.d_dx[1], bounds.xx_min - rounding);
-            ASSERT_GE(s.d_dy[2], bounds.yy_min - rounding);
-            ASSERT_LE(std::abs(xy), bounds.xy_size + rounding);
-            ASSERT_LE(std::abs(s.d_dx[5]), bounds.xx_rate + rounding);
-            ASSERT_LE(std::abs(s.d_dy[6]), bounds.yy_rate + rounding);
-            ASSERT_LE(0.5f * std::abs(s.d_dy[5] + s.d_dx[6]), bounds.xy_rate + rounding);
+            constexpr double rounding = 1e-5;
+            ASSERT_GE(strains_of(s, 1, 2)[0], static_cast<double>(bounds.strain_min) - rounding);
+            const auto [slowest, fastest] = strains_of(s, 5, 6);
+            ASSERT_LE(std::max(-slowest, fastest),
+                      static_cast<double>(bounds.strain_rate) + rounding);
             const SplineSample there = map.sample(x, y);
             ASSERT_LE(std::hypot(s.value[1] - there.value[1], s.value[2] - there.value[2]),
-                      bounds.range_m + rounding);
+                      static_cast<double>(bounds.range_m) + rounding);
             ASSERT_LE(std::hypot(s.value[5] - there.value[5], s.value[6] - there.value[6]),
-                      bounds.range_rate + rounding);
-            xx = std::min(xx, s.d_dx[1]);
+                      static_cast<double>(bounds.range_rate) + rounding);
         }
-        if (radius_m > 30)
-            tightest = std::min(tightest, static_cast<double>(bounds.xx_min / xx));
     }
-    EXPECT_LT(tightest, 1.5) << "a bound that nothing comes near would search everywhere";
+    double smallest = 1e9; // of four places a cell each way
+    for (double y = 0; y < 100; y += 100.0 / 256)
+        for (double x = 0; x < 100; x += 100.0 / 256)
+            smallest = std::min(smallest, strains_of(map.sample(x, y), 1, 2)[0]);
+    // Differences of coefficients exceed the slope of the finest waves here, of q = 0.56 pi a cell, by
+    // 1 / (3/4 + cos(q)/4) = 1.42; and xx, yy and xy are smallest and largest at different places of a cell.
+    EXPECT_LT(static_cast<double>(map.windows().whole_tile().strain_min) / smallest, 1.6)
+        << "a bound that nothing comes near would search everywhere";
 }
 
 // One coefficient among none: whatever a window leaves out shows in full. Naive: the spline at a place
@@ -214,13 +223,21 @@ TEST(Sheets, windows_hold_whatever_a_spline_within_their_radius_depends_on) {
         const SplineMap map(keyframe);
         for (double place_m = 0; place_m < 32; place_m += 0.5)
             for (double radius_m = 0.25; radius_m < 16; radius_m += 0.25) {
-                const float xx_min = map.windows().around(place_m, lone, radius_m).xx_min;
-                const float yy_min = map.windows().around(lone, place_m, radius_m).yy_min;
-                constexpr float rounding = 1e-5f;
+                const StrainBounds& east = map.windows().around(place_m, lone, radius_m);
+                const StrainBounds& north = map.windows().around(lone, place_m, radius_m);
+                constexpr double rounding = 1e-5;
+                const SplineSample here = map.sample(place_m, lone);
                 for (double off_m = -radius_m; off_m <= radius_m; off_m += 0.25) {
-                    ASSERT_GE(map.sample(place_m + off_m, lone).d_dx[1], xx_min - rounding)
+                    const SplineSample there = map.sample(place_m + off_m, lone);
+                    ASSERT_GE(strains_of(there, 1, 2)[0],
+                              static_cast<double>(east.strain_min) - rounding)
                         << lone << " " << place_m << " " << radius_m << " " << off_m;
-                    ASSERT_GE(map.sample(lone, place_m + off_m).d_dy[2], yy_min - rounding)
+                    ASSERT_LE(
+                        std::hypot(there.value[1] - here.value[1], there.value[2] - here.value[2]),
+                        static_cast<double>(east.range_m) + rounding)
+                        << lone << " " << place_m << " " << radius_m << " " << off_m;
+                    ASSERT_GE(strains_of(map.sample(lone, place_m + off_m), 1, 2)[0],
+                              static_cast<double>(north.strain_min) - rounding)
                         << lone << " " << place_m << " " << radius_m << " " << off_m;
                 }
             }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A block of floats for vector loads: aligned to a page, large ones to huge pages, which save most
-// of the address translations of column passes.
+// of the address translations of column passes and of look-ups here and there. Only what is used of a block is held.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +12,7 @@
 #include <sys/mman.h>
 #endif
 
-namespace seaway::sea::native {
+namespace seaway {
 
 struct FreeFloats {
     void operator()(float* p) const { std::free(p); }
@@ -28,10 +28,12 @@ inline AlignedFloats allocate_floats(std::size_t count) {
     if (p == nullptr)
         throw std::bad_alloc();
 #if defined(MADV_HUGEPAGE)
+    // A hint: whether it is taken changes speed only. Not for a rest that a huge page would be too much for.
+    const std::size_t whole = count * sizeof(float) + huge_page / 2;
     if (alignment == huge_page)
-        madvise(p, bytes, MADV_HUGEPAGE); // a hint: whether it is taken changes speed only
+        madvise(p, whole / huge_page * huge_page, MADV_HUGEPAGE);
 #endif
     return AlignedFloats(p);
 }
 
-} // namespace seaway::sea::native
+} // namespace seaway
