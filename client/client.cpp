@@ -293,12 +293,12 @@ Result<LocalSurface> Client::surface(TimeUs time_us) const {
         [&] { return local_surface(*sea_state(time_us), ring_, time_us, sampled_fields()); });
 }
 
-Result<void> Client::sample_into(std::span<const QueryPoint> points,
-                                 std::span<Answer> answers) const {
+Result<void> Client::sample_into(std::span<const QueryPoint> points, std::span<Answer> answers,
+                                 const Sampling& how) const {
     SEAWAY_CHECK(points.size() == answers.size(), "one answer a point");
     for (const QueryPoint& point : points)
         SEAWAY_TRY(check_time(point.time_us));
-    return of_one_sea([&] { return sample_from(ring_, surfaces_, points, answers); });
+    return of_one_sea([&] { return sample_from(ring_, surfaces_, points, answers, how); });
 }
 
 Result<std::vector<Answer>> Client::sample(std::span<const QueryPoint> points) const {
@@ -368,8 +368,8 @@ Client::SeaThen Client::sea_then(TimeUs time_us) const {
 }
 
 Result<void> Client::sample_from(const KeyframeRing& ring, HeldSurfaces& surfaces,
-                                 std::span<const QueryPoint> points,
-                                 std::span<Answer> answers) const {
+                                 std::span<const QueryPoint> points, std::span<Answer> answers,
+                                 const Sampling& how) const {
     const sea::FieldSet fields = sampled_fields();
     HeldSurfaces::Lent surface;
     for (std::size_t first = 0; first < points.size();) {
@@ -386,14 +386,20 @@ Result<void> Client::sample_from(const KeyframeRing& ring, HeldSurfaces& surface
             ++end;
         const std::span<const QueryPoint> asked = points.subspan(first, end - first);
         const std::span<Answer> answered = answers.subspan(first, end - first);
+        sea::Answering some{how.parts, &surfaces.mixed(), {}};
+        if (!how.memory.empty())
+            some.memory = how.memory.subspan(first, end - first);
         first = end;
         if (then.waves) {
             then.waves->answer(asked, answered);
+            if (how.parts == sea::AnswerParts::height)
+                for (Answer& answer : answered)
+                    leave_out_velocity(answer);
             continue;
         }
         splines_ahead_ = splines_ahead_max;
         SEAWAY_TRY(surfaces.lend(then.state, ring, time_us, fields, surface));
-        surface->surface.answer(asked, answered, sea::AnswerParts::all, &surfaces.mixed());
+        surface->surface.answer(asked, answered, some);
         if (!surface->covers)
             for (Answer& answer : answered)
                 answer.flags |= sea::answer_extrapolated;

@@ -66,6 +66,13 @@ struct Asking {
     Looking looking = {};  ///< which waves count
 };
 
+/// How sample_into() answers.
+struct Sampling {
+    sea::AnswerParts parts = sea::AnswerParts::all;
+    /// One a point, or none (sea/surface/surface.h); used where answers come from keyframes.
+    std::span<sea::PointMemory> memory = {};
+};
+
 class Client {
   public:
     /// Blocks until the sea is known, `options.timeout_s` at most.
@@ -126,7 +133,7 @@ class Client {
     /// The same into the caller's memory, as many answers as points; of an error they are anything. From keyframes that came since
     /// somebody sampled it allocates nothing, but what a search for sheets keeps for the next one of its thread.
     Result<void> sample_into(std::span<const sea::QueryPoint> points,
-                             std::span<sea::Answer> answers) const;
+                             std::span<sea::Answer> answers, const Sampling& how = {}) const;
 
     /// Makes the sea that runs at this time from the scene that the server sent, and holds it against the
     /// server's probes; from then on its points are answered from its waves. Blocks, never asks the server.
@@ -274,7 +281,7 @@ class Client {
     SeaThen sea_then(sea::TimeUs time_us) const;
     Result<void> sample_from(const KeyframeRing& ring, HeldSurfaces& surfaces,
                              std::span<const sea::QueryPoint> points,
-                             std::span<sea::Answer> answers) const;
+                             std::span<sea::Answer> answers, const Sampling& how) const;
     /// What `look` finds in what is held, of one sea: looked at again where another has taken its place meanwhile.
     template <class Look>
     auto of_one_sea(const Look& look) const {

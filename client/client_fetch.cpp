@@ -223,7 +223,7 @@ Result<std::vector<Answer>> Client::fetch_and_sample(std::span<const QueryPoint>
         tellings = 0;
         std::vector<Answer> sampled(batch.size());
         HeldSurfaces surfaces;
-        SEAWAY_TRY(sample_from(wanted.ring(), surfaces, batch, sampled));
+        SEAWAY_TRY(sample_from(wanted.ring(), surfaces, batch, sampled, {}));
         for (std::size_t i = first; i < next; ++i) {
             answers[order[i]] = sampled[i - first];
             if (answers[order[i]].flags & sea::answer_extrapolated)

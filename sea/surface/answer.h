@@ -62,6 +62,14 @@ enum class AnswerParts {
     all,
 };
 
+/// Where a point's water came from when it was last asked about: where it is looked for first the next time. Of a point
+/// that moves a little from one time to the next, as on a hull.
+struct PointMemory {
+    double shift_x_m = 0; ///< X - x
+    double shift_y_m = 0;
+    bool known = false;
+};
+
 /// The surface above a world point.
 struct Answer {
     double height_m = 0;
@@ -73,6 +81,13 @@ struct Answer {
     double error_m = 0;      ///< bound on |height_m - truth|
     std::uint32_t flags = 0; ///< AnswerFlag
 };
+
+/// What AnswerParts::height leaves of it.
+inline void leave_out_velocity(Answer& answer) {
+    if (!(answer.flags & answer_invalid))
+        for (double& component : answer.velocity_mps)
+            component = 0;
+}
 
 /// The water at a world point below the surface (sea/surface/below.h).
 struct WaterBelow {

@@ -46,7 +46,8 @@ struct alignas(64) PointBlock {
     double y_m[size];
     const PointWeights* weights[size]; ///< one a tile
     int count = 0;                     ///< of points; what is beyond has no meaning
-    // Answered
+    bool warm[size];                   ///< looked for at x + shift first, which is given
+    // Answered; the shift is asked, too, of who is warm
     alignas(64) double shift_x_m[size]; ///< X - x
     alignas(64) double shift_y_m[size];
     alignas(64) double residual_m[size];

@@ -83,9 +83,12 @@ class Block {
             points_.weights[p] = points_.weights[0];
         }
         for (int p = 0; p < lanes; ++p) {
-            points_.shift_x_m[p] = points_.shift_y_m[p] = points_.residual_m[p] = 0;
-            points_.solved[p] = false;
             going_[p] = p < points_.count;
+            cold_[p] = going_[p] && !points_.warm[p];
+            if (!going_[p] || cold_[p])
+                points_.shift_x_m[p] = points_.shift_y_m[p] = 0;
+            points_.residual_m[p] = 0;
+            points_.solved[p] = false;
         }
         set(points_.value);
         set(points_.d_dx);
@@ -103,9 +106,9 @@ class Block {
     }
 
     void run() {
-        for (int t = 0; t < task_.tile_count; ++t)
+        for (int t = 0; t < task_.tile_count && any_of(cold_); ++t)
             add_cascade(t);
-        for (int step = 0; step < steps_max && goes_on(); ++step)
+        for (int step = 0; step < steps_max && any_of(going_); ++step)
             newton(step == 0);
         if (!task_.rates)
             return;
@@ -126,9 +129,9 @@ class Block {
     SEAWAY_INLINE static void add(float (&row)[4], const F4& more) {
         *reinterpret_cast<F4*>(row) += more;
     }
-    SEAWAY_INLINE bool goes_on() const {
+    SEAWAY_INLINE static bool any_of(const bool (&of_lanes)[lanes]) {
         bool any = false;
-        for (const bool one : going_)
+        for (const bool one : of_lanes)
             any |= one;
         return any;
     }
@@ -149,9 +152,9 @@ class Block {
             __builtin_convertvector(uy - __builtin_convertvector(iy, D8), F8);
         *reinterpret_cast<I8*>(first_[t]) = iy * tile.pitch + ix * channels;
     }
-    SEAWAY_INLINE void fetch_what_is_new(int t) {
+    SEAWAY_INLINE void fetch_what_is_new(int t, const bool (&of)[lanes]) {
         for (int p = 0; p < points_.count; ++p)
-            if (going_[p] && first_[t][p] != patches_[t][p].first) {
+            if (of[p] && first_[t][p] != patches_[t][p].first) {
                 if constexpr (mixed_already)
                     fetch_mixed(task_.tiles[t], first_[t][p]);
                 else
@@ -189,9 +192,9 @@ class Block {
     /// What the earlier cascades do is taken to be linear meanwhile, and is solved for.
     SEAWAY_INLINE void add_cascade(int t) {
         look(t);
-        fetch_what_is_new(t);
+        fetch_what_is_new(t, cold_);
         for (int p = 0; p < points_.count; ++p)
-            if (going_[p]) {
+            if (cold_[p]) {
                 const Here one = here(t, p);
                 *reinterpret_cast<F4*>(points_.value[p]) = one.value;
                 add(points_.d_dx[p], one.d_dx);
@@ -200,14 +203,16 @@ class Block {
         constexpr int dx = spline_channel::displacement_x, dy = spline_channel::displacement_y;
         move(Step(task_, points_, task_.choppiness_x * column<dx>(points_.value),
                   task_.choppiness_y * column<dy>(points_.value)),
-             going_);
+             cold_);
+        for (int p = 0; p < lanes; ++p)
+            cold_[p] = cold_[p] && going_[p];
     }
 
     SEAWAY_INLINE void newton(bool first) {
         for (int t = 0; t < task_.tile_count; ++t) {
             look(t);
             if (first)
-                fetch_what_is_new(t);
+                fetch_what_is_new(t, going_);
         }
         for (int p = 0; p < points_.count; ++p)
             if (going_[p]) {
@@ -257,6 +262,7 @@ class Block {
     const PointTask& task_;
     PointBlock& points_;
     bool going_[lanes]; ///< not solved, and not for the careful solver
+    bool cold_[lanes];  ///< of those: nothing is known of where it is
     /// The points in the world on each tile, texels.
     alignas(64) double base_x_[PointBlock::tiles_max][lanes];
     alignas(64) double base_y_[PointBlock::tiles_max][lanes];

@@ -259,7 +259,7 @@ Answer Surface::gentle(const PointBlock& points, std::size_t p, const AtTime& th
 }
 
 void Surface::answer_block(std::span<const QueryPoint> points, std::span<Answer> answers,
-                           AnswerParts parts, const PointKernel& kernel,
+                           const Answering& how, const PointKernel& kernel,
                            std::span<const PointTile> tiles,
                            std::span<const AtTime* const> then) const {
     PointBlock block;
@@ -274,13 +274,19 @@ void Surface::answer_block(std::span<const QueryPoint> points, std::span<Answer>
         block.x_m[count] = point.x_m;
         block.y_m[count] = point.y_m;
         block.weights[count] = then[i]->weights.data();
+        const PointMemory last = how.memory.empty() ? PointMemory{} : how.memory[i];
+        // Where no point comes from nothing is looked up: not a number is further than that, too.
+        block.warm[count] =
+            last.known && std::hypot(last.shift_x_m, last.shift_y_m) <= 2 * folds_.reach_m;
+        block.shift_x_m[count] = last.shift_x_m;
+        block.shift_y_m[count] = last.shift_y_m;
         point_of[count++] = i;
     }
     if (count == 0)
         return;
     block.count = static_cast<int>(count);
     kernel.solve({tiles.data(), static_cast<int>(tiles.size()), choppiness_.x, choppiness_.y,
-                  tolerance_m_, 2 * folds_.reach_m, parts == AnswerParts::all},
+                  tolerance_m_, 2 * folds_.reach_m, how.parts == AnswerParts::all},
                  block);
     std::array<SurfaceSheets::Cells, PointBlock::size> cells;
     for (std::size_t p = 0; p < count; ++p) {
@@ -294,15 +300,18 @@ void Surface::answer_block(std::span<const QueryPoint> points, std::span<Answer>
         const Vec2 target{points[i].x_m, points[i].y_m};
         const Vec2 root{target.x + block.shift_x_m[p], target.y + block.shift_y_m[p]};
         const bool settled = block.solved[p] && then[i]->sheets.single(target, root, cells[p]);
-        answers[i] = settled ? gentle(block, p, *then[i], parts) : careful(points[i], *then[i]);
-        if (parts == AnswerParts::height && !(answers[i].flags & answer_invalid))
-            std::fill_n(answers[i].velocity_mps, 3, 0.0);
+        answers[i] = settled ? gentle(block, p, *then[i], how.parts) : careful(points[i], *then[i]);
+        if (!how.memory.empty())
+            how.memory[i] = {block.shift_x_m[p], block.shift_y_m[p], settled};
+        if (how.parts == AnswerParts::height)
+            leave_out_velocity(answers[i]);
     }
 }
 
 void Surface::answer(std::span<const QueryPoint> points, std::span<Answer> answers,
-                     AnswerParts parts, const PointKernel& kernel, MixedMaps* mixed) const {
+                     const Answering& how, const PointKernel& kernel) const {
     SEAWAY_CHECK(points.size() == answers.size(), "one answer a point");
+    SEAWAY_CHECK(how.memory.empty() || how.memory.size() == points.size(), "one memory a point");
     TimesOfBlock times(*this);
     const auto answer_some = [&](std::size_t first, std::size_t end,
                                  std::span<const PointTile> tiles) {
@@ -311,21 +320,24 @@ void Surface::answer(std::span<const QueryPoint> points, std::span<Answer> answe
             std::array<const AtTime*, PointBlock::size> then;
             for (std::size_t i = 0; i < count; ++i)
                 then[i] = &times.at(points[first + i].time_us);
-            answer_block(points.subspan(first, count), answers.subspan(first, count), parts, kernel,
+            Answering some = how;
+            if (!how.memory.empty())
+                some.memory = how.memory.subspan(first, count);
+            answer_block(points.subspan(first, count), answers.subspan(first, count), some, kernel,
                          tiles, {then.data(), count});
             first += count;
         }
     };
     const std::span<const PointTile> unmixed(tiles_.data(), tiles_.size());
     std::size_t begun = 0; // of those that nothing is mixed for
-    for (std::size_t first = 0; mixed != nullptr && first < points.size();) {
+    for (std::size_t first = 0; how.mixed != nullptr && first < points.size();) {
         std::size_t end = first + 1;
         while (end < points.size() && points[end].time_us == points[first].time_us)
             ++end;
         MixedMaps::Lent lent;
         // What to keep count of it costs is nothing to a block.
         if (end - first >= PointBlock::size || points.size() == 1)
-            mixed->lend(*this, points[first].time_us, end - first, kernel, lent);
+            how.mixed->lend(*this, points[first].time_us, end - first, kernel, lent);
         if (lent) {
             answer_some(begun, first, unmixed);
             ShortList<PointTile, surface_pairs_max> tiles = tiles_;
@@ -347,9 +359,9 @@ void Surface::mix(TimeUs time_us, const PointKernel& kernel,
 }
 
 void Surface::answer(std::span<const QueryPoint> points, std::span<Answer> answers,
-                     AnswerParts parts, MixedMaps* mixed) const {
+                     const Answering& how) const {
     static const PointKernel& best = point_kernel(best_instructions());
-    answer(points, answers, parts, best, mixed);
+    answer(points, answers, how, best);
 }
 
 Answer Surface::answer(const QueryPoint& point) const {

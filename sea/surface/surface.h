@@ -30,6 +30,15 @@ struct SplinePair {
     SplineMapPtr after;
 };
 
+/// How points are answered.
+struct Answering {
+    AnswerParts parts = AnswerParts::all;
+    /// Of who asks about the same times again, with one surface and others.
+    MixedMaps* mixed = nullptr;
+    /// One a point, or none. Answers with them end as near to the solution as without, but not with the same bits.
+    std::span<PointMemory> memory = {};
+};
+
 class Surface {
   public:
     /// `pairs` may be any subset of the cascades, surface_pairs_max at most; `error` is of these.
@@ -47,12 +56,11 @@ class Surface {
     Answer answer(const QueryPoint& point) const;
 
     /// The same bits as one by one, in two thirds of the time. Points of one time should stand together.
-    /// `mixed`: of who asks about the same times again, with this surface and others.
     void answer(std::span<const QueryPoint> points, std::span<Answer> answers,
-                AnswerParts parts = AnswerParts::all, MixedMaps* mixed = nullptr) const;
+                const Answering& how = {}) const;
     /// The same by a kernel of the caller's choice: all kernels give the same bits.
-    void answer(std::span<const QueryPoint> points, std::span<Answer> answers, AnswerParts parts,
-                const PointKernel& kernel, MixedMaps* mixed = nullptr) const;
+    void answer(std::span<const QueryPoint> points, std::span<Answer> answers, const Answering& how,
+                const PointKernel& kernel) const;
     /// With the search for sheets whether it is needed or not, and Newton in double precision.
     Answer answer_carefully(const QueryPoint& point) const;
 
@@ -91,7 +99,7 @@ class Surface {
                   AnswerParts parts) const;
     /// PointBlock::size points at most, whose times are `then`.
     void answer_block(std::span<const QueryPoint> points, std::span<Answer> answers,
-                      AnswerParts parts, const PointKernel& kernel,
+                      const Answering& how, const PointKernel& kernel,
                       std::span<const PointTile> tiles, std::span<const AtTime* const> then) const;
     std::uint32_t lasting_flags(TimeUs time_us) const;
 

@@ -13,6 +13,14 @@
 
 namespace seaway::server {
 
+namespace {
+
+/// Answered between two looks at the clock.
+constexpr std::size_t points_at_once_min = 2 * sea::PointBlock::size;
+constexpr std::size_t points_at_once_max = 16 * sea::PointBlock::size;
+
+} // namespace
+
 Result<void> check_time(sea::TimeUs time_us) {
     if (sea::in_time_range(time_us))
         return {};
@@ -69,18 +77,20 @@ void PointQuestion::sample(Surfaces& surfaces, const SliceOver& over, Make make)
         return;
     const sea::TimeUs end_us = surface_->end_us();
     SEAWAY_CHECK(next().time_us < end_us, "each slice brings a question nearer to its end");
-    do
-        put_some(*surface_->surface(), end_us);
-    while (!complete() && next().time_us < end_us && !over());
+    // A slice is looked at after each of them, and each is as long as all before: in seas that fold often some points take
+    // 20 us, elsewhere what a batch costs beside its points is shared by more of them.
+    std::size_t some = points_at_once_min;
+    do {
+        put_some(*surface_->surface(), end_us, some);
+        some = std::min(2 * some, points_at_once_max);
+    } while (!complete() && next().time_us < end_us && !over());
     if (complete() || next().time_us >= end_us)
         surface_.reset();
 }
 
-void PointQuestion::put_some(const sea::Surface& surface, sea::TimeUs end_us) {
-    // A slice is looked at after each of them: in seas that fold often some take 20 us.
-    constexpr std::size_t most = 2 * sea::PointBlock::size;
-    std::array<sea::QueryPoint, most> points;
-    std::array<sea::Answer, most> answers;
+void PointQuestion::put_some(const sea::Surface& surface, sea::TimeUs end_us, std::size_t most) {
+    std::array<sea::QueryPoint, points_at_once_max> points;
+    std::array<sea::Answer, points_at_once_max> answers;
     std::size_t count = 0;
     for (std::size_t i = done_count_; i < order_.size() && count < most; ++i) {
         points[count] = asked_.points[order_[i]];

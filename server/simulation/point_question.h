@@ -84,8 +84,8 @@ class PointQuestion {
 
   private:
     const sea::QueryPoint& next() const { return asked_.points[order_[done_count_]]; }
-    /// The next ones before `end_us`, one at least.
-    void put_some(const sea::Surface& surface, sea::TimeUs end_us);
+    /// The next ones before `end_us`, one at least and `most` at most.
+    void put_some(const sea::Surface& surface, sea::TimeUs end_us, std::size_t most);
     void put(const sea::Answer& answer) { answered_.answers[order_[done_count_++]] = answer; }
     /// Of a sea of which nothing is felt.
     void lie_flat();

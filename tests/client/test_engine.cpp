@@ -249,6 +249,85 @@ TEST_F(Engine, a_time_at_which_there_is_no_sea_is_refused_by_name_whatever_is_he
     }
 }
 
+TEST_F(Engine, heights_alone_are_those_of_the_answers_that_have_velocities) {
+    const std::vector<seaway_point> points = places(300);
+    for (const bool tiles : {true, false}) {
+        Sea client(net->url());
+        hold_sea(client, tiles);
+        std::vector<seaway_answer> all(points.size()), heights(points.size());
+        ASSERT_EQ(
+            seaway_sample_as(client.handle(), nullptr, points.data(), points.size(), all.data()),
+            SEAWAY_OK)
+            << seaway_last_error();
+        seaway_sampling how = SEAWAY_SIZED(seaway_sampling);
+        how.parts = SEAWAY_HEIGHT_ALONE;
+        ASSERT_EQ(
+            seaway_sample_as(client.handle(), &how, points.data(), points.size(), heights.data()),
+            SEAWAY_OK)
+            << seaway_last_error();
+        bool moves = false;
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            EXPECT_EQ(heights[i].height_m, all[i].height_m);
+            EXPECT_EQ(heights[i].error_m, all[i].error_m);
+            EXPECT_EQ(heights[i].flags, all[i].flags);
+            EXPECT_EQ(heights[i].normal[0], all[i].normal[0]);
+            EXPECT_EQ(heights[i].velocity_mps[2], 0);
+            moves = moves || all[i].velocity_mps[2] != 0;
+        }
+        EXPECT_TRUE(moves);
+    }
+}
+
+TEST_F(Engine, a_probe_answers_step_after_step_as_who_remembers_nothing) {
+    Sea client(net->url());
+    hold_sea(client, true);
+    std::vector<seaway_point> hull = places(40);
+    seaway_probe* probe = nullptr;
+    ASSERT_EQ(seaway_open_probe(hull.size(), &probe), SEAWAY_OK) << seaway_last_error();
+    seaway_sampling how = SEAWAY_SIZED(seaway_sampling);
+    how.probe = probe;
+    for (int step = 0; step < 20; ++step) {
+        std::vector<seaway_answer> with(hull.size()), without(hull.size());
+        ASSERT_EQ(seaway_sample_as(client.handle(), &how, hull.data(), hull.size(), with.data()),
+                  SEAWAY_OK)
+            << seaway_last_error();
+        ASSERT_EQ(seaway_sample(client.handle(), hull.data(), hull.size(), without.data()),
+                  SEAWAY_OK);
+        for (std::size_t i = 0; i < hull.size(); ++i) {
+            // A fiftieth of the budget of 1 cm along the surface, twice.
+            EXPECT_NEAR(with[i].height_m, without[i].height_m, 2 * 0.02 * 0.01);
+            EXPECT_EQ(with[i].flags, without[i].flags);
+            hull[i].x_m += 0.02;
+            hull[i].time_us += 500;
+        }
+    }
+    seaway_close_probe(probe);
+    seaway_close_probe(nullptr);
+}
+
+TEST_F(Engine, what_is_wrong_with_a_probe_is_named) {
+    Sea client(net->url());
+    seaway_probe* probe = nullptr;
+    EXPECT_NE(refusal(seaway_open_probe(0, &probe)).find("count is 0: it must be 1 to 1000000"),
+              std::string::npos);
+    EXPECT_NE(refusal(seaway_open_probe(1'000'001, &probe)).find("1000001"), std::string::npos);
+    EXPECT_NE(refusal(seaway_open_probe(1, nullptr)).find("probe must not be null"),
+              std::string::npos);
+    ASSERT_EQ(seaway_open_probe(1, &probe), SEAWAY_OK);
+    seaway_sampling how = SEAWAY_SIZED(seaway_sampling);
+    how.probe = probe;
+    const std::vector<seaway_point> points = places(2);
+    seaway_answer answers[2];
+    EXPECT_NE(refusal(seaway_sample_as(client.handle(), &how, points.data(), 2, answers))
+                  .find("2 points, and a probe for 1"),
+              std::string::npos);
+    how.parts = 2;
+    EXPECT_NE(refusal(seaway_sample_as(client.handle(), &how, points.data(), 1, answers))
+                  .find("parts is 2"),
+              std::string::npos);
+    seaway_close_probe(probe);
+}
+
 TEST_F(Engine, waves_that_are_left_out_are_missing_from_heights_and_from_nothing_else) {
     auto longest = std::make_shared<sea::Realization>(*tests::few_waves());
     longest->cascades.resize(1);

@@ -113,7 +113,7 @@ void measure(const HeldSurface& held, const Way& way, const SampleOptions& optio
     for (double before = thread_ns(); before < end;) {
         std::size_t count = 0;
         for (; count < std::max(timed_points_min, way.points); count += way.points) {
-            held.surface.answer({&points[first], way.points}, answers, way.parts, kernel, &mixed);
+            held.surface.answer({&points[first], way.points}, answers, {way.parts, &mixed}, kernel);
             first = (first + way.points) % places_drawn;
         }
         const double after = thread_ns();

@@ -102,7 +102,7 @@ std::vector<Answer> answered(const Surface& surface, std::span<const QueryPoint>
                              Instructions instructions = best_instructions(),
                              AnswerParts parts = AnswerParts::all) {
     std::vector<Answer> answers(points.size());
-    surface.answer(points, answers, parts, point_kernel(instructions));
+    surface.answer(points, answers, {parts}, point_kernel(instructions));
     return answers;
 }
 
@@ -195,8 +195,8 @@ TEST_P(PointKernelOf, maps_mixed_once_give_the_same_bits) {
             bool were_mixed = false;
             for (int round = 0; round < 5; ++round) {
                 std::vector<Answer> answers(points.size()), others(points.size());
-                scene.surface.answer(points, others, parts, kernel);
-                scene.surface.answer(points, answers, parts, kernel, &mixed);
+                scene.surface.answer(points, others, {parts}, kernel);
+                scene.surface.answer(points, answers, {parts, &mixed}, kernel);
                 for (std::size_t i = 1; i < points.size(); ++i)
                     ASSERT_TRUE(same_bits(answers[i], others[i])) << i << " " << round;
                 EXPECT_TRUE(answers[0].flags & answer_invalid);
@@ -220,7 +220,7 @@ TEST_P(PointKernelOf, a_batch_of_many_times_has_the_same_bits_whatever_of_it_is_
         points.push_back(points[i]);
     std::vector<Answer> answers(points.size());
     MixedMaps mixed;
-    scene.surface.answer(points, answers, AnswerParts::all, &mixed);
+    scene.surface.answer(points, answers, {AnswerParts::all, &mixed});
     const std::vector<Answer> others = answered(scene.surface, points);
     for (std::size_t i = 0; i < points.size(); ++i)
         ASSERT_TRUE(same_bits(answers[i], others[i])) << i;
@@ -237,6 +237,80 @@ TEST_P(PointKernelOf, who_wants_the_height_alone_gets_the_same_height) {
         ASSERT_EQ(all[i].error_m, heights[i].error_m);
         ASSERT_EQ(all[i].flags, heights[i].flags);
         ASSERT_EQ(heights[i].velocity_mps[2], 0.0);
+    }
+}
+
+// A hull at walking pace, sixty steps a second, that jumps now and then. Both ways end within the tolerance of the solution.
+TEST_P(PointKernelOf, points_that_are_remembered_have_the_answers_of_those_that_are_not) {
+    const HeldScene& scene = HeldScene::file(GetParam());
+    const double tolerance_m = inverse_tolerance_m(scene.budget.height_error_m);
+    std::vector<QueryPoint> points = scene.places(203, 10e3, true);
+    std::vector<PointMemory> memory(points.size());
+    const Answering remembered{AnswerParts::all, nullptr, memory};
+    std::vector<Answer> answers(points.size());
+    const PointKernel& kernel = point_kernel(best_instructions());
+    for (int step = 0; step < 60; ++step) {
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            points[i].time_us = scene.end_us * step / 60;
+            points[i].x_m += step % 20 == 19 ? 777.0 : 0.03;
+        }
+        scene.surface.answer(points, answers, remembered, kernel);
+        const std::vector<Answer> others = answered(scene.surface, points);
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            ASSERT_EQ(answers[i].flags, others[i].flags) << i << " " << step;
+            if (others[i].flags & answer_folded)
+                continue;
+            const double slope = surface_slope(others[i]);
+            ASSERT_NEAR(answers[i].height_m, others[i].height_m, 2 * tolerance_m * slope + 5e-6)
+                << i << " " << step;
+            ASSERT_NEAR(answers[i].velocity_mps[2], others[i].velocity_mps[2], 1e-2);
+        }
+    }
+}
+
+// Who is not known yet is looked for as ever, beside others that are.
+TEST_P(PointKernelOf, who_is_not_remembered_has_the_same_bits_beside_those_that_are) {
+    const HeldScene& scene = HeldScene::file(GetParam());
+    const std::vector<QueryPoint> points = scene.places(1001, 10e3);
+    const std::vector<Answer> others = answered(scene.surface, points);
+    std::vector<PointMemory> memory(points.size());
+    std::vector<Answer> answers(points.size());
+    const Answering remembered{AnswerParts::all, nullptr, memory};
+    scene.surface.answer(points, answers, remembered);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        ASSERT_TRUE(same_bits(answers[i], others[i])) << i;
+        if (i % 3 == 0)
+            memory[i].known = false;
+    }
+    for (const Instructions instructions : supported_instructions()) {
+        std::vector<PointMemory> again = memory;
+        scene.surface.answer(points, answers, {AnswerParts::all, nullptr, again},
+                             point_kernel(instructions));
+        for (std::size_t i = 0; i < points.size(); i += 3)
+            ASSERT_TRUE(same_bits(answers[i], others[i])) << i;
+    }
+}
+
+// A memory may be of anywhere, or of no place at all.
+TEST_P(PointKernelOf, a_memory_of_elsewhere_does_no_harm) {
+    const HeldScene& scene = HeldScene::file(GetParam());
+    const double tolerance_m = inverse_tolerance_m(scene.budget.height_error_m);
+    const std::vector<QueryPoint> points = scene.places(500, 10e3);
+    const std::vector<Answer> others = answered(scene.surface, points);
+    constexpr double nowhere = std::numeric_limits<double>::quiet_NaN();
+    for (const PointMemory& wrong :
+         {PointMemory{1e9, 1e9, true}, PointMemory{3, -4, true}, PointMemory{nowhere, 0, true},
+          PointMemory{0, -std::numeric_limits<double>::infinity(), true}}) {
+        std::vector<PointMemory> memory(points.size(), wrong);
+        std::vector<Answer> answers(points.size());
+        scene.surface.answer(points, answers, {AnswerParts::all, nullptr, memory});
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            ASSERT_EQ(answers[i].flags, others[i].flags) << i << " " << wrong.shift_x_m;
+            if (!(others[i].flags & answer_folded)) {
+                ASSERT_NEAR(answers[i].height_m, others[i].height_m,
+                            2 * tolerance_m * surface_slope(others[i]) + 5e-6);
+            }
+        }
     }
 }
 
@@ -293,7 +367,7 @@ TEST(MixedMaps, threads_with_times_of_their_own_answer_as_one_alone) {
             for (int round = 0; round < 12; ++round) {
                 for (QueryPoint& point : points) // some together, some alone
                     point.time_us = scene.end_us * ((round / 4 + t / 2) % 3) / 3;
-                scene.surface.answer(points, answers, AnswerParts::all, &mixed);
+                scene.surface.answer(points, answers, {AnswerParts::all, &mixed});
                 const std::vector<Answer> others = answered(scene.surface, points);
                 for (std::size_t i = 0; i < points.size(); ++i)
                     wrong += !same_bits(answers[i], others[i]);
