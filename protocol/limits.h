@@ -126,6 +126,10 @@ inline constexpr int credit_min = 1;
 inline constexpr int credit_default = 2;
 inline constexpr int credit_max = 8;
 
+/// Keyframes that one Ack may name, one in its `keyframe`, the others in `also`: all that a window holds, and one that
+/// was fetched.
+inline constexpr std::uint32_t keyframes_per_ack_max = 1 + credit_max;
+
 /// Replies that wait for a session, by count and by bytes. From there on the session is not read
 /// from, so that only the queries already in flight can add to them.
 inline constexpr std::size_t replies_waiting_max = 64;

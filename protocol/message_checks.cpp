@@ -68,6 +68,8 @@ Result<void> check(const wire::Message& message) {
         return check(*message.body_as_Hello());
     case Body::Subscribe:
         return check(*message.body_as_Subscribe());
+    case Body::Ack:
+        return check(*message.body_as_Ack());
     case Body::Fetch:
         return check(*message.body_as_Fetch());
     case Body::Query:
@@ -102,7 +104,6 @@ Result<void> check(const wire::Message& message) {
         return check(*message.body_as_GoAway());
     case Body::NONE:
     case Body::Unsubscribe:
-    case Body::Ack:
     case Body::Ping:
     case Body::FetchDone:
     case Body::Pong:
@@ -131,6 +132,11 @@ Result<void> check(const wire::Subscribe& subscribe) {
         subscribe.size_max() == 0 ? Result<void>()
                                   : in_range<int>("size_max", subscribe.size_max(),
                                                   limits::size_min, limits::map_side_max));
+}
+
+Result<void> check(const wire::Ack& ack) {
+    return in_range<std::size_t>("count of also", count(ack.also()), 0,
+                                 limits::keyframes_per_ack_max - 1);
 }
 
 Result<void> check(const wire::Fetch& fetch) {

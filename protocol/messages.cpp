@@ -49,6 +49,8 @@ bool aligned(const Vector* list) {
 bool lists_aligned(const wire::Message& message) {
     using wire::Body;
     switch (message.body_type()) { // no default: a new kind must be thought of
+    case Body::Ack:
+        return aligned(message.body_as_Ack()->also());
     case Body::Fetch:
         return aligned(message.body_as_Fetch()->times_us());
     case Body::Query:
@@ -63,7 +65,6 @@ bool lists_aligned(const wire::Message& message) {
     case Body::Hello:
     case Body::Subscribe:
     case Body::Unsubscribe:
-    case Body::Ack:
     case Body::Ping:
     case Body::Change:
     case Body::Administer:
@@ -153,9 +154,11 @@ Bytes subscribe_spectrum(std::uint32_t request_id, const SpectrumWish& wish) {
                                                        wish.slope_error, wish.fields.bits()));
 }
 
-Bytes ack(std::uint64_t keyframe) {
-    FlatBufferBuilder built = builder(64);
-    return finish(built, wire::CreateAck(built, keyframe));
+Bytes ack(std::uint64_t keyframe, std::span<const std::uint64_t> also) {
+    FlatBufferBuilder built = builder(128);
+    const auto others =
+        also.empty() ? Offset<flatbuffers::Vector<std::uint64_t>>() : vector_of(built, also);
+    return finish(built, wire::CreateAck(built, keyframe, others));
 }
 
 Bytes fetch(std::uint32_t request_id, std::span<const sea::TimeUs> times_us, const TileWish& wish) {
@@ -219,11 +222,11 @@ flatbuffers::Optional<std::int64_t> elapsed_us(const sea::SeaTime& time) {
 Bytes welcome(std::uint64_t session, std::string_view server, const sea::SeaTime& time) {
     FlatBufferBuilder built = builder(256);
     const auto name = string_of(built, server);
-    return finish(built, wire::CreateWelcome(built, version, session, name, time.sea_us,
-                                             limits::points_per_query_max,
-                                             limits::exact_points_per_query_max,
-                                             limits::times_per_fetch_max,
-                                             limits::client_message_bytes_max, elapsed_us(time)));
+    return finish(
+        built, wire::CreateWelcome(built, version, session, name, time.sea_us,
+                                   limits::points_per_query_max, limits::exact_points_per_query_max,
+                                   limits::times_per_fetch_max, limits::client_message_bytes_max,
+                                   elapsed_us(time), limits::keyframes_per_ack_max));
 }
 
 Bytes subscribed(std::uint32_t request_id, const TileWish& grant, int credit,

@@ -70,6 +70,7 @@ class MessageReader {
 Result<void> check(const wire::Message& message);
 Result<void> check(const wire::Hello& hello);
 Result<void> check(const wire::Subscribe& subscribe);
+Result<void> check(const wire::Ack& ack);
 Result<void> check(const wire::Fetch& fetch);
 Result<void> check(const wire::Query& query);
 Result<void> check(const wire::Change& change);
@@ -110,7 +111,9 @@ struct TileWish {
 Bytes subscribe(std::uint32_t request_id, const TileWish& wish, int credit);
 /// Of tiles, or of the spectrum.
 Bytes unsubscribe(bool spectrum = false);
-Bytes ack(std::uint64_t keyframe);
+/// `also`: others that are complete, at most limits::keyframes_per_ack_max with the first; a server whose Welcome does
+/// not say that it takes several overlooks them.
+Bytes ack(std::uint64_t keyframe, std::span<const std::uint64_t> also = {});
 Bytes fetch(std::uint32_t request_id, std::span<const sea::TimeUs> times_us, const TileWish& wish);
 /// `z_m`: none, or one a point.
 Bytes query(std::uint32_t request_id, std::span<const sea::QueryPoint> points, bool exact,

@@ -66,9 +66,7 @@ void Session::dispatch(std::span<const std::uint8_t> bytes) {
     case wire::Body::SubscribeSpectrum:
         return on_subscribe_spectrum(*m.body_as_SubscribeSpectrum());
     case wire::Body::Ack:
-        if (outbox_.acknowledge(m.body_as_Ack()->keyframe()))
-            link_.send_more();
-        return;
+        return on_ack(*m.body_as_Ack());
     case wire::Body::Fetch:
         return on_fetch(*m.body_as_Fetch());
     case wire::Body::Query:
@@ -198,6 +196,18 @@ void Session::on_unsubscribe(bool spectrum) {
     subscription_.reset();
     core_.host.subscriptions().erase(id_);
     outbox_.stop_stream();
+}
+
+void Session::on_ack(const wire::Ack& ack) {
+    // There is no request that could be refused, and what is not taken off the window would stay there for ever.
+    if (const Result<void> fine = protocol::check(ack); !fine)
+        return close(ErrorCode::bad_value, fine.error().message);
+    bool any = outbox_.acknowledge(ack.keyframe());
+    if (ack.also() != nullptr)
+        for (const std::uint64_t keyframe : *ack.also())
+            any = outbox_.acknowledge(keyframe) || any;
+    if (any)
+        link_.send_more();
 }
 
 void Session::on_fetch(const wire::Fetch& request) {

@@ -87,6 +87,7 @@ class Session {
     void on_subscribe(const wire::Subscribe& subscribe);
     void on_unsubscribe(bool spectrum = false);
     void on_subscribe_spectrum(const wire::SubscribeSpectrum& subscribe);
+    void on_ack(const wire::Ack& ack);
     void on_fetch(const wire::Fetch& fetch);
     void on_query(const wire::Query& query); // session_query.cpp
     void on_ping(const wire::Ping& ping);

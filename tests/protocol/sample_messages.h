@@ -104,6 +104,7 @@ inline std::vector<sea::Answer> some_answers() {
 }
 
 inline constexpr sea::TimeUs some_times[] = {-5, 1'000'000};
+inline constexpr std::uint64_t some_others[] = {7, 1ull << 41};
 inline constexpr double some_depths[] = {-3.5, 1.0};
 inline constexpr sea::WaterBelow some_waters[] = {{{1, 2, -3}, 9.5}};
 inline constexpr sea::QueryPoint some_points[] = {{1.5, -2.5, 7}, {1e6, 2e6, -9}};
@@ -121,7 +122,7 @@ inline Bytes sample(wire::Body body) {
     case Body::Unsubscribe:
         return unsubscribe();
     case Body::Ack:
-        return ack(1ull << 40);
+        return ack(1ull << 40, some_others);
     case Body::Fetch:
         return fetch(8, some_times, wish);
     case Body::Query:
@@ -168,6 +169,26 @@ inline Bytes sample(wire::Body body) {
         break;
     }
     return {};
+}
+
+/// The same message with its list copied to the end, `shift` bytes behind a multiple of 8.
+inline Bytes with_list_at(const Bytes& message, const flatbuffers::Table& body,
+                          flatbuffers::voffset_t field, std::size_t element_bytes,
+                          std::size_t shift) {
+    // In the table stands the distance to the list: its count, then its values.
+    const std::uint8_t* place = body.GetAddressOf(field);
+    const auto at = static_cast<std::size_t>(place - message.data());
+    Bytes bytes = message;
+    const std::size_t from = at + flatbuffers::ReadScalar<flatbuffers::uoffset_t>(place);
+    const std::size_t length =
+        4 + element_bytes * flatbuffers::ReadScalar<flatbuffers::uoffset_t>(&bytes[from]);
+    while (bytes.size() % 8 != (shift + 4) % 8)
+        bytes.push_back(0);
+    const std::size_t to = bytes.size();
+    for (std::size_t i = 0; i < length; ++i)
+        bytes.push_back(Bytes::value_type(bytes[from + i]));
+    flatbuffers::WriteScalar(&bytes[at], static_cast<flatbuffers::uoffset_t>(to - at));
+    return bytes;
 }
 
 /// The message in these bytes, which it refers to; null, and a failure, where there is none.

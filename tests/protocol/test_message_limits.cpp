@@ -228,6 +228,12 @@ TEST(MessageLimits, each_number_of_a_request_has_its_own_range) {
         EXPECT_EQ(why_not(Sender::server, subscribed(1, wish, credit)), why);
         expect_either(why, fine, "credit");
     }
+    const auto acknowledged = [](std::size_t others) {
+        return why_not(Sender::client, ack(1, std::vector<std::uint64_t>(others)));
+    };
+    EXPECT_EQ(acknowledged(0), "");
+    EXPECT_EQ(acknowledged(8), "");
+    expect_refused(acknowledged(9), "count of also");
     const auto answered = [](std::size_t count) {
         return why_not(Sender::server, query_reply(1, 2, std::vector<sea::Answer>(count)));
     };

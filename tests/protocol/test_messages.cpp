@@ -18,6 +18,7 @@ using tests::sample;
 using tests::samples;
 using tests::some_state;
 using tests::some_tile;
+using tests::with_list_at;
 using wire::Body;
 using wire::ErrorCode;
 
@@ -183,25 +184,6 @@ TEST(Messages, unaligned_bytes_are_read_like_aligned_ones) {
             ASSERT_TRUE(message.has_value());
             EXPECT_EQ(reinterpret_cast<std::uintptr_t>(*message) % 4, 0u);
         }
-}
-
-/// The same message with its list copied to the end, `shift` bytes behind a multiple of 8.
-Bytes with_list_at(const Bytes& message, const flatbuffers::Table& body,
-                   flatbuffers::voffset_t field, std::size_t element_bytes, std::size_t shift) {
-    // In the table stands the distance to the list: its count, then its values.
-    const std::uint8_t* place = body.GetAddressOf(field);
-    const auto at = static_cast<std::size_t>(place - message.data());
-    Bytes bytes = message;
-    const std::size_t from = at + flatbuffers::ReadScalar<flatbuffers::uoffset_t>(place);
-    const std::size_t length =
-        4 + element_bytes * flatbuffers::ReadScalar<flatbuffers::uoffset_t>(&bytes[from]);
-    while (bytes.size() % 8 != (shift + 4) % 8)
-        bytes.push_back(0);
-    const std::size_t to = bytes.size();
-    for (std::size_t i = 0; i < length; ++i)
-        bytes.push_back(Bytes::value_type(bytes[from + i]));
-    flatbuffers::WriteScalar(&bytes[at], static_cast<flatbuffers::uoffset_t>(to - at));
-    return bytes;
 }
 
 // The verifier looks at the alignment of a list's count alone; found by the fuzzer.

@@ -37,11 +37,27 @@ TEST(NetSimulated, whatever_a_crowd_does_every_promise_is_kept_after_every_step)
             seen[what] += count;
     }
     // A crowd to which nothing happens keeps every promise.
-    for (const char* what : {"Welcome", "SeaState", "Subscribed", "Tile", "QueryReply", "FetchDone",
-                             "Pong", "Refused", "streamed keyframe", "Refused too_many_requests",
-                             "Refused bad_value", "Refused not_offered", "Refused too_many_points",
-                             "closed bad_message", "closed hello_expected", "closed unauthorised",
-                             "closed too_slow", "write timeout", "was there to the end"})
+    for (const char* what : {"Welcome",
+                             "SeaState",
+                             "Subscribed",
+                             "Tile",
+                             "QueryReply",
+                             "FetchDone",
+                             "Pong",
+                             "Refused",
+                             "streamed keyframe",
+                             "Refused too_many_requests",
+                             "Refused bad_value",
+                             "Refused not_offered",
+                             "Refused too_many_points",
+                             "Ack of several",
+                             "closed bad_value",
+                             "closed bad_message",
+                             "closed hello_expected",
+                             "closed unauthorised",
+                             "closed too_slow",
+                             "write timeout",
+                             "was there to the end"})
         EXPECT_GT(seen[what], 0u) << what;
 }
 

@@ -29,10 +29,17 @@ Body Ledger::asks(std::span<const std::uint8_t> bytes) {
     else if (const auto* ping = (*message)->body_as_Ping())
         ++pings_[ping->request_id()];
     else if (const auto* ack = (*message)->body_as_Ack())
-        unacknowledged_.erase(ack->keyframe());
+        acknowledges(*ack);
     else if (const auto* stop = (*message)->body_as_Unsubscribe(); stop && stop->spectrum())
         chunks_left_ = 0; // none comes any more
     return (*message)->body_type();
+}
+
+void Ledger::acknowledges(const wire::Ack& ack) {
+    unacknowledged_.erase(ack.keyframe());
+    if (ack.also() != nullptr)
+        for (const std::uint64_t keyframe : *ack.also())
+            unacknowledged_.erase(keyframe);
 }
 
 void Ledger::told(std::span<const std::uint8_t> bytes, const std::optional<server::Demand>& grant,

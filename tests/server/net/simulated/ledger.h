@@ -50,6 +50,7 @@ class Ledger {
     std::uint64_t newest(int cascade) const;
 
   private:
+    void acknowledges(const wire::Ack& ack);
     void told_tile(const wire::Tile& tile, std::size_t bytes,
                    const std::optional<server::Demand>& grant, const Publications& publications);
     void begins(const wire::Tile& tile, const std::optional<server::Demand>& grant,

@@ -19,7 +19,7 @@ enum class Temper {
     honest,
     slow,    ///< its link is
     stuck,   ///< reads nothing after a while
-    miser,   ///< acknowledges late or never
+    miser,   ///< acknowledges late or never; others sometimes several keyframes together
     hostile, ///< bytes that are no message, and messages that are no client's
     mute,    ///< says no Hello
 };
@@ -72,6 +72,8 @@ class Seat final : public server::Link {
     protocol::Bytes something();
     protocol::Bytes nonsense();
     protocol::TileWish wish();
+    /// Acknowledges this keyframe, and all that were hoarded with it.
+    void say_ack(std::uint64_t keyframe);
     void say(protocol::Bytes bytes) { asking_.push_back(std::move(bytes)); }
     std::uint32_t new_id() { return next_id_++; }
     void tell(const std::string& what);
