@@ -237,6 +237,7 @@ Result<void> Connection::take(const wire::Welcome& welcome) {
         return Error{"a second welcome"};
     welcome_ = {welcome.session(), text(welcome.server()), welcome.points_per_query_max(),
                 welcome.exact_points_per_query_max(), welcome.times_per_fetch_max()};
+    acknowledgements_.begin(welcome.keyframes_per_ack_max());
     welcomed_ = true;
     opening_.notify_all();
     return {};
@@ -282,6 +283,7 @@ Result<void> Connection::take(const wire::Subscribed& subscribed) {
         grant.size_max = static_cast<int>(limits->size());
     }
     streamed_fields_ = grant.fields;
+    send_ack(acknowledgements_.granted(grant.credit));
     requests_.note_grant(subscribed.request_id(), grant);
     if (events_.on_grant)
         events_.on_grant(grant);
@@ -302,13 +304,18 @@ Result<void> Connection::take(const wire::Tile& tile) {
                       state->depth_m, streamed_fields_, requested);
     if (!added)
         return added.error();
-    // One that is missing would take a keyframe's place in the window for ever.
-    if (added->acknowledge && !send(protocol::ack(header.keyframe)))
-        stream_->close(fmt::format("the server takes nothing: {} bytes and more wait for it",
-                                   MessageStream::waiting_bytes_max));
+    if (added->acknowledge)
+        send_ack(acknowledgements_.complete(header.keyframe));
     if (added->complete && events_.on_keyframe)
         events_.on_keyframe(added->complete);
     return {};
+}
+
+void Connection::send_ack(std::optional<protocol::Bytes> ack) {
+    // One that is missing would take its keyframes' places in the window for ever.
+    if (ack && !send(std::move(*ack)))
+        stream_->close(fmt::format("the server takes nothing: {} bytes and more wait for it",
+                                   MessageStream::waiting_bytes_max));
 }
 
 Result<void> Connection::take(const wire::FetchDone& done) {

@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "base/result.h"
+#include "client/held/acknowledgements.h"
 #include "client/held/tile_assembly.h"
 #include "client/link/message_stream.h"
 #include "client/link/requests.h"
@@ -156,6 +157,8 @@ class Connection {
     void take(const wire::Refused& refused);
     Result<void> take(const wire::GoAway& go_away);
     bool send(protocol::Bytes message);
+    /// Ends the connection where it cannot be sent.
+    void send_ack(std::optional<protocol::Bytes> ack);
     SeaStatePtr sea_state(std::uint32_t epoch) const;
 
     const ConnectionEvents events_;
@@ -178,6 +181,7 @@ class Connection {
     std::optional<Error> going_away_;
     sea::FieldSet streamed_fields_;
     TileAssembly assembly_;
+    Acknowledgements acknowledgements_;
     std::uint32_t spectrum_epoch_ = 0; ///< of the one that is being sent
     std::uint32_t next_chunk_ = 0;
     std::uint32_t chunks_ = 0;

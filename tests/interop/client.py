@@ -26,6 +26,7 @@ class Session:
         self.states = {}  # by epoch
         self.keyframes = {}  # by (epoch, cascade, time_us)
         self.granted = None
+        self.complete = []  # keyframes that are, and were not acknowledged
         self.spectra = {}  # by epoch
         self.last_id = 0
         self.send("Hello", versions=[1], client="interop", token=token)
@@ -44,6 +45,7 @@ class Session:
             self.states[message["epoch"]] = message
         elif kind == "Subscribed":
             self.granted = message
+            self.acknowledge(1)
         elif kind == "Spectrum":
             self.spectra[message["epoch"]] = spectrum.Spectrum(self.states[message["epoch"]], message)
         elif kind == "SpectrumChunk":
@@ -63,7 +65,15 @@ class Session:
         keyframe.add(tile)
         wanted = [f for f in range(32) if (self.granted or {}).get("fields", 0) >> f & 1]
         if wanted and keyframe.holds(wanted):
-            self.send("Ack", keyframe=tile["keyframe"])
+            self.complete.append(tile["keyframe"])
+            self.acknowledge(min(self.granted["credit"] // 2, self.welcome["keyframes_per_ack_max"]))
+
+    def acknowledge(self, together):
+        """All that are complete, once they are so many."""
+        if len(self.complete) >= max(together, 1):
+            first, *also = self.complete
+            self.complete = []
+            self.send("Ack", keyframe=first, also=also or None)
 
     def wait_for(self, kind, request_id=None):
         while True:

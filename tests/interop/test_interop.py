@@ -286,11 +286,32 @@ class Live(unittest.TestCase):
             session.socket.close()
             return gone, closed.code
 
+    def test_a_stream_goes_on_whatever_its_credit_and_however_many_keyframes_an_ack_names(self):
+        class Counting(client.Session):
+            def send(self, kind, **values):
+                if kind == "Ack":
+                    named.append(1 + len(values["also"] or []))
+                super().send(kind, **values)
+
+        for takes in (0, 9):  # 0: as to a server that knows Acks of one keyframe alone
+            named = []
+            session = Counting(self.host, self.port)
+            self.assertEqual(session.welcome["keyframes_per_ack_max"], 9)
+            session.welcome["keyframes_per_ack_max"] = takes
+            for credit, most in ((8, 4), (1, 1), (4, 2)):
+                session.subscribe(credit=credit)
+                del named[:]
+                while sum(named) < 3 * credit:  # more than the window holds: it is given back
+                    session.receive()
+                self.assertEqual(set(named), {most if takes else 1}, f"credit {credit}")
+            session.socket.close()
+
     def test_sessions_end_with_the_codes_of_the_page(self):
         text = self.close_code(lambda s: s.socket.send(b"hello", opcode=websocket.TEXT))
         self.assertEqual(text, (1, 4001))
         second = self.close_code(lambda s: s.send("Hello", versions=[1], client="", token=""))
         self.assertEqual(second, (1, 4001))
+        self.assertEqual(self.close_code(lambda s: s.send("Ack", keyframe=1, also=[2] * 9)), (5, 4005))
         self.assertEqual(self.close_code(lambda s: s.socket.send(b"unmasked", masked=False)), (None, 1002))
         self.assertEqual(self.close_code(lambda s: s.socket.send(b"", announced=200_000)), (None, 1009))
 

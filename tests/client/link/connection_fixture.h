@@ -19,7 +19,8 @@ class FakeServer {
     std::function<void(const wire::Message&)> on_message;
     MessageStreamEvents events;
     std::string closed_because;
-    std::vector<std::uint64_t> acknowledged;
+    std::vector<std::uint64_t> acknowledged; ///< keyframes
+    std::vector<std::size_t> acks;           ///< how many of those each of them named
     bool open = true;
     bool takes = true; ///< what it is sent
 
@@ -56,7 +57,7 @@ class FakeStream final : public MessageStream {
         const Result<const wire::Message*> read = reader.read(message);
         EXPECT_TRUE(read);
         if (const auto* ack = (*read)->body_as_Ack())
-            server_.acknowledged.push_back(ack->keyframe());
+            take(*ack);
         else if (server_.on_message)
             server_.on_message(**read);
         return true;
@@ -64,6 +65,14 @@ class FakeStream final : public MessageStream {
     void close(std::string reason) override { server_.end(reason); }
 
   private:
+    void take(const wire::Ack& ack) {
+        server_.acknowledged.push_back(ack.keyframe());
+        if (ack.also() != nullptr)
+            server_.acknowledged.insert(server_.acknowledged.end(), ack.also()->begin(),
+                                        ack.also()->end());
+        server_.acks.push_back(ack.also() != nullptr ? 1 + ack.also()->size() : 1);
+    }
+
     FakeServer& server_;
 };
 
