@@ -2,12 +2,15 @@
 // A swarm of clients on loopback, in processes of their own, before a server that is started for it: what it
 // costs the server, and what the clients see of it.
 //
-//     load_swarm SCENARIO [--server PROGRAM[,PROGRAM...]] [--rounds N] [--clients N] [--seconds S] ...
+//     load_swarm SCENARIO [--server PROGRAM[,PROGRAM...]] [--credit N[,N...]] [--rounds N] [--clients N] [--seconds S] ...
 //
 // Scenarios: crowd (1000 clients, keyframes of 20 KB at 20 Hz), gale (300 clients, every field of the gale),
 // stalled (500, of whom 100 never read), answers (200 readers, and one who asks single points), flooded (and one
 // who asks for 16 x 4096 points at far times again and again). With several servers each round runs each of
-// them, so that builds are compared on the same machine at the same time. Prints a CSV row a run:
+// them, so that builds are compared on the same machine at the same time. With several credits likewise: of up to 3
+// each keyframe is acknowledged by itself, of 4 and 5 two together, of 8 four, where the server takes that. Prints a
+// CSV row a run:
+//   acks_a_keyframe  Acks that were sent over the keyframes that came
 //   cpu_cores        processor time of the server over the time measured, all threads
 //   busiest_cores    of its busiest thread, which is the one of the network under load
 //   us_a_message     processor time of the server over the messages that arrived
@@ -46,7 +49,7 @@ struct Options {
     int stalled = -1;
     int processes = 2;
     int rounds = 1;
-    int credit = 4;
+    std::vector<int> credits{4};
     double seconds = 0;
     double warm_up_s = 3;
     double error_m = 0;
@@ -106,7 +109,7 @@ double sea_minus_clock(Peer& peer) {
     return ahead_s;
 }
 
-void send_out(Crew& crew, const Options& options, const Scenario& scenario, int port) {
+void send_out(Crew& crew, const Options& options, const Scenario& scenario, int credit, int port) {
     const auto share = [&](int of, int which) {
         return of / options.processes + (which < of % options.processes ? 1 : 0);
     };
@@ -114,7 +117,7 @@ void send_out(Crew& crew, const Options& options, const Scenario& scenario, int 
                   .wish = {.fields = fields_called(options.fields),
                            .error_m = static_cast<float>(options.error_m),
                            .compact = options.compact},
-                  .credit = options.credit,
+                  .credit = credit,
                   .nice = options.nice};
     for (int i = 0; i < options.processes; ++i) {
         errand.readers = share(options.clients, i);
@@ -140,7 +143,8 @@ void pause(double seconds) {
 }
 
 /// A row; false if the server did not start or ended a session.
-bool run(const Options& options, const Scenario& scenario, const std::string& program, int round) {
+bool run(const Options& options, const Scenario& scenario, const std::string& program, int credit,
+         int round) {
     ServerProcess server({options.scene, "--listen", "127.0.0.1:0", "--device", options.device,
                           "--sessions-max", "4000", "--connections-max", "5000",
                           "--connections-per-address", "0", "--sessions-without-hello-per-address",
@@ -153,7 +157,7 @@ bool run(const Options& options, const Scenario& scenario, const std::string& pr
     }
     Stage& stage = shared<Stage>();
     Crew crew(stage);
-    send_out(crew, options, scenario, port_of(url));
+    send_out(crew, options, scenario, credit, port_of(url));
     Peer clock(port_of(url), 0);
     while (stage.greeted <
            options.clients + options.stalled + int{scenario.asks} + int{scenario.floods})
@@ -172,29 +176,23 @@ bool run(const Options& options, const Scenario& scenario, const std::string& pr
     if (!crew.come_home())
         return false;
     auto sum = std::make_unique<Tally>();
-    for (const Tally* one : crew.tallies()) {
-        sum->age += one->age;
-        sum->answer += one->answer;
-        sum->keyframes += one->keyframes;
-        sum->lost += one->lost;
-        sum->messages += one->messages;
-        sum->bytes += one->bytes;
-        sum->refused += one->refused;
-        sum->ended += one->ended;
-    }
+    for (const Tally* one : crew.tallies())
+        *sum += *one;
     const double cpu_s = after.cpu_s - before.cpu_s;
     const auto of = [](std::uint64_t count) { return static_cast<double>(count); };
-    fmt::print(
-        "{},{},{},{},{},{:.1f},{:.0f},{:.1f},{:.1f},{:.3f},{:.3f},{:.2f},{:.1f},{:.1f},{},{:.1f},"
-        "{:.1f},{},{},{:.1f},{:+.1f},{:.1f}\n",
-        scenario.name, program, round, options.clients, options.stalled, seconds,
-        of(sum->keyframes) / seconds,
-        of(sum->bytes) / of(std::max(sum->keyframes, std::uint64_t{1})) / 1e3,
-        of(sum->bytes) / seconds / 1e6, cpu_s / seconds, busiest_s(before, after) / seconds,
-        1e6 * cpu_s / of(std::max(sum->messages, std::uint64_t{1})), sum->age.quantile_ms(0.5),
-        sum->age.quantile_ms(0.99), sum->lost, sum->answer.quantile_ms(0.5),
-        sum->answer.quantile_ms(0.99), sum->refused, sum->ended, before.resident_mb,
-        after.resident_mb - before.resident_mb, machine_load());
+    fmt::print("{},{},{},{},{},{},{:.1f},{:.0f},{:.2f},{:.1f},{:.1f},{:.3f},{:.3f},{:.2f},{:.1f},{:"
+               ".1f},{},"
+               "{:.1f},{:.1f},{},{},{:.1f},{:+.1f},{:.1f}\n",
+               scenario.name, program, round, options.clients, options.stalled, credit, seconds,
+               of(sum->keyframes) / seconds,
+               of(sum->acks) / of(std::max(sum->keyframes, std::uint64_t{1})),
+               of(sum->bytes) / of(std::max(sum->keyframes, std::uint64_t{1})) / 1e3,
+               of(sum->bytes) / seconds / 1e6, cpu_s / seconds, busiest_s(before, after) / seconds,
+               1e6 * cpu_s / of(std::max(sum->messages, std::uint64_t{1})),
+               sum->age.quantile_ms(0.5), sum->age.quantile_ms(0.99), sum->lost,
+               sum->answer.quantile_ms(0.5), sum->answer.quantile_ms(0.99), sum->refused,
+               sum->ended, before.resident_mb, after.resident_mb - before.resident_mb,
+               machine_load());
     std::fflush(stdout);
     return sum->ended == 0;
 }
@@ -216,7 +214,11 @@ Result<const Scenario*> read(int argc, char** argv, Options& options) {
         .between(0, 19)
         .shows_default();
     line.option("--rounds", options.rounds, "Runs of each server").between(1, 1000);
-    line.option("--credit", options.credit, "Of each client").between(1, 8).shows_default();
+    line.option("--credit", options.credits,
+                "Of each client, 1 to 8; with several each round runs each of them")
+        .takes("N,...")
+        .separated_by(',')
+        .between(1, 8);
     line.option("--seconds", options.seconds, "Measured").between(0.0, 1e5);
     line.option("--warm-up", options.warm_up_s, "Seconds before that").between(0.0, 1e5);
     line.option("--error", options.error_m, "Wanted of the tiles, m").between(0.0, 1e6);
@@ -247,14 +249,14 @@ int main(int argc, char** argv) {
     options.error_m = options.error_m == 0 ? chosen.error_m : options.error_m;
     options.seconds = options.seconds == 0 ? chosen.seconds : options.seconds;
     fmt::print(
-        "scenario,server,round,clients,stalled,seconds,keyframes_a_s,kb_a_keyframe,mb_a_s,cpu_"
-        "cores,"
-        "busiest_cores,us_a_message,age_ms_p50,age_ms_p99,lost,answer_ms_p50,answer_ms_p99,refused,"
-        "ended,rss_mb,rss_grown_mb,load\n");
+        "scenario,server,round,clients,stalled,credit,seconds,keyframes_a_s,acks_a_keyframe,"
+        "kb_a_keyframe,mb_a_s,cpu_cores,busiest_cores,us_a_message,age_ms_p50,age_ms_p99,lost,"
+        "answer_ms_p50,answer_ms_p99,refused,ended,rss_mb,rss_grown_mb,load\n");
     std::fflush(stdout);
     bool well = true;
     for (int round = 1; round <= options.rounds; ++round)
         for (const std::string& program : options.servers)
-            well = run(options, chosen, program, round) && well;
+            for (const int credit : options.credits)
+                well = run(options, chosen, program, credit, round) && well;
     return well ? 0 : 1;
 }

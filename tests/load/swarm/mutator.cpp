@@ -24,7 +24,7 @@ Bytes Mutator::message() {
     case 2:
         return protocol::unsubscribe();
     case 3:
-        return protocol::ack(draw_.below(1000));
+        return protocol::ack(draw_.below(1000), std::vector<std::uint64_t>(draw_.below(10), 7));
     case 4: {
         std::vector<sea::TimeUs> times(draw_.below(9), 5'000'000);
         return protocol::fetch(id, times, wish);

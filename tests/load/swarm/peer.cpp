@@ -150,12 +150,14 @@ void Peer::on_message(std::span<const std::uint8_t> bytes, Tally& tally, const S
     } else if (const auto* welcome = message.body_as_Welcome()) {
         welcomed_ = true;
         sea_time_us_ = welcome->sea_time_us();
+        acknowledgements_.begin(welcome->keyframes_per_ack_max());
     } else if (const auto* state = message.body_as_SeaState()) {
         intervals_us_.clear();
         for (const wire::CascadeInfo* cascade : *state->cascades())
             intervals_us_.push_back(cascade->interval_us());
     } else if (const auto* subscribed = message.body_as_Subscribed()) {
         fields_ = subscribed->fields();
+        say_ack(acknowledgements_.granted(subscribed->credit()), tally, stage);
     } else if (const auto* pong = message.body_as_Pong()) {
         sea_time_us_ = pong->sea_time_us();
         ++answers_;
@@ -175,8 +177,16 @@ void Peer::on_tile(const wire::Tile& tile, Tally& tally, const Stage& stage) {
     if ((come & fields_) != fields_)
         return;
     begun_.erase(tile.keyframe());
-    send(protocol::ack(tile.keyframe()));
+    say_ack(acknowledgements_.complete(tile.keyframe()), tally, stage);
     on_keyframe(tile, tally, stage);
+}
+
+void Peer::say_ack(const std::optional<protocol::Bytes>& ack, Tally& tally, const Stage& stage) {
+    if (!ack)
+        return;
+    send(*ack);
+    if (stage.measure)
+        ++tally.acks;
 }
 
 void Peer::on_keyframe(const wire::Tile& tile, Tally& tally, const Stage& stage) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Peer: one WebSocket session of a swarm over a bare socket, as cheap as can be: a load must not cost more
-// than the server that it is for. It takes what comes, acknowledges whole keyframes, and says what it has
-// seen of them; it decodes nothing.
+// than the server that it is for. It takes what comes, acknowledges whole keyframes as our clients do, and says what it
+// has seen of them; it decodes nothing.
 #pragma once
 
 #include <cstdint>
@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "client/held/acknowledgements.h"
 #include "protocol/messages.h"
 #include "tests/load/swarm/tally.h"
 
@@ -42,6 +43,7 @@ class Peer {
     void on_message(std::span<const std::uint8_t> bytes, Tally& tally, const Stage& stage);
     void on_tile(const wire::Tile& tile, Tally& tally, const Stage& stage);
     void on_keyframe(const wire::Tile& tile, Tally& tally, const Stage& stage);
+    void say_ack(const std::optional<protocol::Bytes>& ack, Tally& tally, const Stage& stage);
 
     int socket_;
     std::vector<std::uint8_t> rest_; ///< the beginning of a message
@@ -49,6 +51,7 @@ class Peer {
     std::uint32_t fields_ = 0;                     ///< granted
     std::map<std::uint64_t, std::uint32_t> begun_; ///< fields that have come, by keyframe
     std::map<int, std::int64_t> newest_us_;        ///< by cascade
+    client::Acknowledgements acknowledgements_;
     std::uint32_t answers_ = 0;
     std::int64_t sea_time_us_ = 0;
     bool welcomed_ = false;

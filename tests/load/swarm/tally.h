@@ -57,9 +57,24 @@ struct Tally {
     std::uint64_t lost = 0; ///< never seen, though a newer one of their cascade was
     std::uint64_t messages = 0;
     std::uint64_t bytes = 0;
+    std::uint64_t acks = 0;
     std::uint64_t refused = 0; ///< requests
     std::uint64_t ended = 0;   ///< sessions, by the server or by a fault
     std::uint64_t attacks = 0; ///< connections of who sends what is no message
+
+    Tally& operator+=(const Tally& other) {
+        age += other.age;
+        answer += other.answer;
+        keyframes += other.keyframes;
+        lost += other.lost;
+        messages += other.messages;
+        bytes += other.bytes;
+        acks += other.acks;
+        refused += other.refused;
+        ended += other.ended;
+        attacks += other.attacks;
+        return *this;
+    }
 };
 
 /// What the parent says, and how far the children have come.
