@@ -60,8 +60,8 @@ std::shared_ptr<Client> Feed::client() const {
 FeedStatus Feed::status() const {
     std::unique_lock lock(state_->mutex);
     FeedStatus status = state_->status;
-    status.keyframes = state_->keyframes;
-    status.bytes = state_->bytes;
+    status.keyframes = state_->counts->keyframes;
+    status.bytes = state_->counts->bytes;
     if (status.link == Link::waiting)
         status.next_s =
             std::max(std::chrono::duration<double>(state_->next - Clock::now()).count(), 0.0);
@@ -81,9 +81,9 @@ FeedStatus Feed::status() const {
 /// From here on the client goes on by itself.
 Result<std::shared_ptr<Client>> Feed::first_connection(const std::shared_ptr<State>& state) {
     ClientEvents events;
-    events.on_keyframe = [state = state.get()](const HeldKeyframePtr& keyframe) {
-        ++state->keyframes;
-        state->bytes += keyframe->keyframe().values.size() * sizeof(float);
+    events.on_keyframe = [counts = state->counts](const HeldKeyframePtr& keyframe) {
+        ++counts->keyframes;
+        counts->bytes += keyframe->keyframe().values.size() * sizeof(float);
     };
     SEAWAY_TRY_LET(std::shared_ptr<Client> client,
                    Client::connect(state->options, std::move(events),

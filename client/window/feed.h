@@ -46,6 +46,10 @@ class Feed {
     FeedStatus status() const;
 
   private:
+    /// Outlives the feed where somebody has its client still.
+    struct Counts {
+        std::atomic<std::uint64_t> keyframes = 0, bytes = 0;
+    };
     /// Outlives the feed where its thread does.
     struct State {
         ConnectOptions options;
@@ -55,7 +59,7 @@ class Feed {
         bool stop = false, ended = false;
         FeedStatus status;
         std::chrono::steady_clock::time_point next;
-        std::atomic<std::uint64_t> keyframes = 0, bytes = 0; ///< the client's events count
+        std::shared_ptr<Counts> counts = std::make_shared<Counts>(); ///< by the client's events
         std::shared_ptr<Client> client;
     };
     static void run(const std::shared_ptr<State>& state);

@@ -87,6 +87,28 @@ TEST(Feed, stays_away_for_as_long_as_a_server_that_stops_asks) {
     EXPECT_LE(status.next_s, 1200);
 }
 
+// A frame that is still drawn has it. What the feed counted must be there for as long as the client counts: the sanitizers
+// see it where it is not.
+TEST(Feed, may_go_before_those_who_have_its_client) {
+    tests::ServerProcess server(
+        {"scenes/calm.toml", "--device", "native", "--listen", "127.0.0.1:0"});
+    const std::string url = server.wait_until_ready();
+    ASSERT_FALSE(url.empty()) << server.log();
+    std::shared_ptr<Client> client;
+    {
+        Feed feed({.url = url});
+        for (int i = 0; i < 12'000 && feed.status().keyframes == 0; ++i)
+            std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        EXPECT_GT(feed.status().bytes, 0u);
+        client = feed.client();
+    }
+    ASSERT_TRUE(client);
+    const sea::TimeUs then_us = client->now_us() + 1'000'000; // some keyframes on
+    for (int i = 0; i < 12'000 && client->now_us() < then_us; ++i)
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    EXPECT_TRUE(client->is_open());
+}
+
 TEST(Model, a_sea_is_told_as_it_was_asked_for_and_as_it_is) {
     SeaState state;
     state.requested = {2.5, 9.5, 7.75, 8.25, 260, 31, 0.02};
