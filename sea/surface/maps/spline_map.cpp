@@ -81,14 +81,23 @@ SplineMap::SplineMap(const Keyframe& keyframe)
                  "a sampler needs height and its rate");
     const auto pitch = static_cast<std::size_t>(size_ + border);
     coefficients_ = allocate_floats(count_of(size_));
-    std::fill_n(coefficients_.get(), count_of(size_), 0.0f);
-    for (std::size_t f = 0; f < channel_fields.size(); ++f) {
-        if (!keyframe.fields.contains(channel_fields[f]))
-            continue;
-        const float* value = keyframe.plane(channel_fields[f]).data();
-        for (int y = 0; y < size_; ++y)
-            for (int x = 0; x < size_; ++x)
-                texel(x, y)[channel_of[f]] = *value++;
+    const std::vector<float> none(keyframe.plane_size());
+    std::array<const float*, channel_fields.size()> of;
+    for (std::size_t f = 0; f < of.size(); ++f)
+        of[f] = keyframe.fields.contains(channel_fields[f])
+                    ? keyframe.plane(channel_fields[f]).data()
+                    : none.data();
+    static_assert(channel_of == std::array{0, 1, 2, 4, 5, 6});
+    for (int y = 0; y < size_;
+         ++y) { // all channels of a point at once: they are half a line of a cache
+        float* to = texel(0, y);
+        const std::size_t row = static_cast<std::size_t>(y) * static_cast<std::size_t>(size_);
+        for (std::size_t i = row; i < row + static_cast<std::size_t>(size_); ++i, to += channels) {
+            const F4 values{of[0][i], of[1][i], of[2][i], 0},
+                rates{of[3][i], of[4][i], of[5][i], 0};
+            std::memcpy(to, &values, sizeof values);
+            std::memcpy(to + spline_channel::rate, &rates, sizeof rates);
+        }
     }
     for (int y = 0; y < size_; ++y)
         prefilter(texel(0, y), size_, channels, channels);

@@ -6,6 +6,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <utility>
 
 #include "sea/surface/maps/spline_map.h"
 
@@ -41,68 +42,148 @@ struct Extent {
         low = other.low < low ? other.low : low;
         high = other.high > high ? other.high : high;
     }
-    float size(int c) const { return std::max(std::abs(low[c]), std::abs(high[c])); }
 };
 
-using Row = std::vector<F4>; ///< of coefficients, with its border
+using Row = std::vector<F4>; ///< of coefficients, with its border and more
 
-void read_row(const float* coefficients, std::size_t row, Row& to) {
-    const float* texel = coefficients + row * to.size() * channels;
-    for (F4& one : to) {
-        one = displacement(texel);
-        texel += channels;
+void read_row(const float* texel, std::size_t points, Row& to) {
+    for (std::size_t i = 0; i < points; ++i, texel += channels)
+        to[i] = displacement(texel);
+}
+
+/// One float a grid point or a cell, as many more as a vector that begins at the last one reads.
+using Line = std::vector<float>;
+constexpr std::size_t lanes = 4;
+
+F4 load(const float* at) {
+    F4 four;
+    std::memcpy(&four, at, sizeof four);
+    return four;
+}
+F4 smaller(F4 a, F4 b) {
+    return b < a ? b : a;
+}
+F4 larger(F4 a, F4 b) {
+    return b > a ? b : a;
+}
+F4 size_of(F4 a) {
+    return larger(a, -a);
+}
+
+/// Differences of neighbouring coefficients along one axis: of the displacement along it, which stretch, and of the other
+/// one, which shear; and of their time rates.
+struct Differences {
+    Line stretch, shear, stretch_rate, shear_rate;
+
+    explicit Differences(std::size_t columns)
+        : stretch(columns), shear(columns), stretch_rate(columns), shear_rate(columns) {}
+    /// Between so many pairs of points, four at a time. `along`: the component along the axis.
+    void set(const F4* from, const F4* to, std::size_t pairs, int along) {
+        Line* const lines[] = {along == dx ? &stretch : &shear, along == dx ? &shear : &stretch,
+                               along == dx ? &stretch_rate : &shear_rate,
+                               along == dx ? &shear_rate : &stretch_rate};
+        for (std::size_t i = 0; i < pairs; i += lanes) {
+            F4 four[lanes];
+            for (std::size_t k = 0; k < lanes; ++k)
+                four[k] = to[i + k] - from[i + k];
+            const F4 low[] = {__builtin_shufflevector(four[0], four[1], 0, 4, 1, 5),
+                              __builtin_shufflevector(four[2], four[3], 0, 4, 1, 5)};
+            const F4 high[] = {__builtin_shufflevector(four[0], four[1], 2, 6, 3, 7),
+                               __builtin_shufflevector(four[2], four[3], 2, 6, 3, 7)};
+            const F4 of_channel[] = {__builtin_shufflevector(low[0], low[1], 0, 1, 4, 5),
+                                     __builtin_shufflevector(low[0], low[1], 2, 3, 6, 7),
+                                     __builtin_shufflevector(high[0], high[1], 0, 1, 4, 5),
+                                     __builtin_shufflevector(high[0], high[1], 2, 3, 6, 7)};
+            for (std::size_t c = 0; c < lanes; ++c)
+                std::memcpy(lines[c]->data() + i, &of_channel[c], sizeof of_channel[c]);
+        }
+    }
+};
+
+/// What they are at most within cells.
+struct Bounds {
+    F4 stretch_low, shear_low, shear_high, stretch_rate, shear_rate;
+
+    void add(const Bounds& other) {
+        stretch_low = smaller(stretch_low, other.stretch_low);
+        shear_low = smaller(shear_low, other.shear_low);
+        shear_high = larger(shear_high, other.shear_high);
+        stretch_rate = larger(stretch_rate, other.stretch_rate);
+        shear_rate = larger(shear_rate, other.shear_rate);
+    }
+};
+using BoundsOfRow = std::vector<Bounds>; ///< of four cells each
+
+/// Of a row, whose cells hang on `wide` differences each.
+void bound(const Differences& differences, std::size_t wide, BoundsOfRow& row) {
+    for (std::size_t n = 0; n < row.size(); ++n) {
+        const auto of = [&](std::size_t i) {
+            const F4 shear = load(&differences.shear[i]);
+            return Bounds{load(&differences.stretch[i]), shear, shear,
+                          size_of(load(&differences.stretch_rate[i])),
+                          size_of(load(&differences.shear_rate[i]))};
+        };
+        row[n] = of(lanes * n);
+        for (std::size_t i = 1; i < wide; ++i)
+            row[n].add(of(lanes * n + i));
     }
 }
 
-/// What differences of neighbours are at most within each cell of a row: along x in one row of coefficients, along y
-/// between two.
-void differences_x(const Row& row, std::vector<Extent>& of_cells) {
-    for (std::size_t x = 0; x < of_cells.size(); ++x) {
-        of_cells[x] = {};
-        for (std::size_t i = x; i < x + support - 1; ++i)
-            of_cells[x].add(row[i + 1] - row[i]);
-    }
-}
-void differences_y(const Row& south, const Row& north, std::vector<Extent>& of_cells) {
-    for (std::size_t x = 0; x < of_cells.size(); ++x) {
-        of_cells[x] = {};
-        for (std::size_t i = x; i < x + support; ++i)
-            of_cells[x].add(north[i] - south[i]);
-    }
+/// The rows that a cell hangs on.
+template <std::size_t count>
+Bounds over(const std::array<BoundsOfRow, count>& rows, std::size_t n) {
+    Bounds all = rows[0][n];
+    for (std::size_t r = 1; r < count; ++r)
+        all.add(rows[r][n]);
+    return all;
 }
 
-/// Of [[xx, xy], [xy, yy]]: its distance from the mean of the two on the diagonal.
-float half_gap(float xx, float yy, float xy) {
-    const float half = 0.5f * (xx - yy);
-    return std::sqrt(half * half + xy * xy);
+F4 root(F4 a) {
+    for (std::size_t i = 0; i < lanes; ++i)
+        a[i] = std::sqrt(a[i]);
+    return a;
+}
+/// Of [[xx, xy], [xy, yy]]: how far its eigenvalues lie from the mean of the two on the diagonal.
+F4 half_gap(F4 xx, F4 yy, F4 xy) {
+    const F4 half = 0.5f * (xx - yy);
+    return root(half * half + xy * xy);
+}
+/// Per cell, of one length.
+struct Strains {
+    F4 smallest, rate;
+};
+Strains strains_of(const Bounds& x, const Bounds& y) {
+    const F4 xy =
+        0.5f * larger(size_of(x.shear_low + y.shear_low), size_of(x.shear_high + y.shear_high));
+    const F4 xy_rate = 0.5f * (x.shear_rate + y.shear_rate);
+    return {0.5f * (x.stretch_low + y.stretch_low) - half_gap(x.stretch_low, y.stretch_low, xy),
+            0.5f * (x.stretch_rate + y.stretch_rate) +
+                half_gap(x.stretch_rate, y.stretch_rate, xy_rate)};
 }
 
 /// What is widened to hold several cells or blocks: extents before they are put together.
 struct Block {
-    float strain_min = 3e38f;
-    float strain_rate = 0;
+    F4 strain_min = F4{} + 3e38f; ///< of every fourth cell
+    F4 strain_rate{};
     Extent moved;
 
     void add(const Block& other) {
-        strain_min = std::min(strain_min, other.strain_min);
-        strain_rate = std::max(strain_rate, other.strain_rate);
+        add(Strains{other.strain_min, other.strain_rate});
         moved.add(other.moved);
     }
-    void add_cell(const Extent& x, const Extent& y, float per_m) {
-        const float xy_low = 0.5f * (y.low[dx] + x.low[dy]),
-                    xy_high = 0.5f * (y.high[dx] + x.high[dy]);
-        const float xy = std::max(std::abs(xy_low), std::abs(xy_high));
-        const float xx = x.low[dx], yy = y.low[dy];
-        strain_min = std::min(strain_min, per_m * (0.5f * (xx + yy) - half_gap(xx, yy, xy)));
-        const float xx_rate = x.size(dx + rate), yy_rate = y.size(dy + rate);
-        const float xy_rate = 0.5f * (y.size(dx + rate) + x.size(dy + rate));
-        strain_rate = std::max(strain_rate, per_m * (0.5f * (xx_rate + yy_rate) +
-                                                     half_gap(xx_rate, yy_rate, xy_rate)));
+    void add(const Strains& strains) {
+        strain_min = smaller(strain_min, strains.smallest);
+        strain_rate = larger(strain_rate, strains.rate);
     }
     StrainBounds bounds() const {
         const F4 range = moved.high - moved.low;
-        return {std::hypot(range[dx], range[dy]), strain_min,
-                std::hypot(range[dx + rate], range[dy + rate]), strain_rate};
+        StrainBounds all{std::hypot(range[dx], range[dy]), strain_min[0],
+                         std::hypot(range[dx + rate], range[dy + rate]), strain_rate[0]};
+        for (std::size_t i = 1; i < lanes; ++i) {
+            all.strain_min = std::min(all.strain_min, strain_min[i]);
+            all.strain_rate = std::max(all.strain_rate, strain_rate[i]);
+        }
+        return all;
     }
 };
 
@@ -135,32 +216,34 @@ std::vector<Block> blocks_of(const float* coefficients, int size, int block, flo
     const int count = size / block;
     const auto cells = static_cast<std::size_t>(size);
     std::vector<Block> blocks(static_cast<std::size_t>(count * count));
-    Row south, row(cells + SplineMap::border);
-    // Of as many rows of coefficients as a cell hangs on, in turns.
-    std::array<std::vector<Extent>, support> along_x;
-    std::array<std::vector<Extent>, support - 1> along_y;
-    for (auto& one : along_x)
-        one.resize(cells);
-    for (auto& one : along_y)
-        one.resize(cells);
-    for (std::size_t r = 0; r < row.size(); ++r) {
-        read_row(coefficients, r, row);
+    const std::size_t fours = (cells + lanes - 1) / lanes,
+                      columns = lanes * fours + support + lanes;
+    // Rows are as long as what is read beyond their last cells.
+    const std::size_t points = cells + SplineMap::border;
+    Row south(columns + 1), row(columns + 1);
+    Differences along_x(columns), along_y(columns);
+    // Of as many rows as a cell hangs on, in turns.
+    std::array<BoundsOfRow, support> x;
+    std::array<BoundsOfRow, support - 1> y;
+    x.fill(BoundsOfRow(fours));
+    y.fill(BoundsOfRow(fours));
+    for (std::size_t r = 0; r < points; ++r) {
+        read_row(coefficients + r * points * channels, points, row);
         add_displacements(row, static_cast<int>(r), block, count, blocks);
-        differences_x(row, along_x[r % along_x.size()]);
-        if (r > 0)
-            differences_y(south, row, along_y[r % along_y.size()]);
-        south = row;
+        along_x.set(&row[0], &row[1], points - 1, dx);
+        bound(along_x, support - 1, x[r % x.size()]);
+        if (r > 0) {
+            along_y.set(&south[0], &row[0], points, dy);
+            bound(along_y, support, y[r % y.size()]);
+        }
+        std::swap(south, row);
         if (r + 1 < support)
             continue;
-        const int y = static_cast<int>(r + 1) - support;
-        for (std::size_t x = 0; x < cells; ++x) {
-            Extent over_x, over_y;
-            for (const auto& one : along_x)
-                over_x.add(one[x]);
-            for (const auto& one : along_y)
-                over_y.add(one[x]);
-            blocks[index(static_cast<int>(x) / block, y / block, count)].add_cell(over_x, over_y,
-                                                                                  per_m);
+        Block* const of_row = &blocks[index(0, (static_cast<int>(r + 1) - support) / block, count)];
+        for (std::size_t n = 0; n < fours; ++n) {
+            const Strains strains = strains_of(over(x, n), over(y, n));
+            of_row[lanes * n / static_cast<std::size_t>(block)].add(
+                Strains{per_m * strains.smallest, per_m * strains.rate});
         }
     }
     return blocks;
