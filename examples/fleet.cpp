@@ -8,11 +8,13 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <memory>
 #include <thread>
 #include <vector>
 
 #include <seaway/buoyancy.h>
 #include <seaway/seaway.hpp>
+#include <seaway/seaway_engine.h>
 
 namespace {
 
@@ -70,13 +72,14 @@ double since_us(std::chrono::steady_clock::time_point then) {
 }
 
 /// One step of all; false: the water has no answer.
-bool step(const seaway::Sea& sea, const seaway_hull& hull, std::int64_t time_us,
-          std::vector<seaway_body>& bodies, std::vector<seaway_point>& points,
+bool step(const seaway::Sea& sea, const seaway_sampling& how, const seaway_hull& hull,
+          std::int64_t time_us, std::vector<seaway_body>& bodies, std::vector<seaway_point>& points,
           std::vector<seaway_answer>& answers, Times& times) {
     const auto begin = std::chrono::steady_clock::now();
     for (std::size_t i = 0; i < floats; ++i)
         seaway_hull_points(&hull, &bodies[i], time_us, &points[i * corners]);
-    if (seaway_sample(sea.handle(), points.data(), points.size(), answers.data()) != SEAWAY_OK)
+    if (seaway_sample_as(sea.handle(), &how, points.data(), points.size(), answers.data()) !=
+        SEAWAY_OK)
         return false;
     times.water_us.push_back(since_us(begin));
     const auto sampled = std::chrono::steady_clock::now();
@@ -95,11 +98,17 @@ int run(const char* url, int steps) {
     std::vector<seaway_body> bodies = fleet();
     std::vector<seaway_point> points(floats * corners);
     std::vector<seaway_answer> answers(points.size());
+    // Floats drift by centimetres a step: where a point's water came from is where to look for it.
+    seaway_sampling how = SEAWAY_SIZED(seaway_sampling);
+    if (seaway_open_probe(points.size(), &how.probe) != SEAWAY_OK)
+        return std::fprintf(stderr, "fleet: %s\n", seaway_last_error()), 1;
+    const std::unique_ptr<seaway_probe, decltype(&seaway_close_probe)> probe(how.probe,
+                                                                             &seaway_close_probe);
     Times times;
     const auto begin = std::chrono::steady_clock::now();
     for (int i = 0; i < steps; ++i) {
         std::this_thread::sleep_until(begin + i * std::chrono::duration<double>(step_s));
-        if (!step(sea, hull, sea.now_us(), bodies, points, answers, times))
+        if (!step(sea, how, hull, sea.now_us(), bodies, points, answers, times))
             return std::fprintf(stderr, "fleet: %s\n", seaway_last_error()), 1;
     }
     double off_m = 0;

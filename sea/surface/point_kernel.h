@@ -6,6 +6,9 @@
 // the other, the first alone, then the second where the first has moved the point to, so that the patches of the fine ones
 // are fetched about where they are needed. Patches are mixed in time once and kept while a point stays within its cell.
 //
+// Points of a block go on together: places and steps of all of them are worked out at once, as vectors of doubles, and what is
+// looked up for one does not wait for another. Of who is warm, all cascades are looked up at once.
+//
 // Every lane does the same products and sums in the same order whatever the width of the vectors, and nothing is
 // fused: all instruction sets give the same bits, a point alone the same as in a block. Single precision, about 1e-6 of
 // what is summed; places in double. Solves where the surface is gentle, and says where it has not; nothing is allocated.
