@@ -17,6 +17,7 @@
 #include "base/text_file.h"
 #include "server/devices.h"
 #include "server/log_format.h"
+#include "server/net/credentials.h"
 #include "server/net/open_files.h"
 #include "server/net/server.h"
 #include "server/options.h"
@@ -53,11 +54,23 @@ SimulationEvents events(World& world) {
         [] { ::malloc_trim(0); }};
 }
 
-/// SIGHUP.
-void reload(NetServer& net) {
-    if (const Result<void> read = net.reload(); !read)
-        return spdlog::error("event=reload_refused why=\"{}\"", read.error().message);
-    spdlog::info("event=reloaded what=\"tokens and certificate\"");
+/// SIGHUP. Says of each file whether it was read again, and what was not looked at.
+void reload(NetServer& net, const NetOptions& options) {
+    const std::vector<CredentialFile> files = credential_files(options);
+    const Result<void> read = net.reload();
+    if (!read)
+        spdlog::error("event=reload_refused why=\"{}\"", read.error().message);
+    for (const CredentialFile& file : files)
+        if (read)
+            spdlog::info("event=reloaded option={} file=\"{}\"", file.option, printable(file.path));
+        else
+            spdlog::info(
+                "event=reload_left option={} file=\"{}\" why=\"all are taken or none: it is "
+                "as it was\"",
+                file.option, printable(file.path));
+    spdlog::info("event=reload_left option=\"{}the scene and all others\" why=\"read at the start "
+                 "alone: restart for them\"",
+                 files.empty() ? "no tokens or certificates are given; " : "");
 }
 
 /// Logs what a user should know of this sea.
@@ -203,9 +216,10 @@ int serve(const Options& options) {
     say_ready((*net)->url());
     const ServiceManager manager;
     manager.ready((*net)->url());
-    const bool asked = stop.wait(
-        [&net] { or_leave("reload_refused", [&net] { reload(**net); }); }, manager.pat_every(),
-        [&] { or_leave("watchdog_not_told", [&] { pat(manager, world, **net); }); });
+    const bool asked =
+        stop.wait([&] { or_leave("reload_refused", [&] { reload(**net, options.net); }); },
+                  manager.pat_every(),
+                  [&] { or_leave("watchdog_not_told", [&] { pat(manager, world, **net); }); });
     manager.stopping();
     deadline.begins();
     (*net)->stop();

@@ -29,7 +29,8 @@ SharedBytes pace_message(const sea::Pace& pace) {
 } // namespace
 
 World::World(SeaCoursePtr course, SeaClock& clock, MemoryPtr memory)
-    : Host(std::move(memory)), course_(std::move(course)), clock_(clock) {
+    : Host(std::move(memory)), course_(std::move(course)), clock_(clock),
+      spectra_(this->memory()->room(MemoryUse::spectra)) {
     (void)announce_due();
 }
 
@@ -145,7 +146,7 @@ std::vector<SharedBytes> World::sea_state_messages() const {
     return messages;
 }
 
-Result<GrantedSpectrum> World::spectrum(const SpectrumDemand& wish) {
+std::vector<SpectrumSource> World::spectrum_sources(const SpectrumRequest& request) const {
     const RunningSeaPtr running = sea_now();
     std::vector<RunningSeaPtr> seas{running};
     {
@@ -161,8 +162,39 @@ Result<GrantedSpectrum> World::spectrum(const SpectrumDemand& wish) {
             {sea->epoch, sea->realization, sea->scene.sea.dispersion(), sea->budget.height_error_m,
              course_->ends_a_glide(sea->epoch) ? sea->epoch - 1 : 0,
              sea->glide ? sea->glide->change.end_us() : course_->window(sea->epoch).start_us});
-    sources.resize(std::min<std::size_t>(sources.size(), protocol::limits::spectra_max));
-    return spectra_.grant(sources, wish);
+    const auto has = [&](std::uint32_t epoch) {
+        return std::ranges::find(request.has, epoch) != request.has.end();
+    };
+    std::erase_if(sources, [&](const SpectrumSource& sea) {
+        return has(sea.epoch) || (sea.ends_epoch != 0 && has(sea.ends_epoch));
+    });
+    if (sources.size() > protocol::limits::spectra_max)
+        sources.resize(protocol::limits::spectra_max);
+    return sources;
+}
+
+Result<GrantedSpectrum> World::spectrum(const SpectrumRequest& request) {
+    if (request.asker.gone())
+        return Error{Refusal::gone, "who asked has gone"};
+    const std::vector<SpectrumSource> seas = spectrum_sources(request);
+    if (seas.empty())
+        return GrantedSpectrum{};
+    const double price_us =
+        request.asked ? price_spectrum_wave_us *
+                            static_cast<double>(spectra_.points_to_make(seas, request.wish))
+                      : 0;
+    if (price_us == 0)
+        return spectra_.grant(seas, request.wish);
+    SEAWAY_TRY(simulation_->charge(request.asker, price_us));
+    const double start_s = steady_seconds();
+    Result<GrantedSpectrum> granted = spectra_.grant(seas, request.wish);
+    simulation_->settle(request.asker, price_us - 1e6 * (steady_seconds() - start_s));
+    return granted;
+}
+
+std::optional<GrantedSpectrum> World::held_spectrum(const SpectrumRequest& request) {
+    const std::vector<SpectrumSource> seas = spectrum_sources(request);
+    return seas.empty() ? GrantedSpectrum{} : spectra_.held(seas, request.wish);
 }
 
 void World::change(SeaWish wish, Changed done) {
@@ -305,6 +337,10 @@ std::string World::plan_json() const {
 std::string World::metrics_text() const {
     return server::metrics_text(simulation_->plan(), simulation_->counters(), simulation_->costs(),
                                 clock_.moment()) +
+           fmt::format("# HELP seaway_spectra_made_total Waves of a sea that were encoded at one "
+                       "accuracy.\n# TYPE seaway_spectra_made_total counter\n"
+                       "seaway_spectra_made_total {}\n",
+                       spectra_.made_so_far()) +
            process_metrics_text();
 }
 

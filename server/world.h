@@ -72,7 +72,8 @@ class World final : public Host {
     void query(QueryBatch batch, Queried done) override;
     void map(MapQuery query, Mapped done) override;
     /// Of the sea that runs, of those that it glides from, and of those announced.
-    Result<GrantedSpectrum> spectrum(const SpectrumDemand& wish) override;
+    Result<GrantedSpectrum> spectrum(const SpectrumRequest& request) override;
+    std::optional<GrantedSpectrum> held_spectrum(const SpectrumRequest& request) override;
     Result<std::uint64_t>
     map_bytes(const std::map<std::string, std::string>& parameters) const override;
     void change(SeaWish wish, Changed done) override;
@@ -89,6 +90,8 @@ class World final : public Host {
     RunningSeaPtr sea_now() const { return course_->at(clock_.now_us()); }
     /// What a sea glides from, and that from: the nearest first.
     std::vector<RunningSeaPtr> origins_of(RunningSeaPtr sea) const;
+    /// Of whose waves a request is: the sea that runs first, if it is among them.
+    std::vector<SpectrumSource> spectrum_sources(const SpectrumRequest& request) const;
     bool is_told(std::uint32_t epoch) const;
     /// The one that runs, first, and those that were announced.
     std::vector<RunningSeaPtr> seas_told() const;

@@ -275,6 +275,9 @@ std::string metrics_text(const EffectPlan& plan, const SimulationCounters& count
     add("transforms_total", "counter", "2-D transforms of real fields.",
         whole(counters.synthesis.transforms));
     add("keyframes_total", "counter", "Keyframes computed.", whole(counters.synthesis.keyframes));
+    add("cascades_taken_total", "counter",
+        "Cascades whose waves the device was given, a new sea at a time.",
+        whole(counters.synthesis.cascades));
     add("device_seconds_total", "counter", "Time on the device.",
         counters.synthesis.device_seconds);
     add("keyframes_published_total", "counter", "Keyframes handed to the publisher.",

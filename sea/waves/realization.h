@@ -42,6 +42,9 @@ struct CascadeModes {
     std::vector<SineField> sines;
     double depth_m = deep_water_m;
 
+    /// A sea that is given to a device may lack cascades that nobody asks for: of those there are no waves, and the rest is said.
+    bool is_there() const { return !h0.empty(); }
+
     bool is_given(std::size_t mode) const { return !given.empty() && given[mode] != 0; }
 
     /// coth(k d)/k: what h(k) and a wavenumber are multiplied by in D = +i (k/|k|) coth(|k| d) h
@@ -75,6 +78,9 @@ struct Realization {
 };
 
 using RealizationPtr = std::shared_ptr<const Realization>;
+
+/// Of a sea, a bit each.
+inline constexpr std::uint32_t all_cascades = 0xffffffffu;
 
 /// What its modes take in memory.
 inline std::size_t bytes_of(const Realization& sea) {

@@ -33,7 +33,6 @@ struct WaterMotion {
 };
 
 /// Cascades of a sea, a bit each.
-inline constexpr std::uint32_t all_cascades = 0xffffffffu;
 
 class DirectSum {
   public:

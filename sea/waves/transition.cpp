@@ -128,6 +128,24 @@ void for_each_lattice_mode(const CascadeSpec& spec, const F& f) {
                   i);
 }
 
+/// A copy to write into, with the waves of these cascades alone.
+std::shared_ptr<Realization> some_of(const Realization& sea, std::uint32_t cascades) {
+    auto some = std::make_shared<Realization>();
+    some->choppiness = sea.choppiness;
+    some->loop_period_us = sea.loop_period_us;
+    for (std::size_t c = 0; c < sea.cascades.size(); ++c) {
+        const CascadeModes& modes = sea.cascades[c];
+        if (cascades >> c & 1u)
+            some->cascades.push_back(modes);
+        else
+            some->cascades.push_back({.spec = modes.spec,
+                                      .band = modes.band,
+                                      .carries_spectra = modes.carries_spectra,
+                                      .depth_m = modes.depth_m});
+    }
+    return some;
+}
+
 } // namespace
 
 Result<RealizationPtr> continued(const Realization& from, const Realization& to, TimeUs time_us) {
@@ -185,15 +203,17 @@ RealizationPtr SeaTransition::at(TimeUs time_us) const {
     return time_us >= end_us_ ? after_ : gliding(time_us);
 }
 
-RealizationPtr SeaTransition::gliding(TimeUs time_us) const {
-    return with_share(glide_share(time_us, start_us_, end_us_));
+RealizationPtr SeaTransition::gliding(TimeUs time_us, std::uint32_t cascades) const {
+    return with_share(glide_share(time_us, start_us_, end_us_), cascades);
 }
 
-RealizationPtr SeaTransition::with_share(double share) const {
-    auto sea = std::make_shared<Realization>(*growing_);
+RealizationPtr SeaTransition::with_share(double share, std::uint32_t cascades) const {
+    std::shared_ptr<Realization> sea = some_of(*growing_, cascades);
     sea->choppiness = {glided(fading_->choppiness.x, growing_->choppiness.x, share),
                        glided(fading_->choppiness.y, growing_->choppiness.y, share)};
     for (std::size_t c = 0; c < sea->cascades.size(); ++c) {
+        if (!sea->cascades[c].is_there())
+            continue;
         std::vector<std::complex<double>>& h0 = sea->cascades[c].h0;
         const std::vector<std::complex<double>>& old_h0 = fading_->cascades[c].h0;
         for (std::size_t i = 0; i < h0.size(); ++i)
@@ -205,12 +225,14 @@ RealizationPtr SeaTransition::with_share(double share) const {
     return sea;
 }
 
-RealizationPtr SeaTransition::growth(TimeUs time_us) const {
+RealizationPtr SeaTransition::growth(TimeUs time_us, std::uint32_t cascades) const {
     const double share = glide_share(time_us, start_us_, end_us_);
-    auto sea = std::make_shared<Realization>(*growing_);
+    std::shared_ptr<Realization> sea = some_of(*growing_, cascades);
     for (std::size_t c = 0; c < sea->cascades.size(); ++c) {
         CascadeModes& modes = sea->cascades[c];
         const CascadeModes& old_modes = fading_->cascades[c];
+        if (!modes.is_there())
+            continue;
         for (std::size_t i = 0; i < modes.h0.size(); ++i)
             modes.h0[i] -= old_modes.h0[i];
         modes.depth_m = mixed_depth_m(old_modes.depth_m, modes.depth_m, share);
@@ -227,11 +249,13 @@ bool SeaTransition::changes_depth() const {
     return !std::ranges::equal(fading_->cascades, growing_->cascades, {}, depth_m, depth_m);
 }
 
-RealizationPtr SeaTransition::displacement_growth(TimeUs time_us) const {
-    const RealizationPtr waves = gliding(time_us);
-    auto sea = std::make_shared<Realization>(*growth(time_us));
+RealizationPtr SeaTransition::displacement_growth(TimeUs time_us, std::uint32_t cascades) const {
+    const RealizationPtr waves = gliding(time_us, cascades);
+    auto sea = std::make_shared<Realization>(*growth(time_us, cascades));
     for (std::size_t c = 0; c < sea->cascades.size(); ++c) {
         CascadeModes& modes = sea->cascades[c];
+        if (!modes.is_there())
+            continue;
         const double per_depth =
             1.0 / growing_->cascades[c].depth_m - 1.0 / fading_->cascades[c].depth_m;
         for_each_lattice_mode(modes.spec, [&](double k_radpm, std::size_t i) {

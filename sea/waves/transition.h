@@ -40,16 +40,17 @@ class SeaTransition {
 
     /// The same with the frequencies of the new sea at any time: all of the old sea before the start, all of the
     /// new one after the end. At its two ends it joins at() without a jump.
-    RealizationPtr gliding(TimeUs time_us) const;
+    /// Of these cascades alone, a bit each; what others have is not worked out (CascadeModes::is_there).
+    RealizationPtr gliding(TimeUs time_us, std::uint32_t cascades = all_cascades) const;
     /// gliding() when there is this share of the new sea.
-    RealizationPtr with_share(double share) const;
+    RealizationPtr with_share(double share, std::uint32_t cascades = all_cascades) const;
 
     /// The new sea less the old one, with the depth of gliding() at this time: what its maps, times glide_rate(), add
     /// to the time rates of gliding()'s, which are those of waves that stand.
-    RealizationPtr growth(TimeUs time_us) const;
+    RealizationPtr growth(TimeUs time_us, std::uint32_t cascades = all_cascades) const;
     /// The same for displacements, where the depth glides too: a wave of one height moves water further sideways as it
     /// becomes shallower.
-    RealizationPtr displacement_growth(TimeUs time_us) const;
+    RealizationPtr displacement_growth(TimeUs time_us, std::uint32_t cascades = all_cascades) const;
     bool changes_depth() const;
 
     /// A sea none of whose waves is ever smaller than in the glide, with the larger choppiness and in the shallower

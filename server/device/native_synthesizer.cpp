@@ -20,12 +20,17 @@ std::string NativeSynthesizer::description() const {
 }
 
 Result<void> NativeSynthesizer::set_sea(sea::RealizationPtr sea, std::uint32_t epoch) {
-    std::vector<sea::NativeTransform> cascades;
+    std::vector<std::optional<sea::NativeTransform>> cascades;
     for (const sea::CascadeModes& modes : sea->cascades) {
+        if (!modes.is_there()) {
+            cascades.emplace_back();
+            continue;
+        }
         auto cascade = sea::NativeTransform::create(modes, sea->choppiness);
         if (!cascade)
             return cascade.error();
-        cascades.push_back(std::move(*cascade));
+        cascades.emplace_back(std::move(*cascade));
+        ++counters_.cascades;
     }
     sea_ = std::move(sea);
     epoch_ = epoch;
@@ -41,7 +46,8 @@ NativeSynthesizer::synthesize(std::span<const KeyframeRequest> requests) try {
         SEAWAY_CHECK(request.cascade >= 0 && request.cascade < static_cast<int>(cascades_.size()),
                      "request for a cascade that the sea does not have");
         const auto index = static_cast<std::size_t>(request.cascade);
-        const sea::NativeTransform& cascade = cascades_[index];
+        SEAWAY_CHECK(cascades_[index], "request for a cascade that the sea was given without");
+        const sea::NativeTransform& cascade = *cascades_[index];
         auto keyframe = make_keyframe(spare_);
         keyframe->epoch = epoch_;
         keyframe->cascade = request.cascade;
@@ -75,7 +81,7 @@ NativeSynthesizer::synthesize(std::span<const KeyframeRequest> requests) try {
 }
 
 Result<std::vector<SynthesisStage>> NativeSynthesizer::stages(const KeyframeRequest& request) {
-    const sea::NativeTransform& cascade = cascades_[static_cast<std::size_t>(request.cascade)];
+    const sea::NativeTransform& cascade = *cascades_[static_cast<std::size_t>(request.cascade)];
     const auto size = static_cast<std::size_t>(cascade.size());
     std::vector<float> planes(static_cast<std::size_t>(request.fields.size()) * size * size);
     std::vector<SynthesisStage> stages;

@@ -2,6 +2,7 @@
 // The Synthesizer for `--device native`: keyframes from the CPU, with SIMD and threads.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "sea/native/native_runner.h"
@@ -28,7 +29,7 @@ class NativeSynthesizer final : public Synthesizer {
     sea::NativeRunner runner_;
     sea::RealizationPtr sea_;
     std::uint32_t epoch_ = 0;
-    std::vector<sea::NativeTransform> cascades_;
+    std::vector<std::optional<sea::NativeTransform>> cascades_;
     std::shared_ptr<SpareBuffers> spare_;
     SynthesisCounters counters_;
 };

@@ -49,15 +49,16 @@ struct SynthesisCounters {
     std::uint64_t dispatches = 0; ///< kernels started (native: passes)
     std::uint64_t transforms = 0; ///< 2-D transforms, one a real field
     std::uint64_t keyframes = 0;
-    double device_seconds = 0; ///< by the device's own clock where that costs nothing
+    std::uint64_t cascades = 0; ///< whose waves were taken, a new sea at a time
+    double device_seconds = 0;  ///< by the device's own clock where that costs nothing
 
     friend SynthesisCounters operator+(const SynthesisCounters& a, const SynthesisCounters& b) {
         return {a.dispatches + b.dispatches, a.transforms + b.transforms, a.keyframes + b.keyframes,
-                a.device_seconds + b.device_seconds};
+                a.cascades + b.cascades, a.device_seconds + b.device_seconds};
     }
     friend SynthesisCounters operator-(const SynthesisCounters& a, const SynthesisCounters& b) {
         return {a.dispatches - b.dispatches, a.transforms - b.transforms, a.keyframes - b.keyframes,
-                a.device_seconds - b.device_seconds};
+                a.cascades - b.cascades, a.device_seconds - b.device_seconds};
     }
 };
 
@@ -68,7 +69,7 @@ class Synthesizer {
     /// Device and variant for logs and /v1/plan: "lavapipe (llvmpipe ...), kernels W".
     virtual std::string description() const = 0;
 
-    /// Takes a new sea; the next keyframes are of it. `epoch` is stamped on them.
+    /// Takes a new sea; the next keyframes are of it, and of cascades that are there. `epoch` is stamped on them.
     virtual Result<void> set_sea(sea::RealizationPtr sea, std::uint32_t epoch) = 0;
 
     /// One keyframe a request, in order; requests of equal size may share dispatches. An error

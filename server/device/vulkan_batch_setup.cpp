@@ -136,9 +136,15 @@ Result<void> VulkanBatch::upload(std::span<const sea::CascadeModes* const> casca
     orbits.reserve(points() * cascades.size());
     steps_.clear();
     for (const sea::CascadeModes* cascade : cascades) {
+        steps_.push_back(static_cast<float>(cascade->spec.wavenumber_step_radpm()));
+        if (!cascade->is_there()) {
+            modes.resize(modes.size() + points() * 4);
+            rates.resize(rates.size() + points());
+            orbits.resize(orbits.size() + points());
+            continue;
+        }
         SEAWAY_CHECK(cascade->h0.size() == points() && cascade->rate.size() == points(),
                      "a cascade of another size");
-        steps_.push_back(static_cast<float>(cascade->spec.wavenumber_step_radpm()));
         for (std::size_t i = 0; i < points(); ++i) {
             const bool transposed = kernels_.transform->lanes != 0;
             const std::size_t y = transposed ? i % n : i / n, x = transposed ? i / n : i % n;

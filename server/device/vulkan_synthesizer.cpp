@@ -149,6 +149,7 @@ Result<void> Vulkan::set_sea(sea::RealizationPtr sea, std::uint32_t epoch) {
         std::vector<const sea::CascadeModes*>& cascades = by_size[cascade.spec.size];
         position.push_back(static_cast<int>(cascades.size()));
         cascades.push_back(&cascade);
+        counters_.cascades += cascade.is_there();
     }
     sea_.reset(); // until all is uploaded there is no sea
     std::erase_if(groups_, [&](const auto& group) { return by_size.count(group.first) == 0; });

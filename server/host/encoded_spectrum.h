@@ -26,6 +26,10 @@ struct EncodedSpectrum {
     std::vector<Message> messages;
     std::size_t bytes = 0; ///< of them all
 };
+/// Seas whose waves one wish may get at once, and bytes of those of one, whatever the sea: what the wire takes.
+inline constexpr std::size_t spectra_of_a_wish_max = 4;
+inline constexpr std::size_t encoded_spectrum_bytes_max = std::size_t{4608} * 1024;
+
 using EncodedSpectrumPtr = std::shared_ptr<const EncodedSpectrum>;
 
 /// Bounds of 0: the server chooses.

@@ -10,6 +10,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -73,6 +74,15 @@ struct FetchRequest {
 struct FetchedPart {
     std::vector<KeyframeTiles> tiles;
     bool last = true;
+};
+
+struct SpectrumRequest {
+    SpectrumDemand wish;
+    Asker asker;
+    /// False: the wish is one of before, and this is what it is sent of later seas. It costs its asker nothing.
+    bool asked = true;
+    /// Epochs whose waves it has: they are left out, and the sea that such a glide ends in.
+    std::vector<std::uint32_t> has = {};
 };
 
 /// Bytes of a long answer, made while they are sent. For one reader.
@@ -154,10 +164,13 @@ class Host {
     }
 
     /// The waves themselves, encoded once a rung. Called on a thread of its own, which it may hold for as long as
-    /// that takes: 0.1 s, of the largest seas some seconds. Not every host has a sea of waves.
-    virtual Result<GrantedSpectrum> spectrum(const SpectrumDemand&) {
+    /// that takes: 0.05 s, of the largest seas some seconds; that is priced as questions are, and refused as busy where
+    /// the asker's budget is spent or there is no memory for it. Not every host has a sea of waves.
+    virtual Result<GrantedSpectrum> spectrum(const SpectrumRequest&) {
         return Error{Refusal::not_offered, "no spectra here"};
     }
+    /// The same at once, from the net thread, where all of it is made already; none: it has to be asked for.
+    virtual std::optional<GrantedSpectrum> held_spectrum(const SpectrumRequest&) { return {}; }
 
     /// Bodies of /v1/state and /v1/plan (JSON) and the simulation's part of /metrics (Prometheus).
     virtual std::string state_json() const = 0;

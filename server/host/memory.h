@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Memory: the one budget of bytes for what a server holds because somebody asks: keyframes, surfaces,
-// questions, tiles, replies and maps. Each use has a named share of it, with room for one of the largest
+// questions, tiles, waves, replies and maps. Each use has a named share of it, with room for one of the largest
 // things it is for; what is left is shared by the parts in the table. What stands for a share is a Room:
 // who finds none waits, is refused, or makes room, as the table says. The program and its sea itself, and what is
 // being read from sockets, are beside it (docs/operations.md).
@@ -34,8 +34,9 @@ enum class MemoryUse : std::size_t {
     replies,
     maps,
     sums,
+    spectra,
 };
-inline constexpr std::size_t memory_uses = 12;
+inline constexpr std::size_t memory_uses = 13;
 
 /// Maps under way at a time: each takes two threads while it lasts.
 inline constexpr int maps_at_once_max = 2;
@@ -72,8 +73,11 @@ inline constexpr std::array<MemoryShare, memory_uses> memory_shares{{
     {MemoryUse::maps, "maps", 3},
     // Waves at the times of exact questions that are under way: who finds no room sums them anew in each slice.
     {MemoryUse::sums, "sums", 1},
+    // Encoded waves, held for whoever asks next or not all sent: those that nobody reads make room, oldest use first;
+    // who finds none even so is refused, and what is owed to a session of a later sea waits.
+    {MemoryUse::spectra, "spectra", 1},
 }};
-inline constexpr int memory_parts = 64;
+inline constexpr int memory_parts = 65;
 
 static_assert([] {
     int parts = 0;

@@ -45,4 +45,15 @@ Result<Credentials> load_credentials(const NetOptions& options) {
     return credentials;
 }
 
+std::vector<CredentialFile> credential_files(const NetOptions& options) {
+    std::vector<CredentialFile> files;
+    for (const auto& [option, path] : {std::pair("--client-token-file", &options.client_token_file),
+                                       std::pair("--admin-token-file", &options.admin_token_file),
+                                       std::pair("--tls-cert", &options.tls_cert_file),
+                                       std::pair("--tls-key", &options.tls_key_file)})
+        if (!path->empty())
+            files.push_back({option, *path});
+    return files;
+}
+
 } // namespace seaway::server

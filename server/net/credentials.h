@@ -4,6 +4,9 @@
 #pragma once
 
 #include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "base/result.h"
 #include "server/net/options.h"
@@ -24,5 +27,12 @@ struct Credentials {
 /// TLS 1.2 and later, with forward secrecy and authenticated encryption alone (no CBC), and without
 /// renegotiation. Errors name the file.
 Result<Credentials> load_credentials(const NetOptions& options);
+
+/// What load_credentials() reads: the options that name a file, and the files.
+struct CredentialFile {
+    std::string_view option;
+    std::string path;
+};
+std::vector<CredentialFile> credential_files(const NetOptions& options);
 
 } // namespace seaway::server

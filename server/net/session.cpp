@@ -56,6 +56,7 @@ void Session::dispatch(std::span<const std::uint8_t> bytes) {
     const wire::Message& m = **message;
     if (!greeted_ && m.body_type() != wire::Body::Hello)
         return close(ErrorCode::hello_expected, "the first message must be Hello");
+    make_owed_spectra();
     switch (m.body_type()) {
     case wire::Body::Hello:
         return on_hello(*m.body_as_Hello());
@@ -190,6 +191,7 @@ void Session::renew_grant() {
 void Session::on_unsubscribe(bool spectrum) {
     if (spectrum) {
         spectrum_wish_.reset();
+        spectra_owed_.reset();
         outbox_.stop_spectra();
         return;
     }

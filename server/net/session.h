@@ -119,6 +119,8 @@ class Session {
     Room::Place reply_place(std::size_t bytes) const;
     /// Has the spectra made that this session wants; what comes of it answers the request, where there is one.
     void make_spectra(std::optional<std::uint32_t> request_id);
+    /// Those of later seas for which there was no room, once it is worth another try.
+    void make_owed_spectra();
     void spectra_made(std::optional<std::uint32_t> request_id,
                       const Result<GrantedSpectrum>& granted);
     /// Does it, or ends the session where there is no memory for it.
@@ -157,6 +159,7 @@ class Session {
     std::optional<SpectrumDemand> spectrum_wish_;
     int spectra_in_making_ = 0;
     std::vector<std::uint32_t> spectra_sent_; ///< epochs, since the wish; the newest few
+    std::optional<std::chrono::steady_clock::time_point> spectra_owed_; ///< not before then
     int changes_in_flight_ = 0;
     std::string client_;                         ///< its name, printable
     static constexpr std::size_t told_kept = 64; ///< of older ones it is told again

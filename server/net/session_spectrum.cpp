@@ -2,15 +2,33 @@
 // Session: the waves themselves. They are made on a thread of their own (Core::spectra), once a rung, and sent
 // message by message as the client takes them.
 #include <algorithm>
+#include <chrono>
+#include <new>
 
 #include "protocol/limits.h"
 #include "server/host/refusal.h"
+#include "server/net/fetch_job.h"
 #include "server/net/session.h"
 
 namespace seaway::server {
 
 namespace limits = protocol::limits;
 using wire::ErrorCode;
+
+namespace {
+
+/// Waves that are owed, for which there was no room.
+constexpr std::chrono::seconds spectra_again_after{1};
+
+Result<GrantedSpectrum> made_by(Host& host, const SpectrumRequest& request) {
+    try {
+        return host.spectrum(request);
+    } catch (const std::bad_alloc&) { // who asks waits for an answer
+        return no_memory();
+    }
+}
+
+} // namespace
 
 void Session::on_subscribe_spectrum(const wire::SubscribeSpectrum& subscribe) {
     const std::uint32_t request_id = subscribe.request_id();
@@ -31,13 +49,19 @@ void Session::on_subscribe_spectrum(const wire::SubscribeSpectrum& subscribe) {
 
 void Session::make_spectra(std::optional<std::uint32_t> request_id) {
     ++spectra_in_making_;
+    spectra_owed_.reset();
+    const SpectrumRequest request{.wish = *spectrum_wish_,
+                                  .asker = Asker(here_),
+                                  .asked = request_id.has_value(),
+                                  .has = spectra_sent_};
+    if (const std::optional<GrantedSpectrum> held = core_.host.held_spectrum(request))
+        return spectra_made(request_id, *held); // waits behind nothing that others have made
     const auto make = [weak = core_.weak_from_this(), session = id_, request_id,
-                       wish = *spectrum_wish_](Encoder&) {
+                       request](Encoder&) {
         const std::shared_ptr<Core> core = weak.lock();
         if (core == nullptr)
             return true;
-        Result<GrantedSpectrum> granted = core->host.spectrum(wish);
-        core->post([weak, session, request_id, granted = std::move(granted)] {
+        core->post([weak, session, request_id, granted = made_by(core->host, request)] {
             const std::shared_ptr<Core> here = weak.lock();
             if (Session* found = here ? here->find(session) : nullptr)
                 found->spectra_made(request_id, granted);
@@ -46,6 +70,12 @@ void Session::make_spectra(std::optional<std::uint32_t> request_id) {
     };
     if (!core_.spectra.submit_start(make))
         spectra_made(request_id, Error{Refusal::busy, "too many spectra wait to be made already"});
+}
+
+void Session::make_owed_spectra() {
+    if (spectra_owed_ && spectrum_wish_ && spectra_in_making_ == 0 &&
+        std::chrono::steady_clock::now() >= *spectra_owed_)
+        make_spectra({});
 }
 
 void Session::spectra_made(std::optional<std::uint32_t> request_id,
@@ -60,6 +90,9 @@ void Session::spectra_made(std::optional<std::uint32_t> request_id,
         if (request_id) {
             spectrum_wish_.reset();
             refuse(*request_id, granted.error());
+        } else if (granted.error().is(Refusal::busy)) {
+            // It has a right to them. As what is sent by and by, they come behind something that it says.
+            spectra_owed_ = std::chrono::steady_clock::now() + spectra_again_after;
         }
         return;
     }

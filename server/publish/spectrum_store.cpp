@@ -7,8 +7,6 @@
 #include <fmt/format.h>
 
 #include "protocol/limits.h"
-#include "protocol/messages.h"
-#include "protocol/spectrum_codec.h"
 #include "sea/waves/quantised_spectrum.h"
 #include "sea/waves/spectrum_builder.h"
 #include "server/host/refusal.h"
@@ -18,23 +16,31 @@ namespace {
 
 namespace limits = protocol::limits;
 
-/// What a chunk is filled up to, by the estimate of its blocks: three or four of them are the first 10 KB.
-constexpr double chunk_bits = 8.0 * 2200;
 /// Seas whose spectra are kept: as many as may be sent at once.
 constexpr std::size_t epochs_kept = limits::spectra_max;
+static_assert(epochs_kept == spectra_of_a_wish_max);
+/// What each message has beside its payload.
+constexpr std::size_t message_head_bytes = 128;
+static_assert(limits::spectrum_bytes_max + limits::spectrum_chunks_max * message_head_bytes <=
+              encoded_spectrum_bytes_max);
 
 /// The fields that are sums of waves, or made of such.
 constexpr sea::FieldSet wave_fields = sea::linear_fields | sea::FieldSet{sea::Field::jacobian};
 
-Result<void> check_offered(const sea::Realization& waves) {
+std::size_t points_of(const sea::Realization& waves) {
     std::size_t points = 0;
-    for (const sea::CascadeModes& cascade : waves.cascades) {
+    for (const sea::CascadeModes& cascade : waves.cascades)
+        points += cascade.h0.size();
+    return points;
+}
+
+Result<void> check_offered(const sea::Realization& waves) {
+    for (const sea::CascadeModes& cascade : waves.cascades)
         if (!cascade.sines.empty())
             return Error{Refusal::not_offered,
                          "this sea has stylised waves, which are no modes and have no spectrum: "
                          "make it from its scene, or take tiles"};
-        points += cascade.h0.size();
-    }
+    const std::size_t points = points_of(waves);
     if (points <= sea::spectrum_modes_max)
         return {};
     return Error{Refusal::not_offered,
@@ -53,68 +59,32 @@ std::size_t rung_for(std::size_t rungs, float wished, const Bound& bound) {
     return rung;
 }
 
-/// Blocks to messages. Compressed they are about as long as estimated; one that is too long is made two.
-class Chunks {
-  public:
-    Chunks(std::uint32_t epoch, const sea::QuantisedSpectrum& waves)
-        : epoch_(epoch), waves_(waves) {
-        double bits = 0;
-        std::size_t first = 0;
-        for (std::size_t b = 0; b < waves.blocks.size(); ++b) {
-            bits += waves.bits[b];
-            const std::size_t count = b + 1 - first;
-            if (bits < chunk_bits && count < limits::spectrum_blocks_max &&
-                b + 1 < waves.blocks.size())
-                continue;
-            add(first, count);
-            first = b + 1;
-            bits = 0;
-        }
-    }
+SpectrumRung coarser(const SpectrumRung& rung) {
+    return {std::min(rung.height + 1, coarsest_rung.height),
+            std::min(rung.slope + 1, coarsest_rung.slope)};
+}
 
-    std::vector<EncodedSpectrum::Message> messages;
-    std::size_t payload_bytes = 0;
-
-  private:
-    void add(std::size_t first, std::size_t count) {
-        const protocol::Bytes payload =
-            protocol::encode_spectrum(std::span(waves_.blocks).subspan(first, count));
-        if (payload.size() > limits::spectrum_chunk_bytes_max) {
-            add(first, count / 2);
-            return add(first + count / 2, count - count / 2);
-        }
-        payload_bytes += payload.size();
-        messages.push_back(std::make_shared<const protocol::Bytes>(
-            protocol::spectrum_chunk(epoch_, static_cast<std::uint32_t>(messages.size()),
-                                     waves_.left[first + count - 1], payload)));
-    }
-
-    const std::uint32_t epoch_;
-    const sea::QuantisedSpectrum& waves_;
-};
-
-/// Null: larger than the wire takes.
-EncodedSpectrumPtr encode(const SpectrumSource& sea, const sea::QuantisedSpectrum& waves) {
-    Chunks chunks(sea.epoch, waves);
-    if (chunks.payload_bytes > limits::spectrum_bytes_max ||
-        chunks.messages.size() > limits::spectrum_chunks_max)
-        return nullptr;
-    auto encoded = std::make_shared<EncodedSpectrum>();
-    encoded->epoch = sea.epoch;
-    encoded->ends_epoch = sea.ends_epoch;
-    encoded->whole_by_us = sea.whole_by_us;
-    encoded->messages.push_back(std::make_shared<const protocol::Bytes>(
-        protocol::spectrum({.epoch = sea.epoch,
-                            .chunks = static_cast<std::uint32_t>(chunks.messages.size()),
-                            .bytes = static_cast<std::uint32_t>(chunks.payload_bytes),
-                            .steps = waves.steps,
-                            .dispersion = sea.dispersion,
-                            .loop_period_us = sea.waves->loop_period_us})));
-    for (EncodedSpectrum::Message& message : chunks.messages)
-        encoded->messages.push_back(std::move(message));
-    for (const EncodedSpectrum::Message& message : encoded->messages)
-        encoded->bytes += message->size();
+/// Each message holds the place of all, since a slow reader may have the last one alone.
+EncodedSpectrumPtr in_its_place(const Room::Place& place,
+                                std::unique_ptr<EncodedSpectrum> encoded) {
+    for (EncodedSpectrum::Message& message : encoded->messages)
+        message = with_place(place, std::move(message));
     return encoded;
+}
+
+/// Nobody but the store has it.
+bool is_idle(const EncodedSpectrumPtr& spectrum) {
+    return spectrum != nullptr && spectrum.use_count() == 1 &&
+           std::ranges::all_of(spectrum->messages, [](const EncodedSpectrum::Message& message) {
+               return message.use_count() == 1;
+           });
+}
+
+Error no_room() {
+    Error busy{Refusal::busy, "waves that others have not read yet fill the memory there is for "
+                              "them, try again later"};
+    busy.retry_after_ms = 1000;
+    return busy;
 }
 
 void say(std::string& why, const std::string& reason) {
@@ -123,67 +93,147 @@ void say(std::string& why, const std::string& reason) {
 
 } // namespace
 
-const SpectrumStore::Made& SpectrumStore::made(const SpectrumSource& sea, const Rung& rung) {
-    while (made_.size() > epochs_kept ||
-           (made_.size() == epochs_kept && !made_.contains(sea.epoch)))
-        made_.erase(made_.begin());
-    std::map<Rung, Made>& of_sea = made_[sea.epoch];
-    if (const auto held = of_sea.find(rung); held != of_sea.end())
-        return held->second;
-    const sea::QuantisedSpectrum waves = sea::quantise(
-        *sea.waves, {height_rungs[rung.height] * sea.height_error_m, slope_rungs[rung.slope]});
-    const sea::SpectrumLeft left = waves.left.empty() ? waves.without : waves.left.back();
-    const double slope = slope_rungs[rung.slope];
-    return of_sea[rung] = {encode(sea, waves),
-                           std::isfinite(slope) ? slope : sea::spectrum_sigmas * left.slope};
-}
-
-Result<GrantedSpectrum> SpectrumStore::grant(const SpectrumSource& sea,
-                                             const SpectrumDemand& wish) {
-    SEAWAY_TRY(check_offered(*sea.waves));
+SpectrumStore::Rung SpectrumStore::wished(const SpectrumSource& sea, const SpectrumDemand& wish) {
     const auto height_of = [&](std::size_t n) { return height_rungs[n] * sea.height_error_m; };
     const auto slope_of = [](std::size_t n) { return slope_rungs[n]; };
     Rung rung{wish.error_m == 0.0f ? own_height_rung
                                    : rung_for(height_rungs.size(), wish.error_m, height_of),
               rung_for(slope_rungs.size() - 1, wish.slope_error, slope_of)};
-    const Rung coarsest{height_rungs.size() - 1, slope_rungs.size() - 1};
     if (wish.slope_error >= 1.0f) // as good as none
-        rung.slope = coarsest.slope;
+        rung.slope = coarsest_rung.slope;
+    return rung;
+}
+
+std::map<SpectrumStore::Rung, SpectrumStore::Made>& SpectrumStore::of_sea(std::uint32_t epoch) {
+    while (made_.size() > epochs_kept || (made_.size() == epochs_kept && !made_.contains(epoch)))
+        made_.erase(made_.begin());
+    return made_[epoch];
+}
+
+bool SpectrumStore::may_fit(std::size_t bytes) const {
+    std::size_t idle = 0;
+    for (const auto& [epoch, rungs] : made_)
+        for (const auto& [rung, made] : rungs)
+            idle += is_idle(made.spectrum) ? made.bytes : 0;
+    const std::size_t held = room_->held_bytes();
+    const std::size_t read = held - std::min(idle, held);
+    return read == 0 || read + bytes <= room_->bytes_max();
+}
+
+Room::Place SpectrumStore::take(std::size_t bytes) {
+    for (;;) {
+        if (Room::Place place = room_->take(bytes))
+            return place;
+        Made* oldest = nullptr;
+        for (auto& [epoch, rungs] : made_)
+            for (auto& [rung, made] : rungs)
+                if (is_idle(made.spectrum) && (!oldest || made.used < oldest->used))
+                    oldest = &made;
+        if (!oldest || !may_fit(bytes)) // nothing is let go of in vain
+            return nullptr;
+        oldest->spectrum = nullptr;
+    }
+}
+
+Result<SpectrumStore::Made> SpectrumStore::instead_of(std::map<Rung, Made>& rungs,
+                                                      const Rung& rung) {
+    for (auto at = rungs.rbegin(); at != rungs.rend(); ++at)
+        if (auto& [other, made] = *at;
+            made.spectrum && other.height <= rung.height && other.slope <= rung.slope) {
+            made.used = ++uses_;
+            return made;
+        }
+    return no_room();
+}
+
+Result<SpectrumStore::Made> SpectrumStore::find_held(const SpectrumSource& sea, const Rung& rung) {
+    const std::scoped_lock lock(mutex_);
+    const auto rungs = made_.find(sea.epoch);
+    if (rungs == made_.end())
+        return no_room();
+    const auto at = rungs->second.find(rung);
+    if (at == rungs->second.end() || !at->second.known())
+        return no_room();
+    at->second.used = ++uses_;
+    return at->second;
+}
+
+Result<SpectrumStore::Made> SpectrumStore::find_or_make(const SpectrumSource& sea,
+                                                        const Rung& rung) {
+    if (Result<Made> held = find_held(sea, rung))
+        return held;
+    {
+        const std::scoped_lock lock(mutex_);
+        std::map<Rung, Made>& rungs = of_sea(sea.epoch);
+        const auto before = rungs.find(rung); // so large it was
+        if (!may_fit(before == rungs.end() ? 0 : before->second.bytes))
+            return instead_of(rungs, rung);
+    }
+    return make(sea, rung);
+}
+
+Result<SpectrumStore::Made> SpectrumStore::make(const SpectrumSource& sea, const Rung& rung) {
+    const double slope = slope_rungs[rung.slope];
+    const sea::QuantisedSpectrum waves =
+        sea::quantise(*sea.waves, {height_rungs[rung.height] * sea.height_error_m, slope});
+    const sea::SpectrumLeft left = waves.left.empty() ? waves.without : waves.left.back();
+    std::unique_ptr<EncodedSpectrum> encoded = encode_spectrum(sea, waves);
+    ++made_so_far_;
+    const std::scoped_lock lock(mutex_);
+    std::map<Rung, Made>& rungs = of_sea(sea.epoch);
+    Made& made = rungs[rung];
+    made = {.bytes = encoded ? encoded->bytes : 0,
+            .slope_error = std::isfinite(slope) ? slope : sea::spectrum_sigmas * left.slope,
+            .used = ++uses_};
+    if (!encoded)
+        return made;
+    const Room::Place place = take(made.bytes);
+    if (!place)
+        return instead_of(rungs, rung);
+    made.spectrum = in_its_place(place, std::move(encoded));
+    return made;
+}
+
+Result<GrantedSpectrum> SpectrumStore::grant_one(const SpectrumSource& sea,
+                                                 const SpectrumDemand& wish, const Find& find) {
+    SEAWAY_TRY(check_offered(*sea.waves));
+    const auto height_of = [&](std::size_t n) { return height_rungs[n] * sea.height_error_m; };
     GrantedSpectrum granted;
     if (wish.error_m > 0 && static_cast<float>(height_of(0)) > wish.error_m)
         say(granted.why,
             fmt::format("heights within {:g} m are the finest of this sea", height_of(0)));
     if (wish.slope_error > 0 && static_cast<float>(slope_rungs[0]) > wish.slope_error)
         say(granted.why, fmt::format("slopes within {:g} are the finest", slope_rungs[0]));
-    const std::scoped_lock lock(mutex_);
-    const Rung wished = rung;
-    const Made* found = &made(sea, rung);
-    while (!found->spectrum && rung != coarsest) {
-        rung = {std::min(rung.height + 1, coarsest.height),
-                std::min(rung.slope + 1, coarsest.slope)};
-        found = &made(sea, rung);
+    const Rung first = wished(sea, wish);
+    Rung rung = first;
+    SEAWAY_TRY_LET(Made found, find(sea, rung));
+    while (!found.spectrum && rung != coarsest_rung) {
+        rung = coarser(rung);
+        SEAWAY_TRY_LET(found, find(sea, rung));
     }
-    if (!found->spectrum)
+    if (!found.spectrum)
         return Error{Refusal::not_offered,
                      fmt::format("the spectrum of this sea is more than {} bytes",
                                  limits::spectrum_bytes_max)};
-    if (rung != wished)
+    if (rung != first)
         say(granted.why, fmt::format("finer is more than {} bytes", limits::spectrum_bytes_max));
     granted.error_m = static_cast<float>(height_of(rung.height));
-    granted.slope_error = static_cast<float>(found->slope_error);
+    granted.slope_error = static_cast<float>(found.slope_error);
     granted.fields = wish.fields & wave_fields;
     if (wish.fields.contains(sea::Field::foam))
         say(granted.why, "foam is a history and no sum of waves: subscribe to its tiles");
-    granted.spectra = {found->spectrum};
+    granted.spectra = {found.spectrum};
     return granted;
 }
 
 Result<GrantedSpectrum> SpectrumStore::grant(std::span<const SpectrumSource> seas,
-                                             const SpectrumDemand& wish) {
+                                             const SpectrumDemand& wish, const Find& find) {
     SEAWAY_CHECK(!seas.empty(), "there is always a sea");
-    SEAWAY_TRY_LET(GrantedSpectrum granted, grant(seas.front(), wish));
+    SEAWAY_TRY_LET(GrantedSpectrum granted, grant_one(seas.front(), wish, find));
     for (const SpectrumSource& sea : seas.subspan(1, std::min(seas.size(), epochs_kept) - 1)) {
-        const Result<GrantedSpectrum> other = grant(sea, wish);
+        Result<GrantedSpectrum> other = grant_one(sea, wish, find);
+        if (!other && other.error().is(Refusal::busy))
+            return other;
         if (!other) {
             say(granted.why, fmt::format("epoch {}: {}", sea.epoch, other.error().message));
             continue;
@@ -193,6 +243,43 @@ Result<GrantedSpectrum> SpectrumStore::grant(std::span<const SpectrumSource> sea
         granted.spectra.push_back(other->spectra.front());
     }
     return granted;
+}
+
+Result<GrantedSpectrum> SpectrumStore::grant(std::span<const SpectrumSource> seas,
+                                             const SpectrumDemand& wish) {
+    const std::scoped_lock turn(making_);
+    return grant(seas, wish, [this](const SpectrumSource& sea, const Rung& rung) {
+        return find_or_make(sea, rung);
+    });
+}
+
+Result<GrantedSpectrum> SpectrumStore::grant(const SpectrumSource& sea,
+                                             const SpectrumDemand& wish) {
+    return grant(std::span(&sea, 1), wish);
+}
+
+std::optional<GrantedSpectrum> SpectrumStore::held(std::span<const SpectrumSource> seas,
+                                                   const SpectrumDemand& wish) {
+    Result<GrantedSpectrum> granted =
+        grant(seas, wish,
+              [this](const SpectrumSource& sea, const Rung& rung) { return find_held(sea, rung); });
+    if (!granted) // who makes it says why not
+        return std::nullopt;
+    return *std::move(granted);
+}
+
+std::size_t SpectrumStore::points_to_make(std::span<const SpectrumSource> seas,
+                                          const SpectrumDemand& wish) {
+    std::size_t points = 0;
+    for (const SpectrumSource& sea : seas)
+        if (const Result<GrantedSpectrum> one =
+                grant_one(sea, wish,
+                          [this](const SpectrumSource& source, const Rung& rung) {
+                              return find_held(source, rung);
+                          });
+            !one && one.error().is(Refusal::busy))
+            points += points_of(*sea.waves);
+    return points;
 }
 
 } // namespace seaway::server

@@ -36,27 +36,29 @@ CourseSynthesis::Held CourseSynthesis::sea_of(const KeyframeRequest& request) co
         return {request.epoch};
     // Before its start a glide is one sea, and after its end another.
     const sea::SeaTransition& change = sea->glide->change;
-    return {request.epoch, std::clamp(request.time_us, change.start_us(), change.end_us())};
+    return {request.epoch, std::clamp(request.time_us, change.start_us(), change.end_us()),
+            Part::waves, 1u << request.cascade};
 }
 
 sea::RealizationPtr CourseSynthesis::waves_of(const Held& held) const {
     const RunningSeaPtr sea = course_->sea(held.epoch);
     if (!held.time_us)
         return sea->realization;
+    const sea::SeaTransition& change = sea->glide->change;
     switch (held.part) {
     case Part::waves:
-        return sea->waves_at(*held.time_us);
+        return change.gliding(*held.time_us, held.cascades);
     case Part::growth:
-        return sea->glide->change.growth(*held.time_us);
+        return change.growth(*held.time_us, held.cascades);
     case Part::displacement_growth:
-        return sea->glide->change.displacement_growth(*held.time_us);
+        return change.displacement_growth(*held.time_us, held.cascades);
     }
     SEAWAY_CHECK(false, "a part of a glide");
     return nullptr;
 }
 
 Result<void> CourseSynthesis::hold(const Held& wanted) {
-    if (held_ == wanted)
+    if (held_ && held_->serves(wanted))
         return {};
     held_.reset();
     SEAWAY_TRY(device_->set_sea(waves_of(wanted), wanted.epoch));
@@ -70,11 +72,12 @@ CourseSynthesis::synthesize(std::span<const KeyframeRequest> requests) {
     for (std::size_t i = 0; i < requests.size(); ++i) {
         if (keyframes[i])
             continue;
-        const Held sea = sea_of(requests[i]);
+        Held sea = sea_of(requests[i]);
         std::vector<std::size_t> places;
         std::vector<KeyframeRequest> alike;
         for (std::size_t j = i; j < requests.size(); ++j)
-            if (!keyframes[j] && sea_of(requests[j]) == sea) {
+            if (const Held other = sea_of(requests[j]); !keyframes[j] && other.is_alike(sea)) {
+                sea.cascades |= other.cascades;
                 places.push_back(j);
                 alike.push_back(requests[j]);
             }
@@ -98,11 +101,11 @@ Result<void> CourseSynthesis::add_growth(const Held& sea, std::span<const Keyfra
                                          std::span<const NewKeyframePtr> keyframes) {
     constexpr FieldSet sideways{Field::displacement_x, Field::displacement_y};
     const FieldSet all = sideways | FieldSet{Field::height};
-    const Held growth{sea.epoch, sea.time_us, Part::growth};
+    const Held growth{sea.epoch, sea.time_us, Part::growth, sea.cascades};
     if (!course_->sea(sea.epoch)->glide->change.changes_depth())
         return add_growth_of(all, growth, requests, keyframes);
     SEAWAY_TRY(add_growth_of(all.without(sideways), growth, requests, keyframes));
-    const Held further{sea.epoch, sea.time_us, Part::displacement_growth};
+    const Held further{sea.epoch, sea.time_us, Part::displacement_growth, sea.cascades};
     return add_growth_of(sideways, further, requests, keyframes);
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Keyframes of any epoch of a course from one device, which holds one sea at a time.
 //
-// In a glide the device is given the waves of each moment anew. Their time rates, by which keyframes are joined, are
+// In a glide the device is given the waves of each moment anew, of the cascades that are asked for. Their time rates, by which keyframes are joined, are
 // those of waves that stand; what their growth adds to them is made of a second sea, the growth itself
 // (SeaTransition::growth), so that the maps between two keyframes hold the same bounds as those of a steady sea.
 //
@@ -38,7 +38,14 @@ class CourseSynthesis {
         std::uint32_t epoch;
         std::optional<sea::TimeUs> time_us = {};
         Part part = Part::waves;
-        bool operator==(const Held&) const = default;
+        std::uint32_t cascades =
+            sea::all_cascades; ///< of a glide those that were asked for, a bit each
+        bool is_alike(const Held& other) const {
+            return epoch == other.epoch && time_us == other.time_us && part == other.part;
+        }
+        bool serves(const Held& wanted) const {
+            return is_alike(wanted) && (wanted.cascades & ~cascades) == 0;
+        }
     };
     Held sea_of(const KeyframeRequest& request) const;
     Result<void> hold(const Held& sea);

@@ -28,6 +28,8 @@ inline constexpr double price_below_wave_us = 0.0012;   ///< likewise, for the w
 inline constexpr double price_glide_wave_us = 0.016; ///< likewise, while waves are between two seas
 inline constexpr double price_sea_wave_us =
     0.9; ///< one grid point of a sea that is not made; of a glide for each of two
+inline constexpr double price_spectrum_wave_us =
+    0.4; ///< one grid point of a sea whose waves are to be sent, at an accuracy that is not held
 /// Points of seas that fold are searched all around.
 inline constexpr double price_folds_factor = 10;
 

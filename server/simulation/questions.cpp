@@ -115,14 +115,34 @@ std::optional<Error> Questions::why_not(const Question& question, Line& line) {
     if (room_->held_bytes() + question.bytes > room_->bytes_max() / (own == 0 ? 1 : 2) &&
         line.bytes + question.bytes > small_question_bytes)
         return busy(crowd_wait_s, "points that wait fill the memory there is for them");
-    if (!line.account.may_ask(now_s_())) {
-        ++over_budget_;
-        return busy(line.account.wait_s(),
-                    fmt::format("what you have asked for takes longer than {} s and {} of the time "
-                                "since: again in {:.1f} s",
-                                budget_.burst_s, budget_.rate, line.account.wait_s()));
-    }
-    return std::nullopt;
+    return over_its_budget(line);
+}
+
+std::optional<Error> Questions::over_its_budget(Line& line) {
+    if (line.account.may_ask(now_s_()))
+        return std::nullopt;
+    ++over_budget_;
+    return busy(line.account.wait_s(),
+                fmt::format("what you have asked for takes longer than {} s and {} of the time "
+                            "since: again in {:.1f} s",
+                            budget_.burst_s, budget_.rate, line.account.wait_s()));
+}
+
+Result<void> Questions::charge(const Asker& asker, double price_us) {
+    const std::scoped_lock lock(mutex_);
+    if (closed_)
+        return *closed_;
+    Line& line = line_of(asker);
+    if (std::optional<Error> refusal = over_its_budget(line))
+        return *std::move(refusal);
+    line.account.take(price_us);
+    return {};
+}
+
+void Questions::settle(const Asker& asker, double left_us) {
+    const std::scoped_lock lock(mutex_);
+    if (const auto line = lines_.find(asker); line != lines_.end())
+        line->second.account.give_back(left_us);
 }
 
 Questions::Line* Questions::admit(std::unique_lock<std::mutex>& lock, Question& question) {

@@ -85,6 +85,12 @@ class Questions {
     /// on as they do: a slice, spent(), put_back() or over().
     std::optional<Question> ask_or_take(Question question);
 
+    /// Takes the price of work that waits in no line here, and is done elsewhere, out of the budget of its asker; or why
+    /// not, as ask(). settle() once it is done.
+    Result<void> charge(const Asker& asker, double price_us);
+    /// What it took less than its price goes back, or more is taken.
+    void settle(const Asker& asker, double left_us);
+
     /// The one whose turn it is of those for the simulation. Where none waits, or after wake(): none, once one has
     /// come, wake() has been called or `wait_us` have passed (for ever without it), so that who waited looks at
     /// the clock before anything else. Never none twice in a row while one waits, however often
@@ -142,6 +148,7 @@ class Questions {
     Question taken(const Place& place);
     void given_back(Line& line, const Question& question);
     std::optional<Error> why_not(const Question& question, Line& line);
+    std::optional<Error> over_its_budget(Line& line);
     std::condition_variable& waits_for(Hand hand) {
         return hand == Hand::simulation ? changed_ : to_answer_;
     }

@@ -161,6 +161,12 @@ class Simulation {
     using Surfaced = std::function<void(Result<SurfacePtr>)>;
     void surface(sea::TimeUs time_us, Surfaced done, const Asker& asker);
 
+    /// Of who asks for what other threads make: out of the same budget as questions; Refusal::busy where it is spent.
+    Result<void> charge(const Asker& asker, double price_us) {
+        return questions_.charge(asker, price_us);
+    }
+    void settle(const Asker& asker, double left_us) { questions_.settle(asker, left_us); }
+
     EffectPlan plan() const { return plan(clock_.now()); }
     SimulationCounters counters() const;
     EffectCosts costs() const { return source_.report().costs; }

@@ -145,7 +145,7 @@ TEST_F(LiveWaves, beyond_a_lattice_end_the_connection) {
 TEST_F(LiveWaves, what_has_come_can_be_asked_and_knows_how_far_it_is) {
     const SeaStatePtr state = std::make_shared<const SeaState>(protocol::values(
         *wire::GetMessage(sea.sea_state_messages().front()->data())->body_as_SeaState()));
-    const auto granted = sea.spectrum({});
+    const auto granted = sea.spectrum({.wish = {}, .asker = server::Asker::who_stays()});
     const auto& messages = granted->spectra.front()->messages;
     ReceivedSpectrum received(
         state, protocol::head(*wire::GetMessage(messages[0]->data())->body_as_Spectrum()));

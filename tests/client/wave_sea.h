@@ -204,7 +204,7 @@ class WaveSea : public server::Host {
             done(std::move(out));
     }
     /// Its waves in chunks of one block; `spectrum_change` may spoil them.
-    Result<server::GrantedSpectrum> spectrum(const server::SpectrumDemand& wish) override {
+    Result<server::GrantedSpectrum> spectrum(const server::SpectrumRequest& request) override {
         const sea::QuantisedSpectrum waves = sea::quantise(*sea_, {0.001});
         auto made = std::make_shared<server::EncodedSpectrum>();
         made->epoch = epoch;
@@ -222,7 +222,7 @@ class WaveSea : public server::Host {
             add(protocol::spectrum_chunk(epoch, n, waves.left[n],
                                          protocol::encode_spectrum({&block, 1})));
         }
-        return server::GrantedSpectrum{0.001f, 1.0f, wish.fields, "", {made}};
+        return server::GrantedSpectrum{0.001f, 1.0f, request.wish.fields, "", {made}};
     }
     std::function<void(sea::WaveBlock&)> spectrum_change = {};
 

@@ -50,6 +50,17 @@ TEST(Signals, a_hang_up_reads_the_tokens_again_and_others_change_nothing) {
     server.send(SIGHUP);
     ASSERT_TRUE(comes([&] { return comes_in(url, "new"); })) << server.log();
     EXPECT_FALSE(comes_in(url, "old"));
+    const auto logs = [&](const std::string& line) {
+        return comes([&] { return server.log().find(line) != std::string::npos; });
+    };
+    EXPECT_TRUE(logs("event=reloaded option=--client-token-file file=\"" + file + "\""))
+        << server.log();
+    EXPECT_TRUE(
+        logs("event=reload_left option=\"the scene and all others\" why=\"read at the start "
+             "alone: restart for them\""))
+        << server.log();
+    EXPECT_EQ(server.log().find("option=--tls-cert"), std::string::npos) << "none is given";
+    EXPECT_EQ(server.log().find("new\n"), std::string::npos) << "no secrets";
     folder.write("signals.token", "\xEF\xBB\xBFnewest\n");
     server.send(SIGHUP);
     ASSERT_TRUE(comes([&] {
@@ -57,6 +68,9 @@ TEST(Signals, a_hang_up_reads_the_tokens_again_and_others_change_nothing) {
                std::string::npos;
     })) << server.log();
     ASSERT_TRUE(comes_in(url, "new")) << "a broken file keeps the old ones";
+    EXPECT_TRUE(logs("event=reload_left option=--client-token-file file=\"" + file +
+                     "\" why=\"all are taken or none"))
+        << server.log();
     server.send(SIGTERM);
     EXPECT_EQ(server.wait_for_exit(std::chrono::seconds(20)), 0) << server.log();
 }

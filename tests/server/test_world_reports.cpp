@@ -251,7 +251,7 @@ EffectPlan some_plan() {
 }
 
 SimulationCounters some_counters() {
-    return {.synthesis = {3, 5, 7, 11.5},
+    return {.synthesis = {3, 5, 7, 9, 11.5},
             .store = {.keyframes = 13, .bytes = 17, .hits = 19, .misses = 23},
             .keyframes_published = 29,
             .keyframes_skipped = 31,
@@ -271,6 +271,7 @@ TEST(SimulationMetrics, every_line_shows_the_figure_that_it_names) {
                                            {"seaway_plan_idle", 0},
                                            {"seaway_dispatches_total", 3},
                                            {"seaway_transforms_total", 5},
+                                           {"seaway_cascades_taken_total", 9},
                                            {"seaway_keyframes_total", 7},
                                            {"seaway_device_seconds_total", 11.5},
                                            {"seaway_keyframes_published_total", 29},

@@ -97,7 +97,7 @@ TEST(Feed, may_go_before_those_who_have_its_client) {
     std::shared_ptr<Client> client;
     {
         Feed feed({.url = url});
-        for (int i = 0; i < 12'000 && feed.status().keyframes == 0; ++i)
+        for (int i = 0; i < 12'000 && !(feed.client() && feed.status().keyframes > 0); ++i)
             std::this_thread::sleep_for(std::chrono::milliseconds(5));
         EXPECT_GT(feed.status().bytes, 0u);
         client = feed.client();

@@ -280,7 +280,7 @@ TEST_P(PointKernelOf, who_is_not_remembered_has_the_same_bits_beside_those_that_
     for (std::size_t i = 0; i < points.size(); ++i) {
         ASSERT_TRUE(same_bits(answers[i], others[i])) << i;
         if (i % 3 == 0)
-            memory[i].known = false;
+            memory[i] = {3, -4, false};
     }
     for (const Instructions instructions : supported_instructions()) {
         std::vector<PointMemory> again = memory;

@@ -169,5 +169,62 @@ TEST_F(NetSpectrum, is_made_once_for_each_who_asks_and_shared) {
     EXPECT_EQ(host.spectra.front()->messages.front().use_count(), before) << "nobody copied them";
 }
 
+// Naive: what is announced is asked for once, and where there was no room for it its reader never has the waves.
+TEST_F(NetSpectrum, waves_of_a_later_sea_for_which_there_is_no_room_come_once_there_is_some) {
+    offer(1, 3);
+    start();
+    const auto client = greeted();
+    ASSERT_FALSE(client->send(protocol::subscribe_spectrum(1, {})));
+    EXPECT_EQ(spectrum_from(*client), 1u);
+    host.offer_spectra({SmallSea::spectrum_of(1, 3), SmallSea::spectrum_of(2, 5)});
+    host.no_room_for_spectra = true;
+    net->announce(SmallSea::state_message(2));
+    EXPECT_TRUE(client->receive(Body::SeaState));
+    ASSERT_TRUE(eventually([&] { return host.spectra_asked == 2; }));
+    host.no_room_for_spectra = false;
+    for (int said = 0; said < 200 && host.spectra_asked == 2;
+         ++said) { // as clients do, now and then
+        ASSERT_FALSE(client->send(protocol::ping(5, 6)));
+        ASSERT_TRUE(client->receive(Body::Pong));
+        std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+    EXPECT_EQ(spectrum_from(*client), 2u);
+    ASSERT_FALSE(client->send(protocol::ping(5, 6)));
+    ASSERT_TRUE(client->receive(Body::Pong));
+    EXPECT_EQ(host.spectra_asked, 3) << "each try after a while, and none once it has them";
+}
+
+TEST_F(NetSpectrum,
+       a_wish_without_room_is_refused_with_the_time_to_ask_again_and_so_is_one_without_memory) {
+    offer(1, 3);
+    start();
+    const auto client = greeted();
+    for (std::atomic<bool>* const lacks :
+         {&host.no_room_for_spectra, &host.no_memory_for_spectra}) {
+        *lacks = true;
+        ASSERT_FALSE(client->send(protocol::subscribe_spectrum(1, {})));
+        expect_refused(*client, 1, ErrorCode::too_many_requests, "");
+        *lacks = false;
+    }
+    ASSERT_FALSE(client->send(protocol::subscribe_spectrum(2, {})));
+    EXPECT_EQ(spectrum_from(*client), 1u) << "who was refused may ask again";
+}
+
+// Naive: one line for all, in which who wants what is there waits for everything that others have made.
+TEST_F(NetSpectrum, what_is_held_does_not_wait_for_what_is_made_for_others) {
+    offer(1, 3);
+    start();
+    const auto maker = greeted(), neighbour = greeted();
+    host.spectra_take_long = true;
+    ASSERT_FALSE(maker->send(protocol::subscribe_spectrum(1, {})));
+    ASSERT_TRUE(eventually([&] { return host.spectra_asked == 1; }));
+    host.spectra_held = true;
+    ASSERT_FALSE(neighbour->send(protocol::subscribe_spectrum(1, {})));
+    EXPECT_EQ(spectrum_from(*neighbour), 1u);
+    host.spectra_take_long = false;
+    EXPECT_EQ(spectrum_from(*maker), 1u);
+    EXPECT_EQ(host.spectra_asked, 1) << "the thread that makes them was asked for the first alone";
+}
+
 } // namespace
 } // namespace seaway::tests

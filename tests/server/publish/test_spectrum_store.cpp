@@ -84,6 +84,104 @@ TEST(SpectrumStore, each_rung_is_made_once_and_forgotten_with_its_sea) {
     EXPECT_EQ(one.use_count(), 1) << "the store holds four seas";
 }
 
+// ---- the room for them -----------------------------------------------------------------------
+
+/// What a wish gets takes in memory.
+std::size_t bytes_of(const SpectrumSource& sea, double error_m, double slope) {
+    SpectrumStore store;
+    return granted(store, sea, error_m, slope).spectra.at(0)->bytes;
+}
+
+TEST(SpectrumStore, holds_what_there_is_room_for_and_lets_go_of_the_oldest_use_first) {
+    const SpectrumSource sea = some_waves();
+    const std::size_t fine = bytes_of(sea, 0.01, 0.005);
+    const auto room = Room::of(2 * fine);
+    SpectrumStore store(room);
+    const auto ask = [&](double error_m) { (void)granted(store, sea, error_m, 0.005); };
+    ask(0.01);
+    ask(0.02);
+    EXPECT_EQ(store.made_so_far(), 2u);
+    EXPECT_EQ(room->held_bytes(), fine + bytes_of(sea, 0.02, 0.005));
+    ask(0.01); // the other one is the oldest use now
+    ask(0.04);
+    EXPECT_EQ(store.made_so_far(), 3u);
+    EXPECT_LE(room->held_bytes_most(), room->bytes_max());
+    ask(0.01);
+    EXPECT_EQ(store.made_so_far(), 3u) << "is held";
+    ask(0.02);
+    EXPECT_EQ(store.made_so_far(), 4u) << "was let go of, and is made again";
+    EXPECT_LE(room->held_bytes_most(), room->bytes_max());
+}
+
+// Naive: the store counts what it remembers, and a reader who takes a chunk a minute holds bytes that nobody counts.
+TEST(SpectrumStore,
+     who_still_has_one_message_to_send_holds_the_room_and_others_are_told_when_to_ask) {
+    const SpectrumSource sea = some_waves();
+    const auto room = Room::of(bytes_of(sea, 0.01, 0.005) * 3 / 2);
+    SpectrumStore store(room);
+    EncodedSpectrumPtr slow = granted(store, sea, 0.04, 0.02).spectra.at(0);
+    const std::size_t read = slow->bytes;
+    EncodedSpectrum::Message last = slow->messages.back();
+    slow = nullptr;
+    const SpectrumDemand finer{0.01f, 0.005f};
+    for (int again = 0; again < 3; ++again) {
+        const Result<GrantedSpectrum> refused = store.grant(sea, finer);
+        ASSERT_FALSE(refused);
+        EXPECT_TRUE(refused.error().is(Refusal::busy));
+        EXPECT_EQ(refused.error().retry_after_ms, 1000u);
+        EXPECT_NE(refused.error().message.find("waves that others have not read yet"),
+                  std::string::npos);
+        EXPECT_EQ(room->held_bytes(), read) << "what he has, and nothing was let go of in vain";
+    }
+    EXPECT_EQ(store.made_so_far(), 2u) << "what is known to be too large is not made once more";
+    last = nullptr;
+    EXPECT_TRUE(store.grant(sea, finer)) << "he has it";
+    EXPECT_LE(room->held_bytes_most(), room->bytes_max());
+}
+
+TEST(SpectrumStore, where_readers_fill_the_room_a_wish_gets_something_finer_that_is_there) {
+    const SpectrumSource sea = some_waves();
+    const std::size_t fine = bytes_of(sea, 0.01, 0.005);
+    SpectrumStore store(Room::of(fine));
+    const EncodedSpectrumPtr read = granted(store, sea, 0.01, 0.005).spectra.at(0);
+    const GrantedSpectrum coarse = granted(store, sea, 0.08, 0.02);
+    EXPECT_EQ(coarse.spectra.at(0), read);
+    EXPECT_LE(coarse.error_m, 0.08f);
+    EXPECT_LE(coarse.slope_error, 0.02f);
+    EXPECT_FALSE(store.grant(sea, {0.005f, 0.005f})) << "coarser than it was wished";
+}
+
+TEST(SpectrumStore, of_several_seas_one_without_room_is_not_left_out_in_silence) {
+    std::vector<SpectrumSource> seas(2, some_waves());
+    seas[1].epoch = 2;
+    const auto room = Room::of(bytes_of(seas[0], 0, 0) * 3 / 2);
+    SpectrumStore store(room);
+    const Result<GrantedSpectrum> refused = store.grant(seas, {});
+    ASSERT_FALSE(refused) << "the first is held for it while the second is made";
+    EXPECT_TRUE(refused.error().is(Refusal::busy));
+}
+
+TEST(SpectrumStore, what_is_held_is_granted_without_making_and_what_is_not_is_told_before) {
+    std::vector<SpectrumSource> seas(2, some_waves());
+    seas[1].epoch = 2;
+    SpectrumStore store;
+    const std::size_t points = 2 * 64 * 64; // of each
+    EXPECT_FALSE(store.held(seas, {}));
+    EXPECT_EQ(store.points_to_make(seas, {}), 2 * points);
+    (void)granted(store, seas[0], 0, 0);
+    EXPECT_FALSE(store.held(seas, {})) << "one of them is not";
+    EXPECT_EQ(store.points_to_make(seas, {}), points);
+    const Result<GrantedSpectrum> both = store.grant(seas, {});
+    ASSERT_TRUE(both);
+    EXPECT_EQ(store.points_to_make(seas, {}), 0u);
+    const std::optional<GrantedSpectrum> held = store.held(seas, {});
+    ASSERT_TRUE(held);
+    EXPECT_EQ(held->spectra, both->spectra);
+    EXPECT_EQ(held->error_m, both->error_m);
+    EXPECT_FALSE(store.held(seas, {0.04f, 0.02f}));
+    EXPECT_EQ(store.made_so_far(), 2u);
+}
+
 TEST(SpectrumStore, several_seas_are_granted_together_and_one_without_waves_is_named) {
     std::vector<SpectrumSource> seas(3, some_waves());
     seas[1].epoch = 2;

@@ -4,13 +4,17 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
+#include <new>
+#include <optional>
 #include <set>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "protocol/messages.h"
@@ -151,12 +155,25 @@ class SmallSea : public server::Host {
         else
             unanswered.push_back([done, out] { done(out); });
     }
-    Result<server::GrantedSpectrum> spectrum(const server::SpectrumDemand& wish) override {
-        const std::scoped_lock lock(spectra_mutex);
+    Result<server::GrantedSpectrum> spectrum(const server::SpectrumRequest& request) override {
         ++spectra_asked;
+        while (spectra_take_long)
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        const std::scoped_lock lock(spectra_mutex);
+        if (no_memory_for_spectra)
+            throw std::bad_alloc();
+        if (no_room_for_spectra)
+            return Error{server::Refusal::busy, "no room"};
         if (spectra.empty())
             return Error{server::Refusal::not_offered, "no waves here"};
-        return server::GrantedSpectrum{0.01f, 0.005f, wish.fields, "less", spectra};
+        return server::GrantedSpectrum{0.01f, 0.005f, request.wish.fields, "less", spectra};
+    }
+    std::optional<server::GrantedSpectrum>
+    held_spectrum(const server::SpectrumRequest& request) override {
+        const std::scoped_lock lock(spectra_mutex);
+        if (!spectra_held || spectra.empty())
+            return std::nullopt;
+        return server::GrantedSpectrum{0.01f, 0.005f, request.wish.fields, "held", spectra};
     }
     /// The spectrum of an epoch in so many chunks.
     static server::EncodedSpectrumPtr spectrum_of(std::uint32_t epoch, std::uint32_t chunks,
@@ -211,6 +228,10 @@ class SmallSea : public server::Host {
     std::mutex spectra_mutex; ///< asked for on a thread of their own
     std::vector<server::EncodedSpectrumPtr> spectra;
     std::atomic<int> spectra_asked = 0;
+    std::atomic<bool> no_room_for_spectra = false;
+    std::atomic<bool> no_memory_for_spectra = false;
+    std::atomic<bool> spectra_held = false; ///< else they have to be made
+    std::atomic<bool> spectra_take_long = false;
     static constexpr std::uint32_t answering_epoch = 7; ///< of queries
     std::atomic<std::int64_t> newest = 0;
     std::atomic<bool> well = true;
