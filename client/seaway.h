@@ -16,9 +16,10 @@
  * call waits for the network. No function keeps a pointer that it is given.
  *
  * Memory: whoever passes an array owns it; counts are of elements, sizes of structs are fixed for
- * this ABI version (checked at compile time below). seaway_sample from tiles
- * allocates nothing once its thread has sampled as many points as now, 50 000 at most: threads keep what they need, and what comes is
- * made ready as it comes. (What came before anybody sampled is made ready by a sample. Answers from waves allocate.)
+ * this ABI version (checked at compile time below). seaway_sample from tiles allocates nothing once its thread has sampled as
+ * many points as now, 50 000 at most: threads keep what they need, and what comes is made ready as it comes. (A time that more
+ * than 6000 points share takes 3 MB of the client's, once; what came before anybody sampled is made ready by a sample.
+ * Answers from waves allocate.)
  *
  * Errors: every function that can fail returns a seaway_code; seaway_last_error() then says why in
  * one line, for the calling thread. Nothing is written to the outputs of a call that failed.

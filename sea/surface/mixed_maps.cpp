@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sea/surface/mixed_maps.h"
 
+#include <new>
+
 #include "sea/surface/surface.h"
 
 namespace seaway::sea {
@@ -10,6 +12,22 @@ MixedMaps::Lent::~Lent() {
         return;
     const std::scoped_lock lock(of_->mutex_);
     --of_->users_;
+}
+
+bool MixedMaps::has_room_for(const Surface& surface) {
+    for (std::size_t c = 0; c < surface.pairs().size(); ++c) {
+        const std::size_t texels = surface.pairs()[c].before->texels();
+        if (texels <= texels_[c])
+            continue;
+        texels_[c] = 0;
+        try {
+            maps_[c] = allocate_floats(texels * spline_channel::mixed);
+        } catch (const std::bad_alloc&) {
+            return false;
+        }
+        texels_[c] = texels;
+    }
+    return true;
 }
 
 void MixedMaps::lend(const Surface& surface, TimeUs time_us, std::size_t points,
@@ -29,13 +47,8 @@ void MixedMaps::lend(const Surface& surface, TimeUs time_us, std::size_t points,
     if (!mixed_ && points_ < pays_from_points)
         return;
     if (!mixed_) {
-        for (std::size_t c = 0; c < surface.pairs().size(); ++c) {
-            const std::size_t texels = surface.pairs()[c].before->texels();
-            if (texels_[c] < texels) {
-                maps_[c] = allocate_floats(texels * spline_channel::mixed);
-                texels_[c] = texels;
-            }
-        }
+        if (!has_room_for(surface))
+            return;
         surface.mix(time_us, kernel, maps_);
         mixed_ = true;
     }

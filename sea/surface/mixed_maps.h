@@ -5,7 +5,7 @@
 // already; to mix them reads and writes all of them once. What comes is not known, so they are mixed when as much has been
 // lost by not having done it: at most twice the cost of who knew. Answers have the same bits either way.
 //
-// Thread-safe: who finds it busy goes without. Memory is kept for the next time: 16 bytes a texel, 3.2 MB of three cascades of
+// Thread-safe: who finds it busy, or no memory for them, goes without. Memory is kept for the next time: 16 bytes a texel, 3.2 MB of three cascades of
 // 256 x 256; none before it is needed. To mix them takes 0.5 to 1 ms.
 #pragma once
 
@@ -50,6 +50,8 @@ class MixedMaps {
               Lent& lent);
 
   private:
+    bool has_room_for(const Surface& surface);
+
     std::mutex mutex_;
     std::uint64_t surface_ = 0; ///< Surface::number()
     TimeUs time_us_ = 0;
