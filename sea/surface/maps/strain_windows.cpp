@@ -46,9 +46,10 @@ struct Extent {
 
 using Row = std::vector<F4>; ///< of coefficients, with its border and more
 
-void read_row(const float* texel, std::size_t points, Row& to) {
-    for (std::size_t i = 0; i < points; ++i, texel += channels)
-        to[i] = displacement(texel);
+/// `cells` and their border, and round again: who works on four at a time looks at more.
+void read_row(const float* texel, std::size_t cells, Row& to) {
+    for (std::size_t i = 0; i < to.size(); ++i)
+        to[i] = i < cells + SplineMap::border ? displacement(texel + i * channels) : to[i - cells];
 }
 
 /// One float a grid point or a cell, as many more as a vector that begins at the last one reads.
@@ -228,7 +229,7 @@ std::vector<Block> blocks_of(const float* coefficients, int size, int block, flo
     x.fill(BoundsOfRow(fours));
     y.fill(BoundsOfRow(fours));
     for (std::size_t r = 0; r < points; ++r) {
-        read_row(coefficients + r * points * channels, points, row);
+        read_row(coefficients + r * points * channels, cells, row);
         add_displacements(row, static_cast<int>(r), block, count, blocks);
         along_x.set(&row[0], &row[1], points - 1, dx);
         bound(along_x, support - 1, x[r % x.size()]);

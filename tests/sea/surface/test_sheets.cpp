@@ -203,6 +203,22 @@ TEST(Sheets, windows_bound_strains_and_displacements_within_their_radius) {
         << "a bound that nothing comes near would search everywhere";
 }
 
+// Naive: cells are bounded four at a time, and beyond the last one lies what is no sea. Sizes that are no multiple of four.
+TEST(Sheets, windows_of_a_map_of_any_size_hold_its_waves_and_nothing_else) {
+    for (const int size : {50, 51, 53, 64}) {
+        const RealizationPtr sea = tests::make_sea(
+            {tests::random_cascade(100.0, size, 3, 12, 0.03, 4)}); // long: far from 0, nearly flat
+        const SplineMap map(*tests::exact_keyframe(sea, 0, 0));
+        double smallest = 1e9;
+        for (double y = 0; y < 100; y += 100.0 / 200)
+            for (double x = 0; x < 100; x += 100.0 / 200)
+                smallest = std::min(smallest, strains_of(map.sample(x, y), 1, 2)[0]);
+        const auto bound = static_cast<double>(map.windows().whole_tile().strain_min);
+        EXPECT_LE(bound, smallest + 1e-5) << size;
+        EXPECT_LT(bound / smallest, 1.4) << size;
+    }
+}
+
 // One coefficient among none: whatever a window leaves out shows in full. Naive: the spline at a place
 // depends on the grid points beside it alone, and a radius may be as long as a block.
 TEST(Sheets, windows_hold_whatever_a_spline_within_their_radius_depends_on) {
