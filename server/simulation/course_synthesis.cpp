@@ -75,12 +75,16 @@ CourseSynthesis::synthesize(std::span<const KeyframeRequest> requests) {
         Held sea = sea_of(requests[i]);
         std::vector<std::size_t> places;
         std::vector<KeyframeRequest> alike;
-        for (std::size_t j = i; j < requests.size(); ++j)
-            if (const Held other = sea_of(requests[j]); !keyframes[j] && other.is_alike(sea)) {
-                sea.cascades |= other.cascades;
-                places.push_back(j);
-                alike.push_back(requests[j]);
-            }
+        for (std::size_t j = i; j < requests.size(); ++j) {
+            if (keyframes[j])
+                continue;
+            const Held other = sea_of(requests[j]);
+            if (!other.is_alike(sea))
+                continue;
+            sea.cascades |= other.cascades;
+            places.push_back(j);
+            alike.push_back(requests[j]);
+        }
         SEAWAY_TRY_LET(const std::vector<NewKeyframePtr> made, of_one_sea(sea, alike));
         for (std::size_t k = 0; k < places.size(); ++k)
             keyframes[places[k]] = made[k];
