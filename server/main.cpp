@@ -68,9 +68,10 @@ void reload(NetServer& net, const NetOptions& options) {
                 "event=reload_left option={} file=\"{}\" why=\"all are taken or none: it is "
                 "as it was\"",
                 file.option, printable(file.path));
-    spdlog::info("event=reload_left option=\"{}the scene and all others\" why=\"read at the start "
-                 "alone: restart for them\"",
-                 files.empty() ? "no tokens or certificates are given; " : "");
+    if (files.empty())
+        spdlog::info("event=reload_left option=\"tokens and certificate\" why=\"none are given\"");
+    spdlog::info("event=reload_left option=\"the scene and all others\" why=\"read at the start "
+                 "alone: restart for them\"");
 }
 
 /// Logs what a user should know of this sea.
