@@ -61,10 +61,12 @@ function(seaway_test name)
   endif()
 endfunction()
 
-# seaway_loops(ROOM NAME): NAME_portable.cpp and, on x86, NAME_avx2.cpp of a room: loops over whole
-# grids, one source compiled once per instruction set; the values differ by rounding.
+# seaway_loops(ROOM NAME [SAME_BITS]): NAME_portable.cpp and, on x86, NAME_avx2.cpp of a room: loops over
+# whole grids, one source compiled once per instruction set; the values differ by rounding, or SAME_BITS.
 function(seaway_loops room name)
-  set(loop_options "-O3;-ffp-contract=fast;-fno-math-errno;-fno-trapping-math;-Wno-psabi")
+  cmake_parse_arguments(L "SAME_BITS" "" "" ${ARGN})
+  set(contract $<IF:$<BOOL:${L_SAME_BITS}>,off,fast>)
+  set(loop_options "-O3;-ffp-contract=${contract};-fno-math-errno;-fno-trapping-math;-Wno-psabi")
   target_sources(seaway_${room} PRIVATE ${name}_portable.cpp)
   seaway_source_options("${loop_options}" ${name}_portable.cpp)
   if(SEAWAY_X86)

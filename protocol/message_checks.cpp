@@ -224,6 +224,18 @@ Result<void> check(const wire::Welcome& welcome) {
 namespace {
 
 /// None, or one a cascade.
+/// Of a Spectrum or a SeaState.
+template <class Law>
+Result<void> check_law(std::string_view of, const Law& law) {
+    const auto name = [of](std::string_view field) { return std::string(of) + std::string(field); };
+    return all_of(
+        in_range(name("gravity_mps2"), law.gravity_mps2(), 1e-3, 1e3),
+        in_range(name("surface_tension_m3ps2"), law.surface_tension_m3ps2(), 0.0, 1.0),
+        in_range(name("depth_m"), law.depth_m(), 1e-3, std::numeric_limits<double>::infinity()),
+        in_range<std::int64_t>(name("loop_period_us"), law.loop_period_us(), 0,
+                               limits::time_us_max));
+}
+
 Result<void> check_glide(const wire::SeaState& state) {
     const wire::Glide* glide = state.glide();
     if (glide == nullptr)
@@ -296,7 +308,8 @@ Result<void> check(const wire::SeaState& state) {
         in_range("bottom_red", state.bottom_red(), 0.0f, 1.0f),
         in_range("bottom_green", state.bottom_green(), 0.0f, 1.0f),
         in_range("bottom_blue", state.bottom_blue(), 0.0f, 1.0f), check_losses(state),
-        check_probes(state));
+        check_probes(state),
+        state.wave_law() ? check_law("wave_law.", *state.wave_law()) : Result<void>());
     if (!fine || state.cascades() == nullptr)
         return fine;
     for (const wire::CascadeInfo* cascade : *state.cascades()) {
@@ -377,17 +390,11 @@ Result<void> check(const wire::SpectrumSubscribed& subscribed) {
 }
 
 Result<void> check(const wire::Spectrum& spectrum) {
-    const double infinite = std::numeric_limits<double>::infinity();
     return all_of(
         in_range<std::uint32_t>("chunks", spectrum.chunks(), 0, limits::spectrum_chunks_max),
         in_range<std::uint32_t>("bytes", spectrum.bytes(), 0, limits::spectrum_bytes_max),
         in_range("step_m", spectrum.step_m(), 0.0, 1e6),
-        in_range("step_length_m", spectrum.step_length_m(), 0.0, 1e9),
-        in_range("gravity_mps2", spectrum.gravity_mps2(), 1e-3, 1e3),
-        in_range("surface_tension_m3ps2", spectrum.surface_tension_m3ps2(), 0.0, 1.0),
-        in_range("depth_m", spectrum.depth_m(), 1e-3, infinite),
-        in_range<std::int64_t>("loop_period_us", spectrum.loop_period_us(), 0,
-                               limits::time_us_max));
+        in_range("step_length_m", spectrum.step_length_m(), 0.0, 1e9), check_law("", spectrum));
 }
 
 Result<void> check(const wire::SpectrumChunk& chunk) {

@@ -137,10 +137,10 @@ Bytes hello(std::string_view client, std::string_view token,
 
 Bytes subscribe(std::uint32_t request_id, const TileWish& wish, int credit) {
     FlatBufferBuilder built = builder(128);
-    return finish(built, wire::CreateSubscribe(built, request_id, wish.cascades, wish.fields.bits(),
-                                               wish.error_m, static_cast<std::uint8_t>(credit),
-                                               wish.compact, wish.rate_hz_max,
-                                               static_cast<std::uint16_t>(wish.size_max)));
+    return finish(built, wire::CreateSubscribe(
+                             built, request_id, wish.cascades, wish.fields.bits(), wish.error_m,
+                             static_cast<std::uint8_t>(credit), wish.compact, wish.rate_hz_max,
+                             static_cast<std::uint16_t>(wish.size_max), wish.predicted));
 }
 
 Bytes unsubscribe(bool spectrum) {
@@ -271,16 +271,16 @@ Bytes tile(const TileHeader& header, std::span<const std::uint8_t> payload) {
     FlatBufferBuilder built = builder(192 + payload.size());
     const auto bytes = vector_of(built, payload);
     const wire::Coarser coarser = wire_of(header.coarser);
-    return finish(
-        built,
-        wire::CreateTile(
-            built, header.keyframe, header.epoch, static_cast<std::uint8_t>(header.cascade),
-            static_cast<wire::Field>(header.field), header.time_us,
-            static_cast<std::uint16_t>(header.size), static_cast<std::uint16_t>(header.x0),
-            static_cast<std::uint16_t>(header.y0), static_cast<std::uint16_t>(header.width),
-            static_cast<std::uint16_t>(header.height), static_cast<std::uint16_t>(header.part),
-            static_cast<std::uint16_t>(header.parts), header.error, bytes, header.follows.bits(),
-            header.coarser.interval_us != 0 ? &coarser : nullptr));
+    const auto made = wire::CreateTile(
+        built, header.keyframe, header.epoch, static_cast<std::uint8_t>(header.cascade),
+        static_cast<wire::Field>(header.field), header.time_us,
+        static_cast<std::uint16_t>(header.size), static_cast<std::uint16_t>(header.x0),
+        static_cast<std::uint16_t>(header.y0), static_cast<std::uint16_t>(header.width),
+        static_cast<std::uint16_t>(header.height), static_cast<std::uint16_t>(header.part),
+        static_cast<std::uint16_t>(header.parts), header.error, bytes, header.follows.bits(),
+        header.coarser.interval_us != 0 ? &coarser : nullptr,
+        header.base != 0 ? flatbuffers::Optional(header.base) : flatbuffers::nullopt);
+    return finish(built, made);
 }
 
 TileHeader header(const wire::Tile& tile) {
@@ -298,7 +298,8 @@ TileHeader header(const wire::Tile& tile) {
             .parts = tile.parts(),
             .error = tile.error(),
             .follows = sea::FieldSet::from_bits(tile.follows()),
-            .coarser = loss_of(tile.coarser())};
+            .coarser = loss_of(tile.coarser()),
+            .base = tile.base().value_or(0)};
 }
 
 Bytes query_reply(std::uint32_t request_id, std::uint32_t epoch,

@@ -101,6 +101,9 @@ struct TileWish {
     /// Takes linear maps at the smallest grid that carries their waves, brings them to the cascade's own, and makes
     /// displacements of heights (docs/protocol.md, "Compact maps"). Of a wish only.
     bool compact = false;
+    /// Of compact maps takes differences to what follows from earlier ones (docs/protocol.md, "Predicted maps"). Of a wish
+    /// for a stream only.
+    bool predicted = false;
     /// Keyframes of a cascade a second and grid points a side of a map, at most; 0: any. Of a subscription. Granted: where
     /// that is less than all there is.
     float rate_hz_max = 0;
@@ -209,7 +212,8 @@ struct SeaStateValues {
     /// By which a sea that was rebuilt can be known again. Empty from a server that sends none.
     std::vector<sea::Probe> probes = {};
     double probe_error_m = 0;
-    std::optional<GlideValues> glide = {}; ///< none: the sea is steady
+    std::optional<GlideValues> glide = {};     ///< none: the sea is steady
+    std::optional<sea::WaveLaw> wave_law = {}; ///< by which keyframes are predicted; none: by none
 
     // Of a moment: as above, or on the way there.
     double choppiness_x_at(sea::TimeUs time_us) const {
@@ -253,6 +257,8 @@ struct TileHeader {
     sea::FieldSet follows = {};
     /// What it misses beside what the sea says of its maps; interval_us 0: nothing.
     sea::CoarserLoss coarser = {};
+    /// Others may be differences to this keyframe; of a tile that is one: the keyframe that it is to. 0: neither.
+    std::uint64_t base = 0;
 };
 Bytes tile(const TileHeader& header, std::span<const std::uint8_t> payload);
 /// The inverse; `tile` must have passed check().

@@ -63,6 +63,14 @@ std::optional<GlideValues> glide_of(const wire::SeaState& state) {
                        .foam_threshold = glide->foam_threshold()};
 }
 
+std::optional<sea::WaveLaw> wave_law_of(const wire::SeaState& state) {
+    const wire::WaveLaw* law = state.wave_law();
+    if (law == nullptr)
+        return std::nullopt;
+    return sea::WaveLaw{{law->gravity_mps2(), law->surface_tension_m3ps2(), law->depth_m()},
+                        law->loop_period_us()};
+}
+
 /// A server that says nothing says zeros: a black sea floor is then none that somebody chose.
 sea::Water water_of(const wire::SeaState& state) {
     sea::Water water;
@@ -106,6 +114,11 @@ Bytes sea_state(const SeaStateValues& state) {
         glide =
             wire::Glide(state.glide->end_us, state.glide->choppiness_x, state.glide->choppiness_y,
                         state.glide->foam_mean, state.glide->foam_threshold);
+    std::optional<wire::WaveLaw> law;
+    if (state.wave_law)
+        law = wire::WaveLaw(state.wave_law->dispersion.gravity_mps2,
+                            state.wave_law->dispersion.surface_tension_m3ps2,
+                            state.wave_law->dispersion.depth_m, state.wave_law->loop_period_us);
     const auto bottom = [&](std::size_t colour) {
         return static_cast<float>(state.water.bottom_albedo[colour]);
     };
@@ -117,7 +130,7 @@ Bytes sea_state(const SeaStateValues& state) {
         state.interpolation_displacement_m, state.interpolation_strain, loss_list,
         state.single_precision_m, state.single_precision_displacement_m, state.depth_m,
         static_cast<std::uint8_t>(state.water.type), bottom(0), bottom(1), bottom(2), probe_list,
-        state.probe_error_m, glide ? &*glide : nullptr);
+        state.probe_error_m, glide ? &*glide : nullptr, law ? &*law : nullptr);
     built.Finish(wire::CreateMessage(built, wire::Body::SeaState, body.Union()),
                  wire::MessageIdentifier());
     return {built.GetBufferPointer(), built.GetBufferPointer() + built.GetSize()};
@@ -149,7 +162,8 @@ SeaStateValues values(const wire::SeaState& state) {
                        .water = water_of(state),
                        .probes = probes_of(state),
                        .probe_error_m = state.probe_error_m(),
-                       .glide = glide_of(state)};
+                       .glide = glide_of(state),
+                       .wave_law = wave_law_of(state)};
     if (const auto* losses = state.losses())
         for (const wire::CascadeLoss* loss : *losses)
             out.losses.push_back(from_wire(*loss));

@@ -26,6 +26,17 @@ Result<void> tile_layout::check_call(std::size_t samples, TileShape shape, std::
     return {};
 }
 
+std::uint32_t tile_layout::samples_checksum(std::span<const float> samples, TileShape shape,
+                                            std::size_t row_stride) {
+    std::uint32_t crc = 0;
+    for (int y = 0; y < shape.height; ++y)
+        crc = crc32({reinterpret_cast<const std::uint8_t*>(
+                         samples.data() + static_cast<std::size_t>(y) * row_stride),
+                     static_cast<std::size_t>(shape.width) * sizeof(float)},
+                    crc);
+    return crc;
+}
+
 namespace {
 
 using namespace tile_layout;
@@ -69,14 +80,15 @@ Result<Header> read_header(std::span<const std::uint8_t> bytes, TileShape shape)
     const Header header{.mode = static_cast<Mode>(bytes[1]),
                         .planes = bytes[6],
                         .parameter = get<float>(&bytes[8])};
-    if (bytes[1] > static_cast<std::uint8_t>(Mode::lossless) || bytes[7] != 0)
-        return Error{fmt::format("tile mode {}, 0 to 2 are known", bytes[1])};
+    if (bytes[1] > static_cast<std::uint8_t>(Mode::difference) || bytes[7] != 0)
+        return Error{fmt::format("tile mode {}, 0 to 3 are known", bytes[1])};
     const bool constant = header.mode == Mode::constant;
+    const int planes_min = header.mode == Mode::difference ? halves : 1;
     if (constant ? header.planes != 0 || bytes.size() != header_bytes
-                 : header.planes < 1 || header.planes > 4)
+                 : header.planes < planes_min || header.planes > 4)
         return Error{fmt::format("tile of mode {} with {} byte planes", bytes[1], bytes[6])};
     const bool parameter_fine =
-        header.mode == Mode::quantised
+        header.mode == Mode::quantised || header.mode == Mode::difference
             ? header.parameter > 0 && header.parameter <= step_max
             : (constant ? std::isfinite(header.parameter) : header.parameter == 0);
     if (!parameter_fine)
@@ -120,6 +132,18 @@ void add_row(const std::uint8_t* planes, std::size_t plane_bytes, int plane_coun
     }
 }
 
+/// Number n of a difference.
+std::uint32_t code_at(const std::vector<std::uint8_t>& bytes, int planes, std::size_t count,
+                      std::size_t n) {
+    if (planes == halves)
+        return (bytes[n / 2] >> (4 * (n % 2))) & half_max;
+    std::uint32_t code = 0;
+    for (int plane = 0; plane < planes; ++plane)
+        code |= static_cast<std::uint32_t>(bytes[static_cast<std::size_t>(plane) * count + n])
+                << (8 * plane);
+    return code;
+}
+
 /// One row of integers to floats; false if a float is not finite.
 bool write_row(const std::uint32_t* row, std::size_t width, const Header& header, float* out) {
     if (header.mode == Mode::quantised) {
@@ -146,6 +170,8 @@ Result<void> decode_tile(std::span<const std::uint8_t> bytes, TileShape shape,
     const Result<Header> header = read_header(bytes, shape);
     if (!header)
         return header.error();
+    if (header->mode == Mode::difference)
+        return Error{"tile is the difference to another, which is not there"};
     const auto width = static_cast<std::size_t>(shape.width);
     const auto height = static_cast<std::size_t>(shape.height);
     if (header->mode == Mode::constant) {
@@ -173,6 +199,46 @@ Result<void> decode_tile(std::span<const std::uint8_t> bytes, TileShape shape,
         finite &= write_row(memory.row.data(), width, *header, samples.data() + y * row_stride);
     }
     return finite ? Result<void>() : Error{"tile holds a sample that is not finite"};
+}
+
+bool is_difference(std::span<const std::uint8_t> bytes) {
+    return bytes.size() >= header_bytes && bytes[1] == static_cast<std::uint8_t>(Mode::difference);
+}
+
+Result<void> decode_tile_difference(std::span<const std::uint8_t> bytes, TileShape shape,
+                                    std::size_t row_stride, std::span<const float> expected,
+                                    std::span<float> samples) {
+    SEAWAY_TRY(check_call(samples.size(), shape, row_stride));
+    SEAWAY_TRY(check_call(expected.size(), shape, row_stride));
+    SEAWAY_TRY_LET(const Header header, read_header(bytes, shape));
+    if (header.mode != Mode::difference)
+        return Error{"tile is no difference"};
+    if (bytes.size() < header_bytes + samples_check_bytes)
+        return Error{fmt::format("tile of {} bytes is no difference", bytes.size())};
+    const auto width = static_cast<std::size_t>(shape.width);
+    const std::size_t count = width * static_cast<std::size_t>(shape.height);
+    SEAWAY_TRY(decompress(bytes.subspan(header_bytes + samples_check_bytes),
+                          header.planes == halves
+                              ? (count + 1) / 2
+                              : count * static_cast<std::size_t>(header.planes)));
+    const auto fine = static_cast<double>(header.parameter);
+    std::size_t n = 0;
+    for (std::size_t y = 0; y < static_cast<std::size_t>(shape.height); ++y)
+        for (std::size_t at = y * row_stride; at < y * row_stride + width; ++at) {
+            const auto guess = static_cast<double>(expected[at]);
+            const std::uint32_t code = code_at(scratch().planes, header.planes, count, n++);
+            const double lattice =
+                static_cast<double>(nearest_step(guess, fine)) +
+                fine_steps * static_cast<double>(static_cast<std::int32_t>(unzigzag(code)));
+            if (!(std::abs(guess) < lattice_max * fine) || !(std::abs(lattice) < quantum_max))
+                return Error{TileMiss::other_expected,
+                             "tile is the difference to a sample that is out of its range"};
+            samples[at] = static_cast<float>(lattice * fine);
+        }
+    if (get<std::uint32_t>(&bytes[header_bytes]) != samples_checksum(samples, shape, row_stride))
+        return Error{TileMiss::other_expected,
+                     "tile does not come to the samples that were encoded"};
+    return {};
 }
 
 } // namespace seaway::protocol

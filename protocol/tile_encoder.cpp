@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Encoder of tile codec v1 (protocol/tile_codec.h).
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -103,9 +104,9 @@ bool quantise_row(const float* samples, int width, float step, float error, std:
     return worst <= error_d;
 }
 
-/// Residuals of all rows. Returns the OR of them, or nothing if the bound cannot be kept.
-std::optional<std::uint32_t> predict(std::span<const float> samples, TileShape shape,
-                                     std::size_t row_stride, float step, float error) {
+/// Residuals of all rows of integers; `fill(y, row)` says each row, or that it cannot. Returns the OR of them, or nothing.
+template <class Fill>
+std::optional<std::uint32_t> residuals_of(TileShape shape, const Fill& fill) {
     Scratch& memory = scratch();
     const auto width = static_cast<std::size_t>(shape.width);
     const auto height = static_cast<std::size_t>(shape.height);
@@ -114,16 +115,10 @@ std::optional<std::uint32_t> predict(std::span<const float> samples, TileShape s
     memory.row_above.assign(width + 1, 0);
     std::uint32_t all = 0;
     for (std::size_t y = 0; y < height; ++y) {
-        const float* source = samples.data() + y * row_stride;
         std::uint32_t* row = memory.row.data() + 1;
         const std::uint32_t* above = memory.row_above.data() + 1;
-        if (step > 0) {
-            if (!quantise_row(source, shape.width, step, error, row))
-                return std::nullopt;
-        } else {
-            for (std::size_t x = 0; x < width; ++x)
-                row[x] = ordered_bits(source[x]);
-        }
+        if (!fill(y, row))
+            return std::nullopt;
         std::uint32_t* residuals = memory.residuals.data() + y * width;
         for (std::size_t x = 0; x < width; ++x) {
             const std::uint32_t left = (row - 1)[x] - (above - 1)[x];
@@ -133,6 +128,19 @@ std::optional<std::uint32_t> predict(std::span<const float> samples, TileShape s
         std::swap(memory.row, memory.row_above);
     }
     return all;
+}
+
+/// The same of samples, or nothing if the bound cannot be kept. A step of 0: lossless.
+std::optional<std::uint32_t> predict(std::span<const float> samples, TileShape shape,
+                                     std::size_t row_stride, float step, float error) {
+    return residuals_of(shape, [&](std::size_t y, std::uint32_t* row) {
+        const float* source = samples.data() + y * row_stride;
+        if (step > 0)
+            return quantise_row(source, shape.width, step, error, row);
+        for (int x = 0; x < shape.width; ++x)
+            row[x] = ordered_bits(source[x]);
+        return true;
+    });
 }
 
 int planes_of(std::uint32_t all_residuals) {
@@ -154,11 +162,18 @@ std::vector<std::uint8_t> finish(Mode mode, TileShape shape, int planes, float p
     return bytes;
 }
 
-Result<std::vector<std::uint8_t>> compress(Mode mode, TileShape shape, std::uint32_t all,
-                                           float parameter) {
+/// Bytes of the residuals: byte planes, or `halves`.
+void lay_out(int planes) {
     Scratch& memory = scratch();
     const std::size_t count = memory.residuals.size();
-    const int planes = planes_of(all);
+    if (planes == halves) {
+        memory.residuals.push_back(0); // the other half of the last one of an odd number
+        memory.planes.resize((count + 1) / 2);
+        for (std::size_t i = 0; i < memory.planes.size(); ++i)
+            memory.planes[i] = static_cast<std::uint8_t>(memory.residuals[2 * i] |
+                                                         memory.residuals[2 * i + 1] << 4);
+        return;
+    }
     memory.planes.resize(count * static_cast<std::size_t>(planes));
     for (int plane = 0; plane < planes; ++plane) {
         std::uint8_t* out = memory.planes.data() + count * static_cast<std::size_t>(plane);
@@ -166,15 +181,76 @@ Result<std::vector<std::uint8_t>> compress(Mode mode, TileShape shape, std::uint
         for (std::size_t i = 0; i < count; ++i)
             out[i] = static_cast<std::uint8_t>(memory.residuals[i] >> shift);
     }
+}
+
+/// Of the residuals; `first`: bytes that go before them as they are.
+Result<std::vector<std::uint8_t>> compress(Mode mode, TileShape shape, int planes, float parameter,
+                                           std::span<const std::uint8_t> first = {}) {
+    Scratch& memory = scratch();
+    lay_out(planes);
     if (memory.encoder == nullptr)
         memory.encoder.reset(ZSTD_createCCtx());
-    memory.compressed.resize(ZSTD_compressBound(memory.planes.size()));
+    memory.compressed.resize(first.size() + ZSTD_compressBound(memory.planes.size()));
+    std::copy(first.begin(), first.end(), memory.compressed.begin());
     const std::size_t written =
-        ZSTD_compressCCtx(memory.encoder.get(), memory.compressed.data(), memory.compressed.size(),
-                          memory.planes.data(), memory.planes.size(), zstd_level);
+        ZSTD_compressCCtx(memory.encoder.get(), memory.compressed.data() + first.size(),
+                          memory.compressed.size() - first.size(), memory.planes.data(),
+                          memory.planes.size(), zstd_level);
     if (ZSTD_isError(written))
         return Error{fmt::format("zstd: {}", ZSTD_getErrorName(written))};
-    return finish(mode, shape, planes, parameter, std::span(memory.compressed).first(written));
+    return finish(mode, shape, planes, parameter,
+                  std::span(memory.compressed).first(first.size() + written));
+}
+
+/// Differences of samples to what is expected, zigzag, into the residuals, and what they come to. Returns the OR of them,
+/// or nothing where the bound cannot be kept or what is expected is of no use.
+std::optional<std::uint32_t> differ(std::span<const float> samples, TileShape shape,
+                                    std::size_t row_stride, float fine, float error,
+                                    std::span<const float> expected, std::span<float> decoded) {
+    Scratch& memory = scratch();
+    const auto fine_d = static_cast<double>(fine), error_d = static_cast<double>(error);
+    const double step_d = fine_steps * fine_d, most = lattice_max * fine_d;
+    memory.residuals.resize(static_cast<std::size_t>(shape.width) *
+                            static_cast<std::size_t>(shape.height));
+    std::uint32_t* residual = memory.residuals.data();
+    std::uint32_t all = 0;
+    for (int y = 0; y < shape.height; ++y)
+        for (int x = 0; x < shape.width; ++x) {
+            const std::size_t at =
+                static_cast<std::size_t>(y) * row_stride + static_cast<std::size_t>(x);
+            const auto value = static_cast<double>(samples[at]);
+            const auto guess = static_cast<double>(expected[at]);
+            if (!(std::abs(guess) < most))
+                return std::nullopt;
+            const std::int32_t guessed = nearest_step(guess, fine_d);
+            const std::int32_t steps = nearest_step(value - guessed * fine_d, step_d);
+            decoded[at] = static_cast<float>((guessed + fine_steps * steps) * fine_d);
+            if (!(std::abs(static_cast<double>(decoded[at]) - value) <= error_d))
+                return std::nullopt;
+            *residual = zigzag(static_cast<std::uint32_t>(steps));
+            all |= *residual++;
+        }
+    return all;
+}
+
+/// Samples that lie on a lattice, exactly.
+Result<std::vector<std::uint8_t>> encode_exactly(std::span<const float> samples, TileShape shape,
+                                                 std::size_t row_stride, float step) {
+    const auto all = residuals_of(shape, [&](std::size_t y, std::uint32_t* row) {
+        for (int x = 0; x < shape.width; ++x)
+            row[x] = static_cast<std::uint32_t>(nearest_step(
+                static_cast<double>(samples[y * row_stride + static_cast<std::size_t>(x)]),
+                static_cast<double>(step)));
+        return true;
+    });
+    return compress(Mode::quantised, shape, planes_of(*all), step);
+}
+
+std::array<std::uint8_t, samples_check_bytes> check_of(std::span<const float> samples,
+                                                       TileShape shape, std::size_t row_stride) {
+    std::array<std::uint8_t, samples_check_bytes> bytes;
+    put(bytes.data(), samples_checksum(samples, shape, row_stride));
+    return bytes;
 }
 
 } // namespace
@@ -200,9 +276,41 @@ Result<std::vector<std::uint8_t>> encode_tile(std::span<const float> samples, Ti
                                              static_cast<double>(step)),
                           {});
         if (all)
-            return compress(Mode::quantised, shape, *all, step);
+            return compress(Mode::quantised, shape, planes_of(*all), step);
     }
-    return compress(Mode::lossless, shape, *predict(samples, shape, row_stride, 0, 0), 0);
+    const auto all = predict(samples, shape, row_stride, 0, 0);
+    return compress(Mode::lossless, shape, planes_of(*all), 0);
+}
+
+Result<TileForms> encode_tile_forms(std::span<const float> samples, TileShape shape,
+                                    std::size_t row_stride, float error,
+                                    std::span<const float> expected, std::span<float> decoded) {
+    SEAWAY_TRY(check_call(samples.size(), shape, row_stride));
+    SEAWAY_TRY(check_call(expected.size(), shape, row_stride));
+    SEAWAY_TRY(check_call(decoded.size(), shape, row_stride));
+    const auto alone = [&]() -> Result<TileForms> {
+        TileForms forms;
+        SEAWAY_TRY_LET(forms.whole, encode_tile(samples, shape, row_stride, error));
+        SEAWAY_TRY(decode_tile(forms.whole, shape, row_stride, decoded));
+        return forms;
+    };
+    const Survey seen = survey(samples, shape, row_stride);
+    if (!seen.finite || seen.constant || !(error >= 0) || !std::isfinite(error))
+        return alone();
+    const float fine = choose_step(seen.magnitude_max, error) / fine_steps;
+    if (!(fine >= std::numeric_limits<float>::min()) ||
+        static_cast<double>(seen.magnitude_max) >= 0.5 * lattice_max * static_cast<double>(fine))
+        return alone();
+    const auto all = differ(samples, shape, row_stride, fine, error, expected, decoded);
+    if (!all)
+        return alone();
+    TileForms forms;
+    const auto check = check_of(decoded, shape, row_stride);
+    SEAWAY_TRY_LET(forms.difference,
+                   compress(Mode::difference, shape, *all <= half_max ? halves : planes_of(*all),
+                            fine, check));
+    SEAWAY_TRY_LET(forms.whole, encode_exactly(decoded, shape, row_stride, fine));
+    return forms;
 }
 
 } // namespace seaway::protocol

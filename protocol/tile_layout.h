@@ -25,7 +25,27 @@ enum class Mode : std::uint8_t {
     constant = 0,  ///< parameter is the value of every sample
     quantised = 1, ///< parameter is the step; integers q, sample = float(q * step)
     lossless = 2,  ///< parameter is 0; integers are the floats' bits, in numerical order
+    difference =
+        3 ///< parameter is the fine step; integers r, sample = float(fine * (round(expected / fine) + fine_steps r))
 };
+
+/// Steps of the lattice that predicted samples lie on, in one step of their difference: what is expected is rounded to that
+/// lattice, and the difference sees little of it.
+inline constexpr int fine_steps = 8;
+/// Byte planes of a difference of which each number is less than half a byte, two in one: the first one lower.
+inline constexpr int halves = 0;
+inline constexpr std::uint32_t half_max = 15;
+/// A difference begins with the CRC of the samples that it comes to (their bytes, row by row).
+inline constexpr std::size_t samples_check_bytes = 4;
+
+/// What is expected, and what it becomes, lies within so many steps of it.
+inline constexpr double lattice_max = 0.5 * quantum_max;
+
+/// The nearest point of a lattice, in its steps; below 2^31 of them. Adding 1.5 * 2^52 rounds to the nearest integer and
+/// leaves it in the low bits.
+inline std::int32_t nearest_step(double value, double step) {
+    return static_cast<std::int32_t>(std::bit_cast<std::uint64_t>(value / step + 0x1.8p52));
+}
 
 static_assert(std::endian::native == std::endian::little, "the wire is little endian");
 
@@ -40,6 +60,10 @@ T get(const std::uint8_t* at) {
     std::memcpy(&value, at, sizeof value);
     return value;
 }
+
+/// Of the bytes of samples, row by row.
+std::uint32_t samples_checksum(std::span<const float> samples, TileShape shape,
+                               std::size_t row_stride);
 
 /// Shape within limits, and the samples hold it?
 Result<void> check_call(std::size_t samples, TileShape shape, std::size_t row_stride);

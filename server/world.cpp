@@ -208,7 +208,7 @@ void World::change(SeaWish wish, Changed done) {
     change(std::move(wish), std::move(done));
 }
 
-KeyframeTiles World::tiles(sea::KeyframePtr keyframe, std::uint8_t quality) const {
+KeyframeTiles World::tiles(sea::KeyframePtr keyframe, Quality quality) const {
     const RunningSeaPtr sea = course_->sea(keyframe->epoch);
     (void)sea_state_message(keyframe->epoch); // held ready for the sessions that it goes to
     RungMaps maps = maps_of(sea->budget, keyframe->cascade, keyframe->fields, quality);
@@ -217,7 +217,8 @@ KeyframeTiles World::tiles(sea::KeyframePtr keyframe, std::uint8_t quality) cons
             quality,
             maps.compact_size,
             follows_of(sea->budget, sea->streamed(), quality),
-            maps.coarser};
+            maps.coarser,
+            maps.predicted ? sea->wave_law() : std::nullopt};
 }
 
 void World::attach(Simulation& simulation) {
@@ -232,7 +233,7 @@ void World::on_keyframe(const sea::KeyframePtr& keyframe, std::size_t rate) {
         publish = publish_;
     }
     const std::bitset<quality_rungs> used = subscriptions().qualities(keyframe->cascade);
-    for (std::uint8_t quality = 0; quality < quality_rungs; ++quality)
+    for (Quality quality = 0; quality < quality_rungs; ++quality)
         if (publish && used[quality] && rung_of(quality).rate == rate)
             publish(tiles(keyframe, quality));
 }

@@ -85,7 +85,7 @@ class World final : public Host {
     }
 
   private:
-    KeyframeTiles tiles(sea::KeyframePtr keyframe, std::uint8_t quality) const;
+    KeyframeTiles tiles(sea::KeyframePtr keyframe, Quality quality) const;
     /// The one that runs; made here only where the clock has leapt to a sea that nobody was told of.
     RunningSeaPtr sea_now() const { return course_->at(clock_.now_us()); }
     /// What a sea glides from, and that from: the nearest first.

@@ -145,6 +145,7 @@ protocol::SeaStateValues sea_state_values(const RunningSea& sea, const EpochWind
     state.single_precision_displacement_m = sea.budget.single_precision_displacement_m;
     state.depth_m = sea.scene.sea.depth_m;
     state.water = sea.scene.water;
+    state.wave_law = sea.wave_law();
     if (sea.foam_law) {
         state.foam_mean = sea.foam_law->mean_coverage;
         state.foam_threshold = sea.foam_law->threshold;

@@ -38,15 +38,27 @@ std::size_t area(int width, int height) {
 
 } // namespace
 
-Result<TileAssembly::Added> TileAssembly::add(const TileHeader& header,
-                                              std::span<const std::uint8_t> payload,
-                                              const protocol::CascadeInfo& cascade, double depth_m,
-                                              FieldSet streamed,
-                                              std::span<const FieldSet> requested) {
+Result<TileAssembly::Added>
+TileAssembly::add(const TileHeader& header, std::span<const std::uint8_t> payload,
+                  const protocol::CascadeInfo& cascade, double depth_m, FieldSet streamed,
+                  std::span<const FieldSet> requested, const std::optional<sea::WaveLaw>& law) {
     if (header.time_us > time_max_us || header.time_us < -time_max_us)
         return bad_tile(header, "the time is out of range");
+    std::span<const float> expected;
+    if (protocol::is_difference(payload)) {
+        if (!law || !Predictions::fields.contains(header.field))
+            return bad_tile(header, "a difference, where nothing is predicted");
+        const Predictions::Maps* maps = predictions_.expected(header, *law);
+        if (maps == nullptr)
+            return Added{.unpredicted = true};
+        expected = maps->of(header.field);
+    }
     Pending& pending = pending_for(header, cascade, depth_m, streamed);
-    SEAWAY_TRY(take(pending, header, payload));
+    if (Result<void> taken = take(pending, header, payload, expected); !taken) {
+        if (taken.error().is(protocol::TileMiss::other_expected))
+            return Added{.unpredicted = true};
+        return taken.error();
+    }
     FieldSet waited_for = pending.streamed;
     for (const FieldSet fields : requested)
         waited_for |= fields;
@@ -116,7 +128,8 @@ Result<void> TileAssembly::begin_map(Pending& pending, const TileHeader& header)
 }
 
 Result<void> TileAssembly::take(Pending& pending, const TileHeader& header,
-                                std::span<const std::uint8_t> payload) {
+                                std::span<const std::uint8_t> payload,
+                                std::span<const float> expected) {
     Map& map = pending.maps[static_cast<std::size_t>(header.field)];
     if (map.parts == 0) {
         SEAWAY_TRY(check_grid(pending, header));
@@ -137,8 +150,14 @@ Result<void> TileAssembly::take(Pending& pending, const TileHeader& header,
     const auto stride = static_cast<std::size_t>(header.size);
     const std::size_t first =
         static_cast<std::size_t>(header.y0) * stride + static_cast<std::size_t>(header.x0);
-    const Result<void> decoded = protocol::decode_tile(
-        payload, {header.width, header.height}, stride, std::span(map.values).subspan(first));
+    const protocol::TileShape shape{header.width, header.height};
+    const std::span<float> values = std::span(map.values).subspan(first);
+    const Result<void> decoded =
+        expected.empty() ? protocol::decode_tile(payload, shape, stride, values)
+                         : protocol::decode_tile_difference(payload, shape, stride,
+                                                            expected.subspan(first), values);
+    if (!decoded && decoded.error().is(protocol::TileMiss::other_expected))
+        return decoded.error();
     if (!decoded)
         return bad_tile(header, decoded.error().message);
     map.parts_seen |= part_bit;
@@ -150,7 +169,18 @@ Result<void> TileAssembly::take(Pending& pending, const TileHeader& header,
         return bad_tile(header, "its parts do not cover the map");
     pending.received.insert(header.field);
     pending.follows |= header.follows & sea::following(header.field);
+    if (header.base != 0 && Predictions::fields.contains(header.field) &&
+        pending.received.contains(Predictions::fields))
+        keep_as_base(pending, header);
     return {};
+}
+
+void TileAssembly::keep_as_base(const Pending& pending, const TileHeader& header) {
+    const auto values = [&](Field field) {
+        return pending.maps[static_cast<std::size_t>(field)].values;
+    };
+    predictions_.keep(header, pending.length_m, header.size,
+                      {values(Field::height), values(Field::height_rate)});
 }
 
 std::vector<HeldKeyframePtr> TileAssembly::finish(FieldSet fields) {

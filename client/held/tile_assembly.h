@@ -16,6 +16,7 @@
 #include <cstdint>
 #include <list>
 #include <map>
+#include <optional>
 #include <span>
 #include <tuple>
 #include <utility>
@@ -23,6 +24,7 @@
 
 #include "base/result.h"
 #include "client/held/keyframe_ring.h"
+#include "client/held/predictions.h"
 #include "protocol/messages.h"
 #include "sea/surface/maps/regrid.h"
 
@@ -38,16 +40,19 @@ class TileAssembly {
     struct Added {
         HeldKeyframePtr complete; ///< null unless this part completed what is waited for
         bool acknowledge = false; ///< all that was streamed of it is there
+        /// It is a difference to what is not here, and was left out; so will be all that follow from it.
+        bool unpredicted = false;
     };
 
     /// Takes one part. `cascade`: side and grid of its maps; linear ones that come on a smaller grid (docs/protocol.md,
     /// "Compact maps") are brought to it once they are whole; displacements that follow from heights are made of them in
     /// water of `depth_m` (0: deep), where somebody waits for them. `streamed`: the fields granted to
     /// the subscription (empty: none), of which those at a keyframe's first part count.
-    /// `requested`: the fields that each open request waits for.
+    /// `requested`: the fields that each open request waits for. `law`: by which maps are predicted.
     Result<Added> add(const protocol::TileHeader& header, std::span<const std::uint8_t> payload,
                       const protocol::CascadeInfo& cascade, double depth_m, sea::FieldSet streamed,
-                      std::span<const sea::FieldSet> requested);
+                      std::span<const sea::FieldSet> requested,
+                      const std::optional<sea::WaveLaw>& law = {});
 
     /// A request has ended, its keyframes have `fields`: those not handed out with them so far.
     std::vector<HeldKeyframePtr> finish(sea::FieldSet fields);
@@ -83,7 +88,8 @@ class TileAssembly {
     Pending& pending_for(const protocol::TileHeader& header, const protocol::CascadeInfo& cascade,
                          double depth_m, sea::FieldSet streamed);
     Result<void> take(Pending& pending, const protocol::TileHeader& header,
-                      std::span<const std::uint8_t> payload);
+                      std::span<const std::uint8_t> payload, std::span<const float> expected);
+    void keep_as_base(const Pending& pending, const protocol::TileHeader& header);
     static Result<void> check_grid(Pending& pending, const protocol::TileHeader& header);
     Result<void> begin_map(Pending& pending, const protocol::TileHeader& header);
     HeldKeyframePtr assemble(Pending& pending);
@@ -97,6 +103,7 @@ class TileAssembly {
     void forget(std::list<Pending>::iterator pending);
 
     std::list<Pending> pending_; ///< touched last: at the back
+    Predictions predictions_;
     std::size_t bytes_ = 0;
     std::map<std::pair<int, int>, sea::Regrid> regrids_; ///< by sides, from and to
     /// By size, length and depth.

@@ -43,6 +43,8 @@ bool same_maps(const SeaState& a, const SeaState& b) {
     });
 }
 
+constexpr double again_timeout_s = 10;
+
 /// The same wish of a client that brings maps to their own grids.
 protocol::TileWish compact(protocol::TileWish wish) {
     wish.compact = true;
@@ -128,12 +130,31 @@ bool Connection::send(protocol::Bytes message) {
 
 void Connection::subscribe(const protocol::TileWish& wish, int credit, double timeout_s,
                            ReplyHandler handler) {
+    protocol::TileWish full = compact(wish);
+    full.predicted = predicts_;
+    {
+        const std::scoped_lock lock(stream_mutex_);
+        streaming_ = Stream{wish, credit};
+    }
     requests_.start(
         Lane::bulk,
-        [&](std::uint32_t request_id) {
-            return protocol::subscribe(request_id, compact(wish), credit);
-        },
+        [&](std::uint32_t request_id) { return protocol::subscribe(request_id, full, credit); },
         deadline_us(timeout_s), std::move(handler), wish.fields);
+}
+
+void Connection::subscribe_unpredicted() {
+    if (std::exchange(subscribes_again_, true))
+        return;
+    predicts_ = false;
+    std::optional<Stream> same;
+    {
+        const std::scoped_lock lock(stream_mutex_);
+        same = streaming_;
+    }
+    if (same)
+        subscribe(same->wish, same->credit, again_timeout_s, [this](Result<Reply> reply) {
+            subscribes_again_ = reply.has_value(); // refused: with the next one that comes
+        });
 }
 
 void Connection::fetch(std::span<const sea::TimeUs> times_us, const protocol::TileWish& wish,
@@ -151,6 +172,10 @@ void Connection::fetch(std::span<const sea::TimeUs> times_us, const protocol::Ti
 }
 
 void Connection::unsubscribe() {
+    {
+        const std::scoped_lock lock(stream_mutex_);
+        streaming_.reset();
+    }
     send(protocol::unsubscribe());
 }
 
@@ -301,9 +326,15 @@ Result<void> Connection::take(const wire::Tile& tile) {
     const std::vector<sea::FieldSet> requested = requests_.bulk_fields();
     const Result<TileAssembly::Added> added =
         assembly_.add(header, {tile.payload()->data(), tile.payload()->size()}, cascade,
-                      state->depth_m, streamed_fields_, requested);
+                      state->depth_m, streamed_fields_, requested, state->wave_law);
     if (!added)
         return added.error();
+    if (added->unpredicted) {
+        ++unpredicted_;
+        subscribe_unpredicted();
+        send_ack(acknowledgements_.complete(header.keyframe));
+        return {};
+    }
     if (added->acknowledge)
         send_ack(acknowledgements_.complete(header.keyframe));
     if (added->complete && events_.on_keyframe)

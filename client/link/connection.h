@@ -131,6 +131,8 @@ class Connection {
 
     /// Keyframes that made room for others before they were whole.
     std::uint64_t keyframes_dropped() const { return assembly_.dropped(); }
+    /// Those that were differences to what is not here. It then asks for a stream of whole ones.
+    std::uint64_t keyframes_unpredicted() const { return unpredicted_; }
 
   private:
     explicit Connection(ConnectionEvents events);
@@ -157,6 +159,8 @@ class Connection {
     void take(const wire::Refused& refused);
     Result<void> take(const wire::GoAway& go_away);
     bool send(protocol::Bytes message);
+    /// What comes is predicted from what is not here: the same subscription without predictions.
+    void subscribe_unpredicted();
     /// Ends the connection where it cannot be sent.
     void send_ack(std::optional<protocol::Bytes> ack);
     SeaStatePtr sea_state(std::uint32_t epoch) const;
@@ -172,6 +176,15 @@ class Connection {
     std::optional<Error> end_; ///< why the connection is over
     Welcome welcome_;
 
+    struct Stream {
+        protocol::TileWish wish;
+        int credit = 0;
+    };
+    std::mutex stream_mutex_;
+    std::optional<Stream> streaming_; ///< the last one that was asked for
+    std::atomic<bool> predicts_ = true;
+    std::atomic<std::uint64_t> unpredicted_ = 0;
+
     // Of the connection's thread alone, but for assembly_.dropped().
     protocol::MessageReader reader_{protocol::Sender::server};
     std::vector<SeaStatePtr> sea_states_; ///< the newest few
@@ -181,6 +194,7 @@ class Connection {
     std::optional<Error> going_away_;
     sea::FieldSet streamed_fields_;
     TileAssembly assembly_;
+    bool subscribes_again_ = false; ///< because of what was not predicted
     Acknowledgements acknowledgements_;
     std::uint32_t spectrum_epoch_ = 0; ///< of the one that is being sent
     std::uint32_t next_chunk_ = 0;

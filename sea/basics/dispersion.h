@@ -6,6 +6,7 @@
 #pragma once
 
 #include "sea/basics/constants.h"
+#include "sea/basics/time.h"
 
 namespace seaway::sea {
 
@@ -13,6 +14,8 @@ struct Dispersion {
     double gravity_mps2 = gravity_default_mps2;
     double surface_tension_m3ps2 = surface_tension_default_m3ps2;
     double depth_m = deep_water_m;
+
+    bool operator==(const Dispersion&) const = default;
 
     /// Angular frequency, rad/s; k >= 0 in rad/m. 0 at k = 0.
     double omega(double k_radpm) const;
@@ -22,6 +25,14 @@ struct Dispersion {
 
     /// The k whose omega(k) this is, rad/m, to 1e-14 relative; omega >= 0. About 5 steps.
     double wavenumber(double omega_radps) const;
+};
+
+/// All that the frequencies of the waves of a sea follow from (mode_rate, sea/waves/realize.h).
+struct WaveLaw {
+    Dispersion dispersion = {};
+    TimeUs loop_period_us = 0; ///< 0: never repeats
+
+    bool operator==(const WaveLaw&) const = default;
 };
 
 /// Width over height of the orbit that water runs at the surface, coth(k d) (Airy; Dean and

@@ -85,7 +85,8 @@ Rate mode_rate(double omega_radps, TimeUs loop_period_us) {
         return rate_from_omega(omega_radps);
     const auto period = static_cast<double>(loop_period_us);
     const double turns = std::max(1.0, std::round(omega_radps * period / (two_pi * 1e6)));
-    return static_cast<Rate>(turns * (0x1p64 / period) + 0.5);
+    // A loop shorter than two microseconds is nobody's; half a turn in each is all that a rate says.
+    return static_cast<Rate>(std::min(turns * (0x1p64 / period) + 0.5, 0x1p63));
 }
 
 namespace {

@@ -99,19 +99,19 @@ std::size_t codec_for(Budgets budgets, const Demand& wish, Rung rung) {
 }
 
 /// A rung that others have and that is no more than this one, the one with the smallest error; none: the same one.
-std::uint8_t shared_instead(Budgets budgets, const Rung& wished,
-                            const std::bitset<quality_rungs>& in_use) {
-    std::uint8_t best = number_of(wished);
+Quality shared_instead(Budgets budgets, const Rung& wished,
+                       const std::bitset<quality_rungs>& in_use) {
+    Quality best = number_of(wished);
     double best_m = 0;
     for (std::size_t n = whole_rungs; n < in_use.size(); ++n) {
-        const Rung rung = rung_of(static_cast<std::uint8_t>(n));
-        const bool alike = rung.compact == wished.compact &&
+        const Rung rung = rung_of(static_cast<Quality>(n));
+        const bool alike = rung.compact == wished.compact && rung.predicted == wished.predicted &&
                            (rung.size == 0) == (wished.size == 0) &&
                            (rung.rate == 0) == (wished.rate == 0);
         if (!in_use[n] || !alike || rung.size < wished.size || rung.rate < wished.rate)
             continue;
         if (const double bound_m = error_m(budgets, rung); best_m == 0 || bound_m < best_m) {
-            best = static_cast<std::uint8_t>(n);
+            best = static_cast<Quality>(n);
             best_m = bound_m;
         }
     }
@@ -170,9 +170,22 @@ void state_coarser(Demand& granted, const Demand& wish, Budgets budgets, const R
                                      rate_rungs_hz[rung.rate], wish.rate_hz_max));
 }
 
+/// Noise of predicted heights is less than what is stated of it (docs/performance.md), though not even: a little more of it lies in
+/// long waves, which shallow water moves far sideways.
+constexpr double predicted_gain_max = 0.6;
+
+bool noise_is_even_enough(const ErrorBudget& budget, const CascadeBudget& cascade, int size) {
+    if (!budget.displacement_follows)
+        return true;
+    for (std::size_t n = 0; n < sea::smaller_grids.size(); ++n)
+        if (sea::smaller_grids[n] == size && size < cascade.compact_size)
+            return cascade.cuts[n].follows_gain <= predicted_gain_max;
+    return cascade.follows_gain <= predicted_gain_max;
+}
+
 } // namespace
 
-RungMaps maps_of(const ErrorBudget& budget, int cascade, FieldSet fields, std::uint8_t quality) {
+RungMaps maps_of(const ErrorBudget& budget, int cascade, FieldSet fields, Quality quality) {
     const CascadeBudget& own = budget.cascades[static_cast<std::size_t>(cascade)];
     const Rung rung = rung_of(quality);
     const sea::CoarserMaps maps = coarser_maps(own, rung);
@@ -180,24 +193,24 @@ RungMaps maps_of(const ErrorBudget& budget, int cascade, FieldSet fields, std::u
     return {sea::codec_bounds(budget, fields, cascade, codec_error_m(budget, quality), size,
                               maps.every),
             rung.compact || size < own.size ? size : 0, sea::coarser_loss(budget, cascade, maps),
-            maps.every};
+            maps.every, rung.predicted && noise_is_even_enough(budget, own, size)};
 }
 
-FieldSet follows_of(const ErrorBudget& budget, FieldSet offered, std::uint8_t quality) {
+FieldSet follows_of(const ErrorBudget& budget, FieldSet offered, Quality quality) {
     const Rung rung = rung_of(quality);
     if (!rung.compact || !budget.displacement_follows)
         return {};
     for (const CascadeBudget& cascade : budget.cascades)
         for (std::size_t n = 0; n < sea::smaller_grids.size(); ++n)
             if (sea::smaller_grids[n] == coarser_maps(cascade, rung).size &&
-                !cascade.cuts[n].displacement_follows)
+                cascade.cuts[n].follows_gain > sea::follows_gain_max)
                 return {};
     return sea::following(offered) & offered;
 }
 
 Demand grant_of(const Demand& wish, Budgets budgets, FieldSet offered,
                 const std::bitset<quality_rungs>& in_use) {
-    Rung rung{.compact = wish.compact};
+    Rung rung{.compact = wish.compact, .predicted = wish.compact && wish.predicted};
     bool small_enough = wish.size_max == 0, slow_enough = !(wish.rate_hz_max > 0);
     if (!small_enough) {
         small_enough = true;

@@ -24,13 +24,13 @@ struct RungMaps {
     std::vector<float> codec_error; ///< one a field, in table order
     int compact_size = 0;           ///< grid points a side of linear maps; 0: their own
     sea::CoarserLoss coarser;
-    int every = 1; ///< of so many keyframes one
+    int every = 1;          ///< of so many keyframes one
+    bool predicted = false; ///< where the sea has a law of waves
 };
 RungMaps maps_of(const sea::ErrorBudget& budget, int cascade, sea::FieldSet fields,
-                 std::uint8_t quality);
+                 Quality quality);
 
 /// What tiles of this rung leave out because it follows from what they hold.
-sea::FieldSet follows_of(const sea::ErrorBudget& budget, sea::FieldSet offered,
-                         std::uint8_t quality);
+sea::FieldSet follows_of(const sea::ErrorBudget& budget, sea::FieldSet offered, Quality quality);
 
 } // namespace seaway::server

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "base/result.h"
+#include "sea/basics/dispersion.h"
 #include "sea/basics/field.h"
 #include "sea/basics/pace.h"
 #include "sea/surface/answer.h"
@@ -38,13 +39,15 @@ using SharedBytes = std::shared_ptr<const std::vector<std::uint8_t>>;
 struct KeyframeTiles {
     sea::KeyframePtr keyframe;
     std::vector<float> codec_error;
-    std::uint8_t quality = 0;
+    Quality quality = 0;
     /// Grid points a side that its linear maps are sent with; 0: as many as they have.
     int compact_size = 0;
     /// What is not sent because it follows from what is.
     sea::FieldSet follows = {};
     /// What they miss beside what the sea says of its maps; none: nothing.
     sea::CoarserLoss coarser = {};
+    /// By which its heights follow from those of the keyframe before; none: they are sent by themselves.
+    std::optional<sea::WaveLaw> law = {};
 };
 
 struct QueryBatch {

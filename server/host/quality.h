@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Quality rungs: the few codec bounds that tiles are encoded at, each on the maps' own grids and on the smallest
-// that carry their waves ("compact", docs/protocol.md), and the same cut to smaller grids or of fewer keyframes, so that
+// that carry their waves ("compact", docs/protocol.md) or predicted there, and the same cut to smaller grids or of fewer keyframes, so that
 // every keyframe is encoded once a rung and shared by all its subscribers. Pure functions; thread-safe.
 #pragma once
 
@@ -13,6 +13,9 @@
 
 namespace seaway::server {
 
+/// The number of a rung.
+using Quality = std::uint16_t;
+
 /// Codec error of each rung, in shares of the scene's codec budget. Rung 0 keeps the scene's
 /// `height_error_m`; each further one saves about a bit a sample.
 inline constexpr std::array<double, 5> codec_rungs{1.0, 2.0, 4.0, 8.0, 16.0};
@@ -20,10 +23,11 @@ inline constexpr std::array<double, 5> codec_rungs{1.0, 2.0, 4.0, 8.0, 16.0};
 inline constexpr std::array size_rungs{0, 256, 128, 64, 32};
 inline constexpr std::array rate_rungs_hz{0.0, 8.0, 4.0, 2.0, 1.0};
 
-/// Compact rungs follow those of whole grids; those of smaller maps or fewer keyframes follow these.
-inline constexpr auto whole_rungs = static_cast<std::uint8_t>(2 * codec_rungs.size());
+/// Compact rungs follow those of whole grids, and those that are predicted follow these; those of smaller maps or fewer
+/// keyframes come after all of them.
+inline constexpr auto whole_rungs = static_cast<Quality>(3 * codec_rungs.size());
 inline constexpr auto quality_rungs =
-    static_cast<std::uint8_t>(whole_rungs * size_rungs.size() * rate_rungs_hz.size());
+    static_cast<Quality>(whole_rungs * size_rungs.size() * rate_rungs_hz.size());
 
 /// Of those, that somebody has at a time: each is encoded for itself, so that crowds of odd wishes cost no more than so
 /// many.
@@ -33,25 +37,29 @@ inline constexpr std::size_t coarser_rungs_max = 8;
 struct Rung {
     std::size_t codec = 0;
     bool compact = false;
+    bool predicted =
+        false; ///< and compact: keyframes as differences to what follows from earlier ones
     std::size_t size = 0; ///< of size_rungs
     std::size_t rate = 0; ///< of rate_rungs_hz
 };
 
-inline constexpr std::uint8_t number_of(const Rung& rung) {
-    return static_cast<std::uint8_t>(rung.codec + codec_rungs.size() * (rung.compact ? 1 : 0) +
-                                     whole_rungs * (rung.size + size_rungs.size() * rung.rate));
+inline constexpr Quality number_of(const Rung& rung) {
+    const std::size_t form = rung.predicted ? 2 : rung.compact ? 1 : 0;
+    return static_cast<Quality>(rung.codec + codec_rungs.size() * form +
+                                whole_rungs * (rung.size + size_rungs.size() * rung.rate));
 }
-inline constexpr Rung rung_of(std::uint8_t quality) {
+inline constexpr Rung rung_of(Quality quality) {
+    const std::size_t form = quality / codec_rungs.size() % 3;
     const std::size_t coarser = quality / whole_rungs;
-    return {quality % codec_rungs.size(), quality / codec_rungs.size() % 2 == 1,
-            coarser % size_rungs.size(), coarser / size_rungs.size()};
+    return {quality % codec_rungs.size(), form >= 1, form == 2, coarser % size_rungs.size(),
+            coarser / size_rungs.size()};
 }
 
-inline constexpr bool is_compact(std::uint8_t quality) {
+inline constexpr bool is_compact(Quality quality) {
     return rung_of(quality).compact;
 }
 /// Smaller maps or fewer keyframes than all there is.
-inline constexpr bool is_coarser(std::uint8_t quality) {
+inline constexpr bool is_coarser(Quality quality) {
     return quality >= whole_rungs;
 }
 
@@ -71,7 +79,7 @@ inline sea::CoarserMaps coarser_maps(const sea::CascadeBudget& cascade, const Ru
 }
 
 /// What tiles of this rung may cost of a height, m (ErrorBudget::codec_error_m).
-inline double codec_error_m(const sea::ErrorBudget& budget, std::uint8_t quality) {
+inline double codec_error_m(const sea::ErrorBudget& budget, Quality quality) {
     return codec_rungs[quality % codec_rungs.size()] * budget.codec_error_m;
 }
 
@@ -84,7 +92,7 @@ inline bool is_regridded(const sea::ErrorBudget& budget, const Rung& rung) {
 }
 
 /// Bound on a height from tiles of this rung, all parts together, on level water, m.
-inline double height_error_m(const sea::ErrorBudget& budget, std::uint8_t quality) {
+inline double height_error_m(const sea::ErrorBudget& budget, Quality quality) {
     const Rung rung = rung_of(quality);
     std::vector<sea::CoarserMaps> maps;
     for (const sea::CascadeBudget& cascade : budget.cascades)

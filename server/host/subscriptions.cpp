@@ -50,7 +50,7 @@ sea::FieldSet Subscriptions::wanted(int cascade) const {
     return union_of([&](const Demand& grant) { return grant.wants(cascade); });
 }
 
-sea::FieldSet Subscriptions::wanted(int cascade, std::uint8_t quality) const {
+sea::FieldSet Subscriptions::wanted(int cascade, Quality quality) const {
     return union_of(
         [&](const Demand& grant) { return grant.quality == quality && grant.wants(cascade); });
 }

@@ -31,9 +31,11 @@ struct Demand {
     float error_m = 0; ///< bound on height, all parts together; 0: the server chooses
     /// Granted only: the quality rung of the session. It is sent the published KeyframeTiles of the
     /// same rung, of its cascades, and of those the fields that it was granted.
-    std::uint8_t quality = 0;
+    Quality quality = 0;
     /// Takes linear maps at the smallest grid that carries their waves. Of a wish: the rung says it of a grant.
     bool compact = false;
+    /// And differences to what follows from earlier ones. Likewise.
+    bool predicted = false;
     /// The highest rate of keyframes of a cascade, Hz, and the largest side of a map; 0: any. Granted: what it will be,
     /// where that is less than all there is.
     float rate_hz_max = 0;
@@ -78,7 +80,7 @@ class Subscriptions {
 
     /// Union of what is wanted of a cascade, at any quality and at one.
     sea::FieldSet wanted(int cascade) const;
-    sea::FieldSet wanted(int cascade, std::uint8_t quality) const;
+    sea::FieldSet wanted(int cascade, Quality quality) const;
     /// The same of those who take keyframes at most at a rate, one a rung of rates.
     std::array<sea::FieldSet, rate_rungs_hz.size()> wanted_by_rate(int cascade) const;
     /// Rungs at which somebody wants a cascade, and at which anybody wants any; the latter without a look at each session, as

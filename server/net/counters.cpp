@@ -50,6 +50,35 @@ class Text {
     std::string text_;
 };
 
+/// From the simulation to the sessions.
+void add_keyframes(Text& t, const Counters& c, const Gauges& g, const EncoderCounters& e) {
+    t.one("keyframes_published_total", "counter", "Keyframes that somebody wanted",
+          c.keyframes_published);
+    t.one("keyframes_dropped_total", "counter", "Keyframes dropped before encoding: encoder behind",
+          c.keyframes_dropped);
+    t.one("keyframes_wrong_total", "counter", "Keyframes with samples that were not finite",
+          c.keyframes_wrong);
+    t.one("out_of_memory_total", "counter", "Connections and messages ended for want of memory",
+          c.out_of_memory);
+    t.one("keyframes_sent_total", "counter", "Keyframes streamed, summed over sessions",
+          c.outboxes.keyframes_started + g.outboxes.keyframes_started);
+    t.one("keyframes_predicted_total", "counter",
+          "Keyframes of those streamed that were differences to what was sent before",
+          c.outboxes.keyframes_predicted + g.outboxes.keyframes_predicted);
+    t.one("keyframes_replaced_total", "counter", "Keyframes that a newer one replaced",
+          c.outboxes.keyframes_replaced + g.outboxes.keyframes_replaced);
+    t.one("keyframes_awaiting_credit_total", "counter", "Keyframes that waited for an Ack",
+          c.outboxes.keyframes_awaiting_credit + g.outboxes.keyframes_awaiting_credit);
+    t.one("fields_encoded_total", "counter", "Fields encoded", e.fields_encoded);
+    t.one("fields_predicted_total", "counter", "Fields encoded as differences, too",
+          e.fields_predicted);
+    t.one("fields_reused_total", "counter", "Fields served from the encoder's memory",
+          e.fields_reused);
+    t.one("encoded_samples_total", "counter", "Samples encoded", e.samples);
+    t.one("encoded_bytes_total", "counter", "Bytes of the tile messages made", e.bytes);
+    t.one("encode_seconds_total", "counter", "Time spent encoding", e.seconds);
+}
+
 } // namespace
 
 std::string metrics_text(const Counters& c, const Gauges& g, const EncoderCounters& e) {
@@ -88,26 +117,7 @@ std::string metrics_text(const Counters& c, const Gauges& g, const EncoderCounte
                 std::map<std::string, const Durations&>{{"few", c.few_answered},
                                                         {"many", c.many_answered}});
     t.one("fetches_total", "counter", "Fetches and starts of subscriptions", c.fetches);
-    t.one("keyframes_published_total", "counter", "Keyframes that somebody wanted",
-          c.keyframes_published);
-    t.one("keyframes_dropped_total", "counter", "Keyframes dropped before encoding: encoder behind",
-          c.keyframes_dropped);
-    t.one("keyframes_wrong_total", "counter", "Keyframes with samples that were not finite",
-          c.keyframes_wrong);
-    t.one("out_of_memory_total", "counter", "Connections and messages ended for want of memory",
-          c.out_of_memory);
-    t.one("keyframes_sent_total", "counter", "Keyframes streamed, summed over sessions",
-          c.outboxes.keyframes_started + g.outboxes.keyframes_started);
-    t.one("keyframes_replaced_total", "counter", "Keyframes that a newer one replaced",
-          c.outboxes.keyframes_replaced + g.outboxes.keyframes_replaced);
-    t.one("keyframes_awaiting_credit_total", "counter", "Keyframes that waited for an Ack",
-          c.outboxes.keyframes_awaiting_credit + g.outboxes.keyframes_awaiting_credit);
-    t.one("fields_encoded_total", "counter", "Fields encoded", e.fields_encoded);
-    t.one("fields_reused_total", "counter", "Fields served from the encoder's memory",
-          e.fields_reused);
-    t.one("encoded_samples_total", "counter", "Samples encoded", e.samples);
-    t.one("encoded_bytes_total", "counter", "Bytes of the tile messages made", e.bytes);
-    t.one("encode_seconds_total", "counter", "Time spent encoding", e.seconds);
+    add_keyframes(t, c, g, e);
     return t.take();
 }
 

@@ -78,9 +78,9 @@ bool FetchJob::encode(Part& part, Encoder& encoder) {
     if (part.done < tiles.size()) {
         KeyframeTiles& tile = tiles[part.done++];
         const sea::FieldSet follows = tile.follows & wanted_ & sea::following(wanted_);
-        Result<EncodedKeyframePtr> one =
-            encoder.encode(*tile.keyframe, tile.codec_error, tile.quality, wanted_.without(follows),
-                           {tile.compact_size, tile.follows, tile.coarser}, streamed_room());
+        Result<EncodedKeyframePtr> one = encoder.encode(
+            *tile.keyframe, tile.codec_error, tile.quality, wanted_.without(follows),
+            {tile.compact_size, tile.follows, tile.coarser, tile.law}, streamed_room());
         tile.keyframe = nullptr;
         if (const Result<void> taken = one ? take(*one, follows) : one.error(); !taken) {
             encoded_.keyframes.clear(); // and their places

@@ -315,7 +315,7 @@ void NetServer::Impl::publish(KeyframeTiles tiles) {
         if (core == nullptr)
             return true;
         auto encoded = encoder.encode(*tiles.keyframe, tiles.codec_error, tiles.quality, wanted,
-                                      {tiles.compact_size, tiles.follows, tiles.coarser},
+                                      {tiles.compact_size, tiles.follows, tiles.coarser, tiles.law},
                                       core->memory->room(MemoryUse::streamed).get());
         KeyframeFilePtr file;
         if (encoded && !core->options.has_tls() &&

@@ -136,6 +136,7 @@ void Session::on_subscribe(const wire::Subscribe& subscribe) {
                       .fields = sea::FieldSet::from_bits(subscribe.fields()),
                       .error_m = subscribe.error_m(),
                       .compact = subscribe.compact(),
+                      .predicted = subscribe.predicted(),
                       .rate_hz_max = subscribe.rate_hz_max(),
                       .size_max = subscribe.size_max()};
     on_unsubscribe();

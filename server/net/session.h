@@ -152,7 +152,7 @@ class Session {
         int credit;
         Demand granted;
         /// Another quality that it had before, of which keyframes of these cascades are still on their way.
-        std::uint8_t former_quality = 0;
+        Quality former_quality = 0;
         std::uint32_t former_cascades = 0;
     };
     std::optional<Subscription> subscription_;

@@ -28,29 +28,63 @@ std::size_t bytes_of(const EncodedField& map) {
     return bytes;
 }
 
+std::size_t difference_bytes(const EncodedField& map) {
+    std::size_t bytes = 0;
+    for (const protocol::SharedBytes& part : map.differences)
+        bytes += part->size();
+    return bytes;
+}
+
+/// Differences that are no smaller than what they are to stand for are let go of.
+void keep_if_smaller(EncodedKeyframe& keyframe) {
+    std::size_t whole = 0, differences = 0;
+    for (const EncodedField& map : keyframe.maps)
+        if (!map.differences.empty()) {
+            whole += bytes_of(map);
+            differences += difference_bytes(map);
+        }
+    if (differences < whole)
+        return;
+    keyframe.base = 0;
+    for (EncodedField& map : keyframe.maps)
+        map.differences.clear();
+}
+
+/// A part of a map; `decoded` where it is the base of what follows, `expected` where something is.
+Result<protocol::TileForms> forms_of(std::span<const float> part, protocol::TileShape shape,
+                                     std::size_t stride, float error,
+                                     std::span<const float> expected, std::span<float> decoded,
+                                     std::size_t offset) {
+    if (!expected.empty())
+        return protocol::encode_tile_forms(part, shape, stride, error, expected.subspan(offset),
+                                           decoded.subspan(offset));
+    protocol::TileForms forms;
+    SEAWAY_TRY_LET(forms.whole, protocol::encode_tile(part, shape, stride, error));
+    if (!decoded.empty())
+        SEAWAY_TRY(protocol::decode_tile(forms.whole, shape, stride, decoded.subspan(offset)));
+    return forms;
+}
+
 } // namespace
 
-std::size_t message_bytes(const EncodedKeyframe& keyframe, sea::FieldSet fields) {
+std::size_t message_bytes(const EncodedKeyframe& keyframe, sea::FieldSet fields, bool differs) {
     std::size_t bytes = 0;
     for (const EncodedField& map : keyframe.maps)
         if (fields.contains(map.field))
-            bytes += bytes_of(map);
+            bytes += differs && !map.differences.empty() ? difference_bytes(map) : bytes_of(map);
     return bytes;
 }
 
 Result<EncodedKeyframePtr> Encoder::encode(const sea::Keyframe& keyframe,
-                                           std::span<const float> codec_error, std::uint8_t quality,
+                                           std::span<const float> codec_error, Quality quality,
                                            sea::FieldSet wanted, const CompactTiles& compact,
                                            Room* streamed) {
     SEAWAY_CHECK(codec_error.size() == static_cast<std::size_t>(keyframe.fields.size()),
                  "one codec bound for each field of a keyframe");
     const EncodedKeyframePtr known = find(keyframe, quality);
-    auto encoded = std::make_shared<EncodedKeyframe>();
-    encoded->number = known ? known->number : next_number_++;
-    encoded->epoch = keyframe.epoch;
-    encoded->cascade = keyframe.cascade;
-    encoded->time_us = keyframe.time_us;
-    encoded->quality = quality;
+    const std::uint64_t number = known ? known->number : next_number_++;
+    const auto encoded = std::make_shared<EncodedKeyframe>(
+        EncodedKeyframe{number, keyframe.epoch, keyframe.cascade, keyframe.time_us, quality});
     const auto error_of = [&](sea::Field field) {
         return codec_error[static_cast<std::size_t>(keyframe.fields.index_of(field))];
     };
@@ -60,6 +94,14 @@ Result<EncodedKeyframePtr> Encoder::encode(const sea::Keyframe& keyframe,
             wanted.contains(field) && find_field(known.get(), field, error_of(field)) == nullptr)
             smaller.insert(field);
     const sea::Keyframe small = compacted(keyframe, smaller, compact.size);
+    const auto sent = [&](sea::Field field) -> const sea::Keyframe& {
+        return smaller.contains(field) ? small : keyframe;
+    };
+    std::optional<Step> step;
+    if (compact.law && (wanted & keyframe.fields).contains(predicted_fields) &&
+        (!known || (known->fields & predicted_fields).empty()))
+        step = step_to(sent(sea::Field::height), quality, compact);
+    encoded->base = known ? known->base : step ? step->from : 0;
     bool added = false;
     for (const sea::Field field : keyframe.fields) {
         const float error = error_of(field);
@@ -67,25 +109,27 @@ Result<EncodedKeyframePtr> Encoder::encode(const sea::Keyframe& keyframe,
             encoded->maps.push_back(*map);
             counters_.fields_reused += wanted.contains(field) ? 1 : 0;
         } else if (wanted.contains(field)) {
-            Result<EncodedField> map_made = encode_field(smaller.contains(field) ? small : keyframe,
-                                                         field, error, encoded->number, compact);
-            if (!map_made)
-                return map_made.error();
-            encoded->maps.push_back(std::move(*map_made));
+            SEAWAY_TRY_LET(EncodedField made, encode_field(sent(field), field, error, number,
+                                                           compact, step ? &*step : nullptr));
+            encoded->maps.push_back(std::move(made));
             added = true;
         }
+    }
+    if (step) {
+        keep_if_smaller(*encoded);
+        counters_.fields_predicted += encoded->base != 0 ? 2 : 0;
+        keep(std::move(*step), sent(sea::Field::height), *encoded, *compact.law);
     }
     if (!added && known)
         return known;
     for (const EncodedField& map : encoded->maps) {
         encoded->fields.insert(map.field);
-        encoded->bytes += bytes_of(map);
+        encoded->bytes += bytes_of(map) + difference_bytes(map);
     }
     if (streamed != nullptr)
         encoded->place = streamed->take_anyway(encoded->bytes);
-    EncodedKeyframePtr done = std::move(encoded);
-    remember(done);
-    return done;
+    remember(encoded);
+    return EncodedKeyframePtr(encoded);
 }
 
 sea::Keyframe Encoder::compacted(const sea::Keyframe& keyframe, sea::FieldSet fields, int size) {
@@ -106,9 +150,49 @@ sea::Keyframe Encoder::compacted(const sea::Keyframe& keyframe, sea::FieldSet fi
     return compact;
 }
 
+std::optional<Encoder::Step> Encoder::step_to(const sea::Keyframe& sent, Quality quality,
+                                              const CompactTiles& compact) {
+    if (!sea::Regrid::takes(sent.size) || sent.size > protocol::limits::predicted_size_max)
+        return std::nullopt;
+    Step step;
+    for (Step::Map* map : {&step.height, &step.rate})
+        map->decoded.resize(sent.plane_size());
+    const auto base = std::ranges::find_if(bases_, [&](const Base& one) {
+        return one.epoch == sent.epoch && one.cascade == sent.cascade && one.quality == quality;
+    });
+    if (base == bases_.end() || base->size != sent.size || base->law != *compact.law)
+        return step;
+    if (base->time_us >= sent.time_us)
+        return std::nullopt;
+    step.from = base->number;
+    for (Step::Map* map : {&step.height, &step.rate})
+        map->expected.resize(sent.plane_size());
+    const auto start = std::chrono::steady_clock::now();
+    predictor_.maps(sent.size, sent.length_m, *compact.law, sent.time_us - base->time_us,
+                    base->height, base->rate, step.height.expected, step.rate.expected);
+    counters_.seconds +=
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return step;
+}
+
+void Encoder::keep(Step step, const sea::Keyframe& sent, const EncodedKeyframe& as,
+                   const sea::WaveLaw& law) {
+    std::erase_if(bases_, [&](const Base& one) {
+        return one.epoch == as.epoch && one.cascade == as.cascade && one.quality == as.quality;
+    });
+    if (bases_.size() >= bases_max)
+        bases_.pop_front();
+    Room::Place place = room_->take_anyway(2 * sent.plane_size() * sizeof(float));
+    bases_.push_back({as.epoch, as.cascade, as.quality, as.number, as.time_us, sent.size, law,
+                      std::move(step.height.decoded), std::move(step.rate.decoded),
+                      std::move(place)});
+}
+
 Result<EncodedField> Encoder::encode_field(const sea::Keyframe& keyframe, sea::Field field,
                                            float error, std::uint64_t number,
-                                           const CompactTiles& compact) {
+                                           const CompactTiles& compact, Step* step) {
+    Step::Map* const map_step = step ? step->map_of(field) : nullptr;
+    const std::uint64_t from = map_step ? step->from : 0;
     const auto start = std::chrono::steady_clock::now();
     const int side = protocol::limits::tile_side_max;
     const int per_axis = (keyframe.size + side - 1) / side;
@@ -117,42 +201,51 @@ Result<EncodedField> Encoder::encode_field(const sea::Keyframe& keyframe, sea::F
     for (int part = 0; part < per_axis * per_axis; ++part) {
         const int x0 = (part % per_axis) * side;
         const int y0 = (part / per_axis) * side;
-        const protocol::TileHeader header{.keyframe = number,
-                                          .epoch = keyframe.epoch,
-                                          .cascade = keyframe.cascade,
-                                          .field = field,
-                                          .time_us = keyframe.time_us,
-                                          .size = keyframe.size,
-                                          .x0 = x0,
-                                          .y0 = y0,
-                                          .width = std::min(side, keyframe.size - x0),
-                                          .height = std::min(side, keyframe.size - y0),
-                                          .part = part,
-                                          .parts = per_axis * per_axis,
-                                          .error = error,
-                                          .follows = compact.follows & sea::following(field),
-                                          .coarser = compact.coarser};
-        const auto offset = static_cast<std::size_t>(y0) * static_cast<std::size_t>(keyframe.size) +
-                            static_cast<std::size_t>(x0);
-        const auto payload =
-            protocol::encode_tile(plane.subspan(offset), {header.width, header.height},
-                                  static_cast<std::size_t>(keyframe.size), error);
-        if (!payload)
+        protocol::TileHeader header{.keyframe = number,
+                                    .epoch = keyframe.epoch,
+                                    .cascade = keyframe.cascade,
+                                    .field = field,
+                                    .time_us = keyframe.time_us,
+                                    .size = keyframe.size,
+                                    .x0 = x0,
+                                    .y0 = y0,
+                                    .width = std::min(side, keyframe.size - x0),
+                                    .height = std::min(side, keyframe.size - y0),
+                                    .part = part,
+                                    .parts = per_axis * per_axis,
+                                    .error = error,
+                                    .follows = compact.follows & sea::following(field),
+                                    .coarser = compact.coarser,
+                                    .base = map_step ? number : 0};
+        const auto stride = static_cast<std::size_t>(keyframe.size);
+        const auto offset = static_cast<std::size_t>(y0) * stride + static_cast<std::size_t>(x0);
+        const auto forms =
+            forms_of(plane.subspan(offset), {header.width, header.height}, stride, error,
+                     map_step ? std::span(map_step->expected) : std::span<float>(),
+                     map_step ? std::span(map_step->decoded) : std::span<float>(), offset);
+        if (!forms)
             return Error{fmt::format("keyframe of cascade {} at {} us, field {}: {}",
                                      keyframe.cascade, keyframe.time_us, sea::info(field).name,
-                                     payload.error().message)};
+                                     forms.error().message)};
         map.parts.push_back(
-            std::make_shared<const protocol::Bytes>(protocol::tile(header, *payload)));
+            std::make_shared<const protocol::Bytes>(protocol::tile(header, forms->whole)));
+        if (from == 0)
+            continue;
+        header.base = from;
+        map.differences.push_back(forms->difference.empty()
+                                      ? map.parts.back()
+                                      : std::make_shared<const protocol::Bytes>(
+                                            protocol::tile(header, forms->difference)));
     }
     counters_.fields_encoded += 1;
     counters_.samples += plane.size();
-    counters_.bytes += bytes_of(map);
+    counters_.bytes += bytes_of(map) + difference_bytes(map);
     counters_.seconds +=
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return map;
 }
 
-EncodedKeyframePtr Encoder::find(const sea::Keyframe& keyframe, std::uint8_t quality) const {
+EncodedKeyframePtr Encoder::find(const sea::Keyframe& keyframe, Quality quality) const {
     const auto same = [&](const Remembered& held) {
         const EncodedKeyframe& it = *held.keyframe;
         return it.epoch == keyframe.epoch && it.cascade == keyframe.cascade &&
@@ -169,6 +262,8 @@ void Encoder::remember(EncodedKeyframePtr encoded) {
     cache_.push_back({std::move(encoded), std::move(place)});
     while (room_->overfull() && !cache_.empty())
         cache_.pop_front();
+    while (room_->overfull() && !bases_.empty()) // what comes next is sent whole
+        bases_.pop_front();
 }
 
 } // namespace seaway::server

@@ -5,6 +5,9 @@
 //     Encoder encoder;
 //     auto encoded = encoder.encode(*keyframe, codec_error, quality, wanted);
 //
+// Where a law of waves is given, heights and their rates have a second form, the difference to what follows from the newest
+// keyframe of the same sea, cascade and quality (docs/protocol.md, "Predicted maps"): for whoever was sent that one.
+//
 // Remembers the newest keyframes, as many as there is room for, so that a new subscriber costs no
 // encoding of what has just been streamed. For one thread; what it returns may go to any thread.
 #pragma once
@@ -13,6 +16,7 @@
 #include <deque>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -20,8 +24,10 @@
 #include "base/result.h"
 #include "protocol/messages.h"
 #include "sea/surface/maps/keyframe.h"
+#include "sea/surface/maps/predictor.h"
 #include "sea/surface/maps/regrid.h"
 #include "server/host/memory.h"
+#include "server/host/quality.h"
 
 namespace seaway::server {
 
@@ -30,6 +36,8 @@ struct EncodedField {
     sea::Field field;
     float error; ///< bound of the codec, in the field's unit
     std::vector<protocol::SharedBytes> parts;
+    /// The same for who has the keyframe's `base`; none: there is no such form.
+    std::vector<protocol::SharedBytes> differences = {};
 };
 
 /// A keyframe as messages. Immutable.
@@ -38,23 +46,29 @@ struct EncodedKeyframe {
     std::uint32_t epoch = 0;
     int cascade = 0;
     sea::TimeUs time_us = 0;
-    std::uint8_t quality = 0;
+    Quality quality = 0;
     sea::FieldSet fields;
+    std::uint64_t base = 0;         ///< the keyframe that differences are to; 0: there are none
     std::vector<EncodedField> maps; ///< in table order
-    std::size_t bytes = 0;          ///< of all messages
+    std::size_t bytes = 0;          ///< of all messages, in all forms
     Room::Place place = {}; ///< among what the stream has still to send, if it is the stream's
 };
 using EncodedKeyframePtr = std::shared_ptr<const EncodedKeyframe>;
 
-/// Bytes of the messages that carry `fields`.
-std::size_t message_bytes(const EncodedKeyframe& keyframe, sea::FieldSet fields);
+/// What takes part in predictions.
+inline constexpr sea::FieldSet predicted_fields{sea::Field::height, sea::Field::height_rate};
+
+/// Bytes of the messages that carry `fields`, whole or as differences where it has them.
+std::size_t message_bytes(const EncodedKeyframe& keyframe, sea::FieldSet fields,
+                          bool differs = false);
 
 struct EncoderCounters {
     std::uint64_t fields_encoded = 0;
-    std::uint64_t fields_reused = 0; ///< served from memory
-    std::uint64_t samples = 0;       ///< encoded
-    std::uint64_t bytes = 0;         ///< of the messages made
-    double seconds = 0;              ///< spent encoding
+    std::uint64_t fields_reused = 0;    ///< served from memory
+    std::uint64_t fields_predicted = 0; ///< of those encoded: as differences, too
+    std::uint64_t samples = 0;          ///< encoded
+    std::uint64_t bytes = 0;            ///< of the messages made
+    double seconds = 0;                 ///< spent encoding
 };
 
 /// How maps are sent to who takes them compact.
@@ -62,7 +76,8 @@ struct CompactTiles {
     int size =
         0; ///< linear ones on a grid of so many points a side, which carries their waves; 0: their own
     sea::FieldSet follows; ///< what tiles say that is not sent, because it follows from them
-    sea::CoarserLoss coarser = {}; ///< what tiles say that they miss
+    sea::CoarserLoss coarser = {};        ///< what tiles say that they miss
+    std::optional<sea::WaveLaw> law = {}; ///< by which heights are predicted; none: they are not
 };
 
 class Encoder {
@@ -77,7 +92,7 @@ class Encoder {
     /// the maps are wrong (not finite): nothing of the keyframe may be sent. About 0.4 ms a field of
     /// 256 x 256; half of that on a grid of 80.
     Result<EncodedKeyframePtr> encode(const sea::Keyframe& keyframe,
-                                      std::span<const float> codec_error, std::uint8_t quality,
+                                      std::span<const float> codec_error, Quality quality,
                                       sea::FieldSet wanted, const CompactTiles& compact = {},
                                       Room* streamed = nullptr);
 
@@ -86,13 +101,51 @@ class Encoder {
     std::size_t remembered_bytes() const { return room_->held_bytes(); }
 
   private:
-    EncodedKeyframePtr find(const sea::Keyframe& keyframe, std::uint8_t quality) const;
+    EncodedKeyframePtr find(const sea::Keyframe& keyframe, Quality quality) const;
     void remember(EncodedKeyframePtr encoded);
     /// The linear maps of these fields on the smaller grid.
     sea::Keyframe compacted(const sea::Keyframe& keyframe, sea::FieldSet fields, int size);
-    /// A map of `keyframe`.
+
+    /// Heights and rates of a keyframe as its receivers have them.
+    struct Base {
+        std::uint32_t epoch = 0;
+        int cascade = 0;
+        Quality quality = 0;
+        std::uint64_t number = 0;
+        sea::TimeUs time_us = 0;
+        int size = 0;
+        sea::WaveLaw law = {};
+        std::vector<float> height, rate;
+        Room::Place place;
+    };
+    /// From one keyframe of a cascade to the next.
+    struct Step {
+        std::uint64_t from = 0; ///< what it is predicted from; 0: nothing
+        struct Map {
+            std::vector<float> expected; ///< [y][x]; none: nothing is
+            std::vector<float> decoded;  ///< as receivers will have it
+        };
+        Map height, rate;
+
+        /// Null: this field takes no part.
+        Map* map_of(sea::Field field) {
+            return field == sea::Field::height        ? &height
+                   : field == sea::Field::height_rate ? &rate
+                                                      : nullptr;
+        }
+    };
+    /// None: what is sent takes no part in predictions.
+    std::optional<Step> step_to(const sea::Keyframe& sent, Quality quality,
+                                const CompactTiles& compact);
+    void keep(Step step, const sea::Keyframe& sent, const EncodedKeyframe& as,
+              const sea::WaveLaw& law);
+
+    /// A map of `keyframe`. `step`: null, or that in which the keyframe takes part in predictions.
     Result<EncodedField> encode_field(const sea::Keyframe& keyframe, sea::Field field, float error,
-                                      std::uint64_t number, const CompactTiles& compact);
+                                      std::uint64_t number, const CompactTiles& compact,
+                                      Step* step);
+    /// Bases of which there was no end before.
+    static constexpr std::size_t bases_max = 64;
 
     struct Remembered {
         EncodedKeyframePtr keyframe;
@@ -100,6 +153,8 @@ class Encoder {
     };
     const std::shared_ptr<Room> room_;
     std::deque<Remembered> cache_; ///< newest last
+    std::deque<Base> bases_;       ///< touched last: at the back
+    sea::Predictor predictor_;
     std::uint64_t next_number_ = 1;
     std::map<std::pair<int, int>, sea::Regrid> regrids_; ///< by sides, from and to
     EncoderCounters counters_;

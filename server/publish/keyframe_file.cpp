@@ -8,10 +8,12 @@ KeyframeFilePtr keyframe_file(const EncodedKeyframe& keyframe, const FrameHeader
     if (!streamed.fits(keyframe.bytes))
         return nullptr;
     auto made = std::make_shared<KeyframeFile>();
+    made->differs = keyframe.base != 0;
     protocol::Bytes bytes;
     for (const EncodedField& map : keyframe.maps) {
         std::vector<std::uint64_t>& at = made->at.emplace_back();
-        for (const protocol::SharedBytes& part : map.parts) {
+        for (const protocol::SharedBytes& part :
+             map.differences.empty() ? map.parts : map.differences) {
             at.push_back(bytes.size());
             header_of(part->size(), bytes);
             bytes.insert(bytes.end(), part->begin(), part->end());

@@ -15,6 +15,7 @@ namespace seaway::server {
 
 struct KeyframeFile {
     std::shared_ptr<const MemoryFile> file;
+    bool differs = false; ///< holds differences where the keyframe has them: what most are sent
     /// Where part p of map m begins, with what goes before it; and behind the last part of it, its end.
     std::vector<std::vector<std::uint64_t>> at;
     Room::Place place; ///< of the file, beside that of the keyframe

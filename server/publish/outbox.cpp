@@ -21,8 +21,10 @@ SharedBytes Outbox::Parcel::take() {
         return nullptr;
     while (map < keyframe->maps.size()) {
         const EncodedField& encoded = keyframe->maps[map];
-        if (fields.contains(encoded.field) && part < encoded.parts.size())
-            return {keyframe, encoded.parts[part++].get()}; // keeps the keyframe's place
+        const auto& parts =
+            differs && !encoded.differences.empty() ? encoded.differences : encoded.parts;
+        if (fields.contains(encoded.field) && part < parts.size())
+            return {keyframe, parts[part++].get()}; // keeps the keyframe's place
         ++map;
         part = 0;
     }
@@ -32,7 +34,7 @@ SharedBytes Outbox::Parcel::take() {
 }
 
 Outbox::Run Outbox::Parcel::taken() const {
-    if (file == nullptr)
+    if (file == nullptr || file->differs != differs)
         return {};
     const std::vector<std::uint64_t>& at = file->at[map];
     return {file, at[part - 1], at[part]};
@@ -115,26 +117,58 @@ void Outbox::push_keyframe(EncodedKeyframePtr keyframe, sea::FieldSet fields,
                  "cascade number out of range");
     if (unacknowledged_.size() >= static_cast<std::size_t>(credit_))
         ++counters_.keyframes_awaiting_credit;
-    // Of each of two seas: where one follows another both are streamed for a while.
-    auto oldest = waiting_.end(), same_sea = waiting_.end();
-    int of_cascade = 0;
-    for (auto at = waiting_.begin(); at != waiting_.end(); ++at) {
-        if (at->keyframe->cascade != keyframe->cascade)
-            continue;
-        ++of_cascade;
-        if (oldest == waiting_.end())
-            oldest = at;
-        if (at->keyframe->epoch == keyframe->epoch)
-            same_sea = at;
-    }
-    const auto older = same_sea != waiting_.end() || of_cascade < 2 ? same_sea : oldest;
     Parcel parcel{.keyframe = keyframe, .fields = fields, .done = nullptr, .file = std::move(file)};
-    if (older == waiting_.end()) {
+    if (is_next_step(*keyframe, fields))
         waiting_.push_back(std::move(parcel));
-    } else {
-        *older = std::move(parcel); // keeps its turn
-        ++counters_.keyframes_replaced;
+    else
+        replace(std::move(parcel));
+}
+
+void Outbox::replace(Parcel parcel) {
+    const EncodedKeyframe& keyframe = *parcel.keyframe;
+    // Of each of two seas: where one follows another both are streamed for a while.
+    std::vector<std::uint32_t> epochs;
+    for (const Parcel& one : waiting_)
+        if (one.keyframe->cascade == keyframe.cascade &&
+            std::ranges::find(epochs, one.keyframe->epoch) == epochs.end())
+            epochs.push_back(one.keyframe->epoch);
+    const bool same_sea = std::ranges::find(epochs, keyframe.epoch) != epochs.end();
+    const std::uint32_t gone = same_sea || epochs.size() < 2 ? keyframe.epoch : epochs.front();
+    const auto goes = [&, cascade = keyframe.cascade](const Parcel& one) {
+        return one.keyframe->cascade == cascade && one.keyframe->epoch == gone;
+    };
+    const auto first = std::ranges::find_if(waiting_, goes);
+    if (first == waiting_.end()) {
+        waiting_.push_back(std::move(parcel));
+        return;
     }
+    *first = std::move(parcel); // keeps its turn
+    const auto others = std::remove_if(std::next(first), waiting_.end(), goes);
+    counters_.keyframes_replaced += 1 + static_cast<std::uint64_t>(waiting_.end() - others);
+    waiting_.erase(others, waiting_.end());
+}
+
+std::uint64_t Outbox::last_streamed(const EncodedKeyframe& like) const {
+    for (const Last& one : last_streamed_)
+        if (one.epoch == like.epoch && one.cascade == like.cascade)
+            return one.number;
+    return 0;
+}
+
+bool Outbox::is_next_step(const EncodedKeyframe& keyframe, sea::FieldSet fields) const {
+    if (keyframe.base == 0 || !fields.contains(predicted_fields))
+        return false;
+    std::uint64_t reached = last_streamed(keyframe);
+    std::size_t bytes = message_bytes(keyframe, fields, true);
+    for (const Parcel& one : waiting_) {
+        if (one.keyframe->cascade != keyframe.cascade || one.keyframe->epoch != keyframe.epoch)
+            continue;
+        if (one.keyframe->base != reached)
+            return false;
+        reached = one.keyframe->number;
+        bytes += message_bytes(*one.keyframe, one.fields, true);
+    }
+    return reached == keyframe.base && bytes < message_bytes(keyframe, fields);
 }
 
 void Outbox::set_credit(int keyframes) {
@@ -145,6 +179,7 @@ void Outbox::set_credit(int keyframes) {
 
 void Outbox::stop_stream() {
     waiting_.clear();
+    last_streamed_.clear();
 }
 
 bool Outbox::acknowledge(std::uint64_t keyframe) {
@@ -225,18 +260,34 @@ SharedBytes Outbox::next_fetched() {
     return nullptr;
 }
 
+void Outbox::begin(Parcel& parcel) {
+    const EncodedKeyframe& keyframe = *parcel.keyframe;
+    const bool can_follow = parcel.fields.contains(predicted_fields);
+    parcel.differs = can_follow && keyframe.base != 0 && keyframe.base == last_streamed(keyframe);
+    std::erase_if(last_streamed_, [&](const Last& one) {
+        return one.epoch == keyframe.epoch && one.cascade == keyframe.cascade;
+    });
+    if (!can_follow)
+        return;
+    if (last_streamed_.size() >= 2 * limits::cascades_max)
+        last_streamed_.pop_front();
+    last_streamed_.push_back({keyframe.epoch, keyframe.cascade, keyframe.number});
+}
+
 SharedBytes Outbox::next_streamed() {
     if (SharedBytes message = take_of(begun_))
         return message;
     while (!waiting_.empty() && unacknowledged_.size() < static_cast<std::size_t>(credit_)) {
         begun_ = std::move(waiting_.front());
         waiting_.pop_front();
+        begin(begun_);
         const std::uint64_t number = begun_.keyframe->number;
         SharedBytes message = take_of(begun_);
         if (message == nullptr) // holds nothing that the session was granted
             continue;
         unacknowledged_.push_back(number);
         ++counters_.keyframes_started;
+        counters_.keyframes_predicted += begun_.differs ? 1 : 0;
         return message;
     }
     return nullptr;

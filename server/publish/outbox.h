@@ -4,7 +4,9 @@
 //
 // Order: replies, then durable messages, then spectra, then tiles (fetched and streamed ones in turn).
 // Streamed keyframes are under credit: at most `credit` of them are sent and not acknowledged. One
-// that has to wait is replaced by a newer one of its cascade and sea; one that has begun is finished.
+// that has to wait is replaced by a newer one of its cascade and sea; one that has begun is finished. One that is the
+// difference to another is sent as that where the other was the last of its cascade that was, and whole where it was not;
+// so those that wait stay, as steps to the newest, while all of them are smaller than the newest whole.
 // Durable messages are never dropped: when they do not fit, the session must be closed. Chunks of a spectrum are
 // not dropped either, and wait for as long as it takes: they are shared, so that a slow reader costs nothing.
 #pragma once
@@ -22,11 +24,13 @@ namespace seaway::server {
 
 struct OutboxCounters {
     std::uint64_t keyframes_started = 0;
-    std::uint64_t keyframes_replaced = 0;        ///< never sent: a newer one took their place
+    std::uint64_t keyframes_predicted = 0; ///< of those: as differences to what was sent before
+    std::uint64_t keyframes_replaced = 0;  ///< never sent: a newer one took their place
     std::uint64_t keyframes_awaiting_credit = 0; ///< had to wait for an acknowledgement
 
     OutboxCounters& operator+=(const OutboxCounters& other) {
         keyframes_started += other.keyframes_started;
+        keyframes_predicted += other.keyframes_predicted;
         keyframes_replaced += other.keyframes_replaced;
         keyframes_awaiting_credit += other.keyframes_awaiting_credit;
         return *this;
@@ -111,6 +115,7 @@ class Outbox {
         sea::FieldSet fields;
         protocol::SharedBytes done; ///< or this one message
         KeyframeFilePtr file = nullptr;
+        bool differs = false; ///< sent as differences where it has them
         std::size_t map = 0;
         std::size_t part = 0;
 
@@ -129,6 +134,21 @@ class Outbox {
         double bytes_per_s = 0;   ///< 0: at once
     };
 
+    /// Of those that were streamed whole or as differences.
+    struct Last {
+        std::uint32_t epoch;
+        int cascade;
+        std::uint64_t number;
+    };
+    /// Decides the form of what is about to be sent.
+    void begin(Parcel& parcel);
+    /// Of this cascade and sea; 0: none.
+    std::uint64_t last_streamed(const EncodedKeyframe& like) const;
+    /// Is it reached by differences, from what was streamed over those that wait, for less than it takes whole?
+    bool is_next_step(const EncodedKeyframe& keyframe, sea::FieldSet fields) const;
+    /// Takes the place of those of its sea that wait, or of the oldest of other seas where two wait.
+    void replace(Parcel parcel);
+
     protocol::SharedBytes next_message();
     protocol::SharedBytes next_spectrum();
     protocol::SharedBytes take_of(Parcel& parcel);
@@ -143,12 +163,14 @@ class Outbox {
     std::size_t fetched_bytes_ = 0;
     int fetches_waiting_ = 0;
     bool fetched_turn_ = true;
-    std::deque<Parcel> waiting_; ///< at most one a cascade of each of two seas, oldest first
-    Parcel begun_;               ///< streamed keyframe that is being handed out
-    std::size_t handed_out_ = 0; ///< messages since sent()
-    Run run_;                    ///< of those
-    Run last_run_;               ///< of the last one
-    Streamed being_sent_;        ///< the first one handed out since sent()
+    std::deque<Parcel>
+        waiting_;  ///< of a cascade: of each of two seas one, or steps to one; oldest first
+    Parcel begun_; ///< streamed keyframe that is being handed out
+    std::size_t handed_out_ = 0;     ///< messages since sent()
+    Run run_;                        ///< of those
+    Run last_run_;                   ///< of the last one
+    Streamed being_sent_;            ///< the first one handed out since sent()
+    std::deque<Last> last_streamed_; ///< one a cascade of each of two seas, newest last
     std::vector<std::uint64_t> unacknowledged_;
     int credit_ = protocol::limits::credit_default;
     OutboxCounters counters_;

@@ -27,6 +27,13 @@ std::vector<sea::TimeUs> shorter_intervals(const sea::ErrorBudget& a, const sea:
 
 } // namespace
 
+std::optional<sea::WaveLaw> RunningSea::wave_law() const {
+    const auto has_sines = [](const sea::CascadeModes& modes) { return !modes.sines.empty(); };
+    if (glide || std::ranges::any_of(realization->cascades, has_sines))
+        return std::nullopt;
+    return sea::WaveLaw{scene.sea.dispersion(), realization->loop_period_us};
+}
+
 sea::Choppiness RunningSea::choppiness_at(sea::TimeUs time_us) const {
     if (!glide)
         return realization->choppiness;

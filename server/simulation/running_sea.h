@@ -63,6 +63,9 @@ struct RunningSea {
         return glide && glide->foam ? glide->foam->at(time_us) : foam_law;
     }
 
+    /// By which all of its waves run; none: waves that follow no law, or a glide.
+    std::optional<sea::WaveLaw> wave_law() const;
+
     /// What subscribers and fetches may have: none where the scene answers questions alone.
     sea::FieldSet streamed() const { return scene.accuracy.streams() ? offered : sea::FieldSet{}; }
 

@@ -237,7 +237,7 @@ TEST(TileCodec, f8_each_value_of_a_header_has_its_range) {
         EXPECT_EQ(why_not(tile), "");
         says(byte(tile, 0, 0), "tile codec version 0, 1 is known");
         says(byte(tile, 0, 2), "tile codec version 2, 1 is known");
-        says(byte(tile, 1, 3), "tile mode 3, 0 to 2 are known");
+        says(byte(tile, 1, 4), "tile mode 4, 0 to 3 are known");
         says(byte(tile, 2, 6), "tile of 6 x 3 samples, 5 x 3 expected");
         says(byte(tile, 4, 4), "tile of 5 x 4 samples, 5 x 3 expected");
         says(byte(tile, 7, 1), "tile mode");

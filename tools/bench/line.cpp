@@ -24,6 +24,7 @@ namespace {
 /// Of one second.
 struct Sum {
     double bits = 0;
+    double joining_bits = 0; ///< of one whole keyframe of each cascade, in the middle of a stream
     double encode_s = 0;
     double take_s = 0; ///< a client's: to whole keyframes of the cascade's own grid
 };
@@ -50,8 +51,9 @@ Result<Sum> measure(const RunningSea& sea, server::Synthesizer& device, int casc
     client::TileAssembly assembly;
     std::vector<Row> rows;
     Sum sum;
-    for (int n = 0; n < keyframes; ++n) {
-        const sea::TimeUs time_us = demand_start_us + 7 * n * interval_us;
+    const std::optional<sea::WaveLaw> law = maps.predicted ? sea.wave_law() : std::nullopt;
+    for (int n = law ? -1 : 0; n < keyframes; ++n) {
+        const sea::TimeUs time_us = demand_start_us + (law ? n : 7 * n) * interval_us;
         const server::KeyframeRequest request{cascade, time_us - time_us % interval_us,
                                               server::with_foam_inputs(grant.fields)};
         SEAWAY_TRY_LET(const auto made, device.synthesize({&request, 1}));
@@ -60,27 +62,30 @@ Result<Sum> measure(const RunningSea& sea, server::Synthesizer& device, int casc
         const double start_s = cpu_seconds();
         SEAWAY_TRY_LET(const server::EncodedKeyframePtr encoded,
                        encoder.encode(*made[0], maps.codec_error, grant.quality, grant.fields,
-                                      {maps.compact_size, grant.follows, maps.coarser}));
+                                      {maps.compact_size, grant.follows, maps.coarser, law}));
         const double encoded_s = cpu_seconds();
         protocol::MessageReader reader(protocol::Sender::server);
+        const bool begins = n < 0;
+        sum.joining_bits = 8.0 * static_cast<double>(message_bytes(*encoded, grant.fields));
         for (const server::EncodedField& map : encoded->maps) {
             const auto row = std::find_if(rows.begin(), rows.end(),
                                           [&](const Row& r) { return r.field == map.field; });
             Row& into = row != rows.end() ? *row : rows.emplace_back(Row{map.field});
             into.bound = map.error;
-            for (const protocol::SharedBytes& part : map.parts) {
+            for (const protocol::SharedBytes& part :
+                 map.differences.empty() ? map.parts : map.differences) {
                 SEAWAY_TRY_LET(const wire::Message* message, reader.read(*part));
                 const wire::Tile& tile = *message->body_as_Tile();
                 into.size = tile.size();
-                into.bits += 8.0 * static_cast<double>(part->size());
-                into.samples += tile.width() * tile.height();
-                SEAWAY_TRY(assembly.add(protocol::header(tile),
-                                        {tile.payload()->data(), tile.payload()->size()}, info,
-                                        sea.scene.sea.depth_m, grant.fields | grant.follows, {}));
+                into.bits += begins ? 0.0 : 8.0 * static_cast<double>(part->size());
+                into.samples += begins ? 0.0 : tile.width() * tile.height();
+                SEAWAY_TRY(assembly.add(
+                    protocol::header(tile), {tile.payload()->data(), tile.payload()->size()}, info,
+                    sea.scene.sea.depth_m, grant.fields | grant.follows, {}, law));
             }
         }
-        sum.encode_s += encoded_s - start_s;
-        sum.take_s += cpu_seconds() - encoded_s;
+        sum.encode_s += begins ? 0.0 : encoded_s - start_s;
+        sum.take_s += begins ? 0.0 : cpu_seconds() - encoded_s;
     }
     const double rate = 1.0 / sea::seconds_from_us(interval_us);
     for (const Row& row : rows) {
@@ -111,6 +116,7 @@ Result<void> run_line(const LineOptions& options) {
                           .fields = fields,
                           .error_m = static_cast<float>(options.error_m),
                           .compact = !options.whole,
+                          .predicted = !options.whole && !options.alone,
                           .rate_hz_max = static_cast<float>(options.rate_hz_max),
                           .size_max = options.size_max},
                          budgets, sea->streamed(), {});
@@ -120,8 +126,11 @@ Result<void> run_line(const LineOptions& options) {
         fmt::print("granted less: {}\n", grant.why);
     fmt::print("asked {:g} m, granted {:.4f} m, {} maps\n  cascade  {:<20} {:>5} {:>8} {:>10} "
                "{:>8} {:>9}\n",
-               options.error_m, grant.error_m, options.whole ? "whole" : "compact", "field", "grid",
-               "a second", "bound", "bits", "kbit/s");
+               options.error_m, grant.error_m,
+               options.whole   ? "whole"
+               : options.alone ? "compact"
+                               : "predicted",
+               "field", "grid", "a second", "bound", "bits", "kbit/s");
     SEAWAY_TRY_LET(server::FoamMaps foam, foam_at_start(sea, *device));
     server::Encoder encoder;
     Sum all;
@@ -129,11 +138,14 @@ Result<void> run_line(const LineOptions& options) {
         SEAWAY_TRY_LET(const Sum one,
                        measure(*sea, *device, c, grant, options.keyframes, encoder, foam));
         all.bits += one.bits;
+        all.joining_bits += one.joining_bits;
         all.encode_s += one.encode_s;
         all.take_s += one.take_s;
     }
-    fmt::print("  {:.3f} Mbit/s; encoding {:.1f} ms of CPU a second, taking {:.1f} ms\n",
-               1e-6 * all.bits, 1e3 * all.encode_s, 1e3 * all.take_s);
+    fmt::print("  {:.3f} Mbit/s, one whole keyframe of each cascade {:.1f} KB; encoding {:.1f} ms "
+               "of CPU a second, "
+               "taking {:.1f} ms\n",
+               1e-6 * all.bits, 1e-3 / 8 * all.joining_bits, 1e3 * all.encode_s, 1e3 * all.take_s);
     return {};
 }
 

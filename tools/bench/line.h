@@ -18,11 +18,12 @@ struct LineOptions {
         ask;                ///< effects, as height,choppy; empty: what a sampling client takes
     int keyframes = 4;      ///< of each cascade
     bool whole = false;     ///< for a client from before compact maps were
+    bool alone = false;     ///< for one that takes no differences to what came before
     double rate_hz_max = 0; ///< keyframes of a cascade a second, at most; 0: all
     int size_max = 0;       ///< points a side of a map, at most; 0: any
 };
 
-/// Prints a table: the grid a map is sent on, its keyframes a second, the codec's bound, bits a sample
+/// Where maps are predicted, of a stream that goes on: the keyframe that it begins with, whole, is told apart. Prints a table: the grid a map is sent on, its keyframes a second, the codec's bound, bits a sample
 /// and kbit/s, messages and their headers included; the CPU time of encoding them, and of what a compact client does.
 Result<void> run_line(const LineOptions& options);
 

@@ -131,6 +131,8 @@ seaway::CommandLine& add_line(seaway::CommandLine& line, seaway::bench::LineOpti
                 "What it takes, as height,choppy; else what heights are sampled from")
         .separated_by(',');
     command.option("--whole", options.whole, "For a client that takes no compact maps");
+    command.option("--keyframes", options.keyframes, "Of each cascade").between(1, 10000);
+    command.option("--alone", options.alone, "For one that takes no differences to earlier ones");
     command.option("--rate-max", options.rate_hz_max, "Keyframes of a cascade a second, at most")
         .takes("HZ");
     command.option("--size-max", options.size_max, "Points a side of a map, at most")

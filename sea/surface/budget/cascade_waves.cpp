@@ -85,7 +85,7 @@ CascadeWaves::CascadeWaves(const CascadeModes& modes)
     if (modes.sines.empty())
         compact_size_ = smallest_grid(reach, size_);
     if (compact_size_ < size_)
-        displacement_follows_ = displacement_follows(compact_size_);
+        follows_gain_ = follows_gain(compact_size_);
     for (const SineField& field : modes.sines) {
         const SineError& error = sines_.emplace_back(field, spacing_m_);
         Missed sines;
@@ -140,8 +140,8 @@ bool CascadeWaves::can_be_cut() const {
     return sines_.empty() && Regrid::takes(size_);
 }
 
-bool CascadeWaves::displacement_follows(int size) const {
-    return Orbits(size, length_m_, depth_m_).gain() <= 1.0;
+double CascadeWaves::follows_gain(int size) const {
+    return Orbits(size, length_m_, depth_m_).gain();
 }
 
 CutWaves CascadeWaves::cut(int size) const {

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <vector>
 
 #include "sea/surface/budget/sine_error.h"
@@ -84,11 +85,12 @@ class CascadeWaves {
     CutWaves cut(int size) const;
     /// Are all of its waves modes, which can be cut, on a grid that transforms are quick at?
     bool can_be_cut() const;
-    /// Would displacements follow from heights on a grid of so many points a side?
-    bool displacement_follows(int size) const;
-    /// Do displacements follow from heights on that grid, without more noise than heights have? Not those of stylised
-    /// waves, which move nothing sideways, nor where water is shallow for most waves.
-    bool displacement_follows() const { return displacement_follows_; }
+    /// What even noise of heights becomes in displacements that follow from them on a grid of so many points a side
+    /// (Orbits::gain).
+    double follows_gain(int size) const;
+    /// On compact_size(); more than any that is had where displacements do not follow: not those of stylised waves, which move
+    /// nothing sideways.
+    double follows_gain() const { return follows_gain_; }
     /// Variance of what the predictor of the codec leaves of a map of heights, and of one of their time
     /// rates, (m/s)^2: h(x,y) - h(x-dx,y) - h(x,y-dy) + h(x-dx,y-dy).
     double detail_m2() const { return detail_m2_; }
@@ -102,7 +104,7 @@ class CascadeWaves {
 
     int size_;
     int compact_size_;
-    bool displacement_follows_ = false;
+    double follows_gain_ = std::numeric_limits<double>::infinity();
     double spacing_m_;
     double omega_max_radps_ = 0;
     Motion height_;

@@ -80,8 +80,7 @@ void note_coarser(CascadeBudget& cascade, const CascadeWaves& waves) {
     cascade.can_be_cut = waves.can_be_cut();
     for (std::size_t n = 0; n < smaller_grids.size() && cascade.can_be_cut; ++n)
         if (smaller_grids[n] < cascade.size)
-            cascade.cuts[n] = {waves.cut(smaller_grids[n]),
-                               waves.displacement_follows(smaller_grids[n])};
+            cascade.cuts[n] = {waves.cut(smaller_grids[n]), waves.follows_gain(smaller_grids[n])};
     for (int every = 1; every <= every_most; ++every) {
         const TimeUs interval_us = every * cascade.interval_us;
         if (every > 1 && !waves.told_by(interval_us))
@@ -105,7 +104,8 @@ void settle(ErrorBudget& budget, std::span<const CascadeWaves> cascades, const S
             waves.compact_size() < waves.size()) {
             budget.cascades.back().compact_size = waves.compact_size();
             budget.cascades.back().compact_share = disc_share(waves.compact_size());
-            following += waves.displacement_follows() ? 1u : 0u;
+            budget.cascades.back().follows_gain = waves.follows_gain();
+            following += waves.follows_gain() <= follows_gain_max ? 1u : 0u;
         }
         note_coarser(budget.cascades.back(), waves);
         const CascadeLoss& loss = budget.cascades.back().loss;

@@ -48,9 +48,11 @@ struct CascadeBudget {
         1; ///< of the variance of coding that is left of it on the cascade's own grid
     /// Of what maps may be coarser than that: cut to one of smaller_grids each, and with every n-th keyframe alone, at
     /// n - 1, as long as these tell of the waves.
+    double follows_gain =
+        0; ///< likewise of that, in displacements that follow from heights (CascadeWaves)
     struct Cut {
         CutWaves waves;
-        bool displacement_follows = false;
+        double follows_gain = 0;
     };
     struct Slow {
         double time_m = 0;
@@ -85,6 +87,10 @@ struct ErrorBudget {
     double bits_per_s = 0;           ///< what spending.h prices a second of this at
     Choppiness choppiness;
 };
+
+/// Displacements follow from heights where that makes no more noise of them than heights have: not where water is shallow for
+/// most waves.
+inline constexpr double follows_gain_max = 1.0;
 
 /// An interval is chosen by what it costs of a height: directly, and by what it moves a point
 /// sideways times the typical slope.

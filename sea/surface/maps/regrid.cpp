@@ -140,6 +140,15 @@ void Regrid::maps(std::span<const float> a, std::span<const float> b, const Orbi
     give(Way::along_y, &orbits, y, memory);
 }
 
+void Regrid::maps(std::span<const float> a, std::span<const float> b, const Rotations& rotations,
+                  std::span<float> out_a, std::span<float> out_b) const {
+    SEAWAY_CHECK(rotations.size() == smaller_, "rotations are of the disc that is kept");
+    Scratch& memory = scratch();
+    take(a, b, memory);
+    turn(rotations, memory);
+    give(Way::height, nullptr, {out_a, out_b}, memory);
+}
+
 void Regrid::take(std::span<const float> a, std::span<const float> b, Scratch& memory) const {
     SEAWAY_CHECK(a.size() == area(from_.length) && b.size() == a.size(),
                  "maps are of the side that was said");
@@ -223,6 +232,36 @@ void Regrid::columns(Scratch& memory) const {
         if (done != line)
             std::copy_n(done, floats(1, n), line);
     }
+}
+
+/// Both maps are the two parts of one transform Z = A + iB, so that with Z~(k) = conj Z(-k) the sum cA + sB + i (cB - dA)
+/// of what they become is cZ - i/2 (s (Z - Z~) + d (Z + Z~)); k and -k are turned together.
+void Regrid::turn(const Rotations& rotations, Scratch& memory) const {
+    const int n = from_.length;
+    const auto at = [&](int i, int j) {
+        const int column = i + reach_;
+        return memory.columns_in.data() + static_cast<std::size_t>(column / lanes) * floats(1, n) +
+               place(j, n) * pitch + column % lanes;
+    };
+    const auto turned = [](const Rotations::Turn& turn, float re, float im, float other_re,
+                           float other_im, float* to) {
+        const float half_s = 0.5f * turn.sine_over_w_s, half_d = 0.5f * turn.sine_w_radps;
+        const float x = half_s * (re - other_re) + half_d * (re + other_re);
+        const float y = half_s * (im + other_im) + half_d * (im - other_im);
+        to[0] = turn.cosine * re + y;
+        to[lanes] = turn.cosine * im - x;
+    };
+    for (int j = 0; j <= reach_; ++j)
+        for (int i = -reach_; i <= reach_; ++i) {
+            if (4 * (i * i + j * j) >= smaller_ * smaller_ || (j == 0 && i <= 0))
+                continue;
+            const Rotations::Turn& turn = rotations.of_index(i, j);
+            float *one = at(i, j), *other = at(-i, -j);
+            const float re = one[0], im = one[lanes];
+            const float other_re = other[0], other_im = other[lanes];
+            turned(turn, re, im, other_re, other_im, one);
+            turned(turn, other_re, other_im, re, im, other);
+        }
 }
 
 void Regrid::columns_back(Way way, const Orbits* orbits, Scratch& memory) const {

@@ -12,6 +12,8 @@
 // disc_share(smaller) of its variance on the larger one, the same everywhere: waves in the corners of the square
 // beyond the disc are nobody's and are left out.
 //
+// Between grids of one side, or of two, maps of heights and their rates may also be taken to another time (rotations.h).
+//
 // Displacements need not be sent at all: D = +i k/|k| coth(|k| d) h, wave by wave (sea/waves/realization.h), so
 // that they follow from a map of heights on the way, and their time rates from its time rate.
 //
@@ -25,6 +27,7 @@
 
 #include "base/instructions.h"
 #include "sea/surface/maps/keyframe.h"
+#include "sea/surface/maps/rotations.h"
 
 namespace seaway::sea {
 
@@ -79,6 +82,11 @@ class Regrid {
     void maps(std::span<const float> a, std::span<const float> b, const Orbits& orbits, Two height,
               Two x, Two y) const;
 
+    /// Of a map of heights (a) and its time rate (b) those of another time, on the disc that `rotations` are of. The same
+    /// bits for all instructions.
+    void maps(std::span<const float> a, std::span<const float> b, const Rotations& rotations,
+              std::span<float> out_a, std::span<float> out_b) const;
+
     int from() const { return from_.length; }
     int to() const { return to_.length; }
 
@@ -96,6 +104,7 @@ class Regrid {
     static Scratch& scratch();
     void rows_in(std::span<const float> a, std::span<const float> b, Scratch& scratch) const;
     void columns(Scratch& scratch) const;
+    void turn(const Rotations& rotations, Scratch& scratch) const;
     enum class Way { height, along_x, along_y };
     void columns_back(Way way, const Orbits* orbits, Scratch& scratch) const;
     void make_room(Scratch& scratch) const;

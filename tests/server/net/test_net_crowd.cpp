@@ -37,7 +37,7 @@ TEST_F(NetCrowd, two_hundred_subscribers_of_mixed_qualities_start_at_once_and_ea
         ASSERT_TRUE(message && message->body_as_FetchDone()) << "nobody is refused what it needs";
     }
     EXPECT_EQ(metric("seaway_net_subscriptions"), crowd);
-    for (const std::uint8_t quality : {0, 1})
+    for (const server::Quality quality : {0, 1})
         net->publish(host.keyframe(0, 9, {sea::Field::height}, quality));
     for (std::size_t i = 0; i < crowd; ++i) {
         const wire::Message* message = clients[i]->receive(patience);

@@ -295,7 +295,7 @@ TEST_F(NetLimits, subscribers_of_different_quality_get_each_keyframe_once_in_the
     }
     std::set<std::uint64_t> numbers;
     for (std::int64_t n = 10; n < 16; ++n) {
-        for (const std::uint8_t quality : {0, 1})
+        for (const server::Quality quality : {0, 1})
             net->publish(host.keyframe(0, n, {sea::Field::height}, quality));
         for (std::size_t i = 0; i < 2; ++i) {
             const wire::Message* message = clients[i]->receive();

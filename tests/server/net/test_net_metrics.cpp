@@ -45,9 +45,11 @@ const std::map<std::string, double> figures{
     {"seaway_net_out_of_memory_total", 257},
     // Of the sessions that have ended and of those that live.
     {"seaway_net_keyframes_sent_total", 1011},
+    {"seaway_net_keyframes_predicted_total", 4019},
     {"seaway_net_keyframes_replaced_total", 2013},
     {"seaway_net_keyframes_awaiting_credit_total", 3017},
     {"seaway_net_fields_encoded_total", 211},
+    {"seaway_net_fields_predicted_total", 269},
     {"seaway_net_fields_reused_total", 239},
     {"seaway_net_encoded_samples_total", 241},
     {"seaway_net_encoded_bytes_total", 251},
@@ -89,15 +91,19 @@ TEST(NetMetricsText, every_line_shows_the_figure_that_it_names) {
                             .keyframes_dropped = 193,
                             .keyframes_wrong = 197,
                             .out_of_memory = 257,
-                            .outboxes = {1000, 2000, 3000}};
+                            .outboxes = {1000, 4000, 2000, 3000}};
     const Gauges gauges{.sessions = 2,
                         .sessions_max = 263,
                         .subscriptions = 3,
                         .connections = 5,
                         .outbox_bytes = 7,
-                        .outboxes = {11, 13, 17}};
-    const EncoderCounters encoder{
-        .fields_encoded = 211, .fields_reused = 239, .samples = 241, .bytes = 251, .seconds = 0.25};
+                        .outboxes = {11, 19, 13, 17}};
+    const EncoderCounters encoder{.fields_encoded = 211,
+                                  .fields_reused = 239,
+                                  .fields_predicted = 269,
+                                  .samples = 241,
+                                  .bytes = 251,
+                                  .seconds = 0.25};
     MetricsPage page = read_metrics(server::metrics_text(counters, gauges, encoder));
     (void)take_answers(page);
     expect_metrics(page, figures);
@@ -220,9 +226,11 @@ const std::map<std::string, double> happened{
     {"seaway_net_keyframes_wrong_total", 0},
     {"seaway_net_out_of_memory_total", 0},
     {"seaway_net_keyframes_sent_total", 2},
+    {"seaway_net_keyframes_predicted_total", 0},
     {"seaway_net_keyframes_replaced_total", 1},
     {"seaway_net_keyframes_awaiting_credit_total", 2},
     {"seaway_net_fields_encoded_total", 7},
+    {"seaway_net_fields_predicted_total", 0},
     {"seaway_net_fields_reused_total", 2},
     {"seaway_net_encoded_samples_total", 7 * 32 * 32}};
 

@@ -365,7 +365,7 @@ TEST_F(NetSession, when_the_sea_changes_what_is_granted_is_said_again_and_nothin
         EXPECT_TRUE(message);
         return message ? message->body_as_Tile()->time_us() : 0;
     };
-    const auto on_its_way = [&](std::int64_t n, std::uint8_t quality) {
+    const auto on_its_way = [&](std::int64_t n, server::Quality quality) {
         net->publish(host.keyframe(0, n, {sea::Field::height}, quality));
     };
     host.subscriptions().set(99, {.cascades = 1u, .fields = {sea::Field::height}}); // another one's

@@ -101,7 +101,7 @@ TEST(Encoder, qualities_epochs_times_and_cascades_are_different_keyframes) {
     const float coarse[] = {0.1f};
     std::set<std::uint64_t> numbers;
     sea::Keyframe one = keyframe(16, {sea::Field::height});
-    const auto encode = [&](std::span<const float> bounds, std::uint8_t quality) {
+    const auto encode = [&](std::span<const float> bounds, Quality quality) {
         numbers.insert((*encoder.encode(one, bounds, quality, one.fields))->number);
     };
     encode(fine, 0);

@@ -61,13 +61,13 @@ class SmallSea : public server::Host {
     }
 
     /// Two rungs: who is content with 0.1 m gets the coarse one.
-    static std::uint8_t quality(const server::Demand& demand) {
+    static server::Quality quality(const server::Demand& demand) {
         return demand.error_m >= bound(1) ? 1 : 0;
     }
-    static constexpr float bound(std::uint8_t quality) { return quality == 0 ? 0.02f : 0.1f; }
+    static constexpr float bound(server::Quality quality) { return quality == 0 ? 0.02f : 0.1f; }
 
     KeyframeTiles keyframe(int cascade, std::int64_t n, sea::FieldSet fields,
-                           std::uint8_t quality = 0) const {
+                           server::Quality quality = 0) const {
         auto made = std::make_shared<sea::Keyframe>();
         made->cascade = cascade;
         made->time_us = n * interval_us;

@@ -80,7 +80,8 @@ class Crowd {
         });
     std::string token_;
     Publications publications_;
-    std::map<int, std::map<std::uint8_t, std::uint64_t>> newest_turn_; ///< by cascade and quality
+    std::map<int, std::map<server::Quality, std::uint64_t>>
+        newest_turn_; ///< by cascade and quality
     std::uint64_t turn_ = 0;
     std::size_t keyframe_bytes_ = 0; ///< of the largest so far
     bool offers_spectra_ = false;
@@ -148,7 +149,7 @@ void Crowd::something_happens() {
 void Crowd::publish() {
     ++sea_.newest;
     for (int cascade = 0; cascade < 2; ++cascade)
-        for (const std::uint8_t quality : {std::uint8_t{0}, std::uint8_t{1}}) {
+        for (const server::Quality quality : {server::Quality{0}, server::Quality{1}}) {
             const sea::FieldSet wanted = core_->host.subscriptions().wanted(cascade, quality);
             if (wanted.empty())
                 continue;

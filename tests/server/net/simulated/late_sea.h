@@ -22,7 +22,7 @@ class LateSea final : public SmallSea {
     std::uint32_t epoch = 0;
     std::function<void()> on_given; ///< after something was given to be encoded
 
-    KeyframeTiles streamed(int cascade, std::uint8_t quality) {
+    KeyframeTiles streamed(int cascade, server::Quality quality) {
         return made(cascade, newest * interval_us, held(cascade), quality);
     }
 
@@ -34,7 +34,7 @@ class LateSea final : public SmallSea {
         if (times.empty())
             times = {newest * interval_us - interval_us / 2,
                      newest * interval_us + interval_us / 2};
-        const std::uint8_t rung = quality(request.demand);
+        const server::Quality rung = quality(request.demand);
         for (const sea::TimeUs time_us : times) {
             question.parts.emplace_back();
             for (int cascade = 0; cascade < 2; ++cascade)
@@ -87,7 +87,7 @@ class LateSea final : public SmallSea {
     }
 
     KeyframeTiles made(int cascade, sea::TimeUs time_us, sea::FieldSet fields,
-                       std::uint8_t quality) {
+                       server::Quality quality) {
         KeyframeTiles tiles = keyframe(cascade, time_us / interval_us, fields, quality);
         auto keyframe = std::make_shared<sea::Keyframe>(*tiles.keyframe);
         keyframe->time_us = time_us;

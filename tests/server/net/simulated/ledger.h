@@ -18,7 +18,7 @@ namespace seaway::tests::simulated {
 /// What has been published, for those who are sent it.
 struct Published {
     std::uint64_t turn = 0; ///< counts up
-    std::uint8_t quality = 0;
+    server::Quality quality = 0;
     int cascade = 0;
     sea::FieldSet fields;
     std::uint32_t epoch = 0;

@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: Apache-2.0
+// Keyframes in two forms: what the encoder makes of them, and who is sent which.
+#include <cstring>
+
+#include <gtest/gtest.h>
+
+#include "client/held/tile_assembly.h"
+#include "protocol/tile_codec.h"
+#include "server/publish/encoder.h"
+#include "server/publish/outbox.h"
+#include "tests/server/publish/predicted_sea.h"
+#include "tests/server/publish/tile_of.h"
+
+namespace seaway::server {
+namespace {
+
+namespace limits = protocol::limits;
+using protocol::SharedBytes;
+using sea::Field;
+using sea::FieldSet;
+
+constexpr FieldSet both_fields{Field::height, Field::height_rate};
+constexpr CompactTiles predicted{.law = predicted_law};
+constexpr Quality quality = 10;
+const std::vector<float> bounds{1e-3f, 4e-3f, 1e-2f};
+
+EncodedKeyframePtr encode(Encoder& encoder, const sea::Keyframe& keyframe,
+                          const CompactTiles& how = predicted, Quality of = quality) {
+    const auto made = encoder.encode(
+        keyframe, std::span(bounds).first(static_cast<std::size_t>(keyframe.fields.size())), of,
+        keyframe.fields, how);
+    EXPECT_TRUE(made);
+    return *made;
+}
+
+std::size_t bytes_of(const std::vector<SharedBytes>& parts) {
+    std::size_t bytes = 0;
+    for (const SharedBytes& part : parts)
+        bytes += part->size();
+    return bytes;
+}
+
+/// Takes messages; what comes together.
+client::HeldKeyframePtr take(client::TileAssembly& assembly,
+                             const std::vector<SharedBytes>& messages,
+                             bool* unpredicted = nullptr) {
+    client::HeldKeyframePtr complete;
+    for (const SharedBytes& bytes : messages) {
+        const wire::Tile& tile = tile_of(bytes);
+        const auto added = assembly.add(
+            protocol::header(tile), {tile.payload()->data(), tile.payload()->size()},
+            {.length_m = predicted_length_m, .size = 20}, 0, both_fields, {}, predicted_law);
+        EXPECT_TRUE(added) << added.error().message;
+        if (added && added->complete)
+            complete = added->complete;
+        if (unpredicted != nullptr && added && added->unpredicted)
+            *unpredicted = true;
+    }
+    return complete;
+}
+
+std::vector<SharedBytes> messages_of(const EncodedKeyframe& keyframe, bool differs) {
+    std::vector<SharedBytes> all;
+    for (const EncodedField& map : keyframe.maps)
+        for (const SharedBytes& part : differs ? map.differences : map.parts)
+            all.push_back(part);
+    return all;
+}
+
+bool same_bits(const client::HeldKeyframe& a, const client::HeldKeyframe& b) {
+    return a.keyframe().values.size() == b.keyframe().values.size() &&
+           std::memcmp(a.keyframe().values.data(), b.keyframe().values.data(),
+                       4 * a.keyframe().values.size()) == 0;
+}
+
+TEST(PredictedTiles, one_whole_keyframe_and_differences_are_all_whole_keyframes_to_the_bit) {
+    Encoder encoder;
+    client::TileAssembly follows, joins;
+    for (int n = 0; n < 30; ++n) {
+        const EncodedKeyframePtr made = encode(encoder, running_keyframe(n));
+        ASSERT_EQ(made->base, n == 0 ? 0u : static_cast<std::uint64_t>(n));
+        const auto whole = take(joins, messages_of(*made, false));
+        const auto followed = take(follows, messages_of(*made, n > 0));
+        ASSERT_TRUE(whole && followed) << n;
+        ASSERT_TRUE(same_bits(*whole, *followed)) << n;
+        const sea::Keyframe truth = running_keyframe(n);
+        for (const Field field : both_fields)
+            for (std::size_t i = 0; i < truth.plane_size(); ++i)
+                ASSERT_LE(std::abs(static_cast<double>(whole->keyframe().plane(field)[i]) -
+                                   static_cast<double>(truth.plane(field)[i])),
+                          static_cast<double>(field == Field::height ? bounds[0] : bounds[1]));
+        if (n == 0)
+            continue;
+        // Two messages; of their 800 samples little is left.
+        EXPECT_LT(bytes_of(messages_of(*made, true)), bytes_of(messages_of(*made, false)) * 2 / 3);
+    }
+    EXPECT_EQ(encoder.counters().fields_predicted, 2u * 29);
+}
+
+TEST(PredictedTiles, what_came_before_is_of_the_same_sea_cascade_and_quality) {
+    Encoder encoder;
+    const EncodedKeyframePtr first = encode(encoder, running_keyframe(0));
+    sea::Keyframe other_sea = running_keyframe(1);
+    other_sea.epoch = 2;
+    EXPECT_EQ(encode(encoder, other_sea)->base, 0u);
+    EXPECT_EQ(encode(encoder, running_keyframe(1, 20, 1))->base, 0u) << "another cascade";
+    EXPECT_EQ(encode(encoder, running_keyframe(1), predicted, quality + 1)->base, 0u);
+    EXPECT_EQ(encode(encoder, running_keyframe(1))->base, first->number);
+}
+
+TEST(PredictedTiles, only_what_is_newer_takes_part) {
+    Encoder encoder;
+    encode(encoder, running_keyframe(4));
+    const EncodedKeyframePtr fifth = encode(encoder, running_keyframe(5));
+    const EncodedKeyframePtr earlier = encode(encoder, running_keyframe(2));
+    EXPECT_EQ(earlier->base, 0u);
+    EXPECT_EQ(tile_of(earlier->maps[0].parts[0]).base(), std::nullopt);
+    EXPECT_EQ(encode(encoder, running_keyframe(6))->base, fifth->number);
+    // Left out ones, as where an encoder is behind: from what there is.
+    EXPECT_EQ(encode(encoder, running_keyframe(9))->base, 4u);
+}
+
+TEST(PredictedTiles, nothing_is_predicted_without_a_law_or_both_maps_or_where_it_does_not_pay) {
+    Encoder encoder;
+    for (int n = 0; n < 3; ++n) {
+        EXPECT_EQ(encode(encoder, running_keyframe(n), {}, 1)->base, 0u);
+        EXPECT_EQ(encode(encoder, running_keyframe(n, 20, 0, {Field::height}), predicted, 2)->base,
+                  0u);
+        EXPECT_EQ(encode(encoder, running_keyframe(n, 22), predicted, 3)->base, 0u)
+            << "no such grid";
+        const float lossless[] = {0, 0};
+        EXPECT_EQ((*encoder.encode(running_keyframe(n), lossless, 4, both_fields, predicted))->base,
+                  0u);
+    }
+    EXPECT_EQ(encoder.counters().fields_predicted, 0u);
+}
+
+// Somebody comes who wants foam, too: what was encoded stays what it was, in both forms.
+TEST(PredictedTiles, maps_that_are_added_later_leave_both_forms_as_they_are) {
+    Encoder encoder;
+    const FieldSet three = both_fields | FieldSet{Field::foam};
+    const auto encode_some = [&](int n, FieldSet wanted) {
+        return *encoder.encode(running_keyframe(n, 20, 0, three), bounds, quality, wanted,
+                               predicted);
+    };
+    encode_some(0, both_fields);
+    const EncodedKeyframePtr before = encode_some(1, both_fields);
+    const EncodedKeyframePtr after = encode_some(1, three);
+    ASSERT_EQ(after->maps.size(), 3u);
+    EXPECT_EQ(after->base, before->base);
+    EXPECT_EQ(after->maps[0].differences, before->maps[0].differences);
+    EXPECT_TRUE(after->maps[2].differences.empty()) << "foam follows from no waves";
+}
+
+TEST(PredictedTiles, without_room_the_next_one_is_whole) {
+    Encoder encoder(Room::of(2000)); // less than a base of 20 x 20 twice
+    for (int n = 0; n < 4; ++n)
+        EXPECT_EQ(encode(encoder, running_keyframe(n))->base, 0u);
+}
+
+// ---- outbox --------------------------------------------------------------------------------
+
+/// Hands out what can be, acknowledged at once.
+std::vector<SharedBytes> drain(Outbox& outbox, int keyframes = 100) {
+    std::vector<SharedBytes> sent;
+    std::uint64_t last = 0;
+    int begun = 0;
+    while (const SharedBytes next = outbox.next()) {
+        const std::uint64_t number = tile_of(next).keyframe();
+        if (number != last && ++begun > keyframes)
+            ADD_FAILURE() << "more than was to come";
+        last = number;
+        outbox.acknowledge(number);
+        sent.push_back(next);
+    }
+    return sent;
+}
+
+bool holds_differences(const std::vector<SharedBytes>& messages) {
+    for (const SharedBytes& bytes : messages) {
+        const wire::Tile& tile = tile_of(bytes);
+        if (protocol::is_difference({tile.payload()->data(), tile.payload()->size()}))
+            return true;
+    }
+    return false;
+}
+
+TEST(Outbox, differences_go_to_who_was_streamed_what_they_are_to) {
+    Encoder encoder;
+    Outbox follows, joins;
+    for (int n = 0; n < 5; ++n) {
+        const EncodedKeyframePtr made = encode(encoder, running_keyframe(n));
+        follows.push_keyframe(made, both_fields);
+        EXPECT_EQ(holds_differences(drain(follows)), n > 0) << n;
+        if (n < 3)
+            continue;
+        joins.push_keyframe(made, both_fields);
+        EXPECT_EQ(holds_differences(drain(joins)), n > 3) << n;
+    }
+    EXPECT_EQ(follows.counters().keyframes_predicted, 4u);
+    EXPECT_EQ(joins.counters().keyframes_predicted, 1u);
+    joins.stop_stream(); // and begins again
+    joins.push_keyframe(encode(encoder, running_keyframe(5)), both_fields);
+    EXPECT_FALSE(holds_differences(drain(joins)));
+}
+
+TEST(Outbox, who_takes_no_rates_is_sent_whole_heights) {
+    Encoder encoder;
+    Outbox outbox;
+    for (int n = 0; n < 3; ++n) {
+        outbox.push_keyframe(encode(encoder, running_keyframe(n)), {Field::height});
+        EXPECT_FALSE(holds_differences(drain(outbox)));
+    }
+    outbox.push_keyframe(encode(encoder, running_keyframe(3)), both_fields);
+    EXPECT_FALSE(holds_differences(drain(outbox))) << "there are no rates that it follows from";
+}
+
+TEST(Outbox, a_fetched_keyframe_is_whole) {
+    Encoder encoder;
+    Outbox outbox;
+    encode(encoder, running_keyframe(0));
+    const EncodedKeyframePtr made = encode(encoder, running_keyframe(1));
+    ASSERT_NE(made->base, 0u);
+    ASSERT_TRUE(outbox.push_fetched(
+        std::span(&made, 1), both_fields,
+        std::make_shared<const protocol::Bytes>(protocol::fetch_done(1, 1, both_fields))));
+    EXPECT_EQ(outbox.next(), made->maps[0].parts[0]);
+}
+
+// A reader that is behind is brought up by the steps that it has missed, for as long as they are fewer bytes than the
+// newest keyframe alone; then by that.
+TEST(Outbox, steps_that_wait_stay_while_they_are_less_than_the_newest_whole) {
+    Encoder encoder;
+    Outbox outbox;
+    client::TileAssembly client;
+    outbox.set_credit(1);
+    outbox.push_keyframe(encode(encoder, running_keyframe(0)), both_fields);
+    std::vector<SharedBytes> first;
+    while (const SharedBytes next = outbox.next())
+        first.push_back(next); // not acknowledged: what follows waits
+    ASSERT_TRUE(take(client, first));
+    std::size_t waiting = 0;
+    int n = 1;
+    EncodedKeyframePtr newest;
+    for (;; ++n) {
+        newest = encode(encoder, running_keyframe(n));
+        const std::size_t with_it = waiting + message_bytes(*newest, both_fields, true);
+        outbox.push_keyframe(newest, both_fields);
+        ASSERT_EQ(outbox.counters().keyframes_replaced == 0,
+                  with_it < message_bytes(*newest, both_fields))
+            << n;
+        if (outbox.counters().keyframes_replaced > 0)
+            break;
+        waiting = with_it;
+        if (n == 2) { // read on: each step comes to its keyframe
+            for (int step = 0; step <= n; ++step) {
+                outbox.acknowledge(static_cast<std::uint64_t>(step + 1));
+                std::vector<SharedBytes> messages;
+                while (const SharedBytes next = outbox.next())
+                    messages.push_back(next);
+                EXPECT_EQ(holds_differences(messages), step < n);
+                bool unpredicted = false;
+                EXPECT_EQ(take(client, messages, &unpredicted) != nullptr, step < n);
+                EXPECT_FALSE(unpredicted);
+            }
+            outbox.push_keyframe(encode(encoder, running_keyframe(++n)), both_fields);
+            while (outbox.next())
+                ;
+            waiting = 0;
+        }
+    }
+    EXPECT_EQ(outbox.counters().keyframes_replaced, static_cast<std::uint64_t>(n - 4));
+    outbox.acknowledge(4);
+    std::vector<SharedBytes> last;
+    while (const SharedBytes next = outbox.next())
+        last.push_back(next);
+    EXPECT_EQ(last, messages_of(*newest, false)) << "the newest, whole, and nothing else";
+}
+
+} // namespace
+} // namespace seaway::server
