@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+// A real server and clients that follow its stream by differences, from its beginning and from the middle on.
+#include <cstring>
+#include <map>
+#include <mutex>
+#include <thread>
+#include <tuple>
+
+#include <gtest/gtest.h>
+
+#include "client/link/connection.h"
+#include "tests/server/net/clients.h"
+#include "tests/support/server_process.h"
+
+namespace seaway {
+namespace {
+
+/// A connection that keeps what it is streamed.
+class Follower {
+  public:
+    explicit Follower(const std::string& url) {
+        client::ConnectionEvents events;
+        events.on_keyframe = [this](const client::HeldKeyframePtr& held) {
+            const std::scoped_lock lock(mutex_);
+            const sea::Keyframe& map = held->keyframe();
+            keyframes_[{map.cascade, map.time_us}] = held;
+        };
+        auto opened = client::Connection::open({.url = url}, std::move(events));
+        EXPECT_TRUE(opened);
+        connection_ = std::move(*opened);
+        connection_->subscribe({.fields = sea::surface_fields}, 2, 10, [](const auto&) {});
+    }
+    using Held = std::map<std::tuple<int, sea::TimeUs>, client::HeldKeyframePtr>;
+    Held held() {
+        const std::scoped_lock lock(mutex_);
+        return keyframes_;
+    }
+    void wait_for(std::size_t more) {
+        const std::size_t enough = held().size() + more;
+        for (int i = 0; i < 600 && held().size() < enough; ++i)
+            std::this_thread::sleep_for(std::chrono::milliseconds(100));
+        EXPECT_GE(held().size(), enough);
+    }
+    std::uint64_t unpredicted() const { return connection_->keyframes_unpredicted(); }
+
+  private:
+    std::mutex mutex_;
+    Held keyframes_;
+    std::unique_ptr<client::Connection> connection_;
+};
+
+double metric(int port, const std::string& name) {
+    const std::string page = tests::ask_http(port, "/metrics", "GET").body;
+    const std::size_t at = page.find("\n" + name);
+    return at == std::string::npos ? -1 : std::stod(page.substr(page.find(' ', at + 1)));
+}
+
+TEST(PredictedStream, is_whole_once_for_who_begins_and_for_who_joins_and_both_have_the_same_bits) {
+    tests::ServerProcess server(
+        {"scenes/north_sea_gale.toml", "--device", "native", "--listen", "127.0.0.1:0"});
+    const std::string url = server.wait_until_ready();
+    ASSERT_FALSE(url.empty()) << server.log();
+    const int port = tests::port_of(url);
+    Follower first(url);
+    first.wait_for(30);
+    Follower joins(url);
+    joins.wait_for(40);
+    EXPECT_EQ(first.unpredicted() + joins.unpredicted(), 0u);
+    int shared = 0;
+    const Follower::Held mine = first.held(), theirs = joins.held();
+    for (const auto& [at, held] : theirs) {
+        const auto other = mine.find(at);
+        if (other == mine.end())
+            continue;
+        ++shared;
+        const auto &a = held->keyframe().values, &b = other->second->keyframe().values;
+        ASSERT_EQ(a.size(), b.size());
+        EXPECT_EQ(std::memcmp(a.data(), b.data(), a.size() * sizeof(float)), 0)
+            << "cascade " << std::get<0>(at) << " at " << std::get<1>(at);
+    }
+    EXPECT_GT(shared, 20);
+    const double predicted = metric(port, "seaway_net_keyframes_predicted_total");
+    const double streamed = metric(port, "seaway_net_keyframes_sent_total");
+    EXPECT_GT(predicted, 40);
+    // Three cascades of each are whole once; a machine that is busy may leave keyframes out, and each such costs one more.
+    EXPECT_LE(streamed - predicted, 6 + 3 * metric(port, "seaway_net_keyframes_replaced_total") +
+                                        2 * metric(port, "seaway_net_keyframes_dropped_total"));
+}
+
+} // namespace
+} // namespace seaway
