@@ -46,6 +46,10 @@ def values_of(value, path):
     return {place: leaf for name, child in children for place, leaf in values_of(child, f"{path}.{name}").items()}
 
 
+# Of the difference among the golden tiles (tests/protocol/test_golden.cpp).
+GOLDEN_EXPECTED = np.array([[0.5, 0.9, 1.5, 1.7], [0.1, 0.5, 0.625, 1.5], [0.5, 1.0, 1.75, -2.0]], np.float32)
+
+
 class Golden(unittest.TestCase):
     def test_every_golden_message_says_what_its_bytes_mean(self):
         paths = sorted((GOLDEN / "wire_v1").glob("*.txt"))
@@ -79,8 +83,14 @@ class Golden(unittest.TestCase):
     def test_golden_tiles_decode_to_the_same_floats(self):
         for path in sorted((GOLDEN / "tile_codec_v1").glob("*.txt")):
             data, says = read_golden(path)
-            bits = tiles.decode(data).ravel().view(np.uint32)
+            bits = tiles.decode(data, GOLDEN_EXPECTED).ravel().view(np.uint32)
             self.assertEqual([f"{b:08x}" for b in bits], says, path.name)
+
+
+    def test_a_difference_to_something_else_says_so(self):
+        data, _ = read_golden(GOLDEN / "tile_codec_v1" / "difference.txt")
+        with self.assertRaises(ValueError):
+            tiles.decode(data, GOLDEN_EXPECTED + np.float32(0.1))
 
 
 class Live(unittest.TestCase):

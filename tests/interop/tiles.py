@@ -7,23 +7,45 @@ import zlib
 import numpy as np
 import zstandard
 
-CONSTANT, QUANTISED, LOSSLESS = 0, 1, 2
+CONSTANT, QUANTISED, LOSSLESS, DIFFERENCE = 0, 1, 2, 3
+FINE_STEPS = 8  # in a step of a difference
 
 
-def decode(payload):
-    """The samples of one part, [y][x] of float32."""
+def codes_of(plain, planes, count):
+    """One whole number a sample: byte planes, or two a byte."""
+    if planes == 0:
+        pairs = np.frombuffer(plain, np.uint8, (count + 1) // 2).astype(np.uint32)
+        return np.stack([pairs & 15, pairs >> 4], axis=1).ravel()[:count]
+    codes = np.zeros(count, np.uint32)
+    for plane in range(planes):
+        part = np.frombuffer(plain, np.uint8, count, plane * count).astype(np.uint32)
+        codes |= part << np.uint32(8 * plane)
+    return codes
+
+
+def decode_difference(payload, step, residual, expected):
+    """The samples that are so many steps from what is expected; rounded to the lattice, halves to the even point."""
+    lattice = np.rint(expected.astype(np.float64) / step) + FINE_STEPS * residual.view(np.int32).astype(np.float64)
+    samples = (lattice * step).astype(np.float32)
+    if struct.unpack_from("<I", payload, 16)[0] != zlib.crc32(samples.tobytes()):
+        raise ValueError("something else was expected")
+    return samples
+
+
+def decode(payload, expected=None):
+    """The samples of one part, [y][x] of float32. `expected`, likewise: of a difference, what it is to."""
     version, mode, width, height, planes, zero, parameter, checksum = struct.unpack_from("<BBHHBBfI", payload)
     if version != 1 or zero != 0 or zlib.crc32(payload[16:], zlib.crc32(payload[:12])) != checksum:
         raise ValueError("not a tile of codec version 1, or damaged")
     if mode == CONSTANT:
         return np.full((height, width), parameter, np.float32)
     count = width * height
-    plain = zstandard.ZstdDecompressor().decompress(payload[16:], max_output_size=planes * count)
-    codes = np.zeros(count, np.uint32)
-    for plane in range(planes):
-        part = np.frombuffer(plain, np.uint8, count, plane * count).astype(np.uint32)
-        codes |= part << np.uint32(8 * plane)
+    frame = payload[20:] if mode == DIFFERENCE else payload[16:]
+    size = planes * count if planes else (count + 1) // 2
+    codes = codes_of(zstandard.ZstdDecompressor().decompress(frame, max_output_size=size), planes, count)
     residual = (codes >> np.uint32(1)) ^ (np.uint32(0) - (codes & np.uint32(1)))
+    if mode == DIFFERENCE:
+        return decode_difference(payload, float(parameter), residual.reshape(height, width), expected)
     # u(x, y) = r + u(x-1, y) + u(x, y-1) - u(x-1, y-1) is the sum of all r to the lower left.
     u = residual.reshape(height, width).cumsum(axis=1, dtype=np.uint32).cumsum(axis=0, dtype=np.uint32)
     if mode == QUANTISED:
