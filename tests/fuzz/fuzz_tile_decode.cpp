@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bytes as an encoded tile, with a checksum that fits: an error, or finite samples and nothing
+// Bytes as an encoded tile, whole or a difference, with a checksum that fits: an error, or finite samples and nothing
 // written outside of the rows. First two bytes: the shape.
 #include <cmath>
 #include <cstdint>
@@ -23,7 +23,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }
     const auto stride = static_cast<std::size_t>(shape.width) + 1;
     std::vector<float> samples(stride * static_cast<std::size_t>(shape.height), 0.5f);
-    if (decode_tile(bytes, shape, stride, samples))
+    const std::vector<float> expected(samples.size(), -3.25f);
+    if (is_difference(bytes) ? decode_tile_difference(bytes, shape, stride, expected, samples)
+                             : decode_tile(bytes, shape, stride, samples))
         for (const float sample : samples)
             if (!std::isfinite(sample))
                 std::abort();

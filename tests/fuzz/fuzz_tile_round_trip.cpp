@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bytes as a bound, a width and samples: refused, or encoded, decoded and within the bound.
+// Bytes as a bound, a width and samples: refused, or encoded, decoded and within the bound; in two forms, too, where the samples
+// are expected to be those before them.
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
@@ -25,6 +27,18 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const auto bytes = encode_tile(samples, shape, width, bound);
     if (!bytes)
         return 0;
+    std::vector<float> expected(samples.begin(), samples.end()), decoded(samples.size()),
+        other(samples.size());
+    std::rotate(expected.begin(), expected.begin() + 1, expected.end());
+    const auto forms = encode_tile_forms(samples, shape, width, bound, expected, decoded);
+    const std::size_t in_tile = width * height * sizeof(float);
+    if (!forms || !decode_tile(forms->whole, shape, width, other) ||
+        std::memcmp(other.data(), decoded.data(), in_tile) != 0)
+        std::abort();
+    if (!forms->difference.empty() &&
+        (!decode_tile_difference(forms->difference, shape, width, expected, other) ||
+         std::memcmp(other.data(), decoded.data(), in_tile) != 0))
+        std::abort();
     std::vector<float> back(width * height);
     if (!decode_tile(*bytes, shape, width, back))
         std::abort();

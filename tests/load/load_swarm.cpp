@@ -55,6 +55,7 @@ struct Options {
     double error_m = 0;
     int nice = 0;
     bool compact = false;
+    bool predicted = false;
 };
 
 struct Scenario {
@@ -116,7 +117,8 @@ void send_out(Crew& crew, const Options& options, const Scenario& scenario, int 
     Errand errand{.port = port,
                   .wish = {.fields = fields_called(options.fields),
                            .error_m = static_cast<float>(options.error_m),
-                           .compact = options.compact},
+                           .compact = options.compact || options.predicted,
+                           .predicted = options.predicted},
                   .credit = credit,
                   .nice = options.nice};
     for (int i = 0; i < options.processes; ++i) {
@@ -223,6 +225,7 @@ Result<const Scenario*> read(int argc, char** argv, Options& options) {
     line.option("--warm-up", options.warm_up_s, "Seconds before that").between(0.0, 1e5);
     line.option("--error", options.error_m, "Wanted of the tiles, m").between(0.0, 1e6);
     line.option("--compact", options.compact, "Clients take compact maps");
+    line.option("--predicted", options.predicted, "And differences to earlier keyframes");
     SEAWAY_TRY_LET(const CommandLine::Next next, line.read(argc, argv));
     if (next == CommandLine::Next::leave)
         std::exit(0);
