@@ -9,6 +9,7 @@
 
 #include "base/manual.h"
 #include "base/messages.h"
+#include "base/nearest.h"
 #include "base/options_file.h"
 
 namespace seaway {
@@ -182,6 +183,22 @@ bool CommandLine::given() const {
     return app_->parsed();
 }
 
+std::string CommandLine::without_command(const std::string& why) const {
+    std::vector<std::string> names;
+    for (const std::unique_ptr<CommandLine>& command : commands_)
+        names.push_back(command->app_->get_name());
+    // The parser says that a command is missing before it says which word was none.
+    const std::vector<std::string> unknown = app_->remaining();
+    const auto word =
+        std::ranges::find_if(unknown, [](const std::string& one) { return !one.starts_with('-'); });
+    if (word != unknown.end() && word == unknown.begin())
+        return fmt::format("'{}' is none of its commands{}", printable(*word),
+                           nearest_of(*word, names));
+    if (unknown.empty() && why.find("subcommand") != std::string::npos)
+        return fmt::format("a command is missing: {}", fmt::join(names, ", "));
+    return why;
+}
+
 Result<CommandLine::Next> CommandLine::read(int argc, const char* const* argv) {
     return read(std::vector<std::string>(argv + std::min(argc, 1), argv + argc));
 }
@@ -201,10 +218,8 @@ Result<CommandLine::Next> CommandLine::read(std::vector<std::string> words) {
         return Next::leave;
     } catch (const CLI::ParseError& error) {
         std::string line = error.what();
-        // The parser says that a command is missing before it says which word was none.
-        if (const std::vector<std::string> unknown = app_->remaining();
-            !commands_.empty() && !unknown.empty() && app_->get_subcommands().empty())
-            line = fmt::format("'{}' is none of its commands", printable(unknown.front()));
+        if (!commands_.empty() && app_->get_subcommands().empty())
+            line = without_command(line);
         std::replace(line.begin(), line.end(), '\n', ' ');
         return Error{line};
     }

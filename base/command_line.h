@@ -83,6 +83,9 @@ class CommandLine {
 
     Result<void> add_words_of_file(std::vector<std::string>& words) const;
 
+    /// What is wrong with a line that has none of its commands; or `why`.
+    std::string without_command(const std::string& why) const;
+
     std::string version() const;
 
     std::unique_ptr<CLI::App> own_;

@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <sstream>
 
 #include <fmt/format.h>
 
+#include "base/nearest.h"
 #include "base/toml_header.h"
 
 namespace seaway {
@@ -33,20 +33,6 @@ std::optional<double> as_number(const toml::node& node) {
     if (const auto* value = node.as_floating_point())
         return value->get();
     return std::nullopt;
-}
-
-/// How many letters are changed, left out or put in to make one word of the other (Levenshtein).
-std::size_t changes_between(std::string_view a, std::string_view b) {
-    std::vector<std::size_t> row(b.size() + 1);
-    std::iota(row.begin(), row.end(), std::size_t{0});
-    for (std::size_t i = 0; i < a.size(); ++i) {
-        std::size_t corner = std::exchange(row[0], i + 1);
-        for (std::size_t j = 0; j < b.size(); ++j) {
-            const std::size_t changed = corner + (a[i] == b[j] ? 0 : 1);
-            corner = std::exchange(row[j + 1], std::min({changed, row[j] + 1, row[j + 1] + 1}));
-        }
-    }
-    return row.back();
 }
 
 /// Walks a TOML text as far as comments and strings go.
@@ -356,24 +342,12 @@ std::vector<TomlTable> TomlTable::tables(std::string_view key, int count_max) {
     return subs;
 }
 
-std::string TomlTable::nearest(std::string_view key) const {
-    std::string best;
-    std::size_t fewest = key.size() / 2; // more is another word, not a slip
-    for (const std::string& asked : asked_)
-        if (const std::size_t changes = changes_between(key, asked); changes <= fewest) {
-            if (changes == fewest && !best.empty())
-                continue;
-            fewest = changes;
-            best = asked;
-        }
-    return best.empty() ? "" : "; the nearest is " + best;
-}
-
 void TomlTable::finish() {
     for (const auto& [key, node] : table_)
         if (std::find(asked_.begin(), asked_.end(), key.str()) == asked_.end())
-            errors_.add((key.source().begin ? key.source() : node.source()).begin.line,
-                        fmt::format("{}: unknown key{}", path(key.str()), nearest(key.str())));
+            errors_.add(
+                (key.source().begin ? key.source() : node.source()).begin.line,
+                fmt::format("{}: unknown key{}", path(key.str()), nearest_of(key.str(), asked_)));
 }
 
 } // namespace seaway

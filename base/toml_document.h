@@ -118,8 +118,6 @@ class TomlTable {
   private:
     const toml::node* find(std::string_view key);
     std::string path(std::string_view key) const;
-    /// "; the nearest is depth_m", or nothing.
-    std::string nearest(std::string_view key) const;
 
     const toml::table& table_;
     std::string name_;

@@ -104,14 +104,40 @@ TEST(CommandLine, one_of_its_commands_has_to_be_given) {
     CommandLine& first = line.command("first", "One thing.");
     first.option("--frames", frames);
     CommandLine& second = line.command("second", "Another.");
-    EXPECT_FALSE(line.read(std::vector<std::string>{}));
-    const auto wrong = line.read({"frist", "--frames", "3"});
-    ASSERT_FALSE(wrong);
-    EXPECT_NE(wrong.error().message.find("'frist'"), std::string::npos) << wrong.error().message;
+    const auto says = [&](std::vector<std::string> words, const std::string& what) {
+        const auto wrong = line.read(std::move(words));
+        EXPECT_FALSE(wrong);
+        EXPECT_EQ(wrong ? "" : wrong.error().message, what);
+    };
+    says({}, "a command is missing: first, second");
+    says({"frist", "--frames", "3"}, "'frist' is none of its commands; the nearest is first");
+    says({"secondly"}, "'secondly' is none of its commands; the nearest is second");
+    says({"elsewhere"}, "'elsewhere' is none of its commands");
     ASSERT_TRUE(line.read({"first", "--frames", "3"}));
     EXPECT_TRUE(first.given());
     EXPECT_FALSE(second.given());
     EXPECT_EQ(frames, 3);
+}
+
+// As seaway-ctl has it: the word behind the address is a command.
+TEST(CommandLine, a_word_that_is_no_command_is_named_with_the_nearest_wherever_it_stands) {
+    std::string url, file;
+    CommandLine line("program", "Does something.");
+    line.option("url", url, "Where").required();
+    line.option("--token-file", file, "A file");
+    line.command("state", "What there is");
+    line.command("sessions", "Who is there");
+    for (const std::vector<std::string>& words : std::initializer_list<std::vector<std::string>>{
+             {"ws://sea", "stat"},
+             {"ws://sea", "--token-file", "a", "stat"},
+             {"--token-file", "a", "ws://sea", "stat", "more", "--over", "3"}}) {
+        const auto wrong = line.read(words);
+        ASSERT_FALSE(wrong);
+        EXPECT_EQ(wrong.error().message, "'stat' is none of its commands; the nearest is state");
+    }
+    const auto none = line.read({"ws://sea"});
+    ASSERT_FALSE(none);
+    EXPECT_EQ(none.error().message, "a command is missing: state, sessions");
 }
 
 /// A program with an option of each kind and a command; what it writes of itself.
