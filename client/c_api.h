@@ -50,9 +50,10 @@ inline seaway_code fail(seaway_code code, std::string why) {
 
 inline seaway_code fail(const Error& error) {
     const int code = static_cast<int>(failure_of(error));
-    return fail(code > SEAWAY_OK && code < SEAWAY_INTERNAL ? static_cast<seaway_code>(code)
-                                                           : SEAWAY_INTERNAL,
-                error.message);
+    static_assert(static_cast<int>(Failure::not_understood) == SEAWAY_NOT_UNDERSTOOD);
+    const bool known =
+        (code > SEAWAY_OK && code < SEAWAY_INTERNAL) || code == SEAWAY_NOT_UNDERSTOOD;
+    return fail(known ? static_cast<seaway_code>(code) : SEAWAY_INTERNAL, error.message);
 }
 
 /// Runs a body that returns a Result<void>; nothing may be thrown into C.

@@ -65,7 +65,9 @@ typedef enum seaway_code {
     SEAWAY_NOT_HELD =
         6, /* no keyframes around this time: subscribe, seaway_hold, or wait for the server */
     SEAWAY_INTERNAL = 7, /* out of memory, or a bug */
-    SEAWAY_PENDING = 8   /* of seaway_take_answers: no reply yet */
+    SEAWAY_PENDING = 8,  /* of seaway_take_answers: no reply yet */
+    SEAWAY_NOT_UNDERSTOOD =
+        9 /* the server is older than what was asked, and has answered something else */
 } seaway_code;
 
 /* Why the last call of this thread failed; "" after none. Valid until its next call. */

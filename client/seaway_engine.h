@@ -224,7 +224,8 @@ seaway_code seaway_query_below(seaway_client* client, const seaway_looking* look
                                const seaway_point* points, const double* z_m, size_t count,
                                double timeout_s, seaway_below* below, size_t stride);
 
-/* seaway_query of the waves that count: cascades that are left out are not made for it. */
+/* seaway_query of the waves that count: cascades that are left out are not made for it. SEAWAY_NOT_UNDERSTOOD: the server is older
+ * and has answered for all waves; the answers are not written. */
 seaway_code seaway_query_some(seaway_client* client, const seaway_looking* looking,
                               const seaway_point* points, size_t count, int exact, double timeout_s,
                               seaway_answer* answers);

@@ -303,7 +303,8 @@ TileHeader header(const wire::Tile& tile) {
 }
 
 Bytes query_reply(std::uint32_t request_id, std::uint32_t epoch,
-                  std::span<const sea::Answer> answers, std::span<const sea::WaterBelow> below) {
+                  std::span<const sea::Answer> answers, std::span<const sea::WaterBelow> below,
+                  std::optional<std::uint32_t> cascades) {
     FlatBufferBuilder built = builder(192 + answers.size() * sizeof(wire::PointAnswer) +
                                       below.size() * sizeof(wire::Below));
     wire::Below* waters = nullptr;
@@ -315,15 +316,14 @@ Bytes query_reply(std::uint32_t request_id, std::uint32_t epoch,
                                 static_cast<float>(below[i].pressure_m2ps2));
     wire::PointAnswer* list = nullptr;
     const auto offset = built.CreateUninitializedVectorOfStructs(answers.size(), &list);
-    for (std::size_t i = 0; i < answers.size(); ++i) {
-        const sea::Answer& a = answers[i];
-        list[i] = wire::PointAnswer(
+    for (const sea::Answer& a : answers)
+        *list++ = wire::PointAnswer(
             a.height_m, static_cast<float>(a.normal[0]), static_cast<float>(a.normal[1]),
             static_cast<float>(a.normal[2]), static_cast<float>(a.velocity_mps[0]),
             static_cast<float>(a.velocity_mps[1]), static_cast<float>(a.velocity_mps[2]),
             bound_to_float(a.error_m), a.flags);
-    }
-    return finish(built, wire::CreateQueryReply(built, request_id, epoch, offset, below_offset));
+    return finish(built,
+                  wire::CreateQueryReply(built, request_id, epoch, offset, below_offset, cascades));
 }
 
 sea::WaterBelow water(const wire::Below& below) {

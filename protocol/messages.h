@@ -264,10 +264,10 @@ Bytes tile(const TileHeader& header, std::span<const std::uint8_t> payload);
 /// The inverse; `tile` must have passed check().
 TileHeader header(const wire::Tile& tile);
 
-/// `below`: none, or one an answer.
+/// `below`: none, or one an answer. `cascades`: those that counted, of a query that left some out; none: all did.
 Bytes query_reply(std::uint32_t request_id, std::uint32_t epoch,
-                  std::span<const sea::Answer> answers,
-                  std::span<const sea::WaterBelow> below = {});
+                  std::span<const sea::Answer> answers, std::span<const sea::WaterBelow> below = {},
+                  std::optional<std::uint32_t> cascades = {});
 sea::Answer answer(const wire::PointAnswer& answer);
 sea::WaterBelow water(const wire::Below& below);
 

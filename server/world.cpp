@@ -289,13 +289,17 @@ void World::query(QueryBatch batch, Queried done) {
     asked.exact = batch.exact;
     asked.looking = batch.looking;
     asked.z_m = std::move(batch.z_m);
+    std::optional<std::uint32_t> counted;
+    if (asked.looking != sea::Looking{})
+        counted = felt_cascades(*course_->first()->realization, asked.looking);
     simulation_->answer(
         std::move(asked),
-        [epoch = course_->window_at(time_us).epoch,
+        [epoch = course_->window_at(time_us).epoch, counted,
          done = std::move(done)](Result<PointsAnswered> answered) {
             if (!answered)
                 return done(answered.error());
-            done(QueryAnswers{epoch, std::move(answered->answers), std::move(answered->below)});
+            done(QueryAnswers{epoch, std::move(answered->answers), std::move(answered->below),
+                              counted});
         },
         batch.asker);
 }

@@ -17,6 +17,7 @@ int exit_code(const char* program, const Error& error) {
         return exit_usage;
     case Failure::refused:
     case Failure::not_held:
+    case Failure::not_understood:
     case Failure::too_large:
         return exit_refused;
     case Failure::none: // not of this room

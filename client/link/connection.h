@@ -101,7 +101,8 @@ class Connection {
     // exactly once, on the connection's thread or at once. `timeout_s` is from now on.
 
     /// At most welcome().points_per_query_max points, or exact_points_per_query_max.
-    /// `looking`: which waves count. `z_m`: none, or of each point the water there as well, as exact points.
+    /// `looking`: which waves count. `z_m`: none, or of each point the water there as well, as exact points. Of a server
+    /// that is older than one of them, Failure::not_understood.
     void query(std::span<const sea::QueryPoint> points, bool exact, double timeout_s,
                ReplyHandler handler, const sea::Looking& looking = {},
                std::span<const double> z_m = {});

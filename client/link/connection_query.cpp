@@ -7,6 +7,29 @@
 
 namespace seaway::client {
 
+namespace {
+
+/// A server skips what it does not know of a query, and answers the rest.
+Result<void> check_answers(const Reply& reply, std::size_t points, std::size_t depths,
+                           bool chooses) {
+    if (reply.answers.size() != points)
+        return failed(Failure::refused,
+                      fmt::format("{} points asked, {} answered", points, reply.answers.size()));
+    if (depths != 0 && reply.below.empty())
+        return failed(Failure::not_understood,
+                      "this server is older and knows nothing of the water below");
+    if (reply.below.size() != depths)
+        return failed(Failure::refused,
+                      fmt::format("{} depths asked, {} answered", depths, reply.below.size()));
+    if (chooses && !reply.chose_waves)
+        return failed(Failure::not_understood,
+                      "this server is older and has answered for all waves: it knows of no choice "
+                      "of cascades or wavelengths");
+    return {};
+}
+
+} // namespace
+
 void Connection::query(std::span<const sea::QueryPoint> points, bool exact, double timeout_s,
                        ReplyHandler handler, const sea::Looking& looking,
                        std::span<const double> z_m) {
@@ -24,16 +47,12 @@ void Connection::query(std::span<const sea::QueryPoint> points, bool exact, doub
             return protocol::query(request_id, points, exact, looking, z_m);
         },
         deadline_us(timeout_s),
-        [expected, depths = z_m.size(), handler = std::move(handler)](Result<Reply> reply) {
-            if (reply && reply->answers.size() != expected)
-                return handler(
-                    failed(Failure::refused, fmt::format("{} points asked, {} answered", expected,
-                                                         reply->answers.size())));
-            if (reply && reply->below.size() != depths)
-                return handler(failed(Failure::refused,
-                                      fmt::format("{} depths asked, {} answered: the server may "
-                                                  "know nothing of the water below",
-                                                  depths, reply->below.size())));
+        [expected, depths = z_m.size(), chooses = looking != sea::Looking{},
+         handler = std::move(handler)](Result<Reply> reply) {
+            if (reply)
+                if (const Result<void> whole = check_answers(*reply, expected, depths, chooses);
+                    !whole)
+                    return handler(whole.error());
             handler(std::move(reply));
         });
 }
@@ -42,6 +61,7 @@ Result<void> Connection::take(const wire::QueryReply& reply) {
     SEAWAY_TRY(protocol::check(reply));
     Reply value;
     value.epoch = reply.epoch();
+    value.chose_waves = reply.cascades().has_value();
     if (reply.answers()) {
         value.answers.reserve(reply.answers()->size());
         for (const wire::PointAnswer* answer : *reply.answers())

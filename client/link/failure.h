@@ -18,7 +18,9 @@ enum class Failure : int {
     refused = 4,        ///< the server refused this one request
     deadline = 5,       ///< no reply in time; the connection goes on
     not_held = 6,       ///< no keyframes around this time
-    too_large = 100,    ///< the answer would be too large: within this room alone, which asks again
+    not_understood =
+        9,           ///< the server is older than what was asked, and has answered something else
+    too_large = 100, ///< the answer would be too large: within this room alone, which asks again
     for_good =
         101, ///< lost or not to be had, and coming again would meet the same: of Connection alone
 };

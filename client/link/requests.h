@@ -39,6 +39,7 @@ struct Reply {
     std::uint32_t epoch = 0;            ///< query
     std::vector<sea::Answer> answers;   ///< query: one a point, in order
     std::vector<sea::WaterBelow> below; ///< query: one a depth
+    bool chose_waves = false;           ///< query: the server says which cascades counted
     Grant grant;                        ///< subscribe
     std::uint32_t keyframes = 0;        ///< subscribe, fetch: how many were sent at once
     sea::FieldSet fields;               ///< subscribe, fetch: fields of those

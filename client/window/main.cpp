@@ -45,6 +45,7 @@ int fail(const Error& error) {
         return fail(ViewExit::usage, error);
     case Failure::refused:
     case Failure::not_held:
+    case Failure::not_understood:
         return fail(ViewExit::refused, error);
     default:
         return fail(ViewExit::lost, error);

@@ -62,6 +62,8 @@ struct QueryAnswers {
     std::uint32_t epoch = 0;
     std::vector<sea::Answer> answers;        ///< one a point, in order
     std::vector<sea::WaterBelow> below = {}; ///< one a depth
+    /// Those that counted, a bit each, where the batch says which should; none: they all did.
+    std::optional<std::uint32_t> cascades = {};
 };
 
 struct FetchRequest {

@@ -89,9 +89,10 @@ void Session::answered(const Asked& asked, const Result<QueryAnswers>& answers) 
     --queries_in_flight_;
     if (!answers)
         return refuse(asked.request_id, answers.error());
-    outbox_.push_reply(with_place(
-        asked.place, std::make_shared<const protocol::Bytes>(protocol::query_reply(
-                         asked.request_id, answers->epoch, answers->answers, answers->below))));
+    outbox_.push_reply(
+        with_place(asked.place, std::make_shared<const protocol::Bytes>(protocol::query_reply(
+                                    asked.request_id, answers->epoch, answers->answers,
+                                    answers->below, answers->cascades))));
     link_.send_more();
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - asked.at;
     Counters& counters = core_.counters;

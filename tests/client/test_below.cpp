@@ -60,10 +60,34 @@ TEST_F(BelowEngine, the_server_answers_any_number_of_depths_in_order) {
 TEST_F(BelowEngine, a_server_that_knows_nothing_of_depths_is_not_believed) {
     sea.knows_below = false;
     Sea client(net->url());
-    EXPECT_EQ(query(client, places(3), depths(3)).code, SEAWAY_REFUSED);
-    EXPECT_NE(std::string(seaway_last_error()).find("3 depths asked, 0 answered"),
+    EXPECT_EQ(query(client, places(3), depths(3)).code, SEAWAY_NOT_UNDERSTOOD);
+    EXPECT_NE(std::string(seaway_last_error()).find("knows nothing of the water below"),
               std::string::npos)
         << seaway_last_error();
+}
+
+// Naive: it skips what it does not know, and its answers of all waves are taken for those of some.
+TEST_F(BelowEngine, a_server_that_knows_of_no_choice_of_waves_is_not_believed) {
+    sea.knows_choice = false;
+    Sea client(net->url());
+    const std::vector<seaway_point> points = places(3);
+    seaway_looking long_ones = SEAWAY_SIZED(seaway_looking), all = long_ones;
+    long_ones.min_wavelength_m = 25;
+    std::vector<seaway_answer> answers(points.size(), seaway_answer{.height_m = 77});
+    const auto ask = [&](const seaway_looking* looking) {
+        return seaway_query_some(client.handle(), looking, points.data(), points.size(), 0, 0,
+                                 answers.data());
+    };
+    EXPECT_EQ(ask(&long_ones), SEAWAY_NOT_UNDERSTOOD);
+    EXPECT_NE(std::string(seaway_last_error()).find("has answered for all waves"),
+              std::string::npos)
+        << seaway_last_error();
+    EXPECT_EQ(answers[0].height_m, 77) << "nothing wrong is handed out";
+    EXPECT_EQ(query(client, points, depths(3), &long_ones).code, SEAWAY_NOT_UNDERSTOOD);
+    EXPECT_EQ(ask(&all), SEAWAY_OK) << "all waves are what it answers for";
+    EXPECT_EQ(ask(nullptr), SEAWAY_OK);
+    sea.knows_choice = true;
+    EXPECT_EQ(ask(&long_ones), SEAWAY_OK);
 }
 
 // The waves that came are off by 1 mm; these have periods above 1 s.

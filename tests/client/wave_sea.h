@@ -74,6 +74,7 @@ class WaveSea : public server::Host {
     std::atomic<bool> answer_queries = true;
     std::atomic<bool> knows_below =
         true; ///< else depths are passed over, as by a server that is older
+    std::atomic<bool> knows_choice = true; ///< of waves; else it is passed over, likewise
     std::atomic<int> fetches = 0;
     std::atomic<int> queries = 0;
     std::atomic<int> exact_queries = 0;             ///< of them
@@ -187,8 +188,10 @@ class WaveSea : public server::Host {
         out.epoch = epoch;
         std::uint32_t felt = 0;
         for (std::size_t c = 0; c < sea_->cascades.size(); ++c)
-            if (batch.looking.feels(c, sea_->cascades[c].band.k_lo_radpm))
+            if (!knows_choice || batch.looking.feels(c, sea_->cascades[c].band.k_lo_radpm))
                 felt |= 1u << c;
+        if (knows_choice && batch.looking != sea::Looking{})
+            out.cascades = felt;
         if (knows_below)
             out.below.resize(batch.z_m.size());
         for (std::size_t i = 0; i < batch.points.size(); ++i) {

@@ -108,7 +108,10 @@ class Session:
     def query(self, points, exact=False, min_wavelength_m=0.0):
         """points: (x_m, y_m, time_us)."""
         listed = [{"x_m": x, "y_m": y, "time_us": t} for x, y, t in points]
-        return self.ask("Query", "QueryReply", exact=exact, points=listed, min_wavelength_m=min_wavelength_m)["answers"]
+        reply = self.ask("Query", "QueryReply", exact=exact, points=listed, min_wavelength_m=min_wavelength_m)
+        if min_wavelength_m > 0 and reply.get("cascades") is None:
+            raise ValueError("this server has answered for all waves")
+        return reply["answers"]
 
     def query_below(self, points):
         """points: (x_m, y_m, time_us, z_m); the surface above each, and the water at each."""

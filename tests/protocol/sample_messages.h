@@ -138,7 +138,7 @@ inline Bytes sample(wire::Body body) {
     case Body::Tile:
         return tile(some_tile(), payload);
     case Body::QueryReply:
-        return query_reply(9, 3, some_answers(), some_waters);
+        return query_reply(9, 3, some_answers(), some_waters, 5u);
     case Body::FetchDone:
         return fetch_done(8, 6, sea::surface_fields);
     case Body::Pong:

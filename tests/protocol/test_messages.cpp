@@ -70,6 +70,8 @@ TEST(Messages, server_messages_read_back_as_they_were_written) {
     ASSERT_TRUE(check(*reply).has_value());
     EXPECT_EQ(water(*reply->below()->Get(0)).velocity_mps[2], -3);
     EXPECT_EQ(water(*reply->below()->Get(0)).pressure_m2ps2, 9.5);
+    EXPECT_EQ(reply->cascades(), 5u);
+    EXPECT_FALSE(read(reader, query_reply(9, 3, {}))->body_as_QueryReply()->cascades());
     const std::vector<sea::WaterBelow> too_many(2);
     EXPECT_FALSE(check(
         *read(reader, query_reply(9, 3, tests::some_answers(), too_many))->body_as_QueryReply()));

@@ -3,8 +3,10 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <future>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <thread>
 #include <utility>
@@ -103,6 +105,27 @@ TEST(World, everybody_is_told_once_of_a_sea_that_somebody_has_asked_about_alread
     (void)world.announce_due();
     ASSERT_EQ(told.size(), 1u);
     EXPECT_EQ(told.front(), glide);
+}
+
+// Naive: the choice as it came, of waves that this sea may not have.
+TEST(World, an_answer_about_some_waves_says_which_of_this_sea_they_were) {
+    Bench bench;
+    SeaClock clock = stopped_at(0);
+    World world(bench.course, clock);
+    world.attach(*bench.simulation);
+    const auto counted = [&](const sea::Looking& looking) {
+        std::promise<std::optional<std::uint32_t>> said;
+        world.query({false, {{1.0, 2.0, 0}}, Asker::who_stays(), looking},
+                    [&](const auto& answers) {
+                        EXPECT_TRUE(answers);
+                        said.set_value(answers->cascades);
+                    });
+        return said.get_future().get();
+    };
+    EXPECT_EQ(counted({}), std::nullopt) << "who asks of all waves hears nothing of it";
+    EXPECT_EQ(counted({.min_wavelength_m = 40}), 1u) << "the second tile is 43 m long";
+    EXPECT_EQ(counted({.cascades = 0xfeu}), 2u);
+    EXPECT_EQ(counted({.min_wavelength_m = 1e-3}), sea::all_cascades) << "none is left out";
 }
 
 // ---- what is granted and what is sent for it -------------------------------------------------

@@ -150,6 +150,8 @@ class SmallSea : public server::Host {
             answer.flags = batch.exact ? sea::answer_exact : 0u;
             out.answers.push_back(answer);
         }
+        if (batch.looking != sea::Looking{})
+            out.cascades = batch.looking.cascades & 3u;
         if (answer_queries)
             done(std::move(out));
         else
