@@ -68,6 +68,8 @@ class CommandLine {
     /// `name` FILE: options from a file (base/options_file.h), where the line does not say otherwise. What no
     /// option has the name of, a value of another kind and a file that is none are errors that name file and line.
     void file_of_options(const std::string& name, const std::string& help);
+    /// Which one was given; empty: none.
+    const std::string& given_file_of_options() const { return file_; }
 
     /// A word such as "effects" with options of its own, of which one must then be given.
     CommandLine& command(const std::string& name, const std::string& about);

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // seaway-server: reads a scene, computes its sea, serves it. Exit codes: server/options.h.
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <exception>
+#include <iterator>
 #include <memory>
 #include <new>
 #include <system_error>
 #include <variant>
+#include <vector>
 
 #include <malloc.h>
 
@@ -25,6 +28,7 @@
 #include "server/sea_director.h"
 #include "server/service_manager.h"
 #include "server/simulation/memory_needs.h"
+#include "server/start_files.h"
 #include "server/stop_deadline.h"
 #include "server/stop_signal.h"
 #include "server/world.h"
@@ -54,24 +58,18 @@ SimulationEvents events(World& world) {
         [] { ::malloc_trim(0); }};
 }
 
-/// SIGHUP. Says of each file whether it was read again, and what was not looked at.
-void reload(NetServer& net, const NetOptions& options) {
-    const std::vector<CredentialFile> files = credential_files(options);
-    const Result<void> read = net.reload();
-    if (!read)
-        spdlog::error("event=reload_refused why=\"{}\"", read.error().message);
-    for (const CredentialFile& file : files)
-        if (read)
-            spdlog::info("event=reloaded option={} file=\"{}\"", file.option, printable(file.path));
-        else
-            spdlog::info(
-                "event=reload_left option={} file=\"{}\" why=\"all are taken or none: it is "
-                "as it was\"",
-                file.option, printable(file.path));
-    if (files.empty())
-        spdlog::info("event=reload_left option=\"tokens and certificate\" why=\"none are given\"");
-    spdlog::info("event=reload_left option=\"the scene and all others\" why=\"read at the start "
-                 "alone: restart for them\"");
+/// SIGHUP.
+void reload(NetServer& net, const StartFiles& start_files) {
+    const NetServer::Reloaded read = net.reload();
+    std::vector<FileReadAgain> files = read.files;
+    std::ranges::move(start_files.look(), std::back_inserter(files));
+    for (const FileReadAgain& file : files)
+        spdlog::log(file.outcome == ReadAgain::failed ? spdlog::level::err : spdlog::level::info,
+                    "{}", file.line());
+    if (!read.all)
+        return spdlog::error("event=reload_refused why=\"{}\"", read.all.error().message);
+    spdlog::info("event=reloaded files={}",
+                 std::ranges::count(files, ReadAgain::read_again, &FileReadAgain::outcome));
 }
 
 /// Logs what a user should know of this sea.
@@ -185,6 +183,7 @@ int serve(const Options& options) {
     if (const int* code = std::get_if<int>(&read))
         return *code;
     const auto& [scene, course, memory] = std::get<Read>(read);
+    const StartFiles start_files(options);
     const Result<Resumed> resumed =
         begin_or_resume(options.data_dir, *course, SeaClock::utc_now_us());
     if (!resumed)
@@ -218,7 +217,7 @@ int serve(const Options& options) {
     const ServiceManager manager;
     manager.ready((*net)->url());
     const bool asked =
-        stop.wait([&] { or_leave("reload_refused", [&] { reload(**net, options.net); }); },
+        stop.wait([&] { or_leave("reload_refused", [&] { reload(**net, start_files); }); },
                   manager.pat_every(),
                   [&] { or_leave("watchdog_not_told", [&] { pat(manager, world, **net); }); });
     manager.stopping();

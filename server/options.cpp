@@ -148,6 +148,7 @@ std::variant<Options, int> read_options(int argc, char** argv) {
         "Exit codes: 0 asked to stop, 2 usage, bad scene or journal, 3 no usable device, 4 cannot "
         "listen.");
     const Result<CommandLine::Next> next = line.read(argc, argv);
+    options.config = line.given_file_of_options();
     const bool lacks_scene = options.scene.empty() && options.device != "list";
     if (next && *next == CommandLine::Next::leave)
         return status_after_output("seaway-server", 0, exit_usage);

@@ -11,6 +11,7 @@ namespace seaway::server {
 
 struct Options {
     std::string scene;
+    std::string config; ///< file of options; empty: none
     NetOptions net;
     std::string device = "auto"; ///< auto | list | name part | index
     std::string data_dir;        ///< folder of the journal; empty: the sea ends with the process

@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/net/credentials.h"
 
+#include <algorithm>
+#include <utility>
+
 #include <boost/asio/ssl/context.hpp>
 #include <fmt/format.h>
+
+#include "protocol/token_file.h"
 
 namespace seaway::server {
 namespace {
@@ -12,11 +17,7 @@ namespace ssl = boost::asio::ssl;
 /// Of TLS 1.2; those of 1.3 are all of this kind.
 constexpr const char* cipher_suites = "ECDHE+AESGCM:ECDHE+CHACHA20";
 
-Result<std::shared_ptr<ssl::context>> load_certificate(const NetOptions& options) {
-    if (options.tls_cert_file.empty() != options.tls_key_file.empty())
-        return Error{"--tls-cert and --tls-key belong together: give both or neither"};
-    if (options.tls_cert_file.empty())
-        return std::shared_ptr<ssl::context>();
+Result<std::shared_ptr<ssl::context>> new_context() {
     const auto tls = std::make_shared<ssl::context>(ssl::context::tls_server);
     boost::system::error_code error;
     tls->set_options(ssl::context::no_tlsv1 | ssl::context::no_tlsv1_1 | ssl::context::no_sslv2 |
@@ -25,35 +26,102 @@ Result<std::shared_ptr<ssl::context>> load_certificate(const NetOptions& options
                      error);
     if (SSL_CTX_set_cipher_list(tls->native_handle(), cipher_suites) != 1)
         return Error{fmt::format("this OpenSSL has none of the cipher suites {}", cipher_suites)};
-    tls->use_certificate_chain_file(options.tls_cert_file, error);
-    if (error)
-        return Error{fmt::format("--tls-cert {}: {}; a PEM certificate chain is expected",
-                                 options.tls_cert_file, error.message())};
-    tls->use_private_key_file(options.tls_key_file, ssl::context::pem, error);
-    if (error)
-        return Error{fmt::format("--tls-key {}: {}; the PEM key of the certificate is expected",
-                                 options.tls_key_file, error.message())};
     return tls;
 }
 
+/// The key is that of a certificate, which has to be there before.
+class Reading {
+  public:
+    explicit Reading(const NetOptions& options) : options_(options) {}
+
+    CredentialsRead read() {
+        token("--client-token-file", options_.client_token_file, credentials_.tokens.client);
+        token("--admin-token-file", options_.admin_token_file, credentials_.tokens.admin);
+        if (options_.tls_cert_file.empty() != options_.tls_key_file.empty())
+            fail(Error{"--tls-cert and --tls-key belong together: give both or neither"});
+        else if (!options_.tls_cert_file.empty())
+            certificate();
+        if (error_)
+            return {*std::move(error_), std::move(files_)};
+        return {std::move(credentials_), std::move(files_)};
+    }
+
+  private:
+    void fail(Error error) {
+        if (!error_)
+            error_ = std::move(error);
+    }
+    CredentialFile& file(const char* option, const std::string& path) {
+        return files_.emplace_back(CredentialFile{option, path, fingerprint_of(path)});
+    }
+    void fail(CredentialFile& file, const Error& error) {
+        file.failed = error;
+        fail(error);
+    }
+    void token(const char* option, const std::string& path, std::string& to) {
+        if (path.empty())
+            return;
+        CredentialFile& read = file(option, path);
+        if (Result<std::string> found = protocol::read_token_file(path))
+            to = *std::move(found);
+        else
+            fail(read, found.error());
+    }
+    void certificate() {
+        Result<std::shared_ptr<ssl::context>> made = new_context();
+        if (!made)
+            return fail(made.error());
+        const std::shared_ptr<ssl::context> tls = *made;
+        boost::system::error_code error;
+        CredentialFile& chain = file("--tls-cert", options_.tls_cert_file);
+        tls->use_certificate_chain_file(chain.path, error);
+        if (error)
+            fail(chain, Error{fmt::format("--tls-cert {}: {}; a PEM certificate chain is expected",
+                                          chain.path, error.message())});
+        CredentialFile& key = file("--tls-key", options_.tls_key_file);
+        if (error) // there is nothing that it could be the key of
+            return;
+        tls->use_private_key_file(key.path, ssl::context::pem, error);
+        if (error)
+            fail(key,
+                 Error{fmt::format("--tls-key {}: {}; the PEM key of the certificate is expected",
+                                   key.path, error.message())});
+        credentials_.tls = tls;
+    }
+
+    const NetOptions& options_;
+    Credentials credentials_;
+    std::vector<CredentialFile> files_;
+    std::optional<Error> error_;
+};
+
 } // namespace
 
-Result<Credentials> load_credentials(const NetOptions& options) {
-    Credentials credentials;
-    SEAWAY_TRY_LET(credentials.tokens, load_tokens(options));
-    SEAWAY_TRY_LET(credentials.tls, load_certificate(options));
-    return credentials;
+CredentialsRead read_credentials(const NetOptions& options) {
+    return Reading(options).read();
 }
 
-std::vector<CredentialFile> credential_files(const NetOptions& options) {
-    std::vector<CredentialFile> files;
-    for (const auto& [option, path] : {std::pair("--client-token-file", &options.client_token_file),
-                                       std::pair("--admin-token-file", &options.admin_token_file),
-                                       std::pair("--tls-cert", &options.tls_cert_file),
-                                       std::pair("--tls-key", &options.tls_key_file)})
-        if (!path->empty())
-            files.push_back({option, *path});
-    return files;
+std::vector<FileReadAgain> compare(const std::vector<CredentialFile>& in_use,
+                                   const std::vector<CredentialFile>& now) {
+    const auto failed = std::ranges::find_if(
+        now, [](const CredentialFile& file) { return file.failed.has_value(); });
+    std::vector<FileReadAgain> all;
+    for (const CredentialFile& file : now) {
+        FileReadAgain& one =
+            all.emplace_back(FileReadAgain{file.option, file.path, ReadAgain::read_again});
+        const auto before = std::ranges::find(in_use, file.option, &CredentialFile::option);
+        if (file.failed) {
+            one.outcome = ReadAgain::failed;
+            one.why = file.failed->message;
+        } else if (before != in_use.end() && file.fingerprint &&
+                   before->fingerprint == file.fingerprint) {
+            one.outcome = ReadAgain::unchanged;
+        } else if (failed != now.end()) {
+            one.outcome = ReadAgain::kept;
+            one.why = failed->option + " failed, and all are taken or none";
+        }
+    }
+    return all;
 }
 
 } // namespace seaway::server

@@ -3,12 +3,14 @@
 // can read it again while it runs. A value; thread-safe to make.
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "base/result.h"
+#include "server/net/file_read_again.h"
 #include "server/net/options.h"
 #include "server/net/tokens.h"
 
@@ -24,15 +26,29 @@ struct Credentials {
     std::shared_ptr<boost::asio::ssl::context> tls;
 };
 
+/// A file, and how it went.
+struct CredentialFile {
+    std::string option; ///< that names it
+    std::string path;
+    std::optional<std::uint64_t> fingerprint = {};
+    std::optional<Error> failed = {};
+};
+
+struct CredentialsRead {
+    /// Or the first error.
+    Result<Credentials> all;
+    std::vector<CredentialFile> files; ///< each, in order of the options
+};
+
 /// TLS 1.2 and later, with forward secrecy and authenticated encryption alone (no CBC), and without
 /// renegotiation. Errors name the file.
-Result<Credentials> load_credentials(const NetOptions& options);
+CredentialsRead read_credentials(const NetOptions& options);
+inline Result<Credentials> load_credentials(const NetOptions& options) {
+    return read_credentials(options).all;
+}
 
-/// What load_credentials() reads: the options that name a file, and the files.
-struct CredentialFile {
-    std::string_view option;
-    std::string path;
-};
-std::vector<CredentialFile> credential_files(const NetOptions& options);
+/// What became of each where all were read again, of which these are in use.
+std::vector<FileReadAgain> compare(const std::vector<CredentialFile>& in_use,
+                                   const std::vector<CredentialFile>& now);
 
 } // namespace seaway::server

@@ -139,7 +139,9 @@ class NetServer::Impl {
 
     Result<void> start() {
         const NetOptions& options = core_->options;
-        SEAWAY_TRY_LET(const Credentials credentials, load_credentials(options));
+        CredentialsRead read = read_credentials(options);
+        SEAWAY_TRY_LET(const Credentials credentials, std::move(read.all));
+        files_ = std::move(read.files);
         SEAWAY_TRY_LET(core_->origins,
                        Origins::read(options.allowed_origins, asio::ip::host_name()));
         take(credentials);
@@ -154,10 +156,17 @@ class NetServer::Impl {
         return {};
     }
 
-    Result<void> reload() {
-        SEAWAY_TRY_LET(const Credentials credentials, load_credentials(core_->options));
-        asio::post(io_, [this, credentials] { take(credentials); });
-        return {};
+    Reloaded reload() {
+        const std::scoped_lock lock(reloading_);
+        CredentialsRead read = read_credentials(core_->options);
+        Reloaded reloaded{{}, compare(files_, read.files)};
+        if (!read.all) {
+            reloaded.all = read.all.error();
+            return reloaded;
+        }
+        asio::post(io_, [this, credentials = *read.all] { take(credentials); });
+        files_ = std::move(read.files);
+        return reloaded;
     }
 
     int port() const { return public_.endpoint().port; }
@@ -224,6 +233,8 @@ class NetServer::Impl {
     Clock::time_point drained_; ///< once it stops
     std::shared_ptr<Core> core_;
     std::shared_ptr<asio::ssl::context> tls_; ///< null: plain
+    std::mutex reloading_;
+    std::vector<CredentialFile> files_; ///< that are in use
     Listener public_{io_, *core_, [this](tcp::socket socket, const tcp::endpoint& from) {
                          take_public(std::move(socket), from);
                      }};
@@ -402,7 +413,7 @@ Result<std::unique_ptr<NetServer>> NetServer::start(const NetOptions& options, H
 
 NetServer::NetServer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 NetServer::~NetServer() = default;
-Result<void> NetServer::reload() {
+NetServer::Reloaded NetServer::reload() {
     return impl_->reload();
 }
 int NetServer::port() const {

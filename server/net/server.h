@@ -17,10 +17,12 @@
 #include <chrono>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "base/result.h"
 #include "protocol/messages.h"
 #include "server/host/host.h"
+#include "server/net/file_read_again.h"
 #include "server/net/options.h"
 
 namespace seaway::server {
@@ -41,9 +43,13 @@ class NetServer {
     NetServer& operator=(const NetServer&) = delete;
 
     /// Reads tokens, certificate and key again, all of them or, with an error, none: then it goes on
-    /// with those it has. For connections and requests from now on; sessions that are open stay. Any
-    /// thread.
-    Result<void> reload();
+    /// with those it has. For connections and requests from now on; sessions that are open stay. Says of each file
+    /// what became of it. Any thread.
+    struct Reloaded {
+        Result<void> all;
+        std::vector<FileReadAgain> files;
+    };
+    Reloaded reload();
 
     /// The port that was taken.
     int port() const;

@@ -5,18 +5,12 @@
 #include <string>
 #include <string_view>
 
-#include "base/result.h"
-#include "server/net/options.h"
-
 namespace seaway::server {
 
 struct Tokens {
     std::string client; ///< empty: not asked for
     std::string admin;  ///< empty: there is no administrator
 };
-
-/// Of the files that `options` names. The error is one line that begins with a path.
-Result<Tokens> load_tokens(const NetOptions& options);
 
 /// In a time that depends on the lengths only. Nothing equals an empty `expected`.
 bool tokens_equal(std::string_view given, std::string_view expected);

@@ -188,14 +188,29 @@ TEST_F(NetTls, a_new_certificate_is_for_new_connections_and_a_broken_one_for_non
     const std::string first = old.fingerprint();
     make_certificate(folder().file("cert.pem"), folder().file("key.pem"));
     EXPECT_EQ(shown(), first) << "nobody has asked to read it";
-    ASSERT_TRUE(net->reload());
+    using server::ReadAgain;
+    const auto outcomes = [](const server::NetServer::Reloaded& read) {
+        std::vector<std::pair<std::string, ReadAgain>> all;
+        for (const server::FileReadAgain& file : read.files)
+            all.emplace_back(file.option, file.outcome);
+        return all;
+    };
+    const server::NetServer::Reloaded fine = net->reload();
+    ASSERT_TRUE(fine.all);
+    EXPECT_EQ(outcomes(fine),
+              (std::vector<std::pair<std::string, ReadAgain>>{
+                  {"--tls-cert", ReadAgain::read_again}, {"--tls-key", ReadAgain::read_again}}));
     const std::string second = shown();
     EXPECT_NE(second, first);
     old.say(request);
     EXPECT_NE(old.hear("ok\n").find("200 OK"), std::string::npos) << "what is open stays open";
     make_certificate(folder().file("cert.pem"), folder().file("other_key.pem"));
-    const Result<void> broken = net->reload();
+    const server::NetServer::Reloaded read = net->reload();
+    const Result<void>& broken = read.all;
     ASSERT_FALSE(broken) << "the key is not this certificate's";
+    EXPECT_EQ(outcomes(read),
+              (std::vector<std::pair<std::string, ReadAgain>>{{"--tls-cert", ReadAgain::kept},
+                                                              {"--tls-key", ReadAgain::failed}}));
     EXPECT_NE(broken.error().message.find("--tls-key"), std::string::npos);
     EXPECT_EQ(shown(), second);
 }

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/net/file_read_again.h"
+
+#include <fmt/format.h>
+
+#include "base/check.h"
+#include "base/hash.h"
+#include "base/text_file.h"
+
+namespace seaway::server {
+namespace {
+
+/// Of scenes, options, tokens and certificates.
+constexpr std::size_t file_bytes_max = 16u * 1024 * 1024;
+
+/// As a value of a log line, whole.
+std::string quoted(std::string_view text) {
+    std::string out(text);
+    for (char& c : out)
+        if (c < ' ' || c == '"' || c == '\x7f')
+            c = '?';
+    return '"' + out + '"';
+}
+
+} // namespace
+
+std::string_view name(ReadAgain outcome) {
+    switch (outcome) {
+    case ReadAgain::read_again:
+        return "read_again";
+    case ReadAgain::unchanged:
+        return "unchanged";
+    case ReadAgain::failed:
+        return "failed";
+    case ReadAgain::kept:
+        return "kept";
+    case ReadAgain::needs_restart:
+        return "needs_restart";
+    }
+    SEAWAY_CHECK(false, "an outcome");
+    return {};
+}
+
+std::string FileReadAgain::line() const {
+    std::string text = "event=file_read_again";
+    if (!option.empty())
+        text += " option=" + quoted(option);
+    text += fmt::format(" file={} outcome={}", quoted(path), name(outcome));
+    if (!why.empty())
+        text += " why=" + quoted(why);
+    return text;
+}
+
+std::optional<std::uint64_t> fingerprint_of(const std::string& path) {
+    const Result<std::string> text = read_text_file(path, file_bytes_max);
+    if (!text)
+        return std::nullopt;
+    return text_hash(*text);
+}
+
+} // namespace seaway::server
