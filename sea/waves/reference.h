@@ -32,8 +32,6 @@ struct WaterMotion {
     double pressure_m2ps2 = 0; ///< dynamic pressure over the water's density
 };
 
-/// Cascades of a sea, a bit each.
-
 class DirectSum {
   public:
     /// Keeps one of each pair k, -k that carries anything. The instructions, which the machine must have,

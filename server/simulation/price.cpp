@@ -64,7 +64,7 @@ double Prices::keyframes_us(std::span<const KeyframeRequest> wanted, const Holdi
         const double one = samples(request.cascade);
         us += one * with_foam_inputs(request.fields).size() * price_sample_us;
         if (SeaCourse::is_glide(request.epoch)) // the waves of the moment, and what they grow by
-            us += 2 * all_samples_ * price_glide_wave_us;
+            us += 2 * one * price_glide_wave_us;
         if (!request.fields.contains(sea::Field::foam))
             continue;
         double ticks = foam_start_ticks_[static_cast<std::size_t>(request.cascade)];
@@ -87,7 +87,7 @@ double Prices::surfaces_us(std::vector<TimeUs> times_us, const HoldingOf& held,
         const Holding holding = look(request);
         us += holding == Holding::nothing ? one * price_sample_us : 0;
         if (holding == Holding::nothing && SeaCourse::is_glide(request.epoch))
-            us += 2 * all_samples_ * price_glide_wave_us;
+            us += 2 * samples(request.cascade) * price_glide_wave_us;
         us += holding != Holding::spline ? one * price_spline_sample_us : 0;
     }
     return us;

@@ -293,6 +293,32 @@ TEST(Transition, a_glide_that_takes_over_from_another_goes_on_without_a_jump) {
     EXPECT_NEAR(height(other->at(wraps - 1), wraps - 1), height(other->at(wraps), wraps), 2e-5);
 }
 
+TEST(Transition, a_cascade_that_is_wanted_alone_is_that_of_the_whole_and_the_others_are_not_there) {
+    SeaState other = windy_sea();
+    std::get<WindSea>(other.systems[0]).wind_speed_10m_mps = 20.0;
+    other.depth_m = 12.0;
+    other.choppiness = {0.5, 0.7};
+    const auto change = SeaTransition::create(realized(windy_sea(), three_cascades),
+                                              realized(other, three_cascades), 0, 10'000'000);
+    const TimeUs t = 3'000'000;
+    const std::pair<RealizationPtr, RealizationPtr> all_and_one[] = {
+        {change->gliding(t), change->gliding(t, 2u)},
+        {change->growth(t), change->growth(t, 2u)},
+        {change->displacement_growth(t), change->displacement_growth(t, 2u)}};
+    for (const auto& [all, one] : all_and_one) {
+        EXPECT_EQ(one->choppiness, all->choppiness);
+        EXPECT_EQ(one->loop_period_us, all->loop_period_us);
+        ASSERT_EQ(one->cascades.size(), 3u);
+        for (std::size_t c = 0; c < 3; ++c) {
+            EXPECT_EQ(one->cascades[c].is_there(), c == 1);
+            EXPECT_EQ(one->cascades[c].spec.size, all->cascades[c].spec.size);
+        }
+        EXPECT_EQ(one->cascades[1].h0, all->cascades[1].h0);
+        EXPECT_EQ(one->cascades[1].depth_m, all->cascades[1].depth_m);
+        EXPECT_LT(bytes_of(*one), bytes_of(*all) / 2);
+    }
+}
+
 TEST(Transition, refuses_other_tiles) {
     const auto a = realized(windy_sea(), three_cascades);
     const auto b = realized(windy_sea(), {{512.0, 128}, {97.0, 64}, {19.0, 64}});

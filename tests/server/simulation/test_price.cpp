@@ -108,6 +108,27 @@ TEST(Prices, an_exact_sum_in_a_glide_has_its_waves_made_for_each_time) {
                 50 * 2 * 64.0 * 64.0 * price_glide_wave_us, 1e-6);
 }
 
+// Naive: the waves of all cascades, though a device is given those alone that are asked for.
+TEST(Prices, a_keyframe_in_a_glide_has_the_waves_of_its_cascade_made_and_of_no_other) {
+    const sea::Scene scene = *sea::parse_scene(small_sea, "small_sea", ".");
+    const auto course = *SeaCourse::begin(scene);
+    ASSERT_TRUE(course->add(scene, 100 * second_us, 200 * second_us));
+    (void)course->sea(2);
+    const Prices prices(course);
+    const double keyframes = 2, waves_us = 2 * 64.0 * 64.0 * price_glide_wave_us; // around a time
+    const auto more_in_a_glide = [&](std::uint32_t cascades) {
+        const Demand heights{cascades, {Field::height}};
+        return prices.fetch_us({150 * second_us}, heights, nothing_held) -
+               prices.fetch_us({50 * second_us}, heights, nothing_held);
+    };
+    EXPECT_NEAR(more_in_a_glide(2u), keyframes * waves_us, 1e-6);
+    EXPECT_NEAR(more_in_a_glide(3u), 2 * keyframes * waves_us, 1e-6);
+    EXPECT_NEAR(prices.surface_us(150 * second_us, nothing_held) -
+                    prices.surface_us(50 * second_us, nothing_held),
+                2 * keyframes * waves_us, 1e-6)
+        << "points feel both cascades";
+}
+
 TEST(Prices, an_exact_sum_is_all_waves_for_each_point_and_more_for_each_time) {
     const Prices prices(steady_course(running_sea()));
     const double one = prices.exact_us(points(1)), two = prices.exact_us(points(2));
