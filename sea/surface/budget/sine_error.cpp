@@ -4,13 +4,20 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 namespace seaway::sea {
 
 namespace {
 
 constexpr int sample_count = 4096;
-constexpr double margin = 1.75;
+constexpr double margin = 1.25;
+/// From so many of the largest errors that were met it goes uphill, in steps of radians of the shortest and of the fastest
+/// wave.
+constexpr int starts = 32;
+constexpr int steps_max = 16;
+constexpr double first_step = 0.25;
+constexpr double last_step = 0.01;
 constexpr double time_span_s = 1e4;
 
 /// Half the nodes that the spline at the middle of a cell is summed over: what lies further weighs
@@ -32,6 +39,27 @@ std::array<double, reach> cardinal_weights() {
     return weights;
 }
 
+struct Quickest {
+    double wavenumber_radpm = 0;
+    double omega_radps = 0;
+};
+
+/// Of all waves; of noise as sine_steps() counts it.
+Quickest quickest_of(const SineField& field) {
+    Quickest most;
+    const auto count = [&](double wavenumber_radpm, double omega_radps) {
+        most.wavenumber_radpm = std::max(most.wavenumber_radpm, wavenumber_radpm);
+        most.omega_radps = std::max(most.omega_radps, std::abs(omega_radps));
+    };
+    for (const SineField::Wave& wave : field.waves)
+        count(std::hypot(wave.kx_radpm, wave.ky_radpm), wave.omega_radps);
+    for (const NoiseOctave& octave : field.octaves) {
+        const double k = 4.0 * std::numbers::pi * octave.cells / field.length_m;
+        count(k, k * std::hypot(octave.speed_x_mps, octave.speed_y_mps));
+    }
+    return most;
+}
+
 } // namespace
 
 SineError::SineError(const SineField& field, double spacing_m) : field_(field) {
@@ -42,10 +70,12 @@ SineError::SineError(const SineField& field, double spacing_m) : field_(field) {
         samples_.push_back({share(i, 0.8191725133961645) * field.length_m,
                             share(i, 0.6710436067037893) * field.length_m,
                             us_from_seconds(share(i, 0.5497004779019703) * time_span_s)});
+    const Quickest quickest = quickest_of(field);
+    stride_m_ = 1.0 / quickest.wavenumber_radpm;
+    stride_s_ =
+        quickest.omega_radps > 0 ? 1.0 / quickest.omega_radps : 0.0; // noise may stand still
     for (const Sample& s : samples_) {
         const LagrangianPoint truth = sines_at(field, s.x_m, s.y_m, s.time_us);
-        east_m_ = std::max(east_m_, margin * spline_error_m(s, spacing_m, 0, truth.height));
-        north_m_ = std::max(north_m_, margin * spline_error_m(s, 0, spacing_m, truth.height));
         slope_variance_ += truth.slope_x * truth.slope_x + truth.slope_y * truth.slope_y;
         const auto at = [&](double dx_m, double dy_m) {
             return sines_at(field, s.x_m + dx_m, s.y_m + dy_m, s.time_us);
@@ -58,9 +88,51 @@ SineError::SineError(const SineField& field, double spacing_m) : field_(field) {
         rate_detail_m2ps2_ += rate * rate / sample_count;
     }
     slope_variance_ /= sample_count;
+    east_m_ = margin * largest([&](const Sample& s) { return spline_error_m(s, spacing_m, 0); });
+    north_m_ = margin * largest([&](const Sample& s) { return spline_error_m(s, 0, spacing_m); });
 }
 
-double SineError::spline_error_m(const Sample& s, double dx_m, double dy_m, double truth_m) const {
+/// Sharp crests are met beside their tops: from where errors are largest it goes on to where they are larger still.
+template <class ErrorAt>
+double SineError::largest(const ErrorAt& error_at) const {
+    struct Met {
+        double error_m;
+        Sample at;
+    };
+    std::vector<Met> met;
+    met.reserve(samples_.size());
+    for (const Sample& s : samples_)
+        met.push_back({error_at(s), s});
+    std::partial_sort(met.begin(), met.begin() + starts, met.end(),
+                      [](const Met& a, const Met& b) { return a.error_m > b.error_m; });
+    double largest_m = 0;
+    for (int start = 0; start < starts; ++start) {
+        Met best = met[static_cast<std::size_t>(start)];
+        double step = first_step;
+        for (int n = 0; n < steps_max && step > last_step; ++n) {
+            const double metres = step * stride_m_;
+            const TimeUs time_us = us_from_seconds(step * stride_s_);
+            const Sample from = best.at;
+            bool higher = false;
+            for (const Sample& next : {Sample{from.x_m - metres, from.y_m, from.time_us},
+                                       Sample{from.x_m + metres, from.y_m, from.time_us},
+                                       Sample{from.x_m, from.y_m - metres, from.time_us},
+                                       Sample{from.x_m, from.y_m + metres, from.time_us},
+                                       Sample{from.x_m, from.y_m, from.time_us - time_us},
+                                       Sample{from.x_m, from.y_m, from.time_us + time_us}})
+                if (const double error_m = error_at(next); error_m > best.error_m) {
+                    best = {error_m, next};
+                    higher = true;
+                }
+            if (!higher)
+                step /= 2;
+        }
+        largest_m = std::max(largest_m, best.error_m);
+    }
+    return largest_m;
+}
+
+double SineError::spline_error_m(const Sample& s, double dx_m, double dy_m) const {
     static const std::array<double, reach> weights = cardinal_weights();
     double sum = 0;
     for (int n = 0; n < reach; ++n)
@@ -69,21 +141,21 @@ double SineError::spline_error_m(const Sample& s, double dx_m, double dy_m, doub
             sum += weights[static_cast<std::size_t>(n)] *
                    sines_at(field_, s.x_m + cells * dx_m, s.y_m + cells * dy_m, s.time_us).height;
         }
-    return std::abs(sum - truth_m);
+    return std::abs(sum - sines_at(field_, s.x_m, s.y_m, s.time_us).height);
+}
+
+double SineError::hermite_error_m(const Sample& s, TimeUs interval_us) const {
+    const LagrangianPoint before = sines_at(field_, s.x_m, s.y_m, s.time_us);
+    const LagrangianPoint middle = sines_at(field_, s.x_m, s.y_m, s.time_us + interval_us / 2);
+    const LagrangianPoint after = sines_at(field_, s.x_m, s.y_m, s.time_us + interval_us);
+    const double hermite_m =
+        0.5 * (before.height + after.height) +
+        0.125 * seconds_from_us(interval_us) * (before.height_rate - after.height_rate);
+    return std::abs(hermite_m - middle.height);
 }
 
 double SineError::time_m(TimeUs interval_us) const {
-    const double interval_s = seconds_from_us(interval_us);
-    double largest_m = 0;
-    for (const Sample& s : samples_) {
-        const LagrangianPoint before = sines_at(field_, s.x_m, s.y_m, s.time_us);
-        const LagrangianPoint middle = sines_at(field_, s.x_m, s.y_m, s.time_us + interval_us / 2);
-        const LagrangianPoint after = sines_at(field_, s.x_m, s.y_m, s.time_us + interval_us);
-        const double hermite_m = 0.5 * (before.height + after.height) +
-                                 0.125 * interval_s * (before.height_rate - after.height_rate);
-        largest_m = std::max(largest_m, std::abs(hermite_m - middle.height));
-    }
-    return margin * largest_m;
+    return margin * largest([&](const Sample& s) { return hermite_error_m(s, interval_us); });
 }
 
 } // namespace seaway::sea
