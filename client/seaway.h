@@ -151,7 +151,9 @@ seaway_code seaway_watch_status(seaway_client* client, seaway_status_watch watch
 int64_t seaway_now_us(seaway_client* client);
 
 typedef struct seaway_clock_status {
-    double error_us;      /* bound on the error of the estimate */
+    /* Bound on the error of the estimate. No part of an answer's error_m, which is of the time that was asked about: of
+     * seaway_now_us the water may be that much further on, at its vertical velocity. */
+    double error_us;
     double slew_us;       /* what seaway_now_us still has to make up */
     double drift_ppm;     /* how much faster than the local clock the sea runs */
     double round_trip_us; /* shortest of the last minute */
