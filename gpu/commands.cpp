@@ -92,6 +92,12 @@ void Commands::copy(const Buffer& source, const Buffer& target, std::size_t byte
     vkCmdCopyBuffer(buffer_, source.get(), target.get(), 1, &region);
 }
 
+void Commands::fill(const Buffer& target, std::uint32_t word, std::size_t bytes,
+                    std::size_t offset) {
+    SEAWAY_CHECK(bytes % 4 == 0 && offset % 4 == 0, "words are filled");
+    vkCmdFillBuffer(buffer_, target.get(), offset, bytes, word);
+}
+
 void Commands::update(const Buffer& target, std::span<const std::byte> bytes) {
     SEAWAY_CHECK(bytes.size() <= 65536 && bytes.size() % 4 == 0, "an update of this size");
     vkCmdUpdateBuffer(buffer_, target.get(), 0, bytes.size(), bytes.data());

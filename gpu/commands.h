@@ -39,6 +39,8 @@ class Commands {
     void barrier(Stage from, Stage to);
     void copy(const Buffer& source, const Buffer& target, std::size_t bytes,
               std::size_t source_offset = 0, std::size_t target_offset = 0);
+    /// Writes one word over and over; both a multiple of 4 bytes.
+    void fill(const Buffer& target, std::uint32_t word, std::size_t bytes, std::size_t offset = 0);
     /// Writes up to 64 KiB that travel in the recording itself; a multiple of 4 bytes.
     void update(const Buffer& target, std::span<const std::byte> bytes);
     /// Groups, not invocations. `push` must be as long as the kernel's push constants.

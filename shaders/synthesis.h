@@ -59,4 +59,8 @@ std::span<const Transform> synthesis_transforms();
 /// Bindings maps -> Jacobian, push constants JacobianPush, N^2 / 4 invocations a job.
 Shader jacobian();
 
+/// Bindings maps, steps, histories -> histories, foam; push constants FoamPush, N^2 / (4 foam_quads) invocations a step,
+/// which is a z.
+Shader foam();
+
 } // namespace seaway::shaders

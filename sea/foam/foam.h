@@ -39,7 +39,7 @@
 #include "sea/basics/field.h"
 #include "sea/foam/foam_kernel.h"
 #include "sea/foam/foam_law.h"
-#include "sea/foam/foam_ticks.h"
+#include "sea/foam/foam_walk.h"
 #include "sea/surface/maps/keyframe.h"
 
 namespace seaway::sea {
@@ -47,11 +47,27 @@ namespace seaway::sea {
 /// What a history needs of a keyframe.
 inline constexpr FieldSet foam_inputs{Field::strain_xx, Field::strain_yy, Field::strain_xy};
 
-/// The share of a history that is left after dt. decay 0: none; decay infinite: all.
-double foam_remains(double dt_s, double decay_s);
-
 /// Coverage at a point, 0 .. 1, from the mean and the sampled ratio of every cascade.
 double foam_coverage(double mean, std::span<const float> ratios);
+
+/// The map of a history in this process's memory: size x size ratios, all 1 at first.
+class FoamRatios {
+  public:
+    explicit FoamRatios(int size, Instructions instructions = best_instructions());
+
+    /// One tick. `strains`: foam_inputs of its cascade; may be null where the tick looks at none.
+    void take(const FoamTick& tick, const Keyframe* strains);
+    /// The map as a view has it, to `plane`; it stays what it was.
+    void show(const FoamView& view, const Keyframe* strains, std::span<float> plane) const;
+
+    std::span<const float> values() const { return values_; }
+
+  private:
+    void advance(const FoamTick& tick, const Keyframe* strains, std::span<float> values) const;
+
+    const FoamKernel* kernel_;
+    std::vector<float> values_;
+};
 
 class FoamHistory {
   public:
@@ -61,58 +77,35 @@ class FoamHistory {
 
     using StrainsAt = std::function<Result<KeyframePtr>(TimeUs)>;
 
-    /// Brings the map to a time: the ticks up to it and, between two ticks, the rest of the way. On
-    /// from an earlier call it asks for the strains of the ticks since then; at the first call, back
-    /// in time, or after a gap longer than the memory, for those of the memory (foam_ticks.h). An
-    /// error is that of strains_at.
+    /// Brings the map to a time: the ticks up to it and, between two ticks, the rest of the way
+    /// (FoamWalk). An error is that of strains_at.
     Result<void> advance_to(TimeUs time_us, const StrainsAt& strains_at);
 
     /// The long part of it, in slices: walks at most `ticks_max` >= 1 ticks of those that
     /// advance_to(time_us) would have to, and says whether all are done; the map stays what it was
-    /// until then. A start that is half-way is gone on with, also to a later time.
+    /// until then.
     Result<bool> walk_towards(TimeUs time_us, int ticks_max, const StrainsAt& strains_at);
     /// How many ticks are left of that.
-    int ticks_to(TimeUs time_us) const;
+    int ticks_to(TimeUs time_us) const { return walk_.ticks_to(time_us); }
 
     /// One step of dt >= 0 of the law itself, on no grid; the keyframe must hold foam_inputs of this
     /// cascade, size x size.
     void advance(const Keyframe& strains, double dt_s);
 
-    /// For seas that change: the law of each moment; ticks stay those of the constructor's law. Where the law of a tick
-    /// is calm, its strains are not looked at and the map goes towards the average.
-    using LawAt = std::function<FoamLawPtr(TimeUs)>;
-    void follow(LawAt law_at) { law_at_ = std::move(law_at); }
+    /// FoamWalk::follow.
+    void follow(FoamWalk::LawAt law_at) { walk_.follow(std::move(law_at)); }
 
     /// The map Field::foam, [y][x], size * size values: finite, >= 0, 1 on average.
     void fill(std::span<float> plane) const;
-    std::span<const float> ratios() const { return shown_.empty() ? state_ : shown_; }
+    std::span<const float> ratios() const { return shown_.empty() ? state_.values() : shown_; }
 
   private:
-    /// state -> state after dt with these strains; all that is added is multiplied by `weight`.
-    void step(const FoamLaw& law, std::vector<float>& state, const Keyframe& strains, double dt_s,
-              double decay_s, double weight = 1.0) const;
-    /// One step in which nothing breaks anywhere more than elsewhere.
-    void forget(double dt_s, double weight);
-    FoamLawPtr law_at(TimeUs time_us) const { return law_at_ ? law_at_(time_us) : law_; }
-    /// What is held, or will be at the end of the start, is on the way to this tick.
-    bool goes_on_to(TimeUs tick_us) const;
-    void start_for(TimeUs tick_us);
-    /// This cascade says nothing about where waves break, or nothing is remembered.
-    bool has_no_history() const;
-    bool idle(const FoamLaw& law) const; ///< this cascade says nothing about where waves break
+    Result<KeyframePtr> strains(const FoamTick& tick, TimeUs time_us, const StrainsAt& strains_at);
 
-    FoamLawPtr law_;
-    LawAt law_at_; ///< null: it is law_ for ever
     int cascade_;
-    TimeUs interval_us_;
-    FoamTicks ticks_;
-    const FoamKernel* kernel_;
-    bool started_ = false;
-    TimeUs tick_us_ = 0;        ///< the tick that state_ stands at
-    TimeUs start_end_us_ = 0;   ///< before this tick the start is half-way, and state_ no history
-    double start_weight_ = 1.0; ///< of what is added until then
-    std::vector<float> state_;  ///< ratio of the history
-    std::vector<float> shown_;  ///< what the map is where it is not state_; else empty
+    FoamWalk walk_;
+    FoamRatios state_;
+    std::vector<float> shown_; ///< what the map is where it is not state_; else empty
 };
 
 } // namespace seaway::sea

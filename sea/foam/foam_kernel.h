@@ -13,11 +13,21 @@ struct FoamTick {
     float threshold, bias, choppiness_x, choppiness_y, choppiness_xy;
     float variance, difference, shear, curvature;
     float difference_rest, shear_rest, cross_rest, constant_rest;
-    float remains, source; ///< ratio = ratio * remains + breaking * source
+    float remains, source, added; ///< ratio = ratio * remains + breaking * source + added
+
+    /// Else the strains make no difference, and need not be there.
+    bool looks() const { return source != 0.0f; }
+    /// All ratios become ratio * remains + added.
+    static FoamTick without_strains(float remains, float added) {
+        FoamTick tick{};
+        tick.remains = remains;
+        tick.added = added;
+        return tick;
+    }
 };
 
 struct FoamKernel {
-    /// ratio = ratio * remains + breaking(strains) * source at `count` points.
+    /// ratio = ratio * remains + breaking(strains) * source + added at `count` points.
     void (*advance)(const FoamTick& tick, const float* strain_xx, const float* strain_yy,
                     const float* strain_xy, float* ratio, std::size_t count);
 };

@@ -90,8 +90,8 @@ inline float breaking(const FoamTick& tick, float strain_xx, float strain_yy, fl
 void advance_ratios(const FoamTick& tick, const float* xx, const float* yy, const float* xy,
                     float* ratio, std::size_t count) {
     for (std::size_t i = 0; i < count; ++i) {
-        const float next =
-            ratio[i] * tick.remains + breaking(tick, xx[i], yy[i], xy[i]) * tick.source;
+        const float next = ratio[i] * tick.remains +
+                           breaking(tick, xx[i], yy[i], xy[i]) * tick.source + tick.added;
         ratio[i] = next >= ratio_min ? next : 0.0f;
     }
 }

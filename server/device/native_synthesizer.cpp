@@ -1,16 +1,33 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/device/native_synthesizer.h"
 
+#include <algorithm>
 #include <chrono>
 #include <new>
 
 #include <fmt/format.h>
 
 #include "base/check.h"
+#include "sea/foam/foam.h"
 #include "sea/surface/maps/sine_maps.h"
 #include "server/device/spare_buffers.h"
 
 namespace seaway::server {
+
+namespace {
+
+struct NativeFoam final : FoamMap {
+    explicit NativeFoam(sea::FoamRatios map) : ratios(std::move(map)) {}
+    bool lost() const override { return false; }
+    sea::FoamRatios ratios;
+};
+
+sea::FieldSet with_strains(const KeyframeRequest& request) {
+    const bool looks = request.foam != nullptr && request.foam->looks(request.fields);
+    return looks ? request.fields | sea::foam_inputs : request.fields;
+}
+
+} // namespace
 
 NativeSynthesizer::NativeSynthesizer(int threads)
     : runner_(threads), spare_(std::make_shared<SpareBuffers>()) {}
@@ -38,6 +55,24 @@ Result<void> NativeSynthesizer::set_sea(sea::RealizationPtr sea, std::uint32_t e
     return {};
 }
 
+Result<FoamMapPtr> NativeSynthesizer::open_foam(int size, const FoamMap* from) try {
+    if (from != nullptr)
+        return FoamMapPtr(std::make_shared<NativeFoam>(static_cast<const NativeFoam&>(*from)));
+    return FoamMapPtr(std::make_shared<NativeFoam>(sea::FoamRatios(size)));
+} catch (const std::bad_alloc&) {
+    return Error{DeviceError::out_of_memory, "native foam: out of memory"};
+}
+
+void NativeSynthesizer::take_turn(const FoamTurn& turn, sea::Keyframe& keyframe) {
+    sea::FoamRatios& ratios = static_cast<NativeFoam&>(*turn.map).ratios;
+    if (turn.kept)
+        ratios.take(*turn.kept, &keyframe);
+    const bool shows = keyframe.fields.contains(sea::Field::foam);
+    if (shows)
+        ratios.show(turn.shown, &keyframe, keyframe.plane(sea::Field::foam));
+    counters_.foam_ticks += turn.kept.has_value() + (shows && turn.shown.tick.looks());
+}
+
 Result<std::vector<NewKeyframePtr>>
 NativeSynthesizer::synthesize(std::span<const KeyframeRequest> requests) try {
     std::vector<NewKeyframePtr> keyframes;
@@ -54,10 +89,10 @@ NativeSynthesizer::synthesize(std::span<const KeyframeRequest> requests) try {
         keyframe->time_us = request.time_us;
         keyframe->size = cascade.size();
         keyframe->length_m = sea_->cascades[index].spec.length_m;
-        keyframe->fields = request.fields;
-        keyframe->values =
-            spare_->take(static_cast<std::size_t>(request.fields.size()) * keyframe->plane_size());
-        const sea::FieldSet fields = synthesized(request.fields);
+        keyframe->fields = with_strains(request);
+        keyframe->values = spare_->take(static_cast<std::size_t>(keyframe->fields.size()) *
+                                        keyframe->plane_size());
+        const sea::FieldSet fields = synthesized(keyframe->fields);
         const std::size_t values = static_cast<std::size_t>(fields.size()) * keyframe->plane_size();
         tasks.push_back({&cascade, sea_->phase_time(request.time_us), fields,
                          std::span(keyframe->values).first(values)});
@@ -71,10 +106,16 @@ NativeSynthesizer::synthesize(std::span<const KeyframeRequest> requests) try {
         for (const sea::SineField& field :
              sea_->cascades[static_cast<std::size_t>(requests[i].cascade)].sines)
             sea::add_sines(field, tasks[i].phase_time_us, *keyframes[i]);
-    const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
-    counters_.device_seconds += taken.count();
-    counters_.dispatches += 2 * tasks.size();
-    counters_.keyframes += tasks.size();
+    const auto mapped = std::chrono::steady_clock::now();
+    for (std::size_t i = 0; i < keyframes.size(); ++i)
+        if (requests[i].foam != nullptr)
+            take_turn(*requests[i].foam, *keyframes[i]);
+    const auto seconds = [](auto span) { return std::chrono::duration<double>(span).count(); };
+    counters_.device_seconds += seconds(mapped - start);
+    counters_.foam_seconds += seconds(std::chrono::steady_clock::now() - mapped);
+    const auto made = std::ranges::count_if(tasks, [](const auto& t) { return !t.fields.empty(); });
+    counters_.dispatches += 2 * static_cast<std::uint64_t>(made);
+    counters_.keyframes += static_cast<std::uint64_t>(made);
     return keyframes;
 } catch (const std::bad_alloc&) {
     return Error{DeviceError::out_of_memory, "native synthesis: out of memory"};

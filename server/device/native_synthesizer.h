@@ -20,12 +20,16 @@ class NativeSynthesizer final : public Synthesizer {
 
     std::string description() const override;
     Result<void> set_sea(sea::RealizationPtr sea, std::uint32_t epoch) override;
+    Result<FoamMapPtr> open_foam(int size, const FoamMap* from) override;
     Result<std::vector<NewKeyframePtr>>
     synthesize(std::span<const KeyframeRequest> requests) override;
     Result<std::vector<SynthesisStage>> stages(const KeyframeRequest& request) override;
     SynthesisCounters counters() const override { return counters_; }
 
   private:
+    /// With the strains of its own request.
+    void take_turn(const FoamTurn& turn, sea::Keyframe& keyframe);
+
     sea::NativeRunner runner_;
     sea::RealizationPtr sea_;
     std::uint32_t epoch_ = 0;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/device/rebuilt_synthesizer.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 namespace seaway::server {
@@ -42,12 +44,14 @@ Result<void> RebuiltSynthesizer::rebuild() {
     return {};
 }
 
-Result<std::vector<NewKeyframePtr>>
-RebuiltSynthesizer::synthesize(std::span<const KeyframeRequest> requests) {
+template <class T, class Work>
+Result<T> RebuiltSynthesizer::attempt(bool on_foam, const Work& work) {
     Error last{"there is no device"};
     for (int attempt = 0;; ++attempt) {
+        if (device_ && attempt > 0 && on_foam)
+            return Error{DeviceError::foam_lost, last.message};
         if (device_) {
-            Result<std::vector<NewKeyframePtr>> made = device_->synthesize(requests);
+            Result<T> made = work(*device_);
             if (made || made.error().is(DeviceError::out_of_memory))
                 return made; // another device would have no more of it
             last = made.error();
@@ -61,6 +65,19 @@ RebuiltSynthesizer::synthesize(std::span<const KeyframeRequest> requests) {
         if (const Result<void> rebuilt = rebuild(); !rebuilt)
             last = rebuilt.error();
     }
+}
+
+Result<FoamMapPtr> RebuiltSynthesizer::open_foam(int size, const FoamMap* from) {
+    return attempt<FoamMapPtr>(from != nullptr,
+                               [&](Synthesizer& device) { return device.open_foam(size, from); });
+}
+
+Result<std::vector<NewKeyframePtr>>
+RebuiltSynthesizer::synthesize(std::span<const KeyframeRequest> requests) {
+    const bool on_foam =
+        std::ranges::any_of(requests, [](const auto& request) { return request.foam != nullptr; });
+    return attempt<std::vector<NewKeyframePtr>>(
+        on_foam, [&](Synthesizer& device) { return device.synthesize(requests); });
 }
 
 SynthesisCounters RebuiltSynthesizer::counters() const {

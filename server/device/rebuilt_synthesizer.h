@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A synthesizer that outlives its device: when one fails, it is made anew with the same sea, and
-// what was asked is asked again, a bounded number of times. Counters go on over rebuilds.
+// what was asked is asked again, a bounded number of times. Counters go on over rebuilds; foam maps are lost.
 #pragma once
 
 #include <functional>
@@ -29,7 +29,9 @@ class RebuiltSynthesizer final : public Synthesizer {
     std::string description() const override;
     Result<void> set_sea(sea::RealizationPtr sea, std::uint32_t epoch) override;
 
-    /// An error is that of the last of device_rebuilds_max + 1 attempts.
+    /// An error is that of the last of device_rebuilds_max + 1 attempts; or DeviceError::foam_lost, where there is a
+    /// device again.
+    Result<FoamMapPtr> open_foam(int size, const FoamMap* from) override;
     Result<std::vector<NewKeyframePtr>>
     synthesize(std::span<const KeyframeRequest> requests) override;
 
@@ -40,6 +42,9 @@ class RebuiltSynthesizer final : public Synthesizer {
     RebuiltSynthesizer(SynthesizerFactory factory, Warn warn)
         : factory_(std::move(factory)), warn_(std::move(warn)) {}
     Result<void> rebuild();
+    /// Work on a device, or on the next one; `on_foam`: there are maps in it that only this one has.
+    template <class T, class Work>
+    Result<T> attempt(bool on_foam, const Work& work);
 
     const SynthesizerFactory factory_;
     const Warn warn_;

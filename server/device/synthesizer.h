@@ -7,28 +7,54 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "base/result.h"
 #include "sea/basics/field.h"
+#include "sea/foam/foam_walk.h"
 #include "sea/surface/maps/keyframe.h"
 #include "sea/waves/realization.h"
 #include "server/device/synthesis_stage.h"
 
 namespace seaway::server {
 
-/// One keyframe wanted: which fields of which cascade, when. Field::foam is not a synthesizer's: its
-/// plane, the last one, is left for the caller to fill.
+/// The map of a foam history, ratios of one cascade, where a device keeps it. Its memory is given back when the last
+/// holder lets go, on any thread.
+class FoamMap {
+  public:
+    virtual ~FoamMap() = default;
+    /// Its device is gone, and what stood here with it.
+    virtual bool lost() const = 0;
+};
+using FoamMapPtr = std::shared_ptr<FoamMap>;
+
+/// What the strains of a request do to a foam map: first it takes the tick that is to be kept, then the keyframe is
+/// given what it shows.
+struct FoamTurn {
+    FoamMap* map = nullptr;
+    std::optional<sea::FoamTick> kept;
+    sea::FoamView shown; ///< where the request has Field::foam
+
+    bool looks(sea::FieldSet fields) const {
+        return (kept && kept->looks()) || (fields.contains(sea::Field::foam) && shown.tick.looks());
+    }
+};
+
+/// One keyframe wanted: which fields of which cascade, when. With a turn Field::foam is filled too, and a device that
+/// makes foam of its keyframes may add sea::foam_inputs to the fields; without one the plane of Field::foam, the last,
+/// is left for the caller. Turns of one map are taken in the order of their requests.
 struct KeyframeRequest {
     int cascade;
     sea::TimeUs time_us;
     sea::FieldSet fields;
     std::uint32_t epoch = 1; ///< of which sea; a synthesizer, which has one, does not look at it
+    const FoamTurn* foam = nullptr; ///< valid during the call
 };
 
-/// The fields of a request that a synthesizer fills.
+/// The fields of a request that transforms fill, and the Jacobian.
 inline constexpr sea::FieldSet synthesized(sea::FieldSet fields) {
     return sea::FieldSet::from_bits(fields.bits() & ~sea::FieldSet{sea::Field::foam}.bits());
 }
@@ -42,6 +68,8 @@ enum class DeviceError {
     cannot_do_this_sea = 1,
     /// There is no memory for these requests now; for others, or later, there may be.
     out_of_memory,
+    /// The device was made anew, and has none of its foam maps (FoamMap::lost): histories start again.
+    foam_lost,
 };
 
 /// What was done since the start; proves that nothing runs that nobody asked for.
@@ -49,33 +77,48 @@ struct SynthesisCounters {
     std::uint64_t dispatches = 0; ///< kernels started (native: passes)
     std::uint64_t transforms = 0; ///< 2-D transforms, one a real field
     std::uint64_t keyframes = 0;
-    std::uint64_t cascades = 0; ///< whose waves were taken, a new sea at a time
-    double device_seconds = 0;  ///< by the device's own clock where that costs nothing
+    std::uint64_t cascades = 0;   ///< whose waves were taken, a new sea at a time
+    double device_seconds = 0;    ///< by the device's own clock where that costs nothing
+    std::uint64_t foam_ticks = 0; ///< of all histories, and steps that were shown and not kept
+    double foam_seconds =
+        0; ///< what they took, where it can be told apart; then not in device_seconds
 
     friend SynthesisCounters operator+(const SynthesisCounters& a, const SynthesisCounters& b) {
-        return {a.dispatches + b.dispatches, a.transforms + b.transforms, a.keyframes + b.keyframes,
-                a.cascades + b.cascades, a.device_seconds + b.device_seconds};
+        return {a.dispatches + b.dispatches,         a.transforms + b.transforms,
+                a.keyframes + b.keyframes,           a.cascades + b.cascades,
+                a.device_seconds + b.device_seconds, a.foam_ticks + b.foam_ticks,
+                a.foam_seconds + b.foam_seconds};
     }
     friend SynthesisCounters operator-(const SynthesisCounters& a, const SynthesisCounters& b) {
-        return {a.dispatches - b.dispatches, a.transforms - b.transforms, a.keyframes - b.keyframes,
-                a.cascades - b.cascades, a.device_seconds - b.device_seconds};
+        return {a.dispatches - b.dispatches,         a.transforms - b.transforms,
+                a.keyframes - b.keyframes,           a.cascades - b.cascades,
+                a.device_seconds - b.device_seconds, a.foam_ticks - b.foam_ticks,
+                a.foam_seconds - b.foam_seconds};
     }
 };
 
-class Synthesizer {
+/// What keyframes and foam are made with: a device, or whoever accounts for one.
+class KeyframeMaker {
   public:
-    virtual ~Synthesizer() = default;
+    virtual ~KeyframeMaker() = default;
 
+    /// A foam map of so many points a side: that of another, which is not lost, or 1 everywhere.
+    virtual Result<FoamMapPtr> open_foam(int size, const FoamMap* from) = 0;
+
+    /// One keyframe a request, in order; requests of equal size may share dispatches. An error
+    /// means the device failed (lost): the caller rebuilds or gives up; but for DeviceError::out_of_memory.
+    /// After any error maps of the requests' turns are of no known time.
+    virtual Result<std::vector<NewKeyframePtr>>
+    synthesize(std::span<const KeyframeRequest> requests) = 0;
+};
+
+class Synthesizer : public KeyframeMaker {
+  public:
     /// Device and variant for logs and /v1/plan: "lavapipe (llvmpipe ...), kernels W".
     virtual std::string description() const = 0;
 
     /// Takes a new sea; the next keyframes are of it, and of cascades that are there. `epoch` is stamped on them.
     virtual Result<void> set_sea(sea::RealizationPtr sea, std::uint32_t epoch) = 0;
-
-    /// One keyframe a request, in order; requests of equal size may share dispatches. An error
-    /// means the device failed (lost): the caller rebuilds or gives up; but for DeviceError::out_of_memory.
-    virtual Result<std::vector<NewKeyframePtr>>
-    synthesize(std::span<const KeyframeRequest> requests) = 0;
 
     /// What one keyframe goes through on the way to its maps, pass by pass; without the maps. Slow.
     virtual Result<std::vector<SynthesisStage>> stages(const KeyframeRequest&) {

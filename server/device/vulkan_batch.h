@@ -15,6 +15,7 @@
 #include "sea/waves/realization.h"
 #include "server/device/synthesis_stage.h"
 #include "server/device/vulkan_fields.h"
+#include "server/device/vulkan_foam.h"
 #include "server/device/vulkan_kernels.h"
 
 namespace seaway::server {
@@ -36,9 +37,24 @@ class VulkanBatch {
     /// Jobs of this many fields that fit into one run.
     int max_jobs(int fields) const;
 
-    /// Computes; with `choppiness` the Jacobian too (the strains must be in the packing).
-    Result<void> run(std::span<const Job> jobs, const Packing& packing,
-                     const sea::Choppiness* choppiness);
+    /// What is done to the maps once they are there.
+    struct After {
+        const sea::Choppiness* jacobian =
+            nullptr;                    ///< the Jacobian; the strains must be in the packing
+        const FoamWork* foam = nullptr; ///< histories go on
+    };
+    /// Computes; with an empty packing only what comes after.
+    Result<void> run(std::span<const Job> jobs, const Packing& packing, const After& after);
+
+    /// Where a plane of a job stands, and its map of foam, for steps of FoamWork.
+    std::uint32_t place(const Packing& packing, std::size_t job, sea::Field field) const {
+        return static_cast<std::uint32_t>((job * static_cast<std::size_t>(packing.fields) +
+                                           static_cast<std::size_t>(packing.plane_of(field))) *
+                                          points() / 4);
+    }
+    std::uint32_t foam_place(std::size_t job) const {
+        return static_cast<std::uint32_t>(job * points() / 4);
+    }
 
     /// What a pass leaves, for every pass but the last, which leaves the maps. Computes once a pass.
     Result<std::vector<SynthesisStage>> stages(const Job& job, const Packing& packing);
@@ -46,14 +62,16 @@ class VulkanBatch {
     /// Of the last run: copies one field, [y][x]; `plane` as in Packing.
     void read_plane(int job, int plane, std::span<float> out) const;
     void read_jacobian(int job, std::span<float> out) const;
+    void read_foam(int job, std::span<float> out) const;
 
     std::uint64_t dispatches() const { return dispatches_; }
-    /// By the device's clock where passes are timed, else by ours.
+    /// By the device's clock where passes are timed, else by ours; foam is told apart by the device's alone.
     double device_seconds() const { return device_seconds_; }
+    double foam_seconds() const { return foam_seconds_; }
     /// Whether each pass is timed. So it is, but not by a device without time stamps, nor by a CPU
     /// as device: there a stamp waits for all threads, 30 to 40 us each (docs/performance.md).
     void time_passes(bool wanted) { time_passes_ = wanted; }
-    /// Of the last run that was timed, pass by pass; the Jacobian last.
+    /// Of the last run that was timed, pass by pass; the Jacobian and foam last.
     std::span<const double> pass_seconds() const { return pass_seconds_; }
 
   private:
@@ -68,10 +86,10 @@ class VulkanBatch {
     Result<void> allocate(int cascade_count);
     Result<void> bind();
     void stamp();
-    Result<void> read_timer(double wall_seconds);
+    Result<void> read_timer(double wall_seconds, bool foam);
     /// The first `passes` passes.
-    Result<void> record(std::span<const Job> jobs, const Packing& packing,
-                        const sea::Choppiness* choppiness, std::size_t passes);
+    Result<void> record(std::span<const Job> jobs, const Packing& packing, const After& after,
+                        std::size_t passes);
     /// Floats that one job has in memory after a pass that is not the last.
     std::size_t pass_floats(std::size_t pass, const Packing& packing) const;
     Result<std::vector<float>> output(const Job& job, const Packing& packing, std::size_t pass);
@@ -80,8 +98,14 @@ class VulkanBatch {
                   const shaders::SynthesisPush& push, std::uint32_t jobs);
     void dispatch_jacobian(const Packing& packing, const sea::Choppiness& choppiness,
                            std::uint32_t jobs);
-    /// Makes `bytes` of `result`, and of the Jacobian, visible to this side.
-    void finish(const gpu::Buffer& result, std::size_t bytes, std::size_t jacobian_bytes);
+    void record_foam(const FoamWork& foam);
+    /// Makes `bytes` of `result`, and so much of the Jacobian and of foam, visible to this side.
+    void finish(const gpu::Buffer& result, std::size_t bytes, std::size_t jacobian_bytes,
+                std::size_t foam_bytes);
+    void read(const gpu::Buffer& mapped, std::size_t readback_offset, std::size_t plane,
+              std::span<float> out) const;
+    /// To the histories of a run.
+    Result<void> bind_foam(const gpu::Buffer& histories);
     std::vector<gpu::Resource> resources(std::size_t pass) const;
     const gpu::Buffer& target(std::size_t pass) const { return scratch_[pass % 2]; }
     const gpu::Buffer& maps() const { return target(kernels_.passes.size() - 1); }
@@ -95,17 +119,22 @@ class VulkanBatch {
     bool time_passes_;
     int capacity_fields_ = 0;
     std::vector<float> steps_; ///< wavenumber step of each cascade, rad/m
-    gpu::Buffer modes_, rates_, orbits_, jobs_, rows_, scratch_[2], jacobian_, readback_;
-    gpu::TexelView modes_view_, rates_view_, orbits_view_, jobs_view_, rows_view_,
-        scratch_views_[2];
+    gpu::Buffer modes_, rates_, orbits_, jobs_, rows_, foam_steps_, scratch_[2], jacobian_, foam_,
+        readback_;
+    gpu::TexelView modes_view_, rates_view_, orbits_view_, jobs_view_, rows_view_, foam_steps_view_,
+        histories_view_, scratch_views_[2];
     std::vector<gpu::Bindings> bindings_; ///< one a pass
-    gpu::Bindings jacobian_bindings_;
+    gpu::Bindings jacobian_bindings_, foam_bindings_;
+    std::size_t bound_bytes_ =
+        0; ///< of the histories that foam_bindings_ name: another buffer is a larger one
     gpu::Commands commands_;
     gpu::Timer timer_;
     std::size_t fields_ = 0;          ///< of the last run
     std::size_t jacobian_offset_ = 0; ///< bytes, where readback_ holds it
+    std::size_t foam_offset_ = 0;
     std::uint64_t dispatches_ = 0;
     double device_seconds_ = 0;
+    double foam_seconds_ = 0;
     std::vector<double> pass_seconds_;
 };
 

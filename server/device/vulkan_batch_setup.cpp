@@ -70,6 +70,7 @@ Result<void> VulkanBatch::allocate(int cascade_count) {
         points() * static_cast<std::size_t>(capacity_fields_ / strain_fields) * sizeof(float);
     constexpr std::size_t row_bytes =
         (shaders::first_field_texel + shaders::max_fields) * vec4_bytes;
+    constexpr std::size_t step_bytes = shaders::foam_steps_max * sizeof(shaders::FoamStep);
     struct Wish {
         Buffer& buffer;
         TexelView* view;
@@ -86,14 +87,17 @@ Result<void> VulkanBatch::allocate(int cascade_count) {
         {rows_, &rows_view_, rgba32f, "rows", row_bytes, vec4_bytes},
         {scratch_[0], &scratch_views_[0], rgba32f, "first scratch", map_bytes, vec4_bytes},
         {scratch_[1], &scratch_views_[1], rgba32f, "second scratch", map_bytes, vec4_bytes},
-        {jacobian_, nullptr, rgba32f, "jacobian", jacobian_bytes, vec4_bytes}};
+        {foam_steps_, &foam_steps_view_, rgba32ui, "foam steps", step_bytes, vec4_bytes},
+        {jacobian_, nullptr, rgba32f, "jacobian", jacobian_bytes, vec4_bytes},
+        {foam_, nullptr, rgba32f, "foam", jacobian_bytes, vec4_bytes}};
     for (const Wish& wish : wishes)
         SEAWAY_TRY(make(device_, wish.buffer, wish.view, wish.format, wish.name, wish.bytes,
                         wish.texel_bytes, BufferKind::device));
     if (!maps().mapped().empty())
         return {};
     jacobian_offset_ = map_bytes;
-    return make(device_, readback_, nullptr, rgba32f, "readback", map_bytes + jacobian_bytes,
+    foam_offset_ = map_bytes + jacobian_bytes;
+    return make(device_, readback_, nullptr, rgba32f, "readback", map_bytes + 2 * jacobian_bytes,
                 vec4_bytes, BufferKind::readback);
 }
 
@@ -122,8 +126,25 @@ Result<void> VulkanBatch::bind() {
         take(jacobian_bindings_, kernels_.jacobian.bind(device_, {gpu::texels(scratch_views_[last]),
                                                                   gpu::whole(jacobian_)})));
     SEAWAY_TRY(take(commands_, gpu::Commands::create(device_)));
-    const auto stamps = static_cast<std::uint32_t>(kernels_.passes.size()) + 2;
+    const auto stamps = static_cast<std::uint32_t>(kernels_.passes.size()) + 3;
     return take(timer_, gpu::Timer::create(device_, stamps));
+}
+
+Result<void> VulkanBatch::bind_foam(const gpu::Buffer& histories) {
+    if (bound_bytes_ == histories.size_bytes())
+        return {};
+    bound_bytes_ = 0;
+    const std::size_t last = (kernels_.passes.size() + 1) % 2;
+    SEAWAY_TRY(
+        take(histories_view_, TexelView::create(device_, histories, VK_FORMAT_R32G32B32A32_SFLOAT,
+                                                vec4_bytes, 0, histories.size_bytes())));
+    SEAWAY_TRY(take(
+        foam_bindings_,
+        kernels_.foam.bind(device_, {gpu::texels(scratch_views_[last]),
+                                     gpu::texels(foam_steps_view_), gpu::texels(histories_view_),
+                                     gpu::whole(histories), gpu::whole(foam_)})));
+    bound_bytes_ = histories.size_bytes();
+    return {};
 }
 
 Result<void> VulkanBatch::upload(std::span<const sea::CascadeModes* const> cascades) {

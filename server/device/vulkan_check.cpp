@@ -108,9 +108,16 @@ Result<void> compare(int size, std::string_view what, int x, int y, double got, 
 
 constexpr sea::FieldSet all = sea::linear_fields;
 
+/// A tick that breaks on both sides of its threshold, with others' strains and a bias.
+sea::FoamTick check_tick() {
+    return {0.9f,   0.05f,  1.3f,   0.7f,   0.95f, 0.02f, 0.1f, 0.2f,
+            0.005f, 0.003f, 0.004f, 0.001f, 1e-4f, 0.75f, 2.0f, 0.125f};
+}
+
 struct Maps {
     std::vector<std::vector<float>> planes; ///< by field
     std::vector<float> jacobian;
+    std::vector<float> foam;         ///< of a history of 1, after the tick
     std::vector<float> height_alone; ///< computed without company
 };
 
@@ -126,13 +133,24 @@ Result<Maps> run(gpu::Device& device, const SynthesisKernels& kernels,
     const std::size_t points = cascade.h0.size();
     Maps maps{{sea::field_count, std::vector<float>(points)},
               std::vector<float>(points),
+              std::vector<float>(points),
               std::vector<float>(points)};
-    SEAWAY_TRY((*batch)->run({&job, 1}, packing, &choppiness));
+    VulkanFoam histories(device, kernels.size());
+    SEAWAY_TRY_LET(const FoamMapPtr history, histories.open(nullptr));
+    FoamWork foam{&histories.histories(), {foam_step(check_tick())}, {1}, {}};
+    foam.steps[0].flags |= shaders::foam_keeps;
+    foam.steps[0].history = histories.place(*history);
+    foam.copies.push_back({foam.steps[0].history, (*batch)->foam_place(0)});
+    foam.steps[0].strain_xx = (*batch)->place(packing, 0, sea::Field::strain_xx);
+    foam.steps[0].strain_yy = (*batch)->place(packing, 0, sea::Field::strain_yy);
+    foam.steps[0].strain_xy = (*batch)->place(packing, 0, sea::Field::strain_xy);
+    SEAWAY_TRY((*batch)->run({&job, 1}, packing, {&choppiness, &foam}));
+    (*batch)->read_foam(0, maps.foam);
     for (const sea::Field field : all)
         (*batch)->read_plane(0, packing.plane_of(field),
                              maps.planes[static_cast<std::size_t>(field)]);
     (*batch)->read_jacobian(0, maps.jacobian);
-    SEAWAY_TRY((*batch)->run({&job, 1}, pack({sea::Field::height}), nullptr));
+    SEAWAY_TRY((*batch)->run({&job, 1}, pack({sea::Field::height}), {}));
     (*batch)->read_plane(0, 0, maps.height_alone);
     return maps;
 }
@@ -156,7 +174,15 @@ Result<void> compare_point(const Maps& maps, const std::vector<Mode>& modes, int
     const Sum determinant{(1 + choppiness.x * xx.value) * (1 + choppiness.y * yy.value) -
                               choppiness.x * choppiness.y * xy.value * xy.value,
                           (1 + choppiness.x * xx.scale) * (1 + choppiness.y * yy.scale)};
-    return compare(size, "jacobian", x, y, maps.jacobian[at], determinant);
+    SEAWAY_TRY(compare(size, "jacobian", x, y, maps.jacobian[at], determinant));
+    float ratio = 1.0f;
+    const std::array<float, 3> strains{static_cast<float>(xx.value), static_cast<float>(yy.value),
+                                       static_cast<float>(xy.value)};
+    sea::foam_kernel_portable().advance(check_tick(), &strains[0], &strains[1], &strains[2], &ratio,
+                                        1);
+    // What breaks goes at most as the strains do, times the source.
+    return compare(size, "foam", x, y, maps.foam[at],
+                   {ratio, 2.0 * (1 + xx.scale) * (1 + yy.scale)});
 }
 
 } // namespace

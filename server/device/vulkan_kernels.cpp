@@ -43,6 +43,22 @@ gpu::KernelExpectation jacobian_pass() {
             .local_size = {shaders::synthesis_workgroup, 1, 1}};
 }
 
+gpu::KernelExpectation foam_pass() {
+    return {.bindings = {{"maps", texel_buffer},
+                         {"steps", texel_buffer},
+                         {"before", texel_buffer},
+                         {"Histories", storage_buffer},
+                         {"Foam", storage_buffer}},
+            .push_constant_bytes = sizeof(shaders::FoamPush),
+            .local_size = {shaders::synthesis_workgroup, 1, 1}};
+}
+
+Result<void> make(gpu::Kernel& place, gpu::Device& device, const shaders::Shader& shader,
+                  const gpu::KernelExpectation& expected) {
+    SEAWAY_TRY_LET(place, gpu::Kernel::create(device, shader.name, shader.spirv, expected));
+    return {};
+}
+
 } // namespace
 
 Result<SynthesisKernels> SynthesisKernels::create(gpu::Device& device,
@@ -57,11 +73,8 @@ Result<SynthesisKernels> SynthesisKernels::create(gpu::Device& device,
             return kernel.error();
         made.passes.push_back({std::move(*kernel), pass.kind, pass.groups, pass.row_texels});
     }
-    Result<gpu::Kernel> jacobian = gpu::Kernel::create(device, shaders::jacobian().name,
-                                                       shaders::jacobian().spirv, jacobian_pass());
-    if (!jacobian)
-        return jacobian.error();
-    made.jacobian = std::move(*jacobian);
+    SEAWAY_TRY(make(made.jacobian, device, shaders::jacobian(), jacobian_pass()));
+    SEAWAY_TRY(make(made.foam, device, shaders::foam(), foam_pass()));
     return made;
 }
 

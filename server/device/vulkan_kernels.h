@@ -21,6 +21,7 @@ struct SynthesisKernels {
     const shaders::Transform* transform = nullptr;
     std::vector<Pass> passes;
     gpu::Kernel jacobian;
+    gpu::Kernel foam;
 
     int size() const { return transform->size; }
 

@@ -12,6 +12,7 @@
 #include "server/device/spare_buffers.h"
 #include "server/device/vulkan_batch.h"
 #include "server/device/vulkan_check.h"
+#include "server/device/vulkan_foam.h"
 #include "server/device/vulkan_kernels.h"
 
 namespace seaway::server {
@@ -37,12 +38,20 @@ bool fits_band(const sea::CascadeModes* cascade) {
     return true;
 }
 
+bool has_turn_of(std::span<const std::size_t> indices, std::span<const KeyframeRequest> requests,
+                 const FoamTurn* turn) {
+    return turn != nullptr && std::ranges::any_of(indices, [&](std::size_t i) {
+               return requests[i].foam != nullptr && requests[i].foam->map == turn->map;
+           });
+}
+
 class Vulkan final : public VulkanSynthesizer {
   public:
     static Result<std::unique_ptr<VulkanSynthesizer>> create(const VulkanOptions& options);
 
     std::string description() const override;
     Result<void> set_sea(sea::RealizationPtr sea, std::uint32_t epoch) override;
+    Result<FoamMapPtr> open_foam(int size, const FoamMap* from) override;
     Result<std::vector<NewKeyframePtr>>
     synthesize(std::span<const KeyframeRequest> requests) override;
     Result<std::vector<SynthesisStage>> stages(const KeyframeRequest& request) override;
@@ -56,7 +65,14 @@ class Vulkan final : public VulkanSynthesizer {
     struct Batch {
         int size;
         sea::FieldSet fields;
+        bool looks; ///< foam does, at strains
         std::vector<std::size_t> requests;
+
+        bool jacobian() const { return fields.contains(sea::Field::jacobian); }
+        /// By transforms.
+        sea::FieldSet computed() const {
+            return jacobian() || looks ? linear_part(fields) | strains : linear_part(fields);
+        }
     };
 
     Vulkan() = default;
@@ -73,17 +89,23 @@ class Vulkan final : public VulkanSynthesizer {
     Result<void> run_jobs(VulkanBatch& device_batch, const Batch& batch,
                           std::span<const KeyframeRequest> requests,
                           std::span<const std::size_t> indices, std::span<NewKeyframePtr> out);
+    /// What the turns of these requests do, those of one map after each other.
+    FoamWork foam_work(const VulkanBatch& device_batch, const Packing& packing,
+                       std::span<const KeyframeRequest> requests,
+                       std::span<const std::size_t> indices);
     std::shared_ptr<sea::Keyframe> keyframe(const KeyframeRequest& request) const;
     /// The maps of the last run, to keyframes[job].
     void copy_maps(const VulkanBatch& device_batch, const Packing& packing,
-                   std::span<const std::shared_ptr<sea::Keyframe>> keyframes);
+                   std::span<const std::shared_ptr<sea::Keyframe>> keyframes,
+                   const std::vector<bool>& has_foam);
 
     // Order of members is order of construction; the device goes last.
     std::unique_ptr<gpu::Device> device_;
     bool any_device_kernels_ = false;
     std::map<std::pair<int, bool>, std::unique_ptr<SynthesisKernels>> kernels_; ///< size, band
-    std::string refused_;         ///< designs that the self-check found wrong
-    std::map<int, Group> groups_; ///< by size, of this sea
+    std::string refused_;            ///< designs that the self-check found wrong
+    std::map<int, Group> groups_;    ///< by size, of this sea
+    std::map<int, VulkanFoam> foam_; ///< by size, of any sea
     sea::RealizationPtr sea_;
     std::uint32_t epoch_ = 0;
     std::vector<int> position_; ///< of each cascade within its batch
@@ -184,13 +206,18 @@ std::vector<Vulkan::Batch> Vulkan::sort(std::span<const KeyframeRequest> request
                          static_cast<std::size_t>(request.cascade) < sea_->cascades.size(),
                      "a keyframe of a cascade that the sea does not have");
         const int size = sea_->cascades[static_cast<std::size_t>(request.cascade)].spec.size;
-        const auto same = std::find_if(batches.begin(), batches.end(), [&](const Batch& batch) {
-            return batch.size == size && batch.fields == synthesized(request.fields);
+        const bool looks = request.foam != nullptr && request.foam->looks(request.fields);
+        const sea::FieldSet fields = synthesized(request.fields);
+        // The latest that will do, and none before one that holds a turn of the same foam map.
+        const auto same = std::find_if(batches.rbegin(), batches.rend(), [&](const Batch& batch) {
+            return (batch.size == size && batch.fields == fields && batch.looks == looks) ||
+                   has_turn_of(batch.requests, requests, request.foam);
         });
-        if (same != batches.end())
+        if (same != batches.rend() && same->size == size && same->fields == fields &&
+            same->looks == looks)
             same->requests.push_back(i);
         else
-            batches.push_back({size, synthesized(request.fields), {i}});
+            batches.push_back({size, fields, looks, {i}});
     }
     return batches;
 }
@@ -210,10 +237,7 @@ Result<void> Vulkan::run(const Batch& batch, std::span<const KeyframeRequest> re
                          std::span<NewKeyframePtr> out) {
     VulkanBatch& device_batch = *groups_.at(batch.size).batch;
     const std::span<const std::size_t> all(batch.requests);
-    const bool jacobian = batch.fields.contains(sea::Field::jacobian);
-    const sea::FieldSet computed =
-        jacobian ? linear_part(batch.fields) | strains : linear_part(batch.fields);
-    const auto at_once = static_cast<std::size_t>(device_batch.max_jobs(computed.size()));
+    const auto at_once = static_cast<std::size_t>(device_batch.max_jobs(batch.computed().size()));
     for (std::size_t first = 0; first < all.size(); first += at_once) {
         const std::size_t count = std::min(at_once, all.size() - first);
         SEAWAY_TRY(run_jobs(device_batch, batch, requests, all.subspan(first, count), out));
@@ -224,26 +248,31 @@ Result<void> Vulkan::run(const Batch& batch, std::span<const KeyframeRequest> re
 Result<void> Vulkan::run_jobs(VulkanBatch& device_batch, const Batch& batch,
                               std::span<const KeyframeRequest> requests,
                               std::span<const std::size_t> indices, std::span<NewKeyframePtr> out) {
-    const bool jacobian = batch.fields.contains(sea::Field::jacobian);
-    const sea::FieldSet computed =
-        jacobian ? linear_part(batch.fields) | strains : linear_part(batch.fields);
-    const Packing packing = pack(computed);
+    const Packing packing = pack(batch.computed());
     std::vector<VulkanBatch::Job> jobs;
     for (const std::size_t index : indices)
         jobs.push_back({position_[static_cast<std::size_t>(requests[index].cascade)],
                         sea_->phase_time(requests[index].time_us)});
-    if (packing.fields > 0) {
+    const FoamWork foam = foam_work(device_batch, packing, requests, indices);
+    if (packing.fields > 0 || !foam.empty()) {
         const std::uint64_t dispatches = device_batch.dispatches();
         const double seconds = device_batch.device_seconds();
-        SEAWAY_TRY(device_batch.run(jobs, packing, jacobian ? &sea_->choppiness : nullptr));
+        const double foam_seconds = device_batch.foam_seconds();
+        SEAWAY_TRY(device_batch.run(
+            jobs, packing,
+            {batch.jacobian() ? &sea_->choppiness : nullptr, foam.empty() ? nullptr : &foam}));
         counters_.dispatches += device_batch.dispatches() - dispatches;
         counters_.device_seconds += device_batch.device_seconds() - seconds;
+        counters_.foam_seconds += device_batch.foam_seconds() - foam_seconds;
         counters_.transforms += jobs.size() * static_cast<std::size_t>(packing.fields);
     }
     std::vector<std::shared_ptr<sea::Keyframe>> keyframes;
-    for (const std::size_t index : indices)
+    std::vector<bool> has_foam;
+    for (const std::size_t index : indices) {
         keyframes.push_back(keyframe(requests[index]));
-    copy_maps(device_batch, packing, keyframes);
+        has_foam.push_back(requests[index].foam != nullptr);
+    }
+    copy_maps(device_batch, packing, keyframes, has_foam);
     // Waves that no transform can carry are added point by point (scenes with stylised sines).
     for (std::size_t job = 0; job < indices.size(); ++job) {
         const KeyframeRequest& request = requests[indices[job]];
@@ -253,6 +282,60 @@ Result<void> Vulkan::run_jobs(VulkanBatch& device_batch, const Batch& batch,
         out[indices[job]] = std::move(keyframes[job]);
     }
     return {};
+}
+
+Result<FoamMapPtr> Vulkan::open_foam(int size, const FoamMap* from) {
+    Result<FoamMapPtr> opened = foam_.try_emplace(size, *device_, size).first->second.open(from);
+    if (!opened)
+        return Error{device_->info().name + ": " + opened.error().message};
+    return opened;
+}
+
+FoamWork Vulkan::foam_work(const VulkanBatch& device_batch, const Packing& packing,
+                           std::span<const KeyframeRequest> requests,
+                           std::span<const std::size_t> indices) {
+    FoamWork work;
+    std::vector<std::vector<shaders::FoamStep>> rounds;
+    std::map<const FoamMap*, std::size_t> taken; ///< rounds of each map
+    for (std::size_t job = 0; job < indices.size(); ++job) {
+        const KeyframeRequest& request = requests[indices[job]];
+        if (request.foam == nullptr)
+            continue;
+        const auto& [map, kept, shown] = *request.foam;
+        const VulkanFoam& foam =
+            foam_.at(sea_->cascades[static_cast<std::size_t>(request.cascade)].spec.size);
+        work.histories = &foam.histories();
+        const auto add = [&](const sea::FoamTick& tick, std::uint32_t flags) {
+            shaders::FoamStep step = foam_step(tick);
+            step.flags |= flags;
+            if (tick.looks()) {
+                step.strain_xx = device_batch.place(packing, job, sea::Field::strain_xx);
+                step.strain_yy = device_batch.place(packing, job, sea::Field::strain_yy);
+                step.strain_xy = device_batch.place(packing, job, sea::Field::strain_xy);
+            }
+            step.history = foam.place(*map);
+            step.shown = device_batch.foam_place(job);
+            step.departure = shown.departure;
+            const std::size_t round = taken[map]++;
+            rounds.resize(std::max(rounds.size(), round + 1));
+            rounds[round].push_back(step);
+        };
+        if (kept)
+            add(*kept, shaders::foam_keeps);
+        const bool shows = request.fields.contains(sea::Field::foam);
+        // A later turn of the map would be there before a copy.
+        if (shows && shown.is_state() &&
+            !has_turn_of(indices.subspan(job + 1), requests, request.foam))
+            work.copies.push_back({foam.place(*map), device_batch.foam_place(job)});
+        else if (shows)
+            add(shown.tick, 0);
+        counters_.foam_ticks += kept.has_value() + (shows && shown.tick.looks());
+    }
+    for (const std::vector<shaders::FoamStep>& round : rounds) {
+        work.steps.insert(work.steps.end(), round.begin(), round.end());
+        work.rounds.push_back(static_cast<std::uint32_t>(round.size()));
+    }
+    return work;
 }
 
 std::shared_ptr<sea::Keyframe> Vulkan::keyframe(const KeyframeRequest& request) const {
@@ -271,24 +354,28 @@ std::shared_ptr<sea::Keyframe> Vulkan::keyframe(const KeyframeRequest& request) 
 
 // Copying is bound by memory: a second thread makes it a third faster.
 void Vulkan::copy_maps(const VulkanBatch& device_batch, const Packing& packing,
-                       std::span<const std::shared_ptr<sea::Keyframe>> keyframes) {
+                       std::span<const std::shared_ptr<sea::Keyframe>> keyframes,
+                       const std::vector<bool>& has_foam) {
     struct Map {
         const VulkanBatch& from;
         int job;
-        int plane; ///< -1: the Jacobian
+        int plane; ///< of a linear field
+        sea::Field field;
         std::span<float> to;
     };
     std::vector<Map> maps;
     for (std::size_t job = 0; job < keyframes.size(); ++job)
-        for (const sea::Field field : synthesized(keyframes[job]->fields))
-            maps.push_back({device_batch, static_cast<int>(job),
-                            sea::is_linear(field) ? packing.plane_of(field) : -1,
+        for (const sea::Field field :
+             has_foam[job] ? keyframes[job]->fields : synthesized(keyframes[job]->fields))
+            maps.push_back({device_batch, static_cast<int>(job), packing.plane_of(field), field,
                             keyframes[job]->plane(field)});
     const Phase copy{[](const void* all, int index, int) {
                          const Map& map = (*static_cast<const std::vector<Map>*>(
                              all))[static_cast<std::size_t>(index)];
-                         if (map.plane < 0)
+                         if (map.field == sea::Field::jacobian)
                              map.from.read_jacobian(map.job, map.to);
+                         else if (map.field == sea::Field::foam)
+                             map.from.read_foam(map.job, map.to);
                          else
                              map.from.read_plane(map.job, map.plane, map.to);
                      },

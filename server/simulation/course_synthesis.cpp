@@ -122,6 +122,7 @@ Result<void> CourseSynthesis::add_growth_of(FieldSet maps, const Held& growth,
         if (const FieldSet values = values_of_rates(requests[i].fields) & maps; !values.empty()) {
             grown.push_back(requests[i]);
             grown.back().fields = values;
+            grown.back().foam = nullptr;
             onto.push_back(keyframes[i]);
         }
     if (grown.empty())

@@ -19,15 +19,19 @@
 
 namespace seaway::server {
 
-class CourseSynthesis {
+class CourseSynthesis final : public KeyframeMaker {
   public:
     /// The device holds the course's first sea.
     CourseSynthesis(SeaCoursePtr course, std::unique_ptr<RebuiltSynthesizer> device)
         : course_(std::move(course)), device_(std::move(device)), held_{{course_->first()->epoch}} {
     }
 
-    /// One keyframe a request, in order, as Synthesizer::synthesize(). Those of one sea and moment share dispatches.
-    Result<std::vector<NewKeyframePtr>> synthesize(std::span<const KeyframeRequest> requests);
+    Result<FoamMapPtr> open_foam(int size, const FoamMap* from) override {
+        return device_->open_foam(size, from);
+    }
+    /// Those of one sea and moment share dispatches. Turns of one foam map must come in the order of time.
+    Result<std::vector<NewKeyframePtr>>
+    synthesize(std::span<const KeyframeRequest> requests) override;
 
     const RebuiltSynthesizer& device() const { return *device_; }
 

@@ -30,11 +30,9 @@ class EffectCosts {
     /// `sizes`: grid points a side of each cascade.
     explicit EffectCosts(std::vector<int> sizes);
 
-    /// One submission: what was asked (foam as foam), and by how much the counters grew.
+    /// What was asked of a device in one call, and by how much its counters grew. Foam is what turns of
+    /// foam maps took, with the strains that they look at.
     void add(std::span<const KeyframeRequest> requests, const SynthesisCounters& growth);
-
-    /// Time that one field of a cascade took beside its transforms: the history of foam.
-    void add_seconds(std::size_t cascade, sea::Field field, double seconds);
 
     const EffectCost& cost(std::size_t cascade, std::size_t effect) const {
         return costs_[cascade * effect_table().size() + effect];
@@ -45,6 +43,8 @@ class EffectCosts {
     double predicted_seconds(std::size_t cascade, sea::FieldSet fields) const;
 
   private:
+    /// By the points of each turn.
+    void add_foam_seconds(std::span<const KeyframeRequest> requests, double seconds);
     double weight(std::size_t cascade, sea::FieldSet fields) const;
 
     std::vector<int> sizes_;

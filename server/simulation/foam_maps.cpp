@@ -1,41 +1,125 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/simulation/foam_maps.h"
 
+#include <limits>
+
 namespace seaway::server {
 
-FoamMaps::FoamMaps(const SeaCoursePtr& course) {
-    const RunningSea& sea = *course->first();
+FoamMaps::FoamMaps(SeaCoursePtr course) : course_(std::move(course)) {
+    const RunningSea& sea = *course_->first();
     if (!sea.foam_law)
         return;
     for (std::size_t c = 0; c < sea.realization->cascades.size(); ++c) {
-        histories_.emplace_back(sea.foam_law, static_cast<int>(c),
-                                sea.realization->cascades[c].spec.size,
-                                sea.budget.cascades[c].interval_us);
-        histories_.back().follow(
-            [course](sea::TimeUs time_us) { return course->at(time_us)->foam_law_at(time_us); });
+        histories_.push_back(
+            {sea.realization->cascades[c].spec.size,
+             sea::FoamWalk(sea.foam_law, static_cast<int>(c), sea.budget.cascades[c].interval_us),
+             nullptr});
+        histories_.back().walk.follow([followed = course_](sea::TimeUs time_us) {
+            return followed->at(time_us)->foam_law_at(time_us);
+        });
     }
 }
 
-sea::FoamHistory& FoamMaps::history(int cascade) {
+FoamMaps::History& FoamMaps::history(int cascade) {
     SEAWAY_CHECK(!histories_.empty(), "foam is offered only where the scene has a law for it");
-    return histories_[static_cast<std::size_t>(cascade)];
+    History& found = histories_[static_cast<std::size_t>(cascade)];
+    if (found.lost()) {
+        found.map = nullptr;
+        found.walk.restart();
+    }
+    return found;
 }
 
 int FoamMaps::ticks_to(int cascade, sea::TimeUs time_us) const {
-    return histories_[static_cast<std::size_t>(cascade)].ticks_to(time_us);
+    const History& history = histories_[static_cast<std::size_t>(cascade)];
+    if (!history.lost())
+        return history.walk.ticks_to(time_us);
+    sea::FoamWalk anew = history.walk;
+    anew.restart();
+    return anew.ticks_to(time_us);
 }
 
-Result<bool> FoamMaps::walk_towards(int cascade, sea::TimeUs time_us, int ticks_max,
-                                    const sea::FoamHistory::StrainsAt& strains_at) {
-    return history(cascade).walk_towards(time_us, ticks_max, strains_at);
+bool FoamMaps::is_near(int cascade, sea::TimeUs time_us) const {
+    const History& history = histories_[static_cast<std::size_t>(cascade)];
+    const std::optional<sea::TimeUs> next_us = history.walk.next_us(time_us);
+    return !history.lost() && (!next_us || *next_us >= time_us);
 }
 
-Result<void> FoamMaps::fill(const NewKeyframePtr& keyframe, sea::TimeUs time_us,
-                            const sea::FoamHistory::StrainsAt& strains_at) {
-    sea::FoamHistory& foam = history(keyframe->cascade);
-    SEAWAY_TRY(foam.advance_to(time_us, strains_at));
-    foam.fill(keyframe->plane(sea::Field::foam));
-    return {};
+Result<void> FoamMaps::own(History& history, KeyframeMaker& device) {
+    if (history.map != nullptr && history.map.use_count() == 1)
+        return {};
+    Result<FoamMapPtr> opened = device.open_foam(history.size, history.map.get());
+    if (opened)
+        history.map = std::move(*opened);
+    else
+        history.walk.restart();
+    return opened ? Result<void>() : Result<void>(opened.error());
+}
+
+Result<bool> FoamMaps::walk(KeyframeMaker& device, int cascade, sea::TimeUs time_us, int ticks_max,
+                            sea::TimeUs until_us) {
+    SEAWAY_CHECK(ticks_max >= 1, "every slice goes some way");
+    History& own_history = history(cascade);
+    const auto waits = [&] {
+        const std::optional<sea::TimeUs> next_us = own_history.walk.next_us(time_us);
+        return next_us && *next_us <= until_us;
+    };
+    if (!waits())
+        return true;
+    SEAWAY_TRY(own(own_history, device));
+    std::vector<FoamTurn> turns;
+    std::vector<sea::TimeUs> times_us;
+    for (; static_cast<int>(turns.size()) < ticks_max && waits();) {
+        const sea::FoamStep step = *own_history.walk.next(time_us);
+        turns.push_back({own_history.map.get(), step.tick, {}});
+        times_us.push_back(step.time_us);
+    }
+    std::vector<KeyframeRequest> requests;
+    for (std::size_t i = 0; i < turns.size(); ++i)
+        requests.push_back(
+            {cascade, times_us[i], {}, course_->window_at(times_us[i]).epoch, &turns[i]});
+    if (const auto made = device.synthesize(requests); !made) {
+        own_history.walk.restart();
+        return made.error();
+    }
+    return !waits();
+}
+
+Result<FoamTurn> FoamMaps::turn(KeyframeMaker& device, int cascade, sea::TimeUs time_us) {
+    SEAWAY_CHECK(is_near(cascade, time_us), "a history is walked to before its map is shown");
+    History& own_history = history(cascade);
+    FoamTurn turn;
+    if (own_history.walk.next_us(time_us)) {
+        SEAWAY_TRY(own(own_history, device));
+        turn.kept = own_history.walk.next(time_us)->tick;
+    }
+    if (own_history.map == nullptr)
+        SEAWAY_TRY(own(own_history, device));
+    turn.map = own_history.map.get();
+    turn.shown = own_history.walk.at(time_us);
+    return turn;
+}
+
+Result<std::vector<NewKeyframePtr>> FoamMaps::synthesize(KeyframeMaker& device,
+                                                         std::vector<KeyframeRequest> requests) {
+    std::vector<FoamTurn> turns(requests.size());
+    const auto made = [&]() -> Result<std::vector<NewKeyframePtr>> {
+        for (std::size_t i = 0; i < requests.size(); ++i) {
+            const auto& [cascade, time_us, fields, epoch, foam] = requests[i];
+            if (!fields.contains(sea::Field::foam))
+                continue;
+            constexpr int all = std::numeric_limits<int>::max();
+            SEAWAY_TRY(walk_near(device, cascade, time_us, all));
+            SEAWAY_TRY_LET(turns[i], turn(device, cascade, time_us));
+            requests[i].foam = &turns[i];
+        }
+        return device.synthesize(requests);
+    }();
+    if (!made)
+        for (const KeyframeRequest& request : requests)
+            if (request.foam != nullptr)
+                restart(request.cascade);
+    return made;
 }
 
 } // namespace seaway::server

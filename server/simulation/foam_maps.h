@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Foam maps: the histories of a sea's cascades, and keyframes with a foam map from them. A history
-// that starts, or jumps in time, walks through hundreds of ticks: that is done in slices.
+// that starts, or jumps in time, walks through hundreds of ticks: that is done in slices. The maps themselves are
+// where the device has them; one that was lost with its device is walked for anew.
+//
+// A copy is for free: histories share a map until one of them goes on.
 // For one thread.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "base/result.h"
@@ -26,29 +30,32 @@ class FoamMaps {
   public:
     /// Without a foam law (RunningSea::foam_law) there is nothing to add. Histories tick by the first sea of the course
     /// and go on over its changes.
-    explicit FoamMaps(const SeaCoursePtr& course);
+    explicit FoamMaps(SeaCoursePtr course);
 
-    /// Ticks that are left before fill() of a cascade at a time.
+    /// Ticks that are left before the map of a cascade is that of a time.
     int ticks_to(int cascade, sea::TimeUs time_us) const;
+    /// All that are left are done by the turn() of a keyframe of that time.
+    bool is_near(int cascade, sea::TimeUs time_us) const;
 
-    /// At most `ticks_max` >= 1 of them; true: none is left. `strains_at` gives the same cascade at
-    /// earlier times.
-    Result<bool> walk_towards(int cascade, sea::TimeUs time_us, int ticks_max,
-                              const sea::FoamHistory::StrainsAt& strains_at);
-
-    /// Fills Field::foam of a keyframe that holds it with the foam of a time, mostly its own, and walks what is left.
-    Result<void> fill(const NewKeyframePtr& keyframe, sea::TimeUs time_us,
-                      const sea::FoamHistory::StrainsAt& strains_at);
-
-    /// The same of its own time, of which it holds sea::foam_inputs.
-    Result<void> fill(const NewKeyframePtr& keyframe,
-                      const sea::FoamHistory::StrainsAt& strains_at) {
-        return fill(keyframe, keyframe->time_us,
-                    [&](sea::TimeUs time_us) -> Result<sea::KeyframePtr> {
-                        return time_us == keyframe->time_us ? Result<sea::KeyframePtr>(keyframe)
-                                                            : strains_at(time_us);
-                    });
+    /// At most `ticks_max` >= 1 of those ticks, `until_us` at the latest; true: none of these is left.
+    Result<bool> walk(KeyframeMaker& device, int cascade, sea::TimeUs time_us, int ticks_max,
+                      sea::TimeUs until_us);
+    Result<bool> walk_towards(KeyframeMaker& device, int cascade, sea::TimeUs time_us,
+                              int ticks_max) {
+        return walk(device, cascade, time_us, ticks_max, time_us);
     }
+    Result<bool> walk_near(KeyframeMaker& device, int cascade, sea::TimeUs time_us, int ticks_max) {
+        return walk(device, cascade, time_us, ticks_max, time_us - 1);
+    }
+
+    /// What a keyframe of that time does to the map, which is_near(). Counts as done: where it comes to nothing, and
+    /// after any error of the device, restart(). There may be one turn of a cascade in a call of synthesize().
+    Result<FoamTurn> turn(KeyframeMaker& device, int cascade, sea::TimeUs time_us);
+    void restart(int cascade) { history(cascade).walk.restart(); }
+
+    /// Keyframes with foam where it is asked for, one a cascade: walks what is left, then makes them all at once.
+    Result<std::vector<NewKeyframePtr>> synthesize(KeyframeMaker& device,
+                                                   std::vector<KeyframeRequest> requests);
 
     /// Goes on from where the other is.
     void take_over(int cascade, const FoamMaps& other) {
@@ -56,9 +63,19 @@ class FoamMaps {
     }
 
   private:
-    sea::FoamHistory& history(int cascade);
+    struct History {
+        int size;
+        sea::FoamWalk walk;
+        FoamMapPtr map; ///< null until there is something to keep
 
-    std::vector<sea::FoamHistory> histories_; ///< one a cascade
+        bool lost() const { return map != nullptr && map->lost(); }
+    };
+    History& history(int cascade);
+    /// It has a map that no other history stands on.
+    static Result<void> own(History& history, KeyframeMaker& device);
+
+    SeaCoursePtr course_;
+    std::vector<History> histories_; ///< one a cascade
 };
 
 } // namespace seaway::server

@@ -63,19 +63,6 @@ Result<T> KeyframeSource::or_fail(Result<T> result) {
     return *failure_;
 }
 
-template <class Work>
-auto KeyframeSource::timed(int cascade, const Work& work) {
-    using Clock = std::chrono::steady_clock;
-    const Clock::time_point start = Clock::now();
-    const double synthesis_before_s = synthesis_s_;
-    auto result = work();
-    const std::chrono::duration<double> spent = Clock::now() - start;
-    const std::scoped_lock lock(mutex_);
-    costs_.add_seconds(static_cast<std::size_t>(cascade), sea::Field::foam,
-                       spent.count() - (synthesis_s_ - synthesis_before_s));
-    return result;
-}
-
 // ---- jobs ----------------------------------------------------------------------------------
 
 std::vector<sea::KeyframePtr> KeyframeJob::take() {
@@ -153,10 +140,9 @@ Result<bool> KeyframeSource::slice(KeyframeJob& job, std::int64_t& budget) {
     if (!job.open_ && !open_part(job))
         return false;
     while (budget > 0 && !job.made()) {
-        if (job.without_foam_.empty())
+        SEAWAY_TRY_LET(const bool near, walk_to_next(job, budget));
+        if (near)
             SEAWAY_TRY(synthesize_some(job, budget));
-        else
-            SEAWAY_TRY(add_foam(job, budget));
     }
     if (job.made() && job.end_ == job.wanted_.size())
         job.turn_ = nullptr;
@@ -175,55 +161,93 @@ bool KeyframeSource::takes_its_turn(KeyframeJob& job) {
     return true;
 }
 
-Result<void> KeyframeSource::synthesize_some(KeyframeJob& job, std::int64_t& budget) {
-    std::vector<KeyframeRequest> asked;
-    std::vector<KeyframeRequest> synthesized;
-    while (asked.size() < job.missing_.size() && (budget > 0 || asked.empty())) {
-        const KeyframeJob::Missing& next = job.missing_[asked.size()];
-        asked.push_back(next.request);
-        if (next.foam_of)
-            asked.back().fields = without_foam(next.request.fields);
-        KeyframeRequest& request = synthesized.emplace_back(next.request);
-        if (next.walks_foam())
-            request.fields = with_foam_inputs(request.fields);
-        budget -= samples(request.cascade) * request.fields.size();
-    }
-    SEAWAY_TRY_LET(const std::vector<NewKeyframePtr> made, synthesize(synthesized, asked));
-    for (const NewKeyframePtr& keyframe : made) {
-        const KeyframeJob::Missing& request = job.missing_.front();
-        if (request.walks_foam()) {
-            job.without_foam_.push_back({request.place, keyframe});
+bool KeyframeSource::fits(const Together& together, const KeyframeJob& job,
+                          const KeyframeJob::Missing& next) {
+    if (!next.walks_foam())
+        return true;
+    const KeyframeRequest& request = next.request;
+    const bool alone = together.with_turn.empty() ||
+                       (request.epoch == together.foam_epoch &&
+                        std::ranges::count(together.with_turn, request.cascade) == 0);
+    return alone && foam_maps(job, request.epoch).is_near(request.cascade, foam_time(request));
+}
+
+Result<void> KeyframeSource::add_turn(Together& together, const KeyframeJob& job,
+                                      KeyframeRequest request) {
+    FoamMaps& foam = foam_maps(job, request.epoch);
+    const TimeUs time_us = foam_time(request);
+    SEAWAY_TRY_LET(const FoamTurn turn, foam.turn(*this, request.cascade, time_us));
+    together.with_turn.push_back(request.cascade);
+    together.foam_epoch = request.epoch;
+    const FoamTurn* kept = &together.turns.emplace_back(turn);
+    const std::size_t place = together.requests.size();
+    if (time_us == request.time_us)
+        request.foam = kept;
+    else
+        together.moved.push_back({place, place + 1});
+    together.places.push_back(place);
+    together.requests.push_back(request);
+    if (time_us != request.time_us)
+        together.requests.push_back({request.cascade,
+                                     time_us,
+                                     {sea::Field::foam},
+                                     course_->window_at(time_us).epoch,
+                                     kept});
+    return {};
+}
+
+Result<std::vector<NewKeyframePtr>> KeyframeSource::make(const KeyframeJob& job,
+                                                         std::int64_t& budget, Together& together) {
+    for (const KeyframeJob::Missing& next : job.missing_) {
+        const KeyframeRequest& request = next.request;
+        if (!together.requests.empty() && (budget <= 0 || !fits(together, job, next)))
+            break;
+        if (next.walks_foam()) {
+            SEAWAY_TRY(add_turn(together, job, request));
         } else {
-            if (request.foam_of)
-                std::ranges::copy(std::as_const(*request.foam_of).plane(sea::Field::foam),
-                                  keyframe->plane(sea::Field::foam).begin());
-            keep(job, request.place, keyframe);
+            together.places.push_back(together.requests.size());
+            together.requests.push_back(request);
         }
+        budget -= samples(request.cascade) *
+                  (next.walks_foam() ? with_foam_inputs(request.fields) : request.fields).size();
+    }
+    return synthesize(together.requests);
+}
+
+Result<void> KeyframeSource::synthesize_some(KeyframeJob& job, std::int64_t& budget) {
+    Together together;
+    const Result<std::vector<NewKeyframePtr>> made = make(job, budget, together);
+    if (!made) {
+        for (const int cascade : together.with_turn)
+            foam_maps(job, together.foam_epoch).restart(cascade);
+        if (!made.error().is(DeviceError::foam_lost))
+            return made.error();
+        budget = 0; // the next slice starts anew
+        return {};
+    }
+    const auto foam_to = [&](std::size_t keyframe, const sea::Keyframe& from) {
+        std::ranges::copy(from.plane(sea::Field::foam),
+                          (*made)[keyframe]->plane(sea::Field::foam).begin());
+    };
+    for (const Together::Foam& moved : together.moved)
+        foam_to(moved.keyframe, *(*made)[moved.of]);
+    for (const std::size_t place : together.places) {
+        const KeyframeJob::Missing& request = job.missing_.front();
+        if (request.foam_of)
+            foam_to(place, *request.foam_of);
+        keep(job, request.place, (*made)[place]);
         job.missing_.pop_front();
     }
     return {};
 }
 
-Result<void> KeyframeSource::add_foam(KeyframeJob& job, std::int64_t& budget) {
-    const std::size_t place = job.without_foam_.front().place;
-    const NewKeyframePtr keyframe = job.without_foam_.front().keyframe;
-    FoamMaps& foam =
-        job.walk_ == Walk::stream ? streamed_foam(keyframe->epoch) : foam_of(job.walk_).maps;
-    const TimeUs time_us = foam_time(*keyframe);
-    const auto strains_at = [&](TimeUs t_us) -> Result<sea::KeyframePtr> {
-        return t_us == keyframe->time_us ? Result<sea::KeyframePtr>(keyframe)
-                                         : strains(keyframe->cascade, t_us);
-    };
-    return timed(keyframe->cascade, [&]() -> Result<void> {
-        SEAWAY_TRY_LET(const bool there,
-                       walk(foam, keyframe->cascade, time_us, budget, strains_at));
-        if (!there)
-            return {};
-        SEAWAY_TRY(foam.fill(keyframe, time_us, strains_at));
-        keep(job, place, keyframe);
-        job.without_foam_.pop_front();
-        return {};
-    });
+Result<bool> KeyframeSource::walk_to_next(const KeyframeJob& job, std::int64_t& budget) {
+    const KeyframeJob::Missing& next = job.missing_.front();
+    if (!next.walks_foam())
+        return true;
+    const TimeUs time_us = foam_time(next.request);
+    return walk(foam_maps(job, next.request.epoch), next.request.cascade, time_us, time_us - 1,
+                budget);
 }
 
 void KeyframeSource::keep(KeyframeJob& job, std::size_t place, sea::KeyframePtr keyframe) {
@@ -246,21 +270,31 @@ FoamMaps& KeyframeSource::streamed_foam(std::uint32_t epoch) {
     return streamed_foam_.back().maps;
 }
 
-TimeUs KeyframeSource::foam_time(const sea::Keyframe& keyframe) const {
-    const EpochWindow window = course_->window(keyframe.epoch);
-    return std::max(std::min(keyframe.time_us, window.end_us), window.start_us);
+FoamMaps& KeyframeSource::foam_maps(const KeyframeJob& job, std::uint32_t epoch) {
+    return job.walk_ == Walk::stream ? streamed_foam(epoch) : foam_of(job.walk_).maps;
 }
 
-Result<bool> KeyframeSource::walk(FoamMaps& foam, int cascade, TimeUs time_us, std::int64_t& budget,
-                                  const sea::FoamHistory::StrainsAt& strains_at) {
+TimeUs KeyframeSource::foam_time(const KeyframeRequest& request) const {
+    const EpochWindow window = course_->window(request.epoch);
+    return std::max(std::min(request.time_us, window.end_us), window.start_us);
+}
+
+Result<bool> KeyframeSource::walk(FoamMaps& foam, int cascade, TimeUs time_us, TimeUs until_us,
+                                  std::int64_t& budget) {
     const std::int64_t tick = foam_tick_fields * samples(cascade);
     const auto ticks_max = static_cast<int>(std::max<std::int64_t>(budget / tick, 1));
     const int before = foam.ticks_to(cascade, time_us);
-    SEAWAY_TRY_LET(const bool there, foam.walk_towards(cascade, time_us, ticks_max, strains_at));
+    const Result<bool> there = foam.walk(*this, cascade, time_us, ticks_max, until_us);
+    if (!there && there.error().is(DeviceError::foam_lost)) {
+        budget = 0; // the next slice starts anew
+        return false;
+    }
+    if (!there)
+        return there.error();
     const int left = foam.ticks_to(cascade, time_us);
-    SEAWAY_CHECK(there ? left == 0 : left < before, "each slice brings foam nearer to its time");
-    budget -= tick * std::max(before - left, 1);
-    return there;
+    SEAWAY_CHECK(*there || left < before, "each slice brings foam nearer to its time");
+    budget -= tick * (before - left);
+    return *there;
 }
 
 int KeyframeSource::foam_ticks_to(int cascade, TimeUs time_us) const {
@@ -271,10 +305,7 @@ Result<bool> KeyframeSource::walk_streamed_foam(int cascade, TimeUs time_us) {
     if (failure_)
         return *failure_;
     std::int64_t budget = samples_per_slice;
-    return or_fail(timed(cascade, [&] {
-        return walk(streamed_foam_.back().maps, cascade, time_us, budget,
-                    [&](TimeUs t_us) { return strains(cascade, t_us); });
-    }));
+    return or_fail(walk(streamed_foam_.back().maps, cascade, time_us, time_us, budget));
 }
 
 void KeyframeSource::share_streamed_foam(int cascade) {
@@ -283,26 +314,21 @@ void KeyframeSource::share_streamed_foam(int cascade) {
             foam->maps.take_over(cascade, streamed_foam_.back().maps);
 }
 
-Result<sea::KeyframePtr> KeyframeSource::strains(int cascade, TimeUs time_us) {
-    const std::uint32_t epoch = course_->window_at(time_us).epoch;
-    const KeyframeRequest past{cascade, time_us, sea::foam_inputs, epoch};
-    const KeyframeRequest asked{cascade, time_us, {sea::Field::foam}, epoch};
-    SEAWAY_TRY_LET(const std::vector<NewKeyframePtr> one, synthesize({&past, 1}, {&asked, 1}));
-    return sea::KeyframePtr(one.front());
+// ---- the device, and its accounts ------------------------------------------------------------
+
+Result<FoamMapPtr> KeyframeSource::open_foam(int size, const FoamMap* from) {
+    return device_.open_foam(size, from);
 }
 
 Result<std::vector<NewKeyframePtr>>
-KeyframeSource::synthesize(std::span<const KeyframeRequest> requests,
-                           std::span<const KeyframeRequest> asked) {
-    const auto start = std::chrono::steady_clock::now();
+KeyframeSource::synthesize(std::span<const KeyframeRequest> requests) {
     Result<std::vector<NewKeyframePtr>> made = device_.synthesize(requests);
-    synthesis_s_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     const std::scoped_lock lock(mutex_);
     description_ = device_.device().description();
     device_rebuilds_ = device_.device().rebuilds();
     const SynthesisCounters before = std::exchange(synthesis_, device_.device().counters());
     if (made)
-        costs_.add(asked, synthesis_ - before);
+        costs_.add(requests, synthesis_ - before);
     return made;
 }
 

@@ -70,12 +70,7 @@ class KeyframeJob {
             return request.fields.contains(sea::Field::foam) && foam_of == nullptr;
         }
     };
-    struct WithoutFoam {
-        std::size_t place;
-        NewKeyframePtr keyframe;
-    };
-
-    bool made() const { return open_ && missing_.empty() && without_foam_.empty(); }
+    bool made() const { return open_ && missing_.empty(); }
 
     std::vector<KeyframeRequest> wanted_;
     Walk walk_;
@@ -86,8 +81,7 @@ class KeyframeJob {
     Room::Place place_;
     std::vector<sea::KeyframePtr> found_; ///< the part
     std::deque<Missing> missing_;
-    std::deque<WithoutFoam> without_foam_; ///< made but for their foam, in order
-    std::shared_ptr<const void> turn_;     ///< held by the one job whose foam is walked for
+    std::shared_ptr<const void> turn_; ///< held by the one job whose foam is walked for
     const std::weak_ptr<const void>* awaited_turn_ = nullptr; ///< of the source
 };
 
@@ -96,7 +90,7 @@ inline KeyframeRequest request_of(const sea::Keyframe& keyframe) {
     return {keyframe.cascade, keyframe.time_us, keyframe.fields, keyframe.epoch};
 }
 
-class KeyframeSource {
+class KeyframeSource : private KeyframeMaker {
   public:
     KeyframeSource(SeaCoursePtr course, std::unique_ptr<RebuiltSynthesizer> device,
                    const Memory& memory);
@@ -142,24 +136,40 @@ class KeyframeSource {
     void look_up(KeyframeJob& job, std::size_t begin);
     Result<bool> slice(KeyframeJob& job, std::int64_t& budget);
     bool takes_its_turn(KeyframeJob& job);
+    /// True: the foam of the next keyframe that is missing is there, but for its own tick.
+    Result<bool> walk_to_next(const KeyframeJob& job, std::int64_t& budget);
+    /// Some of those that are missing, which are made in one call.
+    struct Together {
+        std::vector<KeyframeRequest> requests;
+        std::deque<FoamTurn> turns;
+        std::uint32_t foam_epoch = 0; ///< of those with a turn: each epoch has histories of its own
+        std::vector<int> with_turn;   ///< cascades
+        struct Foam {
+            std::size_t keyframe, of; ///< places among the requests
+        };
+        std::vector<Foam> moved;         ///< foam that is of another time than its keyframe
+        std::vector<std::size_t> places; ///< of the keyframes that were missing, among the requests
+    };
+    /// One turn a history, and of one epoch: what follows it has to find it done.
+    bool fits(const Together& together, const KeyframeJob& job, const KeyframeJob::Missing& next);
+    Result<void> add_turn(Together& together, const KeyframeJob& job, KeyframeRequest request);
+    Result<std::vector<NewKeyframePtr>> make(const KeyframeJob& job, std::int64_t& budget,
+                                             Together& together);
     Result<void> synthesize_some(KeyframeJob& job, std::int64_t& budget);
-    Result<void> add_foam(KeyframeJob& job, std::int64_t& budget);
     void keep(KeyframeJob& job, std::size_t place, sea::KeyframePtr keyframe);
-    Result<bool> walk(FoamMaps& foam, int cascade, sea::TimeUs time_us, std::int64_t& budget,
-                      const sea::FoamHistory::StrainsAt& strains_at);
+    Result<bool> walk(FoamMaps& foam, int cascade, sea::TimeUs time_us, sea::TimeUs until_us,
+                      std::int64_t& budget);
 
-    /// `asked`: the same requests without what foam stands on; for the accounts.
-    Result<std::vector<NewKeyframePtr>> synthesize(std::span<const KeyframeRequest> requests,
-                                                   std::span<const KeyframeRequest> asked);
-    /// Of the sea that runs at the time.
-    Result<sea::KeyframePtr> strains(int cascade, sea::TimeUs time_us);
+    // What foam is walked with: the device, and its accounts.
+    Result<FoamMapPtr> open_foam(int size, const FoamMap* from) override;
+    Result<std::vector<NewKeyframePtr>>
+    synthesize(std::span<const KeyframeRequest> requests) override;
+
     /// When the foam of a keyframe is of: its time, but within the time of its sea, so that a stream never goes back
     /// where one sea follows another.
-    sea::TimeUs foam_time(const sea::Keyframe& keyframe) const;
+    sea::TimeUs foam_time(const KeyframeRequest& request) const;
+    FoamMaps& foam_maps(const KeyframeJob& job, std::uint32_t epoch);
     FoamMaps& streamed_foam(std::uint32_t epoch);
-    /// Puts the time that `work` on foam takes, but for its transforms, on the accounts.
-    template <class Work>
-    auto timed(int cascade, const Work& work);
     std::int64_t samples(int cascade) const;
     /// The first failure is the last word.
     template <class T>
@@ -180,7 +190,6 @@ class KeyframeSource {
     AskedFoam& foam_of(Walk walk) { return walk == Walk::starts ? started_foam_ : asked_foam_; }
     AskedFoam started_foam_;
     AskedFoam asked_foam_;
-    double synthesis_s_ = 0; ///< spent waiting for the device
     KeyframeStore store_;
     std::optional<Error> failure_;
     std::atomic<bool> failed_ = false;

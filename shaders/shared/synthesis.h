@@ -52,7 +52,37 @@ struct JacobianPush {
     uint size; ///< grid points a side
 };
 
+// The foam kernel takes histories a step further, each its own in one dispatch. The steps stand in a buffer of texels
+// RGBA32UI. Places are counted in vec4 of their buffers.
+SEAWAY_SHARED_CONSTANT foam_step_texels = 6;
+SEAWAY_SHARED_CONSTANT foam_steps_max = 128;
+/// Points of an invocation, in vec4: so many share the fetches of a step.
+SEAWAY_SHARED_CONSTANT foam_quads = 4;
+/// Flags of a step.
+SEAWAY_SHARED_CONSTANT foam_looks = 1; ///< at strains
+SEAWAY_SHARED_CONSTANT foam_keeps = 2; ///< the history is what the step leaves; else a map is
+
+struct FoamPush {
+    uint first_step; ///< of the dispatch, one a z
+};
+
+/// ratio = ratio * remains + breaking * source + added, as sea::FoamTick; shown: 1 + departure * (ratio - 1).
+struct FoamStep {
+    float threshold, bias, choppiness_x, choppiness_y;
+    float choppiness_xy, variance, difference, shear;
+    float curvature, difference_rest, shear_rest, cross_rest;
+    float constant_rest, remains, source, added;
+    uint strain_xx, strain_yy, strain_xy; ///< places of maps
+    uint flags;
+    uint history; ///< place of its map
+    uint shown;   ///< place of a map
+    float departure;
+    uint unused;
+};
+
 #ifdef __cplusplus
+static_assert(sizeof(FoamPush) == 4);
+static_assert(sizeof(FoamStep) == 16 * foam_step_texels);
 static_assert(sizeof(SynthesisJob) == 16);
 static_assert(sizeof(SynthesisPush) == 8);
 static_assert(sizeof(JacobianPush) == 28);

@@ -79,7 +79,7 @@ class DeviceMaps {
             jobs.push_back({cascade, time_us});
             if (static_cast<int>(jobs.size()) == batch_->max_jobs(packing.fields) ||
                 cascade + 1 == cascades) {
-                need(batch_->run(jobs, packing, nullptr));
+                need(batch_->run(jobs, packing, {}));
                 jobs.clear();
             }
         }

@@ -66,16 +66,8 @@ class Costs {
         FoamMaps foam(server::steady_course(sea_));
         const int ticks = foam.ticks_to(0, 0);
         const double size = sea_->realization->cascades[0].spec.size;
-        const double walk_us = least_us(1, [&](int) {
-            (void)foam
-                .walk_towards(
-                    0, 0, ticks,
-                    [&](sea::TimeUs t_us) -> Result<sea::KeyframePtr> {
-                        const KeyframeRequest one{0, t_us, sea::foam_inputs};
-                        return sea::KeyframePtr(device_.synthesize({&one, 1}).value().front());
-                    })
-                .has_value();
-        });
+        const double walk_us =
+            least_us(1, [&](int) { (void)foam.walk_towards(device_, 0, 0, ticks).has_value(); });
         row("a tick of foam, of a million samples", walk_us / ticks * 1e6 / size / size,
             1e6 * price_foam_sample_us);
         fmt::print("ticks of a start,{},\n", ticks);

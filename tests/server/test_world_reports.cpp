@@ -241,7 +241,9 @@ EffectCosts some_costs() {
         {0, 0, height}, {0, 1, height}, {1, 0, {Field::height, Field::slope_x, Field::slope_y}}};
     costs.add(requests,
               {.dispatches = 70, .transforms = 11, .keyframes = 3, .device_seconds = 0.5});
-    costs.add_seconds(1, Field::foam, 0.125);
+    const FoamTurn turn{};
+    const KeyframeRequest foam{1, 0, {}, 1, &turn};
+    costs.add({&foam, 1}, {.foam_seconds = 0.125});
     return costs;
 }
 
@@ -251,7 +253,7 @@ EffectPlan some_plan() {
 }
 
 SimulationCounters some_counters() {
-    return {.synthesis = {3, 5, 7, 9, 11.5},
+    return {.synthesis = {3, 5, 7, 9, 11.5, 0, 0.0},
             .store = {.keyframes = 13, .bytes = 17, .hits = 19, .misses = 23},
             .keyframes_published = 29,
             .keyframes_skipped = 31,

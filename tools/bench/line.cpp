@@ -55,10 +55,8 @@ Result<Sum> measure(const RunningSea& sea, server::Synthesizer& device, int casc
     for (int n = law ? -1 : 0; n < keyframes; ++n) {
         const sea::TimeUs time_us = demand_start_us + (law ? n : 7 * n) * interval_us;
         const server::KeyframeRequest request{cascade, time_us - time_us % interval_us,
-                                              server::with_foam_inputs(grant.fields)};
-        SEAWAY_TRY_LET(const auto made, device.synthesize({&request, 1}));
-        if (grant.fields.contains(Field::foam))
-            SEAWAY_TRY(foam.fill(made[0], strains_of(device, cascade)));
+                                              grant.fields};
+        SEAWAY_TRY_LET(const auto made, foam.synthesize(device, {request}));
         const double start_s = cpu_seconds();
         SEAWAY_TRY_LET(const server::EncodedKeyframePtr encoded,
                        encoder.encode(*made[0], maps.codec_error, grant.quality, grant.fields,

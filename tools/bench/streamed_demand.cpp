@@ -13,14 +13,6 @@ namespace seaway::bench {
 using sea::TimeUs;
 using server::KeyframeRequest;
 
-sea::FoamHistory::StrainsAt strains_of(server::Synthesizer& device, int cascade) {
-    return [&device, cascade](TimeUs time_us) -> Result<sea::KeyframePtr> {
-        const KeyframeRequest request{cascade, time_us, sea::foam_inputs};
-        SEAWAY_TRY_LET(const auto made, device.synthesize({&request, 1}));
-        return sea::KeyframePtr(made[0]);
-    };
-}
-
 Spent& Spent::operator+=(const Spent& more) {
     maps_s += more.maps_s;
     stream_s += more.stream_s;
@@ -45,11 +37,9 @@ Result<server::FoamMaps> foam_at_start(const server::RunningSeaPtr& sea,
     server::FoamMaps foam(server::steady_course(sea));
     if (!sea->foam_law)
         return foam;
-    for (int c = 0; c < static_cast<int>(sea->realization->cascades.size()); ++c) {
-        const auto strains_at = strains_of(device, c);
-        SEAWAY_TRY(foam.walk_towards(c, demand_start_us, foam.ticks_to(c, demand_start_us) + 1,
-                                     strains_at));
-    }
+    for (int c = 0; c < static_cast<int>(sea->realization->cascades.size()); ++c)
+        SEAWAY_TRY(
+            foam.walk_towards(device, c, demand_start_us, foam.ticks_to(c, demand_start_us) + 1));
     return foam;
 }
 
@@ -85,14 +75,8 @@ Result<void> StreamedDemand::encode(const sea::Keyframe& keyframe, Spent& spent)
 }
 
 Result<void> StreamedDemand::serve(const std::vector<KeyframeRequest>& due, Spent& spent) {
-    std::vector<KeyframeRequest> requests = due;
-    for (KeyframeRequest& request : requests)
-        request.fields = server::with_foam_inputs(request.fields);
     const double start_s = cpu_seconds();
-    SEAWAY_TRY_LET(const std::vector<server::NewKeyframePtr> made, device_.synthesize(requests));
-    for (const server::NewKeyframePtr& keyframe : made)
-        if (keyframe->fields.contains(sea::Field::foam))
-            SEAWAY_TRY(foam_.fill(keyframe, strains_of(device_, keyframe->cascade)));
+    SEAWAY_TRY_LET(const std::vector<server::NewKeyframePtr> made, foam_.synthesize(device_, due));
     const double made_s = cpu_seconds();
     for (const server::NewKeyframePtr& keyframe : made)
         SEAWAY_TRY(encode(*keyframe, spent));

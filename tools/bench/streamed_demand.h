@@ -37,9 +37,6 @@ inline constexpr sea::TimeUs demand_start_us = 100'000'000;
 Result<server::FoamMaps> foam_at_start(const server::RunningSeaPtr& sea,
                                        server::Synthesizer& device);
 
-/// Strains at earlier times, computed when foam steps through them.
-sea::FoamHistory::StrainsAt strains_of(server::Synthesizer& device, int cascade);
-
 class StreamedDemand {
   public:
     /// Fields of each cascade. `foam` as of foam_at_start(); the device has the sea.

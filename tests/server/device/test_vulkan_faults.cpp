@@ -13,6 +13,23 @@ namespace {
 
 using testing::HasSubstr;
 
+/// A tick in which strains break.
+constexpr sea::FoamTick some_tick{0.9f, 0.0f, 1.0f, 1.0f, 1.0f,  0.01f, 0.0f, 0.0f,
+                                  0.0f, 0.0f, 0.0f, 0.0f, 1e-4f, 0.5f,  1.0f, 0.0f};
+
+/// Foam on a keyframe: more maps than there is room for at first, one of them a copy.
+Result<void> foam(Synthesizer& device) {
+    std::vector<FoamMapPtr> maps;
+    for (int i = 0; i < 5; ++i) {
+        SEAWAY_TRY_LET(FoamMapPtr map, device.open_foam(64, i == 0 ? nullptr : maps[0].get()));
+        maps.push_back(std::move(map));
+    }
+    const FoamTurn turn{maps.back().get(), some_tick, {}};
+    const KeyframeRequest request{0, 0, {sea::Field::height, sea::Field::foam}, 1, &turn};
+    SEAWAY_TRY(device.synthesize({&request, 1}));
+    return {};
+}
+
 /// From nothing to a keyframe; the first error on the way.
 Result<void> sail(const VulkanOptions& options, const RandomSea& random) {
     Result<std::unique_ptr<VulkanSynthesizer>> made = make_vulkan_synthesizer(options);
@@ -23,7 +40,7 @@ Result<void> sail(const VulkanOptions& options, const RandomSea& random) {
     const Result<std::vector<NewKeyframePtr>> keyframes = (*made)->synthesize({&request, 1});
     if (!keyframes)
         return keyframes.error();
-    return {};
+    return foam(**made);
 }
 
 struct Fault {

@@ -35,7 +35,7 @@ class VulkanKernels : public testing::Test {
         EXPECT_TRUE(batch->upload(cascades));
         const Packing packing = pack(fields);
         const VulkanBatch::Job job{0, 1'000'000};
-        EXPECT_TRUE(batch->run({&job, 1}, packing, nullptr));
+        EXPECT_TRUE(batch->run({&job, 1}, packing, {}));
         std::vector<std::vector<float>> read(static_cast<std::size_t>(packing.fields),
                                              std::vector<float>(cascade.h0.size()));
         for (std::size_t plane = 0; plane < read.size(); ++plane)

@@ -72,6 +72,9 @@ class FailingSynthesizer final : public Synthesizer {
     Result<void> set_sea(sea::RealizationPtr sea, std::uint32_t epoch) override {
         return inner_.set_sea(std::move(sea), epoch);
     }
+    Result<FoamMapPtr> open_foam(int size, const FoamMap* from) override {
+        return inner_.open_foam(size, from);
+    }
     Result<std::vector<NewKeyframePtr>>
     synthesize(std::span<const KeyframeRequest> requests) override {
         if (failures_->fetch_sub(1) > 0)

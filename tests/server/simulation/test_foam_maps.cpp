@@ -18,15 +18,10 @@ double coverage_of(const RunningSea& sea, Synthesizer& device, FoamMaps& foam,
                    sea::TimeUs time_us) {
     std::vector<sea::KeyframePtr> maps;
     for (int c = 0; c < static_cast<int>(sea.realization->cascades.size()); ++c) {
-        const auto synthesized = [&](sea::TimeUs t_us, sea::FieldSet fields) {
-            const KeyframeRequest request{c, t_us, fields};
-            return device.synthesize({&request, 1})->front();
-        };
-        const NewKeyframePtr map =
-            synthesized(time_us, with_foam_inputs(sea::FieldSet{sea::Field::foam}));
-        EXPECT_TRUE(foam.fill(map, [&](sea::TimeUs t_us) -> Result<sea::KeyframePtr> {
-            return sea::KeyframePtr(synthesized(t_us, sea::foam_inputs));
-        }));
+        const Result<std::vector<NewKeyframePtr>> made =
+            foam.synthesize(device, {{c, time_us, {sea::Field::foam}}});
+        EXPECT_TRUE(made) << (made ? "" : made.error().message);
+        const NewKeyframePtr map = made->front();
         maps.push_back(map);
     }
     std::mt19937_64 random(1);

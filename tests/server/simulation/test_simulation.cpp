@@ -340,8 +340,11 @@ TEST(Simulation, more_questions_than_may_wait_are_refused_at_once_and_the_rest_a
 
 TEST(EffectCosts, time_beside_the_transforms_is_that_of_one_effect_of_one_cascade) {
     EffectCosts costs({64, 32, 16});
-    costs.add_seconds(1, sea::Field::foam, 0.5);
-    costs.add_seconds(1, sea::Field::foam, 0.25);
+    const FoamTurn turn{};
+    const KeyframeRequest foam{1, 0, {}, 1, &turn}, other{0, 0, {}};
+    const KeyframeRequest both[] = {other, foam};
+    costs.add({&foam, 1}, {.foam_seconds = 0.5});
+    costs.add(both, {.foam_seconds = 0.25});
     for (std::size_t cascade = 0; cascade < 3; ++cascade)
         for (std::size_t effect = 0; effect < effect_table().size(); ++effect)
             EXPECT_EQ(costs.cost(cascade, effect).device_seconds,

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/device/vulkan_foam.h"
+
+#include <algorithm>
+#include <bit>
+#include <mutex>
+#include <vector>
+
+#include "base/check.h"
+#include "gpu/commands.h"
+
+namespace seaway::server {
+
+namespace {
+
+constexpr std::size_t first_slots = 4;
+constexpr std::size_t vec4_bytes = 16;
+
+} // namespace
+
+/// Which places are taken. Outlives the device.
+struct VulkanFoam::Slots {
+    std::mutex mutex;
+    std::vector<bool> taken;
+    bool lost = false;
+};
+
+struct VulkanFoam::Map final : FoamMap {
+    Map(std::shared_ptr<Slots> all, std::size_t own) : slots(std::move(all)), slot(own) {}
+    ~Map() override {
+        const std::scoped_lock lock(slots->mutex);
+        slots->taken[slot] = false;
+    }
+    bool lost() const override {
+        const std::scoped_lock lock(slots->mutex);
+        return slots->lost;
+    }
+    const std::shared_ptr<Slots> slots;
+    const std::size_t slot;
+};
+
+VulkanFoam::VulkanFoam(gpu::Device& device, int size)
+    : device_(device),
+      map_bytes_(static_cast<std::size_t>(size) * static_cast<std::size_t>(size) * sizeof(float)),
+      slots_(std::make_shared<Slots>()) {}
+
+VulkanFoam::~VulkanFoam() {
+    const std::scoped_lock lock(slots_->mutex);
+    slots_->lost = true;
+}
+
+std::uint32_t VulkanFoam::place(const FoamMap& map) const {
+    const Map& own = static_cast<const Map&>(map);
+    SEAWAY_CHECK(own.slots == slots_, "a foam map of another size or device");
+    return static_cast<std::uint32_t>(own.slot * map_bytes_ / vec4_bytes);
+}
+
+Result<void> VulkanFoam::grow() {
+    const std::size_t before = slots_->taken.size();
+    const std::size_t slots = std::max(2 * before, first_slots);
+    SEAWAY_TRY_LET(gpu::Buffer made,
+                   gpu::Buffer::create(device_, "foam histories", slots * map_bytes_,
+                                       gpu::BufferKind::device));
+    if (histories_)
+        SEAWAY_TRY(gpu::run_once(device_, [&](gpu::Commands& commands) {
+            commands.copy(*histories_, made, before * map_bytes_);
+            commands.barrier(gpu::Stage::copy, gpu::Stage::compute);
+        }));
+    histories_ = std::make_unique<gpu::Buffer>(std::move(made));
+    const std::scoped_lock lock(slots_->mutex);
+    slots_->taken.resize(slots, false);
+    return {};
+}
+
+Result<FoamMapPtr> VulkanFoam::open(const FoamMap* from) {
+    const auto free_slot = [&] {
+        const std::scoped_lock lock(slots_->mutex);
+        return static_cast<std::size_t>(std::ranges::find(slots_->taken, false) -
+                                        slots_->taken.begin());
+    };
+    std::size_t slot = free_slot();
+    if (slot == slots_->taken.size()) {
+        SEAWAY_TRY(grow());
+        slot = free_slot();
+    }
+    SEAWAY_TRY(gpu::run_once(device_, [&](gpu::Commands& commands) {
+        if (from != nullptr)
+            commands.copy(*histories_, *histories_, map_bytes_, place(*from) * vec4_bytes,
+                          slot * map_bytes_);
+        else
+            commands.fill(*histories_, std::bit_cast<std::uint32_t>(1.0f), map_bytes_,
+                          slot * map_bytes_);
+        commands.barrier(gpu::Stage::copy, gpu::Stage::compute);
+    }));
+    const std::scoped_lock lock(slots_->mutex);
+    slots_->taken[slot] = true;
+    return FoamMapPtr(std::make_shared<Map>(slots_, slot));
+}
+
+shaders::FoamStep foam_step(const sea::FoamTick& t) {
+    return {t.threshold,
+            t.bias,
+            t.choppiness_x,
+            t.choppiness_y,
+            t.choppiness_xy,
+            t.variance,
+            t.difference,
+            t.shear,
+            t.curvature,
+            t.difference_rest,
+            t.shear_rest,
+            t.cross_rest,
+            t.constant_rest,
+            t.remains,
+            t.source,
+            t.added,
+            0,
+            0,
+            0,
+            t.looks() ? shaders::foam_looks : 0u,
+            0,
+            0,
+            1.0f,
+            0};
+}
+
+} // namespace seaway::server

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+// VulkanFoam: the foam maps of one size in a device's memory, side by side in one buffer, so that one dispatch takes
+// any of them on (shaders/compute/foam.comp). The buffer grows as maps are opened; maps that are let go leave
+// their place to the next.
+//
+// For one thread, but that a map may be let go on any.
+#pragma once
+
+#include <memory>
+
+#include "base/result.h"
+#include "gpu/buffer.h"
+#include "server/device/synthesizer.h"
+#include "shaders/shared/synthesis.h"
+
+namespace seaway::server {
+
+class VulkanFoam {
+  public:
+    VulkanFoam(gpu::Device& device, int size);
+    VulkanFoam(const VulkanFoam&) = delete;
+    VulkanFoam& operator=(const VulkanFoam&) = delete;
+    /// All maps are lost.
+    ~VulkanFoam();
+
+    Result<FoamMapPtr> open(const FoamMap* from);
+
+    /// Of all maps; another one, and larger, after some open().
+    const gpu::Buffer& histories() const { return *histories_; }
+    /// Where a map of this object stands in it, in vec4.
+    std::uint32_t place(const FoamMap& map) const;
+
+  private:
+    struct Slots;
+    struct Map;
+    Result<void> grow();
+
+    gpu::Device& device_;
+    std::size_t map_bytes_;
+    std::shared_ptr<Slots> slots_;
+    std::unique_ptr<gpu::Buffer> histories_; ///< null until a map is opened
+};
+
+/// What is done to histories of one size (shaders/shared/synthesis.h).
+struct FoamWork {
+    const gpu::Buffer* histories = nullptr;
+    std::vector<shaders::FoamStep> steps;
+    std::vector<std::uint32_t>
+        rounds; ///< how many steps each dispatch takes: no two of one history
+    struct Copy {
+        std::uint32_t history, shown; ///< places: a map that is the history itself
+    };
+    std::vector<Copy> copies; ///< after the last round
+
+    bool empty() const { return steps.empty() && copies.empty(); }
+};
+
+/// The numbers of a tick, as the kernel takes them; places and flags are the caller's.
+shaders::FoamStep foam_step(const sea::FoamTick& tick);
+
+} // namespace seaway::server
