@@ -145,8 +145,8 @@ def fields_pass(n, lanes, band):
                         f"    vec2 s{i} = two_rows(v{i});\n")
     text += [mirrored(blocks, m, lanes), wavenumbers(blocks, m, lanes, n, "lane"),
              line_constants(n, lanes), each_field(blocks, m), line_transform(n, lanes, blocks),
-             f"        uint to = ((gl_WorkGroupID.y * push.fields + field) * {n}u + 2u * line) * "
-             f"{n // run}u + lane * {m // lanes // run}u;\n"]
+             f"        uint to = (map_of(field) * {n}u + 2u * line) * {n // run}u + "
+             f"lane * {m // lanes // run}u;\n"]
     for part, row in (("r", 0), ("i", n // run)):
         for k in range(lanes):
             for g in range(0, m // lanes, run):

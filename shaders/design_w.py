@@ -2,8 +2,8 @@
 """Design W of the synthesis kernels, for any device: see generate.py."""
 import codelets
 from kernel_text import (EVOLVE_BINDINGS, EVOLVE_LINE, FIELDS_LINE, HEAD, band_end, each_field,
-                         each_source, fields_bindings, kept, line_bindings, line_modes, omitted,
-                         turned, twiddles, wavenumbers)
+                         each_source, fields_bindings, kept, line_bindings, line_modes, map_bindings,
+                         omitted, turned, twiddles, wavenumbers)
 
 # size: (A, B)
 PLANS = {64: (8, 8), 128: (16, 8), 256: (16, 16), 512: (16, 32), 1024: (32, 32)}
@@ -98,11 +98,11 @@ def fields_pass(n, a, b, band):
 
 
 def lines_x_pass(n, a, b):
-    """Over n2 -> map[job][field][y][x], x = k1 + A k2"""
-    text = [HEAD, line_bindings("vec2"), main("pair", "line", a // 2),
+    """Over n2 -> map[y][x], x = k1 + A k2"""
+    text = [HEAD, map_bindings("vec2"), main("pair", "line", a // 2),
             "    uint part = gl_WorkGroupID.y * push.fields + gl_WorkGroupID.x;\n"
             f"    int from = int((part * {n // 2}u + line) * {n // 2}u + pair);\n"
-            f"    uint to = (part * {n}u + 2u * line) * {n // 2}u + pair;\n"]
+            f"    uint to = (map_of(gl_WorkGroupID.x) * {n}u + 2u * line) * {n // 2}u + pair;\n"]
     text.append(second_dft(b, a // 2))
     for part, row in (("r", 0), ("i", n // 2)):
         for k in range(b):

@@ -9,7 +9,7 @@ shared memory, no barriers inside a kernel. Reads go through texel buffers, writ
 docs/performance.md.
 
     evolve, along y     modes -> G[source][y / 2][X], rows y and y + 1 in a vec4
-    fields, along x     G -> map[field][y][x]
+    fields, along x     G -> map[y][x] of each field
 
 Design T does each in one pass. S neighbouring lanes of a subgroup share a line of N = S M: lane l
 holds modes n = l + S m; DFT_M over m, twiddle w_N^(l k1); a transposition by shuffles, after which

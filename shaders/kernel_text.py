@@ -18,28 +18,33 @@ layout(push_constant) uniform Push {{
     SynthesisPush push;
 }};
 """
+FIELDS = '#include "compute/fields.glsl"\n'
 # What each kind of pass reads; server/device/vulkan_kernels.cpp expects the same.
 EVOLVE_BINDINGS = """layout(binding = 0) uniform samplerBuffer modes;  // (h0(k), conj h0(-k))
 layout(binding = 1) uniform usamplerBuffer rates;
 layout(binding = 2) uniform usamplerBuffer jobs;
 layout(binding = 3) uniform samplerBuffer rows;
 layout(binding = 4) uniform samplerBuffer orbits;  // coth(|k| d)
-#include "compute/fields.glsl"
-""" + OUTPUT.format(binding=5, kind="vec4")
+""" + OUTPUT.format(binding=5, kind="vec4") + FIELDS
 FIELDS_READ = """layout(binding = 0) uniform samplerBuffer source;
 layout(binding = 1) uniform usamplerBuffer jobs;
 layout(binding = 2) uniform samplerBuffer rows;
-#include "compute/fields.glsl"
 """
 
 
 def fields_bindings(kind):
-    return FIELDS_READ + OUTPUT.format(binding=3, kind=kind)
+    return FIELDS_READ + OUTPUT.format(binding=3, kind=kind) + FIELDS
 
 
 def line_bindings(kind):
     return ("layout(binding = 0) uniform samplerBuffer source;\n" +
             OUTPUT.format(binding=1, kind=kind))
+
+
+def map_bindings(kind):
+    return ("layout(binding = 0) uniform samplerBuffer source;\n"
+            "layout(binding = 1) uniform samplerBuffer rows;\n" +
+            OUTPUT.format(binding=2, kind=kind) + FIELDS)
 
 
 def band_end(n):

@@ -2,8 +2,8 @@
 // The compute kernels of the synthesis, as SPIR-V embedded in the program. Written at build time by
 // shaders/generate.py; what they read and write is in shaders/shared/synthesis.h.
 //
-// A transform of size N turns the modes of a batch of jobs into maps[job][field][y][x] of floats,
-// by way of sources (shaders/shared/synthesis.h). Its passes run one after the other, a barrier
+// A transform of size N turns the modes of a batch of jobs into maps [y][x] of floats, some for each job,
+// by way of sources (shaders/shared/synthesis.h). A target holds maps one after the other. Its passes run one after the other, a barrier
 // between them; each is dispatched as (parts, jobs, groups), parts and bindings by its kind.
 // modes: RGBA32F [cascade][Y][X] (h0(k), conj h0(-k)), rates: RG32UI likewise (low, high word of
 // sea::Rate), both [cascade][X][Y] for designs of subgroups; jobs: RGBA32UI, SynthesisJob; rows:
@@ -28,7 +28,7 @@ enum class PassKind : std::uint8_t {
     evolve,  ///< one part;         modes, rates, jobs, rows -> Target
     lines_y, ///< a part a source;  source -> Target
     fields,  ///< a part a source;  source, jobs, rows -> Target
-    lines_x, ///< a part a field;   source -> Target
+    lines_x, ///< a part a field;   source, rows -> Target
 };
 
 struct Pass {
@@ -56,7 +56,7 @@ constexpr bool fits_band(int n, int size) {
 /// All, the faster ones of a size first. Sizes 64, 128, 256, 512, 1024.
 std::span<const Transform> synthesis_transforms();
 
-/// Bindings maps -> Jacobian, push constants JacobianPush, N^2 / 4 invocations a job.
+/// Bindings maps -> Target, which are the same, push constants JacobianPush, N^2 / 4 invocations a job.
 Shader jacobian();
 
 /// Bindings maps, steps, histories -> histories, foam; push constants FoamPush, N^2 / (4 foam_quads) invocations a step,

@@ -51,7 +51,7 @@ class SpareBuffers {
 inline std::shared_ptr<sea::Keyframe> make_keyframe(const std::shared_ptr<SpareBuffers>& spare) {
     const auto give_back = [spare](sea::Keyframe* keyframe) {
         const std::unique_ptr<sea::Keyframe> owned(keyframe);
-        spare->give(std::move(owned->values));
+        spare->give(owned->values.take());
     };
     return {new sea::Keyframe, give_back};
 }

@@ -79,6 +79,7 @@ struct SynthesisCounters {
     std::uint64_t keyframes = 0;
     std::uint64_t cascades = 0;   ///< whose waves were taken, a new sea at a time
     double device_seconds = 0;    ///< by the device's own clock where that costs nothing
+    std::uint64_t copies = 0;     ///< of keyframes, out of a device's memory
     std::uint64_t foam_ticks = 0; ///< of all histories, and steps that were shown and not kept
     double foam_seconds =
         0; ///< what they took, where it can be told apart; then not in device_seconds
@@ -86,14 +87,14 @@ struct SynthesisCounters {
     friend SynthesisCounters operator+(const SynthesisCounters& a, const SynthesisCounters& b) {
         return {a.dispatches + b.dispatches,         a.transforms + b.transforms,
                 a.keyframes + b.keyframes,           a.cascades + b.cascades,
-                a.device_seconds + b.device_seconds, a.foam_ticks + b.foam_ticks,
-                a.foam_seconds + b.foam_seconds};
+                a.device_seconds + b.device_seconds, a.copies + b.copies,
+                a.foam_ticks + b.foam_ticks,         a.foam_seconds + b.foam_seconds};
     }
     friend SynthesisCounters operator-(const SynthesisCounters& a, const SynthesisCounters& b) {
         return {a.dispatches - b.dispatches,         a.transforms - b.transforms,
                 a.keyframes - b.keyframes,           a.cascades - b.cascades,
-                a.device_seconds - b.device_seconds, a.foam_ticks - b.foam_ticks,
-                a.foam_seconds - b.foam_seconds};
+                a.device_seconds - b.device_seconds, a.copies - b.copies,
+                a.foam_ticks - b.foam_ticks,         a.foam_seconds - b.foam_seconds};
     }
 };
 

@@ -20,10 +20,10 @@ constexpr std::size_t vec4_bytes = 16;
 
 } // namespace
 
-int VulkanBatch::max_jobs(int fields) const {
-    if (kernels_.size() > largest_batched_size || fields == 0)
+int VulkanBatch::max_jobs(int maps) const {
+    if (kernels_.size() > largest_batched_size || maps == 0)
         return 1;
-    return std::clamp(capacity_fields_ / fields, 1, most_jobs);
+    return std::clamp(capacity_maps_ / maps, 1, most_jobs);
 }
 
 void VulkanBatch::write(Buffer& buffer, std::span<const std::byte> bytes) {
@@ -35,7 +35,8 @@ void VulkanBatch::write(Buffer& buffer, std::span<const std::byte> bytes) {
 }
 
 Result<void> VulkanBatch::record(std::span<const Job> jobs, const Packing& packing,
-                                 const After& after, std::size_t passes) {
+                                 const After& after, std::size_t passes,
+                                 std::optional<std::size_t> first_held) {
     std::vector<shaders::SynthesisJob> texels;
     for (const Job& job : jobs) {
         const auto time = static_cast<std::uint64_t>(job.phase_time_us);
@@ -54,47 +55,49 @@ Result<void> VulkanBatch::record(std::span<const Job> jobs, const Packing& packi
     if (jobs_.mapped().empty())
         commands_.barrier(Stage::copy, Stage::compute);
     stamp();
+    const Target& target = first_held ? held_ : own_;
+    const auto first_map = static_cast<std::uint32_t>(first_held.value_or(0));
     const shaders::SynthesisPush push{static_cast<std::uint32_t>(packing.sources),
-                                      static_cast<std::uint32_t>(packing.fields)};
+                                      static_cast<std::uint32_t>(packing.fields),
+                                      static_cast<std::uint32_t>(packing.maps), first_map};
     const auto count = static_cast<std::uint32_t>(jobs.size());
     for (std::size_t i = 0; i < passes; ++i) {
         if (i > 0)
             commands_.barrier(Stage::compute, Stage::compute);
-        dispatch(kernels_.passes[i], bindings_[i], push, count);
+        const bool last = i + 1 == kernels_.passes.size();
+        dispatch(kernels_.passes[i], last ? target.last : bindings_[i], push, count);
         stamp();
     }
     if (after.jacobian != nullptr) {
         commands_.barrier(Stage::compute, Stage::compute);
-        dispatch_jacobian(packing, *after.jacobian, count);
+        dispatch_jacobian(target, packing, *after.jacobian, first_map, count);
         stamp();
     }
     if (after.foam != nullptr) {
-        record_foam(*after.foam);
+        record_foam(target, *after.foam);
         stamp();
     }
-    const std::size_t map_bytes = points() * jobs.size() * sizeof(float);
-    const std::size_t bytes = passes == kernels_.passes.size() || passes == 0
-                                  ? map_bytes * push.fields
-                                  : pass_floats(passes - 1, packing) * sizeof(float);
-    finish(passes == 0 ? maps() : target(passes - 1), bytes,
-           after.jacobian != nullptr ? map_bytes : 0, after.foam != nullptr ? map_bytes : 0);
+    if (passes == 0 || passes == kernels_.passes.size())
+        finish(*target.maps, map_bytes() * jobs.size() * push.maps);
+    else
+        finish(scratch_[(passes - 1) % 2], pass_floats(passes - 1, packing) * sizeof(float));
     return commands_.end();
 }
 
-void VulkanBatch::record_foam(const FoamWork& foam) {
+void VulkanBatch::record_foam(const Target& target, const FoamWork& foam) {
     constexpr std::size_t a_group = 4 * shaders::foam_quads * shaders::synthesis_workgroup;
     const auto groups = static_cast<std::uint32_t>(points() / a_group);
     shaders::FoamPush push{0};
     for (const std::uint32_t count : foam.rounds) {
         commands_.barrier(Stage::compute, Stage::compute);
-        commands_.dispatch(kernels_.foam, foam_bindings_, std::as_bytes(std::span(&push, 1)),
-                           groups, 1, count);
+        commands_.dispatch(kernels_.foam, target.foam, std::as_bytes(std::span(&push, 1)), groups,
+                           1, count);
         push.first_step += count;
     }
     if (!foam.copies.empty())
         commands_.barrier(Stage::compute, Stage::copy);
     for (const FoamWork::Copy& copy : foam.copies)
-        commands_.copy(*foam.histories, foam_, points() * sizeof(float), copy.history * vec4_bytes,
+        commands_.copy(*foam.histories, *target.maps, map_bytes(), copy.history * vec4_bytes,
                        copy.shown * vec4_bytes);
     if (!foam.copies.empty()) { // whoever reads maps, in place or by a copy
         commands_.barrier(Stage::copy, Stage::host);
@@ -114,53 +117,52 @@ void VulkanBatch::dispatch(const SynthesisKernels::Pass& pass, const gpu::Bindin
                        pass.groups);
 }
 
-void VulkanBatch::dispatch_jacobian(const Packing& packing, const sea::Choppiness& choppiness,
+void VulkanBatch::dispatch_jacobian(const Target& target, const Packing& packing,
+                                    const sea::Choppiness& choppiness, std::uint32_t first_map,
                                     std::uint32_t jobs) {
-    const auto plane = [&](sea::Field field) {
-        return static_cast<std::uint32_t>(packing.plane_of(field));
+    const auto map = [&](sea::Field field) {
+        return static_cast<std::uint32_t>(packing.map_of(field));
     };
-    const shaders::JacobianPush push{static_cast<std::uint32_t>(packing.fields),
-                                     plane(sea::Field::strain_xx),
-                                     plane(sea::Field::strain_yy),
-                                     plane(sea::Field::strain_xy),
+    const shaders::JacobianPush push{static_cast<std::uint32_t>(packing.maps),
+                                     first_map,
+                                     map(sea::Field::strain_xx),
+                                     map(sea::Field::strain_yy),
+                                     map(sea::Field::strain_xy),
+                                     map(sea::Field::jacobian),
                                      static_cast<float>(choppiness.x),
                                      static_cast<float>(choppiness.y),
                                      static_cast<std::uint32_t>(kernels_.size())};
     const auto groups = static_cast<std::uint32_t>(points() / 4 / shaders::synthesis_workgroup);
-    commands_.dispatch(kernels_.jacobian, jacobian_bindings_, std::as_bytes(std::span(&push, 1)),
+    commands_.dispatch(kernels_.jacobian, target.jacobian, std::as_bytes(std::span(&push, 1)),
                        groups, 1, jobs);
 }
 
-void VulkanBatch::finish(const Buffer& result, std::size_t bytes, std::size_t jacobian_bytes,
-                         std::size_t foam_bytes) {
+void VulkanBatch::finish(const Buffer& result, std::size_t bytes) {
     if (readback_.size_bytes() == 0) {
         commands_.barrier(Stage::compute, Stage::host);
         return;
     }
+    if (bytes == 0)
+        return;
     commands_.barrier(Stage::compute, Stage::copy);
-    if (bytes > 0)
-        commands_.copy(result, readback_, bytes);
-    if (jacobian_bytes > 0)
-        commands_.copy(jacobian_, readback_, jacobian_bytes, 0, jacobian_offset_);
-    if (foam_bytes > 0)
-        commands_.copy(foam_, readback_, foam_bytes, 0, foam_offset_);
+    commands_.copy(result, readback_, bytes);
     commands_.barrier(Stage::copy, Stage::host);
 }
 
-Result<void> VulkanBatch::run(std::span<const Job> jobs, const Packing& packing,
-                              const After& after) {
+Result<void> VulkanBatch::run(std::span<const Job> jobs, const Packing& packing, const After& after,
+                              std::optional<std::size_t> first_held) {
     SEAWAY_CHECK((packing.fields > 0 || after.foam != nullptr) && !jobs.empty(), "nothing to run");
-    SEAWAY_CHECK(static_cast<int>(jobs.size()) <= max_jobs(packing.fields), "too many jobs");
+    SEAWAY_CHECK(static_cast<int>(jobs.size()) <= max_jobs(packing.maps), "too many jobs");
     SEAWAY_CHECK(after.foam == nullptr || after.foam->steps.size() <= shaders::foam_steps_max,
                  "more steps of foam than there is room for");
     if (after.foam != nullptr)
-        SEAWAY_TRY(bind_foam(*after.foam->histories));
+        SEAWAY_TRY(bind_foam(first_held ? held_ : own_, *after.foam->histories));
     const std::size_t passes = packing.fields > 0 ? kernels_.passes.size() : 0;
-    SEAWAY_TRY(record(jobs, packing, after, passes));
+    SEAWAY_TRY(record(jobs, packing, after, passes, first_held));
     const auto start = std::chrono::steady_clock::now();
     SEAWAY_TRY(device_.submit_and_wait(commands_));
     const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
-    fields_ = static_cast<std::size_t>(packing.fields);
+    maps_ = static_cast<std::size_t>(packing.maps);
     dispatches_ += passes + (after.jacobian != nullptr) +
                    (after.foam != nullptr ? after.foam->rounds.size() : 0);
     return read_timer(wall.count(), after.foam != nullptr);
@@ -189,23 +191,10 @@ Result<void> VulkanBatch::read_timer(double wall_seconds, bool foam) {
     return {};
 }
 
-void VulkanBatch::read(const Buffer& mapped, std::size_t readback_offset, std::size_t plane,
-                       std::span<float> out) const {
-    const std::byte* from = readback_.size_bytes() ? readback_.mapped().data() + readback_offset
-                                                   : mapped.mapped().data();
-    std::memcpy(out.data(), from + plane * points() * sizeof(float), points() * sizeof(float));
-}
-
-void VulkanBatch::read_plane(int job, int plane, std::span<float> out) const {
-    read(maps(), 0, static_cast<std::size_t>(job) * fields_ + static_cast<std::size_t>(plane), out);
-}
-
-void VulkanBatch::read_jacobian(int job, std::span<float> out) const {
-    read(jacobian_, jacobian_offset_, static_cast<std::size_t>(job), out);
-}
-
-void VulkanBatch::read_foam(int job, std::span<float> out) const {
-    read(foam_, foam_offset_, static_cast<std::size_t>(job), out);
+void VulkanBatch::read_map(int job, int map, std::span<float> out) const {
+    const std::byte* from = (readback_.size_bytes() ? readback_ : *own_.maps).mapped().data();
+    const std::size_t index = static_cast<std::size_t>(job) * maps_ + static_cast<std::size_t>(map);
+    std::memcpy(out.data(), from + index * map_bytes(), map_bytes());
 }
 
 } // namespace seaway::server

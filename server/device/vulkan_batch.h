@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -17,6 +18,7 @@
 #include "server/device/vulkan_fields.h"
 #include "server/device/vulkan_foam.h"
 #include "server/device/vulkan_kernels.h"
+#include "server/device/vulkan_maps.h"
 
 namespace seaway::server {
 
@@ -28,14 +30,17 @@ class VulkanBatch {
         sea::TimeUs phase_time_us;
     };
 
-    /// `kernels` must outlive it. Up to `cascade_count` cascades can be uploaded.
-    static Result<std::unique_ptr<VulkanBatch>>
-    create(gpu::Device& device, const SynthesisKernels& kernels, int cascade_count);
+    /// `kernels` must outlive it, and `held`, whose maps runs may leave their results in. Up to `cascade_count` cascades
+    /// can be uploaded.
+    static Result<std::unique_ptr<VulkanBatch>> create(gpu::Device& device,
+                                                       const SynthesisKernels& kernels,
+                                                       int cascade_count,
+                                                       const VulkanMaps* held = nullptr);
 
     Result<void> upload(std::span<const sea::CascadeModes* const> cascades);
 
-    /// Jobs of this many fields that fit into one run.
-    int max_jobs(int fields) const;
+    /// Jobs of this many maps that fit into one run.
+    int max_jobs(int maps) const;
 
     /// What is done to the maps once they are there.
     struct After {
@@ -43,26 +48,25 @@ class VulkanBatch {
             nullptr;                    ///< the Jacobian; the strains must be in the packing
         const FoamWork* foam = nullptr; ///< histories go on
     };
-    /// Computes; with an empty packing only what comes after.
-    Result<void> run(std::span<const Job> jobs, const Packing& packing, const After& after);
+    /// Computes; with an empty packing only what comes after. Maps go to those that are held, from `first_held` on, or
+    /// to memory of this object, from where read_map() copies them.
+    Result<void> run(std::span<const Job> jobs, const Packing& packing, const After& after,
+                     std::optional<std::size_t> first_held = {});
 
-    /// Where a plane of a job stands, and its map of foam, for steps of FoamWork.
-    std::uint32_t place(const Packing& packing, std::size_t job, sea::Field field) const {
-        return static_cast<std::uint32_t>((job * static_cast<std::size_t>(packing.fields) +
-                                           static_cast<std::size_t>(packing.plane_of(field))) *
+    /// Where a map of a job stands, for FoamWork.
+    std::uint32_t place(const Packing& packing, std::size_t job, sea::Field field,
+                        std::optional<std::size_t> first_held = {}) const {
+        return static_cast<std::uint32_t>((first_held.value_or(0) +
+                                           job * static_cast<std::size_t>(packing.maps) +
+                                           static_cast<std::size_t>(packing.map_of(field))) *
                                           points() / 4);
-    }
-    std::uint32_t foam_place(std::size_t job) const {
-        return static_cast<std::uint32_t>(job * points() / 4);
     }
 
     /// What a pass leaves, for every pass but the last, which leaves the maps. Computes once a pass.
     Result<std::vector<SynthesisStage>> stages(const Job& job, const Packing& packing);
 
-    /// Of the last run: copies one field, [y][x]; `plane` as in Packing.
-    void read_plane(int job, int plane, std::span<float> out) const;
-    void read_jacobian(int job, std::span<float> out) const;
-    void read_foam(int job, std::span<float> out) const;
+    /// Of the last run, unless its maps are held: copies one map, [y][x]; `map` as in Packing.
+    void read_map(int job, int map, std::span<float> out) const;
 
     std::uint64_t dispatches() const { return dispatches_; }
     /// By the device's clock where passes are timed, else by ours; foam is told apart by the device's alone.
@@ -89,49 +93,51 @@ class VulkanBatch {
     Result<void> read_timer(double wall_seconds, bool foam);
     /// The first `passes` passes.
     Result<void> record(std::span<const Job> jobs, const Packing& packing, const After& after,
-                        std::size_t passes);
+                        std::size_t passes, std::optional<std::size_t> first_held);
     /// Floats that one job has in memory after a pass that is not the last.
     std::size_t pass_floats(std::size_t pass, const Packing& packing) const;
     Result<std::vector<float>> output(const Job& job, const Packing& packing, std::size_t pass);
     void write(gpu::Buffer& buffer, std::span<const std::byte> bytes);
     void dispatch(const SynthesisKernels::Pass& pass, const gpu::Bindings& bindings,
                   const shaders::SynthesisPush& push, std::uint32_t jobs);
-    void dispatch_jacobian(const Packing& packing, const sea::Choppiness& choppiness,
-                           std::uint32_t jobs);
-    void record_foam(const FoamWork& foam);
-    /// Makes `bytes` of `result`, and so much of the Jacobian and of foam, visible to this side.
-    void finish(const gpu::Buffer& result, std::size_t bytes, std::size_t jacobian_bytes,
-                std::size_t foam_bytes);
-    void read(const gpu::Buffer& mapped, std::size_t readback_offset, std::size_t plane,
-              std::span<float> out) const;
+    /// Where the maps of a run go, and what is bound to it.
+    struct Target {
+        const gpu::Buffer* maps = nullptr;
+        const gpu::TexelView* view = nullptr;
+        gpu::Bindings last, jacobian, foam;
+        gpu::TexelView histories;
+        std::size_t histories_bytes =
+            0; ///< of those that `foam` names: others are in a larger buffer
+    };
+    Result<void> bind(Target& target);
     /// To the histories of a run.
-    Result<void> bind_foam(const gpu::Buffer& histories);
-    std::vector<gpu::Resource> resources(std::size_t pass) const;
-    const gpu::Buffer& target(std::size_t pass) const { return scratch_[pass % 2]; }
-    const gpu::Buffer& maps() const { return target(kernels_.passes.size() - 1); }
+    Result<void> bind_foam(Target& target, const gpu::Buffer& histories);
+    void dispatch_jacobian(const Target& target, const Packing& packing,
+                           const sea::Choppiness& choppiness, std::uint32_t first_map,
+                           std::uint32_t jobs);
+    void record_foam(const Target& target, const FoamWork& foam);
+    /// Makes `bytes` of `result` visible to this side.
+    void finish(const gpu::Buffer& result, std::size_t bytes);
+    std::vector<gpu::Resource> resources(std::size_t pass, const gpu::Buffer& to) const;
     std::size_t points() const {
         return static_cast<std::size_t>(kernels_.size()) *
                static_cast<std::size_t>(kernels_.size());
     }
+    std::size_t map_bytes() const { return points() * sizeof(float); }
 
     gpu::Device& device_;
     const SynthesisKernels& kernels_;
     bool time_passes_;
-    int capacity_fields_ = 0;
+    int capacity_maps_ = 0;
     std::vector<float> steps_; ///< wavenumber step of each cascade, rad/m
-    gpu::Buffer modes_, rates_, orbits_, jobs_, rows_, foam_steps_, scratch_[2], jacobian_, foam_,
-        readback_;
+    gpu::Buffer modes_, rates_, orbits_, jobs_, rows_, foam_steps_, scratch_[2], readback_;
     gpu::TexelView modes_view_, rates_view_, orbits_view_, jobs_view_, rows_view_, foam_steps_view_,
-        histories_view_, scratch_views_[2];
-    std::vector<gpu::Bindings> bindings_; ///< one a pass
-    gpu::Bindings jacobian_bindings_, foam_bindings_;
-    std::size_t bound_bytes_ =
-        0; ///< of the histories that foam_bindings_ name: another buffer is a larger one
+        scratch_views_[2];
+    std::vector<gpu::Bindings> bindings_; ///< one a pass but the last
+    Target own_, held_;
     gpu::Commands commands_;
     gpu::Timer timer_;
-    std::size_t fields_ = 0;          ///< of the last run
-    std::size_t jacobian_offset_ = 0; ///< bytes, where readback_ holds it
-    std::size_t foam_offset_ = 0;
+    std::size_t maps_ = 0; ///< a job, of the last run
     std::uint64_t dispatches_ = 0;
     double device_seconds_ = 0;
     double foam_seconds_ = 0;

@@ -18,8 +18,7 @@ using gpu::TexelView;
 
 constexpr std::size_t vec4_bytes = 16;
 constexpr std::size_t complex_bytes = 8;
-constexpr int strain_fields = 3; // what the Jacobian is made of
-constexpr int fields_per_batched_cascade = 8;
+constexpr int most_maps = sea::linear_field_count + 2; ///< of one job: the Jacobian and foam, too
 
 Result<void> make(gpu::Device& device, Buffer& buffer, TexelView* view, VkFormat format,
                   const char* name, std::size_t bytes, std::size_t texel_bytes, BufferKind kind) {
@@ -46,13 +45,17 @@ Result<void> take(T& place, Result<T> made) {
 
 } // namespace
 
-Result<std::unique_ptr<VulkanBatch>>
-VulkanBatch::create(gpu::Device& device, const SynthesisKernels& kernels, int cascade_count) {
+Result<std::unique_ptr<VulkanBatch>> VulkanBatch::create(gpu::Device& device,
+                                                         const SynthesisKernels& kernels,
+                                                         int cascade_count,
+                                                         const VulkanMaps* held) {
     std::unique_ptr<VulkanBatch> made(new VulkanBatch(device, kernels));
-    constexpr int all_fields = sea::linear_field_count;
-    made->capacity_fields_ = kernels.size() <= VulkanBatch::largest_batched_size
-                                 ? std::max(all_fields, fields_per_batched_cascade * cascade_count)
-                                 : all_fields;
+    made->capacity_maps_ =
+        kernels.size() <= VulkanBatch::largest_batched_size ? most_maps * cascade_count : most_maps;
+    if (held != nullptr) {
+        made->held_.maps = &held->buffer();
+        made->held_.view = &held->view();
+    }
     SEAWAY_TRY(made->allocate(cascade_count));
     SEAWAY_TRY(made->bind());
     return made;
@@ -64,12 +67,10 @@ Result<void> VulkanBatch::allocate(int cascade_count) {
     constexpr VkFormat rg32ui = VK_FORMAT_R32G32_UINT;
     constexpr VkFormat r32f = VK_FORMAT_R32_SFLOAT;
     const std::size_t modes = points() * static_cast<std::size_t>(cascade_count);
-    const std::size_t map_bytes = static_cast<std::size_t>(kernels_.transform->scratch_complexes) *
-                                  static_cast<std::size_t>(capacity_fields_) * complex_bytes;
-    const std::size_t jacobian_bytes =
-        points() * static_cast<std::size_t>(capacity_fields_ / strain_fields) * sizeof(float);
-    constexpr std::size_t row_bytes =
-        (shaders::first_field_texel + shaders::max_fields) * vec4_bytes;
+    const std::size_t scratch_bytes =
+        static_cast<std::size_t>(kernels_.transform->scratch_complexes) *
+        static_cast<std::size_t>(capacity_maps_) * complex_bytes;
+    constexpr std::size_t row_bytes = shaders::row_texels_max * vec4_bytes;
     constexpr std::size_t step_bytes = shaders::foam_steps_max * sizeof(shaders::FoamStep);
     struct Wish {
         Buffer& buffer;
@@ -85,65 +86,72 @@ Result<void> VulkanBatch::allocate(int cascade_count) {
         {jobs_, &jobs_view_, rgba32ui, "jobs",
          VulkanBatch::most_jobs * sizeof(shaders::SynthesisJob), vec4_bytes},
         {rows_, &rows_view_, rgba32f, "rows", row_bytes, vec4_bytes},
-        {scratch_[0], &scratch_views_[0], rgba32f, "first scratch", map_bytes, vec4_bytes},
-        {scratch_[1], &scratch_views_[1], rgba32f, "second scratch", map_bytes, vec4_bytes},
-        {foam_steps_, &foam_steps_view_, rgba32ui, "foam steps", step_bytes, vec4_bytes},
-        {jacobian_, nullptr, rgba32f, "jacobian", jacobian_bytes, vec4_bytes},
-        {foam_, nullptr, rgba32f, "foam", jacobian_bytes, vec4_bytes}};
+        {scratch_[0], &scratch_views_[0], rgba32f, "first scratch", scratch_bytes, vec4_bytes},
+        {scratch_[1], &scratch_views_[1], rgba32f, "second scratch", scratch_bytes, vec4_bytes},
+        {foam_steps_, &foam_steps_view_, rgba32ui, "foam steps", step_bytes, vec4_bytes}};
     for (const Wish& wish : wishes)
         SEAWAY_TRY(make(device_, wish.buffer, wish.view, wish.format, wish.name, wish.bytes,
                         wish.texel_bytes, BufferKind::device));
-    if (!maps().mapped().empty())
+    const std::size_t last = (kernels_.passes.size() + 1) % 2;
+    own_.maps = &scratch_[last];
+    own_.view = &scratch_views_[last];
+    if (!own_.maps->mapped().empty())
         return {};
-    jacobian_offset_ = map_bytes;
-    foam_offset_ = map_bytes + jacobian_bytes;
-    return make(device_, readback_, nullptr, rgba32f, "readback", map_bytes + 2 * jacobian_bytes,
-                vec4_bytes, BufferKind::readback);
+    return make(device_, readback_, nullptr, rgba32f, "readback", scratch_bytes, vec4_bytes,
+                BufferKind::readback);
 }
 
-std::vector<gpu::Resource> VulkanBatch::resources(std::size_t pass) const {
+std::vector<gpu::Resource> VulkanBatch::resources(std::size_t pass, const gpu::Buffer& to) const {
     const gpu::Resource source = gpu::texels(scratch_views_[(pass + 1) % 2]);
-    const gpu::Resource target = gpu::whole(scratch_[pass % 2]);
+    const gpu::Resource target = gpu::whole(to);
     switch (kernels_.passes[pass].kind) {
     case shaders::PassKind::evolve:
         return {gpu::texels(modes_view_), gpu::texels(rates_view_),  gpu::texels(jobs_view_),
                 gpu::texels(rows_view_),  gpu::texels(orbits_view_), target};
     case shaders::PassKind::fields:
         return {source, gpu::texels(jobs_view_), gpu::texels(rows_view_), target};
-    case shaders::PassKind::lines_y:
     case shaders::PassKind::lines_x:
+        return {source, gpu::texels(rows_view_), target};
+    case shaders::PassKind::lines_y:
         break;
     }
     return {source, target};
 }
 
 Result<void> VulkanBatch::bind() {
-    bindings_.resize(kernels_.passes.size());
-    for (std::size_t i = 0; i < kernels_.passes.size(); ++i)
-        SEAWAY_TRY(take(bindings_[i], kernels_.passes[i].kernel.bind(device_, resources(i))));
-    const std::size_t last = (kernels_.passes.size() + 1) % 2;
-    SEAWAY_TRY(
-        take(jacobian_bindings_, kernels_.jacobian.bind(device_, {gpu::texels(scratch_views_[last]),
-                                                                  gpu::whole(jacobian_)})));
+    bindings_.resize(kernels_.passes.size() - 1);
+    for (std::size_t i = 0; i < bindings_.size(); ++i)
+        SEAWAY_TRY(take(bindings_[i],
+                        kernels_.passes[i].kernel.bind(device_, resources(i, scratch_[i % 2]))));
+    SEAWAY_TRY(bind(own_));
+    if (held_.maps != nullptr)
+        SEAWAY_TRY(bind(held_));
     SEAWAY_TRY(take(commands_, gpu::Commands::create(device_)));
     const auto stamps = static_cast<std::uint32_t>(kernels_.passes.size()) + 3;
     return take(timer_, gpu::Timer::create(device_, stamps));
 }
 
-Result<void> VulkanBatch::bind_foam(const gpu::Buffer& histories) {
-    if (bound_bytes_ == histories.size_bytes())
+Result<void> VulkanBatch::bind(Target& target) {
+    const std::size_t last = kernels_.passes.size() - 1;
+    SEAWAY_TRY(take(target.last,
+                    kernels_.passes[last].kernel.bind(device_, resources(last, *target.maps))));
+    return take(target.jacobian, kernels_.jacobian.bind(device_, {gpu::texels(*target.view),
+                                                                  gpu::whole(*target.maps)}));
+}
+
+Result<void> VulkanBatch::bind_foam(Target& target, const gpu::Buffer& histories) {
+    if (target.histories_bytes == histories.size_bytes())
         return {};
-    bound_bytes_ = 0;
-    const std::size_t last = (kernels_.passes.size() + 1) % 2;
+    target.histories_bytes = 0;
     SEAWAY_TRY(
-        take(histories_view_, TexelView::create(device_, histories, VK_FORMAT_R32G32B32A32_SFLOAT,
-                                                vec4_bytes, 0, histories.size_bytes())));
-    SEAWAY_TRY(take(
-        foam_bindings_,
-        kernels_.foam.bind(device_, {gpu::texels(scratch_views_[last]),
-                                     gpu::texels(foam_steps_view_), gpu::texels(histories_view_),
-                                     gpu::whole(histories), gpu::whole(foam_)})));
-    bound_bytes_ = histories.size_bytes();
+        take(target.histories, TexelView::create(device_, histories, VK_FORMAT_R32G32B32A32_SFLOAT,
+                                                 vec4_bytes, 0, histories.size_bytes())));
+    SEAWAY_TRY(
+        take(target.foam,
+             kernels_.foam.bind(device_, {gpu::texels(*target.view), gpu::texels(foam_steps_view_),
+                                          gpu::texels(target.histories), gpu::whole(histories),
+                                          gpu::whole(*target.maps)})));
+    target.histories_bytes = histories.size_bytes();
     return {};
 }
 

@@ -129,7 +129,8 @@ Result<Maps> run(gpu::Device& device, const SynthesisKernels& kernels,
         return batch.error();
     SEAWAY_TRY((*batch)->upload(cascades));
     const VulkanBatch::Job job{0, time_us};
-    const Packing packing = pack(all);
+    const sea::FieldSet asked = all | sea::FieldSet{sea::Field::jacobian, sea::Field::foam};
+    const Packing packing = pack(all, asked);
     const std::size_t points = cascade.h0.size();
     Maps maps{{sea::field_count, std::vector<float>(points)},
               std::vector<float>(points),
@@ -140,18 +141,17 @@ Result<Maps> run(gpu::Device& device, const SynthesisKernels& kernels,
     FoamWork foam{&histories.histories(), {foam_step(check_tick())}, {1}, {}};
     foam.steps[0].flags |= shaders::foam_keeps;
     foam.steps[0].history = histories.place(*history);
-    foam.copies.push_back({foam.steps[0].history, (*batch)->foam_place(0)});
+    foam.copies.push_back({foam.steps[0].history, (*batch)->place(packing, 0, sea::Field::foam)});
     foam.steps[0].strain_xx = (*batch)->place(packing, 0, sea::Field::strain_xx);
     foam.steps[0].strain_yy = (*batch)->place(packing, 0, sea::Field::strain_yy);
     foam.steps[0].strain_xy = (*batch)->place(packing, 0, sea::Field::strain_xy);
     SEAWAY_TRY((*batch)->run({&job, 1}, packing, {&choppiness, &foam}));
-    (*batch)->read_foam(0, maps.foam);
+    (*batch)->read_map(0, packing.map_of(sea::Field::foam), maps.foam);
     for (const sea::Field field : all)
-        (*batch)->read_plane(0, packing.plane_of(field),
-                             maps.planes[static_cast<std::size_t>(field)]);
-    (*batch)->read_jacobian(0, maps.jacobian);
+        (*batch)->read_map(0, packing.map_of(field), maps.planes[static_cast<std::size_t>(field)]);
+    (*batch)->read_map(0, packing.map_of(sea::Field::jacobian), maps.jacobian);
     SEAWAY_TRY((*batch)->run({&job, 1}, pack({sea::Field::height}), {}));
-    (*batch)->read_plane(0, 0, maps.height_alone);
+    (*batch)->read_map(0, 0, maps.height_alone);
     return maps;
 }
 

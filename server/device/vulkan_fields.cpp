@@ -10,8 +10,7 @@ namespace seaway::server {
 namespace {
 
 constexpr std::size_t texel = 4; // floats
-constexpr std::size_t row_floats =
-    texel * static_cast<std::size_t>(shaders::first_field_texel + shaders::max_fields);
+constexpr std::size_t row_floats = texel * static_cast<std::size_t>(shaders::row_texels_max);
 static_assert(shaders::max_fields >= sea::linear_field_count);
 static_assert(shaders::max_sources >= sea::linear_field_count);
 
@@ -69,11 +68,15 @@ std::vector<Source> sources_of(sea::FieldSet fields) {
 
 } // namespace
 
-Packing pack(sea::FieldSet fields) {
+Packing pack(sea::FieldSet computed, sea::FieldSet asked) {
     Packing packing;
     packing.plane.fill(-1);
+    packing.map.fill(-1);
+    for (const sea::FieldSet maps : {asked, computed.without(asked)})
+        for (const sea::Field field : maps)
+            packing.map[static_cast<std::size_t>(field)] = packing.maps++;
     packing.rows.assign(row_floats, 0.0f);
-    for (const Source& source : sources_of(fields)) {
+    for (const Source& source : sources_of(computed)) {
         float* row = packing.rows.data() + 2 * texel * static_cast<std::size_t>(packing.sources++);
         row[source.rest] = 1.0f;
         row[5] = source.time_rate ? 1.0f : 0.0f;
@@ -86,6 +89,9 @@ Packing pack(sea::FieldSet fields) {
                 texel * (shaders::first_field_texel + static_cast<std::size_t>(packing.fields));
             field_row[factors(info.basis).power_x] = static_cast<float>(info.weight);
             field_row[3] = info.imaginary ? 1.0f : 0.0f;
+            packing.rows[texel *
+                         (shaders::first_map_texel + static_cast<std::size_t>(packing.fields))] =
+                static_cast<float>(packing.map_of(field));
             packing.plane[static_cast<std::size_t>(field)] = packing.fields++;
         }
     }

@@ -14,14 +14,21 @@ namespace seaway::server {
 struct Packing {
     int fields = 0;  ///< transforms along x, and maps
     int sources = 0; ///< transforms along y, at most as many
+    int maps = 0;    ///< a job leaves: those asked for in table order, then what they are made of
     std::vector<float> rows;
-    /// Where a field comes out, 0 .. fields - 1; -1: nowhere.
+    /// Which field comes out, 0 .. fields - 1, between the passes; -1: none.
     std::array<int, sea::field_count> plane{};
+    /// Which of the maps of a job it is; -1: none.
+    std::array<int, sea::field_count> map{};
 
     int plane_of(sea::Field field) const { return plane[static_cast<std::size_t>(field)]; }
+    int map_of(sea::Field field) const { return map[static_cast<std::size_t>(field)]; }
 };
 
-/// `fields` must be linear.
-Packing pack(sea::FieldSet fields);
+/// `computed` must be linear: what transforms make. `asked`: the maps wanted, any.
+Packing pack(sea::FieldSet computed, sea::FieldSet asked);
+inline Packing pack(sea::FieldSet fields) {
+    return pack(fields, fields);
+}
 
 } // namespace seaway::server

@@ -29,8 +29,10 @@ gpu::KernelExpectation expectation(shaders::PassKind kind) {
             {"source", texel_buffer}, {"jobs", texel_buffer}, {"rows", texel_buffer}};
         break;
     case shaders::PassKind::lines_y:
-    case shaders::PassKind::lines_x:
         expected.bindings = {{"source", texel_buffer}};
+        break;
+    case shaders::PassKind::lines_x:
+        expected.bindings = {{"source", texel_buffer}, {"rows", texel_buffer}};
         break;
     }
     expected.bindings.push_back({"Target", storage_buffer});
@@ -38,7 +40,7 @@ gpu::KernelExpectation expectation(shaders::PassKind kind) {
 }
 
 gpu::KernelExpectation jacobian_pass() {
-    return {.bindings = {{"maps", texel_buffer}, {"Jacobian", storage_buffer}},
+    return {.bindings = {{"maps", texel_buffer}, {"Target", storage_buffer}},
             .push_constant_bytes = sizeof(shaders::JacobianPush),
             .local_size = {shaders::synthesis_workgroup, 1, 1}};
 }

@@ -14,6 +14,7 @@
 #include "server/device/vulkan_check.h"
 #include "server/device/vulkan_foam.h"
 #include "server/device/vulkan_kernels.h"
+#include "server/device/vulkan_maps.h"
 
 namespace seaway::server {
 
@@ -73,6 +74,7 @@ class Vulkan final : public VulkanSynthesizer {
         sea::FieldSet computed() const {
             return jacobian() || looks ? linear_part(fields) | strains : linear_part(fields);
         }
+        Packing packing() const { return pack(computed(), fields); }
     };
 
     Vulkan() = default;
@@ -92,18 +94,27 @@ class Vulkan final : public VulkanSynthesizer {
     /// What the turns of these requests do, those of one map after each other.
     FoamWork foam_work(const VulkanBatch& device_batch, const Packing& packing,
                        std::span<const KeyframeRequest> requests,
-                       std::span<const std::size_t> indices);
+                       std::span<const std::size_t> indices, std::optional<std::size_t> first_held);
+    Result<void> run_on_device(VulkanBatch& device_batch, const Batch& batch,
+                               const Packing& packing, std::span<const KeyframeRequest> requests,
+                               std::span<const std::size_t> indices,
+                               std::optional<std::size_t> first_held);
+    /// Maps of a size that keyframes hold where they were computed; null: they are copied.
+    Result<VulkanMaps*> held_maps(int size);
+    /// Without values.
     std::shared_ptr<sea::Keyframe> keyframe(const KeyframeRequest& request) const;
     /// The maps of the last run, to keyframes[job].
     void copy_maps(const VulkanBatch& device_batch, const Packing& packing,
-                   std::span<const std::shared_ptr<sea::Keyframe>> keyframes,
-                   const std::vector<bool>& has_foam);
+                   std::span<const std::shared_ptr<sea::Keyframe>> keyframes);
 
     // Order of members is order of construction; the device goes last.
-    std::unique_ptr<gpu::Device> device_;
+    std::shared_ptr<gpu::Device> device_; ///< with keyframes that hold maps
     bool any_device_kernels_ = false;
     std::map<std::pair<int, bool>, std::unique_ptr<SynthesisKernels>> kernels_; ///< size, band
-    std::string refused_;            ///< designs that the self-check found wrong
+    std::string refused_; ///< designs that the self-check found wrong
+    std::size_t held_map_bytes_ = held_map_bytes_max;
+    std::map<int, std::shared_ptr<VulkanMaps>>
+        held_;                       ///< by size, of any sea; none: they are copied
     std::map<int, Group> groups_;    ///< by size, of this sea
     std::map<int, VulkanFoam> foam_; ///< by size, of any sea
     sea::RealizationPtr sea_;
@@ -122,6 +133,7 @@ Result<std::unique_ptr<VulkanSynthesizer>> Vulkan::create(const VulkanOptions& o
     std::unique_ptr<Vulkan> made(new Vulkan);
     made->device_ = std::move(*device);
     made->any_device_kernels_ = options.any_device_kernels;
+    made->held_map_bytes_ = options.held_map_bytes;
     if (Result<const SynthesisKernels*> checked = made->kernels(first_checked_size, true); !checked)
         return checked.error();
     return std::unique_ptr<VulkanSynthesizer>(std::move(made));
@@ -184,8 +196,9 @@ Result<void> Vulkan::set_sea(sea::RealizationPtr sea, std::uint32_t epoch) {
             Result<const SynthesisKernels*> pipelines = kernels(size, band_limited);
             if (!pipelines)
                 return pipelines.error();
+            SEAWAY_TRY_LET(const VulkanMaps* held, held_maps(size));
             Result<std::unique_ptr<VulkanBatch>> made =
-                VulkanBatch::create(*device_, **pipelines, static_cast<int>(cascades.size()));
+                VulkanBatch::create(*device_, **pipelines, static_cast<int>(cascades.size()), held);
             if (!made)
                 return made.error();
             groups_[size] = {std::move(*made), cascades.size(), band_limited};
@@ -207,7 +220,7 @@ std::vector<Vulkan::Batch> Vulkan::sort(std::span<const KeyframeRequest> request
                      "a keyframe of a cascade that the sea does not have");
         const int size = sea_->cascades[static_cast<std::size_t>(request.cascade)].spec.size;
         const bool looks = request.foam != nullptr && request.foam->looks(request.fields);
-        const sea::FieldSet fields = synthesized(request.fields);
+        const sea::FieldSet fields = request.fields;
         // The latest that will do, and none before one that holds a turn of the same foam map.
         const auto same = std::find_if(batches.rbegin(), batches.rend(), [&](const Batch& batch) {
             return (batch.size == size && batch.fields == fields && batch.looks == looks) ||
@@ -237,7 +250,7 @@ Result<void> Vulkan::run(const Batch& batch, std::span<const KeyframeRequest> re
                          std::span<NewKeyframePtr> out) {
     VulkanBatch& device_batch = *groups_.at(batch.size).batch;
     const std::span<const std::size_t> all(batch.requests);
-    const auto at_once = static_cast<std::size_t>(device_batch.max_jobs(batch.computed().size()));
+    const auto at_once = static_cast<std::size_t>(device_batch.max_jobs(batch.packing().maps));
     for (std::size_t first = 0; first < all.size(); first += at_once) {
         const std::size_t count = std::min(at_once, all.size() - first);
         SEAWAY_TRY(run_jobs(device_batch, batch, requests, all.subspan(first, count), out));
@@ -245,34 +258,63 @@ Result<void> Vulkan::run(const Batch& batch, std::span<const KeyframeRequest> re
     return {};
 }
 
-Result<void> Vulkan::run_jobs(VulkanBatch& device_batch, const Batch& batch,
-                              std::span<const KeyframeRequest> requests,
-                              std::span<const std::size_t> indices, std::span<NewKeyframePtr> out) {
-    const Packing packing = pack(batch.computed());
+Result<VulkanMaps*> Vulkan::held_maps(int size) {
+    if (!device_->unified_memory() || held_map_bytes_ == 0)
+        return static_cast<VulkanMaps*>(nullptr);
+    std::shared_ptr<VulkanMaps>& maps = held_[size];
+    if (!maps) {
+        SEAWAY_TRY_LET(maps, VulkanMaps::create(device_, size, held_map_bytes_));
+    }
+    return maps->size() > 0 ? maps.get() : nullptr;
+}
+
+Result<void> Vulkan::run_on_device(VulkanBatch& device_batch, const Batch& batch,
+                                   const Packing& packing,
+                                   std::span<const KeyframeRequest> requests,
+                                   std::span<const std::size_t> indices,
+                                   std::optional<std::size_t> first_held) {
     std::vector<VulkanBatch::Job> jobs;
     for (const std::size_t index : indices)
         jobs.push_back({position_[static_cast<std::size_t>(requests[index].cascade)],
                         sea_->phase_time(requests[index].time_us)});
-    const FoamWork foam = foam_work(device_batch, packing, requests, indices);
-    if (packing.fields > 0 || !foam.empty()) {
-        const std::uint64_t dispatches = device_batch.dispatches();
-        const double seconds = device_batch.device_seconds();
-        const double foam_seconds = device_batch.foam_seconds();
-        SEAWAY_TRY(device_batch.run(
-            jobs, packing,
-            {batch.jacobian() ? &sea_->choppiness : nullptr, foam.empty() ? nullptr : &foam}));
-        counters_.dispatches += device_batch.dispatches() - dispatches;
-        counters_.device_seconds += device_batch.device_seconds() - seconds;
-        counters_.foam_seconds += device_batch.foam_seconds() - foam_seconds;
-        counters_.transforms += jobs.size() * static_cast<std::size_t>(packing.fields);
-    }
+    const FoamWork foam = foam_work(device_batch, packing, requests, indices, first_held);
+    if (packing.fields == 0 && foam.empty())
+        return {};
+    const std::uint64_t dispatches = device_batch.dispatches();
+    const double seconds = device_batch.device_seconds();
+    const double foam_seconds = device_batch.foam_seconds();
+    SEAWAY_TRY(device_batch.run(
+        jobs, packing,
+        {batch.jacobian() ? &sea_->choppiness : nullptr, foam.empty() ? nullptr : &foam},
+        first_held));
+    counters_.dispatches += device_batch.dispatches() - dispatches;
+    counters_.device_seconds += device_batch.device_seconds() - seconds;
+    counters_.foam_seconds += device_batch.foam_seconds() - foam_seconds;
+    counters_.transforms += jobs.size() * static_cast<std::size_t>(packing.fields);
+    return {};
+}
+
+Result<void> Vulkan::run_jobs(VulkanBatch& device_batch, const Batch& batch,
+                              std::span<const KeyframeRequest> requests,
+                              std::span<const std::size_t> indices, std::span<NewKeyframePtr> out) {
+    const Packing packing = batch.packing();
+    const auto maps = static_cast<std::size_t>(packing.maps);
+    const auto asked = static_cast<std::size_t>(batch.fields.size());
+    VulkanMaps* held = asked > 0 && held_.contains(batch.size) ? held_[batch.size].get() : nullptr;
+    const std::optional<std::size_t> first =
+        held != nullptr ? held->take(indices.size() * maps) : std::nullopt;
+    const Result<void> ran = run_on_device(device_batch, batch, packing, requests, indices, first);
     std::vector<std::shared_ptr<sea::Keyframe>> keyframes;
-    std::vector<bool> has_foam;
-    for (const std::size_t index : indices) {
+    for (const std::size_t index : indices)
         keyframes.push_back(keyframe(requests[index]));
-        has_foam.push_back(requests[index].foam != nullptr);
+    for (std::size_t job = 0; first && job < indices.size(); ++job) {
+        const std::size_t own = *first + job * maps;
+        keyframes[job]->values = held->lend(own, asked);
+        held->give(own + asked, maps - asked); // what they were made of
     }
-    copy_maps(device_batch, packing, keyframes, has_foam);
+    SEAWAY_TRY(ran);
+    if (!first)
+        copy_maps(device_batch, packing, keyframes);
     // Waves that no transform can carry are added point by point (scenes with stylised sines).
     for (std::size_t job = 0; job < indices.size(); ++job) {
         const KeyframeRequest& request = requests[indices[job]];
@@ -293,7 +335,11 @@ Result<FoamMapPtr> Vulkan::open_foam(int size, const FoamMap* from) {
 
 FoamWork Vulkan::foam_work(const VulkanBatch& device_batch, const Packing& packing,
                            std::span<const KeyframeRequest> requests,
-                           std::span<const std::size_t> indices) {
+                           std::span<const std::size_t> indices,
+                           std::optional<std::size_t> first_held) {
+    const auto place = [&](std::size_t job, sea::Field field) {
+        return device_batch.place(packing, job, field, first_held);
+    };
     FoamWork work;
     std::vector<std::vector<shaders::FoamStep>> rounds;
     std::map<const FoamMap*, std::size_t> taken; ///< rounds of each map
@@ -309,12 +355,12 @@ FoamWork Vulkan::foam_work(const VulkanBatch& device_batch, const Packing& packi
             shaders::FoamStep step = foam_step(tick);
             step.flags |= flags;
             if (tick.looks()) {
-                step.strain_xx = device_batch.place(packing, job, sea::Field::strain_xx);
-                step.strain_yy = device_batch.place(packing, job, sea::Field::strain_yy);
-                step.strain_xy = device_batch.place(packing, job, sea::Field::strain_xy);
+                step.strain_xx = place(job, sea::Field::strain_xx);
+                step.strain_yy = place(job, sea::Field::strain_yy);
+                step.strain_xy = place(job, sea::Field::strain_xy);
             }
             step.history = foam.place(*map);
-            step.shown = device_batch.foam_place(job);
+            step.shown = flags == 0 ? place(job, sea::Field::foam) : 0;
             step.departure = shown.departure;
             const std::size_t round = taken[map]++;
             rounds.resize(std::max(rounds.size(), round + 1));
@@ -326,7 +372,7 @@ FoamWork Vulkan::foam_work(const VulkanBatch& device_batch, const Packing& packi
         // A later turn of the map would be there before a copy.
         if (shows && shown.is_state() &&
             !has_turn_of(indices.subspan(job + 1), requests, request.foam))
-            work.copies.push_back({foam.place(*map), device_batch.foam_place(job)});
+            work.copies.push_back({foam.place(*map), place(job, sea::Field::foam)});
         else if (shows)
             add(shown.tick, 0);
         counters_.foam_ticks += kept.has_value() + (shows && shown.tick.looks());
@@ -347,37 +393,32 @@ std::shared_ptr<sea::Keyframe> Vulkan::keyframe(const KeyframeRequest& request) 
     made->size = spec.size;
     made->length_m = spec.length_m;
     made->fields = request.fields;
-    made->values =
-        spare_->take(made->plane_size() * static_cast<std::size_t>(request.fields.size()));
     return made;
 }
 
 // Copying is bound by memory: a second thread makes it a third faster.
 void Vulkan::copy_maps(const VulkanBatch& device_batch, const Packing& packing,
-                       std::span<const std::shared_ptr<sea::Keyframe>> keyframes,
-                       const std::vector<bool>& has_foam) {
+                       std::span<const std::shared_ptr<sea::Keyframe>> keyframes) {
     struct Map {
         const VulkanBatch& from;
         int job;
-        int plane; ///< of a linear field
-        sea::Field field;
+        int map;
         std::span<float> to;
     };
     std::vector<Map> maps;
-    for (std::size_t job = 0; job < keyframes.size(); ++job)
-        for (const sea::Field field :
-             has_foam[job] ? keyframes[job]->fields : synthesized(keyframes[job]->fields))
-            maps.push_back({device_batch, static_cast<int>(job), packing.plane_of(field), field,
-                            keyframes[job]->plane(field)});
+    for (std::size_t job = 0; job < keyframes.size(); ++job) {
+        sea::Keyframe& keyframe = *keyframes[job];
+        keyframe.values =
+            spare_->take(keyframe.plane_size() * static_cast<std::size_t>(keyframe.fields.size()));
+        counters_.copies += !keyframe.fields.empty();
+        for (const sea::Field field : keyframe.fields)
+            maps.push_back({device_batch, static_cast<int>(job), packing.map_of(field),
+                            keyframe.plane(field)});
+    }
     const Phase copy{[](const void* all, int index, int) {
                          const Map& map = (*static_cast<const std::vector<Map>*>(
                              all))[static_cast<std::size_t>(index)];
-                         if (map.field == sea::Field::jacobian)
-                             map.from.read_jacobian(map.job, map.to);
-                         else if (map.field == sea::Field::foam)
-                             map.from.read_foam(map.job, map.to);
-                         else
-                             map.from.read_plane(map.job, map.plane, map.to);
+                         map.from.read_map(map.job, map.map, map.to);
                      },
                      &maps, static_cast<int>(maps.size())};
     copiers_.run({&copy, 1});

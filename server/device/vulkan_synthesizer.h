@@ -11,6 +11,7 @@
 
 #include "base/result.h"
 #include "server/device/synthesizer.h"
+#include "server/device/vulkan_maps.h"
 
 namespace seaway::server {
 
@@ -19,6 +20,9 @@ struct VulkanOptions {
     bool validation = false;         ///< Khronos validation layer; for tests
     bool staged = false;             ///< copy as on a discrete GPU; for tests
     bool any_device_kernels = false; ///< design W even where a faster one fits; for tests
+    /// That keyframes of one size may hold of device memory that the CPU reads in place; when all of it is held, they are
+    /// copied.
+    std::size_t held_map_bytes = held_map_bytes_max;
 };
 
 /// What tests and benchmarks may ask beyond the interface.

@@ -24,6 +24,11 @@ uvec2 fields_of(uint source) {
 vec4 field_row(uint field) {
     return texelFetch(rows, int(first_field_texel + field));
 }
+/// Where a field of the job of this workgroup goes, in maps of the target.
+uint map_of(uint field) {
+    uint map = uint(texelFetch(rows, int(first_map_texel + field)).x);
+    return push.first_map + gl_WorkGroupID.y * push.maps + map;
+}
 float along_x(vec4 row, float kx) {
     return row.x + kx * (row.y + kx * row.z);
 }

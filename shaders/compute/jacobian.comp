@@ -5,26 +5,24 @@
 #include "shared/synthesis.h"
 
 layout(local_size_x = synthesis_workgroup) in;
-layout(binding = 0) uniform samplerBuffer maps; // [job][field][y][x / 4]
-layout(binding = 1, std430) writeonly buffer Jacobian {
-    vec4 jacobian[]; // [job][y][x / 4]
+layout(binding = 0) uniform samplerBuffer maps; // [map][y][x / 4]
+layout(binding = 1, std430) writeonly buffer Target {
+    vec4 target[]; // the same
 };
 layout(push_constant) uniform Push {
     JacobianPush push;
 };
 
-vec4 four_points(uint plane, uint job, uint quad) {
-    uint quads = push.size * push.size / 4u;
-    return texelFetch(maps, int((job * push.fields + plane) * quads + quad));
+uint place(uint map, uint quad) {
+    return (push.first_map + gl_GlobalInvocationID.z * push.maps + map) *
+               (push.size * push.size / 4u) + quad;
 }
 
 void main() {
-    uint quads = push.size * push.size / 4u;
     uint quad = gl_GlobalInvocationID.x;
-    uint job = gl_GlobalInvocationID.z;
-    vec4 xx = push.choppiness_x * four_points(push.plane_xx, job, quad);
-    vec4 yy = push.choppiness_y * four_points(push.plane_yy, job, quad);
-    vec4 xy = four_points(push.plane_xy, job, quad);
-    jacobian[job * quads + quad] =
+    vec4 xx = push.choppiness_x * texelFetch(maps, int(place(push.map_xx, quad)));
+    vec4 yy = push.choppiness_y * texelFetch(maps, int(place(push.map_yy, quad)));
+    vec4 xy = texelFetch(maps, int(place(push.map_xy, quad)));
+    target[place(push.map_jacobian, quad)] =
         (1.0 + xx) * (1.0 + yy) - push.choppiness_x * push.choppiness_y * xy * xy;
 }

@@ -23,10 +23,14 @@ SEAWAY_SHARED_CONSTANT synthesis_workgroup = 64;
 //     weights of 1, ky, 1/k, ky/k | weight of ky^2/k, 1 for dh/dt, fields: first, end
 //   one for each field, from first_field_texel on:
 //     weights of 1, kx, kx^2, 1 to multiply by i
+//   one for each field, from first_map_texel on:
+//     which of the maps of its job it becomes
 // A real field needs what is real: i goes with fields that are odd in k, and with no others.
 SEAWAY_SHARED_CONSTANT max_sources = 16;
 SEAWAY_SHARED_CONSTANT max_fields = 16;
 SEAWAY_SHARED_CONSTANT first_field_texel = 2 * max_sources;
+SEAWAY_SHARED_CONSTANT first_map_texel = first_field_texel + max_fields;
+SEAWAY_SHARED_CONSTANT row_texels_max = first_map_texel + max_fields;
 
 /// One keyframe of a batch, a texel of RGBA32UI.
 struct SynthesisJob {
@@ -37,16 +41,20 @@ struct SynthesisJob {
 };
 
 struct SynthesisPush {
-    uint sources; ///< a job
-    uint fields;  ///< a job
+    uint sources;   ///< a job
+    uint fields;    ///< a job
+    uint maps;      ///< a job
+    uint first_map; ///< of the first job, in maps of the target
 };
 
-/// The Jacobian kernel reads three strain fields.
+/// The Jacobian kernel makes one map of three.
 struct JacobianPush {
-    uint fields; ///< a job
-    uint plane_xx;
-    uint plane_yy;
-    uint plane_xy;
+    uint maps;      ///< a job
+    uint first_map; ///< of the first job
+    uint map_xx;    ///< of a job, as the others
+    uint map_yy;
+    uint map_xy;
+    uint map_jacobian;
     float choppiness_x;
     float choppiness_y;
     uint size; ///< grid points a side
@@ -84,8 +92,8 @@ struct FoamStep {
 static_assert(sizeof(FoamPush) == 4);
 static_assert(sizeof(FoamStep) == 16 * foam_step_texels);
 static_assert(sizeof(SynthesisJob) == 16);
-static_assert(sizeof(SynthesisPush) == 8);
-static_assert(sizeof(JacobianPush) == 28);
+static_assert(sizeof(SynthesisPush) == 16);
+static_assert(sizeof(JacobianPush) == 36);
 } // namespace seaway::shaders
 #endif
 #undef SEAWAY_SHARED_CONSTANT

@@ -77,7 +77,7 @@ class DeviceMaps {
         std::vector<server::VulkanBatch::Job> jobs;
         for (int cascade = 0; cascade < cascades; ++cascade) {
             jobs.push_back({cascade, time_us});
-            if (static_cast<int>(jobs.size()) == batch_->max_jobs(packing.fields) ||
+            if (static_cast<int>(jobs.size()) == batch_->max_jobs(packing.maps) ||
                 cascade + 1 == cascades) {
                 need(batch_->run(jobs, packing, {}));
                 jobs.clear();

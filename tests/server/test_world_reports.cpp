@@ -253,7 +253,7 @@ EffectPlan some_plan() {
 }
 
 SimulationCounters some_counters() {
-    return {.synthesis = {3, 5, 7, 9, 11.5, 0, 0.0},
+    return {.synthesis = {3, 5, 7, 9, 11.5, 0, 0, 0.0},
             .store = {.keyframes = 13, .bytes = 17, .hits = 19, .misses = 23},
             .keyframes_published = 29,
             .keyframes_skipped = 31,

@@ -7,11 +7,11 @@
 #include <memory>
 #include <span>
 #include <utility>
-#include <vector>
 
 #include "base/check.h"
 #include "sea/basics/field.h"
 #include "sea/basics/time.h"
+#include "sea/surface/maps/map_values.h"
 
 namespace seaway::sea {
 
@@ -22,8 +22,7 @@ struct Keyframe {
     int size = 0;        ///< grid points a side
     double length_m = 0; ///< side of the tile
     FieldSet fields;     ///< what `values` holds
-    std::vector<float>
-        values; ///< [field in table order][y][x]; point (x,y) is at (x,y)*length/size
+    MapValues values;    ///< [field in table order][y][x]; point (x,y) is at (x,y)*length/size
 
     std::size_t plane_size() const {
         return static_cast<std::size_t>(size) * static_cast<std::size_t>(size);
@@ -32,7 +31,8 @@ struct Keyframe {
     std::span<const float> plane(Field field) const {
         SEAWAY_CHECK(fields.contains(field), "keyframe does not hold this field");
         const auto index = static_cast<std::size_t>(fields.index_of(field));
-        return std::span(values).subspan(index * plane_size(), plane_size());
+        return std::span<const float>(values.data(), values.size())
+            .subspan(index * plane_size(), plane_size());
     }
     std::span<float> plane(Field field) {
         const std::span<const float> plane = std::as_const(*this).plane(field);

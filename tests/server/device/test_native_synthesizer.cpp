@@ -156,7 +156,7 @@ TEST(NativeSynthesizer, a_held_keyframe_never_changes_while_others_are_made) {
     NativeSynthesizer native;
     ASSERT_TRUE(native.set_sea(random.realization(), 1));
     const auto held = keyframe(native, sea::surface_fields, 1'000'000);
-    const std::vector<float> before = held->values;
+    const sea::MapValues before = held->values;
     for (int i = 0; i < 20; ++i)
         keyframe(native, sea::surface_fields, 2'000'000 + i);
     EXPECT_EQ(held->values, before);

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/device/vulkan_maps.h"
+
+#include <algorithm>
+
+#include "base/check.h"
+
+namespace seaway::server {
+
+namespace {
+
+constexpr std::size_t vec4_bytes = 16;
+
+} // namespace
+
+Result<std::shared_ptr<VulkanMaps>> VulkanMaps::create(std::shared_ptr<gpu::Device> device,
+                                                       int size, std::size_t bytes_max) {
+    const auto points = static_cast<std::size_t>(size) * static_cast<std::size_t>(size);
+    const VkPhysicalDeviceLimits& limits = device->limits();
+    const std::size_t bytes = std::min({bytes_max, std::size_t{limits.maxStorageBufferRange},
+                                        std::size_t{limits.maxTexelBufferElements} * vec4_bytes,
+                                        std::size_t{device->buffer_bytes_max()}});
+    const std::size_t maps = bytes / (points * sizeof(float));
+    std::shared_ptr<VulkanMaps> made(new VulkanMaps(std::move(device), points));
+    if (maps == 0)
+        return made;
+    const std::size_t used_bytes = maps * points * sizeof(float);
+    SEAWAY_TRY_LET(made->buffer_, gpu::Buffer::create(*made->device_, "held maps", used_bytes,
+                                                      gpu::BufferKind::device));
+    SEAWAY_TRY_LET(made->view_, gpu::TexelView::create(*made->device_, made->buffer_,
+                                                       VK_FORMAT_R32G32B32A32_SFLOAT, vec4_bytes, 0,
+                                                       used_bytes));
+    made->taken_.resize(maps, false);
+    return made;
+}
+
+// The first place that is long enough: what was read last is written next, and stays in the cache.
+std::optional<std::size_t> VulkanMaps::take(std::size_t count) {
+    const std::scoped_lock lock(mutex_);
+    std::size_t free = 0;
+    for (std::size_t i = 0; i < taken_.size(); ++i) {
+        free = taken_[i] ? 0 : free + 1;
+        if (free < count)
+            continue;
+        const std::size_t first = i + 1 - count;
+        std::fill_n(taken_.begin() + static_cast<std::ptrdiff_t>(first), count, true);
+        return first;
+    }
+    return std::nullopt;
+}
+
+void VulkanMaps::give(std::size_t first, std::size_t count) {
+    const std::scoped_lock lock(mutex_);
+    SEAWAY_CHECK(first + count <= taken_.size(), "maps that were taken");
+    std::fill_n(taken_.begin() + static_cast<std::ptrdiff_t>(first), count, false);
+}
+
+sea::MapValues VulkanMaps::lend(std::size_t first, std::size_t count) {
+    const std::span<float> values =
+        buffer_.mapped_as<float>().subspan(first * map_floats_, count * map_floats_);
+    const std::shared_ptr<const void> keeper(
+        values.data(),
+        [maps = shared_from_this(), first, count](const void*) { maps->give(first, count); });
+    return sea::MapValues::lent(values, keeper);
+}
+
+std::size_t VulkanMaps::held() const {
+    const std::scoped_lock lock(mutex_);
+    return static_cast<std::size_t>(std::ranges::count(taken_, true));
+}
+
+} // namespace seaway::server

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+// VulkanMaps: device memory for maps of one size, one after the other, of which keyframes hold what is theirs until
+// their last reader lets go. Its length never changes: that is the bound on what readers can hold.
+//
+// Only where the CPU reads device memory in place (gpu::Device::unified_memory). Maps are given back on any thread, also
+// when the device that they were computed on has been given up; the rest is for one.
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "base/result.h"
+#include "gpu/buffer.h"
+#include "sea/surface/maps/map_values.h"
+
+namespace seaway::server {
+
+/// Bytes of the maps of one size at most, and less where a device binds less at once.
+inline constexpr std::size_t held_map_bytes_max = std::size_t{128} << 20;
+
+class VulkanMaps : public std::enable_shared_from_this<VulkanMaps> {
+  public:
+    /// As many maps as may be held.
+    static Result<std::shared_ptr<VulkanMaps>> create(std::shared_ptr<gpu::Device> device, int size,
+                                                      std::size_t bytes_max = held_map_bytes_max);
+
+    /// So many free maps in a row: the place of the first; none: too many are held.
+    std::optional<std::size_t> take(std::size_t count);
+    void give(std::size_t first, std::size_t count);
+    /// Those that were taken, as the values of a keyframe that gives them back.
+    sea::MapValues lend(std::size_t first, std::size_t count);
+
+    const gpu::Buffer& buffer() const { return buffer_; }
+    const gpu::TexelView& view() const { return view_; }
+    std::size_t held() const;
+    std::size_t size() const { return taken_.size(); }
+
+  private:
+    VulkanMaps(std::shared_ptr<gpu::Device> device, std::size_t floats)
+        : device_(std::move(device)), map_floats_(floats) {}
+
+    const std::shared_ptr<gpu::Device> device_; ///< goes last
+    const std::size_t map_floats_;
+    gpu::Buffer buffer_;
+    gpu::TexelView view_;
+    mutable std::mutex mutex_; ///< of what follows
+    std::vector<bool> taken_;
+};
+
+} // namespace seaway::server
