@@ -155,6 +155,8 @@ struct Read {
 std::variant<Read, int> read_all(const Options& options) {
     if (const Result<void> fine = NetServer::check(options.net); !fine)
         return fail(exit_usage, fine.error());
+    if (const Result<void> fine = check_journal_place(options.journal); !fine)
+        return fail(exit_usage, fine.error());
     if (const Result<void> raised = raise_open_files(options.net); !raised)
         return fail(exit_usage, raised.error());
     Result<sea::Scene> scene = sea::read_scene(options.scene);
@@ -185,7 +187,7 @@ int serve(const Options& options) {
     const auto& [scene, course, memory] = std::get<Read>(read);
     const StartFiles start_files(options);
     const Result<Resumed> resumed =
-        begin_or_resume(options.data_dir, *course, SeaClock::utc_now_us());
+        begin_or_resume(options.journal, *course, SeaClock::utc_now_us());
     if (!resumed)
         return fail(exit_usage, resumed.error());
 

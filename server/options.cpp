@@ -77,16 +77,42 @@ void net_options(CommandLine& line, NetOptions& net) {
     limit_options(line, net);
 }
 
+/// `data_dir`: the same place under its older name.
+void journal_options(CommandLine& line, JournalPlace& journal, std::string& data_dir) {
+    line.option(
+            "--journal", journal.where,
+            "Where the sea's changes are kept: a folder, or a world in NATS with JetStream that "
+            "other servers of the same sea follow, too. A server that is started again there "
+            "goes on with the same sea, at the time at which it would be")
+        .takes("DIR|nats://HOST:PORT/WORLD");
+    line.option("--data-dir", data_dir, "The same for a folder, made where it is missing")
+        .takes("DIR");
+    line.option("--journal-credentials", journal.credentials_file,
+                "File that lets it into NATS: credentials (.creds), or a line, USER:PASSWORD or a "
+                "token")
+        .takes("FILE");
+    CommandOption ca = line.option("--journal-tls-ca", journal.tls_ca_file,
+                                   "Speak TLS with NATS, whose certificates these sign (PEM)");
+    CommandOption cert = line.option("--journal-tls-cert", journal.tls_cert_file,
+                                     "This server's own certificate chain for NATS (PEM)");
+    CommandOption key =
+        line.option("--journal-tls-key", journal.tls_key_file, "Its private key (PEM)");
+    ca.takes("FILE");
+    cert.needs(key).needs(ca).takes("FILE");
+    key.needs(cert).takes("FILE");
+    line.option("--journal-replicas", journal.replicas,
+                "Copies that a cluster of NATS keeps of a world that begins")
+        .takes("COUNT")
+        .between(1, 5)
+        .shows_default();
+}
+
 void sea_options(CommandLine& line, Options& options) {
     line.option("--device", options.device,
                 "auto: a hardware GPU, else native. Or native (this processor, without Vulkan), "
                 "a part of a device's name (lavapipe), its index, or `list` to see them")
         .takes("NAME|INDEX|auto|native|list")
         .shows_default();
-    line.option("--data-dir", options.data_dir,
-                "Folder of the journal, made where it is missing: a server that is started again "
-                "there goes on with the same sea, at the time at which it would be")
-        .takes("DIR");
     line.option("--answer-threads", options.answer_threads,
                 "Threads that answer points beside the one that makes keyframes; 0: one a core, "
                 "four at most")
@@ -129,6 +155,8 @@ std::variant<Options, int> read_options(int argc, char** argv) {
         "/v1/stream, state over HTTP on the same port.");
     line.option("scene", options.scene, "Scene file (scenes/*.toml)").takes("SCENE.toml");
     net_options(line, options.net);
+    std::string data_dir;
+    journal_options(line, options.journal, data_dir);
     sea_options(line, options);
     line.option("--log", options.log,
                 "How lines on stderr are written: text, or one JSON object a line")
@@ -154,15 +182,19 @@ std::variant<Options, int> read_options(int argc, char** argv) {
         return status_after_output("seaway-server", 0, exit_usage);
     const double rate = options.net.request_bytes_per_s_per_address;
     const bool starves = rate > 0 && rate < request_bytes_per_s_min;
-    if (!next || lacks_scene || starves) {
+    const bool two_journals = !data_dir.empty() && !options.journal.is_none();
+    if (!next || lacks_scene || starves || two_journals) {
         const std::string why =
-            !next ? next.error().message
-            : lacks_scene
-                ? "SCENE.toml is required"
+            !next         ? next.error().message
+            : lacks_scene ? "SCENE.toml is required"
+            : two_journals
+                ? "--data-dir and --journal both say where the journal is: give one"
                 : fmt::format("--request-bytes-per-address {:g}: 0 for no limit, or {:g} and more",
                               rate, request_bytes_per_s_min);
         return complain("seaway-server", exit_usage, why + " (--help shows how)");
     }
+    if (!data_dir.empty())
+        options.journal = {.option = "--data-dir", .where = data_dir};
     return options;
 }
 

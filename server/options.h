@@ -5,6 +5,7 @@
 #include <string>
 #include <variant>
 
+#include "server/journal/open_journal.h"
 #include "server/net/options.h"
 
 namespace seaway::server {
@@ -14,7 +15,7 @@ struct Options {
     std::string config; ///< file of options; empty: none
     NetOptions net;
     std::string device = "auto"; ///< auto | list | name part | index
-    std::string data_dir;        ///< folder of the journal; empty: the sea ends with the process
+    JournalPlace journal;        ///< none: the sea ends with the process
     int answer_threads = 0;      ///< that answer points; 0: answer_threads_default()
     double work_rate = 1;     ///< of each session: share of the threads that work for those who ask
     double work_burst_s = 10; ///< of each session: work asked for at once, beyond the rate, s

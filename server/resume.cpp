@@ -7,8 +7,6 @@
 
 #include <fmt/format.h>
 
-#include "server/journal/sqlite_journal.h"
-
 namespace seaway::server {
 namespace {
 
@@ -26,18 +24,6 @@ std::string difference(const std::string& held, const std::string& given) {
     }
 }
 
-/// A scene that the journal holds; files are looked for where those of the scene that was given are.
-Result<sea::Scene> scene_of(const SeaChange& change, const std::string& path,
-                            const sea::Scene& given) {
-    const std::string folder = std::filesystem::path(given.source).parent_path().string();
-    Result<sea::Scene> read = sea::parse_scene(change.scene, path, folder);
-    if (!read)
-        return Error{fmt::format("the sea of change {} in {} cannot be read: {}", change.epoch,
-                                 path, read.error().message)};
-    read->source = given.source;
-    return read;
-}
-
 /// Scenes are compared as they are read: a version that writes more keys reads the old text as before.
 Result<void> check_same_sea(const std::string& path, const SeaChange& first,
                             const sea::Scene& scene) {
@@ -46,7 +32,7 @@ Result<void> check_same_sea(const std::string& path, const SeaChange& first,
     if (before == now)
         return {};
     return Error{fmt::format("{} is the journal of another sea than {}: {}. Give the scene that it "
-                             "began with, or another --data-dir",
+                             "began with, or another place of a journal",
                              path, scene.source, difference(before, now))};
 }
 
@@ -60,21 +46,34 @@ Result<void> play(const std::string& path, const SeaChange& change, SeaCourse& c
 
 } // namespace
 
-Result<Resumed> begin_or_resume(const std::string& data_dir, SeaCourse& course,
+Result<sea::Scene> scene_of(const SeaChange& change, const std::string& path,
+                            const sea::Scene& given) {
+    const std::string folder = std::filesystem::path(given.source).parent_path().string();
+    Result<sea::Scene> read = sea::parse_scene(change.scene, path, folder);
+    if (!read)
+        return Error{fmt::format("the sea of change {} in {} cannot be read: {}", change.epoch,
+                                 path, read.error().message)};
+    read->source = given.source;
+    return read;
+}
+
+Result<Resumed> begin_or_resume(const JournalPlace& place, SeaCourse& course,
                                 std::int64_t now_utc_us) {
-    if (data_dir.empty())
+    if (place.is_none())
         return Resumed{nullptr, now_utc_us};
     const sea::Scene& scene = course.first()->scene;
-    SEAWAY_TRY_LET(std::unique_ptr<SqliteJournal> journal,
-                   SqliteJournal::open(data_dir, {now_utc_us, sea::to_toml(scene)}));
+    SEAWAY_TRY_LET(std::unique_ptr<Journal> journal,
+                   open_journal(place, {now_utc_us, sea::to_toml(scene)}));
     SEAWAY_TRY_LET(const std::vector<SeaChange> changes, journal->since(0));
-    SEAWAY_TRY(check_same_sea(journal->path(), changes.front(), scene));
+    SEAWAY_TRY(check_same_sea(journal->name(), changes.front(), scene));
     Resumed resumed{nullptr, journal->epoch_utc_us(), static_cast<std::uint32_t>(changes.size())};
     for (std::size_t i = 1; i < changes.size(); ++i)
-        if (changes[i].pace)
+        if (changes[i].lapsed)
+            continue;
+        else if (changes[i].pace)
             resumed.paces.add(*changes[i].pace);
         else
-            SEAWAY_TRY(play(journal->path(), changes[i], course));
+            SEAWAY_TRY(play(journal->name(), changes[i], course));
     resumed.journal = std::move(journal);
     return resumed;
 }

@@ -7,23 +7,27 @@
 #include <string>
 
 #include "base/result.h"
-#include "server/journal/journal.h"
+#include "server/journal/open_journal.h"
 #include "server/simulation/sea_course.h"
 
 namespace seaway::server {
 
 struct Resumed {
-    std::unique_ptr<Journal> journal; ///< null without a data folder: the sea ends with the process
+    std::unique_ptr<Journal> journal; ///< null without a place: the sea ends with the process
     std::int64_t epoch_utc_us;        ///< instant of sea time 0
     std::uint32_t changes = 1;        ///< that were played, the beginning included
     sea::Paces paces = {};
 };
 
-/// Without a folder a sea begins at `now_utc_us`. With one the sea of its journal goes on, which must have begun with this
-/// scene: its changes are added to the course, which holds the beginning; a folder without a journal gets one. An error
-/// is one line: those of SqliteJournal::open(), that the journal is of another sea, with the first line that differs,
+/// Without a journal a sea begins at `now_utc_us`. With one the sea of its journal goes on, which must have begun with this
+/// scene: its changes are added to the course, which holds the beginning; a place without a journal gets one. An error
+/// is one line: those of open_journal(), that the journal is of another sea, with the first line that differs,
 /// and a change that this version cannot play. About 2 ms a change.
-Result<Resumed> begin_or_resume(const std::string& data_dir, SeaCourse& course,
+Result<Resumed> begin_or_resume(const JournalPlace& place, SeaCourse& course,
                                 std::int64_t now_utc_us);
+
+/// The scene of a change that the journal of this name holds; files are looked for where those of the beginning are.
+Result<sea::Scene> scene_of(const SeaChange& change, const std::string& journal,
+                            const sea::Scene& beginning);
 
 } // namespace seaway::server

@@ -11,6 +11,7 @@
 #include <spdlog/spdlog.h>
 
 #include "sea/scene/weather.h"
+#include "server/resume.h"
 #include "server/simulation/schedule.h"
 
 namespace seaway::server {
@@ -23,6 +24,8 @@ namespace {
 constexpr TimeUs spare_us = 1'000'000;
 /// A pace is told of this long before it holds, so that all who hear it change over at the same moment.
 constexpr TimeUs pace_ahead_us = 1'000'000;
+/// Before a change is asked for again that could not be written.
+constexpr TimeUs unreachable_pause_us = 1'000'000;
 /// A change begins where keyframes of all its seas lie, if such a time is near.
 constexpr TimeUs meeting_us_max = 2'000'000;
 /// How long it sleeps at most: the clock may have leapt.
@@ -81,10 +84,23 @@ SeaDirector::SeaDirector(std::shared_ptr<SeaCourse> course, Journal* journal, st
       clock_(clock), thread_([this] { run(); }) {
     world_.change_by(
         [this](SeaWish wish, Host::Changed done) { change(std::move(wish), std::move(done)); });
+    if (!journal_)
+        return;
+    world_.follow_by([this] { return following(); });
+    journal_->call_on_change([this] {
+        std::int64_t none = 0;
+        behind_since_us_.compare_exchange_strong(none, SeaClock::steady_now_us());
+        const std::scoped_lock lock(mutex_);
+        journal_grew_ = true;
+        wake_.notify_one();
+    });
 }
 
 SeaDirector::~SeaDirector() {
     world_.change_by(nullptr);
+    world_.follow_by(nullptr);
+    if (journal_)
+        journal_->call_on_change(nullptr);
     std::deque<Asked> left;
     {
         const std::scoped_lock lock(mutex_);
@@ -112,11 +128,16 @@ void SeaDirector::change(SeaWish wish, Host::Changed done) {
 void SeaDirector::run() {
     std::unique_lock lock(mutex_);
     while (!stopping_) {
+        journal_grew_ = false;
+        lock.unlock();
+        follow();
+        lock.lock();
         if (asked_.empty()) {
             lock.unlock();
             announce();
             lock.lock();
-            wake_.wait_for(lock, nap, [this] { return stopping_ || !asked_.empty(); });
+            wake_.wait_for(lock, nap,
+                           [this] { return stopping_ || journal_grew_ || !asked_.empty(); });
             continue;
         }
         const Asked asked = std::move(asked_.front());
@@ -132,6 +153,78 @@ void SeaDirector::run() {
         tell(asked, std::move(promise));
         lock.lock();
     }
+}
+
+void SeaDirector::follow() {
+    if (!journal_)
+        return;
+    const Result<std::vector<SeaChange>> more = journal_->since(changes_);
+    std::string stuck = more ? "" : more.error().message;
+    for (std::size_t i = 0; more && i < more->size() && stuck.empty(); ++i) {
+        const SeaChange& next = (*more)[i];
+        if (const Result<void> played = play(next); !played)
+            stuck = fmt::format("change {} of another server cannot be played: {}", next.epoch,
+                                played.error().message);
+        else
+            changes_ = next.epoch;
+    }
+    if (stuck.empty())
+        behind_since_us_ = 0;
+    const std::scoped_lock lock(mutex_);
+    if (!stuck.empty() && stuck != stuck_)
+        spdlog::error("event=sea_follows_no_more why=\"{}\"", stuck);
+    stuck_ = std::move(stuck);
+}
+
+Result<void> SeaDirector::play(const SeaChange& change) {
+    const TimeUs now_us = clock_.now_us();
+    if (change.lapsed) {
+        spdlog::warn("event=sea_change_lapsed change={} why=\"it was stored too late\"",
+                     change.epoch);
+        return {};
+    }
+    if (change.pace) {
+        const bool late = change.pace->from_us < clock_.moment().elapsed_us;
+        clock_.follow(*change.pace);
+        world_.announce_pace(*change.pace);
+        spdlog::info("event=sea_pace change={} pace={} from_s={} by=another late={}", change.epoch,
+                     change.pace->permille / static_cast<double>(sea::pace_unit),
+                     sea::seconds_from_us(change.pace->sea_us), late);
+        return {};
+    }
+    SEAWAY_TRY_LET(const sea::Scene scene,
+                   scene_of(change, journal_->name(), course_->first()->scene));
+    SEAWAY_TRY(course_->add(scene, change.start_us, change.end_us));
+    if (change.start_us > now_us)
+        promised_.push_back(change.start_us);
+    spdlog::info("event=sea_changes change={} start_s={} over_s={} by=another late={}",
+                 change.epoch, sea::seconds_from_us(change.start_us),
+                 sea::seconds_from_us(change.end_us - change.start_us), change.start_us <= now_us);
+    return {};
+}
+
+Following SeaDirector::following() const {
+    Following now{.name = journal_->name(),
+                  .journal = journal_->standing(),
+                  .shared = journal_->spread_us() > 0,
+                  .played = changes_,
+                  .stuck = {}};
+    const std::int64_t since_us = behind_since_us_;
+    now.behind_us = since_us > 0 ? SeaClock::steady_now_us() - since_us : 0;
+    if (now.played < now.journal.last_epoch)
+        if (const auto more = journal_->since(now.played))
+            now.late = std::ranges::any_of(*more, [this](const SeaChange& change) {
+                return change.pace
+                           ? change.pace->from_us < clock_.moment().elapsed_us + behind_us_max
+                           : change.start_us < clock_.now_us() + clock_.hurried(behind_us_max);
+            });
+    const std::scoped_lock lock(mutex_);
+    now.stuck = stuck_;
+    return now;
+}
+
+TimeUs SeaDirector::spread() const {
+    return journal_ ? clock_.hurried(journal_->spread_us()) : 0;
 }
 
 /// Who cannot be told will ask again: the change stands in the journal, or it does not.
@@ -169,7 +262,8 @@ TimeUs SeaDirector::first_start(const RunningSea& to) const {
 }
 
 TimeUs SeaDirector::start_of(const SeaWish& wish, const RunningSea& to, TimeUs making_us) const {
-    const TimeUs first_us = first_start(to) + clock_.hurried(std::max(spare_us, 3 * making_us));
+    const TimeUs first_us =
+        first_start(to) + clock_.hurried(std::max(spare_us, 3 * making_us)) + spread();
     const TimeUs start_us = std::max(wish.at_us, first_us);
     return next_meeting(start_us, intervals_of(*course_->at(start_us), to));
 }
@@ -222,10 +316,18 @@ Result<void> SeaDirector::check_takeovers(TimeUs start_us) const {
 
 Result<void> SeaDirector::log(SeaChange change) {
     change.epoch = changes_ + 1;
-    if (journal_)
-        SEAWAY_TRY(journal_->append(change));
-    ++changes_;
-    return {};
+    const Result<void> kept = journal_ ? journal_->append(change) : Result<void>();
+    if (kept) {
+        ++changes_;
+        return {};
+    }
+    if (kept.error().is(JournalError::outrun))
+        return busy(0, fmt::format("another server has changed the sea meanwhile ({})",
+                                   kept.error().message));
+    if (kept.error().is(JournalError::unreachable) || kept.error().is(JournalError::lapsed))
+        return busy(unreachable_pause_us,
+                    fmt::format("the sea cannot be changed now ({})", kept.error().message));
+    return kept;
 }
 
 Result<SeaPromise> SeaDirector::make_pace(int permille) {
@@ -235,11 +337,12 @@ Result<SeaPromise> SeaDirector::make_pace(int permille) {
     if (promised >= static_cast<std::ptrdiff_t>(changes_promised_max))
         return busy(pace_ahead_us,
                     fmt::format("{} paces are promised and do not hold yet", promised));
-    const sea::Pace pace = clock_.next_pace(now_us + pace_ahead_us, permille);
+    const sea::Pace pace =
+        clock_.next_pace(now_us + pace_ahead_us + (journal_ ? journal_->spread_us() : 0), permille);
     SEAWAY_TRY(log({.scene = {}, .pace = pace}));
     clock_.follow(pace);
     world_.announce_pace(pace);
-    spdlog::info("event=sea_pace change={} pace={} from_s={}", changes_,
+    spdlog::info("event=sea_pace change={} pace={} from_s={}", changes_.load(),
                  permille / static_cast<double>(sea::pace_unit), sea::seconds_from_us(pace.sea_us));
     return SeaPromise{0, pace.sea_us, pace.sea_us};
 }
@@ -257,12 +360,13 @@ Result<SeaPromise> SeaDirector::make(const SeaWish& wish) {
     promised_.push_back(promise.start_us);
     SEAWAY_CHECK(course_->add(scene, promise.start_us, promise.end_us).has_value(),
                  "what was checked can be added");
-    spdlog::info("event=sea_changes change={} start_s={} over_s={} hs_m={:.2f}", changes_,
+    spdlog::info("event=sea_changes change={} start_s={} over_s={} hs_m={:.2f}", changes_.load(),
                  sea::seconds_from_us(promise.start_us),
                  sea::seconds_from_us(promise.end_us - promise.start_us),
                  to->summary.realised.significant_height_m);
     if (clock_.now_us() > promise.start_us)
-        spdlog::warn("event=sea_changes_late change={} why=\"the journal took long\"", changes_);
+        spdlog::warn("event=sea_changes_late change={} why=\"the journal took long\"",
+                     changes_.load());
     return promise;
 }
 

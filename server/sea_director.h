@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // SeaDirector: who changes the sea of a running server. One change after the other: it is checked, its seas are made, it
 // is written to the journal, and only then it is part of the course and told to everybody, long enough before it begins.
-// Also tells of the seas of the timetable when their time comes near.
+// What others have appended to the journal it plays as it comes, in order. Also tells of the seas of the timetable when their
+// time comes near.
 //
 // Has a thread of its own, for seas take their time; nobody else waits for them. Thread-safe.
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
 #include <deque>
 #include <memory>
 #include <mutex>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -34,8 +37,9 @@ class SeaDirector {
     SeaDirector(const SeaDirector&) = delete;
     SeaDirector& operator=(const SeaDirector&) = delete;
 
-    /// `done` is called once, on the director's thread or at once. Errors: bad_value with what of the wish cannot be,
-    /// busy, and one without a kind where the journal could not be written.
+    /// `done` is called once, on the director's thread or at once. Errors: bad_value with what of the wish cannot be;
+    /// busy, also where another server's change was first or the journal cannot be reached; one without a kind where the
+    /// journal could not be written, or it is not known whether it was.
     void change(SeaWish wish, Host::Changed done);
 
   private:
@@ -44,6 +48,10 @@ class SeaDirector {
         Host::Changed done;
     };
     void run();
+    /// Plays what others have appended.
+    void follow();
+    Result<void> play(const SeaChange& change);
+    Following following() const;
     /// Where there is no memory now, the next look does.
     void announce();
     static void tell(const Asked& asked, Result<SeaPromise> promise);
@@ -54,6 +62,8 @@ class SeaDirector {
     Result<SeaPromise> make(const SeaWish& wish);
     /// Written durably, where there is a journal.
     Result<void> log(SeaChange change);
+    /// The time that others need to hear of a change, in sea time.
+    sea::TimeUs spread() const;
     /// How fast the sea runs, soon.
     Result<SeaPromise> make_pace(int permille);
     struct Planned {
@@ -72,14 +82,18 @@ class SeaDirector {
 
     const std::shared_ptr<SeaCourse> course_;
     Journal* const journal_;
-    std::uint32_t changes_;
+    std::atomic<std::uint32_t> changes_; ///< that were played
+    std::atomic<std::int64_t> behind_since_us_ =
+        0; ///< by the steady clock; 0: all that the journal holds is played
     std::vector<sea::TimeUs> promised_; ///< starts that have not come; of the director's thread
     World& world_;
     SeaClock& clock_;
 
-    std::mutex mutex_; ///< of what follows
+    mutable std::mutex mutex_; ///< of what follows
     std::condition_variable wake_;
     std::deque<Asked> asked_;
+    bool journal_grew_ = false;
+    std::string stuck_; ///< why what the journal holds next cannot be played
     bool stopping_ = false;
     std::thread thread_;
 };

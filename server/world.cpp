@@ -43,6 +43,27 @@ Health health_of(bool healthy, Heartbeat::Clock::duration turn) {
                                std::chrono::duration_cast<std::chrono::seconds>(turn).count())};
 }
 
+void World::follow_by(std::function<Following()> follow) {
+    const std::scoped_lock lock(mutex_);
+    follow_ = std::move(follow);
+}
+
+std::optional<Following> World::following() const {
+    const std::scoped_lock lock(mutex_);
+    return follow_ ? std::optional(follow_()) : std::nullopt;
+}
+
+Health World::health() const {
+    Health health = health_of(simulation_->healthy(), simulation_->turn());
+    if (!health.live)
+        return health;
+    if (const std::optional<Following> now = following()) {
+        health.why = now->doubt();
+        health.ready = health.why.empty();
+    }
+    return health;
+}
+
 void World::publish_to(Publish publish) {
     const std::scoped_lock lock(mutex_);
     publish_ = std::move(publish);
@@ -331,7 +352,8 @@ Result<std::uint64_t> World::map_bytes(const std::map<std::string, std::string>&
 
 std::string World::state_json() const {
     const RunningSeaPtr sea = sea_now();
-    return server::state_json(*sea, warnings_of(*sea), simulation_->device(), clock_.moment());
+    return server::state_json(*sea, warnings_of(*sea), simulation_->device(), clock_.moment(),
+                              following());
 }
 
 std::string World::plan_json() const {
@@ -340,8 +362,11 @@ std::string World::plan_json() const {
 }
 
 std::string World::metrics_text() const {
+    const std::optional<Following> now = following();
+    const std::string following_metrics = now ? now->metrics() : "";
     return server::metrics_text(simulation_->plan(), simulation_->counters(), simulation_->costs(),
                                 clock_.moment()) +
+           following_metrics +
            fmt::format("# HELP seaway_spectra_made_total Waves of a sea that were encoded at one "
                        "accuracy.\n# TYPE seaway_spectra_made_total counter\n"
                        "seaway_spectra_made_total {}\n",

@@ -12,9 +12,11 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "server/following.h"
 #include "server/host/host.h"
 #include "server/host/quality.h"
 #include "server/journal/sea_clock.h"
@@ -50,6 +52,8 @@ class World final : public Host {
     /// Where the states of seas to come go from now on, and who changes the sea.
     void announce_to(Announce announce);
     void change_by(Change change);
+    /// Who knows how it stands with the log, from now on; empty: there is none.
+    void follow_by(std::function<Following()> follow);
     /// A keyframe that the plan called for, for those who take keyframes at a rate (of rate_rungs_hz): published once a
     /// quality in use.
     void on_keyframe(const sea::KeyframePtr& keyframe, std::size_t rate = 0);
@@ -80,11 +84,10 @@ class World final : public Host {
     std::string state_json() const override;
     std::string plan_json() const override;
     std::string metrics_text() const override;
-    Health health() const override {
-        return health_of(simulation_->healthy(), simulation_->turn());
-    }
+    Health health() const override;
 
   private:
+    std::optional<Following> following() const;
     KeyframeTiles tiles(sea::KeyframePtr keyframe, Quality quality) const;
     /// The one that runs; made here only where the clock has leapt to a sea that nobody was told of.
     RunningSeaPtr sea_now() const { return course_->at(clock_.now_us()); }
@@ -105,6 +108,7 @@ class World final : public Host {
     Publish publish_;
     Announce announce_;
     Change change_;
+    std::function<Following()> follow_;
     /// The sea that runs and those that announce_due() has told of, in order of time; and before them what they glide from.
     /// Held, so that nobody on the network's thread has to make one.
     std::vector<RunningSeaPtr> told_;

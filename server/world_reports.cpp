@@ -179,7 +179,8 @@ protocol::SeaStateValues announcement(const RunningSea& sea, const EpochWindow& 
 }
 
 std::string state_json(const RunningSea& sea, const std::vector<std::string>& warnings,
-                       const std::string& device, const SeaMoment& at) {
+                       const std::string& device, const SeaMoment& at,
+                       const std::optional<Following>& following) {
     const protocol::SeaStateValues state = sea_state_values(sea, {sea.epoch, 0, 0}, warnings);
     ordered_json cascades = ordered_json::array();
     for (std::size_t c = 0; c < state.cascades.size(); ++c) {
@@ -195,28 +196,30 @@ std::string state_json(const RunningSea& sea, const std::vector<std::string>& wa
                             {"requested_m2", sea.summary.cascades[c].requested_m2},
                             {"realised_m2", sea.summary.cascades[c].realised_m2}});
     }
-    const ordered_json json{{"epoch", sea.epoch},
-                            {"sea_time_s", sea::seconds_from_us(at.now_us)},
-                            {"pace", at.pace_permille / static_cast<double>(sea::pace_unit)},
-                            {"epoch_utc", utc_text(at.epoch_utc_us)},
-                            {"device", device},
-                            {"scene", std::filesystem::path(sea.scene.source).filename().string()},
-                            {"requested", to_json(state.requested)},
-                            {"realised", to_json(state.realised)},
-                            {"cascades", cascades},
-                            {"offered_fields", names(sea.streamed())},
-                            {"foam_mean", state.foam_mean},
-                            {"foam_threshold", state.foam_threshold},
-                            {"height_error_m", sea.budget.height_error_m},
-                            {"error_budget",
-                             {{"level_m", sea::level_error_m(sea.budget, sea.budget.codec_error_m)},
-                              {"interpolation_m", sea.budget.interpolation_m},
-                              {"codec_m", sea.budget.codec_error_m},
-                              {"single_precision_m", sea.budget.single_precision_m},
-                              {"inverse_m", sea::inverse_tolerance_m(sea.budget.height_error_m)}}},
-                            {"glides_until_s", glide_end_json(sea)},
-                            {"certificate", certificate_json(sea)},
-                            {"warnings", warnings}};
+    ordered_json json{{"epoch", sea.epoch},
+                      {"sea_time_s", sea::seconds_from_us(at.now_us)},
+                      {"pace", at.pace_permille / static_cast<double>(sea::pace_unit)},
+                      {"epoch_utc", utc_text(at.epoch_utc_us)},
+                      {"device", device},
+                      {"scene", std::filesystem::path(sea.scene.source).filename().string()},
+                      {"requested", to_json(state.requested)},
+                      {"realised", to_json(state.realised)},
+                      {"cascades", cascades},
+                      {"offered_fields", names(sea.streamed())},
+                      {"foam_mean", state.foam_mean},
+                      {"foam_threshold", state.foam_threshold},
+                      {"height_error_m", sea.budget.height_error_m},
+                      {"error_budget",
+                       {{"level_m", sea::level_error_m(sea.budget, sea.budget.codec_error_m)},
+                        {"interpolation_m", sea.budget.interpolation_m},
+                        {"codec_m", sea.budget.codec_error_m},
+                        {"single_precision_m", sea.budget.single_precision_m},
+                        {"inverse_m", sea::inverse_tolerance_m(sea.budget.height_error_m)}}},
+                      {"glides_until_s", glide_end_json(sea)},
+                      {"certificate", certificate_json(sea)},
+                      {"warnings", warnings}};
+    if (following)
+        json["journal"] = ordered_json::parse(following->json());
     return json.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
 }
 

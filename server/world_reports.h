@@ -3,10 +3,12 @@
 // Pure functions of what they are given; thread-safe.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "protocol/messages.h"
+#include "server/following.h"
 #include "server/journal/sea_clock.h"
 #include "server/simulation/simulation.h"
 
@@ -21,7 +23,8 @@ protocol::SeaStateValues announcement(const RunningSea& sea, const EpochWindow& 
                                       const std::vector<std::string>& warnings);
 
 std::string state_json(const RunningSea& sea, const std::vector<std::string>& warnings,
-                       const std::string& device, const SeaMoment& at);
+                       const std::string& device, const SeaMoment& at,
+                       const std::optional<Following>& following = {});
 std::string plan_json(const RunningSea& sea, const EffectPlan& plan,
                       const SimulationCounters& counters, const EffectCosts& costs,
                       const std::string& device);

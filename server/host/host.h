@@ -109,10 +109,12 @@ struct MapQuery {
     std::function<void()> on_ready; ///< any thread; must not block
 };
 
-/// Does the simulation come on? `why` not: one line for an operator.
+/// Does the simulation come on, and is its sea for certain that of all servers of the same log? `why` not: one line for an
+/// operator.
 struct Health {
     bool live = true;
     std::string why;
+    bool ready = true; ///< of one that is live
 };
 
 class Host {

@@ -3,10 +3,15 @@
 // the sea in order. Whoever has the same log has the same sea at the same time: a server that was restarted, and
 // any number of servers that follow one log.
 //
+// Others may append to it, too: of two that take the same number one is told so. Behind it stands a file of this machine
+// (sqlite_journal.h) or a log that several servers follow (shared_journal.h); open_journal() tells them apart, and nobody
+// else.
+//
 // A change is durable before it is announced: append() returns when it would outlive a loss of power. Thread-safe.
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -25,13 +30,42 @@ struct SeaChange {
     std::string scene;      ///< effective scene (sea::to_toml)
     /// How fast the sea runs from a moment on; then there is no scene, and no start and end.
     std::optional<sea::Pace> pace = {};
+    /// It came to the log too late for all to hear of it in time: it keeps its number and changes nothing.
+    bool lapsed = false;
 
     bool operator==(const SeaChange&) const = default;
+};
+
+/// What a log begins with.
+struct Beginning {
+    std::int64_t epoch_utc_us; ///< instant of sea time 0
+    std::string scene;
+};
+
+/// Kinds of append()'s errors.
+enum class JournalError {
+    lapsed, ///< it was written, but so late that it changes nothing: to be asked for again
+    outrun, ///< another change has this number: nothing of this one is kept; since() has the other one
+    unreachable, ///< the log cannot be asked: nothing of it is kept
+    unknown,     ///< it was asked and has not said: since() has the change later, or never
+};
+
+/// How sure it is that it holds all that has happened.
+struct JournalStanding {
+    std::uint32_t last_epoch = 0; ///< that it holds
+    /// For how long it has not been known that the log ends there; 0 where nobody else can write it.
+    std::int64_t unheard_us = 0;
+    /// It holds whatever was made longer ago than spread_us().
+    bool current = true;
+    std::string trouble; ///< what is wrong, one line; empty: nothing
 };
 
 class Journal {
   public:
     virtual ~Journal() = default;
+
+    /// For messages: a file, or an address. Holds no secret.
+    virtual const std::string& name() const = 0;
 
     /// The instant of sea time 0, microseconds since 1970-01-01T00:00:00Z.
     virtual std::int64_t epoch_utc_us() const = 0;
@@ -40,8 +74,16 @@ class Journal {
     /// to ask again.
     virtual Result<std::vector<SeaChange>> since(std::uint32_t epoch) const = 0;
 
-    /// Takes the next change. Errors: its number is not the next one, it ends before it begins, or it could not be written durably; then it has not been taken.
+    /// Takes the next change. Errors: its number is not the next one, it ends before it begins, or it could not be written
+    /// durably; then it has no effect, but where JournalError::unknown says that it may have.
     virtual Result<void> append(const SeaChange& change) = 0;
+
+    virtual JournalStanding standing() const = 0;
+    /// A server that is current has whatever was made longer ago than this: so no change may begin earlier. 0 where
+    /// nobody else follows the log.
+    virtual std::int64_t spread_us() const = 0;
+    /// Called from now on when others have appended, on a thread of its own that must not be held; empty: nobody.
+    virtual void call_on_change(std::function<void()> call) = 0;
 };
 
 } // namespace seaway::server

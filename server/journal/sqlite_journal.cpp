@@ -4,14 +4,13 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <sstream>
 #include <utility>
 
 #include <fmt/format.h>
 #include <sqlite3.h>
 
-#include "base/hash.h"
 #include "base/text_file.h"
+#include "server/journal/change_text.h"
 
 namespace seaway::server {
 namespace {
@@ -93,41 +92,6 @@ class Statement {
     int bound_ = 0;
 };
 
-constexpr std::string_view pace_word = "pace ";
-
-/// What was changed: a scene, or "pace FROM_US SEA_US PERMILLE", which no scene begins with.
-std::string text_of(const SeaChange& change) {
-    if (!change.pace)
-        return change.scene;
-    return fmt::format("{}{} {} {}", pace_word, change.pace->from_us, change.pace->sea_us,
-                       change.pace->permille);
-}
-
-Result<SeaChange> with_text(SeaChange change, std::string text) {
-    if (!text.starts_with(pace_word)) {
-        change.scene = std::move(text);
-        return change;
-    }
-    std::istringstream words(text.substr(pace_word.size()));
-    sea::Pace pace;
-    if (!(words >> pace.from_us >> pace.sea_us >> pace.permille) || !words.eof() ||
-        pace.permille < 0 || pace.permille > sea::pace_permille_max)
-        return Error{fmt::format("change {} has a pace that cannot be read", change.epoch)};
-    change.pace = pace;
-    return change;
-}
-
-/// Of a change and of the sum of all before it: SQLite takes zeros for what is cut off its last page.
-std::uint64_t sum_of(std::uint64_t before, const SeaChange& change) {
-    return text_hash(fmt::format("{} {} {} {} {}", before, change.epoch, change.start_us,
-                                 change.end_us, text_of(change)));
-}
-
-/// Of the log before its first change.
-std::uint64_t first_sum(std::int64_t epoch_utc_us) {
-    return static_cast<std::uint64_t>(epoch_utc_us);
-}
-
 Result<void> insert(sqlite3* database, const SeaChange& change, std::uint64_t sum) {
     SEAWAY_TRY_LET(Statement row,
                    Statement::prepare(database, "INSERT INTO changes VALUES (?, ?, ?, ?, ?)"));
@@ -179,15 +143,6 @@ std::string parent_of(const std::string& folder) {
     return (whole.has_filename() ? whole : whole.parent_path()).parent_path().string();
 }
 
-Result<void> check_next(const SeaChange& last, const SeaChange& next) {
-    if (next.epoch != last.epoch + 1)
-        return Error{fmt::format("the change after epoch {} has epoch {}", last.epoch, next.epoch)};
-    if (next.end_us < next.start_us)
-        return Error{
-            fmt::format("change {} runs from {} to {} us", next.epoch, next.start_us, next.end_us)};
-    return {};
-}
-
 } // namespace
 
 void SqliteJournal::Close::operator()(sqlite3* database) const {
@@ -199,9 +154,10 @@ Error SqliteJournal::wrong(const std::string& why) const {
 }
 
 Result<std::unique_ptr<SqliteJournal>> SqliteJournal::open(const std::string& folder,
-                                                           const Beginning& beginning) {
-    const auto named = [&folder](const Error& why) {
-        return Error{fmt::format("--data-dir {}: {}", folder, why.message)};
+                                                           const Beginning& beginning,
+                                                           const std::string& option) {
+    const auto named = [&folder, &option](const Error& why) {
+        return Error{fmt::format("{} {}: {}", option, folder, why.message)};
     };
     std::error_code error;
     if (const bool made = std::filesystem::create_directory(folder, error); error)
@@ -350,6 +306,11 @@ Result<void> SqliteJournal::append(const SeaChange& change) {
     sum_ = sum;
     last_ = {change.epoch, change.start_us, change.end_us, {}};
     return {};
+}
+
+JournalStanding SqliteJournal::standing() const {
+    const std::scoped_lock lock(mutex_);
+    return {.last_epoch = last_.epoch, .trouble = {}};
 }
 
 } // namespace seaway::server

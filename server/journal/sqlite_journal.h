@@ -18,23 +18,21 @@ namespace seaway::server {
 
 class SqliteJournal final : public Journal {
   public:
-    /// What a folder without a journal begins with.
-    struct Beginning {
-        std::int64_t epoch_utc_us;
-        std::string scene;
-    };
-
-    /// The folder is made where only it is missing. Errors name the folder or file and what to do.
+    /// The folder is made where only it is missing. Errors name the folder, after the `option` that said so, or the file, and
+    /// what to do.
     static Result<std::unique_ptr<SqliteJournal>> open(const std::string& folder,
-                                                       const Beginning& beginning);
+                                                       const Beginning& beginning,
+                                                       const std::string& option = "--data-dir");
     ~SqliteJournal() override = default;
 
+    /// DIR/journal.sqlite.
+    const std::string& name() const override { return path_; }
     std::int64_t epoch_utc_us() const override { return epoch_utc_us_; }
     Result<std::vector<SeaChange>> since(std::uint32_t epoch) const override;
     Result<void> append(const SeaChange& change) override;
-
-    /// For messages: DIR/journal.sqlite.
-    const std::string& path() const { return path_; }
+    JournalStanding standing() const override;
+    std::int64_t spread_us() const override { return 0; }
+    void call_on_change(std::function<void()>) override {} // nobody else has the folder
 
   private:
     struct Close {

@@ -47,6 +47,8 @@ const std::array<Route, 8> routes{{
              return Page{.status = 503, .body = health.why + "\n"};
          if (core.stopping)
              return stopping_page(core);
+         if (!health.ready)
+             return Page{.status = 503, .body = health.why + "\n"};
          // One that has not said Hello makes room.
          return core.takes_a_session() || !core.awaiting_hello.empty()
                     ? Page{.body = "ready\n"}

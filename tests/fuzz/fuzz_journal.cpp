@@ -15,7 +15,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const std::string path = tests::scratch_file("journal.sqlite", data, size);
     for (const char* beside : {"-wal", "-shm", "-journal"})
         std::filesystem::remove(path + beside);
-    const server::SqliteJournal::Beginning beginning{1'700'000'000'000'000, "[sea]\n"};
+    const server::Beginning beginning{1'700'000'000'000'000, "[sea]\n"};
     const auto journal = server::SqliteJournal::open(folder, beginning);
     if (!journal) {
         if (journal.error().message.find(folder) == std::string::npos)

@@ -11,24 +11,19 @@
 #include <unistd.h>
 
 #include "server/journal/sqlite_journal.h"
-#include "tests/support/folder.h"
+#include "tests/server/journal/journals.h"
 
 namespace seaway::server {
 namespace {
 
 namespace fs = std::filesystem;
 
-const SqliteJournal::Beginning beginning{1'700'000'000'123'456, "[sea]\nseed = 7\n"};
+using namespace tests_of_journals;
 
 /// A new folder, which is not there yet.
 std::string fresh_folder() {
     static int count = 0;
     return tests::folder().file(fmt::format("journal-{}", ++count));
-}
-
-SeaChange change(std::uint32_t epoch) {
-    const sea::TimeUs start_us = 1'000'000 * static_cast<sea::TimeUs>(epoch);
-    return {epoch, start_us, start_us + 500'000, fmt::format("sea {}", epoch)};
 }
 
 std::string bytes_of(const std::string& path) {
@@ -45,75 +40,7 @@ std::string error_of(const std::string& folder) {
     return opened ? "it was opened" : opened.error().message;
 }
 
-TEST(Journal, holds_the_instant_and_every_change_and_says_the_same_when_it_is_opened_again) {
-    const std::string folder = fresh_folder();
-    std::vector<SeaChange> all{{1, 0, 0, beginning.scene}};
-    {
-        auto journal = SqliteJournal::open(folder, beginning);
-        ASSERT_TRUE(journal) << journal.error().message;
-        EXPECT_EQ((*journal)->epoch_utc_us(), beginning.epoch_utc_us);
-        for (std::uint32_t epoch = 2; epoch < 6; ++epoch) {
-            all.push_back(change(epoch));
-            const auto taken = (*journal)->append(all.back());
-            ASSERT_TRUE(taken) << taken.error().message;
-        }
-        EXPECT_EQ((*journal)->since(0).value(), all);
-    }
-    auto again = SqliteJournal::open(folder, {99, "another sea"});
-    ASSERT_TRUE(again) << again.error().message;
-    EXPECT_EQ((*again)->epoch_utc_us(), beginning.epoch_utc_us);
-    EXPECT_EQ((*again)->since(0).value(), all);
-    EXPECT_EQ((*again)->since(3).value(), std::vector<SeaChange>(all.begin() + 3, all.end()));
-    EXPECT_TRUE((*again)->since(5).value().empty());
-}
-
-TEST(Journal, keeps_any_text_of_a_scene_byte_by_byte) {
-    const std::string folder = fresh_folder();
-    std::string scene(200'000, 'x');
-    for (std::size_t i = 0; i < scene.size(); ++i)
-        scene[i] = static_cast<char>(i * 31 % 256); // with NUL, quotes and what is no UTF-8
-    {
-        auto journal = SqliteJournal::open(folder, {0, scene});
-        ASSERT_TRUE(journal) << journal.error().message;
-    }
-    EXPECT_EQ(SqliteJournal::open(folder, beginning).value()->since(0).value()[0].scene, scene);
-}
-
-TEST(Journal, keeps_how_fast_the_sea_runs_among_its_changes) {
-    const std::string folder = fresh_folder();
-    const std::vector<SeaChange> all{
-        {1, 0, 0, beginning.scene},
-        {.epoch = 2, .scene = {}, .pace = sea::Pace{-5, 1'234'567'890'123'456, 0}},
-        change(3),
-        {.epoch = 4, .scene = {}, .pace = sea::Pace{9, 8, sea::pace_permille_max}}};
-    {
-        auto journal = SqliteJournal::open(folder, beginning).value();
-        for (std::size_t i = 1; i < all.size(); ++i)
-            ASSERT_TRUE(journal->append(all[i]));
-    }
-    EXPECT_EQ(SqliteJournal::open(folder, beginning).value()->since(0).value(), all);
-}
-
-TEST(Journal, takes_no_change_out_of_turn) {
-    auto journal = SqliteJournal::open(fresh_folder(), beginning).value();
-    ASSERT_TRUE(journal->append(change(2)));
-    const SeaChange wrong[] = {change(2),
-                               change(4),
-                               change(1),
-                               change(0),
-                               {3, 3'000'000, 2'999'999, "ends before it begins"}};
-    for (const SeaChange& one : wrong) {
-        const auto refused = journal->append(one);
-        ASSERT_FALSE(refused) << one.epoch;
-        EXPECT_NE(refused.error().message.find(one.epoch == 3 ? "from 3000000" : "epoch"),
-                  std::string::npos)
-            << refused.error().message;
-    }
-    EXPECT_EQ(journal->since(0)->size(), 2u);
-    EXPECT_TRUE(journal->append({3, 1, 2, "takes over from one that has not begun"}));
-}
-
-TEST(Journal, is_of_one_process_at_a_time) {
+TEST(SqliteJournal, is_of_one_process_at_a_time) {
     const std::string folder = fresh_folder();
     auto first = SqliteJournal::open(folder, beginning).value();
     EXPECT_EQ(error_of(folder), fmt::format("--data-dir {}: another process works in it", folder));
@@ -121,14 +48,14 @@ TEST(Journal, is_of_one_process_at_a_time) {
     EXPECT_EQ(error_of(folder), "it was opened");
 }
 
-TEST(Journal, names_a_file_of_others_and_leaves_it_as_it_is) {
+TEST(SqliteJournal, names_a_file_of_others_and_leaves_it_as_it_is) {
     struct Case {
         const char* what;
         std::string bytes;
         const char* says;
     };
     auto made = SqliteJournal::open(fresh_folder(), beginning).value();
-    std::string foreign = bytes_of(made->path()), later = foreign;
+    std::string foreign = bytes_of(made->name()), later = foreign;
     foreign[71] ^=
         1; // application_id ends at byte 71, user_version at 63 (sqlite.org/fileformat2.html)
     later[63] = 2;
@@ -149,7 +76,7 @@ TEST(Journal, names_a_file_of_others_and_leaves_it_as_it_is) {
     }
 }
 
-TEST(Journal, names_what_is_no_folder_and_no_file) {
+TEST(SqliteJournal, names_what_is_no_folder_and_no_file) {
     const std::string file = tests::folder().write("a-file", "x");
     EXPECT_NE(error_of(file).find("--data-dir " + file), std::string::npos) << error_of(file);
     const std::string deep = fresh_folder() + "/not/there";
@@ -160,7 +87,7 @@ TEST(Journal, names_what_is_no_folder_and_no_file) {
     EXPECT_TRUE(fs::is_directory(folder + "/journal.sqlite"));
 }
 
-TEST(Journal, takes_nothing_that_lies_beside_a_journal_that_is_gone) {
+TEST(SqliteJournal, takes_nothing_that_lies_beside_a_journal_that_is_gone) {
     for (const char* part : {"-wal", "-shm", "-journal"}) {
         const std::string folder = fresh_folder(), rest = folder + "/journal.sqlite" + part;
         fs::create_directory(folder);
@@ -174,7 +101,7 @@ TEST(Journal, takes_nothing_that_lies_beside_a_journal_that_is_gone) {
     }
 }
 
-TEST(Journal, is_no_link_to_that_of_another_folder) {
+TEST(SqliteJournal, is_no_link_to_that_of_another_folder) {
     const std::string folder = fresh_folder(), other = fresh_folder();
     EXPECT_EQ(error_of(folder), "it was opened");
     fs::create_directory(other);
@@ -196,7 +123,7 @@ std::string crashed_folder(std::uint32_t changes) {
 
 // SQLite takes a log up to the last frame whose checksum is right; what was acknowledged had been synchronised, so only
 // a change that nobody was told of can be cut.
-TEST(Journal, cut_off_in_its_last_write_it_holds_all_changes_before) {
+TEST(SqliteJournal, cut_off_in_its_last_write_it_holds_all_changes_before) {
     const std::string crashed = crashed_folder(4), wal = crashed + "/journal.sqlite-wal";
     const std::string whole = bytes_of(wal);
     std::size_t most = 0, least = 9;
@@ -219,7 +146,7 @@ TEST(Journal, cut_off_in_its_last_write_it_holds_all_changes_before) {
     EXPECT_GE(most, 3u);
 }
 
-TEST(Journal, damaged_or_cut_off_it_is_named_and_left_as_it_is) {
+TEST(SqliteJournal, damaged_or_cut_off_it_is_named_and_left_as_it_is) {
     const std::string healthy = fresh_folder();
     {
         auto journal =
@@ -257,7 +184,7 @@ TEST(Journal, damaged_or_cut_off_it_is_named_and_left_as_it_is) {
 }
 
 // Killed anywhere between nothing and a journal that is there: the next start makes one, or takes that one.
-TEST(Journal, killed_while_it_is_made_it_is_made_the_next_time) {
+TEST(SqliteJournal, killed_while_it_is_made_it_is_made_the_next_time) {
     // Later and later, until some came before it was there and some after, however busy the machine is.
     int made_before = 0, rounds = 0;
     for (int round = 0; round < 60 || (made_before == 0 && round < 600); ++round, ++rounds) {
@@ -282,7 +209,7 @@ TEST(Journal, killed_while_it_is_made_it_is_made_the_next_time) {
 
 // A writer that is killed at any instant, twenty times over: what was acknowledged is there, at most the one that was
 // being written besides, and the next writer goes on.
-TEST(Journal, a_killed_writer_loses_nothing_that_it_was_told_is_kept) {
+TEST(SqliteJournal, a_killed_writer_loses_nothing_that_it_was_told_is_kept) {
     const std::string folder = fresh_folder();
     std::mt19937 random(20);
     std::uint32_t acknowledged = 1;

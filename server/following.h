@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+// How a server stands with the log that its sea is a function of, and what it says of that. Values; thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "server/journal/journal.h"
+
+namespace seaway::server {
+
+/// Changes of others may wait so long to be played: they begin a second after they have to be known.
+inline constexpr std::int64_t behind_us_max = 1'000'000;
+
+struct Following {
+    std::string name; ///< of the journal
+    JournalStanding journal;
+    bool shared = false;        ///< others append to it
+    std::uint32_t played = 1;   ///< changes
+    std::int64_t behind_us = 0; ///< for how long there have been some to play
+    bool late = false;          ///< one of those has begun, or does so within behind_us_max
+    std::string stuck;          ///< why the next one cannot be
+
+    /// Why this sea may not be that of the other servers, one line; empty: it is.
+    std::string doubt() const;
+    /// The object "journal" of /v1/state.
+    std::string json() const;
+    /// Its part of /metrics; empty where nobody else appends.
+    std::string metrics() const;
+};
+
+} // namespace seaway::server

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/journal/nats_connection.h"
+
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nats/nats.h>
+
+#include "base/text_file.h"
+#include "server/journal/shared_log.h"
+
+namespace seaway::server {
+namespace {
+
+constexpr std::size_t credentials_bytes_max = 64 * 1024;
+/// A peer that is silent for two of them has gone.
+constexpr int ping_every_ms = 2000;
+
+struct DestroyOptions {
+    void operator()(natsOptions* options) const { natsOptions_Destroy(options); }
+};
+
+/// The library's errors are several lines with places in its source: the status says what an operator needs.
+std::string said(natsStatus status) {
+    return natsStatus_GetText(status);
+}
+
+Result<void> with_file(const char* option, const std::string& file, natsStatus status) {
+    if (status == NATS_OK)
+        return {};
+    return Error{fmt::format("{} {}: {}", option, file, said(status))};
+}
+
+Result<void> set_credentials(natsOptions* options, const std::string& file) {
+    constexpr const char* option = "--journal-credentials";
+    Result<std::string> text = read_text_file(file, credentials_bytes_max);
+    if (!text)
+        return Error{fmt::format("{} {}: {}", option, file, text.error().message)};
+    if (text->starts_with("-----BEGIN"))
+        return with_file(option, file,
+                         natsOptions_SetUserCredentialsFromFiles(options, file.c_str(), nullptr));
+    while (!text->empty() && (text->back() == '\n' || text->back() == '\r'))
+        text->pop_back();
+    if (text->empty() || text->find('\n') != std::string::npos)
+        return Error{fmt::format("{} {}: neither NATS credentials nor one line, USER:PASSWORD or a "
+                                 "token",
+                                 option, file)};
+    const std::size_t colon = text->find(':');
+    return with_file(option, file,
+                     colon == std::string::npos
+                         ? natsOptions_SetToken(options, text->c_str())
+                         : natsOptions_SetUserInfo(options, text->substr(0, colon).c_str(),
+                                                   text->substr(colon + 1).c_str()));
+}
+
+Result<void> set_tls(natsOptions* options, const NatsPlace& place) {
+    if (place.ca_file.empty())
+        return {};
+    SEAWAY_TRY(with_file("--journal-tls-ca", place.ca_file, natsOptions_SetSecure(options, true)));
+    SEAWAY_TRY(with_file("--journal-tls-ca", place.ca_file,
+                         natsOptions_LoadCATrustedCertificates(options, place.ca_file.c_str())));
+    if (place.cert_file.empty())
+        return {};
+    return with_file("--journal-tls-cert", place.cert_file,
+                     natsOptions_LoadCertificatesChain(options, place.cert_file.c_str(),
+                                                       place.key_file.c_str()));
+}
+
+} // namespace
+
+struct NatsConnection::Parts {
+    std::unique_ptr<natsOptions, DestroyOptions> options;
+    natsConnection* connection = nullptr;
+};
+
+NatsConnection::NatsConnection(NatsPlace place, std::unique_ptr<Parts> parts)
+    : place_(std::move(place)), parts_(std::move(parts)) {}
+
+NatsConnection::NatsConnection(NatsConnection&&) noexcept = default;
+
+NatsConnection::~NatsConnection() {
+    if (parts_)
+        drop();
+}
+
+Result<NatsConnection> NatsConnection::make(NatsPlace place) {
+    auto parts = std::make_unique<Parts>();
+    natsOptions* made = nullptr;
+    natsStatus status = natsOptions_Create(&made);
+    if (status != NATS_OK)
+        return Error{"NATS: " + said(status)};
+    parts->options.reset(made);
+    std::vector<const char*> servers;
+    for (const std::string& server : place.servers)
+        servers.push_back(server.c_str());
+    status = natsOptions_SetServers(made, servers.data(), static_cast<int>(servers.size()));
+    for (const natsStatus next :
+         {natsOptions_SetAllowReconnect(made, false),
+          natsOptions_SetTimeout(made, nats_patience_ms),
+          natsOptions_SetPingInterval(made, ping_every_ms), natsOptions_SetMaxPingsOut(made, 1),
+          natsOptions_SetWriteDeadline(made, nats_patience_ms),
+          natsOptions_SetName(made, "seaway-server")})
+        status = status == NATS_OK ? next : status;
+    if (status != NATS_OK)
+        return Error{"NATS: " + said(status)};
+    SEAWAY_TRY(set_tls(made, place));
+    if (!place.credentials_file.empty())
+        SEAWAY_TRY(set_credentials(made, place.credentials_file));
+    return NatsConnection(std::move(place), std::move(parts));
+}
+
+Result<natsConnection*> NatsConnection::get() {
+    if (parts_->connection && natsConnection_IsClosed(parts_->connection))
+        drop();
+    if (!parts_->connection)
+        if (const natsStatus status =
+                natsConnection_Connect(&parts_->connection, parts_->options.get());
+            status != NATS_OK) {
+            parts_->connection = nullptr;
+            if (status == NATS_CONNECTION_AUTH_FAILED)
+                return Error{"NATS lets nobody in with these credentials: " + said(status)};
+            if (status == NATS_SSL_ERROR || status == NATS_SECURE_CONNECTION_WANTED ||
+                status == NATS_SECURE_CONNECTION_REQUIRED)
+                return Error{"NATS and this server do not agree on TLS (--journal-tls-ca, "
+                             "--journal-tls-cert): " +
+                             said(status)};
+            return Error{LogFailure::unreachable, "NATS cannot be reached: " + said(status)};
+        }
+    return parts_->connection;
+}
+
+void NatsConnection::drop() {
+    if (!parts_->connection)
+        return;
+    natsConnection_Close(parts_->connection);
+    natsConnection_Destroy(parts_->connection);
+    parts_->connection = nullptr;
+}
+
+} // namespace seaway::server

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// One connection to NATS that is made when it is needed and let go when it fails: what was written to it is never sent a
+// second time behind anybody's back. For one thread at a time.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "base/result.h"
+#include "server/journal/nats_place.h"
+
+// Of nats.h, which no header of ours includes.
+using natsConnection = struct __natsConnection;
+
+namespace seaway::server {
+
+/// Patience with one connection, and with one answer.
+inline constexpr int nats_patience_ms = 1000;
+
+class NatsConnection {
+  public:
+    /// Errors: a file that cannot be read, or is not what it should be. Connects to nobody.
+    static Result<NatsConnection> make(NatsPlace place);
+    NatsConnection(NatsConnection&&) noexcept;
+    ~NatsConnection();
+
+    /// Errors are of kind LogFailure::unreachable, but where the credentials are wrong.
+    Result<natsConnection*> get();
+    void drop();
+
+    const NatsPlace& place() const { return place_; }
+
+  private:
+    struct Parts;
+    NatsConnection(NatsPlace place, std::unique_ptr<Parts> parts);
+
+    NatsPlace place_;
+    std::unique_ptr<Parts> parts_;
+};
+
+} // namespace seaway::server

@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/journal/nats_log.h"
+
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nats/nats.h>
+
+namespace seaway::server {
+namespace {
+
+template <class T, void (*destroy)(T*)>
+struct Destroy {
+    void operator()(T* what) const { destroy(what); }
+};
+using Context = std::unique_ptr<jsCtx, Destroy<jsCtx, jsCtx_Destroy>>;
+using Message = std::unique_ptr<natsMsg, Destroy<natsMsg, natsMsg_Destroy>>;
+using Info = std::unique_ptr<jsStreamInfo, Destroy<jsStreamInfo, jsStreamInfo_Destroy>>;
+using Acknowledgement = std::unique_ptr<jsPubAck, Destroy<jsPubAck, jsPubAck_Destroy>>;
+using Subscription =
+    std::unique_ptr<natsSubscription, Destroy<natsSubscription, natsSubscription_Destroy>>;
+
+/// Messages that are asked for and have not come; of 3 KB each.
+constexpr std::uint64_t reads_under_way = 256;
+
+/// Of a message that was read; 0: it is none.
+std::uint64_t number_of(natsMsg* message) {
+    const char* text = nullptr;
+    if (natsMsgHeader_Get(message, "Nats-Sequence", &text) != NATS_OK)
+        return 0;
+    return std::strtoull(text, nullptr, 10);
+}
+
+/// Of "2026-11-24T12:51:10.123456789Z"; 0 where there is none.
+std::int64_t stored_utc_us(natsMsg* message) {
+    const char* text = nullptr;
+    int year = 0;
+    unsigned month = 0, day = 0, hour = 0, minute = 0;
+    double second = 0;
+    if (natsMsgHeader_Get(message, "Nats-Time-Stamp", &text) != NATS_OK ||
+        std::sscanf(text, "%d-%u-%uT%u:%u:%lfZ", &year, &month, &day, &hour, &minute, &second) != 6)
+        return 0;
+    using namespace std::chrono;
+    const sys_days date(std::chrono::year(year) / static_cast<int>(month) / static_cast<int>(day));
+    return duration_cast<microseconds>(date.time_since_epoch() + hours(hour) + minutes(minute))
+               .count() +
+           std::llround(1e6 * second);
+}
+
+/// What the engine has said, in its own words where it has some.
+std::string said(natsStatus status, int code) {
+    if (code == JSNotEnabledErr || code == JSNotEnabledForAccountErr ||
+        status == NATS_NO_RESPONDERS)
+        return "NATS runs without JetStream";
+    const char* last = nats_GetLastError(nullptr);
+    return code != 0 && last ? std::string(last) : natsStatus_GetText(status);
+}
+
+/// The engine has answered, and that is its answer. All else is the network's, or passes.
+bool is_final(natsStatus status, int code) {
+    constexpr int temporary =
+        10000; // server errors begin here; of these a cluster has some that pass
+    switch (code) {
+    case JSClusterNoPeersErr:
+    case JSClusterNotAvailErr:
+    case JSClusterNotLeaderErr:
+    case JSInsufficientResourcesErr:
+    case JSTempStorageFailedErr:
+    case JSStreamStoreFailedErr:
+        return false;
+    default:
+        return code > temporary || status == NATS_MAX_PAYLOAD || status == NATS_NOT_PERMITTED ||
+               status == NATS_NO_RESPONDERS;
+    }
+}
+
+/// A stream that keeps everything it was given, in files; else what it does.
+std::string fault_of(const jsStreamConfig& config, const std::string& subject) {
+    if (config.SubjectsLen != 1 || config.Subjects[0] != subject)
+        return fmt::format("takes other subjects than {}", subject);
+    if (config.Storage != js_FileStorage)
+        return "is kept in memory";
+    if (config.Retention != js_LimitsPolicy || config.MaxAge > 0 || config.MaxMsgs > 0 ||
+        config.MaxBytes > 0 || config.MaxMsgsPerSubject > 0)
+        return "has a limit beyond which it forgets";
+    if (!config.AllowDirect)
+        return "does not allow direct reads (allow_direct)";
+    return config.Mirror ? "is a mirror" : "";
+}
+
+Result<Context> context_of(natsConnection* connection) {
+    jsOptions options;
+    jsOptions_Init(&options);
+    options.Wait = nats_patience_ms;
+    jsCtx* made = nullptr;
+    const natsStatus status = natsConnection_JetStream(&made, connection, &options);
+    if (status != NATS_OK)
+        return Error{LogFailure::unreachable, said(status, 0)};
+    return Context(made);
+}
+
+} // namespace
+
+NatsLog::NatsLog(NatsConnection connection)
+    : connection_(std::move(connection)), stream_("SEAWAY_" + connection_.place().world),
+      subject_("seaway." + connection_.place().world + ".log") {}
+
+Result<void> NatsLog::make_stream() {
+    SEAWAY_TRY_LET(natsConnection * connection, connection_.get());
+    SEAWAY_TRY_LET(const Context context, context_of(connection));
+    jsStreamConfig config;
+    jsStreamConfig_Init(&config);
+    const char* subjects[] = {subject_.c_str()};
+    config.Name = stream_.c_str();
+    config.Description = "Changes of a sea, seaway-server --journal";
+    config.Subjects = subjects;
+    config.SubjectsLen = 1;
+    config.Storage = js_FileStorage;
+    config.Retention = js_LimitsPolicy;
+    config.Discard = js_DiscardNew;
+    config.Replicas = connection_.place().replicas;
+    config.DenyDelete = true;
+    config.DenyPurge = true;
+    config.AllowDirect = true;
+    jsErrCode code = {};
+    const natsStatus status = js_AddStream(nullptr, context.get(), &config, nullptr, &code);
+    // Of several who make it at once the others find it there.
+    if (status == NATS_OK || code == JSStreamNameExistErr)
+        return {};
+    const std::string why = said(status, code);
+    if (is_final(status, code))
+        return Error{fmt::format("stream {} cannot be made: {}", stream_, why)};
+    connection_.drop();
+    return Error{LogFailure::unreachable, why};
+}
+
+Result<SharedLog::Tail> NatsLog::tail() {
+    for (bool made = false;; made = true) {
+        SEAWAY_TRY_LET(natsConnection * connection, connection_.get());
+        SEAWAY_TRY_LET(const Context context, context_of(connection));
+        jsStreamInfo* found = nullptr;
+        jsErrCode code = {};
+        const natsStatus status =
+            js_GetStreamInfo(&found, context.get(), stream_.c_str(), nullptr, &code);
+        const Info info(found);
+        if (status == NATS_OK) {
+            if (const std::string fault = fault_of(*info->Config, subject_); !fault.empty())
+                return Error{
+                    fmt::format("stream {} {}: it cannot hold the log of a sea; it is left as it "
+                                "is",
+                                stream_, fault)};
+            if (info->State.LastSeq > 0 && info->State.FirstSeq != 1)
+                return Error{fmt::format("stream {} begins at message {}: what was before is lost",
+                                         stream_, info->State.FirstSeq)};
+            may_make_ = false;
+            return Tail{info->State.LastSeq, std::to_string(info->Created)};
+        }
+        if (status == NATS_NOT_FOUND && !made && may_make_) {
+            SEAWAY_TRY(make_stream());
+            continue;
+        }
+        const std::string why = said(status, code);
+        if (status == NATS_NOT_FOUND)
+            return Error{fmt::format("stream {} is not there any more", stream_)};
+        if (is_final(status, code))
+            return Error{fmt::format("stream {}: {}", stream_, why)};
+        connection_.drop();
+        return Error{LogFailure::unanswered, "NATS does not answer: " + why};
+    }
+}
+
+/// Asks for a window of messages and takes what comes, each on its own: in no order, as copies of a stream answer.
+Result<std::vector<SharedLog::Stored>> NatsLog::read(std::uint64_t first, std::uint64_t last) {
+    SEAWAY_TRY_LET(natsConnection * connection, connection_.get());
+    const std::string get = "$JS.API.DIRECT.GET." + stream_;
+    char* made = nullptr;
+    natsStatus status = natsInbox_Create(&made);
+    const std::unique_ptr<char, Destroy<natsInbox, natsInbox_Destroy>> inbox(made);
+    natsSubscription* subscribed = nullptr;
+    if (status == NATS_OK)
+        status = natsConnection_SubscribeSync(&subscribed, connection, made);
+    const Subscription subscription(subscribed);
+    std::vector<Stored> messages(last - first + 1);
+    std::uint64_t asked = 0, come = 0;
+    while (status == NATS_OK && come < messages.size()) {
+        for (; status == NATS_OK && asked < messages.size() && asked - come < reads_under_way;
+             ++asked)
+            status = natsConnection_PublishRequestString(
+                connection, get.c_str(), made,
+                fmt::format("{{\"seq\":{}}}", first + asked).c_str());
+        natsMsg* next = nullptr;
+        if (status == NATS_OK)
+            status = natsSubscription_NextMsg(&next, subscription.get(), nats_patience_ms);
+        const Message message(next);
+        if (status != NATS_OK)
+            break;
+        const std::uint64_t number = number_of(next);
+        if (number < first || number > last) {
+            status = NATS_NOT_FOUND; // of a copy that is behind, or a stream that does not allow it
+            break;
+        }
+        const auto bytes = static_cast<std::size_t>(natsMsg_GetDataLength(next));
+        messages[number - first] = {std::string(natsMsg_GetData(next), bytes), stored_utc_us(next)};
+        ++come;
+    }
+    if (status == NATS_OK)
+        return messages;
+    connection_.drop();
+    return Error{LogFailure::unanswered, fmt::format("NATS does not give messages {} to {}: {}",
+                                                     first, last, natsStatus_GetText(status))};
+}
+
+Result<std::uint64_t> NatsLog::write(const std::string& message, const std::string& id,
+                                     std::uint64_t expected_last) {
+    SEAWAY_TRY_LET(natsConnection * connection, connection_.get());
+    SEAWAY_TRY_LET(const Context context, context_of(connection));
+    jsPubOptions options;
+    jsPubOptions_Init(&options);
+    options.MaxWait = nats_patience_ms;
+    options.MsgId = id.c_str();
+    options.ExpectStream = stream_.c_str();
+    // The stream has one subject: its last message is that of the stream.
+    options.ExpectLastSubjectSeq = expected_last;
+    options.ExpectNoMessage = expected_last == 0;
+    jsPubAck* acknowledged = nullptr;
+    jsErrCode code = {};
+    const natsStatus status =
+        js_Publish(&acknowledged, context.get(), subject_.c_str(), message.data(),
+                   static_cast<int>(message.size()), &options, &code);
+    const Acknowledgement acknowledgement(acknowledged);
+    if (status == NATS_OK)
+        return acknowledgement->Sequence;
+    if (code == JSStreamWrongLastSequenceErr)
+        return Error{LogFailure::outrun, "another change was appended first"};
+    if (status == NATS_MAX_PAYLOAD)
+        return Error{fmt::format("the change has {} bytes, and NATS takes {} (max_payload)",
+                                 message.size(), natsConnection_GetMaxPayload(connection))};
+    const std::string why = said(status, code);
+    if (is_final(status, code))
+        return Error{why};
+    connection_.drop();
+    return Error{LogFailure::unanswered, "NATS does not answer: " + why};
+}
+
+} // namespace seaway::server

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// A SharedLog in NATS with JetStream: the stream SEAWAY_<WORLD> with the one subject seaway.<WORLD>.log, kept in files for ever.
+//
+// The stream is made where it is missing, and judged where it is there: one that forgets, is kept in memory or takes other
+// subjects is named and left as it is.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "server/journal/nats_connection.h"
+#include "server/journal/shared_log.h"
+
+namespace seaway::server {
+
+class NatsLog final : public SharedLog {
+  public:
+    explicit NatsLog(NatsConnection connection);
+
+    Result<Tail> tail() override;
+    Result<std::vector<Stored>> read(std::uint64_t first, std::uint64_t last) override;
+    Result<std::uint64_t> write(const std::string& message, const std::string& id,
+                                std::uint64_t expected_last) override;
+
+  private:
+    Result<void> make_stream();
+
+    NatsConnection connection_;
+    const std::string stream_;
+    const std::string subject_;
+    bool may_make_ = true; ///< until it was found: what was there and has gone is named
+};
+
+} // namespace seaway::server

@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/journal/shared_journal.h"
+
+#include <chrono>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace seaway::server {
+
+SharedJournal::SharedJournal(std::unique_ptr<SharedLog> log, Options options)
+    : options_(std::move(options)), log_(std::move(log)) {}
+
+SharedJournal::~SharedJournal() {
+    {
+        const std::scoped_lock lock(stop_mutex_);
+        stopping_ = true;
+    }
+    stop_.notify_all();
+    if (thread_.joinable())
+        thread_.join();
+}
+
+Error SharedJournal::wrong(const std::string& why) const {
+    return Error{fmt::format("{}: {}", options_.name, why)};
+}
+
+Result<std::unique_ptr<SharedJournal>>
+SharedJournal::open(std::unique_ptr<SharedLog> log, const Beginning& beginning, Options options) {
+    std::unique_ptr<SharedJournal> journal(new SharedJournal(std::move(log), std::move(options)));
+    if (const Result<void> begun = journal->begin(beginning); !begun)
+        return journal->refused(begun.error());
+    return journal;
+}
+
+Result<void> SharedJournal::begin(const Beginning& beginning) {
+    SEAWAY_TRY_LET(SharedLog::Tail tail, log_->tail());
+    if (tail.last == 0) {
+        LoggedChange first{.change = {.scene = beginning.scene},
+                           .epoch_utc_us = beginning.epoch_utc_us};
+        first.sum = sum_of(first_sum(first.epoch_utc_us), first.change);
+        const Result<void> written = write(first);
+        if (!written && !written.error().is(LogFailure::outrun))
+            return written.error();
+    }
+    const std::int64_t asked_us = options_.steady();
+    SEAWAY_TRY_LET(tail, catch_up());
+    if (tail.last == 0)
+        return Error{"it does not keep what is written to it"};
+    heard(asked_us, tail);
+    return {};
+}
+
+Result<SharedLog::Tail> SharedJournal::catch_up() {
+    SEAWAY_TRY_LET(const SharedLog::Tail tail, log_->tail());
+    const std::uint64_t held = standing().last_epoch;
+    if (!identity_.empty() && tail.identity != identity_)
+        return Error{"was removed and made anew; the sea that was followed goes on here until this "
+                     "server is started again"};
+    if (tail.last < held)
+        return Error{
+            fmt::format("ends at change {} and held {}: its end was lost", tail.last, held)};
+    if (tail.last > held) {
+        SEAWAY_TRY_LET(const std::vector<SharedLog::Stored> messages,
+                       log_->read(held + 1, tail.last));
+        for (std::size_t i = 0; i < messages.size(); ++i)
+            SEAWAY_TRY(hold(messages[i], held + 1 + i));
+    }
+    identity_ = tail.identity;
+    return tail;
+}
+
+Result<void> SharedJournal::hold(const SharedLog::Stored& stored, std::uint64_t number) {
+    const auto named = [number](const std::string& why) {
+        return Error{fmt::format("message {} {}; it is left as it is", number, why)};
+    };
+    Result<LoggedChange> logged = read_message(stored.message);
+    if (!logged)
+        return named(logged.error().message);
+    const std::scoped_lock lock(mutex_);
+    const SeaChange last = changes_.empty() ? SeaChange{.epoch = 0, .scene = {}} : changes_.back();
+    if (const Result<void> next = check_next(last, logged->change); !next)
+        return named("is out of turn: " + next.error().message);
+    if (number == 1) {
+        epoch_utc_us_ = logged->epoch_utc_us;
+        sum_ = first_sum(epoch_utc_us_);
+    }
+    const std::uint64_t sum = sum_of(sum_, logged->change);
+    if (sum != logged->sum)
+        return named("is damaged, or of another sea's log");
+    if (number == 1 && (logged->change.start_us != 0 || logged->change.pace))
+        return named("is not the sea that a log begins with");
+    sum_ = sum;
+    logged->change.lapsed = number > 1 && stored.at_utc_us > logged->by_utc_us;
+    changes_.push_back(std::move(logged->change));
+    return {};
+}
+
+/// Under one id: what was written and not acknowledged is not written twice.
+Result<void> SharedJournal::write(const LoggedChange& logged) {
+    const std::string message = message_of(logged);
+    const std::string id = fmt::format("{}-{}", options_.writer, ++writes_);
+    const std::uint64_t before = logged.change.epoch - 1;
+    bool may_be_there = false;
+    Error last{"was not asked"};
+    for (int i = 0; i < writes_max; ++i) {
+        const Result<std::uint64_t> number = log_->write(message, id, before);
+        if (number && *number == logged.change.epoch)
+            return {};
+        if (number)
+            return Error{fmt::format("took change {} as message {}", logged.change.epoch, *number)};
+        last = number.error();
+        may_be_there = may_be_there || last.is(LogFailure::unanswered);
+        if (!last.is(LogFailure::unanswered) && !last.is(LogFailure::unreachable))
+            return last;
+    }
+    if (may_be_there)
+        last.kind = LogFailure::unanswered;
+    return last;
+}
+
+void SharedJournal::heard(std::int64_t asked_us, const Result<SharedLog::Tail>& tail) {
+    const std::scoped_lock lock(mutex_);
+    trouble_ = tail ? "" : tail.error().message;
+    if (tail)
+        known_us_ = asked_us;
+}
+
+bool SharedJournal::poll() {
+    std::function<void()> call;
+    {
+        const std::scoped_lock lock(log_mutex_);
+        const std::uint32_t before = standing().last_epoch;
+        // Of the moment at which it was asked: what was appended while the answer travelled is not in it.
+        const std::int64_t asked_us = options_.steady();
+        heard(asked_us, catch_up());
+        if (standing().last_epoch == before)
+            return false;
+        const std::scoped_lock mine(mutex_);
+        call = call_;
+    }
+    if (call)
+        call();
+    return true;
+}
+
+void SharedJournal::follow() {
+    thread_ = std::thread([this] { run(); });
+}
+
+void SharedJournal::run() {
+    std::unique_lock lock(stop_mutex_);
+    while (!stopping_) {
+        lock.unlock();
+        poll();
+        lock.lock();
+        stop_.wait_for(lock, std::chrono::microseconds(poll_us), [this] { return stopping_; });
+    }
+}
+
+Result<std::vector<SeaChange>> SharedJournal::since(std::uint32_t epoch) const {
+    const std::scoped_lock lock(mutex_);
+    if (epoch >= changes_.size())
+        return std::vector<SeaChange>{};
+    return std::vector<SeaChange>(changes_.begin() + epoch, changes_.end());
+}
+
+/// With the kind that a journal's user knows.
+Error SharedJournal::refused(const Error& why) const {
+    Error error = wrong(why.message);
+    if (why.is(LogFailure::outrun))
+        error.kind = JournalError::outrun;
+    if (why.is(LogFailure::unreachable))
+        error.kind = JournalError::unreachable;
+    if (why.is(LogFailure::unanswered)) {
+        error.kind = JournalError::unknown;
+    }
+    return error;
+}
+
+Result<void> SharedJournal::append(const SeaChange& change) {
+    const std::scoped_lock lock(log_mutex_);
+    // Also so that nothing is written to a log that is not the one that was followed.
+    if (const Result<SharedLog::Tail> tail = catch_up(); !tail) {
+        Error why = tail.error();
+        if (why.is(LogFailure::unanswered))
+            why.kind = LogFailure::unreachable; // it was only asked
+        return refused(why);
+    }
+    SeaChange last;
+    {
+        const std::scoped_lock mine(mutex_);
+        last = changes_.back();
+    }
+    if (change.epoch != 0 && change.epoch <= last.epoch)
+        return refused(
+            {LogFailure::outrun, fmt::format("another change has epoch {} already", change.epoch)});
+    if (const Result<void> next = check_next(last, change); !next)
+        return wrong(next.error().message);
+    const LoggedChange logged{.change = change,
+                              .by_utc_us = options_.utc() + stored_within_us,
+                              .sum = sum_of(sum_, change)};
+    if (const Result<void> written = write(logged); !written)
+        return refused(written.error());
+    // As everybody reads it: what is durable, and when it was stored.
+    if (const Result<SharedLog::Tail> tail = catch_up(); !tail)
+        return refused({LogFailure::unanswered, tail.error().message});
+    const std::scoped_lock mine(mutex_);
+    if (!changes_[change.epoch - 1].lapsed)
+        return {};
+    return Error{
+        JournalError::lapsed,
+        wrong(fmt::format("change {} was stored more than {} s after it was made, by the clock of "
+                          "the log: it changes nothing",
+                          change.epoch, stored_within_us / 1'000'000))
+            .message};
+}
+
+JournalStanding SharedJournal::standing() const {
+    const std::scoped_lock lock(mutex_);
+    JournalStanding standing{.last_epoch = static_cast<std::uint32_t>(changes_.size()),
+                             .unheard_us = options_.steady() - known_us_,
+                             .trouble = trouble_};
+    standing.current = standing.unheard_us <= current_us;
+    return standing;
+}
+
+void SharedJournal::call_on_change(std::function<void()> call) {
+    const std::scoped_lock lock(mutex_);
+    call_ = std::move(call);
+}
+
+} // namespace seaway::server

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+// A journal that several servers follow: the messages of a SharedLog, change n in message n.
+//
+// What has been read is held, so since() asks nobody. poll() asks the log where it ends and reads what is new; a thread does so four
+// times a second if it is asked to follow. While the log cannot be asked the journal holds what it held, says for how long
+// (standing()), and takes no change. What the log holds is checked before it is held: a message that is foreign, damaged, of
+// another version or of another chain is named, and nothing behind it is taken; a log that is shorter than it was, or another
+// one, likewise. Nothing is ever overwritten: a change is appended where the log ends, or not at all.
+//
+// Thread-safe. Holds all changes, some 3 KB each.
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "server/journal/change_text.h"
+#include "server/journal/journal.h"
+#include "server/journal/shared_log.h"
+
+namespace seaway::server {
+
+class SharedJournal final : public Journal {
+  public:
+    using Microseconds = std::function<std::int64_t()>;
+
+    /// Between two looks at where the log ends.
+    static constexpr std::int64_t poll_us = 250'000;
+    /// Four looks, each of which may have to be repeated over a new connection.
+    static constexpr std::int64_t current_us = 2'000'000;
+    /// A change that is stored so much later than it was made has lapsed, wherever it was meanwhile. By the engine's clock: one that
+    /// is ahead of the server's by more takes no change.
+    static constexpr std::int64_t stored_within_us = 1'000'000;
+    /// A change whose end is not known is written as often, under one id, before it is `unknown`.
+    static constexpr int writes_max = 3;
+
+    struct Options {
+        std::string name;    ///< for messages
+        std::string writer;  ///< unlike that of any other process: part of each message's id
+        Microseconds steady; ///< never set back
+        Microseconds utc;
+    };
+
+    /// Reads the log, or begins it; of several who begin it at once one does, the others have its sea. Errors name what
+    /// is wrong with the log.
+    static Result<std::unique_ptr<SharedJournal>> open(std::unique_ptr<SharedLog> log,
+                                                       const Beginning& beginning, Options options);
+    /// Stops following.
+    ~SharedJournal() override;
+
+    /// Polls from now on, on a thread of its own.
+    void follow();
+    /// Asks where the log ends and holds what is new. True: there was something. For tests; else follow().
+    bool poll();
+
+    const std::string& name() const override { return options_.name; }
+    std::int64_t epoch_utc_us() const override { return epoch_utc_us_; }
+    Result<std::vector<SeaChange>> since(std::uint32_t epoch) const override;
+    Result<void> append(const SeaChange& change) override;
+    JournalStanding standing() const override;
+    std::int64_t spread_us() const override { return current_us + stored_within_us; }
+    void call_on_change(std::function<void()> call) override;
+
+  private:
+    SharedJournal(std::unique_ptr<SharedLog> log, Options options);
+
+    Result<void> begin(const Beginning& beginning);
+    /// Holds what the log has; its tail as of then.
+    Result<SharedLog::Tail> catch_up();
+    Result<void> hold(const SharedLog::Stored& stored, std::uint64_t number);
+    Result<void> write(const LoggedChange& logged);
+    Error wrong(const std::string& why) const;
+    Error refused(const Error& why) const;
+    /// Remembers what came of asking the log.
+    void heard(std::int64_t asked_us, const Result<SharedLog::Tail>& tail);
+    void run();
+
+    const Options options_;
+    std::mutex log_mutex_; ///< one asks it at a time
+    const std::unique_ptr<SharedLog> log_;
+    std::string identity_; ///< of the log, once it was read
+    std::uint64_t sum_ = 0;
+    std::uint64_t writes_ = 0;
+    std::int64_t epoch_utc_us_ = 0; ///< never changes once it is open
+
+    mutable std::mutex mutex_; ///< of what follows
+    std::vector<SeaChange> changes_;
+    std::int64_t known_us_ = 0; ///< when it was asked, and ended where it is held to
+    std::string trouble_;
+    std::function<void()> call_;
+
+    std::mutex stop_mutex_;
+    std::condition_variable stop_;
+    bool stopping_ = false;
+    std::thread thread_;
+};
+
+} // namespace seaway::server

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+// SharedLog: what a messaging engine does for a journal that several servers follow: messages in order, numbered 1, 2, 3 ...,
+// each kept durably once it was acknowledged. One engine is behind it (nats_log.h); in a test a network of lots.
+//
+// Each call asks the engine and waits for a bounded time. For one thread at a time.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+
+namespace seaway::server {
+
+/// Kinds of errors; without one: the engine has said no for good, the message says why.
+enum class LogFailure {
+    unreachable, ///< nothing has come to the engine
+    unanswered,  ///< something may have
+    outrun,      ///< the log does not end where it was expected to
+};
+
+class SharedLog {
+  public:
+    virtual ~SharedLog() = default;
+
+    struct Tail {
+        std::uint64_t last = 0; ///< number of the last message; 0: there is none
+        /// Of this log and no other: one that was removed and made anew has another.
+        std::string identity;
+    };
+    /// Where it ends, by who orders it.
+    virtual Result<Tail> tail() = 0;
+
+    struct Stored {
+        std::string message;
+        std::int64_t at_utc_us = 0; ///< when it was given its number, by the engine's clock
+    };
+    /// The messages `first` to `last`, which are there, in one go.
+    virtual Result<std::vector<Stored>> read(std::uint64_t first, std::uint64_t last) = 0;
+
+    /// Appends if the log ends at `expected_last`, once for each `id` however often it is asked. The number it has.
+    virtual Result<std::uint64_t> write(const std::string& message, const std::string& id,
+                                        std::uint64_t expected_last) = 0;
+};
+
+} // namespace seaway::server

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+// A log, several servers and the network between them, all by lot: what is asked, delayed, lost, answered twice or not at all follows
+// from a seed. Time is a number that the history moves on; nothing waits and nothing runs beside it.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "server/journal/shared_log.h"
+
+namespace seaway::server::tests_of_journals {
+
+/// What is kept: acknowledged messages, and under which id each came.
+struct LotEngine {
+    std::vector<SharedLog::Stored> messages;
+    std::map<std::string, std::uint64_t> ids;
+    bool down = false;
+    std::int64_t clock_off_us = 0;
+
+    Result<std::uint64_t> write(const std::string& message, const std::string& id,
+                                std::uint64_t expected_last, std::int64_t now_us) {
+        if (const auto found = ids.find(id); found != ids.end())
+            return found->second;
+        if (expected_last != messages.size())
+            return Error{LogFailure::outrun, "another change was appended first"};
+        messages.push_back({message, now_us + clock_off_us});
+        ids[id] = messages.size();
+        return messages.size();
+    }
+};
+
+struct Lots {
+    explicit Lots(std::uint64_t seed) : engine(seed) {}
+    bool chance(double probability) {
+        return std::uniform_real_distribution<double>(0, 1)(engine) < probability;
+    }
+    std::int64_t between(std::int64_t least, std::int64_t most) {
+        return std::uniform_int_distribution<std::int64_t>(least, most)(engine);
+    }
+    std::mt19937_64 engine;
+};
+
+/// One server's line to the engine. Each call takes some time, and may end before or behind the engine.
+class LotLine final : public SharedLog {
+  public:
+    struct State {
+        bool cut = false;             ///< nothing comes through
+        double loss = 0;              ///< of each way
+        std::int64_t takes_us = 1000; ///< up to
+        /// Writes that were sent over a connection which was given up, and come to the engine later or never.
+        std::vector<std::pair<std::string, std::pair<std::string, std::uint64_t>>> late;
+    };
+
+    LotLine(LotEngine& engine, State& state, Lots& lots, std::int64_t& now_us)
+        : engine_(engine), state_(state), lots_(lots), now_us_(now_us) {}
+
+    Result<Tail> tail() override {
+        if (!passes())
+            return Error{LogFailure::unreachable, "cut"};
+        const Tail tail{engine_.messages.size(), "one"};
+        return passes() ? Result<Tail>(tail) : Error{LogFailure::unanswered, "cut"};
+    }
+    Result<std::vector<Stored>> read(std::uint64_t first, std::uint64_t last) override {
+        if (!passes() || !passes())
+            return Error{LogFailure::unanswered, "cut"};
+        return std::vector<Stored>(engine_.messages.begin() +
+                                       static_cast<std::ptrdiff_t>(first - 1),
+                                   engine_.messages.begin() + static_cast<std::ptrdiff_t>(last));
+    }
+    Result<std::uint64_t> write(const std::string& message, const std::string& id,
+                                std::uint64_t expected_last) override {
+        if (!passes()) {
+            if (lots_.chance(0.5)) // it is under way all the same
+                state_.late.push_back({message, {id, expected_last}});
+            return Error{LogFailure::unanswered, "cut"};
+        }
+        Result<std::uint64_t> written = engine_.write(message, id, expected_last, now_us_);
+        if (passes())
+            return written;
+        return Error{LogFailure::unanswered, "cut"};
+    }
+
+    /// What was under way comes, in any order.
+    static void let_come(LotEngine& engine, State& state, Lots& lots, std::int64_t now_us) {
+        while (!state.late.empty() && !engine.down) {
+            const auto at = static_cast<std::size_t>(
+                lots.between(0, static_cast<std::int64_t>(state.late.size()) - 1));
+            const auto [message, what] = state.late[at];
+            state.late.erase(state.late.begin() + static_cast<std::ptrdiff_t>(at));
+            (void)engine.write(message, what.first, what.second, now_us);
+        }
+    }
+
+  private:
+    bool passes() {
+        now_us_ += lots_.between(0, state_.takes_us);
+        return !engine_.down && !state_.cut && !lots_.chance(state_.loss);
+    }
+
+    LotEngine& engine_;
+    State& state_;
+    Lots& lots_;
+    std::int64_t& now_us_;
+};
+
+} // namespace seaway::server::tests_of_journals

@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: Apache-2.0
+// The journal in NATS where the log is not as it should be: foreign, damaged, late, lost, or in a stream that forgets.
+#include <filesystem>
+
+#include <gtest/gtest.h>
+
+#include "server/journal/change_text.h"
+#include "server/journal/sea_clock.h"
+#include "tests/server/journal/journals.h"
+
+namespace seaway::server {
+namespace {
+
+using namespace tests_of_journals;
+using tests::NatsServer;
+
+TEST(NatsJournal, names_what_is_no_change_and_takes_nothing_behind_it) {
+    struct Case {
+        const char* what;
+        std::string message;
+        const char* says;
+    };
+    LoggedChange second{.change = change(2), .by_utc_us = SeaClock::utc_now_us() + 60'000'000};
+    second.sum = sum_of(sum_of(first_sum(beginning.epoch_utc_us), {1, 0, 0, beginning.scene}),
+                        second.change);
+    const std::string whole = message_of(second);
+    std::string later = whole, torn = whole, damaged = whole;
+    later.replace(later.find(" 1\n"), 3, " 2\n");
+    torn.resize(torn.find("sum") + 8);
+    damaged.back() ^= 1;
+    LoggedChange gap = second;
+    gap.change.epoch = 3;
+    const Case cases[] = {{"foreign", "a text of others", "is no change of a sea"},
+                          {"empty", "", "is no change of a sea"},
+                          {"later", later, "by another version of Seaway (its layout is 2"},
+                          {"torn", torn, "is damaged"},
+                          {"damaged", damaged, "is damaged, or of another sea's log"},
+                          {"a gap", message_of(gap), "is out of turn"}};
+    for (const Case& c : cases) {
+        const std::string url = nats().url(fresh_world());
+        const auto journal = open_at(url);
+        ASSERT_TRUE(journal);
+        NatsLog log = log_of(url);
+        ASSERT_TRUE(log.write(c.message, "a", 1)) << c.what;
+        ASSERT_TRUE(log.write(message_of({.change = change(3), .sum = 1}), "b", 2));
+        // Who follows names it, and holds what was before; who starts does not start.
+        EXPECT_TRUE(comes_true([&] { return !journal->standing().trouble.empty(); })) << c.what;
+        const auto says = [&](const std::string& text) {
+            return text.find("message 2 ") != std::string::npos &&
+                   text.find(c.says) != std::string::npos &&
+                   text.find("left as it is") != std::string::npos;
+        };
+        EXPECT_TRUE(says(journal->standing().trouble)) << journal->standing().trouble;
+        EXPECT_EQ(journal->standing().last_epoch, 1u);
+        const auto refused = journal->append(change(2));
+        ASSERT_FALSE(refused) << c.what;
+        EXPECT_TRUE(says(refused.error().message)) << refused.error().message;
+        EXPECT_TRUE(says(error_at({.where = url}))) << error_at({.where = url});
+        EXPECT_EQ(log.tail()->last, 3u) << "nothing was overwritten";
+        EXPECT_EQ(log.read(2, 2)->at(0).message, c.message);
+    }
+}
+
+TEST(NatsJournal, whole_it_is_read_where_the_message_of_the_test_before_is_not_damaged) {
+    LoggedChange second{.change = change(2), .by_utc_us = SeaClock::utc_now_us() + 60'000'000};
+    second.sum = sum_of(sum_of(first_sum(beginning.epoch_utc_us), {1, 0, 0, beginning.scene}),
+                        second.change);
+    const std::string url = nats().url(fresh_world());
+    const auto journal = open_at(url);
+    ASSERT_TRUE(log_of(url).write(message_of(second), "a", 1));
+    EXPECT_TRUE(comes_true([&] { return journal->standing().last_epoch == 2; }));
+    EXPECT_EQ(journal->since(1).value(), std::vector<SeaChange>{change(2)});
+}
+
+// Naive: what waited in a cut line for a minute is a change from a minute ago, and the sea of every server jumps.
+TEST(NatsJournal, a_change_that_comes_to_the_log_too_late_changes_nothing_and_keeps_its_number) {
+    const std::string url = nats().url(fresh_world());
+    const auto journal = open_at(url);
+    LoggedChange second{.change = change(2), .by_utc_us = SeaClock::utc_now_us() - 1};
+    second.sum = sum_of(sum_of(first_sum(beginning.epoch_utc_us), {1, 0, 0, beginning.scene}),
+                        second.change);
+    ASSERT_TRUE(log_of(url).write(message_of(second), "a", 1));
+    ASSERT_TRUE(comes_true([&] { return journal->standing().last_epoch == 2; }));
+    EXPECT_TRUE(journal->since(1)->front().lapsed);
+    EXPECT_TRUE(journal->append(change(3)));
+    const auto again = open_at(url);
+    EXPECT_TRUE(again->since(1).value()[0].lapsed) << "for whoever comes later, too";
+    EXPECT_FALSE(again->since(1).value()[1].lapsed);
+}
+
+// Its store is removed, or damaged on the disk, while NATS is down.
+TEST(NatsJournal, a_log_that_has_lost_its_end_is_named_and_not_written_to) {
+    namespace fs = std::filesystem;
+    NatsServer server;
+    const auto journal = open_at(server.url("lost"));
+    ASSERT_TRUE(journal);
+    for (std::uint32_t epoch = 2; epoch <= 4; ++epoch)
+        ASSERT_TRUE(journal->append(change(epoch)));
+    server.stop();
+    fs::remove_all(server.store());
+    ASSERT_TRUE(server.start());
+    ASSERT_TRUE(comes_true([&] {
+        return journal->standing().trouble.find("not there any more") != std::string::npos;
+    })) << journal->standing().trouble;
+    // Another server begins the world anew: that is another sea's log.
+    const auto other = open_at(server.url("lost"));
+    ASSERT_TRUE(other);
+    ASSERT_TRUE(comes_true([&] {
+        return journal->standing().trouble.find("made anew") != std::string::npos;
+    })) << journal->standing().trouble;
+    for (std::uint32_t epoch = 2; epoch <= 4; ++epoch)
+        ASSERT_TRUE(other->append(change(epoch)));
+    const auto refused = journal->append(change(5));
+    ASSERT_FALSE(refused);
+    EXPECT_NE(refused.error().message.find("made anew"), std::string::npos);
+    EXPECT_EQ(journal->standing().last_epoch, 4u);
+    EXPECT_EQ(other->since(0)->size(), 4u);
+}
+
+/// Asks NATS as its own programs do, in its text protocol.
+std::string create_stream(int port, const std::string& name, const std::string& settings) {
+    const int line = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    address.sin_port = htons(static_cast<std::uint16_t>(port));
+    (void)connect(line, reinterpret_cast<sockaddr*>(&address), sizeof address);
+    const std::string body = fmt::format("{{\"name\":\"{}\",{}}}", name, settings);
+    const std::string text = fmt::format("CONNECT {{\"verbose\":false}}\r\nSUB answer 1\r\n"
+                                         "PUB $JS.API.STREAM.CREATE.{} answer {}\r\n{}\r\n",
+                                         name, body.size(), body);
+    (void)send(line, text.data(), text.size(), 0);
+    std::string answer;
+    const auto is_whole = [&answer] { // "MSG answer 1 LENGTH", and the line of that length
+        const std::size_t head = answer.find("\r\n", answer.find("MSG answer"));
+        return answer.find("MSG answer") != std::string::npos && head != std::string::npos &&
+               answer.find("\r\n", head + 2) != std::string::npos;
+    };
+    for (char byte = 0; !is_whole() && recv(line, &byte, 1, 0) == 1;)
+        answer += byte;
+    close(line);
+    return answer.substr(std::min(answer.find("MSG answer"), answer.size()));
+}
+
+TEST(NatsJournal, names_a_stream_that_forgets_and_leaves_it_as_it_is) {
+    struct Case {
+        const char* settings;
+        const char* says;
+    };
+    const Case cases[] = {
+        {R"("subjects":["seaway.W.log"],"storage":"memory")", "is kept in memory"},
+        {R"("subjects":["seaway.W.log"],"storage":"file","max_age":3600000000000)", "forgets"},
+        {R"("subjects":["seaway.W.log"],"storage":"file","max_msgs":5)", "forgets"},
+        {R"("subjects":["seaway.W.log"],"storage":"file","max_bytes":5000)", "forgets"},
+        {R"("subjects":["seaway.W.log"],"storage":"file","retention":"workqueue")", "forgets"},
+        {R"("subjects":["seaway.W.log"],"storage":"file")", "allow_direct"},
+        {R"("subjects":["seaway.W.log","other.W"],"storage":"file")", "takes other subjects"},
+        {R"("subjects":["other.W"],"storage":"file")", "takes other subjects"}};
+    for (const Case& c : cases) {
+        const std::string world = fresh_world();
+        std::string settings = c.settings;
+        for (std::size_t at; (at = settings.find(".W")) != std::string::npos;)
+            settings.replace(at, 2, "." + world);
+        const std::string made = create_stream(nats().port(), "SEAWAY_" + world, settings);
+        ASSERT_NE(made.find("\"created\""), std::string::npos) << made;
+        const std::string error = error_at({.where = nats().url(world)});
+        EXPECT_NE(error.find(c.says), std::string::npos) << error;
+        EXPECT_NE(error.find("SEAWAY_" + world), std::string::npos) << error;
+        EXPECT_NE(error.find("left as it is"), std::string::npos) << error;
+    }
+    // One that an operator has made, as for copies in a cluster, is taken.
+    const std::string world = fresh_world();
+    create_stream(
+        nats().port(), "SEAWAY_" + world,
+        fmt::format(R"("subjects":["seaway.{}.log"],"storage":"file","allow_direct":true)", world));
+    EXPECT_EQ(error_at({.where = nats().url(world)}), "it was opened");
+}
+
+} // namespace
+} // namespace seaway::server

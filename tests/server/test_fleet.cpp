@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: Apache-2.0
+// Several servers that follow one log in NATS, as real programs on loopback.
+#include <chrono>
+#include <cmath>
+#include <random>
+#include <thread>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "base/child_process.h"
+#include "client/client.h"
+#include "tests/server/change_bench.h"
+#include "tests/support/fault_proxy.h"
+#include "tests/support/nats_server.h"
+
+namespace seaway::changes {
+namespace {
+
+using client::Client;
+using tests::FaultProxy;
+using tests::NatsServer;
+using tests::ServerProcess;
+
+std::vector<std::string> arguments_of(const std::string& journal) {
+    std::vector<std::string> words = arguments("");
+    words[5] = "--journal";
+    words[6] = journal;
+    return words;
+}
+
+/// Body of a page, and whether it was 200.
+struct Answer {
+    bool fine;
+    std::string body;
+};
+
+Answer get(const std::string& url, const std::string& path) {
+    const int line = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    address.sin_port = htons(static_cast<std::uint16_t>(tests::port_of(url)));
+    (void)connect(line, reinterpret_cast<sockaddr*>(&address), sizeof address);
+    const std::string request = fmt::format("GET {} HTTP/1.1\r\nHost: 127.0.0.1\r\nAuthorization: "
+                                            "Bearer {}\r\nConnection: close\r\n\r\n",
+                                            path, token);
+    (void)send(line, request.data(), request.size(), 0);
+    std::string text;
+    char buffer[4096];
+    for (ssize_t count; (count = recv(line, buffer, sizeof buffer, 0)) > 0;)
+        text.append(buffer, static_cast<std::size_t>(count));
+    close(line);
+    const std::size_t end = text.find("\r\n\r\n");
+    return {text.find(" 200 ") < text.find("\r\n"),
+            end == std::string::npos ? "" : text.substr(end + 4)};
+}
+
+nlohmann::json journal_of(const std::string& url) {
+    return nlohmann::json::parse(get(url, "/v1/state").body)["journal"];
+}
+
+template <class Condition>
+bool comes_true(const Condition& condition) {
+    for (int i = 0; i < 6000 && !condition(); ++i)
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    return condition();
+}
+
+std::vector<sea::QueryPoint> points_around(sea::TimeUs from_us, sea::TimeUs until_us) {
+    std::mt19937_64 random(77);
+    std::uniform_real_distribution<double> place(-3000, 3000);
+    std::uniform_int_distribution<sea::TimeUs> time(from_us, until_us);
+    std::vector<sea::QueryPoint> points;
+    for (int i = 0; i < 200; ++i)
+        points.push_back({place(random), place(random), time(random)});
+    return points;
+}
+
+/// The exact sums of both are the same bits.
+void expect_one_sea(const std::string& a, const std::string& b, sea::TimeUs from_us,
+                    sea::TimeUs until_us) {
+    const auto first = connect(a), second = connect(b);
+    ASSERT_TRUE(first && second);
+    const std::vector<sea::QueryPoint> points = points_around(from_us, until_us);
+    const auto one = first->ask(points, {.exact = true, .timeout_s = 60});
+    const auto other = second->ask(points, {.exact = true, .timeout_s = 60});
+    ASSERT_TRUE(one && other);
+    for (std::size_t i = 0; i < points.size(); ++i)
+        EXPECT_EQ((*one)[i].height_m, (*other)[i].height_m) << points[i].time_us;
+}
+
+TEST(Fleet, a_change_at_one_server_is_the_sea_of_all_and_of_who_comes_later) {
+    NatsServer nats;
+    const std::string world = nats.url("north-sea");
+    ServerProcess a(arguments_of(world)), b(arguments_of(world));
+    const std::string at_a = a.wait_until_ready(), at_b = b.wait_until_ready();
+    ASSERT_FALSE(at_a.empty() || at_b.empty()) << a.log() << b.log();
+    EXPECT_TRUE(get(at_a, "/readyz").fine);
+    const auto watcher = connect(at_b);
+    ASSERT_TRUE(watcher);
+    ASSERT_TRUE(watcher->subscribe({.fields = sea::surface_fields}, 8, 10));
+    const Said said = ctl(at_a, {"set", "systems.0.wind_speed_10m_mps=15", "--over", "10s"});
+    ASSERT_EQ(said.code, 0) << said.words;
+    const double start_s = number(said.words, "start_s"), end_s = number(said.words, "end_s");
+    EXPECT_TRUE(comes_true([&] { return journal_of(at_b)["played"] == 2; })) << b.log();
+    EXPECT_GT(start_s, sea::seconds_from_us(watcher->now_us())) << "known before it begins";
+    ASSERT_EQ(ctl(at_b, {"rate", "0.5"}).code, 0);
+    EXPECT_TRUE(comes_true([&] { return journal_of(at_a)["played"] == 3; })) << a.log();
+    ServerProcess later(arguments_of(world));
+    const std::string at_later = later.wait_until_ready();
+    ASSERT_FALSE(at_later.empty()) << later.log();
+    const auto from_us = sea::us_from_seconds(start_s - 5),
+               until_us = sea::us_from_seconds(end_s + 5);
+    expect_one_sea(at_a, at_b, from_us, until_us);
+    expect_one_sea(at_a, at_later, from_us, until_us);
+    EXPECT_NE(a.log().find("event=sea_pace"), std::string::npos) << a.log();
+    EXPECT_EQ(journal_of(at_a)["stale"], false);
+    EXPECT_NE(get(at_a, "/metrics").body.find("seaway_sea_stale 0"), std::string::npos);
+}
+
+TEST(Fleet,
+     a_server_behind_a_cut_network_serves_on_says_that_it_is_stale_and_follows_when_it_heals) {
+    NatsServer nats;
+    FaultProxy line(nats.port());
+    ServerProcess a(arguments_of(nats.url("cut"))),
+        b(arguments_of(NatsServer::url(line.port(), "cut")));
+    const std::string at_a = a.wait_until_ready(), at_b = b.wait_until_ready();
+    ASSERT_FALSE(at_a.empty() || at_b.empty()) << a.log() << b.log();
+    line.stall(true);
+    const Said said = ctl(at_a, {"set", "systems.0.wind_speed_10m_mps=15", "--over", "10s"});
+    ASSERT_EQ(said.code, 0) << said.words;
+    EXPECT_TRUE(comes_true([&] { return !get(at_b, "/readyz").fine; }));
+    EXPECT_NE(get(at_b, "/readyz").body.find("the journal has not been heard of for"),
+              std::string::npos);
+    EXPECT_TRUE(get(at_b, "/healthz").fine) << "it is alive, and not to be restarted";
+    EXPECT_EQ(journal_of(at_b)["stale"], true);
+    EXPECT_EQ(journal_of(at_b)["played"], 1);
+    const auto client = connect(at_b);
+    ASSERT_TRUE(client) << "it serves on";
+    const sea::QueryPoint point{1, 2, client->now_us()};
+    EXPECT_TRUE(client->ask({&point, 1}, {.exact = true}));
+    const Said refused = ctl(at_b, {"set", "systems.0.wind_speed_10m_mps=9", "--over", "10s"});
+    EXPECT_EQ(refused.code, 6) << refused.words;
+    EXPECT_NE(refused.words.find("the sea cannot be changed now"), std::string::npos)
+        << refused.words;
+    EXPECT_TRUE(get(at_a, "/readyz").fine) << get(at_a, "/readyz").body;
+    line.stall(false);
+    line.cut();
+    EXPECT_TRUE(comes_true([&] { return get(at_b, "/readyz").fine; })) << b.log();
+    EXPECT_EQ(journal_of(at_b)["played"], 2);
+    const double start_s = number(said.words, "start_s");
+    expect_one_sea(at_a, at_b, sea::us_from_seconds(start_s - 5),
+                   sea::us_from_seconds(start_s + 15));
+    EXPECT_EQ(ctl(at_b, {"set", "systems.0.wind_speed_10m_mps=9", "--over", "10s"}).code, 0);
+}
+
+TEST(Fleet, a_world_of_another_scene_and_wrong_options_are_named_at_the_start) {
+    NatsServer nats;
+    ServerProcess first(arguments_of(nats.url("w")));
+    ASSERT_FALSE(first.wait_until_ready().empty()) << first.log();
+    const auto fails = [](std::vector<std::string> words, const std::string& says) {
+        ServerProcess server(std::move(words));
+        EXPECT_EQ(server.wait_for_exit(std::chrono::seconds(60)), 2);
+        EXPECT_NE(server.log().find(says), std::string::npos) << server.log();
+    };
+    std::vector<std::string> other = arguments_of(nats.url("w"));
+    other[0] = "scenes/north_sea_gale.toml";
+    fails(other, nats.url("w") + " is the journal of another sea");
+    fails(arguments_of("nats://127.0.0.1:1/a.b"), "the world's name is");
+    fails(arguments_of("nats://sea:pass@127.0.0.1/w"), "--journal-credentials");
+    std::vector<std::string> both = arguments_of(nats.url("w"));
+    both.insert(both.end(), {"--data-dir", tests::folder().file("both")});
+    fails(both, "--data-dir and --journal both say where the journal is");
+    std::vector<std::string> tls = arguments_of(tests::folder().file("folder"));
+    tls.insert(tls.end(), {"--journal-tls-ca", "ca.pem"});
+    fails(tls, "--journal-tls-ca goes with --journal nats://");
+}
+
+TEST(Fleet, a_folder_is_a_journal_under_either_name) {
+    std::vector<std::string> words = arguments_of(tests::folder().file("named"));
+    std::string epoch;
+    for (const char* option : {"--journal", "--data-dir"}) {
+        words[5] = option;
+        ServerProcess server(words);
+        const std::string url = server.wait_until_ready();
+        ASSERT_FALSE(url.empty()) << server.log();
+        const auto state = nlohmann::json::parse(get(url, "/v1/state").body);
+        if (!epoch.empty()) {
+            EXPECT_EQ(state["epoch_utc"], epoch);
+        }
+        epoch = state["epoch_utc"];
+        EXPECT_EQ(state["journal"]["shared"], false);
+        EXPECT_EQ(get(url, "/metrics").body.find("seaway_sea_stale"), std::string::npos);
+        server.send(SIGTERM);
+        EXPECT_EQ(server.wait_for_exit(std::chrono::seconds(20)), 0);
+    }
+}
+
+} // namespace
+} // namespace seaway::changes

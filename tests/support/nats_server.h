@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+// nats-server with JetStream as a child process on loopback, with a store folder of its own; stopped by its process id.
+#pragma once
+
+#include <chrono>
+#include <csignal>
+#include <cstdint>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <arpa/inet.h>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "tests/support/folder.h"
+
+namespace seaway::tests {
+
+/// One that nobody listens on now.
+inline int free_port() {
+    const int socket_of = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t length = sizeof address;
+    (void)bind(socket_of, reinterpret_cast<sockaddr*>(&address), length);
+    (void)getsockname(socket_of, reinterpret_cast<sockaddr*>(&address), &length);
+    close(socket_of);
+    return ntohs(address.sin_port);
+}
+
+class NatsServer {
+  public:
+    /// `config`: lines of its configuration besides port and store.
+    explicit NatsServer(const std::string& config = "", bool with_log = true)
+        : port_(free_port()), store_(folder().file(fmt::format("nats-{}", port_))) {
+        const std::string jetstream =
+            with_log ? fmt::format("jetstream {{ store_dir: \"{}\" }}\n", store_) : "";
+        config_ = folder().write(
+            fmt::format("nats-{}.conf", port_),
+            fmt::format("listen: \"127.0.0.1:{}\"\n{}{}\n", port_, jetstream, config));
+        start();
+    }
+    ~NatsServer() { stop(SIGKILL); }
+    NatsServer(const NatsServer&) = delete;
+    NatsServer& operator=(const NatsServer&) = delete;
+
+    /// On the same port, with what it has stored. True: it takes connections.
+    bool start() {
+        pid_ = fork();
+        if (pid_ == 0) {
+            const int log = open((store_ + ".log").c_str(), O_WRONLY | O_CREAT | O_APPEND, 0600);
+            dup2(log, STDOUT_FILENO);
+            dup2(log, STDERR_FILENO);
+            // Debian has it where only root's path leads.
+            execl("/usr/sbin/nats-server", "nats-server", "-c", config_.c_str(), nullptr);
+            _exit(127);
+        }
+        for (int i = 0; i < 2000; ++i, std::this_thread::sleep_for(std::chrono::milliseconds(10)))
+            if (answers())
+                return true;
+        return false;
+    }
+    void stop(int signal = SIGTERM) {
+        if (pid_ <= 0)
+            return;
+        kill(pid_, signal);
+        waitpid(pid_, nullptr, 0);
+        pid_ = -1;
+    }
+    void send(int signal) const { kill(pid_, signal); }
+
+    int port() const { return port_; }
+    const std::string& store() const { return store_; }
+    std::string url(const std::string& world) const { return url(port_, world); }
+    static std::string url(int port, const std::string& world) {
+        return fmt::format("nats://127.0.0.1:{}/{}", port, world);
+    }
+
+  private:
+    bool answers() const {
+        const int socket_of = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+        sockaddr_in address{};
+        address.sin_family = AF_INET;
+        address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+        address.sin_port = htons(static_cast<std::uint16_t>(port_));
+        const bool connected =
+            connect(socket_of, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0;
+        char info[4] = {};
+        const bool said = connected && recv(socket_of, info, sizeof info, MSG_WAITALL) == 4;
+        close(socket_of);
+        return said && std::string(info, 4) == "INFO";
+    }
+
+    const int port_;
+    const std::string store_;
+    std::string config_;
+    pid_t pid_ = -1;
+};
+
+} // namespace seaway::tests
