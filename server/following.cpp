@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/following.h"
 
+#include <cmath>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -9,6 +10,10 @@
 #include "sea/basics/time.h"
 
 namespace seaway::server {
+
+double Following::clock_budget_us() const {
+    return vertical_mps > 0 ? 1e6 * height_error_m / vertical_mps : 1e12;
+}
 
 std::string Following::doubt() const {
     if (!shared)
@@ -19,6 +24,14 @@ std::string Following::doubt() const {
         return fmt::format("the journal has not been heard of for {:.1f} s{}",
                            sea::seconds_from_us(journal.unheard_us),
                            journal.trouble.empty() ? "" : " (" + journal.trouble + ")");
+    const double off_us = std::abs(journal.peers.ahead_us);
+    // What it is off by for certain: a long way to the peers is no reason.
+    if (journal.peers.can_judge() && off_us - journal.peers.error_us > clock_budget_us())
+        return fmt::format(
+            "its clock is {:.1f} ms {} those of {} others: heights would be {:.0f} mm off, "
+            "and {:.0f} mm are allowed",
+            1e-3 * off_us, journal.peers.ahead_us > 0 ? "ahead of" : "behind", journal.peers.peers,
+            1e-3 * off_us * vertical_mps, 1e3 * height_error_m);
     if (late || behind_us > behind_us_max)
         return fmt::format("{} of {} changes are played", played, journal.last_epoch);
     return {};
@@ -31,6 +44,10 @@ std::string Following::json() const {
                                      {"changes", journal.last_epoch},
                                      {"played", played},
                                      {"unheard_s", sea::seconds_from_us(journal.unheard_us)},
+                                     {"peers", journal.peers.peers},
+                                     {"clock_ahead_ms", 1e-3 * journal.peers.ahead_us},
+                                     {"clock_error_ms", 1e-3 * journal.peers.error_us},
+                                     {"clock_budget_ms", 1e-3 * clock_budget_us()},
                                      {"stale", !why.empty()},
                                      {"why", why}};
     return all.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
@@ -48,6 +65,12 @@ std::string Following::metrics() const {
     add("journal_changes_played", "Changes that are part of the sea.", played);
     add("journal_unheard_seconds", "How long ago it was known that the journal holds no more.",
         sea::seconds_from_us(journal.unheard_us));
+    add("peers", "Other servers of this log that are heard.", journal.peers.peers);
+    add("clock_ahead_seconds", "This sea's clock before the middle one of all servers.",
+        1e-6 * journal.peers.ahead_us);
+    add("clock_error_seconds", "Bound on the error of that.", 1e-6 * journal.peers.error_us);
+    add("clock_budget_seconds", "A clock that is off by this moves heights by their budget.",
+        1e-6 * clock_budget_us());
     add("sea_stale", "1 while this sea may not be that of the other servers: /v1/state says why.",
         doubt().empty() ? 0 : 1);
     return text;

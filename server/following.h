@@ -19,8 +19,12 @@ struct Following {
     std::uint32_t played = 1;   ///< changes
     std::int64_t behind_us = 0; ///< for how long there have been some to play
     bool late = false;          ///< one of those has begun, or does so within behind_us_max
-    std::string stuck;          ///< why the next one cannot be
+    double height_error_m = 0;  ///< of the sea that runs: its budget
+    double vertical_mps = 0; ///< and five standard deviations of its vertical velocity, at its pace
+    std::string stuck;       ///< why the next one cannot be
 
+    /// A clock that is off by this moves heights by their budget.
+    double clock_budget_us() const;
     /// Why this sea may not be that of the other servers, one line; empty: it is.
     std::string doubt() const;
     /// The object "journal" of /v1/state.

@@ -212,6 +212,7 @@ int serve(const Options& options) {
                  utc_text(resumed->epoch_utc_us), (*net)->url());
     world.publish_to([&net](KeyframeTiles tiles) { (*net)->publish(std::move(tiles)); });
     world.announce_to([&net](SharedBytes state) { (*net)->announce(std::move(state)); });
+    world.hand_over_by([&net](const std::string& why) { (*net)->hand_over(why); });
     auto director = std::make_unique<SeaDirector>(course, resumed->journal.get(), resumed->changes,
                                                   world, clock);
 

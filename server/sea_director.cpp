@@ -28,8 +28,10 @@ constexpr TimeUs pace_ahead_us = 1'000'000;
 constexpr TimeUs unreachable_pause_us = 1'000'000;
 /// A change begins where keyframes of all its seas lie, if such a time is near.
 constexpr TimeUs meeting_us_max = 2'000'000;
-/// How long it sleeps at most: the clock may have leapt.
-constexpr std::chrono::seconds nap{1};
+/// How long it sleeps at most: the clock may have leapt; and where it may begin to doubt.
+constexpr std::chrono::milliseconds nap{1000}, nap_beside_others{250};
+/// Sessions that were sent away are not sent away again for a doubt that comes and goes.
+constexpr std::int64_t hand_overs_apart_us = 30'000'000;
 
 /// Since it began.
 class Stopwatch {
@@ -86,6 +88,7 @@ SeaDirector::SeaDirector(std::shared_ptr<SeaCourse> course, Journal* journal, st
         [this](SeaWish wish, Host::Changed done) { change(std::move(wish), std::move(done)); });
     if (!journal_)
         return;
+    journal_->compare_clocks([this] { return clock_.moment().elapsed_us; });
     world_.follow_by([this] { return following(); });
     journal_->call_on_change([this] {
         std::int64_t none = 0;
@@ -99,8 +102,10 @@ SeaDirector::SeaDirector(std::shared_ptr<SeaCourse> course, Journal* journal, st
 SeaDirector::~SeaDirector() {
     world_.change_by(nullptr);
     world_.follow_by(nullptr);
-    if (journal_)
+    if (journal_) {
         journal_->call_on_change(nullptr);
+        journal_->compare_clocks(nullptr);
+    }
     std::deque<Asked> left;
     {
         const std::scoped_lock lock(mutex_);
@@ -131,12 +136,13 @@ void SeaDirector::run() {
         journal_grew_ = false;
         lock.unlock();
         follow();
+        look_for_doubt();
         lock.lock();
         if (asked_.empty()) {
             lock.unlock();
             announce();
             lock.lock();
-            wake_.wait_for(lock, nap,
+            wake_.wait_for(lock, journal_ && journal_->spread_us() > 0 ? nap_beside_others : nap,
                            [this] { return stopping_ || journal_grew_ || !asked_.empty(); });
             continue;
         }
@@ -197,10 +203,27 @@ Result<void> SeaDirector::play(const SeaChange& change) {
     SEAWAY_TRY(course_->add(scene, change.start_us, change.end_us));
     if (change.start_us > now_us)
         promised_.push_back(change.start_us);
+    missed_ = missed_ || change.start_us <= now_us;
     spdlog::info("event=sea_changes change={} start_s={} over_s={} by=another late={}",
                  change.epoch, sea::seconds_from_us(change.start_us),
                  sea::seconds_from_us(change.end_us - change.start_us), change.start_us <= now_us);
     return {};
+}
+
+void SeaDirector::look_for_doubt() {
+    const std::optional<Following> now = world_.following();
+    if (!now || !now->shared)
+        return;
+    const std::string why = now->doubt();
+    const bool begins = !why.empty() && doubt_.empty() && now->journal.peers.peers > 0;
+    doubt_ = why;
+    const std::int64_t now_us = SeaClock::steady_now_us();
+    const bool rests = handed_over_us_ != 0 && now_us - handed_over_us_ < hand_overs_apart_us;
+    if (missed_ || (begins && !rests)) {
+        handed_over_us_ = now_us;
+        world_.hand_over(missed_ ? "a change of the sea was missed" : why);
+    }
+    missed_ = false;
 }
 
 Following SeaDirector::following() const {
@@ -241,7 +264,7 @@ void SeaDirector::announce() {
         (void)world_.announce_due();
     } catch (const std::bad_alloc&) {
         spdlog::warn("event=sea_not_announced why=\"there is no memory for it, again in {} s\"",
-                     nap.count());
+                     0.001 * static_cast<double>(nap.count()));
     }
 }
 

@@ -52,6 +52,8 @@ class SeaDirector {
     void follow();
     Result<void> play(const SeaChange& change);
     Following following() const;
+    /// Sends the sessions to other servers when this one begins to doubt its sea, or has missed the beginning of a change.
+    void look_for_doubt();
     /// Where there is no memory now, the next look does.
     void announce();
     static void tell(const Asked& asked, Result<SeaPromise> promise);
@@ -84,7 +86,10 @@ class SeaDirector {
     Journal* const journal_;
     std::atomic<std::uint32_t> changes_; ///< that were played
     std::atomic<std::int64_t> behind_since_us_ =
-        0; ///< by the steady clock; 0: all that the journal holds is played
+        0;                ///< by the steady clock; 0: all that the journal holds is played
+    std::string doubt_;   ///< of the last look; this and what follows of the director's thread
+    bool missed_ = false; ///< a change had begun when it came
+    std::int64_t handed_over_us_ = 0;
     std::vector<sea::TimeUs> promised_; ///< starts that have not come; of the director's thread
     World& world_;
     SeaClock& clock_;

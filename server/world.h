@@ -28,6 +28,10 @@ namespace seaway::server {
 /// A slice that has lasted as long has not come on: ten times what the largest keyframe takes on two crowded cores.
 inline constexpr std::chrono::seconds stuck_after{30};
 
+/// Five standard deviations of the water's vertical velocity: by so much a height is off, at most, for each second that its
+/// time is.
+double vertical_mps(const sea::SeaStatistics& sea);
+
 /// Of a simulation that is healthy or has failed, and of how long its slice has lasted.
 Health health_of(bool healthy, Heartbeat::Clock::duration turn);
 
@@ -54,6 +58,11 @@ class World final : public Host {
     void change_by(Change change);
     /// Who knows how it stands with the log, from now on; empty: there is none.
     void follow_by(std::function<Following()> follow);
+    /// Who sends all sessions to other servers, from now on; and that it is to.
+    void hand_over_by(std::function<void(const std::string&)> hand_over);
+    void hand_over(const std::string& why);
+    /// How it stands with the log, if it follows one.
+    std::optional<Following> following() const;
     /// A keyframe that the plan called for, for those who take keyframes at a rate (of rate_rungs_hz): published once a
     /// quality in use.
     void on_keyframe(const sea::KeyframePtr& keyframe, std::size_t rate = 0);
@@ -87,7 +96,6 @@ class World final : public Host {
     Health health() const override;
 
   private:
-    std::optional<Following> following() const;
     KeyframeTiles tiles(sea::KeyframePtr keyframe, Quality quality) const;
     /// The one that runs; made here only where the clock has leapt to a sea that nobody was told of.
     RunningSeaPtr sea_now() const { return course_->at(clock_.now_us()); }
@@ -109,6 +117,7 @@ class World final : public Host {
     Announce announce_;
     Change change_;
     std::function<Following()> follow_;
+    std::function<void(const std::string&)> hand_over_;
     /// The sea that runs and those that announce_due() has told of, in order of time; and before them what they glide from.
     /// Held, so that nobody on the network's thread has to make one.
     std::vector<RunningSeaPtr> told_;

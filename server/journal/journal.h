@@ -18,6 +18,7 @@
 
 #include "base/result.h"
 #include "sea/basics/pace.h"
+#include "server/journal/peer_clocks.h"
 
 namespace seaway::server {
 
@@ -57,6 +58,7 @@ struct JournalStanding {
     std::int64_t unheard_us = 0;
     /// It holds whatever was made longer ago than spread_us().
     bool current = true;
+    PeersSeen peers;     ///< how far this server's clock is from those of others with the same log
     std::string trouble; ///< what is wrong, one line; empty: nothing
 };
 
@@ -82,6 +84,9 @@ class Journal {
     /// A server that is current has whatever was made longer ago than this: so no change may begin earlier. 0 where
     /// nobody else follows the log.
     virtual std::int64_t spread_us() const = 0;
+    /// From now on this clock, the time since the sea's epoch, is compared with those of others who follow the log: standing().peers.
+    /// Empty: no more.
+    virtual void compare_clocks(std::function<std::int64_t()> elapsed_us) = 0;
     /// Called from now on when others have appended, on a thread of its own that must not be held; empty: nobody.
     virtual void call_on_change(std::function<void()> call) = 0;
 };

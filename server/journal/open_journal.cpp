@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "server/journal/nats_log.h"
+#include "server/journal/nats_peers.h"
 #include "server/journal/sea_clock.h"
 #include "server/journal/shared_journal.h"
 #include "server/journal/sqlite_journal.h"
@@ -44,6 +45,8 @@ Result<std::unique_ptr<Journal>> open_shared(const NatsPlace& place, const Begin
             std::make_unique<NatsLog>(std::move(connection)), beginning,
             {place.name(), writer_name(), SeaClock::steady_now_us, SeaClock::utc_now_us});
         if (journal) {
+            SEAWAY_TRY_LET(NatsConnection line, NatsConnection::make(place));
+            (*journal)->talk_over(std::make_unique<NatsPeers>(std::move(line)));
             (*journal)->follow();
             return std::unique_ptr<Journal>(*std::move(journal));
         }

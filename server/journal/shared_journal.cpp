@@ -9,7 +9,7 @@
 namespace seaway::server {
 
 SharedJournal::SharedJournal(std::unique_ptr<SharedLog> log, Options options)
-    : options_(std::move(options)), log_(std::move(log)) {}
+    : options_(std::move(options)), log_(std::move(log)), clocks_(options_.writer) {}
 
 SharedJournal::~SharedJournal() {
     {
@@ -220,9 +220,23 @@ JournalStanding SharedJournal::standing() const {
     const std::scoped_lock lock(mutex_);
     JournalStanding standing{.last_epoch = static_cast<std::uint32_t>(changes_.size()),
                              .unheard_us = options_.steady() - known_us_,
+                             .peers = elapsed_us_ ? clocks_.seen(options_.steady(), elapsed_us_())
+                                                  : PeersSeen{},
                              .trouble = trouble_};
     standing.current = standing.unheard_us <= current_us;
     return standing;
+}
+
+void SharedJournal::compare_clocks(std::function<std::int64_t()> elapsed_us) {
+    {
+        const std::scoped_lock lock(mutex_);
+        elapsed_us_ = std::move(elapsed_us);
+    }
+    if (!elapsed_us_)
+        line_.reset();
+    if (line_)
+        line_->begin([this] { return clocks_.word(options_.steady(), elapsed_us_()); },
+                     [this](const std::string& word) { clocks_.hear(word, options_.steady()); });
 }
 
 void SharedJournal::call_on_change(std::function<void()> call) {

@@ -22,6 +22,7 @@
 
 #include "server/journal/change_text.h"
 #include "server/journal/journal.h"
+#include "server/journal/peer_line.h"
 #include "server/journal/shared_log.h"
 
 namespace seaway::server {
@@ -51,6 +52,8 @@ class SharedJournal final : public Journal {
     /// is wrong with the log.
     static Result<std::unique_ptr<SharedJournal>> open(std::unique_ptr<SharedLog> log,
                                                        const Beginning& beginning, Options options);
+    /// What carries words between its servers; before compare_clocks().
+    void talk_over(std::unique_ptr<PeerLine> line) { line_ = std::move(line); }
     /// Stops following.
     ~SharedJournal() override;
 
@@ -65,6 +68,7 @@ class SharedJournal final : public Journal {
     Result<void> append(const SeaChange& change) override;
     JournalStanding standing() const override;
     std::int64_t spread_us() const override { return current_us + stored_within_us; }
+    void compare_clocks(std::function<std::int64_t()> elapsed_us) override;
     void call_on_change(std::function<void()> call) override;
 
   private:
@@ -94,6 +98,10 @@ class SharedJournal final : public Journal {
     std::int64_t known_us_ = 0; ///< when it was asked, and ended where it is held to
     std::string trouble_;
     std::function<void()> call_;
+
+    PeerClocks clocks_;
+    std::function<std::int64_t()> elapsed_us_; ///< none: clocks are not compared
+    std::unique_ptr<PeerLine> line_;           ///< ends before what it calls
 
     std::mutex stop_mutex_;
     std::condition_variable stop_;

@@ -310,7 +310,7 @@ Result<void> SqliteJournal::append(const SeaChange& change) {
 
 JournalStanding SqliteJournal::standing() const {
     const std::scoped_lock lock(mutex_);
-    return {.last_epoch = last_.epoch, .trouble = {}};
+    return {.last_epoch = last_.epoch, .peers = {}, .trouble = {}};
 }
 
 } // namespace seaway::server

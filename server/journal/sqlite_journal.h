@@ -32,6 +32,7 @@ class SqliteJournal final : public Journal {
     Result<void> append(const SeaChange& change) override;
     JournalStanding standing() const override;
     std::int64_t spread_us() const override { return 0; }
+    void compare_clocks(std::function<std::int64_t()>) override {}
     void call_on_change(std::function<void()>) override {} // nobody else has the folder
 
   private:

@@ -49,14 +49,22 @@ Gauges Core::gauges() const {
     return gauges;
 }
 
-void Core::begin_to_stop() {
+std::chrono::milliseconds Core::pause_of_all(double least_s) const {
     constexpr double most_s = protocol::limits::retry_after_ms_max / 1000.0;
     const double spread_s = static_cast<double>(sessions.size()) / comers_per_s;
-    const double wait_s = options.retry_after_s > 0
-                              ? options.retry_after_s
-                              : std::clamp(spread_s, retry_after_s_min, most_s);
-    retry_after =
-        std::chrono::ceil<std::chrono::milliseconds>(std::chrono::duration<double>(wait_s));
+    const double wait_s =
+        options.retry_after_s > 0 ? options.retry_after_s : std::clamp(spread_s, least_s, most_s);
+    return std::chrono::ceil<std::chrono::milliseconds>(std::chrono::duration<double>(wait_s));
+}
+
+void Core::begin_to_hand_over(const std::string& why) {
+    retry_after = pause_of_all(hand_over_s_min);
+    log(fmt::format("event=handing_over sessions={} retry_after_ms={} why=\"{}\"", sessions.size(),
+                    retry_after.count(), why));
+}
+
+void Core::begin_to_stop() {
+    retry_after = pause_of_all(retry_after_s_min);
     stopping = true;
     log(fmt::format("event=stopping sessions={} drain_s={} retry_after_ms={}", sessions.size(),
                     options.drain_s, retry_after.count()));

@@ -84,12 +84,16 @@ class Core : public std::enable_shared_from_this<Core> {
     }
     Gauges gauges() const;
 
+    /// Those who are sent away now hear when to come: to another server of the same sea.
+    void begin_to_hand_over(const std::string& why);
     /// Nobody new is taken from here on, and those who are sent away hear when to come back: after
     /// options.retry_after_s, or so much later the more they are.
     void begin_to_stop();
     /// Clients wait once to twice what they are told, so in half a minute 6000 are back.
     static constexpr double comers_per_s = 200;
     static constexpr double retry_after_s_min = 2;
+    /// Who is handed over comes back so soon: by then a balancer has asked for /readyz. A client holds keyframes for longer.
+    static constexpr double hand_over_s_min = 0.5;
 
     /// One log line, at most `log_lines_per_second_max` of them: a flood of bad clients must not
     /// become a flood of log. What was left out is counted in the next line.
@@ -97,6 +101,8 @@ class Core : public std::enable_shared_from_this<Core> {
     static constexpr int log_lines_per_second_max = 200;
 
   private:
+    std::chrono::milliseconds pause_of_all(double least_s) const;
+
     std::mutex post_mutex_;
     std::function<void(Work)> run_on_io_thread_;
     std::int64_t log_second_ = 0;

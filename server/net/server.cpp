@@ -190,6 +190,7 @@ class NetServer::Impl {
             for_each_session(*core, [&](Session& session) { session.announce(sea_state); });
         });
     }
+    void hand_over(const std::string& why);
     void stop();
 
   private:
@@ -351,6 +352,17 @@ void NetServer::Impl::publish(KeyframeTiles tiles) {
         core_->post([core = core_.get()] { ++core->counters.keyframes_dropped; });
 }
 
+void NetServer::Impl::hand_over(const std::string& why) {
+    core_->post([core = core_.get(), why] {
+        if (core->stopping)
+            return;
+        core->begin_to_hand_over(why);
+        for_each_session(*core, [&why](Session& session) {
+            session.close(wire::ErrorCode::shutting_down, "the server hands over: " + why);
+        });
+    });
+}
+
 void NetServer::Impl::begin_stop() {
     core_->begin_to_stop();
     drained_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(
@@ -433,6 +445,9 @@ void NetServer::publish(KeyframeTiles tiles) {
 }
 void NetServer::announce(protocol::SharedBytes sea_state) {
     impl_->announce(std::move(sea_state));
+}
+void NetServer::hand_over(const std::string& why) {
+    impl_->hand_over(why);
 }
 void NetServer::stop() {
     impl_->stop();

@@ -71,6 +71,10 @@ class NetServer {
     /// version 1 asks for.
     void announce(protocol::SharedBytes sea_state);
 
+    /// Sends every session away (GoAway.retry_after_ms), to come back to whatever server a balancer leads it to; who comes from
+    /// then on is taken. Any thread; returns at once.
+    void hand_over(const std::string& why);
+
     /// From the first moment /readyz is 503 and nobody new is taken. Who is owed nothing is sent away at once, with a
     /// time to stay away (GoAway.retry_after_ms); what is under way is finished before, for options.drain_s at
     /// most. Then closes, joins; maps that are being let go have ended then. Idempotent. Host callbacks that come

@@ -2,7 +2,10 @@
 // Several servers that follow one log in NATS, as real programs on loopback.
 #include <chrono>
 #include <cmath>
+#include <ctime>
+#include <iomanip>
 #include <random>
+#include <sstream>
 #include <thread>
 
 #include <fmt/format.h>
@@ -11,6 +14,9 @@
 
 #include "base/child_process.h"
 #include "client/client.h"
+#include "server/journal/nats_peers.h"
+#include "server/journal/peer_clocks.h"
+#include "server/journal/sea_clock.h"
 #include "tests/server/change_bench.h"
 #include "tests/support/fault_proxy.h"
 #include "tests/support/nats_server.h"
@@ -154,6 +160,72 @@ TEST(Fleet,
     expect_one_sea(at_a, at_b, sea::us_from_seconds(start_s - 5),
                    sea::us_from_seconds(start_s + 15));
     EXPECT_EQ(ctl(at_b, {"set", "systems.0.wind_speed_10m_mps=9", "--over", "10s"}).code, 0);
+}
+
+/// Said by a server that is none: its clock is ahead by so much.
+class LyingPeer {
+  public:
+    LyingPeer(int port, const std::string& world, const std::string& name, double ahead_s,
+              std::int64_t epoch_utc_us)
+        : clocks_(name), line_(server::NatsConnection::make(
+                                   server::read_nats_url(NatsServer::url(port, world)).value())
+                                   .value()) {
+        line_.begin(
+            [=, this] {
+                return clocks_.word(server::SeaClock::steady_now_us(),
+                                    server::SeaClock::utc_now_us() - epoch_utc_us +
+                                        std::llround(1e6 * ahead_s));
+            },
+            [this](const std::string& word) {
+                clocks_.hear(word, server::SeaClock::steady_now_us());
+            });
+    }
+
+  private:
+    server::PeerClocks clocks_;
+    server::NatsPeers line_; // ends before what it calls
+};
+
+std::int64_t epoch_utc_us(const std::string& url) {
+    std::istringstream text(
+        nlohmann::json::parse(get(url, "/v1/state").body)["epoch_utc"].get<std::string>());
+    std::tm day{};
+    double rest = 0;
+    text >> std::get_time(&day, "%Y-%m-%dT%H:%M:%S") >> rest;
+    return 1'000'000 * timegm(&day) + std::llround(1e6 * rest);
+}
+
+// Two others agree that this one's clock is half a second behind: in the calm sea 5 standard deviations of its vertical
+// velocity times that are far beyond its budget of heights.
+TEST(
+    Fleet,
+    a_server_whose_clock_is_off_from_those_of_two_others_is_not_ready_and_hands_its_sessions_over) {
+    NatsServer nats;
+    ServerProcess server(arguments_of(nats.url("clocks")));
+    const std::string url = server.wait_until_ready();
+    ASSERT_FALSE(url.empty()) << server.log();
+    const auto client = connect(url);
+    ASSERT_TRUE(client);
+    const std::int64_t epoch_us = epoch_utc_us(url);
+    {
+        const LyingPeer right(nats.port(), "clocks", "right1", 0, epoch_us);
+        const LyingPeer also(nats.port(), "clocks", "right2", 0, epoch_us);
+        ASSERT_TRUE(comes_true([&] { return journal_of(url)["peers"] == 2; }));
+        EXPECT_TRUE(comes_true([&] { return journal_of(url)["clock_error_ms"] < 50; }));
+        EXPECT_NEAR(journal_of(url)["clock_ahead_ms"].get<double>(), 0,
+                    journal_of(url)["clock_error_ms"].get<double>() + 1);
+        EXPECT_TRUE(get(url, "/readyz").fine) << get(url, "/readyz").body;
+    }
+    const LyingPeer a(nats.port(), "clocks", "ahead1", 0.5, epoch_us);
+    const LyingPeer b(nats.port(), "clocks", "ahead2", 0.5, epoch_us);
+    EXPECT_TRUE(comes_true([&] {
+        const std::string body = get(url, "/readyz").body;
+        return body.find("ms behind those of 2 others: heights would be") != std::string::npos;
+    })) << get(url, "/readyz").body;
+    EXPECT_TRUE(comes_true([&] {
+        return server.log().find("event=handing_over sessions=1") != std::string::npos;
+    })) << server.log();
+    EXPECT_TRUE(get(url, "/healthz").fine);
 }
 
 TEST(Fleet, a_world_of_another_scene_and_wrong_options_are_named_at_the_start) {

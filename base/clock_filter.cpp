@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "client/link/clock.h"
+#include "base/clock_filter.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "base/check.h"
 
-namespace seaway::client {
+namespace seaway {
 namespace {
 
 /// A slope needs this much time under it: over less, scatter looks like drift.
@@ -18,7 +18,7 @@ constexpr std::size_t kept_min = 3;
 
 } // namespace
 
-void ClockFilter::add(LocalUs sent_us, LocalUs received_us, sea::TimeUs sea_time_us) {
+void ClockFilter::add(LocalUs sent_us, LocalUs received_us, std::int64_t sea_time_us) {
     if (received_us < sent_us)
         return;
     const LocalUs round_trip_us = received_us - sent_us;
@@ -83,13 +83,13 @@ double ClockFilter::target_offset_us(LocalUs local_us) const {
     return mean_us_ + slope_ * static_cast<double>(local_us - origin_us_);
 }
 
-sea::TimeUs ClockFilter::now(LocalUs local_us) {
+std::int64_t ClockFilter::now(LocalUs local_us) {
     SEAWAY_CHECK(synchronised(), "the clock is read before its first sample");
     const double target_us = target_offset_us(local_us);
     if (!shown_any_) {
         shown_any_ = true;
         shown_offset_us_ = target_us;
-        shown_us_ = base_us_ + local_us + sea::TimeUs{std::llround(target_us)};
+        shown_us_ = base_us_ + local_us + std::int64_t{std::llround(target_us)};
         shown_at_us_ = local_us;
         return shown_us_;
     }
@@ -104,7 +104,7 @@ sea::TimeUs ClockFilter::now(LocalUs local_us) {
     }
     shown_at_us_ = std::max(shown_at_us_, local_us);
     shown_us_ =
-        std::max(shown_us_, base_us_ + shown_at_us_ + sea::TimeUs{std::llround(shown_offset_us_)});
+        std::max(shown_us_, base_us_ + shown_at_us_ + std::int64_t{std::llround(shown_offset_us_)});
     return shown_us_;
 }
 
@@ -125,4 +125,4 @@ ClockStatus ClockFilter::status(LocalUs local_us) const {
     return status;
 }
 
-} // namespace seaway::client
+} // namespace seaway

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/journal/peer_clocks.h"
+
+#include <algorithm>
+#include <cctype>
+#include <sstream>
+#include <vector>
+
+#include <fmt/format.h>
+
+namespace seaway::server {
+namespace {
+
+constexpr const char* magic = "seaway-clock-1";
+
+bool is_name(const std::string& text) {
+    return !text.empty() && text.size() <= 64 &&
+           std::ranges::all_of(text, [](unsigned char c) { return std::isalnum(c) != 0; });
+}
+
+double middle_of(std::vector<double>& values) {
+    std::ranges::sort(values);
+    return 0.5 * (values[(values.size() - 1) / 2] + values[values.size() / 2]);
+}
+
+} // namespace
+
+std::string PeerClocks::word(LocalUs local_us, std::int64_t sea_us) {
+    const std::scoped_lock lock(mutex_);
+    std::erase_if(peers_, [local_us](const auto& peer) {
+        return local_us - peer.second.heard_us > heard_us;
+    });
+    std::string text = fmt::format("{} {} {} {}\n", magic, name_, local_us, sea_us);
+    for (const auto& [name, peer] : peers_)
+        text += fmt::format("{} {} {}\n", name, peer.sent_us, local_us - peer.heard_us);
+    return text;
+}
+
+void PeerClocks::hear(const std::string& word, LocalUs local_us) {
+    std::istringstream in(word);
+    std::string first, name;
+    std::int64_t sent_us = 0, sea_us = 0;
+    if (!(in >> first >> name >> sent_us >> sea_us) || first != magic || !is_name(name) ||
+        name == name_)
+        return;
+    const std::scoped_lock lock(mutex_);
+    if (peers_.size() >= peers_max && !peers_.contains(name))
+        return;
+    Peer& peer = peers_[name];
+    peer.heard_us = local_us;
+    peer.sent_us = sent_us;
+    std::string to;
+    std::int64_t ours_us = 0, held_us = 0;
+    while (in >> to >> ours_us >> held_us) {
+        const std::int64_t round_trip_us = local_us - ours_us - held_us;
+        if (to != name_ || held_us < 0 || ours_us > local_us || round_trip_us < 0 ||
+            local_us - ours_us > heard_us)
+            continue;
+        peer.filter.add(local_us - round_trip_us, local_us, sea_us);
+        peer.answered = true;
+    }
+}
+
+PeersSeen PeerClocks::seen(LocalUs local_us, std::int64_t sea_us) const {
+    // Places of all clocks relative to this one, and how far they may be to either side of that.
+    std::vector<double> places{0}, least{0}, most{0};
+    {
+        const std::scoped_lock lock(mutex_);
+        for (const auto& [name, peer] : peers_) {
+            if (!peer.answered || local_us - peer.heard_us > heard_us)
+                continue;
+            const ClockStatus status = peer.filter.status(local_us);
+            const double place = status.offset_us - static_cast<double>(sea_us - local_us);
+            places.push_back(place);
+            least.push_back(place - status.error_us);
+            most.push_back(place + status.error_us);
+        }
+    }
+    const double middle = middle_of(places);
+    // The middle of all lies between the middles of what each can be.
+    return {static_cast<int>(places.size()) - 1, -middle,
+            std::max(middle_of(most) - middle, middle - middle_of(least))};
+}
+
+} // namespace seaway::server

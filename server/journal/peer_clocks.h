@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+// PeerClocks: how far this server's sea is from those of its peers. Once a second each tells all others its sea time, and says back to each when
+// it heard its last word and how long ago: a question and its answer, which the filter of a client's clock takes
+// (base/clock_filter.h).
+//
+// Judged by the middle of all that are heard, this one included: of three servers the one whose clock is off sees two that agree.
+// With two nobody can tell which is off.
+//
+// Pure: local time is given in. Times are the time since the sea's epoch (SeaClock). Thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <mutex>
+#include <string>
+
+#include "base/clock_filter.h"
+
+namespace seaway::server {
+
+struct PeersSeen {
+    int peers = 0;       ///< that were heard within heard_us
+    double ahead_us = 0; ///< this clock, of the middle one
+    double error_us = 0; ///< bound on that: of each clock half the shortest round trip, and scatter
+    bool can_judge() const { return peers >= 2; }
+};
+
+class PeerClocks {
+  public:
+    static constexpr std::int64_t every_us = 1'000'000;
+    /// One that says nothing for so long has gone.
+    static constexpr std::int64_t heard_us = 10'000'000;
+    static constexpr std::size_t peers_max = 64;
+
+    /// `name` is unlike that of any other process: letters and digits.
+    explicit PeerClocks(std::string name) : name_(std::move(name)) {}
+
+    /// What is to be told to all, at this local time, which is `sea_us` of the sea.
+    std::string word(LocalUs local_us, std::int64_t sea_us);
+    /// What another has told. Text that is none is let be.
+    void hear(const std::string& word, LocalUs local_us);
+
+    PeersSeen seen(LocalUs local_us, std::int64_t sea_us) const;
+
+  private:
+    struct Peer {
+        ClockFilter filter;
+        bool answered = false;    ///< has said back what it heard of us
+        LocalUs heard_us = 0;     ///< its last word, by our clock
+        std::int64_t sent_us = 0; ///< and by its own
+    };
+
+    const std::string name_;
+    mutable std::mutex mutex_; ///< of what follows
+    std::map<std::string, Peer> peers_;
+};
+
+} // namespace seaway::server

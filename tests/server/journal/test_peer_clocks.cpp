@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+// Clocks of servers that hear each other, in a network whose delays are drawn by lot.
+#include <cmath>
+#include <deque>
+#include <memory>
+#include <random>
+#include <vector>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "server/journal/peer_clocks.h"
+
+namespace seaway::server {
+namespace {
+
+/// Servers whose seas are ahead of the true one by so much, each with a steady clock from somewhere.
+class Fleet {
+  public:
+    Fleet(std::vector<std::int64_t> ahead_us, std::int64_t delay_us, std::int64_t jitter_us,
+          std::uint64_t seed = 1)
+        : ahead_us_(std::move(ahead_us)), delay_us_(delay_us), jitter_us_(jitter_us),
+          random_(seed) {
+        for (std::size_t i = 0; i < ahead_us_.size(); ++i)
+            clocks_.push_back(std::make_unique<PeerClocks>(fmt::format("server{}", i)));
+    }
+
+    void run(std::int64_t seconds) {
+        for (const std::int64_t end_us = now_us_ + seconds * 1'000'000; now_us_ < end_us;
+             now_us_ += 100) {
+            for (std::size_t i = 0; i < clocks_.size(); ++i)
+                if ((now_us_ + static_cast<std::int64_t>(i) * 137'000) % PeerClocks::every_us == 0)
+                    say(i);
+            std::erase_if(under_way_, [this](const Word& word) {
+                if (word.due_us > now_us_)
+                    return false;
+                clocks_[word.to]->hear(word.text, local(word.to));
+                return true;
+            });
+        }
+    }
+    PeersSeen seen(std::size_t i) const { return clocks_[i]->seen(local(i), sea(i)); }
+    void silence(std::size_t i) { silent_ = i; }
+
+  private:
+    struct Word {
+        std::int64_t due_us;
+        std::size_t to;
+        std::string text;
+    };
+    std::int64_t local(std::size_t i) const {
+        return now_us_ + 1'000'000'000 * static_cast<std::int64_t>(i + 1);
+    }
+    std::int64_t sea(std::size_t i) const { return now_us_ + ahead_us_[i]; }
+    void say(std::size_t i) {
+        if (silent_ == i)
+            return;
+        const std::string text = clocks_[i]->word(local(i), sea(i));
+        for (std::size_t to = 0; to < clocks_.size(); ++to)
+            under_way_.push_back(
+                {now_us_ + delay_us_ +
+                     std::uniform_int_distribution<std::int64_t>(0, jitter_us_)(random_),
+                 to, text});
+    }
+
+    std::vector<std::int64_t> ahead_us_;
+    std::int64_t delay_us_, jitter_us_;
+    std::mt19937_64 random_;
+    std::vector<std::unique_ptr<PeerClocks>> clocks_;
+    std::vector<Word> under_way_;
+    std::int64_t now_us_ = 0;
+    std::size_t silent_ = 99;
+};
+
+TEST(PeerClocks, of_three_the_one_that_is_off_knows_it_and_the_others_do_not_blame_themselves) {
+    for (const std::int64_t off_us : {-200'000, -3'000, 3'000, 200'000}) {
+        Fleet fleet({0, off_us, 0}, 500, 300);
+        fleet.run(30);
+        for (std::size_t i = 0; i < 3; ++i) {
+            const PeersSeen seen = fleet.seen(i);
+            EXPECT_EQ(seen.peers, 2);
+            EXPECT_TRUE(seen.can_judge());
+            const double truth_us = i == 1 ? static_cast<double>(off_us) : 0;
+            EXPECT_NEAR(seen.ahead_us, truth_us, seen.error_us + 1) << i << ' ' << off_us;
+            EXPECT_LT(seen.error_us, 1'500) << "half of what a way takes, and its scatter";
+        }
+    }
+}
+
+TEST(PeerClocks, the_stated_error_holds_for_many_networks) {
+    for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+        Fleet fleet({0, 1'000, -2'000, 7'000, 0}, static_cast<std::int64_t>(seed) * 1'000, 5'000,
+                    seed);
+        fleet.run(20);
+        const double truth_us[] = {0, 1'000, -2'000, 7'000, 0}; // the middle one is 0
+        for (std::size_t i = 0; i < 5; ++i)
+            EXPECT_NEAR(fleet.seen(i).ahead_us, truth_us[i], fleet.seen(i).error_us) << seed;
+    }
+}
+
+TEST(PeerClocks, of_two_nobody_is_to_blame_and_alone_there_is_nothing_to_see) {
+    Fleet two({0, 50'000}, 500, 100);
+    two.run(10);
+    EXPECT_FALSE(two.seen(0).can_judge());
+    EXPECT_NEAR(two.seen(0).ahead_us, -25'000, 1'000) << "the middle of both";
+    Fleet one({0}, 500, 100);
+    one.run(10);
+    EXPECT_EQ(one.seen(0).peers, 0);
+    EXPECT_EQ(one.seen(0).ahead_us, 0);
+}
+
+TEST(PeerClocks, who_falls_silent_counts_no_more) {
+    Fleet fleet({0, 80'000, 80'000}, 500, 100);
+    fleet.run(10);
+    EXPECT_NEAR(fleet.seen(0).ahead_us, -80'000, 1'000);
+    fleet.silence(2);
+    fleet.run(15);
+    EXPECT_EQ(fleet.seen(0).peers, 1);
+    EXPECT_FALSE(fleet.seen(0).can_judge());
+}
+
+TEST(PeerClocks, words_that_are_none_change_nothing) {
+    PeerClocks clocks("me");
+    std::string good = "seaway-clock-1 other 5 1000\nme 10 2\n";
+    for (const std::string& word :
+         {std::string(), std::string("seaway-clock-2 other 5 1000\nme 10 2\n"),
+          std::string("seaway-clock-1 o/ther 5 1000\nme 10 2\n"),
+          std::string("seaway-clock-1 me 5 1000\nme 10 2\n"), std::string("seaway-clock-1 other"),
+          std::string("seaway-clock-1 other 5 1000\nme 999999 2\n"),
+          std::string("seaway-clock-1 other 5 1000\nme 10 -2\n"),
+          std::string("seaway-clock-1 other 5 1000\nme 10 99\n"), std::string(1000, '\xff')})
+        clocks.hear(word, 20);
+    EXPECT_EQ(clocks.seen(20, 0).peers, 0);
+    PeerClocks crowded("me");
+    for (int i = 0; i < 1000; ++i)
+        crowded.hear(fmt::format("seaway-clock-1 flood{} 5 1000\nme 10 2\n", i), 20);
+    EXPECT_EQ(crowded.seen(20, 0).peers, static_cast<int>(PeerClocks::peers_max));
+    PeerClocks other("me");
+    other.hear(good, 20);
+    EXPECT_EQ(other.seen(20, 0).peers, 1);
+}
+
+} // namespace
+} // namespace seaway::server
