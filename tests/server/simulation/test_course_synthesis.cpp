@@ -32,10 +32,11 @@ struct Course {
         EXPECT_TRUE(made) << (made ? "" : made.error().message);
         synthesis = std::make_unique<CourseSynthesis>(course, *std::move(made));
     }
-    std::vector<NewKeyframePtr> keyframes(std::initializer_list<int> cascades, TimeUs time_us) {
+    std::vector<NewKeyframePtr> keyframes(std::initializer_list<int> cascades, TimeUs time_us,
+                                          FieldSet fields = sea::surface_fields) {
         std::vector<KeyframeRequest> requests;
         for (const int cascade : cascades)
-            requests.push_back({cascade, time_us, sea::surface_fields, glide_epoch});
+            requests.push_back({cascade, time_us, fields, glide_epoch});
         Result<std::vector<NewKeyframePtr>> made = synthesis->synthesize(requests);
         EXPECT_TRUE(made) << (made ? "" : made.error().message);
         return *std::move(made);
@@ -76,6 +77,22 @@ TEST_P(CourseSynthesisOn, maps_of_a_cascade_alone_are_those_that_it_has_beside_o
                 ASSERT_EQ(alone->values[i], beside->values[i]) << cascade << " " << i;
         }
     }
+}
+
+// Naive: the device has been given this moment, so all of it is there. Heights alone have no growth in them, after which the
+// moment would be given anew in any case.
+TEST_P(CourseSynthesisOn, a_cascade_of_a_moment_that_was_given_without_it_is_given_as_well) {
+    Course course(GetParam(), "systems.0.wind_speed_10m_mps", "14.0");
+    const FieldSet heights{Field::height};
+    const std::vector<NewKeyframePtr> together =
+        course.keyframes({0, 1}, 23 * second_us + 1, heights);
+    for (const TimeUs time_us : {24 * second_us, 23 * second_us + 1}) // the first is another moment
+        for (const int cascade : {1, 0}) {
+            const NewKeyframePtr alone = course.keyframes({cascade}, time_us, heights).front();
+            EXPECT_EQ(alone->values == together[static_cast<std::size_t>(cascade)]->values,
+                      time_us != 24 * second_us)
+                << cascade;
+        }
 }
 
 INSTANTIATE_TEST_SUITE_P(Devices, CourseSynthesisOn, testing::Values("native", "lavapipe"),
