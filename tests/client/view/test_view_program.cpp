@@ -284,7 +284,7 @@ class FoamySea : public tests::WaveSea {
                 std::vector<float> errors = tiles.codec_error;
                 if (wanted.contains(sea::Field::foam)) { // the last of all fields
                     own->fields |= sea::FieldSet{sea::Field::foam};
-                    own->values.resize(own->values.size() + own->plane_size(), ratio(*own));
+                    own->values.insert(own->values.end(), own->plane_size(), ratio(*own));
                     errors.push_back(0.001f);
                 }
                 out.push_back({own, errors, tiles.quality});

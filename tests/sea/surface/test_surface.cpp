@@ -215,9 +215,11 @@ TEST(Surface, maps_without_displacement_are_a_surface_without_choppiness) {
     const KeyframePtr full = tests::exact_keyframe(sea, 0, 0);
     Keyframe height_only = *full;
     height_only.fields = {Field::height, Field::height_rate};
-    height_only.values.assign(full->plane(Field::height).begin(), full->plane(Field::height).end());
-    height_only.values.insert(height_only.values.end(), full->plane(Field::height_rate).begin(),
-                              full->plane(Field::height_rate).end());
+    const std::span<const float> heights = full->plane(Field::height),
+                                 rates = full->plane(Field::height_rate);
+    std::vector<float> values(heights.begin(), heights.end());
+    values.insert(values.end(), rates.begin(), rates.end());
+    height_only.values = std::move(values);
     const auto map = std::make_shared<SplineMap>(height_only);
     const Surface surface({{map, map}}, {1, 1}, {.reach_m = 5.0}, {});
     const LagrangianPoint p = surface.at(12.0, 5.0, 0);

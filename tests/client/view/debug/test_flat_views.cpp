@@ -121,8 +121,9 @@ TEST_F(FlatViewsTest, foam_is_the_share_that_the_keyframes_say) {
         made->size = 64;
         made->length_m = 90;
         made->fields = {sea::Field::foam};
-        for (int i = 0; i < 64 * 64; ++i)
-            made->values.push_back(share * static_cast<float>(i % 64) / 32); // over its mean
+        made->values.resize(made->plane_size());
+        for (std::size_t i = 0; i < made->plane_size(); ++i)
+            made->values[i] = share * static_cast<float>(i % 64) / 32; // over its mean
         return made;
     };
     frame.cascades[0].foam_before = foam(1);
