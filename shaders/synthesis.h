@@ -63,4 +63,7 @@ Shader jacobian();
 /// which is a z.
 Shader foam();
 
+/// Bindings source -> Target, a vec4 an invocation; no push constants. Part of no synthesis: a measure of memory.
+Shader copy();
+
 } // namespace seaway::shaders

@@ -226,6 +226,50 @@ TEST(Bench, what_is_printed_is_what_effects_cost_on_top_of_the_rest) {
     expect_printed("cascade,,61 m of 64", "cascade               61 m of 64    ");
 }
 
+// A row a size and list of fields, beside what as many bytes take; copies where there is a device to copy from.
+TEST(Bench, device_measures_maps_of_each_size_beside_what_memory_gives) {
+    const std::string scene = testing::folder().write("device.toml", scene_text);
+    enum Cell { device_ms = 3, wall_ms, megabytes, best_ms, best_pct };
+    for (const std::string device : {"native", "lavapipe"}) {
+        const std::string out = testing::folder().file("device_" + device);
+        const Output ran = testing::run_program("seaway-bench",
+                                                "device --rounds 2 --sizes 64,128 --device " +
+                                                    device + " --scene " + scene + " --out " + out);
+        ASSERT_EQ(ran.status, 0) << ran.err;
+        const std::string csv = testing::read_file(out + "/device.csv");
+        EXPECT_THAT(csv, HasSubstr("# seaway-bench device on " + device));
+        const auto cell = [&](const std::string& row, Cell column) {
+            return std::stod(row_of(csv, row).at(static_cast<std::size_t>(column)));
+        };
+        for (const std::string size : {"64", "128"})
+            for (const char* fields : {",height,", ",eight,", ",all,", ",all and foam,"}) {
+                const std::string row = "maps," + size + fields;
+                EXPECT_GT(cell(row, device_ms), 0) << row;
+                EXPECT_GE(cell(row, wall_ms), 0.99 * cell(row, device_ms)) << row;
+                EXPECT_NEAR(cell(row, best_pct), 100 * cell(row, best_ms) / cell(row, device_ms),
+                            0.01 * cell(row, best_pct))
+                    << row;
+            }
+        // Two tiles of 128 x 128 floats.
+        expect_equal(cell("maps,128,height,", megabytes), 2 * 128 * 128 * 4e-6, "one map a tile");
+        expect_equal(cell("maps,128,eight,", megabytes), 16 * 128 * 128 * 4e-6,
+                     "eight maps a tile");
+        EXPECT_GT(cell("start,64,warm,", wall_ms), 0);
+        EXPECT_GT(cell("encode,64,", wall_ms), 0);
+        EXPECT_GT(cell("bandwidth,", best_ms), 0);
+        EXPECT_EQ(csv.find("copied,") != std::string::npos, device == "lavapipe");
+        EXPECT_EQ(csv.find(",cold,") != std::string::npos, device == "lavapipe");
+    }
+}
+
+TEST(Bench, device_says_what_it_cannot_measure_in_one_line) {
+    for (const char* wish : {"--device no-such-device", "--device lavapipe --sizes 100"}) {
+        const Output ran = testing::run_program("seaway-bench", std::string("device ") + wish);
+        EXPECT_NE(ran.status, 0) << wish;
+        EXPECT_EQ(ran.error_lines(), 1) << ran.err;
+    }
+}
+
 TEST(Bench, effects_refuses_an_effect_that_there_is_not_or_that_the_scene_does_not_allow) {
     const std::string scene =
         testing::folder().write("flat.toml", scene_text + "[effects]\nfoam = false\n");

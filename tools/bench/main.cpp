@@ -10,6 +10,7 @@
 #include "tools/bench/accuracy/accuracy.h"
 #include "tools/bench/accuracy/guard.h"
 #include "tools/bench/compare.h"
+#include "tools/bench/device.h"
 #include "tools/bench/effects.h"
 #include "tools/bench/line.h"
 #include "tools/bench/sample.h"
@@ -115,6 +116,24 @@ seaway::CommandLine& add_effects(seaway::CommandLine& line, seaway::bench::Effec
     return command;
 }
 
+seaway::CommandLine& add_device(seaway::CommandLine& line, seaway::bench::DeviceOptions& options) {
+    seaway::CommandLine& command =
+        line.command("device", "What a device takes for maps, foam and a start, beside what its "
+                               "memory gives at best");
+    command
+        .option("--device", options.device,
+                "native, auto (a GPU, else native), an index or part of a name")
+        .shows_default();
+    command.option("--scene", options.scene).shows_default();
+    command.option("--sizes", options.sizes, "Points a side of its tiles, as 128,256")
+        .separated_by(',');
+    command.option("--rounds", options.rounds, "That count, each of all rows in turn")
+        .between(1, 1000)
+        .shows_default();
+    command.option("--out", options.out, "Folder for device.csv").shows_default();
+    return command;
+}
+
 seaway::CommandLine& add_line(seaway::CommandLine& line, seaway::bench::LineOptions& options) {
     seaway::CommandLine& command =
         line.command("line", "Where the bytes of one client go, by cascade and field");
@@ -196,6 +215,8 @@ int main(int argc, char** argv) {
     compare.option("--second", pair.second).shows_default();
     bench::AccuracyOptions accuracy;
     const CommandLine& measured = add_accuracy(line, accuracy);
+    bench::DeviceOptions device;
+    const CommandLine& device_measured = add_device(line, device);
     bench::LineOptions bytes;
     const CommandLine& counted = add_line(line, bytes);
     bench::SpectrumOptions waves;
@@ -223,6 +244,10 @@ int main(int argc, char** argv) {
     if (guarded.given()) {
         const Result<bool> kept = bench::run_guard(guard);
         return finished(kept ? Result<int>(*kept ? 0 : 1) : Result<int>(kept.error()));
+    }
+    if (device_measured.given()) {
+        const Result<void> shown = bench::run_device(device);
+        return finished(shown ? Result<int>(0) : Result<int>(shown.error()));
     }
     const Result<void> done = measured.given()  ? bench::run_accuracy(accuracy)
                               : compare.given() ? bench::run_compare(pair)
