@@ -1,0 +1,113 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""The files of deploy/fleet are what the programs that read them take, and name options that the server has.
+
+    test_deploy.py BUILD
+"""
+
+import configparser
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import yaml
+
+SOURCE = pathlib.Path(__file__).resolve().parents[2]
+FLEET = SOURCE / "deploy/fleet"
+SERVER = pathlib.Path(sys.argv.pop(1) if len(sys.argv) > 1 else SOURCE / "build/dev").resolve() / "bin/seaway-server"
+
+
+def run(*words):
+    return subprocess.run([str(word) for word in words], capture_output=True, text=True, check=False, cwd=SOURCE)
+
+
+def options_of_the_server():
+    return set(re.findall(r"(--[a-z][a-z-]+)", run(SERVER, "--help").stdout))
+
+
+def options_in(words):
+    return {word.split("=")[0] for word in words if word.startswith("--")}
+
+
+class Deploy(unittest.TestCase):
+    def test_haproxy_takes_each_of_its_configurations(self):
+        with tempfile.TemporaryDirectory() as folder:
+            made = run("openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "2", "-subj", "/CN=sea",
+                       "-keyout", f"{folder}/key", "-out", f"{folder}/cert")
+            self.assertEqual(made.returncode, 0, made.stderr)
+            (pathlib.Path(folder) / "sea.pem").write_text(
+                (pathlib.Path(folder) / "cert").read_text() + (pathlib.Path(folder) / "key").read_text())
+            for name in ("haproxy.cfg", "haproxy-passthrough.cfg", "compose-haproxy.cfg"):
+                text = (FLEET / name).read_text()
+                # Names that only the operator's network knows.
+                text = re.sub(r"sea-[abc](\.example\.org)?:", "127.0.0.1:", text)
+                text = text.replace("/etc/haproxy/sea.pem", f"{folder}/sea.pem")
+                text = text.replace("/run/haproxy/seaway.sock", f"{folder}/sock")
+                for wrong in ("", "\nbackend certain\n    balnace leastconn\n"):
+                    config = pathlib.Path(folder) / name
+                    config.write_text(text + wrong)
+                    checked = run("/usr/sbin/haproxy", "-c", "-f", config)
+                    self.assertEqual(checked.returncode == 0, wrong == "", name + checked.stderr)
+                self.assertIn("GET /readyz", text)
+                self.assertIn("GET /healthz", text)
+
+    def test_nats_takes_its_configuration(self):
+        good = run("/usr/sbin/nats-server", "-t", "-c", FLEET / "nats.conf")
+        self.assertEqual(good.returncode, 0, good.stderr)
+        with tempfile.NamedTemporaryFile("w", suffix=".conf") as file:
+            file.write((FLEET / "nats.conf").read_text() + "\nno_such_key: [ {\n")
+            file.flush()
+            self.assertNotEqual(run("/usr/sbin/nats-server", "-t", "-c", file.name).returncode, 0)
+
+    def test_the_server_takes_the_options_of_the_fleet(self):
+        checked = run(SERVER, "scenes/calm.toml", "--config", FLEET / "fleet.toml", "--check")
+        self.assertEqual(checked.returncode, 0, checked.stderr)
+        unit = configparser.ConfigParser(strict=False, interpolation=None)
+        unit.optionxform = str
+        unit.read(FLEET / "seaway-fleet@.service")
+        start = unit["Service"]["ExecStart"]
+        self.assertLessEqual(options_in(start.split()), options_of_the_server())
+        self.assertIn("%i", unit["Service"]["EnvironmentFile"])
+        for variable in re.findall(r"\$\{(\w+)\}", start):
+            self.assertIn(f"{variable}=", (FLEET / "seaway-fleet@.service").read_text().split("[Unit]")[0])
+
+    def test_compose_names_what_is_there_and_options_that_are(self):
+        whole = yaml.safe_load((FLEET / "compose.yaml").read_text())
+        services = whole["services"]
+        servers = [service for name, service in services.items() if name.startswith("sea-")]
+        self.assertEqual(len(servers), 3)
+        for server in servers:
+            self.assertLessEqual(options_in(server["command"]), options_of_the_server())
+            self.assertTrue(set(server["depends_on"]) <= set(services))
+        balancer = (FLEET / "compose-haproxy.cfg").read_text()
+        for name in services:
+            if name.startswith("sea-"):
+                self.assertIn(f" {name}:9430", balancer)
+        self.assertTrue((FLEET / servers[0]["build"] / "Dockerfile").is_file())
+
+    def test_kubernetes_objects_hang_together(self):
+        objects = {one["kind"]: one for one in yaml.safe_load_all((FLEET / "kubernetes.yaml").read_text())}
+        self.assertEqual(set(objects), {"Deployment", "Service", "PodDisruptionBudget"})
+        spec = objects["Deployment"]["spec"]
+        labels = spec["template"]["metadata"]["labels"]
+        for selector in (spec["selector"]["matchLabels"], objects["Service"]["spec"]["selector"],
+                         objects["PodDisruptionBudget"]["spec"]["selector"]["matchLabels"]):
+            self.assertEqual(selector, labels)
+        server = spec["template"]["spec"]["containers"][0]
+        self.assertLessEqual(options_in(server["args"]), options_of_the_server())
+        ports = {port["name"]: port["containerPort"] for port in server["ports"]}
+        for option, port in (("--listen", "sea"), ("--health-listen", "health")):
+            self.assertIn(f"{option}=0.0.0.0:{ports[port]}", server["args"])
+        self.assertEqual(server["livenessProbe"]["httpGet"]["path"], "/healthz")
+        self.assertEqual(server["readinessProbe"]["httpGet"]["path"], "/readyz")
+        volumes = {volume["name"] for volume in spec["template"]["spec"]["volumes"]}
+        self.assertEqual({mount["name"] for mount in server["volumeMounts"]}, volumes)
+        # The drain, and what a process that hangs takes to end by itself.
+        self.assertGreater(spec["template"]["spec"]["terminationGracePeriodSeconds"], 2 + 8)
+
+
+if __name__ == "__main__":
+    unittest.main()
