@@ -2,6 +2,8 @@
 #include "server/following.h"
 
 #include <cmath>
+#include <set>
+#include <sstream>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -74,6 +76,48 @@ std::string Following::metrics() const {
     add("sea_stale", "1 while this sea may not be that of the other servers: /v1/state says why.",
         doubt().empty() ? 0 : 1);
     return text;
+}
+
+namespace {
+
+/// Lines of a scene that another has not, some of them.
+std::vector<std::string> new_lines(const std::string& before, const std::string& after) {
+    constexpr std::size_t lines_max = 4;
+    std::set<std::string> held;
+    std::istringstream old(before), now(after);
+    for (std::string line; std::getline(old, line);)
+        held.insert(line);
+    std::vector<std::string> lines;
+    for (std::string line; lines.size() < lines_max && std::getline(now, line);)
+        if (!held.contains(line))
+            lines.push_back(line);
+    return lines;
+}
+
+} // namespace
+
+std::string history_json(const std::vector<SeaChange>& changes, std::uint32_t from) {
+    nlohmann::ordered_json listed = nlohmann::ordered_json::array();
+    std::string before;
+    for (const SeaChange& change : changes) {
+        const bool wanted = change.epoch >= from && listed.size() < history_max;
+        if (change.pace && wanted)
+            listed.push_back({{"change", change.epoch},
+                              {"start_s", sea::seconds_from_us(change.pace->sea_us)},
+                              {"pace", change.pace->permille / static_cast<double>(sea::pace_unit)},
+                              {"lapsed", change.lapsed}});
+        if (!change.pace && wanted)
+            listed.push_back({{"change", change.epoch},
+                              {"start_s", sea::seconds_from_us(change.start_us)},
+                              {"end_s", sea::seconds_from_us(change.end_us)},
+                              {"lapsed", change.lapsed},
+                              {"differs", change.epoch == 1 ? std::vector<std::string>{}
+                                                            : new_lines(before, change.scene)}});
+        if (!change.pace && !change.lapsed)
+            before = change.scene;
+    }
+    const nlohmann::ordered_json all{{"changes", listed}};
+    return all.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
 } // namespace seaway::server

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "server/journal/journal.h"
 
@@ -32,5 +33,11 @@ struct Following {
     /// Its part of /metrics; empty where nobody else appends.
     std::string metrics() const;
 };
+
+/// Changes that are listed at once.
+inline constexpr std::size_t history_max = 200;
+
+/// Those from a number on, with the first lines of each scene that differ from the one before: JSON.
+std::string history_json(const std::vector<SeaChange>& changes, std::uint32_t from);
 
 } // namespace seaway::server

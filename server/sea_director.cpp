@@ -88,6 +88,7 @@ SeaDirector::SeaDirector(std::shared_ptr<SeaCourse> course, Journal* journal, st
         [this](SeaWish wish, Host::Changed done) { change(std::move(wish), std::move(done)); });
     if (!journal_)
         return;
+    world_.read_by([this](std::uint32_t epoch) { return journal_->since(epoch); });
     journal_->compare_clocks([this] { return clock_.moment().elapsed_us; });
     world_.follow_by([this] { return following(); });
     journal_->call_on_change([this] {
@@ -102,6 +103,7 @@ SeaDirector::SeaDirector(std::shared_ptr<SeaCourse> course, Journal* journal, st
 SeaDirector::~SeaDirector() {
     world_.change_by(nullptr);
     world_.follow_by(nullptr);
+    world_.read_by(nullptr);
     if (journal_) {
         journal_->call_on_change(nullptr);
         journal_->compare_clocks(nullptr);

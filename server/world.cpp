@@ -383,6 +383,42 @@ Result<std::uint64_t> World::map_bytes(const std::map<std::string, std::string>&
     return bytes_of_map(request);
 }
 
+void World::read_by(Since since) {
+    const std::scoped_lock lock(mutex_);
+    since_ = std::move(since);
+}
+
+Result<std::vector<SeaChange>> World::changes_from(std::uint64_t number) const {
+    Since since;
+    {
+        const std::scoped_lock lock(mutex_);
+        since = since_;
+    }
+    if (!since)
+        return Error{Refusal::not_offered, "this sea has no journal"};
+    if (number > changes_max)
+        return Error{Refusal::bad_value,
+                     fmt::format("change is {}; a journal holds {} at most", number, changes_max)};
+    return since(static_cast<std::uint32_t>(number > 0 ? number - 1 : 0));
+}
+
+Result<std::string> World::history(std::uint64_t from) const {
+    // With the one before, which the first differs from.
+    SEAWAY_TRY_LET(const std::vector<SeaChange> changes,
+                   changes_from(std::max<std::uint64_t>(from, 1) - (from > 1)));
+    return history_json(changes, static_cast<std::uint32_t>(from));
+}
+
+Result<std::string> World::scene_of_change(std::uint64_t number) const {
+    SEAWAY_TRY_LET(const std::vector<SeaChange> changes, changes_from(number));
+    if (number == 0 || changes.empty())
+        return Error{Refusal::bad_value, fmt::format("change is {}; there is none", number)};
+    if (changes.front().pace)
+        return Error{Refusal::bad_value,
+                     fmt::format("change is {}, which is one of pace: it has no scene", number)};
+    return changes.front().scene;
+}
+
 std::string World::state_json() const {
     const RunningSeaPtr sea = sea_now();
     return server::state_json(*sea, warnings_of(*sea), simulation_->device(), clock_.moment(),

@@ -58,6 +58,9 @@ class World final : public Host {
     void change_by(Change change);
     /// Who knows how it stands with the log, from now on; empty: there is none.
     void follow_by(std::function<Following()> follow);
+    /// Changes after that of a number, as Journal::since(), from now on; empty: there is no journal.
+    using Since = std::function<Result<std::vector<SeaChange>>(std::uint32_t)>;
+    void read_by(Since since);
     /// Who sends all sessions to other servers, from now on; and that it is to.
     void hand_over_by(std::function<void(const std::string&)> hand_over);
     void hand_over(const std::string& why);
@@ -90,12 +93,15 @@ class World final : public Host {
     Result<std::uint64_t>
     map_bytes(const std::map<std::string, std::string>& parameters) const override;
     void change(SeaWish wish, Changed done) override;
+    Result<std::string> history(std::uint64_t from) const override;
+    Result<std::string> scene_of_change(std::uint64_t number) const override;
     std::string state_json() const override;
     std::string plan_json() const override;
     std::string metrics_text() const override;
     Health health() const override;
 
   private:
+    Result<std::vector<SeaChange>> changes_from(std::uint64_t number) const;
     KeyframeTiles tiles(sea::KeyframePtr keyframe, Quality quality) const;
     /// The one that runs; made here only where the clock has leapt to a sea that nobody was told of.
     RunningSeaPtr sea_now() const { return course_->at(clock_.now_us()); }
@@ -118,6 +124,7 @@ class World final : public Host {
     Change change_;
     std::function<Following()> follow_;
     std::function<void(const std::string&)> hand_over_;
+    Since since_;
     /// The sea that runs and those that announce_due() has told of, in order of time; and before them what they glide from.
     /// Held, so that nobody on the network's thread has to make one.
     std::vector<RunningSeaPtr> told_;

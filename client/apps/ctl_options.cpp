@@ -36,6 +36,9 @@ struct Words {
     double at_s = -1e12; ///< past: as soon as can be
     std::uint64_t session = 0;
     double pace = 1;
+    std::uint64_t change = 1;
+    StatusWish status;
+    DiffWish diff;
 };
 
 Result<protocol::ChangeWish> change_of(const Words& words) {
@@ -84,6 +87,94 @@ Result<CtlOptions> options_of(CtlOptions options, const Words& words, bool chang
     return options;
 }
 
+/// What can be asked.
+struct Commands {
+    CommandLine* set = nullptr;
+    CommandLine* load = nullptr;
+    CommandLine* pause = nullptr;
+    CommandLine* rate = nullptr;
+    CommandLine* rewind = nullptr;
+    CommandLine* history = nullptr;
+    CommandLine* status = nullptr;
+    CommandLine* diff = nullptr;
+    CommandLine* state = nullptr;
+    CommandLine* plan = nullptr;
+    CommandLine* sessions = nullptr;
+    CommandLine* drop = nullptr;
+
+    Commands(CommandLine& line, Words& words) {
+        add_changes(line, words);
+        add_looks(line, words);
+    }
+    void add_changes(CommandLine& line, Words& words);
+    void add_looks(CommandLine& line, Words& words);
+    bool changes() const { return set->given() || load->given() || rewind->given(); }
+};
+
+void Commands::add_changes(CommandLine& line, Words& words) {
+    set = &line.command("set", "Sets values of the scene; the sea glides over");
+    set->option("values", words.values, "Values by their paths").takes("PATH=VALUE ...").required();
+    add_when(*set, words);
+    load = &line.command("load", "Glides over to another scene");
+    load->option("scene", words.scene, "Scene file").takes("SCENE.toml").required();
+    add_when(*load, words);
+    pause = &line.command("pause", "Stops sea time where it is, in a second");
+    rate = &line.command("rate",
+                         "How fast sea time runs, in a second: 1 as clocks do, 0.5 half as fast");
+    rate->option("rate", words.pace, "In steps of 0.001; keyframes come so much more often")
+        .takes("RATE")
+        .between(0.0, sea::pace_permille_max / static_cast<double>(sea::pace_unit))
+        .required();
+    rewind = &line.command("rewind", "Glides back to the sea of an earlier change");
+    rewind->option("change", words.change, "Its number, as history says; 1: what it began with")
+        .takes("N")
+        .required();
+    add_when(*rewind, words);
+}
+
+void Commands::add_looks(CommandLine& line, Words& words) {
+    history = &line.command("history", "The changes of the sea, from its journal");
+    history->option("--from", words.change, "The first that is listed; some hundred are")
+        .takes("N");
+    status = &line.command("status", "How servers of one sea stand, a row for each");
+    status->option("urls", words.status.others, "Other servers").takes("URL ...");
+    diff = &line.command(
+        "diff", "Heights of two servers at random points around now; exit code 6: they differ");
+    diff->option("other", words.diff.other, "The other server").takes("URL").required();
+    diff->option("--points", words.diff.points, "How many")
+        .takes("COUNT")
+        .between(1, 1'000'000)
+        .shows_default();
+    diff->option("--seed", words.diff.seed, "Of points and times").takes("N").shows_default();
+    state = &line.command("state", "The sea, as /v1/state");
+    plan = &line.command("plan", "What is computed for whom, as /v1/plan");
+    sessions = &line.command("sessions", "Who is connected");
+    drop = &line.command("drop", "Ends a session");
+    drop->option("session", words.session, "Its number, as sessions says").takes("N").required();
+}
+
+/// Of commands that change no sea by words of their own.
+void choose(const Commands& commands, const Words& words, CtlOptions& options) {
+    if (commands.pause->given())
+        options.what = pace_of(0);
+    if (commands.rate->given())
+        options.what = pace_of(words.pace);
+    if (commands.state->given())
+        options.what = AdminWish{wire::Act::state};
+    if (commands.plan->given())
+        options.what = AdminWish{wire::Act::plan};
+    if (commands.sessions->given())
+        options.what = AdminWish{wire::Act::sessions};
+    if (commands.history->given())
+        options.what = AdminWish{wire::Act::history, words.change};
+    if (commands.status->given())
+        options.what = words.status;
+    if (commands.diff->given())
+        options.what = words.diff;
+    if (commands.drop->given())
+        options.what = AdminWish{wire::Act::drop, words.session};
+}
+
 } // namespace
 
 Result<double> parse_duration_s(const std::string& text) {
@@ -114,43 +205,19 @@ std::variant<CtlOptions, int> read_ctl_options(int argc, const char* const* argv
     line.option("--timeout", options.timeout_s, "Patience with the request")
         .takes("SECONDS")
         .shows_default();
-    CommandLine& set = line.command("set", "Sets values of the scene; the sea glides over");
-    set.option("values", words.values, "Values by their paths").takes("PATH=VALUE ...").required();
-    add_when(set, words);
-    CommandLine& load = line.command("load", "Glides over to another scene");
-    load.option("scene", words.scene, "Scene file").takes("SCENE.toml").required();
-    add_when(load, words);
-    CommandLine& pause = line.command("pause", "Stops sea time where it is, in a second");
-    CommandLine& rate = line.command(
-        "rate", "How fast sea time runs, in a second: 1 as clocks do, 0.5 half as fast");
-    rate.option("rate", words.pace, "In steps of 0.001; keyframes come so much more often")
-        .takes("RATE")
-        .between(0.0, sea::pace_permille_max / static_cast<double>(sea::pace_unit))
-        .required();
-    CommandLine& state = line.command("state", "The sea, as /v1/state");
-    CommandLine& plan = line.command("plan", "What is computed for whom, as /v1/plan");
-    CommandLine& sessions = line.command("sessions", "Who is connected");
-    CommandLine& drop = line.command("drop", "Ends a session");
-    drop.option("session", words.session, "Its number, as sessions says").takes("N").required();
+    const Commands commands(line, words);
     line.footer(footer);
     const Result<CommandLine::Next> next = line.read(argc, argv);
     if (!next)
         return complain("seaway-ctl", exit_usage, next.error().message);
     if (*next == CommandLine::Next::leave)
         return status_after_output("seaway-ctl", exit_done, exit_output);
-    if (pause.given())
-        options.what = pace_of(0);
-    if (rate.given())
-        options.what = pace_of(words.pace);
-    if (state.given())
-        options.what = AdminWish{wire::Act::state};
-    if (plan.given())
-        options.what = AdminWish{wire::Act::plan};
-    if (sessions.given())
-        options.what = AdminWish{wire::Act::sessions};
-    if (drop.given())
-        options.what = AdminWish{wire::Act::drop, words.session};
-    Result<CtlOptions> whole = options_of(std::move(options), words, set.given() || load.given());
+    choose(commands, words, options);
+    Result<CtlOptions> whole = options_of(std::move(options), words, commands.changes());
+    if (whole && commands.rewind->given()) {
+        const auto& when = std::get<protocol::ChangeWish>(whole->what);
+        whole->what = RewindWish{words.change, when.over_us, when.at_us};
+    }
     if (!whole)
         return complain("seaway-ctl", exit_usage, whole.error().message);
     return *std::move(whole);

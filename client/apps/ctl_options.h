@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "protocol/messages.h"
 
@@ -16,12 +17,30 @@ struct AdminWish {
     std::uint64_t session = 0;
 };
 
+/// Of several servers.
+struct StatusWish {
+    std::vector<std::string> others; ///< URLs beside that of the options
+};
+
+struct RewindWish {
+    std::uint64_t change = 1; ///< whose sea comes again
+    sea::TimeUs over_us = 0;
+    sea::TimeUs at_us = 0;
+};
+
+struct DiffWish {
+    std::string other; ///< URL
+    int points = 1000;
+    std::uint64_t seed = 1;
+};
+
 struct CtlOptions {
     std::string url;
     std::string token_file;
     std::string ca_file;
     double timeout_s = 30;
-    std::variant<AdminWish, protocol::ChangeWish> what; ///< a change with its scene read already
+    /// A change with its scene read already.
+    std::variant<AdminWish, protocol::ChangeWish, StatusWish, RewindWish, DiffWish> what;
 };
 
 /// Seconds, or a number with a unit: "90", "90s", "2m", "1.5h", "3d".

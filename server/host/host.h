@@ -179,6 +179,14 @@ class Host {
     /// The same at once, from the net thread, where all of it is made already; none: it has to be asked for.
     virtual std::optional<GrantedSpectrum> held_spectrum(const SpectrumRequest&) { return {}; }
 
+    /// The changes of the sea's journal from that number on, as JSON, some hundred at most; and the scene of one. Not every host has a journal.
+    virtual Result<std::string> history(std::uint64_t /*from*/) const {
+        return Error{Refusal::not_offered, "this sea has no journal"};
+    }
+    virtual Result<std::string> scene_of_change(std::uint64_t /*number*/) const {
+        return Error{Refusal::not_offered, "this sea has no journal"};
+    }
+
     /// Bodies of /v1/state and /v1/plan (JSON) and the simulation's part of /metrics (Prometheus).
     virtual std::string state_json() const = 0;
     virtual std::string plan_json() const = 0;

@@ -53,17 +53,17 @@ std::int64_t stored_utc_us(natsMsg* message) {
 
 /// What the engine has said, in its own words where it has some.
 std::string said(natsStatus status, int code) {
-    if (code == JSNotEnabledErr || code == JSNotEnabledForAccountErr ||
-        status == NATS_NO_RESPONDERS)
+    if (code == JSNotEnabledErr || code == JSNotEnabledForAccountErr)
         return "NATS runs without JetStream";
+    if (status == NATS_NO_RESPONDERS) // as in the moment in which it starts, or makes a stream
+        return "nobody there keeps logs: NATS runs without JetStream, or does not have it yet";
     const char* last = nats_GetLastError(nullptr);
     return code != 0 && last ? std::string(last) : natsStatus_GetText(status);
 }
 
 /// The engine has answered, and that is its answer. All else is the network's, or passes.
 bool is_final(natsStatus status, int code) {
-    constexpr int temporary =
-        10000; // server errors begin here; of these a cluster has some that pass
+    constexpr int first = 10000; // errors of JetStream begin here; a cluster has some that pass
     switch (code) {
     case JSClusterNoPeersErr:
     case JSClusterNotAvailErr:
@@ -73,8 +73,7 @@ bool is_final(natsStatus status, int code) {
     case JSStreamStoreFailedErr:
         return false;
     default:
-        return code > temporary || status == NATS_MAX_PAYLOAD || status == NATS_NOT_PERMITTED ||
-               status == NATS_NO_RESPONDERS;
+        return code > first || status == NATS_MAX_PAYLOAD || status == NATS_NOT_PERMITTED;
     }
 }
 

@@ -95,6 +95,7 @@ class Session {
     void on_change(const wire::Change& change);
     void on_administer(const wire::Administer& administer);
     void changed(std::uint32_t request_id, const Result<SeaPromise>& promise);
+    void told(std::uint32_t request_id, const Result<std::string>& text);
     std::string sessions_json() const;
     Result<void> drop(SessionId session);
 

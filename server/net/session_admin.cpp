@@ -98,12 +98,22 @@ void Session::on_administer(const wire::Administer& administer) {
         return reply(protocol::administered(request_id, core_.host.plan_json()));
     case wire::Act::sessions:
         return reply(protocol::administered(request_id, sessions_json()));
+    case wire::Act::history:
+        return told(request_id, core_.host.history(administer.session()));
+    case wire::Act::change:
+        return told(request_id, core_.host.scene_of_change(administer.session()));
     case wire::Act::drop:
         if (const Result<void> gone = drop(administer.session()); !gone)
             return refuse(request_id, gone.error());
         return reply(protocol::administered(
             request_id, fmt::format("{{\"dropped\": {}}}\n", administer.session())));
     }
+}
+
+void Session::told(std::uint32_t request_id, const Result<std::string>& text) {
+    if (!text)
+        return refuse(request_id, text.error());
+    reply(protocol::administered(request_id, *text));
 }
 
 std::string Session::sessions_json() const {

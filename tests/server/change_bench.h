@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdio>
-#include <fstream>
 #include <memory>
 #include <string>
 #include <vector>
@@ -18,9 +17,9 @@ namespace seaway::changes {
 
 inline constexpr const char* token = "change-the-sea";
 
+/// Written once: a server that starts may be reading it.
 inline std::string token_file() {
-    const std::string path = tests::folder().file("admin.token");
-    std::ofstream(path) << token << '\n';
+    static const std::string path = tests::folder().write("admin.token", std::string(token) + '\n');
     return path;
 }
 

@@ -228,6 +228,58 @@ TEST(
     EXPECT_TRUE(get(url, "/healthz").fine);
 }
 
+TEST(Fleet, an_administrator_sees_the_servers_their_history_and_differences_and_rewinds) {
+    NatsServer nats;
+    ServerProcess a(arguments_of(nats.url("admin"))), b(arguments_of(nats.url("admin")));
+    std::vector<std::string> another = arguments(tests::folder().file("stranger"));
+    another[0] = "scenes/trade_wind_swell.toml";
+    ServerProcess stranger(another);
+    const std::string at_a = a.wait_until_ready(), at_b = b.wait_until_ready(),
+                      elsewhere = stranger.wait_until_ready();
+    ASSERT_FALSE(at_a.empty() || at_b.empty() || elsewhere.empty()) << a.log() << b.log();
+    ASSERT_EQ(ctl(at_a, {"set", "systems.0.wind_speed_10m_mps=11.5", "--over", "10s"}).code, 0);
+    ASSERT_TRUE(comes_true([&] { return journal_of(at_b)["played"] == 2; }));
+    const Said status = ctl(at_a, {"status", at_b, "ws://127.0.0.1:1"});
+    EXPECT_EQ(status.code, 0) << status.words;
+    std::istringstream lines(status.words);
+    std::vector<std::string> rows;
+    for (std::string line; std::getline(lines, line);)
+        rows.push_back(line);
+    ASSERT_EQ(rows.size(), 4u) << status.words;
+    EXPECT_NE(rows[0].find("ahead_ms"), std::string::npos);
+    for (std::size_t row : {1u, 2u}) {
+        EXPECT_EQ(rows[row].find(row == 1 ? at_a : at_b), 0u) << rows[row];
+        std::istringstream words(rows[row]);
+        std::string url, name, version, sea, changes, behind;
+        words >> url >> name >> version >> sea >> changes >> behind;
+        EXPECT_EQ(sea + " " + changes + " " + behind, "ready 2 0") << rows[row];
+    }
+    EXPECT_EQ(rows[3].find("ws://127.0.0.1:1"), 0u) << rows[3];
+    const auto history = nlohmann::json::parse(ctl(at_b, {"history"}).words)["changes"];
+    ASSERT_EQ(history.size(), 2u);
+    EXPECT_EQ(history[1]["change"], 2);
+    EXPECT_NE(history[1]["differs"].dump().find("11.5"), std::string::npos) << history.dump();
+    EXPECT_EQ(nlohmann::json::parse(ctl(at_b, {"history", "--from", "2"}).words)["changes"].size(),
+              1u);
+    const Said same = ctl(at_a, {"diff", at_b, "--points", "500"});
+    EXPECT_EQ(same.code, 0) << same.words;
+    EXPECT_EQ(number(same.words, "beyond_bounds"), 0);
+    EXPECT_GT(number(same.words, "points"), 400);
+    const Said other = ctl(at_a, {"diff", elsewhere, "--points", "500"});
+    EXPECT_EQ(other.code, 6) << other.words;
+    EXPECT_NE(other.words.find("different seas"), std::string::npos) << other.words;
+    // Back to the beginning, asked of the other server: its scene is that of change 1 to the letter.
+    ASSERT_EQ(ctl(at_b, {"rewind", "1", "--over", "10s"}).code, 0);
+    ASSERT_TRUE(comes_true([&] { return journal_of(at_a)["played"] == 3; }));
+    const auto again =
+        nlohmann::json::parse(ctl(at_a, {"history", "--from", "3"}).words)["changes"];
+    ASSERT_EQ(again.size(), 1u);
+    EXPECT_EQ(again[0]["differs"].dump().find("11.5"), std::string::npos) << again.dump();
+    const Said none = ctl(at_a, {"rewind", "99"});
+    EXPECT_EQ(none.code, 6);
+    EXPECT_NE(none.words.find("change is 99; there is none"), std::string::npos) << none.words;
+}
+
 TEST(Fleet, a_world_of_another_scene_and_wrong_options_are_named_at_the_start) {
     NatsServer nats;
     ServerProcess first(arguments_of(nats.url("w")));

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/apps/ctl_ask.h"
+
+#include <algorithm>
+#include <cmath>
+#include <future>
+#include <random>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "client/apps/exit_code.h"
+#include "client/client.h"
+#include "client/link/failure.h"
+
+namespace seaway::client {
+namespace {
+
+/// Asks and waits: the connection answers once, at the latest when its patience has ended.
+template <class Ask>
+Result<Reply> answer_to(const Ask& ask) {
+    std::promise<Result<Reply>> promise;
+    ask([&promise](Result<Reply> reply) { promise.set_value(std::move(reply)); });
+    return promise.get_future().get();
+}
+
+std::string row_of(const std::string& url, const std::string& version, const nlohmann::json& state,
+                   const nlohmann::json& sessions) {
+    const nlohmann::json none = {
+        {"shared", false},  {"changes", 1},          {"played", 1},
+        {"peers", 0},       {"clock_ahead_ms", 0.0}, {"clock_error_ms", 0.0},
+        {"unheard_s", 0.0}, {"stale", false},        {"why", ""}};
+    const nlohmann::json journal = state.value("journal", none);
+    std::uint64_t bytes_waiting = 0;
+    for (const nlohmann::json& one : sessions["listed"])
+        bytes_waiting += one["bytes_waiting"].get<std::uint64_t>();
+    return fmt::format(
+        "{:<30} {:<22} {:<6} {:>7} {:>6} {:>9.3f} {:>9.3f} {:>6.2f} {:>5} {:>8} {:>9} {}\n", url,
+        version, journal["stale"].get<bool>() ? "stale" : "ready", journal["changes"].get<int>(),
+        journal["changes"].get<int>() - journal["played"].get<int>(),
+        journal["clock_ahead_ms"].get<double>(), journal["clock_error_ms"].get<double>(),
+        journal["unheard_s"].get<double>(), journal["peers"].get<int>(),
+        // This program is one of them.
+        sessions["sessions"].get<int>() - 1, bytes_waiting / 1024,
+        journal["why"].get<std::string>());
+}
+
+Result<std::string> row(const CtlOptions& options, const std::string& url) {
+    SEAWAY_TRY_LET(const std::unique_ptr<Connection> connection,
+                   connect_as_administrator(options, url));
+    SEAWAY_TRY_LET(const std::string state,
+                   administered(*connection, {wire::Act::state}, options.timeout_s));
+    SEAWAY_TRY_LET(const std::string sessions,
+                   administered(*connection, {wire::Act::sessions}, options.timeout_s));
+    const nlohmann::json said = nlohmann::json::parse(state, nullptr, false);
+    const nlohmann::json who = nlohmann::json::parse(sessions, nullptr, false);
+    try {
+        return row_of(url, connection->welcome().server, said, who);
+    } catch (const nlohmann::json::exception&) { // of another version
+        return fmt::format("{:<30} says its state in other words than this program knows\n", url);
+    }
+}
+
+Result<std::unique_ptr<Client>> reader_of(const CtlOptions& options, const std::string& url) {
+    SEAWAY_TRY_LET(const std::string token, read_token(options.token_file));
+    ConnectOptions connect;
+    connect.url = url;
+    connect.token = token;
+    connect.ca_file = options.ca_file;
+    connect.timeout_s = options.timeout_s;
+    return Client::connect(connect);
+}
+
+} // namespace
+
+Result<std::unique_ptr<Connection>> connect_as_administrator(const CtlOptions& options,
+                                                             const std::string& url) {
+    SEAWAY_TRY_LET(const std::string token, read_token(options.token_file));
+    return Connection::open({.url = url,
+                             .name = "seaway-ctl/" SEAWAY_VERSION,
+                             .token = token,
+                             .ca_file = options.ca_file,
+                             .timeout_s = options.timeout_s},
+                            {});
+}
+
+Result<std::string> administered(Connection& connection, const AdminWish& wish, double timeout_s) {
+    SEAWAY_TRY_LET(const Reply reply, answer_to([&](ReplyHandler handler) {
+                       connection.administer(wish.act, wish.session, timeout_s, std::move(handler));
+                   }));
+    return reply.text;
+}
+
+Result<std::string> changed(Connection& connection, const protocol::ChangeWish& wish,
+                            double timeout_s) {
+    SEAWAY_TRY_LET(const Reply reply, answer_to([&](ReplyHandler handler) {
+                       connection.change(wish, timeout_s, std::move(handler));
+                   }));
+    if (wish.pace_permille)
+        return fmt::format("{{\"from_s\": {}}}\n", sea::seconds_from_us(reply.start_us));
+    return fmt::format("{{\"epoch\": {}, \"start_s\": {}, \"end_s\": {}}}\n", reply.epoch,
+                       sea::seconds_from_us(reply.start_us), sea::seconds_from_us(reply.end_us));
+}
+
+Result<std::string> fleet_status(const CtlOptions& options, const StatusWish& wish) {
+    std::vector<std::string> urls{options.url};
+    urls.insert(urls.end(), wish.others.begin(), wish.others.end());
+    std::string table =
+        fmt::format("{:<30} {:<22} {:<6} {:>7} {:>6} {:>9} {:>9} {:>6} {:>5} {:>8} {:>9} why\n",
+                    "server", "version", "sea", "changes", "behind", "ahead_ms", "+-_ms", "unheard",
+                    "peers", "sessions", "waits_KB");
+    bool any = false;
+    Error last{"no server"};
+    for (const std::string& url : urls) {
+        const Result<std::string> one = row(options, url);
+        any = any || one.has_value();
+        if (!one)
+            last = one.error();
+        table += one ? *one : fmt::format("{:<30} {}\n", url, one.error().message);
+    }
+    if (!any)
+        return last;
+    return table;
+}
+
+Result<std::string> rewound(const CtlOptions& options, const RewindWish& wish) {
+    SEAWAY_TRY_LET(const std::unique_ptr<Connection> connection,
+                   connect_as_administrator(options, options.url));
+    SEAWAY_TRY_LET(std::string scene,
+                   administered(*connection, {wire::Act::change, wish.change}, options.timeout_s));
+    protocol::ChangeWish change;
+    change.scene = std::move(scene);
+    change.over_us = wish.over_us;
+    change.at_us = wish.at_us;
+    return changed(*connection, change, options.timeout_s);
+}
+
+Result<std::string> difference(const CtlOptions& options, const DiffWish& wish) {
+    SEAWAY_TRY_LET(const std::unique_ptr<Client> one, reader_of(options, options.url));
+    SEAWAY_TRY_LET(const std::unique_ptr<Client> other, reader_of(options, wish.other));
+    std::mt19937_64 random(wish.seed);
+    std::uniform_real_distribution<double> place(-5000, 5000);
+    // What has been made, and what is about to be.
+    std::uniform_int_distribution<sea::TimeUs> around(-10'000'000, 1'000'000);
+    std::vector<sea::QueryPoint> points;
+    for (int i = 0; i < wish.points; ++i)
+        points.push_back({place(random), place(random), one->now_us() + around(random)});
+    SEAWAY_TRY_LET(const auto a, one->ask(points, {.timeout_s = options.timeout_s}));
+    SEAWAY_TRY_LET(const auto b, other->ask(points, {.timeout_s = options.timeout_s}));
+    double most_m = 0, squares = 0;
+    int beyond = 0, compared = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        if ((a[i].flags | b[i].flags) & (sea::answer_folded | sea::answer_extrapolated))
+            continue;
+        const double off_m = std::abs(a[i].height_m - b[i].height_m);
+        ++compared;
+        beyond += off_m > a[i].error_m + b[i].error_m;
+        most_m = std::max(most_m, off_m);
+        squares += off_m * off_m;
+    }
+    const double clocks_s = sea::seconds_from_us(one->now_us() - other->now_us());
+    const std::string said =
+        fmt::format("{{\"points\": {}, \"beyond_bounds\": {}, \"most_m\": {:.6f}, \"rms_m\": "
+                    "{:.6f}, \"clock_s\": {:.6f}}}\n",
+                    compared, beyond, most_m, std::sqrt(squares / std::max(compared, 1)), clocks_s);
+    if (beyond > 0)
+        return failed(Failure::refused, "the servers have different seas: " + said);
+    return said;
+}
+
+} // namespace seaway::client
