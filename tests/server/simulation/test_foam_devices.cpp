@@ -315,5 +315,22 @@ TEST(FoamLost, with_its_device_is_walked_for_anew_on_the_next_one) {
                                    std::as_const(*before[0]).plane(Field::foam)));
 }
 
+// Who asked waits for a start, and gets what a server gives that was never disturbed.
+TEST(FoamLost, in_a_server_is_walked_for_anew_for_who_asked) {
+    const Demand foam{1u, {Field::foam}};
+    Bench bench(steady), calm(steady);
+    ASSERT_TRUE(bench.fetch({10 * second_us}, foam));
+    *bench.failures = 1;
+    const auto after = bench.fetch({12 * second_us}, foam);
+    ASSERT_TRUE(after) << after.error().message;
+    EXPECT_EQ(bench.simulation->counters().device_rebuilds, 1u);
+    const auto never = calm.fetch({12 * second_us}, foam);
+    ASSERT_TRUE(never);
+    ASSERT_EQ(after->size(), never->size());
+    for (std::size_t i = 0; i < after->size(); ++i)
+        EXPECT_TRUE(
+            std::ranges::equal((*after)[i]->plane(Field::foam), (*never)[i]->plane(Field::foam)));
+}
+
 } // namespace
 } // namespace seaway::server
