@@ -19,8 +19,8 @@
 #include "server/net/connection.h"
 #include "server/net/credentials.h"
 #include "server/net/endpoint.h"
+#include "server/net/publishing.h"
 #include "server/net/session.h"
-#include "sockets/frame_header.h"
 #include "sockets/handler_memory.h"
 #include "sockets/socket.h"
 
@@ -34,15 +34,8 @@ using Clock = std::chrono::steady_clock;
 
 /// Kernel memory a slow reader can fill; large enough for a fast one on a long link.
 constexpr int send_buffer_bytes = 256 * 1024;
-/// From so many on a file for all costs less than a copy for each.
-constexpr std::size_t subscribers_for_a_file = 4;
 /// Out of file descriptors: wait, do not spin.
 constexpr std::chrono::milliseconds accept_pause{100};
-
-void append_frame_header(std::size_t length, protocol::Bytes& out) {
-    const sockets::FrameHeader header(length);
-    out.insert(out.end(), header.bytes.begin(), header.bytes.begin() + header.size);
-}
 
 Endpoint endpoint_of(const tcp::endpoint& endpoint) {
     return {endpoint.address().to_string(), endpoint.port(), endpoint.address().is_v6()};
@@ -184,7 +177,7 @@ class NetServer::Impl {
         return fmt::format("{}://{}", with_tls() ? "wss" : "ws", public_.endpoint().text());
     }
 
-    void publish(KeyframeTiles tiles);
+    void publish(KeyframeTiles tiles) { publish_keyframe(core_, std::move(tiles)); }
     void announce(protocol::SharedBytes sea_state) {
         core_->post([core = core_.get(), sea_state = std::move(sea_state)] {
             for_each_session(*core, [&](Session& session) { session.announce(sea_state); });
@@ -314,42 +307,6 @@ void NetServer::Impl::take_health(tcp::socket socket, const tcp::endpoint& from)
         return;
     serve_http(ConnectionSlot(core_, door, health_address_), sockets::Socket(std::move(socket)),
                {endpoint_of(from).text(), health_address_, is_loopback(from.address()), false});
-}
-
-void NetServer::Impl::publish(KeyframeTiles tiles) {
-    const sea::FieldSet wanted =
-        core_->host.subscriptions().wanted(tiles.keyframe->cascade, tiles.quality);
-    if (wanted.empty())
-        return;
-    const std::weak_ptr<Core> weak = core_;
-    const auto job = [weak, tiles, wanted](Encoder& encoder) {
-        const std::shared_ptr<Core> core = weak.lock();
-        if (core == nullptr)
-            return true;
-        auto encoded = encoder.encode(*tiles.keyframe, tiles.codec_error, tiles.quality, wanted,
-                                      {tiles.compact_size, tiles.follows, tiles.coarser, tiles.law},
-                                      core->memory->room(MemoryUse::streamed).get());
-        KeyframeFilePtr file;
-        if (encoded && !core->options.has_tls() &&
-            core->host.subscriptions().size() >= subscribers_for_a_file)
-            file = keyframe_file(**encoded, append_frame_header,
-                                 *core->memory->room(MemoryUse::streamed));
-        core->post([weak, encoded = std::move(encoded), file = std::move(file)] {
-            const std::shared_ptr<Core> here = weak.lock();
-            if (here == nullptr)
-                return;
-            if (!encoded) {
-                ++here->counters.keyframes_wrong;
-                return here->log(
-                    fmt::format("event=keyframe_refused why=\"{}\"", encoded.error().message));
-            }
-            ++here->counters.keyframes_published;
-            here->deliveries.add(*encoded, file);
-        });
-        return true;
-    };
-    if (!core_->encoding.submit_streamed(job, tiles.keyframe->values.size() * sizeof(float)))
-        core_->post([core = core_.get()] { ++core->counters.keyframes_dropped; });
 }
 
 void NetServer::Impl::hand_over(const std::string& why) {

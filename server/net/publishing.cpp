@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/net/publishing.h"
+
+#include <fmt/format.h>
+
+#include "sockets/frame_header.h"
+
+namespace seaway::server {
+
+namespace {
+
+/// From so many on a file for all costs less than a copy for each.
+constexpr std::size_t subscribers_for_a_file = 4;
+
+void append_frame_header(std::size_t length, protocol::Bytes& out) {
+    const sockets::FrameHeader header(length);
+    out.insert(out.end(), header.bytes.begin(), header.bytes.begin() + header.size);
+}
+
+} // namespace
+
+void publish_keyframe(const std::shared_ptr<Core>& core, KeyframeTiles tiles) {
+    const sea::FieldSet wanted =
+        core->host.subscriptions().wanted(tiles.keyframe->cascade, tiles.quality);
+    if (wanted.empty())
+        return;
+    const std::weak_ptr<Core> weak = core;
+    const auto job = [weak, tiles, wanted](Encoder& encoder) {
+        const std::shared_ptr<Core> alive = weak.lock();
+        if (alive == nullptr)
+            return true;
+        auto encoded = encoder.encode(*tiles.keyframe, tiles.codec_error, tiles.quality, wanted,
+                                      {tiles.compact_size, tiles.follows, tiles.coarser, tiles.law},
+                                      alive->memory->room(MemoryUse::streamed).get());
+        KeyframeFilePtr file;
+        if (encoded && !alive->options.has_tls() &&
+            alive->host.subscriptions().size() >= subscribers_for_a_file)
+            file = keyframe_file(**encoded, append_frame_header,
+                                 *alive->memory->room(MemoryUse::streamed));
+        alive->post([weak, encoded = std::move(encoded), file = std::move(file)] {
+            const std::shared_ptr<Core> here = weak.lock();
+            if (here == nullptr)
+                return;
+            if (!encoded) {
+                ++here->counters.keyframes_wrong;
+                return here->log(
+                    fmt::format("event=keyframe_refused why=\"{}\"", encoded.error().message));
+            }
+            ++here->counters.keyframes_published;
+            here->deliveries.add(*encoded, file);
+        });
+        return true;
+    };
+    if (!core->encoding.submit_streamed(job, tiles.keyframe->values.size() * sizeof(float)))
+        core->post([core = core.get()] { ++core->counters.keyframes_dropped; });
+}
+
+} // namespace seaway::server
