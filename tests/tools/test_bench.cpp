@@ -143,7 +143,7 @@ void expect_equal(double a, double b, const std::string& what) {
 TEST(Bench, line_counts_what_is_sent_of_each_cascade_and_field) {
     const std::string scene = testing::folder().write("line.toml", scene_text);
     const auto mbit_per_s = [](const std::string& text) {
-        const std::size_t at = text.find(" Mbit/s;");
+        const std::size_t at = text.find(" Mbit/s, one whole");
         return at == std::string::npos ? 0.0 : std::stod(text.substr(text.rfind('\n', at) + 1));
     };
     const Output compact = testing::run_program("seaway-bench", "line --scene " + scene);
@@ -154,7 +154,9 @@ TEST(Bench, line_counts_what_is_sent_of_each_cascade_and_field) {
     EXPECT_THAT(compact.out, ::testing::Not(HasSubstr("displacement_x")));
     EXPECT_THAT(whole.out, HasSubstr("displacement_x_rate"));
     EXPECT_GT(mbit_per_s(compact.out), 0);
-    EXPECT_GT(mbit_per_s(whole.out), 5 * mbit_per_s(compact.out));
+    const Output alone = testing::run_program("seaway-bench", "line --alone --scene " + scene);
+    EXPECT_GT(mbit_per_s(whole.out), 5 * mbit_per_s(alone.out));
+    EXPECT_GT(mbit_per_s(alone.out), 2 * mbit_per_s(compact.out)) << "what is predicted";
 }
 
 // One transform a real field and keyframe, for a second of sea: what docs/effects.md shows is counted by
