@@ -151,6 +151,12 @@ class Fleet:
         return {row["svname"]: int(row["scur"]) for row in rows
                 if row["pxname"] == "certain" and row["svname"] in self.names}
 
+    def up(self):
+        """The servers that HAProxy would send somebody to: all of them, until it has looked."""
+        rows = csv.DictReader(io.StringIO(self.ask_balancer("show stat").lstrip("# ")))
+        return {row["svname"] for row in rows
+                if row["pxname"] == "certain" and row["svname"] in self.names and row["status"].startswith("UP")}
+
     @staticmethod
     def listens(port):
         with socket.socket() as probe:
@@ -313,6 +319,7 @@ class Proof:
         fleet.start_server("a")
         fleet.wait_for(lambda: fleet.ready("a"), "the first server")
         fleet.start_balancer(fleet.names)
+        fleet.wait_for(lambda: fleet.up() == {"a"}, "HAProxy's first look")
         self.watchers = [Watcher(fleet, number) for number in range(6)]
         fleet.wait_for(lambda: all(watcher.rows for watcher in self.watchers), "the first heights")
         began = time.monotonic()
