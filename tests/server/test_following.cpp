@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// When a server of a fleet doubts its sea (server/following.h).
+#include <gtest/gtest.h>
+
+#include "server/following.h"
+
+namespace seaway::server {
+namespace {
+
+Following certain() {
+    Following following{};
+    following.shared = true;
+    following.journal.current = true;
+    following.vertical_mps = 1;
+    following.height_error_m = 0.01;
+    return following;
+}
+
+TEST(Following, who_follows_and_knows_the_end_of_the_log_has_no_doubt) {
+    EXPECT_EQ(certain().doubt(), "");
+    Following alone = certain();
+    alone.shared = false;
+    alone.late = true;
+    EXPECT_EQ(alone.doubt(), "") << "a log of one's own is never late";
+}
+
+TEST(Following, what_it_has_not_heard_or_not_played_makes_it_doubt) {
+    Following late = certain();
+    late.late = true;
+    EXPECT_NE(late.doubt().find("changes are played"), std::string::npos) << late.doubt();
+    Following behind = certain();
+    behind.behind_us = behind_us_max;
+    EXPECT_EQ(behind.doubt(), "");
+    ++behind.behind_us;
+    EXPECT_NE(behind.doubt().find("changes are played"), std::string::npos) << behind.doubt();
+    Following unheard = certain();
+    unheard.journal.current = false;
+    EXPECT_NE(unheard.doubt().find("not been heard of"), std::string::npos) << unheard.doubt();
+    Following stuck = certain();
+    stuck.stuck = "change 3 cannot be read";
+    EXPECT_EQ(stuck.doubt(), stuck.stuck);
+}
+
+} // namespace
+} // namespace seaway::server
