@@ -279,8 +279,7 @@ Bytes tile(const TileHeader& header, std::span<const std::uint8_t> payload) {
         static_cast<std::uint16_t>(header.height), static_cast<std::uint16_t>(header.part),
         static_cast<std::uint16_t>(header.parts), header.error, bytes, header.follows.bits(),
         header.coarser.interval_us != 0 ? &coarser : nullptr,
-        header.base != 0 ? flatbuffers::Optional<std::uint64_t>(header.base)
-                         : flatbuffers::nullopt);
+        header.base != 0 ? std::optional(header.base) : std::nullopt);
     return finish(built, made);
 }
 
