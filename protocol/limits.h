@@ -123,6 +123,9 @@ inline constexpr std::size_t versions_per_hello_max = 16;
 /// Grid points a side of maps that are predicted, at most: what both sides keep for that, and what it costs, has a bound.
 inline constexpr int predicted_size_max = 512;
 
+/// Keyframes of a cascade that wait for a session as steps to the newest, at most.
+inline constexpr std::size_t steps_waiting_max = 16;
+
 /// Streamed keyframes that a session may leave unacknowledged: 1 is for the newest picture, 2 hides
 /// the round trip, 8 is for long fat links with many cascades.
 inline constexpr int credit_min = 1;

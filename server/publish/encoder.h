@@ -144,7 +144,7 @@ class Encoder {
     Result<EncodedField> encode_field(const sea::Keyframe& keyframe, sea::Field field, float error,
                                       std::uint64_t number, const CompactTiles& compact,
                                       Step* step);
-    /// Bases of which there was no end before.
+    /// Of 8 cascades of two seas at four qualities.
     static constexpr std::size_t bases_max = 64;
 
     struct Remembered {

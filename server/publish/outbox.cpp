@@ -160,6 +160,7 @@ bool Outbox::is_next_step(const EncodedKeyframe& keyframe, sea::FieldSet fields)
         return false;
     std::uint64_t reached = last_streamed(keyframe);
     std::size_t bytes = message_bytes(keyframe, fields, true);
+    std::size_t steps = 1;
     for (const Parcel& one : waiting_) {
         if (one.keyframe->cascade != keyframe.cascade || one.keyframe->epoch != keyframe.epoch)
             continue;
@@ -167,7 +168,11 @@ bool Outbox::is_next_step(const EncodedKeyframe& keyframe, sea::FieldSet fields)
             return false;
         reached = one.keyframe->number;
         bytes += message_bytes(*one.keyframe, one.fields, true);
+        ++steps;
     }
+    // Each keeps a whole keyframe in memory, too: who reads nothing is not to hold many of those.
+    if (steps > limits::steps_waiting_max)
+        return false;
     return reached == keyframe.base && bytes < message_bytes(keyframe, fields);
 }
 
