@@ -277,5 +277,25 @@ TEST(Outbox, steps_that_wait_stay_while_they_are_less_than_the_newest_whole) {
     EXPECT_EQ(last, messages_of(*newest, false)) << "the newest, whole, and nothing else";
 }
 
+// However small the steps are: each keeps a whole keyframe in memory.
+TEST(Outbox, of_the_smallest_steps_sixteen_wait_and_then_the_newest_alone) {
+    const auto bytes = [](std::size_t count) {
+        return std::make_shared<const protocol::Bytes>(count);
+    };
+    Outbox outbox;
+    outbox.set_credit(1);
+    for (std::uint64_t n = 1; n <= limits::steps_waiting_max + 2; ++n) {
+        auto made = std::make_shared<EncodedKeyframe>(EncodedKeyframe{n, 1});
+        made->base = n - 1;
+        for (const Field field : both_fields)
+            made->maps.push_back({field, 0, {bytes(100'000)}, {bytes(10)}});
+        outbox.push_keyframe(made, both_fields);
+        while (n == 1 && outbox.next())
+            ; // which is not acknowledged
+        EXPECT_EQ(outbox.counters().keyframes_replaced,
+                  n <= limits::steps_waiting_max + 1 ? 0u : limits::steps_waiting_max);
+    }
+}
+
 } // namespace
 } // namespace seaway::server
