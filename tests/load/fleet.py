@@ -79,14 +79,15 @@ class Line:
 
 
 class Fleet:
-    def __init__(self, build, folder):
+    def __init__(self, build, folder, names=("a", "b", "c"), scene=SCENE):
         self.bin = pathlib.Path(build).resolve() / "bin"
         self.folder = pathlib.Path(folder)
         self.processes = {}
         self.nats_port = free_port()
         self.balancer_port = free_port()
         self.line = Line(self.nats_port)
-        self.names = ["a", "b", "c"]
+        self.names = list(names)
+        self.scene = scene
         self.ports = {name: (free_port(), free_port()) for name in self.names}
         (self.folder / "admin.token").write_text(TOKEN + "\n")
         (self.folder / "nats.credentials").write_text("seaway:change-this\n")
@@ -106,23 +107,24 @@ class Fleet:
         for name in list(self.processes):
             self.stop(name, signal.SIGKILL)
 
-    def start_nats(self):
+    def start_nats(self, *words):
         """With the users and rights of deploy/fleet/nats.conf."""
         text = (SOURCE / "deploy/fleet/nats.conf").read_text()
         config = self.folder / "nats.conf"
         config.write_text(f'listen: "127.0.0.1:{self.nats_port}"\njetstream {{ store_dir: "{self.folder}/nats" }}\n'
                           + text[text.index("authorization {"):])
-        self.start("nats", "/usr/sbin/nats-server", "-c", config)
+        self.start("nats", "/usr/sbin/nats-server", "-c", config, *words)
         self.wait_for(lambda: self.listens(self.nats_port), "NATS")
 
-    def start_server(self, name):
+    def start_server(self, name, journal=True, *words):
+        """With the world's journal or a sea of its own."""
         port, health = self.ports[name]
         nats = self.line.port if name == "c" else self.nats_port
-        self.start(name, self.bin / "seaway-server", SCENE, "--device", "native", "--listen", f"127.0.0.1:{port}",
-                   "--health-listen", f"127.0.0.1:{health}", "--journal", f"nats://127.0.0.1:{nats}/{WORLD}",
-                   "--journal-credentials", self.folder / "nats.credentials", "--admin-token-file",
-                   self.folder / "admin.token", "--retry-after", "0.5", "--connections-per-address", "0",
-                   "--sessions-without-hello-per-address", "0")
+        if journal:
+            words = [*words, "--journal", f"nats://127.0.0.1:{nats}/{WORLD}", "--journal-credentials", self.folder / "nats.credentials"]
+        self.start(name, self.bin / "seaway-server", self.scene, "--device", "native", "--listen", f"127.0.0.1:{port}",
+                   "--health-listen", f"127.0.0.1:{health}", "--admin-token-file", self.folder / "admin.token", "--retry-after", "0.5",
+                   "--connections-per-address", "0", "--sessions-without-hello-per-address", "0", *words)
 
     def start_balancer(self, names):
         """deploy/fleet/haproxy.cfg, with these ports and without TLS."""

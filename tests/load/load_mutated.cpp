@@ -63,7 +63,7 @@ int run(const Options& options) {
     Stage& stage = shared<Stage>();
     Crew healthy(stage);
     healthy.send({.port = port, .readers = 1, .wish = {.fields = sea::surface_fields}});
-    healthy.send({.port = port, .asks = true});
+    healthy.send({.port = port, .askers = 1});
     while (stage.greeted < 2)
         pause_s(0.01);
     stage.subscribe = true;

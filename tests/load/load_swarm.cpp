@@ -8,8 +8,8 @@
 // stalled (500, of whom 100 never read), answers (200 readers, and one who asks single points), flooded (and one
 // who asks for 16 x 4096 points at far times again and again). With several servers each round runs each of
 // them, so that builds are compared on the same machine at the same time. With several credits likewise: of up to 3
-// each keyframe is acknowledged by itself, of 4 and 5 two together, of 8 four, where the server takes that. Prints a
-// CSV row a run:
+// each keyframe is acknowledged by itself, of 4 and 5 two together, of 8 four, where the server takes that. With --attach
+// PORT:PID it goes to a server that runs, and counts what that process uses. Prints a CSV row a run:
 //   acks_a_keyframe  Acks that were sent over the keyframes that came
 //   cpu_cores        processor time of the server over the time measured, all threads
 //   busiest_cores    of its busiest thread, which is the one of the network under load
@@ -19,6 +19,7 @@
 //   lost             keyframes of which a client saw a newer one of the same cascade, but not them
 //   answer_ms        a single point asked to its answer
 //   rss_mb           of the server when measuring began, and how it had changed at the end
+//   messages_a_s     that arrived; answers_a_s: single points answered
 //   load             of the machine, which holds the swarm too: with few cores ages are upper bounds
 // Ends by itself; exit code 1 where a session was ended by the server.
 #include <cstdio>
@@ -45,8 +46,12 @@ struct Options {
     std::string scene;
     std::string fields;
     std::string device = "native";
-    int clients = 0;
+    std::string attach;
+    int clients = -1;
     int stalled = -1;
+    int askers = -1;
+    double asks_a_second = 100;
+    double pings_a_second = 0;
     int processes = 2;
     int rounds = 1;
     std::vector<int> credits{4};
@@ -66,19 +71,27 @@ struct Scenario {
     int stalled;
     double seconds;
     double error_m; ///< that clients are content with; 0: the scene's
-    bool asks;
+    int askers;
     bool floods;
 };
 
 constexpr Scenario scenarios[] = {
-    {"crowd", "tests/load/twenty_hertz.toml", "height", 1000, 0, 20, 0.0025, false, false},
-    {"gale", "scenes/north_sea_gale.toml", "all", 300, 0, 20, 0, false, false},
-    {"stalled", "scenes/north_sea_gale.toml", "surface", 400, 100, 60, 0, false, false},
-    {"answers", "scenes/north_sea_gale.toml", "surface", 200, 0, 20, 0, true, false},
-    {"flooded", "scenes/north_sea_gale.toml", "surface", 200, 0, 20, 0, true, true},
+    {"crowd", "tests/load/twenty_hertz.toml", "height", 1000, 0, 20, 0.0025, 0, false},
+    {"gale", "scenes/north_sea_gale.toml", "all", 300, 0, 20, 0, 0, false},
+    {"stalled", "scenes/north_sea_gale.toml", "surface", 400, 100, 60, 0, 0, false},
+    {"answers", "scenes/north_sea_gale.toml", "surface", 200, 0, 20, 0, 1, false},
+    {"flooded", "scenes/north_sea_gale.toml", "surface", 200, 0, 20, 0, 1, true},
+};
+
+/// What is loaded: a server of its own, or one that runs.
+struct Target {
+    int port = 0;
+    pid_t pid = 0;
 };
 
 sea::FieldSet fields_called(const std::string& name) {
+    if (name == "none")
+        return {};
     if (name == "height")
         return {sea::Field::height};
     return name == "surface" ? sea::surface_fields : sea::FieldSet::from_bits(0x1fff);
@@ -115,6 +128,8 @@ void send_out(Crew& crew, const Options& options, const Scenario& scenario, int 
         return of / options.processes + (which < of % options.processes ? 1 : 0);
     };
     Errand errand{.port = port,
+                  .asks_a_second = options.asks_a_second,
+                  .pings_a_second = options.pings_a_second,
                   .wish = {.fields = fields_called(options.fields),
                            .error_m = static_cast<float>(options.error_m),
                            .compact = options.compact || options.predicted,
@@ -127,24 +142,76 @@ void send_out(Crew& crew, const Options& options, const Scenario& scenario, int 
         crew.send(errand);
     }
     errand.readers = errand.stalled = 0;
-    if (scenario.asks) {
-        errand.asks = true;
+    if (options.askers > 0) {
+        errand.askers = options.askers;
         errand.nice = 0;
         crew.send(errand);
     }
     if (scenario.floods) {
-        errand.asks = false;
+        errand.askers = 0;
         errand.nice = options.nice;
         errand.floods = true;
         crew.send(errand);
     }
 }
 
+/// Of "PORT:PID"; nothing of anything else.
+Target target_of(const std::string& words) {
+    Target target;
+    const int read = std::sscanf(words.c_str(), "%d:%d", &target.port, &target.pid);
+    return read == 2 ? target : Target{};
+}
+
 void pause(double seconds) {
     std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
 }
 
-/// A row; false if the server did not start or ended a session.
+/// A row; false if a session was ended by the server.
+bool load(const Options& options, const Scenario& scenario, const std::string& program, int credit,
+          int round, const Target& server) {
+    Stage& stage = shared<Stage>();
+    Crew crew(stage);
+    send_out(crew, options, scenario, credit, server.port);
+    Peer clock(server.port, 0);
+    while (stage.greeted <
+           options.clients + options.stalled + options.askers + int{scenario.floods})
+        pause(0.02);
+    stage.sea_minus_clock_s = sea_minus_clock(clock);
+    stage.subscribe = true;
+    pause(options.warm_up_s);
+    const Figures before = figures_of(server.pid);
+    const double begun_s = clock_s();
+    stage.measure = true;
+    pause(options.seconds);
+    stage.measure = false;
+    const double seconds = clock_s() - begun_s;
+    const Figures after = figures_of(server.pid);
+    stage.end = true;
+    if (!crew.come_home())
+        return false;
+    auto sum = std::make_unique<Tally>();
+    for (const Tally* one : crew.tallies())
+        *sum += *one;
+    const double cpu_s = after.cpu_s - before.cpu_s;
+    const auto of = [](std::uint64_t count) { return static_cast<double>(count); };
+    fmt::print("{},{},{},{},{},{},{:.1f},{:.0f},{:.2f},{:.1f},{:.1f},{:.3f},{:.3f},{:.2f},{:.1f},{:"
+               ".1f},{},"
+               "{:.1f},{:.1f},{},{},{:.1f},{:+.1f},{:.1f},{:.0f},{:.0f}\n",
+               scenario.name, program, round, options.clients, options.stalled, credit, seconds,
+               of(sum->keyframes) / seconds,
+               of(sum->acks) / of(std::max(sum->keyframes, std::uint64_t{1})),
+               of(sum->bytes) / of(std::max(sum->keyframes, std::uint64_t{1})) / 1e3,
+               of(sum->bytes) / seconds / 1e6, cpu_s / seconds, busiest_s(before, after) / seconds,
+               1e6 * cpu_s / of(std::max(sum->messages, std::uint64_t{1})),
+               sum->age.quantile_ms(0.5), sum->age.quantile_ms(0.99), sum->lost,
+               sum->answer.quantile_ms(0.5), sum->answer.quantile_ms(0.99), sum->refused,
+               sum->ended, before.resident_mb, after.resident_mb - before.resident_mb,
+               machine_load(), of(sum->messages) / seconds, of(sum->answer.count()) / seconds);
+    std::fflush(stdout);
+    return sum->ended == 0;
+}
+
+/// Of a server that is started for it.
 bool run(const Options& options, const Scenario& scenario, const std::string& program, int credit,
          int round) {
     ServerProcess server({options.scene, "--listen", "127.0.0.1:0", "--device", options.device,
@@ -157,46 +224,8 @@ bool run(const Options& options, const Scenario& scenario, const std::string& pr
         fmt::print(stderr, "{} did not start:\n{}", program, server.log());
         return false;
     }
-    Stage& stage = shared<Stage>();
-    Crew crew(stage);
-    send_out(crew, options, scenario, credit, port_of(url));
-    Peer clock(port_of(url), 0);
-    while (stage.greeted <
-           options.clients + options.stalled + int{scenario.asks} + int{scenario.floods})
-        pause(0.02);
-    stage.sea_minus_clock_s = sea_minus_clock(clock);
-    stage.subscribe = true;
-    pause(options.warm_up_s);
-    const Figures before = figures_of(server.pid());
-    const double begun_s = clock_s();
-    stage.measure = true;
-    pause(options.seconds);
-    stage.measure = false;
-    const double seconds = clock_s() - begun_s;
-    const Figures after = figures_of(server.pid());
-    stage.end = true;
-    if (!crew.come_home())
-        return false;
-    auto sum = std::make_unique<Tally>();
-    for (const Tally* one : crew.tallies())
-        *sum += *one;
-    const double cpu_s = after.cpu_s - before.cpu_s;
-    const auto of = [](std::uint64_t count) { return static_cast<double>(count); };
-    fmt::print("{},{},{},{},{},{},{:.1f},{:.0f},{:.2f},{:.1f},{:.1f},{:.3f},{:.3f},{:.2f},{:.1f},{:"
-               ".1f},{},"
-               "{:.1f},{:.1f},{},{},{:.1f},{:+.1f},{:.1f}\n",
-               scenario.name, program, round, options.clients, options.stalled, credit, seconds,
-               of(sum->keyframes) / seconds,
-               of(sum->acks) / of(std::max(sum->keyframes, std::uint64_t{1})),
-               of(sum->bytes) / of(std::max(sum->keyframes, std::uint64_t{1})) / 1e3,
-               of(sum->bytes) / seconds / 1e6, cpu_s / seconds, busiest_s(before, after) / seconds,
-               1e6 * cpu_s / of(std::max(sum->messages, std::uint64_t{1})),
-               sum->age.quantile_ms(0.5), sum->age.quantile_ms(0.99), sum->lost,
-               sum->answer.quantile_ms(0.5), sum->answer.quantile_ms(0.99), sum->refused,
-               sum->ended, before.resident_mb, after.resident_mb - before.resident_mb,
-               machine_load());
-    std::fflush(stdout);
-    return sum->ended == 0;
+    return load(options, scenario, program, credit, round,
+                {.port = port_of(url), .pid = server.pid()});
 }
 
 Result<const Scenario*> read(int argc, char** argv, Options& options) {
@@ -206,9 +235,17 @@ Result<const Scenario*> read(int argc, char** argv, Options& options) {
     line.option("--server", options.servers, "Programs").takes("PROGRAM,...").separated_by(',');
     line.option("--scene", options.scene, "Scene of the server").takes("FILE");
     line.option("--device", options.device, "Device of the server").takes("NAME");
-    line.option("--fields", options.fields, "Of the maps").takes("height|surface|all");
+    line.option("--fields", options.fields, "Of the maps").takes("height|surface|all|none");
     line.option("--clients", options.clients, "That read").between(0, 4000);
     line.option("--stalled", options.stalled, "That subscribe and never read").between(0, 4000);
+    line.option("--askers", options.askers, "That ask single points").between(0, 4000);
+    line.option("--asks", options.asks_a_second, "Of each of them, a second")
+        .between(0.01, 1e3)
+        .shows_default();
+    line.option("--pings", options.pings_a_second, "Of each that reads, a second")
+        .between(0.0, 1e3)
+        .shows_default();
+    line.option("--attach", options.attach, "A server that runs").takes("PORT:PID");
     line.option("--processes", options.processes, "Of the swarm").between(1, 64).shows_default();
     line.option("--nice", options.nice,
                 "How far readers and floods stand back for the server, and for who asks, whose "
@@ -229,6 +266,8 @@ Result<const Scenario*> read(int argc, char** argv, Options& options) {
     SEAWAY_TRY_LET(const CommandLine::Next next, line.read(argc, argv));
     if (next == CommandLine::Next::leave)
         std::exit(0);
+    if (!options.attach.empty() && target_of(options.attach).pid <= 0)
+        return Error{"--attach: PORT:PID"};
     for (const Scenario& scenario : scenarios)
         if (scenario.name == options.scenario)
             return &scenario;
@@ -247,16 +286,20 @@ int main(int argc, char** argv) {
     const Scenario& chosen = **scenario;
     options.scene = options.scene.empty() ? chosen.scene : options.scene;
     options.fields = options.fields.empty() ? chosen.fields : options.fields;
-    options.clients = options.clients == 0 ? chosen.clients : options.clients;
+    options.clients = options.clients < 0 ? chosen.clients : options.clients;
     options.stalled = options.stalled < 0 ? chosen.stalled : options.stalled;
+    options.askers = options.askers < 0 ? chosen.askers : options.askers;
     options.error_m = options.error_m == 0 ? chosen.error_m : options.error_m;
     options.seconds = options.seconds == 0 ? chosen.seconds : options.seconds;
     fmt::print(
         "scenario,server,round,clients,stalled,credit,seconds,keyframes_a_s,acks_a_keyframe,"
         "kb_a_keyframe,mb_a_s,cpu_cores,busiest_cores,us_a_message,age_ms_p50,age_ms_p99,lost,"
-        "answer_ms_p50,answer_ms_p99,refused,ended,rss_mb,rss_grown_mb,load\n");
+        "answer_ms_p50,answer_ms_p99,refused,ended,rss_mb,rss_grown_mb,load,"
+        "messages_a_s,answers_a_s\n");
     std::fflush(stdout);
     bool well = true;
+    if (const Target running = target_of(options.attach); running.pid > 0)
+        return load(options, chosen, options.attach, options.credits.front(), 1, running) ? 0 : 1;
     for (int round = 1; round <= options.rounds; ++round)
         for (const std::string& program : options.servers)
             for (const int credit : options.credits)

@@ -17,8 +17,15 @@
 namespace seaway::tests::swarm {
 namespace {
 
-constexpr double asks_every_s = 0.01;
 constexpr std::uint32_t flood_under_way = protocol::limits::queries_in_flight_max;
+
+/// What an asker waits for.
+struct Asker {
+    Peer* peer = nullptr;
+    double asked_s = 0;
+    std::uint32_t asked = 0;
+    bool waits = false;
+};
 
 /// What one child does.
 class Worker {
@@ -32,7 +39,8 @@ class Worker {
     void connect();
     void subscribe();
     void take(std::uint64_t which);
-    void ask();
+    void ping();
+    void ask(Asker& asker);
     void flood();
 
     const Errand errand_;
@@ -41,25 +49,31 @@ class Worker {
     const int poll_;
     std::vector<std::unique_ptr<Peer>> peers_;
     std::vector<std::uint8_t> scratch_;
-    double asked_s_ = 0;
-    bool waits_ = false;
-    std::uint32_t asked_ = 0;
+    std::vector<Asker> askers_;
     std::uint32_t flooded_ = 0;
+    double pinging_since_s_ = 0;
+    std::uint64_t pings_ = 0;
 };
 
 void Worker::connect() {
-    const int extra = errand_.asks || errand_.floods ? 1 : 0;
-    for (int i = 0; i < errand_.readers + errand_.stalled + extra; ++i) {
-        const bool stalled = i >= errand_.readers && i < errand_.readers + errand_.stalled;
+    const int subscribers = errand_.readers + errand_.stalled;
+    const int others = errand_.askers + (errand_.floods ? 1 : 0);
+    for (int i = 0; i < subscribers + others; ++i) {
+        const bool stalled = i >= errand_.readers && i < subscribers;
         peers_.push_back(std::make_unique<Peer>(errand_.port, stalled ? 4096 : 0));
         epoll_event event{.events = EPOLLIN, .data = {.u64 = static_cast<std::uint64_t>(i)}};
         if (!stalled)
             ::epoll_ctl(poll_, EPOLL_CTL_ADD, peers_.back()->handle(), &event);
+        if (i >= subscribers && i < subscribers + errand_.askers) // not all at once
+            askers_.push_back({.peer = peers_.back().get(),
+                               .asked_s = clock_s() + (i % 16) / (16 * errand_.asks_a_second)});
         ++stage_.greeted;
     }
 }
 
 void Worker::subscribe() {
+    if (errand_.wish.fields.bits() == 0)
+        return;
     const auto subscribers = static_cast<std::size_t>(errand_.readers + errand_.stalled);
     for (std::size_t i = 0; i < subscribers; ++i)
         peers_[i]->send(protocol::subscribe(1, errand_.wish, errand_.credit));
@@ -73,22 +87,32 @@ void Worker::take(std::uint64_t which) {
     ::epoll_ctl(poll_, EPOLL_CTL_DEL, peer.handle(), nullptr);
 }
 
-/// One point now, and the next one 10 ms after, or as soon as that is answered.
-void Worker::ask() {
-    Peer& peer = *peers_.back();
+/// The readers in turn, so that each has said as many as it should.
+void Worker::ping() {
     const double now_s = clock_s();
-    if (waits_ && peer.answers() == asked_) {
-        waits_ = false;
+    if (pinging_since_s_ == 0)
+        pinging_since_s_ = now_s;
+    const double due = (now_s - pinging_since_s_) * errand_.pings_a_second * errand_.readers;
+    for (; static_cast<double>(pings_) < due; ++pings_)
+        peers_[pings_ % static_cast<std::uint64_t>(errand_.readers)]->send(
+            protocol::ping(static_cast<std::uint32_t>(pings_), 0));
+}
+
+/// One point when it is time and the one before is answered.
+void Worker::ask(Asker& asker) {
+    const double now_s = clock_s();
+    if (asker.waits && asker.peer->answers() == asker.asked) {
+        asker.waits = false;
         if (stage_.measure)
-            tally_.answer.add(now_s - asked_s_);
+            tally_.answer.add(now_s - asker.asked_s);
     }
-    if (waits_ || now_s < asked_s_ + asks_every_s)
+    if (asker.waits || now_s < asker.asked_s + 1 / errand_.asks_a_second)
         return;
     const double sea_s = now_s + stage_.sea_minus_clock_s;
     const sea::QueryPoint point{12.5, -7.25, static_cast<sea::TimeUs>(1e6 * sea_s)};
-    peer.send(protocol::query(++asked_, {&point, 1}, false));
-    asked_s_ = now_s;
-    waits_ = true;
+    asker.peer->send(protocol::query(++asker.asked, {&point, 1}, false));
+    asker.asked_s = now_s;
+    asker.waits = true;
 }
 
 void Worker::flood() {
@@ -117,13 +141,16 @@ int Worker::work() {
     while (!stage_.end) {
         if (stage_.subscribe && !std::exchange(subscribed, true))
             subscribe();
-        const int patience_ms = errand_.asks ? 1 : 20;
+        const int patience_ms = errand_.askers > 0 ? 1 : 20;
         const int count =
             ::epoll_wait(poll_, events.data(), static_cast<int>(events.size()), patience_ms);
         for (int i = 0; i < count; ++i)
             take(events[static_cast<std::size_t>(i)].data.u64);
-        if (subscribed && errand_.asks)
-            ask();
+        if (subscribed && errand_.pings_a_second > 0 && errand_.readers > 0)
+            ping();
+        for (Asker& asker : askers_)
+            if (subscribed)
+                ask(asker);
         if (subscribed && errand_.floods)
             flood();
     }

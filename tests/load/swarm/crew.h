@@ -15,9 +15,11 @@ namespace seaway::tests::swarm {
 struct Errand {
     int port = 0;
     int readers = 0;
-    int stalled = 0;     ///< subscribe and never read
-    bool asks = false;   ///< single points, a hundred a second, timed
-    bool floods = false; ///< as many points at far times as a session may have under way
+    int stalled = 0;            ///< subscribe and never read
+    int askers = 0;             ///< ask single points, timed
+    double asks_a_second = 100; ///< of each of them; the next one waits for the answer
+    double pings_a_second = 0;  ///< of each reader
+    bool floods = false;        ///< as many points at far times as a session may have under way
     std::uint64_t mutates =
         0; ///< sends messages with mistakes in them, by lot from this seed; 0: does not
     protocol::TileWish wish = {};

@@ -1,0 +1,267 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""How many servers a world takes: costs measured on one to four servers here, a model of them, and what it says of 1e4 to 1e6 clients.
+
+    fleet_model.py --measure BUILD   runs servers, NATS and swarms (12 minutes, nothing else running): docs/fleet/runs.csv, nats.csv
+    fleet_model.py --write           the tables of docs/operations.md from these files
+    fleet_model.py                   whether the page has them
+
+A server's processor time is a sum: being there, a session and its ping a second, a stream that somebody reads (synthesis and encoding, once for
+all), a keyframe handed to a client, a megabyte of it, being asked, a question. Terms are fitted by least squares, of relative errors and none
+negative, to runs that hold one thing at a time; runs of everything at once, on one server and on fleets, are what its error is stated on.
+"""
+import argparse
+import concurrent.futures
+import csv
+import io
+import json
+import math
+import pathlib
+import subprocess
+import sys
+import tempfile
+import time
+import urllib.request
+
+import numpy
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "tools"))
+from page_text import number, table  # noqa: E402
+from fleet import Fleet, SOURCE, free_port  # noqa: E402
+
+RUNS = SOURCE / "docs/fleet/runs.csv"
+NATS = SOURCE / "docs/fleet/nats.csv"
+PAGE = SOURCE / "docs/operations.md"
+BEGIN, END = "<!-- sizes: tests/load/fleet_model.py --write -->", "<!-- end of sizes -->"
+SCENE = SOURCE / "scenes/north_sea_gale.toml"
+SECONDS = 15
+SESSIONS_MOST = 4000  # of one server, here
+NETWORK_CORES = 0.5   # of its one network thread that a plan uses: the rest is for who comes back at once
+ASKS = 1.0            # single points a second of each client of the plan
+KINDS = ["predicted", "compact", "whole"]
+
+# What one run holds: kind of stream, its readers, sessions that only ping, askers, questions a second of each.
+ALONE = [("", 0, 0, 0, 0), ("", 0, 1000, 0, 0), ("", 0, SESSIONS_MOST, 0, 0),
+         *((kind, readers, 0, 0, 0) for kind in KINDS for readers in (1, 100, 300)),
+         ("predicted", 1000, 0, 0, 0), ("", 0, 0, 1, 10), ("", 0, 0, 50, 10), ("", 0, 0, 100, 20)]
+MIXED = [("predicted", 150, 0, 50, 4), ("compact", 80, 0, 50, 4)]
+SERVERS = [1, 2, 3, 4]
+
+TERMS = [("there", "a server that runs", "us/s", lambda r: 1),
+         ("session", "a session, with a ping a second", "us/s", lambda r: r["sessions"]),
+         *((kind, f"a {kind} stream that somebody reads", "us/s", lambda r, kind=kind: r["kind"] == kind) for kind in KINDS),
+         ("keyframe", "a keyframe handed to a client", "us", lambda r: r["keyframes_a_s"]),
+         ("megabyte", "a megabyte handed on", "us", lambda r: r["mb_a_s"]),
+         ("asked", "being asked about now", "us/s", lambda r: r["asks_a_s"] > 0),
+         ("ask", "a question of one point", "us", lambda r: r["asks_a_s"])]
+
+
+class Model:
+    """Cores of a server as a sum of terms."""
+
+    def __init__(self, runs, column):
+        self.column = column
+        rows = numpy.array([[float(term[3](run)) for term in TERMS] for run in runs])
+        wanted = numpy.array([run[column] for run in runs])
+        # Processor time is counted in hundredths of a second, twice in a run: less than that says nothing.
+        weights = 1 / numpy.maximum(wanted, 0.02 / SECONDS)
+        kept = list(range(len(TERMS)))
+        while True:
+            found = numpy.linalg.lstsq(rows[:, kept] * weights[:, None], wanted * weights, rcond=None)[0]
+            if min(found) >= 0:
+                break
+            kept.remove(kept[int(numpy.argmin(found))])
+        self.terms = dict.fromkeys((term[0] for term in TERMS), 0.0)
+        self.terms.update({TERMS[index][0]: float(value) for index, value in zip(kept, found)})
+
+    def __call__(self, run):
+        return sum(self.terms[name] * float(count(run)) for name, _, _, count in TERMS)
+
+    def errors(self, runs):
+        """Of each run: by how much the model is above, as a share of what was measured."""
+        return [self(run) / run[self.column] - 1 for run in runs]
+
+
+class Plan:
+    """A fleet for so many clients who all read one kind of stream and ask."""
+
+    def __init__(self, clients, kind, runs):
+        alike = [run for run in runs if run["kind"] == kind and run["place"] == "alone" and run["readers"] >= 100]
+        each = {column: numpy.median([run[column] / run["readers"] for run in alike]) for column in ("keyframes_a_s", "mb_a_s")}
+        network, cores = Model(of_place(runs, "alone"), "busiest_cores"), Model(of_place(runs, "alone"), "cores")
+
+        def load(count):
+            return {"kind": kind, "sessions": count, "asks_a_s": ASKS * count, **{c: v * count for c, v in each.items()}}
+        self.sessions = max((count for count in range(100, SESSIONS_MOST + 1, 100) if network(load(count)) <= NETWORK_CORES), default=1)
+        self.servers = max(2, math.ceil(clients / self.sessions) + max(1, math.ceil(0.02 * clients / self.sessions)))
+        share = load(clients / self.servers)
+        self.busiest_cores, self.cores = network(share), self.servers * cores(share)
+        self.gbit_a_s = 8e-3 * each["mb_a_s"] * clients
+        self.clients = clients
+
+
+class Engine:
+    """What the log costs NATS while nobody changes the sea: a part of each server, a part of each pair."""
+
+    def __init__(self, rows):
+        counts = numpy.array([row["servers"] for row in rows])
+        self.fits = {}
+        for column in ("messages_a_s", "kilobytes_a_s", "cores"):
+            found = numpy.linalg.lstsq(numpy.stack([counts, counts**2], 1), [row[column] for row in rows], rcond=None)[0]
+            self.fits[column] = found if min(found) >= 0 else [max(r[column] / r["servers"] for r in rows), 0]
+
+    def __call__(self, column, servers):
+        return self.fits[column][0] * servers + self.fits[column][1] * servers**2
+
+
+def of_place(runs, place):
+    return [run for run in runs if run["place"] == place]
+
+
+def read(path):
+    def value(text):
+        try:
+            return float(text)
+        except ValueError:
+            return text
+    with open(path) as file:
+        return [{name: value(text) for name, text in row.items()} for row in csv.DictReader(line for line in file if line[0] != "#")]
+
+
+def write(path, note, rows):
+    path.parent.mkdir(exist_ok=True)
+    with open(path, "w") as file:
+        file.write(f"# {note}\n")
+        out = csv.DictWriter(file, rows[0].keys(), lineterminator="\n")
+        out.writeheader()
+        out.writerows(rows)
+
+
+def swarm_row(fleet, name, words):
+    """What load_swarm says of a server of the fleet that runs."""
+    said = subprocess.run([str(word) for word in [
+        fleet.bin / "load_swarm", "answers", "--attach", f"{fleet.ports[name][0]}:{fleet.processes[name].pid}", *words]],
+        capture_output=True, text=True, check=True)
+    return next(csv.DictReader(io.StringIO(said.stdout)))
+
+
+class Measurement:
+    """Servers of the gale, of their own or of one world, and swarms before them."""
+
+    def __init__(self, build, folder):
+        self.fleet = Fleet(build, folder, ["a", "b", "c", "d"], SCENE)
+        self.runs = []
+
+    def swarm(self, name, what):
+        """One swarm before one running server: its row."""
+        kind, readers, idle, askers, asks = what
+        row = swarm_row(self.fleet, name, [
+            "--clients", readers or idle, "--askers", askers, "--asks", asks or 1, "--pings", 1, "--seconds", SECONDS, "--warm-up", 5,
+            "--fields", "surface" if kind else "none", *([f"--{kind}"] if kind in ("predicted", "compact") else [])])
+        return {"kind": kind, "readers": readers, "sessions": readers + idle + askers, "keyframes_a_s": row["keyframes_a_s"],
+                "mb_a_s": row["mb_a_s"], "asks_a_s": row["answers_a_s"], "cores": row["cpu_cores"], "busiest_cores": row["busiest_cores"],
+                "resident_mb": row["rss_mb"], "lost": row["lost"], "load": row["load"]}
+
+    def fresh(self, names, nats):
+        """Servers that nobody has asked anything yet: what was asked before is in no run."""
+        self.fleet.stop_all()
+        if nats:
+            self.fleet.start_nats("-m", self.monitor)
+        for name in names:
+            self.fleet.start_server(name, nats, "--sessions-max", 5000, "--connections-max", 6000, "--request-bytes-per-address", 0)
+        self.fleet.wait_for(lambda: all(map(self.fleet.ready, names)), "the servers", 120)
+        time.sleep(2)
+
+    def all_at_once(self, place, names, what, nats):
+        self.fresh(names, nats)
+        with concurrent.futures.ThreadPoolExecutor(len(names)) as pool:
+            for row in pool.map(lambda name: self.swarm(name, what), names):
+                self.runs.append({"place": place, **row})
+                print(self.runs[-1], flush=True)
+
+    def everything(self):
+        for what in ALONE:
+            self.all_at_once("alone", ["a"], what, False)
+        for what in MIXED:
+            for _ in range(2):
+                self.all_at_once("mixed", ["a"], what, False)
+            for count in SERVERS:
+                self.all_at_once(f"fleet of {count}", self.fleet.names[:count], what, True)
+        return self.runs
+
+    monitor = free_port()
+
+    def engine(self, count):
+        """NATS with so many servers, over 20 s, by its own monitoring and the system's clock of its process."""
+        self.fresh(self.fleet.names[:count], True)
+        pid = self.fleet.processes["nats"].pid
+
+        def look():
+            with urllib.request.urlopen(f"http://127.0.0.1:{self.monitor}/varz") as answer:
+                said = json.load(answer)
+            ticks = pathlib.Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[11:13]
+            return numpy.array([said["in_msgs"] + said["out_msgs"], 1e-3 * (said["in_bytes"] + said["out_bytes"]), sum(map(int, ticks)) / 100])
+        before, began = look(), time.monotonic()
+        time.sleep(20)
+        rates = (look() - before) / (time.monotonic() - began)
+        return {"servers": count, **{c: f"{r:.4g}" for c, r in zip(("messages_a_s", "kilobytes_a_s", "cores"), rates)}}
+
+
+def measure(build):
+    with tempfile.TemporaryDirectory(prefix="seaway-sizes-") as folder:
+        measurement = Measurement(build, folder)
+        try:
+            runs = measurement.everything()
+            rows = [measurement.engine(count) for count in SERVERS]
+        finally:
+            measurement.fleet.stop_all()
+    write(RUNS, f"fleet_model.py --measure: gale, six fields at 1 cm, native, 2 cores that swarms share, {SECONDS} s a run; fields in order of use", runs)
+    write(NATS, "fleet_model.py --measure: all messages and bytes through nats-server, in and out, nobody changes the sea", rows)
+
+
+def page():
+    runs, engine = read(RUNS), Engine(read(NATS))
+    alone, mixed = of_place(runs, "alone"), [run for run in runs if run["place"] != "alone"]
+    models = Model(alone, "cores"), Model(alone, "busiest_cores")
+    lines = [table(["what", "processor time of the server", "of that its busiest thread"],
+                   [[what, *(f"{number(1e6 * model.terms[name])} {unit}" for model in models)] for name, what, unit, _ in TERMS]), ""]
+    within = [max(abs(error) for error in model.errors(mixed)) for model in models]
+    busy = max(abs(error) for error in models[0].errors([run for run in alone if run["cores"] > 0.02]))
+    lines += [f"Its error: {100 * busy:.0f} % at most of the runs that it was fitted to (those above 0.02 cores), {100 * within[0]:.0f} % of {len(mixed)} runs "
+              f"of readers and askers together on one to {max(SERVERS)} servers, which it was not fitted to, and {100 * within[1]:.0f} % of their busiest threads.", ""]
+    rows = []
+    for place in dict.fromkeys(run["place"] for run in mixed):
+        cost = {kind: [run["cores"] for run in of_place(runs, place) if run["kind"] == kind] for kind, *_ in MIXED}
+        ratios = [numpy.mean(costs) / numpy.mean([run["cores"] for run in of_place(runs, "mixed") if run["kind"] == kind])
+                  for kind, costs in cost.items()]
+        rows.append([place, *(f"{numpy.mean(costs):.3f} ({min(costs):.3f} to {max(costs):.3f})" for costs in cost.values()),
+                     ", ".join(f"{ratio:.2f}" for ratio in ratios)])
+    what = [f"{readers} {kind} readers, {askers} who ask {asks} times a second" for kind, readers, _, askers, asks in MIXED]
+    lines += [table(["cores of one server", *what, "of what it costs alone"], rows), ""]
+    plans = [[kind, Plan(clients, kind, runs)] for kind in ("predicted", "compact") for clients in (1e4, 1e5, 1e6)]
+    lines += [table(["clients", "stream", "servers, spare ones included", "sessions each", "cores in all", "Gbit/s", "NATS: messages a second, MB/s, cores"],
+                    [[f"{plan.clients:.0f}", kind, str(plan.servers), f"{plan.clients / plan.servers:.0f}", number(plan.cores, 2), number(plan.gbit_a_s, 2),
+                      f"{engine('messages_a_s', plan.servers):.0f}, {number(1e-3 * engine('kilobytes_a_s', plan.servers))}, "
+                      f"{number(engine('cores', plan.servers))}"] for kind, plan in plans])]
+    return "\n".join(lines)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
+    parser.add_argument("--measure", metavar="BUILD", help="takes the figures anew")
+    parser.add_argument("--write", action="store_true", help="into docs/operations.md")
+    options = parser.parse_args()
+    if options.measure:
+        measure(options.measure)
+    text = PAGE.read_text()
+    start, end = text.index(BEGIN) + len(BEGIN), text.index(END)
+    if options.write:
+        PAGE.write_text(text[:start] + "\n" + page() + "\n" + text[end:])
+    elif text[start:end].strip() != page():
+        print("docs/operations.md has other sizes than docs/fleet/*.csv give: fleet_model.py --write")
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
