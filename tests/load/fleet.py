@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""A fleet on loopback, and what it promises: nats-server, three servers and HAProxy, with the configuration of deploy/fleet.
+"""A fleet on loopback, and what it promises: nats-server, three servers and HAProxy, with the configuration of deploy/fleet. Clients speak TLS,
+which ends at HAProxy; at the end, where haproxy-passthrough.cfg leads, at the servers.
 
 While the weather changes every 10 s, one server after the other is killed with -9, NATS is restarted, and the network between one
 server and NATS is cut for 20 s. Meanwhile heights are asked of all servers at the same sea times, and watchers sample the sea
@@ -93,6 +94,10 @@ class Fleet:
         (self.folder / "nats.credentials").write_text("seaway:change-this\n")
         (self.folder / "nats.credentials").chmod(0o600)
         (self.folder / "admin.token").chmod(0o600)
+        self.certificate, self.key = self.folder / "sea.crt", self.folder / "sea.key"
+        subprocess.run(["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "2", "-subj", "/CN=sea", "-addext",
+                        "subjectAltName=IP:127.0.0.1", "-keyout", self.key, "-out", self.certificate], check=True, capture_output=True)
+        (self.folder / "sea.pem").write_text(self.certificate.read_text() + self.key.read_text())
 
     def start(self, name, *words):
         log = open(self.folder / f"{name}.log", "ab")
@@ -126,17 +131,18 @@ class Fleet:
                    "--health-listen", f"127.0.0.1:{health}", "--admin-token-file", self.folder / "admin.token", "--retry-after", "0.5",
                    "--connections-per-address", "0", "--sessions-without-hello-per-address", "0", *words)
 
-    def start_balancer(self, names):
-        """deploy/fleet/haproxy.cfg, with these ports and without TLS."""
-        text = (SOURCE / "deploy/fleet/haproxy.cfg").read_text()
+    def start_balancer(self, names, file="haproxy.cfg"):
+        """With what deploy/fleet has, on these ports."""
+        text = (SOURCE / "deploy/fleet" / file).read_text()
         text = text.replace("/run/haproxy/seaway.sock", f"{self.folder}/haproxy.sock")
+        text = text.replace("/etc/haproxy/sea.pem", f"{self.folder}/sea.pem")
         text = text.replace("maxconn 20000", "maxconn 1000")  # as few open files as a test may have
-        text = re.sub(r"bind :443 .*", f"bind 127.0.0.1:{self.balancer_port}", text)
+        text = text.replace("bind :443", f"bind 127.0.0.1:{self.balancer_port}")
         for name in self.names:
             port, health = self.ports[name]
             there = "" if name in names else " disabled"
             text = re.sub(rf"server {name} .*", f"server {name} 127.0.0.1:{port} port {health}{there}", text)
-        config = self.folder / "haproxy.cfg"
+        config = self.folder / file
         config.write_text(text)
         self.start("haproxy", "/usr/sbin/haproxy", "-f", config)
         self.wait_for(lambda: self.listens(self.balancer_port), "HAProxy")
@@ -202,7 +208,7 @@ class Watcher:
         self.rows = []
         self.words = open(fleet.folder / f"watcher-{number}.log", "w")
         self.process = subprocess.Popen(
-            [fleet.bin / "seaway-query", f"ws://127.0.0.1:{fleet.balancer_port}", "--local", "--at", f"{number},7",
+            [fleet.bin / "seaway-query", f"wss://127.0.0.1:{fleet.balancer_port}", "--ca-file", fleet.certificate, "--local", "--at", f"{number},7",
              "--watch", "20", "--format", "csv", "--timeout", "5"],
             stdout=subprocess.PIPE, stderr=self.words, text=True, bufsize=1)
         threading.Thread(target=self._read, daemon=True).start()
@@ -408,6 +414,19 @@ class Proof:
                  unbound < 0.05 * sampled)
         self.say("of the others beyond their bounds from the sea of the log", beyond, beyond == 0)
 
+    def pass_through(self):
+        """TLS ends at a server, and HAProxy sees bytes: one more client, before a server with a certificate."""
+        fleet = self.fleet
+        for name in [name for name in fleet.processes if name != "nats"]:
+            fleet.stop(name)
+        fleet.start_server("a", True, "--tls-cert", fleet.certificate, "--tls-key", fleet.key)
+        fleet.wait_for(lambda: fleet.listens(fleet.ports["a"][1]), "the server with a certificate")
+        fleet.start_balancer(fleet.names, "haproxy-passthrough.cfg")
+        watcher = Watcher(fleet, len(self.watchers))
+        fleet.wait_for(lambda: len(watcher.rows) >= 20, "heights through TLS that ends at the server")
+        watcher.stop()
+        self.say("heights through HAProxy by TLS that ends at a server", len(watcher.rows))
+
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
@@ -427,6 +446,7 @@ def main():
             proof.begin()
             proof.trouble(options.seconds)
             proof.judge()
+            proof.pass_through()
         finally:
             fleet.stop_all()
     print("the fleet kept its promises" if proof.fine else "a promise was broken")
