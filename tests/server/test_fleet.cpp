@@ -126,6 +126,63 @@ TEST(Fleet, a_change_at_one_server_is_the_sea_of_all_and_of_who_comes_later) {
     EXPECT_NE(get(at_a, "/metrics").body.find("seaway_sea_stale 0"), std::string::npos);
 }
 
+/// Foam of all cascades around a time, as a client of this server is sent it, and by how much each value may be rounded.
+struct FoamSent {
+    std::vector<float> ratios;
+    double rounding = 0;
+};
+
+FoamSent foam_of(const std::string& url, sea::TimeUs time_us) {
+    const auto client = connect(url);
+    if (!client || !client->hold({&time_us, 1}, 60, {sea::Field::foam}))
+        return {};
+    const auto state = client->sea_state(time_us);
+    FoamSent sent;
+    for (std::size_t c = 0; state && c < state->cascades.size(); ++c) {
+        const auto pair =
+            client->ring().around(static_cast<int>(c), state->epoch, time_us,
+                                  state->cascades[c].interval_us, sea::FieldSet{sea::Field::foam});
+        if (!pair)
+            return {};
+        const std::span<const float> map = pair->before->keyframe().plane(sea::Field::foam);
+        sent.ratios.insert(sent.ratios.end(), map.begin(), map.end());
+        sent.rounding = std::max(sent.rounding, double{pair->before->error(sea::Field::foam)});
+    }
+    return sent;
+}
+
+// One has walked the foam for a reader since before the wind rose, the other is started when it has risen. They differ by
+// what a history keeps of how it began, exp(-10) of some tens (1e-3; docs/foam.md), and by how both round.
+TEST(Fleet, foam_is_the_same_of_who_was_there_when_the_wind_rose_and_of_who_came_after) {
+    NatsServer nats;
+    std::vector<std::string> words = arguments_of(nats.url("white"));
+    words[0] = "scenes/north_sea_gale.toml";
+    ServerProcess old(words);
+    const std::string at_old = old.wait_until_ready();
+    ASSERT_FALSE(at_old.empty()) << old.log();
+    const auto reader = connect(at_old);
+    ASSERT_TRUE(reader);
+    ASSERT_TRUE(reader->subscribe({.fields = sea::surface_fields | sea::FieldSet{sea::Field::foam}},
+                                  8, 30));
+    const Said said = ctl(at_old, {"set", "systems.0.wind_speed_10m_mps=23", "--over", "10s"});
+    ASSERT_EQ(said.code, 0) << said.words;
+    const sea::TimeUs time_us = sea::us_from_seconds(number(said.words, "end_s") + 3);
+    ASSERT_TRUE(comes_true([&] { return reader->now_us() > time_us; }));
+    ServerProcess fresh(words);
+    const std::string at_fresh = fresh.wait_until_ready();
+    ASSERT_FALSE(at_fresh.empty()) << fresh.log();
+    const FoamSent one = foam_of(at_old, time_us), other = foam_of(at_fresh, time_us);
+    ASSERT_EQ(one.ratios.size(), 3u * 256 * 256);
+    ASSERT_EQ(one.ratios.size(), other.ratios.size());
+    double apart = 0, most = 0;
+    for (std::size_t i = 0; i < one.ratios.size(); ++i) {
+        apart = std::max(apart, std::abs(double{one.ratios[i]} - double{other.ratios[i]}));
+        most = std::max(most, double{one.ratios[i]});
+    }
+    EXPECT_GT(most, 5) << "there are whitecaps to compare";
+    EXPECT_LE(apart, 1e-3 + one.rounding + other.rounding);
+}
+
 TEST(Fleet,
      a_server_behind_a_cut_network_serves_on_says_that_it_is_stale_and_follows_when_it_heals) {
     NatsServer nats;
