@@ -103,15 +103,14 @@ void Client::take_keyframe(const HeldKeyframePtr& keyframe) {
 }
 
 void Client::take_times(ConnectionEvents& events, const JoiningPtr& joining) {
-    events.on_clock = [this, joining](LocalUs sent_us, LocalUs received_us, TimeUs elapsed_us) {
+    events.on_clock = [this, joining](LocalUs sent_us, LocalUs received_us,
+                                      const sea::SeaTime& said) {
         const std::scoped_lock lock(mutex_);
-        if (!joining->joined) {
-            joining->looks.push_back({sent_us, received_us, elapsed_us});
-            return;
-        }
-        clock_.add(sent_us, received_us, elapsed_us);
-        heard_at_us_ = received_us;
-        heard_us_ = std::max(heard_us_, paces_.sea_time(elapsed_us));
+        const Joining::Look look{sent_us, received_us, said.elapsed_us, said.unsure_us};
+        if (joining->joined)
+            hear(look);
+        else
+            joining->looks.push_back(look);
     };
     events.on_pace = [this, joining](const sea::Pace& pace) {
         const std::scoped_lock lock(mutex_);

@@ -121,9 +121,7 @@ class Client {
 
     /// The same for a batch the server takes at once; does not block (Connection::query).
     void ask_async(std::span<const sea::QueryPoint> points, const Asking& asking,
-                   ReplyHandler handler) {
-        link()->query(points, asking.exact, asking.timeout_s, std::move(handler), asking.looking);
-    }
+                   ReplyHandler handler);
 
     /// This client answers from what it holds; at once, never asks the server. An error (not_held): there is nothing
     /// to go by, or the connection is lost and the keyframes end before the time of a point. Points of equal or
@@ -188,7 +186,7 @@ class Client {
     struct Joining {
         struct Look {
             LocalUs sent_us, received_us;
-            sea::TimeUs elapsed_us;
+            sea::TimeUs elapsed_us, unsure_us;
         };
         std::vector<Look> looks;
         std::vector<sea::Pace> paces;
@@ -226,7 +224,8 @@ class Client {
     void join(Joining& joining, const SeaState& state);
     /// mutex_ held. Why it is not the sea that is held; empty: it is.
     std::string why_another(const Joining& joining, const SeaState& state) const;
-    void forget_sea(); ///< mutex_ held
+    void hear(const Joining::Look& look); ///< mutex_ held
+    void forget_sea();                    ///< mutex_ held
     Result<Grant> subscribe_on(Connection& connection, const Subscription& subscription);
     Result<protocol::SpectrumGrant> subscribe_on(Connection& connection,
                                                  const SpectrumSubscription& subscription);
@@ -234,11 +233,15 @@ class Client {
     template <class Kind>
     auto subscribe_and_keep(std::optional<Kind>& kept, const Kind& subscription)
         -> decltype(subscribe_on(*link(), subscription));
-    /// mutex_ held. Is nothing heard of the server?
+    /// mutex_ held. Is nothing heard of the server, or of it that it is not sure of its sea?
     bool silent(LocalUs now_us) const;
     /// Flags what the server may know more about. False: an answer is of no keyframes, and no server is there to
     /// send some.
     bool mark_stale(std::span<const sea::QueryPoint> points, std::span<sea::Answer> answers) const;
+    /// The same of answers of a server that is not sure of its sea.
+    void mark_unsure(std::span<const sea::QueryPoint> points, std::span<sea::Answer> answers) const;
+    void mark(const Unheard& unheard, std::span<const sea::QueryPoint> points,
+              std::span<sea::Answer> answers) const;
 
     sea::FieldSet sampled_fields() const { return offered(sea::surface_fields); }
     /// Without what the server is known not to offer.
@@ -335,8 +338,9 @@ class Client {
     std::chrono::steady_clock::time_point next_attempt_{};
     std::atomic<int> seas_ = 0; ///< changed before what is held of the one before is dropped
     bool resuming_ = false;     ///< from the end of a connection until all is subscribed to again
-    LocalUs heard_at_us_ = 0;
+    LocalUs heard_at_us_ = 0;   ///< when the server was sure of its sea, as far as it is known
     sea::TimeUs heard_us_ = std::numeric_limits<sea::TimeUs>::min(); ///< sea time then
+    bool unsure_ = false;                                            ///< so it says itself
     Unheard missed_;    ///< of the last connection that ended, where the sea was changed meanwhile
     std::mutex saying_; ///< of on_status; before mutex_
     std::thread keeper_;

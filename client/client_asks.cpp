@@ -73,7 +73,19 @@ Result<Below> Client::ask_all(std::span<const QueryPoint> points, std::span<cons
     progress->changed.wait(lock, [&] { return progress->under_way == 0; });
     if (progress->problem)
         return *progress->problem;
+    mark_unsure(points, progress->found.answers);
     return std::move(progress->found);
+}
+
+void Client::ask_async(std::span<const QueryPoint> points, const Asking& asking,
+                       ReplyHandler handler) {
+    const auto marked = [this, asked = std::vector(points.begin(), points.end()),
+                         handler = std::move(handler)](Result<Reply> reply) {
+        if (reply)
+            mark_unsure(asked, reply->answers);
+        handler(std::move(reply));
+    };
+    link()->query(points, asking.exact, asking.timeout_s, marked, asking.looking);
 }
 
 } // namespace seaway::client

@@ -249,12 +249,19 @@ void Client::join(Joining& joining, const SeaState& state) {
         ++seas_;
     for (const sea::Pace& pace : joining.paces)
         paces_.add(pace);
-    for (const Joining::Look& look : joining.looks) {
-        clock_.add(look.sent_us, look.received_us, look.elapsed_us);
-        heard_at_us_ = look.received_us;
-        heard_us_ = std::max(heard_us_, paces_.sea_time(look.elapsed_us));
-    }
+    for (const Joining::Look& look : joining.looks)
+        hear(look);
     joining.joined = true;
+}
+
+void Client::hear(const Joining::Look& look) {
+    clock_.add(look.sent_us, look.received_us, look.elapsed_us);
+    heard_at_us_ = look.received_us - look.unsure_us;
+    heard_us_ =
+        std::max(heard_us_,
+                 paces_.sea_time(std::clamp(look.elapsed_us, -sea::time_us_max, sea::time_us_max) -
+                                 look.unsure_us));
+    unsure_ = look.unsure_us > 0;
 }
 
 void Client::forget_sea() {
@@ -281,7 +288,7 @@ void Client::forget_sea() {
 // ---- what that means for answers -------------------------------------------------------------
 
 bool Client::silent(LocalUs now_us) const {
-    return joining_->end || now_us - heard_at_us_ > silent_us;
+    return joining_->end || unsure_ || now_us - heard_at_us_ > silent_us;
 }
 
 bool Client::mark_stale(std::span<const sea::QueryPoint> points,
@@ -295,16 +302,35 @@ bool Client::mark_stale(std::span<const sea::QueryPoint> points,
             unheard = {std::min(missed_.from_us, heard_us_)};
         nothing_comes = resuming_ || joining_->end;
     }
+    if (nothing_comes && std::ranges::any_of(answers, [](const sea::Answer& answer) {
+            return answer.flags & sea::answer_extrapolated;
+        }))
+        return false;
+    mark(unheard, points, answers);
+    return true;
+}
+
+void Client::mark_unsure(std::span<const sea::QueryPoint> points,
+                         std::span<sea::Answer> answers) const {
+    Unheard unheard;
+    {
+        const std::scoped_lock lock(mutex_);
+        if (!unsure_)
+            return;
+        unheard.from_us = heard_us_;
+    }
+    mark(unheard, points, answers);
+}
+
+void Client::mark(const Unheard& unheard, std::span<const sea::QueryPoint> points,
+                  std::span<sea::Answer> answers) const {
     for (std::size_t i = 0; i < points.size(); ++i) {
-        if (nothing_comes && (answers[i].flags & sea::answer_extrapolated))
-            return false;
         if (!unheard.contains(points[i].time_us))
             continue;
         answers[i].flags |= sea::answer_stale;
         answers[i].error_m +=
             stale_error_m(*sea_state(points[i].time_us), unheard.from_us, points[i].time_us);
     }
-    return true;
 }
 
 } // namespace seaway::client

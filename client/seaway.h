@@ -129,7 +129,7 @@ typedef struct seaway_status {
     uint32_t seas;
     uint32_t holds;        /* sum of SEAWAY_HOLDS_TILES, SEAWAY_HOLDS_WAVES; of the sea of now */
     double next_attempt_s; /* SEAWAY_WAITING: until then; 0 also before it is known */
-    double stale_s;        /* since the server was heard last; 0 while it is heard */
+    double stale_s; /* since the server was heard last, or was sure of its sea; 0 while it is */
     int64_t held_from_us;
     int64_t held_until_us;
     char reason[256]; /* of the last trouble, as far as it fits; "" before any */
@@ -196,7 +196,7 @@ enum {
         32, /* a sea offered without sideways motion: velocity's vertical part */
     SEAWAY_OPEN =
         64, /* with SEAWAY_FOLDED: which sheet is the highest is open; error_m is no bound */
-    /* Nothing is heard of the server. error_m has grown by what a change to a sea no higher than this one may have made of it
+    /* Nothing is heard of the server, or it says itself that others may have changed the sea. error_m has grown by what a change to a sea no higher than this one may have made of it
      * since, begun as soon and as fast as it may; it is no bound where the sea was changed to a higher one. */
     SEAWAY_STALE = 128,
     SEAWAY_DRY = 256 /* of seaway_below: no water there, above the surface or below the sea floor */

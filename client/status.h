@@ -25,7 +25,7 @@ struct ClientStatus {
     /// Different ones so far behind the address: from 1 on. With another one its time, epochs and waves are others.
     int seas = 0;
     double next_attempt_s = 0; ///< waiting: until then; 0 also before it is known
-    /// Since the server was heard last; 0 while its sea is known to go on. Answers about later times are flagged
+    /// Since the server was heard last, or was sure of its sea; 0 while that is known to go on. Answers about later times are flagged
     /// answer_stale.
     double stale_s = 0;
     /// Sampling answers about now, and about every time, from waves.

@@ -146,6 +146,8 @@ inline constexpr std::size_t durable_waiting_max = 16;
 
 /// For how long a GoAway may ask a client to stay away: an hour.
 inline constexpr std::uint32_t retry_after_ms_max = 3'600'000;
+/// A server that has been unsure of its sea for longer has been so for this long: a day.
+inline constexpr std::int64_t unsure_us_max = 86'400'000'000;
 
 /// Bytes of fetched tiles that wait for a session; a fetch that does not fit is refused.
 inline constexpr std::size_t fetch_bytes_max = 32u * 1024 * 1024;

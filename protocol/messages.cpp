@@ -222,11 +222,11 @@ flatbuffers::Optional<std::int64_t> elapsed_us(const sea::SeaTime& time) {
 Bytes welcome(std::uint64_t session, std::string_view server, const sea::SeaTime& time) {
     FlatBufferBuilder built = builder(256);
     const auto name = string_of(built, server);
-    return finish(
-        built, wire::CreateWelcome(built, version, session, name, time.sea_us,
-                                   limits::points_per_query_max, limits::exact_points_per_query_max,
-                                   limits::times_per_fetch_max, limits::client_message_bytes_max,
-                                   elapsed_us(time), limits::keyframes_per_ack_max));
+    return finish(built, wire::CreateWelcome(
+                             built, version, session, name, time.sea_us,
+                             limits::points_per_query_max, limits::exact_points_per_query_max,
+                             limits::times_per_fetch_max, limits::client_message_bytes_max,
+                             elapsed_us(time), limits::keyframes_per_ack_max, time.unsure_us));
 }
 
 Bytes subscribed(std::uint32_t request_id, const TileWish& grant, int credit,
@@ -347,8 +347,8 @@ Bytes fetch_done(std::uint32_t request_id, std::uint32_t keyframes, sea::FieldSe
 
 Bytes pong(std::uint32_t request_id, std::int64_t client_time_us, const sea::SeaTime& time) {
     FlatBufferBuilder built = builder(96);
-    return finish(
-        built, wire::CreatePong(built, request_id, client_time_us, time.sea_us, elapsed_us(time)));
+    return finish(built, wire::CreatePong(built, request_id, client_time_us, time.sea_us,
+                                          elapsed_us(time), time.unsure_us));
 }
 
 Bytes pace(const sea::Pace& pace) {

@@ -14,6 +14,7 @@
 // of our own and do not fail. All functions are thread-safe; a MessageReader is for one thread.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -23,6 +24,7 @@
 #include <vector>
 
 #include "base/result.h"
+#include "protocol/limits.h"
 #include "protocol/message_table.h"
 #include "protocol/seaway_generated.h"
 #include "sea/basics/dispersion.h"
@@ -148,7 +150,9 @@ Bytes administer(std::uint32_t request_id, wire::Act act, std::uint64_t session)
 template <class Told>
 sea::SeaTime sea_time(const Told& told) {
     const flatbuffers::Optional<std::int64_t> elapsed_us = told.elapsed_us();
-    return {told.sea_time_us(), elapsed_us ? *elapsed_us : told.sea_time_us()};
+    sea::SeaTime time(told.sea_time_us(), elapsed_us ? *elapsed_us : told.sea_time_us());
+    time.unsure_us = std::clamp(told.unsure_us(), std::int64_t{0}, limits::unsure_us_max);
+    return time;
 }
 
 /// Limits are filled in from protocol/limits.h.

@@ -213,6 +213,7 @@ Result<void> SeaDirector::play(const SeaChange& change) {
 }
 
 void SeaDirector::look_for_doubt() {
+    (void)world_.sea_time(); // so that it knows since when it is unsure, also while nobody asks
     const std::optional<Following> now = world_.following();
     if (!now || !now->shared)
         return;

@@ -34,69 +34,6 @@ World::World(SeaCoursePtr course, SeaClock& clock, MemoryPtr memory)
     (void)announce_due();
 }
 
-// sqrt(m2), of a sea of this height and period.
-double vertical_mps(const sea::SeaStatistics& sea) {
-    if (!(sea.zero_crossing_period_s > 0))
-        return 0;
-    return 5 * 0.25 * sea.significant_height_m * 2 * sea::pi / sea.zero_crossing_period_s;
-}
-
-Health health_of(bool healthy, Heartbeat::Clock::duration turn) {
-    if (!healthy)
-        return {false, "the simulation has failed"};
-    if (turn < stuck_after)
-        return {};
-    return {false, fmt::format("the simulation has not come on for {} s",
-                               std::chrono::duration_cast<std::chrono::seconds>(turn).count())};
-}
-
-void World::follow_by(std::function<Following()> follow) {
-    const std::scoped_lock lock(mutex_);
-    follow_ = std::move(follow);
-}
-
-void World::hand_over_by(std::function<void(const std::string&)> hand_over) {
-    const std::scoped_lock lock(mutex_);
-    hand_over_ = std::move(hand_over);
-}
-
-void World::hand_over(const std::string& why) {
-    std::function<void(const std::string&)> hand_over;
-    {
-        const std::scoped_lock lock(mutex_);
-        hand_over = hand_over_;
-    }
-    if (hand_over)
-        hand_over(why);
-}
-
-std::optional<Following> World::following() const {
-    std::function<Following()> follow;
-    {
-        const std::scoped_lock lock(mutex_);
-        follow = follow_;
-    }
-    if (!follow)
-        return std::nullopt;
-    Following now = follow();
-    const RunningSeaPtr sea = sea_now();
-    now.height_error_m = sea->budget.height_error_m;
-    now.vertical_mps =
-        vertical_mps(sea->summary.realised) * clock_.moment().pace_permille / sea::pace_unit;
-    return now;
-}
-
-Health World::health() const {
-    Health health = health_of(simulation_->healthy(), simulation_->turn());
-    if (!health.live)
-        return health;
-    if (const std::optional<Following> now = following()) {
-        health.why = now->doubt();
-        health.ready = health.why.empty();
-    }
-    return health;
-}
-
 void World::publish_to(Publish publish) {
     const std::scoped_lock lock(mutex_);
     publish_ = std::move(publish);

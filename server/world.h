@@ -77,10 +77,7 @@ class World final : public Host {
     void announce_pace(const sea::Pace& pace);
 
     sea::TimeUs sea_time_us() const override { return clock_.now_us(); }
-    sea::SeaTime sea_time() const override {
-        const SeaMoment moment = clock_.moment();
-        return {moment.now_us, moment.elapsed_us};
-    }
+    sea::SeaTime sea_time() const override;
     std::vector<SharedBytes> sea_state_messages() const override;
     SharedBytes sea_state_message(std::uint32_t epoch) const override;
     Demand grant(const Demand& wish) const override;
@@ -118,6 +115,7 @@ class World final : public Host {
     SpectrumStore spectra_;
     Simulation* simulation_ = nullptr;
 
+    mutable std::atomic<std::int64_t> unsure_since_us_ = 0, unsure_looked_us_ = 0;
     mutable std::mutex mutex_; ///< of what follows
     Publish publish_;
     Announce announce_;

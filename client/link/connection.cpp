@@ -256,7 +256,7 @@ Result<void> Connection::take(const wire::Welcome& welcome) {
     SEAWAY_TRY(protocol::check(welcome));
     const std::int64_t now_us = local_now_us();
     if (events_.on_clock)
-        events_.on_clock(hello_sent_us_, now_us, protocol::sea_time(welcome).elapsed_us);
+        events_.on_clock(hello_sent_us_, now_us, protocol::sea_time(welcome));
     const std::scoped_lock lock(opening_mutex_);
     if (welcomed_)
         return Error{"a second welcome"};
@@ -413,8 +413,7 @@ void Connection::one_spectrum_less() {
 
 void Connection::take(const wire::Pong& pong) {
     if (events_.on_clock)
-        events_.on_clock(pong.client_time_us(), local_now_us(),
-                         protocol::sea_time(pong).elapsed_us);
+        events_.on_clock(pong.client_time_us(), local_now_us(), protocol::sea_time(pong));
 }
 
 Result<void> Connection::take(const wire::Pace& pace) {

@@ -62,8 +62,8 @@ struct ConnectionEvents {
         on_waves{};
     /// What the subscription gets: at its start, and again whenever a change of the sea makes that something else.
     std::function<void(const Grant&)> on_grant{};
-    /// One look at the server's clock, in time since the sea's epoch: local times as local_now_us().
-    std::function<void(std::int64_t sent_us, std::int64_t received_us, sea::TimeUs elapsed_us)>
+    /// One look at the server's clock: local times as local_now_us().
+    std::function<void(std::int64_t sent_us, std::int64_t received_us, const sea::SeaTime& said)>
         on_clock{};
     /// How sea time follows from that, from a moment on.
     std::function<void(const sea::Pace& pace)> on_pace{};

@@ -47,6 +47,8 @@ struct SeaTime {
 
     TimeUs sea_us;
     TimeUs elapsed_us; ///< since the epoch
+    /// For how long whoever says this has not been sure of its sea: others may have changed it.
+    TimeUs unsure_us = 0;
 };
 /// Paces that are held: the one that holds, and more to come than a server promises.
 inline constexpr std::size_t paces_max = 16;

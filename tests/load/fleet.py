@@ -28,6 +28,8 @@ import tempfile
 import threading
 import time
 
+from fleet_watcher import Watcher
+
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
 SCENE = SOURCE / "scenes/calm.toml"
 WORLD = "north-sea"
@@ -199,49 +201,6 @@ class Fleet:
                                f"systems.0.wind_speed_10m_mps={wind_mps:.2f}", "--over", "10s"],
                               capture_output=True, text=True, check=False)
         return json.loads(said.stdout) if said.returncode == 0 else None
-
-
-class Watcher:
-    """A client of the library behind HAProxy: what it samples, and when each row came."""
-
-    def __init__(self, fleet, number):
-        self.rows = []
-        self.words = open(fleet.folder / f"watcher-{number}.log", "w")
-        self.process = subprocess.Popen(
-            [fleet.bin / "seaway-query", f"wss://127.0.0.1:{fleet.balancer_port}", "--ca-file", fleet.certificate, "--local", "--at", f"{number},7",
-             "--watch", "20", "--format", "csv", "--timeout", "5"],
-            stdout=subprocess.PIPE, stderr=self.words, text=True, bufsize=1)
-        threading.Thread(target=self._read, daemon=True).start()
-
-    def _read(self):
-        names = None
-        for line in self.process.stdout:
-            fields = line.strip().split(",")
-            if names is None:
-                names = fields
-                continue
-            row = dict(zip(names, map(float, fields)))
-            row["came_s"] = time.monotonic()
-            self.rows.append(row)
-
-    def stop(self):
-        self.process.terminate()
-        self.process.wait()
-
-    def worst_gap_s(self):
-        times = [row["came_s"] for row in self.rows]
-        return max((b - a for a, b in zip(times, times[1:])), default=float("inf"))
-
-    def jump_m(self):
-        """How much further a step of 0.1 s or less goes than the water can: speed and half a g, a glide, what both heights may miss."""
-        worst = -1.0
-        for a, b in zip(self.rows, self.rows[1:]):
-            dt = b["t_s"] - a["t_s"]
-            if dt <= 0.1:
-                speed = max(abs(a["velocity_z_mps"]), abs(b["velocity_z_mps"])) + 0.5
-                allowed = (speed + 2.45 * dt) * dt + a["error_m"] + b["error_m"]
-                worst = max(worst, abs(b["height_m"] - a["height_m"]) - allowed)
-        return worst
 
 
 class Comparison:

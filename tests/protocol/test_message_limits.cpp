@@ -264,5 +264,27 @@ TEST(MessageLimits, of_depths_and_of_the_waves_that_count) {
         << "depths are exact questions, of which there are 256 at most";
 }
 
+TEST(
+    Messages,
+    how_long_a_server_has_been_unsure_is_said_with_its_time_and_never_less_than_nothing_or_beyond_a_day) {
+    const auto heard = [](std::int64_t unsure_us) {
+        sea::SeaTime time(7, 8);
+        time.unsure_us = unsure_us;
+        MessageReader reader(Sender::server), again(Sender::server);
+        const Bytes in_pong = pong(1, 2, time), in_welcome = welcome(1, "any", time);
+        const sea::SeaTime one = sea_time(*(*reader.read(in_pong))->body_as_Pong());
+        const sea::SeaTime other = sea_time(*(*again.read(in_welcome))->body_as_Welcome());
+        EXPECT_EQ(one.unsure_us, other.unsure_us);
+        EXPECT_EQ(one.sea_us, 7);
+        EXPECT_EQ(one.elapsed_us, 8);
+        return one.unsure_us;
+    };
+    EXPECT_EQ(heard(0), 0);
+    EXPECT_EQ(heard(2'500'000), 2'500'000);
+    EXPECT_EQ(heard(-1), 0);
+    EXPECT_EQ(heard(std::numeric_limits<std::int64_t>::min()), 0);
+    EXPECT_EQ(heard(std::numeric_limits<std::int64_t>::max()), limits::unsure_us_max);
+}
+
 } // namespace
 } // namespace seaway::protocol

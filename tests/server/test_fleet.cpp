@@ -183,6 +183,23 @@ TEST(Fleet, foam_is_the_same_of_who_was_there_when_the_wind_rose_and_of_who_came
     EXPECT_LE(apart, 1e-3 + one.rounding + other.rounding);
 }
 
+/// Does its server answer about now, and is the answer, asked and sampled, flagged, with an error that grows with what may have changed?
+bool is_stale(Client& client) {
+    const sea::TimeUs now_us = client.now_us(), later_us = now_us + 20'000'000;
+    const std::vector<sea::QueryPoint> points{{1, 2, now_us}, {1, 2, later_us}};
+    const auto asked = client.ask(points, {.exact = true});
+    const auto sampled = client.fetch_and_sample(points, 30);
+    EXPECT_TRUE(asked && sampled);
+    if (!asked || !sampled)
+        return false;
+    const auto stale = [](const sea::Answer& answer) {
+        return (answer.flags & sea::answer_stale) != 0;
+    };
+    EXPECT_EQ(stale((*asked)[0]), stale((*sampled)[0]));
+    EXPECT_EQ(stale((*asked)[0]), (*asked)[1].error_m > 0.01 + (*asked)[0].error_m);
+    return stale((*asked)[0]);
+}
+
 TEST(Fleet,
      a_server_behind_a_cut_network_serves_on_says_that_it_is_stale_and_follows_when_it_heals) {
     NatsServer nats;
@@ -202,8 +219,11 @@ TEST(Fleet,
     EXPECT_EQ(journal_of(at_b)["played"], 1);
     const auto client = connect(at_b);
     ASSERT_TRUE(client) << "it serves on";
-    const sea::QueryPoint point{1, 2, client->now_us()};
-    EXPECT_TRUE(client->ask({&point, 1}, {.exact = true}));
+    EXPECT_TRUE(comes_true([&] { return is_stale(*client); })) << "and says that it is unsure";
+    EXPECT_GT(client->status().stale_s, 0);
+    const auto of_a = connect(at_a);
+    ASSERT_TRUE(of_a);
+    EXPECT_FALSE(is_stale(*of_a));
     const Said refused = ctl(at_b, {"set", "systems.0.wind_speed_10m_mps=9", "--over", "10s"});
     EXPECT_EQ(refused.code, 6) << refused.words;
     EXPECT_NE(refused.words.find("the sea cannot be changed now"), std::string::npos)
@@ -212,7 +232,10 @@ TEST(Fleet,
     line.stall(false);
     line.cut();
     EXPECT_TRUE(comes_true([&] { return get(at_b, "/readyz").fine; })) << b.log();
-    EXPECT_EQ(journal_of(at_b)["played"], 2);
+    EXPECT_TRUE(comes_true([&] { return journal_of(at_b)["played"] == 2; }));
+    const auto later = connect(at_b);
+    ASSERT_TRUE(later);
+    EXPECT_TRUE(comes_true([&] { return !is_stale(*later); })) << "it knows again";
     const double start_s = number(said.words, "start_s");
     expect_one_sea(at_a, at_b, sea::us_from_seconds(start_s - 5),
                    sea::us_from_seconds(start_s + 15));

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+// World: how it stands with a log that others write too, and what it says of that.
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "server/world.h"
+
+namespace seaway::server {
+
+namespace {
+
+/// Whether this sea is that of the others is looked up so often at most: thousands of clients ask for the time.
+constexpr std::int64_t unsure_looks_apart_us = 100'000;
+
+} // namespace
+
+// sqrt(m2), of a sea of this height and period.
+double vertical_mps(const sea::SeaStatistics& sea) {
+    if (!(sea.zero_crossing_period_s > 0))
+        return 0;
+    return 5 * 0.25 * sea.significant_height_m * 2 * sea::pi / sea.zero_crossing_period_s;
+}
+
+Health health_of(bool healthy, Heartbeat::Clock::duration turn) {
+    if (!healthy)
+        return {false, "the simulation has failed"};
+    if (turn < stuck_after)
+        return {};
+    return {false, fmt::format("the simulation has not come on for {} s",
+                               std::chrono::duration_cast<std::chrono::seconds>(turn).count())};
+}
+
+void World::follow_by(std::function<Following()> follow) {
+    const std::scoped_lock lock(mutex_);
+    follow_ = std::move(follow);
+}
+
+void World::hand_over_by(std::function<void(const std::string&)> hand_over) {
+    const std::scoped_lock lock(mutex_);
+    hand_over_ = std::move(hand_over);
+}
+
+void World::hand_over(const std::string& why) {
+    std::function<void(const std::string&)> hand_over;
+    {
+        const std::scoped_lock lock(mutex_);
+        hand_over = hand_over_;
+    }
+    if (hand_over)
+        hand_over(why);
+}
+
+std::optional<Following> World::following() const {
+    std::function<Following()> follow;
+    {
+        const std::scoped_lock lock(mutex_);
+        follow = follow_;
+    }
+    if (!follow)
+        return std::nullopt;
+    Following now = follow();
+    const RunningSeaPtr sea = sea_now();
+    now.height_error_m = sea->budget.height_error_m;
+    now.vertical_mps =
+        vertical_mps(sea->summary.realised) * clock_.moment().pace_permille / sea::pace_unit;
+    return now;
+}
+
+sea::SeaTime World::sea_time() const {
+    const std::int64_t now_us = SeaClock::steady_now_us();
+    if (now_us - unsure_looked_us_ >= unsure_looks_apart_us) {
+        unsure_looked_us_ = now_us;
+        const std::optional<Following> now = following();
+        const bool unsure = now && !now->doubt().empty();
+        const std::int64_t since_us = unsure_since_us_;
+        // It has been told of all changes up to when it heard of the log last, whoever looked meanwhile.
+        const std::int64_t heard_us =
+            now_us - (unsure && !now->journal.current ? now->journal.unheard_us : 0);
+        unsure_since_us_ = !unsure ? 0 : since_us == 0 ? heard_us : std::min(since_us, heard_us);
+    }
+    const SeaMoment moment = clock_.moment();
+    sea::SeaTime time(moment.now_us, moment.elapsed_us);
+    if (const std::int64_t since_us = unsure_since_us_)
+        time.unsure_us = std::max<std::int64_t>(now_us - since_us, 1);
+    return time;
+}
+
+Health World::health() const {
+    Health health = health_of(simulation_->healthy(), simulation_->turn());
+    if (!health.live)
+        return health;
+    if (const std::optional<Following> now = following()) {
+        health.why = now->doubt();
+        health.ready = health.why.empty();
+    }
+    return health;
+}
+
+} // namespace seaway::server
