@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -26,7 +27,8 @@ class Predictions {
     /// Both are needed, or neither is.
     static constexpr sea::FieldSet fields{sea::Field::height, sea::Field::height_rate};
 
-    /// Others may be differences to this one (`header.base`). Of a map larger than limits::predicted_size_max there are none.
+    /// Others may be differences to this one (`header.base`). Of a map that is larger than limits::predicted_size_max, or on a
+    /// grid that nothing is predicted on (sea::Regrid::takes), there are none.
     void keep(const protocol::TileHeader& header, double length_m, int size, Maps maps);
 
     /// For the tile of a difference; null: what it is the difference to is not here, or is none that this could be. Valid
@@ -44,12 +46,13 @@ class Predictions {
         Maps maps;
     };
     static constexpr std::size_t of_a_cascade = 2;
+    /// Of all bases: two of eight cascades of 512, of a sea and the next.
+    static constexpr std::size_t bytes_max = 64u * 1024 * 1024;
     static constexpr std::size_t bases_max = of_a_cascade * 2 * protocol::limits::cascades_max;
 
     std::deque<Base> bases_; ///< newest last
     sea::Predictor predictor_;
-    std::uint64_t expected_of_ = 0; ///< keyframe; 0: none
-    std::uint64_t expected_from_ = 0;
+    std::optional<protocol::TileHeader> expected_of_; ///< what expected_ was made for
     Maps expected_;
 };
 

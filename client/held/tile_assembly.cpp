@@ -20,7 +20,7 @@ using sea::FieldSet;
 namespace {
 
 /// So that the difference of two times always fits.
-constexpr sea::TimeUs time_max_us = std::int64_t{1} << 62;
+constexpr sea::TimeUs time_max_us = (std::int64_t{1} << 62) - 1;
 
 Error bad_tile(const TileHeader& header, std::string_view why) {
     return Error{fmt::format("tile of {}, cascade {}, at {} us: {}", sea::info(header.field).name,

@@ -43,19 +43,17 @@ bool same_maps(const SeaState& a, const SeaState& b) {
     });
 }
 
-constexpr double again_timeout_s = 10;
+std::string text(const flatbuffers::String* string) {
+    return string ? string->str() : std::string();
+}
+
+} // namespace
 
 /// The same wish of a client that brings maps to their own grids.
 protocol::TileWish compact(protocol::TileWish wish) {
     wish.compact = true;
     return wish;
 }
-
-std::string text(const flatbuffers::String* string) {
-    return string ? string->str() : std::string();
-}
-
-} // namespace
 
 std::int64_t deadline_us(double timeout_s) {
     return local_now_us() + static_cast<std::int64_t>(timeout_s * 1e6);
@@ -128,35 +126,6 @@ bool Connection::send(protocol::Bytes message) {
     return stream_ && stream_->send(std::move(message));
 }
 
-void Connection::subscribe(const protocol::TileWish& wish, int credit, double timeout_s,
-                           ReplyHandler handler) {
-    protocol::TileWish full = compact(wish);
-    full.predicted = predicts_;
-    {
-        const std::scoped_lock lock(stream_mutex_);
-        streaming_ = Stream{wish, credit};
-    }
-    requests_.start(
-        Lane::bulk,
-        [&](std::uint32_t request_id) { return protocol::subscribe(request_id, full, credit); },
-        deadline_us(timeout_s), std::move(handler), wish.fields);
-}
-
-void Connection::subscribe_unpredicted() {
-    if (std::exchange(subscribes_again_, true))
-        return;
-    predicts_ = false;
-    std::optional<Stream> same;
-    {
-        const std::scoped_lock lock(stream_mutex_);
-        same = streaming_;
-    }
-    if (same)
-        subscribe(same->wish, same->credit, again_timeout_s, [this](Result<Reply> reply) {
-            subscribes_again_ = reply.has_value(); // refused: with the next one that comes
-        });
-}
-
 void Connection::fetch(std::span<const sea::TimeUs> times_us, const protocol::TileWish& wish,
                        double timeout_s, ReplyHandler handler) {
     if (times_us.empty() || times_us.size() > welcome_.times_per_fetch_max)
@@ -169,14 +138,6 @@ void Connection::fetch(std::span<const sea::TimeUs> times_us, const protocol::Ti
             return protocol::fetch(request_id, times_us, compact(wish));
         },
         deadline_us(timeout_s), std::move(handler), wish.fields);
-}
-
-void Connection::unsubscribe() {
-    {
-        const std::scoped_lock lock(stream_mutex_);
-        streaming_.reset();
-    }
-    send(protocol::unsubscribe());
 }
 
 void Connection::subscribe_spectrum(const protocol::SpectrumWish& wish, double timeout_s,
@@ -330,6 +291,8 @@ Result<void> Connection::take(const wire::Tile& tile) {
     if (!added)
         return added.error();
     if (added->unpredicted) {
+        if (std::exchange(last_unpredicted_, header.keyframe) == header.keyframe)
+            return {}; // its other map
         ++unpredicted_;
         subscribe_unpredicted();
         send_ack(acknowledgements_.complete(header.keyframe));

@@ -76,6 +76,8 @@ struct ConnectionEvents {
 std::int64_t local_now_us();
 /// So much later than now.
 std::int64_t deadline_us(double timeout_s);
+/// The same maps, on as small grids as carry them.
+protocol::TileWish compact(protocol::TileWish wish);
 
 class Connection {
   public:
@@ -160,6 +162,11 @@ class Connection {
     void take(const wire::Refused& refused);
     Result<void> take(const wire::GoAway& go_away);
     bool send(protocol::Bytes message);
+    struct Stream {
+        protocol::TileWish wish;
+        int credit = 0;
+    };
+    void goes_on(const std::optional<Stream>& before, std::uint64_t serial);
     /// What comes is predicted from what is not here: the same subscription without predictions.
     void subscribe_unpredicted();
     /// Ends the connection where it cannot be sent.
@@ -177,12 +184,9 @@ class Connection {
     std::optional<Error> end_; ///< why the connection is over
     Welcome welcome_;
 
-    struct Stream {
-        protocol::TileWish wish;
-        int credit = 0;
-    };
-    std::mutex stream_mutex_;
-    std::optional<Stream> streaming_; ///< the last one that was asked for
+    std::recursive_mutex stream_mutex_; ///< what is refused at once is answered at once
+    std::optional<Stream> streaming_;   ///< the last one that was asked for
+    std::uint64_t stream_serial_ = 0;   ///< counts those, and ends
     std::atomic<bool> predicts_ = true;
     std::atomic<std::uint64_t> unpredicted_ = 0;
 
@@ -196,6 +200,7 @@ class Connection {
     sea::FieldSet streamed_fields_;
     TileAssembly assembly_;
     bool subscribes_again_ = false; ///< because of what was not predicted
+    std::uint64_t last_unpredicted_ = 0;
     Acknowledgements acknowledgements_;
     std::uint32_t spectrum_epoch_ = 0; ///< of the one that is being sent
     std::uint32_t next_chunk_ = 0;

@@ -117,6 +117,9 @@ std::string metrics_text(const Counters& c, const Gauges& g, const EncoderCounte
                 std::map<std::string, const Durations&>{{"few", c.few_answered},
                                                         {"many", c.many_answered}});
     t.one("fetches_total", "counter", "Fetches and starts of subscriptions", c.fetches);
+    t.one("predictions_given_up_total", "counter",
+          "Sessions that could not follow predicted keyframes and asked for whole ones",
+          c.predictions_given_up);
     add_keyframes(t, c, g, e);
     return t.take();
 }

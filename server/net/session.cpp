@@ -139,12 +139,20 @@ void Session::on_subscribe(const wire::Subscribe& subscribe) {
                       .predicted = subscribe.predicted(),
                       .rate_hz_max = subscribe.rate_hz_max(),
                       .size_max = subscribe.size_max()};
-    on_unsubscribe();
+    core_.host.subscriptions().erase(id_); // as if nothing had been granted before
     const Demand grant = core_.host.grant(wish);
+    if (grant.empty() && grant.busy && subscription_)
+        core_.host.subscriptions().set(id_, subscription_->granted); // that goes on
+    else if (grant.empty())
+        on_unsubscribe();
     if (grant.empty())
         return refuse(request_id,
                       {grant.busy ? Refusal::busy : Refusal::not_offered,
                        grant.why.empty() ? "this sea offers none of these fields" : grant.why});
+    if (subscription_ && subscription_->wish.predicted && !wish.predicted &&
+        subscription_->wish.fields == wish.fields)
+        ++core_.counters.predictions_given_up;
+    on_unsubscribe();
     core_.host.subscriptions().set(id_, grant);
     outbox_.set_credit(subscribe.credit());
     subscription_ = Subscription{request_id, wish, subscribe.credit(), grant};

@@ -81,6 +81,8 @@ Result<EncodedKeyframePtr> Encoder::encode(const sea::Keyframe& keyframe,
                                            Room* streamed) {
     SEAWAY_CHECK(codec_error.size() == static_cast<std::size_t>(keyframe.fields.size()),
                  "one codec bound for each field of a keyframe");
+    if (streamed != nullptr)
+        forget_bases(keyframe.time_us - base_age_us_max);
     const EncodedKeyframePtr known = find(keyframe, quality);
     const std::uint64_t number = known ? known->number : next_number_++;
     const auto encoded = std::make_shared<EncodedKeyframe>(
@@ -101,7 +103,7 @@ Result<EncodedKeyframePtr> Encoder::encode(const sea::Keyframe& keyframe,
     if (compact.law && (wanted & keyframe.fields).contains(predicted_fields) &&
         (!known || (known->fields & predicted_fields).empty()))
         step = step_to(sent(sea::Field::height), quality, compact);
-    encoded->base = known ? known->base : step ? step->from : 0;
+    encoded->base = step ? step->from : known ? known->base : 0;
     bool added = false;
     for (const sea::Field field : keyframe.fields) {
         const float error = error_of(field);
@@ -186,6 +188,10 @@ void Encoder::keep(Step step, const sea::Keyframe& sent, const EncodedKeyframe& 
     bases_.push_back({as.epoch, as.cascade, as.quality, as.number, as.time_us, sent.size, law,
                       std::move(step.height.decoded), std::move(step.rate.decoded),
                       std::move(place)});
+}
+
+void Encoder::forget_bases(sea::TimeUs before_us) {
+    std::erase_if(bases_, [&](const Base& one) { return one.time_us < before_us; });
 }
 
 Result<EncodedField> Encoder::encode_field(const sea::Keyframe& keyframe, sea::Field field,

@@ -144,8 +144,11 @@ class Encoder {
     Result<EncodedField> encode_field(const sea::Keyframe& keyframe, sea::Field field, float error,
                                       std::uint64_t number, const CompactTiles& compact,
                                       Step* step);
+    void forget_bases(sea::TimeUs before_us);
     /// Of 8 cascades of two seas at four qualities.
     static constexpr std::size_t bases_max = 64;
+    /// Nothing follows a keyframe that lies so far before what is streamed: its sea is over, or nobody reads it.
+    static constexpr sea::TimeUs base_age_us_max = 60'000'000;
 
     struct Remembered {
         EncodedKeyframePtr keyframe;

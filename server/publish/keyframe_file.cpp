@@ -13,7 +13,7 @@ KeyframeFilePtr keyframe_file(const EncodedKeyframe& keyframe, const FrameHeader
     for (const EncodedField& map : keyframe.maps) {
         std::vector<std::uint64_t>& at = made->at.emplace_back();
         for (const protocol::SharedBytes& part :
-             map.differences.empty() ? map.parts : map.differences) {
+             made->differs && !map.differences.empty() ? map.differences : map.parts) {
             at.push_back(bytes.size());
             header_of(part->size(), bytes);
             bytes.insert(bytes.end(), part->begin(), part->end());

@@ -287,10 +287,15 @@ SharedBytes Outbox::next_streamed() {
         waiting_.pop_front();
         begin(begun_);
         const std::uint64_t number = begun_.keyframe->number;
+        const bool leads_on = std::ranges::any_of(waiting_, [this](const Parcel& later) {
+            return later.keyframe->cascade == begun_.keyframe->cascade &&
+                   later.keyframe->epoch == begun_.keyframe->epoch;
+        });
         SharedBytes message = take_of(begun_);
         if (message == nullptr) // holds nothing that the session was granted
             continue;
-        unacknowledged_.push_back(number);
+        if (!leads_on) // a step on the way to a newer one goes with that
+            unacknowledged_.push_back(number);
         ++counters_.keyframes_started;
         counters_.keyframes_predicted += begun_.differs ? 1 : 0;
         return message;

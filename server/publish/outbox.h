@@ -6,7 +6,8 @@
 // Streamed keyframes are under credit: at most `credit` of them are sent and not acknowledged. One
 // that has to wait is replaced by a newer one of its cascade and sea; one that has begun is finished. One that is the
 // difference to another is sent as that where the other was the last of its cascade that was, and whole where it was not;
-// so those that wait stay, as steps to the newest, while all of them are smaller than the newest whole.
+// so those that wait stay, as steps to the newest, while all of them are smaller than the newest whole. They go together, under
+// the credit of the newest: who acknowledges late is no further behind than with whole keyframes.
 // Durable messages are never dropped: when they do not fit, the session must be closed. Chunks of a spectrum are
 // not dropped either, and wait for as long as it takes: they are shared, so that a slow reader costs nothing.
 #pragma once

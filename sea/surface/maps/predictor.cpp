@@ -20,10 +20,15 @@ const Predictor::Kept& Predictor::kept(int size, double length_m, const WaveLaw&
     });
     if (found != kept_.end())
         return *found;
-    if (kept_.size() >= kept_max)
-        kept_.pop_front();
-    return kept_.emplace_back(Kept{length_m, law, forward_us,
-                                   Rotations(size, length_m, law, forward_us), Regrid(size, size)});
+    Rotations rotations(size, length_m, law, forward_us);
+    std::size_t bytes = rotations.bytes();
+    for (const Kept& one : kept_)
+        bytes += one.rotations.bytes();
+    for (; !kept_.empty() && (kept_.size() >= kept_max || bytes > kept_bytes_max);
+         kept_.pop_front())
+        bytes -= kept_.front().rotations.bytes();
+    return kept_.emplace_back(
+        Kept{length_m, law, forward_us, std::move(rotations), Regrid(size, size)});
 }
 
 } // namespace seaway::sea

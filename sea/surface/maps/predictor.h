@@ -13,8 +13,9 @@ namespace seaway::sea {
 
 class Predictor {
   public:
-    /// What is kept: of each of 8 cascades at three rates, of two seas.
+    /// What is kept: of each of 8 cascades at three rates, of two seas; and so many bytes of it, with one of any size.
     static constexpr std::size_t kept_max = 48;
+    static constexpr std::size_t kept_bytes_max = 16u * 1024 * 1024;
 
     /// Of maps of `size` points a side ([y][x], Regrid::takes) over length_m those forward_us later. 0.2 ms for 81 x 81.
     void maps(int size, double length_m, const WaveLaw& law, TimeUs forward_us,

@@ -39,6 +39,7 @@ class Rotations {
         return turns_[static_cast<std::size_t>(std::abs(j) * side_ + std::abs(i))];
     }
     int size() const { return size_; }
+    std::size_t bytes() const { return turns_.size() * sizeof(Turn); }
 
   private:
     int size_;

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Keyframes in two forms: what the encoder makes of them, and who is sent which.
 #include <cstring>
+#include <deque>
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "client/held/tile_assembly.h"
 #include "protocol/tile_codec.h"
@@ -152,6 +154,26 @@ TEST(PredictedTiles, maps_that_are_added_later_leave_both_forms_as_they_are) {
     EXPECT_TRUE(after->maps[2].differences.empty()) << "foam follows from no waves";
 }
 
+TEST(PredictedTiles, bases_of_seas_that_are_over_hold_no_memory) {
+    const std::shared_ptr<Room> room = Room::of(100'000'000);
+    const std::shared_ptr<Room> streamed = Room::of(100'000'000);
+    Encoder encoder(room);
+    const auto held_after = [&](std::uint32_t seas) {
+        for (std::uint32_t epoch = 1; epoch <= seas; ++epoch) {
+            sea::Keyframe keyframe = running_keyframe(static_cast<int>(epoch));
+            keyframe.epoch = epoch;
+            keyframe.time_us = 20'000'000 * static_cast<sea::TimeUs>(epoch);
+            EXPECT_TRUE(encoder.encode(keyframe, std::span(bounds).first(2), quality, both_fields,
+                                       predicted, streamed.get()));
+        }
+        return room->held_bytes();
+    };
+    const std::size_t bytes_of_a_base = 2 * 20 * 20 * sizeof(float);
+    const std::size_t messages = held_after(1) - bytes_of_a_base;
+    // The messages of all are remembered; of bases no more than four lie within a minute.
+    EXPECT_LT(held_after(30), 31 * (messages + 200) + 5 * bytes_of_a_base);
+}
+
 TEST(PredictedTiles, without_room_the_next_one_is_whole) {
     Encoder encoder(Room::of(2000)); // less than a base of 20 x 20 twice
     for (int n = 0; n < 4; ++n)
@@ -174,6 +196,44 @@ std::vector<SharedBytes> drain(Outbox& outbox, int keyframes = 100) {
         sent.push_back(next);
     }
     return sent;
+}
+
+// The other way round: a keyframe that was streamed without heights is encoded again, with them.
+TEST(PredictedTiles,
+     heights_that_are_added_later_come_in_both_forms_and_the_file_has_what_is_sent) {
+    Encoder encoder;
+    const FieldSet three = both_fields | FieldSet{Field::foam};
+    const auto encode_some = [&](int n, FieldSet wanted) {
+        return *encoder.encode(running_keyframe(n, 20, 0, three), bounds, quality, wanted,
+                               predicted);
+    };
+    const EncodedKeyframePtr first = encode_some(0, three);
+    encode_some(1, {Field::foam});
+    const EncodedKeyframePtr made = encode_some(1, three);
+    EXPECT_EQ(made->base, first->number);
+    EXPECT_FALSE(made->maps[0].differences.empty());
+    const auto room = Room::of(1'000'000);
+    const KeyframeFilePtr file = keyframe_file(
+        *made, [](std::size_t length, protocol::Bytes& out) { out.push_back(length & 0xff); },
+        *room);
+    ASSERT_TRUE(file);
+    Outbox outbox;
+    outbox.push_keyframe(first, three);
+    drain(outbox);
+    outbox.sent();
+    outbox.push_keyframe(made, three, file);
+    protocol::Bytes written;
+    while (const SharedBytes next = outbox.next()) {
+        written.push_back(next->size() & 0xff);
+        written.insert(written.end(), next->begin(), next->end());
+    }
+    const Outbox::Run run = outbox.run();
+    ASSERT_TRUE(run.of);
+    protocol::Bytes in_file(run.end - run.begin);
+    ASSERT_EQ(::pread(run.of->file->handle(), in_file.data(), in_file.size(),
+                      static_cast<off_t>(run.begin)),
+              static_cast<ssize_t>(in_file.size()));
+    EXPECT_EQ(in_file, written);
 }
 
 bool holds_differences(const std::vector<SharedBytes>& messages) {
@@ -252,17 +312,19 @@ TEST(Outbox, steps_that_wait_stay_while_they_are_less_than_the_newest_whole) {
         if (outbox.counters().keyframes_replaced > 0)
             break;
         waiting = with_it;
-        if (n == 2) { // read on: each step comes to its keyframe
-            for (int step = 0; step <= n; ++step) {
-                outbox.acknowledge(static_cast<std::uint64_t>(step + 1));
-                std::vector<SharedBytes> messages;
-                while (const SharedBytes next = outbox.next())
-                    messages.push_back(next);
-                EXPECT_EQ(holds_differences(messages), step < n);
-                bool unpredicted = false;
-                EXPECT_EQ(take(client, messages, &unpredicted) != nullptr, step < n);
-                EXPECT_FALSE(unpredicted);
-            }
+        if (n == 2) { // read on: both steps come, and come to their keyframes
+            outbox.acknowledge(1);
+            std::vector<SharedBytes> messages;
+            while (const SharedBytes next = outbox.next())
+                messages.push_back(next);
+            EXPECT_TRUE(holds_differences(messages));
+            bool unpredicted = false;
+            const client::HeldKeyframePtr reached = take(client, messages, &unpredicted);
+            ASSERT_TRUE(reached);
+            EXPECT_EQ(reached->keyframe().time_us, running_keyframe(n).time_us);
+            EXPECT_FALSE(unpredicted);
+            EXPECT_FALSE(outbox.acknowledge(2)) << "was on the way to the newest";
+            EXPECT_TRUE(outbox.acknowledge(3));
             outbox.push_keyframe(encode(encoder, running_keyframe(++n)), both_fields);
             while (outbox.next())
                 ;
@@ -275,6 +337,34 @@ TEST(Outbox, steps_that_wait_stay_while_they_are_less_than_the_newest_whole) {
     while (const SharedBytes next = outbox.next())
         last.push_back(next);
     EXPECT_EQ(last, messages_of(*newest, false)) << "the newest, whole, and nothing else";
+}
+
+// Its credit and the way there and back allow fewer keyframes than there are: it is sent what is new, as without predictions.
+TEST(Outbox, who_acknowledges_late_is_no_further_behind_by_steps_than_by_whole_keyframes) {
+    constexpr int late = 3; // intervals from when a keyframe is sent to its acknowledgement
+    const auto worst_lag = [](FieldSet fields) {
+        Encoder encoder;
+        Outbox outbox;
+        outbox.set_credit(1);
+        std::deque<std::pair<int, std::uint64_t>> under_way; // when, of what
+        int worst = 0;
+        std::uint64_t newest = 0;
+        for (int n = 0; n < 40; ++n) {
+            outbox.push_keyframe(encode(encoder, running_keyframe(n)), fields);
+            for (; !under_way.empty() && under_way.front().first <= n; under_way.pop_front())
+                outbox.acknowledge(under_way.front().second);
+            while (const SharedBytes next = outbox.next()) {
+                const std::uint64_t number = tile_of(next).keyframe();
+                if (number != newest)
+                    under_way.emplace_back(n + late, number);
+                newest = number;
+            }
+            worst = std::max(worst, n + 1 - static_cast<int>(newest));
+        }
+        return worst;
+    };
+    EXPECT_EQ(worst_lag({Field::height}), late - 1) << "whole ones";
+    EXPECT_EQ(worst_lag(both_fields), late - 1);
 }
 
 // However small the steps are: each keeps a whole keyframe in memory.
