@@ -218,11 +218,12 @@ void SeaDirector::look_for_doubt() {
     if (!now || !now->shared)
         return;
     const std::string why = now->doubt();
-    const bool begins = !why.empty() && doubt_.empty() && now->journal.peers.peers > 0;
-    doubt_ = why;
+    handed_over_for_doubt_ = handed_over_for_doubt_ && !why.empty();
+    const bool waits = !why.empty() && !handed_over_for_doubt_ && now->journal.peers.peers > 0;
     const std::int64_t now_us = SeaClock::steady_now_us();
     const bool rests = handed_over_us_ != 0 && now_us - handed_over_us_ < hand_overs_apart_us;
-    if (missed_ || (begins && !rests)) {
+    if (missed_ || (waits && !rests)) {
+        handed_over_for_doubt_ = !why.empty();
         handed_over_us_ = now_us;
         world_.hand_over(missed_ ? "a change of the sea was missed" : why);
     }
@@ -353,6 +354,11 @@ Result<void> SeaDirector::log(SeaChange change) {
     if (kept.error().is(JournalError::unreachable) || kept.error().is(JournalError::lapsed))
         return busy(unreachable_pause_us,
                     fmt::format("the sea cannot be changed now ({})", kept.error().message));
+    if (kept.error().is(JournalError::unknown))
+        return Error{
+            fmt::format("the change may have been made, and if so all servers follow it: the "
+                        "history says, once the journal answers ({})",
+                        kept.error().message)};
     return kept;
 }
 

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/journal/nats_log.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <optional>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <nats/nats.h>
@@ -91,6 +94,20 @@ std::string fault_of(const jsStreamConfig& config, const std::string& subject) {
     return config.Mirror ? "is a mirror" : "";
 }
 
+/// For how long who leads a stream has not heard of one more node of those that make a majority with it: since then others
+/// may have chosen another. 0 without a cluster; none: nobody leads.
+std::optional<std::int64_t> majority_heard_us(const jsClusterInfo* cluster) {
+    if (cluster == nullptr || cluster->ReplicasLen == 0)
+        return 0;
+    if (cluster->Leader == nullptr || *cluster->Leader == '\0')
+        return std::nullopt;
+    std::vector<std::int64_t> silent_us;
+    for (int i = 0; i < cluster->ReplicasLen; ++i)
+        silent_us.push_back(cluster->Replicas[i]->Active / 1000);
+    std::ranges::sort(silent_us);
+    return silent_us[(silent_us.size() + 1) / 2 - 1];
+}
+
 Result<Context> context_of(natsConnection* connection) {
     jsOptions options;
     jsOptions_Init(&options);
@@ -156,7 +173,12 @@ Result<SharedLog::Tail> NatsLog::tail() {
                 return Error{fmt::format("stream {} begins at message {}: what was before is lost",
                                          stream_, info->State.FirstSeq)};
             may_make_ = false;
-            return Tail{info->State.LastSeq, std::to_string(info->Created)};
+            const std::optional<std::int64_t> unsure_us = majority_heard_us(info->Cluster);
+            if (!unsure_us)
+                return Error{LogFailure::unanswered,
+                             fmt::format("stream {} has nobody who leads it now", stream_)};
+            return Tail{info->State.LastSeq, std::to_string(info->Created),
+                        info->State.LastTime / 1000, *unsure_us};
         }
         if (status == NATS_NOT_FOUND && !made && may_make_) {
             SEAWAY_TRY(make_stream());

@@ -12,10 +12,17 @@ namespace seaway::server {
 namespace {
 
 constexpr const char* magic = "seaway-clock-1";
+/// Of a server that answers as many as there may be.
+constexpr std::size_t word_bytes_max = 16 * 1024;
 
 bool is_name(const std::string& text) {
     return !text.empty() && text.size() <= 64 &&
            std::ranges::all_of(text, [](unsigned char c) { return std::isalnum(c) != 0; });
+}
+
+/// Some thirty thousand years: the difference of two fits.
+bool is_time(std::int64_t us) {
+    return us >= -1'000'000'000'000'000'000 && us <= 1'000'000'000'000'000'000;
 }
 
 double middle_of(std::vector<double>& values) {
@@ -40,8 +47,8 @@ void PeerClocks::hear(const std::string& word, LocalUs local_us) {
     std::istringstream in(word);
     std::string first, name;
     std::int64_t sent_us = 0, sea_us = 0;
-    if (!(in >> first >> name >> sent_us >> sea_us) || first != magic || !is_name(name) ||
-        name == name_)
+    if (word.size() > word_bytes_max || !(in >> first >> name >> sent_us >> sea_us) ||
+        first != magic || !is_name(name) || name == name_ || !is_time(sea_us))
         return;
     const std::scoped_lock lock(mutex_);
     if (peers_.size() >= peers_max && !peers_.contains(name))
@@ -52,12 +59,15 @@ void PeerClocks::hear(const std::string& word, LocalUs local_us) {
     std::string to;
     std::int64_t ours_us = 0, held_us = 0;
     while (in >> to >> ours_us >> held_us) {
-        const std::int64_t round_trip_us = local_us - ours_us - held_us;
-        if (to != name_ || held_us < 0 || ours_us > local_us || round_trip_us < 0 ||
-            local_us - ours_us > heard_us)
+        if (to != name_)
             continue;
-        peer.filter.add(local_us - round_trip_us, local_us, sea_us);
-        peer.answered = true;
+        if (held_us >= 0 && held_us <= heard_us && ours_us <= local_us &&
+            ours_us >= local_us - heard_us && ours_us + held_us <= local_us) {
+            const std::int64_t round_trip_us = local_us - ours_us - held_us;
+            peer.filter.add(local_us - round_trip_us, local_us, sea_us);
+            peer.answered = true;
+        }
+        return; // one answer a word
     }
 }
 

@@ -3,7 +3,7 @@
 // which it would be, and servers with one epoch agree as well as their clocks do.
 //
 // Time never goes backwards and, but for one case, never jumps: it runs with the steady clock of the machine
-// and is pulled towards UTC by at most one part in a thousand. Where UTC is far ahead (the machine slept, or its clock was set)
+// and is pulled towards UTC by at most one part in 2500: less than what a clock that follows it takes for drift (base/clock_filter.h). Where UTC is far ahead (the machine slept, or its clock was set)
 // the sea follows at once.
 //
 // How fast the sea runs is another matter (sea/basics/pace.h): what is kept by UTC is the time since the epoch, and
@@ -42,7 +42,7 @@ class SeaClock {
     using Microseconds = std::function<std::int64_t()>;
 
     /// Pulled by one part in this many of the time that passes.
-    static constexpr sea::TimeUs pull_parts = 1000;
+    static constexpr sea::TimeUs pull_parts = 2500;
     /// Further behind than this is caught up with at once.
     static constexpr sea::TimeUs leap_us = 10'000'000;
 

@@ -1,12 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/journal/shared_journal.h"
 
+#include <algorithm>
 #include <chrono>
+#include <cstdlib>
 #include <utility>
 
 #include <fmt/format.h>
 
 namespace seaway::server {
+
+namespace {
+
+/// Of one message: read in two ways, it is rounded in two ways.
+bool same_moment(std::int64_t a_us, std::int64_t b_us) {
+    return std::abs(a_us - b_us) <= 1;
+}
+
+} // namespace
 
 SharedJournal::SharedJournal(std::unique_ptr<SharedLog> log, Options options)
     : options_(std::move(options)), log_(std::move(log)), clocks_(options_.writer) {}
@@ -60,11 +71,21 @@ Result<SharedLog::Tail> SharedJournal::catch_up() {
     if (tail.last < held)
         return Error{
             fmt::format("ends at change {} and held {}: its end was lost", tail.last, held)};
+    const Error other_end{fmt::format("has another change {} than was followed: its end was lost "
+                                      "and written anew; the sea that was followed goes on here "
+                                      "until this server is started again",
+                                      held)};
+    if (held > 0 && tail.last == held && !same_moment(tail.last_at_utc_us, last_at_utc_us_))
+        return other_end;
     if (tail.last > held) {
-        SEAWAY_TRY_LET(const std::vector<SharedLog::Stored> messages,
-                       log_->read(held + 1, tail.last));
+        // With the last one that is held, to see that it is the same.
+        const std::uint64_t first = std::max<std::uint64_t>(held, 1);
+        SEAWAY_TRY_LET(const std::vector<SharedLog::Stored> messages, log_->read(first, tail.last));
         for (std::size_t i = 0; i < messages.size(); ++i)
-            SEAWAY_TRY(hold(messages[i], held + 1 + i));
+            if (first + i > held)
+                SEAWAY_TRY(hold(messages[i], first + i));
+            else if (!same_moment(messages[i].at_utc_us, last_at_utc_us_))
+                return other_end;
     }
     identity_ = tail.identity;
     return tail;
@@ -93,6 +114,7 @@ Result<void> SharedJournal::hold(const SharedLog::Stored& stored, std::uint64_t 
     sum_ = sum;
     logged->change.lapsed = number > 1 && stored.at_utc_us > logged->by_utc_us;
     changes_.push_back(std::move(logged->change));
+    last_at_utc_us_ = stored.at_utc_us;
     return {};
 }
 
@@ -123,11 +145,10 @@ void SharedJournal::heard(std::int64_t asked_us, const Result<SharedLog::Tail>& 
     const std::scoped_lock lock(mutex_);
     trouble_ = tail ? "" : tail.error().message;
     if (tail)
-        known_us_ = asked_us;
+        known_us_ = asked_us - tail->unsure_us;
 }
 
 bool SharedJournal::poll() {
-    std::function<void()> call;
     {
         const std::scoped_lock lock(log_mutex_);
         const std::uint32_t before = standing().last_epoch;
@@ -136,11 +157,10 @@ bool SharedJournal::poll() {
         heard(asked_us, catch_up());
         if (standing().last_epoch == before)
             return false;
-        const std::scoped_lock mine(mutex_);
-        call = call_;
     }
-    if (call)
-        call();
+    const std::scoped_lock lock(call_mutex_);
+    if (call_)
+        call_();
     return true;
 }
 
@@ -179,6 +199,9 @@ Error SharedJournal::refused(const Error& why) const {
 }
 
 Result<void> SharedJournal::append(const SeaChange& change) {
+    // Of now, when its start was planned, however long the log keeps it waiting.
+    const std::int64_t by_utc_us = options_.utc() + stored_within_us;
+    const std::int64_t made_us = options_.steady();
     const std::scoped_lock lock(log_mutex_);
     // Also so that nothing is written to a log that is not the one that was followed.
     if (const Result<SharedLog::Tail> tail = catch_up(); !tail) {
@@ -197,15 +220,18 @@ Result<void> SharedJournal::append(const SeaChange& change) {
             {LogFailure::outrun, fmt::format("another change has epoch {} already", change.epoch)});
     if (const Result<void> next = check_next(last, change); !next)
         return wrong(next.error().message);
-    const LoggedChange logged{.change = change,
-                              .by_utc_us = options_.utc() + stored_within_us,
-                              .sum = sum_of(sum_, change)};
+    if (options_.steady() - made_us > stored_within_us)
+        return refused({LogFailure::unreachable, "has not answered in time"});
+    const LoggedChange logged{
+        .change = change, .by_utc_us = by_utc_us, .sum = sum_of(sum_, change)};
     if (const Result<void> written = write(logged); !written)
         return refused(written.error());
     // As everybody reads it: what is durable, and when it was stored.
     if (const Result<SharedLog::Tail> tail = catch_up(); !tail)
         return refused({LogFailure::unanswered, tail.error().message});
     const std::scoped_lock mine(mutex_);
+    if (changes_.size() < change.epoch) // who leads now has not come to it yet
+        return refused({LogFailure::unanswered, "took the change and does not show it yet"});
     if (!changes_[change.epoch - 1].lapsed)
         return {};
     return Error{
@@ -218,29 +244,35 @@ Result<void> SharedJournal::append(const SeaChange& change) {
 
 JournalStanding SharedJournal::standing() const {
     const std::scoped_lock lock(mutex_);
+    const std::int64_t elapsed_us = elapsed_us_ ? elapsed_us_() : 0;
     JournalStanding standing{.last_epoch = static_cast<std::uint32_t>(changes_.size()),
                              .unheard_us = options_.steady() - known_us_,
-                             .peers = elapsed_us_ ? clocks_.seen(options_.steady(), elapsed_us_())
-                                                  : PeersSeen{},
+                             .peers =
+                                 elapsed_us_ ? clocks_.seen(elapsed_us, elapsed_us) : PeersSeen{},
                              .trouble = trouble_};
     standing.current = standing.unheard_us <= current_us;
     return standing;
 }
 
 void SharedJournal::compare_clocks(std::function<std::int64_t()> elapsed_us) {
+    if (!elapsed_us)
+        line_.reset(); // its thread calls what there is
     {
         const std::scoped_lock lock(mutex_);
         elapsed_us_ = std::move(elapsed_us);
     }
-    if (!elapsed_us_)
-        line_.reset();
+    // By the clock of this sea: where all are pulled towards one UTC they are not apart.
     if (line_)
-        line_->begin([this] { return clocks_.word(options_.steady(), elapsed_us_()); },
-                     [this](const std::string& word) { clocks_.hear(word, options_.steady()); });
+        line_->begin(
+            [this] {
+                const std::int64_t now_us = elapsed_us_();
+                return clocks_.word(now_us, now_us);
+            },
+            [this](const std::string& word) { clocks_.hear(word, elapsed_us_()); });
 }
 
 void SharedJournal::call_on_change(std::function<void()> call) {
-    const std::scoped_lock lock(mutex_);
+    const std::scoped_lock lock(call_mutex_);
     call_ = std::move(call);
 }
 

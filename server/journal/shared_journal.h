@@ -90,6 +90,7 @@ class SharedJournal final : public Journal {
     const std::unique_ptr<SharedLog> log_;
     std::string identity_; ///< of the log, once it was read
     std::uint64_t sum_ = 0;
+    std::int64_t last_at_utc_us_ = 0; ///< of the last one that is held
     std::uint64_t writes_ = 0;
     std::int64_t epoch_utc_us_ = 0; ///< never changes once it is open
 
@@ -97,6 +98,7 @@ class SharedJournal final : public Journal {
     std::vector<SeaChange> changes_;
     std::int64_t known_us_ = 0; ///< when it was asked, and ended where it is held to
     std::string trouble_;
+    std::mutex call_mutex_; ///< while it is called, too: who takes it back is called no more
     std::function<void()> call_;
 
     PeerClocks clocks_;

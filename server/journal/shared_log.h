@@ -28,6 +28,10 @@ class SharedLog {
         std::uint64_t last = 0; ///< number of the last message; 0: there is none
         /// Of this log and no other: one that was removed and made anew has another.
         std::string identity;
+        /// When the last message was given its number: of two logs of one length, as after a loss, it is another.
+        std::int64_t last_at_utc_us = 0;
+        /// For how long whoever says this has not been sure that nobody else orders the log by now.
+        std::int64_t unsure_us = 0;
     };
     /// Where it ends, by who orders it.
     virtual Result<Tail> tail() = 0;

@@ -3,6 +3,7 @@
 // from a seed. Time is a number that the history moves on; nothing waits and nothing runs beside it.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <map>
 #include <random>
@@ -47,9 +48,13 @@ struct Lots {
 class LotLine final : public SharedLog {
   public:
     struct State {
-        bool cut = false;             ///< nothing comes through
-        double loss = 0;              ///< of each way
-        std::int64_t takes_us = 1000; ///< up to
+        bool cut = false;                    ///< nothing comes through
+        double loss = 0;                     ///< of each way
+        std::int64_t takes_us = 1000;        ///< up to
+        std::uint64_t lags = 0;              ///< messages that who answers has not come to yet
+        std::uint64_t lags_after_writes = 0; ///< it will, from the next one on
+        std::int64_t hangs_us = 0;           ///< each time that it is asked where it ends
+        std::int64_t unsure_us = 0;          ///< for how long it has not heard of a majority
         /// Writes that were sent over a connection which was given up, and come to the engine later or never.
         std::vector<std::pair<std::string, std::pair<std::string, std::uint64_t>>> late;
     };
@@ -58,9 +63,13 @@ class LotLine final : public SharedLog {
         : engine_(engine), state_(state), lots_(lots), now_us_(now_us) {}
 
     Result<Tail> tail() override {
+        now_us_ += state_.hangs_us;
         if (!passes())
             return Error{LogFailure::unreachable, "cut"};
-        const Tail tail{engine_.messages.size(), "one"};
+        const std::size_t last =
+            engine_.messages.size() - std::min<std::size_t>(state_.lags, engine_.messages.size());
+        const Tail tail{last, "one", last == 0 ? 0 : engine_.messages[last - 1].at_utc_us,
+                        state_.unsure_us};
         return passes() ? Result<Tail>(tail) : Error{LogFailure::unanswered, "cut"};
     }
     Result<std::vector<Stored>> read(std::uint64_t first, std::uint64_t last) override {
@@ -78,6 +87,7 @@ class LotLine final : public SharedLog {
             return Error{LogFailure::unanswered, "cut"};
         }
         Result<std::uint64_t> written = engine_.write(message, id, expected_last, now_us_);
+        state_.lags = std::max(state_.lags, state_.lags_after_writes);
         if (passes())
             return written;
         return Error{LogFailure::unanswered, "cut"};

@@ -4,6 +4,7 @@
 #include <deque>
 #include <memory>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -71,6 +72,43 @@ class Fleet {
     std::int64_t now_us_ = 0;
     std::size_t silent_ = 99;
 };
+
+// All clocks were set to another second at once, as by a time server, and are pulled there: nobody is apart from anybody.
+TEST(PeerClocks, servers_that_are_pulled_together_do_not_blame_one_another) {
+    constexpr std::int64_t lag_us = 300;
+    PeerClocks a("a"), b("b"), c("c");
+    const std::vector<PeerClocks*> all{&a, &b, &c};
+    std::vector<std::pair<std::size_t, std::string>> under_way;
+    for (std::int64_t ms = 0; ms < 100'000; ++ms) {
+        // By its own sea's time each, which runs 0.4 ms a second slow.
+        const std::int64_t sea_us = 1000 * ms - 1000 * ms / 2500;
+        for (const auto& [from, word] : std::exchange(under_way, {}))
+            for (std::size_t to = 0; to < 3; ++to)
+                all[to]->hear(word, sea_us + lag_us);
+        for (std::size_t from = 0; from < 3; ++from)
+            if ((ms + 300 * static_cast<std::int64_t>(from)) % 1000 == 0)
+                under_way.emplace_back(from, all[from]->word(sea_us, sea_us));
+        if (ms <= 5000 || ms % 1000 != 500)
+            continue;
+        for (const PeerClocks* one : all)
+            ASSERT_LE(std::abs(one->seen(sea_us, sea_us).ahead_us), 1000) << ms;
+    }
+}
+
+TEST(PeerClocks, a_word_of_a_megabyte_and_numbers_at_the_ends_are_nothing) {
+    PeerClocks clocks("a");
+    std::string longest = "seaway-clock-1 b 1 1\n";
+    while (longest.size() < 1'000'000)
+        longest += "a 1 1\n";
+    clocks.hear(longest, 5);
+    EXPECT_EQ(clocks.seen(6, 6).peers, 0);
+    for (const char* numbers :
+         {"-9223372036854775808 9223372036854775807", "9223372036854775807 -9223372036854775808",
+          "0 9223372036854775807", "-9223372036854775808 0"})
+        for (const char* sea : {"-9223372036854775808", "9223372036854775807", "7"})
+            clocks.hear(std::string("seaway-clock-1 b 1 ") + sea + "\na " + numbers + "\n", 5);
+    EXPECT_EQ(clocks.seen(6, 6).peers, 0);
+}
 
 TEST(PeerClocks, of_three_the_one_that_is_off_knows_it_and_the_others_do_not_blame_themselves) {
     for (const std::int64_t off_us : {-200'000, -3'000, 3'000, 200'000}) {

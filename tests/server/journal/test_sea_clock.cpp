@@ -52,7 +52,7 @@ TEST(SeaClock, counts_backwards_before_its_epoch) {
     EXPECT_EQ(clock.now_us(), -3 * second_us);
 }
 
-// UTC set back or forward by up to ten seconds: no step, at most one part in a thousand besides the time that passes, and
+// UTC set back or forward by up to ten seconds: no step, at most one part in 2500 besides the time that passes, and
 // in the end the sea is where UTC says.
 TEST(SeaClock, is_pulled_and_never_steps_where_utc_is_set_by_a_little) {
     for (const std::int64_t set_us : {-9 * second_us, -1'000L, 1'000L, 9 * second_us}) {
@@ -63,14 +63,14 @@ TEST(SeaClock, is_pulled_and_never_steps_where_utc_is_set_by_a_little) {
         TimeUs before_us = clock.now_us();
         std::mt19937 random(12);
         std::int64_t passed_us = 0;
-        while (passed_us < 10'000 * second_us) {
+        while (passed_us < 25'000 * second_us) {
             const std::int64_t step_us = random() % 2 ? 1 + random() % 50 : random() % second_us;
             machine.pass(step_us);
             passed_us += step_us;
             const TimeUs now_us = clock.now_us();
             ASSERT_GE(now_us, before_us) << "backwards";
             // One microsecond is what is left of the last pull.
-            ASSERT_LE(std::abs(now_us - before_us - step_us), 1 + step_us / 1000);
+            ASSERT_LE(std::abs(now_us - before_us - step_us), 1 + step_us / 2500);
             before_us = now_us;
         }
         EXPECT_EQ(clock.moment().behind_us, 0) << set_us;
@@ -89,7 +89,7 @@ TEST(SeaClock, is_pulled_as_fast_however_often_it_is_read) {
     }
     seldom.pass(100 * 100'000);
     EXPECT_EQ(other.moment().behind_us, one.moment().behind_us);
-    EXPECT_EQ(one.moment().behind_us, second_us - 10'000);
+    EXPECT_EQ(one.moment().behind_us, second_us - 4'000);
 }
 
 TEST(SeaClock, follows_at_once_where_utc_is_far_ahead_and_never_goes_back) {

@@ -194,7 +194,7 @@ TEST(SqliteJournal, killed_while_it_is_made_it_is_made_the_next_time) {
             const auto journal = SqliteJournal::open(folder, beginning);
             pause();
         }
-        usleep(static_cast<useconds_t>(round * 50));
+        usleep(static_cast<useconds_t>(round < 60 ? round * 50 : (round - 59) * 1000));
         kill(maker, SIGKILL);
         waitpid(maker, nullptr, 0);
         made_before += fs::exists(folder + "/journal.sqlite");

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+// A shared journal whose engine loses what it acknowledged, lags, hangs, or is cut off from its others.
+#include <atomic>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "server/journal/shared_journal.h"
+#include "tests/server/journal/journals.h"
+#include "tests/server/journal/lot_network.h"
+
+namespace seaway::server {
+namespace {
+
+using namespace tests_of_journals;
+
+constexpr std::int64_t one_second_us = 1'000'000;
+
+class SharedFaults : public testing::Test {
+  protected:
+    struct Server {
+        LotLine::State line;
+        std::unique_ptr<SharedJournal> journal;
+    };
+    void open(Server& server) {
+        server.line.takes_us = 0;
+        auto opened = SharedJournal::open(
+            std::make_unique<LotLine>(engine, server.line, lots, now_us), beginning,
+            {"log", "writer" + std::to_string(next_number()), [this] { return now_us; },
+             [this] { return now_us; }});
+        ASSERT_TRUE(opened) << opened.error().message;
+        server.journal = *std::move(opened);
+    }
+    SeaChange next(const Server& server) {
+        return change(server.journal->standing().last_epoch + 1);
+    }
+    /// A second later, so that each message has a moment of its own.
+    Result<void> append(Server& server) {
+        now_us += one_second_us;
+        return server.journal->append(next(server));
+    }
+
+    LotEngine engine;
+    Lots lots{15};
+    std::int64_t now_us = 1'700'000'000'000'000;
+    Server first, second;
+};
+
+// A node without its newest message: a loss of power, or a backup that was put back.
+TEST_F(SharedFaults, a_log_whose_end_was_lost_and_written_anew_is_not_the_one_that_was_followed) {
+    open(first);
+    ASSERT_TRUE(append(first));
+    ASSERT_TRUE(append(first));
+    engine.messages.pop_back();
+    first.journal->poll();
+    EXPECT_NE(first.journal->standing().trouble.find("its end was lost"), std::string::npos);
+    open(second);
+    for (int more = 0; more < 3; ++more) { // as long as the one that was followed, and longer
+        ASSERT_TRUE(append(second)) << more;
+        now_us += 3 * one_second_us;
+        first.journal->poll();
+        EXPECT_FALSE(first.journal->standing().current) << more;
+        EXPECT_NE(first.journal->standing().trouble.find("another change 3 than was followed"),
+                  std::string::npos)
+            << first.journal->standing().trouble;
+        EXPECT_FALSE(append(first)) << "it would be written to another sea's log";
+        EXPECT_EQ(first.journal->standing().last_epoch, 3u);
+    }
+    EXPECT_EQ(engine.messages.size(), 5u);
+    Server third;
+    open(third); // the log is whole for who reads it now
+    EXPECT_EQ(third.journal->standing().last_epoch, 5u);
+}
+
+TEST_F(SharedFaults, who_leads_alone_does_not_know_whether_the_log_goes_on_elsewhere) {
+    open(first);
+    first.journal->poll();
+    EXPECT_TRUE(first.journal->standing().current);
+    first.line.unsure_us = SharedJournal::current_us + 1;
+    first.journal->poll();
+    EXPECT_FALSE(first.journal->standing().current);
+    EXPECT_EQ(first.journal->standing().unheard_us, SharedJournal::current_us + 1);
+    first.line.unsure_us = 0;
+    first.journal->poll();
+    EXPECT_TRUE(first.journal->standing().current);
+}
+
+TEST_F(SharedFaults, a_change_that_was_taken_and_does_not_show_yet_is_unknown_and_comes) {
+    open(first);
+    ASSERT_TRUE(append(first));
+    const SeaChange mine = next(first);
+    first.line.lags_after_writes = 1;
+    const Result<void> taken = first.journal->append(mine);
+    ASSERT_FALSE(taken);
+    EXPECT_TRUE(taken.error().is(JournalError::unknown)) << taken.error().message;
+    first.line.lags = 0;
+    first.journal->poll();
+    EXPECT_EQ(first.journal->standing().last_epoch, mine.epoch);
+}
+
+// Its start was planned when it was asked for: what waits longer than it may would begin before all know of it.
+TEST_F(SharedFaults, a_change_that_waits_for_a_slow_log_is_refused_and_not_written) {
+    open(first);
+    first.line.takes_us = 0;
+    first.line.hangs_us = SharedJournal::stored_within_us + 1;
+    const Result<void> taken = first.journal->append(next(first));
+    ASSERT_FALSE(taken);
+    EXPECT_TRUE(taken.error().is(JournalError::unreachable)) << taken.error().message;
+    EXPECT_EQ(engine.messages.size(), 1u);
+    first.line.hangs_us = 0;
+    EXPECT_TRUE(append(first));
+}
+
+/// Says and hears without a pause until it ends.
+class BusyLine final : public PeerLine {
+  public:
+    ~BusyLine() override {
+        stops_ = true;
+        if (thread_.joinable())
+            thread_.join();
+    }
+    void begin(std::function<std::string()> say,
+               std::function<void(const std::string&)> hear) override {
+        thread_ = std::thread([this, say = std::move(say), hear = std::move(hear)] {
+            while (!stops_)
+                hear(say());
+        });
+    }
+
+  private:
+    std::atomic<bool> stops_ = false;
+    std::thread thread_;
+};
+
+TEST_F(SharedFaults, clocks_are_compared_no_more_once_that_was_ended) {
+    for (int round = 0; round < 50; ++round) {
+        open(first);
+        first.journal->talk_over(std::make_unique<BusyLine>());
+        std::atomic<bool> ended = false, called_after = false;
+        first.journal->compare_clocks([&] {
+            called_after = called_after || ended;
+            return std::int64_t{5};
+        });
+        first.journal->compare_clocks({});
+        ended = true;
+        EXPECT_FALSE(called_after);
+        first.journal.reset();
+        EXPECT_FALSE(called_after);
+    }
+}
+
+} // namespace
+} // namespace seaway::server
