@@ -138,4 +138,27 @@ Result<void> give(Struct value, Struct* to, std::size_t least, const char* name)
     return {};
 }
 
+/// Structs that a caller may know fewer members of, one after the other.
+template <class Struct>
+class Out {
+  public:
+    Out(Struct* to, std::size_t stride)
+        : to_(reinterpret_cast<unsigned char*>(to)), stride_(stride) {}
+    void put(const Struct& one) {
+        std::memcpy(to_, &one, std::min(stride_, sizeof(one)));
+        to_ += stride_;
+    }
+
+  private:
+    unsigned char* to_;
+    std::size_t stride_;
+};
+
+/// Of structs that begin with an answer.
+inline Result<void> stride_fits(std::size_t stride, const char* call, const char* name) {
+    if (stride >= sizeof(seaway_answer))
+        return {};
+    return bad(fmt::format("{}: stride is {}: it must be sizeof({})", call, stride, name));
+}
+
 } // namespace seaway::client::c

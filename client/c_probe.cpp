@@ -14,7 +14,7 @@ using namespace seaway::client::c;
 namespace {
 
 /// What the struct began with.
-constexpr std::size_t sampling_least = sizeof(seaway_sampling);
+constexpr std::size_t sampling_least = offsetof(seaway_sampling, times);
 constexpr std::size_t probe_points_max = 1'000'000;
 
 } // namespace
@@ -39,26 +39,72 @@ void seaway_close_probe(seaway_probe* probe) {
     delete probe;
 }
 
+namespace {
+
+/// Answers into memory of the thread: a call that fails writes nothing.
+Result<void> sample_as(const seaway_client& client, const seaway_sampling* how,
+                       std::span<const sea::QueryPoint> points,
+                       RecycledVector<sea::Answer>& answers, std::span<sea::ErrorTerms> terms) {
+    SEAWAY_TRY_LET(const seaway_sampling given, sized(how, sampling_least, "seaway_sampling"));
+    if (given.parts > SEAWAY_HEIGHT_ALONE)
+        return bad(fmt::format("seaway_sampling.parts is {}: it must be 0 or 1", given.parts));
+    if (given.times > SEAWAY_TIMES_OF_NOW)
+        return bad(fmt::format("seaway_sampling.times is {}: it must be 0 or 1", given.times));
+    if (given.reserved != 0)
+        return bad(fmt::format("seaway_sampling.reserved is {}: it must be 0", given.reserved));
+    Sampling some;
+    some.terms = terms;
+    some.of_now = given.times == SEAWAY_TIMES_OF_NOW;
+    if (given.parts == SEAWAY_HEIGHT_ALONE)
+        some.parts = sea::AnswerParts::height;
+    if (given.probe) {
+        if (points.size() > given.probe->memory.size())
+            return bad(fmt::format("seaway_sampling: {} points, and a probe for {}", points.size(),
+                                   given.probe->memory.size()));
+        some.memory = std::span(given.probe->memory).first(points.size());
+    }
+    answers.resize(points.size());
+    return client.client->sample_into(points, answers, some);
+}
+
+} // namespace
+
 seaway_code seaway_sample_as(const seaway_client* client, const seaway_sampling* how,
                              const seaway_point* points, size_t count, seaway_answer* answers) {
     return guarded([&]() -> Result<void> {
         if (!client || (count > 0 && (!points || !answers)))
             return bad("seaway_sample_as: client, points and answers must not be null");
-        SEAWAY_TRY_LET(const seaway_sampling given, sized(how, sampling_least, "seaway_sampling"));
-        if (given.parts > SEAWAY_HEIGHT_ALONE)
-            return bad(fmt::format("seaway_sampling.parts is {}: it must be 0 or 1", given.parts));
-        Sampling some;
-        if (given.parts == SEAWAY_HEIGHT_ALONE)
-            some.parts = sea::AnswerParts::height;
-        if (given.probe) {
-            if (count > given.probe->memory.size())
-                return bad(fmt::format("seaway_sample_as: {} points, and a probe for {}", count,
-                                       given.probe->memory.size()));
-            some.memory = std::span(given.probe->memory).first(count);
-        }
-        RecycledVector<sea::Answer> sampled(count); // a call that fails writes nothing
-        SEAWAY_TRY(client->client->sample_into(as_points(points, count), sampled, some));
+        RecycledVector<sea::Answer> sampled;
+        SEAWAY_TRY(sample_as(*client, how, as_points(points, count), sampled, {}));
         put(sampled, answers);
+        return {};
+    });
+}
+
+seaway_code seaway_sample_terms(const seaway_client* client, const seaway_sampling* how,
+                                const seaway_point* points, size_t count, seaway_terms* terms,
+                                size_t stride) {
+    return guarded([&]() -> Result<void> {
+        if (!client || (count > 0 && (!points || !terms)))
+            return bad("seaway_sample_terms: client, points and terms must not be null");
+        SEAWAY_TRY(stride_fits(stride, "seaway_sample_terms", "seaway_terms"));
+        RecycledVector<sea::Answer> sampled;
+        RecycledVector<sea::ErrorTerms> made_of(count);
+        SEAWAY_TRY(sample_as(*client, how, as_points(points, count), sampled, made_of));
+        Out<seaway_terms> out(terms, stride);
+        for (size_t i = 0; i < count; ++i) {
+            const sea::ErrorTerms& from = made_of[i];
+            seaway_terms one{};
+            put({&sampled[i], 1}, &one.answer);
+            one.codec_m = from.codec_m;
+            one.time_m = from.time_m;
+            one.space_m = from.space_m;
+            one.inverse_m = from.inverse_m;
+            one.rounding_m = from.rounding_m;
+            one.clock_m = from.clock_m;
+            one.stale_m = from.stale_m;
+            out.put(one);
+        }
         return {};
     });
 }

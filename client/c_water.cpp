@@ -26,28 +26,6 @@ Result<Looking> looking_of(const seaway_looking* looking) {
     return some;
 }
 
-/// Structs that a caller may know fewer members of, one after the other.
-template <class Struct>
-class Out {
-  public:
-    Out(Struct* to, std::size_t stride)
-        : to_(reinterpret_cast<unsigned char*>(to)), stride_(stride) {}
-    void put(const Struct& one) {
-        std::memcpy(to_, &one, std::min(stride_, sizeof(one)));
-        to_ += stride_;
-    }
-
-  private:
-    unsigned char* to_;
-    std::size_t stride_;
-};
-
-Result<void> stride_fits(std::size_t stride, const char* call, const char* name) {
-    if (stride >= sizeof(seaway_answer))
-        return {};
-    return bad(fmt::format("{}: stride is {}: it must be sizeof({})", call, stride, name));
-}
-
 void put_below(const Below& found, seaway_below* below, std::size_t stride) {
     Out<seaway_below> out(below, stride);
     for (std::size_t i = 0; i < found.answers.size(); ++i) {

@@ -176,20 +176,6 @@ std::optional<Grant> Client::grant() const {
     return grant_;
 }
 
-TimeUs Client::now_us() {
-    const std::scoped_lock lock(mutex_);
-    const TimeUs elapsed_us = clock_.now(local_now_us());
-    paces_.forget_before(elapsed_us);
-    // A pace that was heard of late changes what follows, not what was shown.
-    shown_us_ = std::max(shown_us_, paces_.sea_time(elapsed_us));
-    return shown_us_;
-}
-
-ClockStatus Client::clock() const {
-    const std::scoped_lock lock(mutex_);
-    return clock_.status(local_now_us());
-}
-
 SeaStatePtr Client::sea_state(TimeUs time_us) const {
     const std::scoped_lock lock(mutex_);
     return sea_state_held(time_us);
@@ -297,7 +283,10 @@ Result<void> Client::sample_into(std::span<const QueryPoint> points, std::span<A
     SEAWAY_CHECK(points.size() == answers.size(), "one answer a point");
     for (const QueryPoint& point : points)
         SEAWAY_TRY(check_time(point.time_us));
-    return of_one_sea([&] { return sample_from(ring_, surfaces_, points, answers, how); });
+    return of_one_sea([&]() -> Result<void> {
+        SEAWAY_TRY(sample_from(ring_, surfaces_, points, answers, how));
+        return how.of_now ? add_clock(points, answers, how.terms) : Result<void>();
+    });
 }
 
 Result<std::vector<Answer>> Client::sample(std::span<const QueryPoint> points) const {
@@ -385,12 +374,14 @@ Result<void> Client::sample_from(const KeyframeRing& ring, HeldSurfaces& surface
             ++end;
         const std::span<const QueryPoint> asked = points.subspan(first, end - first);
         const std::span<Answer> answered = answers.subspan(first, end - first);
-        sea::Answering some{how.parts, &surfaces.mixed(), {}};
+        sea::Answering some{how.parts, &surfaces.mixed(), {}, {}};
         if (!how.memory.empty())
             some.memory = how.memory.subspan(first, end - first);
+        if (!how.terms.empty())
+            some.terms = how.terms.subspan(first, end - first);
         first = end;
         if (then.waves) {
-            then.waves->answer(asked, answered);
+            then.waves->answer(asked, answered, some.terms);
             if (how.parts == sea::AnswerParts::height)
                 for (Answer& answer : answered)
                     leave_out_velocity(answer);
@@ -403,7 +394,7 @@ Result<void> Client::sample_from(const KeyframeRing& ring, HeldSurfaces& surface
             for (Answer& answer : answered)
                 answer.flags |= sea::answer_extrapolated;
     }
-    if (!mark_stale(points, answers))
+    if (!mark_stale(points, answers, how.terms))
         return failed(
             Failure::not_held,
             "the connection is lost, and the keyframes that are held end before that time");

@@ -71,6 +71,11 @@ struct Sampling {
     sea::AnswerParts parts = sea::AnswerParts::all;
     /// One a point, or none (sea/surface/surface.h); used where answers come from keyframes.
     std::span<sea::PointMemory> memory = {};
+    /// One a point, filled in, or none: what error_m of the answers is made of.
+    std::span<sea::ErrorTerms> terms = {};
+    /// The times are meant as those of now_us(), or of moments at a distance from it: what the clock may be off by is part of
+    /// error_m. Three samples instead of one.
+    bool of_now = false;
 };
 
 class Client {
@@ -237,11 +242,17 @@ class Client {
     bool silent(LocalUs now_us) const;
     /// Flags what the server may know more about. False: an answer is of no keyframes, and no server is there to
     /// send some.
-    bool mark_stale(std::span<const sea::QueryPoint> points, std::span<sea::Answer> answers) const;
+    bool mark_stale(std::span<const sea::QueryPoint> points, std::span<sea::Answer> answers,
+                    std::span<sea::ErrorTerms> terms = {}) const;
     /// The same of answers of a server that is not sure of its sea.
     void mark_unsure(std::span<const sea::QueryPoint> points, std::span<sea::Answer> answers) const;
     void mark(const Unheard& unheard, std::span<const sea::QueryPoint> points,
-              std::span<sea::Answer> answers) const;
+              std::span<sea::Answer> answers, std::span<sea::ErrorTerms> terms = {}) const;
+    /// Bound on what now_us() is off by.
+    sea::TimeUs now_error_us() const;
+    /// client_now.cpp: what the water may be further on by.
+    Result<void> add_clock(std::span<const sea::QueryPoint> points, std::span<sea::Answer> answers,
+                           std::span<sea::ErrorTerms> terms) const;
 
     sea::FieldSet sampled_fields() const { return offered(sea::surface_fields); }
     /// Without what the server is known not to offer.

@@ -291,8 +291,8 @@ bool Client::silent(LocalUs now_us) const {
     return joining_->end || unsure_ || now_us - heard_at_us_ > silent_us;
 }
 
-bool Client::mark_stale(std::span<const sea::QueryPoint> points,
-                        std::span<sea::Answer> answers) const {
+bool Client::mark_stale(std::span<const sea::QueryPoint> points, std::span<sea::Answer> answers,
+                        std::span<sea::ErrorTerms> terms) const {
     Unheard unheard;
     bool nothing_comes = false;
     {
@@ -306,7 +306,7 @@ bool Client::mark_stale(std::span<const sea::QueryPoint> points,
             return answer.flags & sea::answer_extrapolated;
         }))
         return false;
-    mark(unheard, points, answers);
+    mark(unheard, points, answers, terms);
     return true;
 }
 
@@ -323,13 +323,16 @@ void Client::mark_unsure(std::span<const sea::QueryPoint> points,
 }
 
 void Client::mark(const Unheard& unheard, std::span<const sea::QueryPoint> points,
-                  std::span<sea::Answer> answers) const {
+                  std::span<sea::Answer> answers, std::span<sea::ErrorTerms> terms) const {
     for (std::size_t i = 0; i < points.size(); ++i) {
         if (!unheard.contains(points[i].time_us))
             continue;
         answers[i].flags |= sea::answer_stale;
-        answers[i].error_m +=
+        const double stale_m =
             stale_error_m(*sea_state(points[i].time_us), unheard.from_us, points[i].time_us);
+        answers[i].error_m += stale_m;
+        if (!terms.empty())
+            terms[i].stale_m = stale_m;
     }
 }
 

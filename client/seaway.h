@@ -151,8 +151,9 @@ seaway_code seaway_watch_status(seaway_client* client, seaway_status_watch watch
 int64_t seaway_now_us(seaway_client* client);
 
 typedef struct seaway_clock_status {
-    /* Bound on the error of the estimate. No part of an answer's error_m, which is of the time that was asked about: of
-     * seaway_now_us the water may be that much further on, at its vertical velocity. */
+    /* Bound on the error of the estimate. No part of seaway_sample's error_m, which is of the time that was asked about: of
+     * seaway_now_us the water may be that much, and slew_us, further on. Who means the present asks seaway_sample_as with
+     * SEAWAY_TIMES_OF_NOW (client/seaway_engine.h): there error_m has it in it. */
     double error_us;
     double slew_us;       /* what seaway_now_us still has to make up */
     double drift_ppm;     /* how much faster than the local clock the sea runs */
@@ -206,7 +207,7 @@ typedef struct seaway_answer {
     double height_m;
     double normal[3];       /* unit length, z up */
     double velocity_mps[3]; /* of the water at the surface, whatever the choppiness */
-    double error_m;         /* bound on the error of height_m */
+    double error_m;         /* bound on the error of height_m; its terms: seaway_sample_terms */
     uint32_t flags;         /* sum of the above */
     uint32_t reserved;      /* 0 */
 } seaway_answer;

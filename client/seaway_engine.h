@@ -244,11 +244,23 @@ enum {
     SEAWAY_HEIGHT_ALONE = 1 /* velocity_mps is 0: less is looked up */
 };
 
+/* What the times of points are. */
+enum {
+    /* Sea times, that are what they are: the answer is of that time, and no clock has a part in its error. */
+    SEAWAY_STATED_TIMES = 0,
+    /* Meant as the present, or as a moment so much before or after it: made of seaway_now_us a short while ago. What that is off by
+     * moves the water, so error_m has a part for it: as much as the height differs there within seaway_clock's error_us and slew_us,
+     * at the sea's pace. The answer then holds for the sea as it is at that moment on the server. Three samples instead of one. */
+    SEAWAY_TIMES_OF_NOW = 1
+};
+
 typedef struct seaway_sampling {
     uint32_t size;
     uint32_t parts; /* SEAWAY_WITH_VELOCITY or SEAWAY_HEIGHT_ALONE */
     /* The i-th of the points is its i-th one, in every call; no more points than it has. NULL: nothing is known of them. */
     seaway_probe* probe;
+    uint32_t times;    /* SEAWAY_STATED_TIMES or SEAWAY_TIMES_OF_NOW */
+    uint32_t reserved; /* 0 */
 } seaway_sampling;
 
 /* seaway_sample in other ways; NULL how: as that. With a probe a point that moves little from call to call takes two thirds of
@@ -256,6 +268,35 @@ typedef struct seaway_sampling {
  * height error along the surface, but are not the same bits. Any jump is allowed. */
 seaway_code seaway_sample_as(const seaway_client* client, const seaway_sampling* how,
                              const seaway_point* points, size_t count, seaway_answer* answers);
+
+/* An answer, and what its error_m is made of: a bound on what each cause alone does to the height. Coding, time and space have nothing to
+ * do with each other and are of five standard deviations each: they add up in the square. The rest is added to that:
+ *
+ *     error_m = sqrt(codec_m^2 + time_m^2 + space_m^2) + inverse_m + rounding_m + clock_m + stale_m
+ *
+ * SEAWAY_EXTRAPOLATED, SEAWAY_OPEN and SEAWAY_INVALID say of the terms what they say of error_m; of SEAWAY_INVALID they are 0. */
+typedef struct seaway_terms {
+    seaway_answer answer;
+    double
+        codec_m; /* rounding of tiles; of waves what is rounded or missing of them, or tells a made sea from the server's */
+    double
+        time_m; /* the curve in time between two keyframes; more where they come further apart than the sea says */
+    double
+        space_m; /* the curve in space between grid points; with waves that maps were cut by (seaway_wish.size_max) */
+    double
+        inverse_m; /* the place is met to a tolerance; and a sheet beside that may be the higher one */
+    double
+        rounding_m; /* single precision. Of a server that does not tell its parts all of its interpolation in time and space */
+    double clock_m; /* SEAWAY_TIMES_OF_NOW: the moment is another one; else 0 */
+    double stale_m; /* SEAWAY_STALE: the sea may have been changed meanwhile; else 0 */
+} seaway_terms;
+
+/* seaway_sample_as with what its errors are made of: the same answers. `stride`: bytes from one seaway_terms to the next,
+ * sizeof(seaway_terms). Some tenths more than seaway_sample_as, and as little is allocated. The server's own answers (seaway_query)
+ * come without. */
+seaway_code seaway_sample_terms(const seaway_client* client, const seaway_sampling* how,
+                                const seaway_point* points, size_t count, seaway_terms* terms,
+                                size_t stride);
 
 /* ---- whole maps ------------------------------------------------------------------------------------ */
 
@@ -328,7 +369,8 @@ int seaway_poll_descriptor(seaway_client* client);
 } /* extern "C" */
 static_assert(sizeof(seaway_wish) == 48 && sizeof(seaway_looking) == 16 &&
                   sizeof(seaway_water) == 112 && sizeof(seaway_below) == 104 &&
-                  sizeof(seaway_map_wish) == 48 && sizeof(seaway_sampling) == 16,
+                  sizeof(seaway_map_wish) == 48 && sizeof(seaway_sampling) == 24 &&
+                  sizeof(seaway_terms) == 128,
               "these structs are the ABI, and grow at their end alone");
 #endif
 

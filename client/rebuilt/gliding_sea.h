@@ -23,8 +23,8 @@ class GlidingSea final : public OwnSea {
                                                             sea::TimeUs start_us,
                                                             sea::TimeUs end_us);
 
-    void answer(std::span<const sea::QueryPoint> points,
-                std::span<sea::Answer> answers) const override;
+    void answer(std::span<const sea::QueryPoint> points, std::span<sea::Answer> answers,
+                std::span<sea::ErrorTerms> terms) const override;
     sea::RealizationPtr waves_at(sea::TimeUs time_us) const override { return change_.at(time_us); }
     RebuiltError error() const override { return error_; }
     void at(sea::TimeUs time_us,

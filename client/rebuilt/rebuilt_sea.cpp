@@ -36,13 +36,13 @@ RebuiltSea::RebuiltSea(sea::RealizationPtr waves, const protocol::SeaStateValues
       folds_(sea::fold_search(state.displacement_reach_m, waves_->choppiness, state.rms_strain)),
       error_(error) {}
 
-void RebuiltSea::answer(std::span<const sea::QueryPoint> points,
-                        std::span<sea::Answer> answers) const {
+void RebuiltSea::answer(std::span<const sea::QueryPoint> points, std::span<sea::Answer> answers,
+                        std::span<sea::ErrorTerms> terms) const {
     std::optional<sea::DirectSum::Moment> moment;
     for (std::size_t i = 0; i < points.size(); ++i) {
         if (!moment || points[i].time_us != points[i - 1].time_us)
             moment = sum_.at_time(points[i].time_us);
-        answers[i] = answer(points[i], *moment);
+        answers[i] = answer(points[i], *moment, terms.empty() ? nullptr : &terms[i]);
     }
 }
 
@@ -50,24 +50,30 @@ sea::InverseOptions RebuiltSea::options(const sea::QueryPoint& point) const {
     return {waves_->choppiness, tolerance_m(point), folds_};
 }
 
-void RebuiltSea::add_error(const sea::QueryPoint& point, sea::Answer& answer) const {
+void RebuiltSea::add_error(const sea::QueryPoint& point, sea::Answer& answer,
+                           sea::ErrorTerms* terms) const {
     const double sideways =
         sea::surface_slope(answer) * std::max(waves_->choppiness.x, waves_->choppiness.y);
-    answer.error_m +=
-        tolerance_m(point) + std::hypot(error_.height_m, sideways * error_.displacement_m);
+    const double inverse_m = answer.error_m + tolerance_m(point);
+    const double waves_m = std::hypot(error_.height_m, sideways * error_.displacement_m);
+    answer.error_m = inverse_m + waves_m;
+    if (terms != nullptr)
+        *terms = answer.flags & sea::answer_invalid
+                     ? sea::ErrorTerms{}
+                     : sea::ErrorTerms{.codec_m = waves_m, .inverse_m = inverse_m};
 }
 
-sea::Answer RebuiltSea::answer(const sea::QueryPoint& point,
-                               const sea::DirectSum::Moment& moment) const {
+sea::Answer RebuiltSea::answer(const sea::QueryPoint& point, const sea::DirectSum::Moment& moment,
+                               sea::ErrorTerms* terms) const {
     sea::Answer answer = sea::surface_at(point, options(point), moment);
-    add_error(point, answer);
+    add_error(point, answer, terms);
     return answer;
 }
 
 sea::Answer RebuiltSea::answer(const sea::QueryPoint& point, double z_m,
                                const sea::DirectSum::Moment& moment, sea::WaterBelow& water) const {
     sea::Answer answer = sea::water_at(point, z_m, options(point), moment, water);
-    add_error(point, answer);
+    add_error(point, answer, nullptr);
     return answer;
 }
 

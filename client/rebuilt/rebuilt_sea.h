@@ -31,9 +31,9 @@ class OwnSea {
   public:
     virtual ~OwnSea() = default;
 
-    /// Points of equal times should stand together. Both of the same length.
-    virtual void answer(std::span<const sea::QueryPoint> points,
-                        std::span<sea::Answer> answers) const = 0;
+    /// Points of equal times should stand together. All of the same length; `terms` may be empty.
+    virtual void answer(std::span<const sea::QueryPoint> points, std::span<sea::Answer> answers,
+                        std::span<sea::ErrorTerms> terms) const = 0;
     /// Its waves at a time, and what they are off by then.
     virtual sea::RealizationPtr waves_at(sea::TimeUs time_us) const = 0;
     virtual RebuiltError error() const = 0;
@@ -49,16 +49,17 @@ class RebuiltSea final : public OwnSea {
     RebuiltSea(sea::RealizationPtr waves, const protocol::SeaStateValues& state,
                const RebuiltError& error);
 
-    void answer(std::span<const sea::QueryPoint> points,
-                std::span<sea::Answer> answers) const override;
+    void answer(std::span<const sea::QueryPoint> points, std::span<sea::Answer> answers,
+                std::span<sea::ErrorTerms> terms) const override;
     sea::RealizationPtr waves_at(sea::TimeUs) const override { return waves_; }
     RebuiltError error() const override { return error_; }
     void at(sea::TimeUs, const std::function<void(const RebuiltSea&)>& look) const override {
         look(*this);
     }
 
-    /// Of a moment of sum(), which may be of some cascades alone.
-    sea::Answer answer(const sea::QueryPoint& point, const sea::DirectSum::Moment& moment) const;
+    /// Of a moment of sum(), which may be of some cascades alone. `terms`: filled in, or null.
+    sea::Answer answer(const sea::QueryPoint& point, const sea::DirectSum::Moment& moment,
+                       sea::ErrorTerms* terms = nullptr) const;
     /// With the water at a depth (sea/surface/below.h).
     sea::Answer answer(const sea::QueryPoint& point, double z_m,
                        const sea::DirectSum::Moment& moment, sea::WaterBelow& water) const;
@@ -66,7 +67,7 @@ class RebuiltSea final : public OwnSea {
 
   private:
     sea::InverseOptions options(const sea::QueryPoint& point) const;
-    void add_error(const sea::QueryPoint& point, sea::Answer& answer) const;
+    void add_error(const sea::QueryPoint& point, sea::Answer& answer, sea::ErrorTerms* terms) const;
 
     const sea::RealizationPtr waves_;
     const sea::DirectSum sum_;

@@ -15,14 +15,22 @@ import numpy
 POINT = numpy.dtype([("x_m", "f8"), ("y_m", "f8"), ("time_us", "i8")], align=True)
 ANSWER = numpy.dtype([("height_m", "f8"), ("normal", "f8", 3), ("velocity_mps", "f8", 3), ("error_m", "f8"),
                       ("flags", "u4"), ("reserved", "u4")], align=True)
+TERMS = numpy.dtype([("answer", ANSWER)] + [(term, "f8") for term in (
+    "codec_m", "time_m", "space_m", "inverse_m", "rounding_m", "clock_m", "stale_m")], align=True)
 ABI_VERSION = 3
 TILES, SPECTRUM = 0, 1
+STATED_TIMES, TIMES_OF_NOW = 0, 1
 
 
 class Subscription(ctypes.Structure):
     _fields_ = [("error_m", ctypes.c_double), ("credit", ctypes.c_uint32), ("rung", ctypes.c_uint32),
                 ("timeout_s", ctypes.c_double), ("rate_hz_max", ctypes.c_double), ("size_max", ctypes.c_uint32),
                 ("reserved", ctypes.c_uint32)]
+
+
+class Sampling(ctypes.Structure):
+    _fields_ = [("size", ctypes.c_uint32), ("parts", ctypes.c_uint32), ("probe", ctypes.c_void_p),
+                ("times", ctypes.c_uint32), ("reserved", ctypes.c_uint32)]
 
 
 class SeaAt(ctypes.Structure):
@@ -48,6 +56,8 @@ def _load():
     library.seaway_sea_at.argtypes = [client, ctypes.c_int64, ctypes.POINTER(SeaAt)]
     library.seaway_subscribe.argtypes = [client, ctypes.POINTER(Subscription)]
     library.seaway_sample.argtypes = [client, ctypes.c_void_p, count, ctypes.c_void_p]
+    library.seaway_sample_terms.argtypes = [client, ctypes.POINTER(Sampling), ctypes.c_void_p, count, ctypes.c_void_p,
+                                            count]
     library.seaway_query.argtypes = [client, ctypes.c_void_p, count, ctypes.c_int, seconds, ctypes.c_void_p]
     return library
 
@@ -97,14 +107,20 @@ class Sea:
         """Answers of the shape of the points, from what this process holds."""
         return self._answers(asked, lambda at, count, out: _library.seaway_sample(self._client, at, count, out))
 
+    def terms(self, asked, times=STATED_TIMES):
+        """Likewise, with what each error is made of; TIMES_OF_NOW: times of now_us(), with the clock's part."""
+        how = Sampling(size=ctypes.sizeof(Sampling), times=times)
+        return self._answers(asked, lambda at, count, out: _library.seaway_sample_terms(
+            self._client, ctypes.byref(how), at, count, out, TERMS.itemsize), TERMS)
+
     def query(self, asked, exact=False, timeout_s=0):
         """Likewise, by the server."""
         return self._answers(asked, lambda at, count, out: _library.seaway_query(
             self._client, at, count, int(exact), timeout_s, out))
 
     @staticmethod
-    def _answers(asked, call):
+    def _answers(asked, call, kind=ANSWER):
         asked = numpy.ascontiguousarray(asked, POINT)
-        answers = numpy.empty(asked.shape, ANSWER)
+        answers = numpy.empty(asked.shape, kind)
         _require(call(asked.ctypes.data, asked.size, answers.ctypes.data))
         return answers

@@ -2,6 +2,7 @@
 // What one asks of the sea at a point, and what one gets.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <numbers>
@@ -80,6 +81,24 @@ struct Answer {
     double velocity_mps[3] = {0, 0, 0};
     double error_m = 0;      ///< bound on |height_m - truth|
     std::uint32_t flags = 0; ///< AnswerFlag
+};
+
+/// What an answer's error_m is made of, each a bound on what this cause alone does to the height. Coding, time and space are
+/// of five standard deviations and have nothing to do with each other: they add up in the square, the rest is added to that.
+struct ErrorTerms {
+    double codec_m = 0;   ///< rounding of what was sent: tiles, or the waves
+    double time_m = 0;    ///< between two keyframes
+    double space_m = 0;   ///< between grid points, and waves that a map came without
+    double inverse_m = 0; ///< the place is met to a tolerance; a sheet beside may be the highest
+    double rounding_m =
+        0;              ///< single precision, and all interpolation where its parts are not known
+    double clock_m = 0; ///< the time asked about may be another one than was meant
+    double stale_m = 0; ///< the sea may have been changed meanwhile
+
+    double sum_m() const {
+        return std::sqrt(codec_m * codec_m + time_m * time_m + space_m * space_m) + rounding_m +
+               inverse_m + clock_m + stale_m;
+    }
 };
 
 /// What AnswerParts::height leaves of it.

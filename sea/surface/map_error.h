@@ -75,14 +75,21 @@ struct MapLoss {
     }
     /// The same of one time, for many places.
     struct AtTime {
-        double anywhere_m2;
+        double time_m2;
+        double cut_m2;
         double east_m2;
         double north_m2;
         double coded_m2;
         double coded_relief;
         double variance_m2(double east, double north) const {
-            return anywhere_m2 + east_m2 * east + north_m2 * north +
-                   coded_m2 * (1.0 - coded_relief * east) * (1.0 - coded_relief * north);
+            return time_m2 + cut_m2 + east_m2 * east + north_m2 * north +
+                   coded_variance_m2(east, north);
+        }
+        double space_variance_m2(double east, double north) const {
+            return cut_m2 + east_m2 * east + north_m2 * north;
+        }
+        double coded_variance_m2(double east, double north) const {
+            return coded_m2 * (1.0 - coded_relief * east) * (1.0 - coded_relief * north);
         }
     };
     AtTime at(double share, const HermiteWeights& w) const {
@@ -90,8 +97,8 @@ struct MapLoss {
         const double coded =
             value_m * value_m * (w.value[0] * w.value[0] + w.value[2] * w.value[2]) +
             rate_mps * rate_mps * (w.value[1] * w.value[1] + w.value[3] * w.value[3]);
-        return {time * time + cut_m * cut_m, east_m * east_m, north_m * north_m, coded,
-                coded_relief};
+        return {time * time,       cut_m * cut_m, east_m * east_m,
+                north_m * north_m, coded,         coded_relief};
     }
 };
 

@@ -183,6 +183,26 @@ double Surface::height_bound_m(BetweenOf between, const AtTime& then, double slo
            sideways * error_.displacement_bound_m;
 }
 
+template <class BetweenOf>
+ErrorTerms Surface::terms_of(BetweenOf between, const AtTime& then, double slope) const {
+    const double sideways = slope * sideways_;
+    double time_m2 = 0, space_m2 = 0, coded_m2 = 0;
+    for (std::size_t c = 0; c < error_.cascades.size(); ++c) {
+        const MapLoss::AtTime &height = then.losses[c].height, &moved = then.losses[c].displacement;
+        const Between here = between(c);
+        const double moved2 = sideways * sideways;
+        time_m2 += height.time_m2 + moved2 * moved.time_m2;
+        space_m2 += height.space_variance_m2(here.east, here.north) +
+                    moved2 * moved.space_variance_m2(here.east, here.north);
+        coded_m2 += height.coded_variance_m2(here.east, here.north) +
+                    moved2 * moved.coded_variance_m2(here.east, here.north);
+    }
+    return {.codec_m = bound_sigmas * std::sqrt(coded_m2),
+            .time_m = bound_sigmas * std::sqrt(time_m2),
+            .space_m = bound_sigmas * std::sqrt(space_m2),
+            .rounding_m = error_.height_bound_m + sideways * error_.displacement_bound_m};
+}
+
 LagrangianPoint Surface::at(double x_m, double y_m, TimeUs time_us) const {
     struct Cells {
         SplineMap::Cell before;
@@ -209,14 +229,17 @@ bool Surface::covers(TimeUs time_us) const {
     });
 }
 
-Answer Surface::careful(const QueryPoint& point, const AtTime& then) const {
+Answer Surface::careful(const QueryPoint& point, const AtTime& then, ErrorTerms* terms) const {
     SurfaceSheets sheets = then.sheets; // a search leaves its patches there
     const InverseOptions options{choppiness_, tolerance_m_, folds_};
     const auto field = [&](double x_m, double y_m) { return at(x_m, y_m, point.time_us); };
     Vec2 lagrangian{point.x_m, point.y_m};
     Answer answer = surface_at(point, options, field, &sheets, &lagrangian);
-    if (answer.flags & answer_invalid)
+    if (answer.flags & answer_invalid) {
+        if (terms != nullptr)
+            *terms = {};
         return answer;
+    }
     const auto between = [&](std::size_t c) {
         const double cells_a_metre = then.losses[c].cells_a_metre;
         const auto along = [&](double place_m) {
@@ -225,13 +248,18 @@ Answer Surface::careful(const QueryPoint& point, const AtTime& then) const {
         };
         return Between{along(lagrangian.x), along(lagrangian.y)};
     };
-    answer.error_m += height_bound_m(between, then, surface_slope(answer));
+    const double slope = surface_slope(answer);
+    if (terms != nullptr) {
+        *terms = terms_of(between, then, slope);
+        terms->inverse_m = answer.error_m;
+    }
+    answer.error_m += height_bound_m(between, then, slope);
     answer.flags |= then.flags;
     return answer;
 }
 
 Answer Surface::gentle(const PointBlock& points, std::size_t p, const AtTime& then,
-                       AnswerParts parts) const {
+                       AnswerParts parts, ErrorTerms* terms) const {
     using spline_channel::height, spline_channel::displacement_x, spline_channel::displacement_y;
     const auto of = [](float value) { return static_cast<double>(value); };
     LagrangianPoint point;
@@ -254,6 +282,10 @@ Answer Surface::gentle(const PointBlock& points, std::size_t p, const AtTime& th
                        between_samples(of(points.fraction_y[c][p]))};
     };
     answer.error_m = points.residual_m[p] * slope + height_bound_m(between, then, slope);
+    if (terms != nullptr) {
+        *terms = terms_of(between, then, slope);
+        terms->inverse_m = points.residual_m[p] * slope;
+    }
     answer.flags = then.flags;
     return answer;
 }
@@ -262,13 +294,14 @@ void Surface::answer_block(std::span<const QueryPoint> points, std::span<Answer>
                            const Answering& how, const PointKernel& kernel,
                            std::span<const PointTile> tiles,
                            std::span<const AtTime* const> then) const {
+    const auto terms = [&](std::size_t i) { return how.terms.empty() ? nullptr : &how.terms[i]; };
     PointBlock block;
     std::array<std::size_t, PointBlock::size> point_of;
     std::size_t count = 0;
     for (std::size_t i = 0; i < points.size(); ++i) {
         const QueryPoint& point = points[i];
         if (!std::isfinite(point.x_m) || !std::isfinite(point.y_m) || tiles_.empty()) {
-            answers[i] = careful(point, *then[i]);
+            answers[i] = careful(point, *then[i], terms(i));
             continue;
         }
         block.x_m[count] = point.x_m;
@@ -300,7 +333,8 @@ void Surface::answer_block(std::span<const QueryPoint> points, std::span<Answer>
         const Vec2 target{points[i].x_m, points[i].y_m};
         const Vec2 root{target.x + block.shift_x_m[p], target.y + block.shift_y_m[p]};
         const bool settled = block.solved[p] && then[i]->sheets.single(target, root, cells[p]);
-        answers[i] = settled ? gentle(block, p, *then[i], how.parts) : careful(points[i], *then[i]);
+        answers[i] = settled ? gentle(block, p, *then[i], how.parts, terms(i))
+                             : careful(points[i], *then[i], terms(i));
         if (!how.memory.empty())
             how.memory[i] = {block.shift_x_m[p], block.shift_y_m[p], settled};
         if (how.parts == AnswerParts::height)
@@ -312,6 +346,7 @@ void Surface::answer(std::span<const QueryPoint> points, std::span<Answer> answe
                      const Answering& how, const PointKernel& kernel) const {
     SEAWAY_CHECK(points.size() == answers.size(), "one answer a point");
     SEAWAY_CHECK(how.memory.empty() || how.memory.size() == points.size(), "one memory a point");
+    SEAWAY_CHECK(how.terms.empty() || how.terms.size() == points.size(), "terms of each point");
     TimesOfBlock times(*this);
     const auto answer_some = [&](std::size_t first, std::size_t end,
                                  std::span<const PointTile> tiles) {
@@ -323,6 +358,8 @@ void Surface::answer(std::span<const QueryPoint> points, std::span<Answer> answe
             Answering some = how;
             if (!how.memory.empty())
                 some.memory = how.memory.subspan(first, count);
+            if (!how.terms.empty())
+                some.terms = how.terms.subspan(first, count);
             answer_block(points.subspan(first, count), answers.subspan(first, count), some, kernel,
                          tiles, {then.data(), count});
             first += count;
@@ -372,7 +409,7 @@ Answer Surface::answer(const QueryPoint& point) const {
 
 Answer Surface::answer_carefully(const QueryPoint& point) const {
     const AtTime then(*this, point.time_us);
-    return careful(point, then);
+    return careful(point, then, nullptr);
 }
 
 const PointKernel& point_kernel(Instructions instructions) {

@@ -37,6 +37,8 @@ struct Answering {
     MixedMaps* mixed = nullptr;
     /// One a point, or none. Answers with them end as near to the solution as without, but not with the same bits.
     std::span<PointMemory> memory = {};
+    /// One a point, filled in, or none.
+    std::span<ErrorTerms> terms = {};
 };
 
 class Surface {
@@ -94,9 +96,13 @@ class Surface {
     /// Bound on a height at a place that is `between(cascade)` its samples.
     template <class BetweenOf>
     double height_bound_m(BetweenOf between, const AtTime& then, double slope) const;
-    Answer careful(const QueryPoint& point, const AtTime& then) const;
-    Answer gentle(const PointBlock& points, std::size_t p, const AtTime& then,
-                  AnswerParts parts) const;
+    /// The same in parts, but for what the inverse leaves.
+    template <class BetweenOf>
+    ErrorTerms terms_of(BetweenOf between, const AtTime& then, double slope) const;
+    /// `terms`: filled in, or null.
+    Answer careful(const QueryPoint& point, const AtTime& then, ErrorTerms* terms) const;
+    Answer gentle(const PointBlock& points, std::size_t p, const AtTime& then, AnswerParts parts,
+                  ErrorTerms* terms) const;
     /// PointBlock::size points at most, whose times are `then`.
     void answer_block(std::span<const QueryPoint> points, std::span<Answer> answers,
                       const Answering& how, const PointKernel& kernel,

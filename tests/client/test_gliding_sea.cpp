@@ -73,13 +73,13 @@ TEST(GlidingSea, answers_of_a_time_are_those_of_its_waves_in_whatever_order_time
     const std::vector<sea::QueryPoint> points{
         {1, 2, 120'000'000}, {3, 4, 120'000'000}, {1, 2, 100'000'000}, {1, 2, 120'000'000}};
     std::vector<sea::Answer> answers(points.size());
-    (*glide)->answer(points, answers);
+    (*glide)->answer(points, answers, {});
     EXPECT_EQ(answers[0].height_m, answers[3].height_m);
     EXPECT_NE(answers[0].height_m, answers[2].height_m);
     for (std::size_t i = 0; i < points.size(); ++i) {
         const RebuiltSea moment((*glide)->waves_at(points[i].time_us), state, (*glide)->error());
         sea::Answer alone;
-        moment.answer({&points[i], 1}, {&alone, 1});
+        moment.answer({&points[i], 1}, {&alone, 1}, {});
         EXPECT_EQ(answers[i].height_m, alone.height_m);
         EXPECT_EQ(answers[i].error_m, alone.error_m);
     }

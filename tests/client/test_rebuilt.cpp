@@ -37,7 +37,7 @@ TEST(Rebuilt, from_the_scene_is_the_exact_sum_of_the_sea_at_any_time) {
     for (int i = 0; i < 100; ++i) {
         const sea::QueryPoint point{place(random), place(random), time(random)};
         sea::Answer answer;
-        (*made)->answer({&point, 1}, {&answer, 1});
+        (*made)->answer({&point, 1}, {&answer, 1}, {});
         const sea::Answer exact = sea::surface_at(
             point, {waves->choppiness, 1e-9, sea::FoldSearch{}}, truth.at_time(point.time_us));
         EXPECT_LE(std::abs(answer.height_m - exact.height_m), answer.error_m);
@@ -161,7 +161,7 @@ TEST_F(LiveWaves, what_has_come_can_be_asked_and_knows_how_far_it_is) {
         bound_m = now->error().height_m;
         for (const sea::QueryPoint& point : points()) {
             sea::Answer answer;
-            now->answer({&point, 1}, {&answer, 1});
+            now->answer({&point, 1}, {&answer, 1}, {});
             EXPECT_LE(std::abs(answer.height_m - sea.truth(point).height_m), answer.error_m);
         }
     }

@@ -106,11 +106,12 @@ class Examples(unittest.TestCase):
     def test_structs_in_python_are_those_of_the_header(self):
         import seaway
         sizes = {"seaway_point": seaway.POINT.itemsize, "seaway_answer": seaway.ANSWER.itemsize,
-                 "seaway_subscription": ctypes.sizeof(seaway.Subscription), "seaway_sea": ctypes.sizeof(seaway.SeaAt)}
+                 "seaway_subscription": ctypes.sizeof(seaway.Subscription), "seaway_sea": ctypes.sizeof(seaway.SeaAt),
+                 "seaway_sampling": ctypes.sizeof(seaway.Sampling), "seaway_terms": seaway.TERMS.itemsize}
         checks = "".join(f'_Static_assert(sizeof({name}) == {size}, "{name}");\n' for name, size in sizes.items())
         checks += f'_Static_assert(SEAWAY_ABI_VERSION == {seaway.ABI_VERSION}, "version");\n'
         done = subprocess.run(["cc", "-std=c11", "-fsyntax-only", "-x", "c", f"-I{BUILD}/include", "-"],
-                              input="#include <seaway/seaway.h>\n" + checks, capture_output=True, text=True)
+                              input="#include <seaway/seaway_engine.h>\n" + checks, capture_output=True, text=True)
         self.assertEqual(done.returncode, 0, done.stderr)
         with seaway.Sea(self.url) as sea:
             asked = seaway.points([[0.0, 10.0, 20.0]], 5.0, sea.now_us())
@@ -121,6 +122,12 @@ class Examples(unittest.TestCase):
             off = numpy.abs(served["height_m"] - sampled["height_m"])
             self.assertTrue((off <= served["error_m"] + sampled["error_m"]).all(), off)
             self.assertGreater(sea.at(sea.now_us()).hs_m, 4)
+            terms = sea.terms(asked, seaway.TIMES_OF_NOW)
+            self.assertTrue((terms["answer"]["height_m"] == sampled["height_m"]).all())
+            parts = {name: terms[name] for name in seaway.TERMS.names if name != "answer"}
+            square = numpy.sqrt(sum(parts.pop(name)**2 for name in ("codec_m", "time_m", "space_m")))
+            numpy.testing.assert_allclose(square + sum(parts.values()), terms["answer"]["error_m"], rtol=1e-12)
+            self.assertTrue((terms["clock_m"] > 0).all())
 
     def test_the_page_for_engines_calls_what_there_is(self):
         page = (ROOT / "examples/engine.md").read_text()

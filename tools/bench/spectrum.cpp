@@ -79,7 +79,7 @@ void compare_points(const server::RunningSea& sea, const client::RebuiltSea& own
     const sea::DirectSum::Moment then = sea.truth->at_time(time_us),
                                  mine = own.sum().at_time(time_us);
     std::vector<sea::Answer> answers(points.size());
-    own.answer(points, answers);
+    own.answer(points, answers, {});
     for (std::size_t i = 0; i < points.size(); ++i) {
         const sea::LagrangianPoint a = then.at(points[i].x_m, points[i].y_m);
         const sea::LagrangianPoint b = mine.at(points[i].x_m, points[i].y_m);
