@@ -81,8 +81,9 @@ seaway_code seaway_connect(const char* url, const seaway_connect_options* option
             connect.ca_file = text(options->ca_file, "");
             if (options->timeout_s > 0)
                 connect.timeout_s = options->timeout_s;
-            if (options->stays_lost > 1 || options->reserved != 0)
-                return bad("seaway_connect: stays_lost must be 0 or 1, reserved 0");
+            if (options->stays_lost > 1 || options->threadless > 1)
+                return bad("seaway_connect: stays_lost and threadless must be 0 or 1");
+            connect.threadless = options->threadless == 1;
             connect.stays_lost = options->stays_lost == 1;
             if (!(options->look_back_s >= 0 && options->look_back_s <= look_back_max_s))
                 return bad(

@@ -259,7 +259,16 @@ seaway_code seaway_poll(seaway_client* client, double timeout_s, seaway_event* e
         if (!timeout_fits(timeout_s))
             return bad("seaway_poll: timeout_s must be 0 to 86400");
         SEAWAY_TRY(has_room(event, sizeof(seaway_event), "seaway_event"));
-        const std::optional<Questions::Event> next = client->questions->next(timeout_s);
+        double wait_s = timeout_s;
+        if (client->client->threadless()) {
+            client->client->work_until(
+                std::chrono::steady_clock::now() +
+                    std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+                        std::chrono::duration<double>(timeout_s)),
+                [&] { return client->questions->has_event(); });
+            wait_s = 0;
+        }
+        const std::optional<Questions::Event> next = client->questions->next(wait_s);
         seaway_event to{};
         if (next) {
             to.kind = next->kind == Questions::Event::Kind::answered ? uint32_t{SEAWAY_ANSWERED}
@@ -275,7 +284,11 @@ int seaway_poll_descriptor(seaway_client* client) {
     (void)guarded([&]() -> Result<void> {
         if (!client)
             return bad("seaway_poll_descriptor: client must not be null");
-        SEAWAY_TRY_LET(descriptor, client->questions->descriptor());
+        SEAWAY_TRY_LET(const int events, client->questions->descriptor());
+        descriptor = events;
+        if (client->client->threadless()) {
+            SEAWAY_TRY_LET(descriptor, client->client->descriptor_with(events));
+        }
         return {};
     });
     return descriptor;

@@ -220,6 +220,7 @@ Result<Grant> Client::subscribe(const protocol::TileWish& wish, int credit, doub
 
 void Client::unsubscribe() {
     link()->unsubscribe();
+    wake();
     const std::scoped_lock lock(mutex_);
     subscription_.reset();
 }
@@ -231,26 +232,43 @@ Result<protocol::SpectrumGrant> Client::subscribe_spectrum(const protocol::Spect
 
 void Client::unsubscribe_spectrum() {
     link()->unsubscribe_spectrum();
+    wake();
     const std::scoped_lock lock(mutex_);
     spectrum_subscription_.reset();
 }
 
 Result<Grant> Client::subscribe_on(Connection& connection, const Subscription& subscription) {
     Waiter waiter;
+    ask_for(connection, subscription, waiter);
+    return granted(subscription, reply_of(waiter));
+}
+
+Result<protocol::SpectrumGrant> Client::subscribe_on(Connection& connection,
+                                                     const SpectrumSubscription& subscription) {
+    Waiter waiter;
+    ask_for(connection, subscription, waiter);
+    return granted(subscription, reply_of(waiter));
+}
+
+void Client::ask_for(Connection& connection, const Subscription& subscription, Waiter& waiter) {
     connection.subscribe(subscription.wish, subscription.credit, subscription.timeout_s,
                          waiter.handler());
-    Result<Reply> reply = waiter.wait();
+}
+
+void Client::ask_for(Connection& connection, const SpectrumSubscription& subscription,
+                     Waiter& waiter) {
+    connection.subscribe_spectrum(subscription.wish, subscription.timeout_s, waiter.handler());
+}
+
+Result<Grant> Client::granted(const Subscription& subscription, const Result<Reply>& reply) {
     if (!reply)
         return reply.error();
     note_offer(subscription.wish.fields, reply->grant.fields);
     return reply->grant;
 }
 
-Result<protocol::SpectrumGrant> Client::subscribe_on(Connection& connection,
-                                                     const SpectrumSubscription& subscription) {
-    Waiter waiter;
-    connection.subscribe_spectrum(subscription.wish, subscription.timeout_s, waiter.handler());
-    Result<Reply> reply = waiter.wait();
+Result<protocol::SpectrumGrant> Client::granted(const SpectrumSubscription&,
+                                                const Result<Reply>& reply) {
     if (!reply)
         return reply.error();
     std::vector<std::shared_ptr<ReceivedSpectrum>> spectra;

@@ -19,6 +19,9 @@
 // client drop all of it: ClientStatus::seas counts them. What waits for a reply when the connection ends fails with lost.
 //
 // Thread-safe. Functions that block say so and must not be called from an event.
+//
+// ConnectOptions::threadless: this client makes no thread. The work of the network, events among it, is done in work_until() and in
+// functions that block, by whoever calls them, one thread at a time (client_threadless.cpp).
 #pragma once
 
 #include <atomic>
@@ -40,6 +43,7 @@
 #include "client/held_surfaces.h"
 #include "client/link/clock.h"
 #include "client/link/connection.h"
+#include "client/link/readiness.h"
 #include "client/link/reconnect.h"
 #include "client/local_surface.h"
 #include "client/looks.h"
@@ -51,7 +55,7 @@
 
 namespace seaway::client {
 
-/// On a thread of the client's; must not block. Any may be left empty.
+/// On a thread of the client's, or where its work is done; must not block. Any may be left empty.
 struct ClientEvents {
     std::function<void(const SeaStatePtr&)> on_sea_state{};
     std::function<void(const HeldKeyframePtr&)> on_keyframe{};
@@ -77,6 +81,8 @@ struct Sampling {
     /// error_m. Three samples instead of one.
     bool of_now = false;
 };
+
+class Waiter;
 
 class Client {
   public:
@@ -127,6 +133,12 @@ class Client {
     /// The same for a batch the server takes at once; does not block (Connection::query).
     void ask_async(std::span<const sea::QueryPoint> points, const Asking& asking,
                    ReplyHandler handler);
+
+    bool threadless() const { return options_.threadless; }
+    /// Of a threadless client: what there is to do, and then what comes until `done` or until then. True: `done`.
+    bool work_until(std::chrono::steady_clock::time_point until, const std::function<bool()>& done);
+    /// Of a threadless client: readable while there is something to do, or while `other` is.
+    Result<int> descriptor_with(int other);
 
     /// This client answers from what it holds; at once, never asks the server. An error (not_held): there is nothing
     /// to go by, or the connection is lost and the keyframes end before the time of a point. Points of equal or
@@ -218,6 +230,13 @@ class Client {
 
     // client_goes_on.cpp: on the keeper's thread, but for what says otherwise.
     Result<void> open_link();
+    /// The connection from now on; hands back the one before.
+    ConnectionPtr adopt(ConnectionPtr opened, const JoiningPtr& joining);
+    /// mutex_ held: the next attempt is after a pause, or there is none.
+    void note_wait(const Error& why);
+    void note_attempt(); ///< mutex_ held
+    /// mutex_ held: what was subscribed to is again, or after this pause.
+    std::chrono::duration<double> note_subscribed(const Result<void>& done);
     void keep();
     /// Tries until it is connected, or there is no sense in it, or the client goes. `lock` is of mutex_.
     void come_back(std::unique_lock<std::mutex>& lock, Error why);
@@ -234,10 +253,39 @@ class Client {
     Result<Grant> subscribe_on(Connection& connection, const Subscription& subscription);
     Result<protocol::SpectrumGrant> subscribe_on(Connection& connection,
                                                  const SpectrumSubscription& subscription);
+    static void ask_for(Connection& connection, const Subscription& subscription, Waiter& waiter);
+    static void ask_for(Connection& connection, const SpectrumSubscription& subscription,
+                        Waiter& waiter);
+    Result<Grant> granted(const Subscription& subscription, const Result<Reply>& reply);
+    Result<protocol::SpectrumGrant> granted(const SpectrumSubscription& subscription,
+                                            const Result<Reply>& reply);
     /// What is kept is subscribed to again by the keeper; of a failure that of before stays.
     template <class Kind>
     auto subscribe_and_keep(std::optional<Kind>& kept, const Kind& subscription)
         -> decltype(subscribe_on(*link(), subscription));
+    // client_threadless.cpp: of a client without threads, where the keeper's way back is taken step by step.
+    struct Coming {
+        ConnectionPtr connection;
+        JoiningPtr joining;
+    };
+    /// Of what is subscribed to again, one after the other.
+    struct Again;
+    enum class Turn { standing, waiting, opening, subscribing, resting, stopped };
+    /// Waits for a reply; without threads it works meanwhile.
+    Result<Reply> reply_of(Waiter& waiter);
+    /// One turn of work, until then at most.
+    void work(std::chrono::steady_clock::time_point until);
+    /// working_ held. One step on the way back, if there is one to take.
+    void keep_turn();
+    void lose(std::unique_lock<std::mutex>& lock, const Error& why);
+    void begin_link(std::unique_lock<std::mutex>& lock);
+    void open_turn(std::unique_lock<std::mutex>& lock);
+    void subscribe_turn(std::unique_lock<std::mutex>& lock);
+    void wake() {
+        if (readiness_)
+            readiness_->wake();
+    }
+
     /// mutex_ held. Is nothing heard of the server, or of it that it is not sure of its sea?
     bool silent(LocalUs now_us) const;
     /// Flags what the server may know more about. False: an answer is of no keyframes, and no server is there to
@@ -355,6 +403,15 @@ class Client {
     Unheard missed_;    ///< of the last connection that ended, where the sea was changed meanwhile
     std::mutex saying_; ///< of on_status; before mutex_
     std::thread keeper_;
+
+    // Of a client without threads.
+    std::mutex working_; ///< of who does its work; before saying_ and mutex_
+    std::unique_ptr<Readiness> readiness_;
+    bool watching_ = false; ///< readiness_ knows the socket of the connection
+    Turn turn_ = Turn::standing;
+    Coming coming_;
+    std::unique_ptr<Again> again_;
+    std::chrono::steady_clock::time_point rests_until_{};
 };
 
 } // namespace seaway::client

@@ -46,8 +46,18 @@ Result<Below> Client::ask_all(std::span<const QueryPoint> points, std::span<cons
     progress->found.water.resize(z_m.size());
     const ConnectionPtr connection = link();
     std::unique_lock lock(progress->mutex);
+    const auto wait = [&](const std::function<bool()>& ready) {
+        if (!threadless())
+            return progress->changed.wait(lock, ready);
+        lock.unlock();
+        work_until(std::chrono::steady_clock::time_point::max(), [&] {
+            const std::scoped_lock inner(progress->mutex);
+            return ready();
+        });
+        lock.lock();
+    };
     for (std::size_t first = 0; first < points.size(); first += batch_size) {
-        progress->changed.wait(lock, [&] { return progress->under_way < batches_in_flight; });
+        wait([&] { return progress->under_way < batches_in_flight; });
         if (progress->problem)
             break;
         ++progress->under_way;
@@ -70,7 +80,7 @@ Result<Below> Client::ask_all(std::span<const QueryPoint> points, std::span<cons
         connection->query(batch, asking.exact, asking.timeout_s, answered, asking.looking, depths);
         lock.lock();
     }
-    progress->changed.wait(lock, [&] { return progress->under_way == 0; });
+    wait([&] { return progress->under_way == 0; });
     if (progress->problem)
         return *progress->problem;
     mark_unsure(points, progress->found.answers);
@@ -86,6 +96,7 @@ void Client::ask_async(std::span<const QueryPoint> points, const Asking& asking,
         handler(std::move(reply));
     };
     link()->query(points, asking.exact, asking.timeout_s, marked, asking.looking);
+    wake();
 }
 
 } // namespace seaway::client

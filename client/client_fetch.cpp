@@ -95,7 +95,7 @@ Result<void> Client::fetch(std::span<const TimeUs> times_us, sea::FieldSet field
             wish.cascades = all_cascades;
         Waiter waiter;
         link()->fetch(times_us.first(count), wish, timeout_s, waiter.handler());
-        const Result<Reply> reply = waiter.wait();
+        const Result<Reply> reply = reply_of(waiter);
         if (reply) {
             note_offer(wish.fields, reply->fields);
             cascades_left &= ~wish.cascades;

@@ -40,15 +40,19 @@ Client::~Client() {
     }
     if (keeper_.joinable())
         keeper_.join();
+    coming_ = {};
     connection_.reset(); // first to go: its events use everything else
 }
 
 Result<std::unique_ptr<Client>> Client::connect(const ConnectOptions& options, ClientEvents events,
                                                 RingLimits limits) {
     std::unique_ptr<Client> client(new Client(options, std::move(events), limits));
+    if (options.threadless) {
+        SEAWAY_TRY_LET(client->readiness_, Readiness::create());
+    }
     if (const Result<void> opened = client->open_link(); !opened)
         return told(opened.error(), Failure::cannot_connect);
-    if (!options.stays_lost)
+    if (!options.stays_lost && !options.threadless)
         client->keeper_ = std::thread([client = client.get()] { client->keep(); });
     return client;
 }
@@ -63,16 +67,19 @@ Result<void> Client::open_link() {
     ConnectOptions options = options_;
     options.stop = leaving_.get_token();
     SEAWAY_TRY_LET(ConnectionPtr opened, Connection::open(options, connection_events(joining)));
-    {
-        const std::scoped_lock lock(mutex_);
-        connection_.swap(opened);
-        joining_ = joining;
-        ++status_.connections;
-    }
+    const ConnectionPtr before = adopt(std::move(opened), joining);
     // Not to end on the thread of its own events, one of which may be the last to hold it.
-    while (opened && opened.use_count() > 1)
+    while (before && before.use_count() > 1)
         std::this_thread::sleep_for(let_go_looks);
     return {};
+}
+
+Client::ConnectionPtr Client::adopt(ConnectionPtr opened, const JoiningPtr& joining) {
+    const std::scoped_lock lock(mutex_);
+    connection_.swap(opened);
+    joining_ = joining;
+    ++status_.connections;
+    return opened;
 }
 
 void Client::keep() {
@@ -89,28 +96,47 @@ void Client::keep() {
     }
 }
 
+void Client::note_wait(const Error& why) {
+    resuming_ = true;
+    status_.reason = why.message;
+    status_.state = why.is(Failure::for_good) ? LinkState::stopped : LinkState::waiting;
+    next_attempt_ = std::chrono::steady_clock::now() +
+                    std::chrono::ceil<std::chrono::steady_clock::duration>(pauses_.next(why));
+}
+
+void Client::note_attempt() {
+    status_.state = LinkState::connecting;
+    ++status_.attempts;
+}
+
+std::chrono::duration<double> Client::note_subscribed(const Result<void>& done) {
+    if (!done) {
+        status_.reason = done.error().message;
+        return pauses_.next(done.error());
+    }
+    resuming_ = false;
+    status_.state = LinkState::connected;
+    pauses_.connected();
+    return {};
+}
+
 void Client::come_back(std::unique_lock<std::mutex>& lock, Error why) {
     const auto say = [&] {
         lock.unlock();
         say_status();
         lock.lock();
     };
-    resuming_ = true;
     status_.attempts = 0;
     for (;;) {
-        status_.reason = why.message;
-        status_.state = why.is(Failure::for_good) ? LinkState::stopped : LinkState::waiting;
-        const auto next = std::chrono::steady_clock::now() +
-                          std::chrono::ceil<std::chrono::steady_clock::duration>(pauses_.next(why));
-        next_attempt_ = next;
+        note_wait(why);
+        const auto next = next_attempt_;
         say();
         if (status_.state == LinkState::stopped)
             return;
         changed_.wait_until(lock, next, [&] { return leaving_.stop_requested(); });
         if (leaving_.stop_requested())
             return;
-        status_.state = LinkState::connecting;
-        ++status_.attempts;
+        note_attempt();
         say();
         lock.unlock();
         const Result<void> opened = open_link();
@@ -129,15 +155,7 @@ void Client::subscribe_again(std::unique_lock<std::mutex>& lock) {
         lock.lock();
         if (over())
             return;
-        std::chrono::duration<double> pause{0};
-        if (done) {
-            resuming_ = false;
-            status_.state = LinkState::connected;
-            pauses_.connected();
-        } else {
-            status_.reason = done.error().message;
-            pause = pauses_.next(done.error());
-        }
+        const std::chrono::duration<double> pause = note_subscribed(done);
         lock.unlock();
         say_status();
         lock.lock();
@@ -256,7 +274,8 @@ void Client::join(Joining& joining, const SeaState& state) {
 
 void Client::hear(const Joining::Look& look) {
     clock_.add(look.sent_us, look.received_us, look.elapsed_us);
-    heard_at_us_ = look.received_us - look.unsure_us;
+    // Who looks rarely takes up late what came long ago: it was no earlier than this.
+    heard_at_us_ = look.sent_us - look.unsure_us;
     heard_us_ =
         std::max(heard_us_,
                  paces_.sea_time(std::clamp(look.elapsed_us, -sea::time_us_max, sea::time_us_max) -

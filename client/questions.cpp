@@ -81,6 +81,11 @@ std::optional<Questions::Event> Questions::next(double timeout_s) {
     return event;
 }
 
+bool Questions::has_event() const {
+    const std::scoped_lock lock(mutex_);
+    return !events_.empty();
+}
+
 Result<int> Questions::descriptor() {
     const std::scoped_lock lock(mutex_);
     if (descriptor_ < 0) {

@@ -46,6 +46,7 @@ class Questions {
 
     /// The next event, in the order in which they came; waits for one this long.
     std::optional<Event> next(double timeout_s);
+    bool has_event() const;
     /// Readable while there are events. An error: the system gives no more.
     Result<int> descriptor();
 

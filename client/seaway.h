@@ -84,11 +84,23 @@ typedef struct seaway_connect_options {
     const char* ca_file; /* certificates (PEM) to trust besides the system's, for wss */
     double timeout_s;    /* for connecting until the sea is known; 0: 5 */
     uint32_t stays_lost; /* 1: a connection that has ended does not come back */
-    uint32_t reserved;   /* 0 */
+    uint32_t threadless; /* 1: the library makes no thread, see below */
     /* How long before now streamed keyframes can still be sampled, 0 to 60; 0: 0.25. What seaway_hold fetches stays
      * besides. Each second costs some 1.6 MB a keyframe of 256 x 256, of a gale 12 MB. */
     double look_back_s;
 } seaway_connect_options;
+
+/* Without threads: all that the library does for this client it does in seaway_poll (client/seaway_engine.h), and in calls that
+ * block, on the thread that calls them; what is said to be called on a thread of the library is called there. Everything else is
+ * the same. What a program owes: seaway_poll in every frame, or whenever seaway_poll_descriptor is readable, which it is
+ * some 20 times a second; no less often than every second. What is not polled for has not come:
+ *   - seaway_query and other calls that block need nothing; seaway_ask and seaway_unsubscribe are sent, and deadlines of questions pass, in polls;
+ *   - after a second the clock is heard less often, and seaway_clock's error_us says so;
+ *   - after three, answers are SEAWAY_STALE or SEAWAY_EXTRAPOLATED, until two polls later something is heard again; no answer is wrong without a flag;
+ *   - after ten, a server may end the connection; then it comes back, in polls.
+ * A poll takes up what has come: some ms for each keyframe of 256 x 256. One of a lost client connects again in steps, none of which waits, but for
+ * looking up the name of the host where it is not an address: that takes as long as the system takes for it. Several threads may call; one works at a
+ * time, and another waits for it up to 20 ms. Not from seaway_status_watch. */
 
 /* url: ws://HOST:PORT or wss://HOST:PORT. options may be NULL. Blocks. */
 seaway_code seaway_connect(const char* url, const seaway_connect_options* options,

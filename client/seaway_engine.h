@@ -358,11 +358,24 @@ typedef struct seaway_event {
 } seaway_event;
 
 /* The next thing that happened, in order, for a program without callbacks: waits for one `timeout_s` at most, 0 not at all. The
- * library does its network work on a thread of its own that sleeps when there is none; nothing of the program's runs there. */
+ * library does its network work on a thread of its own that sleeps when there is none; nothing of the program's runs there. Of a
+ * client without threads (seaway_connect_options.threadless) it is done here, in every call:
+ *
+ *     seaway_connect_options options = {0};
+ *     options.threadless = 1;
+ *     if (seaway_connect("ws://localhost:9430", &options, &client) != SEAWAY_OK)
+ *         return complain(seaway_last_error());
+ *     for (;;) {                                     // each frame
+ *         seaway_event event = SEAWAY_SIZED(seaway_event);
+ *         while (seaway_poll(client, 0, &event) == SEAWAY_OK && event.kind != SEAWAY_NOTHING)
+ *             take(&event);                          // SEAWAY_ANSWERED: seaway_take_answers
+ *     }
+ */
 seaway_code seaway_poll(seaway_client* client, double timeout_s, seaway_event* event);
 
-/* A file descriptor that is readable while seaway_poll has something, for poll and epoll: neither read nor close it. It ends with
- * the client. -1, and seaway_last_error: there is none. */
+/* A file descriptor that is readable while seaway_poll has something, for poll and epoll: neither read nor close it. Of a client
+ * without threads also while there is something to do for it: then one seaway_poll takes it up, though it may have nothing to tell. It
+ * ends with the client. -1, and seaway_last_error: there is none. */
 int seaway_poll_descriptor(seaway_client* client);
 
 #ifdef __cplusplus

@@ -2,6 +2,7 @@
 // What Client's blocking calls wait with (client.cpp, client_fetch.cpp).
 #pragma once
 
+#include <chrono>
 #include <future>
 #include <memory>
 #include <set>
@@ -18,11 +19,23 @@ class Waiter {
     ReplyHandler handler() {
         return [promise = promise_](Result<Reply> reply) { promise->set_value(std::move(reply)); };
     }
-    Result<Reply> wait() { return promise_->get_future().get(); }
+    bool ready() const {
+        return reply_.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+    }
+    Result<Reply> wait() { return reply_.get(); }
 
   private:
     std::shared_ptr<std::promise<Result<Reply>>> promise_ =
         std::make_shared<std::promise<Result<Reply>>>();
+    std::future<Result<Reply>> reply_ = promise_->get_future();
+};
+
+/// Of a client without threads: what is subscribed to again.
+struct Client::Again {
+    ConnectionPtr connection;
+    std::optional<SpectrumSubscription> waves;
+    std::optional<Subscription> tiles;
+    std::optional<Waiter> asked; ///< for waves, and once they are there for tiles
 };
 
 /// Keyframes are offered to it as they come, those around its times stay. For as long as it lives;

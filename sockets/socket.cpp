@@ -182,6 +182,11 @@ void Socket::shutdown_send() {
     streams_->tcp().socket().shutdown(asio::ip::tcp::socket::shutdown_send, ignored);
 }
 
+int Socket::descriptor() const {
+    auto& socket = streams_->tcp().socket();
+    return socket.is_open() ? socket.native_handle() : -1;
+}
+
 void Socket::close() {
     if (streams_ == nullptr)
         return; // given away

@@ -111,6 +111,8 @@ class Socket {
     void tear_down(boost::beast::role_type role, Completion<error_code> done);
 
     void set_no_delay();
+    /// For poll and epoll alone; -1 before connect() and after close().
+    int descriptor() const;
     /// No more is sent; what the peer still sends can be read.
     void shutdown_send();
     /// What is under way ends with an error.

@@ -31,8 +31,6 @@ std::int64_t pause_after_ping_us(std::uint32_t pings_sent) {
     return pings_sent <= filling_pings ? filling_ping_interval_us : ping_interval_us;
 }
 
-/// How often who waits for a welcome looks whether it is to give up.
-constexpr std::chrono::milliseconds stop_looks{50};
 /// Seas that tiles can still arrive for.
 constexpr std::size_t sea_states_kept = 32;
 
@@ -71,56 +69,6 @@ Connection::Connection(ConnectionEvents events)
       }) {}
 
 Connection::~Connection() = default;
-
-Result<std::unique_ptr<Connection>> Connection::open(const ConnectOptions& options,
-                                                     ConnectionEvents events,
-                                                     const OpenStream& open_stream) {
-    std::unique_ptr<Connection> connection(new Connection(std::move(events)));
-    SEAWAY_TRY(connection->say_hello(options, open_stream));
-    return connection;
-}
-
-Result<void> Connection::say_hello(const ConnectOptions& options, const OpenStream& open_stream) {
-    const Result<Url> url = parse_url(options.url);
-    if (!url)
-        return url.error();
-    const auto deadline = std::chrono::steady_clock::now() +
-                          std::chrono::duration_cast<std::chrono::steady_clock::duration>(
-                              std::chrono::duration<double>(options.timeout_s));
-    WebSocketOptions socket_options;
-    socket_options.connect_timeout_s = options.timeout_s;
-    socket_options.ca_file = options.ca_file;
-    socket_options.stop = options.stop;
-    Result<std::unique_ptr<MessageStream>> stream = open_stream(*url, socket_options);
-    if (!stream)
-        return stream.error();
-    stream_ = std::move(*stream);
-    hello_sent_us_ = local_now_us();
-    stream_->start({[this](std::span<const std::uint8_t> bytes) { on_message(bytes); },
-                    [this] { on_tick(); },
-                    [this](const std::string& reason) { on_closed(reason); }});
-    stream_->send(protocol::hello(options.name, options.token));
-
-    std::unique_lock lock(opening_mutex_);
-    const auto known = [this] { return end_ || (welcomed_ && sea_known_); };
-    while (!known() && !options.stop.stop_requested() &&
-           std::chrono::steady_clock::now() < deadline)
-        opening_.wait_until(lock, std::min(deadline, std::chrono::steady_clock::now() + stop_looks),
-                            known);
-    if (end_) {
-        Error why =
-            failed(end_->is(Failure::for_good) ? Failure::for_good : Failure::cannot_connect,
-                   fmt::format("{} turns us away: {}", options.url, end_->message));
-        why.retry_after_ms = end_->retry_after_ms;
-        return why;
-    }
-    if (!welcomed_ || !sea_known_)
-        return failed(Failure::cannot_connect,
-                      fmt::format("{} accepts the connection but sends no {} in {} s", options.url,
-                                  welcomed_ ? "sea state" : "welcome", options.timeout_s));
-    open_ = true;
-    return {};
-}
 
 bool Connection::send(protocol::Bytes message) {
     return stream_ && stream_->send(std::move(message));

@@ -3,8 +3,8 @@
 // acknowledges keyframes, pings, and reports what comes. It ends once and does not come back:
 // whether to connect again is for whoever owns it (client/client.h holds what outlives messages).
 //
-// Thread-safe. Events come on the connection's own thread, one after the other; they must not
-// block, and the connection must not be destroyed from one.
+// Thread-safe. Events come on the connection's own thread, or in work() of one without (ConnectOptions::threadless), one after
+// the other; they must not block, and the connection must not be destroyed from one.
 #pragma once
 
 #include <atomic>
@@ -39,6 +39,8 @@ struct ConnectOptions {
     /// Of a Client: once its connection has ended it is not connected again.
     bool stays_lost = false;
     std::stop_token stop{}; ///< connecting is given up soon after
+    /// No thread is made: work() does everything, on the thread of who calls it. Of a Client: seaway.h says what that asks.
+    bool threadless = false;
 };
 
 /// What the server said about itself and its limits.
@@ -90,6 +92,15 @@ class Connection {
     static Result<std::unique_ptr<Connection>> open(const ConnectOptions& options,
                                                     ConnectionEvents events,
                                                     const OpenStream& open_stream = open_websocket);
+    /// open() of a threadless connection without waiting: opened() says how it stands, which work() brings on.
+    static Result<std::unique_ptr<Connection>>
+    begin(const ConnectOptions& options, ConnectionEvents events,
+          const OpenStream& open_stream = open_websocket);
+    /// Nothing: it is under way. After that it is open, or why it is not.
+    std::optional<Result<void>> opened();
+    /// As MessageStream's.
+    void work(std::chrono::steady_clock::time_point until) { stream_->work(until); }
+    int descriptor() const { return stream_->descriptor(); }
     ~Connection();
     Connection(const Connection&) = delete;
     Connection& operator=(const Connection&) = delete;
@@ -140,7 +151,12 @@ class Connection {
   private:
     explicit Connection(ConnectionEvents events);
 
-    Result<void> say_hello(const ConnectOptions& options, const OpenStream& open_stream);
+    Result<void> begin_opening(const ConnectOptions& options, const OpenStream& open_stream);
+    void say_hello();
+    Result<void> wait_for_sea();
+    /// opening_mutex_ held.
+    std::optional<Result<void>> opened_held();
+    void on_opened(const Result<void>& opened);
     void on_message(std::span<const std::uint8_t> bytes);
     void on_tick();
     void on_closed(const std::string& reason);
@@ -177,6 +193,9 @@ class Connection {
     std::atomic<bool> open_ = false;
 
     // Of open() and the connection's thread.
+    ConnectOptions options_;
+    std::chrono::steady_clock::time_point opening_until_{};
+    std::optional<Error> not_opened_; ///< there is no stream
     std::mutex opening_mutex_;
     std::condition_variable opening_;
     bool welcomed_ = false;

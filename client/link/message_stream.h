@@ -3,6 +3,7 @@
 // below is the one that programs use; tests can bring another.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -16,7 +17,7 @@
 
 namespace seaway::client {
 
-/// All on the stream's own thread, one after the other.
+/// All on the stream's own thread, or in work() of one that has none, one after the other.
 struct MessageStreamEvents {
     /// The bytes are valid during the call.
     std::function<void(std::span<const std::uint8_t>)> on_message;
@@ -24,6 +25,8 @@ struct MessageStreamEvents {
     std::function<void()> on_tick;
     /// The stream has ended; once, and last. One line.
     std::function<void(std::string reason)> on_closed;
+    /// Of a stream without a thread: whether it is open now. Nothing comes before it, and nothing after an error.
+    std::function<void(const Result<void>&)> on_opened;
 };
 
 class MessageStream {
@@ -41,6 +44,12 @@ class MessageStream {
     /// Ends it; on_closed gets the reason. Thread-safe.
     virtual void close(std::string reason) = 0;
 
+    /// Of a stream without a thread: does what there is to do, events and all, and where there is nothing waits for something
+    /// until `until`. For one thread at a time; not from an event.
+    virtual void work(std::chrono::steady_clock::time_point until) { (void)until; }
+    /// Of a stream without a thread: readable when something has come for work(). -1: there is none as yet.
+    virtual int descriptor() { return -1; }
+
     static constexpr std::size_t waiting_bytes_max = 4u * 1024 * 1024;
 };
 
@@ -50,10 +59,13 @@ struct WebSocketOptions {
     std::string ca_file;
     std::string user_agent = "seaway-client/" SEAWAY_VERSION;
     std::stop_token stop{}; ///< connecting is given up soon after
+    /// It makes no thread: work() does everything, connecting too.
+    bool threadless = false;
 };
 
 /// Connects and shakes hands; blocks until that is done or has failed. A silent peer is found out
-/// by WebSocket pings within 30 s. Errors: cannot_connect; for_good where the server declines for a reason that stays.
+/// by WebSocket pings within 30 s. `threadless`: at once, on_opened says how it went; the name is looked up in work(), which waits
+/// for the system to find it. Errors: cannot_connect; for_good where the server declines for a reason that stays.
 Result<std::unique_ptr<MessageStream>> open_websocket(const Url& url,
                                                       const WebSocketOptions& options);
 

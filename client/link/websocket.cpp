@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// MessageStream over a WebSocket: one io thread a connection, callbacks on it, no locks.
+// MessageStream over a WebSocket: one io thread a connection, or who calls work(); callbacks on it, no locks.
 #include <atomic>
 #include <chrono>
 #include <deque>
@@ -46,7 +46,7 @@ sockets::WebSocketOptions web_socket_options(const WebSocketOptions& options) {
             .message_bytes_max = protocol::limits::server_message_bytes_max};
 }
 
-/// Runs on its own thread until closed. Every member but the atomics and io_ belongs to it.
+/// Runs on its own thread, or in work(), until closed. Every member but the atomics and io_ belongs to that.
 class SocketStream final : public MessageStream {
   public:
     /// TLS if there is a context for it.
@@ -57,6 +57,11 @@ class SocketStream final : public MessageStream {
 
     ~SocketStream() override {
         close("closed by this client");
+        if (options_.threadless) {
+            const auto patience = std::chrono::steady_clock::now() + close_patience;
+            while (!finished_ && std::chrono::steady_clock::now() < patience)
+                work(patience);
+        }
         if (thread_.joinable()) {
             if (over_.wait_for(close_patience) == std::future_status::timeout)
                 io_.stop();
@@ -83,7 +88,29 @@ class SocketStream final : public MessageStream {
         return result.get();
     }
 
+    /// Of a stream without a thread, instead of connect().
+    void begin() {
+        asio::post(io_, [this] { resolve(); });
+    }
+
+    void work(std::chrono::steady_clock::time_point until) override {
+        if (finished_)
+            return;
+        try {
+            if (io_.poll() == 0 && io_.run_one_until(until) > 0)
+                io_.poll();
+        } catch (const std::exception& problem) {
+            fail(problem);
+        }
+    }
+
+    int descriptor() override { return open_ && !finished_ ? ws_.socket().descriptor() : -1; }
+
     void start(MessageStreamEvents events) override {
+        if (options_.threadless) { // what follows is that it opens
+            events_ = std::move(events);
+            return;
+        }
         asio::post(io_, [this, events = std::move(events)]() mutable {
             events_ = std::move(events);
             reading_ = true;
@@ -132,11 +159,15 @@ class SocketStream final : public MessageStream {
         try {
             io_.run();
         } catch (const std::exception& problem) {
-            if (!answered_)
-                opened(cannot_connect(problem.what()));
-            finish(fmt::format("the network thread failed: {}", problem.what()));
+            fail(problem);
         }
         over_promise_.set_value();
+    }
+
+    void fail(const std::exception& problem) {
+        if (!answered_)
+            opened(cannot_connect(problem.what()));
+        finish(fmt::format("the network's work failed: {}", problem.what()));
     }
 
     // ---- resolve, connect, TLS, WebSocket: each step begins the next ----
@@ -144,17 +175,31 @@ class SocketStream final : public MessageStream {
     void opened(Result<void> result) {
         answered_ = true;
         open_ = result.has_value();
-        opened_.set_value(std::move(result));
+        if (!options_.threadless)
+            return opened_.set_value(std::move(result));
+        if (!open_)
+            finish({});
+        if (events_.on_opened)
+            events_.on_opened(result);
+        if (!open_)
+            return;
+        reading_ = true;
+        read();
+        tick();
     }
 
     void resolve() {
-        resolver_.async_resolve(
-            url_.host, url_.port, [this](error_code problem, const auto& endpoints) {
-                if (problem)
-                    return opened(cannot_connect(
-                        fmt::format("the name does not resolve ({})", problem.message())));
-                connect_to(endpoints);
-            });
+        const auto resolved = [this](error_code problem, const auto& endpoints) {
+            if (problem)
+                return opened(cannot_connect(
+                    fmt::format("the name does not resolve ({})", problem.message())));
+            connect_to(endpoints);
+        };
+        if (!options_.threadless)
+            return resolver_.async_resolve(url_.host, url_.port, resolved);
+        error_code problem; // Asio looks names up on a thread of its own, or here
+        const auto endpoints = resolver_.resolve(url_.host, url_.port, problem);
+        resolved(problem, endpoints);
     }
 
     void connect_to(const asio::ip::tcp::resolver::results_type& endpoints) {
@@ -304,7 +349,10 @@ Result<std::unique_ptr<MessageStream>>
 open_stream(const Url& url, const WebSocketOptions& options,
             std::shared_ptr<asio::ssl::context> tls_context) {
     auto stream = std::make_unique<SocketStream>(url, options, std::move(tls_context));
-    SEAWAY_TRY(stream->connect());
+    if (options.threadless)
+        stream->begin();
+    else
+        SEAWAY_TRY(stream->connect());
     return std::unique_ptr<MessageStream>(std::move(stream));
 }
 

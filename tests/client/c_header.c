@@ -57,6 +57,32 @@ seaway_code one_map_in_c(seaway_client* client, float* texels, size_t bytes, sea
     return seaway_get_map(client, &wanted, texels, bytes, map);
 }
 
+/* The worked example of a program without threads, until a question of its own is answered. */
+seaway_code one_answer_without_threads_in_c(const char* url, seaway_answer* water) {
+    seaway_client* client = NULL;
+    seaway_connect_options options = {0};
+    uint64_t question = 0;
+    seaway_code code;
+    options.threadless = 1;
+    code = seaway_connect(url, &options, &client);
+    if (code != SEAWAY_OK)
+        return code;
+    {
+        const seaway_point keel = {12.0, -40.0, seaway_now_us(client)};
+        code = seaway_ask(client, &keel, 1, 0, 0, &question);
+    }
+    while (code == SEAWAY_OK || code == SEAWAY_PENDING) { /* each frame */
+        seaway_event event = SEAWAY_SIZED(seaway_event);
+        while (seaway_poll(client, 0, &event) == SEAWAY_OK && event.kind != SEAWAY_NOTHING)
+            ;
+        code = seaway_take_answers(client, question, water, 1);
+        if (code == SEAWAY_OK)
+            break;
+    }
+    seaway_disconnect(client);
+    return code;
+}
+
 /* A question whose answer is taken later: as a loop of frames does it. */
 seaway_code one_question_in_c(seaway_client* client, seaway_answer* water) {
     const seaway_point keel = {12.0, -40.0, seaway_now_us(client)};

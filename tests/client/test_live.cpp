@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The client against the real net server on loopback, over a sea whose truth is known.
+#include <cstdlib>
 #include <random>
+#include <thread>
 
 #include <gtest/gtest.h>
 
@@ -15,12 +17,32 @@ using sea::Answer;
 using sea::QueryPoint;
 using tests::eventually;
 
+/// Test `client_threadless` runs all of these with clients that make no thread, each with a loop that polls it.
+struct Polled {
+    std::shared_ptr<std::jthread> loop = {};
+    void operator()(Client* client) {
+        loop.reset();
+        delete client;
+    }
+};
+
 class Live : public tests::WaveServer {
   protected:
-    std::unique_ptr<Client> connect(ClientEvents events = {}) {
-        auto client = Client::connect({.url = net->url()}, std::move(events));
-        EXPECT_TRUE(client) << client.error().message;
-        return client ? std::move(*client) : nullptr;
+    std::unique_ptr<Client, Polled> connect(ClientEvents events = {}) {
+        const bool threadless = std::getenv("SEAWAY_TEST_THREADLESS") != nullptr;
+        auto made =
+            Client::connect({.url = net->url(), .threadless = threadless}, std::move(events));
+        EXPECT_TRUE(made) << made.error().message;
+        std::unique_ptr<Client, Polled> client(made ? made->release() : nullptr);
+        if (client && threadless)
+            client.get_deleter().loop = std::make_shared<std::jthread>(
+                [client = client.get()](const std::stop_token& stop) {
+                    while (!stop.stop_requested())
+                        client->work_until(std::chrono::steady_clock::now() +
+                                               std::chrono::milliseconds(2),
+                                           [] { return false; });
+                });
+        return client;
     }
 
     /// Random places within 100 km, at a few times from before the epoch to years after it.

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "client/link/clock.h"
+#include "sea/basics/time.h"
 
 namespace seaway::client {
 namespace {
