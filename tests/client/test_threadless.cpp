@@ -189,7 +189,8 @@ TEST_F(Threadless, tells_of_an_attempt_that_leads_nowhere_and_can_be_left_in_the
 }
 
 TEST_F(Threadless, that_is_polled_rarely_says_that_it_is_stale_and_is_right) {
-    Sea client(net->url(), options());
+    FaultProxy line(net->port());
+    Sea client("ws://127.0.0.1:" + std::to_string(line.port()), options());
     hold_sea(client, false);
     ASSERT_TRUE(in_frames(client, [&] { return client.status().stale_s == 0; }));
     const auto asked_now = [&] {
@@ -203,11 +204,20 @@ TEST_F(Threadless, that_is_polled_rarely_says_that_it_is_stale_and_is_right) {
         return answer.flags;
     };
     EXPECT_EQ(asked_now(), 0u);
-    std::this_thread::sleep_for(
-        std::chrono::milliseconds(3'200)); // its server is not heard for three seconds
+    // Pings go out, and their answers come while nobody looks.
+    line.stall(true);
+    const auto later = std::chrono::steady_clock::now() + std::chrono::milliseconds(500);
+    while (std::chrono::steady_clock::now() < later)
+        poll(client, 0.01);
+    line.stall(false);
+    // Who is not heard for three seconds is silent.
+    std::this_thread::sleep_for(std::chrono::milliseconds(3'200));
     EXPECT_EQ(asked_now(), static_cast<std::uint32_t>(SEAWAY_STALE));
-    poll(client); // takes up what was said three seconds ago, and asks
-    EXPECT_TRUE(asked_now() & SEAWAY_STALE) << "what was said long ago is not news";
+    line.stall(true);
+    poll(client);
+    EXPECT_EQ(asked_now(), static_cast<std::uint32_t>(SEAWAY_STALE))
+        << "what was said long ago is not news";
+    line.stall(false);
     EXPECT_TRUE(in_frames(client, [&] { return asked_now() == 0; }));
     EXPECT_TRUE(client.is_connected());
 }
