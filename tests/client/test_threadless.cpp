@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A client without threads (seaway_connect_options.threadless): the same by its program's own calls, and no thread to be found.
 #include <filesystem>
+#include <fstream>
 #include <thread>
 
 #include <gtest/gtest.h>
@@ -174,6 +175,53 @@ TEST_F(Threadless, comes_back_in_polls_with_what_was_subscribed_to_and_goes_on_m
     EXPECT_EQ(told.states[1], static_cast<std::uint32_t>(SEAWAY_CONNECTING));
     EXPECT_EQ(told.by, std::this_thread::get_id());
     EXPECT_GT(client.status().held_until_us, held_us) << "each subscription brings the present";
+}
+
+TEST_F(Threadless, drops_the_sea_where_another_one_answers) {
+    FaultProxy line(net->port());
+    Sea client("ws://127.0.0.1:" + std::to_string(line.port()), options());
+    hold_sea(client, false);
+    // Its time began so much later that no clock is as far off.
+    std::this_thread::sleep_for(std::chrono::milliseconds(700));
+    tests::WaveSea other;
+    const auto another = tests::serve(other);
+    ASSERT_TRUE(another);
+    line.lead_to(another->port());
+    line.cut();
+    ASSERT_TRUE(in_frames(client, [&] { return client.status().seas == 2; }))
+        << client.status().reason;
+    ASSERT_TRUE(in_frames(client, [&] { return client.status().state == SEAWAY_CONNECTED; }));
+    EXPECT_NE(std::string(client.status().reason).find("another sea"), std::string::npos);
+    EXPECT_LT(client.now_us(), sea.sea_time_us() - 500'000) << "the time is that of the other one";
+    ASSERT_TRUE(in_frames(client, [&] { return client.status().holds == SEAWAY_HOLDS_WAVES; }));
+    const seaway_point here{1, 2, client.now_us()};
+    EXPECT_EQ(client.sample(here).flags, 0u) << "its waves were subscribed to again";
+}
+
+TEST_F(Threadless, stops_for_good_where_it_is_turned_away_and_says_why) {
+    FaultProxy line(net->port());
+    Sea client("ws://127.0.0.1:" + std::to_string(line.port()), options());
+    hold_sea(client, false);
+    const std::string token = testing::TempDir() + "seaway_threadless_token";
+    std::ofstream(token) << "open sesame\n";
+    server::NetOptions closed;
+    closed.listen = "127.0.0.1:0";
+    closed.client_token_file = token;
+    auto behind_a_door = server::NetServer::start(closed, sea);
+    std::filesystem::remove(token);
+    ASSERT_TRUE(behind_a_door) << behind_a_door.error().message;
+    line.lead_to((*behind_a_door)->port());
+    line.cut();
+    ASSERT_TRUE(in_frames(client, [&] { return client.status().state == SEAWAY_STOPPED; }))
+        << client.status().reason;
+    EXPECT_NE(std::string(client.status().reason).find("token"), std::string::npos)
+        << client.status().reason;
+    const std::uint32_t attempts = client.status().attempts;
+    poll(client, 0.05);
+    EXPECT_EQ(client.status().attempts, attempts) << "it does not come again";
+    const seaway_point later{1, 2, client.now_us() + 1'000'000};
+    EXPECT_EQ(client.sample(later).flags, static_cast<std::uint32_t>(SEAWAY_STALE))
+        << "what is held stays";
 }
 
 TEST_F(Threadless, tells_of_an_attempt_that_leads_nowhere_and_can_be_left_in_the_middle_of_it) {

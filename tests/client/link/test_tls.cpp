@@ -85,12 +85,15 @@ TEST(Tls, a_server_with_a_trusted_certificate_answers) {
     const auto net = serve(sea, certificate);
     ASSERT_TRUE(net);
     ASSERT_TRUE(net->url().starts_with("wss://"));
-    const auto client = Client::connect({.url = net->url(), .ca_file = certificate.cert_file()});
-    ASSERT_TRUE(client) << client.error().message;
-    const sea::QueryPoint point{1, 2, 3'000'000};
-    const auto local = (*client)->fetch_and_sample({&point, 1}, 10);
-    ASSERT_TRUE(local) << local.error().message;
-    EXPECT_NEAR((*local)[0].height_m, sea.truth(point).height_m, (*local)[0].error_m);
+    for (const bool threadless : {false, true}) {
+        const auto client = Client::connect(
+            {.url = net->url(), .ca_file = certificate.cert_file(), .threadless = threadless});
+        ASSERT_TRUE(client) << client.error().message;
+        const sea::QueryPoint point{1, 2, 3'000'000};
+        const auto local = (*client)->fetch_and_sample({&point, 1}, 10);
+        ASSERT_TRUE(local) << local.error().message;
+        EXPECT_NEAR((*local)[0].height_m, sea.truth(point).height_m, (*local)[0].error_m);
+    }
 }
 
 TEST(Tls, a_server_that_nobody_vouches_for_is_refused) {
@@ -99,13 +102,15 @@ TEST(Tls, a_server_that_nobody_vouches_for_is_refused) {
     const Certificate another("IP:127.0.0.1");
     const auto net = serve(sea, certificate);
     ASSERT_TRUE(net);
-    for (const std::string& trusted : {std::string(), another.cert_file()}) {
-        const auto client = Client::connect({.url = net->url(), .ca_file = trusted});
-        ASSERT_FALSE(client);
-        EXPECT_EQ(failure_of(client.error()), Failure::cannot_connect);
-        EXPECT_NE(client.error().message.find("certificate verify failed"), std::string::npos)
-            << client.error().message;
-    }
+    for (const std::string& trusted : {std::string(), another.cert_file()})
+        for (const bool threadless : {false, true}) {
+            const auto client =
+                Client::connect({.url = net->url(), .ca_file = trusted, .threadless = threadless});
+            ASSERT_FALSE(client);
+            EXPECT_EQ(failure_of(client.error()), Failure::cannot_connect);
+            EXPECT_NE(client.error().message.find("certificate verify failed"), std::string::npos)
+                << client.error().message;
+        }
 }
 
 TEST(Tls, a_certificate_for_another_name_is_refused) {
