@@ -77,7 +77,9 @@ Result<void> VulkanBatch::record(std::span<const Job> jobs, const Packing& packi
         record_foam(target, *after.foam);
         stamp();
     }
-    if (passes == 0 || passes == kernels_.passes.size())
+    if (first_held)
+        commands_.barrier(Stage::compute, Stage::host); // they stay where they are
+    else if (passes == 0 || passes == kernels_.passes.size())
         finish(*target.maps, map_bytes() * jobs.size() * push.maps);
     else
         finish(scratch_[(passes - 1) % 2], pass_floats(passes - 1, packing) * sizeof(float));

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <map>
 #include <mutex>
 #include <vector>
 
@@ -122,6 +123,59 @@ shaders::FoamStep foam_step(const sea::FoamTick& t) {
             0,
             1.0f,
             0};
+}
+
+bool has_turn_of(std::span<const std::size_t> indices, std::span<const KeyframeRequest> requests,
+                 const FoamTurn* turn) {
+    return turn != nullptr && std::ranges::any_of(indices, [&](std::size_t i) {
+               return requests[i].foam != nullptr && requests[i].foam->map == turn->map;
+           });
+}
+
+FoamWork foam_work(const VulkanFoam* histories, std::span<const KeyframeRequest> requests,
+                   std::span<const std::size_t> indices,
+                   const std::function<std::uint32_t(std::size_t job, sea::Field field)>& place,
+                   std::uint64_t& ticks) {
+    FoamWork work;
+    std::vector<std::vector<shaders::FoamStep>> rounds;
+    std::map<const FoamMap*, std::size_t> taken; ///< rounds of each map
+    for (std::size_t job = 0; job < indices.size(); ++job) {
+        const KeyframeRequest& request = requests[indices[job]];
+        if (request.foam == nullptr)
+            continue;
+        const auto& [map, kept, shown] = *request.foam;
+        work.histories = &histories->histories();
+        const auto add = [&](const sea::FoamTick& tick, std::uint32_t flags) {
+            shaders::FoamStep step = foam_step(tick);
+            step.flags |= flags;
+            if (tick.looks()) {
+                step.strain_xx = place(job, sea::Field::strain_xx);
+                step.strain_yy = place(job, sea::Field::strain_yy);
+                step.strain_xy = place(job, sea::Field::strain_xy);
+            }
+            step.history = histories->place(*map);
+            step.shown = flags == 0 ? place(job, sea::Field::foam) : 0;
+            step.departure = shown.departure;
+            const std::size_t round = taken[map]++;
+            rounds.resize(std::max(rounds.size(), round + 1));
+            rounds[round].push_back(step);
+        };
+        if (kept)
+            add(*kept, shaders::foam_keeps);
+        const bool shows = request.fields.contains(sea::Field::foam);
+        // A later turn of the map would be there before a copy.
+        if (shows && shown.is_state() &&
+            !has_turn_of(indices.subspan(job + 1), requests, request.foam))
+            work.copies.push_back({histories->place(*map), place(job, sea::Field::foam)});
+        else if (shows)
+            add(shown.tick, 0);
+        ticks += kept.has_value() + (shows && shown.tick.looks());
+    }
+    for (const std::vector<shaders::FoamStep>& round : rounds) {
+        work.steps.insert(work.steps.end(), round.begin(), round.end());
+        work.rounds.push_back(static_cast<std::uint32_t>(round.size()));
+    }
+    return work;
 }
 
 } // namespace seaway::server

@@ -6,7 +6,11 @@
 // For one thread, but that a map may be let go on any.
 #pragma once
 
+#include <cstdint>
+#include <functional>
 #include <memory>
+#include <span>
+#include <vector>
 
 #include "base/result.h"
 #include "gpu/buffer.h"
@@ -54,6 +58,17 @@ struct FoamWork {
 
     bool empty() const { return steps.empty() && copies.empty(); }
 };
+
+/// Whether one of these requests has a turn of the same map.
+bool has_turn_of(std::span<const std::size_t> indices, std::span<const KeyframeRequest> requests,
+                 const FoamTurn* turn);
+
+/// What the turns of these requests, of one size, do, those of one map after each other. `histories`: null where none has
+/// a turn. `place`: where a map of one of them stands. Ticks are counted in `ticks`.
+FoamWork foam_work(const VulkanFoam* histories, std::span<const KeyframeRequest> requests,
+                   std::span<const std::size_t> indices,
+                   const std::function<std::uint32_t(std::size_t job, sea::Field field)>& place,
+                   std::uint64_t& ticks);
 
 /// The numbers of a tick, as the kernel takes them; places and flags are the caller's.
 shaders::FoamStep foam_step(const sea::FoamTick& tick);

@@ -55,13 +55,15 @@ void VulkanMaps::give(std::size_t first, std::size_t count) {
     std::fill_n(taken_.begin() + static_cast<std::ptrdiff_t>(first), count, false);
 }
 
+std::shared_ptr<const void> VulkanMaps::keeper(std::size_t first, std::size_t count) {
+    return {this,
+            [maps = shared_from_this(), first, count](const void*) { maps->give(first, count); }};
+}
+
 sea::MapValues VulkanMaps::lend(std::size_t first, std::size_t count) {
     const std::span<float> values =
         buffer_.mapped_as<float>().subspan(first * map_floats_, count * map_floats_);
-    const std::shared_ptr<const void> keeper(
-        values.data(),
-        [maps = shared_from_this(), first, count](const void*) { maps->give(first, count); });
-    return sea::MapValues::lent(values, keeper);
+    return sea::MapValues::lent(values, keeper(first, count));
 }
 
 std::size_t VulkanMaps::held() const {

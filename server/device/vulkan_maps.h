@@ -2,8 +2,9 @@
 // VulkanMaps: device memory for maps of one size, one after the other, of which keyframes hold what is theirs until
 // their last reader lets go. Its length never changes: that is the bound on what readers can hold.
 //
-// Only where the CPU reads device memory in place (gpu::Device::unified_memory). Maps are given back on any thread, also
-// when the device that they were computed on has been given up; the rest is for one.
+// Keyframes that the CPU reads hold them only where it reads device memory in place (gpu::Device::unified_memory); what
+// stays on the device may stand in them on any. Maps are given back on any thread, also when the device that they were
+// computed on has been given up; the rest is for one.
 #pragma once
 
 #include <memory>
@@ -30,7 +31,9 @@ class VulkanMaps : public std::enable_shared_from_this<VulkanMaps> {
     /// So many free maps in a row: the place of the first; none: too many are held.
     std::optional<std::size_t> take(std::size_t count);
     void give(std::size_t first, std::size_t count);
-    /// Those that were taken, as the values of a keyframe that gives them back.
+    /// Gives those that were taken back when its last holder lets go.
+    std::shared_ptr<const void> keeper(std::size_t first, std::size_t count);
+    /// Those that were taken, as the values of a keyframe that gives them back. Where the CPU can read them.
     sea::MapValues lend(std::size_t first, std::size_t count);
 
     const gpu::Buffer& buffer() const { return buffer_; }

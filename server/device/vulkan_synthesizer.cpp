@@ -13,7 +13,7 @@
 #include "server/device/vulkan_batch.h"
 #include "server/device/vulkan_check.h"
 #include "server/device/vulkan_foam.h"
-#include "server/device/vulkan_kernels.h"
+#include "server/device/vulkan_kernel_shelf.h"
 #include "server/device/vulkan_maps.h"
 
 namespace seaway::server {
@@ -39,22 +39,19 @@ bool fits_band(const sea::CascadeModes* cascade) {
     return true;
 }
 
-bool has_turn_of(std::span<const std::size_t> indices, std::span<const KeyframeRequest> requests,
-                 const FoamTurn* turn) {
-    return turn != nullptr && std::ranges::any_of(indices, [&](std::size_t i) {
-               return requests[i].foam != nullptr && requests[i].foam->map == turn->map;
-           });
-}
-
 class Vulkan final : public VulkanSynthesizer {
   public:
     static Result<std::unique_ptr<VulkanSynthesizer>> create(const VulkanOptions& options);
+    static Result<std::unique_ptr<VulkanSynthesizer>> create(std::shared_ptr<gpu::Device> device,
+                                                             const VulkanOptions& options);
 
     std::string description() const override;
     Result<void> set_sea(sea::RealizationPtr sea, std::uint32_t epoch) override;
     Result<FoamMapPtr> open_foam(int size, const FoamMap* from) override;
     Result<std::vector<NewKeyframePtr>>
     synthesize(std::span<const KeyframeRequest> requests) override;
+    Result<std::vector<StandingKeyframe>>
+    synthesize_there(std::span<const KeyframeRequest> requests) override;
     Result<std::vector<SynthesisStage>> stages(const KeyframeRequest& request) override;
     SynthesisCounters counters() const override;
     std::vector<std::string> validation_messages() const override {
@@ -84,17 +81,17 @@ class Vulkan final : public VulkanSynthesizer {
         std::size_t cascades;
         bool band_limited;
     };
-    Result<const SynthesisKernels*> kernels(int size, bool band_limited);
     std::vector<Batch> sort(std::span<const KeyframeRequest> requests) const;
-    Result<void> run(const Batch& batch, std::span<const KeyframeRequest> requests,
-                     std::span<NewKeyframePtr> out);
+    /// Does `jobs(device_batch, batch, indices)` for some requests after the other that one run serves, by their places.
+    template <class Jobs>
+    Result<void> run(std::span<const KeyframeRequest> requests, const Jobs& jobs);
     Result<void> run_jobs(VulkanBatch& device_batch, const Batch& batch,
                           std::span<const KeyframeRequest> requests,
                           std::span<const std::size_t> indices, std::span<NewKeyframePtr> out);
-    /// What the turns of these requests do, those of one map after each other.
-    FoamWork foam_work(const VulkanBatch& device_batch, const Packing& packing,
-                       std::span<const KeyframeRequest> requests,
-                       std::span<const std::size_t> indices, std::optional<std::size_t> first_held);
+    Result<void> run_jobs_there(VulkanBatch& device_batch, const Batch& batch,
+                                std::span<const KeyframeRequest> requests,
+                                std::span<const std::size_t> indices,
+                                std::span<StandingKeyframe> out);
     Result<void> run_on_device(VulkanBatch& device_batch, const Batch& batch,
                                const Packing& packing, std::span<const KeyframeRequest> requests,
                                std::span<const std::size_t> indices,
@@ -109,10 +106,9 @@ class Vulkan final : public VulkanSynthesizer {
 
     // Order of members is order of construction; the device goes last.
     std::shared_ptr<gpu::Device> device_; ///< with keyframes that hold maps
-    bool any_device_kernels_ = false;
-    std::map<std::pair<int, bool>, std::unique_ptr<SynthesisKernels>> kernels_; ///< size, band
-    std::string refused_; ///< designs that the self-check found wrong
+    std::unique_ptr<KernelShelf> kernels_;
     std::size_t held_map_bytes_ = held_map_bytes_max;
+    bool maps_stay_ = false;
     std::map<int, std::shared_ptr<VulkanMaps>>
         held_;                       ///< by size, of any sea; none: they are copied
     std::map<int, Group> groups_;    ///< by size, of this sea
@@ -130,50 +126,24 @@ Result<std::unique_ptr<VulkanSynthesizer>> Vulkan::create(const VulkanOptions& o
         {.pick = options.device, .validation = options.validation, .staged = options.staged});
     if (!device)
         return device.error();
+    return create(std::shared_ptr<gpu::Device>(std::move(*device)), options);
+}
+
+Result<std::unique_ptr<VulkanSynthesizer>> Vulkan::create(std::shared_ptr<gpu::Device> device,
+                                                          const VulkanOptions& options) {
     std::unique_ptr<Vulkan> made(new Vulkan);
-    made->device_ = std::move(*device);
-    made->any_device_kernels_ = options.any_device_kernels;
+    made->device_ = std::move(device);
+    made->kernels_ = std::make_unique<KernelShelf>(*made->device_, options.any_device_kernels);
     made->held_map_bytes_ = options.held_map_bytes;
-    if (Result<const SynthesisKernels*> checked = made->kernels(first_checked_size, true); !checked)
+    made->maps_stay_ = options.maps_stay;
+    if (const auto checked = made->kernels_->get(first_checked_size, true); !checked)
         return checked.error();
     return std::unique_ptr<VulkanSynthesizer>(std::move(made));
 }
 
 std::string Vulkan::description() const {
-    std::string text = device_->info().name + ", " + device_->info().driver + ", kernels";
-    for (const auto& [key, kernels] : kernels_)
-        text += " " + std::string(kernels->transform->design) + ":" + std::to_string(key.first) +
-                (key.second ? "" : " (all modes)");
-    return text + refused_;
-}
-
-Result<const SynthesisKernels*> Vulkan::kernels(int size, bool band_limited) {
-    if (const auto found = kernels_.find({size, band_limited}); found != kernels_.end())
-        return static_cast<const SynthesisKernels*>(found->second.get());
-    Error last{DeviceError::cannot_do_this_sea,
-               "cascade of size " + std::to_string(size) +
-                   ": no Vulkan kernels for it; there are " + transform_sizes() +
-                   " (other sizes: the native device up to 1024, seaway-inspect up to 2048)"};
-    for (const shaders::Transform* transform :
-         fitting_transforms(device_->info(), size, band_limited)) {
-        if (any_device_kernels_ && transform->lanes != 0)
-            continue;
-        Result<SynthesisKernels> made = SynthesisKernels::create(*device_, *transform);
-        if (!made)
-            return Error{device_->info().name + ": " + made.error().message};
-        const Result<void> checked = check_device(*device_, *made);
-        if (checked) {
-            auto kept = std::make_unique<SynthesisKernels>(std::move(*made));
-            const SynthesisKernels* kernels = kept.get();
-            kernels_[{size, band_limited}] = std::move(kept);
-            return kernels;
-        }
-        last = checked.error();
-        if (!last.is(DeviceError::cannot_do_this_sea))
-            break; // another design would fail as well
-        refused_ += "; refused " + std::string(transform->design) + ": " + last.message;
-    }
-    return Error{last.kind, device_->info().name + ": " + last.message};
+    return device_->info().name + ", " + device_->info().driver + ", kernels" +
+           kernels_->description();
 }
 
 Result<void> Vulkan::set_sea(sea::RealizationPtr sea, std::uint32_t epoch) {
@@ -193,12 +163,10 @@ Result<void> Vulkan::set_sea(sea::RealizationPtr sea, std::uint32_t epoch) {
         if (old == groups_.end() || old->second.cascades != cascades.size() ||
             old->second.band_limited != band_limited) {
             groups_.erase(size);
-            Result<const SynthesisKernels*> pipelines = kernels(size, band_limited);
-            if (!pipelines)
-                return pipelines.error();
+            SEAWAY_TRY_LET(const SynthesisKernels* pipelines, kernels_->get(size, band_limited));
             SEAWAY_TRY_LET(const VulkanMaps* held, held_maps(size));
             Result<std::unique_ptr<VulkanBatch>> made =
-                VulkanBatch::create(*device_, **pipelines, static_cast<int>(cascades.size()), held);
+                VulkanBatch::create(*device_, *pipelines, static_cast<int>(cascades.size()), held);
             if (!made)
                 return made.error();
             groups_[size] = {std::move(*made), cascades.size(), band_limited};
@@ -236,30 +204,44 @@ std::vector<Vulkan::Batch> Vulkan::sort(std::span<const KeyframeRequest> request
 }
 
 Result<std::vector<NewKeyframePtr>> Vulkan::synthesize(std::span<const KeyframeRequest> requests) {
-    if (!sea_)
-        return Error{"no sea on the device: the last one could not be uploaded"};
     std::vector<NewKeyframePtr> out(requests.size());
-    for (const Batch& batch : sort(requests))
-        if (Result<void> done = run(batch, requests, out); !done)
-            return Error{device_->info().name + ": " + done.error().message};
-    counters_.keyframes += out.size();
+    SEAWAY_TRY(run(requests, [&](VulkanBatch& device_batch, const Batch& batch, auto indices) {
+        return run_jobs(device_batch, batch, requests, indices, out);
+    }));
     return out;
 }
 
-Result<void> Vulkan::run(const Batch& batch, std::span<const KeyframeRequest> requests,
-                         std::span<NewKeyframePtr> out) {
-    VulkanBatch& device_batch = *groups_.at(batch.size).batch;
-    const std::span<const std::size_t> all(batch.requests);
-    const auto at_once = static_cast<std::size_t>(device_batch.max_jobs(batch.packing().maps));
-    for (std::size_t first = 0; first < all.size(); first += at_once) {
-        const std::size_t count = std::min(at_once, all.size() - first);
-        SEAWAY_TRY(run_jobs(device_batch, batch, requests, all.subspan(first, count), out));
+Result<std::vector<StandingKeyframe>>
+Vulkan::synthesize_there(std::span<const KeyframeRequest> requests) {
+    SEAWAY_CHECK(maps_stay_, "maps stay where VulkanOptions say that they may");
+    std::vector<StandingKeyframe> out(requests.size());
+    SEAWAY_TRY(run(requests, [&](VulkanBatch& device_batch, const Batch& batch, auto indices) {
+        return run_jobs_there(device_batch, batch, requests, indices, out);
+    }));
+    return out;
+}
+
+template <class Jobs>
+Result<void> Vulkan::run(std::span<const KeyframeRequest> requests, const Jobs& jobs) {
+    if (!sea_)
+        return Error{"no sea on the device: the last one could not be uploaded"};
+    for (const Batch& batch : sort(requests)) {
+        VulkanBatch& device_batch = *groups_.at(batch.size).batch;
+        const std::span<const std::size_t> all(batch.requests);
+        const auto at_once = static_cast<std::size_t>(device_batch.max_jobs(batch.packing().maps));
+        for (std::size_t first = 0; first < all.size(); first += at_once) {
+            const std::size_t count = std::min(at_once, all.size() - first);
+            if (const Result<void> done = jobs(device_batch, batch, all.subspan(first, count));
+                !done)
+                return Error{done.error().kind, device_->info().name + ": " + done.error().message};
+        }
     }
+    counters_.keyframes += requests.size();
     return {};
 }
 
 Result<VulkanMaps*> Vulkan::held_maps(int size) {
-    if (!device_->unified_memory() || held_map_bytes_ == 0)
+    if (!(device_->unified_memory() || maps_stay_) || held_map_bytes_ == 0)
         return static_cast<VulkanMaps*>(nullptr);
     std::shared_ptr<VulkanMaps>& maps = held_[size];
     if (!maps) {
@@ -277,7 +259,13 @@ Result<void> Vulkan::run_on_device(VulkanBatch& device_batch, const Batch& batch
     for (const std::size_t index : indices)
         jobs.push_back({position_[static_cast<std::size_t>(requests[index].cascade)],
                         sea_->phase_time(requests[index].time_us)});
-    const FoamWork foam = foam_work(device_batch, packing, requests, indices, first_held);
+    const auto histories = foam_.find(batch.size);
+    const FoamWork foam = foam_work(
+        histories == foam_.end() ? nullptr : &histories->second, requests, indices,
+        [&](std::size_t job, sea::Field field) {
+            return device_batch.place(packing, job, field, first_held);
+        },
+        counters_.foam_ticks);
     if (packing.fields == 0 && foam.empty())
         return {};
     const std::uint64_t dispatches = device_batch.dispatches();
@@ -300,7 +288,8 @@ Result<void> Vulkan::run_jobs(VulkanBatch& device_batch, const Batch& batch,
     const Packing packing = batch.packing();
     const auto maps = static_cast<std::size_t>(packing.maps);
     const auto asked = static_cast<std::size_t>(batch.fields.size());
-    VulkanMaps* held = asked > 0 && held_.contains(batch.size) ? held_[batch.size].get() : nullptr;
+    const bool holds = asked > 0 && device_->unified_memory() && held_.contains(batch.size);
+    VulkanMaps* held = holds ? held_[batch.size].get() : nullptr;
     const std::optional<std::size_t> first =
         held != nullptr ? held->take(indices.size() * maps) : std::nullopt;
     const Result<void> ran = run_on_device(device_batch, batch, packing, requests, indices, first);
@@ -326,62 +315,38 @@ Result<void> Vulkan::run_jobs(VulkanBatch& device_batch, const Batch& batch,
     return {};
 }
 
+Result<void> Vulkan::run_jobs_there(VulkanBatch& device_batch, const Batch& batch,
+                                    std::span<const KeyframeRequest> requests,
+                                    std::span<const std::size_t> indices,
+                                    std::span<StandingKeyframe> out) {
+    const Packing packing = batch.packing();
+    const auto maps = static_cast<std::size_t>(packing.maps);
+    const auto asked = static_cast<std::size_t>(batch.fields.size());
+    VulkanMaps& held = *held_.at(batch.size);
+    const std::optional<std::size_t> first = held.take(indices.size() * maps);
+    if (!first)
+        return Error{DeviceError::out_of_memory,
+                     std::to_string(held.held()) + " of " + std::to_string(held.size()) +
+                         " maps of size " + std::to_string(batch.size) +
+                         " are held, and the next keyframe takes " + std::to_string(maps)};
+    const Result<void> ran = run_on_device(device_batch, batch, packing, requests, indices, first);
+    for (std::size_t job = 0; job < indices.size(); ++job) {
+        const std::size_t own = *first + job * maps;
+        const std::size_t texels =
+            static_cast<std::size_t>(batch.size) * static_cast<std::size_t>(batch.size) / 4;
+        out[indices[job]] = {
+            requests[indices[job]].time_us, batch.size, batch.fields, &held.view(), own * texels,
+            held.keeper(own, asked)};
+        held.give(own + asked, maps - asked); // what they were made of
+    }
+    return ran;
+}
+
 Result<FoamMapPtr> Vulkan::open_foam(int size, const FoamMap* from) {
     Result<FoamMapPtr> opened = foam_.try_emplace(size, *device_, size).first->second.open(from);
     if (!opened)
         return Error{device_->info().name + ": " + opened.error().message};
     return opened;
-}
-
-FoamWork Vulkan::foam_work(const VulkanBatch& device_batch, const Packing& packing,
-                           std::span<const KeyframeRequest> requests,
-                           std::span<const std::size_t> indices,
-                           std::optional<std::size_t> first_held) {
-    const auto place = [&](std::size_t job, sea::Field field) {
-        return device_batch.place(packing, job, field, first_held);
-    };
-    FoamWork work;
-    std::vector<std::vector<shaders::FoamStep>> rounds;
-    std::map<const FoamMap*, std::size_t> taken; ///< rounds of each map
-    for (std::size_t job = 0; job < indices.size(); ++job) {
-        const KeyframeRequest& request = requests[indices[job]];
-        if (request.foam == nullptr)
-            continue;
-        const auto& [map, kept, shown] = *request.foam;
-        const VulkanFoam& foam =
-            foam_.at(sea_->cascades[static_cast<std::size_t>(request.cascade)].spec.size);
-        work.histories = &foam.histories();
-        const auto add = [&](const sea::FoamTick& tick, std::uint32_t flags) {
-            shaders::FoamStep step = foam_step(tick);
-            step.flags |= flags;
-            if (tick.looks()) {
-                step.strain_xx = place(job, sea::Field::strain_xx);
-                step.strain_yy = place(job, sea::Field::strain_yy);
-                step.strain_xy = place(job, sea::Field::strain_xy);
-            }
-            step.history = foam.place(*map);
-            step.shown = flags == 0 ? place(job, sea::Field::foam) : 0;
-            step.departure = shown.departure;
-            const std::size_t round = taken[map]++;
-            rounds.resize(std::max(rounds.size(), round + 1));
-            rounds[round].push_back(step);
-        };
-        if (kept)
-            add(*kept, shaders::foam_keeps);
-        const bool shows = request.fields.contains(sea::Field::foam);
-        // A later turn of the map would be there before a copy.
-        if (shows && shown.is_state() &&
-            !has_turn_of(indices.subspan(job + 1), requests, request.foam))
-            work.copies.push_back({foam.place(*map), place(job, sea::Field::foam)});
-        else if (shows)
-            add(shown.tick, 0);
-        counters_.foam_ticks += kept.has_value() + (shows && shown.tick.looks());
-    }
-    for (const std::vector<shaders::FoamStep>& round : rounds) {
-        work.steps.insert(work.steps.end(), round.begin(), round.end());
-        work.rounds.push_back(static_cast<std::uint32_t>(round.size()));
-    }
-    return work;
 }
 
 std::shared_ptr<sea::Keyframe> Vulkan::keyframe(const KeyframeRequest& request) const {
@@ -441,6 +406,11 @@ SynthesisCounters Vulkan::counters() const {
 
 Result<std::unique_ptr<VulkanSynthesizer>> make_vulkan_synthesizer(const VulkanOptions& options) {
     return Vulkan::create(options);
+}
+
+Result<std::unique_ptr<VulkanSynthesizer>>
+make_vulkan_synthesizer(std::shared_ptr<gpu::Device> device, const VulkanOptions& options) {
+    return Vulkan::create(std::move(device), options);
 }
 
 } // namespace seaway::server
