@@ -134,4 +134,19 @@ struct MapError {
     double codec_strain_bound = 0;   ///< of lambda grad D
 };
 
+/// Bound on a height where and when maps are worst, of a surface that is `sideways` higher a metre that a point is moved at
+/// choppiness 1; interval_s(c): between the keyframes of a cascade.
+template <class IntervalOf>
+double largest_height_bound_m(const MapError& error, double sideways,
+                              const IntervalOf& interval_s) {
+    double variance_m2 = 0;
+    for (std::size_t c = 0; c < error.cascades.size(); ++c) {
+        const CascadeLoss& loss = error.cascades[c];
+        variance_m2 += loss.height.largest_variance_m2(interval_s(c)) +
+                       sideways * sideways * loss.displacement.largest_variance_m2(interval_s(c));
+    }
+    return bound_sigmas * std::sqrt(variance_m2) + error.height_bound_m +
+           sideways * error.displacement_bound_m;
+}
+
 } // namespace seaway::sea

@@ -82,16 +82,8 @@ Surface::Surface(std::span<const SplinePair> pairs, Choppiness choppiness, FoldS
 }
 
 double Surface::height_bound_m(double slope) const {
-    const double sideways = slope * sideways_;
-    double variance_m2 = 0;
-    for (std::size_t c = 0; c < error_.cascades.size(); ++c) {
-        const CascadeLoss& loss = error_.cascades[c];
-        variance_m2 +=
-            loss.height.largest_variance_m2(interval_s(pairs_[c])) +
-            sideways * sideways * loss.displacement.largest_variance_m2(interval_s(pairs_[c]));
-    }
-    return bound_sigmas * std::sqrt(variance_m2) + error_.height_bound_m +
-           sideways * error_.displacement_bound_m;
+    return largest_height_bound_m(error_, slope * sideways_,
+                                  [&](std::size_t c) { return interval_s(pairs_[c]); });
 }
 
 /// What all answers of one time have in common.

@@ -14,13 +14,12 @@ std::vector<std::string> notes_of(const DebugMoment& moment, const DebugChoice& 
     const int shown = shown_cascade(choice, static_cast<int>(cascades.size()));
     if (choice.view == DebugView::age)
         for (std::size_t c = 0; c < cascades.size(); ++c) {
-            const sea::SplinePair& pair = cascades[c].keyframes;
             if (shown >= 0 && shown != static_cast<int>(c))
                 continue;
             const auto ms = [](sea::TimeUs us) { return 1e-3 * static_cast<double>(us); };
             notes.push_back(fmt::format("cascade {}: {:.0f} of {:.0f} ms", c,
-                                        ms(moment.frame.time_us - pair.before->time_us()),
-                                        ms(pair.after->time_us() - pair.before->time_us())));
+                                        ms(moment.frame.time_us - cascades[c].before_us()),
+                                        ms(cascades[c].after_us() - cascades[c].before_us())));
         }
     return notes;
 }
@@ -31,7 +30,7 @@ Result<void> check_debug(const DebugChoice& choice, const SeaFrame& frame,
                          const RenderOptions& options) {
     std::vector<int> points;
     for (const CascadeFrame& cascade : frame.cascades)
-        points.push_back(cascade.keyframes.before->size());
+        points.push_back(cascade.points());
     return check_debug(choice, points, options.quality.nodes_a_point);
 }
 

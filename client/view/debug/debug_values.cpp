@@ -33,16 +33,16 @@ shaders::vec4 parts_of(const sea::MapLoss& loss, double share, const sea::Hermit
 /// Of a slope of 1 in 2, where and when maps are worst.
 double worst_bound_m(const SeaFrame& frame) {
     constexpr double slope = 0.5;
-    std::vector<sea::SplinePair> pairs;
-    for (const CascadeFrame& cascade : frame.cascades)
-        pairs.push_back(cascade.keyframes);
-    return sea::Surface(std::move(pairs), frame.choppiness, {}, frame.error).height_bound_m(slope);
+    const double sideways = slope * std::max(frame.choppiness.x, frame.choppiness.y);
+    return sea::largest_height_bound_m(frame.error, sideways, [&](std::size_t c) {
+        return sea::seconds_from_us(frame.cascades[c].after_us() - frame.cascades[c].before_us());
+    });
 }
 
 void set_cascade(shaders::ViewDebug& out, const SeaFrame& frame, std::size_t c) {
     const CascadeFrame& from = frame.cascades[c];
-    const sea::TimeUs before_us = from.keyframes.before->time_us();
-    const sea::TimeUs after_us = from.keyframes.after->time_us();
+    const sea::TimeUs before_us = from.before_us();
+    const sea::TimeUs after_us = from.after_us();
     constexpr double ms_an_us = 1e-3;
     const auto interval_us = static_cast<double>(after_us - before_us);
     out.keyframe_ms[c] = {narrowed(ms_an_us * static_cast<double>(frame.time_us - before_us)),
@@ -74,8 +74,7 @@ double largest_number(const SeaFrame& frame, const DebugChoice& choice) {
     if (choice.view == DebugView::age) {
         sea::TimeUs longest_us = 1;
         for (const CascadeFrame& cascade : frame.cascades)
-            longest_us = std::max(longest_us, cascade.keyframes.after->time_us() -
-                                                  cascade.keyframes.before->time_us());
+            longest_us = std::max(longest_us, cascade.after_us() - cascade.before_us());
         return 1e-3 * static_cast<double>(longest_us);
     }
     if (choice.view == DebugView::bound)

@@ -57,6 +57,13 @@ int levels_of(int side, const CascadeFrame& from) {
     return std::clamp(static_cast<int>(std::ceil(std::log2(texels))), 1, last);
 }
 
+/// Of the way from one time to a later one.
+float share_of(sea::TimeUs before_us, sea::TimeUs after_us, sea::TimeUs time_us) {
+    if (after_us <= before_us)
+        return 0;
+    return static_cast<float>(time_us - before_us) / static_cast<float>(after_us - before_us);
+}
+
 shaders::vec4 narrow(const double (&weights)[4]) {
     return {static_cast<float>(weights[0]), static_cast<float>(weights[1]),
             static_cast<float>(weights[2]), static_cast<float>(weights[3])};
@@ -86,6 +93,7 @@ Result<DeviceSea> DeviceSea::create(gpu::Device& device, const DeviceSeaOptions&
     made.device_ = &device;
     made.options_ = options;
     SEAWAY_TRY(made.create_kernels());
+    SEAWAY_TRY(keep(made.standing_, StandingMaps::create(device)));
     return made;
 }
 
@@ -114,10 +122,10 @@ Result<void> DeviceSea::create_kernels() {
 }
 
 bool DeviceSea::fits(const SeaFrame& frame) const {
-    if (frame.cascades.size() != cascades_.size())
+    if (frame.cascades.size() != cascades_.size() || frame.stands_there() != stands_)
         return false;
     for (std::size_t c = 0; c < cascades_.size(); ++c)
-        if (frame.cascades[c].keyframes.before->size() != cascades_[c].points)
+        if (frame.cascades[c].points() != cascades_[c].points)
             return false;
     return true;
 }
@@ -125,24 +133,18 @@ bool DeviceSea::fits(const SeaFrame& frame) const {
 Result<void> DeviceSea::allocate(const SeaFrame& frame) {
     cascades_.clear();
     sets_.clear();
+    stands_ = frame.stands_there();
     int displacement_texels = 0, gradient_texels = 0;
     for (const CascadeFrame& from : frame.cascades) {
         Cascade made;
-        made.points = from.keyframes.before->size();
+        made.points = from.points();
         made.nodes = nodes_of(made.points, options_);
         made.displacement_first =
             std::exchange(displacement_texels, displacement_texels + chain_texels(made.points));
         made.gradient_first =
             std::exchange(gradient_texels, gradient_texels + chain_texels(made.nodes));
-        const std::size_t bytes =
-            slots * (spline_floats(made.points) + foam_floats(made.points)) * sizeof(float);
-        SEAWAY_TRY(keep(made.keyframes, gpu::Buffer::create(*device_, "keyframes of a tile", bytes,
-                                                            gpu::BufferKind::device)));
-        SEAWAY_TRY(keep(made.texels, gpu::TexelView::create(*device_, made.keyframes, floats,
-                                                            texel_bytes, 0, bytes)));
-        if (made.keyframes.mapped().empty())
-            SEAWAY_TRY(keep(made.staging, gpu::Buffer::create(*device_, "new keyframes", bytes,
-                                                              gpu::BufferKind::upload)));
+        if (!stands_)
+            SEAWAY_TRY(allocate_keyframes(made));
         cascades_.push_back(std::move(made));
     }
     const auto buffer = [&](gpu::Buffer& target, gpu::TexelView& view, const char* name,
@@ -156,17 +158,33 @@ Result<void> DeviceSea::allocate(const SeaFrame& frame) {
                       displacement_texels));
     SEAWAY_TRY(buffer(gradients_, gradient_texels_, "gradient maps", VK_FORMAT_R32G32B32A32_UINT,
                       gradient_texels));
+    if (stands_)
+        SEAWAY_TRY(standing_.fit(displacements_.size_bytes()));
     ++generation_;
     return {};
+}
+
+Result<void> DeviceSea::allocate_keyframes(Cascade& cascade) {
+    const std::size_t bytes =
+        slots * (spline_floats(cascade.points) + foam_floats(cascade.points)) * sizeof(float);
+    SEAWAY_TRY(keep(cascade.keyframes, gpu::Buffer::create(*device_, "keyframes of a tile", bytes,
+                                                           gpu::BufferKind::device)));
+    SEAWAY_TRY(keep(cascade.texels, gpu::TexelView::create(*device_, cascade.keyframes, floats,
+                                                           texel_bytes, 0, bytes)));
+    if (!cascade.keyframes.mapped().empty())
+        return {};
+    return keep(cascade.staging,
+                gpu::Buffer::create(*device_, "new keyframes", bytes, gpu::BufferKind::upload));
 }
 
 Result<void> DeviceSea::bind(const gpu::Buffer& values) {
     if (sets_.contains(values.get()))
         return {};
     for (Cascade& cascade : cascades_)
-        SEAWAY_TRY(keep(cascade.mix[values.get()],
-                        mix_.bind(*device_, {gpu::whole(values), gpu::texels(cascade.texels),
-                                             gpu::whole(displacements_)})));
+        if (!stands_)
+            SEAWAY_TRY(keep(cascade.mix[values.get()],
+                            mix_.bind(*device_, {gpu::whole(values), gpu::texels(cascade.texels),
+                                                 gpu::whole(displacements_)})));
     Sets& sets = sets_[values.get()];
     SEAWAY_TRY(keep(sets.gradients,
                     level_0_.bind(*device_, {gpu::whole(values), gpu::texels(displacement_texels_),
@@ -227,9 +245,39 @@ Result<void> DeviceSea::take(const SeaFrame& frame, const gpu::Buffer& values) {
     if (!fits(frame))
         SEAWAY_TRY(allocate(frame));
     ++frame_;
-    for (std::size_t c = 0; c < cascades_.size(); ++c)
+    if (stands_)
+        SEAWAY_TRY(standing_.take(frame, values, displacements_, displacement_texels_));
+    for (std::size_t c = 0; c < cascades_.size() && !stands_; ++c)
         put(c, frame.cascades[c]);
     return bind(values);
+}
+
+void DeviceSea::describe_standing(const CascadeFrame::Standing& from, sea::TimeUs time_us,
+                                  shaders::ViewCascade& out) {
+    out.before_first = static_cast<int>(from.before->first_texel);
+    out.after_first = static_cast<int>(from.after->first_texel);
+    out.foam_share = from.before->fields.contains(sea::Field::foam)
+                         ? share_of(from.before->time_us, from.after->time_us, time_us)
+                         : -1;
+}
+
+void DeviceSea::describe_copied(const Cascade& kept, const CascadeFrame& from, sea::TimeUs time_us,
+                                shaders::ViewCascade& out) {
+    const auto place = [](const Slots& kept_slots, const std::shared_ptr<const void>& map,
+                          std::size_t first, std::size_t stride) {
+        return static_cast<int>((first + static_cast<std::size_t>(kept_slots.find(map)) * stride) /
+                                4);
+    };
+    const std::size_t stride = spline_floats(kept.points);
+    out.before_first = place(kept.splines, from.keyframes.before, 0, stride);
+    out.after_first = place(kept.splines, from.keyframes.after, 0, stride);
+    out.foam_share = -1;
+    if (!from.foam_before || !from.foam_after)
+        return;
+    const std::size_t foams = foam_floats(kept.points);
+    out.foam_before_first = place(kept.foams, from.foam_before, slots * stride, foams);
+    out.foam_after_first = place(kept.foams, from.foam_after, slots * stride, foams);
+    out.foam_share = share_of(from.foam_before->time_us, from.foam_after->time_us, time_us);
 }
 
 void DeviceSea::describe(const SeaFrame& frame, const glm::dvec2& camera_m,
@@ -249,28 +297,12 @@ void DeviceSea::describe(const SeaFrame& frame, const glm::dvec2& camera_m,
         out.displacement_levels = levels_of(kept.points, from);
         out.displacement_first = kept.displacement_first;
         out.gradient_first = kept.gradient_first;
-        const auto place = [](const Slots& kept_slots, const std::shared_ptr<const void>& map,
-                              std::size_t first, std::size_t stride) {
-            return static_cast<int>(
-                (first + static_cast<std::size_t>(kept_slots.find(map)) * stride) / 4);
-        };
-        const std::size_t stride = spline_floats(kept.points);
-        out.before_first = place(kept.splines, from.keyframes.before, 0, stride);
-        out.after_first = place(kept.splines, from.keyframes.after, 0, stride);
-        out.hermite = narrow(sea::hermite_weights(from.keyframes.before->time_us(),
-                                                  from.keyframes.after->time_us(), frame.time_us)
-                                 .value);
-        out.foam_share = -1;
-        if (!from.foam_before || !from.foam_after)
-            continue;
-        const std::size_t foams = foam_floats(kept.points);
-        out.foam_before_first = place(kept.foams, from.foam_before, slots * stride, foams);
-        out.foam_after_first = place(kept.foams, from.foam_after, slots * stride, foams);
-        const sea::TimeUs interval_us = from.foam_after->time_us - from.foam_before->time_us;
-        out.foam_share = interval_us <= 0
-                             ? 0.0f
-                             : static_cast<float>(frame.time_us - from.foam_before->time_us) /
-                                   static_cast<float>(interval_us);
+        out.hermite =
+            narrow(sea::hermite_weights(from.before_us(), from.after_us(), frame.time_us).value);
+        if (from.standing)
+            describe_standing(*from.standing, frame.time_us, out);
+        else
+            describe_copied(kept, from, frame.time_us, out);
     }
 }
 
@@ -284,10 +316,13 @@ void DeviceSea::record(gpu::Commands& commands, const gpu::Buffer& values) {
         commands.barrier(Stage::copy, Stage::compute);
     pending_.clear();
     int points = 0, nodes = 0;
+    if (stands_)
+        standing_.record(commands, values);
     for (std::size_t c = 0; c < cascades_.size(); ++c) {
         const auto index = static_cast<std::int32_t>(c);
-        commands.dispatch(mix_, cascades_[c].mix.at(values.get()),
-                          std::as_bytes(std::span(&index, 1)), groups_of(cascades_[c].points));
+        if (!stands_)
+            commands.dispatch(mix_, cascades_[c].mix.at(values.get()),
+                              std::as_bytes(std::span(&index, 1)), groups_of(cascades_[c].points));
         points = std::max(points, cascades_[c].points);
         nodes = std::max(nodes, cascades_[c].nodes);
     }

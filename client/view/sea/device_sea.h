@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // DeviceSea: the sea of a moment in the device's memory, as the shaders of the view read it. Keyframes are copied
-// there once, when they first appear; interpolation in time, gradients and their mip levels are computed there
+// there once, when they first appear, or stand there already (standing_maps.h); interpolation in time, gradients and their mip levels are computed there
 // for every frame.
 //
 //     Result<DeviceSea> sea = DeviceSea::create(device, {.nodes_a_point = 2});
@@ -25,6 +25,7 @@
 
 #include "base/result.h"
 #include "client/view/sea/sea_frame.h"
+#include "client/view/sea/standing_maps.h"
 #include "gpu/buffer.h"
 #include "gpu/commands.h"
 #include "gpu/kernel.h"
@@ -67,7 +68,7 @@ class DeviceSea {
     const gpu::Buffer& gradient_buffer() const { return gradients_; }
     /// Changes whenever those are others.
     std::uint64_t generation() const { return generation_; }
-    /// Maps of keyframes that were copied since the start: splines and foam.
+    /// Maps of keyframes that were copied since the start: splines and foam. None of what stands there.
     std::uint64_t copies() const { return copies_; }
 
   private:
@@ -82,7 +83,7 @@ class DeviceSea {
     struct Cascade {
         int points = 0, nodes = 0;
         int displacement_first = 0, gradient_first = 0;
-        gpu::Buffer keyframes;
+        gpu::Buffer keyframes; ///< none where they stand on the device already
         gpu::TexelView texels;
         gpu::Buffer staging; ///< where the CPU cannot see `keyframes`
         Slots splines, foams;
@@ -97,6 +98,11 @@ class DeviceSea {
 
     bool fits(const SeaFrame& frame) const;
     Result<void> allocate(const SeaFrame& frame);
+    Result<void> allocate_keyframes(Cascade& cascade);
+    static void describe_standing(const CascadeFrame::Standing& from, sea::TimeUs time_us,
+                                  shaders::ViewCascade& out);
+    static void describe_copied(const Cascade& kept, const CascadeFrame& from, sea::TimeUs time_us,
+                                shaders::ViewCascade& out);
     Result<void> bind(const gpu::Buffer& values);
     Result<void> create_kernels();
     void put(std::size_t cascade, const CascadeFrame& from);
@@ -111,6 +117,8 @@ class DeviceSea {
     gpu::TexelView displacement_texels_, gradient_texels_;
     std::map<VkBuffer, Sets> sets_; ///< by buffer of values
     std::vector<Copy> pending_;     ///< from staging buffers
+    StandingMaps standing_;
+    bool stands_ = false; ///< what was taken last does
     std::uint64_t generation_ = 0, copies_ = 0, frame_ = 0;
 };
 

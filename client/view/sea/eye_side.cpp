@@ -11,6 +11,8 @@ namespace {
 constexpr double crest_heights_max = 2;
 
 double water_height_m(const SeaFrame& frame, const Camera& camera) {
+    if (frame.water_m)
+        return frame.water_m(camera.x_m, camera.y_m);
     std::vector<sea::SplinePair> pairs;
     for (const CascadeFrame& cascade : frame.cascades)
         pairs.push_back(cascade.keyframes);

@@ -2,8 +2,12 @@
 // SeaFrame: all that the renderer wants to know of the sea at one moment. A value.
 #pragma once
 
+#include <functional>
+#include <memory>
+#include <optional>
 #include <vector>
 
+#include "gpu/buffer.h"
 #include "sea/basics/cascade.h"
 #include "sea/basics/dispersion.h"
 #include "sea/basics/water_type.h"
@@ -13,13 +17,38 @@
 
 namespace seaway::client {
 
+/// A keyframe whose maps stand in the memory of the renderer's device, where no CPU reads them: of each field one map, in
+/// the order of the table, one after the other.
+struct StandingKeyframe {
+    sea::TimeUs time_us = 0;
+    int size = 0;                         ///< a power of two
+    sea::FieldSet fields;                 ///< height and its rate, what moves sideways, foam
+    const gpu::TexelView* maps = nullptr; ///< of four floats
+    std::size_t first_texel = 0;
+    std::shared_ptr<const void> keeper; ///< until it goes, nothing else is written there
+};
+using StandingKeyframePtr = std::shared_ptr<const StandingKeyframe>;
+
 struct CascadeFrame {
     sea::CascadeSpec spec;
     sea::Band band;
-    sea::SplinePair keyframes; ///< around the time
+    sea::SplinePair keyframes{}; ///< around the time; null where they stand on the device
     /// Keyframes of these times with Field::foam; null where the scene has no foam.
     sea::KeyframePtr foam_before{};
     sea::KeyframePtr foam_after{};
+    /// In place of all of those: around the time, foam among their maps.
+    struct Standing {
+        StandingKeyframePtr before, after;
+    };
+    std::optional<Standing> standing{};
+
+    sea::TimeUs before_us() const {
+        return standing ? standing->before->time_us : keyframes.before->time_us();
+    }
+    sea::TimeUs after_us() const {
+        return standing ? standing->after->time_us : keyframes.after->time_us();
+    }
+    int points() const { return standing ? standing->before->size : keyframes.before->size(); }
 };
 
 struct SeaFrame {
@@ -36,6 +65,11 @@ struct SeaFrame {
     sea::Water water;
     /// What these keyframes cost in accuracy, as answers state it.
     sea::MapError error{};
+    /// Height of the water at a place and time_us, where the maps stand on the device; else empty: they say it.
+    std::function<double(double x_m, double y_m)> water_m{};
+
+    /// All of them do, or none.
+    bool stands_there() const { return !cascades.empty() && cascades.front().standing.has_value(); }
 };
 
 } // namespace seaway::client
