@@ -11,7 +11,6 @@
 
 #include "base/text_file.h"
 #include "client/view/look_file.h"
-#include "client/view/sea/sea_source.h"
 #include "client/view/view_sky.h"
 
 namespace seaway::client {
@@ -32,36 +31,36 @@ double cpu_s() {
 
 } // namespace
 
-Result<void> bench(Client& client, Renderer& renderer, const ViewOptions& options) {
+Result<void> bench(SeaSource& source, Renderer& renderer, const ViewOptions& options) {
     const sea::TimeUs start_us =
-        options.time_s ? sea::us_from_seconds(*options.time_s) : client.now_us();
+        options.time_s ? sea::us_from_seconds(*options.time_s) : source.now_us();
     SkyMaker skies;
     SEAWAY_TRY_LET(const Sky sky, sky_of_frame(skies, options.look, options.camera, start_us));
-    std::vector<SeaFrame> frames; // fetched before: what is timed is drawing
-    for (int i = 0; i < options.bench_frames; ++i) {
-        SEAWAY_TRY_LET(SeaFrame frame,
-                       sea_frame_at(client, start_us + frame_offset_us(i), options.timeout_s));
-        set_water(frame, options.look);
-        frames.push_back(std::move(frame));
-    }
-    client.unsubscribe();
-    const Display display =
-        display_by_light(options.look, sky, options.debug.view, frames[0].significant_height_m);
-    SEAWAY_TRY(renderer.show(frames[0], options.camera, sky, options.debug, display));
     std::vector<std::vector<double>> passes(Renderer::passes);
-    const Clock::time_point start = Clock::now();
-    const double cpu_start_s = cpu_s();
-    for (const SeaFrame& frame : frames) {
+    double all_s = 0, all_cpu_s = 0;
+    Display display;
+    for (int i = 0; i < options.bench_frames; ++i) {
+        SEAWAY_TRY_LET(SeaFrame frame, source.at(start_us + frame_offset_us(i)));
+        set_water(frame, options.look);
+        if (i == 0) { // pipelines are made
+            source.leave_now();
+            display =
+                display_by_light(options.look, sky, options.debug.view, frame.significant_height_m);
+            SEAWAY_TRY(renderer.show(frame, options.camera, sky, options.debug, display));
+        }
+        const Clock::time_point start = Clock::now();
+        const double cpu_start_s = cpu_s();
         SEAWAY_TRY(
             renderer.draw(frame, options.camera, sky, options.debug, display, Wanted::nothing));
         SEAWAY_TRY(renderer.finish());
+        all_s += std::chrono::duration<double>(Clock::now() - start).count();
+        all_cpu_s += cpu_s() - cpu_start_s;
         const std::vector<double>& times = renderer.pass_times();
         for (std::size_t pass = 0; pass < times.size(); ++pass)
             passes[pass].push_back(times[pass]);
     }
-    const double count = static_cast<double>(frames.size());
-    const double wall_s = std::chrono::duration<double>(Clock::now() - start).count() / count;
-    const double frame_cpu_s = (cpu_s() - cpu_start_s) / count;
+    const double wall_s = all_s / options.bench_frames;
+    const double frame_cpu_s = all_cpu_s / options.bench_frames;
     std::string text;
     for (std::size_t pass = 0; pass < passes.size(); ++pass)
         text += fmt::format("{:<10}{:9.2f} ms\n", Renderer::pass_names[pass],

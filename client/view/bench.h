@@ -3,14 +3,15 @@
 #pragma once
 
 #include "base/result.h"
-#include "client/client.h"
 #include "client/view/renderer.h"
+#include "client/view/sea/sea_source.h"
 #include "client/view/view_options.h"
 
 namespace seaway::client {
 
-/// Draws options.bench_frames frames, 1/30 s of sea apart, without waiting for each, and prints medians of the passes
-/// by the device's clock, frames a second by the wall's, and CPU time of the whole process a frame, on stdout.
-Result<void> bench(Client& client, Renderer& renderer, const ViewOptions& options);
+/// Draws options.bench_frames frames, 1/30 s of sea apart, and prints medians of the passes by the device's clock, frames
+/// a second by the wall's, and CPU time of the whole process a frame, on stdout. Until a frame of the sea is there no clock
+/// counts.
+Result<void> bench(SeaSource& source, Renderer& renderer, const ViewOptions& options);
 
 } // namespace seaway::client

@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -92,6 +93,7 @@ Result<void> read_time(const std::string& text, ViewOptions& options) {
 /// Options that need reading once more.
 struct Words {
     std::string size, window, camera, debug = "final", time = "now", quality;
+    double timeout_s = std::numeric_limits<double>::quiet_NaN();
     LookWords look;
     bool list = false;
 };
@@ -132,9 +134,12 @@ Result<void> check_files(const Words& words, const ViewOptions& options) {
 /// A window shows the sea of now and writes nothing: what is of files alone is not passed over in silence.
 Result<void> check_window(const Words& words, const ViewOptions& options) {
     const std::pair<bool, const char*> of_files[] = {
-        {!options.out.empty(), "--out"},        {options.frames != 1, "--frames"},
-        {options.bench_frames != 0, "--bench"}, {!options.path.empty(), "--path"},
-        {options.turntable, "--turntable"},     {words.time != "now", "--time"},
+        {!options.out.empty(), "--out"},
+        {options.frames != 1, "--frames"},
+        {options.bench_frames != 0, "--bench"},
+        {!options.path.empty(), "--path"},
+        {options.turntable, "--turntable"},
+        {words.time != "now" && options.scene.empty(), "--time"},
         {options.sheet, "--debug all"}};
     for (const auto& [given, name] : of_files)
         SEAWAY_TRY(require(!given, fmt::format("{} is of pictures in files: give --offscreen "
@@ -143,10 +148,27 @@ Result<void> check_window(const Words& words, const ViewOptions& options) {
     return {};
 }
 
+/// A server's sea, or one that is made here: what is of servers alone is not passed over in silence.
+Result<void> check_source(const Words& words, const ViewOptions& options) {
+    if (options.scene.empty()) {
+        SEAWAY_TRY(require(!options.url.empty(), "URL is required, or --scene FILE"));
+        SEAWAY_TRY(parse_url(options.url));
+        return {};
+    }
+    SEAWAY_TRY(require(options.url.empty(), "URL and --scene: one of them"));
+    const std::pair<bool, const char*> of_servers[] = {
+        {!options.token_file.empty(), "--token-file"},
+        {!options.ca_file.empty(), "--ca-file"},
+        {!std::isnan(words.timeout_s), "--timeout"},
+        {options.limits.rate_hz_max != 0, "--rate-max"},
+        {options.limits.size_max != 0, "--size-max"}};
+    for (const auto& [given, name] : of_servers)
+        SEAWAY_TRY(require(!given, fmt::format("{} is of a server: --scene has none", name)));
+    return {};
+}
+
 Result<void> check(const Words& words, const ViewOptions& options) {
-    if (options.url.empty())
-        return Error{"URL is required"};
-    SEAWAY_TRY(parse_url(options.url));
+    SEAWAY_TRY(check_source(words, options));
     SEAWAY_TRY(options.limits.check());
     SEAWAY_TRY(require(options.camera.view_deg >= camera_view_min_deg &&
                            options.camera.view_deg <= camera_view_max_deg,
@@ -156,6 +178,8 @@ Result<void> check(const Words& words, const ViewOptions& options) {
 }
 
 Result<void> take(const Words& words, ViewOptions& options) {
+    if (!std::isnan(words.timeout_s))
+        options.timeout_s = words.timeout_s;
     options.offscreen = !words.size.empty();
     SEAWAY_TRY(require(!options.offscreen || words.window.empty(),
                        "--offscreen and --window: one of them"));
@@ -197,10 +221,15 @@ std::variant<ViewOptions, int> read_view_options(int argc, const char* const* ar
     options.camera.z_m = 12;
     options.camera.pitch_deg = -6;
     Words words;
-    CommandLine line("seaway-view",
-                     "Shows the sea of a running server: in a window, or drawn to files.");
+    CommandLine line(
+        "seaway-view",
+        "Shows the sea of a running server, or of a scene: in a window, or drawn to files.");
     line.footer(footer);
     line.option("URL", options.url, "ws://HOST:PORT or wss://HOST:PORT");
+    line.option(
+            "--scene", options.scene,
+            "scene file: the sea is made here, on the device that draws, and no server is asked")
+        .takes("FILE");
     line.option("--window", words.window, "size of the window, WIDTHxHEIGHT (1280x720)");
     line.option("--offscreen", words.size, "draw to files: size of the picture, WIDTHxHEIGHT");
     line.option("--frames", options.frames, "number of frames");
@@ -213,7 +242,8 @@ std::variant<ViewOptions, int> read_view_options(int argc, const char* const* ar
                 "X,Y,Z,YAW_DEG,PITCH_DEG: m east, north, above the mean sea, or below it");
     line.option("--fov", options.camera.view_deg, "width of the picture, degrees (62)");
     words.look.describe(line);
-    line.option("--time", words.time, "sea time of the first frame: 'now' or seconds");
+    line.option("--time", words.time,
+                "sea time of the first frame: 'now' or seconds; a scene begins at 0");
     line.option(
         "--quality", words.quality,
         "low, default, high or film: how much work a frame is (window: default, files: high)");
@@ -225,7 +255,7 @@ std::variant<ViewOptions, int> read_view_options(int argc, const char* const* ar
     line.option("--token-file", options.token_file, "file with the server's client token");
     line.option("--ca-file", options.ca_file, "certificates to trust besides the system's, PEM");
     options.limits.describe(line);
-    line.option("--timeout", options.timeout_s, "seconds to wait for the server")
+    line.option("--timeout", words.timeout_s, "seconds to wait for the server")
         .between(timeout_min_s, timeout_max_s);
     const Result<CommandLine::Next> next = line.read(argc, argv);
     const bool leave = next && *next == CommandLine::Next::leave;

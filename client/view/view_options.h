@@ -22,7 +22,8 @@ inline constexpr sea::TimeUs frame_offset_us(int frame) {
 }
 
 struct ViewOptions {
-    std::string url;
+    std::string url;        ///< of a server; empty: `scene` is made here
+    std::string scene;      ///< file
     bool offscreen = false; ///< to files; else in a window
     Camera camera;          ///< with the size of the picture, or of the window
     int frames = 1;
@@ -31,7 +32,7 @@ struct ViewOptions {
     bool turntable = false;       ///< see CameraPath::turntable()
     std::string look_path;        ///< of --look; empty: none
     Look look;                    ///< of --look, and what options say over it
-    std::optional<double> time_s; ///< sea time of the first frame; nothing: now
+    std::optional<double> time_s; ///< sea time of the first frame; nothing: now, or 0 of a scene
     DebugChoice debug;
     bool sheet = false; ///< --debug all: every view in one picture
     Quality quality = quality_table[quality_high];

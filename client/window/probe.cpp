@@ -17,7 +17,7 @@ constexpr int halvings = 40;
 
 } // namespace
 
-std::optional<glm::dvec2> where_ray_meets(const sea::Surface& surface, const Camera& camera,
+std::optional<glm::dvec2> where_ray_meets(const Points& points, const Camera& camera,
                                           double picture_x, double picture_y, sea::TimeUs time_us,
                                           double crest_m) {
     const glm::dvec3 ray = glm::normalize(camera.ray(picture_x, picture_y));
@@ -31,7 +31,7 @@ std::optional<glm::dvec2> where_ray_meets(const sea::Surface& surface, const Cam
     };
     const auto gap_m = [&](double way_m) {
         const glm::dvec2 at = place(way_m);
-        return above_mean_m(way_m) - surface.answer({at.x, at.y, time_us}).height_m;
+        return above_mean_m(way_m) - points.answer({at.x, at.y, time_us}).height_m;
     };
     const double side = gap_m(0) < 0 ? -1 : 1; // of the eye: below the water, or above
     double way_m = 0;
@@ -65,11 +65,11 @@ std::optional<glm::dvec2> on_picture(const Camera& camera, double x_m, double y_
     return glm::dvec2(clip.x, clip.y) / clip.w;
 }
 
-void Probe::read(const LocalSurface& surface, sea::TimeUs time_us) {
-    if (!surface.covers)
+void Probe::read(const Points& points, sea::TimeUs time_us) {
+    if (!points.covers(time_us))
         return;
     const auto answer = [&](sea::TimeUs t_us) {
-        return surface.surface.answer({place_m_.x, place_m_.y, t_us});
+        return points.answer({place_m_.x, place_m_.y, t_us});
     };
     if (answer_ && time_us < time_us_)
         trace_.clear();
@@ -78,7 +78,7 @@ void Probe::read(const LocalSurface& surface, sea::TimeUs time_us) {
     if (!trace_.empty())
         next_us = std::max(trace_.back().time_us + step_us, oldest_us);
     for (; next_us <= time_us; next_us += step_us)
-        if (surface.surface.covers(next_us))
+        if (points.covers(next_us))
             trace_.push_back({next_us, static_cast<float>(answer(next_us).height_m)});
     while (!trace_.empty() && trace_.front().time_us < oldest_us)
         trace_.pop_front();

@@ -8,15 +8,15 @@
 
 #include <glm/glm.hpp>
 
-#include "client/local_surface.h"
 #include "client/view/camera.h"
+#include "client/window/points.h"
 
 namespace seaway::client {
 
 /// Where the ray through a point of the picture (-1 .. 1, y down) first meets the surface, from above or from below,
 /// world, m; the earth's curvature included. Nothing: it goes into the sky or the deep, or meets nothing within 20 km.
 /// `crest_m`: no crest is higher. A few hundred answers of the surface, a millisecond; several thousand where it grazes the sea to the horizon.
-std::optional<glm::dvec2> where_ray_meets(const sea::Surface& surface, const Camera& camera,
+std::optional<glm::dvec2> where_ray_meets(const Points& points, const Camera& camera,
                                           double picture_x, double picture_y, sea::TimeUs time_us,
                                           double crest_m);
 
@@ -36,8 +36,8 @@ class Probe {
     explicit Probe(const glm::dvec2& place_m) : place_m_(place_m) {}
 
     const glm::dvec2& place_m() const { return place_m_; }
-    /// Asks the surface, if it covers the time; times that run backwards are a new trace.
-    void read(const LocalSurface& surface, sea::TimeUs time_us);
+    /// Asks, if the time is covered; times that run backwards are a new trace.
+    void read(const Points& points, sea::TimeUs time_us);
     /// The last one that was covered.
     const std::optional<sea::Answer>& answer() const { return answer_; }
     sea::TimeUs time_us() const { return time_us_; } ///< of the answer

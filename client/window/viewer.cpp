@@ -7,7 +7,6 @@
 
 #include "base/text_file.h"
 #include "client/view/look_file.h"
-#include "client/view/sea/sea_source.h"
 #include "client/window/spectrum_curve.h"
 
 namespace seaway::client {
@@ -40,15 +39,22 @@ Viewer::Viewer(const ViewOptions& options)
             choice_.quality = i;
 }
 
-Result<std::unique_ptr<Viewer>> Viewer::open(const ViewOptions& options,
-                                             const ConnectOptions& connect, bool validation) {
+Result<std::unique_ptr<Viewer>> Viewer::open(const ViewOptions& options, const OpenSea& open_sea,
+                                             bool validation) {
     std::unique_ptr<Viewer> made(new Viewer(options));
-    SEAWAY_TRY(made->create(connect, validation));
+    SEAWAY_TRY(made->create(open_sea, validation));
     return made;
 }
 
-Result<void> Viewer::create(const ConnectOptions& connect, bool validation) {
-    SEAWAY_TRY_LET(window_, GlfwWindow::open("Seaway " + connect.url, options_.camera.width,
+OpenSea Viewer::streamed(const ConnectOptions& connect, const TileLimits& limits) {
+    return [=](const std::shared_ptr<gpu::Device>&) {
+        return Result<std::unique_ptr<SeenSea>>(std::make_unique<StreamedSea>(connect, limits));
+    };
+}
+
+Result<void> Viewer::create(const OpenSea& open_sea, bool validation) {
+    const std::string& shown = options_.scene.empty() ? options_.url : options_.scene;
+    SEAWAY_TRY_LET(window_, GlfwWindow::open("Seaway " + shown, options_.camera.width,
                                              options_.camera.height));
     SEAWAY_TRY_LET(device_,
                    gpu::Device::create({.pick = options_.device,
@@ -65,12 +71,13 @@ Result<void> Viewer::create(const ConnectOptions& connect, bool validation) {
     }
     SEAWAY_TRY_LET(gui_, Gui::create(*device_, *window_, *swapchain_));
     window_->set_taken([this](double x, double y) { return panels_.taken(x, y); });
-    feed_.emplace(connect, options_.limits);
+    SEAWAY_TRY_LET(sea_, open_sea(device_));
+    live_at_ = Clock::now();
     return {};
 }
 
 Viewer::~Viewer() {
-    feed_.reset();
+    sea_.reset();
     if (device_)
         vkDeviceWaitIdle(device_->get());
 }
@@ -92,13 +99,13 @@ Result<bool> Viewer::step() {
         return true;
     }
     take_click(); // on what is shown, before that is another moment's
-    take_sea();
+    SEAWAY_TRY(take_sea());
     SEAWAY_TRY(fit_renderer(pixels));
     gui_->begin();
     take_input(passed_s);
     move_with_the_sea(passed_s);
     if (probe_)
-        probe_->read(*surface_, frame_->time_us);
+        probe_->read(*points_, frame_->time_us);
     SEAWAY_TRY(draw_sea());
     measure();
     fill_model();
@@ -120,25 +127,18 @@ Result<bool> Viewer::step() {
     return true;
 }
 
-void Viewer::take_sea() {
-    if (std::shared_ptr<Client> client = feed_->client(); client != client_)
-        client_ = std::move(client);
-    if (!client_)
-        return;
-    const sea::TimeUs now_us = client_->now_us();
-    Result<SeaFrame> frame = held_sea_frame(*client_, now_us);
-    if (!frame)
-        return;
-    Result<LocalSurface> surface = client_->surface(now_us);
-    if (!surface)
-        return;
-    frame_ = std::move(*frame);
-    surface_.emplace(std::move(*surface));
+Result<void> Viewer::take_sea() {
+    SEAWAY_TRY_LET(std::optional<SeenSea::Moment> now, sea_->now());
+    if (!now)
+        return {};
+    frame_ = std::move(now->frame);
+    points_ = std::move(now->points);
     live_at_ = Clock::now();
-    if (const SeaStatePtr state = client_->sea_state(now_us); state != state_) {
-        state_ = state;
+    if (now->state != state_) {
+        state_ = std::move(now->state);
         model_.spectrum = spectrum_curve(state_->scene);
     }
+    return {};
 }
 
 void Viewer::take_input(double seconds) {
@@ -167,10 +167,10 @@ void Viewer::take_input(double seconds) {
 }
 
 void Viewer::move_with_the_sea(double seconds) {
-    if (!surface_ || age_s() > stale_s)
+    if (!points_ || age_s() > stale_s)
         return;
     const auto at = [&](double x_m, double y_m) {
-        return surface_->surface.answer({x_m, y_m, frame_->time_us});
+        return points_->answer({x_m, y_m, frame_->time_us});
     };
     if (pilot_.mode() == CameraMode::follow) {
         const Float& on = pilot_.floating();
@@ -191,16 +191,16 @@ Camera Viewer::seen_by() const {
 
 void Viewer::take_click() {
     const std::optional<glm::dvec2> click = window_->take_click();
-    if (!click || !surface_)
+    if (!click || !points_)
         return;
     const glm::dvec2 at = 2.0 * *click / glm::dvec2(window_->points()) - 1.0;
     const std::optional<glm::dvec2> place =
-        where_ray_meets(surface_->surface, seen_by(), at.x, at.y, frame_->time_us,
+        where_ray_meets(*points_, seen_by(), at.x, at.y, frame_->time_us,
                         crest_heights * frame_->significant_height_m);
     if (!place)
         return;
     probe_.emplace(*place);
-    probe_->read(*surface_, frame_->time_us);
+    probe_->read(*points_, frame_->time_us);
     // A window whose output nobody reads goes on.
     (void)write_out(stdout, probe_line(*probe_));
 }
@@ -302,20 +302,19 @@ void Viewer::measure() {
     const double passed_s = seconds_since(measured_);
     if (passed_s < 1)
         return;
-    const FeedStatus feed = feed_->status();
+    const SeenSea::Counts counts = sea_->counts();
     const auto rate = [&](std::uint64_t now, std::uint64_t then) {
         return static_cast<double>(now - then) / passed_s;
     };
-    keyframes_hz_ = rate(feed.keyframes, measured_feed_.keyframes);
-    bytes_hz_ = rate(feed.bytes, measured_feed_.bytes);
+    keyframes_hz_ = rate(counts.keyframes, measured_counts_.keyframes);
+    bytes_hz_ = rate(counts.bytes, measured_counts_.bytes);
     frames_hz_ = rate(sea_frames_, measured_frames_);
-    measured_feed_ = feed;
+    measured_counts_ = counts;
     measured_frames_ = sea_frames_;
     measured_ = Clock::now();
 }
 
 void Viewer::fill_model() {
-    const FeedStatus feed = feed_->status();
     model_.shows_sea = frame_.has_value();
     model_.stale_s.reset();
     if (frame_ && age_s() > stale_s)
@@ -326,10 +325,10 @@ void Viewer::fill_model() {
     else if (frame_)
         model_.notice = skies_.error().empty() ? debug_problem_ : skies_.error();
     else
-        model_.notice =
-            "no sea yet: " + options_.url + (feed.reason.empty() ? "" : " (" + feed.reason + ")");
-    model_.connection = connection_rows(options_.url, feed, client_.get(), model_.stale_s);
-    model_.rates = rate_rows(feed, keyframes_hz_, bytes_hz_, frames_hz_);
+        model_.notice = "no sea yet: " + sea_->name() +
+                        (sea_->reason().empty() ? "" : " (" + sea_->reason() + ")");
+    model_.connection = sea_->connection(model_.stale_s);
+    model_.rates = sea_->rates(keyframes_hz_, bytes_hz_, frames_hz_);
     model_.sea = state_ ? sea_rows(*state_, frame_->time_us) : std::vector<PanelRow>{};
     model_.passes = renderer_ ? pass_rows(renderer_->pass_times()) : std::vector<PanelRow>{};
     const Probe* probe = probe_ ? &*probe_ : nullptr;

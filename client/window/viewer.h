@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Viewer: the window of seaway-view. Keeps a connection, draws the sea of now at the client's clock, and panels over it.
+// Viewer: the window of seaway-view. Draws the sea of now, of a server or as it is made here, and panels over it.
 //
 //     Result<std::unique_ptr<Viewer>> viewer = Viewer::open(options, connect_options);
 //     for (;;) {
@@ -23,13 +23,13 @@
 #include "client/view/renderer.h"
 #include "client/view/view_options.h"
 #include "client/view/view_sky.h"
-#include "client/window/feed.h"
 #include "client/window/glfw_window.h"
 #include "client/window/gui.h"
 #include "client/window/model.h"
 #include "client/window/panels.h"
 #include "client/window/pilot.h"
 #include "client/window/probe.h"
+#include "client/window/seen_sea.h"
 #include "gpu/draw/swapchain.h"
 
 namespace seaway::client {
@@ -38,8 +38,10 @@ class Viewer {
   public:
     /// An error is one line: no display, no device that can show pictures in a window, or not enough memory. That
     /// there is no server is none: it is tried again. `validation`: for tests.
-    static Result<std::unique_ptr<Viewer>>
-    open(const ViewOptions& options, const ConnectOptions& connect, bool validation = false);
+    static Result<std::unique_ptr<Viewer>> open(const ViewOptions& options, const OpenSea& open_sea,
+                                                bool validation = false);
+    /// A server's sea.
+    static OpenSea streamed(const ConnectOptions& connect, const TileLimits& limits);
     ~Viewer();
     Viewer(const Viewer&) = delete;
     Viewer& operator=(const Viewer&) = delete;
@@ -68,10 +70,10 @@ class Viewer {
     using Inputs = std::pair<std::vector<double>, std::string>;
 
     explicit Viewer(const ViewOptions& options);
-    Result<void> create(const ConnectOptions& connect, bool validation);
+    Result<void> create(const OpenSea& open_sea, bool validation);
     Result<void> fit_renderer(const glm::ivec2& pixels);
     Result<void> create_renderer(const glm::ivec2& pixels);
-    void take_sea();
+    Result<void> take_sea();
     void take_input(double seconds);
     void move_with_the_sea(double seconds);
     void take_click();
@@ -87,7 +89,7 @@ class Viewer {
 
     ViewOptions options_;
     std::unique_ptr<GlfwWindow> window_;
-    std::unique_ptr<gpu::Device> device_;
+    std::shared_ptr<gpu::Device> device_;
     std::optional<gpu::Swapchain> swapchain_;
     std::array<gpu::Commands, gpu::Swapchain::flights> commands_;
     std::optional<Renderer> renderer_;
@@ -96,7 +98,7 @@ class Viewer {
     Clock::time_point wanted_since_;
     bool picture_is_set_ = false;
     std::unique_ptr<Gui> gui_;
-    std::optional<Feed> feed_;
+    std::unique_ptr<SeenSea> sea_;
 
     Pilot pilot_;
     Camera mesh_camera_;
@@ -108,16 +110,15 @@ class Viewer {
     DebugPictures debug_;
     std::string debug_problem_; ///< why the view that was chosen cannot be shown; empty: it is
 
-    std::shared_ptr<Client> client_;
-    std::optional<SeaFrame> frame_;       ///< the last that was held
-    std::optional<LocalSurface> surface_; ///< of that time
+    std::optional<SeaFrame> frame_; ///< the last that was held
+    PointsPtr points_;              ///< of that time
     SeaStatePtr state_;
     Clock::time_point live_at_; ///< when it was of now
     Inputs drawn_inputs_;
     std::uint64_t sea_frames_ = 0;
 
     Clock::time_point stepped_, measured_;
-    FeedStatus measured_feed_;
+    SeenSea::Counts measured_counts_;
     std::uint64_t measured_frames_ = 0;
     double keyframes_hz_ = 0, bytes_hz_ = 0, frames_hz_ = 0;
 };

@@ -155,7 +155,7 @@ TEST(Model, a_probe_shows_every_figure_of_the_answer) {
     SyntheticSea sea(one_wave(1.0, 100, 2));
     const SeaFrame frame = sea.at(3'250'000);
     const sea::Surface surface = sea.surface(frame);
-    probe.read({surface, true}, frame.time_us);
+    probe.read(HeldPoints({surface, true}), frame.time_us);
     const sea::Answer answer = surface.answer({12.5, -340.25, frame.time_us});
     const std::vector<PanelRow> rows = probe_rows(&probe);
     EXPECT_EQ(value_of(rows, "place"), "12.50 m east, -340.25 m north");

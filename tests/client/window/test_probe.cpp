@@ -12,12 +12,12 @@
 namespace seaway::client {
 namespace {
 
-sea::Surface flat() {
-    return {{flat_sea().cascades[0].keyframes}, {1, 1}, {}, {}};
+HeldPoints flat() {
+    return HeldPoints({{{flat_sea().cascades[0].keyframes}, {1, 1}, {}, {}}, true});
 }
 
 TEST(Probe, a_ray_meets_a_flat_sea_where_geometry_says) {
-    const sea::Surface surface = flat();
+    const HeldPoints surface = flat();
     for (const double pitch_deg : {-80.0, -30.0, -3.0}) {
         const Camera camera{
             .x_m = 500, .y_m = 20, .z_m = 12, .yaw_deg = 90, .pitch_deg = pitch_deg};
@@ -33,7 +33,7 @@ TEST(Probe, a_ray_meets_a_flat_sea_where_geometry_says) {
 }
 
 TEST(Probe, sky_is_no_sea_and_the_horizon_divides_them) {
-    const sea::Surface surface = flat();
+    const HeldPoints surface = flat();
     const double z_m = 2;
     const double dip_deg = horizon_dip_rad(z_m) * 180 / sea::pi;
     Camera camera{.z_m = z_m, .pitch_deg = -1.05 * dip_deg};
@@ -46,7 +46,7 @@ TEST(Probe, sky_is_no_sea_and_the_horizon_divides_them) {
 
 // Up to Snell's window and beyond it: the ray is the straight one that the mouse means. Down there is no surface.
 TEST(Probe, from_below_a_ray_meets_the_surface_where_it_comes_out) {
-    const sea::Surface surface = flat();
+    const HeldPoints surface = flat();
     for (const double depth_m : {0.5, 5.0, 40.0})
         for (const double pitch_deg : {80.0, 30.0, 3.0}) {
             const Camera camera{
@@ -67,7 +67,7 @@ TEST(Probe, from_below_a_ray_meets_the_surface_where_it_comes_out) {
 
 // On the sea itself is neither side: downwards it is met at once, upwards never.
 TEST(Probe, an_eye_on_the_surface_sees_sky_above_and_the_sea_below) {
-    const sea::Surface surface = flat();
+    const HeldPoints surface = flat();
     Camera camera{.x_m = 3, .y_m = 4, .z_m = 0, .pitch_deg = -30};
     const auto place = where_ray_meets(surface, camera, 0, 0, 0, 1);
     ASSERT_TRUE(place);
@@ -84,7 +84,7 @@ TEST(Probe, a_ray_stops_at_the_first_wave_that_it_meets) {
     ASSERT_TRUE(scene) << scene.error().message;
     SyntheticSea gale(*sea::realize(*scene));
     const SeaFrame frame = gale.at(100'000'000);
-    const sea::Surface surface = gale.surface(frame);
+    const HeldPoints surface({gale.surface(frame), true});
     const double crest_m = 2 * frame.significant_height_m;
     std::mt19937 random(4);
     std::uniform_real_distribution<double> side(-1, 1);
@@ -131,7 +131,7 @@ TEST(Probe, keeps_a_minute_of_heights_in_even_steps_and_begins_anew_where_time_r
     Probe probe({12, 34});
     const auto read = [&](sea::TimeUs time_us) {
         const SeaFrame frame = sea.at(time_us);
-        probe.read({sea.surface(frame), true}, time_us);
+        probe.read(HeldPoints({sea.surface(frame), true}), time_us);
         return sea.surface(frame).answer({12, 34, time_us}).height_m;
     };
     double last_m = 0;
@@ -152,7 +152,7 @@ TEST(Probe, keeps_a_minute_of_heights_in_even_steps_and_begins_anew_where_time_r
                     truth.answer({12, 34, sample.time_us}).height_m, 1e-6);
     }
     const SeaFrame late = sea.at(95'000'000);
-    probe.read({sea.surface(late), false}, 95'000'000);
+    probe.read(HeldPoints({sea.surface(late), false}), 95'000'000);
     EXPECT_EQ(probe.time_us(), 91'000'000) << "what is not covered has no bound, and is not shown";
     read(5'060'000); // another server
     EXPECT_EQ(probe.time_us(), 5'060'000);

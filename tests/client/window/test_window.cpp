@@ -316,7 +316,8 @@ TEST_F(WindowTest, a_lost_device_is_said_by_the_call_that_found_it) {
 TEST_F(WindowTest, opens_without_a_server_and_says_why_there_is_no_sea) {
     ViewOptions nowhere = options();
     nowhere.url = "ws://127.0.0.1:1";
-    Result<std::unique_ptr<Viewer>> made = Viewer::open(nowhere, {.url = nowhere.url}, true);
+    Result<std::unique_ptr<Viewer>> made =
+        Viewer::open(nowhere, Viewer::streamed({.url = nowhere.url}, {}), true);
     ASSERT_TRUE(made) << made.error().message;
     viewer_ = std::move(*made);
     ASSERT_TRUE(step_until([&] {

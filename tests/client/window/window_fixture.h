@@ -79,7 +79,8 @@ class WindowTest : public testing::Test {
         return made;
     }
     void open(const ViewOptions& with) {
-        Result<std::unique_ptr<Viewer>> made = Viewer::open(with, {.url = with.url}, true);
+        Result<std::unique_ptr<Viewer>> made =
+            Viewer::open(with, Viewer::streamed({.url = with.url}, with.limits), true);
         ASSERT_TRUE(made) << made.error().message;
         viewer_ = std::move(*made);
         ASSERT_TRUE(step_until([&] { return viewer_->sea_frames() > 2; })) << text();

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// seaway-view: the sea of a running server, in a window or as pictures in files.
+// seaway-view: the sea of a running server, or of a scene, in a window or as pictures in files.
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <functional>
 #include <optional>
 
 #include <fmt/format.h>
@@ -25,6 +26,7 @@
 #include "client/view/view_options.h"
 #include "client/view/view_sky.h"
 #include "client/window/viewer.h"
+#include "local/local_sea.h"
 #include "protocol/token_file.h"
 
 namespace {
@@ -133,27 +135,31 @@ class Drawing {
     double exposure_ = 1;
 };
 
-int draw(Client& client, gpu::Device& device, Renderer& renderer, const ViewOptions& options,
+/// What the user has got wrong, or what a server or a device did.
+int fail_of(const ViewOptions& options, const Error& error) {
+    return options.scene.empty() ? fail(error) : fail(ViewExit::no_device, error);
+}
+
+int draw(SeaSource& source, gpu::Device& device, Renderer& renderer, const ViewOptions& options,
          const CameraPath& path) {
     SkyMaker skies;
     const sea::TimeUs start_us =
-        options.time_s ? sea::us_from_seconds(*options.time_s) : client.now_us();
+        options.time_s ? sea::us_from_seconds(*options.time_s) : source.now_us();
     Drawing drawing(device, renderer, options);
     for (int i = 0; i < options.frames; ++i) {
         const sea::TimeUs time_us = start_us + frame_offset_us(i);
-        Result<SeaFrame> frame = sea_frame_at(client, time_us, options.timeout_s);
+        Result<SeaFrame> frame = source.at(time_us);
         if (!frame)
-            return fail(frame.error());
+            return fail_of(options, frame.error());
         set_water(*frame, options.look);
-        const SeaStatePtr state = client.sea_state(time_us);
-        if (i == 0) // what later frames need is fetched: they are drawn slower than the sea moves
-            client.unsubscribe();
+        const std::string scene = source.scene_at(time_us);
+        if (i == 0) // frames are drawn slower than the sea moves
+            source.leave_now();
         const Camera camera = path.at(sea::seconds_from_us(frame_offset_us(i)));
         const Result<Sky> sky = sky_of_frame(skies, options.look, camera, time_us);
         if (!sky)
             return fail(ViewExit::usage, sky.error());
-        if (const int code =
-                drawing.draw({*frame, *sky, state->scene, options.look.bloom}, camera, i);
+        if (const int code = drawing.draw({*frame, *sky, scene, options.look.bloom}, camera, i);
             code != 0)
             return code;
         drawing.writer().tell(i + 1);
@@ -162,8 +168,8 @@ int draw(Client& client, gpu::Device& device, Renderer& renderer, const ViewOpti
     return closed ? static_cast<int>(ViewExit::done) : fail(ViewExit::cannot_write, closed.error());
 }
 
-int show(const ViewOptions& options, const ConnectOptions& connect) {
-    const Result<std::unique_ptr<Viewer>> viewer = Viewer::open(options, connect);
+int show(const ViewOptions& options, const OpenSea& open_sea) {
+    const Result<std::unique_ptr<Viewer>> viewer = Viewer::open(options, open_sea);
     if (!viewer)
         return fail(ViewExit::no_device, viewer.error());
     for (;;) {
@@ -175,34 +181,46 @@ int show(const ViewOptions& options, const ConnectOptions& connect) {
     }
 }
 
-int draw_files(const ViewOptions& options, const ConnectOptions& connect) {
+/// Makes or finds the sea of files, and has it drawn.
+using WithSource =
+    std::function<int(std::shared_ptr<gpu::Device>, const std::function<int(SeaSource&)>& draw)>;
+
+int draw_files(const ViewOptions& options, const WithSource& with_source) {
     const Result<CameraPath> path = camera_path(options);
     if (!path)
         return fail(ViewExit::usage, path.error());
-    const Result<std::unique_ptr<gpu::Device>> device =
-        gpu::Device::create({.pick = options.device});
-    if (!device)
-        return fail(ViewExit::no_device, device.error());
+    Result<std::unique_ptr<gpu::Device>> made = gpu::Device::create({.pick = options.device});
+    if (!made)
+        return fail(ViewExit::no_device, made.error());
+    const std::shared_ptr<gpu::Device> device = std::move(*made);
     Result<Renderer> renderer = Renderer::create(
-        **device, options.camera.width, options.camera.height, {.quality = options.quality});
+        *device, options.camera.width, options.camera.height, {.quality = options.quality});
     if (!renderer)
         return fail(ViewExit::no_device, renderer.error());
-    const Result<std::unique_ptr<Client>> client = Client::connect(connect);
-    if (!client)
-        return fail(client.error());
-    protocol::TileWish wish{.fields = drawn_fields};
-    options.limits.put_into(wish);
-    const Result<Grant> grant = (*client)->subscribe(wish, stream_credit, options.timeout_s);
-    if (!grant)
-        return fail(grant.error());
-    if (options.bench_frames > 0) {
-        const Result<void> done = bench(**client, *renderer, options);
-        return done ? static_cast<int>(ViewExit::done) : fail(done.error());
-    }
-    return draw(**client, **device, *renderer, options, *path);
+    return with_source(device, [&](SeaSource& source) {
+        if (options.bench_frames == 0)
+            return draw(source, *device, *renderer, options, *path);
+        const Result<void> done = bench(source, *renderer, options);
+        return done ? static_cast<int>(ViewExit::done) : fail_of(options, done.error());
+    });
 }
 
-int run(const ViewOptions& options) {
+int draw_streamed(const ViewOptions& options, const ConnectOptions& connect) {
+    return draw_files(options, [&](const std::shared_ptr<gpu::Device>&, const auto& draw_source) {
+        const Result<std::unique_ptr<Client>> client = Client::connect(connect);
+        if (!client)
+            return fail(client.error());
+        protocol::TileWish wish{.fields = drawn_fields};
+        options.limits.put_into(wish);
+        const Result<Grant> grant = (*client)->subscribe(wish, stream_credit, options.timeout_s);
+        if (!grant)
+            return fail(grant.error());
+        StreamedSource source(**client, options.timeout_s);
+        return draw_source(source);
+    });
+}
+
+int run_streamed(const ViewOptions& options) {
     const Result<std::string> token = read_token(options.token_file);
     if (!token)
         return fail(token.error());
@@ -211,10 +229,27 @@ int run(const ViewOptions& options) {
                                  .token = *token,
                                  .ca_file = options.ca_file,
                                  .timeout_s = options.timeout_s};
+    return options.offscreen ? draw_streamed(options, connect)
+                             : show(options, Viewer::streamed(connect, options.limits));
+}
+
+int run_local(const ViewOptions& options) {
+    const Result<server::RunningSeaPtr> scene = local::read_local_scene(options.scene);
+    if (!scene)
+        return fail(ViewExit::usage, scene.error());
+    if (!options.offscreen)
+        return show(options, local::open_in_a_window(*scene, options));
+    return draw_files(options, [&](std::shared_ptr<gpu::Device> device, const auto& draw_source) {
+        const auto sea = local::LocalSea::create(*scene, std::move(device));
+        return sea ? draw_source(**sea) : fail(ViewExit::no_device, sea.error());
+    });
+}
+
+int run(const ViewOptions& options) {
     if (!options.look.environment.empty()) // before a window opens
         if (const auto picture = read_environment(options.look.environment); !picture)
             return fail(ViewExit::usage, picture.error());
-    return options.offscreen ? draw_files(options, connect) : show(options, connect);
+    return options.scene.empty() ? run_streamed(options) : run_local(options);
 }
 
 /// Keyframes, blocks of megabytes, come and go: left to itself glibc takes them from heaps that keep what has gone.

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+// seaway-view --scene as its users run it, beside the same picture of a server of that scene.
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <png.h>
+
+#include "tests/client/view/golden/picture_difference.h"
+#include "tests/local/local_scenes.h"
+#include "tests/support/folder.h"
+#include "tests/support/server_process.h"
+
+namespace seaway::tests {
+namespace {
+
+using testing::HasSubstr;
+
+struct Outcome {
+    int code = -1;
+    std::string text; ///< stdout and stderr
+};
+
+Outcome view(const std::string& arguments) {
+    Outcome outcome;
+    FILE* pipe = popen((SEAWAY_BIN_DIR "/seaway-view " + arguments + " 2>&1").c_str(), "r");
+    std::array<char, 256> line{};
+    while (fgets(line.data(), line.size(), pipe) != nullptr)
+        outcome.text += line.data();
+    outcome.code = WEXITSTATUS(pclose(pipe));
+    return outcome;
+}
+
+client::ShownPicture read_png(const std::string& path) {
+    client::ShownPicture picture;
+    png_image image{};
+    image.version = PNG_IMAGE_VERSION;
+    if (!png_image_begin_read_from_file(&image, path.c_str()))
+        return picture;
+    image.format = PNG_FORMAT_RGBA;
+    picture.rgba.resize(PNG_IMAGE_SIZE(image));
+    if (png_image_finish_read(&image, nullptr, picture.rgba.data(), 0, nullptr)) {
+        picture.width = static_cast<int>(image.width);
+        picture.height = static_cast<int>(image.height);
+    }
+    return picture;
+}
+
+// What differs is what tiles may differ by: 1 cm and less of heights of metres. An eye sees nothing of it, but for single
+// pixels of glitter.
+TEST(LocalProgram, draws_what_a_server_of_the_scene_would_have_it_draw) {
+    ServerProcess server(
+        {"scenes/north_sea_gale.toml", "--listen", "127.0.0.1:0", "--device", "native"});
+    const std::string url = server.wait_until_ready();
+    ASSERT_FALSE(url.empty());
+    for (const std::string debug : {"final", "height", "foam", "slope"}) {
+        const std::string how =
+            " --offscreen 256x144 --time 100 --quality default --debug " + debug;
+        const std::string streamed = folder().file("streamed_" + debug + ".png");
+        const std::string local = folder().file("local_" + debug + ".png");
+        const Outcome from_server = view(url + how + " --timeout 120 --out " + streamed);
+        ASSERT_EQ(from_server.code, 0) << from_server.text;
+        const Outcome made_here = view("--scene " SEAWAY_SOURCE_DIR "/scenes/north_sea_gale.toml" +
+                                       how + " --out " + local);
+        ASSERT_EQ(made_here.code, 0) << made_here.text;
+        EXPECT_THAT(made_here.text, HasSubstr("t=100.000"));
+        const PictureDifference apart = difference(read_png(local), read_png(streamed));
+        // A third of what is just noticeable, and not one block in five hundred that is seen.
+        EXPECT_LT(apart.mean, 0.7) << debug;
+        EXPECT_LT(apart.seen_share, 0.002) << debug;
+    }
+}
+
+TEST(LocalProgram, draws_films_from_time_0_on_and_the_same_bytes_each_time) {
+    const std::string scene = small_gale();
+    std::string first;
+    for (const char* run : {"a", "b"}) {
+        const Outcome drawn = view("--scene " + scene + " --offscreen 64x48 --frames 3 --out " +
+                                   folder().file(run) + "##.png");
+        ASSERT_EQ(drawn.code, 0) << drawn.text;
+        EXPECT_THAT(drawn.text, HasSubstr("00.png t=0.000"));
+        EXPECT_THAT(drawn.text, HasSubstr("02.png t=0.067"));
+    }
+    EXPECT_EQ(read_png(folder().file("a02.png")).rgba, read_png(folder().file("b02.png")).rgba);
+    EXPECT_NE(read_png(folder().file("a00.png")).rgba, read_png(folder().file("a02.png")).rgba);
+}
+
+TEST(LocalProgram, measures_passes_and_shows_every_view) {
+    const std::string scene = small_gale();
+    const Outcome bench = view("--scene " + scene + " --offscreen 64x48 --bench 3");
+    EXPECT_EQ(bench.code, 0) << bench.text;
+    EXPECT_THAT(bench.text, HasSubstr("frames/s"));
+    const Outcome sheet = view("--scene " + scene + " --offscreen 640x420 --debug all --out " +
+                               folder().file("all.png"));
+    EXPECT_EQ(sheet.code, 0) << sheet.text;
+}
+
+TEST(LocalProgram, says_in_one_line_what_is_wrong) {
+    const std::string scene = small_gale();
+    const std::string files = " --offscreen 64x48 --out " + folder().file("x.png");
+    const std::pair<std::string, const char*> rows[] = {
+        {files, "URL is required, or --scene FILE"},
+        {"ws://127.0.0.1:1 --scene " + scene + files, "URL and --scene: one of them"},
+        {"--scene " + scene + files + " --rate-max 2", "--rate-max is of a server"},
+        {"--scene " + scene + files + " --size-max 128", "--size-max is of a server"},
+        {"--scene " + scene + files + " --timeout 3", "--timeout is of a server"},
+        {"--scene " + scene + files + " --token-file " + scene, "--token-file is of a server"},
+        {"--scene " + scene + files + " --ca-file " + scene, "--ca-file is of a server"},
+        {"--scene ''" + files, "--scene"},
+        {"--scene /nonexistent.toml" + files, "/nonexistent.toml"},
+        {"--scene " + folder().write("bad.toml", "[sea]\nsea = 1\n") + files, "bad.toml"},
+        {"--scene " SEAWAY_SOURCE_DIR "/scenes/gerstner_toy.toml" + files, "stylised sines"}};
+    for (const auto& [arguments, what] : rows) {
+        const Outcome outcome = view(arguments);
+        EXPECT_EQ(outcome.code, 2) << arguments;
+        EXPECT_EQ(std::count(outcome.text.begin(), outcome.text.end(), '\n'), 1) << outcome.text;
+        EXPECT_THAT(outcome.text, HasSubstr(what));
+    }
+    const Outcome nowhere = view("--scene " + scene + files + " --device nothing");
+    EXPECT_EQ(nowhere.code, 3) << nowhere.text;
+}
+
+} // namespace
+} // namespace seaway::tests
