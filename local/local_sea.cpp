@@ -104,9 +104,11 @@ Result<server::RunningSeaPtr> read_local_scene(const std::string& path) {
 
 Result<std::unique_ptr<LocalSea>> LocalSea::create(server::RunningSeaPtr sea,
                                                    std::shared_ptr<gpu::Device> device) {
-    SEAWAY_TRY_LET(std::unique_ptr<server::VulkanSynthesizer> synthesizer,
-                   server::make_vulkan_synthesizer(
-                       std::move(device), {.held_map_bytes = map_bytes(*sea), .maps_stay = true}));
+    SEAWAY_TRY_LET(
+        std::unique_ptr<server::VulkanSynthesizer> synthesizer,
+        server::make_vulkan_synthesizer(std::move(device), {.tuning = server::usual_tuning(),
+                                                            .held_map_bytes = map_bytes(*sea),
+                                                            .maps_stay = true}));
     SEAWAY_TRY(synthesizer->set_sea(sea->realization, sea->epoch));
     return std::unique_ptr<LocalSea>(new LocalSea(std::move(sea), std::move(synthesizer)));
 }

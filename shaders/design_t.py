@@ -30,9 +30,10 @@ from kernel_text import (EVOLVE_BINDINGS, EVOLVE_LINE, FIELDS_LINE, HEAD, WORKGR
                          each_source, fields_bindings, kept, line_modes, omitted, turned, twiddles,
                          wavenumbers)
 
-# size: lanes a line in the first and in the last pass. A line needs 2 lanes^2 modes, as the lanes
-# are transposed and points stored in pairs; with fewer lanes each holds more, which compilers feel.
-PLANS = {128: (8, 4), 256: (8, 8), 512: (8, 8)}
+# size, lanes a line in the first and in the last pass. A line needs 2 lanes^2 modes, as the lanes
+# are transposed and points stored in pairs; with fewer lanes each holds more, which compilers feel:
+# 32 modes a lane are what a GPU has registers for, 64 are tried where it is measured.
+PLANS = [(128, 8, 4), (256, 8, 8), (512, 8, 8), (512, 16, 16), (1024, 16, 16), (2048, 32, 32)]
 SUBGROUP_HEAD = HEAD.replace("// SPDX", """#extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_shuffle : require
 // SPDX""", 1)
@@ -95,16 +96,16 @@ def columns(n, lanes, band):
     return -(-blocks * lanes * lanes // WORKGROUP) * WORKGROUP // lanes
 
 
-def pitch(n, band):
+def pitch(n, lanes, band):
     """vec4 from one pair of rows to the next in the memory between the passes; a few more than there
     are columns, as strides of powers of two would fall on few lines of a cache."""
-    return columns(n, PLANS[n][0], band) + 4
+    return columns(n, lanes, band) + 4
 
 
 def evolve_pass(n, lanes, band):
     m = n // lanes
     blocks = kept(n, m, band)
-    stride = pitch(n, band)
+    stride = pitch(n, lanes, band)
     text = [SUBGROUP_HEAD, EVOLVE_BINDINGS, subgroup_main(lanes), "    uint column = line;\n",
             EVOLVE_LINE, f"    int base = int((job.x * {n}u + column) * {n}u + lane);\n",
             line_modes(blocks, m, lanes, "lane", lanes), line_constants(n, lanes),
@@ -132,13 +133,13 @@ def mirrored(blocks, m, lanes):
     return "".join(text)
 
 
-def fields_pass(n, lanes, band):
+def fields_pass(n, first, lanes, band):
     m = n // lanes
     blocks = kept(n, m, band)
     run = min(4, m // lanes)  # neighbouring points in a lane
     text = [SUBGROUP_HEAD, fields_bindings(f"vec{run}"), subgroup_main(lanes), FIELDS_LINE,
             "    int from = int(((gl_WorkGroupID.y * push.sources + gl_WorkGroupID.x) * "
-            f"{n // 2}u + line) * {pitch(n, band)}u + lane);\n"]
+            f"{n // 2}u + line) * {pitch(n, first, band)}u + lane);\n"]
     for i in blocks:
         if i < m // 2:
             text.append(f"    vec4 v{i} = texelFetch(source, from + {i * lanes});\n"
@@ -157,11 +158,11 @@ def fields_pass(n, lanes, band):
     return "".join(text), n // 2 * lanes, 0
 
 
-def passes(n, band):
+def passes(n, first, last, band):
     """(kernel name, kind of pass, GLSL, invocations for one job or source, vec4 a row), and the
     scratch that a field needs."""
-    first, last = PLANS[n]
+    name = f"t{max(first, last)}_{n}"
     suffix = "_band" if band else ""
-    return [(f"t{n}_evolve{suffix}", "evolve", *evolve_pass(n, first, band)),
-            (f"t{n}_fields{suffix}", "fields", *fields_pass(n, last, band))], \
-        n * max(pitch(n, band), n // 2)
+    return [(f"{name}_evolve{suffix}", "evolve", *evolve_pass(n, first, band)),
+            (f"{name}_fields{suffix}", "fields", *fields_pass(n, first, last, band))], \
+        n * max(pitch(n, first, band), n // 2)

@@ -6,12 +6,13 @@ from kernel_text import (EVOLVE_BINDINGS, EVOLVE_LINE, FIELDS_LINE, HEAD, band_e
                          omitted, turned, twiddles, wavenumbers)
 
 # size: (A, B)
-PLANS = {64: (8, 8), 128: (16, 8), 256: (16, 16), 512: (16, 32), 1024: (32, 32)}
+PLANS = {64: (8, 8), 128: (16, 8), 256: (16, 16), 512: (16, 32), 1024: (32, 32), 2048: (64, 32)}
 
 
-def columns(n, band):
-    """Lines along y, rounded up to whole workgroups."""
-    return min(-(-band_end(n) // 16) * 16, n // 2) if band else n // 2
+def columns(n, b, band):
+    """Lines along y, rounded up to whole workgroups and to whole blocks of B of the lines along x."""
+    whole = max(b, 16)
+    return min(-(-band_end(n) // whole) * whole, n // 2) if band else n // 2
 
 
 def main(fast, slow, count):
@@ -50,7 +51,7 @@ def second_dft(b, stride):
 def evolve_pass(n, a, b, band):
     """Y = B n1 + n2: over n1 -> S[job][source][n2][k1 / 2][X]"""
     blocks = kept(n, a, band)
-    count = columns(n, band)
+    count = columns(n, b, band)
     text = [HEAD, EVOLVE_BINDINGS, main("column", "n2", count), EVOLVE_LINE,
             f"    int base = int((job.x * {n}u + n2) * {n}u + column);\n",
             line_modes(blocks, a, b, "n2", b * n), twiddles("w", f"n2 * {2**32 // n}u", a),
@@ -62,7 +63,7 @@ def evolve_pass(n, a, b, band):
 
 def lines_y_pass(n, a, b, band):
     """Over n2 -> G[job][source][y / 2][X], y = k1 + A k2"""
-    count = columns(n, band)
+    count = columns(n, b, band)
     text = [HEAD, line_bindings("vec4"), main("column", "pair", count),
             "    uint part = gl_WorkGroupID.y * push.sources + gl_WorkGroupID.x;\n"
             f"    int from = int((part * {n // 2}u + pair) * {count}u + column);\n"
@@ -78,7 +79,7 @@ def lines_y_pass(n, a, b, band):
 def fields_pass(n, a, b, band):
     """X = B n1 + n2: over n1 -> U[job][field][y / 2][n2][k1]"""
     blocks = kept(n, a, band)
-    count = columns(n, band)
+    count = columns(n, b, band)
     text = [HEAD, fields_bindings("vec4"), main("n2", "line", b), FIELDS_LINE,
             "    int from = int(((gl_WorkGroupID.y * push.sources + gl_WorkGroupID.x) * "
             f"{n // 2}u + line) * {count}u);\n"]

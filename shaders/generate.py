@@ -42,9 +42,9 @@ def transforms():
     come first."""
     made = []
     for band in (True, False):
-        for n, lanes in design_t.PLANS.items():
-            passes, scratch = design_t.passes(n, band)
-            made.append((n, max(lanes), band, scratch, passes))
+        for n, first, last in design_t.PLANS:
+            passes, scratch = design_t.passes(n, first, last, band)
+            made.append((n, max(first, last), band, scratch, passes))
         for n in design_w.PLANS:
             passes, scratch = design_w.passes(n, band)
             made.append((n, 0, band, scratch, passes))
@@ -70,7 +70,7 @@ def embed(out, modules):
         text.append(f"constexpr std::uint32_t {name}_words[] = {{\n" + ",\n".join(lines) + "};\n")
     rows = []
     for n, lanes, band, scratch, passes in transforms():
-        design = "T" if lanes else "W"
+        design = f"T{lanes}" if lanes else "W"
         list_name = f"{design.lower()}_{n}{'_band' if band else ''}_passes"
         listed = []
         for name, kind, _, invocations, row in passes:

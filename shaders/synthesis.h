@@ -41,7 +41,7 @@ struct Pass {
 
 struct Transform {
     int size;                        ///< N
-    std::string_view design;         ///< "T", "W"
+    std::string_view design;         ///< "T8", "T16", "T32", "W"
     std::uint32_t lanes;             ///< least size of a subgroup, with shuffles; 0: any device
     bool band_limited;               ///< all modes must fit_band()
     std::uint32_t scratch_complexes; ///< a field
@@ -53,7 +53,7 @@ constexpr bool fits_band(int n, int size) {
     return (n < 0 ? -n : n) * 10 < 3 * size;
 }
 
-/// All, the faster ones of a size first. Sizes 64, 128, 256, 512, 1024.
+/// All, the faster ones of a size first. Sizes 64, 128, 256, 512, 1024, 2048.
 std::span<const Transform> synthesis_transforms();
 
 /// Bindings maps -> Target, which are the same, push constants JacobianPush, N^2 / 4 invocations a job.

@@ -34,7 +34,9 @@ Result<std::unique_ptr<Synthesizer>> make_synthesizer(const DeviceChoice& choice
     if (!choice.vulkan)
         return std::unique_ptr<Synthesizer>(std::make_unique<NativeSynthesizer>());
     SEAWAY_TRY_LET(std::unique_ptr<VulkanSynthesizer> made,
-                   make_vulkan_synthesizer({std::to_string(*choice.vulkan), validation}));
+                   make_vulkan_synthesizer({.device = std::to_string(*choice.vulkan),
+                                            .validation = validation,
+                                            .tuning = usual_tuning()}));
     return std::unique_ptr<Synthesizer>(std::move(made));
 }
 

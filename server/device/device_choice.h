@@ -35,7 +35,7 @@ Result<DeviceChoice> choose_device(std::span<const gpu::DeviceInfo> devices, std
 Result<DeviceChoice> choose_device(std::string_view wish);
 
 /// Makes it, without a sea. `validation`: Vulkan's validation layers. Takes up to some tenths of a
-/// second on Vulkan. An error: the device cannot be used.
+/// second on Vulkan, and more where hardware is met for the first time (KernelTuning). An error: the device cannot be used.
 Result<std::unique_ptr<Synthesizer>> make_synthesizer(const DeviceChoice& choice,
                                                       bool validation = false);
 

@@ -6,6 +6,8 @@
 #include <chrono>
 #include <cstring>
 
+#include <fmt/format.h>
+
 #include "base/check.h"
 #include "shaders/shared/synthesis.h"
 
@@ -21,6 +23,8 @@ constexpr std::size_t vec4_bytes = 16;
 } // namespace
 
 int VulkanBatch::max_jobs(int maps) const {
+    if (maps > capacity_maps_)
+        return 0;
     if (kernels_.size() > largest_batched_size || maps == 0)
         return 1;
     return std::clamp(capacity_maps_ / maps, 1, most_jobs);
@@ -37,6 +41,10 @@ void VulkanBatch::write(Buffer& buffer, std::span<const std::byte> bytes) {
 Result<void> VulkanBatch::record(std::span<const Job> jobs, const Packing& packing,
                                  const After& after, std::size_t passes,
                                  std::optional<std::size_t> first_held) {
+    if (packing.maps > capacity_maps_)
+        return Error{DeviceError::cannot_do_this_sea,
+                     fmt::format("{} maps of size {} at once: {} binds {}", packing.maps,
+                                 kernels_.size(), device_.info().name, capacity_maps_)};
     std::vector<shaders::SynthesisJob> texels;
     for (const Job& job : jobs) {
         const auto time = static_cast<std::uint64_t>(job.phase_time_us);
@@ -154,7 +162,8 @@ void VulkanBatch::finish(const Buffer& result, std::size_t bytes) {
 Result<void> VulkanBatch::run(std::span<const Job> jobs, const Packing& packing, const After& after,
                               std::optional<std::size_t> first_held) {
     SEAWAY_CHECK((packing.fields > 0 || after.foam != nullptr) && !jobs.empty(), "nothing to run");
-    SEAWAY_CHECK(static_cast<int>(jobs.size()) <= max_jobs(packing.maps), "too many jobs");
+    SEAWAY_CHECK(jobs.size() == 1 || static_cast<int>(jobs.size()) <= max_jobs(packing.maps),
+                 "too many jobs");
     SEAWAY_CHECK(after.foam == nullptr || after.foam->steps.size() <= shaders::foam_steps_max,
                  "more steps of foam than there is room for");
     if (after.foam != nullptr)

@@ -39,8 +39,10 @@ class VulkanBatch {
 
     Result<void> upload(std::span<const sea::CascadeModes* const> cascades);
 
-    /// Jobs of this many maps that fit into one run.
+    /// Jobs of this many maps that fit into one run; 0: not even one.
     int max_jobs(int maps) const;
+    /// Of a run: as many as the device binds at once.
+    int maps_at_once() const { return capacity_maps_; }
 
     /// What is done to the maps once they are there.
     struct After {

@@ -35,6 +35,15 @@ Result<void> make(gpu::Device& device, Buffer& buffer, TexelView* view, VkFormat
     return {};
 }
 
+/// Maps whose memory between two passes can be bound at once.
+std::size_t maps_that_fit(const gpu::Device& device, const shaders::Transform& transform) {
+    const VkPhysicalDeviceLimits& limits = device.limits();
+    const std::size_t bytes = std::min({std::size_t{limits.maxStorageBufferRange},
+                                        std::size_t{limits.maxTexelBufferElements} * vec4_bytes,
+                                        std::size_t{device.buffer_bytes_max()}});
+    return bytes / (std::size_t{transform.scratch_complexes} * complex_bytes);
+}
+
 template <class T>
 Result<void> take(T& place, Result<T> made) {
     if (!made)
@@ -50,8 +59,10 @@ Result<std::unique_ptr<VulkanBatch>> VulkanBatch::create(gpu::Device& device,
                                                          int cascade_count,
                                                          const VulkanMaps* held) {
     std::unique_ptr<VulkanBatch> made(new VulkanBatch(device, kernels));
-    made->capacity_maps_ =
+    const int wished =
         kernels.size() <= VulkanBatch::largest_batched_size ? most_maps * cascade_count : most_maps;
+    made->capacity_maps_ = static_cast<int>(std::min<std::size_t>(
+        static_cast<std::size_t>(wished), maps_that_fit(device, *kernels.transform)));
     if (held != nullptr) {
         made->held_.maps = &held->buffer();
         made->held_.view = &held->view();

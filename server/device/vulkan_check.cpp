@@ -107,6 +107,12 @@ Result<void> compare(int size, std::string_view what, int x, int y, double got, 
 }
 
 constexpr sea::FieldSet all = sea::linear_fields;
+constexpr sea::FieldSet strains{sea::Field::strain_xx, sea::Field::strain_yy,
+                                sea::Field::strain_xy};
+
+constexpr sea::FieldSet without(sea::FieldSet fields, sea::FieldSet less) {
+    return sea::FieldSet::from_bits(fields.bits() & ~less.bits());
+}
 
 /// A tick that breaks on both sides of its threshold, with others' strains and a bias.
 sea::FoamTick check_tick() {
@@ -121,6 +127,28 @@ struct Maps {
     std::vector<float> height_alone; ///< computed without company
 };
 
+/// Strains, and what is made of them.
+Result<void> run_derived(gpu::Device& device, const SynthesisKernels& kernels, VulkanBatch& batch,
+                         const VulkanBatch::Job& job, Maps& maps) {
+    const sea::FieldSet asked = strains | sea::FieldSet{sea::Field::jacobian, sea::Field::foam};
+    const Packing packing = pack(strains, asked);
+    VulkanFoam histories(device, kernels.size());
+    SEAWAY_TRY_LET(const FoamMapPtr history, histories.open(nullptr));
+    FoamWork foam{&histories.histories(), {foam_step(check_tick())}, {1}, {}};
+    foam.steps[0].flags |= shaders::foam_keeps;
+    foam.steps[0].history = histories.place(*history);
+    foam.copies.push_back({foam.steps[0].history, batch.place(packing, 0, sea::Field::foam)});
+    foam.steps[0].strain_xx = batch.place(packing, 0, sea::Field::strain_xx);
+    foam.steps[0].strain_yy = batch.place(packing, 0, sea::Field::strain_yy);
+    foam.steps[0].strain_xy = batch.place(packing, 0, sea::Field::strain_xy);
+    SEAWAY_TRY(batch.run({&job, 1}, packing, {&choppiness, &foam}));
+    for (const sea::Field field : strains)
+        batch.read_map(0, packing.map_of(field), maps.planes[static_cast<std::size_t>(field)]);
+    batch.read_map(0, packing.map_of(sea::Field::foam), maps.foam);
+    batch.read_map(0, packing.map_of(sea::Field::jacobian), maps.jacobian);
+    return {};
+}
+
 Result<Maps> run(gpu::Device& device, const SynthesisKernels& kernels,
                  const sea::CascadeModes& cascade) {
     const sea::CascadeModes* const cascades[] = {&cascade};
@@ -129,27 +157,18 @@ Result<Maps> run(gpu::Device& device, const SynthesisKernels& kernels,
         return batch.error();
     SEAWAY_TRY((*batch)->upload(cascades));
     const VulkanBatch::Job job{0, time_us};
-    const sea::FieldSet asked = all | sea::FieldSet{sea::Field::jacobian, sea::Field::foam};
-    const Packing packing = pack(all, asked);
     const std::size_t points = cascade.h0.size();
     Maps maps{{sea::field_count, std::vector<float>(points)},
               std::vector<float>(points),
               std::vector<float>(points),
               std::vector<float>(points)};
-    VulkanFoam histories(device, kernels.size());
-    SEAWAY_TRY_LET(const FoamMapPtr history, histories.open(nullptr));
-    FoamWork foam{&histories.histories(), {foam_step(check_tick())}, {1}, {}};
-    foam.steps[0].flags |= shaders::foam_keeps;
-    foam.steps[0].history = histories.place(*history);
-    foam.copies.push_back({foam.steps[0].history, (*batch)->place(packing, 0, sea::Field::foam)});
-    foam.steps[0].strain_xx = (*batch)->place(packing, 0, sea::Field::strain_xx);
-    foam.steps[0].strain_yy = (*batch)->place(packing, 0, sea::Field::strain_yy);
-    foam.steps[0].strain_xy = (*batch)->place(packing, 0, sea::Field::strain_xy);
-    SEAWAY_TRY((*batch)->run({&job, 1}, packing, {&choppiness, &foam}));
-    (*batch)->read_map(0, packing.map_of(sea::Field::foam), maps.foam);
-    for (const sea::Field field : all)
-        (*batch)->read_map(0, packing.map_of(field), maps.planes[static_cast<std::size_t>(field)]);
-    (*batch)->read_map(0, packing.map_of(sea::Field::jacobian), maps.jacobian);
+    SEAWAY_TRY(run_derived(device, kernels, **batch, job, maps));
+    const sea::FieldSet others =
+        without(all, strains); // maps of 2048 do not all stand side by side
+    SEAWAY_TRY((*batch)->run({&job, 1}, pack(others), {}));
+    for (const sea::Field field : others)
+        (*batch)->read_map(0, pack(others).map_of(field),
+                           maps.planes[static_cast<std::size_t>(field)]);
     SEAWAY_TRY((*batch)->run({&job, 1}, pack({sea::Field::height}), {}));
     (*batch)->read_map(0, 0, maps.height_alone);
     return maps;
@@ -176,10 +195,10 @@ Result<void> compare_point(const Maps& maps, const std::vector<Mode>& modes, int
                           (1 + choppiness.x * xx.scale) * (1 + choppiness.y * yy.scale)};
     SEAWAY_TRY(compare(size, "jacobian", x, y, maps.jacobian[at], determinant));
     float ratio = 1.0f;
-    const std::array<float, 3> strains{static_cast<float>(xx.value), static_cast<float>(yy.value),
-                                       static_cast<float>(xy.value)};
-    sea::foam_kernel_portable().advance(check_tick(), &strains[0], &strains[1], &strains[2], &ratio,
-                                        1);
+    const std::array<float, 3> at_point{static_cast<float>(xx.value), static_cast<float>(yy.value),
+                                        static_cast<float>(xy.value)};
+    sea::foam_kernel_portable().advance(check_tick(), &at_point[0], &at_point[1], &at_point[2],
+                                        &ratio, 1);
     // What breaks goes at most as the strains do, times the source.
     return compare(size, "foam", x, y, maps.foam[at],
                    {ratio, 2.0 * (1 + xx.scale) * (1 + yy.scale)});

@@ -81,15 +81,16 @@ Result<SynthesisKernels> SynthesisKernels::create(gpu::Device& device,
 }
 
 std::vector<const shaders::Transform*> fitting_transforms(const gpu::DeviceInfo& device, int size,
-                                                          bool band_limited) {
+                                                          bool band_limited, bool to_be_tried) {
+    // Modes a lane of which a GPU has registers; CPUs have caches.
+    constexpr int most_modes_on_gpu = 32;
     std::vector<const shaders::Transform*> fitting;
     for (const shaders::Transform& transform : shaders::synthesis_transforms()) {
-        // A lane of the largest T holds more numbers than a GPU has registers.
-        constexpr int largest_on_gpu = 256;
-        const bool runs = transform.lanes == 0 ||
-                          (device.subgroup_shuffle && device.subgroup_size_min >= transform.lanes &&
+        const auto lanes = static_cast<int>(transform.lanes);
+        const bool runs =
+            lanes == 0 || (device.subgroup_shuffle && device.subgroup_size_min >= transform.lanes &&
                            device.subgroup_size_max <= shaders::synthesis_workgroup &&
-                           (device.is_cpu() || transform.size <= largest_on_gpu));
+                           (device.is_cpu() || to_be_tried || size / lanes <= most_modes_on_gpu));
         if (transform.size == size && transform.band_limited == band_limited && runs)
             fitting.push_back(&transform);
     }

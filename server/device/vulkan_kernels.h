@@ -29,11 +29,12 @@ struct SynthesisKernels {
                                            const shaders::Transform& transform);
 };
 
-/// Transforms of a size that the device could run, the faster ones first: those by subgroups,
-/// then those for any. With `band_limited` only these, without it only the others. Empty: no such
-/// size.
+/// Transforms of a size that the device could run, those first that are faster where nothing is measured: by subgroups,
+/// then those for any. With `band_limited` only these, without it only the others. Empty: no such size. `to_be_tried`:
+/// also those that hold more numbers in a lane than a GPU is believed to have registers for.
 std::vector<const shaders::Transform*> fitting_transforms(const gpu::DeviceInfo& device, int size,
-                                                          bool band_limited);
+                                                          bool band_limited,
+                                                          bool to_be_tried = false);
 
 /// "64, 128, ...", for messages.
 std::string transform_sizes();

@@ -15,6 +15,7 @@
 #include "server/device/vulkan_foam.h"
 #include "server/device/vulkan_kernel_shelf.h"
 #include "server/device/vulkan_maps.h"
+#include "server/device/vulkan_parts.h"
 
 namespace seaway::server {
 
@@ -81,6 +82,7 @@ class Vulkan final : public VulkanSynthesizer {
         std::size_t cascades;
         bool band_limited;
     };
+    VulkanBatch& batch_of(const KeyframeRequest& request);
     std::vector<Batch> sort(std::span<const KeyframeRequest> requests) const;
     /// Does `jobs(device_batch, batch, indices)` for some requests after the other that one run serves, by their places.
     template <class Jobs>
@@ -133,7 +135,8 @@ Result<std::unique_ptr<VulkanSynthesizer>> Vulkan::create(std::shared_ptr<gpu::D
                                                           const VulkanOptions& options) {
     std::unique_ptr<Vulkan> made(new Vulkan);
     made->device_ = std::move(device);
-    made->kernels_ = std::make_unique<KernelShelf>(*made->device_, options.any_device_kernels);
+    made->kernels_ =
+        std::make_unique<KernelShelf>(*made->device_, options.any_device_kernels, options.tuning);
     made->held_map_bytes_ = options.held_map_bytes;
     made->maps_stay_ = options.maps_stay;
     if (const auto checked = made->kernels_->get(first_checked_size, true); !checked)
@@ -179,13 +182,17 @@ Result<void> Vulkan::set_sea(sea::RealizationPtr sea, std::uint32_t epoch) {
     return {};
 }
 
+VulkanBatch& Vulkan::batch_of(const KeyframeRequest& request) {
+    SEAWAY_CHECK(request.cascade >= 0 &&
+                     static_cast<std::size_t>(request.cascade) < sea_->cascades.size(),
+                 "a keyframe of a cascade that the sea does not have");
+    return *groups_.at(sea_->cascades[static_cast<std::size_t>(request.cascade)].spec.size).batch;
+}
+
 std::vector<Vulkan::Batch> Vulkan::sort(std::span<const KeyframeRequest> requests) const {
     std::vector<Batch> batches;
     for (std::size_t i = 0; i < requests.size(); ++i) {
         const KeyframeRequest& request = requests[i];
-        SEAWAY_CHECK(request.cascade >= 0 &&
-                         static_cast<std::size_t>(request.cascade) < sea_->cascades.size(),
-                     "a keyframe of a cascade that the sea does not have");
         const int size = sea_->cascades[static_cast<std::size_t>(request.cascade)].spec.size;
         const bool looks = request.foam != nullptr && request.foam->looks(request.fields);
         const sea::FieldSet fields = request.fields;
@@ -204,31 +211,56 @@ std::vector<Vulkan::Batch> Vulkan::sort(std::span<const KeyframeRequest> request
 }
 
 Result<std::vector<NewKeyframePtr>> Vulkan::synthesize(std::span<const KeyframeRequest> requests) {
-    std::vector<NewKeyframePtr> out(requests.size());
-    SEAWAY_TRY(run(requests, [&](VulkanBatch& device_batch, const Batch& batch, auto indices) {
-        return run_jobs(device_batch, batch, requests, indices, out);
+    if (!sea_)
+        return Error{"no sea on the device: the last one could not be uploaded"};
+    std::vector<KeyframeRequest> parts;
+    std::vector<std::size_t> counts;
+    for (const KeyframeRequest& request : requests) {
+        const std::vector<KeyframeRequest> more =
+            parts_of(request, batch_of(request).maps_at_once());
+        parts.insert(parts.end(), more.begin(), more.end());
+        counts.push_back(more.size());
+    }
+    std::vector<NewKeyframePtr> made(parts.size());
+    SEAWAY_TRY(run(parts, [&](VulkanBatch& device_batch, const Batch& batch, auto indices) {
+        return run_jobs(device_batch, batch, parts, indices, made);
     }));
+    counters_.keyframes += requests.size();
+    if (parts.size() == requests.size())
+        return made;
+    std::vector<NewKeyframePtr> out;
+    for (std::size_t i = 0, first = 0; i < requests.size(); first += counts[i++]) {
+        out.push_back(counts[i] == 1 ? made[first] : keyframe(requests[i]));
+        if (counts[i] == 1)
+            continue;
+        sea::Keyframe& whole = *out.back();
+        whole.values =
+            spare_->take(whole.plane_size() * static_cast<std::size_t>(whole.fields.size()));
+        join(std::span(made).subspan(first, counts[i]), whole);
+    }
     return out;
 }
 
 Result<std::vector<StandingKeyframe>>
 Vulkan::synthesize_there(std::span<const KeyframeRequest> requests) {
     SEAWAY_CHECK(maps_stay_, "maps stay where VulkanOptions say that they may");
+    if (!sea_)
+        return Error{"no sea on the device: the last one could not be uploaded"};
     std::vector<StandingKeyframe> out(requests.size());
     SEAWAY_TRY(run(requests, [&](VulkanBatch& device_batch, const Batch& batch, auto indices) {
         return run_jobs_there(device_batch, batch, requests, indices, out);
     }));
+    counters_.keyframes += requests.size();
     return out;
 }
 
 template <class Jobs>
 Result<void> Vulkan::run(std::span<const KeyframeRequest> requests, const Jobs& jobs) {
-    if (!sea_)
-        return Error{"no sea on the device: the last one could not be uploaded"};
     for (const Batch& batch : sort(requests)) {
         VulkanBatch& device_batch = *groups_.at(batch.size).batch;
         const std::span<const std::size_t> all(batch.requests);
-        const auto at_once = static_cast<std::size_t>(device_batch.max_jobs(batch.packing().maps));
+        const auto at_once =
+            static_cast<std::size_t>(std::max(device_batch.max_jobs(batch.packing().maps), 1));
         for (std::size_t first = 0; first < all.size(); first += at_once) {
             const std::size_t count = std::min(at_once, all.size() - first);
             if (const Result<void> done = jobs(device_batch, batch, all.subspan(first, count));
@@ -236,7 +268,6 @@ Result<void> Vulkan::run(std::span<const KeyframeRequest> requests, const Jobs& 
                 return Error{done.error().kind, device_->info().name + ": " + done.error().message};
         }
     }
-    counters_.keyframes += requests.size();
     return {};
 }
 

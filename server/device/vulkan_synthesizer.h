@@ -12,6 +12,7 @@
 #include "base/result.h"
 #include "server/device/synthesizer.h"
 #include "server/device/vulkan_maps.h"
+#include "server/device/vulkan_tuning.h"
 
 namespace seaway::server {
 
@@ -20,6 +21,7 @@ struct VulkanOptions {
     bool validation = false;         ///< Khronos validation layer; for tests
     bool staged = false;             ///< copy as on a discrete GPU; for tests
     bool any_device_kernels = false; ///< design W even where a faster one fits; for tests
+    KernelTuning tuning = {};        ///< of designs of kernels
     /// That keyframes of one size may hold of device memory that the CPU reads in place; when all of it is held, they are
     /// copied.
     std::size_t held_map_bytes = held_map_bytes_max;
@@ -52,7 +54,7 @@ class VulkanSynthesizer : public Synthesizer {
     synthesize_there(std::span<const KeyframeRequest> requests) = 0;
 };
 
-/// Cascade sizes 64, 128, 256, 512, 1024. An error names what is missing (no loader, no such
+/// Cascade sizes 64, 128, 256, 512, 1024, 2048. An error names what is missing (no loader, no such
 /// device) or what the self-check found wrong. set_sea() takes up to some seconds when a driver
 /// compiles a size for the first time.
 Result<std::unique_ptr<VulkanSynthesizer>> make_vulkan_synthesizer(const VulkanOptions& options);

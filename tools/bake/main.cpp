@@ -52,7 +52,7 @@ void declare(CommandLine& line, Options& o) {
         .takes("SECONDS")
         .between(-bake::time_max_s, bake::time_max_s);
     line.option("--size", o.size, "Grid points a side of every cascade, instead of the scene's")
-        .one_of({64, 128, 256, 512, 1024})
+        .one_of({64, 128, 256, 512, 1024, 2048})
         .takes("N");
     line.option("--fields", o.fields, "Names with commas between them, or all")
         .shows_default()

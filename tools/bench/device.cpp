@@ -307,12 +307,34 @@ Result<Row> measure_bandwidth(Mover& mover, int rounds) {
         median(seconds)};
 }
 
+/// Of the kernels of all sizes, for whoever starts later on this device.
+Result<void> retune(const DeviceOptions& options, const server::DeviceChoice& choice) {
+    if (!choice.vulkan)
+        return Error{"--retune: the native device has one design of kernels"};
+    server::KernelTuning tuning = server::usual_tuning();
+    if (tuning.file.empty())
+        return Error{"--retune: neither XDG_CACHE_HOME nor HOME says where to remember it"};
+    tuning.measure = server::Measure::always;
+    tuning.again = true;
+    SEAWAY_TRY_LET(const auto device,
+                   server::make_vulkan_synthesizer(
+                       {.device = std::to_string(*choice.vulkan), .tuning = tuning}));
+    for (const int size : options.sizes) {
+        SEAWAY_TRY_LET(const server::RunningSeaPtr sea, sea_of(options.scene, size));
+        SEAWAY_TRY(device->set_sea(sea->realization, 1));
+    }
+    fmt::print("{}: {}\n", tuning.file, device->description());
+    return {};
+}
+
 } // namespace
 
 Result<void> run_device(const DeviceOptions& options) {
     if (options.sizes.empty())
         return Error{"--sizes: names none"};
     SEAWAY_TRY_LET(const server::DeviceChoice choice, server::choose_device(options.device));
+    if (options.retune)
+        SEAWAY_TRY(retune(options, choice));
     std::vector<Row> rows;
     std::unique_ptr<Mover> mover;
     std::unique_ptr<server::Synthesizer> copying;

@@ -18,6 +18,7 @@ struct DeviceOptions {
     std::vector<int> sizes{128, 256, 512};
     int rounds = 15;
     std::string out = "out/bench";
+    bool retune = false; ///< measure the designs of kernels anew, and remember the fastest
 };
 
 /// Prints a table; writes device.csv into `out`. A row has

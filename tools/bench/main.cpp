@@ -131,6 +131,8 @@ seaway::CommandLine& add_device(seaway::CommandLine& line, seaway::bench::Device
         .between(1, 1000)
         .shows_default();
     command.option("--out", options.out, "Folder for device.csv").shows_default();
+    command.option("--retune", options.retune,
+                   "First measure anew which kernels of these sizes are fastest, and remember it");
     return command;
 }
 
