@@ -128,7 +128,7 @@ TEST(Images, passes_of_both_devices_are_the_transform_along_y) {
     const std::string native = draw("native"), vulkan = draw("llvmpipe");
     const ArrayFile h(native + "h.exr"), columns(native + "columns_h.exr");
     // lavapipe's subgroups of 8 lanes run design T at 128; source 0 holds h itself.
-    const ArrayFile source(vulkan + "t128_evolve_band_source_0.exr");
+    const ArrayFile source(vulkan + "t8_128_evolve_band_source_0.exr");
     ASSERT_EQ(columns.rows, size);
     ASSERT_EQ(source.rows, size);
     double largest = 0;
