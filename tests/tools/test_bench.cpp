@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -262,6 +263,27 @@ TEST(Bench, device_measures_maps_of_each_size_beside_what_memory_gives) {
         EXPECT_EQ(csv.find("copied,") != std::string::npos, device == "lavapipe");
         EXPECT_EQ(csv.find(",cold,") != std::string::npos, device == "lavapipe");
     }
+}
+
+TEST(Bench, device_measures_kernels_anew_and_remembers_them_in_the_cache_of_the_user) {
+    const std::string scene = testing::folder().write("retune.toml", scene_text);
+    const std::string cache = testing::folder().file("cache");
+    const std::string before = std::getenv("XDG_CACHE_HOME") ? std::getenv("XDG_CACHE_HOME") : "";
+    setenv("XDG_CACHE_HOME", cache.c_str(), 1);
+    const std::string how = "device --rounds 1 --sizes 128 --retune --scene " + scene + " --out " +
+                            testing::folder().file("retuned") + " --device ";
+    const Output ran = testing::run_program("seaway-bench", how + "lavapipe");
+    const Output native = testing::run_program("seaway-bench", how + "native");
+    if (before.empty())
+        unsetenv("XDG_CACHE_HOME");
+    else
+        setenv("XDG_CACHE_HOME", before.c_str(), 1);
+    ASSERT_EQ(ran.status, 0) << ran.err;
+    const std::string file = cache + "/seaway/kernels.tsv";
+    EXPECT_THAT(ran.out, HasSubstr(file));
+    EXPECT_THAT(testing::read_file(file), HasSubstr("\t128\tband\t"));
+    EXPECT_NE(native.status, 0);
+    EXPECT_THAT(native.err, HasSubstr("--retune: the native device"));
 }
 
 TEST(Bench, device_says_what_it_cannot_measure_in_one_line) {
