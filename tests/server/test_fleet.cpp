@@ -17,7 +17,7 @@
 #include "server/journal/nats_peers.h"
 #include "server/journal/peer_clocks.h"
 #include "server/journal/sea_clock.h"
-#include "tests/server/change_bench.h"
+#include "tests/server/fleet_bench.h"
 #include "tests/support/fault_proxy.h"
 #include "tests/support/nats_server.h"
 
@@ -28,51 +28,6 @@ using client::Client;
 using tests::FaultProxy;
 using tests::NatsServer;
 using tests::ServerProcess;
-
-std::vector<std::string> arguments_of(const std::string& journal) {
-    std::vector<std::string> words = arguments("");
-    words[5] = "--journal";
-    words[6] = journal;
-    return words;
-}
-
-/// Body of a page, and whether it was 200.
-struct Answer {
-    bool fine;
-    std::string body;
-};
-
-Answer get(const std::string& url, const std::string& path) {
-    const int line = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    address.sin_port = htons(static_cast<std::uint16_t>(tests::port_of(url)));
-    (void)connect(line, reinterpret_cast<sockaddr*>(&address), sizeof address);
-    const std::string request = fmt::format("GET {} HTTP/1.1\r\nHost: 127.0.0.1\r\nAuthorization: "
-                                            "Bearer {}\r\nConnection: close\r\n\r\n",
-                                            path, token);
-    (void)send(line, request.data(), request.size(), 0);
-    std::string text;
-    char buffer[4096];
-    for (ssize_t count; (count = recv(line, buffer, sizeof buffer, 0)) > 0;)
-        text.append(buffer, static_cast<std::size_t>(count));
-    close(line);
-    const std::size_t end = text.find("\r\n\r\n");
-    return {text.find(" 200 ") < text.find("\r\n"),
-            end == std::string::npos ? "" : text.substr(end + 4)};
-}
-
-nlohmann::json journal_of(const std::string& url) {
-    return nlohmann::json::parse(get(url, "/v1/state").body)["journal"];
-}
-
-template <class Condition>
-bool comes_true(const Condition& condition) {
-    for (int i = 0; i < 6000 && !condition(); ++i)
-        std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    return condition();
-}
 
 std::vector<sea::QueryPoint> points_around(sea::TimeUs from_us, sea::TimeUs until_us) {
     std::mt19937_64 random(77);
@@ -358,48 +313,6 @@ TEST(Fleet, an_administrator_sees_the_servers_their_history_and_differences_and_
     const Said none = ctl(at_a, {"rewind", "99"});
     EXPECT_EQ(none.code, 6);
     EXPECT_NE(none.words.find("change is 99; there is none"), std::string::npos) << none.words;
-}
-
-TEST(Fleet, a_world_of_another_scene_and_wrong_options_are_named_at_the_start) {
-    NatsServer nats;
-    ServerProcess first(arguments_of(nats.url("w")));
-    ASSERT_FALSE(first.wait_until_ready().empty()) << first.log();
-    const auto fails = [](std::vector<std::string> words, const std::string& says) {
-        ServerProcess server(std::move(words));
-        EXPECT_EQ(server.wait_for_exit(std::chrono::seconds(60)), 2);
-        EXPECT_NE(server.log().find(says), std::string::npos) << server.log();
-    };
-    std::vector<std::string> other = arguments_of(nats.url("w"));
-    other[0] = "scenes/north_sea_gale.toml";
-    fails(other, nats.url("w") + " is the journal of another sea");
-    fails(arguments_of("nats://127.0.0.1:1/a.b"), "the world's name is");
-    fails(arguments_of("nats://sea:pass@127.0.0.1/w"), "--journal-credentials");
-    std::vector<std::string> both = arguments_of(nats.url("w"));
-    both.insert(both.end(), {"--data-dir", tests::folder().file("both")});
-    fails(both, "--data-dir and --journal both say where the journal is");
-    std::vector<std::string> tls = arguments_of(tests::folder().file("folder"));
-    tls.insert(tls.end(), {"--journal-tls-ca", "ca.pem"});
-    fails(tls, "--journal-tls-ca goes with --journal nats://");
-}
-
-TEST(Fleet, a_folder_is_a_journal_under_either_name) {
-    std::vector<std::string> words = arguments_of(tests::folder().file("named"));
-    std::string epoch;
-    for (const char* option : {"--journal", "--data-dir"}) {
-        words[5] = option;
-        ServerProcess server(words);
-        const std::string url = server.wait_until_ready();
-        ASSERT_FALSE(url.empty()) << server.log();
-        const auto state = nlohmann::json::parse(get(url, "/v1/state").body);
-        if (!epoch.empty()) {
-            EXPECT_EQ(state["epoch_utc"], epoch);
-        }
-        epoch = state["epoch_utc"];
-        EXPECT_EQ(state["journal"]["shared"], false);
-        EXPECT_EQ(get(url, "/metrics").body.find("seaway_sea_stale"), std::string::npos);
-        server.send(SIGTERM);
-        EXPECT_EQ(server.wait_for_exit(std::chrono::seconds(20)), 0);
-    }
 }
 
 } // namespace

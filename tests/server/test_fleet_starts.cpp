@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+// How servers of a fleet start, or do not, and what of them can be changed while they run.
+#include <filesystem>
+
+#include <gtest/gtest.h>
+
+#include "tests/server/fleet_bench.h"
+
+namespace seaway::changes {
+namespace {
+
+using tests::NatsServer;
+using tests::ServerProcess;
+
+TEST(Fleet, a_world_of_another_scene_and_wrong_options_are_named_at_the_start) {
+    NatsServer nats;
+    ServerProcess first(arguments_of(nats.url("w")));
+    ASSERT_FALSE(first.wait_until_ready().empty()) << first.log();
+    const auto fails = [](std::vector<std::string> words, const std::string& says) {
+        ServerProcess server(std::move(words));
+        EXPECT_EQ(server.wait_for_exit(std::chrono::seconds(60)), 2);
+        EXPECT_NE(server.log().find(says), std::string::npos) << server.log();
+    };
+    std::vector<std::string> other = arguments_of(nats.url("w"));
+    other[0] = "scenes/north_sea_gale.toml";
+    fails(other, nats.url("w") + " is the journal of another sea");
+    fails(arguments_of("nats://127.0.0.1:1/a.b"), "the world's name is");
+    fails(arguments_of("nats://sea:pass@127.0.0.1/w"), "--journal-credentials");
+    std::vector<std::string> both = arguments_of(nats.url("w"));
+    both.insert(both.end(), {"--data-dir", tests::folder().file("both")});
+    fails(both, "--data-dir and --journal both say where the journal is");
+    std::vector<std::string> tls = arguments_of(tests::folder().file("folder"));
+    tls.insert(tls.end(), {"--journal-tls-ca", "ca.pem"});
+    fails(tls, "--journal-tls-ca goes with --journal nats://");
+}
+
+TEST(Fleet, a_folder_is_a_journal_under_either_name) {
+    std::vector<std::string> words = arguments_of(tests::folder().file("named"));
+    std::string epoch;
+    for (const char* option : {"--journal", "--data-dir"}) {
+        words[5] = option;
+        ServerProcess server(words);
+        const std::string url = server.wait_until_ready();
+        ASSERT_FALSE(url.empty()) << server.log();
+        const auto state = nlohmann::json::parse(get(url, "/v1/state").body);
+        if (!epoch.empty()) {
+            EXPECT_EQ(state["epoch_utc"], epoch);
+        }
+        epoch = state["epoch_utc"];
+        EXPECT_EQ(state["journal"]["shared"], false);
+        EXPECT_EQ(get(url, "/metrics").body.find("seaway_sea_stale"), std::string::npos);
+        server.send(SIGTERM);
+        EXPECT_EQ(server.wait_for_exit(std::chrono::seconds(20)), 0);
+    }
+}
+
+} // namespace
+} // namespace seaway::changes
