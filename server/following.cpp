@@ -17,25 +17,40 @@ double Following::clock_budget_us() const {
     return vertical_mps > 0 ? 1e6 * height_error_m / vertical_mps : 1e12;
 }
 
-std::string Following::doubt() const {
+Doubt Following::kind_of_doubt() const {
     if (!shared)
-        return {};
+        return Doubt::none;
     if (!stuck.empty())
-        return stuck;
+        return Doubt::stuck;
     if (!journal.current)
-        return fmt::format("the journal has not been heard of for {:.1f} s{}",
-                           sea::seconds_from_us(journal.unheard_us),
-                           journal.trouble.empty() ? "" : " (" + journal.trouble + ")");
+        return Doubt::unheard;
     const double off_us = std::abs(journal.peers.ahead_us);
     // What it is off by for certain: a long way to the peers is no reason.
     if (journal.peers.can_judge() && off_us - journal.peers.error_us > clock_budget_us())
+        return Doubt::clock;
+    return late || behind_us > behind_us_max ? Doubt::behind : Doubt::none;
+}
+
+std::string Following::doubt() const {
+    const double off_us = std::abs(journal.peers.ahead_us);
+    switch (kind_of_doubt()) {
+    case Doubt::stuck:
+        return stuck;
+    case Doubt::unheard:
+        return fmt::format("the journal has not been heard of for {:.1f} s{}",
+                           sea::seconds_from_us(journal.unheard_us),
+                           journal.trouble.empty() ? "" : " (" + journal.trouble + ")");
+    case Doubt::clock:
         return fmt::format(
             "its clock is {:.1f} ms {} those of {} others: heights would be {:.0f} mm off, "
             "and {:.0f} mm are allowed",
             1e-3 * off_us, journal.peers.ahead_us > 0 ? "ahead of" : "behind", journal.peers.peers,
             1e-3 * off_us * vertical_mps, 1e3 * height_error_m);
-    if (late || behind_us > behind_us_max)
+    case Doubt::behind:
         return fmt::format("{} of {} changes are played", played, journal.last_epoch);
+    case Doubt::none:
+        break;
+    }
     return {};
 }
 

@@ -13,6 +13,15 @@ namespace seaway::server {
 /// Changes of others may wait so long to be played: they begin a second after they have to be known.
 inline constexpr std::int64_t behind_us_max = 1'000'000;
 
+/// Why a server may not have the sea of the others.
+enum class Doubt {
+    none,
+    stuck,   ///< what the log holds next cannot be played
+    unheard, ///< the log has not been heard of; passes with that
+    clock,   ///< its clock is off from those of the others
+    behind,  ///< some changes are not played yet; passes with that
+};
+
 struct Following {
     std::string name; ///< of the journal
     JournalStanding journal;
@@ -26,6 +35,7 @@ struct Following {
 
     /// A clock that is off by this moves heights by their budget.
     double clock_budget_us() const;
+    Doubt kind_of_doubt() const;
     /// Why this sea may not be that of the other servers, one line; empty: it is.
     std::string doubt() const;
     /// The object "journal" of /v1/state.

@@ -317,6 +317,18 @@ Result<SeaDirector::Planned> SeaDirector::plan(const SeaWish& wish) const {
     }
 }
 
+Result<void> SeaDirector::check_certain() const {
+    const std::optional<Following> now = world_.following();
+    const Doubt doubt = now ? now->kind_of_doubt() : Doubt::none;
+    if (doubt == Doubt::none)
+        return {};
+    const std::string why = fmt::format(
+        "the sea cannot be changed now, this server is not sure of it ({})", now->doubt());
+    if (doubt == Doubt::unheard || doubt == Doubt::behind)
+        return busy(unreachable_pause_us, why);
+    return Error{Refusal::busy, why + ": ask another server of this sea"};
+}
+
 Result<void> SeaDirector::check_promised(const SeaWish& wish) {
     const TimeUs now_us = clock_.now_us();
     std::erase_if(promised_, [now_us](TimeUs start_us) { return start_us <= now_us; });
@@ -351,6 +363,9 @@ Result<void> SeaDirector::log(SeaChange change) {
     if (kept.error().is(JournalError::outrun))
         return busy(0, fmt::format("another server has changed the sea meanwhile ({})",
                                    kept.error().message));
+    if (kept.error().is(JournalError::clock_behind))
+        return Error{Refusal::busy,
+                     fmt::format("the sea cannot be changed now ({})", kept.error().message)};
     if (kept.error().is(JournalError::unreachable) || kept.error().is(JournalError::lapsed))
         return busy(unreachable_pause_us,
                     fmt::format("the sea cannot be changed now ({})", kept.error().message));
@@ -380,6 +395,7 @@ Result<SeaPromise> SeaDirector::make_pace(int permille) {
 }
 
 Result<SeaPromise> SeaDirector::make(const SeaWish& wish) {
+    SEAWAY_TRY(check_certain());
     if (wish.pace_permille)
         return make_pace(*wish.pace_permille);
     SEAWAY_TRY(check_promised(wish));

@@ -57,6 +57,8 @@ class SeaDirector {
     /// Where there is no memory now, the next look does.
     void announce();
     static void tell(const Asked& asked, Result<SeaPromise> promise);
+    /// An error, busy: this server is not sure of its sea, so that a change would be of another one, or of another time.
+    Result<void> check_certain() const;
     /// An error, busy: more are promised than may be, and this one would begin soon.
     Result<void> check_promised(const SeaWish& wish);
     /// An error, busy: too many before it have taken over from changes that had not ended.

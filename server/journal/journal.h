@@ -45,7 +45,8 @@ struct Beginning {
 
 /// Kinds of append()'s errors.
 enum class JournalError {
-    lapsed, ///< it was written, but so late that it changes nothing: to be asked for again
+    lapsed,       ///< it was written, but so late that it changes nothing: to be asked for again
+    clock_behind, ///< the same, though it was written at once: this server's clock is behind the log's
     outrun, ///< another change has this number: nothing of this one is kept; since() has the other one
     unreachable, ///< the log cannot be asked: nothing of it is kept
     unknown,     ///< it was asked and has not said: since() has the change later, or never

@@ -203,6 +203,7 @@ Result<void> SharedJournal::append(const SeaChange& change) {
     const std::int64_t by_utc_us = options_.utc() + stored_within_us;
     const std::int64_t made_us = options_.steady();
     const std::scoped_lock lock(log_mutex_);
+    const std::int64_t began_us = options_.steady();
     // Also so that nothing is written to a log that is not the one that was followed.
     if (const Result<SharedLog::Tail> tail = catch_up(); !tail) {
         Error why = tail.error();
@@ -234,11 +235,16 @@ Result<void> SharedJournal::append(const SeaChange& change) {
         return refused({LogFailure::unanswered, "took the change and does not show it yet"});
     if (!changes_[change.epoch - 1].lapsed)
         return {};
+    const std::string late =
+        fmt::format("change {} was stored more than {} s after it was made, by the clock of the "
+                    "log: it changes nothing",
+                    change.epoch, stored_within_us / 1'000'000);
+    if (options_.steady() - began_us > stored_within_us)
+        return Error{JournalError::lapsed, wrong(late).message};
     return Error{
-        JournalError::lapsed,
-        wrong(fmt::format("change {} was stored more than {} s after it was made, by the clock of "
-                          "the log: it changes nothing",
-                          change.epoch, stored_within_us / 1'000'000))
+        JournalError::clock_behind,
+        wrong(late + ". It was stored at once: this server's clock is behind that of NATS, and one "
+                     "of both has to be set right")
             .message};
 }
 

@@ -260,6 +260,17 @@ TEST(
     EXPECT_TRUE(comes_true([&] {
         return server.log().find("event=handing_over sessions=1") != std::string::npos;
     })) << server.log();
+    for (const std::vector<std::string>& words :
+         {std::vector<std::string>{"set", "systems.0.wind_speed_10m_mps=15", "--over", "10s"},
+          {"pause"}}) {
+        const Said refused = ctl(url, words);
+        EXPECT_EQ(refused.code, 6) << "it would be a change of another time: " << refused.words;
+        EXPECT_NE(refused.words.find("ms behind those of 2 others"), std::string::npos)
+            << refused.words;
+        EXPECT_EQ(refused.words.find("ask again in"), std::string::npos)
+            << "a clock is not right in a second: " << refused.words;
+    }
+    EXPECT_EQ(journal_of(url)["changes"], 1) << "nothing of them is in the log";
     EXPECT_TRUE(get(url, "/healthz").fine);
 }
 

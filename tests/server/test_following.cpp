@@ -41,5 +41,21 @@ TEST(Following, what_it_has_not_heard_or_not_played_makes_it_doubt) {
     EXPECT_EQ(stuck.doubt(), stuck.stuck);
 }
 
+// Of what passes by itself a change may be asked for again; of the others another server.
+TEST(Following, each_doubt_has_its_kind) {
+    EXPECT_EQ(certain().kind_of_doubt(), Doubt::none);
+    Following following = certain();
+    following.late = true;
+    EXPECT_EQ(following.kind_of_doubt(), Doubt::behind);
+    following.journal.peers = {.peers = 2, .ahead_us = 11'000, .error_us = 500};
+    EXPECT_EQ(following.kind_of_doubt(), Doubt::clock) << "11 ms at 1 m/s, of 10 mm";
+    following.journal.peers.peers = 1;
+    EXPECT_EQ(following.kind_of_doubt(), Doubt::behind) << "of two nobody knows which is off";
+    following.journal.current = false;
+    EXPECT_EQ(following.kind_of_doubt(), Doubt::unheard);
+    following.stuck = "change 3 cannot be read";
+    EXPECT_EQ(following.kind_of_doubt(), Doubt::stuck);
+}
+
 } // namespace
 } // namespace seaway::server
