@@ -6,6 +6,8 @@
 
 #include <boost/asio/ssl/context.hpp>
 #include <fmt/format.h>
+#include <openssl/err.h>
+#include <openssl/ssl.h>
 
 #include "protocol/token_file.h"
 
@@ -83,9 +85,15 @@ class Reading {
             return;
         tls->use_private_key_file(key.path, ssl::context::pem, error);
         if (error)
-            fail(key,
-                 Error{fmt::format("--tls-key {}: {}; the PEM key of the certificate is expected",
-                                   key.path, error.message())});
+            return fail(key, Error{fmt::format(
+                                 "--tls-key {}: {}; the PEM key of the certificate is expected",
+                                 key.path, error.message())});
+        // OpenSSL takes a key of another type than the certificate's, for a certificate that might follow.
+        if (SSL_CTX_check_private_key(tls->native_handle()) != 1) {
+            ERR_clear_error();
+            return fail(key, Error{fmt::format("--tls-key {}: not the key of the certificate in {}",
+                                               key.path, options_.tls_cert_file)});
+        }
         credentials_.tls = tls;
     }
 

@@ -35,8 +35,8 @@ using Ssl = std::unique_ptr<SSL, Freed<SSL_free>>;
 using File = std::unique_ptr<std::FILE, Freed<std::fclose>>;
 
 /// Writes a self-signed certificate of an hour and its key as PEM files.
-void make_certificate(const std::string& cert_file, const std::string& key_file) {
-    const Key key(EVP_EC_gen("P-256"));
+void make_certificate(const std::string& cert_file, const std::string& key_file,
+                      Key key = Key(EVP_EC_gen("P-256"))) {
     const Certificate certificate(X509_new());
     X509_set_version(certificate.get(), 2);
     ASN1_INTEGER_set(X509_get_serialNumber(certificate.get()), 1);
@@ -225,6 +225,32 @@ TEST_F(NetTls, a_key_of_another_certificate_is_one_helpful_line) {
     const auto started = server::NetServer::start(options, host);
     ASSERT_FALSE(started.has_value());
     EXPECT_NE(started.error().message.find("--tls-key"), std::string::npos);
+}
+
+// Naive: OpenSSL takes both, each in a place of its own, and no handshake ever succeeds.
+TEST_F(NetTls, a_key_of_another_type_than_the_certificates_is_refused_at_the_start_and_later) {
+    const std::string rsa_cert = folder().file("rsa_cert.pem"),
+                      rsa_key = folder().file("rsa_key.pem"), ec_key = folder().file("ec_key.pem");
+    make_certificate(rsa_cert, rsa_key, Key(EVP_RSA_gen(2048)));
+    make_certificate(folder().file("ec_cert.pem"), ec_key);
+    server::NetOptions options;
+    options.listen = "127.0.0.1:0";
+    options.tls_cert_file = rsa_cert;
+    options.tls_key_file = ec_key;
+    const Result<void> checked = server::NetServer::check(options);
+    ASSERT_FALSE(checked);
+    EXPECT_EQ(checked.error().message,
+              "--tls-key " + ec_key + ": not the key of the certificate in " + rsa_cert);
+    EXPECT_FALSE(server::NetServer::start(options, host).has_value());
+    options.tls_key_file = rsa_key;
+    EXPECT_TRUE(server::NetServer::check(options));
+    // The running one, of which a new certificate came without its key.
+    make_certificate(folder().file("cert.pem"), rsa_key, Key(EVP_RSA_gen(2048)));
+    const server::NetServer::Reloaded read = net->reload();
+    ASSERT_FALSE(read.all);
+    EXPECT_NE(read.all.error().message.find("not the key of the certificate"), std::string::npos);
+    TlsPeer peer(net->port());
+    EXPECT_TRUE(peer.handshake()) << "with what it had";
 }
 
 } // namespace
