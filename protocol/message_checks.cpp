@@ -241,6 +241,7 @@ Result<void> check_glide(const wire::SeaState& state) {
     if (glide == nullptr)
         return {};
     return all_of(
+        in_range("start_time_us", state.start_time_us(), -limits::time_us_max, limits::time_us_max),
         in_range("glide.end_us", glide->end_us(), state.start_time_us(), limits::time_us_max),
         in_range("glide.choppiness_x", glide->choppiness_x(), -10.0, 10.0),
         in_range("glide.choppiness_y", glide->choppiness_y(), -10.0, 10.0),

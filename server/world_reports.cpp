@@ -121,8 +121,8 @@ protocol::SeaStateValues sea_state_values(const RunningSea& sea, const EpochWind
                                           const std::vector<std::string>& warnings) {
     protocol::SeaStateValues state;
     state.epoch = sea.epoch;
-    // The first one has run for ever, also before time 0.
-    state.start_time_us = std::max(window.start_us, sea::TimeUs{0});
+    // The first one has run for ever; a change may come before time 0.
+    state.start_time_us = std::max(window.start_us, -sea::time_us_max);
     for (std::size_t c = 0; c < sea.realization->cascades.size(); ++c) {
         const sea::CascadeModes& modes = sea.realization->cascades[c];
         state.cascades.push_back({modes.spec.length_m, modes.spec.size, modes.band.k_lo_radpm,
@@ -173,7 +173,8 @@ protocol::SeaStateValues announcement(const RunningSea& sea, const EpochWindow& 
     protocol::SeaStateValues state = sea_state_values(sea, window, warnings);
     if (sea.glide) // nobody can make it of its scene alone
         return state;
-    state.probes = sea::make_probes(*sea.truth, state.start_time_us);
+    const bool is_first = state.start_time_us == -sea::time_us_max;
+    state.probes = sea::make_probes(*sea.truth, is_first ? 0 : state.start_time_us);
     state.probe_error_m = sea::probe_error_m;
     return state;
 }

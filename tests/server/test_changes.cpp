@@ -13,6 +13,9 @@
 
 #include "base/child_process.h"
 #include "client/client.h"
+#include "sea/scene/scene.h"
+#include "server/journal/sea_clock.h"
+#include "server/journal/sqlite_journal.h"
 #include "server/simulation/sea_course.h"
 #include "tests/server/change_bench.h"
 
@@ -313,6 +316,43 @@ TEST(Changes, are_for_administrators_and_refused_with_what_is_wrong) {
         std::this_thread::sleep_for(std::chrono::milliseconds(10));
     EXPECT_NE(client->closed_reason().find("dropped"), std::string::npos)
         << client->closed_reason();
+}
+
+// The journal was begun by a clock that was an hour ahead and has been set right since: sea time is negative for an hour.
+TEST(Changes, before_time_0_a_sea_changes_as_at_any_other_time) {
+    const std::string folder = tests::folder().file("before");
+    const auto scene = sea::read_scene(SEAWAY_SOURCE_DIR "/scenes/calm.toml");
+    ASSERT_TRUE(scene);
+    constexpr std::int64_t hour_us = 3'600'000'000;
+    ASSERT_TRUE(server::SqliteJournal::open(
+        folder, {server::SeaClock::utc_now_us() + hour_us, sea::to_toml(*scene)}, "--journal"));
+    tests::ServerProcess server(arguments(folder));
+    const std::string url = server.wait_until_ready();
+    const auto there = connect(url);
+    ASSERT_TRUE(there) << server.log();
+    EXPECT_LT(there->now_us(), 0);
+    ASSERT_TRUE(there->subscribe({.fields = sea::surface_fields}, 8, 10));
+    const Said said = ctl(url, {"set", "systems.0.wind_speed_10m_mps=12", "--over", "10s"});
+    ASSERT_EQ(said.code, 0) << said.words;
+    const double start_s = number(said.words, "start_s"), end_s = number(said.words, "end_s");
+    EXPECT_LT(end_s, 0);
+    // Who was there before the change, and who comes while it runs, sample what the server says.
+    while (sea::seconds_from_us(there->now_us()) < start_s + 1)
+        std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    const auto came = connect(url);
+    ASSERT_TRUE(came) << "locked out while it glides: " << server.log();
+    const std::vector<sea::QueryPoint> points{{3, 4, sea::us_from_seconds(start_s - 2)},
+                                              {3, 4, sea::us_from_seconds(start_s + 5)},
+                                              {3, 4, sea::us_from_seconds(end_s + 2)}};
+    for (Client* client : {there.get(), came.get()}) {
+        const auto sampled = client->fetch_and_sample(points, 30);
+        const auto exact = client->ask(points, {.exact = true, .timeout_s = 30});
+        ASSERT_TRUE(sampled && exact);
+        for (std::size_t i = 0; i < points.size(); ++i)
+            EXPECT_NEAR((*sampled)[i].height_m, (*exact)[i].height_m,
+                        (*sampled)[i].error_m + (*exact)[i].error_m)
+                << i;
+    }
 }
 
 } // namespace

@@ -134,7 +134,8 @@ TEST(SeaStateValues, the_announcement_has_the_probes_of_the_sea_from_its_start_o
     const RunningSea sea = some_sea();
     EXPECT_TRUE(sea_state_values(sea, always, {}).probes.empty()) << "pages do without";
     const protocol::SeaStateValues state = announcement(sea, always, {"first"});
-    EXPECT_EQ(state.probes, sea::make_probes(*sea.truth, state.start_time_us));
+    EXPECT_EQ(state.start_time_us, -sea::time_us_max) << "it has run for ever";
+    EXPECT_EQ(state.probes, sea::make_probes(*sea.truth, 0));
     EXPECT_EQ(state.probe_error_m, 1e-6);
     EXPECT_EQ(state.warnings, std::vector<std::string>{"first"});
 }
