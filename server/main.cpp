@@ -188,8 +188,11 @@ int serve(const Options& options) {
     const StartFiles start_files(options);
     const Result<Resumed> resumed =
         begin_or_resume(options.journal, *course, SeaClock::utc_now_us());
-    if (!resumed)
-        return fail(exit_usage, resumed.error());
+    if (!resumed) {
+        const Error& why = resumed.error();
+        const bool passes = why.is(JournalError::unreachable) || why.is(JournalError::unknown);
+        return fail(passes ? exit_no_journal : exit_usage, why);
+    }
 
     const StopSignal stop;
     StopDeadline deadline(stop_limit + drain_of(options.net), exit_no_device,

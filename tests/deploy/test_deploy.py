@@ -69,6 +69,8 @@ class Deploy(unittest.TestCase):
         unit.optionxform = str
         unit.read(FLEET / "seaway-fleet@.service")
         start = unit["Service"]["ExecStart"]
+        self.assertEqual(unit["Service"]["ExecStartPre"], start + " --check")
+        self.assertEqual(unit["Service"]["RestartPreventExitStatus"], "2", "and not 5: NATS is away")
         self.assertLessEqual(options_in(start.split()), options_of_the_server())
         self.assertIn("%i", unit["Service"]["EnvironmentFile"])
         for variable in re.findall(r"\$\{(\w+)\}", start):

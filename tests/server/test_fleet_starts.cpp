@@ -34,6 +34,13 @@ TEST(Fleet, a_world_of_another_scene_and_wrong_options_are_named_at_the_start) {
     fails(tls, "--journal-tls-ca goes with --journal nats://");
 }
 
+// Who starts it again by its exit code (RestartPreventExitStatus=2) has to, here: NATS comes back.
+TEST(Fleet, where_nats_is_away_a_server_ends_with_the_code_of_what_passes) {
+    ServerProcess server(arguments_of(fmt::format("nats://127.0.0.1:{}/away", tests::free_port())));
+    EXPECT_EQ(server.wait_for_exit(std::chrono::seconds(60)), 5);
+    EXPECT_NE(server.log().find("NATS cannot be reached"), std::string::npos) << server.log();
+}
+
 TEST(Fleet, a_folder_is_a_journal_under_either_name) {
     std::vector<std::string> words = arguments_of(tests::folder().file("named"));
     std::string epoch;
