@@ -37,9 +37,13 @@ Result<void> set_credentials(natsOptions* options, const std::string& file) {
     Result<std::string> text = read_text_file(file, credentials_bytes_max);
     if (!text)
         return Error{fmt::format("{} {}: {}", option, file, text.error().message)};
-    if (text->starts_with("-----BEGIN"))
+    if (text->starts_with("-----BEGIN")) {
+        for (const char* part : {"-----BEGIN NATS USER JWT-----", "-----BEGIN USER NKEY SEED-----"})
+            if (text->find(part) == std::string::npos)
+                return Error{fmt::format("{} {}: NATS credentials without {}", option, file, part)};
         return with_file(option, file,
                          natsOptions_SetUserCredentialsFromFiles(options, file.c_str(), nullptr));
+    }
     while (!text->empty() && (text->back() == '\n' || text->back() == '\r'))
         text->pop_back();
     if (text->empty() || text->find('\n') != std::string::npos)
@@ -67,30 +71,15 @@ Result<void> set_tls(natsOptions* options, const NatsPlace& place) {
                                                        place.key_file.c_str()));
 }
 
-} // namespace
+using Options = std::unique_ptr<natsOptions, DestroyOptions>;
 
-struct NatsConnection::Parts {
-    std::unique_ptr<natsOptions, DestroyOptions> options;
-    natsConnection* connection = nullptr;
-};
-
-NatsConnection::NatsConnection(NatsPlace place, std::unique_ptr<Parts> parts)
-    : place_(std::move(place)), parts_(std::move(parts)) {}
-
-NatsConnection::NatsConnection(NatsConnection&&) noexcept = default;
-
-NatsConnection::~NatsConnection() {
-    if (parts_)
-        drop();
-}
-
-Result<NatsConnection> NatsConnection::make(NatsPlace place) {
-    auto parts = std::make_unique<Parts>();
+/// With what the files say now.
+Result<Options> options_of(const NatsPlace& place) {
     natsOptions* made = nullptr;
     natsStatus status = natsOptions_Create(&made);
     if (status != NATS_OK)
         return Error{"NATS: " + said(status)};
-    parts->options.reset(made);
+    Options options(made);
     std::vector<const char*> servers;
     for (const std::string& server : place.servers)
         servers.push_back(server.c_str());
@@ -107,27 +96,61 @@ Result<NatsConnection> NatsConnection::make(NatsPlace place) {
     SEAWAY_TRY(set_tls(made, place));
     if (!place.credentials_file.empty())
         SEAWAY_TRY(set_credentials(made, place.credentials_file));
-    return NatsConnection(std::move(place), std::move(parts));
+    return options;
+}
+
+/// Why nobody was let in, or nobody is there.
+Error failed_to_connect(natsStatus status, const NatsPlace& place) {
+    if (status == NATS_CONNECTION_AUTH_FAILED)
+        return Error{fmt::format("NATS lets nobody in {} (--journal-credentials): {}",
+                                 place.credentials_file.empty() ? "without credentials"
+                                                                : "with these credentials",
+                                 said(status))};
+    if (status == NATS_SSL_ERROR || status == NATS_SECURE_CONNECTION_WANTED ||
+        status == NATS_SECURE_CONNECTION_REQUIRED)
+        return Error{"NATS and this server do not agree on TLS (--journal-tls-ca, "
+                     "--journal-tls-cert): " +
+                     said(status)};
+    return Error{LogFailure::unreachable, "NATS cannot be reached: " + said(status)};
+}
+
+} // namespace
+
+struct NatsConnection::Parts {
+    natsConnection* connection = nullptr;
+};
+
+NatsConnection::NatsConnection(NatsPlace place, std::unique_ptr<Parts> parts)
+    : place_(std::move(place)), parts_(std::move(parts)) {}
+
+NatsConnection::NatsConnection(NatsConnection&&) noexcept = default;
+
+NatsConnection::~NatsConnection() {
+    if (parts_)
+        drop();
+}
+
+Result<NatsConnection> NatsConnection::make(NatsPlace place) {
+    SEAWAY_TRY(options_of(place));
+    return NatsConnection(std::move(place), std::make_unique<Parts>());
 }
 
 Result<natsConnection*> NatsConnection::get() {
     if (parts_->connection && natsConnection_IsClosed(parts_->connection))
         drop();
-    if (!parts_->connection)
-        if (const natsStatus status =
-                natsConnection_Connect(&parts_->connection, parts_->options.get());
-            status != NATS_OK) {
-            parts_->connection = nullptr;
-            if (status == NATS_CONNECTION_AUTH_FAILED)
-                return Error{"NATS lets nobody in with these credentials: " + said(status)};
-            if (status == NATS_SSL_ERROR || status == NATS_SECURE_CONNECTION_WANTED ||
-                status == NATS_SECURE_CONNECTION_REQUIRED)
-                return Error{"NATS and this server do not agree on TLS (--journal-tls-ca, "
-                             "--journal-tls-cert): " +
-                             said(status)};
-            return Error{LogFailure::unreachable, "NATS cannot be reached: " + said(status)};
-        }
-    return parts_->connection;
+    if (parts_->connection)
+        return parts_->connection;
+    const Result<Options> options = options_of(place_);
+    // It was fine when make() read it, and may be again. Clients are told of trouble, so its place is not named.
+    if (!options)
+        return Error{LogFailure::unreachable,
+                     "NATS cannot be reached: a file that lets this server in is broken, SIGHUP "
+                     "says which"};
+    const natsStatus status = natsConnection_Connect(&parts_->connection, options->get());
+    if (status == NATS_OK)
+        return parts_->connection;
+    parts_->connection = nullptr;
+    return failed_to_connect(status, place_);
 }
 
 void NatsConnection::drop() {

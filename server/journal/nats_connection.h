@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // One connection to NATS that is made when it is needed and let go when it fails: what was written to it is never sent a
-// second time behind anybody's back. For one thread at a time.
+// second time behind anybody's back. Its files are read anew for each connection. For one thread at a time.
 #pragma once
 
 #include <memory>
@@ -24,7 +24,7 @@ class NatsConnection {
     NatsConnection(NatsConnection&&) noexcept;
     ~NatsConnection();
 
-    /// Errors are of kind LogFailure::unreachable, but where the credentials are wrong.
+    /// Errors are of kind LogFailure::unreachable, also of a file that is broken by now, but where the credentials are wrong.
     Result<natsConnection*> get();
     void drop();
 

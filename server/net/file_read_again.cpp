@@ -36,6 +36,8 @@ std::string_view name(ReadAgain outcome) {
         return "kept";
     case ReadAgain::needs_restart:
         return "needs_restart";
+    case ReadAgain::next_connection:
+        return "next_connection";
     }
     SEAWAY_CHECK(false, "an outcome");
     return {};

@@ -11,11 +11,12 @@
 namespace seaway::server {
 
 enum class ReadAgain {
-    read_again,    ///< and what stands in it now holds
-    unchanged,     ///< it says what it said
-    failed,        ///< `why`; what it said before holds
-    kept,          ///< it says something else, but another one failed, and all are taken or none
-    needs_restart, ///< it says something else, and is read at the start alone
+    read_again,      ///< and what stands in it now holds
+    unchanged,       ///< it says what it said
+    failed,          ///< `why`; what it said before holds
+    kept,            ///< it says something else, but another one failed, and all are taken or none
+    needs_restart,   ///< it says something else, and is read at the start alone
+    next_connection, ///< it says something else, and holds from the next connection on
 };
 std::string_view name(ReadAgain outcome);
 

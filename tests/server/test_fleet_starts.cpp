@@ -34,6 +34,32 @@ TEST(Fleet, a_world_of_another_scene_and_wrong_options_are_named_at_the_start) {
     fails(tls, "--journal-tls-ca goes with --journal nats://");
 }
 
+TEST(Fleet, a_hang_up_names_the_files_of_the_journal_and_says_when_they_hold) {
+    const std::string file = tests::folder().write("hup.credentials", "sea:one\n");
+    NatsServer nats("authorization { user: sea, password: \"one\" }");
+    std::vector<std::string> words = arguments_of(nats.url("hup"));
+    words.insert(words.end(), {"--journal-credentials", file});
+    ServerProcess server(words);
+    ASSERT_FALSE(server.wait_until_ready().empty()) << server.log();
+    const auto says = [&](const std::string& outcome) {
+        server.send(SIGHUP);
+        return comes_true([&] {
+            return server.log().find("option=\"--journal-credentials\" file=\"" + file +
+                                     "\" outcome=" + outcome) != std::string::npos;
+        });
+    };
+    EXPECT_TRUE(says("unchanged")) << server.log();
+    tests::folder().write("hup.credentials", "sea:two\n");
+    EXPECT_TRUE(says("next_connection why=\"is read whenever a connection to NATS is made"))
+        << server.log();
+    tests::folder().write("hup.credentials", "sea:two\nsea:three\n");
+    EXPECT_TRUE(says("failed why=\"--journal-credentials " + file + ": neither NATS credentials"))
+        << server.log();
+    std::filesystem::remove(file);
+    EXPECT_TRUE(says("failed why=\"cannot be read, and the next connection")) << server.log();
+    EXPECT_EQ(server.log().find("sea:"), std::string::npos) << "what stands in a file";
+}
+
 // Who starts it again by its exit code (RestartPreventExitStatus=2) has to, here: NATS comes back.
 TEST(Fleet, where_nats_is_away_a_server_ends_with_the_code_of_what_passes) {
     ServerProcess server(arguments_of(fmt::format("nats://127.0.0.1:{}/away", tests::free_port())));

@@ -38,18 +38,21 @@ class NatsServer {
   public:
     /// `config`: lines of its configuration besides port and store.
     explicit NatsServer(const std::string& config = "", bool with_log = true)
-        : port_(free_port()), store_(folder().file(fmt::format("nats-{}", port_))) {
-        const std::string jetstream =
-            with_log ? fmt::format("jetstream {{ store_dir: \"{}\" }}\n", store_) : "";
-        config_ = folder().write(
-            fmt::format("nats-{}.conf", port_),
-            fmt::format("listen: \"127.0.0.1:{}\"\n{}{}\n", port_, jetstream, config));
-        start();
+        : port_(free_port()), store_(folder().file(fmt::format("nats-{}", port_))),
+          jetstream_(with_log ? fmt::format("jetstream {{ store_dir: \"{}\" }}\n", store_) : "") {
+        start(config);
     }
     ~NatsServer() { stop(SIGKILL); }
     NatsServer(const NatsServer&) = delete;
     NatsServer& operator=(const NatsServer&) = delete;
 
+    /// The same with another configuration.
+    bool start(const std::string& config) {
+        config_ = folder().write(
+            fmt::format("nats-{}.conf", port_),
+            fmt::format("listen: \"127.0.0.1:{}\"\n{}{}\n", port_, jetstream_, config));
+        return start();
+    }
     /// On the same port, with what it has stored. True: it takes connections.
     bool start() {
         pid_ = fork();
@@ -98,7 +101,7 @@ class NatsServer {
     }
 
     const int port_;
-    const std::string store_;
+    const std::string store_, jetstream_;
     std::string config_;
     pid_t pid_ = -1;
 };

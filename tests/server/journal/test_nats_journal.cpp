@@ -235,11 +235,42 @@ TEST(NatsJournal, is_let_in_by_what_a_file_says_and_tells_nobody) {
     EXPECT_NE(checked(url, file("")).find("neither NATS credentials nor one line"),
               std::string::npos);
     EXPECT_NE(checked(url, file("a:b\nc:d\n")).find("neither NATS credentials"), std::string::npos);
+    const std::string half = file("-----BEGIN NATS USER JWT-----\neyJ0\n");
+    EXPECT_NE(
+        checked(url, half).find("--journal-credentials " + half + ": NATS credentials without"),
+        std::string::npos)
+        << checked(url, half);
+    EXPECT_NE(error_at({.where = url}).find("lets nobody in without credentials"),
+              std::string::npos)
+        << error_at({.where = url});
     EXPECT_NE(checked("folder", file("a:b")).find("goes with --journal nats://"),
               std::string::npos);
     const std::string in_url = checked("nats://sea:hunter2@127.0.0.1:4222/w", "");
     EXPECT_NE(in_url.find("--journal-credentials"), std::string::npos) << in_url;
     EXPECT_EQ(in_url.find("hunter2"), std::string::npos) << in_url;
+}
+
+// A password is changed while servers run: NATS first, then the file; nobody restarts them.
+TEST(NatsJournal, a_connection_that_is_made_anew_reads_its_files_again) {
+    const std::string file = tests::folder().write("rotated", "sea:old\n");
+    NatsServer server("authorization { user: sea, password: \"old\" }");
+    const auto journal =
+        open_journal({.where = server.url("rotated"), .credentials_file = file}, beginning);
+    ASSERT_TRUE(journal);
+    server.stop();
+    ASSERT_TRUE(server.start("authorization { user: sea, password: \"new\" }"));
+    ASSERT_TRUE(comes_true([&] {
+        return (*journal)->standing().trouble.find("with these credentials") != std::string::npos;
+    })) << (*journal)->standing().trouble;
+    tests::folder().write("rotated", "sea:new\nand more\n");
+    ASSERT_TRUE(comes_true([&] {
+        return (*journal)->standing().trouble.find("a file that lets this server in is broken") !=
+               std::string::npos;
+    })) << (*journal)->standing().trouble;
+    tests::folder().write("rotated", "sea:new\n");
+    EXPECT_TRUE(comes_true([&] { return (*journal)->standing().trouble.empty(); }))
+        << (*journal)->standing().trouble;
+    EXPECT_TRUE((*journal)->append(change(2)));
 }
 
 /// A certificate for 127.0.0.1 that signs itself, and its key.
