@@ -80,6 +80,14 @@ void tell_of(const RunningSea& sea) {
         spdlog::warn("{}: {}", sea.scene.source, warning);
 }
 
+/// A name of a world or folder that was meant to be another begins another sea: who reads the log sees that.
+void tell_of_beginning(const Resumed& resumed) {
+    spdlog::info("event={} journal=\"{}\" epoch={} changes={}",
+                 resumed.begins ? "sea_begins" : "sea_goes_on",
+                 resumed.journal ? resumed.journal->name() : "none", utc_text(resumed.epoch_utc_us),
+                 resumed.changes);
+}
+
 /// The budget of --memory-mb.
 Result<MemoryPtr> memory_for(const Options& options, const RunningSea& sea) {
     constexpr std::size_t mib = 1024 * 1024;
@@ -194,6 +202,7 @@ int serve(const Options& options) {
         return fail(passes ? exit_no_journal : exit_usage, why);
     }
 
+    tell_of_beginning(*resumed);
     const StopSignal stop;
     StopDeadline deadline(stop_limit + drain_of(options.net), exit_no_device,
                           [json = options.log == "json"] { return last_words(json); });

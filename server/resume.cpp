@@ -66,7 +66,9 @@ Result<Resumed> begin_or_resume(const JournalPlace& place, SeaCourse& course,
                    open_journal(place, {now_utc_us, sea::to_toml(scene)}));
     SEAWAY_TRY_LET(const std::vector<SeaChange> changes, journal->since(0));
     SEAWAY_TRY(check_same_sea(journal->name(), changes.front(), scene));
-    Resumed resumed{nullptr, journal->epoch_utc_us(), static_cast<std::uint32_t>(changes.size())};
+    Resumed resumed{nullptr, journal->epoch_utc_us(),
+                    changes.size() == 1 && journal->epoch_utc_us() == now_utc_us,
+                    static_cast<std::uint32_t>(changes.size())};
     for (std::size_t i = 1; i < changes.size(); ++i)
         if (changes[i].lapsed)
             continue;

@@ -15,6 +15,7 @@ namespace seaway::server {
 struct Resumed {
     std::unique_ptr<Journal> journal; ///< null without a place: the sea ends with the process
     std::int64_t epoch_utc_us;        ///< instant of sea time 0
+    bool begins = true;               ///< nobody had begun it before
     std::uint32_t changes = 1;        ///< that were played, the beginning included
     sea::Paces paces = {};
 };

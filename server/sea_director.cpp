@@ -220,6 +220,13 @@ void SeaDirector::look_for_doubt() {
     const std::string why = now->doubt();
     handed_over_for_doubt_ = handed_over_for_doubt_ && !why.empty();
     const bool waits = !why.empty() && !handed_over_for_doubt_ && now->journal.peers.peers > 0;
+    if (!why.empty() && doubt_.empty())
+        spdlog::warn("event=sea_stale why=\"{}\"", why);
+    if (why.empty() && !doubt_.empty())
+        spdlog::info(
+            "event=sea_current change={} why=\"it follows the log, and its clock is right\"",
+            now->played);
+    doubt_ = why;
     const std::int64_t now_us = SeaClock::steady_now_us();
     const bool rests = handed_over_us_ != 0 && now_us - handed_over_us_ < hand_overs_apart_us;
     if (missed_ || (waits && !rests)) {

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "base/messages.h"
 #include "server/net/refusals.h"
 #include "server/net/session.h"
 
@@ -48,6 +49,13 @@ std::string what_of(const SeaWish& wish) {
                             : printable(wish.set.front().path + "=" + wish.set.front().value);
 }
 
+/// Whole, for the log: who runs the server reads what an administrator elsewhere was told.
+std::string quoted(const std::string& why) {
+    std::string text = seaway::printable(why);
+    std::ranges::replace(text, '"', '\'');
+    return text;
+}
+
 } // namespace
 
 void Session::on_change(const wire::Change& change) {
@@ -72,6 +80,9 @@ void Session::on_change(const wire::Change& change) {
             return;
         alive->post([core, session, request_id, promise = std::move(promise)] {
             const std::shared_ptr<Core> here = core.lock();
+            if (here && !promise)
+                here->log(fmt::format("event=change_refused session={} why=\"{}\"", session,
+                                      quoted(promise.error().message)));
             if (Session* found = here ? here->find(session) : nullptr)
                 found->changed(request_id, promise);
         });

@@ -57,6 +57,13 @@ inline nlohmann::json journal_of(const std::string& url) {
     return nlohmann::json::parse(get(url, "/v1/state").body)["journal"];
 }
 
+inline int times_in(const std::string& log, const std::string& words) {
+    int count = 0;
+    for (std::size_t at = 0; (at = log.find(words, at)) != std::string::npos; ++at)
+        ++count;
+    return count;
+}
+
 template <class Condition>
 bool comes_true(const Condition& condition) {
     for (int i = 0; i < 6000 && !condition(); ++i)

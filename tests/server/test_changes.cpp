@@ -298,6 +298,10 @@ TEST(Changes, are_for_administrators_and_refused_with_what_is_wrong) {
     refused({"set", "accuracy.height_error_m=0.5"}, "accuracy cannot change");
     refused({"load", SEAWAY_SOURCE_DIR "/scenes/hurricane.toml"},
             "cannot change while the sea runs");
+    EXPECT_NE(server.log().find("event=change_refused session="), std::string::npos)
+        << "who runs the server sees it too: " << server.log();
+    EXPECT_NE(server.log().find("sea.depth_m: -1 is not allowed"), std::string::npos)
+        << server.log();
     refused({"drop", "999"}, "session is 999");
     EXPECT_EQ(ctl(url, {"set", "sea.depth_m=20", "--over", "1s"}).code, 2);
     EXPECT_EQ(ctl(url, {"set"}).code, 2);

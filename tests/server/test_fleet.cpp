@@ -191,6 +191,12 @@ TEST(Fleet,
     const auto later = connect(at_b);
     ASSERT_TRUE(later);
     EXPECT_TRUE(comes_true([&] { return !is_stale(*later); })) << "it knows again";
+    EXPECT_EQ(times_in(b.log(), "event=sea_stale why=\"the journal has not been heard of for"), 1);
+    EXPECT_EQ(times_in(b.log(), "event=sea_current change="), 1) << b.log();
+    EXPECT_EQ(times_in(a.log(), "event=sea_stale"), 0) << a.log();
+    EXPECT_EQ(times_in(b.log(), "event=change_refused"), 1) << b.log();
+    EXPECT_EQ(times_in(a.log(), "event=sea_begins journal=\"nats://"), 1) << a.log();
+    EXPECT_EQ(times_in(b.log(), "event=sea_goes_on journal=\"nats://"), 1) << b.log();
     const double start_s = number(said.words, "start_s");
     expect_one_sea(at_a, at_b, sea::us_from_seconds(start_s - 5),
                    sea::us_from_seconds(start_s + 15));

@@ -249,6 +249,8 @@ TEST(Restart, a_journal_of_another_sea_is_named_with_what_differs_and_kept) {
     {
         tests::ServerProcess server(arguments(folder));
         ASSERT_FALSE(server.wait_until_ready().empty()) << server.log();
+        EXPECT_NE(server.log().find("event=sea_begins journal=\"" + folder), std::string::npos)
+            << server.log();
         server.send(SIGTERM);
         EXPECT_EQ(server.wait_for_exit(std::chrono::seconds(10)), 0);
     }
@@ -275,6 +277,8 @@ TEST(Restart, a_journal_of_another_sea_is_named_with_what_differs_and_kept) {
         "# the same\n" + std::string(std::istreambuf_iterator<char>(again), {});
     tests::ServerProcess server(arguments(folder, tests::folder().write("same.toml", same)));
     EXPECT_FALSE(server.wait_until_ready().empty()) << server.log();
+    EXPECT_NE(server.log().find("event=sea_goes_on journal=\"" + folder), std::string::npos)
+        << server.log();
 }
 
 TEST(Restart, a_data_folder_in_use_is_named) {
