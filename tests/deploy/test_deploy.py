@@ -53,6 +53,11 @@ class Deploy(unittest.TestCase):
                     self.assertEqual(checked.returncode == 0, wrong == "", name + checked.stderr)
                 self.assertIn("GET /readyz", text)
                 self.assertIn("GET /healthz", text)
+                # Sessions of a server that hangs end; those of one that is only in doubt do not.
+                self.assertEqual(text.count("on-marked-down shutdown-sessions"), 2, name)
+                self.assertIn("expect error-status L7OKC status 200", text.split("\nbackend alive\n")[0], name)
+                self.assertNotIn("L7OKC", text.split("\nbackend alive\n")[1], name)
+                self.assertIn("hard-stop-after", text, name)
 
     def test_nats_takes_its_configuration(self):
         good = run("/usr/sbin/nats-server", "-t", "-c", FLEET / "nats.conf")

@@ -4,7 +4,7 @@
 which ends at HAProxy; at the end, where haproxy-passthrough.cfg leads, at the servers.
 
 While the weather changes every 10 s, one server after the other is killed with -9, NATS is restarted, and the network between one
-server and NATS is cut for 20 s. Meanwhile heights are asked of all servers at the same sea times, and watchers sample the sea
+server and NATS is cut for 20 s. Before that one server hangs (SIGSTOP). Meanwhile heights are asked of all servers at the same sea times, and watchers sample the sea
 through HAProxy with the client library. Ends with 1 where a promise was broken.
 
     tests/load/fleet.py BUILD [--seconds 60] [--keep]
@@ -37,6 +37,7 @@ TOKEN = "fleet-of-the-test"
 CUT_S = 20
 WEATHER_EVERY_S = 10
 GAP_S_MAX = 2.0
+HANG_S_MAX = 15.0  # three checks of a second, and a client's way back on a crowded machine
 HEIGHTS_MIN = 10_000
 
 
@@ -305,6 +306,21 @@ class Proof:
         fleet.wait_for(spread, "moving sessions")
         self.say("sessions spread over all after", f"{time.monotonic() - began:.1f} s, {fleet.sessions()}")
 
+    def hang(self):
+        """One server, of those with clients, says nothing more and keeps its connections."""
+        fleet, count = self.fleet, self.fleet.sessions()
+        name = max(count, key=count.get)
+        began = time.monotonic()
+        fleet.processes[name].send_signal(signal.SIGSTOP)
+        try:
+            fleet.wait_for(lambda: fleet.sessions()[name] == 0 and sum(fleet.sessions().values()) == len(self.watchers),
+                           "leaving a server that hangs")
+        finally:
+            fleet.processes[name].send_signal(signal.SIGCONT)
+        took_s = time.monotonic() - began
+        self.say("clients of a server that hangs are at others after", f"{took_s:.1f} s", took_s < HANG_S_MAX)
+        fleet.wait_for(self.all_ready, "the fleet, after a hang")
+
     def do(self, what, name, now):
         if what == "kill":
             self.fleet.stop(name, signal.SIGKILL)
@@ -403,6 +419,7 @@ def main():
         try:
             proof = Proof(fleet)
             proof.begin()
+            proof.hang()
             proof.trouble(options.seconds)
             proof.judge()
             proof.pass_through()
