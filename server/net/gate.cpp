@@ -45,7 +45,8 @@ Judgement judge_token(Core& core, const Peer& peer, std::string_view token,
     if (tokens_equal(token, tokens.admin)) {
         if (!peer.unseen())
             return refuse(core, peer, Barred::in_the_clear,
-                          "the administrator's token is taken over TLS or from this machine only",
+                          "the administrator's token is taken over TLS only, or on this machine "
+                          "itself at ws://127.0.0.1",
                           "in_the_clear", now);
         return {.standing = Standing::administrator};
     }

@@ -62,6 +62,17 @@ class Deploy(unittest.TestCase):
     def test_nats_takes_its_configuration(self):
         good = run("/usr/sbin/nats-server", "-t", "-c", FLEET / "nats.conf")
         self.assertEqual(good.returncode, 0, good.stderr)
+        with tempfile.TemporaryDirectory() as folder:
+            made = run("openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "2", "-subj", "/CN=nats-a",
+                       "-keyout", f"{folder}/nats-a.key", "-out", f"{folder}/nats-a.pem")
+            self.assertEqual(made.returncode, 0, made.stderr)
+            text = (FLEET / "nats.conf").read_text().replace("/etc/nats/ca.pem", f"{folder}/nats-a.pem")
+            text, guarded = re.subn(r"# (authorization|tls):", r"\1:", text.replace("/etc/nats/", f"{folder}/"))
+            self.assertEqual(guarded, 3, "routes and clients")
+            config = pathlib.Path(folder) / "nats.conf"
+            config.write_text(text)
+            checked = run("/usr/sbin/nats-server", "-t", "-c", config)
+            self.assertEqual(checked.returncode, 0, "with what is for outside a private network: " + checked.stderr)
         with tempfile.NamedTemporaryFile("w", suffix=".conf") as file:
             file.write((FLEET / "nats.conf").read_text() + "\nno_such_key: [ {\n")
             file.flush()
