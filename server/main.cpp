@@ -183,8 +183,11 @@ std::variant<Read, int> read_all(const Options& options) {
 
 int check(const Options& options) {
     const auto read = read_all(options);
-    const int* code = std::get_if<int>(&read);
-    return code ? *code : checked(*std::get<Read>(read).course->first());
+    if (const int* code = std::get_if<int>(&read))
+        return *code;
+    if (const Result<void> here = NetServer::check_addresses(options.net); !here)
+        return fail(exit_cannot_listen, here.error());
+    return checked(*std::get<Read>(read).course->first());
 }
 
 int serve(const Options& options) {

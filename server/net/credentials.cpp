@@ -39,6 +39,13 @@ class Reading {
     CredentialsRead read() {
         token("--client-token-file", options_.client_token_file, credentials_.tokens.client);
         token("--admin-token-file", options_.admin_token_file, credentials_.tokens.admin);
+        if (!credentials_.tokens.admin.empty() &&
+            credentials_.tokens.admin == credentials_.tokens.client)
+            fail(
+                files_.back(),
+                Error{fmt::format("--admin-token-file {}: the same token as in --client-token-file "
+                                  "{}, which would make every client an administrator",
+                                  options_.admin_token_file, options_.client_token_file)});
         if (options_.tls_cert_file.empty() != options_.tls_key_file.empty())
             fail(Error{"--tls-cert and --tls-key belong together: give both or neither"});
         else if (!options_.tls_cert_file.empty())

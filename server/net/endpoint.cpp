@@ -4,10 +4,14 @@
 #include <cerrno>
 #include <charconv>
 
+#include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/address.hpp>
+#include <boost/asio/ip/tcp.hpp>
 #include <fmt/format.h>
 
 namespace seaway::server {
+
+using boost::asio::ip::tcp;
 
 std::string Endpoint::text() const {
     return is_v6 ? fmt::format("[{}]:{}", ip, port) : fmt::format("{}:{}", ip, port);
@@ -37,6 +41,25 @@ Result<Endpoint> read_endpoint(const std::string& flag, const std::string& text)
     if (error)
         return wrong;
     return Endpoint{address.to_string(), static_cast<int>(port), address.is_v6()};
+}
+
+Result<void> check_address(const std::string& flag, const Endpoint& endpoint) {
+    boost::asio::io_context io{1};
+    tcp::socket socket(io);
+    boost::system::error_code error;
+    const tcp::endpoint any_port(boost::asio::ip::make_address(endpoint.ip, error), 0);
+    socket.open(any_port.protocol(), error);
+    if (!error)
+        socket.bind(any_port, error);
+    return error ? Result<void>(cannot_listen(flag, endpoint, error.value(), error.message()))
+                 : Result<void>();
+}
+
+bool meet(const Endpoint& a, const Endpoint& b) {
+    const auto is_any = [](const Endpoint& endpoint) {
+        return endpoint.ip == "0.0.0.0" || endpoint.ip == "::";
+    };
+    return a.port != 0 && a.port == b.port && (a.ip == b.ip || is_any(a) || is_any(b));
 }
 
 Error cannot_listen(const std::string& flag, const Endpoint& endpoint, int error,

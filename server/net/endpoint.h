@@ -20,6 +20,12 @@ struct Endpoint {
 /// ADDR:PORT, IPv6 as [ADDR]:PORT; numbers only. `flag` is named by the error.
 Result<Endpoint> read_endpoint(const std::string& flag, const std::string& text);
 
+/// An error where this machine has no such address; whether the port is free is not asked.
+Result<void> check_address(const std::string& flag, const Endpoint& endpoint);
+
+/// Would one be in the other's way?
+bool meet(const Endpoint& a, const Endpoint& b);
+
 /// Why nothing can be listened for there, and what to do.
 Error cannot_listen(const std::string& flag, const Endpoint& endpoint, int error,
                     const std::string& message);

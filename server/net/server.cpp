@@ -362,16 +362,29 @@ void NetServer::Impl::stop() {
 // ---- NetServer -----------------------------------------------------------------------------
 
 Result<void> NetServer::check(const NetOptions& options) {
-    if (const auto endpoint = read_endpoint("--listen", options.listen); !endpoint)
-        return endpoint.error();
-    if (!options.health_listen.empty())
-        if (const auto endpoint = read_endpoint("--health-listen", options.health_listen);
-            !endpoint)
-            return endpoint.error();
+    SEAWAY_TRY_LET(const Endpoint endpoint, read_endpoint("--listen", options.listen));
+    if (!options.health_listen.empty()) {
+        SEAWAY_TRY_LET(const Endpoint health,
+                       read_endpoint("--health-listen", options.health_listen));
+        if (meet(endpoint, health))
+            return Error{fmt::format("--health-listen {}: --listen {} has that port already; give "
+                                     "it one of its own",
+                                     options.health_listen, options.listen)};
+    }
     if (const Result<Origins> origins = Origins::read(options.allowed_origins); !origins)
         return origins.error();
     const Result<Credentials> credentials = load_credentials(options);
     return credentials ? Result<void>() : credentials.error();
+}
+
+Result<void> NetServer::check_addresses(const NetOptions& options) {
+    for (const auto& [flag, where] :
+         {std::pair{"--listen", &options.listen}, {"--health-listen", &options.health_listen}})
+        if (!where->empty()) {
+            SEAWAY_TRY_LET(const Endpoint endpoint, read_endpoint(flag, *where));
+            SEAWAY_TRY(check_address(flag, endpoint));
+        }
+    return {};
 }
 
 Result<std::unique_ptr<NetServer>> NetServer::start(const NetOptions& options, Host& host) {

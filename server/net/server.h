@@ -30,8 +30,10 @@ namespace seaway::server {
 class NetServer {
   public:
     /// What can be known of these options before there is anything to serve: an address that is not
-    /// understood; a certificate, key or token file that cannot be read or is none.
+    /// understood, or the same twice; a certificate, key or token file that cannot be read or is none.
     static Result<void> check(const NetOptions& options);
+    /// An address that this machine does not have, now. Of options that check() takes.
+    static Result<void> check_addresses(const NetOptions& options);
 
     /// Listens, then starts its threads. `host` must outlive the NetServer; it is called from the
     /// io thread. Errors: those of check(), and an address in use or not allowed.

@@ -52,6 +52,44 @@ TEST(Check, looks_at_scene_files_and_addresses_and_serves_nothing) {
     }
 }
 
+// What a start would find out, or would not: that everybody is an administrator.
+TEST(Check, refuses_addresses_and_tokens_that_are_fine_alone) {
+    const std::string token = tests::folder().write("both.token", "swordfish\n"),
+                      same = tests::folder().write("same.token", "swordfish\n");
+    struct Wrong {
+        std::vector<std::string> arguments;
+        const char* says;
+        int code;
+    };
+    const Wrong wrong[] = {
+        {{"--listen", "127.0.0.1:9430", "--health-listen", "127.0.0.1:9430"},
+         "--health-listen 127.0.0.1:9430: --listen 127.0.0.1:9430 has that port already",
+         2},
+        {{"--listen", "0.0.0.0:9430", "--health-listen", "127.0.0.1:9430"}, "has that port", 2},
+        {{"--client-token-file", token, "--admin-token-file", token},
+         "which would make every client an administrator",
+         2},
+        {{"--client-token-file", token, "--admin-token-file", same},
+         "same.token: the same token",
+         2},
+        // Of the addresses that are kept for documents (RFC 5737): no machine has one.
+        {{"--listen", "192.0.2.1:9430"}, "this machine has no such address", 4},
+        {{"--listen", "127.0.0.1:0", "--health-listen", "192.0.2.1:9431"}, "192.0.2.1:9431", 4}};
+    for (const Wrong& w : wrong)
+        for (const bool check : {true, false}) {
+            std::vector<std::string> arguments{"scenes/calm.toml", "--device", "native"};
+            arguments.insert(arguments.end(), w.arguments.begin(), w.arguments.end());
+            if (check)
+                arguments.push_back("--check");
+            tests::ServerProcess server(arguments);
+            EXPECT_EQ(exit_code_of(server), w.code) << server.log();
+            EXPECT_NE(server.log().find(w.says), std::string::npos) << server.log();
+        }
+    tests::ServerProcess fine({"scenes/calm.toml", "--check", "--listen", "127.0.0.1:0",
+                               "--health-listen", "127.0.0.1:0"});
+    EXPECT_EQ(exit_code_of(fine), 0) << "each takes a port of its own: " << fine.log();
+}
+
 TEST(Config, a_file_says_what_the_command_line_does_not) {
     // A '#' in a name is no comment, and a list may have many lines.
     const std::string token = tests::folder().write("config#1.token", "swordfish\n");
