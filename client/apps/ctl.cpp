@@ -16,9 +16,12 @@ namespace {
 using namespace seaway;
 using namespace seaway::client;
 
-Result<std::string> run(const CtlOptions& options) {
-    if (const auto* status = std::get_if<StatusWish>(&options.what))
-        return fleet_status(options, *status);
+Result<std::string> run(const CtlOptions& options, int& status_code) {
+    if (const auto* wish = std::get_if<StatusWish>(&options.what)) {
+        SEAWAY_TRY_LET(FleetStatus status, fleet_status(options, *wish));
+        status_code = status.all_certain ? exit_done : exit_unsure;
+        return std::move(status.table);
+    }
     if (const auto* rewind = std::get_if<RewindWish>(&options.what))
         return rewound(options, *rewind);
     if (const auto* diff = std::get_if<DiffWish>(&options.what))
@@ -37,11 +40,12 @@ int main(int argc, char** argv) {
         const std::variant<CtlOptions, int> options = read_ctl_options(argc, argv);
         if (const int* done = std::get_if<int>(&options))
             return *done;
-        const Result<std::string> text = run(std::get<CtlOptions>(options));
+        int code = exit_done;
+        const Result<std::string> text = run(std::get<CtlOptions>(options), code);
         if (!text)
             return exit_code("seaway-ctl", text.error());
         fmt::print("{}", *text);
-        return status_after_output("seaway-ctl", exit_done, exit_output);
+        return status_after_output("seaway-ctl", code, exit_output);
     } catch (const std::exception& problem) {
         return complain("seaway-ctl", EXIT_FAILURE, problem.what());
     }

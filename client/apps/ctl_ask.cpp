@@ -45,7 +45,12 @@ std::string row_of(const std::string& url, const std::string& version, const nlo
         journal["why"].get<std::string>());
 }
 
-Result<std::string> row(const CtlOptions& options, const std::string& url) {
+struct Row {
+    std::string text;
+    bool certain;
+};
+
+Result<Row> row(const CtlOptions& options, const std::string& url) {
     SEAWAY_TRY_LET(const std::unique_ptr<Connection> connection,
                    connect_as_administrator(options, url));
     SEAWAY_TRY_LET(const std::string state,
@@ -55,9 +60,12 @@ Result<std::string> row(const CtlOptions& options, const std::string& url) {
     const nlohmann::json said = nlohmann::json::parse(state, nullptr, false);
     const nlohmann::json who = nlohmann::json::parse(sessions, nullptr, false);
     try {
-        return row_of(url, connection->welcome().server, said, who);
+        const bool stale = said.contains("journal") && said["journal"]["stale"].get<bool>();
+        return Row{row_of(url, connection->welcome().server, said, who), !stale};
     } catch (const nlohmann::json::exception&) { // of another version
-        return fmt::format("{:<30} says its state in other words than this program knows\n", url);
+        return Row{
+            fmt::format("{:<30} says its state in other words than this program knows\n", url),
+            false};
     }
 }
 
@@ -102,25 +110,27 @@ Result<std::string> changed(Connection& connection, const protocol::ChangeWish& 
                        sea::seconds_from_us(reply.start_us), sea::seconds_from_us(reply.end_us));
 }
 
-Result<std::string> fleet_status(const CtlOptions& options, const StatusWish& wish) {
+Result<FleetStatus> fleet_status(const CtlOptions& options, const StatusWish& wish) {
     std::vector<std::string> urls{options.url};
     urls.insert(urls.end(), wish.others.begin(), wish.others.end());
-    std::string table =
+    FleetStatus status;
+    status.table =
         fmt::format("{:<30} {:<22} {:<6} {:>7} {:>6} {:>9} {:>9} {:>6} {:>5} {:>8} {:>9} why\n",
                     "server", "version", "sea", "changes", "behind", "ahead_ms", "+-_ms", "unheard",
                     "peers", "sessions", "waits_KB");
     bool any = false;
     Error last{"no server"};
     for (const std::string& url : urls) {
-        const Result<std::string> one = row(options, url);
+        const Result<Row> one = row(options, url);
         any = any || one.has_value();
         if (!one)
             last = one.error();
-        table += one ? *one : fmt::format("{:<30} {}\n", url, one.error().message);
+        status.table += one ? one->text : fmt::format("{:<30} {}\n", url, one.error().message);
+        status.all_certain = status.all_certain && one && one->certain;
     }
     if (!any)
         return last;
-    return table;
+    return status;
 }
 
 Result<std::string> rewound(const CtlOptions& options, const RewindWish& wish) {

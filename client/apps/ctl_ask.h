@@ -21,8 +21,14 @@ Result<std::string> administered(Connection& connection, const AdminWish& wish, 
 Result<std::string> changed(Connection& connection, const protocol::ChangeWish& wish,
                             double timeout_s);
 
-/// A row for each server: version, whether it is sure of its sea, changes, clock, sessions. One that does not answer has a row that says so.
-Result<std::string> fleet_status(const CtlOptions& options, const StatusWish& wish);
+struct FleetStatus {
+    std::string table;
+    bool all_certain = true; ///< each answers, and is sure of its sea
+};
+
+/// A row for each server: version, whether it is sure of its sea, changes, clock, sessions. One that does not answer has a row that
+/// says so. An error: none answers.
+Result<FleetStatus> fleet_status(const CtlOptions& options, const StatusWish& wish);
 /// Back to the sea of a change: its scene as a change of now.
 Result<std::string> rewound(const CtlOptions& options, const RewindWish& wish);
 /// Heights of two servers at random points around now, as JSON. An error: they are apart by more than their bounds.

@@ -27,7 +27,8 @@ constexpr const char* footer = "Changes are written to the server's journal befo
                                "The token is the administrator's (--admin-token-file of the "
                                "server), over wss or from the server's own machine.\n"
                                "Exit codes: 0 done, 1 cannot write, 2 usage, 5 cannot connect, "
-                               "lost or no answer in time, 6 refused by the server.";
+                               "lost or no answer in time, 6 refused by the server,\n"
+                               "7 status: a server does not answer, or is stale.";
 
 struct Words {
     std::vector<std::string> values;
@@ -136,7 +137,9 @@ void Commands::add_looks(CommandLine& line, Words& words) {
     history = &line.command("history", "The changes of the sea, from its journal");
     history->option("--from", words.change, "The first that is listed; some hundred are")
         .takes("N");
-    status = &line.command("status", "How servers of one sea stand, a row for each");
+    status =
+        &line.command("status", "How servers of one sea stand, a row for each; exit code 7: one "
+                                "does not answer, or is stale");
     status->option("urls", words.status.others, "Other servers").takes("URL ...");
     diff = &line.command(
         "diff", "Heights of two servers at random points around now; exit code 6: they differ");

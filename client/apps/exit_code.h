@@ -15,6 +15,7 @@ enum ExitCode : int {
     exit_usage = 2,   ///< command line or points that make no sense
     exit_lost = 5,    ///< cannot connect, connection lost, or no answer in time
     exit_refused = 6, ///< the server refused the request
+    exit_unsure = 7,  ///< `seaway-ctl status`: a server does not answer, or is stale
 };
 
 /// Says why, in one line; the exit code that says the same.

@@ -172,6 +172,7 @@ TEST(Fleet,
     EXPECT_TRUE(get(at_b, "/healthz").fine) << "it is alive, and not to be restarted";
     EXPECT_EQ(journal_of(at_b)["stale"], true);
     EXPECT_EQ(journal_of(at_b)["played"], 1);
+    EXPECT_EQ(ctl(at_a, {"status", at_b}).code, 7) << "stale is not well";
     const auto client = connect(at_b);
     ASSERT_TRUE(client) << "it serves on";
     EXPECT_TRUE(comes_true([&] { return is_stale(*client); })) << "and says that it is unsure";
@@ -292,7 +293,9 @@ TEST(Fleet, an_administrator_sees_the_servers_their_history_and_differences_and_
     ASSERT_EQ(ctl(at_a, {"set", "systems.0.wind_speed_10m_mps=11.5", "--over", "10s"}).code, 0);
     ASSERT_TRUE(comes_true([&] { return journal_of(at_b)["played"] == 2; }));
     const Said status = ctl(at_a, {"status", at_b, "ws://127.0.0.1:1"});
-    EXPECT_EQ(status.code, 0) << status.words;
+    EXPECT_EQ(status.code, 7) << "one does not answer: " << status.words;
+    EXPECT_EQ(ctl(at_a, {"status", at_b}).code, 0);
+    EXPECT_EQ(ctl("ws://127.0.0.1:1", {"status"}).code, 5) << "nobody answers";
     std::istringstream lines(status.words);
     std::vector<std::string> rows;
     for (std::string line; std::getline(lines, line);)
