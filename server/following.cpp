@@ -56,7 +56,8 @@ std::string Following::doubt() const {
 
 std::string Following::json() const {
     const std::string why = doubt();
-    const nlohmann::ordered_json all{{"name", name},
+    // A world, or a file without its folder: who reads this need not know the machine.
+    const nlohmann::ordered_json all{{"name", name.substr(name.rfind('/') + 1)},
                                      {"shared", shared},
                                      {"changes", journal.last_epoch},
                                      {"played", played},

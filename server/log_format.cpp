@@ -23,6 +23,8 @@ using nlohmann::ordered_json;
 constexpr const char* iso_time = "%Y-%m-%dT%H:%M:%S.%e%z";
 
 ordered_json value_of(std::string_view text) {
+    if (text == "true" || text == "false")
+        return text == "true";
     const char* const end = text.data() + text.size();
     std::int64_t whole = 0;
     if (const auto [at, wrong] = std::from_chars(text.data(), end, whole);

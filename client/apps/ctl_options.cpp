@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/apps/ctl_options.h"
 
+#include <charconv>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -35,16 +36,29 @@ struct Words {
     std::string scene;
     std::string over = "60s";
     double at_s = -1e12; ///< past: as soon as can be
-    std::uint64_t session = 0;
+    std::string session;
     double pace = 1;
-    std::uint64_t change = 1;
+    std::string change = "1";
     StatusWish status;
     DiffWish diff;
 };
 
+/// Strictly: what is below 0 is no number of anything, and not one near 2^64.
+Result<std::uint64_t> number_of(const std::string& option, const std::string& text) {
+    std::uint64_t number = 0;
+    const char* const end = text.data() + text.size();
+    const auto [at, wrong] = std::from_chars(text.data(), end, number);
+    if (at != end || wrong != std::errc())
+        return Error{fmt::format("{} {}: a number is expected, 0 or more", option, text)};
+    return number;
+}
+
 Result<protocol::ChangeWish> change_of(const Words& words) {
     protocol::ChangeWish wish;
     wish.set = words.values;
+    for (const std::string& value : words.values)
+        if (value.starts_with("system."))
+            return Error{fmt::format("{}: systems.0... with an s, or sea.system.0...", value)};
     SEAWAY_TRY_LET(const double over_s, parse_duration_s(words.over));
     const double least_s = sea::seconds_from_us(sea::glide_us_min);
     const double most_s = sea::seconds_from_us(sea::glide_us_max);
@@ -72,7 +86,10 @@ void add_when(CommandLine& command, Words& words) {
         .takes("SECONDS");
 }
 
-protocol::ChangeWish pace_of(double pace) {
+Result<protocol::ChangeWish> pace_of(double pace) {
+    constexpr double least = 1.0 / sea::pace_unit;
+    if (pace > 0 && pace < least)
+        return Error{fmt::format("rate {:g}: {} and more; `pause` stops the sea", pace, least)};
     protocol::ChangeWish wish;
     wish.pace_permille = static_cast<int>(std::lround(pace * sea::pace_unit));
     return wish;
@@ -157,25 +174,40 @@ void Commands::add_looks(CommandLine& line, Words& words) {
 }
 
 /// Of commands that change no sea by words of their own.
-void choose(const Commands& commands, const Words& words, CtlOptions& options) {
-    if (commands.pause->given())
-        options.what = pace_of(0);
-    if (commands.rate->given())
-        options.what = pace_of(words.pace);
+Result<void> choose(const Commands& commands, const Words& words, CtlOptions& options) {
+    if (commands.pause->given() || commands.rate->given()) {
+        SEAWAY_TRY_LET(options.what, pace_of(commands.pause->given() ? 0 : words.pace));
+    }
     if (commands.state->given())
         options.what = AdminWish{wire::Act::state};
     if (commands.plan->given())
         options.what = AdminWish{wire::Act::plan};
     if (commands.sessions->given())
         options.what = AdminWish{wire::Act::sessions};
-    if (commands.history->given())
-        options.what = AdminWish{wire::Act::history, words.change};
+    if (commands.history->given()) {
+        SEAWAY_TRY_LET(const std::uint64_t from, number_of("--from", words.change));
+        options.what = AdminWish{wire::Act::history, from};
+    }
     if (commands.status->given())
         options.what = words.status;
     if (commands.diff->given())
         options.what = words.diff;
-    if (commands.drop->given())
-        options.what = AdminWish{wire::Act::drop, words.session};
+    if (commands.drop->given()) {
+        SEAWAY_TRY_LET(const std::uint64_t session, number_of("drop", words.session));
+        options.what = AdminWish{wire::Act::drop, session};
+    }
+    return {};
+}
+
+Result<CtlOptions> whole_options(CtlOptions options, const Words& words, const Commands& commands) {
+    SEAWAY_TRY(choose(commands, words, options));
+    SEAWAY_TRY_LET(options, options_of(std::move(options), words, commands.changes()));
+    if (!commands.rewind->given())
+        return options;
+    SEAWAY_TRY_LET(const std::uint64_t change, number_of("rewind", words.change));
+    const auto when = std::get<protocol::ChangeWish>(options.what);
+    options.what = RewindWish{change, when.over_us, when.at_us};
+    return options;
 }
 
 } // namespace
@@ -215,15 +247,10 @@ std::variant<CtlOptions, int> read_ctl_options(int argc, const char* const* argv
         return complain("seaway-ctl", exit_usage, next.error().message);
     if (*next == CommandLine::Next::leave)
         return status_after_output("seaway-ctl", exit_done, exit_output);
-    choose(commands, words, options);
-    Result<CtlOptions> whole = options_of(std::move(options), words, commands.changes());
-    if (whole && commands.rewind->given()) {
-        const auto& when = std::get<protocol::ChangeWish>(whole->what);
-        whole->what = RewindWish{words.change, when.over_us, when.at_us};
-    }
+    const Result<CtlOptions> whole = whole_options(std::move(options), words, commands);
     if (!whole)
         return complain("seaway-ctl", exit_usage, whole.error().message);
-    return *std::move(whole);
+    return *whole;
 }
 
 } // namespace seaway::client

@@ -305,6 +305,16 @@ TEST(Changes, are_for_administrators_and_refused_with_what_is_wrong) {
     refused({"drop", "999"}, "session is 999");
     EXPECT_EQ(ctl(url, {"set", "sea.depth_m=20", "--over", "1s"}).code, 2);
     EXPECT_EQ(ctl(url, {"set"}).code, 2);
+    for (const auto& [words, why] :
+         {std::pair(std::vector<std::string>{"rate", "0.0001"}, "rate 0.0001: 0.001 and more"),
+          {{"history", "--from", "-3"}, "--from -3: a number is expected"},
+          {{"rewind", "-1"}, "rewind -1: a number is expected"},
+          {{"drop", "-1"}, "drop -1: a number is expected"},
+          {{"set", "system.0.from_deg=20"}, "systems.0... with an s"}}) {
+        const Said said = ctl(url, words);
+        EXPECT_EQ(said.code, 2) << said.words;
+        EXPECT_NE(said.words.find(why), std::string::npos) << said.words;
+    }
     EXPECT_EQ(ctl("ws://127.0.0.1:1", {"state"}).code, 5);
     const Said state = ctl(url, {"state"});
     EXPECT_EQ(state.code, 0);

@@ -41,6 +41,16 @@ TEST(Following, what_it_has_not_heard_or_not_played_makes_it_doubt) {
     EXPECT_EQ(stuck.doubt(), stuck.stuck);
 }
 
+TEST(Following, names_the_world_or_the_file_and_not_where_it_lies) {
+    Following following = certain();
+    following.name = "nats://10.1.2.3:4222,10.1.2.4:4222/north-sea";
+    EXPECT_NE(following.json().find("\"name\":\"north-sea\""), std::string::npos)
+        << following.json();
+    following.name = "/srv/secret place/journal.sqlite";
+    EXPECT_NE(following.json().find("\"name\":\"journal.sqlite\""), std::string::npos)
+        << following.json();
+}
+
 // Of what passes by itself a change may be asked for again; of the others another server.
 TEST(Following, each_doubt_has_its_kind) {
     EXPECT_EQ(certain().kind_of_doubt(), Doubt::none);

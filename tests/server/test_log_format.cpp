@@ -23,16 +23,18 @@ TEST(JsonLog, a_line_is_one_object_with_time_level_and_message) {
 }
 
 TEST(JsonLog, fields_of_an_event_have_their_types) {
-    const json fields =
-        read("event=session_closed session=12 peer=127.0.0.1:47 reason=too_slow "
-             "why=\"did not read, 3 messages = all\" open_s=1.25 rate=-3e2")["fields"];
+    const json fields = read("event=session_closed session=12 peer=127.0.0.1:47 reason=too_slow "
+                             "why=\"did not read, 3 messages = all\" open_s=1.25 rate=-3e2 "
+                             "administrator=true late=false")["fields"];
     EXPECT_EQ(fields, (json{{"event", "session_closed"},
                             {"session", 12},
                             {"peer", "127.0.0.1:47"},
                             {"reason", "too_slow"},
                             {"why", "did not read, 3 messages = all"},
                             {"open_s", 1.25},
-                            {"rate", -300.0}}));
+                            {"rate", -300.0},
+                            {"administrator", true},
+                            {"late", false}}));
     EXPECT_TRUE(fields["session"].is_number_integer());
 }
 
