@@ -125,6 +125,21 @@ NatsLog::NatsLog(NatsConnection connection)
     : connection_(std::move(connection)), stream_("SEAWAY_" + connection_.place().world),
       subject_("seaway." + connection_.place().world + ".log") {}
 
+Error NatsLog::unanswered(natsConnection* connection, ErrorKind kind, const std::string& why) {
+    const char* aside = nullptr;
+    const bool forbidden =
+        natsConnection_GetLastError(connection, &aside) == NATS_NOT_PERMITTED && aside;
+    const std::string said_aside = forbidden ? aside : "";
+    connection_.drop();
+    if (!forbidden)
+        return Error{kind, why};
+    return Error{fmt::format(
+        "NATS does not let this user do what the log needs ({0}). Needed are: publish "
+        "$JS.API.STREAM.INFO.{1}, $JS.API.STREAM.CREATE.{1}, $JS.API.DIRECT.GET.{1}, seaway.{2}.*; "
+        "subscribe _INBOX.>, seaway.{2}.clock",
+        said_aside, stream_, connection_.place().world)};
+}
+
 Result<void> NatsLog::make_stream() {
     SEAWAY_TRY_LET(natsConnection * connection, connection_.get());
     SEAWAY_TRY_LET(const Context context, context_of(connection));
@@ -150,8 +165,7 @@ Result<void> NatsLog::make_stream() {
     const std::string why = said(status, code);
     if (is_final(status, code))
         return Error{fmt::format("stream {} cannot be made: {}", stream_, why)};
-    connection_.drop();
-    return Error{LogFailure::unreachable, why};
+    return unanswered(connection, LogFailure::unreachable, why);
 }
 
 Result<SharedLog::Tail> NatsLog::tail() {
@@ -189,8 +203,7 @@ Result<SharedLog::Tail> NatsLog::tail() {
             return Error{fmt::format("stream {} is not there any more", stream_)};
         if (is_final(status, code))
             return Error{fmt::format("stream {}: {}", stream_, why)};
-        connection_.drop();
-        return Error{LogFailure::unanswered, "NATS does not answer: " + why};
+        return unanswered(connection, LogFailure::unanswered, "NATS does not answer: " + why);
     }
 }
 
@@ -230,9 +243,9 @@ Result<std::vector<SharedLog::Stored>> NatsLog::read(std::uint64_t first, std::u
     }
     if (status == NATS_OK)
         return messages;
-    connection_.drop();
-    return Error{LogFailure::unanswered, fmt::format("NATS does not give messages {} to {}: {}",
-                                                     first, last, natsStatus_GetText(status))};
+    return unanswered(connection, LogFailure::unanswered,
+                      fmt::format("NATS does not give messages {} to {}: {}", first, last,
+                                  natsStatus_GetText(status)));
 }
 
 Result<std::uint64_t> NatsLog::write(const std::string& message, const std::string& id,
@@ -263,8 +276,7 @@ Result<std::uint64_t> NatsLog::write(const std::string& message, const std::stri
     const std::string why = said(status, code);
     if (is_final(status, code))
         return Error{why};
-    connection_.drop();
-    return Error{LogFailure::unanswered, "NATS does not answer: " + why};
+    return unanswered(connection, LogFailure::unanswered, "NATS does not answer: " + why);
 }
 
 } // namespace seaway::server

@@ -26,6 +26,8 @@ class NatsLog final : public SharedLog {
 
   private:
     Result<void> make_stream();
+    /// Lets the connection go. What comes of no answer: `why`, or that this user has not the rights, which NATS says aside.
+    Error unanswered(natsConnection* connection, ErrorKind kind, const std::string& why);
 
     NatsConnection connection_;
     const std::string stream_;

@@ -250,6 +250,32 @@ TEST(NatsJournal, is_let_in_by_what_a_file_says_and_tells_nobody) {
     EXPECT_EQ(in_url.find("hunter2"), std::string::npos) << in_url;
 }
 
+// NATS tells who lacks a right only aside, and does not answer: naive, that is a network that is cut.
+TEST(NatsJournal, a_user_who_lacks_a_right_is_told_which_are_needed) {
+    const auto with = [](const std::string& publish, const std::string& subscribe) {
+        NatsServer server(fmt::format("authorization {{ users: [ {{ user: sea, password: \"p\", "
+                                      "permissions: {{ publish: [{}], subscribe: [{}] }} }} ] }}",
+                                      publish, subscribe));
+        return error_at({.where = server.url("w"),
+                         .credentials_file = tests::folder().write("rights", "sea:p\n")});
+    };
+    const std::string info = "\"$JS.API.STREAM.INFO.SEAWAY_w\"",
+                      create = "\"$JS.API.STREAM.CREATE.SEAWAY_w\"",
+                      get = "\"$JS.API.DIRECT.GET.SEAWAY_w\"", log = "\"seaway.w.>\"",
+                      inbox = "\"_INBOX.>\"";
+    EXPECT_EQ(with(info + "," + create + "," + get + "," + log, inbox), "it was opened");
+    for (const auto& [publish, lacks] : {std::pair(log, "STREAM.INFO.SEAWAY_w\""),
+                                         {info + "," + log, "STREAM.CREATE.SEAWAY_w\""},
+                                         {info + "," + create + "," + log, "DIRECT.GET.SEAWAY_w\""},
+                                         {info + "," + create + "," + get, "seaway.w.log\""}}) {
+        const std::string why = with(publish, inbox);
+        EXPECT_NE(why.find("NATS does not let this user do what the log needs"), std::string::npos)
+            << why;
+        EXPECT_NE(why.find(lacks), std::string::npos) << why;
+        EXPECT_NE(why.find("subscribe _INBOX.>, seaway.w.clock"), std::string::npos) << why;
+    }
+}
+
 // A password is changed while servers run: NATS first, then the file; nobody restarts them.
 TEST(NatsJournal, a_connection_that_is_made_anew_reads_its_files_again) {
     const std::string file = tests::folder().write("rotated", "sea:old\n");
