@@ -76,7 +76,8 @@ Result<std::unique_ptr<Client>> reader_of(const CtlOptions& options, const std::
     connect.token = token;
     connect.ca_file = options.ca_file;
     connect.timeout_s = options.timeout_s;
-    return Client::connect(connect);
+    Result<std::unique_ptr<Client>> client = Client::connect(connect);
+    return client ? std::move(client) : not_connected(url, client.error());
 }
 
 } // namespace
@@ -84,12 +85,14 @@ Result<std::unique_ptr<Client>> reader_of(const CtlOptions& options, const std::
 Result<std::unique_ptr<Connection>> connect_as_administrator(const CtlOptions& options,
                                                              const std::string& url) {
     SEAWAY_TRY_LET(const std::string token, read_token(options.token_file));
-    return Connection::open({.url = url,
-                             .name = "seaway-ctl/" SEAWAY_VERSION,
-                             .token = token,
-                             .ca_file = options.ca_file,
-                             .timeout_s = options.timeout_s},
-                            {});
+    Result<std::unique_ptr<Connection>> connection =
+        Connection::open({.url = url,
+                          .name = "seaway-ctl/" SEAWAY_VERSION,
+                          .token = token,
+                          .ca_file = options.ca_file,
+                          .timeout_s = options.timeout_s},
+                         {});
+    return connection ? std::move(connection) : not_connected(url, connection.error());
 }
 
 Result<std::string> administered(Connection& connection, const AdminWish& wish, double timeout_s) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/apps/exit_code.h"
 
+#include <string_view>
+
 #include "base/messages.h"
 #include "base/text_file.h"
 #include "client/link/failure.h"
@@ -28,6 +30,13 @@ int exit_code(const char* program, const Error& error) {
         break;
     }
     return exit_lost;
+}
+
+Error not_connected(const std::string& url, Error why) {
+    constexpr std::string_view plain = "ws://";
+    if (failure_of(why) == Failure::cannot_connect && url.starts_with(plain))
+        why.message += "; a server with TLS is at wss://" + url.substr(plain.size());
+    return why;
 }
 
 Result<std::string> read_token(const std::string& path) {

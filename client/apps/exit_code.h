@@ -21,6 +21,9 @@ enum ExitCode : int {
 /// Says why, in one line; the exit code that says the same.
 int exit_code(const char* program, const Error& error);
 
+/// An error of connecting, which a URL without TLS may be the reason of: then it says so.
+Error not_connected(const std::string& url, Error why);
+
 /// Empty path: no token. An error is Failure::bad_argument.
 Result<std::string> read_token(const std::string& path);
 

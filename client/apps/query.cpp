@@ -31,12 +31,14 @@ Result<void> run(const QueryOptions& options) {
     if (!token)
         return token.error();
     const Connect connect = [&](ClientEvents events) {
-        return Client::connect({.url = options.url,
-                                .name = "seaway-query/" SEAWAY_VERSION,
-                                .token = *token,
-                                .ca_file = options.ca_file,
-                                .timeout_s = options.timeout_s},
-                               std::move(events));
+        Result<std::unique_ptr<Client>> client =
+            Client::connect({.url = options.url,
+                             .name = "seaway-query/" SEAWAY_VERSION,
+                             .token = *token,
+                             .ca_file = options.ca_file,
+                             .timeout_s = options.timeout_s},
+                            std::move(events));
+        return client ? std::move(client) : not_connected(options.url, client.error());
     };
     if (options.bench_points == 0)
         return run_query(connect, options, places, stop, stdout);

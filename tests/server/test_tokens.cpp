@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Token files of the command line, with the real server.
+#include <cstdlib>
 #include <string>
 #include <utility>
 
@@ -8,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "client/client.h"
+#include "tests/server/change_bench.h"
 #include "tests/support/folder.h"
 #include "tests/support/server_process.h"
 
@@ -40,6 +42,24 @@ TEST(Start, tokens_on_the_command_line_open_the_door_they_are_for) {
     };
     EXPECT_EQ(count("client=\"knocks\" administrator=false"), 1) << log;
     EXPECT_EQ(count("client=\"knocks\" administrator=true"), 1) << log;
+}
+
+// What comes back from a port that speaks TLS is an end without a word.
+TEST(Start, who_asks_a_server_with_tls_without_it_is_told_of_wss) {
+    const std::string name = tests::folder().file("wss");
+    ASSERT_EQ(std::system(("openssl req -x509 -newkey ec -pkeyopt ec_paramgen_curve:prime256v1 "
+                           "-nodes -days 2 -subj /CN=127.0.0.1 -keyout " +
+                           name + ".key -out " + name + ".pem 2>/dev/null")
+                              .c_str()),
+              0);
+    tests::ServerProcess server({"scenes/calm.toml", "--device", "native", "--listen",
+                                 "127.0.0.1:0", "--tls-cert", name + ".pem", "--tls-key",
+                                 name + ".key"});
+    const std::string url = server.wait_until_ready();
+    ASSERT_EQ(url.substr(0, 6), "wss://") << server.log();
+    const changes::Said said = changes::ctl("ws://" + url.substr(6), {"state"}, "");
+    EXPECT_EQ(said.code, 5);
+    EXPECT_NE(said.words.find("a server with TLS is at " + url), std::string::npos) << said.words;
 }
 
 } // namespace
