@@ -205,7 +205,6 @@ int serve(const Options& options) {
         return fail(passes ? exit_no_journal : exit_usage, why);
     }
 
-    tell_of_beginning(*resumed);
     const StopSignal stop;
     StopDeadline deadline(stop_limit + drain_of(options.net), exit_no_device,
                           [json = options.log == "json"] { return last_words(json); });
@@ -223,6 +222,7 @@ int serve(const Options& options) {
     Result<std::unique_ptr<NetServer>> net = NetServer::start(options.net, world);
     if (!net)
         return fail(exit_cannot_listen, net.error());
+    tell_of_beginning(*resumed);
     spdlog::info("device=\"{}\" scene={} epoch={} url={}", (*simulation)->device(), scene.source,
                  utc_text(resumed->epoch_utc_us), (*net)->url());
     world.publish_to([&net](KeyframeTiles tiles) { (*net)->publish(std::move(tiles)); });
