@@ -88,10 +88,10 @@ class SeaDirector {
     Journal* const journal_;
     std::atomic<std::uint32_t> changes_; ///< that were played
     std::atomic<std::int64_t> behind_since_us_ =
-        0; ///< by the steady clock; 0: all that the journal holds is played
-    bool handed_over_for_doubt_ =
-        false;            ///< that lasts; this and what follows of the director's thread
-    bool missed_ = false; ///< a change had begun when it came
+        0;              ///< by the steady clock; 0: all that the journal holds is played
+    std::string doubt_; ///< of the last look; this and what follows of the director's thread
+    bool handed_over_for_doubt_ = false; ///< that lasts
+    bool missed_ = false;                ///< a change had begun when it came
     std::int64_t handed_over_us_ = 0;
     std::vector<sea::TimeUs> promised_; ///< starts that have not come; of the director's thread
     World& world_;
