@@ -186,7 +186,7 @@ Result<client::SeaFrame> LocalSea::at(sea::TimeUs time_us) {
     frame.water_m = [waves = waves_, time_us](double x_m, double y_m) {
         const sea::QueryPoint point{x_m, y_m, time_us};
         sea::Answer answer;
-        waves->answer({&point, 1}, {&answer, 1});
+        waves->answer({&point, 1}, {&answer, 1}, {});
         return answer.height_m;
     };
     for (std::size_t c = 0; c < held_.size(); ++c) {

@@ -20,7 +20,7 @@ class WavePoints final : public client::Points {
     explicit WavePoints(client::RebuiltSeaPtr waves) : waves_(std::move(waves)) {}
     sea::Answer answer(const sea::QueryPoint& point) const override {
         sea::Answer answer;
-        waves_->answer({&point, 1}, {&answer, 1});
+        waves_->answer({&point, 1}, {&answer, 1}, {});
         return answer;
     }
     bool covers(sea::TimeUs time_us) const override { return sea::in_time_range(time_us); }

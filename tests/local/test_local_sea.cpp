@@ -228,7 +228,7 @@ TEST_P(LocalSeaTest, an_eye_in_a_crest_is_under_water_and_above_a_trough_is_not)
         const client::EyeSide eye = eye_side(frame, camera);
         const sea::QueryPoint point{camera.x_m, 0, time_us};
         sea::Answer answer;
-        sea->waves()->answer({&point, 1}, {&answer, 1});
+        sea->waves()->answer({&point, 1}, {&answer, 1}, {});
         EXPECT_EQ(eye.under, camera.z_m < answer.height_m);
         under += eye.under;
     }
