@@ -39,8 +39,8 @@ class ClockFilter {
     /// Larger differences are not slewed: forward at once, and after begin_anew() at twice the speed; backward at half of it.
     static constexpr double step_us = 250'000;
     /// What the estimate may be off by grows so fast once nothing was heard for `silence_us`: servers pull their sea time towards
-    /// UTC by 0.4 ms a second, and quartz runs off by as much at most.
-    static constexpr double drift_unheard = 1e-3;
+    /// UTC by 0.4 ms a second, older ones by 1, and quartz runs off by less than half of that.
+    static constexpr double drift_unheard = 1.5e-3;
     static constexpr LocalUs silence_us = 2'000'000;
 
     /// A reply: sent and received in local time, and the sea time that the server wrote into it.
