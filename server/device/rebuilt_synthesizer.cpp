@@ -76,6 +76,11 @@ Result<std::vector<NewKeyframePtr>>
 RebuiltSynthesizer::synthesize(std::span<const KeyframeRequest> requests) {
     const bool on_foam =
         std::ranges::any_of(requests, [](const auto& request) { return request.foam != nullptr; });
+    // A device that was made anew while maps were opened has none of those before.
+    if (std::ranges::any_of(requests, [](const KeyframeRequest& request) {
+            return request.foam != nullptr && request.foam->map->lost();
+        }))
+        return Error{DeviceError::foam_lost, "the device that a foam map stood on was lost"};
     return attempt<std::vector<NewKeyframePtr>>(
         on_foam, [&](Synthesizer& device) { return device.synthesize(requests); });
 }
