@@ -315,6 +315,38 @@ TEST(FoamLost, with_its_device_is_walked_for_anew_on_the_next_one) {
                                    std::as_const(*before[0]).plane(Field::foam)));
 }
 
+// Histories without decay are not walked: their maps are opened one after the other for the same keyframes, and the device may be
+// lost at any call between.
+TEST(FoamLost, while_maps_of_two_cascades_are_opened_is_an_error_by_name_wherever_that_is) {
+    const RunningSeaPtr sea = running_sea("[foam]\nthreshold = 0.8\ndecay_s = 0\n");
+    ASSERT_GE(sea->realization->cascades.size(), 2u);
+    const std::vector<KeyframeRequest> both{{0, 40'000'000, {Field::foam}},
+                                            {1, 40'000'000, {Field::foam}}};
+    int lost = 0;
+    for (int call = 1; call <= 12; ++call) {
+        const auto device = RebuiltSynthesizer::start(
+            [](const sea::RealizationPtr& waves,
+               std::uint32_t epoch) -> Result<std::unique_ptr<Synthesizer>> {
+                gpu::fault::disarm();
+                SEAWAY_TRY_LET(std::unique_ptr<Synthesizer> one, made_on(On::vulkan));
+                SEAWAY_TRY(one->set_sea(waves, epoch));
+                return one;
+            },
+            sea->realization, 1, {});
+        ASSERT_TRUE(device);
+        FoamMaps foam(std::make_shared<SeaCourse>(sea));
+        gpu::fault::arm(call, VK_ERROR_DEVICE_LOST, true);
+        const auto first = foam.synthesize(**device, both);
+        gpu::fault::disarm();
+        lost += first ? 0 : 1;
+        if (!first) {
+            EXPECT_TRUE(first.error().is(DeviceError::foam_lost)) << first.error().message;
+        }
+        EXPECT_TRUE(foam.synthesize(**device, both)) << call;
+    }
+    EXPECT_GT(lost, 0);
+}
+
 // Who asked waits for a start, and gets what a server gives that was never disturbed.
 TEST(FoamLost, in_a_server_is_walked_for_anew_for_who_asked) {
     const Demand foam{1u, {Field::foam}};
