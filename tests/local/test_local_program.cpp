@@ -7,9 +7,9 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <png.h>
 
 #include "tests/client/view/golden/picture_difference.h"
+#include "tests/client/view/golden/picture_of_file.h"
 #include "tests/local/local_scenes.h"
 #include "tests/support/folder.h"
 #include "tests/support/server_process.h"
@@ -34,21 +34,6 @@ Outcome view(const std::string& arguments) {
     return outcome;
 }
 
-client::ShownPicture read_png(const std::string& path) {
-    client::ShownPicture picture;
-    png_image image{};
-    image.version = PNG_IMAGE_VERSION;
-    if (!png_image_begin_read_from_file(&image, path.c_str()))
-        return picture;
-    image.format = PNG_FORMAT_RGBA;
-    picture.rgba.resize(PNG_IMAGE_SIZE(image));
-    if (png_image_finish_read(&image, nullptr, picture.rgba.data(), 0, nullptr)) {
-        picture.width = static_cast<int>(image.width);
-        picture.height = static_cast<int>(image.height);
-    }
-    return picture;
-}
-
 // What differs is what tiles may differ by: 1 cm and less of heights of metres. An eye sees nothing of it, but for single
 // pixels of glitter.
 TEST(LocalProgram, draws_what_a_server_of_the_scene_would_have_it_draw) {
@@ -67,7 +52,7 @@ TEST(LocalProgram, draws_what_a_server_of_the_scene_would_have_it_draw) {
                                        how + " --out " + local);
         ASSERT_EQ(made_here.code, 0) << made_here.text;
         EXPECT_THAT(made_here.text, HasSubstr("t=100.000"));
-        const PictureDifference apart = difference(read_png(local), read_png(streamed));
+        const PictureDifference apart = difference(read_picture(local), read_picture(streamed));
         // A third of what is just noticeable, and not one block in five hundred that is seen.
         EXPECT_LT(apart.mean, 0.7) << debug;
         EXPECT_LT(apart.seen_share, 0.002) << debug;
@@ -84,8 +69,10 @@ TEST(LocalProgram, draws_films_from_time_0_on_and_the_same_bytes_each_time) {
         EXPECT_THAT(drawn.text, HasSubstr("00.png t=0.000"));
         EXPECT_THAT(drawn.text, HasSubstr("02.png t=0.067"));
     }
-    EXPECT_EQ(read_png(folder().file("a02.png")).rgba, read_png(folder().file("b02.png")).rgba);
-    EXPECT_NE(read_png(folder().file("a00.png")).rgba, read_png(folder().file("a02.png")).rgba);
+    EXPECT_EQ(read_picture(folder().file("a02.png")).rgba,
+              read_picture(folder().file("b02.png")).rgba);
+    EXPECT_NE(read_picture(folder().file("a00.png")).rgba,
+              read_picture(folder().file("a02.png")).rgba);
 }
 
 TEST(LocalProgram, measures_passes_and_shows_every_view) {

@@ -13,9 +13,9 @@
 #include <string>
 
 #include <gtest/gtest.h>
-#include <png.h>
 
 #include "tests/client/view/golden/picture_difference.h"
+#include "tests/client/view/golden/picture_of_file.h"
 #include "tests/support/folder.h"
 #include "tests/support/server_process.h"
 
@@ -39,21 +39,6 @@ constexpr View views[] = {
     {"shallow_lagoon", "0,0,30,200,-35", "13"},
     {"trade_wind_swell", "0,0,400,265,-14", "17.5"},
 };
-
-client::ShownPicture read_picture(const std::string& path) {
-    client::ShownPicture picture;
-    png_image image{};
-    image.version = PNG_IMAGE_VERSION;
-    if (!png_image_begin_read_from_file(&image, path.c_str()))
-        return picture;
-    image.format = PNG_FORMAT_RGBA;
-    picture.rgba.resize(PNG_IMAGE_SIZE(image));
-    if (png_image_finish_read(&image, nullptr, picture.rgba.data(), 0, nullptr)) {
-        picture.width = static_cast<int>(image.width);
-        picture.height = static_cast<int>(image.height);
-    }
-    return picture;
-}
 
 std::string kept(const View& view) {
     return std::string(SEAWAY_SOURCE_DIR "/tests/data/golden/") + view.scene + ".png";
