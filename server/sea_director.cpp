@@ -195,6 +195,7 @@ Result<void> SeaDirector::play(const SeaChange& change) {
         const bool late = change.pace->from_us < clock_.moment().elapsed_us;
         clock_.follow(*change.pace);
         world_.announce_pace(*change.pace);
+        missed_ = missed_ || late;
         spdlog::info("event=sea_pace change={} pace={} from_s={} by=another late={}", change.epoch,
                      change.pace->permille / static_cast<double>(sea::pace_unit),
                      sea::seconds_from_us(change.pace->sea_us), late);
@@ -202,6 +203,8 @@ Result<void> SeaDirector::play(const SeaChange& change) {
     }
     SEAWAY_TRY_LET(const sea::Scene scene,
                    scene_of(change, journal_->name(), course_->first()->scene));
+    // So that one for which there is no memory can be played again, whole.
+    promised_.reserve(promised_.size() + 1);
     SEAWAY_TRY(course_->add(scene, change.start_us, change.end_us));
     if (change.start_us > now_us)
         promised_.push_back(change.start_us);
@@ -245,7 +248,8 @@ Following SeaDirector::following() const {
                   .stuck = {}};
     const std::int64_t since_us = behind_since_us_;
     now.behind_us = since_us > 0 ? SeaClock::steady_now_us() - since_us : 0;
-    if (now.played < now.journal.last_epoch)
+    // Nobody else has a journal that is not shared, and to read it is to wait for a disk.
+    if (now.shared && now.played < now.journal.last_epoch)
         if (const auto more = journal_->since(now.played))
             now.late = std::ranges::any_of(*more, [this](const SeaChange& change) {
                 return change.pace
@@ -316,7 +320,8 @@ Result<SeaDirector::Planned> SeaDirector::plan(const SeaWish& wish) const {
         SEAWAY_TRY(course_->check(scene, promise.start_us, promise.end_us));
         // Anew, later, where a change that was promised begins before this one, which is then one of that sea; or where
         // there was so much to check, as a timetable, that adding it would take until after the start.
-        const bool in_time = first_start(*to) + clock_.hurried(checking.us()) <= start_us;
+        const bool in_time =
+            first_start(*to) + spread() + clock_.hurried(checking.us()) <= start_us;
         SEAWAY_TRY_LET(const sea::Scene then, wished(wish, start_us));
         if (in_time && sea::to_toml(then) == sea::to_toml(scene))
             return Planned{std::move(scene), std::move(to), promise};

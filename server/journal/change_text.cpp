@@ -59,6 +59,15 @@ std::uint64_t sum_of(std::uint64_t before, const SeaChange& change) {
                                  change.end_us, text_of(change)));
 }
 
+// Half of the times: what has passed since then is one, too.
+Result<void> check_epoch(std::int64_t epoch_utc_us) {
+    constexpr std::int64_t most_us = sea::time_us_max / 2;
+    if (epoch_utc_us < -most_us || epoch_utc_us > most_us)
+        return Error{fmt::format("has sea time 0 at {} us of UTC (at most {} us either way)",
+                                 epoch_utc_us, most_us)};
+    return {};
+}
+
 std::uint64_t first_sum(std::int64_t epoch_utc_us) {
     return static_cast<std::uint64_t>(epoch_utc_us);
 }
@@ -66,7 +75,17 @@ std::uint64_t first_sum(std::int64_t epoch_utc_us) {
 Result<void> check_next(const SeaChange& last, const SeaChange& next) {
     if (next.epoch != last.epoch + 1)
         return Error{fmt::format("the change after epoch {} has epoch {}", last.epoch, next.epoch)};
-    if (next.end_us < next.start_us)
+    const auto [from_us, to_us] = next.pace ? std::pair(next.pace->from_us, next.pace->sea_us)
+                                            : std::pair(next.start_us, next.end_us);
+    for (const sea::TimeUs time_us : {from_us, to_us})
+        if (!sea::in_time_range(time_us))
+            return Error{fmt::format("change {} holds {} us, which is no time of a sea (at most "
+                                     "{} us either way)",
+                                     next.epoch, time_us, sea::time_us_max)};
+    if (next.pace)
+        return {};
+    // The first sea has run for ever; others take some time to come.
+    if (next.end_us < next.start_us || (next.end_us == next.start_us && next.epoch > 1))
         return Error{
             fmt::format("change {} runs from {} to {} us", next.epoch, next.start_us, next.end_us)};
     return {};

@@ -22,10 +22,13 @@ Result<SeaChange> with_text(SeaChange change, std::string text);
 
 /// Of a change and of the sum of all before it.
 std::uint64_t sum_of(std::uint64_t before, const SeaChange& change);
+/// An error where sea time 0 at that instant leaves no sea time for now.
+Result<void> check_epoch(std::int64_t epoch_utc_us);
+
 /// Of the log before its first change.
 std::uint64_t first_sum(std::int64_t epoch_utc_us);
 
-/// An error where `next` cannot follow `last`.
+/// An error where `next` cannot follow `last`, or holds what is no time of a sea: a sum tells damage, not who wrote it.
 Result<void> check_next(const SeaChange& last, const SeaChange& next);
 
 struct LoggedChange {

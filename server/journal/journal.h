@@ -27,7 +27,7 @@ struct SeaChange {
     std::uint32_t epoch = 1; ///< its number: 1, 2, 3 ... without a gap
     sea::TimeUs start_us =
         0; ///< sea time at which the sea before begins to go; takes over from what was to come
-    sea::TimeUs end_us = 0; ///< and at which this one is there; not before start_us
+    sea::TimeUs end_us = 0; ///< and at which this one is there; behind start_us, but for the first
     std::string scene;      ///< effective scene (sea::to_toml)
     /// How fast the sea runs from a moment on; then there is no scene, and no start and end.
     std::optional<sea::Pace> pace = {};
@@ -81,6 +81,7 @@ class Journal {
     /// durably; then it has no effect, but where JournalError::unknown says that it may have.
     virtual Result<void> append(const SeaChange& change) = 0;
 
+    /// Waits for nothing: neither for a disk nor for a network.
     virtual JournalStanding standing() const = 0;
     /// A server that is current has whatever was made longer ago than this: so no change may begin earlier. 0 where
     /// nobody else follows the log.

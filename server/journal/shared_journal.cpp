@@ -103,6 +103,8 @@ Result<void> SharedJournal::hold(const SharedLog::Stored& stored, std::uint64_t 
     if (const Result<void> next = check_next(last, logged->change); !next)
         return named("is out of turn: " + next.error().message);
     if (number == 1) {
+        if (const Result<void> epoch = check_epoch(logged->epoch_utc_us); !epoch)
+            return named(epoch.error().message);
         epoch_utc_us_ = logged->epoch_utc_us;
         sum_ = first_sum(epoch_utc_us_);
     }

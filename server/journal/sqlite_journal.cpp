@@ -253,6 +253,8 @@ Result<void> SqliteJournal::look_through() {
     if (!has_sea || !*has_sea)
         return is_damaged("it does not say when the sea began");
     epoch_utc_us_ = sea->integer(0);
+    if (const Result<void> epoch = check_epoch(epoch_utc_us_); !epoch)
+        return is_damaged(epoch.error().message);
     const Result<std::vector<SeaChange>> changes = since(0);
     if (!changes)
         return is_damaged(changes.error().message);
@@ -272,8 +274,13 @@ Result<void> SqliteJournal::look_through() {
                 fmt::format("the change of epoch {} is not what was written", change.epoch));
         last = change;
     }
-    last_ = {last.epoch, last.start_us, last.end_us, {}};
+    hold(last);
     return {};
+}
+
+void SqliteJournal::hold(const SeaChange& last) {
+    last_ = {last.epoch, last.start_us, last.end_us, {}};
+    last_epoch_ = last.epoch;
 }
 
 Result<std::vector<SeaChange>> SqliteJournal::since(std::uint32_t epoch) const {
@@ -304,13 +311,12 @@ Result<void> SqliteJournal::append(const SeaChange& change) {
     if (const Result<void> written = insert(database_.get(), change, sum); !written)
         return wrong(written.error().message);
     sum_ = sum;
-    last_ = {change.epoch, change.start_us, change.end_us, {}};
+    hold(change);
     return {};
 }
 
 JournalStanding SqliteJournal::standing() const {
-    const std::scoped_lock lock(mutex_);
-    return {.last_epoch = last_.epoch, .peers = {}, .trouble = {}};
+    return {.last_epoch = last_epoch_, .peers = {}, .trouble = {}};
 }
 
 } // namespace seaway::server

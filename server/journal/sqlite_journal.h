@@ -6,6 +6,7 @@
 // the journal is open (DIR/lock).
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <mutex>
 
@@ -48,6 +49,7 @@ class SqliteJournal final : public Journal {
                                const Beginning& beginning);
     Result<void> open_file();
     Result<void> look_through();
+    void hold(const SeaChange& last);
     Error wrong(const std::string& why) const;
 
     FolderLock lock_;
@@ -55,7 +57,9 @@ class SqliteJournal final : public Journal {
     mutable std::mutex mutex_;
     Database database_;
     std::int64_t epoch_utc_us_ = 0;
-    SeaChange last_;        ///< without its scene
+    SeaChange last_; ///< without its scene
+    /// Its number, for whoever may not wait for a disk.
+    std::atomic<std::uint32_t> last_epoch_ = 0;
     std::uint64_t sum_ = 0; ///< of all changes
 };
 

@@ -81,7 +81,8 @@ TYPED_TEST(Journals, take_no_change_out_of_turn) {
                                change(4),
                                change(1),
                                change(0),
-                               {3, 3'000'000, 2'999'999, "ends before it begins"}};
+                               {3, 3'000'000, 2'999'999, "ends before it begins"},
+                               {3, 3'000'000, 3'000'000, "takes no time"}};
     for (const SeaChange& one : wrong) {
         const auto refused = journal->append(one);
         ASSERT_FALSE(refused) << one.epoch;
@@ -90,8 +91,21 @@ TYPED_TEST(Journals, take_no_change_out_of_turn) {
                   std::string::npos)
             << refused.error().message;
     }
+    // What no time of a sea is would be computed with by every server that follows.
+    constexpr sea::TimeUs ever = sea::time_us_max, beyond = ever + 1;
+    const SeaChange untimely[] = {{3, 0, beyond, "ends beyond"},
+                                  {3, -beyond, 0, "begins beyond"},
+                                  {.epoch = 3, .scene = {}, .pace = sea::Pace{beyond, 0, 500}},
+                                  {.epoch = 3, .scene = {}, .pace = sea::Pace{0, -beyond, 500}}};
+    for (const SeaChange& one : untimely) {
+        const auto refused = journal->append(one);
+        ASSERT_FALSE(refused);
+        EXPECT_NE(refused.error().message.find("no time of a sea"), std::string::npos)
+            << refused.error().message;
+    }
     EXPECT_EQ(journal->since(0)->size(), 2u);
-    EXPECT_TRUE(journal->append({3, 1, 2, "takes over from one that has not begun"}));
+    EXPECT_TRUE(journal->append({3, -ever, ever, "as long as can be"}));
+    EXPECT_TRUE(journal->append({4, 1, 2, "takes over from one that has not begun"}));
 }
 
 } // namespace

@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <random>
+#include <thread>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <sqlite3.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -181,6 +185,30 @@ TEST(SqliteJournal, damaged_or_cut_off_it_is_named_and_left_as_it_is) {
     ASSERT_NE(at, std::string::npos);
     moved[at + 7] ^= 1;
     expect_named(moved, "the instant is another");
+}
+
+// The thread that serves everybody asks how it stands: it may not wait for a disk, nor for who has the file open by hand.
+TEST(SqliteJournal, says_how_it_stands_while_a_change_waits_for_the_file) {
+    auto journal = SqliteJournal::open(fresh_folder(), beginning).value();
+    sqlite3* by_hand = nullptr;
+    ASSERT_EQ(sqlite3_open(journal->name().c_str(), &by_hand), SQLITE_OK);
+    ASSERT_EQ(sqlite3_exec(by_hand, "BEGIN IMMEDIATE", nullptr, nullptr, nullptr), SQLITE_OK);
+    std::atomic<bool> written = false;
+    Result<void> append;
+    std::thread writer([&] {
+        append = journal->append(change(2));
+        written = true;
+    });
+    // It is asked again and again while the writer comes to the file and waits there, seconds if it must.
+    const auto end = std::chrono::steady_clock::now() + std::chrono::milliseconds(300);
+    while (std::chrono::steady_clock::now() < end)
+        EXPECT_EQ(journal->standing().last_epoch, 1u);
+    EXPECT_FALSE(written);
+    ASSERT_EQ(sqlite3_exec(by_hand, "ROLLBACK", nullptr, nullptr, nullptr), SQLITE_OK);
+    writer.join();
+    sqlite3_close(by_hand);
+    EXPECT_TRUE(append) << append.error().message;
+    EXPECT_EQ(journal->standing().last_epoch, 2u);
 }
 
 // Killed anywhere between nothing and a journal that is there: the next start makes one, or takes that one.
