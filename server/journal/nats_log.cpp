@@ -54,6 +54,12 @@ std::int64_t stored_utc_us(natsMsg* message) {
            std::llround(1e6 * second);
 }
 
+/// That it was written under; empty: under none.
+std::string id_of(natsMsg* message) {
+    const char* text = nullptr;
+    return natsMsgHeader_Get(message, "Nats-Msg-Id", &text) == NATS_OK ? text : "";
+}
+
 /// What the engine has said, in its own words where it has some.
 std::string said(natsStatus status, int code) {
     if (code == JSNotEnabledErr || code == JSNotEnabledForAccountErr)
@@ -238,7 +244,8 @@ Result<std::vector<SharedLog::Stored>> NatsLog::read(std::uint64_t first, std::u
             break;
         }
         const auto bytes = static_cast<std::size_t>(natsMsg_GetDataLength(next));
-        messages[number - first] = {std::string(natsMsg_GetData(next), bytes), stored_utc_us(next)};
+        messages[number - first] = {std::string(natsMsg_GetData(next), bytes), stored_utc_us(next),
+                                    id_of(next)};
         ++come;
     }
     if (status == NATS_OK)
@@ -257,8 +264,9 @@ Result<std::uint64_t> NatsLog::write(const std::string& message, const std::stri
     options.MaxWait = nats_patience_ms;
     options.MsgId = id.c_str();
     options.ExpectStream = stream_.c_str();
-    // The stream has one subject: its last message is that of the stream.
-    options.ExpectLastSubjectSeq = expected_last;
+    // Of the stream, not of its one subject, though both are the same number: in a cluster who leads compares that of the subject
+    // with what it has stored, before the others have agreed to what is under way, and takes each of several.
+    options.ExpectLastSeq = expected_last;
     options.ExpectNoMessage = expected_last == 0;
     jsPubAck* acknowledged = nullptr;
     jsErrCode code = {};

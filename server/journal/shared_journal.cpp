@@ -120,6 +120,11 @@ Result<void> SharedJournal::hold(const SharedLog::Stored& stored, std::uint64_t 
     return {};
 }
 
+Result<bool> SharedJournal::stands_under(const std::string& id, std::uint64_t number) {
+    SEAWAY_TRY_LET(const std::vector<SharedLog::Stored> messages, log_->read(number, number));
+    return messages.front().id == id;
+}
+
 /// Under one id: what was written and not acknowledged is not written twice.
 Result<void> SharedJournal::write(const LoggedChange& logged) {
     const std::string message = message_of(logged);
@@ -134,6 +139,13 @@ Result<void> SharedJournal::write(const LoggedChange& logged) {
         if (number)
             return Error{fmt::format("took change {} as message {}", logged.change.epoch, *number)};
         last = number.error();
+        if (last.is(LogFailure::outrun)) {
+            // By another change, or by an attempt of its own whose answer was lost.
+            const Result<bool> mine = stands_under(id, logged.change.epoch);
+            if (mine)
+                return *mine ? Result<void>() : last;
+            last = Error{LogFailure::unanswered, mine.error().message};
+        }
         may_be_there = may_be_there || last.is(LogFailure::unanswered);
         if (!last.is(LogFailure::unanswered) && !last.is(LogFailure::unreachable))
             return last;

@@ -79,6 +79,8 @@ class SharedJournal final : public Journal {
     Result<SharedLog::Tail> catch_up();
     Result<void> hold(const SharedLog::Stored& stored, std::uint64_t number);
     Result<void> write(const LoggedChange& logged);
+    /// Whether that message was written under this id.
+    Result<bool> stands_under(const std::string& id, std::uint64_t number);
     Error wrong(const std::string& why) const;
     Error refused(const Error& why) const;
     /// Remembers what came of asking the log.

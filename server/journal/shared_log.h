@@ -17,7 +17,9 @@ namespace seaway::server {
 enum class LogFailure {
     unreachable, ///< nothing has come to the engine
     unanswered,  ///< something may have
-    outrun,      ///< the log does not end where it was expected to
+    /// The log does not end where it was expected to. Said of a repeat, too, where the first attempt came meanwhile: read() has
+    /// the id of what stands there.
+    outrun,
 };
 
 class SharedLog {
@@ -39,6 +41,7 @@ class SharedLog {
     struct Stored {
         std::string message;
         std::int64_t at_utc_us = 0; ///< when it was given its number, by the engine's clock
+        std::string id;             ///< that it was written under
     };
     /// The messages `first` to `last`, which are there, in one go.
     virtual Result<std::vector<Stored>> read(std::uint64_t first, std::uint64_t last) = 0;

@@ -78,6 +78,25 @@ class NatsServer {
     }
     void send(int signal) const { kill(pid_, signal); }
 
+    /// What comes in answer to a request within two seconds, with what NATS says around it; else empty.
+    std::string ask(const std::string& subject) const {
+        const int socket_of = connected();
+        const std::string question = fmt::format(
+            "CONNECT {{\"verbose\":false}}\r\nSUB _INBOX.ask 1\r\nPUB {} _INBOX.ask 0\r\n\r\n",
+            subject);
+        const timeval patience{2, 0};
+        setsockopt(socket_of, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+        (void)::send(socket_of, question.data(), question.size(), MSG_NOSIGNAL);
+        std::string text;
+        char bytes[4096];
+        for (ssize_t n = 0; text.find("}\r\n", text.find("MSG ")) == std::string::npos &&
+                            (n = recv(socket_of, bytes, sizeof bytes, 0)) > 0;)
+            text.append(bytes, static_cast<std::size_t>(n));
+        close(socket_of);
+        const std::size_t answer = text.find("MSG ");
+        return answer == std::string::npos ? "" : text.substr(answer);
+    }
+
     int port() const { return port_; }
     const std::string& store() const { return store_; }
     std::string url(const std::string& world) const { return url(port_, world); }
@@ -86,16 +105,20 @@ class NatsServer {
     }
 
   private:
-    bool answers() const {
+    /// A socket; of one that is not connected nothing comes.
+    int connected() const {
         const int socket_of = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
         sockaddr_in address{};
         address.sin_family = AF_INET;
         address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
         address.sin_port = htons(static_cast<std::uint16_t>(port_));
-        const bool connected =
-            connect(socket_of, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0;
+        (void)connect(socket_of, reinterpret_cast<sockaddr*>(&address), sizeof address);
+        return socket_of;
+    }
+    bool answers() const {
+        const int socket_of = connected();
         char info[4] = {};
-        const bool said = connected && recv(socket_of, info, sizeof info, MSG_WAITALL) == 4;
+        const bool said = recv(socket_of, info, sizeof info, MSG_WAITALL) == 4;
         close(socket_of);
         return said && std::string(info, 4) == "INFO";
     }

@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "server/journal/shared_log.h"
@@ -19,15 +21,17 @@ struct LotEngine {
     std::vector<SharedLog::Stored> messages;
     std::map<std::string, std::uint64_t> ids;
     bool down = false;
+    /// As in a cluster: a repeat of what was stored is refused for the number that it has taken itself.
+    bool refuses_repeats = false;
     std::int64_t clock_off_us = 0;
 
     Result<std::uint64_t> write(const std::string& message, const std::string& id,
                                 std::uint64_t expected_last, std::int64_t now_us) {
-        if (const auto found = ids.find(id); found != ids.end())
+        if (const auto found = ids.find(id); found != ids.end() && !refuses_repeats)
             return found->second;
         if (expected_last != messages.size())
             return Error{LogFailure::outrun, "another change was appended first"};
-        messages.push_back({message, now_us + clock_off_us});
+        messages.push_back({message, now_us + clock_off_us, id});
         ids[id] = messages.size();
         return messages.size();
     }
@@ -53,8 +57,11 @@ class LotLine final : public SharedLog {
         std::int64_t takes_us = 1000;        ///< up to
         std::uint64_t lags = 0;              ///< messages that who answers has not come to yet
         std::uint64_t lags_after_writes = 0; ///< it will, from the next one on
-        std::int64_t hangs_us = 0;           ///< each time that it is asked where it ends
-        std::int64_t unsure_us = 0;          ///< for how long it has not heard of a majority
+        int answers_lost = 0;                ///< of so many writes that come to the engine
+        std::function<void()> comes_first;   ///< before the next write
+        int reads_behind = 0;       ///< of so many who answers has not come to what is asked for
+        std::int64_t hangs_us = 0;  ///< each time that it is asked where it ends
+        std::int64_t unsure_us = 0; ///< for how long it has not heard of a majority
         /// Writes that were sent over a connection which was given up, and come to the engine later or never.
         std::vector<std::pair<std::string, std::pair<std::string, std::uint64_t>>> late;
     };
@@ -75,12 +82,16 @@ class LotLine final : public SharedLog {
     Result<std::vector<Stored>> read(std::uint64_t first, std::uint64_t last) override {
         if (!passes() || !passes())
             return Error{LogFailure::unanswered, "cut"};
+        if (state_.reads_behind > 0 && state_.reads_behind-- > 0)
+            return Error{LogFailure::unanswered, "a copy that is behind"};
         return std::vector<Stored>(engine_.messages.begin() +
                                        static_cast<std::ptrdiff_t>(first - 1),
                                    engine_.messages.begin() + static_cast<std::ptrdiff_t>(last));
     }
     Result<std::uint64_t> write(const std::string& message, const std::string& id,
                                 std::uint64_t expected_last) override {
+        if (const auto first = std::exchange(state_.comes_first, {}))
+            first();
         if (!passes()) {
             if (lots_.chance(0.5)) // it is under way all the same
                 state_.late.push_back({message, {id, expected_last}});
@@ -88,7 +99,9 @@ class LotLine final : public SharedLog {
         }
         Result<std::uint64_t> written = engine_.write(message, id, expected_last, now_us_);
         state_.lags = std::max(state_.lags, state_.lags_after_writes);
-        if (passes())
+        if (state_.answers_lost > 0)
+            --state_.answers_lost;
+        else if (passes())
             return written;
         return Error{LogFailure::unanswered, "cut"};
     }

@@ -98,6 +98,55 @@ TEST_F(SharedFaults, a_change_that_was_taken_and_does_not_show_yet_is_unknown_an
     EXPECT_EQ(first.journal->standing().last_epoch, mine.epoch);
 }
 
+// The end of the log is looked at before ids are, as who leads a cluster may do.
+TEST_F(SharedFaults, a_repeat_that_was_outrun_by_its_own_first_attempt_is_taken) {
+    engine.refuses_repeats = true;
+    open(first);
+    for (int lost = 1; lost < SharedJournal::writes_max; ++lost) {
+        now_us += one_second_us;
+        const SeaChange mine = next(first);
+        first.line.answers_lost = lost;
+        const Result<void> taken = first.journal->append(mine);
+        EXPECT_TRUE(taken) << taken.error().message;
+        EXPECT_EQ(first.journal->since(mine.epoch - 1).value(), std::vector<SeaChange>{mine});
+    }
+}
+
+TEST_F(SharedFaults, a_repeat_that_was_refused_and_cannot_see_what_stands_there_is_unknown) {
+    engine.refuses_repeats = true;
+    open(first);
+    first.line.answers_lost = 1;
+    first.line.reads_behind = SharedJournal::writes_max - 2;
+    EXPECT_TRUE(first.journal->append(next(first))) << "the last repeat sees it";
+    now_us += one_second_us;
+    const SeaChange mine = next(first);
+    first.line.answers_lost = 1;
+    first.line.reads_behind = SharedJournal::writes_max - 1;
+    const Result<void> taken = first.journal->append(mine);
+    ASSERT_FALSE(taken);
+    EXPECT_TRUE(taken.error().is(JournalError::unknown)) << taken.error().message;
+    first.journal->poll();
+    EXPECT_EQ(first.journal->since(mine.epoch - 1).value(), std::vector<SeaChange>{mine});
+}
+
+TEST_F(SharedFaults, of_who_was_outrun_by_another_nothing_is_taken) {
+    engine.refuses_repeats = true;
+    open(first);
+    open(second);
+    first.line.comes_first = [&] {
+        now_us += one_second_us;
+        ASSERT_TRUE(second.journal->append(next(second)));
+    };
+    SeaChange mine = next(first);
+    mine.scene = "of the first";
+    const Result<void> taken = first.journal->append(mine);
+    ASSERT_FALSE(taken);
+    EXPECT_TRUE(taken.error().is(JournalError::outrun)) << taken.error().message;
+    first.journal->poll();
+    EXPECT_EQ(first.journal->since(1).value(), std::vector<SeaChange>{change(2)});
+    EXPECT_EQ(engine.messages.size(), 2u);
+}
+
 // Its start was planned when it was asked for: what waits longer than it may would begin before all know of it.
 TEST_F(SharedFaults, a_change_that_waits_for_a_slow_log_is_refused_and_not_written) {
     open(first);

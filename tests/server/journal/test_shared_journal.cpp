@@ -39,6 +39,7 @@ class History {
     explicit History(std::uint64_t seed) : lots_(seed), servers_(3) {
         for (Server& server : servers_)
             server.clock_off_us = lots_.between(-clock_off_us_max, clock_off_us_max);
+        engine_.refuses_repeats = lots_.chance(0.5);
         engine_.clock_off_us = lots_.between(-clock_off_us_max, clock_off_us_max);
     }
 
