@@ -219,12 +219,18 @@ Result<void> SharedJournal::append(const SeaChange& change) {
     const std::scoped_lock lock(log_mutex_);
     const std::int64_t began_us = options_.steady();
     // Also so that nothing is written to a log that is not the one that was followed.
-    if (const Result<SharedLog::Tail> tail = catch_up(); !tail) {
-        Error why = tail.error();
+    const Result<SharedLog::Tail> end = catch_up();
+    if (!end) {
+        Error why = end.error();
         if (why.is(LogFailure::unanswered))
             why.kind = LogFailure::unreachable; // it was only asked
         return refused(why);
     }
+    // It would keep the change, and bring it to the log when it is joined again, from before that.
+    if (end->unsure_us > current_us)
+        return refused({LogFailure::unreachable,
+                        fmt::format("who orders it has not heard of a majority for {:.1f} s",
+                                    1e-6 * static_cast<double>(end->unsure_us))});
     SeaChange last;
     {
         const std::scoped_lock mine(mutex_);

@@ -80,6 +80,13 @@ TEST_F(SharedFaults, who_leads_alone_does_not_know_whether_the_log_goes_on_elsew
     first.journal->poll();
     EXPECT_FALSE(first.journal->standing().current);
     EXPECT_EQ(first.journal->standing().unheard_us, SharedJournal::current_us + 1);
+    const Result<void> taken = append(first);
+    ASSERT_FALSE(taken);
+    EXPECT_TRUE(taken.error().is(JournalError::unreachable)) << taken.error().message;
+    EXPECT_NE(taken.error().message.find("has not heard of a majority for 2.0 s"),
+              std::string::npos)
+        << taken.error().message;
+    EXPECT_EQ(engine.messages.size(), 1u);
     first.line.unsure_us = 0;
     first.journal->poll();
     EXPECT_TRUE(first.journal->standing().current);

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+// The journal in a cluster of three nodes whose leader is cut off from the two others, and not from those who use it.
+#include <array>
+#include <chrono>
+#include <optional>
+#include <thread>
+
+#include "server/journal/sea_clock.h"
+#include "server/journal/shared_journal.h"
+#include "tests/server/journal/journals.h"
+#include "tests/support/nats_cluster.h"
+
+namespace seaway::server {
+namespace {
+
+using namespace tests_of_journals;
+using tests::NatsCluster;
+
+/// A journal at each node, which knows of that node alone.
+class Parted : public testing::Test {
+  protected:
+    void SetUp() override {
+        for (std::size_t i = 0; i < NatsCluster::size; ++i) {
+            const JournalPlace place{.where = cluster.node(i).url(world), .replicas = 3};
+            ASSERT_TRUE(comes_true([&] {
+                Result<std::unique_ptr<Journal>> made = open_journal(place, beginning);
+                if (made)
+                    journals[i] = *std::move(made);
+                return journals[i] != nullptr;
+            })) << error_at(place);
+        }
+        ASSERT_TRUE(taken_in_the_end(0, change(2)));
+        ASSERT_TRUE(comes_true([&] { return all_hold(2); }));
+        ASSERT_TRUE(comes_true([&] {
+            leader = cluster.leader(world, 0);
+            return leader < NatsCluster::size;
+        }));
+    }
+
+    bool taken_in_the_end(std::size_t at, const SeaChange& change) {
+        return comes_true([&] {
+            return journals[at]->append(change) ||
+                   journals[at]->standing().last_epoch >= change.epoch;
+        });
+    }
+    bool all_hold(std::uint32_t last) const {
+        for (const std::unique_ptr<Journal>& journal : journals)
+            if (journal->standing().last_epoch != last || !journal->standing().current)
+                return false;
+        return true;
+    }
+    /// By the steady clock: since then nothing has passed between the leader and the others. Long enough to tell, for nodes say
+    /// something each second.
+    std::int64_t cut_off_since_us() {
+        constexpr std::int64_t silence_us = 1'500'000;
+        cluster.part(leader);
+        std::int64_t since_us = SeaClock::steady_now_us();
+        for (std::uint64_t bytes = cluster.bytes_between(leader);
+             SeaClock::steady_now_us() - since_us < silence_us;
+             std::this_thread::sleep_for(std::chrono::milliseconds(10)))
+            if (const std::uint64_t now = cluster.bytes_between(leader); now != bytes) {
+                bytes = now;
+                since_us = SeaClock::steady_now_us();
+            }
+        return since_us;
+    }
+
+    const std::string world = "parted";
+    NatsCluster cluster;
+    std::array<std::unique_ptr<Journal>, NatsCluster::size> journals;
+    std::size_t leader = NatsCluster::size;
+};
+
+TEST_F(Parted,
+       who_follows_a_leader_that_is_cut_off_is_stale_refuses_changes_and_follows_when_healed) {
+    Journal& cut_off = *journals[leader];
+    const std::size_t other = (leader + 1) % NatsCluster::size;
+    const std::int64_t since_us = cut_off_since_us();
+    // The leader answers on, for it does not know of another yet: what it says is no longer sure after the stated time.
+    int looks = 0;
+    for (std::int64_t now_us = 0; now_us < since_us + 2 * SharedJournal::current_us; ++looks) {
+        now_us = SeaClock::steady_now_us(); // before it is asked
+        const JournalStanding standing = cut_off.standing();
+        const bool may_be_sure = now_us <= since_us + SharedJournal::current_us;
+        ASSERT_TRUE(may_be_sure || !standing.current)
+            << 1e-6 * static_cast<double>(now_us - since_us) << " s";
+        std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+    EXPECT_GT(looks, 0);
+    SeaChange invented = change(3);
+    invented.scene = "asked of who is cut off";
+    for (int i = 0; i < 3; ++i) {
+        const Result<void> taken = cut_off.append(invented);
+        ASSERT_FALSE(taken);
+        EXPECT_TRUE(taken.error().is(JournalError::unreachable)) << taken.error().message;
+    }
+    ASSERT_TRUE(taken_in_the_end(other, change(3))) << "the two others choose one who leads";
+    EXPECT_FALSE(cut_off.standing().current);
+    EXPECT_EQ(cut_off.standing().last_epoch, 2u);
+    cluster.join(leader);
+    ASSERT_TRUE(comes_true([&] { return all_hold(3); }));
+    for (const std::unique_ptr<Journal>& journal : journals)
+        EXPECT_EQ(journal->since(1).value(), (std::vector<SeaChange>{change(2), change(3)}));
+    EXPECT_TRUE(taken_in_the_end(leader, change(4)));
+}
+
+TEST_F(Parted, who_follows_a_follower_that_is_cut_off_is_stale_and_the_others_go_on) {
+    leader = (leader + 1) % NatsCluster::size; // the one that is cut off
+    Journal& cut_off = *journals[leader];
+    const std::size_t other = (leader + 1) % NatsCluster::size;
+    const std::int64_t since_us = cut_off_since_us();
+    ASSERT_TRUE(comes_true(
+        [&] { return SeaClock::steady_now_us() > since_us + SharedJournal::current_us; }));
+    EXPECT_FALSE(cut_off.standing().current);
+    const Result<void> taken = cut_off.append(change(3));
+    ASSERT_FALSE(taken);
+    EXPECT_TRUE(taken.error().is(JournalError::unreachable)) << taken.error().message;
+    ASSERT_TRUE(taken_in_the_end(other, change(3)));
+    EXPECT_EQ(cut_off.standing().last_epoch, 2u);
+    cluster.join(leader);
+    ASSERT_TRUE(comes_true([&] { return all_hold(3); }));
+    EXPECT_EQ(cut_off.since(2).value(), std::vector<SeaChange>{change(3)});
+}
+
+} // namespace
+} // namespace seaway::server
