@@ -86,7 +86,8 @@ class Journal {
     /// A server that is current has whatever was made longer ago than this: so no change may begin earlier. 0 where
     /// nobody else follows the log.
     virtual std::int64_t spread_us() const = 0;
-    /// From now on this clock, the time since the sea's epoch, is compared with those of others who follow the log: standing().peers.
+    /// From now on this clock, the time since the sea's epoch, is compared with those of others who follow the log, standing().peers, and
+    /// is what changes are told to be stored by.
     /// Empty: no more.
     virtual void compare_clocks(std::function<std::int64_t()> elapsed_us) = 0;
     /// Called from now on when others have appended, on a thread of its own that must not be held; empty: nobody.

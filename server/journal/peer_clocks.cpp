@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cctype>
 #include <sstream>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -52,7 +53,7 @@ void PeerClocks::hear(const std::string& word, LocalUs local_us) {
         return;
     const std::scoped_lock lock(mutex_);
     if (peers_.size() >= peers_max && !peers_.contains(name))
-        return;
+        make_place();
     Peer& peer = peers_[name];
     peer.heard_us = local_us;
     peer.sent_us = sent_us;
@@ -69,6 +70,14 @@ void PeerClocks::hear(const std::string& word, LocalUs local_us) {
         }
         return; // one answer a word
     }
+}
+
+void PeerClocks::make_place() {
+    const auto counts_less = [](const auto& a, const auto& b) {
+        return std::pair(a.second.answered, a.second.heard_us) <
+               std::pair(b.second.answered, b.second.heard_us);
+    };
+    peers_.erase(std::ranges::min_element(peers_, counts_less));
 }
 
 PeersSeen PeerClocks::seen(LocalUs local_us, std::int64_t sea_us) const {

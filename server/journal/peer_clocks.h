@@ -30,6 +30,8 @@ class PeerClocks {
     static constexpr std::int64_t every_us = 1'000'000;
     /// One that says nothing for so long has gone.
     static constexpr std::int64_t heard_us = 10'000'000;
+    /// Beyond it who has been silent longest makes place, of those who never said back to us if there is one: each start of a server has
+    /// a name of its own.
     static constexpr std::size_t peers_max = 64;
 
     /// `name` is unlike that of any other process: letters and digits.
@@ -49,6 +51,8 @@ class PeerClocks {
         LocalUs heard_us = 0;     ///< its last word, by our clock
         std::int64_t sent_us = 0; ///< and by its own
     };
+
+    void make_place();
 
     const std::string name_;
     mutable std::mutex mutex_; ///< of what follows

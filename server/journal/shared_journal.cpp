@@ -214,7 +214,7 @@ Error SharedJournal::refused(const Error& why) const {
 
 Result<void> SharedJournal::append(const SeaChange& change) {
     // Of now, when its start was planned, however long the log keeps it waiting.
-    const std::int64_t by_utc_us = options_.utc() + stored_within_us;
+    const std::int64_t by_utc_us = utc_us() + stored_within_us;
     const std::int64_t made_us = options_.steady();
     const std::scoped_lock lock(log_mutex_);
     const std::int64_t began_us = options_.steady();
@@ -266,6 +266,12 @@ Result<void> SharedJournal::append(const SeaChange& change) {
         wrong(late + ". It was stored at once: this server's clock is behind that of NATS, and one "
                      "of both has to be set right")
             .message};
+}
+
+/// Changes begin by the sea's clock. The machine's may have been set since: the sea's goes on, and is that of the other servers.
+std::int64_t SharedJournal::utc_us() const {
+    const std::scoped_lock lock(mutex_);
+    return elapsed_us_ ? epoch_utc_us_ + elapsed_us_() : options_.utc();
 }
 
 JournalStanding SharedJournal::standing() const {

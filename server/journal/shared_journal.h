@@ -45,7 +45,7 @@ class SharedJournal final : public Journal {
         std::string name;    ///< for messages
         std::string writer;  ///< unlike that of any other process: part of each message's id
         Microseconds steady; ///< never set back
-        Microseconds utc;
+        Microseconds utc;    ///< until there is a clock of the sea: compare_clocks()
     };
 
     /// Reads the log, or begins it; of several who begin it at once one does, the others have its sea. Errors name what
@@ -83,6 +83,8 @@ class SharedJournal final : public Journal {
     Result<bool> stands_under(const std::string& id, std::uint64_t number);
     Error wrong(const std::string& why) const;
     Error refused(const Error& why) const;
+    /// By the clock of the sea, once that runs.
+    std::int64_t utc_us() const;
     /// Remembers what came of asking the log.
     void heard(std::int64_t asked_us, const Result<SharedLog::Tail>& tail);
     void run();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Clocks of servers that hear each other, in a network whose delays are drawn by lot.
+#include <algorithm>
 #include <cmath>
 #include <deque>
 #include <memory>
@@ -155,6 +156,30 @@ TEST(PeerClocks, who_falls_silent_counts_no_more) {
     fleet.run(15);
     EXPECT_EQ(fleet.seen(0).peers, 1);
     EXPECT_FALSE(fleet.seen(0).can_judge());
+}
+
+// As of servers that are started again and again: each start has another name, and says nothing more.
+TEST(PeerClocks, any_number_of_names_takes_no_more_places_and_none_from_who_answers) {
+    PeerClocks clocks("me");
+    const auto said_back = [](const std::string& name, std::int64_t now_us) {
+        return fmt::format("seaway-clock-1 {} 5 1000\nme {} 2\n", name, now_us - 10);
+    };
+    clocks.hear(said_back("real1", 1000), 1000);
+    clocks.hear(said_back("real2", 1000), 1000);
+    for (int i = 0; i < 10'000; ++i)
+        clocks.hear(fmt::format("seaway-clock-1 gone{} 5 1000\n", i), 2000 + i);
+    EXPECT_EQ(clocks.seen(20'000, 0).peers, 2);
+    const std::string word = clocks.word(20'000, 0);
+    EXPECT_EQ(static_cast<std::size_t>(std::ranges::count(word, '\n')), 1 + PeerClocks::peers_max);
+    EXPECT_NE(word.find("\ngone9999 "), std::string::npos) << "the last to be heard";
+    EXPECT_EQ(word.find("\ngone0 "), std::string::npos);
+    // Where all have answered, the one that was heard first goes.
+    PeerClocks full("me");
+    for (int i = 0; i < 100; ++i)
+        full.hear(said_back(fmt::format("peer{}", i), 1000 + i), 1000 + i);
+    EXPECT_EQ(full.seen(2000, 0).peers, static_cast<int>(PeerClocks::peers_max));
+    EXPECT_EQ(full.word(2000, 0).find("\npeer35 "), std::string::npos);
+    EXPECT_NE(full.word(2000, 0).find("\npeer36 "), std::string::npos);
 }
 
 TEST(PeerClocks, words_that_are_none_change_nothing) {

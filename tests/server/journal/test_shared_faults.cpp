@@ -167,6 +167,35 @@ TEST_F(SharedFaults, a_change_that_waits_for_a_slow_log_is_refused_and_not_writt
     EXPECT_TRUE(append(first));
 }
 
+// The machine's clock was set, by an hour and by less than the sea follows at once. The sea's runs on as those of the others do.
+TEST_F(SharedFaults, a_change_is_made_by_the_clock_of_the_sea_and_not_by_the_machines) {
+    for (const std::int64_t set_by_us : {-3600 * one_second_us, -5 * one_second_us}) {
+        auto opened = SharedJournal::open(
+            std::make_unique<LotLine>(engine, first.line, lots, now_us), beginning,
+            {"log", "writer" + std::to_string(next_number()), [this] { return now_us; },
+             [&, this] { return now_us + set_by_us; }});
+        ASSERT_TRUE(opened) << opened.error().message;
+        first.journal = *std::move(opened);
+        const Result<void> by_the_machine = append(first);
+        ASSERT_FALSE(by_the_machine);
+        EXPECT_TRUE(by_the_machine.error().is(JournalError::clock_behind));
+        first.journal->compare_clocks([this] { return now_us - beginning.epoch_utc_us; });
+        const Result<void> by_the_sea = append(first);
+        EXPECT_TRUE(by_the_sea) << by_the_sea.error().message;
+    }
+    // Ahead: stored a second late it would begin before all know of it, and has lapsed all the same.
+    auto opened = SharedJournal::open(
+        std::make_unique<LotLine>(engine, first.line, lots, now_us), beginning,
+        {"log", "ahead", [this] { return now_us; }, [this] { return now_us + 9 * one_second_us; }});
+    ASSERT_TRUE(opened);
+    first.journal = *std::move(opened);
+    first.journal->compare_clocks([this] { return now_us - beginning.epoch_utc_us; });
+    first.line.comes_first = [this] { now_us += 2 * SharedJournal::stored_within_us; };
+    const Result<void> late = first.journal->append(next(first));
+    ASSERT_FALSE(late);
+    EXPECT_TRUE(late.error().is(JournalError::lapsed)) << late.error().message;
+}
+
 /// Says and hears without a pause until it ends.
 class BusyLine final : public PeerLine {
   public:
