@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <iterator>
 #include <new>
-#include <numeric>
 #include <utility>
 
 #include <fmt/format.h>
@@ -26,8 +25,6 @@ constexpr TimeUs spare_us = 1'000'000;
 constexpr TimeUs pace_ahead_us = 1'000'000;
 /// Before a change is asked for again that could not be written.
 constexpr TimeUs unreachable_pause_us = 1'000'000;
-/// A change begins where keyframes of all its seas lie, if such a time is near.
-constexpr TimeUs meeting_us_max = 2'000'000;
 /// How long it sleeps at most: the clock may have leapt; and where it may begin to doubt.
 constexpr std::chrono::milliseconds nap{1000}, nap_beside_others{250};
 /// Sessions that were sent away are not sent away again for a doubt that comes and goes.
@@ -65,17 +62,6 @@ std::vector<TimeUs> intervals_of(const RunningSea& a, const RunningSea& b) {
         for (const sea::CascadeBudget& cascade : sea->budget.cascades)
             all.push_back(cascade.interval_us);
     return all;
-}
-
-/// The next time that is a whole multiple of all of them, where they meet often enough.
-TimeUs next_meeting(TimeUs time_us, const std::vector<TimeUs>& intervals_us) {
-    TimeUs together_us = 1;
-    for (const TimeUs interval_us : intervals_us) {
-        together_us = std::lcm(together_us, interval_us);
-        if (together_us > meeting_us_max)
-            return time_us;
-    }
-    return interval_start(time_us + together_us - 1, together_us);
 }
 
 } // namespace
@@ -137,8 +123,12 @@ void SeaDirector::run() {
     while (!stopping_) {
         journal_grew_ = false;
         lock.unlock();
-        follow();
-        look_for_doubt();
+        try {
+            follow();
+            look_for_doubt();
+        } catch (const std::bad_alloc&) {
+            spdlog::warn("event=sea_not_followed why=\"there is no memory for it, again soon\"");
+        }
         lock.lock();
         if (asked_.empty()) {
             lock.unlock();
@@ -368,10 +358,8 @@ Result<void> SeaDirector::check_takeovers(TimeUs start_us) const {
 Result<void> SeaDirector::log(SeaChange change) {
     change.epoch = changes_ + 1;
     const Result<void> kept = journal_ ? journal_->append(change) : Result<void>();
-    if (kept) {
-        ++changes_;
+    if (kept)
         return {};
-    }
     if (kept.error().is(JournalError::outrun))
         return busy(0, fmt::format("another server has changed the sea meanwhile ({})",
                                    kept.error().message));
@@ -389,6 +377,20 @@ Result<void> SeaDirector::log(SeaChange change) {
     return kept;
 }
 
+Result<void> SeaDirector::take_effect(const std::function<void()>& effect) {
+    try {
+        effect();
+    } catch (const std::bad_alloc&) {
+        if (!journal_)
+            throw;
+        return Error{fmt::format("change {} is in the journal, but there is no memory for it now: "
+                                 "the sea changes as soon as there is",
+                                 changes_ + 1)};
+    }
+    ++changes_;
+    return {};
+}
+
 Result<SeaPromise> SeaDirector::make_pace(int permille) {
     const TimeUs now_us = clock_.moment().elapsed_us;
     const auto promised = std::ranges::count_if(
@@ -399,8 +401,10 @@ Result<SeaPromise> SeaDirector::make_pace(int permille) {
     const sea::Pace pace =
         clock_.next_pace(now_us + pace_ahead_us + (journal_ ? journal_->spread_us() : 0), permille);
     SEAWAY_TRY(log({.scene = {}, .pace = pace}));
-    clock_.follow(pace);
-    world_.announce_pace(pace);
+    SEAWAY_TRY(take_effect([&] {
+        clock_.follow(pace);
+        world_.announce_pace(pace);
+    }));
     spdlog::info("event=sea_pace change={} pace={} from_s={}", changes_.load(),
                  permille / static_cast<double>(sea::pace_unit), sea::seconds_from_us(pace.sea_us));
     return SeaPromise{0, pace.sea_us, pace.sea_us};
@@ -414,16 +418,20 @@ Result<SeaPromise> SeaDirector::make(const SeaWish& wish) {
     const Result<Planned> planned = plan(wish);
     if (!planned)
         return refused(planned.error());
-    const auto& [scene, to, promise] = *planned;
+    const sea::Scene& scene = planned->scene;
+    const SeaPromise& promise = planned->promise;
     SEAWAY_TRY(log(
         {.start_us = promise.start_us, .end_us = promise.end_us, .scene = sea::to_toml(scene)}));
-    promised_.push_back(promise.start_us);
-    SEAWAY_CHECK(course_->add(scene, promise.start_us, promise.end_us).has_value(),
-                 "what was checked can be added");
+    SEAWAY_TRY(take_effect([&] {
+        promised_.reserve(promised_.size() + 1);
+        SEAWAY_CHECK(course_->add(scene, promise.start_us, promise.end_us).has_value(),
+                     "what was checked can be added");
+        promised_.push_back(promise.start_us);
+    }));
     spdlog::info("event=sea_changes change={} start_s={} over_s={} hs_m={:.2f}", changes_.load(),
                  sea::seconds_from_us(promise.start_us),
                  sea::seconds_from_us(promise.end_us - promise.start_us),
-                 to->summary.realised.significant_height_m);
+                 planned->to->summary.realised.significant_height_m);
     if (clock_.now_us() > promise.start_us)
         spdlog::warn("event=sea_changes_late change={} why=\"the journal took long\"",
                      changes_.load());

@@ -10,6 +10,7 @@
 #include <atomic>
 #include <condition_variable>
 #include <deque>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -66,6 +67,9 @@ class SeaDirector {
     Result<SeaPromise> make(const SeaWish& wish);
     /// Written durably, where there is a journal.
     Result<void> log(SeaChange change);
+    /// What is logged has been played once its effect is there. Where there is no memory for that, follow() plays it when
+    /// there is: the error says so.
+    Result<void> take_effect(const std::function<void()>& effect);
     /// The time that others need to hear of a change, in sea time.
     sea::TimeUs spread() const;
     /// How fast the sea runs, soon.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
 #include <tuple>
 
 namespace seaway::server {
@@ -12,6 +13,16 @@ using sea::TimeUs;
 TimeUs interval_start(TimeUs time_us, TimeUs interval_us) {
     const TimeUs rest = time_us % interval_us;
     return time_us - (rest < 0 ? rest + interval_us : rest);
+}
+
+TimeUs next_meeting(TimeUs time_us, std::span<const TimeUs> intervals_us) {
+    TimeUs together_us = 1;
+    for (const TimeUs interval_us : intervals_us) {
+        together_us = std::lcm(together_us, interval_us);
+        if (together_us > meeting_us_max)
+            return time_us;
+    }
+    return interval_start(time_us + together_us - 1, together_us);
 }
 
 std::vector<KeyframeRequest>

@@ -33,6 +33,11 @@ inline constexpr sea::TimeUs catch_up_us = 500'000;
 /// Start of the keyframe interval that holds the time; also for times before the epoch.
 sea::TimeUs interval_start(sea::TimeUs time_us, sea::TimeUs interval_us);
 
+/// The first time from time_us on at which keyframes of all these intervals lie; time_us itself where they meet less often
+/// than every meeting_us_max. A sea that changes at such a time needs no keyframe beside those that are due.
+inline constexpr sea::TimeUs meeting_us_max = 2'000'000;
+sea::TimeUs next_meeting(sea::TimeUs time_us, std::span<const sea::TimeUs> intervals_us);
+
 /// The two keyframes of each wanted cascade around each time, each of them once, cascade by
 /// cascade, in order of time; of the sea that runs at the time. Times must be in_time_range().
 std::vector<KeyframeRequest> keyframes_around(const SeaCourse& course,

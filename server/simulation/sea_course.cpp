@@ -47,8 +47,7 @@ Result<std::shared_ptr<SeaCourse>> SeaCourse::begin(const sea::Scene& scene) {
     SEAWAY_TRY_LET(RunningSeaPtr first, make_running_sea(scene, 1));
     auto course = std::make_shared<SeaCourse>(std::move(first));
     SEAWAY_TRY_LET(std::vector<Change> rows, course->timetable(scene, always_us));
-    for (Change& row : rows)
-        course->append(std::move(row));
+    course->append(std::move(rows));
     return course;
 }
 
@@ -112,20 +111,32 @@ Result<void> SeaCourse::check(const sea::Scene& scene, TimeUs start_us, TimeUs e
 Result<void> SeaCourse::add(const sea::Scene& scene, TimeUs start_us, TimeUs end_us) {
     SEAWAY_TRY_LET(std::vector<Change> changes, changes_to(scene, start_us, end_us));
     const std::scoped_lock lock(mutex_);
-    for (Change& change : changes)
-        append(std::move(change));
+    append(std::move(changes));
     return {};
 }
 
-void SeaCourse::append(Change change) {
-    change.chained = changes_.back().chained || !run_alike(first_->scene.sea, change.scene.sea);
-    for (const auto& [start_us, glides] :
-         {std::pair(change.start_us, true), std::pair(change.end_us, false)}) {
-        for (Epoch& earlier : epochs_)
-            earlier.end_us = std::min(earlier.end_us, start_us);
-        epochs_.push_back({start_us, ever_us, changes_.size(), glides});
+// All of them or, where there is no memory for one, none.
+void SeaCourse::append(std::vector<Change> changes) {
+    const std::size_t held = changes_.size(), epochs = epochs_.size() + 2 * changes.size();
+    if (epochs_.capacity() < epochs)
+        epochs_.reserve(std::max(epochs, 2 * epochs_.capacity()));
+    try {
+        for (Change& change : changes) {
+            change.chained =
+                changes_.back().chained || !run_alike(first_->scene.sea, change.scene.sea);
+            changes_.push_back(std::move(change));
+        }
+    } catch (...) {
+        changes_.erase(changes_.begin() + static_cast<std::ptrdiff_t>(held), changes_.end());
+        throw;
     }
-    changes_.push_back(std::move(change));
+    for (std::size_t i = held; i < changes_.size(); ++i)
+        for (const auto& [start_us, glides] :
+             {std::pair(changes_[i].start_us, true), std::pair(changes_[i].end_us, false)}) {
+            for (Epoch& earlier : epochs_)
+                earlier.end_us = std::min(earlier.end_us, start_us);
+            epochs_.push_back({start_us, ever_us, i, glides});
+        }
 }
 
 std::uint32_t SeaCourse::epoch_at(TimeUs time_us, std::size_t epochs) const {

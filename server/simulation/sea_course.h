@@ -133,7 +133,7 @@ class SeaCourse {
                                            sea::TimeUs end_us) const;
     Result<std::vector<Change>> timetable(const sea::Scene& scene, sea::TimeUs from_us) const;
     Result<void> check_next(const sea::Scene& from, const sea::Scene& to) const;
-    void append(Change change);
+    void append(std::vector<Change> changes);
 
     const RunningSeaPtr first_;
 

@@ -1,32 +1,36 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/support/allocations.h"
 
+#include <cstdint>
 #include <cstdlib>
 #include <new>
 
 namespace {
 
 thread_local std::size_t allocations = 0;
+thread_local std::size_t most_bytes = SIZE_MAX;
+
+bool counted(std::size_t bytes) {
+    ++allocations;
+    return bytes <= most_bytes;
+}
 
 } // namespace
 
 void* operator new(std::size_t bytes) {
-    ++allocations;
-    if (void* memory = std::malloc(bytes > 0 ? bytes : 1))
+    if (void* memory = counted(bytes) ? std::malloc(bytes > 0 ? bytes : 1) : nullptr)
         return memory;
     throw std::bad_alloc();
 }
 void* operator new(std::size_t bytes, std::align_val_t alignment) {
-    ++allocations;
     const auto a = static_cast<std::size_t>(alignment);
-    if (void* memory = std::aligned_alloc(a, (bytes + a - 1) / a * a))
+    if (void* memory = counted(bytes) ? std::aligned_alloc(a, (bytes + a - 1) / a * a) : nullptr)
         return memory;
     throw std::bad_alloc();
 }
 // As algorithms that can do without ask for theirs: what one of these replaces has to be freed by it.
 void* operator new(std::size_t bytes, const std::nothrow_t&) noexcept {
-    ++allocations;
-    return std::malloc(bytes > 0 ? bytes : 1);
+    return counted(bytes) ? std::malloc(bytes > 0 ? bytes : 1) : nullptr;
 }
 void operator delete(void* memory) noexcept {
     std::free(memory);
@@ -45,6 +49,10 @@ namespace seaway::tests {
 
 std::size_t allocations_of_this_thread() {
     return allocations;
+}
+
+void refuse_larger_allocations(std::size_t bytes) {
+    most_bytes = bytes;
 }
 
 } // namespace seaway::tests

@@ -57,6 +57,16 @@ std::vector<KeyframeRequest> all_due(Schedule& schedule, const EffectPlan& plan,
     }
 }
 
+TEST(Schedule, keyframes_of_several_intervals_meet_at_a_whole_multiple_of_all_where_that_is_near) {
+    const auto meeting = [](TimeUs time_us, std::vector<TimeUs> intervals_us) {
+        return next_meeting(time_us, intervals_us);
+    };
+    EXPECT_EQ(meeting(1, {400'000, 250'000}), 2'000'000);
+    EXPECT_EQ(meeting(2'000'000, {400'000, 250'000}), 2'000'000);
+    EXPECT_EQ(meeting(-1, {400'000, 250'000}), 0);
+    EXPECT_EQ(meeting(1, {400'000, 250'001}), 1) << "they meet after days";
+}
+
 TEST(Schedule, intervals_hold_their_times_before_the_epoch_too) {
     EXPECT_EQ(interval_start(0, 10), 0);
     EXPECT_EQ(interval_start(19, 10), 10);
