@@ -34,8 +34,10 @@ endfunction()
 # library; the tests around it compile a sixth faster at -O1 (docs/decisions/0023). Four files are
 # compiled as one, in half the time, since most of it goes to templates that all of them take: names that
 # two files need stand in a header of their folder. The time limit ends what hangs; a busy machine stays far below it.
+# `dev` runs three at a time, since many wait for most of their time: BOTH_CORES says that this one computes throughout,
+# with threads of its own, and counts for two. LONG: it begins first, so that nothing waits for it alone at the end.
 function(seaway_test name)
-  cmake_parse_arguments(T "DRIVER" "TIMEOUT" "SOURCES;LINKS" ${ARGN})
+  cmake_parse_arguments(T "DRIVER;BOTH_CORES;LONG" "TIMEOUT" "SOURCES;LINKS" ${ARGN})
   if(NOT T_TIMEOUT)
     set(T_TIMEOUT 600)
   endif()
@@ -51,6 +53,12 @@ function(seaway_test name)
     SEAWAY_BIN_DIR="${PROJECT_BINARY_DIR}/bin")
   add_test(NAME ${name} COMMAND test_${name} --gtest_brief=1)
   set_tests_properties(${name} PROPERTIES TIMEOUT ${T_TIMEOUT})
+  if(T_BOTH_CORES)
+    set_tests_properties(${name} PROPERTIES PROCESSORS 2)
+  endif()
+  if(T_LONG)
+    set_tests_properties(${name} PROPERTIES COST 100)
+  endif()
   if(SEAWAY_SANITIZE MATCHES address AND T_DRIVER)
     # lavapipe's compiler (LLVM) leaks some KB when it is unloaded.
     set_tests_properties(${name} PROPERTIES ENVIRONMENT ASAN_OPTIONS=detect_leaks=0)
