@@ -91,6 +91,7 @@ SeaDirector::~SeaDirector() {
     world_.follow_by(nullptr);
     world_.read_by(nullptr);
     if (journal_) {
+        journal_->connect_no_more();
         journal_->call_on_change(nullptr);
         journal_->compare_clocks(nullptr);
     }

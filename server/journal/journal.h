@@ -90,6 +90,9 @@ class Journal {
     /// is what changes are told to be stored by.
     /// Empty: no more.
     virtual void compare_clocks(std::function<std::int64_t()> elapsed_us) = 0;
+    /// The server stops: what waits for the log, and what is asked of it from now on, ends within some 2 s, with an error where nobody is
+    /// connected to it. What is held stays.
+    virtual void connect_no_more() = 0;
     /// Called from now on when others have appended, on a thread of its own that must not be held; empty: nobody.
     virtual void call_on_change(std::function<void()> call) = 0;
 };

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/journal/nats_connection.h"
 
+#include <atomic>
+#include <random>
 #include <utility>
-#include <vector>
 
 #include <fmt/format.h>
 #include <nats/nats.h>
@@ -80,10 +81,6 @@ Result<Options> options_of(const NatsPlace& place) {
     if (status != NATS_OK)
         return Error{"NATS: " + said(status)};
     Options options(made);
-    std::vector<const char*> servers;
-    for (const std::string& server : place.servers)
-        servers.push_back(server.c_str());
-    status = natsOptions_SetServers(made, servers.data(), static_cast<int>(servers.size()));
     for (const natsStatus next :
          {natsOptions_SetAllowReconnect(made, false),
           natsOptions_SetTimeout(made, nats_patience_ms),
@@ -118,6 +115,8 @@ Error failed_to_connect(natsStatus status, const NatsPlace& place) {
 
 struct NatsConnection::Parts {
     natsConnection* connection = nullptr;
+    std::size_t host = 0; ///< that is tried first
+    std::atomic<bool> no_more = false;
 };
 
 NatsConnection::NatsConnection(NatsPlace place, std::unique_ptr<Parts> parts)
@@ -132,7 +131,13 @@ NatsConnection::~NatsConnection() {
 
 Result<NatsConnection> NatsConnection::make(NatsPlace place) {
     SEAWAY_TRY(options_of(place));
-    return NatsConnection(std::move(place), std::make_unique<Parts>());
+    auto parts = std::make_unique<Parts>();
+    parts->host = std::random_device()() % place.servers.size(); // as many at each
+    return NatsConnection(std::move(place), std::move(parts));
+}
+
+void NatsConnection::connect_no_more() {
+    parts_->no_more = true;
 }
 
 Result<natsConnection*> NatsConnection::get() {
@@ -146,11 +151,20 @@ Result<natsConnection*> NatsConnection::get() {
         return Error{LogFailure::unreachable,
                      "NATS cannot be reached: a file that lets this server in is broken, SIGHUP "
                      "says which"};
-    const natsStatus status = natsConnection_Connect(&parts_->connection, options->get());
-    if (status == NATS_OK)
-        return parts_->connection;
-    parts_->connection = nullptr;
-    return failed_to_connect(status, place_);
+    Error last{LogFailure::unreachable, "NATS is connected to no more: this server stops"};
+    for (std::size_t tried = 0; tried < place_.servers.size() && !parts_->no_more; ++tried) {
+        natsOptions_SetURL(options->get(), place_.servers[parts_->host].c_str());
+        const natsStatus status = natsConnection_Connect(&parts_->connection, options->get());
+        if (status == NATS_OK)
+            return parts_->connection;
+        parts_->connection = nullptr;
+        parts_->host = (parts_->host + 1) % place_.servers.size();
+        // What a host has said an operator has to know, beside hosts that are away.
+        if (const Error why = failed_to_connect(status, place_);
+            tried == 0 || last.is(LogFailure::unreachable))
+            last = why;
+    }
+    return last;
 }
 
 void NatsConnection::drop() {

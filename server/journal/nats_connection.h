@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // One connection to NATS that is made when it is needed and let go when it fails: what was written to it is never sent a
-// second time behind anybody's back. Its files are read anew for each connection. For one thread at a time.
+// second time behind anybody's back. Its files are read anew for each connection. Hosts are tried one after the other, from the one that was there
+// last, each for nats_patience_ms. For one thread at a time, but for connect_no_more().
 #pragma once
 
 #include <memory>
@@ -14,7 +15,7 @@ using natsConnection = struct __natsConnection;
 
 namespace seaway::server {
 
-/// Patience with one connection, and with one answer.
+/// Patience with one host that is connected to, and with one answer.
 inline constexpr int nats_patience_ms = 1000;
 
 class NatsConnection {
@@ -24,9 +25,12 @@ class NatsConnection {
     NatsConnection(NatsConnection&&) noexcept;
     ~NatsConnection();
 
-    /// Errors are of kind LogFailure::unreachable, also of a file that is broken by now, but where the credentials are wrong.
+    /// Errors are of kind LogFailure::unreachable, also of a file that is broken by now, but where a host says that the credentials are
+    /// wrong, or TLS.
     Result<natsConnection*> get();
     void drop();
+    /// From now on get() has a connection that there is, or an error at once; under way no further host is tried. Any thread.
+    void connect_no_more();
 
     const NatsPlace& place() const { return place_; }
 

@@ -62,9 +62,9 @@ std::string id_of(natsMsg* message) {
 
 /// What the engine has said, in its own words where it has some.
 std::string said(natsStatus status, int code) {
-    if (code == JSNotEnabledErr || code == JSNotEnabledForAccountErr)
-        return "NATS runs without JetStream";
-    if (status == NATS_NO_RESPONDERS) // as in the moment in which it starts, or makes a stream
+    // Also in the moment in which it starts, or makes a stream: the library says of no responders that there is no JetStream.
+    if (status == NATS_NO_RESPONDERS || code == JSNotEnabledErr ||
+        code == JSNotEnabledForAccountErr)
         return "nobody there keeps logs: NATS runs without JetStream, or does not have it yet";
     const char* last = nats_GetLastError(nullptr);
     return code != 0 && last ? std::string(last) : natsStatus_GetText(status);
@@ -74,6 +74,8 @@ std::string said(natsStatus status, int code) {
 bool is_final(natsStatus status, int code) {
     constexpr int first = 10000; // errors of JetStream begin here; a cluster has some that pass
     switch (code) {
+    case JSNotEnabledErr:
+    case JSNotEnabledForAccountErr:
     case JSClusterNoPeersErr:
     case JSClusterNotAvailErr:
     case JSClusterNotLeaderErr:

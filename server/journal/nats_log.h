@@ -23,6 +23,7 @@ class NatsLog final : public SharedLog {
     Result<std::vector<Stored>> read(std::uint64_t first, std::uint64_t last) override;
     Result<std::uint64_t> write(const std::string& message, const std::string& id,
                                 std::uint64_t expected_last) override;
+    void connect_no_more() override { connection_.connect_no_more(); }
 
   private:
     Result<void> make_stream();

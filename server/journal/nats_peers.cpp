@@ -34,6 +34,7 @@ NatsPeers::NatsPeers(NatsConnection connection)
 
 NatsPeers::~NatsPeers() {
     stopping_ = true;
+    connection_.connect_no_more();
     if (thread_.joinable())
         thread_.join();
 }

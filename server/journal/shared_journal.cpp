@@ -23,6 +23,7 @@ SharedJournal::SharedJournal(std::unique_ptr<SharedLog> log, Options options)
     : options_(std::move(options)), log_(std::move(log)), clocks_(options_.writer) {}
 
 SharedJournal::~SharedJournal() {
+    connect_no_more();
     {
         const std::scoped_lock lock(stop_mutex_);
         stopping_ = true;

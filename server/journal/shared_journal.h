@@ -69,6 +69,7 @@ class SharedJournal final : public Journal {
     JournalStanding standing() const override;
     std::int64_t spread_us() const override { return current_us + stored_within_us; }
     void compare_clocks(std::function<std::int64_t()> elapsed_us) override;
+    void connect_no_more() override { log_->connect_no_more(); }
     void call_on_change(std::function<void()> call) override;
 
   private:

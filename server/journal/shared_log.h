@@ -2,7 +2,7 @@
 // SharedLog: what a messaging engine does for a journal that several servers follow: messages in order, numbered 1, 2, 3 ...,
 // each kept durably once it was acknowledged. One engine is behind it (nats_log.h); in a test a network of lots.
 //
-// Each call asks the engine and waits for a bounded time. For one thread at a time.
+// Each call asks the engine and waits for a bounded time. For one thread at a time, but for connect_no_more().
 #pragma once
 
 #include <cstdint>
@@ -49,6 +49,9 @@ class SharedLog {
     /// Appends if the log ends at `expected_last`, once for each `id` however often it is asked. The number it has.
     virtual Result<std::uint64_t> write(const std::string& message, const std::string& id,
                                         std::uint64_t expected_last) = 0;
+
+    /// From now on only over the connection that there is: a call ends within some 2 s, also one under way. Any thread.
+    virtual void connect_no_more() = 0;
 };
 
 } // namespace seaway::server

@@ -34,6 +34,7 @@ class SqliteJournal final : public Journal {
     JournalStanding standing() const override;
     std::int64_t spread_us() const override { return 0; }
     void compare_clocks(std::function<std::int64_t()>) override {}
+    void connect_no_more() override {}                     // it is a file
     void call_on_change(std::function<void()>) override {} // nobody else has the folder
 
   private:

@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // How servers of a fleet start, or do not, and what of them can be changed while they run.
+#include <array>
 #include <filesystem>
+#include <memory>
+#include <thread>
 
 #include <gtest/gtest.h>
 
+#include "server/journal/nats_place.h"
 #include "tests/server/fleet_bench.h"
+#include "tests/support/fault_proxy.h"
 
 namespace seaway::changes {
 namespace {
@@ -65,6 +70,34 @@ TEST(Fleet, where_nats_is_away_a_server_ends_with_the_code_of_what_passes) {
     ServerProcess server(arguments_of(fmt::format("nats://127.0.0.1:{}/away", tests::free_port())));
     EXPECT_EQ(server.wait_for_exit(std::chrono::seconds(60)), 5);
     EXPECT_NE(server.log().find("NATS cannot be reached"), std::string::npos) << server.log();
+}
+
+// Each of them is waited for for a second, twice at once: for the log and for the other servers.
+TEST(Fleet, a_server_of_which_all_hosts_of_nats_hang_ends_in_time_when_it_is_asked_to) {
+    NatsServer nats;
+    std::array<std::unique_ptr<tests::FaultProxy>, server::nats_servers_max> lines;
+    std::string url;
+    for (std::unique_ptr<tests::FaultProxy>& line : lines) {
+        line = std::make_unique<tests::FaultProxy>(nats.port());
+        url += fmt::format("{}127.0.0.1:{}", url.empty() ? "nats://" : ",", line->port());
+    }
+    ServerProcess server(arguments_of(url + "/hang"));
+    const std::string at = server.wait_until_ready();
+    ASSERT_FALSE(at.empty()) << server.log();
+    for (const auto& line : lines) {
+        line->stall(true);
+        line->cut();
+    }
+    // Asked for before it is stale: the change waits for the log by then.
+    Said said{};
+    std::thread asks([&] {
+        said = ctl(at, {"set", "systems.0.wind_speed_10m_mps=15", "--over", "10s"});
+    });
+    EXPECT_TRUE(comes_true([&] { return !get(at, "/readyz").fine; }));
+    server.send(SIGTERM);
+    EXPECT_EQ(server.wait_for_exit(std::chrono::seconds(60)), 0) << server.log();
+    asks.join();
+    EXPECT_NE(said.code, 0) << said.words;
 }
 
 TEST(Fleet, a_folder_is_a_journal_under_either_name) {

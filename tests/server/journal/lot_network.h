@@ -106,6 +106,8 @@ class LotLine final : public SharedLog {
         return Error{LogFailure::unanswered, "cut"};
     }
 
+    void connect_no_more() override { ended_ = true; }
+
     /// What was under way comes, in any order.
     static void let_come(LotEngine& engine, State& state, Lots& lots, std::int64_t now_us) {
         while (!state.late.empty() && !engine.down) {
@@ -120,13 +122,14 @@ class LotLine final : public SharedLog {
   private:
     bool passes() {
         now_us_ += lots_.between(0, state_.takes_us);
-        return !engine_.down && !state_.cut && !lots_.chance(state_.loss);
+        return !engine_.down && !state_.cut && !ended_ && !lots_.chance(state_.loss);
     }
 
     LotEngine& engine_;
     State& state_;
     Lots& lots_;
     std::int64_t& now_us_;
+    bool ended_ = false;
 };
 
 } // namespace seaway::server::tests_of_journals

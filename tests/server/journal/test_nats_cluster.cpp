@@ -41,11 +41,15 @@ TEST(NatsCluster, of_three_nodes_each_may_die_and_the_log_goes_on_with_all_that_
     ASSERT_TRUE(writes && follows);
     std::uint32_t last = 1;
     std::vector<bool> acknowledged;
+    std::string why;
     const auto taken = [&] {
         ++last;
         acknowledged.push_back(false);
         return comes_true([&] {
-            acknowledged.back() = writes->append(change(last)).has_value();
+            const Result<void> said = writes->append(change(last));
+            acknowledged.back() = said.has_value();
+            if (!said)
+                why = said.error().message;
             return acknowledged.back() || writes->standing().last_epoch >= last;
         });
     };
@@ -53,7 +57,7 @@ TEST(NatsCluster, of_three_nodes_each_may_die_and_the_log_goes_on_with_all_that_
         ASSERT_TRUE(taken());
         cluster.node(dying).stop(SIGKILL);
         for (int i = 0; i < 5; ++i)
-            ASSERT_TRUE(taken()) << "two of three are enough";
+            ASSERT_TRUE(taken()) << "two of three are enough: " << why;
         ASSERT_TRUE(comes_true([&] { return follows->standing().last_epoch == last; }));
         EXPECT_TRUE(comes_true([&] { return follows->standing().current; }));
         ASSERT_TRUE(cluster.node(dying).start());

@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // The journal in NATS where the log is not as it should be: foreign, damaged, late, lost, or in a stream that forgets.
+#include <array>
 #include <filesystem>
+#include <memory>
+#include <thread>
 
 #include <gtest/gtest.h>
 
 #include "server/journal/change_text.h"
 #include "server/journal/sea_clock.h"
 #include "tests/server/journal/journals.h"
+#include "tests/support/fault_proxy.h"
 
 namespace seaway::server {
 namespace {
@@ -174,6 +178,116 @@ TEST(NatsJournal, names_a_stream_that_forgets_and_leaves_it_as_it_is) {
         nats().port(), "SEAWAY_" + world,
         fmt::format(R"("subjects":["seaway.{}.log"],"storage":"file","allow_direct":true)", world));
     EXPECT_EQ(error_at({.where = nats().url(world)}), "it was opened");
+}
+
+/// Takes whoever connects, and says nothing.
+class SilentHost {
+  public:
+    SilentHost() : socket_(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0)) {
+        address_.sin_family = AF_INET;
+        address_.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+        (void)bind(socket_, reinterpret_cast<sockaddr*>(&address_), sizeof address_);
+        (void)listen(socket_, 8);
+        socklen_t length = sizeof address_;
+        (void)getsockname(socket_, reinterpret_cast<sockaddr*>(&address_), &length);
+    }
+    ~SilentHost() {
+        for (const int one : come_)
+            close(one);
+        close(socket_);
+    }
+    SilentHost(const SilentHost&) = delete;
+    SilentHost& operator=(const SilentHost&) = delete;
+
+    int port() const { return ntohs(address_.sin_port); }
+    /// Connections until now.
+    std::size_t come() {
+        for (int one; (one = accept4(socket_, nullptr, nullptr, SOCK_CLOEXEC)) >= 0;)
+            come_.push_back(one);
+        return come_.size();
+    }
+
+  private:
+    int socket_;
+    sockaddr_in address_{};
+    std::vector<int> come_;
+};
+
+class SilentHosts : public testing::Test {
+  protected:
+    SilentHosts() {
+        for (std::unique_ptr<SilentHost>& host : hosts) {
+            host = std::make_unique<SilentHost>();
+            place.servers.push_back(fmt::format("nats://127.0.0.1:{}", host->port()));
+        }
+        place.world = "silent";
+    }
+    std::size_t come() {
+        std::size_t all = 0;
+        for (const std::unique_ptr<SilentHost>& host : hosts)
+            all += host->come();
+        return all;
+    }
+
+    std::array<std::unique_ptr<SilentHost>, nats_servers_max> hosts;
+    NatsPlace place;
+};
+
+// Each is waited for for a second.
+TEST_F(SilentHosts, who_connects_no_more_is_through_with_the_one_that_it_waits_for) {
+    NatsConnection connection = NatsConnection::make(place).value();
+    std::thread asks([&] {
+        const Result<natsConnection*> made = connection.get();
+        ASSERT_FALSE(made);
+        EXPECT_TRUE(made.error().is(LogFailure::unreachable)) << made.error().message;
+    });
+    EXPECT_TRUE(comes_true([&] { return come() > 0; }));
+    connection.connect_no_more();
+    asks.join();
+    const std::size_t tried = come();
+    EXPECT_LT(tried, hosts.size());
+    const Result<natsConnection*> later = connection.get();
+    ASSERT_FALSE(later);
+    EXPECT_NE(later.error().message.find("this server stops"), std::string::npos);
+    EXPECT_EQ(come(), tried) << "nobody is asked any more";
+}
+
+TEST_F(SilentHosts,
+       one_that_is_there_is_found_among_those_that_hang_and_is_asked_first_from_then_on) {
+    place.servers.resize(3);
+    place.servers[1] = fmt::format("nats://127.0.0.1:{}", nats().port());
+    NatsConnection connection = NatsConnection::make(place).value();
+    ASSERT_TRUE(connection.get());
+    const std::size_t tried = come();
+    for (int again = 0; again < 3; ++again) {
+        connection.drop();
+        EXPECT_TRUE(connection.get());
+    }
+    EXPECT_EQ(come(), tried);
+}
+
+TEST_F(SilentHosts, a_journal_whose_hosts_all_hang_ends_without_trying_each) {
+    // A line for each host, which leads to NATS, and then to who says nothing.
+    std::array<std::unique_ptr<tests::FaultProxy>, nats_servers_max> lines;
+    std::string url;
+    for (std::unique_ptr<tests::FaultProxy>& line : lines) {
+        line = std::make_unique<tests::FaultProxy>(nats().port());
+        url += fmt::format("{}127.0.0.1:{}", url.empty() ? "nats://" : ",", line->port());
+    }
+    std::unique_ptr<Journal> journal = open_at(url + "/" + fresh_world());
+    ASSERT_TRUE(journal);
+    journal->compare_clocks([] { return SeaClock::steady_now_us(); });
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+        lines[i]->lead_to(hosts[i]->port());
+        lines[i]->cut();
+    }
+    ASSERT_TRUE(comes_true([&] { return come() > 0; }));
+    std::thread asks([&] { EXPECT_FALSE(journal->append(change(2))); });
+    journal->connect_no_more();
+    asks.join();
+    journal->compare_clocks({});
+    journal.reset();
+    EXPECT_LT(come(), hosts.size());
 }
 
 } // namespace
