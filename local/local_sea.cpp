@@ -39,19 +39,18 @@ std::string needs_a_server(const sea::Scene& scene, const sea::Realization& wave
 }
 
 /// Bytes that the maps of one size may take: those of two frames that the renderer has, of the one that a window is about,
-/// and of the next; and the strains that foam is made of meanwhile.
+/// and of the next; and the strains that the foam of one keyframe is made of meanwhile.
 std::size_t map_bytes(const server::RunningSea& sea) {
     constexpr std::size_t frames = 4, keyframes = 2;
     const auto maps = static_cast<std::size_t>(drawn_of(sea).size());
     const auto strains = static_cast<std::size_t>(sea::foam_inputs.size());
-    std::map<int, std::size_t> bytes;
+    std::map<int, std::size_t> cascades;
     for (const sea::CascadeModes& cascade : sea.realization->cascades)
-        bytes[cascade.spec.size] += (frames * keyframes * maps + strains) * sizeof(float) *
-                                    static_cast<std::size_t>(cascade.spec.size) *
-                                    static_cast<std::size_t>(cascade.spec.size);
+        ++cascades[cascade.spec.size];
     std::size_t most = 0;
-    for (const auto& [size, of_size] : bytes)
-        most = std::max(most, of_size);
+    for (const auto& [size, count] : cascades)
+        most = std::max(most, (count * frames * keyframes * maps + strains) * sizeof(float) *
+                                  static_cast<std::size_t>(size) * static_cast<std::size_t>(size));
     return most;
 }
 

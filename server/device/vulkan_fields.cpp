@@ -68,13 +68,14 @@ std::vector<Source> sources_of(sea::FieldSet fields) {
 
 } // namespace
 
-Packing pack(sea::FieldSet computed, sea::FieldSet asked) {
+Packing pack(sea::FieldSet computed, sea::FieldSet asked, std::size_t apart) {
     Packing packing;
     packing.plane.fill(-1);
     packing.map.fill(-1);
-    for (const sea::FieldSet maps : {asked, computed.without(asked)})
-        for (const sea::Field field : maps)
-            packing.map[static_cast<std::size_t>(field)] = packing.maps++;
+    for (const sea::Field field : asked)
+        packing.map[static_cast<std::size_t>(field)] = packing.maps++;
+    for (const sea::Field field : computed.without(asked))
+        packing.map[static_cast<std::size_t>(field)] = packing.maps++ + static_cast<int>(apart);
     packing.rows.assign(row_floats, 0.0f);
     for (const Source& source : sources_of(computed)) {
         float* row = packing.rows.data() + 2 * texel * static_cast<std::size_t>(packing.sources++);

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <vector>
 
 #include "sea/basics/field.h"
@@ -25,8 +26,9 @@ struct Packing {
     int map_of(sea::Field field) const { return map[static_cast<std::size_t>(field)]; }
 };
 
-/// `computed` must be linear: what transforms make. `asked`: the maps wanted, any.
-Packing pack(sea::FieldSet computed, sea::FieldSet asked);
+/// `computed` must be linear: what transforms make. `asked`: the maps wanted, any. What they are made of stands `apart` maps
+/// further on than right behind them; above 0 of one job alone.
+Packing pack(sea::FieldSet computed, sea::FieldSet asked, std::size_t apart = 0);
 inline Packing pack(sea::FieldSet fields) {
     return pack(fields, fields);
 }

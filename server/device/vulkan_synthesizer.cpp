@@ -5,6 +5,8 @@
 #include <map>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "base/check.h"
 #include "base/thread_pool.h"
 #include "gpu/device.h"
@@ -72,7 +74,8 @@ class Vulkan final : public VulkanSynthesizer {
         sea::FieldSet computed() const {
             return jacobian() || looks ? linear_part(fields) | strains : linear_part(fields);
         }
-        Packing packing() const { return pack(computed(), fields); }
+        /// `apart`: as pack() takes it.
+        Packing packing(std::size_t apart = 0) const { return pack(computed(), fields, apart); }
     };
 
     Vulkan() = default;
@@ -90,10 +93,9 @@ class Vulkan final : public VulkanSynthesizer {
     Result<void> run_jobs(VulkanBatch& device_batch, const Batch& batch,
                           std::span<const KeyframeRequest> requests,
                           std::span<const std::size_t> indices, std::span<NewKeyframePtr> out);
-    Result<void> run_jobs_there(VulkanBatch& device_batch, const Batch& batch,
-                                std::span<const KeyframeRequest> requests,
-                                std::span<const std::size_t> indices,
-                                std::span<StandingKeyframe> out);
+    using Requests = std::span<const KeyframeRequest>;
+    Result<StandingKeyframe> run_job_there(VulkanBatch& device_batch, const Batch& batch,
+                                           Requests requests, std::size_t index);
     Result<void> run_on_device(VulkanBatch& device_batch, const Batch& batch,
                                const Packing& packing, std::span<const KeyframeRequest> requests,
                                std::span<const std::size_t> indices,
@@ -247,9 +249,16 @@ Vulkan::synthesize_there(std::span<const KeyframeRequest> requests) {
     if (!sea_)
         return Error{"no sea on the device: the last one could not be uploaded"};
     std::vector<StandingKeyframe> out(requests.size());
-    SEAWAY_TRY(run(requests, [&](VulkanBatch& device_batch, const Batch& batch, auto indices) {
-        return run_jobs_there(device_batch, batch, requests, indices, out);
-    }));
+    // One keyframe a run, and what it is made of elsewhere: so keyframes of one length stand side by side, and what one
+    // leaves fits the next.
+    const auto there = [&](VulkanBatch& device_batch, const Batch& batch,
+                           auto indices) -> Result<void> {
+        for (const std::size_t index : indices) {
+            SEAWAY_TRY_LET(out[index], run_job_there(device_batch, batch, requests, index));
+        }
+        return {};
+    };
+    SEAWAY_TRY(run(requests, there));
     counters_.keyframes += requests.size();
     return out;
 }
@@ -346,31 +355,25 @@ Result<void> Vulkan::run_jobs(VulkanBatch& device_batch, const Batch& batch,
     return {};
 }
 
-Result<void> Vulkan::run_jobs_there(VulkanBatch& device_batch, const Batch& batch,
-                                    std::span<const KeyframeRequest> requests,
-                                    std::span<const std::size_t> indices,
-                                    std::span<StandingKeyframe> out) {
-    const Packing packing = batch.packing();
-    const auto maps = static_cast<std::size_t>(packing.maps);
+Result<StandingKeyframe> Vulkan::run_job_there(VulkanBatch& device_batch, const Batch& batch,
+                                               Requests requests, std::size_t index) {
     const auto asked = static_cast<std::size_t>(batch.fields.size());
+    const std::size_t made_of = static_cast<std::size_t>(batch.packing().maps) - asked;
     VulkanMaps& held = *held_.at(batch.size);
-    const std::optional<std::size_t> first = held.take(indices.size() * maps);
-    if (!first)
-        return Error{DeviceError::out_of_memory,
-                     std::to_string(held.held()) + " of " + std::to_string(held.size()) +
-                         " maps of size " + std::to_string(batch.size) +
-                         " are held, and the next keyframe takes " + std::to_string(maps)};
-    const Result<void> ran = run_on_device(device_batch, batch, packing, requests, indices, first);
-    for (std::size_t job = 0; job < indices.size(); ++job) {
-        const std::size_t own = *first + job * maps;
-        const std::size_t texels =
-            static_cast<std::size_t>(batch.size) * static_cast<std::size_t>(batch.size) / 4;
-        out[indices[job]] = {
-            requests[indices[job]].time_us, batch.size, batch.fields, &held.view(), own * texels,
-            held.keeper(own, asked)};
-        held.give(own + asked, maps - asked); // what they were made of
-    }
-    return ran;
+    const std::optional<std::size_t> own = held.take(asked);
+    std::shared_ptr<const void> keeper = own ? held.keeper(*own, asked) : nullptr;
+    const std::optional<std::size_t> other = own ? held.take(made_of) : std::nullopt;
+    const std::shared_ptr<const void> for_now = other ? held.keeper(*other, made_of) : nullptr;
+    if (!other || (made_of > 0 && *other < *own))
+        return Error{
+            DeviceError::out_of_memory,
+            fmt::format("{} of {} maps of size {} are held, and the next keyframe takes {}",
+                        held.held() - (own ? asked : 0), held.size(), batch.size, asked + made_of)};
+    const Packing packing = batch.packing(made_of > 0 ? *other - *own - asked : 0);
+    SEAWAY_TRY(run_on_device(device_batch, batch, packing, requests, {&index, 1}, *own));
+    const std::size_t texel = *own * static_cast<std::size_t>(batch.size * batch.size / 4);
+    return StandingKeyframe{requests[index].time_us, batch.size, batch.fields, &held.view(), texel,
+                            std::move(keeper)};
 }
 
 Result<FoamMapPtr> Vulkan::open_foam(int size, const FoamMap* from) {

@@ -35,6 +35,28 @@ height_error_m = 0.02
 )");
 }
 
+/// A gale with foam on tiles of one size, whose keyframes fall due at different times.
+inline std::string foaming_tiles() {
+    return folder().write("foaming_tiles.toml", R"([[sea.system]]
+type = "wind"
+spectrum = "jonswap"
+wind_speed_10m_mps = 19.0
+fetch_m = 100e3
+from_deg = 300
+[[cascade]]
+length_m = 811.0
+size = 64
+[[cascade]]
+length_m = 97.0
+size = 64
+[effects]
+displacement = "choppy"
+foam = true
+[accuracy]
+height_error_m = 0.05
+)");
+}
+
 /// Waves without foam, on tiles of one size.
 inline std::string calm_tiles() {
     return folder().write("calm_tiles.toml", R"([[sea.system]]

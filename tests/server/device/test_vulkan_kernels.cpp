@@ -158,5 +158,20 @@ TEST(Packing, every_field_has_a_map_and_fields_that_differ_by_kx_share_a_source)
     EXPECT_EQ(pack({}).fields, 0);
 }
 
+TEST(Packing, what_maps_are_made_of_stands_apart_where_it_is_told_to) {
+    const sea::FieldSet strains{Field::strain_xx, Field::strain_yy, Field::strain_xy};
+    const Packing next_to = pack(strains, {Field::jacobian}),
+                  apart = pack(strains, {Field::jacobian}, 40);
+    EXPECT_EQ(apart.map_of(Field::jacobian), 0);
+    EXPECT_EQ(apart.maps, next_to.maps) << "as many as before";
+    for (const Field strain : strains) {
+        EXPECT_EQ(apart.map_of(strain), next_to.map_of(strain) + 40);
+        const auto row =
+            4 * (shaders::first_map_texel + static_cast<std::size_t>(apart.plane_of(strain)));
+        EXPECT_EQ(apart.rows[row], static_cast<float>(apart.map_of(strain)))
+            << "what the kernels read";
+    }
+}
+
 } // namespace
 } // namespace seaway::server
