@@ -45,8 +45,8 @@ Result<Buffer> Buffer::create(Device& device, std::string_view name, std::size_t
                               BufferKind kind) {
     SEAWAY_CHECK(bytes > 0, "a buffer needs a size");
     const auto failed = [&](const Error& error) {
-        return Error{"buffer \"" + std::string(name) + "\", " + std::to_string(bytes) +
-                     " bytes: " + error.message};
+        return Error{error.kind, "buffer \"" + std::string(name) + "\", " + std::to_string(bytes) +
+                                     " bytes: " + error.message};
     };
     if (bytes > device.buffer_bytes_max())
         return failed(

@@ -109,7 +109,7 @@ Result<Kernel> Kernel::create(Device& device, std::string_view name,
                               std::span<const std::uint32_t> spirv,
                               const KernelExpectation& expected, const KernelOptions& options) {
     const auto failed = [&](const Error& error) {
-        return Error{"kernel \"" + std::string(name) + "\": " + error.message};
+        return Error{error.kind, "kernel \"" + std::string(name) + "\": " + error.message};
     };
     Kernel made;
     made.name_ = name;

@@ -30,7 +30,8 @@ Result<void> make(gpu::Device& device, Buffer& buffer, TexelView* view, VkFormat
         return {};
     Result<TexelView> made_view = TexelView::create(device, buffer, format, texel_bytes, 0, bytes);
     if (!made_view)
-        return Error{"buffer \"" + std::string(name) + "\": " + made_view.error().message};
+        return Error{made_view.error().kind,
+                     "buffer \"" + std::string(name) + "\": " + made_view.error().message};
     *view = std::move(*made_view);
     return {};
 }

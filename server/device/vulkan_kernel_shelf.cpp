@@ -73,11 +73,20 @@ Result<KernelShelf::Made> KernelShelf::made_and_checked(const shaders::Transform
     return Made();
 }
 
+// What a driver cannot compile, or has no memory for, is the same at every start.
+Result<KernelShelf::Made> KernelShelf::tried(const shaders::Transform& design) {
+    Result<Made> made = made_and_checked(design);
+    if (made || made.error().is(VK_ERROR_DEVICE_LOST))
+        return made;
+    note("passed over " + std::string(design.design) + ": " + made.error().message);
+    return Made();
+}
+
 Result<KernelShelf::Made> KernelShelf::fastest(const KernelChoice& asked, const Designs& designs) {
     std::vector<Made> made;
     std::vector<const SynthesisKernels*> timed;
     for (const shaders::Transform* design : designs) {
-        SEAWAY_TRY_LET(Made kernels, made_and_checked(*design));
+        SEAWAY_TRY_LET(Made kernels, tried(*design));
         if (!kernels)
             continue;
         timed.push_back(kernels.get());
@@ -85,11 +94,18 @@ Result<KernelShelf::Made> KernelShelf::fastest(const KernelChoice& asked, const 
     }
     if (made.empty())
         return Made();
-    SEAWAY_TRY_LET(const std::vector<double> seconds, time_kernels(device_, timed));
-    const auto best = static_cast<std::size_t>(std::ranges::min_element(seconds) - seconds.begin());
+    const Result<std::vector<double>> seconds = time_kernels(device_, timed);
+    if (!seconds && seconds.error().is(VK_ERROR_DEVICE_LOST))
+        return seconds.error();
+    if (!seconds) { // all of them are in memory at once, where one alone may fit
+        note("not measured: " + seconds.error().message);
+        return Made();
+    }
+    const auto best =
+        static_cast<std::size_t>(std::ranges::min_element(*seconds) - seconds->begin());
     KernelChoice choice = asked;
     choice.design = timed[best]->transform->design;
-    choice.seconds = seconds[best];
+    choice.seconds = (*seconds)[best];
     if (!tuning_.file.empty())
         if (const Result<void> kept = remember_kernel_choice(tuning_.file, choice); !kept)
             note(kept.error().message);
@@ -113,7 +129,7 @@ Result<KernelShelf::Made> KernelShelf::chosen(int size, bool band_limited) {
                              .band_limited = band_limited,
                              .fingerprint = fingerprint(all)};
     if (const shaders::Transform* known = remembered(asked, all)) {
-        SEAWAY_TRY_LET(Made made, made_and_checked(*known));
+        SEAWAY_TRY_LET(Made made, tried(*known));
         if (made)
             return made;
     } else if (all.size() > 1 && tuning_.measures_on(device_.info())) {

@@ -13,6 +13,7 @@
 
 #include "gpu/call.h"
 #include "server/device/kernel_choices.h"
+#include "server/device/vulkan_kernel_shelf.h"
 #include "server/device/vulkan_synthesizer.h"
 #include "tests/server/device/random_sea.h"
 #include "tests/support/folder.h"
@@ -225,6 +226,83 @@ TEST_F(Tuning, who_starts_from_the_file_calls_no_more_than_who_has_none) {
     KernelTuning anew = always();
     anew.again = true;
     EXPECT_GT(calls(anew), without);
+}
+
+/// What a driver does at one of its calls while the kernels of 128 points are chosen.
+class FailingTuning : public Tuning {
+  protected:
+    void SetUp() override {
+        Tuning::SetUp();
+        device_ = std::move(*gpu::Device::create({.validation = true}));
+    }
+    void TearDown() override {
+        gpu::fault::disarm();
+        EXPECT_THAT(device_->validation().validation_messages(), testing::IsEmpty());
+    }
+    struct Chosen {
+        Result<const SynthesisKernels*> kernels;
+        std::string description;
+        std::uint64_t calls;
+    };
+    /// The `nth` call fails, with `persistent` every later one as well.
+    Chosen choose(const KernelTuning& tuning, std::uint64_t nth = never,
+                  VkResult result = VK_ERROR_OUT_OF_DEVICE_MEMORY, bool persistent = false) {
+        KernelShelf shelf(*device_, false, tuning);
+        gpu::fault::arm(nth, result, persistent);
+        const Result<const SynthesisKernels*> kernels = shelf.get(128, true);
+        const std::uint64_t calls = gpu::fault::calls();
+        gpu::fault::disarm();
+        return {kernels ? Result<const SynthesisKernels*>(nullptr) : kernels.error(),
+                shelf.description(), calls};
+    }
+    static constexpr std::uint64_t never = ~std::uint64_t{0};
+    std::unique_ptr<gpu::Device> device_;
+};
+
+TEST_F(FailingTuning, a_design_that_cannot_be_made_or_timed_is_passed_over_and_said_so) {
+    const Chosen calm = choose(always());
+    ASSERT_TRUE(calm.kernels) << calm.kernels.error().message;
+    EXPECT_THAT(calm.description, Not(HasSubstr("VK_ERROR")));
+    ASSERT_GT(calm.calls, 100u);
+    int passed_over = 0, not_measured = 0;
+    for (std::uint64_t n = 1; n <= calm.calls; n += 5) { // each is a compilation of both
+        std::filesystem::remove(path_);
+        const Chosen chosen = choose(always(), n);
+        ASSERT_TRUE(chosen.kernels)
+            << "call " << n << " of " << calm.calls << ": " << chosen.kernels.error().message;
+        EXPECT_THAT(chosen.description, HasSubstr("VK_ERROR_OUT_OF_DEVICE_MEMORY")) << n;
+        const bool one_is_left = chosen.description.find("passed over") != std::string::npos;
+        passed_over += one_is_left;
+        not_measured += chosen.description.find("not measured") != std::string::npos;
+        EXPECT_EQ(std::filesystem::exists(path_), one_is_left)
+            << "what was measured is remembered, and nothing else";
+    }
+    EXPECT_GT(passed_over, 10);
+    EXPECT_GT(not_measured, 10);
+}
+
+TEST_F(FailingTuning, a_remembered_design_that_cannot_be_made_leaves_its_place_to_the_usual_one) {
+    choose(always());
+    set_design("W");
+    ASSERT_THAT(choose({.file = path_}).description, HasSubstr(" W:128"));
+    const Chosen chosen = choose({.file = path_}, 1);
+    ASSERT_TRUE(chosen.kernels) << chosen.kernels.error().message;
+    EXPECT_THAT(chosen.description, HasSubstr(" T8:128"));
+    EXPECT_THAT(chosen.description, HasSubstr("passed over W"));
+}
+
+TEST_F(FailingTuning, a_device_that_is_lost_or_makes_no_design_at_all_is_an_error) {
+    const Chosen calm = choose(always());
+    for (std::uint64_t n = 1; n <= calm.calls; n += 13) {
+        std::filesystem::remove(path_);
+        const Chosen lost = choose(always(), n, VK_ERROR_DEVICE_LOST);
+        ASSERT_FALSE(lost.kernels) << "call " << n;
+        EXPECT_TRUE(lost.kernels.error().is(VK_ERROR_DEVICE_LOST)) << "call " << n;
+        EXPECT_FALSE(std::filesystem::exists(path_));
+    }
+    const Chosen none = choose(always(), 1, VK_ERROR_OUT_OF_DEVICE_MEMORY, true);
+    ASSERT_FALSE(none.kernels);
+    EXPECT_THAT(none.kernels.error().message, HasSubstr("VK_ERROR_OUT_OF_DEVICE_MEMORY"));
 }
 
 } // namespace
