@@ -28,8 +28,9 @@ Result<std::unique_ptr<Device>> Device::create(const DeviceOptions& options) {
         made->unified_memory_ = false;
     if (Result<void> created = made->create_device(options); !created)
         return Error{made->info_.name + ": " + created.error().message};
-    if (Result<void> created = made->create_timeline(); !created)
-        return Error{made->info_.name + ": " + created.error().message};
+    for (Timeline* timeline : {&made->timeline_, &made->transfers_})
+        if (Result<void> created = made->create(*timeline); !created)
+            return Error{made->info_.name + ": " + created.error().message};
     return made;
 }
 
@@ -46,6 +47,7 @@ Result<void> Device::pick(const std::string& wish) {
     physical_ = (*physical)[static_cast<std::size_t>(*index)];
     info_ = infos[static_cast<std::size_t>(*index)];
     queue_family_ = static_cast<std::uint32_t>(pick_queue_family(physical_));
+    transfer_family_ = pick_transfer_family(queue_families(physical_)).value_or(queue_family_);
 
     VkPhysicalDeviceVulkan13Properties v13{
         .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_PROPERTIES};
@@ -88,26 +90,30 @@ Result<void> Device::create_device(const DeviceOptions& options) {
                                              .features = features_};
 
     const float priority = 1;
-    const VkDeviceQueueCreateInfo queue{.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
-                                        .queueFamilyIndex = queue_family_,
-                                        .queueCount = 1,
-                                        .pQueuePriorities = &priority};
+    const auto one_of = [&](std::uint32_t family) {
+        return VkDeviceQueueCreateInfo{.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
+                                       .queueFamilyIndex = family,
+                                       .queueCount = 1,
+                                       .pQueuePriorities = &priority};
+    };
+    const VkDeviceQueueCreateInfo queues[] = {one_of(queue_family_), one_of(transfer_family_)};
     std::vector<const char*> extensions;
     for (const std::string& extension : options.device_extensions)
         extensions.push_back(extension.c_str());
-    const VkDeviceCreateInfo info{.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
-                                  .pNext = &features,
-                                  .queueCreateInfoCount = 1,
-                                  .pQueueCreateInfos = &queue,
-                                  .enabledExtensionCount =
-                                      static_cast<std::uint32_t>(extensions.size()),
-                                  .ppEnabledExtensionNames = extensions.data()};
+    const VkDeviceCreateInfo info{
+        .sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
+        .pNext = &features,
+        .queueCreateInfoCount = transfer_family_ != queue_family_ ? 2u : 1u,
+        .pQueueCreateInfos = queues,
+        .enabledExtensionCount = static_cast<std::uint32_t>(extensions.size()),
+        .ppEnabledExtensionNames = extensions.data()};
     SEAWAY_TRY(call("vkCreateDevice", vkCreateDevice, physical_, &info, nullptr, &device_));
     vkGetDeviceQueue(device_, queue_family_, 0, &queue_);
+    vkGetDeviceQueue(device_, transfer_family_, 0, &transfer_queue_);
     return {};
 }
 
-Result<void> Device::create_timeline() {
+Result<void> Device::create(Timeline& timeline) {
     const VkSemaphoreTypeCreateInfo type{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_TYPE_CREATE_INFO,
                                          .semaphoreType = VK_SEMAPHORE_TYPE_TIMELINE,
                                          .initialValue = 0};
@@ -115,7 +121,7 @@ Result<void> Device::create_timeline() {
                                      .pNext = &type};
     VkSemaphore semaphore = VK_NULL_HANDLE;
     SEAWAY_TRY(call("vkCreateSemaphore", vkCreateSemaphore, device_, &info, nullptr, &semaphore));
-    timeline_ = OwnedSemaphore(device_, semaphore);
+    timeline.semaphore = OwnedSemaphore(device_, semaphore);
     return {};
 }
 
@@ -123,7 +129,8 @@ Device::~Device() {
     if (device_ == VK_NULL_HANDLE)
         return;
     vkDeviceWaitIdle(device_);
-    timeline_.reset();
+    timeline_.semaphore.reset();
+    transfers_.semaphore.reset();
     vkDestroyDevice(device_, nullptr);
 }
 
@@ -143,30 +150,44 @@ int Device::memory_type(std::uint32_t bits, VkMemoryPropertyFlags required,
     return best;
 }
 
+namespace {
+
+VkSemaphoreSubmitInfo semaphore_info(VkSemaphore handle, std::uint64_t value) {
+    return {.sType = VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO,
+            .semaphore = handle,
+            .value = value,
+            .stageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT};
+}
+
+} // namespace
+
 Result<std::uint64_t> Device::submit(const Commands& commands, VkSemaphore after,
                                      VkSemaphore done) {
+    return submit(queue_, timeline_, commands, semaphore_info(after, 0), done);
+}
+
+Result<std::uint64_t> Device::submit_transfer(const Commands& commands, std::uint64_t after) {
+    return submit(transfer_queue_, transfers_, commands,
+                  semaphore_info(timeline_.semaphore.get(), after), VK_NULL_HANDLE);
+}
+
+Result<std::uint64_t> Device::submit(VkQueue queue, Timeline& timeline, const Commands& commands,
+                                     const VkSemaphoreSubmitInfo& after, VkSemaphore done) {
     const std::lock_guard lock(submit_mutex_);
-    const std::uint64_t ticket = last_ticket_ + 1;
+    const std::uint64_t ticket = timeline.last_ticket + 1;
     const VkCommandBufferSubmitInfo buffer{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO,
                                            .commandBuffer = commands.get()};
-    const auto semaphore = [](VkSemaphore handle, std::uint64_t value) {
-        return VkSemaphoreSubmitInfo{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO,
-                                     .semaphore = handle,
-                                     .value = value,
-                                     .stageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT};
-    };
-    const VkSemaphoreSubmitInfo wait = semaphore(after, 0);
-    const VkSemaphoreSubmitInfo signals[] = {semaphore(timeline_.get(), ticket),
-                                             semaphore(done, 0)};
+    const VkSemaphoreSubmitInfo signals[] = {semaphore_info(timeline.semaphore.get(), ticket),
+                                             semaphore_info(done, 0)};
     const VkSubmitInfo2 info{.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2,
-                             .waitSemaphoreInfoCount = after != VK_NULL_HANDLE ? 1u : 0u,
-                             .pWaitSemaphoreInfos = &wait,
+                             .waitSemaphoreInfoCount = after.semaphore != VK_NULL_HANDLE ? 1u : 0u,
+                             .pWaitSemaphoreInfos = &after,
                              .commandBufferInfoCount = 1,
                              .pCommandBufferInfos = &buffer,
                              .signalSemaphoreInfoCount = done != VK_NULL_HANDLE ? 2u : 1u,
                              .pSignalSemaphoreInfos = signals};
-    SEAWAY_TRY(call("vkQueueSubmit2", vkQueueSubmit2, queue_, 1u, &info, VkFence(VK_NULL_HANDLE)));
-    last_ticket_ = ticket;
+    SEAWAY_TRY(call("vkQueueSubmit2", vkQueueSubmit2, queue, 1u, &info, VkFence(VK_NULL_HANDLE)));
+    timeline.last_ticket = ticket;
     return ticket;
 }
 
@@ -176,7 +197,15 @@ Result<void> Device::present(const VkPresentInfoKHR& info) {
 }
 
 Result<void> Device::wait(std::uint64_t ticket, double timeout_s) {
-    const VkSemaphore semaphore = timeline_.get();
+    return wait(timeline_, ticket, timeout_s);
+}
+
+Result<void> Device::wait_transfer(std::uint64_t ticket, double timeout_s) {
+    return wait(transfers_, ticket, timeout_s);
+}
+
+Result<void> Device::wait(const Timeline& timeline, std::uint64_t ticket, double timeout_s) {
+    const VkSemaphore semaphore = timeline.semaphore.get();
     const VkSemaphoreWaitInfo info{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_WAIT_INFO,
                                    .semaphoreCount = 1,
                                    .pSemaphores = &semaphore,

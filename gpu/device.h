@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Device: one logical device with one queue that computes, copies and (where it can) draws.
+// Device: one logical device with one queue that computes, copies and (where it can) draws, and one that copies beside it
+// where the hardware has such (a queue family of nothing but transfers); else both are the same.
 //
 //     Result<std::unique_ptr<Device>> device = Device::create({.pick = "auto"});
 //     ... record Commands ...
@@ -45,6 +46,8 @@ class Device {
     VkInstance instance() const { return instance_->get(); }
     VkQueue queue() const { return queue_; }
     std::uint32_t queue_family() const { return queue_family_; }
+    /// Of submit_transfer(); the same where the device has none beside.
+    std::uint32_t transfer_family() const { return transfer_family_; }
     const DeviceInfo& info() const { return info_; }
     const VkPhysicalDeviceLimits& limits() const { return limits_; }
     const VkPhysicalDeviceFeatures& features() const { return features_; }
@@ -70,13 +73,27 @@ class Device {
     Result<void> wait(std::uint64_t ticket, double timeout_s = 60);
     Result<void> submit_and_wait(const Commands& commands);
 
+    /// Queues copies, recorded for the transfer queue, that start when `after`, a ticket of submit(), is done. They have
+    /// tickets of their own, for wait_transfer(), which is as wait().
+    Result<std::uint64_t> submit_transfer(const Commands& commands, std::uint64_t after);
+    Result<void> wait_transfer(std::uint64_t ticket, double timeout_s = 60);
+
     const Instance& validation() const { return *instance_; }
 
   private:
     Device() = default;
     Result<void> pick(const std::string& wish);
     Result<void> create_device(const DeviceOptions& options);
-    Result<void> create_timeline();
+    /// What was submitted to one queue, in order: tickets are its values. Those of two queues end in any order, so that
+    /// each has its own.
+    struct Timeline {
+        OwnedSemaphore semaphore;
+        std::uint64_t last_ticket = 0;
+    };
+    Result<void> create(Timeline& timeline);
+    Result<std::uint64_t> submit(VkQueue queue, Timeline& timeline, const Commands& commands,
+                                 const VkSemaphoreSubmitInfo& after, VkSemaphore done);
+    Result<void> wait(const Timeline& timeline, std::uint64_t ticket, double timeout_s);
 
     // Order of members is order of construction; the destructor goes backwards.
     std::unique_ptr<Instance> instance_;
@@ -89,10 +106,11 @@ class Device {
     bool unified_memory_ = false;
     VkDevice device_ = VK_NULL_HANDLE;
     VkQueue queue_ = VK_NULL_HANDLE;
+    VkQueue transfer_queue_ = VK_NULL_HANDLE; ///< may be the same
     std::uint32_t queue_family_ = 0;
-    OwnedSemaphore timeline_;
-    std::mutex submit_mutex_; // guards the queue and last_ticket_
-    std::uint64_t last_ticket_ = 0;
+    std::uint32_t transfer_family_ = 0;
+    Timeline timeline_, transfers_;
+    std::mutex submit_mutex_; // guards the queues and last tickets
 };
 
 } // namespace seaway::gpu

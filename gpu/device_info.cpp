@@ -55,13 +55,28 @@ std::string why_unusable(const DeviceInfo& info, VkPhysicalDevice physical) {
 
 } // namespace
 
-int pick_queue_family(VkPhysicalDevice physical) {
+std::vector<VkQueueFamilyProperties> queue_families(VkPhysicalDevice physical) {
     std::uint32_t count = 0;
     vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, nullptr);
     std::vector<VkQueueFamilyProperties> families(count);
     vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, families.data());
+    return families;
+}
+
+std::optional<std::uint32_t>
+pick_transfer_family(std::span<const VkQueueFamilyProperties> families) {
+    constexpr VkQueueFlags more = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
+    for (std::uint32_t i = 0; i < families.size(); ++i)
+        if (families[i].queueCount > 0 && (families[i].queueFlags & VK_QUEUE_TRANSFER_BIT) &&
+            !(families[i].queueFlags & more))
+            return i;
+    return std::nullopt;
+}
+
+int pick_queue_family(VkPhysicalDevice physical) {
+    const std::vector<VkQueueFamilyProperties> families = queue_families(physical);
     int compute = -1;
-    for (std::uint32_t i = 0; i < count; ++i) {
+    for (std::uint32_t i = 0; i < families.size(); ++i) {
         if (!(families[i].queueFlags & VK_QUEUE_COMPUTE_BIT))
             continue;
         if (families[i].queueFlags & VK_QUEUE_GRAPHICS_BIT)
@@ -104,12 +119,9 @@ DeviceInfo describe(VkPhysicalDevice physical, int index) {
         if (memory.memoryHeaps[i].flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT)
             info.memory_bytes = std::max(info.memory_bytes, memory.memoryHeaps[i].size);
     info.unusable = why_unusable(info, physical);
-    if (const int family = pick_queue_family(physical); family >= 0) {
-        std::uint32_t count = static_cast<std::uint32_t>(family) + 1;
-        std::vector<VkQueueFamilyProperties> families(count);
-        vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, families.data());
-        info.graphics = families.back().queueFlags & VK_QUEUE_GRAPHICS_BIT;
-    }
+    if (const int family = pick_queue_family(physical); family >= 0)
+        info.graphics = queue_families(physical)[static_cast<std::size_t>(family)].queueFlags &
+                        VK_QUEUE_GRAPHICS_BIT;
     return info;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -38,6 +39,11 @@ DeviceInfo describe(VkPhysicalDevice physical, int index);
 
 /// Queue family for everything: graphics and compute if there is one, else compute; -1: none.
 int pick_queue_family(VkPhysicalDevice physical);
+
+/// A family that copies and does nothing else, as copying engines beside a GPU are; none where the device has none.
+std::optional<std::uint32_t>
+pick_transfer_family(std::span<const VkQueueFamilyProperties> families);
+std::vector<VkQueueFamilyProperties> queue_families(VkPhysicalDevice physical);
 
 /// `wish`: "auto" (discrete, integrated, virtual, then CPU), an index, or part of a name, case
 /// ignored. Returns the index; the error lists what there is.

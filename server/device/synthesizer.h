@@ -83,18 +83,23 @@ struct SynthesisCounters {
     std::uint64_t foam_ticks = 0; ///< of all histories, and steps that were shown and not kept
     double foam_seconds =
         0; ///< what they took, where it can be told apart; then not in device_seconds
+    std::uint64_t readback_bytes = 0; ///< that travelled from device memory the CPU cannot read
+    std::uint64_t readbacks_beside =
+        0; ///< runs whose maps were waited for when the next run had been submitted
 
     friend SynthesisCounters operator+(const SynthesisCounters& a, const SynthesisCounters& b) {
         return {a.dispatches + b.dispatches,         a.transforms + b.transforms,
                 a.keyframes + b.keyframes,           a.cascades + b.cascades,
                 a.device_seconds + b.device_seconds, a.copies + b.copies,
-                a.foam_ticks + b.foam_ticks,         a.foam_seconds + b.foam_seconds};
+                a.foam_ticks + b.foam_ticks,         a.foam_seconds + b.foam_seconds,
+                a.readback_bytes + b.readback_bytes, a.readbacks_beside + b.readbacks_beside};
     }
     friend SynthesisCounters operator-(const SynthesisCounters& a, const SynthesisCounters& b) {
         return {a.dispatches - b.dispatches,         a.transforms - b.transforms,
                 a.keyframes - b.keyframes,           a.cascades - b.cascades,
                 a.device_seconds - b.device_seconds, a.copies - b.copies,
-                a.foam_ticks - b.foam_ticks,         a.foam_seconds - b.foam_seconds};
+                a.foam_ticks - b.foam_ticks,         a.foam_seconds - b.foam_seconds,
+                a.readback_bytes - b.readback_bytes, a.readbacks_beside - b.readbacks_beside};
     }
 };
 

@@ -1,12 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 // VulkanBatch: the cascades of one size on the device, and the memory in which their keyframes are
 // computed, several to a submission.
+//
+// Where the CPU cannot read that memory, maps are copied to some that it can. A run that another follows is computed to a
+// place of its own, one of three, from where the transfer queue copies them while the next run is computed. That memory
+// is made when it is first used: as much again, three times, on the device and beside it.
 #pragma once
 
+#include <array>
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "base/result.h"
@@ -55,6 +62,21 @@ class VulkanBatch {
     Result<void> run(std::span<const Job> jobs, const Packing& packing, const After& after,
                      std::optional<std::size_t> first_held = {});
 
+    /// Runs that may be under way with others after them.
+    static constexpr int ring_slots = 3;
+    using RunId = int; ///< which place a run has: of the ring, or `own`
+    static constexpr RunId own = ring_slots;
+
+    /// The first half of run(): it is under way. `more`: another may be started before this one is finished, at most
+    /// ring_slots at a time; where memory is not read in place. Without `more` there is no other way for it to go than
+    /// run() has: one submission, and it must be finished before the next is started.
+    Result<RunId> start(std::span<const Job> jobs, const Packing& packing, const After& after,
+                        std::optional<std::size_t> first_held, bool more);
+    /// The second: its maps are there for read_map(), until the next run takes its place.
+    Result<void> finish(RunId run);
+    /// After an error of either, here or elsewhere: waits for all that are under way, and forgets them.
+    void abandon();
+
     /// Where a map of a job stands, for FoamWork.
     std::uint32_t place(const Packing& packing, std::size_t job, sea::Field field,
                         std::optional<std::size_t> first_held = {}) const {
@@ -67,8 +89,10 @@ class VulkanBatch {
     /// What a pass leaves, for every pass but the last, which leaves the maps. Computes once a pass.
     Result<std::vector<SynthesisStage>> stages(const Job& job, const Packing& packing);
 
-    /// Of the last run, unless its maps are held: copies one map, [y][x]; `map` as in Packing.
-    void read_map(int job, int map, std::span<float> out) const;
+    /// Of a run that was finished, unless its maps are held: copies one map, [y][x]; `map` as in Packing.
+    void read_map(RunId run, int job, int map, std::span<float> out) const;
+    /// Of such a run, from memory that the CPU cannot read.
+    std::size_t travelled_bytes(RunId run) const;
 
     std::uint64_t dispatches() const { return dispatches_; }
     /// By the device's clock where passes are timed, else by ours; foam is told apart by the device's alone.
@@ -91,17 +115,9 @@ class VulkanBatch {
           time_passes_(!device.info().is_cpu() && device.limits().timestampComputeAndGraphics) {}
     Result<void> allocate(int cascade_count);
     Result<void> bind();
-    void stamp();
-    Result<void> read_timer(double wall_seconds, bool foam);
-    /// The first `passes` passes.
-    Result<void> record(std::span<const Job> jobs, const Packing& packing, const After& after,
-                        std::size_t passes, std::optional<std::size_t> first_held);
     /// Floats that one job has in memory after a pass that is not the last.
     std::size_t pass_floats(std::size_t pass, const Packing& packing) const;
     Result<std::vector<float>> output(const Job& job, const Packing& packing, std::size_t pass);
-    void write(gpu::Buffer& buffer, std::span<const std::byte> bytes);
-    void dispatch(const SynthesisKernels::Pass& pass, const gpu::Bindings& bindings,
-                  const shaders::SynthesisPush& push, std::uint32_t jobs);
     /// Where the maps of a run go, and what is bound to it.
     struct Target {
         const gpu::Buffer* maps = nullptr;
@@ -111,20 +127,58 @@ class VulkanBatch {
         std::size_t histories_bytes =
             0; ///< of those that `foam` names: others are in a larger buffer
     };
+    /// What a run under way has for itself.
+    struct Slot {
+        gpu::Commands commands;
+        gpu::Timer timer;
+        Target target;
+        gpu::Buffer readback; ///< none: the target is read in place
+        // Of the ring.
+        gpu::Buffer maps;
+        gpu::TexelView view;
+        gpu::Commands copying;
+        // Of its run.
+        std::size_t maps_a_job = 0, bytes = 0; ///< of all maps
+        bool foam = false, under_way = false;
+        std::uint64_t ticket = 0, copied = 0; ///< of the transfer queue; 0: it has nothing to do
+        std::chrono::steady_clock::time_point started;
+    };
+    const Slot& slot_of(RunId run) const {
+        return run == own ? own_ : ring_[static_cast<std::size_t>(run)];
+    }
+    Slot& slot_of(RunId run) { return const_cast<Slot&>(std::as_const(*this).slot_of(run)); }
+    Result<void> make(Slot& slot);
+    Result<RunId> free_slot();
+    Result<void> submit(Slot& slot, std::size_t copied_bytes);
+    Result<void> record_copying(Slot& slot, std::size_t bytes);
+    bool any_under_way() const;
+
+    /// The first `passes` passes, to the slot's target or to what is held.
+    Result<void> record(Slot& slot, std::span<const Job> jobs, const Packing& packing,
+                        const After& after, std::size_t passes,
+                        std::optional<std::size_t> first_held);
+    void record_passes(Slot& slot, const Target& target, const Packing& packing, const After& after,
+                       std::size_t passes, const shaders::SynthesisPush& push, std::uint32_t jobs);
+    void stamp(Slot& slot);
+    Result<void> read_timer(Slot& slot, double wall_seconds);
+    void write(Slot& slot, gpu::Buffer& buffer, std::span<const std::byte> bytes);
+    void dispatch(Slot& slot, const SynthesisKernels::Pass& pass, const gpu::Bindings& bindings,
+                  const shaders::SynthesisPush& push, std::uint32_t jobs);
     Result<void> bind(Target& target);
     /// To the histories of a run.
     Result<void> bind_foam(Target& target, const gpu::Buffer& histories);
-    void dispatch_jacobian(const Target& target, const Packing& packing,
+    void dispatch_jacobian(Slot& slot, const Target& target, const Packing& packing,
                            const sea::Choppiness& choppiness, std::uint32_t first_map,
                            std::uint32_t jobs);
-    void record_foam(const Target& target, const FoamWork& foam);
+    void record_foam(Slot& slot, const Target& target, const FoamWork& foam);
     /// Makes `bytes` of `result` visible to this side.
-    void finish(const gpu::Buffer& result, std::size_t bytes);
+    void read_back(Slot& slot, const gpu::Buffer& result, std::size_t bytes);
     std::vector<gpu::Resource> resources(std::size_t pass, const gpu::Buffer& to) const;
     std::size_t points() const {
         return static_cast<std::size_t>(kernels_.size()) *
                static_cast<std::size_t>(kernels_.size());
     }
+    std::uint32_t stamps() const { return static_cast<std::uint32_t>(kernels_.passes.size()) + 3; }
     std::size_t map_bytes() const { return points() * sizeof(float); }
 
     gpu::Device& device_;
@@ -132,14 +186,14 @@ class VulkanBatch {
     bool time_passes_;
     int capacity_maps_ = 0;
     std::vector<float> steps_; ///< wavenumber step of each cascade, rad/m
-    gpu::Buffer modes_, rates_, orbits_, jobs_, rows_, foam_steps_, scratch_[2], readback_;
+    gpu::Buffer modes_, rates_, orbits_, jobs_, rows_, foam_steps_, scratch_[2];
     gpu::TexelView modes_view_, rates_view_, orbits_view_, jobs_view_, rows_view_, foam_steps_view_,
         scratch_views_[2];
     std::vector<gpu::Bindings> bindings_; ///< one a pass but the last
-    Target own_, held_;
-    gpu::Commands commands_;
-    gpu::Timer timer_;
-    std::size_t maps_ = 0; ///< a job, of the last run
+    Target held_;
+    Slot own_; ///< of runs that nothing follows: their maps go to what is held, or to the scratch
+    std::array<Slot, ring_slots> ring_;
+    std::chrono::steady_clock::time_point computed_; ///< when the last run was seen to be
     std::uint64_t dispatches_ = 0;
     double device_seconds_ = 0;
     double foam_seconds_ = 0;

@@ -102,15 +102,36 @@ Result<void> VulkanBatch::allocate(int cascade_count) {
         {scratch_[1], &scratch_views_[1], rgba32f, "second scratch", scratch_bytes, vec4_bytes},
         {foam_steps_, &foam_steps_view_, rgba32ui, "foam steps", step_bytes, vec4_bytes}};
     for (const Wish& wish : wishes)
-        SEAWAY_TRY(make(device_, wish.buffer, wish.view, wish.format, wish.name, wish.bytes,
-                        wish.texel_bytes, BufferKind::device));
+        SEAWAY_TRY(server::make(device_, wish.buffer, wish.view, wish.format, wish.name, wish.bytes,
+                                wish.texel_bytes, BufferKind::device));
     const std::size_t last = (kernels_.passes.size() + 1) % 2;
-    own_.maps = &scratch_[last];
-    own_.view = &scratch_views_[last];
-    if (!own_.maps->mapped().empty())
+    own_.target.maps = &scratch_[last];
+    own_.target.view = &scratch_views_[last];
+    if (!own_.target.maps->mapped().empty())
         return {};
-    return make(device_, readback_, nullptr, rgba32f, "readback", scratch_bytes, vec4_bytes,
-                BufferKind::readback);
+    return server::make(device_, own_.readback, nullptr, rgba32f, "readback", scratch_bytes,
+                        vec4_bytes, BufferKind::readback);
+}
+
+Result<void> VulkanBatch::make(Slot& slot) {
+    const std::size_t bytes = static_cast<std::size_t>(capacity_maps_) * map_bytes();
+    slot = {};
+    Slot made;
+    SEAWAY_TRY(server::make(device_, made.maps, &made.view, VK_FORMAT_R32G32B32A32_SFLOAT,
+                            "maps under way", bytes, vec4_bytes, BufferKind::device));
+    SEAWAY_TRY(server::make(device_, made.readback, nullptr, VK_FORMAT_UNDEFINED,
+                            "readback of a ring", bytes, vec4_bytes, BufferKind::readback));
+    SEAWAY_TRY(take(made.commands, gpu::Commands::create(device_)));
+    SEAWAY_TRY(take(made.copying, gpu::Commands::create(device_, gpu::Queue::transfer)));
+    SEAWAY_TRY(take(made.timer, gpu::Timer::create(device_, stamps())));
+    slot = std::move(made);
+    slot.target.maps = &slot.maps;
+    slot.target.view = &slot.view;
+    if (const Result<void> bound = bind(slot.target); !bound) {
+        slot = {};
+        return bound;
+    }
+    return {};
 }
 
 std::vector<gpu::Resource> VulkanBatch::resources(std::size_t pass, const gpu::Buffer& to) const {
@@ -135,12 +156,11 @@ Result<void> VulkanBatch::bind() {
     for (std::size_t i = 0; i < bindings_.size(); ++i)
         SEAWAY_TRY(take(bindings_[i],
                         kernels_.passes[i].kernel.bind(device_, resources(i, scratch_[i % 2]))));
-    SEAWAY_TRY(bind(own_));
+    SEAWAY_TRY(bind(own_.target));
     if (held_.maps != nullptr)
         SEAWAY_TRY(bind(held_));
-    SEAWAY_TRY(take(commands_, gpu::Commands::create(device_)));
-    const auto stamps = static_cast<std::uint32_t>(kernels_.passes.size()) + 3;
-    return take(timer_, gpu::Timer::create(device_, stamps));
+    SEAWAY_TRY(take(own_.commands, gpu::Commands::create(device_)));
+    return take(own_.timer, gpu::Timer::create(device_, stamps()));
 }
 
 Result<void> VulkanBatch::bind(Target& target) {

@@ -143,9 +143,10 @@ Result<void> run_derived(gpu::Device& device, const SynthesisKernels& kernels, V
     foam.steps[0].strain_xy = batch.place(packing, 0, sea::Field::strain_xy);
     SEAWAY_TRY(batch.run({&job, 1}, packing, {&choppiness, &foam}));
     for (const sea::Field field : strains)
-        batch.read_map(0, packing.map_of(field), maps.planes[static_cast<std::size_t>(field)]);
-    batch.read_map(0, packing.map_of(sea::Field::foam), maps.foam);
-    batch.read_map(0, packing.map_of(sea::Field::jacobian), maps.jacobian);
+        batch.read_map(VulkanBatch::own, 0, packing.map_of(field),
+                       maps.planes[static_cast<std::size_t>(field)]);
+    batch.read_map(VulkanBatch::own, 0, packing.map_of(sea::Field::foam), maps.foam);
+    batch.read_map(VulkanBatch::own, 0, packing.map_of(sea::Field::jacobian), maps.jacobian);
     return {};
 }
 
@@ -167,10 +168,10 @@ Result<Maps> run(gpu::Device& device, const SynthesisKernels& kernels,
         without(all, strains); // maps of 2048 do not all stand side by side
     SEAWAY_TRY((*batch)->run({&job, 1}, pack(others), {}));
     for (const sea::Field field : others)
-        (*batch)->read_map(0, pack(others).map_of(field),
+        (*batch)->read_map(VulkanBatch::own, 0, pack(others).map_of(field),
                            maps.planes[static_cast<std::size_t>(field)]);
     SEAWAY_TRY((*batch)->run({&job, 1}, pack({sea::Field::height}), {}));
-    (*batch)->read_map(0, 0, maps.height_alone);
+    (*batch)->read_map(VulkanBatch::own, 0, 0, maps.height_alone);
     return maps;
 }
 

@@ -97,6 +97,17 @@ std::vector<const shaders::Transform*> fitting_transforms(const gpu::DeviceInfo&
     return fitting;
 }
 
+bool fits_band(const sea::CascadeModes* cascade) {
+    const int size = cascade->spec.size;
+    const auto n = static_cast<std::size_t>(size);
+    for (std::size_t i = 0; i < cascade->h0.size(); ++i)
+        if (cascade->h0[i] != 0.0 &&
+            !(shaders::fits_band(sea::signed_index(static_cast<int>(i % n), size), size) &&
+              shaders::fits_band(sea::signed_index(static_cast<int>(i / n), size), size)))
+            return false;
+    return true;
+}
+
 std::string transform_sizes() {
     std::set<int> sizes;
     for (const shaders::Transform& transform : shaders::synthesis_transforms())

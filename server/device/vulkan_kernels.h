@@ -7,6 +7,7 @@
 
 #include "base/result.h"
 #include "gpu/kernel.h"
+#include "sea/waves/realization.h"
 #include "shaders/synthesis.h"
 
 namespace seaway::server {
@@ -35,6 +36,9 @@ struct SynthesisKernels {
 std::vector<const shaders::Transform*> fitting_transforms(const gpu::DeviceInfo& device, int size,
                                                           bool band_limited,
                                                           bool to_be_tried = false);
+
+/// Whether a transform that is band-limited knows all of its modes.
+bool fits_band(const sea::CascadeModes* cascade);
 
 /// "64, 128, ...", for messages.
 std::string transform_sizes();

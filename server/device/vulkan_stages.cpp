@@ -55,11 +55,11 @@ std::size_t VulkanBatch::pass_floats(std::size_t pass, const Packing& packing) c
 
 Result<std::vector<float>> VulkanBatch::output(const Job& job, const Packing& packing,
                                                std::size_t pass) {
-    SEAWAY_TRY(record({&job, 1}, packing, {}, pass + 1, {}));
-    SEAWAY_TRY(device_.submit_and_wait(commands_));
+    SEAWAY_TRY(record(own_, {&job, 1}, packing, {}, pass + 1, {}));
+    SEAWAY_TRY(device_.submit_and_wait(own_.commands));
     std::vector<float> floats(pass_floats(pass, packing));
     const std::byte* from =
-        (readback_.size_bytes() ? readback_ : scratch_[pass % 2]).mapped().data();
+        (own_.readback.size_bytes() ? own_.readback : scratch_[pass % 2]).mapped().data();
     std::memcpy(floats.data(), from, floats.size() * sizeof(float));
     return floats;
 }

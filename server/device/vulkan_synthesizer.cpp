@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 
 #include "base/check.h"
-#include "base/thread_pool.h"
 #include "gpu/device.h"
 #include "sea/surface/maps/sine_maps.h"
 #include "server/device/spare_buffers.h"
@@ -18,29 +17,14 @@
 #include "server/device/vulkan_kernel_shelf.h"
 #include "server/device/vulkan_maps.h"
 #include "server/device/vulkan_parts.h"
+#include "server/device/vulkan_readback.h"
+#include "server/device/vulkan_requests.h"
 
 namespace seaway::server {
 
 namespace {
 
 constexpr int first_checked_size = 64;
-constexpr sea::FieldSet strains{sea::Field::strain_xx, sea::Field::strain_yy,
-                                sea::Field::strain_xy};
-
-sea::FieldSet linear_part(sea::FieldSet fields) {
-    return fields & sea::linear_fields;
-}
-
-bool fits_band(const sea::CascadeModes* cascade) {
-    const int size = cascade->spec.size;
-    const auto n = static_cast<std::size_t>(size);
-    for (std::size_t i = 0; i < cascade->h0.size(); ++i)
-        if (cascade->h0[i] != 0.0 &&
-            !(shaders::fits_band(sea::signed_index(static_cast<int>(i % n), size), size) &&
-              shaders::fits_band(sea::signed_index(static_cast<int>(i / n), size), size)))
-            return false;
-    return true;
-}
 
 class Vulkan final : public VulkanSynthesizer {
   public:
@@ -62,22 +46,6 @@ class Vulkan final : public VulkanSynthesizer {
     }
 
   private:
-    /// Requests that one series of dispatches can serve.
-    struct Batch {
-        int size;
-        sea::FieldSet fields;
-        bool looks; ///< foam does, at strains
-        std::vector<std::size_t> requests;
-
-        bool jacobian() const { return fields.contains(sea::Field::jacobian); }
-        /// By transforms.
-        sea::FieldSet computed() const {
-            return jacobian() || looks ? linear_part(fields) | strains : linear_part(fields);
-        }
-        /// `apart`: as pack() takes it.
-        Packing packing(std::size_t apart = 0) const { return pack(computed(), fields, apart); }
-    };
-
     Vulkan() = default;
     /// What is on the device for the cascades of one size.
     struct Group {
@@ -86,27 +54,47 @@ class Vulkan final : public VulkanSynthesizer {
         bool band_limited;
     };
     VulkanBatch& batch_of(const KeyframeRequest& request);
-    std::vector<Batch> sort(std::span<const KeyframeRequest> requests) const;
-    /// Does `jobs(device_batch, batch, indices)` for some requests after the other that one run serves, by their places.
+    /// Requests that one run serves, by their places.
+    struct Run {
+        const RequestBatch* batch;
+        VulkanBatch* on;
+        std::span<const std::size_t> indices;
+        bool more; ///< come after it
+    };
+    /// Does `jobs(run)` for all, one after the other.
     template <class Jobs>
     Result<void> run(std::span<const KeyframeRequest> requests, const Jobs& jobs);
-    Result<void> run_jobs(VulkanBatch& device_batch, const Batch& batch,
-                          std::span<const KeyframeRequest> requests,
-                          std::span<const std::size_t> indices, std::span<NewKeyframePtr> out);
-    using Requests = std::span<const KeyframeRequest>;
-    Result<StandingKeyframe> run_job_there(VulkanBatch& device_batch, const Batch& batch,
-                                           Requests requests, std::size_t index);
-    Result<void> run_on_device(VulkanBatch& device_batch, const Batch& batch,
-                               const Packing& packing, std::span<const KeyframeRequest> requests,
-                               std::span<const std::size_t> indices,
+    Result<void> make_parts(std::span<const KeyframeRequest> parts, std::span<NewKeyframePtr> made);
+    Result<void> run_jobs(const Run& run, std::span<const KeyframeRequest> requests,
+                          std::span<NewKeyframePtr> out);
+    /// Maps go to keyframes by way of readbacks_.
+    Result<void> run_copied(const Run& run, const Packing& packing,
+                            std::span<const KeyframeRequest> requests,
+                            std::span<const NewKeyframePtr> keyframes);
+    Result<void> collect();
+    /// With the device's name.
+    Error named(const Error& error) const {
+        return {error.kind, device_->info().name + ": " + error.message};
+    }
+    /// Of its one request.
+    Result<StandingKeyframe> run_job_there(const Run& run,
+                                           std::span<const KeyframeRequest> requests);
+    /// Starts it; none: there is nothing to do on the device.
+    Result<std::optional<VulkanBatch::RunId>>
+    start_on_device(const Run& run, const Packing& packing,
+                    std::span<const KeyframeRequest> requests,
+                    std::optional<std::size_t> first_held, bool more);
+    /// Starts and finishes it.
+    Result<void> run_on_device(const Run& run, const Packing& packing,
+                               std::span<const KeyframeRequest> requests,
                                std::optional<std::size_t> first_held);
+    /// What `work` does on it is counted.
+    template <class Work>
+    auto counted(VulkanBatch& device_batch, const Work& work);
     /// Maps of a size that keyframes hold where they were computed; null: they are copied.
     Result<VulkanMaps*> held_maps(int size);
     /// Without values.
-    std::shared_ptr<sea::Keyframe> keyframe(const KeyframeRequest& request) const;
-    /// The maps of the last run, to keyframes[job].
-    void copy_maps(const VulkanBatch& device_batch, const Packing& packing,
-                   std::span<const std::shared_ptr<sea::Keyframe>> keyframes);
+    NewKeyframePtr keyframe(const KeyframeRequest& request) const;
 
     // Order of members is order of construction; the device goes last.
     std::shared_ptr<gpu::Device> device_; ///< with keyframes that hold maps
@@ -121,7 +109,7 @@ class Vulkan final : public VulkanSynthesizer {
     std::uint32_t epoch_ = 0;
     std::vector<int> position_; ///< of each cascade within its batch
     std::shared_ptr<SpareBuffers> spare_ = std::make_shared<SpareBuffers>();
-    ThreadPool copiers_{2};
+    VulkanReadbacks readbacks_{spare_};
     SynthesisCounters counters_;
 };
 
@@ -163,7 +151,7 @@ Result<void> Vulkan::set_sea(sea::RealizationPtr sea, std::uint32_t epoch) {
     sea_.reset(); // until all is uploaded there is no sea
     std::erase_if(groups_, [&](const auto& group) { return by_size.count(group.first) == 0; });
     for (const auto& [size, cascades] : by_size) {
-        const bool band_limited = std::all_of(cascades.begin(), cascades.end(), fits_band);
+        const bool band_limited = std::ranges::all_of(cascades, fits_band);
         const auto old = groups_.find(size);
         if (old == groups_.end() || old->second.cascades != cascades.size() ||
             old->second.band_limited != band_limited) {
@@ -191,27 +179,6 @@ VulkanBatch& Vulkan::batch_of(const KeyframeRequest& request) {
     return *groups_.at(sea_->cascades[static_cast<std::size_t>(request.cascade)].spec.size).batch;
 }
 
-std::vector<Vulkan::Batch> Vulkan::sort(std::span<const KeyframeRequest> requests) const {
-    std::vector<Batch> batches;
-    for (std::size_t i = 0; i < requests.size(); ++i) {
-        const KeyframeRequest& request = requests[i];
-        const int size = sea_->cascades[static_cast<std::size_t>(request.cascade)].spec.size;
-        const bool looks = request.foam != nullptr && request.foam->looks(request.fields);
-        const sea::FieldSet fields = request.fields;
-        // The latest that will do, and none before one that holds a turn of the same foam map.
-        const auto same = std::find_if(batches.rbegin(), batches.rend(), [&](const Batch& batch) {
-            return (batch.size == size && batch.fields == fields && batch.looks == looks) ||
-                   has_turn_of(batch.requests, requests, request.foam);
-        });
-        if (same != batches.rend() && same->size == size && same->fields == fields &&
-            same->looks == looks)
-            same->requests.push_back(i);
-        else
-            batches.push_back({size, fields, looks, {i}});
-    }
-    return batches;
-}
-
 Result<std::vector<NewKeyframePtr>> Vulkan::synthesize(std::span<const KeyframeRequest> requests) {
     if (!sea_)
         return Error{"no sea on the device: the last one could not be uploaded"};
@@ -224,9 +191,7 @@ Result<std::vector<NewKeyframePtr>> Vulkan::synthesize(std::span<const KeyframeR
         counts.push_back(more.size());
     }
     std::vector<NewKeyframePtr> made(parts.size());
-    SEAWAY_TRY(run(parts, [&](VulkanBatch& device_batch, const Batch& batch, auto indices) {
-        return run_jobs(device_batch, batch, parts, indices, made);
-    }));
+    SEAWAY_TRY(make_parts(parts, made));
     counters_.keyframes += requests.size();
     if (parts.size() == requests.size())
         return made;
@@ -251,30 +216,32 @@ Vulkan::synthesize_there(std::span<const KeyframeRequest> requests) {
     std::vector<StandingKeyframe> out(requests.size());
     // One keyframe a run, and what it is made of elsewhere: so keyframes of one length stand side by side, and what one
     // leaves fits the next.
-    const auto there = [&](VulkanBatch& device_batch, const Batch& batch,
-                           auto indices) -> Result<void> {
-        for (const std::size_t index : indices) {
-            SEAWAY_TRY_LET(out[index], run_job_there(device_batch, batch, requests, index));
+    SEAWAY_TRY(run(requests, [&](const Run& run) -> Result<void> {
+        for (const std::size_t& index : run.indices) {
+            const Run one{run.batch, run.on, {&index, 1}, run.more};
+            SEAWAY_TRY_LET(out[index], run_job_there(one, requests));
         }
         return {};
-    };
-    SEAWAY_TRY(run(requests, there));
+    }));
     counters_.keyframes += requests.size();
     return out;
 }
 
 template <class Jobs>
 Result<void> Vulkan::run(std::span<const KeyframeRequest> requests, const Jobs& jobs) {
-    for (const Batch& batch : sort(requests)) {
+    const std::vector<RequestBatch> batches = sort_requests(requests, *sea_);
+    for (const RequestBatch& batch : batches) {
         VulkanBatch& device_batch = *groups_.at(batch.size).batch;
         const std::span<const std::size_t> all(batch.requests);
         const auto at_once =
             static_cast<std::size_t>(std::max(device_batch.max_jobs(batch.packing().maps), 1));
         for (std::size_t first = 0; first < all.size(); first += at_once) {
             const std::size_t count = std::min(at_once, all.size() - first);
-            if (const Result<void> done = jobs(device_batch, batch, all.subspan(first, count));
+            const bool more = first + count < all.size() || &batch != &batches.back();
+            if (const Result<void> done =
+                    jobs(Run{&batch, &device_batch, all.subspan(first, count), more});
                 !done)
-                return Error{done.error().kind, device_->info().name + ": " + done.error().message};
+                return named(done.error());
         }
     }
     return {};
@@ -290,79 +257,135 @@ Result<VulkanMaps*> Vulkan::held_maps(int size) {
     return maps->size() > 0 ? maps.get() : nullptr;
 }
 
-Result<void> Vulkan::run_on_device(VulkanBatch& device_batch, const Batch& batch,
-                                   const Packing& packing,
-                                   std::span<const KeyframeRequest> requests,
-                                   std::span<const std::size_t> indices,
-                                   std::optional<std::size_t> first_held) {
-    std::vector<VulkanBatch::Job> jobs;
-    for (const std::size_t index : indices)
-        jobs.push_back({position_[static_cast<std::size_t>(requests[index].cascade)],
-                        sea_->phase_time(requests[index].time_us)});
-    const auto histories = foam_.find(batch.size);
-    const FoamWork foam = foam_work(
-        histories == foam_.end() ? nullptr : &histories->second, requests, indices,
-        [&](std::size_t job, sea::Field field) {
-            return device_batch.place(packing, job, field, first_held);
-        },
-        counters_.foam_ticks);
-    if (packing.fields == 0 && foam.empty())
-        return {};
+template <class Work>
+auto Vulkan::counted(VulkanBatch& device_batch, const Work& work) {
     const std::uint64_t dispatches = device_batch.dispatches();
     const double seconds = device_batch.device_seconds();
     const double foam_seconds = device_batch.foam_seconds();
-    SEAWAY_TRY(device_batch.run(
-        jobs, packing,
-        {batch.jacobian() ? &sea_->choppiness : nullptr, foam.empty() ? nullptr : &foam},
-        first_held));
+    auto done = work();
     counters_.dispatches += device_batch.dispatches() - dispatches;
     counters_.device_seconds += device_batch.device_seconds() - seconds;
     counters_.foam_seconds += device_batch.foam_seconds() - foam_seconds;
+    return done;
+}
+
+Result<std::optional<VulkanBatch::RunId>>
+Vulkan::start_on_device(const Run& run, const Packing& packing,
+                        std::span<const KeyframeRequest> requests,
+                        std::optional<std::size_t> first_held, bool more) {
+    std::vector<VulkanBatch::Job> jobs;
+    for (const std::size_t index : run.indices)
+        jobs.push_back({position_[static_cast<std::size_t>(requests[index].cascade)],
+                        sea_->phase_time(requests[index].time_us)});
+    const auto histories = foam_.find(run.batch->size);
+    const FoamWork foam = foam_work(
+        histories == foam_.end() ? nullptr : &histories->second, requests, run.indices,
+        [&](std::size_t job, sea::Field field) {
+            return run.on->place(packing, job, field, first_held);
+        },
+        counters_.foam_ticks);
+    if (packing.fields == 0 && foam.empty())
+        return std::optional<VulkanBatch::RunId>();
+    SEAWAY_TRY_LET(const VulkanBatch::RunId id, counted(*run.on, [&] {
+                       return run.on->start(jobs, packing,
+                                            {run.batch->jacobian() ? &sea_->choppiness : nullptr,
+                                             foam.empty() ? nullptr : &foam},
+                                            first_held, more);
+                   }));
     counters_.transforms += jobs.size() * static_cast<std::size_t>(packing.fields);
+    return std::optional(id);
+}
+
+Result<void> Vulkan::run_on_device(const Run& run, const Packing& packing,
+                                   std::span<const KeyframeRequest> requests,
+                                   std::optional<std::size_t> first_held) {
+    SEAWAY_TRY_LET(const std::optional<VulkanBatch::RunId> id,
+                   start_on_device(run, packing, requests, first_held, false));
+    const Result<void> ran =
+        id ? counted(*run.on, [&] { return run.on->finish(*id); }) : Result<void>();
+    if (!ran)
+        run.on->abandon();
+    return ran;
+}
+
+Result<void> Vulkan::make_parts(std::span<const KeyframeRequest> parts,
+                                std::span<NewKeyframePtr> made) {
+    Result<void> ran = run(parts, [&](const Run& run) { return run_jobs(run, parts, made); });
+    while (ran && readbacks_.under_way() > 0)
+        if (const Result<void> collected = collect(); !collected)
+            ran = named(collected.error());
+    if (!ran) {
+        for (const auto& [size, group] : groups_)
+            group.batch->abandon();
+        readbacks_.forget();
+        return ran;
+    }
+    // Waves that no transform can carry are added point by point (scenes with stylised sines).
+    for (std::size_t i = 0; i < parts.size(); ++i)
+        for (const sea::SineField& field :
+             sea_->cascades[static_cast<std::size_t>(parts[i].cascade)].sines)
+            sea::add_sines(field, sea_->phase_time(parts[i].time_us), *made[i]);
     return {};
 }
 
-Result<void> Vulkan::run_jobs(VulkanBatch& device_batch, const Batch& batch,
-                              std::span<const KeyframeRequest> requests,
-                              std::span<const std::size_t> indices, std::span<NewKeyframePtr> out) {
+Result<void> Vulkan::run_jobs(const Run& run, std::span<const KeyframeRequest> requests,
+                              std::span<NewKeyframePtr> out) {
+    const RequestBatch& batch = *run.batch;
     const Packing packing = batch.packing();
     const auto maps = static_cast<std::size_t>(packing.maps);
     const auto asked = static_cast<std::size_t>(batch.fields.size());
+    std::vector<NewKeyframePtr> keyframes;
+    for (const std::size_t index : run.indices) {
+        keyframes.push_back(keyframe(requests[index]));
+        out[index] = keyframes.back();
+    }
     const bool holds = asked > 0 && device_->unified_memory() && held_.contains(batch.size);
     VulkanMaps* held = holds ? held_[batch.size].get() : nullptr;
     const std::optional<std::size_t> first =
-        held != nullptr ? held->take(indices.size() * maps) : std::nullopt;
-    const Result<void> ran = run_on_device(device_batch, batch, packing, requests, indices, first);
-    std::vector<std::shared_ptr<sea::Keyframe>> keyframes;
-    for (const std::size_t index : indices)
-        keyframes.push_back(keyframe(requests[index]));
-    for (std::size_t job = 0; first && job < indices.size(); ++job) {
+        held != nullptr ? held->take(keyframes.size() * maps) : std::nullopt;
+    if (!first)
+        return run_copied(run, packing, requests, keyframes);
+    const Result<void> ran = run_on_device(run, packing, requests, first);
+    for (std::size_t job = 0; job < keyframes.size(); ++job) {
         const std::size_t own = *first + job * maps;
         keyframes[job]->values = held->lend(own, asked);
         held->give(own + asked, maps - asked); // what they were made of
     }
-    SEAWAY_TRY(ran);
-    if (!first)
-        copy_maps(device_batch, packing, keyframes);
-    // Waves that no transform can carry are added point by point (scenes with stylised sines).
-    for (std::size_t job = 0; job < indices.size(); ++job) {
-        const KeyframeRequest& request = requests[indices[job]];
-        for (const sea::SineField& field :
-             sea_->cascades[static_cast<std::size_t>(request.cascade)].sines)
-            sea::add_sines(field, sea_->phase_time(request.time_us), *keyframes[job]);
-        out[indices[job]] = std::move(keyframes[job]);
-    }
-    return {};
+    return ran;
 }
 
-Result<StandingKeyframe> Vulkan::run_job_there(VulkanBatch& device_batch, const Batch& batch,
-                                               Requests requests, std::size_t index) {
+Result<void> Vulkan::run_copied(const Run& run, const Packing& packing,
+                                std::span<const KeyframeRequest> requests,
+                                std::span<const NewKeyframePtr> keyframes) {
+    if (run.batch->fields.empty())
+        return run_on_device(run, packing, requests, {});
+    const bool more = run.more && !device_->unified_memory();
+    while (readbacks_.under_way() >= VulkanBatch::ring_slots)
+        SEAWAY_TRY(collect());
+    SEAWAY_TRY_LET(const std::optional<VulkanBatch::RunId> id,
+                   start_on_device(run, packing, requests, {}, more));
+    if (!id) { // foam alone, without a turn: whoever asked fills it
+        for (const NewKeyframePtr& keyframe : keyframes)
+            keyframe->values.resize(keyframe->plane_size());
+        return {};
+    }
+    readbacks_.add({run.on, *id, packing, {keyframes.begin(), keyframes.end()}});
+    return more ? Result<void>() : collect();
+}
+
+Result<void> Vulkan::collect() {
+    return counted(readbacks_.oldest(), [&] { return readbacks_.collect(); });
+}
+
+Result<StandingKeyframe> Vulkan::run_job_there(const Run& run,
+                                               std::span<const KeyframeRequest> requests) {
+    const RequestBatch& batch = *run.batch;
     const auto asked = static_cast<std::size_t>(batch.fields.size());
     const std::size_t made_of = static_cast<std::size_t>(batch.packing().maps) - asked;
     VulkanMaps& held = *held_.at(batch.size);
     const std::optional<std::size_t> own = held.take(asked);
-    std::shared_ptr<const void> keeper = own ? held.keeper(*own, asked) : nullptr;
-    const std::optional<std::size_t> other = own ? held.take(made_of) : std::nullopt;
+    const std::shared_ptr<const void> keeper = own ? held.keeper(*own, asked) : nullptr;
+    const auto other = own ? held.take(made_of) : std::nullopt;
     const std::shared_ptr<const void> for_now = other ? held.keeper(*other, made_of) : nullptr;
     if (!other || (made_of > 0 && *other < *own))
         return Error{
@@ -370,22 +393,22 @@ Result<StandingKeyframe> Vulkan::run_job_there(VulkanBatch& device_batch, const 
             fmt::format("{} of {} maps of size {} are held, and the next keyframe takes {}",
                         held.held() - (own ? asked : 0), held.size(), batch.size, asked + made_of)};
     const Packing packing = batch.packing(made_of > 0 ? *other - *own - asked : 0);
-    SEAWAY_TRY(run_on_device(device_batch, batch, packing, requests, {&index, 1}, *own));
+    SEAWAY_TRY(run_on_device(run, packing, requests, *own));
     const std::size_t texel = *own * static_cast<std::size_t>(batch.size * batch.size / 4);
-    return StandingKeyframe{requests[index].time_us, batch.size, batch.fields, &held.view(), texel,
-                            std::move(keeper)};
+    const sea::TimeUs time_us = requests[run.indices[0]].time_us;
+    return StandingKeyframe{time_us, batch.size, batch.fields, &held.view(), texel, keeper};
 }
 
 Result<FoamMapPtr> Vulkan::open_foam(int size, const FoamMap* from) {
     Result<FoamMapPtr> opened = foam_.try_emplace(size, *device_, size).first->second.open(from);
     if (!opened)
-        return Error{device_->info().name + ": " + opened.error().message};
+        return named(opened.error());
     return opened;
 }
 
-std::shared_ptr<sea::Keyframe> Vulkan::keyframe(const KeyframeRequest& request) const {
+NewKeyframePtr Vulkan::keyframe(const KeyframeRequest& request) const {
     const sea::CascadeSpec& spec = sea_->cascades[static_cast<std::size_t>(request.cascade)].spec;
-    std::shared_ptr<sea::Keyframe> made = make_keyframe(spare_);
+    NewKeyframePtr made = make_keyframe(spare_);
     made->epoch = epoch_;
     made->cascade = request.cascade;
     made->time_us = request.time_us;
@@ -395,45 +418,22 @@ std::shared_ptr<sea::Keyframe> Vulkan::keyframe(const KeyframeRequest& request) 
     return made;
 }
 
-// Copying is bound by memory: a second thread makes it a third faster.
-void Vulkan::copy_maps(const VulkanBatch& device_batch, const Packing& packing,
-                       std::span<const std::shared_ptr<sea::Keyframe>> keyframes) {
-    struct Map {
-        const VulkanBatch& from;
-        int job;
-        int map;
-        std::span<float> to;
-    };
-    std::vector<Map> maps;
-    for (std::size_t job = 0; job < keyframes.size(); ++job) {
-        sea::Keyframe& keyframe = *keyframes[job];
-        keyframe.values =
-            spare_->take(keyframe.plane_size() * static_cast<std::size_t>(keyframe.fields.size()));
-        counters_.copies += !keyframe.fields.empty();
-        for (const sea::Field field : keyframe.fields)
-            maps.push_back({device_batch, static_cast<int>(job), packing.map_of(field),
-                            keyframe.plane(field)});
-    }
-    const Phase copy{[](const void* all, int index, int) {
-                         const Map& map = (*static_cast<const std::vector<Map>*>(
-                             all))[static_cast<std::size_t>(index)];
-                         map.from.read_map(map.job, map.map, map.to);
-                     },
-                     &maps, static_cast<int>(maps.size())};
-    copiers_.run({&copy, 1});
-}
-
 Result<std::vector<SynthesisStage>> Vulkan::stages(const KeyframeRequest& request) {
     const auto cascade = static_cast<std::size_t>(request.cascade);
     const bool jacobian = request.fields.contains(sea::Field::jacobian);
-    const sea::FieldSet linear = linear_part(request.fields);
+    const sea::FieldSet linear = request.fields & sea::linear_fields;
     return groups_.at(sea_->cascades[cascade].spec.size)
         .batch->stages({position_[cascade], sea_->phase_time(request.time_us)},
-                       pack(jacobian ? linear | strains : linear));
+                       pack(jacobian ? linear | strain_fields : linear));
 }
 
 SynthesisCounters Vulkan::counters() const {
-    return counters_;
+    SynthesisCounters all = counters_;
+    const VulkanReadbacks::Counts& read = readbacks_.counts();
+    all.copies = read.copies;
+    all.readback_bytes = read.bytes;
+    all.readbacks_beside = read.beside;
+    return all;
 }
 
 } // namespace

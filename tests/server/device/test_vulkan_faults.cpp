@@ -36,8 +36,10 @@ Result<void> sail(const VulkanOptions& options, const RandomSea& random) {
     if (!made)
         return made.error();
     SEAWAY_TRY((*made)->set_sea(random.realization(), 1));
-    const KeyframeRequest request{0, 0, {sea::Field::height, sea::Field::jacobian}};
-    const Result<std::vector<NewKeyframePtr>> keyframes = (*made)->synthesize({&request, 1});
+    // Two runs, of which the first is under way when the second is started.
+    const KeyframeRequest requests[] = {{0, 0, {sea::Field::height, sea::Field::jacobian}},
+                                        {0, 0, {sea::Field::height}}};
+    const Result<std::vector<NewKeyframePtr>> keyframes = (*made)->synthesize(requests);
     if (!keyframes)
         return keyframes.error();
     return foam(**made);
@@ -54,12 +56,15 @@ class VulkanFaults : public testing::TestWithParam<Fault> {
   protected:
     void TearDown() override { gpu::fault::disarm(); }
 };
-INSTANTIATE_TEST_SUITE_P(Results, VulkanFaults,
-                         testing::Values(Fault{VK_ERROR_DEVICE_LOST, "VK_ERROR_DEVICE_LOST", true,
-                                               false},
-                                         Fault{VK_ERROR_OUT_OF_DEVICE_MEMORY,
-                                               "VK_ERROR_OUT_OF_DEVICE_MEMORY", false, true}),
-                         [](const auto& fault) { return std::string(fault.param.name); });
+INSTANTIATE_TEST_SUITE_P(
+    Results, VulkanFaults,
+    testing::Values(Fault{VK_ERROR_DEVICE_LOST, "VK_ERROR_DEVICE_LOST", true, false},
+                    Fault{VK_ERROR_DEVICE_LOST, "VK_ERROR_DEVICE_LOST", true, true},
+                    Fault{VK_ERROR_OUT_OF_DEVICE_MEMORY, "VK_ERROR_OUT_OF_DEVICE_MEMORY", false,
+                          true}),
+    [](const auto& fault) {
+        return std::string(fault.param.name) + (fault.param.staged ? "_staged" : "");
+    });
 
 TEST_P(VulkanFaults, any_call_that_fails_is_an_error_that_names_it_and_leaks_nothing) {
     const RandomSea random(64, 200.0, 1);

@@ -41,7 +41,7 @@ class VulkanKernels : public testing::Test {
         std::vector<std::vector<float>> read(static_cast<std::size_t>(packing.fields),
                                              std::vector<float>(cascade.h0.size()));
         for (std::size_t plane = 0; plane < read.size(); ++plane)
-            batch->read_map(0, static_cast<int>(plane), read[plane]);
+            batch->read_map(VulkanBatch::own, 0, static_cast<int>(plane), read[plane]);
         return read;
     }
 

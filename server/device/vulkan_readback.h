@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// VulkanReadbacks: keyframes whose maps are copied out of a device's memory, or out of where the device copied them to, in
+// the order in which their runs were started; some runs may be under way at a time. For one thread.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "base/result.h"
+#include "base/thread_pool.h"
+#include "sea/surface/maps/keyframe.h"
+#include "server/device/spare_buffers.h"
+#include "server/device/vulkan_batch.h"
+
+namespace seaway::server {
+
+class VulkanReadbacks {
+  public:
+    /// A run that was started, and the keyframes that its maps are for, one a job, without values.
+    struct Pending {
+        VulkanBatch* batch;
+        VulkanBatch::RunId run;
+        Packing packing;
+        std::vector<NewKeyframePtr> keyframes;
+    };
+    struct Counts {
+        std::uint64_t copies = 0; ///< keyframes
+        std::uint64_t beside = 0; ///< runs that were waited for when a later one had been started
+        std::uint64_t bytes = 0;  ///< that travelled from memory which this side does not see
+    };
+
+    explicit VulkanReadbacks(std::shared_ptr<SpareBuffers> spare) : spare_(std::move(spare)) {}
+
+    void add(Pending pending) { pending_.push_back(std::move(pending)); }
+    std::size_t under_way() const { return pending_.size(); }
+    /// Waits for the oldest run, and gives its keyframes their values.
+    Result<void> collect();
+    /// After an error: keyframes stay without values; their runs are the caller's to end.
+    void forget() { pending_.clear(); }
+    /// What collect() waits for.
+    VulkanBatch& oldest() const { return *pending_.front().batch; }
+
+    const Counts& counts() const { return counts_; }
+
+  private:
+    void copy_maps(const Pending& pending);
+
+    const std::shared_ptr<SpareBuffers> spare_;
+    std::deque<Pending> pending_; ///< oldest first
+    ThreadPool copiers_{2};
+    Counts counts_;
+};
+
+} // namespace seaway::server
