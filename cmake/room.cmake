@@ -11,12 +11,21 @@ function(seaway_source_options options)
   set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS "${options}" SKIP_PRECOMPILE_HEADERS ON)
 endfunction()
 
+# Four files are compiled as one, in little more than half the time: most of it goes to headers that all of them take.
+# So no two files of a room may give one name, outside functions, to different things.
+function(seaway_together target)
+  if(SEAWAY_PRECOMPILE)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 4)
+  endif()
+endfunction()
+
 # seaway_room(NAME SOURCES a.cpp ... LINKS lib ...): a room's static library, `seaway_NAME`.
 function(seaway_room name)
   cmake_parse_arguments(R "" "" "SOURCES;LINKS" ${ARGN})
   add_library(seaway_${name} STATIC ${R_SOURCES})
   target_link_libraries(seaway_${name} PUBLIC seaway_headers ${R_LINKS} PRIVATE seaway_options)
   seaway_precompiled(seaway_${name} seaway_common_headers)
+  seaway_together(seaway_${name})
 endfunction()
 
 # seaway_program(seaway-query SOURCES main.cpp LINKS seaway_client): a program in build/<preset>/bin.
@@ -31,9 +40,7 @@ endfunction()
 # seaway_test(sea SOURCES test_x.cpp ... LINKS ...): one GoogleTest program a room, one ctest entry.
 # Tests read their data below SEAWAY_SOURCE_DIR and find programs in SEAWAY_BIN_DIR. DRIVER: a Vulkan
 # driver is loaded, here or in a program that is started. What is tested is optimised in its own
-# library; the tests around it compile a sixth faster at -O1 (docs/decisions/0023). Four files are
-# compiled as one, in half the time, since most of it goes to templates that all of them take: names that
-# two files need stand in a header of their folder. The time limit ends what hangs; a busy machine stays far below it.
+# library; the tests around it compile a sixth faster at -O1 (docs/decisions/0023). The time limit ends what hangs; a busy machine stays far below it.
 # `dev` runs three at a time, since many wait for most of their time: BOTH_CORES says that this one computes throughout,
 # with threads of its own, and counts for two. LONG: it begins first, so that nothing waits for it alone at the end.
 function(seaway_test name)
@@ -44,11 +51,10 @@ function(seaway_test name)
   add_executable(test_${name} ${T_SOURCES})
   target_link_libraries(test_${name} PRIVATE seaway_headers seaway_options
     ${T_LINKS} GTest::gmock GTest::gtest_main)
-  target_compile_options(test_${name} PRIVATE -O1)
+  # Files that are compiled together shadow each other's names at their ease.
+  target_compile_options(test_${name} PRIVATE -O1 -Wno-shadow)
   seaway_precompiled(test_${name} seaway_test_headers)
-  if(SEAWAY_PRECOMPILE)
-    set_target_properties(test_${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 4)
-  endif()
+  seaway_together(test_${name})
   target_compile_definitions(test_${name} PRIVATE SEAWAY_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
     SEAWAY_BIN_DIR="${PROJECT_BINARY_DIR}/bin")
   add_test(NAME ${name} COMMAND test_${name} --gtest_brief=1)

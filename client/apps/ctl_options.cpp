@@ -19,19 +19,19 @@
 namespace seaway::client {
 namespace {
 
-constexpr const char* footer = "Changes are written to the server's journal before they are "
-                               "answered; the answer says when the sea begins to glide\n"
-                               "and when it is there. PATH is that of a scene file: "
-                               "sea.system.0.wind_speed_10m_mps, sea.depth_m, foam.bias;\n"
-                               "systems.0.from_deg is short for sea.system.0.from_deg. Tiles, "
-                               "effects and accuracy stay as they are.\n"
-                               "The token is the administrator's (--admin-token-file of the "
-                               "server), over wss or from the server's own machine.\n"
-                               "Exit codes: 0 done, 1 cannot write, 2 usage, 5 cannot connect, "
-                               "lost or no answer in time, 6 refused by the server,\n"
-                               "7 status: a server does not answer, or is stale.";
+constexpr const char* ctl_footer = "Changes are written to the server's journal before they are "
+                                   "answered; the answer says when the sea begins to glide\n"
+                                   "and when it is there. PATH is that of a scene file: "
+                                   "sea.system.0.wind_speed_10m_mps, sea.depth_m, foam.bias;\n"
+                                   "systems.0.from_deg is short for sea.system.0.from_deg. Tiles, "
+                                   "effects and accuracy stay as they are.\n"
+                                   "The token is the administrator's (--admin-token-file of the "
+                                   "server), over wss or from the server's own machine.\n"
+                                   "Exit codes: 0 done, 1 cannot write, 2 usage, 5 cannot connect, "
+                                   "lost or no answer in time, 6 refused by the server,\n"
+                                   "7 status: a server does not answer, or is stale.";
 
-struct Words {
+struct CtlWords {
     std::vector<std::string> values;
     std::string scene;
     std::string over = "60s";
@@ -53,7 +53,7 @@ Result<std::uint64_t> number_of(const std::string& option, const std::string& te
     return number;
 }
 
-Result<protocol::ChangeWish> change_of(const Words& words) {
+Result<protocol::ChangeWish> change_of(const CtlWords& words) {
     protocol::ChangeWish wish;
     wish.set = words.values;
     for (const std::string& value : words.values)
@@ -77,7 +77,7 @@ Result<protocol::ChangeWish> change_of(const Words& words) {
 }
 
 /// Of a command that changes the sea.
-void add_when(CommandLine& command, Words& words) {
+void add_when(CommandLine& command, CtlWords& words) {
     command.option("--over", words.over, "How long the sea takes to glide over: 90s, 2m, 1h")
         .takes("DURATION")
         .shows_default();
@@ -95,7 +95,7 @@ Result<protocol::ChangeWish> pace_of(double pace) {
     return wish;
 }
 
-Result<CtlOptions> options_of(CtlOptions options, const Words& words, bool changes) {
+Result<CtlOptions> options_of(CtlOptions options, const CtlWords& words, bool changes) {
     SEAWAY_TRY(parse_url(options.url));
     if (!(options.timeout_s > 0 && options.timeout_s <= 86400))
         return Error{fmt::format("--timeout {}: above 0, up to 86400 s", options.timeout_s)};
@@ -120,16 +120,16 @@ struct Commands {
     CommandLine* sessions = nullptr;
     CommandLine* drop = nullptr;
 
-    Commands(CommandLine& line, Words& words) {
+    Commands(CommandLine& line, CtlWords& words) {
         add_changes(line, words);
         add_looks(line, words);
     }
-    void add_changes(CommandLine& line, Words& words);
-    void add_looks(CommandLine& line, Words& words);
+    void add_changes(CommandLine& line, CtlWords& words);
+    void add_looks(CommandLine& line, CtlWords& words);
     bool changes() const { return set->given() || load->given() || rewind->given(); }
 };
 
-void Commands::add_changes(CommandLine& line, Words& words) {
+void Commands::add_changes(CommandLine& line, CtlWords& words) {
     set = &line.command("set", "Sets values of the scene; the sea glides over");
     set->option("values", words.values, "Values by their paths").takes("PATH=VALUE ...").required();
     add_when(*set, words);
@@ -150,7 +150,7 @@ void Commands::add_changes(CommandLine& line, Words& words) {
     add_when(*rewind, words);
 }
 
-void Commands::add_looks(CommandLine& line, Words& words) {
+void Commands::add_looks(CommandLine& line, CtlWords& words) {
     history = &line.command("history", "The changes of the sea, from its journal");
     history->option("--from", words.change, "The first that is listed; some hundred are")
         .takes("N");
@@ -174,7 +174,7 @@ void Commands::add_looks(CommandLine& line, Words& words) {
 }
 
 /// Of commands that change no sea by words of their own.
-Result<void> choose(const Commands& commands, const Words& words, CtlOptions& options) {
+Result<void> choose(const Commands& commands, const CtlWords& words, CtlOptions& options) {
     if (commands.pause->given() || commands.rate->given()) {
         SEAWAY_TRY_LET(options.what, pace_of(commands.pause->given() ? 0 : words.pace));
     }
@@ -199,7 +199,8 @@ Result<void> choose(const Commands& commands, const Words& words, CtlOptions& op
     return {};
 }
 
-Result<CtlOptions> whole_options(CtlOptions options, const Words& words, const Commands& commands) {
+Result<CtlOptions> whole_options(CtlOptions options, const CtlWords& words,
+                                 const Commands& commands) {
     SEAWAY_TRY(choose(commands, words, options));
     SEAWAY_TRY_LET(options, options_of(std::move(options), words, commands.changes()));
     if (!commands.rewind->given())
@@ -229,7 +230,7 @@ Result<double> parse_duration_s(const std::string& text) {
 
 std::variant<CtlOptions, int> read_ctl_options(int argc, const char* const* argv) {
     CtlOptions options;
-    Words words;
+    CtlWords words;
     CommandLine line("seaway-ctl", "Changes the sea of a running server, and looks into it.");
     line.option("url", options.url, "Server: ws://HOST:PORT or wss://HOST:PORT")
         .takes("URL")
@@ -241,7 +242,7 @@ std::variant<CtlOptions, int> read_ctl_options(int argc, const char* const* argv
         .takes("SECONDS")
         .shows_default();
     const Commands commands(line, words);
-    line.footer(footer);
+    line.footer(ctl_footer);
     const Result<CommandLine::Next> next = line.read(argc, argv);
     if (!next)
         return complain("seaway-ctl", exit_usage, next.error().message);

@@ -18,7 +18,7 @@ namespace {
 constexpr double watch_hz_min = 1e-5;
 constexpr double watch_hz_max = 1000;
 
-constexpr const char* footer =
+constexpr const char* query_footer =
     "One row a point: x_m,y_m,t_s,height_m,normal_x,normal_y,normal_z,velocity_x_mps,\n"
     "velocity_y_mps,velocity_z_mps,error_m,flags. error_m bounds the error of the height.\n"
     "flags is a sum: 1 folded (the highest sheet found; error_m is no bound), 2 not converged\n"
@@ -144,7 +144,7 @@ Result<void> check(const QueryOptions& options) {
 }
 
 /// Options that need reading once more.
-struct Words {
+struct QueryWords {
     std::vector<std::string> at;
     std::string time = "now";
     std::string format = "table";
@@ -152,7 +152,7 @@ struct Words {
     std::string z;
 };
 
-Result<void> take(const Words& words, QueryOptions& options) {
+Result<void> take(const QueryWords& words, QueryOptions& options) {
     SEAWAY_TRY(read_places(words.at, options));
     SEAWAY_TRY_LET(options.time_s, parse_time(words.time));
     SEAWAY_TRY_LET(options.format, parse_format(words.format));
@@ -165,7 +165,7 @@ Result<void> take(const Words& words, QueryOptions& options) {
 
 std::variant<QueryOptions, int> read_query_options(int argc, const char* const* argv) {
     QueryOptions options;
-    Words words;
+    QueryWords words;
     CommandLine line("seaway-query",
                      "Asks a running sea for its surface above points: height, normal, velocity.");
     line.option("url", options.url, "Server: ws://HOST:PORT or wss://HOST:PORT").takes("URL");
@@ -211,7 +211,7 @@ std::variant<QueryOptions, int> read_query_options(int argc, const char* const* 
     line.option("--token-file", options.token_file, "File with the token the server asks for")
         .takes("FILE");
     line.option("--ca-file", options.ca_file, "Certificates (PEM) to trust, for wss").takes("FILE");
-    line.footer(footer);
+    line.footer(query_footer);
     const Result<CommandLine::Next> next = line.read(with_negative_points_marked(argc, argv));
     if (next && *next == CommandLine::Next::leave)
         return status_after_output("seaway-query", 0, exit_usage);

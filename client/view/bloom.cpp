@@ -5,6 +5,7 @@
 #include <cmath>
 #include <span>
 
+#include "gpu/descriptor_types.h"
 #include "gpu/keep.h"
 #include "shaders/view/bloom_down_comp.h"
 #include "shaders/view/bloom_first_comp.h"
@@ -71,7 +72,7 @@ Result<Bloom> Bloom::create(gpu::Device& device, const gpu::Image& picture, int 
 
 Result<void> Bloom::create_kernels(gpu::Device& device, const gpu::Image& picture,
                                    VkSampler sampler) {
-    constexpr VkDescriptorType storage = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+    using gpu::storage;
     const auto kernel = [&](gpu::Kernel& target, const char* name,
                             std::span<const std::uint32_t> spirv, const char* source,
                             VkDescriptorType type) {
@@ -80,8 +81,8 @@ Result<void> Bloom::create_kernels(gpu::Device& device, const gpu::Image& pictur
                                                       sizeof(Push),
                                                       {shaders::view_group, 1, 1}}));
     };
-    constexpr VkDescriptorType texture = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
-    constexpr VkDescriptorType texel_buffer = VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
+    using gpu::texel_buffer;
+    using gpu::texture;
     SEAWAY_TRY(kernel(first_, "bloom of the picture", bloom_first_comp, "picture", texture));
     SEAWAY_TRY(kernel(down_, "coarser bloom", bloom_down_comp, "levels", texel_buffer));
     SEAWAY_TRY(kernel(up_, "finer bloom", bloom_up_comp, "levels", texel_buffer));

@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "base/check.h"
+#include "gpu/descriptor_types.h"
 #include "gpu/keep.h"
 #include "shaders/view/mesh_comp.h"
 #include "shaders/view/picture_vert.h"
@@ -22,10 +23,10 @@ constexpr int rows_a_strip = 16;
 constexpr std::size_t texel_bytes = 4 * sizeof(float);
 constexpr std::size_t vertex_bytes = 2 * texel_bytes; ///< of shaders/view/bindings.glsl
 
-constexpr VkDescriptorType uniform = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
-constexpr VkDescriptorType storage = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
-constexpr VkDescriptorType texel_buffer = VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
-constexpr VkDescriptorType texture = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
+using gpu::storage;
+using gpu::texel_buffer;
+using gpu::texture;
+using gpu::uniform;
 
 constexpr gpu::ExpectedBinding draw_bindings[] = {
     {"View", uniform},           {"Rows", storage},    {"vertices", texel_buffer},

@@ -29,7 +29,7 @@ constexpr std::array<WaterSpectrum, 10> jerlov_per_m{{
 constexpr WaterSpectrum pure_scattering_per_m{0.0076, 0.0058, 0.0045, 0.0036, 0.0029,
                                               0.0023, 0.0019, 0.0016, 0.0014, 0.0011,
                                               0.0010, 0.0008, 0.0007};
-constexpr std::size_t green = 6; ///< 550 nm
+constexpr std::size_t green_band = 6; ///< 550 nm
 
 /// North_sea, by eye: what comes out of crests and of bubbles; of deep water: water_reflectance.
 const glm::dvec3 north_sea_crest(0.012, 0.055, 0.048);
@@ -90,12 +90,12 @@ double particle_scattering_per_m(double pigment_mgpm3) {
 
 WaterSpectrum reflectance_below(sea::WaterType type) {
     const WaterSpectrum attenuation_per_m = diffuse_attenuation_per_m(type);
-    const double pigment = pigment_mgpm3(attenuation_per_m[green]);
+    const double pigment = pigment_mgpm3(attenuation_per_m[green_band]);
     const double b = particle_scattering_per_m(pigment);
     WaterSpectrum out{};
     for (std::size_t i = 0; i < water_bands; ++i) {
         const double back = pigment > 0 ? 0.002 + 0.02 * (0.5 - 0.25 * std::log10(pigment)) *
-                                                      water_band_nm(green) / water_band_nm(i)
+                                                      water_band_nm(green_band) / water_band_nm(i)
                                         : 0;
         const double ratio =
             0.33 * (pure_scattering_per_m[i] / 2 + b * back) / attenuation_per_m[i];

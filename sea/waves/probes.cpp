@@ -11,10 +11,10 @@ constexpr TimeUs day_us = 86'400'000'000;
 /// Beyond one tile and on both sides of the origin: who reduces places wrongly is seen, too.
 constexpr double tiles_across = 8.0;
 /// Multiples of a quadratic irrational leave no gap wide, however many there are: the golden ratio, sqrt(2), sqrt(3).
-constexpr double steps[] = {0.6180339887498949, 0.4142135623730951, 0.7320508075688772};
+constexpr double axis_steps[] = {0.6180339887498949, 0.4142135623730951, 0.7320508075688772};
 
 double share(int probe, int axis) {
-    const double at = 0.5 + probe * steps[axis];
+    const double at = 0.5 + probe * axis_steps[axis];
     return at - std::floor(at);
 }
 

@@ -14,11 +14,7 @@ namespace seaway::server {
 using gpu::Buffer;
 using gpu::Stage;
 
-namespace {
-
-constexpr std::size_t vec4_bytes = 16;
-
-} // namespace
+namespace {} // namespace
 
 int VulkanBatch::max_jobs(int maps) const {
     if (maps > capacity_maps_)

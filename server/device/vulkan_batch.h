@@ -29,6 +29,9 @@
 
 namespace seaway::server {
 
+/// Of a texel, four floats: maps are read and copied by these.
+inline constexpr std::size_t vec4_bytes = 16;
+
 class VulkanBatch {
   public:
     /// One keyframe: which cascade (position among those given to create()), when.

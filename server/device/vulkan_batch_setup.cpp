@@ -16,7 +16,6 @@ using gpu::Buffer;
 using gpu::BufferKind;
 using gpu::TexelView;
 
-constexpr std::size_t vec4_bytes = 16;
 constexpr std::size_t complex_bytes = 8;
 constexpr int most_maps = sea::linear_field_count + 2; ///< of one job: the Jacobian and foam, too
 

@@ -3,14 +3,15 @@
 
 #include <set>
 
+#include "gpu/descriptor_types.h"
 #include "shaders/shared/synthesis.h"
 
 namespace seaway::server {
 
 namespace {
 
-constexpr VkDescriptorType texel_buffer = VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
-constexpr VkDescriptorType storage_buffer = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+using gpu::storage;
+using gpu::texel_buffer;
 
 gpu::KernelExpectation expectation(shaders::PassKind kind) {
     gpu::KernelExpectation expected{.bindings = {},
@@ -35,12 +36,12 @@ gpu::KernelExpectation expectation(shaders::PassKind kind) {
         expected.bindings = {{"source", texel_buffer}, {"rows", texel_buffer}};
         break;
     }
-    expected.bindings.push_back({"Target", storage_buffer});
+    expected.bindings.push_back({"Target", storage});
     return expected;
 }
 
 gpu::KernelExpectation jacobian_pass() {
-    return {.bindings = {{"maps", texel_buffer}, {"Target", storage_buffer}},
+    return {.bindings = {{"maps", texel_buffer}, {"Target", storage}},
             .push_constant_bytes = sizeof(shaders::JacobianPush),
             .local_size = {shaders::synthesis_workgroup, 1, 1}};
 }
@@ -49,8 +50,8 @@ gpu::KernelExpectation foam_pass() {
     return {.bindings = {{"maps", texel_buffer},
                          {"steps", texel_buffer},
                          {"before", texel_buffer},
-                         {"Histories", storage_buffer},
-                         {"Foam", storage_buffer}},
+                         {"Histories", storage},
+                         {"Foam", storage}},
             .push_constant_bytes = sizeof(shaders::FoamPush),
             .local_size = {shaders::synthesis_workgroup, 1, 1}};
 }

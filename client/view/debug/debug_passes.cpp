@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/view/debug/debug_passes.h"
 
+#include "gpu/descriptor_types.h"
 #include "gpu/keep.h"
 #include "shaders/view/debug_frag.h"
 #include "shaders/view/debug_map_frag.h"
@@ -12,9 +13,9 @@ namespace seaway::client {
 
 namespace {
 
-constexpr VkDescriptorType uniform = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
-constexpr VkDescriptorType texel_buffer = VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
-constexpr VkDescriptorType texture = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
+using gpu::texel_buffer;
+using gpu::texture;
+using gpu::uniform;
 
 constexpr gpu::ExpectedBinding number_bindings[] = {
     {"View", uniform},

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "base/check.h"
+#include "gpu/descriptor_types.h"
 #include "gpu/keep.h"
 #include "sea/basics/constants.h"
 #include "sea/surface/maps/hermite.h"
@@ -20,11 +21,11 @@ namespace seaway::client {
 
 namespace {
 
-constexpr VkDescriptorType uniform = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
+using gpu::uniform;
 constexpr VkFormat floats = VK_FORMAT_R32G32B32A32_SFLOAT;
 constexpr std::size_t texel_bytes = 4 * sizeof(float);
-constexpr VkDescriptorType storage = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
-constexpr VkDescriptorType texel_buffer = VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
+using gpu::storage;
+using gpu::texel_buffer;
 constexpr std::array<std::uint32_t, 3> group{shaders::view_group, 1, 1};
 
 std::size_t spline_floats(int points) {

@@ -10,7 +10,7 @@ namespace seaway::client {
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 /// Height of a far cell on the picture over its width: the sea is seen flat there.
 constexpr double flat_cells = 0.16;
 /// Length of a cell of 2.5 pixels in wave heights: the dominant waves are 15 to 30 heights long.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "gpu/descriptor_types.h"
 #include "gpu/keep.h"
 #include "sea/basics/constants.h"
 #include "shaders/view/spray_comp.h"
@@ -20,10 +21,10 @@ constexpr int wrap = 1 << 16;
 /// Whitecaps cover so much at 23 m/s, and no more in higher winds.
 constexpr double cover_max = 0.0759;
 
-constexpr VkDescriptorType uniform = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
-constexpr VkDescriptorType storage = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
-constexpr VkDescriptorType texel_buffer = VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
-constexpr VkDescriptorType texture = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
+using gpu::storage;
+using gpu::texel_buffer;
+using gpu::texture;
+using gpu::uniform;
 constexpr gpu::ExpectedBinding spray_bindings[] = {
     {"View", uniform}, {"plumes", texel_buffer}, {"geometry", texture}};
 

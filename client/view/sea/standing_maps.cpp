@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/check.h"
+#include "gpu/descriptor_types.h"
 #include "gpu/keep.h"
 #include "shaders/shared/view.h"
 #include "shaders/view/planes_comp.h"
@@ -18,9 +19,9 @@ namespace {
 
 using gpu::keep;
 
-constexpr VkDescriptorType uniform = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
-constexpr VkDescriptorType storage = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
-constexpr VkDescriptorType texel_buffer = VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
+using gpu::storage;
+using gpu::texel_buffer;
+using gpu::uniform;
 constexpr std::array<std::uint32_t, 3> group{shaders::view_group, 1, 1};
 constexpr std::size_t texel_bytes = 4 * sizeof(float);
 

@@ -15,7 +15,7 @@ namespace seaway::client {
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 constexpr double degree = pi / 180;
 
 double sine(double angle_deg) {

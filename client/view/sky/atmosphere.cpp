@@ -9,7 +9,7 @@ namespace seaway::client {
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 const glm::dvec3 wavelengths_nm(610, 550, 445);
 /// Columns: what each wavelength adds to red, green and blue, klx.
 const glm::dmat3 klx_of_shares(glm::dvec3(184.14, -19.397, -14.029),

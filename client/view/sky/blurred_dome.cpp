@@ -12,7 +12,7 @@ namespace seaway::client {
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 constexpr int lobe_points = 48;
 
 /// Points of a Gaussian lobe of standard deviation 1 an axis, on a spiral.

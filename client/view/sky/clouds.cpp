@@ -14,7 +14,7 @@ namespace seaway::client {
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 /// 0 .. 1 by lattice point and octave (PCG, Jarzynski and Olano 2020).
 double hash(std::uint32_t x, std::uint32_t y, std::uint32_t octave) {

@@ -13,7 +13,7 @@ namespace seaway::client {
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 /// A sun is so much brighter than the sky around it.
 constexpr double sun_contrast = 10;
 /// What is brighter than the sky within this angle of the brightest texel is sun: lenses spread it.

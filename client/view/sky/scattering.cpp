@@ -12,7 +12,7 @@ namespace seaway::client {
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 constexpr int directions_a_side = 8; // 64 directions, as Hillaire 2020
 constexpr int transfer_steps = 20;
 

@@ -12,7 +12,7 @@ namespace seaway::client {
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 /// Illuminance of a star of magnitude 0: 2.54e-6 lx (Allen 1973), as 10.8e4 cd/m2 for magnitude 0 a square arc second.
 constexpr double star_klx = 2.54e-9;
 /// Beside a zenith of this radiance, kcd/m2, no star is seen.

@@ -13,7 +13,7 @@ namespace seaway::client {
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 /// A full moon's light is this share of the sun's: magnitudes -12.73 and -26.74 (Allen 1973).
 constexpr double moon_share = 1 / 4.02e5;

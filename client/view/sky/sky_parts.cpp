@@ -11,7 +11,7 @@ namespace seaway::client {
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 /// It is brighter where its layer is seen aslant. Between hydroxyl and sodium at 92 km and oxygen's lines and continuum
 /// at 103 km (Mende 1993, Journal of Geophysical Research 98).

@@ -12,7 +12,7 @@ namespace seaway::client {
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 constexpr int layers = TwoStream::layers;
 constexpr double thinnest = 1e-7; ///< depth of a layer, so that its conductance is a number
 

@@ -13,10 +13,6 @@ namespace seaway::sea {
 
 namespace {
 
-double square(double x) {
-    return x * x;
-}
-
 /// Waves that agree are missed between keyframes and between grid points at once: there the two add up to
 /// sqrt(2) times the root of their squares.
 constexpr double loss_sigmas = bound_sigmas / std::numbers::sqrt2;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sea/surface/budget/coarser.h"
+#include "sea/surface/budget/interpolation_laws.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,10 +10,6 @@
 namespace seaway::sea {
 
 namespace {
-
-double square(double x) {
-    return x * x;
-}
 
 /// So that a rate that is met exactly is met.
 constexpr double rate_slack = 1e-9;

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "sea/surface/budget/cascade_waves.h"
+#include "sea/surface/budget/interpolation_laws.h"
 #include "sea/surface/maps/regrid.h"
 
 namespace seaway::sea {
@@ -23,10 +24,6 @@ constexpr double spent_at_least = 1.0 / 16.0;
 
 /// Smaller grids are worth so much of the budget to single precision, and no more.
 constexpr double compact_error_share = 0.01;
-
-double square(double x) {
-    return x * x;
-}
 
 double larger(const Choppiness& choppiness) {
     return std::max(choppiness.x, choppiness.y);

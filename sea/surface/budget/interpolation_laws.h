@@ -14,6 +14,10 @@
 
 namespace seaway::sea {
 
+inline double square(double x) {
+    return x * x;
+}
+
 /// Bound on the amplitude share that cubic Hermite misses between two keyframes at phase step
 /// u = omega * interval >= 0: at every time between them and at every phase of the wave. Never falls
 /// as u grows. Up to hermite_phase_max it is met, in the middle; beyond, keyframes know nothing of

@@ -24,7 +24,7 @@ namespace {
 
 constexpr std::uint64_t seed = 20;
 constexpr Sampling sampling{128, 8};
-constexpr const char* header = "state,configuration,metric,value";
+constexpr const char* guard_header = "state,configuration,metric,value";
 constexpr std::size_t bytes_max = 1 << 20;
 
 /// Errors of answers. Means and percentages of sets are left out: they are differences of small numbers.
@@ -158,7 +158,7 @@ std::string guard_csv(std::span<const GuardedFigure> figures) {
                                    "seed {}, {} points at each of {} "
                                    "times.\n# Made anew, where errors are meant to be others, by "
                                    "`seaway-bench guard --renew`.\n{}\n",
-                                   seed, sampling.points, sampling.times, header);
+                                   seed, sampling.points, sampling.times, guard_header);
     for (const GuardedFigure& figure : figures)
         text += fmt::format("{},{},{},{:.5g}\n", figure.state, figure.configuration, figure.metric,
                             figure.value);
@@ -176,15 +176,15 @@ Result<std::vector<GuardedFigure>> parse_guard_csv(const std::string& text,
         if (line.empty() || line[0] == '#')
             continue;
         if (!headed) {
-            if (line != header)
-                return Error{fmt::format("{}:{}: not \"{}\"", name, number, header)};
+            if (line != guard_header)
+                return Error{fmt::format("{}:{}: not \"{}\"", name, number, guard_header)};
             headed = true;
             continue;
         }
         const std::optional<GuardedFigure> figure = parsed_row(line);
         if (!figure)
             return Error{fmt::format("{}:{}: not a row of \"{}\", with a value of 0 or more", name,
-                                     number, header)};
+                                     number, guard_header)};
         if (find(figures, *figure))
             return Error{fmt::format("{}:{}: stands there twice", name, number)};
         figures.push_back(*figure);

@@ -18,7 +18,7 @@ namespace seaway::bench {
 
 namespace {
 
-constexpr const char* header =
+constexpr const char* journal_header =
     "state,knob,value,metric,figure,ci_low,ci_high,device,driver,machine,commit";
 constexpr std::size_t columns = 11;
 
@@ -111,7 +111,7 @@ Result<Kept> read_kept(const std::string& path, const std::string& settings) {
             fmt::format("{} is of another run ({}); this one is \"{}\": remove the file or "
                         "give another --out",
                         path, line, settings)};
-    std::getline(file, line); // the header
+    std::getline(file, line); // the journal_header
     std::vector<std::string> trial;
     std::string current;
     while (std::getline(file, line)) {
@@ -141,7 +141,7 @@ Result<Journal> Journal::open(const std::string& path, const std::string& settin
     journal.done_ = std::move(kept.done);
     {
         std::ofstream whole(path + ".part");
-        whole << "# " << settings << '\n' << header << '\n';
+        whole << "# " << settings << '\n' << journal_header << '\n';
         for (const std::string& line : kept.lines)
             whole << line << '\n';
         if (!whole.flush())

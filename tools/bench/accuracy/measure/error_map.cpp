@@ -14,11 +14,11 @@ namespace seaway::bench {
 
 namespace {
 
-constexpr int side = 96;
+constexpr int map_side = 96;
 constexpr double side_m = 240.0;
 
 double coordinate(int index) {
-    return side_m * index / (side - 1);
+    return side_m * index / (map_side - 1);
 }
 
 /// [y][x]
@@ -26,10 +26,10 @@ Result<std::vector<double>> heights(const sea::Scene& scene, const Configuration
                                     Devices& devices, sea::TimeUs time_us) {
     SEAWAY_TRY_LET(const auto sea, ConfiguredSea::create(scene, configuration, devices));
     SEAWAY_TRY(sea->go_to(time_us));
-    std::vector<double> all(side * side);
-    in_threads(side, [&](int y) {
-        for (int x = 0; x < side; ++x)
-            all[static_cast<std::size_t>(y * side + x)] =
+    std::vector<double> all(map_side * map_side);
+    in_threads(map_side, [&](int y) {
+        for (int x = 0; x < map_side; ++x)
+            all[static_cast<std::size_t>(y * map_side + x)] =
                 sea->answer({coordinate(x), coordinate(y), time_us}).height_m;
     });
     return all;
@@ -56,9 +56,9 @@ Result<void> write_error_map(const sea::Scene& scene, const std::string& path, D
     file << "x_m,y_m,height_m,balanced_m,engine_m\n";
     for (std::size_t i = 0; i < truth.size(); ++i)
         file << fmt::format("{:.2f},{:.2f},{:.5f},{:.6f},{:.6f}\n",
-                            coordinate(static_cast<int>(i) % side),
-                            coordinate(static_cast<int>(i) / side), truth[i], ours[i] - truth[i],
-                            theirs[i] - truth[i]);
+                            coordinate(static_cast<int>(i) % map_side),
+                            coordinate(static_cast<int>(i) / map_side), truth[i],
+                            ours[i] - truth[i], theirs[i] - truth[i]);
     if (!file.flush())
         return Error{"cannot write " + path};
     return {};
