@@ -32,7 +32,10 @@ class SpareBuffers {
         return std::vector<float>(values);
     }
 
+    /// Memory that is of use to the next: of keyframes that had none of their own nothing is kept.
     void give(std::vector<float> buffer) {
+        if (buffer.empty())
+            return;
         const std::lock_guard lock(mutex_);
         if (held_.size() < most_held)
             held_.push_back(std::move(buffer));

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "gpu/call.h"
+#include "server/device/spare_buffers.h"
 #include "server/device/vulkan_synthesizer.h"
 #include "tests/server/device/random_sea.h"
 
@@ -127,6 +128,25 @@ TEST_F(HeldMaps, without_memory_that_both_read_every_keyframe_is_copied_and_coun
     EXPECT_EQ(copies(), 1u);
     keyframe(0, {});
     EXPECT_EQ(copies(), 1u) << "of nothing there is no copy";
+}
+
+// Keyframes of no fields (ticks of foam) and of maps that are lent end between those that have memory of their own.
+TEST(SpareBuffers, keyframes_that_leave_no_memory_take_no_place_of_those_that_do) {
+    const auto spare = std::make_shared<SpareBuffers>();
+    std::vector<float> memory(4);
+    {
+        const std::shared_ptr<sea::Keyframe> copied = make_keyframe(spare);
+        copied->values = spare->take(16);
+        copied->values[3] = 7.0f; // fresh memory holds zeros
+    }
+    for (int i = 0; i < 40; ++i) {
+        const std::shared_ptr<sea::Keyframe> lent = make_keyframe(spare);
+        lent->values = sea::MapValues::lent(memory, spare);
+        make_keyframe(spare);
+    }
+    EXPECT_EQ(spare->take(16)[3], 7.0f) << "it is still there";
+    EXPECT_EQ(spare->take(16)[3], 0.0f) << "once";
+    EXPECT_TRUE(spare->take(0).empty());
 }
 
 TEST(MapValues, lent_ones_are_written_in_place_and_let_go_of_once) {
