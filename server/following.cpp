@@ -83,7 +83,8 @@ std::string Following::metrics() const {
     add("journal_changes_played", "Changes that are part of the sea.", played);
     add("journal_unheard_seconds", "How long ago it was known that the journal holds no more.",
         sea::seconds_from_us(journal.unheard_us));
-    add("peers", "Other servers of this log that are heard.", journal.peers.peers);
+    add("peers", "Other servers of this log that this one compares its clock with.",
+        journal.peers.peers);
     add("clock_ahead_seconds", "This sea's clock before the middle one of all servers.",
         1e-6 * journal.peers.ahead_us);
     add("clock_error_seconds", "Bound on the error of that.", 1e-6 * journal.peers.error_us);

@@ -13,7 +13,7 @@ namespace seaway::server {
 namespace {
 
 constexpr const char* magic = "seaway-clock-1";
-/// Of a server that answers as many as there may be.
+/// Of an older server, which answers as many as it hears, up to 64.
 constexpr std::size_t word_bytes_max = 16 * 1024;
 
 bool is_name(const std::string& text) {
@@ -33,14 +33,35 @@ double middle_of(std::vector<double>& values) {
 
 } // namespace
 
+template <class With>
+void PeerClocks::each_answered(const With& with) const {
+    if (peers_.size() <= answered_max) {
+        for (const auto& [name, peer] : peers_)
+            with(name, peer);
+        return;
+    }
+    auto after = peers_.upper_bound(name_), before = after;
+    for (std::size_t i = 0; i < answered_max / 2; ++i) {
+        if (after == peers_.end())
+            after = peers_.begin();
+        with(after->first, after->second);
+        ++after;
+        if (before == peers_.begin())
+            before = peers_.end();
+        --before;
+        with(before->first, before->second);
+    }
+}
+
 std::string PeerClocks::word(LocalUs local_us, std::int64_t sea_us) {
     const std::scoped_lock lock(mutex_);
     std::erase_if(peers_, [local_us](const auto& peer) {
         return local_us - peer.second.heard_us > heard_us;
     });
     std::string text = fmt::format("{} {} {} {}\n", magic, name_, local_us, sea_us);
-    for (const auto& [name, peer] : peers_)
+    each_answered([&](const std::string& name, const Peer& peer) {
         text += fmt::format("{} {} {}\n", name, peer.sent_us, local_us - peer.heard_us);
+    });
     return text;
 }
 
@@ -66,7 +87,7 @@ void PeerClocks::hear(const std::string& word, LocalUs local_us) {
             ours_us >= local_us - heard_us && ours_us + held_us <= local_us) {
             const std::int64_t round_trip_us = local_us - ours_us - held_us;
             peer.filter.add(local_us - round_trip_us, local_us, sea_us);
-            peer.answered = true;
+            peer.answered_us = local_us;
         }
         return; // one answer a word
     }
@@ -74,8 +95,8 @@ void PeerClocks::hear(const std::string& word, LocalUs local_us) {
 
 void PeerClocks::make_place() {
     const auto counts_less = [](const auto& a, const auto& b) {
-        return std::pair(a.second.answered, a.second.heard_us) <
-               std::pair(b.second.answered, b.second.heard_us);
+        return std::pair(a.second.answered_us.has_value(), a.second.heard_us) <
+               std::pair(b.second.answered_us.has_value(), b.second.heard_us);
     };
     peers_.erase(std::ranges::min_element(peers_, counts_less));
 }
@@ -86,7 +107,7 @@ PeersSeen PeerClocks::seen(LocalUs local_us, std::int64_t sea_us) const {
     {
         const std::scoped_lock lock(mutex_);
         for (const auto& [name, peer] : peers_) {
-            if (!peer.answered || local_us - peer.heard_us > heard_us)
+            if (!peer.answered_us || local_us - *peer.answered_us > heard_us)
                 continue;
             const ClockStatus status = peer.filter.status(local_us);
             const double place = status.offset_us - static_cast<double>(sea_us - local_us);

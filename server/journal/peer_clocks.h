@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// PeerClocks: how far this server's sea is from those of its peers. Once a second each tells all others its sea time, and says back to each when
-// it heard its last word and how long ago: a question and its answer, which the filter of a client's clock takes
+// PeerClocks: how far this server's sea is from those of its peers. Once a second each tells all others its sea time, and says back to some when
+// it heard their last word and how long ago: a question and its answer, which the filter of a client's clock takes
 // (base/clock_filter.h).
 //
-// Judged by the middle of all that are heard, this one included: of three servers the one whose clock is off sees two that agree.
+// Each answers the eight that are next to it in the ring of all names, four to either side, or all that there are: who
+// answers is answered, each second, as the filter needs it, and names, which are drawn by lot, have nothing to do with places. A fleet of n
+// takes n^2 words a second in any case; so a word does not grow with n as well.
+//
+// Judged by the middle of those that answer, this one included: of three servers the one whose clock is off sees two that agree.
 // With two nobody can tell which is off.
 //
 // Pure: local time is given in. Times are the time since the sea's epoch (SeaClock). Thread-safe.
@@ -12,6 +16,7 @@
 #include <cstdint>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <string>
 
 #include "base/clock_filter.h"
@@ -19,7 +24,7 @@
 namespace seaway::server {
 
 struct PeersSeen {
-    int peers = 0;       ///< that were heard within heard_us
+    int peers = 0;       ///< that have answered within heard_us
     double ahead_us = 0; ///< this clock, of the middle one
     double error_us = 0; ///< bound on that: of each clock half the shortest round trip, and scatter
     bool can_judge() const { return peers >= 2; }
@@ -30,9 +35,11 @@ class PeerClocks {
     static constexpr std::int64_t every_us = 1'000'000;
     /// One that says nothing for so long has gone.
     static constexpr std::int64_t heard_us = 10'000'000;
-    /// Beyond it who has been silent longest makes place, of those who never said back to us if there is one: each start of a server has
-    /// a name of its own.
-    static constexpr std::size_t peers_max = 64;
+    /// That are heard. Beyond it who has been silent longest makes place, of those who never said back to us if there is one:
+    /// each start of a server has a name of its own.
+    static constexpr std::size_t peers_max = 1024;
+    /// That are answered: half of them to either side.
+    static constexpr std::size_t answered_max = 8;
 
     /// `name` is unlike that of any other process: letters and digits.
     explicit PeerClocks(std::string name) : name_(std::move(name)) {}
@@ -47,10 +54,13 @@ class PeerClocks {
   private:
     struct Peer {
         ClockFilter filter;
-        bool answered = false;    ///< has said back what it heard of us
-        LocalUs heard_us = 0;     ///< its last word, by our clock
-        std::int64_t sent_us = 0; ///< and by its own
+        std::optional<LocalUs> answered_us; ///< when it last said back what it heard of us
+        LocalUs heard_us = 0;               ///< its last word, by our clock
+        std::int64_t sent_us = 0;           ///< and by its own
     };
+    /// Does `with(name, peer)` for each that is to be answered. Under the lock.
+    template <class With>
+    void each_answered(const With& with) const;
 
     void make_place();
 
