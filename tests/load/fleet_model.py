@@ -3,6 +3,7 @@
 """How many servers a world takes: costs measured on one to four servers here, a model of them, and what it says of 1e4 to 1e6 clients.
 
     fleet_model.py --measure BUILD   runs servers, NATS and swarms (12 minutes, nothing else running): docs/fleet/runs.csv, nats.csv
+    fleet_model.py --measure-words   runs NATS and who says to all what so many servers would (2 minutes): docs/fleet/words.csv
     fleet_model.py --write           the tables of docs/operations.md from these files
     fleet_model.py                   whether the page has them
 
@@ -17,6 +18,9 @@ import io
 import json
 import math
 import pathlib
+import re
+import selectors
+import socket
 import subprocess
 import sys
 import tempfile
@@ -31,6 +35,8 @@ from fleet import Fleet, SOURCE, free_port  # noqa: E402
 
 RUNS = SOURCE / "docs/fleet/runs.csv"
 NATS = SOURCE / "docs/fleet/nats.csv"
+WORDS = SOURCE / "docs/fleet/words.csv"
+PEER_CLOCKS = (SOURCE / "server/journal/peer_clocks.h").read_text()
 PAGE = SOURCE / "docs/operations.md"
 BEGIN, END = "<!-- sizes: tests/load/fleet_model.py --write -->", "<!-- end of sizes -->"
 SCENE = SOURCE / "scenes/north_sea_gale.toml"
@@ -46,6 +52,7 @@ ALONE = [("", 0, 0, 0, 0), ("", 0, 1000, 0, 0), ("", 0, SESSIONS_MOST, 0, 0),
          ("predicted", 1000, 0, 0, 0), ("", 0, 0, 1, 10), ("", 0, 0, 50, 10), ("", 0, 0, 100, 20)]
 MIXED = [("predicted", 150, 0, 50, 4), ("compact", 80, 0, 50, 4)]
 SERVERS = [1, 2, 3, 4]
+SPEAKERS = [4, 16, 64, 128, 255]
 
 TERMS = [("there", "a server that runs", "us/s", lambda r: 1),
          ("session", "a session, with a ping a second", "us/s", lambda r: r["sessions"]),
@@ -100,18 +107,38 @@ class Plan:
         self.clients = clients
 
 
-class Engine:
-    """What the log costs NATS while nobody changes the sea: a part of each server, a part of each pair."""
+def constant(name):
+    return int(re.search(rf"{name} = ([\d']+);", PEER_CLOCKS)[1].replace("'", ""))
 
-    def __init__(self, rows):
+
+def word_bytes(servers):
+    """Of what each server says to all once a second (PeerClocks::word), with a name of 16 letters and times of 12 digits, some days."""
+    return 58 + 37 * min(servers - 1, constant("answered_max"))
+
+
+class Engine:
+    """What the log costs NATS while nobody changes the sea: what each server asks of the log, and its words, in once and out to each."""
+
+    def __init__(self, rows, words):
         counts = numpy.array([row["servers"] for row in rows])
-        self.fits = {}
-        for column in ("messages_a_s", "kilobytes_a_s", "cores"):
-            found = numpy.linalg.lstsq(numpy.stack([counts, counts**2], 1), [row[column] for row in rows], rcond=None)[0]
-            self.fits[column] = found if min(found) >= 0 else [max(r[column] / r["servers"] for r in rows), 0]
+        said = numpy.array([[self.words(column, count) for count in counts] for column in ("messages_a_s", "kilobytes_a_s")])
+        measured = [[row[column] for row in rows] for column in ("messages_a_s", "kilobytes_a_s")]
+        self.asked = {column: float(numpy.mean((of_all - of_words) / counts)) for column, of_all, of_words in
+                      zip(("messages_a_s", "kilobytes_a_s"), measured, said)}
+        # Of words: a part of who says them, a part of each that is handed on; of one server the latter is nothing.
+        speakers = numpy.array([row["servers"] for row in words])
+        weights = 1 / numpy.array([row["cores"] for row in words])
+        parts = numpy.stack([speakers, speakers**2], 1) * weights[:, None]
+        self.word_cores = numpy.maximum(numpy.linalg.lstsq(parts, numpy.ones(len(words)), rcond=None)[0], 0)
+        self.asked["cores"] = float(max(numpy.mean([(row["cores"] - self.words("cores", row["servers"])) / row["servers"] for row in rows]), 0))
+
+    def words(self, column, servers):
+        if column == "cores":
+            return self.word_cores[0] * servers + self.word_cores[1] * servers**2
+        return (servers + servers**2) * (1 if column == "messages_a_s" else 1e-3 * word_bytes(servers))
 
     def __call__(self, column, servers):
-        return self.fits[column][0] * servers + self.fits[column][1] * servers**2
+        return self.asked[column] * servers + self.words(column, servers)
 
 
 def of_place(runs, place):
@@ -192,19 +219,69 @@ class Measurement:
     monitor = free_port()
 
     def engine(self, count):
-        """NATS with so many servers, over 20 s, by its own monitoring and the system's clock of its process."""
+        """NATS with so many servers."""
         self.fresh(self.fleet.names[:count], True)
-        pid = self.fleet.processes["nats"].pid
+        return {"servers": count, **engine_rates(self.fleet, self.monitor, time.sleep)}
 
-        def look():
-            with urllib.request.urlopen(f"http://127.0.0.1:{self.monitor}/varz") as answer:
-                said = json.load(answer)
-            ticks = pathlib.Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[11:13]
-            return numpy.array([said["in_msgs"] + said["out_msgs"], 1e-3 * (said["in_bytes"] + said["out_bytes"]), sum(map(int, ticks)) / 100])
-        before, began = look(), time.monotonic()
-        time.sleep(20)
-        rates = (look() - before) / (time.monotonic() - began)
-        return {"servers": count, **{c: f"{r:.4g}" for c, r in zip(("messages_a_s", "kilobytes_a_s", "cores"), rates)}}
+
+def engine_rates(fleet, monitor, wait):
+    """Of NATS over 20 s, while `wait` waits for so long, by its own monitoring and the system's clock of its process."""
+    pid = fleet.processes["nats"].pid
+
+    def look():
+        with urllib.request.urlopen(f"http://127.0.0.1:{monitor}/varz") as answer:
+            said = json.load(answer)
+        ticks = pathlib.Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[11:13]
+        return numpy.array([said["in_msgs"] + said["out_msgs"], 1e-3 * (said["in_bytes"] + said["out_bytes"]), sum(map(int, ticks)) / 100])
+    before, began = look(), time.monotonic()
+    wait(20)
+    rates = (look() - before) / (time.monotonic() - began)
+    return {c: f"{r:.4g}" for c, r in zip(("messages_a_s", "kilobytes_a_s", "cores"), rates)}
+
+
+class Speakers:
+    """So many connections to NATS, each of which says a word to all once a second, as long as a server's, and reads what it hears."""
+
+    def __init__(self, port, count):
+        self.port, self.lines, self.heard = port, [], selectors.DefaultSelector()
+        word = b"x" * word_bytes(count)
+        self.word = b"PUB seaway.north-sea.clock %d\r\n%s\r\n" % (len(word), word)
+        for _ in range(count):
+            line = socket.create_connection(("127.0.0.1", port))
+            line.sendall(b'CONNECT {"verbose":false,"user":"seaway","pass":"change-this"}\r\nSUB seaway.north-sea.clock 1\r\n')
+            self.heard.register(line, selectors.EVENT_READ)
+            self.lines.append(line)
+
+    def speak(self, seconds):
+        began, said = time.monotonic(), 0
+        while (now_s := time.monotonic() - began) < seconds:
+            while said < now_s * len(self.lines):  # one after the other, spread over the second
+                self.lines[said % len(self.lines)].sendall(self.word)
+                said += 1
+            for key, _ in self.heard.select(0.5 / len(self.lines)):
+                if b"PING\r\n" in key.fileobj.recv(1 << 20):
+                    key.fileobj.sendall(b"PONG\r\n")
+
+    def close(self):
+        for line in self.lines:
+            line.close()
+
+
+def measure_words():
+    rows = []
+    with tempfile.TemporaryDirectory(prefix="seaway-words-") as folder:
+        fleet, monitor = Fleet(folder, folder, ["a"], SCENE), free_port()
+        fleet.start_nats("-m", monitor)
+        try:
+            for count in SPEAKERS:
+                speakers = Speakers(fleet.nats_port, count)
+                speakers.speak(3)
+                rows.append({"servers": count, **engine_rates(fleet, monitor, speakers.speak)})
+                speakers.close()
+                print(rows[-1], flush=True)
+        finally:
+            fleet.stop_all()
+    write(WORDS, "fleet_model.py --measure-words: as nats.csv, of connections that say and hear words of the length that so many servers have", rows)
 
 
 def measure(build):
@@ -220,7 +297,7 @@ def measure(build):
 
 
 def page():
-    runs, engine = read(RUNS), Engine(read(NATS))
+    runs, engine = read(RUNS), Engine(read(NATS), read(WORDS))
     alone, mixed = of_place(runs, "alone"), [run for run in runs if run["place"] != "alone"]
     models = Model(alone, "cores"), Model(alone, "busiest_cores")
     lines = [table(["what", "processor time of the server", "of that its busiest thread"],
@@ -243,16 +320,25 @@ def page():
                     [[f"{plan.clients:.0f}", kind, str(plan.servers), f"{plan.clients / plan.servers:.0f}", number(plan.cores, 2), number(plan.gbit_a_s, 2),
                       f"{engine('messages_a_s', plan.servers):.0f}, {number(1e-3 * engine('kilobytes_a_s', plan.servers))}, "
                       f"{number(engine('cores', plan.servers))}"] for kind, plan in plans])]
+    off = {column: 100 * max(abs(foretold(row["servers"]) / row[column] - 1) for row in rows) for column, foretold, rows in (
+        ("messages_a_s", lambda n: engine("messages_a_s", n), read(NATS)), ("kilobytes_a_s", lambda n: engine("kilobytes_a_s", n), read(NATS)),
+        ("cores", lambda n: engine.words("cores", n), read(WORDS)))}
+    lines += ["", f"Of NATS: what servers ask of the log was measured with one to {max(SERVERS)} of them, where the messages are within {off['messages_a_s']:.1f} % of the sum and the bytes "
+              f"within {off['kilobytes_a_s']:.1f} %. What they say to each other once a second, {word_bytes(constant('peers_max'))} bytes at most from each to each, was said by up to "
+              f"{max(SPEAKERS)} connections; the cores that it took are within {off['cores']:.0f} % of the sum. A server hears {constant('peers_max')} others at most."]
     return "\n".join(lines)
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("--measure", metavar="BUILD", help="takes the figures anew")
+    parser.add_argument("--measure-words", action="store_true", help="those of NATS with many servers")
     parser.add_argument("--write", action="store_true", help="into docs/operations.md")
     options = parser.parse_args()
     if options.measure:
         measure(options.measure)
+    if options.measure_words:
+        measure_words()
     text = PAGE.read_text()
     start, end = text.index(BEGIN) + len(BEGIN), text.index(END)
     if options.write:
