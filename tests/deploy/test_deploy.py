@@ -59,6 +59,30 @@ class Deploy(unittest.TestCase):
                 self.assertNotIn("L7OKC", text.split("\nbackend alive\n")[1], name)
                 self.assertIn("hard-stop-after", text, name)
 
+    def test_haproxy_has_room_for_the_sessions_of_the_servers_and_so_it_has_with_what_larger_ones_are_told(self):
+        said = run(SERVER, "--help").stdout
+        shipped = [int(re.search(rf"--{name}-max COUNT:INT in \[.*?\]=(\d+)", said)[1]) for name in ("sessions", "connections")]
+        text = (FLEET / "fleet.toml").read_text()
+        larger = [int(re.search(rf"\n# {name}-max = (\d+)\n", text)[1]) for name in ("sessions", "connections")]
+        for name in ("haproxy.cfg", "haproxy-passthrough.cfg", "compose-haproxy.cfg"):
+            balancer = (FLEET / name).read_text()
+            each = re.findall(r"default-server .* maxconn (\d+)", balancer)
+            self.assertEqual(len(each), 2, "both backends")
+            # A server that has all its sessions still answers pages, and says itself that it is full.
+            for limit in map(int, each):
+                self.assertTrue(shipped[0] < limit < shipped[1], f"{name}: {limit} beside {shipped}")
+            told = int(re.search(r"# maxconn, here and below: .* (\d+) with those of the comments in fleet.toml", balancer)[1])
+            self.assertTrue(larger[0] < told < larger[1], f"{name}: {told} beside {larger}")
+            self.assertGreaterEqual(int(re.search(r"\n    maxconn (\d+)", balancer)[1]), 3 * max(*map(int, each), told), f"{name}: of all servers")
+        kubernetes = (FLEET / "kubernetes.yaml").read_text()
+        for option, count in zip(("sessions", "connections"), larger):
+            self.assertIn(f"# - --{option}-max={count}\n", kubernetes)
+        with tempfile.NamedTemporaryFile("w", suffix=".toml") as file:
+            file.write(re.sub(r"\n# (\w+-max = )", r"\n\1", text))
+            file.flush()
+            checked = run(SERVER, "scenes/calm.toml", "--config", file.name, "--check")
+            self.assertEqual(checked.returncode, 0, checked.stderr)
+
     def test_nats_takes_its_configuration(self):
         good = run("/usr/sbin/nats-server", "-t", "-c", FLEET / "nats.conf")
         self.assertEqual(good.returncode, 0, good.stderr)

@@ -141,6 +141,17 @@ class Engine:
         return self.asked[column] * servers + self.words(column, servers)
 
 
+class Room:
+    """For sessions, as deploy/fleet ships it and as its comments have it for larger servers."""
+
+    def __init__(self):
+        fleet, balancer = ((SOURCE / "deploy/fleet" / name).read_text() for name in ("fleet.toml", "haproxy.cfg"))
+        self.shipped = int(re.search(r"sessions_max = (\d+);", (SOURCE / "server/net/options.h").read_text())[1])
+        self.told, self.connections = (int(re.search(rf"\n# {name}-max = (\d+)\n", fleet)[1]) for name in ("sessions", "connections"))
+        self.all_shipped, self.balanced_shipped = (int(re.search(rf"{where}maxconn (\d+)", balancer)[1]) for where in (r"\n    ", "default-server .* "))
+        self.balanced = int(re.search(r"(\d+) with those of the comments", balancer)[1])
+
+
 def of_place(runs, place):
     return [run for run in runs if run["place"] == place]
 
@@ -326,6 +337,12 @@ def page():
     lines += ["", f"Of NATS: what servers ask of the log was measured with one to {max(SERVERS)} of them, where the messages are within {off['messages_a_s']:.1f} % of the sum and the bytes "
               f"within {off['kilobytes_a_s']:.1f} %. What they say to each other once a second, {word_bytes(constant('peers_max'))} bytes at most from each to each, was said by up to "
               f"{max(SPEAKERS)} connections; the cores that it took are within {off['cores']:.0f} % of the sum. A server hears {constant('peers_max')} others at most."]
+    room = Room()
+    lines += ["", f"**A server takes {room.shipped} sessions unless it is told otherwise.** For the {max(plan.clients / plan.servers for _, plan in plans):.0f} of the table, and {room.told} where "
+              f"others have failed: `sessions-max = {room.told}` and `connections-max = {room.connections}` in `deploy/fleet/fleet.toml`, where they stand as comments, and `maxconn {room.balanced}` in place of "
+              f"{room.balanced_shipped} for the servers of both backends in HAProxy's configuration: between the two, so that a server that is full says so itself. `maxconn` of HAProxy as a whole "
+              f"is {room.all_shipped} there: all clients and a quarter more, for who comes back at once, {1.25 * plans[0][1].clients:.0f} to {1.25 * plans[2][1].clients:.0f} of this table. Each is two open files "
+              "(`LimitNOFILE=` of its unit), and what one machine does not carry goes through several of them, each before all servers."]
     return "\n".join(lines)
 
 

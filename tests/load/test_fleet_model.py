@@ -61,6 +61,9 @@ class APlan(unittest.TestCase):
                 self.assertLessEqual(plan.sessions, fleet_model.SESSIONS_MOST)
                 self.assertGreaterEqual(plan.servers * plan.sessions, clients)
 
+    def test_is_of_servers_that_take_so_many_sessions_as_deploy_fleet_can_be_told(self):
+        self.assertEqual(fleet_model.Room().told, fleet_model.SESSIONS_MOST)
+
     def test_loses_one_server_and_still_has_room(self):
         for clients in (1, 5000, 1e5):
             plan = fleet_model.Plan(clients, "compact", runs_of())
