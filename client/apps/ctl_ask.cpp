@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/apps/ctl_ask.h"
 
-#include <algorithm>
-#include <cmath>
 #include <future>
 #include <random>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "client/apps/ctl_diff.h"
 #include "client/apps/exit_code.h"
 #include "client/client.h"
 #include "client/link/failure.h"
@@ -160,25 +159,7 @@ Result<std::string> difference(const CtlOptions& options, const DiffWish& wish) 
         points.push_back({place(random), place(random), one->now_us() + around(random)});
     SEAWAY_TRY_LET(const auto a, one->ask(points, {.timeout_s = options.timeout_s}));
     SEAWAY_TRY_LET(const auto b, other->ask(points, {.timeout_s = options.timeout_s}));
-    double most_m = 0, squares = 0;
-    int beyond = 0, compared = 0;
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        if ((a[i].flags | b[i].flags) & (sea::answer_folded | sea::answer_extrapolated))
-            continue;
-        const double off_m = std::abs(a[i].height_m - b[i].height_m);
-        ++compared;
-        beyond += off_m > a[i].error_m + b[i].error_m;
-        most_m = std::max(most_m, off_m);
-        squares += off_m * off_m;
-    }
-    const double clocks_s = sea::seconds_from_us(one->now_us() - other->now_us());
-    const std::string said =
-        fmt::format("{{\"points\": {}, \"beyond_bounds\": {}, \"most_m\": {:.6f}, \"rms_m\": "
-                    "{:.6f}, \"clock_s\": {:.6f}}}\n",
-                    compared, beyond, most_m, std::sqrt(squares / std::max(compared, 1)), clocks_s);
-    if (beyond > 0)
-        return failed(Failure::refused, "the servers have different seas: " + said);
-    return said;
+    return difference_of(a, b, sea::seconds_from_us(one->now_us() - other->now_us()));
 }
 
 } // namespace seaway::client

@@ -31,7 +31,7 @@ struct FleetStatus {
 Result<FleetStatus> fleet_status(const CtlOptions& options, const StatusWish& wish);
 /// Back to the sea of a change: its scene as a change of now.
 Result<std::string> rewound(const CtlOptions& options, const RewindWish& wish);
-/// Heights of two servers at random points around now, as JSON. An error: they are apart by more than their bounds.
+/// Heights of two servers at random points around now: difference_of() in client/apps/ctl_diff.h.
 Result<std::string> difference(const CtlOptions& options, const DiffWish& wish);
 
 } // namespace seaway::client
