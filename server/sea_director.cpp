@@ -10,7 +10,6 @@
 #include <spdlog/spdlog.h>
 
 #include "sea/scene/weather.h"
-#include "server/resume.h"
 #include "server/simulation/schedule.h"
 
 namespace seaway::server {
@@ -27,8 +26,6 @@ constexpr TimeUs pace_ahead_us = 1'000'000;
 constexpr TimeUs unreachable_pause_us = 1'000'000;
 /// How long it sleeps at most: the clock may have leapt; and where it may begin to doubt.
 constexpr std::chrono::milliseconds nap{1000}, nap_beside_others{250};
-/// Sessions that were sent away are not sent away again for a doubt that comes and goes.
-constexpr std::int64_t hand_overs_apart_us = 30'000'000;
 
 /// Since it began.
 class Stopwatch {
@@ -78,8 +75,7 @@ SeaDirector::SeaDirector(std::shared_ptr<SeaCourse> course, Journal* journal, st
     journal_->compare_clocks([this] { return clock_.moment().elapsed_us; });
     world_.follow_by([this] { return following(); });
     journal_->call_on_change([this] {
-        std::int64_t none = 0;
-        behind_since_us_.compare_exchange_strong(none, SeaClock::steady_now_us());
+        falls_behind();
         const std::scoped_lock lock(mutex_);
         journal_grew_ = true;
         wake_.notify_one();
@@ -124,12 +120,7 @@ void SeaDirector::run() {
     while (!stopping_) {
         journal_grew_ = false;
         lock.unlock();
-        try {
-            follow();
-            look_for_doubt();
-        } catch (const std::bad_alloc&) {
-            spdlog::warn("event=sea_not_followed why=\"there is no memory for it, again soon\"");
-        }
+        follow_if_there_is_memory();
         lock.lock();
         if (asked_.empty()) {
             lock.unlock();
@@ -152,104 +143,6 @@ void SeaDirector::run() {
         tell(asked, std::move(promise));
         lock.lock();
     }
-}
-
-void SeaDirector::follow() {
-    if (!journal_)
-        return;
-    const Result<std::vector<SeaChange>> more = journal_->since(changes_);
-    std::string stuck = more ? "" : more.error().message;
-    for (std::size_t i = 0; more && i < more->size() && stuck.empty(); ++i) {
-        const SeaChange& next = (*more)[i];
-        if (const Result<void> played = play(next); !played)
-            stuck = fmt::format("change {} of another server cannot be played: {}", next.epoch,
-                                played.error().message);
-        else
-            changes_ = next.epoch;
-    }
-    if (stuck.empty())
-        behind_since_us_ = 0;
-    const std::scoped_lock lock(mutex_);
-    if (!stuck.empty() && stuck != stuck_)
-        spdlog::error("event=sea_follows_no_more why=\"{}\"", stuck);
-    stuck_ = std::move(stuck);
-}
-
-Result<void> SeaDirector::play(const SeaChange& change) {
-    const TimeUs now_us = clock_.now_us();
-    if (change.lapsed) {
-        spdlog::warn("event=sea_change_lapsed change={} why=\"it was stored too late\"",
-                     change.epoch);
-        return {};
-    }
-    if (change.pace) {
-        const bool late = change.pace->from_us < clock_.moment().elapsed_us;
-        clock_.follow(*change.pace);
-        world_.announce_pace(*change.pace);
-        missed_ = missed_ || late;
-        spdlog::info("event=sea_pace change={} pace={} from_s={} by=another late={}", change.epoch,
-                     change.pace->permille / static_cast<double>(sea::pace_unit),
-                     sea::seconds_from_us(change.pace->sea_us), late);
-        return {};
-    }
-    SEAWAY_TRY_LET(const sea::Scene scene,
-                   scene_of(change, journal_->name(), course_->first()->scene));
-    // So that one for which there is no memory can be played again, whole.
-    promised_.reserve(promised_.size() + 1);
-    SEAWAY_TRY(course_->add(scene, change.start_us, change.end_us));
-    if (change.start_us > now_us)
-        promised_.push_back(change.start_us);
-    missed_ = missed_ || change.start_us <= now_us;
-    spdlog::info("event=sea_changes change={} start_s={} over_s={} by=another late={}",
-                 change.epoch, sea::seconds_from_us(change.start_us),
-                 sea::seconds_from_us(change.end_us - change.start_us), change.start_us <= now_us);
-    return {};
-}
-
-void SeaDirector::look_for_doubt() {
-    (void)world_.sea_time(); // so that it knows since when it is unsure, also while nobody asks
-    const std::optional<Following> now = world_.following();
-    if (!now || !now->shared)
-        return;
-    const std::string why = now->doubt();
-    handed_over_for_doubt_ = handed_over_for_doubt_ && !why.empty();
-    const bool waits = !why.empty() && !handed_over_for_doubt_ && now->journal.peers.peers > 0;
-    if (!why.empty() && doubt_.empty())
-        spdlog::warn("event=sea_stale why=\"{}\"", why);
-    if (why.empty() && !doubt_.empty())
-        spdlog::info(
-            "event=sea_current change={} why=\"it follows the log, and its clock is right\"",
-            now->played);
-    doubt_ = why;
-    const std::int64_t now_us = SeaClock::steady_now_us();
-    const bool rests = handed_over_us_ != 0 && now_us - handed_over_us_ < hand_overs_apart_us;
-    if (missed_ || (waits && !rests)) {
-        handed_over_for_doubt_ = !why.empty();
-        handed_over_us_ = now_us;
-        world_.hand_over(missed_ ? "a change of the sea was missed" : why);
-    }
-    missed_ = false;
-}
-
-Following SeaDirector::following() const {
-    Following now{.name = journal_->name(),
-                  .journal = journal_->standing(),
-                  .shared = journal_->spread_us() > 0,
-                  .played = changes_,
-                  .stuck = {}};
-    const std::int64_t since_us = behind_since_us_;
-    now.behind_us = since_us > 0 ? SeaClock::steady_now_us() - since_us : 0;
-    // Nobody else has a journal that is not shared, and to read it is to wait for a disk.
-    if (now.shared && now.played < now.journal.last_epoch)
-        if (const auto more = journal_->since(now.played))
-            now.late = std::ranges::any_of(*more, [this](const SeaChange& change) {
-                return change.pace
-                           ? change.pace->from_us < clock_.moment().elapsed_us + behind_us_max
-                           : change.start_us < clock_.now_us() + clock_.hurried(behind_us_max);
-            });
-    const std::scoped_lock lock(mutex_);
-    now.stuck = stuck_;
-    return now;
 }
 
 TimeUs SeaDirector::spread() const {
@@ -356,8 +249,24 @@ Result<void> SeaDirector::check_takeovers(TimeUs start_us) const {
                             glides - 1, sea::seconds_from_us(end_us)));
 }
 
-Result<void> SeaDirector::log(SeaChange change) {
+Result<void> SeaDirector::log(SeaChange change, const std::function<void()>& effect) {
     change.epoch = changes_ + 1;
+    try {
+        SEAWAY_TRY(append(change));
+        effect();
+    } catch (const std::bad_alloc&) {
+        if (!journal_)
+            throw;
+        falls_behind(); // what is in the journal is played as the changes of others are
+        return Error{fmt::format("change {} may be in the journal by now, and there is no memory "
+                                 "for it: the sea changes once there is, and the history says",
+                                 change.epoch)};
+    }
+    changes_ = change.epoch;
+    return {};
+}
+
+Result<void> SeaDirector::append(const SeaChange& change) {
     const Result<void> kept = journal_ ? journal_->append(change) : Result<void>();
     if (kept)
         return {};
@@ -378,20 +287,6 @@ Result<void> SeaDirector::log(SeaChange change) {
     return kept;
 }
 
-Result<void> SeaDirector::take_effect(const std::function<void()>& effect) {
-    try {
-        effect();
-    } catch (const std::bad_alloc&) {
-        if (!journal_)
-            throw;
-        return Error{fmt::format("change {} is in the journal, but there is no memory for it now: "
-                                 "the sea changes as soon as there is",
-                                 changes_ + 1)};
-    }
-    ++changes_;
-    return {};
-}
-
 Result<SeaPromise> SeaDirector::make_pace(int permille) {
     const TimeUs now_us = clock_.moment().elapsed_us;
     const auto promised = std::ranges::count_if(
@@ -401,8 +296,7 @@ Result<SeaPromise> SeaDirector::make_pace(int permille) {
                     fmt::format("{} paces are promised and do not hold yet", promised));
     const sea::Pace pace =
         clock_.next_pace(now_us + pace_ahead_us + (journal_ ? journal_->spread_us() : 0), permille);
-    SEAWAY_TRY(log({.scene = {}, .pace = pace}));
-    SEAWAY_TRY(take_effect([&] {
+    SEAWAY_TRY(log({.scene = {}, .pace = pace}, [&] {
         clock_.follow(pace);
         world_.announce_pace(pace);
     }));
@@ -421,9 +315,9 @@ Result<SeaPromise> SeaDirector::make(const SeaWish& wish) {
         return refused(planned.error());
     const sea::Scene& scene = planned->scene;
     const SeaPromise& promise = planned->promise;
-    SEAWAY_TRY(log(
-        {.start_us = promise.start_us, .end_us = promise.end_us, .scene = sea::to_toml(scene)}));
-    SEAWAY_TRY(take_effect([&] {
+    const SeaChange change{
+        .start_us = promise.start_us, .end_us = promise.end_us, .scene = sea::to_toml(scene)};
+    SEAWAY_TRY(log(change, [&] {
         promised_.reserve(promised_.size() + 1);
         SEAWAY_CHECK(course_->add(scene, promise.start_us, promise.end_us).has_value(),
                      "what was checked can be added");

@@ -51,6 +51,10 @@ class SeaDirector {
     void run();
     /// Plays what others have appended.
     void follow();
+    /// And looks for doubt. Where there is no memory now, the next look does; until then it is behind.
+    void follow_if_there_is_memory();
+    /// The journal has more than was played, since now.
+    void falls_behind();
     Result<void> play(const SeaChange& change);
     Following following() const;
     /// Sends the sessions to other servers when this one begins to doubt its sea, or has missed the beginning of a change.
@@ -65,11 +69,10 @@ class SeaDirector {
     /// An error, busy: too many before it have taken over from changes that had not ended.
     Result<void> check_takeovers(sea::TimeUs start_us) const;
     Result<SeaPromise> make(const SeaWish& wish);
-    /// Written durably, where there is a journal.
-    Result<void> log(SeaChange change);
-    /// What is logged has been played once its effect is there. Where there is no memory for that, follow() plays it when
-    /// there is: the error says so.
-    Result<void> take_effect(const std::function<void()>& effect);
+    /// Written durably, where there is a journal, and then played: `effect`. Where there is no memory for either, follow()
+    /// plays what was written once there is: the error says so.
+    Result<void> log(SeaChange change, const std::function<void()>& effect);
+    Result<void> append(const SeaChange& change);
     /// The time that others need to hear of a change, in sea time.
     sea::TimeUs spread() const;
     /// How fast the sea runs, soon.
@@ -96,6 +99,7 @@ class SeaDirector {
     std::string doubt_; ///< of the last look; this and what follows of the director's thread
     bool handed_over_for_doubt_ = false; ///< that lasts
     bool missed_ = false;                ///< a change had begun when it came
+    bool follows_ = true;                ///< there was memory for it at the last look
     std::int64_t handed_over_us_ = 0;
     std::vector<sea::TimeUs> promised_; ///< starts that have not come; of the director's thread
     World& world_;

@@ -2,6 +2,7 @@
 #include "server/journal/nats_peers.h"
 
 #include <chrono>
+#include <new>
 #include <utility>
 
 #include <nats/nats.h>
@@ -48,7 +49,10 @@ void NatsPeers::begin(std::function<std::string()> say,
 
 void NatsPeers::run() {
     while (!stopping_) {
-        exchange();
+        try {
+            exchange();
+        } catch (const std::bad_alloc&) { // others miss a word
+        }
         if (!stopping_)
             std::this_thread::sleep_for(std::chrono::milliseconds(nap_ms));
     }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdlib>
+#include <new>
 #include <utility>
 
 #include <fmt/format.h>
@@ -114,9 +115,10 @@ Result<void> SharedJournal::hold(const SharedLog::Stored& stored, std::uint64_t 
         return named("is damaged, or of another sea's log");
     if (number == 1 && (logged->change.start_us != 0 || logged->change.pace))
         return named("is not the sea that a log begins with");
-    sum_ = sum;
     logged->change.lapsed = number > 1 && stored.at_utc_us > logged->by_utc_us;
     changes_.push_back(std::move(logged->change));
+    // Once it is held: where there was no memory for it the next look takes it.
+    sum_ = sum;
     last_at_utc_us_ = stored.at_utc_us;
     return {};
 }
@@ -187,7 +189,12 @@ void SharedJournal::run() {
     std::unique_lock lock(stop_mutex_);
     while (!stopping_) {
         lock.unlock();
-        poll();
+        try {
+            poll();
+        } catch (
+            const std::
+                bad_alloc&) { // the next look may find some; until then the log has not been heard of
+        }
         lock.lock();
         stop_.wait_for(lock, std::chrono::microseconds(poll_us), [this] { return stopping_; });
     }

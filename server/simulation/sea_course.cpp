@@ -110,33 +110,37 @@ Result<void> SeaCourse::check(const sea::Scene& scene, TimeUs start_us, TimeUs e
 
 Result<void> SeaCourse::add(const sea::Scene& scene, TimeUs start_us, TimeUs end_us) {
     SEAWAY_TRY_LET(std::vector<Change> changes, changes_to(scene, start_us, end_us));
-    const std::scoped_lock lock(mutex_);
     append(std::move(changes));
     return {};
 }
 
-// All of them or, where there is no memory for one, none.
 void SeaCourse::append(std::vector<Change> changes) {
-    const std::size_t held = changes_.size(), epochs = epochs_.size() + 2 * changes.size();
-    if (epochs_.capacity() < epochs)
+    const std::scoped_lock lock(mutex_);
+    // What may find no memory comes first: all of it is there, or nothing.
+    const std::size_t before = changes_.size(), epochs = epochs_.size() + 2 * changes.size();
+    if (epochs > epochs_.capacity())
         epochs_.reserve(std::max(epochs, 2 * epochs_.capacity()));
     try {
-        for (Change& change : changes) {
-            change.chained =
-                changes_.back().chained || !run_alike(first_->scene.sea, change.scene.sea);
+        for (Change& change : changes)
             changes_.push_back(std::move(change));
-        }
     } catch (...) {
-        changes_.erase(changes_.begin() + static_cast<std::ptrdiff_t>(held), changes_.end());
+        changes_.resize(before);
         throw;
     }
-    for (std::size_t i = held; i < changes_.size(); ++i)
-        for (const auto& [start_us, glides] :
-             {std::pair(changes_[i].start_us, true), std::pair(changes_[i].end_us, false)}) {
-            for (Epoch& earlier : epochs_)
-                earlier.end_us = std::min(earlier.end_us, start_us);
-            epochs_.push_back({start_us, ever_us, i, glides});
-        }
+    for (std::size_t i = before; i < changes_.size(); ++i)
+        begin_epochs(i);
+}
+
+void SeaCourse::begin_epochs(std::size_t number) {
+    Change& change = changes_[number];
+    change.chained =
+        changes_[number - 1].chained || !run_alike(first_->scene.sea, change.scene.sea);
+    for (const auto& [start_us, glides] :
+         {std::pair(change.start_us, true), std::pair(change.end_us, false)}) {
+        for (Epoch& earlier : epochs_)
+            earlier.end_us = std::min(earlier.end_us, start_us);
+        epochs_.push_back({start_us, ever_us, number, glides});
+    }
 }
 
 std::uint32_t SeaCourse::epoch_at(TimeUs time_us, std::size_t epochs) const {

@@ -57,7 +57,7 @@ class SeaCourse {
     static Result<std::shared_ptr<SeaCourse>> begin(const sea::Scene& scene);
 
     /// From start_us to end_us over to the sea of `scene`, and on with its timetable. An error says what cannot be, and
-    /// then nothing has changed.
+    /// then nothing has changed; nor where there is no memory (std::bad_alloc).
     Result<void> add(const sea::Scene& scene, sea::TimeUs start_us, sea::TimeUs end_us);
     /// The error of add(), without adding. Its waves are realised for that.
     Result<void> check(const sea::Scene& scene, sea::TimeUs start_us, sea::TimeUs end_us) const;
@@ -134,6 +134,8 @@ class SeaCourse {
     Result<std::vector<Change>> timetable(const sea::Scene& scene, sea::TimeUs from_us) const;
     Result<void> check_next(const sea::Scene& from, const sea::Scene& to) const;
     void append(std::vector<Change> changes);
+    /// Of a change that is held; takes over from those before.
+    void begin_epochs(std::size_t change);
 
     const RunningSeaPtr first_;
 

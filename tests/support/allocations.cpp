@@ -1,36 +1,37 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/support/allocations.h"
 
-#include <cstdint>
 #include <cstdlib>
+#include <limits>
 #include <new>
 
 namespace {
 
-thread_local std::size_t allocations = 0;
-thread_local std::size_t most_bytes = SIZE_MAX;
+constexpr std::size_t never = std::numeric_limits<std::size_t>::max();
 
-bool counted(std::size_t bytes) {
-    ++allocations;
-    return bytes <= most_bytes;
+thread_local std::size_t allocations = 0;
+thread_local std::size_t fails_at = never; ///< this one
+
+bool count_one() {
+    return allocations++ != fails_at;
 }
 
 } // namespace
 
 void* operator new(std::size_t bytes) {
-    if (void* memory = counted(bytes) ? std::malloc(bytes > 0 ? bytes : 1) : nullptr)
+    if (void* memory = count_one() ? std::malloc(bytes > 0 ? bytes : 1) : nullptr)
         return memory;
     throw std::bad_alloc();
 }
 void* operator new(std::size_t bytes, std::align_val_t alignment) {
     const auto a = static_cast<std::size_t>(alignment);
-    if (void* memory = counted(bytes) ? std::aligned_alloc(a, (bytes + a - 1) / a * a) : nullptr)
+    if (void* memory = count_one() ? std::aligned_alloc(a, (bytes + a - 1) / a * a) : nullptr)
         return memory;
     throw std::bad_alloc();
 }
 // As algorithms that can do without ask for theirs: what one of these replaces has to be freed by it.
 void* operator new(std::size_t bytes, const std::nothrow_t&) noexcept {
-    return counted(bytes) ? std::malloc(bytes > 0 ? bytes : 1) : nullptr;
+    return count_one() ? std::malloc(bytes > 0 ? bytes : 1) : nullptr;
 }
 void operator delete(void* memory) noexcept {
     std::free(memory);
@@ -51,8 +52,12 @@ std::size_t allocations_of_this_thread() {
     return allocations;
 }
 
-void refuse_larger_allocations(std::size_t bytes) {
-    most_bytes = bytes;
+NoMemoryOnce::NoMemoryOnce(std::size_t after) {
+    fails_at = allocations + after;
+}
+
+NoMemoryOnce::~NoMemoryOnce() {
+    fails_at = never;
 }
 
 } // namespace seaway::tests

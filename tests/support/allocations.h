@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How often this thread has asked for memory. A program that links allocations.cpp has its operators new counted.
+// How often this thread has asked for memory, and what happens where there is none. A program that links allocations.cpp has its operators new
+// counted.
 #pragma once
 
 #include <cstddef>
@@ -18,6 +19,15 @@ class Allocations {
 
   private:
     std::size_t before_ = allocations_of_this_thread();
+};
+
+/// While it lives, on its thread: of what is asked for the one after so many gets nothing (std::bad_alloc).
+class NoMemoryOnce {
+  public:
+    explicit NoMemoryOnce(std::size_t after);
+    ~NoMemoryOnce();
+    NoMemoryOnce(const NoMemoryOnce&) = delete;
+    NoMemoryOnce& operator=(const NoMemoryOnce&) = delete;
 };
 
 } // namespace seaway::tests

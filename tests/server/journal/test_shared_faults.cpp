@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // A shared journal whose engine loses what it acknowledged, lags, hangs, or is cut off from its others.
 #include <atomic>
+#include <new>
 #include <thread>
 
 #include <gtest/gtest.h>
 
+#include "server/journal/sea_clock.h"
 #include "server/journal/shared_journal.h"
 #include "tests/server/journal/journals.h"
 #include "tests/server/journal/lot_network.h"
+#include "tests/support/allocations.h"
 
 namespace seaway::server {
 namespace {
@@ -232,6 +235,73 @@ TEST_F(SharedFaults, clocks_are_compared_no_more_once_that_was_ended) {
         first.journal.reset();
         EXPECT_FALSE(called_after);
     }
+}
+
+// Wherever it finds none while it holds three changes, the next look has the whole log.
+TEST_F(SharedFaults, a_look_for_which_there_is_no_memory_is_made_up_for_by_the_next) {
+    open(first);
+    for (int i = 0; i < 3; ++i)
+        ASSERT_TRUE(append(first));
+    const std::vector<SeaChange> all = first.journal->since(0).value();
+    const std::vector<SharedLog::Stored> whole = engine.messages;
+    std::size_t failed = 0;
+    for (bool fails = true; fails; ++failed) {
+        Server late;
+        engine.messages.resize(1);
+        open(late); // before the three are there
+        for (std::size_t i = 1; i < whole.size(); ++i)
+            engine.messages.push_back(whole[i]);
+        try {
+            const tests::NoMemoryOnce none(failed);
+            late.journal->poll();
+            fails = false;
+        } catch (const std::bad_alloc&) {
+        }
+        late.journal->poll();
+        ASSERT_EQ(late.journal->since(0).value(), all) << failed;
+        ASSERT_TRUE(late.journal->standing().current);
+        ASSERT_EQ(late.journal->standing().trouble, "");
+    }
+    EXPECT_GT(failed, all.size()) << "it asks for some memory on the way";
+}
+
+/// Of one message, and for some looks of no memory.
+class ForgetfulLog final : public SharedLog {
+  public:
+    explicit ForgetfulLog(std::atomic<int>& fails) : fails_(fails) {}
+    Result<Tail> tail() override {
+        if (fails_ > 0 && fails_-- > 0)
+            throw std::bad_alloc();
+        return Tail{.last = message_.empty() ? 0u : 1u, .identity = "one", .last_at_utc_us = 5};
+    }
+    Result<std::vector<Stored>> read(std::uint64_t, std::uint64_t) override {
+        return std::vector<Stored>{{message_, 5, "first"}};
+    }
+    Result<std::uint64_t> write(const std::string& message, const std::string&,
+                                std::uint64_t) override {
+        message_ = message;
+        return 1;
+    }
+    void connect_no_more() override {}
+
+  private:
+    std::atomic<int>& fails_;
+    std::string message_;
+};
+
+TEST(SharedJournalThread, goes_on_after_looks_for_which_there_was_no_memory) {
+    std::atomic<int> fails = 0;
+    auto journal =
+        SharedJournal::open(std::make_unique<ForgetfulLog>(fails), beginning,
+                            {"log", "writer", SeaClock::steady_now_us, SeaClock::utc_now_us});
+    ASSERT_TRUE(journal);
+    (*journal)->follow();
+    fails = 3;
+    ASSERT_TRUE(comes_true([&] { return fails == 0; }));
+    const std::int64_t then_us = SeaClock::steady_now_us();
+    EXPECT_TRUE(comes_true([&] {
+        return (*journal)->standing().unheard_us < SeaClock::steady_now_us() - then_us;
+    })) << "it has looked since";
 }
 
 } // namespace

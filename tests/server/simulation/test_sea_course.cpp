@@ -2,6 +2,8 @@
 // Which sea runs when, and that one becomes the other without a jump.
 #include <atomic>
 #include <cmath>
+#include <new>
+#include <string>
 #include <thread>
 
 #include <gtest/gtest.h>
@@ -9,6 +11,7 @@
 #include "sea/scene/weather.h"
 #include "server/simulation/sea_course.h"
 #include "tests/server/simulation/simulation_bench.h"
+#include "tests/support/allocations.h"
 
 namespace seaway::server {
 namespace {
@@ -37,6 +40,46 @@ double hs_m(const SeaCourse& course, TimeUs time_us) {
         for (const std::complex<double>& h0 : modes.h0)
             m0 += 2 * std::norm(h0);
     return 4 * std::sqrt(m0);
+}
+
+// Of a scene with a timetable: the last of what it asks for is what holds each row.
+TEST(SeaCourse, a_change_for_which_there_is_no_memory_has_not_changed_anything) {
+    std::string rows;
+    for (int i = 0; i < 6; ++i)
+        rows += "[[weather]]\nat_s = " + std::to_string(300 + 40 * i) +
+                "\nover_s = 20\nset.systems.0.from_deg = " + std::to_string(250 + i) + "\n";
+    const sea::Scene scene = scene_of(rows);
+    const auto add = [&](SeaCourse& course) {
+        return course.add(scene, 100 * second_us, 160 * second_us);
+    };
+    const auto whole = *SeaCourse::begin(scene_of());
+    const tests::Allocations counted;
+    ASSERT_TRUE(add(*whole));
+    const std::size_t asked = counted.count();
+    int failed = 0;
+    for (std::size_t last = 1; last <= 12; ++last) {
+        const auto course = *SeaCourse::begin(scene_of());
+        try {
+            const tests::NoMemoryOnce none(asked - last);
+            (void)add(*course);
+        } catch (const std::bad_alloc&) {
+            ++failed;
+            EXPECT_EQ(course->epochs(), 1u) << last;
+            EXPECT_EQ(course->window(1).end_us, SeaCourse(course->first()).window(1).end_us);
+            ASSERT_TRUE(add(*course));
+        }
+        ASSERT_EQ(course->epochs(), whole->epochs()) << last;
+        for (std::uint32_t epoch = 1; epoch <= whole->epochs(); ++epoch) {
+            EXPECT_EQ(course->window(epoch).start_us, whole->window(epoch).start_us);
+            EXPECT_EQ(course->window(epoch).end_us, whole->window(epoch).end_us);
+        }
+        // From which sea a glide comes follows from how many changes there were.
+        const TimeUs glides_us = whole->window(4).start_us + 10 * second_us;
+        if (last == 1) // all rows but one were held
+            EXPECT_EQ(height_m(*course, 4, glides_us), height_m(*whole, 4, glides_us));
+        EXPECT_EQ(course->glides_in_row(110 * second_us), 1) << last;
+    }
+    EXPECT_EQ(failed, 12);
 }
 
 TEST(SeaCourse, a_change_is_a_glide_and_the_sea_that_it_leads_to) {

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+// SeaDirector: how it follows what others append to the journal, and whether its sea is theirs.
+#include <algorithm>
+#include <new>
+#include <utility>
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "server/resume.h"
+#include "server/sea_director.h"
+
+namespace seaway::server {
+
+using sea::TimeUs;
+
+namespace {
+
+/// Sessions that were sent away are not sent away again for a doubt that comes and goes.
+constexpr std::int64_t hand_overs_apart_us = 30'000'000;
+
+} // namespace
+
+void SeaDirector::falls_behind() {
+    std::int64_t none = 0;
+    behind_since_us_.compare_exchange_strong(none, SeaClock::steady_now_us());
+}
+
+void SeaDirector::follow_if_there_is_memory() {
+    bool follows = false;
+    try {
+        follow();
+        look_for_doubt();
+        follows = true;
+    } catch (const std::bad_alloc&) {
+        if (follows_)
+            spdlog::error("event=sea_follows_later why=\"there is no memory for what the journal "
+                          "holds\"");
+        falls_behind();
+    }
+    follows_ = follows;
+}
+
+void SeaDirector::follow() {
+    if (!journal_)
+        return;
+    const Result<std::vector<SeaChange>> more = journal_->since(changes_);
+    std::string stuck = more ? "" : more.error().message;
+    for (std::size_t i = 0; more && i < more->size() && stuck.empty(); ++i) {
+        const SeaChange& next = (*more)[i];
+        if (const Result<void> played = play(next); !played)
+            stuck = fmt::format("change {} of another server cannot be played: {}", next.epoch,
+                                played.error().message);
+        else
+            changes_ = next.epoch;
+    }
+    if (stuck.empty())
+        behind_since_us_ = 0;
+    const std::scoped_lock lock(mutex_);
+    if (!stuck.empty() && stuck != stuck_)
+        spdlog::error("event=sea_follows_no_more why=\"{}\"", stuck);
+    stuck_ = std::move(stuck);
+}
+
+Result<void> SeaDirector::play(const SeaChange& change) {
+    const TimeUs now_us = clock_.now_us();
+    if (change.lapsed) {
+        spdlog::warn("event=sea_change_lapsed change={} why=\"it was stored too late\"",
+                     change.epoch);
+        return {};
+    }
+    if (change.pace) {
+        const bool late = change.pace->from_us < clock_.moment().elapsed_us;
+        clock_.follow(*change.pace);
+        world_.announce_pace(*change.pace);
+        missed_ = missed_ || late;
+        spdlog::info("event=sea_pace change={} pace={} from_s={} by=another late={}", change.epoch,
+                     change.pace->permille / static_cast<double>(sea::pace_unit),
+                     sea::seconds_from_us(change.pace->sea_us), late);
+        return {};
+    }
+    SEAWAY_TRY_LET(const sea::Scene scene,
+                   scene_of(change, journal_->name(), course_->first()->scene));
+    promised_.reserve(promised_.size() + 1);
+    SEAWAY_TRY(course_->add(scene, change.start_us, change.end_us));
+    if (change.start_us > now_us)
+        promised_.push_back(change.start_us);
+    missed_ = missed_ || change.start_us <= now_us;
+    spdlog::info("event=sea_changes change={} start_s={} over_s={} by=another late={}",
+                 change.epoch, sea::seconds_from_us(change.start_us),
+                 sea::seconds_from_us(change.end_us - change.start_us), change.start_us <= now_us);
+    return {};
+}
+
+void SeaDirector::look_for_doubt() {
+    (void)world_.sea_time(); // so that it knows since when it is unsure, also while nobody asks
+    const std::optional<Following> now = world_.following();
+    if (!now || !now->shared)
+        return;
+    const std::string why = now->doubt();
+    handed_over_for_doubt_ = handed_over_for_doubt_ && !why.empty();
+    const bool waits = !why.empty() && !handed_over_for_doubt_ && now->journal.peers.peers > 0;
+    if (!why.empty() && doubt_.empty())
+        spdlog::warn("event=sea_stale why=\"{}\"", why);
+    if (why.empty() && !doubt_.empty())
+        spdlog::info(
+            "event=sea_current change={} why=\"it follows the log, and its clock is right\"",
+            now->played);
+    doubt_ = why;
+    const std::int64_t now_us = SeaClock::steady_now_us();
+    const bool rests = handed_over_us_ != 0 && now_us - handed_over_us_ < hand_overs_apart_us;
+    if (missed_ || (waits && !rests)) {
+        handed_over_for_doubt_ = !why.empty();
+        handed_over_us_ = now_us;
+        world_.hand_over(missed_ ? "a change of the sea was missed" : why);
+    }
+    missed_ = false;
+}
+
+Following SeaDirector::following() const {
+    Following now{.name = journal_->name(),
+                  .journal = journal_->standing(),
+                  .shared = journal_->spread_us() > 0,
+                  .played = changes_,
+                  .stuck = {}};
+    const std::int64_t since_us = behind_since_us_;
+    now.behind_us = since_us > 0 ? SeaClock::steady_now_us() - since_us : 0;
+    // Nobody else has a journal that is not shared, and to read it is to wait for a disk.
+    if (now.shared && now.played < now.journal.last_epoch)
+        if (const auto more = journal_->since(now.played))
+            now.late = std::ranges::any_of(*more, [this](const SeaChange& change) {
+                return change.pace
+                           ? change.pace->from_us < clock_.moment().elapsed_us + behind_us_max
+                           : change.start_us < clock_.now_us() + clock_.hurried(behind_us_max);
+            });
+    const std::scoped_lock lock(mutex_);
+    now.stuck = stuck_;
+    return now;
+}
+
+} // namespace seaway::server
