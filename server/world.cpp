@@ -9,9 +9,11 @@
 #include <fmt/format.h>
 
 #include "protocol/limits.h"
+#include "sea/scene/weather.h"
 #include "server/host/grant.h"
 #include "server/map_source.h"
 #include "server/process_metrics.h"
+#include "server/resume.h"
 #include "server/simulation/memory_needs.h"
 #include "server/world_reports.h"
 
@@ -196,7 +198,11 @@ void World::change(SeaWish wish, Changed done) {
     }
     if (!change)
         return done(Error{Refusal::not_offered, "this sea cannot change"});
-    change(std::move(wish), std::move(done));
+    change(std::move(wish), [this, done = std::move(done)](Result<SeaPromise> promise) {
+        if (!promise)
+            refused_.count(promise.error());
+        done(std::move(promise));
+    });
 }
 
 KeyframeTiles World::tiles(sea::KeyframePtr keyframe, Quality quality) const {
@@ -340,26 +346,43 @@ Result<std::vector<SeaChange>> World::changes_from(std::uint64_t number) const {
 }
 
 Result<std::string> World::history(std::uint64_t from) const {
-    // With the one before, which the first differs from.
-    SEAWAY_TRY_LET(const std::vector<SeaChange> changes,
-                   changes_from(std::max<std::uint64_t>(from, 1) - (from > 1)));
-    return history_json(changes, static_cast<std::uint32_t>(from));
+    // With the last scene before that ran, which the first one differs from. What lies between are paces and what lapsed.
+    for (std::uint64_t first = std::max<std::uint64_t>(from, 1), step = 1;; step *= 2) {
+        first -= std::min(step, first - 1);
+        SEAWAY_TRY_LET(const std::vector<SeaChange> changes, changes_from(first));
+        const auto runs = [from](const SeaChange& change) {
+            return change.epoch < from && !change.pace && !change.lapsed;
+        };
+        if (first == 1 || std::ranges::any_of(changes, runs))
+            return history_json(changes, static_cast<std::uint32_t>(from));
+    }
 }
 
 Result<std::string> World::scene_of_change(std::uint64_t number) const {
     SEAWAY_TRY_LET(const std::vector<SeaChange> changes, changes_from(number));
     if (number == 0 || changes.empty())
         return Error{Refusal::bad_value, fmt::format("change is {}; there is none", number)};
-    if (changes.front().pace)
+    const SeaChange& change = changes.front();
+    if (change.pace)
         return Error{Refusal::bad_value,
                      fmt::format("change is {}, which is one of pace: it has no scene", number)};
-    return changes.front().scene;
+    if (change.lapsed)
+        return Error{Refusal::bad_value,
+                     fmt::format("change is {}, which came to the journal too late and has lapsed: "
+                                 "its sea has never run",
+                                 number)};
+    SEAWAY_TRY_LET(const sea::Scene scene,
+                   scene_of(change, "the journal", course_->first()->scene));
+    if (scene.weather.empty())
+        return change.scene;
+    SEAWAY_TRY_LET(const sea::Scene by_now, sea::weather_by(scene, clock_.now_us()));
+    return sea::to_toml(by_now);
 }
 
 std::string World::state_json() const {
     const RunningSeaPtr sea = sea_now();
     return server::state_json(*sea, warnings_of(*sea), simulation_->device(), clock_.moment(),
-                              following());
+                              following(), refused_.counts());
 }
 
 std::string World::plan_json() const {
@@ -372,7 +395,7 @@ std::string World::metrics_text() const {
     const std::string following_metrics = now ? now->metrics() : "";
     return server::metrics_text(simulation_->plan(), simulation_->counters(), simulation_->costs(),
                                 clock_.moment()) +
-           following_metrics +
+           following_metrics + server::metrics_text(refused_.counts()) +
            fmt::format("# HELP seaway_spectra_made_total Waves of a sea that were encoded at one "
                        "accuracy.\n# TYPE seaway_spectra_made_total counter\n"
                        "seaway_spectra_made_total {}\n",

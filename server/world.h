@@ -21,6 +21,7 @@
 #include "server/host/quality.h"
 #include "server/journal/sea_clock.h"
 #include "server/publish/spectrum_store.h"
+#include "server/refused_changes.h"
 #include "server/simulation/simulation.h"
 
 namespace seaway::server {
@@ -96,6 +97,8 @@ class World final : public Host {
     std::string plan_json() const override;
     std::string metrics_text() const override;
     Health health() const override;
+    /// Of change().
+    RefusedChanges::Counts changes_refused() const { return refused_.counts(); }
 
   private:
     Result<std::vector<SeaChange>> changes_from(std::uint64_t number) const;
@@ -113,6 +116,7 @@ class World final : public Host {
     const SeaCoursePtr course_;
     SeaClock& clock_;
     SpectrumStore spectra_;
+    RefusedChanges refused_;
     Simulation* simulation_ = nullptr;
 
     mutable std::atomic<std::int64_t> unsure_since_us_ = 0, unsure_looked_us_ = 0;

@@ -181,7 +181,8 @@ protocol::SeaStateValues announcement(const RunningSea& sea, const EpochWindow& 
 
 std::string state_json(const RunningSea& sea, const std::vector<std::string>& warnings,
                        const std::string& device, const SeaMoment& at,
-                       const std::optional<Following>& following) {
+                       const std::optional<Following>& following,
+                       const RefusedChanges::Counts& refused) {
     const protocol::SeaStateValues state = sea_state_values(sea, {sea.epoch, 0, 0}, warnings);
     ordered_json cascades = ordered_json::array();
     for (std::size_t c = 0; c < state.cascades.size(); ++c) {
@@ -218,6 +219,7 @@ std::string state_json(const RunningSea& sea, const std::vector<std::string>& wa
                         {"inverse_m", sea::inverse_tolerance_m(sea.budget.height_error_m)}}},
                       {"glides_until_s", glide_end_json(sea)},
                       {"certificate", certificate_json(sea)},
+                      {"changes_refused", ordered_json(refused)},
                       {"warnings", warnings}};
     if (following)
         json["journal"] = ordered_json::parse(following->json());

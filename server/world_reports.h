@@ -10,6 +10,7 @@
 #include "protocol/messages.h"
 #include "server/following.h"
 #include "server/journal/sea_clock.h"
+#include "server/refused_changes.h"
 #include "server/simulation/simulation.h"
 
 namespace seaway::server {
@@ -24,7 +25,8 @@ protocol::SeaStateValues announcement(const RunningSea& sea, const EpochWindow& 
 
 std::string state_json(const RunningSea& sea, const std::vector<std::string>& warnings,
                        const std::string& device, const SeaMoment& at,
-                       const std::optional<Following>& following = {});
+                       const std::optional<Following>& following = {},
+                       const RefusedChanges::Counts& refused = {});
 std::string plan_json(const RunningSea& sea, const EffectPlan& plan,
                       const SimulationCounters& counters, const EffectCosts& costs,
                       const std::string& device);

@@ -28,7 +28,8 @@ constexpr const char* ctl_footer = "Changes are written to the server's journal 
                                    "The token is the administrator's (--admin-token-file of the "
                                    "server), over wss or from the server's own machine.\n"
                                    "Exit codes: 0 done, 1 cannot write, 2 usage, 5 cannot connect, "
-                                   "lost or no answer in time, 6 refused by the server,\n"
+                                   "lost or no answer in time, 6 refused by the server;\n"
+                                   "diff: the seas differ, or nothing could be compared,\n"
                                    "7 status: a server does not answer, or is stale.";
 
 struct CtlWords {
@@ -143,7 +144,8 @@ void Commands::add_changes(CommandLine& line, CtlWords& words) {
         .takes("RATE")
         .between(0.0, sea::pace_permille_max / static_cast<double>(sea::pace_unit))
         .required();
-    rewind = &line.command("rewind", "Glides back to the sea of an earlier change");
+    rewind = &line.command(
+        "rewind", "Glides to the scene of an earlier change, as its timetable has it by now");
     rewind->option("change", words.change, "Its number, as history says; 1: what it began with")
         .takes("N")
         .required();
@@ -159,7 +161,8 @@ void Commands::add_looks(CommandLine& line, CtlWords& words) {
                                 "does not answer, or is stale");
     status->option("urls", words.status.others, "Other servers").takes("URL ...");
     diff = &line.command(
-        "diff", "Heights of two servers at random points around now; exit code 6: they differ");
+        "diff", "Heights of two servers at random points around now; exit code 6: they differ, or "
+                "nothing could be compared");
     diff->option("other", words.diff.other, "The other server").takes("URL").required();
     diff->option("--points", words.diff.points, "How many")
         .takes("COUNT")

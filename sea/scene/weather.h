@@ -12,6 +12,7 @@
 
 #include "base/result.h"
 #include "base/toml_edit.h"
+#include "sea/basics/time.h"
 #include "sea/scene/scene.h"
 
 namespace seaway::sea {
@@ -25,5 +26,8 @@ Result<void> check_glide(const Scene& from, const Scene& to);
 
 /// The scenes that the timetable leads to, one a row, each from the one before. An error names the row.
 Result<std::vector<Scene>> weather_scenes(const Scene& scene);
+
+/// The scene that the rows which have begun by `time_us` lead to, with those to come as its timetable. Errors as weather_scenes().
+Result<Scene> weather_by(const Scene& scene, TimeUs time_us);
 
 } // namespace seaway::sea

@@ -179,7 +179,8 @@ class Host {
     /// The same at once, from the net thread, where all of it is made already; none: it has to be asked for.
     virtual std::optional<GrantedSpectrum> held_spectrum(const SpectrumRequest&) { return {}; }
 
-    /// The changes of the sea's journal from that number on, as JSON, some hundred at most; and the scene of one. Not every host has a journal.
+    /// The changes of the sea's journal from that number on, as JSON, some hundred at most; and the scene of one, which its timetable has
+    /// led to by now, with the rows that are to come. Not every host has a journal.
     virtual Result<std::string> history(std::uint64_t /*from*/) const {
         return Error{Refusal::not_offered, "this sea has no journal"};
     }

@@ -109,12 +109,29 @@ class Deploy(unittest.TestCase):
         unit.optionxform = str
         unit.read(FLEET / "seaway-fleet@.service")
         start = unit["Service"]["ExecStart"]
-        self.assertEqual(unit["Service"]["ExecStartPre"], start + " --check")
         self.assertEqual(unit["Service"]["RestartPreventExitStatus"], "2", "and not 5: NATS is away")
         self.assertLessEqual(options_in(start.split()), options_of_the_server())
         self.assertIn("%i", unit["Service"]["EnvironmentFile"])
         for variable in re.findall(r"\$\{(\w+)\}", start):
             self.assertIn(f"{variable}=", (FLEET / "seaway-fleet@.service").read_text().split("[Unit]")[0])
+
+    def test_units_start_again_what_passes_and_nothing_else(self):
+        for path in (FLEET / "seaway-fleet@.service", SOURCE / "deploy/seaway-server.service"):
+            unit = configparser.ConfigParser(strict=False, interpolation=None)
+            unit.optionxform = str
+            unit.read(path)
+            service = unit["Service"]
+            self.assertEqual(service["Restart"], "on-failure", path)
+            self.assertEqual(service["RestartPreventExitStatus"], "2", path)
+            # systemd asks RestartPreventExitStatus= of the main process alone: what fails before it is started again for ever.
+            self.assertNotIn("ExecStartPre", service, path)
+            self.assertEqual(unit["Unit"]["StartLimitIntervalSec"], "0", "NATS may be away for as long as it takes")
+        # What the main process ends with.
+        wrong = run(SERVER, "scenes/calm.toml", "--listen", "nowhere")
+        self.assertEqual(wrong.returncode, 2, wrong.stderr)
+        away = run(SERVER, "scenes/calm.toml", "--listen", "127.0.0.1:0", "--device", "native",
+                   "--journal", "nats://127.0.0.1:1/away")
+        self.assertEqual(away.returncode, 5, away.stderr)
 
     def test_compose_names_what_is_there_and_options_that_are(self):
         whole = yaml.safe_load((FLEET / "compose.yaml").read_text())

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Who changes the sea, over a journal that others write and for which there is no memory at times.
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <functional>
@@ -12,7 +13,9 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "sea/scene/weather.h"
 #include "server/sea_director.h"
@@ -33,9 +36,9 @@ class ForgetfulJournal final : public Journal {
   public:
     explicit ForgetfulJournal(SeaChange first) : changes_{std::move(first)} {}
 
-    std::atomic<int> reads_fail = 0;   ///< since()
-    std::atomic<int> appends_fail = 0; ///< behind the write
-    std::atomic<bool> outrun = false;  ///< each append
+    std::atomic<int> reads_fail = 0;     ///< since()
+    std::atomic<int> appends_fail = 0;   ///< behind the write
+    std::optional<JournalError> refuses; ///< each append
 
     const std::string& name() const override { return name_; }
     std::int64_t epoch_utc_us() const override { return 0; }
@@ -48,8 +51,8 @@ class ForgetfulJournal final : public Journal {
         return std::vector<SeaChange>(changes_.begin() + epoch, changes_.end());
     }
     Result<void> append(const SeaChange& change) override {
-        if (outrun)
-            return Error{JournalError::outrun, "another change was appended first"};
+        if (refuses)
+            return Error{*refuses, "it does not take it"};
         by_another(change, false);
         if (appends_fail > 0 && appends_fail-- > 0)
             throw std::bad_alloc();
@@ -103,13 +106,15 @@ class Director : public testing::Test {
         return wish;
     }
     /// What comes of it.
-    Result<SeaPromise> asked(SeaWish wish) {
+    template <class Changes>
+    static Result<SeaPromise> asked_of(Changes& changes, SeaWish wish) {
         std::promise<Result<SeaPromise>> promise;
-        director->change(std::move(wish), [&promise](Result<SeaPromise> made) {
-            promise.set_value(std::move(made));
-        });
+        changes.change(std::move(wish),
+                       [&promise](Result<SeaPromise> made) { promise.set_value(std::move(made)); });
         return promise.get_future().get();
     }
+    Result<SeaPromise> asked(SeaWish wish) { return asked_of(*director, std::move(wish)); }
+    Result<SeaPromise> through_world(SeaWish wish) { return asked_of(world, std::move(wish)); }
     Following following() const { return world.following().value(); }
 
     const std::shared_ptr<SeaCourse> course = SeaCourse::begin(calm()).value();
@@ -161,6 +166,123 @@ TEST_F(Director, a_pace_that_held_already_when_it_came_hands_the_sessions_over) 
     EXPECT_EQ(handed_over, 0) << "this one is still to come";
     journal.by_another({.epoch = 3, .scene = {}, .pace = pace_from(-1'000'000, 2000)});
     EXPECT_TRUE(comes_true([&] { return handed_over == 1; }));
+}
+
+TEST_F(Director, what_it_refuses_is_counted_by_reason) {
+    const auto counts = [this] { return world.changes_refused(); };
+    EXPECT_EQ(
+        counts(),
+        (RefusedChanges::Counts{
+            {"bad_value", 0}, {"busy", 0}, {"gone", 0}, {"not_offered", 0}, {"unwritten", 0}}));
+    EXPECT_TRUE(through_world(wish()));
+    SeaWish wrong = wish();
+    wrong.scene = "[sea]\nseed = \"x\"\n";
+    EXPECT_FALSE(through_world(wrong));
+    journal.refuses = JournalError::outrun;
+    EXPECT_FALSE(through_world(wish()));
+    EXPECT_FALSE(through_world(wish()));
+    journal.refuses = JournalError::unknown;
+    EXPECT_FALSE(through_world(wish()));
+    EXPECT_EQ(
+        counts(),
+        (RefusedChanges::Counts{
+            {"bad_value", 1}, {"busy", 2}, {"gone", 0}, {"not_offered", 0}, {"unwritten", 1}}));
+    const std::string page = metrics_text(counts());
+    for (const char* row : {"bad_value\"} 1\n", "busy\"} 2\n", "unwritten\"} 1\n"})
+        EXPECT_NE(page.find(std::string("seaway_changes_refused_total{reason=\"") + row),
+                  std::string::npos)
+            << page;
+    EXPECT_NE(page.find("# TYPE seaway_changes_refused_total counter\n"), std::string::npos);
+}
+
+/// What administrators read of a journal that nobody plays.
+class ReadJournal : public testing::Test {
+  protected:
+    ReadJournal() {
+        world.read_by([this](std::uint32_t epoch) -> Result<std::vector<SeaChange>> {
+            return std::vector<SeaChange>(changes.begin() +
+                                              std::min<std::ptrdiff_t>(epoch, std::ssize(changes)),
+                                          changes.end());
+        });
+    }
+    static sea::Scene scene(const std::string& more = {}) {
+        return sea::parse_scene(small_sea + more, "small_sea", ".").value();
+    }
+    void add(const std::string& toml, bool lapsed = false) {
+        changes.push_back({.epoch = static_cast<std::uint32_t>(changes.size()) + 1,
+                           .scene = toml,
+                           .lapsed = lapsed});
+    }
+    void add_pace() {
+        changes.push_back({.epoch = static_cast<std::uint32_t>(changes.size()) + 1,
+                           .scene = {},
+                           .pace = sea::Pace{1, 1, 500}});
+    }
+    static std::string with(const std::string& path, const std::string& value) {
+        const TomlAssignment one{path, value};
+        return sea::to_toml(sea::changed(scene(), {&one, 1}).value());
+    }
+
+    std::vector<SeaChange> changes{{1, 0, 0, sea::to_toml(scene())}};
+    const std::shared_ptr<SeaCourse> course = SeaCourse::begin(scene()).value();
+    SeaClock clock{0, [] { return std::int64_t{5'000'000'000}; }, [] { return std::int64_t{0}; }};
+    World world{course, clock};
+};
+
+TEST_F(ReadJournal, each_change_differs_from_the_last_scene_that_ran_wherever_a_list_begins) {
+    add(with("systems.0.wind_speed_10m_mps", "14.0"));
+    for (int i = 0; i < 5; ++i) {
+        add_pace();
+        add(with("systems.0.wind_speed_10m_mps", fmt::format("{}.5", 20 + i)), true);
+    }
+    add(with("systems.0.wind_speed_10m_mps", "15.0")); // 13
+    const auto whole = nlohmann::json::parse(world.history(1).value())["changes"];
+    ASSERT_EQ(whole.size(), 13u);
+    for (std::uint64_t from = 1; from <= 13; ++from) {
+        const auto listed = nlohmann::json::parse(world.history(from).value())["changes"];
+        ASSERT_EQ(listed.size(), 14 - from);
+        for (std::size_t i = 0; i < listed.size(); ++i)
+            EXPECT_EQ(listed[i], whole[from - 1 + i]) << from;
+    }
+    ASSERT_EQ(whole[12]["differs"].size(), 1u) << whole[12].dump();
+    EXPECT_NE(whole[12]["differs"].dump().find("15"), std::string::npos);
+    EXPECT_TRUE(nlohmann::json::parse(world.history(14).value())["changes"].empty());
+}
+
+TEST_F(ReadJournal, there_is_no_way_back_to_what_has_no_sea) {
+    add(with("sea.depth_m", "50.0"), true);
+    add_pace();
+    const auto why = [this](std::uint64_t number) {
+        const Result<std::string> scene = world.scene_of_change(number);
+        EXPECT_FALSE(scene) << number;
+        EXPECT_TRUE(scene || scene.error().is(Refusal::bad_value));
+        return scene ? "" : scene.error().message;
+    };
+    EXPECT_NE(why(2).find("change is 2, which came to the journal too late and has lapsed"),
+              std::string::npos)
+        << why(2);
+    EXPECT_NE(why(3).find("change is 3, which is one of pace"), std::string::npos) << why(3);
+    EXPECT_NE(why(4).find("change is 4; there is none"), std::string::npos) << why(4);
+    EXPECT_NE(why(0).find("there is none"), std::string::npos) << why(0);
+    EXPECT_EQ(world.scene_of_change(1).value(), changes[0].scene) << "to the letter";
+}
+
+// At 5000 s: what its rows have led to by then, and those to come at their own times.
+TEST_F(ReadJournal, the_way_back_to_a_scene_with_a_timetable_is_to_where_that_is_now) {
+    add(sea::to_toml(
+        scene("[[weather]]\nat_s = 1000\nover_s = 20\n"
+              "set.systems.0.wind_speed_10m_mps = 14.0\n"
+              "[[weather]]\nat_s = 9000\nover_s = 20\nset.systems.0.from_deg = 123\n")));
+    const std::string now = world.scene_of_change(2).value();
+    const Result<sea::Scene> read = sea::parse_scene(now, "now", ".");
+    ASSERT_TRUE(read) << read.error().message;
+    ASSERT_EQ(read->weather.size(), 1u);
+    EXPECT_EQ(read->weather[0].at_s, 9000);
+    sea::Scene bare = *read;
+    bare.weather.clear();
+    EXPECT_EQ(sea::to_toml(bare), with("systems.0.wind_speed_10m_mps", "14.0"));
+    const Result<void> added = course->add(*read, 5'010'000'000, 5'030'000'000);
+    EXPECT_TRUE(added) << added.error().message << " it can be gone back to";
 }
 
 } // namespace

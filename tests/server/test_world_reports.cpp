@@ -193,7 +193,8 @@ TEST(StateJson, every_field_is_that_of_the_running_sea) {
     for (const sea::FieldInfo& field : sea::field_table)
         fields.push_back(field.name);
     json shown = json::parse(state_json(sea, {"first", "second"}, "abacus",
-                                        {12'500'000, 5'000'000, 2500, 0, 1'700'000'000'000'001}));
+                                        {12'500'000, 5'000'000, 2500, 0, 1'700'000'000'000'001}, {},
+                                        {{"busy", 3}}));
     EXPECT_FALSE(shown["certificate"]["says"].get<std::string>().empty());
     shown["certificate"].erase("says");
     expect_same(shown, {{"epoch", 6},
@@ -225,6 +226,7 @@ TEST(StateJson, every_field_is_that_of_the_running_sea) {
                           {"percentile", 95},
                           {"measured_m", 0.061},
                           {"holds", false}}},
+                        {"changes_refused", {{"busy", 3}}},
                         {"warnings", {"first", "second"}}});
     sea.certificate = nullptr;
     EXPECT_TRUE(json::parse(state_json(sea, {}, "", {}))["certificate"].is_null());

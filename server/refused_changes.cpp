@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/refused_changes.h"
+
+#include <fmt/format.h>
+
+#include "server/host/refusal.h"
+
+namespace seaway::server {
+namespace {
+
+std::string_view reason_of(const Error& why) {
+    if (why.is(Refusal::bad_value))
+        return "bad_value";
+    if (why.is(Refusal::busy))
+        return "busy";
+    if (why.is(Refusal::not_offered))
+        return "not_offered";
+    return why.is(Refusal::gone) ? "gone" : "unwritten";
+}
+
+} // namespace
+
+void RefusedChanges::count(const Error& why) {
+    const std::scoped_lock lock(mutex_);
+    ++counts_.at(reason_of(why));
+}
+
+RefusedChanges::Counts RefusedChanges::counts() const {
+    const std::scoped_lock lock(mutex_);
+    return counts_;
+}
+
+std::string metrics_text(const RefusedChanges::Counts& refused) {
+    std::string text = "# HELP seaway_changes_refused_total Changes of the sea that were asked for "
+                       "and not made.\n# TYPE seaway_changes_refused_total counter\n";
+    for (const auto& [reason, count] : refused)
+        text += fmt::format("seaway_changes_refused_total{{reason=\"{}\"}} {}\n", reason, count);
+    return text;
+}
+
+} // namespace seaway::server
