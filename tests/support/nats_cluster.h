@@ -70,6 +70,19 @@ class NatsCluster {
         return size;
     }
 
+    /// All nodes hold a world's log to its end, and who leads has heard of each.
+    bool whole(const std::string& world) const {
+        for (const auto& node : nodes_) {
+            const std::string answer = node->ask("$JS.API.STREAM.INFO.SEAWAY_" + world);
+            const std::size_t first = answer.find("\"current\":true");
+            if (first != std::string::npos &&
+                answer.find("\"current\":true", first + 1) != std::string::npos &&
+                answer.find("\"offline\":true") == std::string::npos)
+                return true;
+        }
+        return false;
+    }
+
   private:
     FaultProxy& line(std::size_t from, std::size_t to) const { return *lines_[from][to]; }
     void stall(std::size_t i, bool stalled) {

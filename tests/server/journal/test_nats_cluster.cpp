@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The journal in a cluster of three nodes, each of which dies once.
+// The journal in a cluster of three nodes, each of which dies once, when the others are well.
 #include <array>
 #include <barrier>
 #include <thread>
@@ -61,6 +61,8 @@ TEST(NatsCluster, of_three_nodes_each_may_die_and_the_log_goes_on_with_all_that_
         ASSERT_TRUE(comes_true([&] { return follows->standing().last_epoch == last; }));
         EXPECT_TRUE(comes_true([&] { return follows->standing().current; }));
         ASSERT_TRUE(cluster.node(dying).start());
+        // Of two that have the log to its end one has to be left.
+        ASSERT_TRUE(comes_true([&] { return cluster.whole("three"); }));
     }
     const std::unique_ptr<Journal> later = open_in(cluster);
     ASSERT_TRUE(later);
