@@ -412,9 +412,9 @@ sea::SpectrumLeft left(const wire::SpectrumChunk& chunk) {
 }
 
 Bytes changed(std::uint32_t request_id, std::uint32_t epoch, sea::TimeUs start_us,
-              sea::TimeUs end_us) {
+              sea::TimeUs end_us, std::uint32_t change) {
     FlatBufferBuilder built = builder(64);
-    return finish(built, wire::CreateChanged(built, request_id, epoch, start_us, end_us));
+    return finish(built, wire::CreateChanged(built, request_id, epoch, start_us, end_us, change));
 }
 
 Bytes administered(std::uint32_t request_id, std::string_view text) {

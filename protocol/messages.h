@@ -309,8 +309,9 @@ Bytes spectrum_chunk(std::uint32_t epoch, std::uint32_t chunk, const sea::Spectr
                      std::span<const std::uint8_t> payload);
 sea::SpectrumLeft left(const wire::SpectrumChunk& chunk);
 
+/// `change`: its number in the journal; 0: there is none.
 Bytes changed(std::uint32_t request_id, std::uint32_t epoch, sea::TimeUs start_us,
-              sea::TimeUs end_us);
+              sea::TimeUs end_us, std::uint32_t change);
 Bytes administered(std::uint32_t request_id, std::string_view text);
 /// `retry_after_ms`: not worth asking again before; 0: nothing is known.
 Bytes refused(std::uint32_t request_id, wire::ErrorCode code, std::string_view message,

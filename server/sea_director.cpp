@@ -302,7 +302,7 @@ Result<SeaPromise> SeaDirector::make_pace(int permille) {
     }));
     spdlog::info("event=sea_pace change={} pace={} from_s={}", changes_.load(),
                  permille / static_cast<double>(sea::pace_unit), sea::seconds_from_us(pace.sea_us));
-    return SeaPromise{0, pace.sea_us, pace.sea_us};
+    return SeaPromise{0, pace.sea_us, pace.sea_us, journal_ ? number : 0};
 }
 
 Result<SeaPromise> SeaDirector::make(const SeaWish& wish) {
@@ -330,7 +330,9 @@ Result<SeaPromise> SeaDirector::make(const SeaWish& wish) {
     if (clock_.now_us() > promise.start_us)
         spdlog::warn("event=sea_changes_late change={} why=\"the journal took long\"",
                      changes_.load());
-    return promise;
+    SeaPromise made = promise;
+    made.change = journal_ ? number : 0;
+    return made;
 }
 
 } // namespace seaway::server

@@ -107,9 +107,11 @@ Result<std::string> changed(Connection& connection, const protocol::ChangeWish& 
                        connection.change(wish, timeout_s, std::move(handler));
                    }));
     if (wish.pace_permille)
-        return fmt::format("{{\"from_s\": {}}}\n", sea::seconds_from_us(reply.start_us));
-    return fmt::format("{{\"epoch\": {}, \"start_s\": {}, \"end_s\": {}}}\n", reply.epoch,
-                       sea::seconds_from_us(reply.start_us), sea::seconds_from_us(reply.end_us));
+        return fmt::format("{{\"from_s\": {}, \"change\": {}}}\n",
+                           sea::seconds_from_us(reply.start_us), reply.change);
+    return fmt::format("{{\"epoch\": {}, \"start_s\": {}, \"end_s\": {}, \"change\": {}}}\n",
+                       reply.epoch, sea::seconds_from_us(reply.start_us),
+                       sea::seconds_from_us(reply.end_us), reply.change);
 }
 
 Result<FleetStatus> fleet_status(const CtlOptions& options, const StatusWish& wish) {

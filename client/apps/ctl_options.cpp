@@ -20,8 +20,9 @@ namespace seaway::client {
 namespace {
 
 constexpr const char* ctl_footer = "Changes are written to the server's journal before they are "
-                                   "answered; the answer says when the sea begins to glide\n"
-                                   "and when it is there. PATH is that of a scene file: "
+                                   "answered; the answer says when the sea begins to glide,\n"
+                                   "when it is there, and the number of the change, which rewind "
+                                   "takes. PATH is that of a scene file: "
                                    "sea.system.0.wind_speed_10m_mps, sea.depth_m, foam.bias;\n"
                                    "systems.0.from_deg is short for sea.system.0.from_deg. Tiles, "
                                    "effects and accuracy stay as they are.\n"

@@ -26,6 +26,7 @@ Result<void> Connection::take(const wire::Changed& changed) {
     value.epoch = changed.epoch();
     value.start_us = changed.start_us();
     value.end_us = changed.end_us();
+    value.change = changed.change();
     if (!requests_.finish(Lane::query, changed.request_id(), std::move(value)))
         return Error{
             fmt::format("an answer to change {}, which is not open", changed.request_id())};

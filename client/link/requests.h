@@ -46,6 +46,7 @@ struct Reply {
     protocol::SpectrumGrant spectrum;   ///< subscribe_spectrum
     sea::TimeUs start_us = 0;           ///< change: the sea glides (epoch) from here on
     sea::TimeUs end_us = 0;             ///< change: and is there (epoch + 1)
+    std::uint32_t change = 0;           ///< change: its number in the journal; 0: there is none
     std::string text;                   ///< administer: JSON
 };
 

@@ -28,6 +28,7 @@ struct SeaPromise {
     std::uint32_t epoch = 0; ///< of the glide; that of the sea which it leads to is the next
     sea::TimeUs start_us = 0;
     sea::TimeUs end_us = 0;
+    std::uint32_t change = 0; ///< its number in the journal; 0: there is none
 };
 
 } // namespace seaway::server

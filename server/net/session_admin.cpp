@@ -93,7 +93,8 @@ void Session::changed(std::uint32_t request_id, const Result<SeaPromise>& promis
     --changes_in_flight_;
     if (!promise)
         return refuse(request_id, promise.error());
-    reply(protocol::changed(request_id, promise->epoch, promise->start_us, promise->end_us));
+    reply(protocol::changed(request_id, promise->epoch, promise->start_us, promise->end_us,
+                            promise->change));
 }
 
 void Session::on_administer(const wire::Administer& administer) {

@@ -160,7 +160,7 @@ inline Bytes sample(wire::Body body) {
     case Body::Administer:
         return administer(12, wire::Act::drop, 77);
     case Body::Changed:
-        return changed(11, 4, 5'000'000, 125'000'000);
+        return changed(11, 4, 5'000'000, 125'000'000, 9);
     case Body::Administered:
         return administered(12, "{}\n");
     case Body::Pace:

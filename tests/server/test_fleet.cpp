@@ -293,7 +293,9 @@ TEST(Fleet, an_administrator_sees_the_servers_their_history_and_differences_and_
     const std::string at_a = a.wait_until_ready(), at_b = b.wait_until_ready(),
                       elsewhere = stranger.wait_until_ready();
     ASSERT_FALSE(at_a.empty() || at_b.empty() || elsewhere.empty()) << a.log() << b.log();
-    ASSERT_EQ(ctl(at_a, {"set", "systems.0.wind_speed_10m_mps=11.5", "--over", "10s"}).code, 0);
+    const Said set = ctl(at_a, {"set", "systems.0.wind_speed_10m_mps=11.5", "--over", "10s"});
+    ASSERT_EQ(set.code, 0) << set.words;
+    EXPECT_EQ(number(set.words, "change"), 2) << set.words;
     ASSERT_TRUE(comes_true([&] { return journal_of(at_b)["played"] == 2; }));
     const Said status = ctl(at_a, {"status", at_b, "ws://127.0.0.1:1"});
     EXPECT_EQ(status.code, 7) << "one does not answer: " << status.words;
@@ -327,7 +329,9 @@ TEST(Fleet, an_administrator_sees_the_servers_their_history_and_differences_and_
     EXPECT_EQ(other.code, 6) << other.words;
     EXPECT_NE(other.words.find("different seas"), std::string::npos) << other.words;
     // Back to the beginning, asked of the other server: its scene is that of change 1 to the letter.
-    ASSERT_EQ(ctl(at_b, {"rewind", "1", "--over", "10s"}).code, 0);
+    const Said back = ctl(at_b, {"rewind", "1", "--over", "10s"});
+    ASSERT_EQ(back.code, 0) << back.words;
+    EXPECT_EQ(number(back.words, "change"), 3) << back.words;
     ASSERT_TRUE(comes_true([&] { return journal_of(at_a)["played"] == 3; }));
     const auto again =
         nlohmann::json::parse(ctl(at_a, {"history", "--from", "3"}).words)["changes"];

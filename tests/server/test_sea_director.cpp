@@ -174,7 +174,9 @@ TEST_F(Director, what_it_refuses_is_counted_by_reason) {
         counts(),
         (RefusedChanges::Counts{
             {"bad_value", 0}, {"busy", 0}, {"gone", 0}, {"not_offered", 0}, {"unwritten", 0}}));
-    EXPECT_TRUE(through_world(wish()));
+    const Result<SeaPromise> made = through_world(wish());
+    ASSERT_TRUE(made) << made.error().message;
+    EXPECT_EQ(made->change, 2u) << "its number in the journal";
     SeaWish wrong = wish();
     wrong.scene = "[sea]\nseed = \"x\"\n";
     EXPECT_FALSE(through_world(wrong));
