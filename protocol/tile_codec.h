@@ -27,6 +27,13 @@ struct TileShape {
 Result<std::vector<std::uint8_t>> encode_tile(std::span<const float> samples, TileShape shape,
                                               std::size_t row_stride, float error);
 
+/// Encodes samples that are whole steps: each is the product of an integer and `step`, rounded to a float, and `step` has
+/// products with integers below 4096 that are exact. They are coded in steps that are an odd number of these, as wide as
+/// `error` allows: the bytes that encode_tile() makes of the samples when it comes to that step. About twice as fast.
+Result<std::vector<std::uint8_t>> encode_tile_steps(std::span<const std::int16_t> steps,
+                                                    TileShape shape, std::size_t row_stride,
+                                                    float step, float error);
+
 /// A tile in two forms that decode to the same samples: by itself, and as the difference to what its receiver expects there.
 struct TileForms {
     std::vector<std::uint8_t> whole;

@@ -85,6 +85,35 @@ float choose_step(float magnitude_max, float error) {
     return step;
 }
 
+struct StepSurvey {
+    int magnitude_max;
+    bool constant;
+};
+
+StepSurvey survey(std::span<const std::int16_t> steps, TileShape shape, std::size_t row_stride) {
+    int least = steps[0], most = steps[0];
+    for (int y = 0; y < shape.height; ++y) {
+        const std::int16_t* row = steps.data() + static_cast<std::size_t>(y) * row_stride;
+        for (int x = 0; x < shape.width; ++x) {
+            least = std::min<int>(least, row[x]);
+            most = std::max<int>(most, row[x]);
+        }
+    }
+    return {std::max(-least, most), least == most};
+}
+
+/// The widest odd number of steps whose half, rounded down, is within `error` after the decoder's rounding, and that of the
+/// sample itself.
+int factor_within(int magnitude_max, float step, float error) {
+    constexpr int factor_max = 4095;
+    const float largest = static_cast<float>(magnitude_max) * step + error;
+    const double ulp =
+        static_cast<double>(std::nextafter(largest, std::numeric_limits<float>::infinity())) -
+        static_cast<double>(largest);
+    const double half = std::floor((static_cast<double>(error) - ulp) / static_cast<double>(step));
+    return 2 * static_cast<int>(std::clamp(half, 0.0, 0.5 * (factor_max - 1))) + 1;
+}
+
 /// Integers of one row. Returns whether every sample will decode within `error`.
 bool quantise_row(const float* samples, int width, float step, float error, std::uint32_t* row) {
     const auto step_d = static_cast<double>(step);
@@ -280,6 +309,39 @@ Result<std::vector<std::uint8_t>> encode_tile(std::span<const float> samples, Ti
     }
     const auto all = predict(samples, shape, row_stride, 0, 0);
     return compress(Mode::lossless, shape, planes_of(*all), 0);
+}
+
+Result<std::vector<std::uint8_t>> encode_tile_steps(std::span<const std::int16_t> steps,
+                                                    TileShape shape, std::size_t row_stride,
+                                                    float step, float error) {
+    SEAWAY_TRY(check_call(steps.size(), shape, row_stride));
+    if (!(error >= 0) || !std::isfinite(error))
+        return Error{fmt::format("tile error bound is {}, must be finite and >= 0", error)};
+    if (!(step >= std::numeric_limits<float>::min()) || step > step_max / 0x1p12f)
+        return Error{fmt::format("step of samples is {}, must be {} .. {}", step,
+                                 std::numeric_limits<float>::min(), step_max / 0x1p12f)};
+    const StepSurvey seen = survey(steps, shape, row_stride);
+    if (seen.constant)
+        return finish(Mode::constant, shape, 0, static_cast<float>(steps[0]) * step, {});
+    const int factor = factor_within(seen.magnitude_max, step, error);
+    const float to_whole = 1.0f / static_cast<float>(factor);
+    const auto all = residuals_of(shape, [&](std::size_t y, std::uint32_t* row) {
+        const std::int16_t* source = steps.data() + y * row_stride;
+        // Adding 1.5 * 2^23 rounds to the nearest integer. No integer lies in the middle of two multiples of an odd one, nor
+        // nearer to it than 32767 products are off in single precision.
+        for (int x = 0; x < shape.width; ++x)
+            row[x] =
+                std::bit_cast<std::uint32_t>(static_cast<float>(source[x]) * to_whole + 0x1.8p23f) -
+                std::bit_cast<std::uint32_t>(0x1.8p23f);
+        return true;
+    });
+    const float coded = static_cast<float>(factor) * step;
+    const std::uint32_t first = unzigzag(scratch().residuals[0]);
+    if (std::all_of(scratch().residuals.begin() + 1, scratch().residuals.end(),
+                    [](std::uint32_t residual) { return residual == 0; }))
+        return finish(Mode::constant, shape, 0,
+                      static_cast<float>(static_cast<std::int32_t>(first)) * coded, {});
+    return compress(Mode::quantised, shape, planes_of(*all), coded);
 }
 
 Result<TileForms> encode_tile_forms(std::span<const float> samples, TileShape shape,

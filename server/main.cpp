@@ -215,7 +215,8 @@ int serve(const Options& options) {
     Result<std::unique_ptr<Simulation>> simulation = Simulation::start(
         course, device_factory(options), world.subscriptions(), clock_of(clock), events(world),
         {.rate = options.work_rate, .burst_s = options.work_burst_s}, memory,
-        options.answer_threads > 0 ? options.answer_threads : answer_threads_default());
+        options.answer_threads > 0 ? options.answer_threads : answer_threads_default(),
+        options.readback == "rounded" ? Readback::rounded : Readback::exact);
     if (!simulation)
         return fail(exit_no_device, simulation.error());
     world.attach(**simulation);

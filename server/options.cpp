@@ -113,6 +113,13 @@ void sea_options(CommandLine& line, Options& options) {
                 "a part of a device's name (lavapipe), its index, or `list` to see them")
         .takes("NAME|INDEX|auto|native|list")
         .shows_default();
+    line.option(
+            "--readback", options.readback,
+            "rounded: maps of a GPU with memory of its own cross the bus as 16 bits, within the "
+            "scene's budget of errors; other devices are not touched by it")
+        .takes("exact|rounded")
+        .one_of({"exact", "rounded"})
+        .shows_default();
     line.option("--answer-threads", options.answer_threads,
                 "Threads that answer points beside the one that makes keyframes; 0: one a core, "
                 "four at most")

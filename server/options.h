@@ -14,9 +14,10 @@ struct Options {
     std::string scene;
     std::string config; ///< file of options; empty: none
     NetOptions net;
-    std::string device = "auto"; ///< auto | list | name part | index
-    JournalPlace journal;        ///< none: the sea ends with the process
-    int answer_threads = 0;      ///< that answer points; 0: answer_threads_default()
+    std::string device = "auto";    ///< auto | list | name part | index
+    std::string readback = "exact"; ///< exact | rounded (server/simulation/readback.h)
+    JournalPlace journal;           ///< none: the sea ends with the process
+    int answer_threads = 0;         ///< that answer points; 0: answer_threads_default()
     double work_rate = 1;     ///< of each session: share of the threads that work for those who ask
     double work_burst_s = 10; ///< of each session: work asked for at once, beyond the rate, s
     int memory_mb =

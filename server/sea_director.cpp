@@ -249,7 +249,7 @@ Result<void> SeaDirector::check_takeovers(TimeUs start_us) const {
                             glides - 1, sea::seconds_from_us(end_us)));
 }
 
-Result<void> SeaDirector::log(SeaChange change, const std::function<void()>& effect) {
+Result<std::uint32_t> SeaDirector::log(SeaChange change, const std::function<void()>& effect) {
     change.epoch = changes_ + 1;
     try {
         SEAWAY_TRY(append(change));
@@ -263,7 +263,7 @@ Result<void> SeaDirector::log(SeaChange change, const std::function<void()>& eff
                                  change.epoch)};
     }
     changes_ = change.epoch;
-    return {};
+    return journal_ ? change.epoch : 0;
 }
 
 Result<void> SeaDirector::append(const SeaChange& change) {
@@ -296,13 +296,13 @@ Result<SeaPromise> SeaDirector::make_pace(int permille) {
                     fmt::format("{} paces are promised and do not hold yet", promised));
     const sea::Pace pace =
         clock_.next_pace(now_us + pace_ahead_us + (journal_ ? journal_->spread_us() : 0), permille);
-    SEAWAY_TRY(log({.scene = {}, .pace = pace}, [&] {
-        clock_.follow(pace);
-        world_.announce_pace(pace);
-    }));
+    SEAWAY_TRY_LET(const std::uint32_t number, log({.scene = {}, .pace = pace}, [&] {
+                       clock_.follow(pace);
+                       world_.announce_pace(pace);
+                   }));
     spdlog::info("event=sea_pace change={} pace={} from_s={}", changes_.load(),
                  permille / static_cast<double>(sea::pace_unit), sea::seconds_from_us(pace.sea_us));
-    return SeaPromise{0, pace.sea_us, pace.sea_us, journal_ ? number : 0};
+    return SeaPromise{0, pace.sea_us, pace.sea_us, number};
 }
 
 Result<SeaPromise> SeaDirector::make(const SeaWish& wish) {
@@ -314,15 +314,16 @@ Result<SeaPromise> SeaDirector::make(const SeaWish& wish) {
     if (!planned)
         return refused(planned.error());
     const sea::Scene& scene = planned->scene;
-    const SeaPromise& promise = planned->promise;
+    SeaPromise promise = planned->promise;
     const SeaChange change{
         .start_us = promise.start_us, .end_us = promise.end_us, .scene = sea::to_toml(scene)};
-    SEAWAY_TRY(log(change, [&] {
-        promised_.reserve(promised_.size() + 1);
-        SEAWAY_CHECK(course_->add(scene, promise.start_us, promise.end_us).has_value(),
-                     "what was checked can be added");
-        promised_.push_back(promise.start_us);
-    }));
+    SEAWAY_TRY_LET(promise.change, log(change, [&] {
+                       promised_.reserve(promised_.size() + 1);
+                       SEAWAY_CHECK(
+                           course_->add(scene, promise.start_us, promise.end_us).has_value(),
+                           "what was checked can be added");
+                       promised_.push_back(promise.start_us);
+                   }));
     spdlog::info("event=sea_changes change={} start_s={} over_s={} hs_m={:.2f}", changes_.load(),
                  sea::seconds_from_us(promise.start_us),
                  sea::seconds_from_us(promise.end_us - promise.start_us),
@@ -330,9 +331,7 @@ Result<SeaPromise> SeaDirector::make(const SeaWish& wish) {
     if (clock_.now_us() > promise.start_us)
         spdlog::warn("event=sea_changes_late change={} why=\"the journal took long\"",
                      changes_.load());
-    SeaPromise made = promise;
-    made.change = journal_ ? number : 0;
-    return made;
+    return promise;
 }
 
 } // namespace seaway::server

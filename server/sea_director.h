@@ -70,8 +70,8 @@ class SeaDirector {
     Result<void> check_takeovers(sea::TimeUs start_us) const;
     Result<SeaPromise> make(const SeaWish& wish);
     /// Written durably, where there is a journal, and then played: `effect`. Where there is no memory for either, follow()
-    /// plays what was written once there is: the error says so.
-    Result<void> log(SeaChange change, const std::function<void()>& effect);
+    /// plays what was written once there is: the error says so. Its number in the journal; 0: there is none.
+    Result<std::uint32_t> log(SeaChange change, const std::function<void()>& effect);
     Result<void> append(const SeaChange& change);
     /// The time that others need to hear of a change, in sea time.
     sea::TimeUs spread() const;

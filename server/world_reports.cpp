@@ -115,6 +115,23 @@ std::string effect_metrics(const EffectPlan& plan, const EffectCosts& costs) {
     return text;
 }
 
+/// What came of a device's memory, on the way to keyframes.
+std::string readback_metrics(const SynthesisCounters& c) {
+    std::string text = fmt::format(
+        "# HELP seaway_readback_bytes_total Bytes of maps that crossed from a device's own "
+        "memory.\n"
+        "# TYPE seaway_readback_bytes_total counter\nseaway_readback_bytes_total {}\n"
+        "# HELP seaway_maps_rounded_total Maps that crossed as 16 bits (--readback rounded).\n"
+        "# TYPE seaway_maps_rounded_total counter\nseaway_maps_rounded_total {}\n"
+        "# HELP seaway_maps_too_large_total Maps that 16 bits were too few for.\n"
+        "# TYPE seaway_maps_too_large_total counter\n",
+        c.readback_bytes, c.maps_rounded);
+    for (const sea::FieldInfo& row : sea::field_table)
+        text += fmt::format("seaway_maps_too_large_total{{field=\"{}\"}} {}\n", row.name,
+                            c.maps_too_large[static_cast<std::size_t>(row.field)]);
+    return text;
+}
+
 } // namespace
 
 protocol::SeaStateValues sea_state_values(const RunningSea& sea, const EpochWindow& window,
@@ -264,7 +281,7 @@ std::string plan_json(const RunningSea& sea, const EffectPlan& plan,
 
 std::string metrics_text(const EffectPlan& plan, const SimulationCounters& counters,
                          const EffectCosts& costs, const SeaMoment& at) {
-    std::string text = effect_metrics(plan, costs);
+    std::string text = effect_metrics(plan, costs) + readback_metrics(counters.synthesis);
     const auto add = [&](std::string_view name, std::string_view type, std::string_view help,
                          double value) {
         text += fmt::format("# HELP seaway_{0} {2}\n# TYPE seaway_{0} {1}\nseaway_{0} {3}\n", name,

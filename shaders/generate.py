@@ -84,6 +84,7 @@ def embed(out, modules):
              "std::span<const Transform> synthesis_transforms() {\n    return transforms;\n}\n\n"
              'Shader jacobian() {\n    return {"jacobian", jacobian_words};\n}\n\n'
              'Shader foam() {\n    return {"foam", foam_words};\n}\n\n'
+             'Shader round() {\n    return {"round", round_words};\n}\n\n'
              'Shader copy() {\n    return {"copy", copy_words};\n}\n\n'
              "} // namespace seaway::shaders\n"]
     pathlib.Path(out).write_text("".join(text), encoding="utf-8")

@@ -63,6 +63,10 @@ Shader jacobian();
 /// which is a z.
 Shader foam();
 
+/// Bindings maps, scales -> Rounded; push constants RoundPush, N^2 / 8 invocations a map, which is a y, of a job, which is a
+/// z.
+Shader round();
+
 /// Bindings source -> Target, a vec4 an invocation; no push constants. Part of no synthesis: a measure of memory.
 Shader copy();
 

@@ -5,6 +5,7 @@
 // Calls come from one thread (the simulation thread); a synthesizer need not be thread-safe.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -52,6 +53,10 @@ struct KeyframeRequest {
     sea::FieldSet fields;
     std::uint32_t epoch = 1; ///< of which sea; a synthesizer, which has one, does not look at it
     const FoamTurn* foam = nullptr; ///< valid during the call
+    /// How far samples of each field, in table order, may be off what is computed, in its unit; > 0. A device whose memory
+    /// the CPU cannot read may then round them to 16 bits and send half the bytes (Keyframe::rounded); fields for which
+    /// these are too few come as they are. None: nothing is rounded. Valid during the call.
+    std::span<const float> rounding = {};
 };
 
 /// The fields of a request that transforms fill, and the Jacobian.
@@ -84,22 +89,36 @@ struct SynthesisCounters {
     double foam_seconds =
         0; ///< what they took, where it can be told apart; then not in device_seconds
     std::uint64_t readback_bytes = 0; ///< that travelled from device memory the CPU cannot read
+    std::uint64_t maps_rounded = 0;   ///< of those that travelled
+    std::array<std::uint64_t, sea::field_count> maps_too_large =
+        {}; ///< that were to be rounded and travelled as floats, by field
     std::uint64_t readbacks_beside =
         0; ///< runs whose maps were waited for when the next run had been submitted
 
-    friend SynthesisCounters operator+(const SynthesisCounters& a, const SynthesisCounters& b) {
-        return {a.dispatches + b.dispatches,         a.transforms + b.transforms,
-                a.keyframes + b.keyframes,           a.cascades + b.cascades,
-                a.device_seconds + b.device_seconds, a.copies + b.copies,
-                a.foam_ticks + b.foam_ticks,         a.foam_seconds + b.foam_seconds,
-                a.readback_bytes + b.readback_bytes, a.readbacks_beside + b.readbacks_beside};
+    friend SynthesisCounters operator+(SynthesisCounters a, const SynthesisCounters& b) {
+        return a.each(b, [](auto& own, auto other) { own += other; });
     }
-    friend SynthesisCounters operator-(const SynthesisCounters& a, const SynthesisCounters& b) {
-        return {a.dispatches - b.dispatches,         a.transforms - b.transforms,
-                a.keyframes - b.keyframes,           a.cascades - b.cascades,
-                a.device_seconds - b.device_seconds, a.copies - b.copies,
-                a.foam_ticks - b.foam_ticks,         a.foam_seconds - b.foam_seconds,
-                a.readback_bytes - b.readback_bytes, a.readbacks_beside - b.readbacks_beside};
+    friend SynthesisCounters operator-(SynthesisCounters a, const SynthesisCounters& b) {
+        return a.each(b, [](auto& own, auto other) { own -= other; });
+    }
+
+  private:
+    template <class Work>
+    SynthesisCounters each(const SynthesisCounters& other, const Work& work) {
+        work(dispatches, other.dispatches);
+        work(transforms, other.transforms);
+        work(keyframes, other.keyframes);
+        work(cascades, other.cascades);
+        work(device_seconds, other.device_seconds);
+        work(copies, other.copies);
+        work(foam_ticks, other.foam_ticks);
+        work(foam_seconds, other.foam_seconds);
+        work(readback_bytes, other.readback_bytes);
+        work(maps_rounded, other.maps_rounded);
+        for (std::size_t i = 0; i < maps_too_large.size(); ++i)
+            work(maps_too_large[i], other.maps_too_large[i]);
+        work(readbacks_beside, other.readbacks_beside);
+        return *this;
     }
 };
 

@@ -58,6 +58,10 @@ Result<void> VulkanBatch::record(Slot& slot, std::span<const Job> jobs, const Pa
     write(slot, rows_, std::as_bytes(std::span(packing.rows)));
     if (after.foam != nullptr && !after.foam->steps.empty())
         write(slot, foam_steps_, std::as_bytes(std::span(after.foam->steps)));
+    if (after.rounding != nullptr) {
+        write(slot, scales_, std::as_bytes(std::span(after.rounding->scales)));
+        slot.commands.fill(slot.rounded, 0, shaders::rounded_maps_max * sizeof(std::uint32_t));
+    }
     if (jobs_.mapped().empty())
         slot.commands.barrier(Stage::copy, Stage::compute);
     const Target& target = first_held ? held_ : slot.target;
@@ -70,8 +74,12 @@ Result<void> VulkanBatch::record(Slot& slot, std::span<const Job> jobs, const Pa
     if (first_held)
         slot.commands.barrier(Stage::compute, Stage::host); // they stay where they are
     else if (&slot != &own_)
-        slot.commands.release_to_transfer(slot.maps, Stage::compute);
-    else if (passes == 0 || passes == kernels_.passes.size())
+        slot.commands.release_to_transfer(slot.asked > 0 ? slot.rounded : slot.maps,
+                                          Stage::compute);
+    else if (slot.asked > 0) {
+        slot.commands.barrier(Stage::compute, Stage::copy);
+        copy_out(slot, slot.commands);
+    } else if (passes == 0 || passes == kernels_.passes.size())
         read_back(slot, *target.maps, map_bytes() * jobs.size() * push.maps);
     else
         read_back(slot, scratch_[(passes - 1) % 2],
@@ -97,6 +105,10 @@ void VulkanBatch::record_passes(Slot& slot, const Target& target, const Packing&
     }
     if (after.foam != nullptr) {
         record_foam(slot, target, *after.foam);
+        stamp(slot);
+    }
+    if (after.rounding != nullptr) {
+        record_rounding(slot, push.first_map);
         stamp(slot);
     }
 }

@@ -29,9 +29,6 @@
 
 namespace seaway::server {
 
-/// Of a texel, four floats: maps are read and copied by these.
-inline constexpr std::size_t vec4_bytes = 16;
-
 class VulkanBatch {
   public:
     /// One keyframe: which cascade (position among those given to create()), when.
@@ -54,11 +51,19 @@ class VulkanBatch {
     /// Of a run: as many as the device binds at once.
     int maps_at_once() const { return capacity_maps_; }
 
+    /// Of the maps of each job the first ones, which were asked for, travel as whole steps of 16 bits.
+    struct Rounding {
+        int asked = 0;
+        std::vector<float>
+            scales; ///< [job][map]: steps in one unit; 0: of this map nothing is wanted
+    };
     /// What is done to the maps once they are there.
     struct After {
         const sea::Choppiness* jacobian =
             nullptr;                    ///< the Jacobian; the strains must be in the packing
         const FoamWork* foam = nullptr; ///< histories go on
+        const Rounding* rounding =
+            nullptr; ///< where memory is not read in place, of maps that are not held
     };
     /// Computes; with an empty packing only what comes after. Maps go to those that are held, from `first_held` on, or
     /// to memory of this object, from where read_map() copies them.
@@ -96,6 +101,15 @@ class VulkanBatch {
     void read_map(RunId run, int job, int map, std::span<float> out) const;
     /// Of such a run, from memory that the CPU cannot read.
     std::size_t travelled_bytes(RunId run) const;
+
+    /// Of a run that was rounded instead: whether 16 bits are enough for a map, and where its steps are, [y][x].
+    bool fits(RunId run, int job, int map) const;
+    std::span<const std::int16_t> steps(RunId run, int job, int map) const;
+    struct MapOf {
+        int job, map;
+    };
+    /// These travel as they are, for read_map(); there are no steps after that.
+    Result<void> read_exactly(RunId run, std::span<const MapOf> maps);
 
     std::uint64_t dispatches() const { return dispatches_; }
     /// By the device's clock where passes are timed, else by ours; foam is told apart by the device's alone.
@@ -140,8 +154,13 @@ class VulkanBatch {
         gpu::Buffer maps;
         gpu::TexelView view;
         gpu::Commands copying;
+        // Where maps are rounded.
+        gpu::Buffer rounded;
+        gpu::Bindings rounding;
         // Of its run.
-        std::size_t maps_a_job = 0, bytes = 0; ///< of all maps
+        std::size_t jobs = 0, maps_a_job = 0;
+        std::size_t asked = 0; ///< maps of a job that are rounded; 0: none is
+        std::size_t bytes = 0; ///< that travel
         bool foam = false, under_way = false;
         std::uint64_t ticket = 0, copied = 0; ///< of the transfer queue; 0: it has nothing to do
         std::chrono::steady_clock::time_point started;
@@ -152,8 +171,13 @@ class VulkanBatch {
     Slot& slot_of(RunId run) { return const_cast<Slot&>(std::as_const(*this).slot_of(run)); }
     Result<void> make(Slot& slot);
     Result<RunId> free_slot();
-    Result<void> submit(Slot& slot, std::size_t copied_bytes);
-    Result<void> record_copying(Slot& slot, std::size_t bytes);
+    Result<void> submit(Slot& slot, bool copies);
+    Result<void> record_copying(Slot& slot);
+    Result<void> make_rounding(Slot& slot);
+    void record_rounding(Slot& slot, std::uint32_t first_map);
+    /// What travels of it, to where the CPU reads it.
+    void copy_out(const Slot& slot, gpu::Commands& commands) const;
+    std::size_t rounded_bytes(const Slot& slot) const;
     bool any_under_way() const;
 
     /// The first `passes` passes, to the slot's target or to what is held.
@@ -181,7 +205,7 @@ class VulkanBatch {
         return static_cast<std::size_t>(kernels_.size()) *
                static_cast<std::size_t>(kernels_.size());
     }
-    std::uint32_t stamps() const { return static_cast<std::uint32_t>(kernels_.passes.size()) + 3; }
+    std::uint32_t stamps() const { return static_cast<std::uint32_t>(kernels_.passes.size()) + 4; }
     std::size_t map_bytes() const { return points() * sizeof(float); }
 
     gpu::Device& device_;
@@ -189,9 +213,9 @@ class VulkanBatch {
     bool time_passes_;
     int capacity_maps_ = 0;
     std::vector<float> steps_; ///< wavenumber step of each cascade, rad/m
-    gpu::Buffer modes_, rates_, orbits_, jobs_, rows_, foam_steps_, scratch_[2];
+    gpu::Buffer modes_, rates_, orbits_, jobs_, rows_, foam_steps_, scales_, scratch_[2];
     gpu::TexelView modes_view_, rates_view_, orbits_view_, jobs_view_, rows_view_, foam_steps_view_,
-        scratch_views_[2];
+        scales_view_, scratch_views_[2];
     std::vector<gpu::Bindings> bindings_; ///< one a pass but the last
     Target held_;
     Slot own_; ///< of runs that nothing follows: their maps go to what is held, or to the scratch

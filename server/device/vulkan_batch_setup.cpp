@@ -99,7 +99,9 @@ Result<void> VulkanBatch::allocate(int cascade_count) {
         {rows_, &rows_view_, rgba32f, "rows", row_bytes, vec4_bytes},
         {scratch_[0], &scratch_views_[0], rgba32f, "first scratch", scratch_bytes, vec4_bytes},
         {scratch_[1], &scratch_views_[1], rgba32f, "second scratch", scratch_bytes, vec4_bytes},
-        {foam_steps_, &foam_steps_view_, rgba32ui, "foam steps", step_bytes, vec4_bytes}};
+        {foam_steps_, &foam_steps_view_, rgba32ui, "foam steps", step_bytes, vec4_bytes},
+        {scales_, &scales_view_, r32f, "scales", shaders::rounded_maps_max * sizeof(float),
+         sizeof(float)}};
     for (const Wish& wish : wishes)
         SEAWAY_TRY(server::make(device_, wish.buffer, wish.view, wish.format, wish.name, wish.bytes,
                                 wish.texel_bytes, BufferKind::device));
@@ -131,6 +133,18 @@ Result<void> VulkanBatch::make(Slot& slot) {
         return bound;
     }
     return {};
+}
+
+Result<void> VulkanBatch::make_rounding(Slot& slot) {
+    if (slot.rounding.get() != VK_NULL_HANDLE)
+        return {};
+    const std::size_t bytes = shaders::rounded_maps_max * sizeof(std::uint32_t) +
+                              static_cast<std::size_t>(capacity_maps_) * map_bytes() / 2;
+    SEAWAY_TRY(server::make(device_, slot.rounded, nullptr, VK_FORMAT_UNDEFINED, "rounded maps",
+                            bytes, vec4_bytes, BufferKind::device));
+    return take(slot.rounding, kernels_.round.bind(device_, {gpu::texels(*slot.target.view),
+                                                             gpu::texels(scales_view_),
+                                                             gpu::whole(slot.rounded)}));
 }
 
 std::vector<gpu::Resource> VulkanBatch::resources(std::size_t pass, const gpu::Buffer& to) const {

@@ -12,6 +12,9 @@
 
 namespace seaway::server {
 
+/// Of a texel, four floats: maps are read and copied by these.
+inline constexpr std::size_t vec4_bytes = 16;
+
 struct Packing {
     int fields = 0;  ///< transforms along x, and maps
     int sources = 0; ///< transforms along y, at most as many

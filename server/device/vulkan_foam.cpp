@@ -9,13 +9,13 @@
 
 #include "base/check.h"
 #include "gpu/commands.h"
+#include "server/device/vulkan_fields.h"
 
 namespace seaway::server {
 
 namespace {
 
 constexpr std::size_t first_slots = 4;
-constexpr std::size_t vec4_bytes = 16;
 
 } // namespace
 

@@ -56,6 +56,12 @@ gpu::KernelExpectation foam_pass() {
             .local_size = {shaders::synthesis_workgroup, 1, 1}};
 }
 
+gpu::KernelExpectation round_pass() {
+    return {.bindings = {{"maps", texel_buffer}, {"scales", texel_buffer}, {"Rounded", storage}},
+            .push_constant_bytes = sizeof(shaders::RoundPush),
+            .local_size = {shaders::synthesis_workgroup, 1, 1}};
+}
+
 Result<void> make(gpu::Kernel& place, gpu::Device& device, const shaders::Shader& shader,
                   const gpu::KernelExpectation& expected) {
     SEAWAY_TRY_LET(place, gpu::Kernel::create(device, shader.name, shader.spirv, expected));
@@ -78,6 +84,7 @@ Result<SynthesisKernels> SynthesisKernels::create(gpu::Device& device,
     }
     SEAWAY_TRY(make(made.jacobian, device, shaders::jacobian(), jacobian_pass()));
     SEAWAY_TRY(make(made.foam, device, shaders::foam(), foam_pass()));
+    SEAWAY_TRY(make(made.round, device, shaders::round(), round_pass()));
     return made;
 }
 

@@ -23,6 +23,7 @@ struct SynthesisKernels {
     std::vector<Pass> passes;
     gpu::Kernel jacobian;
     gpu::Kernel foam;
+    gpu::Kernel round;
 
     int size() const { return transform->size; }
 

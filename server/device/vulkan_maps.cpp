@@ -2,16 +2,17 @@
 #include "server/device/vulkan_maps.h"
 
 #include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
 
 #include "base/check.h"
+#include "server/device/synthesizer.h"
+#include "server/device/vulkan_fields.h"
 
 namespace seaway::server {
 
-namespace {
-
-constexpr std::size_t vec4_bytes = 16;
-
-} // namespace
+namespace {} // namespace
 
 Result<std::shared_ptr<VulkanMaps>> VulkanMaps::create(std::shared_ptr<gpu::Device> device,
                                                        int size, std::size_t bytes_max) {
@@ -64,6 +65,13 @@ sea::MapValues VulkanMaps::lend(std::size_t first, std::size_t count) {
     const std::span<float> values =
         buffer_.mapped_as<float>().subspan(first * map_floats_, count * map_floats_);
     return sea::MapValues::lent(values, keeper(first, count));
+}
+
+Error VulkanMaps::full(std::size_t own, std::size_t needed) const {
+    return {DeviceError::out_of_memory,
+            fmt::format("{} of {} maps of size {} are held, and the next keyframe takes {}",
+                        held() - own, size(),
+                        std::lround(std::sqrt(static_cast<double>(map_floats_))), needed)};
 }
 
 std::size_t VulkanMaps::held() const {

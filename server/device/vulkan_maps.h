@@ -39,6 +39,8 @@ class VulkanMaps : public std::enable_shared_from_this<VulkanMaps> {
     const gpu::Buffer& buffer() const { return buffer_; }
     const gpu::TexelView& view() const { return view_; }
     std::size_t held() const;
+    /// What there is to say where a keyframe finds no place: it needs so many, and has taken `own` of them.
+    Error full(std::size_t own, std::size_t needed) const;
     std::size_t size() const { return taken_.size(); }
 
   private:

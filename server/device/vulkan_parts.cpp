@@ -25,9 +25,11 @@ std::vector<KeyframeRequest> parts_of(const KeyframeRequest& request, int maps_a
         return {request};
     KeyframeRequest first = request;
     first.fields = request.fields & (derived | strains);
+    first.rounding = {};
     std::vector<KeyframeRequest> parts{first};
     KeyframeRequest next = request;
     next.foam = nullptr;
+    next.rounding = {};
     next.fields = {};
     for (const sea::Field field : request.fields) {
         if (first.fields.contains(field))

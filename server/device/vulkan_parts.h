@@ -11,7 +11,7 @@
 namespace seaway::server {
 
 /// The same request as some of which each takes at most so many maps, at least 5; strains and what is made of them, with
-/// the turn, are the first. Itself where it fits.
+/// the turn, are the first, and nothing is rounded. Itself where it fits.
 std::vector<KeyframeRequest> parts_of(const KeyframeRequest& request, int maps_at_once);
 
 /// The planes of all parts, to a keyframe that has their fields and room for their values.

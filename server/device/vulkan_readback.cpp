@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/device/vulkan_readback.h"
 
+#include <algorithm>
+
 namespace seaway::server {
 
 Result<void> VulkanReadbacks::collect() {
@@ -8,8 +10,54 @@ Result<void> VulkanReadbacks::collect() {
     counts_.beside += pending_.size() > 1;
     SEAWAY_TRY(oldest.batch->finish(oldest.run));
     counts_.bytes += oldest.batch->travelled_bytes(oldest.run);
-    copy_maps(oldest);
+    for (const NewKeyframePtr& keyframe : oldest.keyframes) {
+        keyframe->values = spare_->take(keyframe->plane_size() *
+                                        static_cast<std::size_t>(keyframe->fields.size()));
+        counts_.copies += !keyframe->fields.empty();
+    }
+    if (oldest.rounded)
+        SEAWAY_TRY(take_rounded(oldest));
+    else
+        copy_maps(oldest);
     pending_.pop_front();
+    return {};
+}
+
+sea::FieldSet VulkanReadbacks::take_steps(const Pending& pending, int job) {
+    sea::Keyframe& keyframe = *pending.keyframes[static_cast<std::size_t>(job)];
+    sea::FieldSet too_large;
+    for (sea::RoundedMap& map : keyframe.rounded) {
+        const int place = pending.packing.map_of(map.field);
+        if (!pending.batch->fits(pending.run, job, place)) {
+            too_large.insert(map.field);
+            ++counts_.too_large[static_cast<std::size_t>(map.field)];
+            continue;
+        }
+        const std::span<const std::int16_t> steps = pending.batch->steps(pending.run, job, place);
+        map.steps.assign(steps.begin(), steps.end());
+        std::ranges::transform(
+            map.steps, keyframe.plane(map.field).begin(),
+            [step = map.step](std::int16_t n) { return static_cast<float>(n) * step; });
+        ++counts_.rounded;
+    }
+    std::erase_if(keyframe.rounded, [&](const auto& map) { return too_large.contains(map.field); });
+    return too_large;
+}
+
+Result<void> VulkanReadbacks::take_rounded(const Pending& pending) {
+    std::vector<VulkanBatch::MapOf> again;
+    std::vector<std::span<float>> planes;
+    for (int job = 0; job < static_cast<int>(pending.keyframes.size()); ++job)
+        for (const sea::Field field : take_steps(pending, job)) {
+            again.push_back({job, pending.packing.map_of(field)});
+            planes.push_back(pending.keyframes[static_cast<std::size_t>(job)]->plane(field));
+        }
+    if (again.empty())
+        return {};
+    SEAWAY_TRY(pending.batch->read_exactly(pending.run, again));
+    counts_.bytes += pending.batch->travelled_bytes(pending.run);
+    for (std::size_t i = 0; i < again.size(); ++i)
+        pending.batch->read_map(pending.run, again[i].job, again[i].map, planes[i]);
     return {};
 }
 
@@ -24,9 +72,6 @@ void VulkanReadbacks::copy_maps(const Pending& pending) {
     std::vector<Map> maps;
     for (std::size_t job = 0; job < pending.keyframes.size(); ++job) {
         sea::Keyframe& keyframe = *pending.keyframes[job];
-        keyframe.values =
-            spare_->take(keyframe.plane_size() * static_cast<std::size_t>(keyframe.fields.size()));
-        counts_.copies += !keyframe.fields.empty();
         for (const sea::Field field : keyframe.fields)
             maps.push_back({pending, static_cast<int>(job), pending.packing.map_of(field),
                             keyframe.plane(field)});

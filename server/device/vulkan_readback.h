@@ -3,6 +3,7 @@
 // the order in which their runs were started; some runs may be under way at a time. For one thread.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <deque>
 #include <memory>
@@ -24,12 +25,15 @@ class VulkanReadbacks {
         VulkanBatch* batch;
         VulkanBatch::RunId run;
         Packing packing;
-        std::vector<NewKeyframePtr> keyframes;
+        std::vector<NewKeyframePtr> keyframes; ///< where maps are rounded, with rows of what to
+        bool rounded = false;
     };
     struct Counts {
-        std::uint64_t copies = 0; ///< keyframes
-        std::uint64_t beside = 0; ///< runs that were waited for when a later one had been started
-        std::uint64_t bytes = 0;  ///< that travelled from memory which this side does not see
+        std::uint64_t copies = 0;  ///< keyframes
+        std::uint64_t beside = 0;  ///< runs that were waited for when a later one had been started
+        std::uint64_t rounded = 0; ///< maps
+        std::array<std::uint64_t, sea::field_count> too_large = {}; ///< to be rounded, by field
+        std::uint64_t bytes = 0; ///< that travelled from memory which this side does not see
     };
 
     explicit VulkanReadbacks(std::shared_ptr<SpareBuffers> spare) : spare_(std::move(spare)) {}
@@ -46,6 +50,9 @@ class VulkanReadbacks {
     const Counts& counts() const { return counts_; }
 
   private:
+    /// Of fields that 16 bits are too few for there is nothing yet, and no row.
+    sea::FieldSet take_steps(const Pending& pending, int job);
+    Result<void> take_rounded(const Pending& pending);
     void copy_maps(const Pending& pending);
 
     const std::shared_ptr<SpareBuffers> spare_;

@@ -3,12 +3,14 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "sea/basics/field.h"
 #include "sea/waves/realization.h"
 #include "server/device/synthesizer.h"
+#include "server/device/vulkan_batch.h"
 #include "server/device/vulkan_fields.h"
 
 namespace seaway::server {
@@ -20,7 +22,8 @@ inline constexpr sea::FieldSet strain_fields{sea::Field::strain_xx, sea::Field::
 struct RequestBatch {
     int size;
     sea::FieldSet fields;
-    bool looks; ///< foam does, at strains
+    bool looks;  ///< foam does, at strains
+    bool rounds; ///< maps are to travel as whole steps
     std::vector<std::size_t> requests;
 
     bool jacobian() const { return fields.contains(sea::Field::jacobian); }
@@ -33,8 +36,17 @@ struct RequestBatch {
     Packing packing(std::size_t apart = 0) const { return pack(computed(), fields, apart); }
 };
 
-/// In an order in which turns of one foam map are taken as they were asked for.
+/// In an order in which turns of one foam map are taken as they were asked for. `rounds`: those that may be are.
 std::vector<RequestBatch> sort_requests(std::span<const KeyframeRequest> requests,
-                                        const sea::Realization& sea);
+                                        const sea::Realization& sea, bool rounds);
+
+/// What the maps of a request are rounded to: a row a field, with its step and its error, and without steps. Foam that is
+/// the caller's to fill (KeyframeRequest) has none.
+std::vector<sea::RoundedMap> rounded_maps(const KeyframeRequest& request);
+
+/// What the kernel is told of requests of a batch; none: it does not round.
+std::optional<VulkanBatch::Rounding> rounding_of(const RequestBatch& batch, const Packing& packing,
+                                                 std::span<const KeyframeRequest> requests,
+                                                 std::span<const std::size_t> indices);
 
 } // namespace seaway::server

@@ -11,6 +11,13 @@ namespace seaway::server {
 
 using Clock = std::chrono::steady_clock;
 
+namespace {
+
+/// Of rounded maps, behind the numbers that say which do not fit.
+constexpr std::size_t words_at = shaders::rounded_maps_max * sizeof(std::uint32_t);
+
+} // namespace
+
 bool VulkanBatch::any_under_way() const {
     return own_.under_way || std::ranges::any_of(ring_, &Slot::under_way);
 }
@@ -48,33 +55,48 @@ Result<VulkanBatch::RunId> VulkanBatch::start(std::span<const Job> jobs, const P
     Slot& slot = slot_of(id);
     if (after.foam != nullptr)
         SEAWAY_TRY(bind_foam(first_held ? held_ : slot.target, *after.foam->histories));
+    if (after.rounding != nullptr)
+        SEAWAY_TRY(make_rounding(slot));
     const std::size_t passes = packing.fields > 0 ? kernels_.passes.size() : 0;
-    SEAWAY_TRY(record(slot, jobs, packing, after, passes, first_held));
+    slot.jobs = jobs.size();
     slot.maps_a_job = static_cast<std::size_t>(packing.maps);
+    slot.asked = after.rounding != nullptr ? static_cast<std::size_t>(after.rounding->asked) : 0;
     slot.foam = after.foam != nullptr;
-    slot.bytes = map_bytes() * jobs.size() * slot.maps_a_job;
-    SEAWAY_TRY(submit(slot, more ? slot.bytes : 0));
+    slot.bytes = slot.asked > 0 ? rounded_bytes(slot) : map_bytes() * slot.jobs * slot.maps_a_job;
+    SEAWAY_TRY(record(slot, jobs, packing, after, passes, first_held));
+    SEAWAY_TRY(submit(slot, more));
     dispatches_ += passes + (after.jacobian != nullptr) +
-                   (after.foam != nullptr ? after.foam->rounds.size() : 0);
+                   (after.foam != nullptr ? after.foam->rounds.size() : 0) +
+                   (after.rounding != nullptr);
     return id;
 }
 
-Result<void> VulkanBatch::record_copying(Slot& slot, std::size_t bytes) {
+Result<void> VulkanBatch::record_copying(Slot& slot) {
     SEAWAY_TRY(slot.copying.begin());
-    slot.copying.acquire_for_transfer(slot.maps);
-    slot.copying.copy(slot.maps, slot.readback, bytes);
-    slot.copying.barrier(gpu::Stage::copy, gpu::Stage::host);
+    slot.copying.acquire_for_transfer(slot.asked > 0 ? slot.rounded : slot.maps);
+    copy_out(slot, slot.copying);
     return slot.copying.end();
 }
 
-Result<void> VulkanBatch::submit(Slot& slot, std::size_t copied_bytes) {
+void VulkanBatch::copy_out(const Slot& slot, gpu::Commands& commands) const {
+    if (slot.asked > 0) {
+        commands.copy(slot.rounded, slot.readback, slot.jobs * slot.asked * sizeof(std::uint32_t));
+        commands.copy(slot.rounded, slot.readback, slot.jobs * slot.asked * map_bytes() / 2,
+                      words_at, words_at);
+    } else {
+        commands.copy(*slot.target.maps, slot.readback, slot.bytes);
+    }
+    commands.barrier(gpu::Stage::copy, gpu::Stage::host);
+}
+
+Result<void> VulkanBatch::submit(Slot& slot, bool copies) {
     slot.copied = 0;
-    if (copied_bytes > 0)
-        SEAWAY_TRY(record_copying(slot, copied_bytes));
+    if (copies)
+        SEAWAY_TRY(record_copying(slot));
     slot.started = Clock::now();
     SEAWAY_TRY_LET(slot.ticket, device_.submit(slot.commands));
     slot.under_way = true;
-    if (copied_bytes > 0) {
+    if (copies) {
         SEAWAY_TRY_LET(slot.copied, device_.submit_transfer(slot.copying, slot.ticket));
     }
     return {};
@@ -126,8 +148,9 @@ Result<void> VulkanBatch::read_timer(Slot& slot, double wall_seconds) {
     for (const double pass : pass_seconds_)
         device_seconds_ += pass;
     if (slot.foam) {
-        device_seconds_ -= pass_seconds_.back();
-        foam_seconds_ += pass_seconds_.back();
+        const double foam = pass_seconds_[pass_seconds_.size() - (slot.asked > 0 ? 2 : 1)];
+        device_seconds_ -= foam;
+        foam_seconds_ += foam;
     }
     return {};
 }
@@ -138,6 +161,52 @@ void VulkanBatch::read_map(RunId run, int job, int map, std::span<float> out) co
     const std::size_t index =
         static_cast<std::size_t>(job) * slot.maps_a_job + static_cast<std::size_t>(map);
     std::memcpy(out.data(), there.mapped().data() + index * map_bytes(), map_bytes());
+}
+
+std::size_t VulkanBatch::rounded_bytes(const Slot& slot) const {
+    return slot.jobs * slot.asked * (map_bytes() / 2 + sizeof(std::uint32_t));
+}
+
+void VulkanBatch::record_rounding(Slot& slot, std::uint32_t first_map) {
+    const shaders::RoundPush push{first_map, static_cast<std::uint32_t>(slot.maps_a_job),
+                                  static_cast<std::uint32_t>(slot.asked),
+                                  static_cast<std::uint32_t>(kernels_.size())};
+    const auto groups = static_cast<std::uint32_t>(points() / 8 / shaders::synthesis_workgroup);
+    slot.commands.barrier(gpu::Stage::compute, gpu::Stage::compute);
+    slot.commands.dispatch(kernels_.round, slot.rounding, std::as_bytes(std::span(&push, 1)),
+                           groups, push.asked, static_cast<std::uint32_t>(slot.jobs));
+}
+
+bool VulkanBatch::fits(RunId run, int job, int map) const {
+    const Slot& slot = slot_of(run);
+    const std::size_t index =
+        static_cast<std::size_t>(job) * slot.asked + static_cast<std::size_t>(map);
+    return slot.readback.mapped_as<std::uint32_t>()[index] == 0;
+}
+
+std::span<const std::int16_t> VulkanBatch::steps(RunId run, int job, int map) const {
+    const Slot& slot = slot_of(run);
+    const std::size_t index =
+        static_cast<std::size_t>(job) * slot.asked + static_cast<std::size_t>(map);
+    return slot.readback.mapped_as<std::int16_t>().subspan(
+        words_at / sizeof(std::int16_t) + index * points(), points());
+}
+
+// What was computed still stands there: a place of the ring is its run's until all of it has been read.
+Result<void> VulkanBatch::read_exactly(RunId run, std::span<const MapOf> maps) {
+    Slot& slot = slot_of(run);
+    slot.asked = 0;
+    slot.bytes = map_bytes() * maps.size();
+    SEAWAY_TRY(slot.commands.begin());
+    slot.commands.barrier(gpu::Stage::compute, gpu::Stage::copy);
+    for (const MapOf& one : maps) {
+        const std::size_t at = map_bytes() * (static_cast<std::size_t>(one.job) * slot.maps_a_job +
+                                              static_cast<std::size_t>(one.map));
+        slot.commands.copy(*slot.target.maps, slot.readback, map_bytes(), at, at);
+    }
+    slot.commands.barrier(gpu::Stage::copy, gpu::Stage::host);
+    SEAWAY_TRY(slot.commands.end());
+    return device_.submit_and_wait(slot.commands);
 }
 
 } // namespace seaway::server

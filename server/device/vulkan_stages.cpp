@@ -55,6 +55,7 @@ std::size_t VulkanBatch::pass_floats(std::size_t pass, const Packing& packing) c
 
 Result<std::vector<float>> VulkanBatch::output(const Job& job, const Packing& packing,
                                                std::size_t pass) {
+    own_.asked = 0;
     SEAWAY_TRY(record(own_, {&job, 1}, packing, {}, pass + 1, {}));
     SEAWAY_TRY(device_.submit_and_wait(own_.commands));
     std::vector<float> floats(pass_floats(pass, packing));

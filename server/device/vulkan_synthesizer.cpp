@@ -5,8 +5,6 @@
 #include <map>
 #include <utility>
 
-#include <fmt/format.h>
-
 #include "base/check.h"
 #include "gpu/device.h"
 #include "sea/surface/maps/sine_maps.h"
@@ -229,7 +227,8 @@ Vulkan::synthesize_there(std::span<const KeyframeRequest> requests) {
 
 template <class Jobs>
 Result<void> Vulkan::run(std::span<const KeyframeRequest> requests, const Jobs& jobs) {
-    const std::vector<RequestBatch> batches = sort_requests(requests, *sea_);
+    const std::vector<RequestBatch> batches =
+        sort_requests(requests, *sea_, !device_->unified_memory());
     for (const RequestBatch& batch : batches) {
         VulkanBatch& device_batch = *groups_.at(batch.size).batch;
         const std::span<const std::size_t> all(batch.requests);
@@ -273,6 +272,8 @@ Result<std::optional<VulkanBatch::RunId>>
 Vulkan::start_on_device(const Run& run, const Packing& packing,
                         std::span<const KeyframeRequest> requests,
                         std::optional<std::size_t> first_held, bool more) {
+    const auto rounding =
+        first_held ? std::nullopt : rounding_of(*run.batch, packing, requests, run.indices);
     std::vector<VulkanBatch::Job> jobs;
     for (const std::size_t index : run.indices)
         jobs.push_back({position_[static_cast<std::size_t>(requests[index].cascade)],
@@ -289,7 +290,8 @@ Vulkan::start_on_device(const Run& run, const Packing& packing,
     SEAWAY_TRY_LET(const VulkanBatch::RunId id, counted(*run.on, [&] {
                        return run.on->start(jobs, packing,
                                             {run.batch->jacobian() ? &sea_->choppiness : nullptr,
-                                             foam.empty() ? nullptr : &foam},
+                                             foam.empty() ? nullptr : &foam,
+                                             rounding ? &*rounding : nullptr},
                                             first_held, more);
                    }));
     counters_.transforms += jobs.size() * static_cast<std::size_t>(packing.fields);
@@ -323,8 +325,10 @@ Result<void> Vulkan::make_parts(std::span<const KeyframeRequest> parts,
     // Waves that no transform can carry are added point by point (scenes with stylised sines).
     for (std::size_t i = 0; i < parts.size(); ++i)
         for (const sea::SineField& field :
-             sea_->cascades[static_cast<std::size_t>(parts[i].cascade)].sines)
+             sea_->cascades[static_cast<std::size_t>(parts[i].cascade)].sines) {
+            made[i]->forget_steps(made[i]->fields);
             sea::add_sines(field, sea_->phase_time(parts[i].time_us), *made[i]);
+        }
     return {};
 }
 
@@ -369,7 +373,9 @@ Result<void> Vulkan::run_copied(const Run& run, const Packing& packing,
             keyframe->values.resize(keyframe->plane_size());
         return {};
     }
-    readbacks_.add({run.on, *id, packing, {keyframes.begin(), keyframes.end()}});
+    for (std::size_t job = 0; run.batch->rounds && job < keyframes.size(); ++job)
+        keyframes[job]->rounded = rounded_maps(requests[run.indices[job]]);
+    readbacks_.add({run.on, *id, packing, {keyframes.begin(), keyframes.end()}, run.batch->rounds});
     return more ? Result<void>() : collect();
 }
 
@@ -388,10 +394,7 @@ Result<StandingKeyframe> Vulkan::run_job_there(const Run& run,
     const auto other = own ? held.take(made_of) : std::nullopt;
     const std::shared_ptr<const void> for_now = other ? held.keeper(*other, made_of) : nullptr;
     if (!other || (made_of > 0 && *other < *own))
-        return Error{
-            DeviceError::out_of_memory,
-            fmt::format("{} of {} maps of size {} are held, and the next keyframe takes {}",
-                        held.held() - (own ? asked : 0), held.size(), batch.size, asked + made_of)};
+        return held.full(own ? asked : 0, asked + made_of);
     const Packing packing = batch.packing(made_of > 0 ? *other - *own - asked : 0);
     SEAWAY_TRY(run_on_device(run, packing, requests, *own));
     const std::size_t texel = *own * static_cast<std::size_t>(batch.size * batch.size / 4);
@@ -409,12 +412,7 @@ Result<FoamMapPtr> Vulkan::open_foam(int size, const FoamMap* from) {
 NewKeyframePtr Vulkan::keyframe(const KeyframeRequest& request) const {
     const sea::CascadeSpec& spec = sea_->cascades[static_cast<std::size_t>(request.cascade)].spec;
     NewKeyframePtr made = make_keyframe(spare_);
-    made->epoch = epoch_;
-    made->cascade = request.cascade;
-    made->time_us = request.time_us;
-    made->size = spec.size;
-    made->length_m = spec.length_m;
-    made->fields = request.fields;
+    *made = {epoch_, request.cascade, request.time_us, spec.size, spec.length_m, request.fields};
     return made;
 }
 
@@ -432,6 +430,8 @@ SynthesisCounters Vulkan::counters() const {
     const VulkanReadbacks::Counts& read = readbacks_.counts();
     all.copies = read.copies;
     all.readback_bytes = read.bytes;
+    all.maps_rounded = read.rounded;
+    all.maps_too_large = read.too_large;
     all.readbacks_beside = read.beside;
     return all;
 }

@@ -51,7 +51,7 @@ void publish_keyframe(const std::shared_ptr<Core>& core, KeyframeTiles tiles) {
         });
         return true;
     };
-    if (!core->encoding.submit_streamed(job, tiles.keyframe->values.size() * sizeof(float)))
+    if (!core->encoding.submit_streamed(job, tiles.keyframe->bytes()))
         core->post([core = core.get()] { ++core->counters.keyframes_dropped; });
 }
 

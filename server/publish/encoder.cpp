@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -50,16 +51,29 @@ void keep_if_smaller(EncodedKeyframe& keyframe) {
         map.differences.clear();
 }
 
-/// A part of a map; `decoded` where it is the base of what follows, `expected` where something is.
-Result<protocol::TileForms> forms_of(std::span<const float> part, protocol::TileShape shape,
-                                     std::size_t stride, float error,
-                                     std::span<const float> expected, std::span<float> decoded,
-                                     std::size_t offset) {
+/// A part of a map from `offset` on; `decoded` where it is the base of what follows, `expected` where something is. What the
+/// samples are off already is taken from the bound.
+Result<protocol::TileForms> forms_of(const sea::Keyframe& keyframe, sea::Field field,
+                                     protocol::TileShape shape, std::size_t offset, float error,
+                                     std::span<const float> expected, std::span<float> decoded) {
+    const auto stride = static_cast<std::size_t>(keyframe.size);
+    const std::span<const float> part = keyframe.plane(field).subspan(offset);
+    const sea::RoundedMap* const rounded = keyframe.rounded_map(field);
+    const float left = rounded ? std::nextafter(error - rounded->error, 0.0f) : error;
+    if (!(left >= 0))
+        return Error{fmt::format("samples were rounded to {}, which is more than the bound of {}",
+                                 rounded->error, error)};
     if (!expected.empty())
-        return protocol::encode_tile_forms(part, shape, stride, error, expected.subspan(offset),
+        return protocol::encode_tile_forms(part, shape, stride, left, expected.subspan(offset),
                                            decoded.subspan(offset));
     protocol::TileForms forms;
-    SEAWAY_TRY_LET(forms.whole, protocol::encode_tile(part, shape, stride, error));
+    if (rounded && !rounded->steps.empty()) {
+        SEAWAY_TRY_LET(forms.whole,
+                       protocol::encode_tile_steps(std::span(rounded->steps).subspan(offset), shape,
+                                                   stride, rounded->step, left));
+    } else {
+        SEAWAY_TRY_LET(forms.whole, protocol::encode_tile(part, shape, stride, left));
+    }
     if (!decoded.empty())
         SEAWAY_TRY(protocol::decode_tile(forms.whole, shape, stride, decoded.subspan(offset)));
     return forms;
@@ -135,10 +149,14 @@ Result<EncodedKeyframePtr> Encoder::encode(const sea::Keyframe& keyframe,
 }
 
 sea::Keyframe Encoder::compacted(const sea::Keyframe& keyframe, sea::FieldSet fields, int size) {
-    sea::Keyframe compact{
-        keyframe.epoch, keyframe.cascade, keyframe.time_us, size, keyframe.length_m, fields, {}};
+    sea::Keyframe compact{keyframe.epoch, keyframe.cascade,  keyframe.time_us,
+                          size,           keyframe.length_m, fields};
     if (fields.empty())
         return compact;
+    // What a map was rounded by is noise in all waves; of that as much is left as there are waves on the smaller grid, so that
+    // five deviations of it are within the bound of the whole map's.
+    compact.rounded = keyframe.rounded;
+    compact.forget_steps(keyframe.fields);
     const auto start = std::chrono::steady_clock::now();
     const auto at = regrids_.find({keyframe.size, size});
     const sea::Regrid& regrid =
@@ -202,7 +220,6 @@ Result<EncodedField> Encoder::encode_field(const sea::Keyframe& keyframe, sea::F
     const auto start = std::chrono::steady_clock::now();
     const int side = protocol::limits::tile_side_max;
     const int per_axis = (keyframe.size + side - 1) / side;
-    const std::span<const float> plane = keyframe.plane(field);
     EncodedField map{.field = field, .error = error, .parts = {}};
     for (int part = 0; part < per_axis * per_axis; ++part) {
         const int x0 = (part % per_axis) * side;
@@ -223,12 +240,11 @@ Result<EncodedField> Encoder::encode_field(const sea::Keyframe& keyframe, sea::F
                                     .follows = compact.follows & sea::following(field),
                                     .coarser = compact.coarser,
                                     .base = map_step ? number : 0};
-        const auto stride = static_cast<std::size_t>(keyframe.size);
-        const auto offset = static_cast<std::size_t>(y0) * stride + static_cast<std::size_t>(x0);
-        const auto forms =
-            forms_of(plane.subspan(offset), {header.width, header.height}, stride, error,
-                     map_step ? std::span(map_step->expected) : std::span<float>(),
-                     map_step ? std::span(map_step->decoded) : std::span<float>(), offset);
+        const auto offset = static_cast<std::size_t>(y0) * static_cast<std::size_t>(keyframe.size) +
+                            static_cast<std::size_t>(x0);
+        const auto forms = forms_of(keyframe, field, {header.width, header.height}, offset, error,
+                                    map_step ? std::span(map_step->expected) : std::span<float>(),
+                                    map_step ? std::span(map_step->decoded) : std::span<float>());
         if (!forms)
             return Error{fmt::format("keyframe of cascade {} at {} us, field {}: {}",
                                      keyframe.cascade, keyframe.time_us, sea::info(field).name,
@@ -244,7 +260,7 @@ Result<EncodedField> Encoder::encode_field(const sea::Keyframe& keyframe, sea::F
                                             protocol::tile(header, forms->difference)));
     }
     counters_.fields_encoded += 1;
-    counters_.samples += plane.size();
+    counters_.samples += keyframe.plane_size();
     counters_.bytes += bytes_of(map) + difference_bytes(map);
     counters_.seconds +=
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -123,6 +123,7 @@ Result<void> CourseSynthesis::add_growth_of(FieldSet maps, const Held& growth,
             grown.push_back(requests[i]);
             grown.back().fields = values;
             grown.back().foam = nullptr;
+            grown.back().rounding = {};
             onto.push_back(keyframes[i]);
         }
     if (grown.empty())
@@ -136,6 +137,7 @@ Result<void> CourseSynthesis::add_growth_of(FieldSet maps, const Held& growth,
         for (const Rate& one : rates) {
             if (!grown[i].fields.contains(one.value))
                 continue;
+            onto[i]->forget_steps({one.rate});
             const std::span<float> map = onto[i]->plane(one.rate);
             const std::span<const float> more = std::as_const(*made[i]).plane(one.value);
             std::ranges::transform(map, more, map.begin(),

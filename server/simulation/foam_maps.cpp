@@ -105,8 +105,9 @@ Result<std::vector<NewKeyframePtr>> FoamMaps::synthesize(KeyframeMaker& device,
     std::vector<FoamTurn> turns(requests.size());
     const auto made = [&]() -> Result<std::vector<NewKeyframePtr>> {
         for (std::size_t i = 0; i < requests.size(); ++i) {
-            const auto& [cascade, time_us, fields, epoch, foam] = requests[i];
-            if (!fields.contains(sea::Field::foam))
+            const int cascade = requests[i].cascade;
+            const sea::TimeUs time_us = requests[i].time_us;
+            if (!requests[i].fields.contains(sea::Field::foam))
                 continue;
             constexpr int all = std::numeric_limits<int>::max();
             SEAWAY_TRY(walk_near(device, cascade, time_us, all));

@@ -25,8 +25,8 @@ std::vector<int> cascade_sizes(const RunningSea& sea) {
 } // namespace
 
 KeyframeSource::KeyframeSource(SeaCoursePtr course, std::unique_ptr<RebuiltSynthesizer> device,
-                               const Memory& memory)
-    : course_(std::move(course)),
+                               const Memory& memory, Readback readback)
+    : course_(std::move(course)), readback_(readback),
       device_(course_, std::move(device)), streamed_foam_{{course_->first()->epoch,
                                                            FoamMaps(course_)}},
       started_foam_{FoamMaps(course_)}, asked_foam_{FoamMaps(course_)},
@@ -226,8 +226,7 @@ Result<void> KeyframeSource::synthesize_some(KeyframeJob& job, std::int64_t& bud
         return {};
     }
     const auto foam_to = [&](std::size_t keyframe, const sea::Keyframe& from) {
-        std::ranges::copy(from.plane(sea::Field::foam),
-                          (*made)[keyframe]->plane(sea::Field::foam).begin());
+        sea::copy_map(from, sea::Field::foam, *(*made)[keyframe]);
     };
     for (const Together::Foam& moved : together.moved)
         foam_to(moved.keyframe, *(*made)[moved.of]);
@@ -322,7 +321,13 @@ Result<FoamMapPtr> KeyframeSource::open_foam(int size, const FoamMap* from) {
 
 Result<std::vector<NewKeyframePtr>>
 KeyframeSource::synthesize(std::span<const KeyframeRequest> requests) {
-    Result<std::vector<NewKeyframePtr>> made = device_.synthesize(requests);
+    std::vector<KeyframeRequest> rounded(requests.begin(), requests.end());
+    std::vector<std::vector<float>> bounds; // which the requests point to
+    bounds.reserve(rounded.size());
+    for (KeyframeRequest& request : rounded)
+        request.rounding = bounds.emplace_back(rounding_bounds(
+            course_->sea(request.epoch)->budget, request.fields, request.cascade, readback_));
+    Result<std::vector<NewKeyframePtr>> made = device_.synthesize(rounded);
     const std::scoped_lock lock(mutex_);
     description_ = device_.device().description();
     device_rebuilds_ = device_.device().rebuilds();

@@ -25,6 +25,7 @@
 #include "server/simulation/foam_maps.h"
 #include "server/simulation/keyframe_store.h"
 #include "server/simulation/price.h"
+#include "server/simulation/readback.h"
 #include "server/simulation/sea_course.h"
 
 namespace seaway::server {
@@ -92,8 +93,10 @@ inline KeyframeRequest request_of(const sea::Keyframe& keyframe) {
 
 class KeyframeSource : private KeyframeMaker {
   public:
+    /// `readback`: of a device whose memory the CPU cannot read.
     KeyframeSource(SeaCoursePtr course, std::unique_ptr<RebuiltSynthesizer> device,
-                   const Memory& memory);
+                   const Memory& memory, Readback readback = Readback::exact);
+    Readback readback() const { return readback_; }
 
     /// One slice; true: a part is made, to be taken. Of several jobs of one walk that need foam one
     /// gets on at a time, the others wait until it is made or gone.
@@ -176,6 +179,7 @@ class KeyframeSource : private KeyframeMaker {
     Result<T> or_fail(Result<T> result);
 
     const SeaCoursePtr course_;
+    const Readback readback_;
     CourseSynthesis device_;
     /// Of the stream: where one sea follows another, both have keyframes at a time, each in its own order.
     struct EpochFoam {

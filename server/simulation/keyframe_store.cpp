@@ -126,8 +126,7 @@ void KeyframeStore::shrink() {
 }
 
 std::size_t KeyframeStore::bytes(const Entry& entry) {
-    return entry.keyframe->values.size() * sizeof(float) +
-           (entry.spline ? entry.spline->bytes() : 0);
+    return entry.keyframe->bytes() + (entry.spline ? entry.spline->bytes() : 0);
 }
 
 } // namespace seaway::server

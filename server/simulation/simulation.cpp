@@ -30,18 +30,17 @@ WorkBudget of_threads(WorkBudget each, int threads) {
 
 } // namespace
 
-Result<std::unique_ptr<Simulation>> Simulation::start(SeaCoursePtr course,
-                                                      const SynthesizerFactory& factory,
-                                                      const Subscriptions& subscriptions,
-                                                      SimulationClock clock,
-                                                      SimulationEvents events, WorkBudget budget,
-                                                      MemoryPtr memory, int answer_threads) {
+Result<std::unique_ptr<Simulation>>
+Simulation::start(SeaCoursePtr course, const SynthesizerFactory& factory,
+                  const Subscriptions& subscriptions, SimulationClock clock,
+                  SimulationEvents events, WorkBudget budget, MemoryPtr memory, int answer_threads,
+                  Readback readback) {
     SEAWAY_TRY_LET(std::unique_ptr<RebuiltSynthesizer> device,
                    RebuiltSynthesizer::start(factory, course->first()->realization,
                                              course->first()->epoch, events.on_warning));
     std::unique_ptr<Simulation> simulation(new Simulation(
         std::move(course), std::move(device), subscriptions, std::move(clock), std::move(events),
-        of_threads(budget, 1 + answer_threads), std::move(memory)));
+        of_threads(budget, 1 + answer_threads), std::move(memory), readback));
     simulation->thread_ = std::thread([self = simulation.get()] { self->run(); });
     simulation->answer_threads_.start(answer_threads);
     return simulation;
@@ -49,11 +48,13 @@ Result<std::unique_ptr<Simulation>> Simulation::start(SeaCoursePtr course,
 
 Simulation::Simulation(SeaCoursePtr course, std::unique_ptr<RebuiltSynthesizer> device,
                        const Subscriptions& subscriptions, SimulationClock clock,
-                       SimulationEvents events, WorkBudget budget, MemoryPtr memory)
+                       SimulationEvents events, WorkBudget budget, MemoryPtr memory,
+                       Readback readback)
     : course_(std::move(course)), subscriptions_(subscriptions), clock_(std::move(clock)),
       events_(std::move(events)), memory_(std::move(memory)),
-      source_(course_, std::move(device), *memory_), surfaces_(course_, source_, *memory_),
-      prices_(course_), schedule_(*course_), streamed_foam_(*course_->first(), source_, schedule_),
+      source_(course_, std::move(device), *memory_, readback),
+      surfaces_(course_, source_, *memory_), prices_(course_), schedule_(*course_),
+      streamed_foam_(*course_->first(), source_, schedule_),
       fetch_room_(memory_->room(MemoryUse::fetches)),
       questions_(budget, memory_->room(MemoryUse::points)) {
     for (const MemoryUse use : awaited_rooms)

@@ -109,14 +109,14 @@ struct FetchedKeyframes {
 class Simulation {
   public:
     /// Makes the device, warms it up and starts the threads, of which those who answer are 1 to answer_threads_max;
-    /// the rate of `budget` is a share of the time of all of them. The course may be added to at any time. Streams what
+    /// the rate of `budget` is a share of the time of all of them. `readback`: what maps may lose on the way from a device. The course may be added to at any time. Streams what
     /// `subscriptions` say, which outlive the simulation; whoever changes them calls
     /// demand_changed().
     static Result<std::unique_ptr<Simulation>>
     start(SeaCoursePtr course, const SynthesizerFactory& factory,
           const Subscriptions& subscriptions, SimulationClock clock, SimulationEvents events,
           WorkBudget budget = {}, MemoryPtr memory = std::make_shared<Memory>(),
-          int answer_threads = answer_threads_default());
+          int answer_threads = answer_threads_default(), Readback readback = Readback::exact);
     ~Simulation();
     Simulation(const Simulation&) = delete;
     Simulation& operator=(const Simulation&) = delete;
@@ -181,7 +181,7 @@ class Simulation {
   private:
     Simulation(SeaCoursePtr course, std::unique_ptr<RebuiltSynthesizer> device,
                const Subscriptions& subscriptions, SimulationClock clock, SimulationEvents events,
-               WorkBudget budget, MemoryPtr memory);
+               WorkBudget budget, MemoryPtr memory, Readback readback);
 
     EffectPlan plan(sea::TimeUs now_us) const;
     void run();

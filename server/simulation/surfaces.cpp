@@ -159,9 +159,11 @@ void Surfaces::finish(SurfaceJob& job) {
     }
     job.surface_ = with_place(
         std::exchange(job.place_, nullptr),
-        std::make_shared<const sea::Surface>(std::move(pairs), choppiness, fold_search(sea->budget),
-                                             of_some(map_error(sea->budget, 0.0), job.cascades_),
-                                             sea::inverse_tolerance_m(sea->budget.height_error_m)));
+        std::make_shared<const sea::Surface>(
+            std::move(pairs), choppiness, fold_search(sea->budget),
+            of_some(map_error(sea->budget, rounding_error_m(sea->budget, source_.readback())),
+                    job.cascades_),
+            sea::inverse_tolerance_m(sea->budget.height_error_m)));
     const std::scoped_lock lock(mutex_);
     std::erase_if(used_, [](const Used& used) { return used.surface.expired(); });
     used_.push_back({sea->epoch, job.cascades_, start_us, job.end_us_, job.surface_});

@@ -88,7 +88,19 @@ struct FoamStep {
     uint unused;
 };
 
+/// Maps that are rounded together at most, and steps from zero that a sample of 16 bits may be.
+SEAWAY_SHARED_CONSTANT rounded_maps_max = 1024;
+SEAWAY_SHARED_CONSTANT rounded_steps_max = 32767;
+
+struct RoundPush {
+    uint first_map; ///< of the first job
+    uint maps;      ///< a job has
+    uint asked;     ///< of which the first so many are rounded
+    uint size;      ///< grid points a side
+};
+
 #ifdef __cplusplus
+static_assert(sizeof(RoundPush) == 16);
 static_assert(sizeof(FoamPush) == 4);
 static_assert(sizeof(FoamStep) == 16 * foam_step_texels);
 static_assert(sizeof(SynthesisJob) == 16);

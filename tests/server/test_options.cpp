@@ -40,16 +40,36 @@ TEST(ServerOptions, each_goes_where_it_says_and_has_its_default) {
               "");
     EXPECT_TRUE(bare.net.allowed_origins.empty());
     EXPECT_EQ(bare.net.connections_per_address, 320);
+    EXPECT_EQ(bare.readback, "exact");
     EXPECT_FALSE(bare.validation);
     EXPECT_EQ(bare.memory_mb, 0) << "what the sea needs";
     EXPECT_EQ(bare.work_rate, 1) << "who waits for answers is never refused";
     EXPECT_EQ(bare.work_burst_s, 10);
     EXPECT_EQ(bare.answer_threads, 0) << "what the machine has";
-    const auto read = options_of(
-        {"--listen",     "[::]:1", "--device",           "2",     "--tls-cert",          "c.pem",
-         "--tls-key",    "k.pem",  "--admin-token-file", "admin", "--client-token-file", "client",
-         "--memory-mb",  "300",    "--work-rate",        "0.25",  "--work-burst",        "3",
-         "--validation", "b.toml", "--answer-threads",   "5"});
+    const auto read = options_of({"--listen",
+                                  "[::]:1",
+                                  "--device",
+                                  "2",
+                                  "--tls-cert",
+                                  "c.pem",
+                                  "--tls-key",
+                                  "k.pem",
+                                  "--admin-token-file",
+                                  "admin",
+                                  "--client-token-file",
+                                  "client",
+                                  "--memory-mb",
+                                  "300",
+                                  "--work-rate",
+                                  "0.25",
+                                  "--work-burst",
+                                  "3",
+                                  "--validation",
+                                  "b.toml",
+                                  "--answer-threads",
+                                  "5",
+                                  "--readback",
+                                  "rounded"});
     ASSERT_TRUE(std::holds_alternative<Options>(read));
     const auto& all = std::get<Options>(read);
     EXPECT_EQ(all.scene, "b.toml");
@@ -59,6 +79,7 @@ TEST(ServerOptions, each_goes_where_it_says_and_has_its_default) {
     EXPECT_EQ(all.net.admin_token_file, "admin");
     EXPECT_EQ(all.net.client_token_file, "client");
     EXPECT_EQ(all.net.tls_key_file, "k.pem");
+    EXPECT_EQ(all.readback, "rounded");
     EXPECT_TRUE(all.validation);
     EXPECT_EQ(all.memory_mb, 300);
     EXPECT_EQ(all.work_rate, 0.25);
@@ -100,6 +121,7 @@ TEST(ServerOptions, what_makes_no_sense_is_exit_code_2_and_one_line_that_names_i
         {{"a.toml", "--memory-mb", "-1"}, "--memory-mb"},
         {{"a.toml", "--memory-mb", "1e9"}, "--memory-mb"},
         {{"a.toml", "--work-rate", "0"}, "--work-rate"},
+        {{"a.toml", "--readback", "half"}, "--readback"},
         {{"a.toml", "--answer-threads", "65"}, "--answer-threads"},
         {{"a.toml", "--work-burst", "-1"}, "--work-burst"},
         {{"a.toml", "--bogus"}, "--bogus"}};

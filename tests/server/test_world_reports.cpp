@@ -256,7 +256,10 @@ EffectPlan some_plan() {
 }
 
 SimulationCounters some_counters() {
-    return {.synthesis = {3, 5, 7, 9, 11.5, 0, 0, 0.0},
+    SynthesisCounters synthesis{3, 5, 7, 9, 11.5, 0, 0, 0.0, 71, 73};
+    for (std::size_t i = 0; i < synthesis.maps_too_large.size(); ++i)
+        synthesis.maps_too_large[i] = 100 + i;
+    return {.synthesis = synthesis,
             .store = {.keyframes = 13, .bytes = 17, .hits = 19, .misses = 23},
             .keyframes_published = 29,
             .keyframes_skipped = 31,
@@ -286,6 +289,11 @@ TEST(SimulationMetrics, every_line_shows_the_figure_that_it_names) {
                                            {"seaway_device_rebuilds_total", 53},
                                            {"seaway_keyframe_store_hits_total", 19},
                                            {"seaway_keyframe_store_misses_total", 23}};
+    expected["seaway_readback_bytes_total"] = 71;
+    expected["seaway_maps_rounded_total"] = 73;
+    for (const sea::FieldInfo& row : sea::field_table)
+        expected["seaway_maps_too_large_total{field=\"" + std::string(row.name) + "\"}"] =
+            100 + static_cast<int>(row.field);
     const char* const effects[] = {"height", "choppy", "slopes", "gradient", "foam"};
     for (int cascade = 0; cascade < 2; ++cascade)
         for (const std::string effect : effects) {
