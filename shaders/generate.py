@@ -86,6 +86,7 @@ def embed(out, modules):
              'Shader foam() {\n    return {"foam", foam_words};\n}\n\n'
              'Shader round() {\n    return {"round", round_words};\n}\n\n'
              'Shader copy() {\n    return {"copy", copy_words};\n}\n\n'
+             'Shader peak() {\n    return {"peak", peak_words};\n}\n\n'
              "} // namespace seaway::shaders\n"]
     pathlib.Path(out).write_text("".join(text), encoding="utf-8")
 

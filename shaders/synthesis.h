@@ -70,4 +70,7 @@ Shader round();
 /// Bindings source -> Target, a vec4 an invocation; no push constants. Part of no synthesis: a measure of memory.
 Shader copy();
 
+/// Binding Target, a vec4 an invocation; push constants PeakPush. Part of no synthesis: a measure of arithmetic.
+Shader peak();
+
 } // namespace seaway::shaders

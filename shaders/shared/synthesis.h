@@ -99,7 +99,18 @@ struct RoundPush {
     uint size;      ///< grid points a side
 };
 
+/// Of the kernel that measures arithmetic, vec4 each.
+SEAWAY_SHARED_CONSTANT peak_chains = 2;
+SEAWAY_SHARED_CONSTANT peak_steps = 16;
+
+struct PeakPush {
+    uint rounds; ///< of peak_steps products and sums of each chain
+    float factor;
+    float added;
+};
+
 #ifdef __cplusplus
+static_assert(sizeof(PeakPush) == 12);
 static_assert(sizeof(RoundPush) == 16);
 static_assert(sizeof(FoamPush) == 4);
 static_assert(sizeof(FoamStep) == 16 * foam_step_texels);

@@ -229,40 +229,86 @@ TEST(Bench, what_is_printed_is_what_effects_cost_on_top_of_the_rest) {
     expect_printed("cascade,,61 m of 64", "cascade               61 m of 64    ");
 }
 
-// A row a size and list of fields, beside what as many bytes take; copies where there is a device to copy from.
-TEST(Bench, device_measures_maps_of_each_size_beside_what_memory_gives) {
+enum DeviceCell {
+    device_ms = 3,
+    wall_ms,
+    megabytes,
+    best_ms,
+    best_pct,
+    memory_pct,
+    gflop_per_s,
+    arithmetic_pct
+};
+
+/// What `seaway-bench device` writes of two tiles of 64 and of 128 points a side.
+std::string device_csv(const std::string& device) {
     const std::string scene = testing::folder().write("device.toml", scene_text);
-    enum Cell { device_ms = 3, wall_ms, megabytes, best_ms, best_pct };
-    for (const std::string device : {"native", "lavapipe"}) {
-        const std::string out = testing::folder().file("device_" + device);
-        const Output ran = testing::run_program("seaway-bench",
-                                                "device --rounds 2 --sizes 64,128 --device " +
-                                                    device + " --scene " + scene + " --out " + out);
-        ASSERT_EQ(ran.status, 0) << ran.err;
-        const std::string csv = testing::read_file(out + "/device.csv");
-        EXPECT_THAT(csv, HasSubstr("# seaway-bench device on " + device));
-        const auto cell = [&](const std::string& row, Cell column) {
-            return std::stod(row_of(csv, row).at(static_cast<std::size_t>(column)));
-        };
-        for (const std::string size : {"64", "128"})
-            for (const char* fields : {",height,", ",eight,", ",all,", ",all and foam,"}) {
-                const std::string row = "maps," + size + fields;
-                EXPECT_GT(cell(row, device_ms), 0) << row;
-                EXPECT_GE(cell(row, wall_ms), 0.99 * cell(row, device_ms)) << row;
-                EXPECT_NEAR(cell(row, best_pct), 100 * cell(row, best_ms) / cell(row, device_ms),
-                            0.01 * cell(row, best_pct))
-                    << row;
-            }
-        // Two tiles of 128 x 128 floats.
-        expect_equal(cell("maps,128,height,", megabytes), 2 * 128 * 128 * 4e-6, "one map a tile");
-        expect_equal(cell("maps,128,eight,", megabytes), 16 * 128 * 128 * 4e-6,
-                     "eight maps a tile");
-        EXPECT_GT(cell("start,64,warm,", wall_ms), 0);
-        EXPECT_GT(cell("encode,64,", wall_ms), 0);
-        EXPECT_GT(cell("bandwidth,", best_ms), 0);
-        EXPECT_EQ(csv.find("copied,") != std::string::npos, device == "lavapipe");
-        EXPECT_EQ(csv.find(",cold,") != std::string::npos, device == "lavapipe");
+    const std::string out = testing::folder().file("device_" + device);
+    const Output ran =
+        testing::run_program("seaway-bench", "device --rounds 2 --sizes 64,128 --device " + device +
+                                                 " --scene " + scene + " --out " + out);
+    EXPECT_EQ(ran.status, 0) << ran.err;
+    return testing::read_file(out + "/device.csv");
+}
+
+double cell(const std::string& csv, const std::string& row, DeviceCell column) {
+    return std::stod(row_of(csv, row).at(static_cast<std::size_t>(column)));
+}
+
+class DeviceBench : public ::testing::TestWithParam<std::string> {
+  protected:
+    bool is_vulkan() const { return GetParam() != "native"; }
+    const std::string csv_ = device_csv(GetParam());
+};
+INSTANTIATE_TEST_SUITE_P(Devices, DeviceBench, ::testing::Values("native", "lavapipe"),
+                         [](const auto& device) { return device.param; });
+
+// A row a size and list of fields, beside what as many bytes take; copies where there is a device to copy from.
+TEST_P(DeviceBench, measures_maps_of_each_size_beside_what_memory_gives) {
+    EXPECT_THAT(csv_, HasSubstr("# seaway-bench device on " + GetParam()));
+    for (const std::string size : {"64", "128"})
+        for (const char* fields : {",height,", ",eight,", ",all,", ",all and foam,"}) {
+            const std::string row = "maps," + size + fields;
+            EXPECT_GT(cell(csv_, row, device_ms), 0) << row;
+            EXPECT_GE(cell(csv_, row, wall_ms), 0.99 * cell(csv_, row, device_ms)) << row;
+            EXPECT_NEAR(cell(csv_, row, best_pct),
+                        100 * cell(csv_, row, best_ms) / cell(csv_, row, device_ms),
+                        0.01 * cell(csv_, row, best_pct))
+                << row;
+        }
+    // Two tiles of 128 x 128 floats.
+    expect_equal(cell(csv_, "maps,128,height,", megabytes), 2 * 128 * 128 * 4e-6, "one map a tile");
+    expect_equal(cell(csv_, "maps,128,eight,", megabytes), 16 * 128 * 128 * 4e-6,
+                 "eight maps a tile");
+    EXPECT_GT(cell(csv_, "start,64,warm,", wall_ms), 0);
+    EXPECT_GT(cell(csv_, "encode,64,", wall_ms), 0);
+    EXPECT_GT(cell(csv_, "bandwidth,", best_ms), 0);
+    for (const char* row : {"copied,", ",cold,"})
+        EXPECT_EQ(csv_.find(row) != std::string::npos, is_vulkan()) << row;
+}
+
+TEST_P(DeviceBench, measures_arithmetic_foam_and_readback_and_holds_transforms_against_fftw) {
+    // Two tiles of eight transforms, 2.5 N log2 N of 16384 points each: 9.175 million.
+    const double eight_ms = cell(csv_, "maps,128,eight,", device_ms);
+    const double eight_gflop_per_s = cell(csv_, "maps,128,eight,", gflop_per_s);
+    EXPECT_NEAR(eight_gflop_per_s, 9.175 / eight_ms, 0.01 * eight_gflop_per_s);
+    EXPECT_GT(cell(csv_, "arithmetic,", gflop_per_s), 0.5) << "any machine does that";
+    EXPECT_NEAR(cell(csv_, "maps,128,eight,", arithmetic_pct),
+                100 * eight_gflop_per_s / cell(csv_, "arithmetic,", gflop_per_s),
+                0.01 * cell(csv_, "maps,128,eight,", arithmetic_pct));
+    expect_equal(cell(csv_, "foam,128,a tick,", megabytes), 2 * 128 * 128 * 4e-6, "one map a tile");
+    EXPECT_EQ(csv_.find("rounded,") != std::string::npos, is_vulkan());
+    EXPECT_EQ(csv_.find("readback,") != std::string::npos, is_vulkan());
+    if (is_vulkan()) {
+        EXPECT_GT(cell(csv_, "readback,128,floats,", wall_ms), 0);
+        expect_equal(cell(csv_, "readback,128,16 bits,", megabytes),
+                     0.5 * cell(csv_, "readback,128,floats,", megabytes), "half the bytes");
     }
+    // FFTW is among the packages that tests are run with.
+    EXPECT_GT(cell(csv_, "fftw,128,eight,", wall_ms), 0);
+    EXPECT_NEAR(cell(csv_, "fftw,128,eight,", gflop_per_s) * cell(csv_, "fftw,128,eight,", wall_ms),
+                eight_gflop_per_s * eight_ms, 0.01 * eight_gflop_per_s * eight_ms)
+        << "as many transforms";
 }
 
 TEST(Bench, device_measures_kernels_anew_and_remembers_them_in_the_cache_of_the_user) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
@@ -11,20 +12,18 @@
 
 #include <fmt/format.h>
 
-#include "base/thread_pool.h"
-#include "gpu/commands.h"
-#include "gpu/device.h"
-#include "gpu/kernel.h"
 #include "protocol/limits.h"
 #include "protocol/tile_codec.h"
 #include "server/device/device_choice.h"
 #include "server/device/vulkan_synthesizer.h"
 #include "server/simulation/foam_maps.h"
+#include "server/simulation/readback.h"
 #include "server/simulation/running_sea.h"
-#include "shaders/shared/synthesis.h"
-#include "shaders/synthesis.h"
 #include "tools/bench/accuracy/journal.h"
 #include "tools/bench/timing.h"
+#include "tools/bench/yardsticks/arithmetic.h"
+#include "tools/bench/yardsticks/fftw.h"
+#include "tools/bench/yardsticks/mover.h"
 
 namespace seaway::bench {
 
@@ -35,9 +34,6 @@ using sea::FieldSet;
 using Clock = std::chrono::steady_clock;
 
 constexpr sea::TimeUs begin_us = 100'000'000;
-/// Larger than what caches hold.
-constexpr std::size_t moved_bytes = std::size_t{64} << 20;
-
 double seconds_since(Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
 }
@@ -46,104 +42,32 @@ struct Row {
     std::string what, fields;
     int size = 0;
     double device_s = 0, wall_s = 0, bytes = 0;
-    double best_s = 0; ///< that a Mover takes for as many bytes
+    double best_s = 0;     ///< that a Mover takes for as many bytes
+    double operations = 0; ///< of its transforms, as they are counted (transform_operations)
 };
+
+/// What is measured, and what it is held against.
+struct Bench {
+    std::unique_ptr<server::Synthesizer> device;
+    std::unique_ptr<server::Synthesizer> copying; ///< null: the native device
+    std::unique_ptr<Mover> mover, readback;       ///< readback: null likewise
+    std::unique_ptr<Arithmetic> arithmetic;
+    std::unique_ptr<Fftw> fftw; ///< null: it is not there
+    double bytes_per_s = 0, operations_per_s = 0;
+};
+
+/// By which transforms are compared: 5 N log2 N of complex numbers, half of it of real ones. Bands and fields that share a
+/// source take fewer, evolution and foam come on top.
+double transform_operations(int size) {
+    const double points = static_cast<double>(size) * size;
+    return 2.5 * points * std::log2(points);
+}
 
 double median(std::vector<double> seconds) {
     const auto middle = seconds.begin() + static_cast<std::ptrdiff_t>(seconds.size() / 2);
     std::ranges::nth_element(seconds, middle);
     return *middle;
 }
-
-/// What memory gives at best: as many bytes as maps have, written by nothing but stores.
-class Mover {
-  public:
-    virtual ~Mover() = default;
-    virtual std::string name() const = 0;
-    /// That it takes for `bytes`, at most moved_bytes.
-    virtual Result<double> seconds(std::size_t bytes) = 0;
-};
-
-/// All threads, each its part.
-class Stores final : public Mover {
-  public:
-    std::string name() const override {
-        return fmt::format("stores of {} threads", pool_.threads());
-    }
-    Result<double> seconds(std::size_t bytes) override {
-        const Work work{memory_, bytes / static_cast<std::size_t>(pool_.threads())};
-        const Phase store{[](const void* context, int chunk, int) {
-                              const Work& own = *static_cast<const Work*>(context);
-                              std::memset(own.memory.data() +
-                                              static_cast<std::size_t>(chunk) * own.part,
-                                          chunk + 1, own.part);
-                          },
-                          &work, pool_.threads()};
-        const auto start = Clock::now();
-        pool_.run({&store, 1});
-        return seconds_since(start);
-    }
-
-  private:
-    struct Work {
-        std::vector<char>& memory;
-        std::size_t part;
-    };
-    ThreadPool pool_;
-    mutable std::vector<char> memory_ = std::vector<char>(moved_bytes);
-};
-
-/// A kernel that reads as synthesis kernels do, and writes.
-class Copies final : public Mover {
-  public:
-    static Result<std::unique_ptr<Mover>> create(const std::string& pick) {
-        std::unique_ptr<Copies> made(new Copies);
-        SEAWAY_TRY_LET(made->device_, gpu::Device::create({.pick = pick}));
-        gpu::Device& device = *made->device_;
-        SEAWAY_TRY_LET(
-            made->kernel_,
-            gpu::Kernel::create(device, shaders::copy().name, shaders::copy().spirv,
-                                {.bindings = {{"source", VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER},
-                                              {"Target", VK_DESCRIPTOR_TYPE_STORAGE_BUFFER}},
-                                 .push_constant_bytes = 0,
-                                 .local_size = {shaders::synthesis_workgroup, 1, 1}}));
-        for (gpu::Buffer* buffer : {&made->from_, &made->to_}) {
-            SEAWAY_TRY_LET(*buffer, gpu::Buffer::create(device, "copied", moved_bytes,
-                                                        gpu::BufferKind::device));
-        }
-        SEAWAY_TRY_LET(made->view_,
-                       gpu::TexelView::create(device, made->from_, VK_FORMAT_R32G32B32A32_SFLOAT,
-                                              texel, 0, moved_bytes));
-        SEAWAY_TRY_LET(made->bindings_, made->kernel_.bind(device, {gpu::texels(made->view_),
-                                                                    gpu::whole(made->to_)}));
-        SEAWAY_TRY_LET(made->commands_, gpu::Commands::create(device));
-        SEAWAY_TRY(gpu::run_once(
-            device, [&](gpu::Commands& commands) { commands.fill(made->from_, 0, moved_bytes); }));
-        return std::unique_ptr<Mover>(std::move(made));
-    }
-    std::string name() const override { return "a copy kernel"; }
-    Result<double> seconds(std::size_t bytes) override {
-        SEAWAY_TRY(commands_.begin());
-        commands_.dispatch(
-            kernel_, bindings_, {},
-            static_cast<std::uint32_t>(bytes / texel / shaders::synthesis_workgroup));
-        commands_.barrier(gpu::Stage::compute, gpu::Stage::host);
-        SEAWAY_TRY(commands_.end());
-        const auto start = Clock::now();
-        SEAWAY_TRY(device_->submit_and_wait(commands_));
-        return seconds_since(start);
-    }
-
-  private:
-    static constexpr std::size_t texel = 16;
-    Copies() = default;
-    std::unique_ptr<gpu::Device> device_;
-    gpu::Kernel kernel_;
-    gpu::Buffer from_, to_;
-    gpu::TexelView view_;
-    gpu::Bindings bindings_;
-    gpu::Commands commands_;
-};
 
 /// The scene with all effects, on tiles of so many points.
 Result<server::RunningSeaPtr> sea_of(const std::string& path, int size) {
@@ -160,17 +84,22 @@ struct Measured {
     FieldSet fields;
     server::Synthesizer* device;
     server::FoamMaps foam;
+    server::Readback readback = server::Readback::exact;
     std::vector<double> device_s = {}, wall_s = {}, best_s = {};
     int ticks = 0;
 
     /// Each cascade a tick of its foam further on, as a stream goes.
     Result<void> once(const server::RunningSea& sea, bool counts) {
         std::vector<server::KeyframeRequest> requests;
+        std::vector<std::vector<float>> bounds; // which the requests point to
+        bounds.reserve(sea.budget.cascades.size());
         for (std::size_t c = 0; c < sea.budget.cascades.size(); ++c) {
             const sea::TimeUs tick_us =
                 sea::foam_ticks(sea.scene.foam.decay_s, sea.budget.cascades[c].interval_us, 0)
                     .tick_us;
             requests.push_back({static_cast<int>(c), ticks * tick_us, fields});
+            requests.back().rounding = bounds.emplace_back(
+                server::rounding_bounds(sea.budget, fields, static_cast<int>(c), readback));
             if (fields.contains(Field::foam))
                 SEAWAY_TRY(foam.walk_near(*device, requests.back().cascade, requests.back().time_us,
                                           sea::foam_ticks_max));
@@ -183,52 +112,129 @@ struct Measured {
             const server::SynthesisCounters spent = device->counters() - before;
             wall_s.push_back(seconds_since(start));
             device_s.push_back(spent.device_seconds + spent.foam_seconds);
+            row.operations = static_cast<double>(spent.transforms) * transform_operations(row.size);
         }
         return {};
     }
 };
 
-Result<void> measure_size(const DeviceOptions& options, server::Synthesizer& device,
-                          server::Synthesizer* copying, Mover& mover, int size,
-                          std::vector<Row>& rows) {
-    SEAWAY_TRY_LET(const server::RunningSeaPtr sea, sea_of(options.scene, size));
+/// One row each, by what it is called.
+std::vector<Measured> lists_of(const Bench& bench, const server::RunningSeaPtr& sea, int size) {
     const int cascades = static_cast<int>(sea->realization->cascades.size());
     const FieldSet eight = FieldSet{Field::height, Field::displacement_x, Field::displacement_y,
                                     Field::slope_x, Field::slope_y} |
                            sea::foam_inputs;
-    const FieldSet foam{Field::foam};
-    std::vector<Measured> all;
-    for (server::Synthesizer* one : {&device, copying}) {
+    const FieldSet foam{Field::foam}, all = sea->offered.without(foam);
+    std::vector<Measured> lists;
+    const auto add = [&](const char* what, const char* name, FieldSet fields,
+                         server::Synthesizer* device,
+                         server::Readback readback = server::Readback::exact) {
+        lists.push_back(
+            {{what, name, size, 0, 0,
+              static_cast<double>(cascades * fields.size() * size * size) * sizeof(float)},
+             fields,
+             device,
+             server::FoamMaps(server::steady_course(sea)),
+             readback});
+    };
+    for (server::Synthesizer* one : {bench.device.get(), bench.copying.get()}) {
         if (one == nullptr)
             continue;
-        SEAWAY_TRY(one->set_sea(sea->realization, 1));
-        for (const auto& [name, fields] : std::initializer_list<std::pair<const char*, FieldSet>>{
-                 {"height", {Field::height}},
-                 {"eight", eight},
-                 {"all", sea->offered.without(foam)},
-                 {"all and foam", sea->offered}})
-            all.push_back(
-                {{one == &device ? "maps" : "copied", name, size, 0, 0,
-                  static_cast<double>(cascades * fields.size() * size * size) * sizeof(float)},
-                 fields,
-                 one,
-                 server::FoamMaps(server::steady_course(sea))});
+        const char* what = one == bench.device.get() ? "maps" : "copied";
+        add(what, "height", {Field::height}, one);
+        add(what, "eight", eight, one);
+        add(what, "all", all, one);
+        add(what, "all and foam", sea->offered, one);
     }
+    add("maps", "strains", sea::foam_inputs, bench.device.get());
+    add("maps", "foam", foam, bench.device.get());
+    if (bench.copying) {
+        add("rounded", "eight", eight, bench.copying.get(), server::Readback::rounded);
+        add("rounded", "all", all, bench.copying.get(), server::Readback::rounded);
+    }
+    return lists;
+}
+
+/// A tick of foam of all tiles: what a keyframe of it takes more than one of the strains that it is made of.
+Row foam_tick(std::span<const Measured> lists, int size) {
+    const auto named = [&](std::string_view name) {
+        return *std::ranges::find_if(lists, [&](const Measured& one) {
+            return one.row.what == "maps" && one.row.fields == name;
+        });
+    };
+    const Measured strains = named("strains"), foam = named("foam");
+    std::vector<double> device_s, wall_s;
+    for (std::size_t i = 0; i < foam.wall_s.size(); ++i) {
+        device_s.push_back(foam.device_s[i] - strains.device_s[i]);
+        wall_s.push_back(foam.wall_s[i] - strains.wall_s[i]);
+    }
+    return {"foam", "a tick", size, median(device_s), median(wall_s), foam.row.bytes};
+}
+
+/// Of the bytes of a row: what they take out of a device's memory, and half of them.
+Result<void> measure_readback(const DeviceOptions& options, Mover& readback, const Row& of,
+                              std::vector<Row>& rows) {
+    for (const auto& [name, share] :
+         std::initializer_list<std::pair<const char*, double>>{{"floats", 1.0}, {"16 bits", 0.5}}) {
+        std::vector<double> seconds;
+        for (int round = -1; round < options.rounds; ++round) {
+            SEAWAY_TRY_LET(const double once_s,
+                           readback.seconds(static_cast<std::size_t>(share * of.bytes)));
+            if (round >= 0)
+                seconds.push_back(once_s);
+        }
+        rows.push_back({"readback", name, of.size, 0, median(seconds), share * of.bytes});
+    }
+    return {};
+}
+
+/// As many transforms as a row has, and nothing before or after them.
+Result<void> measure_fftw(const DeviceOptions& options, Fftw& fftw, const Row& of,
+                          std::vector<Row>& rows) {
+    const int count = static_cast<int>(std::lround(of.operations / transform_operations(of.size)));
+    std::vector<double> seconds;
+    for (int round = -1; round < options.rounds; ++round) {
+        SEAWAY_TRY_LET(const double once_s, fftw.seconds(of.size, count));
+        if (round >= 0)
+            seconds.push_back(once_s);
+    }
+    rows.push_back(
+        {"fftw", of.fields, of.size, median(seconds), median(seconds), of.bytes, 0, of.operations});
+    return {};
+}
+
+Result<void> measure_size(const DeviceOptions& options, Bench& bench, int size,
+                          std::vector<Row>& rows) {
+    SEAWAY_TRY_LET(const server::RunningSeaPtr sea, sea_of(options.scene, size));
+    for (server::Synthesizer* one : {bench.device.get(), bench.copying.get()})
+        if (one != nullptr)
+            SEAWAY_TRY(one->set_sea(sea->realization, 1));
+    std::vector<Measured> lists = lists_of(bench, sea, size);
     // Each runs twice in a row, the second one counts: what the one before it left in caches is not its own.
     for (int round = -1; round < options.rounds; ++round)
-        for (Measured& one : all) {
+        for (Measured& one : lists) {
             for (const bool second : {false, true})
                 SEAWAY_TRY(one.once(*sea, second && round >= 0));
-            SEAWAY_TRY(mover.seconds(static_cast<std::size_t>(one.row.bytes)));
-            SEAWAY_TRY_LET(const double best_s,
-                           mover.seconds(static_cast<std::size_t>(one.row.bytes)));
-            one.best_s.push_back(best_s);
+            const auto bytes = std::min(static_cast<std::size_t>(one.row.bytes), moved_bytes);
+            SEAWAY_TRY(bench.mover->seconds(bytes));
+            SEAWAY_TRY_LET(const double best_s, bench.mover->seconds(bytes));
+            one.best_s.push_back(best_s * one.row.bytes / static_cast<double>(bytes));
         }
-    for (Measured& one : all) {
+    for (Measured& one : lists) {
         one.row.device_s = median(one.device_s);
         one.row.wall_s = median(one.wall_s);
         one.row.best_s = median(one.best_s);
         rows.push_back(one.row);
+    }
+    rows.push_back(foam_tick(lists, size));
+    for (const Measured& one : lists) {
+        if (one.row.what != "maps" || (one.row.fields != "eight" && one.row.fields != "all"))
+            continue;
+        if (bench.readback && one.row.fields == "all" &&
+            one.row.bytes <= static_cast<double>(moved_bytes))
+            SEAWAY_TRY(measure_readback(options, *bench.readback, one.row, rows));
+        if (bench.fftw)
+            SEAWAY_TRY(measure_fftw(options, *bench.fftw, one.row, rows));
     }
     return {};
 }
@@ -275,23 +281,31 @@ Result<Row> measure_start(const DeviceOptions& options, int size, bool cold) {
     return Row{"start", cold ? "cold" : "warm", size, 0, seconds_since(start), 0};
 }
 
-void print(const std::string& device, const std::string& mover, double bytes_per_s,
-           const std::vector<Row>& rows, std::ofstream& file) {
-    fmt::print(
-        "{}; best is {}, {:.1f} GB/s of memory\n\n{:<10} {:>5} {:<13} {:>10} {:>10} {:>8} {:>8} "
-        "{:>8} {:>8}\n",
-        device, mover, 1e-9 * bytes_per_s, "", "size", "fields", "device ms", "wall ms", "MB",
-        "best ms", "best %", "memory %");
-    file << "what,size,fields,device_ms,wall_ms,megabytes,best_ms,best_pct,memory_pct\n";
+void print(const Bench& bench, const std::vector<Row>& rows, std::ofstream& file) {
+    fmt::print("{}\nbest is {}, {:.1f} GB/s of memory, and {}, {:.0f} GFLOP/s{}{}\n\n",
+               bench.device->description(), bench.mover->name(), 1e-9 * bench.bytes_per_s,
+               bench.arithmetic->name(), 1e-9 * bench.operations_per_s, bench.fftw ? "; " : "",
+               bench.fftw ? bench.fftw->name() : "; FFTW is not there, nothing is held against it");
+    fmt::print("{:<10} {:>5} {:<13} {:>10} {:>10} {:>8} {:>8} {:>8} {:>8} {:>9} {:>8}\n", "",
+               "size", "fields", "device ms", "wall ms", "MB", "best ms", "best %", "memory %",
+               "GFLOP/s", "arith. %");
+    file << "what,size,fields,device_ms,wall_ms,megabytes,best_ms,best_pct,memory_pct,gflop_per_s,"
+            "arithmetic_pct\n";
     for (const Row& row : rows) {
-        const double per_cent = row.device_s > 0 ? 100 / row.device_s : 0.0;
-        const double best = per_cent * row.best_s, memory = per_cent * row.bytes / bytes_per_s;
-        fmt::print("{:<10} {:>5} {:<13} {:>10.3f} {:>10.3f} {:>8.2f} {:>8.3f} {:>8.1f} {:>8.1f}\n",
+        const double per_s = row.device_s > 0 ? 1 / row.device_s : 0.0;
+        const double best = 100 * per_s * row.best_s;
+        const double memory = 100 * per_s * row.bytes / bench.bytes_per_s;
+        const double rate = row.what == "arithmetic" ? row.operations : per_s * row.operations;
+        // FFTW runs on this processor, whatever is measured.
+        const double arithmetic = row.what == "fftw" ? 0 : 100 * rate / bench.operations_per_s;
+        fmt::print("{:<10} {:>5} {:<13} {:>10.3f} {:>10.3f} {:>8.2f} {:>8.3f} {:>8.1f} {:>8.1f} "
+                   "{:>9.2f} {:>8.2f}\n",
                    row.what, row.size, row.fields, 1e3 * row.device_s, 1e3 * row.wall_s,
-                   1e-6 * row.bytes, 1e3 * row.best_s, best, memory);
-        file << fmt::format("{},{},{},{:.4g},{:.4g},{:.4g},{:.4g},{:.3g},{:.3g}\n", row.what,
-                            row.size, row.fields, 1e3 * row.device_s, 1e3 * row.wall_s,
-                            1e-6 * row.bytes, 1e3 * row.best_s, best, memory);
+                   1e-6 * row.bytes, 1e3 * row.best_s, best, memory, 1e-9 * rate, arithmetic);
+        file << fmt::format("{},{},{},{:.4g},{:.4g},{:.4g},{:.4g},{:.3g},{:.3g},{:.4g},{:.3g}\n",
+                            row.what, row.size, row.fields, 1e3 * row.device_s, 1e3 * row.wall_s,
+                            1e-6 * row.bytes, 1e3 * row.best_s, best, memory, 1e-9 * rate,
+                            arithmetic);
     }
 }
 
@@ -305,6 +319,16 @@ Result<Row> measure_bandwidth(Mover& mover, int rounds) {
     return Row{
         "bandwidth",    "", 0, median(seconds), median(seconds), static_cast<double>(moved_bytes),
         median(seconds)};
+}
+
+/// The fastest of some tries: a thread that wakes late computes nothing for a while. Its operations are those of a second.
+Result<Row> measure_arithmetic(Arithmetic& arithmetic, int rounds) {
+    double best = 0;
+    for (int round = -1; round < rounds; ++round) {
+        SEAWAY_TRY_LET(const double rate, arithmetic.operations_per_s());
+        best = std::max(best, rate);
+    }
+    return Row{"arithmetic", "", 0, 0, 0, 0, 0, best};
 }
 
 /// Of the kernels of all sizes, for whoever starts later on this device.
@@ -327,6 +351,39 @@ Result<void> retune(const DeviceOptions& options, const server::DeviceChoice& ch
     return {};
 }
 
+/// With the rows of what does not hang on a size.
+Result<Bench> open(const DeviceOptions& options, const server::DeviceChoice& choice,
+                   std::vector<Row>& rows) {
+    Bench bench;
+    const int first = options.sizes.front();
+    if (choice.vulkan) {
+        const std::string pick = std::to_string(*choice.vulkan);
+        for (const bool cold : {true, false}) {
+            SEAWAY_TRY_LET(const Row start, measure_start(options, first, cold));
+            rows.push_back(start);
+        }
+        SEAWAY_TRY_LET(bench.mover, device_mover(pick));
+        SEAWAY_TRY_LET(bench.readback, readback_mover(pick));
+        SEAWAY_TRY_LET(bench.arithmetic, device_arithmetic(pick));
+        SEAWAY_TRY_LET(bench.copying,
+                       server::make_vulkan_synthesizer({.device = pick, .staged = true}));
+    } else {
+        SEAWAY_TRY_LET(const Row start, measure_start(options, first, false));
+        rows.push_back(start);
+        bench.mover = native_mover();
+        bench.arithmetic = native_arithmetic();
+    }
+    if (Result<std::unique_ptr<Fftw>> fftw = Fftw::open())
+        bench.fftw = std::move(*fftw);
+    SEAWAY_TRY_LET(const Row bandwidth, measure_bandwidth(*bench.mover, options.rounds));
+    SEAWAY_TRY_LET(const Row arithmetic, measure_arithmetic(*bench.arithmetic, options.rounds));
+    bench.bytes_per_s = bandwidth.bytes / bandwidth.best_s;
+    bench.operations_per_s = arithmetic.operations;
+    rows.insert(rows.end(), {bandwidth, arithmetic});
+    SEAWAY_TRY_LET(bench.device, server::make_synthesizer(choice));
+    return bench;
+}
+
 } // namespace
 
 Result<void> run_device(const DeviceOptions& options) {
@@ -336,38 +393,21 @@ Result<void> run_device(const DeviceOptions& options) {
     if (options.retune)
         SEAWAY_TRY(retune(options, choice));
     std::vector<Row> rows;
-    std::unique_ptr<Mover> mover;
-    std::unique_ptr<server::Synthesizer> copying;
-    const int first = options.sizes.front();
-    if (choice.vulkan) {
-        const std::string pick = std::to_string(*choice.vulkan);
-        for (const bool cold : {true, false}) {
-            SEAWAY_TRY_LET(const Row start, measure_start(options, first, cold));
-            rows.push_back(start);
-        }
-        SEAWAY_TRY_LET(mover, Copies::create(pick));
-        SEAWAY_TRY_LET(copying, server::make_vulkan_synthesizer({.device = pick, .staged = true}));
-    } else {
-        SEAWAY_TRY_LET(const Row start, measure_start(options, first, false));
-        rows.push_back(start);
-        mover = std::make_unique<Stores>();
-    }
-    SEAWAY_TRY_LET(const Row bandwidth, measure_bandwidth(*mover, options.rounds));
-    rows.push_back(bandwidth);
-    SEAWAY_TRY_LET(const auto device, server::make_synthesizer(choice));
+    SEAWAY_TRY_LET(Bench bench, open(options, choice, rows));
     for (const int size : options.sizes)
-        SEAWAY_TRY(measure_size(options, *device, copying.get(), *mover, size, rows));
-    SEAWAY_TRY_LET(
-        const Row encoded,
-        measure_encode(options, *device, std::min(first, protocol::limits::tile_side_max)));
+        SEAWAY_TRY(measure_size(options, bench, size, rows));
+    SEAWAY_TRY_LET(const Row encoded, measure_encode(options, *bench.device,
+                                                     std::min(options.sizes.front(),
+                                                              protocol::limits::tile_side_max)));
     rows.push_back(encoded);
     std::error_code failed;
     std::filesystem::create_directories(options.out, failed);
     const std::string path = options.out + "/device.csv";
     std::ofstream file(path);
-    file << fmt::format("# seaway-bench device on {}; {}; commit {}\n", device->description(),
-                        machine_name(), commit_name());
-    print(device->description(), mover->name(), bandwidth.bytes / bandwidth.best_s, rows, file);
+    file << fmt::format(
+        "# seaway-bench device on {}; {}; {}; commit {}\n", bench.device->description(),
+        bench.fftw ? bench.fftw->name() : "without FFTW", machine_name(), commit_name());
+    print(bench, rows, file);
     return file.flush() ? Result<void>() : Result<void>(Error{"cannot write " + path});
 }
 

@@ -22,15 +22,21 @@ struct DeviceOptions {
 };
 
 /// Prints a table; writes device.csv into `out`. A row has
-///     what       maps; copied: the same, copied out of device memory as on a discrete GPU; bandwidth; encode; start
+///     what       maps; copied: the same, copied out of device memory as on a discrete GPU; rounded: likewise, as 16 bits;
+///                foam: a tick of all tiles; readback: as many bytes as all maps have, out of device memory; fftw: as many
+///                transforms as a row of maps, by that library where it is there; bandwidth; arithmetic; encode; start
 ///     size       points a side
-///     fields     height | eight | all | all and foam; of a start: cold | warm
+///     fields     height | eight | all | all and foam | strains | foam; of a readback: floats | 16 bits; of a start: cold |
+///                warm
 ///     device_ms  by the device's clock where it has one, else of the submission; medians
 ///     wall_ms    until keyframes are there
 ///     megabytes  of the maps
 ///     best_ms    that as many bytes take, moved and nothing else; bandwidth is that of 64 MB
 ///     best_pct   best_ms of device_ms: for maps that fit into a cache what the cache gives
 ///     memory_pct what as many bytes take at the bandwidth of memory, of device_ms
+///     gflop_per_s of the transforms, counted as 2.5 N log2 N each, of N points; of `arithmetic` what a kernel of nothing but
+///                products and sums comes to
+///     arithmetic_pct that, of the latter
 /// Cold is without a driver's cache of kernels on disk, where the driver is one of Mesa or NVIDIA.
 Result<void> run_device(const DeviceOptions& options);
 
