@@ -299,6 +299,13 @@ std::string metrics_text(const EffectPlan& plan, const SimulationCounters& count
     add("transforms_total", "counter", "2-D transforms of real fields.",
         whole(counters.synthesis.transforms));
     add("keyframes_total", "counter", "Keyframes computed.", whole(counters.synthesis.keyframes));
+    add("keyframes_copied_total", "counter",
+        "Keyframes copied out of a device's memory: where it is not read in place, or where as "
+        "many are held there as may be.",
+        whole(counters.synthesis.copies));
+    add("foam_ticks_total", "counter",
+        "Ticks of foam histories, and steps that were shown and not kept.",
+        whole(counters.synthesis.foam_ticks));
     add("cascades_taken_total", "counter",
         "Cascades whose waves the device was given, a new sea at a time.",
         whole(counters.synthesis.cascades));

@@ -256,7 +256,7 @@ EffectPlan some_plan() {
 }
 
 SimulationCounters some_counters() {
-    SynthesisCounters synthesis{3, 5, 7, 9, 11.5, 0, 0, 0.0, 71, 73};
+    SynthesisCounters synthesis{3, 5, 7, 9, 11.5, 79, 83, 0.0, 71, 73};
     for (std::size_t i = 0; i < synthesis.maps_too_large.size(); ++i)
         synthesis.maps_too_large[i] = 100 + i;
     return {.synthesis = synthesis,
@@ -281,6 +281,8 @@ TEST(SimulationMetrics, every_line_shows_the_figure_that_it_names) {
                                            {"seaway_transforms_total", 5},
                                            {"seaway_cascades_taken_total", 9},
                                            {"seaway_keyframes_total", 7},
+                                           {"seaway_keyframes_copied_total", 79},
+                                           {"seaway_foam_ticks_total", 83},
                                            {"seaway_device_seconds_total", 11.5},
                                            {"seaway_keyframes_published_total", 29},
                                            {"seaway_keyframes_skipped_total", 31},

@@ -198,8 +198,8 @@ Result<void> measure_fftw(const DeviceOptions& options, Fftw& fftw, const Row& o
         if (round >= 0)
             seconds.push_back(once_s);
     }
-    rows.push_back(
-        {"fftw", of.fields, of.size, median(seconds), median(seconds), of.bytes, 0, of.operations});
+    rows.push_back({"fftw", of.fields, of.size, median(seconds), median(seconds), of.bytes, 0,
+                    count * transform_operations(of.size)});
     return {};
 }
 
