@@ -10,11 +10,14 @@
 #include <gtest/gtest.h>
 
 #include "protocol/tile_codec.h"
+#include "sea/scene/weather.h"
 #include "server/device/vulkan_synthesizer.h"
 #include "server/host/grant.h"
 #include "server/publish/encoder.h"
 #include "server/simulation/simulation.h"
+#include "tests/server/publish/predicted_sea.h"
 #include "tests/server/publish/tile_of.h"
+#include "tests/server/simulation/simulation_bench.h"
 
 namespace seaway::server {
 namespace {
@@ -204,6 +207,109 @@ TEST_P(RoundedScene, answers_are_within_what_they_state_and_state_what_rounding_
         EXPECT_GT(off[i].error_m, exact[i].error_m) << "what is lost is said";
         // A fifth of what the codec may cost; a point is moved sideways, too, where the sea is steeper than the usual.
         EXPECT_LT(off[i].error_m, exact[i].error_m + 0.4 * sea_->budget.codec_error_m) << i;
+    }
+}
+
+double farthest(std::span<const float> a, std::span<const float> b) {
+    double worst = 0;
+    for (std::size_t i = 0; i < a.size(); ++i)
+        worst = std::max(worst, std::abs(static_cast<double>(a[i]) - static_cast<double>(b[i])));
+    return worst;
+}
+
+/// A sea that glides from 20 to 30 s, on a device that rounds.
+class RoundedGlide : public testing::Test {
+  protected:
+    void SetUp() override {
+        const RunningSeaPtr sea = running_sea();
+        course_ = std::make_shared<SeaCourse>(sea);
+        const TomlAssignment wind{"systems.0.wind_speed_10m_mps", "14.0"};
+        ASSERT_TRUE(course_->add(sea::changed(sea->scene, {&wind, 1}).value(), 20 * second_us,
+                                 30 * second_us));
+        auto device = RebuiltSynthesizer::start(
+            [](const sea::RealizationPtr& waves,
+               std::uint32_t epoch) -> Result<std::unique_ptr<Synthesizer>> {
+                std::unique_ptr<Synthesizer> made = staged_device();
+                SEAWAY_TRY(made->set_sea(waves, epoch));
+                return made;
+            },
+            sea->realization, sea->epoch, {});
+        synthesis_ = std::make_unique<CourseSynthesis>(course_, std::move(device).value());
+    }
+    NewKeyframePtr made(TimeUs time_us, std::span<const float> rounding) {
+        const KeyframeRequest request{
+            0, time_us, sea::surface_fields, course_->at(time_us)->epoch, nullptr, rounding};
+        return synthesis_->synthesize({&request, 1}).value()[0];
+    }
+
+    std::shared_ptr<SeaCourse> course_;
+    std::unique_ptr<CourseSynthesis> synthesis_;
+};
+
+// What rates have of the growth is added here, exactly: they are no whole steps any more, and no further off than before.
+TEST_F(RoundedGlide, rates_have_what_the_sea_grows_by_and_are_no_further_off) {
+    const TimeUs time_us = 24 * second_us;
+    const std::vector<float> bounds =
+        rounding_bounds(course_->at(time_us)->budget, sea::surface_fields, 0, Readback::rounded);
+    ASSERT_FALSE(bounds.empty());
+    const NewKeyframePtr exact = made(time_us, {}), rounded = made(time_us, bounds);
+    for (const Field field : sea::surface_fields) {
+        const sea::RoundedMap* map = rounded->rounded_map(field);
+        ASSERT_NE(map, nullptr) << sea::info(field).name;
+        EXPECT_EQ(map->steps.empty(), sea::info(field).time_rate) << sea::info(field).name;
+        // A rate has the sum of two floats, rounded once: 2^-24 of 10 m/s.
+        EXPECT_LE(farthest(exact->plane(field), rounded->plane(field)),
+                  static_cast<double>(map->error) + 1e-6)
+            << sea::info(field).name;
+    }
+}
+
+TEST(RoundedKeyframe, counts_its_steps_and_hands_on_what_it_was_rounded_by) {
+    sea::Keyframe one{1, 0, 0, 2, 10.0, {Field::height, Field::foam}};
+    one.values.assign(8, 0.5f);
+    EXPECT_EQ(one.bytes(), 8 * sizeof(float));
+    one.rounded = {{Field::height, 0.25f, 0.13f, {2, 2, 2, 2}},
+                   {Field::foam, 0.5f, 0.3f, {1, 1, 1, 1}}};
+    EXPECT_EQ(one.bytes(), 8 * sizeof(float) + 8 * sizeof(std::int16_t));
+    sea::Keyframe other{1, 0, 7, 2, 10.0, {Field::foam}};
+    other.values.assign(4, 0.0f);
+    sea::copy_map(one, Field::foam, other);
+    EXPECT_EQ(other.plane(Field::foam)[3], 0.5f);
+    ASSERT_NE(other.rounded_map(Field::foam), nullptr);
+    EXPECT_EQ(other.rounded_map(Field::foam)->error, 0.3f);
+    one.forget_steps({Field::height});
+    EXPECT_EQ(one.rounded_map(Field::height)->error, 0.13f) << "its samples are off as before";
+    EXPECT_TRUE(one.rounded_map(Field::height)->steps.empty());
+    EXPECT_FALSE(one.rounded_map(Field::foam)->steps.empty());
+    one.rounded.clear();
+    sea::copy_map(one, Field::foam, other);
+    EXPECT_EQ(other.rounded_map(Field::foam), nullptr) << "exact again";
+}
+
+// The second of two keyframes, of which the whole form and the difference come to the same.
+TEST_P(RoundedScene, predicted_heights_are_within_the_bound) {
+    Encoder encoder;
+    const Quality quality = number_of({.compact = true, .predicted = true});
+    constexpr FieldSet both{Field::height, Field::height_rate};
+    for (const sea::TimeUs time_us : std::initializer_list<sea::TimeUs>{0, 400'000}) {
+        const auto exact = made(time_us, Readback::exact),
+                   rounded = made(time_us, Readback::rounded);
+        const RungMaps maps = maps_of(sea_->budget, 0, fields(), number_of({}));
+        const auto encoded =
+            encoder.encode(*rounded[0], maps.codec_error, quality, both, {.law = predicted_law});
+        ASSERT_TRUE(encoded) << encoded.error().message;
+        for (const EncodedField& map : (*encoded)->maps) {
+            std::vector<float> back(exact[0]->plane_size());
+            for (const protocol::SharedBytes& bytes : map.parts) {
+                const wire::Tile& tile = tile_of(bytes);
+                const auto stride = static_cast<std::size_t>(exact[0]->size);
+                ASSERT_TRUE(protocol::decode_tile(
+                    {tile.payload()->data(), tile.payload()->size()}, {tile.width(), tile.height()},
+                    stride, std::span(back).subspan(tile.y0() * stride + tile.x0())));
+            }
+            EXPECT_LE(farthest(back, exact[0]->plane(map.field)), static_cast<double>(map.error))
+                << sea::info(map.field).name << " at " << time_us;
+        }
     }
 }
 
