@@ -29,6 +29,8 @@ using Subscription =
 
 /// Messages that are asked for and have not come; of 3 KB each.
 constexpr std::uint64_t reads_under_way = 256;
+/// Before those that have not come are asked for again.
+constexpr int silence_ms = 100;
 
 /// Of a message that was read; 0: it is none.
 std::uint64_t number_of(natsMsg* message) {
@@ -215,7 +217,8 @@ Result<SharedLog::Tail> NatsLog::tail() {
     }
 }
 
-/// Asks for a window of messages and takes what comes, each on its own: in no order, as copies of a stream answer.
+/// Asks for a window of messages and takes what comes, each on its own: in no order, as copies of the stream share the questions. One
+/// that is behind does not have a message, and one that is cut off keeps its share to itself: what does not come is asked for again.
 Result<std::vector<SharedLog::Stored>> NatsLog::read(std::uint64_t first, std::uint64_t last) {
     SEAWAY_TRY_LET(natsConnection * connection, connection_.get());
     const std::string get = "$JS.API.DIRECT.GET." + stream_;
@@ -226,35 +229,42 @@ Result<std::vector<SharedLog::Stored>> NatsLog::read(std::uint64_t first, std::u
     if (status == NATS_OK)
         status = natsConnection_SubscribeSync(&subscribed, connection, made);
     const Subscription subscription(subscribed);
-    std::vector<Stored> messages(last - first + 1);
+    const auto ask = [&](std::uint64_t number) {
+        return natsConnection_PublishRequestString(connection, get.c_str(), made,
+                                                   fmt::format("{{\"seq\":{}}}", number).c_str());
+    };
+    std::vector<std::optional<Stored>> messages(last - first + 1);
     std::uint64_t asked = 0, come = 0;
-    while (status == NATS_OK && come < messages.size()) {
+    for (int silences = 0; status == NATS_OK && come < messages.size();) {
         for (; status == NATS_OK && asked < messages.size() && asked - come < reads_under_way;
              ++asked)
-            status = natsConnection_PublishRequestString(
-                connection, get.c_str(), made,
-                fmt::format("{{\"seq\":{}}}", first + asked).c_str());
+            status = ask(first + asked);
         natsMsg* next = nullptr;
         if (status == NATS_OK)
-            status = natsSubscription_NextMsg(&next, subscription.get(), nats_patience_ms);
+            status = natsSubscription_NextMsg(&next, subscription.get(), silence_ms);
         const Message message(next);
-        if (status != NATS_OK)
-            break;
-        const std::uint64_t number = number_of(next);
-        if (number < first || number > last) {
-            status = NATS_NOT_FOUND; // of a copy that is behind, or a stream that does not allow it
-            break;
+        if (status == NATS_TIMEOUT && ++silences < nats_patience_ms / silence_ms) {
+            status = NATS_OK;
+            for (std::uint64_t i = 0; status == NATS_OK && i < asked; ++i)
+                status = messages[i] ? NATS_OK : ask(first + i);
         }
+        const std::uint64_t number = status == NATS_OK && next ? number_of(next) : 0;
+        if (number < first || number > last || messages[number - first])
+            continue;
         const auto bytes = static_cast<std::size_t>(natsMsg_GetDataLength(next));
-        messages[number - first] = {std::string(natsMsg_GetData(next), bytes), stored_utc_us(next),
-                                    id_of(next)};
+        messages[number - first] =
+            Stored{std::string(natsMsg_GetData(next), bytes), stored_utc_us(next), id_of(next)};
         ++come;
+        silences = 0;
     }
-    if (status == NATS_OK)
-        return messages;
-    return unanswered(connection, LogFailure::unanswered,
-                      fmt::format("NATS does not give messages {} to {}: {}", first, last,
-                                  natsStatus_GetText(status)));
+    if (status != NATS_OK)
+        return unanswered(connection, LogFailure::unanswered,
+                          fmt::format("NATS does not give messages {} to {}: {}", first, last,
+                                      natsStatus_GetText(status)));
+    std::vector<Stored> all;
+    for (std::optional<Stored>& one : messages)
+        all.push_back(*std::move(one));
+    return all;
 }
 
 Result<std::uint64_t> NatsLog::write(const std::string& message, const std::string& id,

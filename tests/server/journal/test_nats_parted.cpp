@@ -97,6 +97,15 @@ TEST_F(Parted,
     ASSERT_TRUE(taken_in_the_end(other, change(3))) << "the two others choose one who leads";
     EXPECT_FALSE(cut_off.standing().current);
     EXPECT_EQ(cut_off.standing().last_epoch, 2u);
+    // Its copy of the log has its share of what they read, and does not answer.
+    ASSERT_TRUE(comes_true([&] { return journals[other]->standing().last_epoch == 3; }));
+    NatsLog log = log_of(cluster.node(other).url(world));
+    for (int i = 0; i < 30; ++i) {
+        const Result<std::vector<SharedLog::Stored>> messages = log.read(1, 3);
+        ASSERT_TRUE(messages) << i << ' ' << messages.error().message;
+        EXPECT_NE(messages->at(0).message.find(beginning.scene), std::string::npos);
+        EXPECT_NE(messages->at(2).message.find(change(3).scene), std::string::npos);
+    }
     cluster.join(leader);
     ASSERT_TRUE(comes_true([&] { return all_hold(3); }));
     for (const std::unique_ptr<Journal>& journal : journals)
