@@ -36,14 +36,14 @@ class ForgetfulJournal final : public Journal {
   public:
     explicit ForgetfulJournal(SeaChange first) : changes_{std::move(first)} {}
 
-    std::atomic<int> reads_fail = 0;     ///< since()
-    std::atomic<int> appends_fail = 0;   ///< behind the write
-    std::optional<JournalError> refuses; ///< each append
+    mutable std::atomic<int> reads_fail = 0; ///< since()
+    std::atomic<int> appends_fail = 0;       ///< behind the write
+    std::optional<JournalError> refuses;     ///< each append
 
     const std::string& name() const override { return name_; }
     std::int64_t epoch_utc_us() const override { return 0; }
     Result<std::vector<SeaChange>> since(std::uint32_t epoch) const override {
-        if (auto& fails = const_cast<std::atomic<int>&>(reads_fail); fails > 0 && fails-- > 0)
+        if (reads_fail > 0 && reads_fail-- > 0)
             throw std::bad_alloc();
         const std::scoped_lock lock(mutex_);
         if (epoch >= changes_.size())
