@@ -39,9 +39,18 @@ class Parted : public testing::Test {
 
     bool taken_in_the_end(std::size_t at, const SeaChange& change) {
         return comes_true([&] {
-            return journals[at]->append(change) ||
-                   journals[at]->standing().last_epoch >= change.epoch;
+            const Result<void> taken = journals[at]->append(change);
+            if (!taken)
+                why = taken.error().message;
+            return taken || journals[at]->standing().last_epoch >= change.epoch;
         });
+    }
+    /// What the log holds behind the first. One that waited for a leader may have lapsed, and was not acknowledged then.
+    static std::vector<SeaChange> behind_the_first(const Journal& journal) {
+        std::vector<SeaChange> changes = journal.since(1).value();
+        for (SeaChange& one : changes)
+            one.lapsed = false;
+        return changes;
     }
     bool all_hold(std::uint32_t last) const {
         for (const std::unique_ptr<Journal>& journal : journals)
@@ -69,6 +78,7 @@ class Parted : public testing::Test {
     NatsCluster cluster;
     std::array<std::unique_ptr<Journal>, NatsCluster::size> journals;
     std::size_t leader = NatsCluster::size;
+    std::string why; ///< a change was not taken
 };
 
 TEST_F(Parted,
@@ -109,8 +119,8 @@ TEST_F(Parted,
     cluster.join(leader);
     ASSERT_TRUE(comes_true([&] { return all_hold(3); }));
     for (const std::unique_ptr<Journal>& journal : journals)
-        EXPECT_EQ(journal->since(1).value(), (std::vector<SeaChange>{change(2), change(3)}));
-    EXPECT_TRUE(taken_in_the_end(leader, change(4)));
+        EXPECT_EQ(behind_the_first(*journal), (std::vector<SeaChange>{change(2), change(3)}));
+    EXPECT_TRUE(taken_in_the_end(leader, change(4))) << why;
 }
 
 TEST_F(Parted, who_follows_a_follower_that_is_cut_off_is_stale_and_the_others_go_on) {
@@ -128,7 +138,7 @@ TEST_F(Parted, who_follows_a_follower_that_is_cut_off_is_stale_and_the_others_go
     EXPECT_EQ(cut_off.standing().last_epoch, 2u);
     cluster.join(leader);
     ASSERT_TRUE(comes_true([&] { return all_hold(3); }));
-    EXPECT_EQ(cut_off.since(2).value(), std::vector<SeaChange>{change(3)});
+    EXPECT_EQ(behind_the_first(cut_off), (std::vector<SeaChange>{change(2), change(3)}));
 }
 
 } // namespace
