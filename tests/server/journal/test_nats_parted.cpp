@@ -104,7 +104,9 @@ TEST_F(Parted,
         ASSERT_FALSE(taken);
         EXPECT_TRUE(taken.error().is(JournalError::unreachable)) << taken.error().message;
     }
-    ASSERT_TRUE(taken_in_the_end(other, change(3))) << "the two others choose one who leads";
+    ASSERT_TRUE(comes_true([&] { return journals[other]->standing().current; }))
+        << "the two others choose one who leads";
+    ASSERT_TRUE(taken_in_the_end(other, change(3))) << why;
     EXPECT_FALSE(cut_off.standing().current);
     EXPECT_EQ(cut_off.standing().last_epoch, 2u);
     // Its copy of the log has its share of what they read, and does not answer.
