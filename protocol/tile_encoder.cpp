@@ -91,15 +91,15 @@ struct StepSurvey {
 };
 
 StepSurvey survey(std::span<const std::int16_t> steps, TileShape shape, std::size_t row_stride) {
-    int least = steps[0], most = steps[0];
+    std::int16_t least = steps[0], most = steps[0];
     for (int y = 0; y < shape.height; ++y) {
         const std::int16_t* row = steps.data() + static_cast<std::size_t>(y) * row_stride;
         for (int x = 0; x < shape.width; ++x) {
-            least = std::min<int>(least, row[x]);
-            most = std::max<int>(most, row[x]);
+            least = std::min(least, row[x]);
+            most = std::max(most, row[x]);
         }
     }
-    return {std::max(-least, most), least == most};
+    return {std::max<int>(-least, most), least == most};
 }
 
 /// The widest odd number of steps whose half, rounded down, is within `error` after the decoder's rounding, and that of the
@@ -112,6 +112,17 @@ int factor_within(int magnitude_max, float step, float error) {
         static_cast<double>(largest);
     const double half = std::floor((static_cast<double>(error) - ulp) / static_cast<double>(step));
     return 2 * static_cast<int>(std::clamp(half, 0.0, 0.5 * (factor_max - 1))) + 1;
+}
+
+/// The nearest multiples of an odd factor, of which `to_whole` is the inverse. Adding 1.5 * 2^23 rounds to the nearest
+/// integer; no integer lies in the middle of two multiples, nor nearer to it than 32767 products are off in single
+/// precision.
+void multiples_row(const std::int16_t* steps, int width, float to_whole, std::uint32_t* row) {
+    constexpr float to_integer = 0x1.8p23f;
+    for (int x = 0; x < width; ++x)
+        row[x] =
+            std::bit_cast<std::uint32_t>(static_cast<float>(steps[x]) * to_whole + to_integer) -
+            std::bit_cast<std::uint32_t>(to_integer);
 }
 
 /// Integers of one row. Returns whether every sample will decode within `error`.
@@ -326,13 +337,7 @@ Result<std::vector<std::uint8_t>> encode_tile_steps(std::span<const std::int16_t
     const int factor = factor_within(seen.magnitude_max, step, error);
     const float to_whole = 1.0f / static_cast<float>(factor);
     const auto all = residuals_of(shape, [&](std::size_t y, std::uint32_t* row) {
-        const std::int16_t* source = steps.data() + y * row_stride;
-        // Adding 1.5 * 2^23 rounds to the nearest integer. No integer lies in the middle of two multiples of an odd one, nor
-        // nearer to it than 32767 products are off in single precision.
-        for (int x = 0; x < shape.width; ++x)
-            row[x] =
-                std::bit_cast<std::uint32_t>(static_cast<float>(source[x]) * to_whole + 0x1.8p23f) -
-                std::bit_cast<std::uint32_t>(0x1.8p23f);
+        multiples_row(steps.data() + y * row_stride, shape.width, to_whole, row);
         return true;
     });
     const float coded = static_cast<float>(factor) * step;
