@@ -32,7 +32,7 @@ add_library(seaway_options INTERFACE)
 # Contraction off: the realised sea and the codec are the same bits with every compiler and level.
 # What designated initialisers leave out is zero on purpose.
 target_compile_options(seaway_options INTERFACE -ffp-contract=off -Wall -Wextra -Wpedantic
-  -Wshadow -Wnon-virtual-dtor -Wcast-align -Wold-style-cast -Woverloaded-virtual
+  $<$<NOT:$<BOOL:$<TARGET_PROPERTY:SEAWAY_SHADOWS>>>:-Wshadow> -Wnon-virtual-dtor -Wcast-align -Wold-style-cast -Woverloaded-virtual
   -Wno-missing-field-initializers -Werror=switch)
 # The same objects make programs, tests and libseaway.so: nothing is compiled twice. What is hidden is called and
 # read as in a program (docs/decisions/0046-packages.md has the cost).

@@ -51,8 +51,9 @@ function(seaway_test name)
   add_executable(test_${name} ${T_SOURCES})
   target_link_libraries(test_${name} PRIVATE seaway_headers seaway_options
     ${T_LINKS} GTest::gmock GTest::gtest_main)
-  # Files that are compiled together shadow each other's names at their ease.
-  target_compile_options(test_${name} PRIVATE -O1 -Wno-shadow)
+  target_compile_options(test_${name} PRIVATE -O1)
+  # Tests that are compiled together shadow each other's names at their ease.
+  set_target_properties(test_${name} PROPERTIES SEAWAY_SHADOWS ON)
   seaway_precompiled(test_${name} seaway_test_headers)
   seaway_together(test_${name})
   target_compile_definitions(test_${name} PRIVATE SEAWAY_SOURCE_DIR="${PROJECT_SOURCE_DIR}"

@@ -75,8 +75,9 @@ TEST(SeaCourse, a_change_for_which_there_is_no_memory_has_not_changed_anything) 
         }
         // From which sea a glide comes follows from how many changes there were.
         const TimeUs glides_us = whole->window(4).start_us + 10 * second_us;
-        if (last == 1) // all rows but one were held
+        if (last == 1) { // all rows but one were held
             EXPECT_EQ(height_m(*course, 4, glides_us), height_m(*whole, 4, glides_us));
+        }
         EXPECT_EQ(course->glides_in_row(110 * second_us), 1) << last;
     }
     EXPECT_EQ(failed, 12);
