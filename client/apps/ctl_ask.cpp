@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "client/apps/ctl_diff.h"
+#include "client/apps/ctl_status.h"
 #include "client/apps/exit_code.h"
 #include "client/client.h"
 #include "client/link/failure.h"
@@ -23,49 +24,14 @@ Result<Reply> answer_to(const Ask& ask) {
     return promise.get_future().get();
 }
 
-std::string row_of(const std::string& url, const std::string& version, const nlohmann::json& state,
-                   const nlohmann::json& sessions) {
-    const nlohmann::json none = {
-        {"shared", false},  {"changes", 1},          {"played", 1},
-        {"peers", 0},       {"clock_ahead_ms", 0.0}, {"clock_error_ms", 0.0},
-        {"unheard_s", 0.0}, {"stale", false},        {"why", ""}};
-    const nlohmann::json journal = state.value("journal", none);
-    std::uint64_t bytes_waiting = 0;
-    for (const nlohmann::json& one : sessions["listed"])
-        bytes_waiting += one["bytes_waiting"].get<std::uint64_t>();
-    return fmt::format(
-        "{:<30} {:<22} {:<6} {:>7} {:>6} {:>9.3f} {:>9.3f} {:>6.2f} {:>5} {:>8} {:>9} {}\n", url,
-        version, journal["stale"].get<bool>() ? "stale" : "ready", journal["changes"].get<int>(),
-        journal["changes"].get<int>() - journal["played"].get<int>(),
-        journal["clock_ahead_ms"].get<double>(), journal["clock_error_ms"].get<double>(),
-        journal["unheard_s"].get<double>(), journal["peers"].get<int>(),
-        // This program is one of them.
-        sessions["sessions"].get<int>() - 1, bytes_waiting / 1024,
-        journal["why"].get<std::string>());
-}
-
-struct Row {
-    std::string text;
-    bool certain;
-};
-
-Result<Row> row(const CtlOptions& options, const std::string& url) {
+Result<StatusRow> row(const CtlOptions& options, const std::string& url) {
     SEAWAY_TRY_LET(const std::unique_ptr<Connection> connection,
                    connect_as_administrator(options, url));
     SEAWAY_TRY_LET(const std::string state,
                    administered(*connection, {wire::Act::state}, options.timeout_s));
     SEAWAY_TRY_LET(const std::string sessions,
                    administered(*connection, {wire::Act::sessions}, options.timeout_s));
-    const nlohmann::json said = nlohmann::json::parse(state, nullptr, false);
-    const nlohmann::json who = nlohmann::json::parse(sessions, nullptr, false);
-    try {
-        const bool stale = said.contains("journal") && said["journal"]["stale"].get<bool>();
-        return Row{row_of(url, connection->welcome().server, said, who), !stale};
-    } catch (const nlohmann::json::exception&) { // of another version
-        return Row{
-            fmt::format("{:<30} says its state in other words than this program knows\n", url),
-            false};
-    }
+    return status_row(url, connection->welcome().server, state, sessions);
 }
 
 Result<std::unique_ptr<Client>> reader_of(const CtlOptions& options, const std::string& url) {
@@ -125,7 +91,7 @@ Result<FleetStatus> fleet_status(const CtlOptions& options, const StatusWish& wi
     bool any = false;
     Error last{"no server"};
     for (const std::string& url : urls) {
-        const Result<Row> one = row(options, url);
+        const Result<StatusRow> one = row(options, url);
         any = any || one.has_value();
         if (!one)
             last = one.error();

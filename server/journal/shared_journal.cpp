@@ -18,6 +18,11 @@ bool same_moment(std::int64_t a_us, std::int64_t b_us) {
     return std::abs(a_us - b_us) <= 1;
 }
 
+/// The sea that a log begins with never is.
+bool is_lapsed(const LoggedChange& logged, const SharedLog::Stored& stored) {
+    return logged.change.epoch > 1 && stored.at_utc_us > logged.by_utc_us;
+}
+
 } // namespace
 
 SharedJournal::SharedJournal(std::unique_ptr<SharedLog> log, Options options)
@@ -77,20 +82,31 @@ Result<SharedLog::Tail> SharedJournal::catch_up() {
                                       "and written anew; the sea that was followed goes on here "
                                       "until this server is started again",
                                       held)};
-    if (held > 0 && tail.last == held && !same_moment(tail.last_at_utc_us, last_at_utc_us_))
-        return other_end;
-    if (tail.last > held) {
+    const bool same_end =
+        held == 0 || tail.last > held || same_moment(tail.last_at_utc_us, last_at_utc_us_);
+    if (tail.last > held || !same_end) {
         // With the last one that is held, to see that it is the same.
         const std::uint64_t first = std::max<std::uint64_t>(held, 1);
         SEAWAY_TRY_LET(const std::vector<SharedLog::Stored> messages, log_->read(first, tail.last));
         for (std::size_t i = 0; i < messages.size(); ++i)
             if (first + i > held)
                 SEAWAY_TRY(hold(messages[i], first + i));
-            else if (!same_moment(messages[i].at_utc_us, last_at_utc_us_))
+            else if (!is_held(messages[i]))
                 return other_end;
     }
     identity_ = tail.identity;
     return tail;
+}
+
+/// The last one. Of a cluster that has been joined again a message may have another time at another node; its writer made
+/// it once.
+bool SharedJournal::is_held(const SharedLog::Stored& stored) const {
+    if (same_moment(stored.at_utc_us, last_at_utc_us_))
+        return true;
+    const Result<LoggedChange> logged = read_message(stored.message);
+    const std::scoped_lock lock(mutex_);
+    return logged && logged->sum == sum_ && logged->by_utc_us == last_by_utc_us_ &&
+           is_lapsed(*logged, stored) == changes_.back().lapsed;
 }
 
 Result<void> SharedJournal::hold(const SharedLog::Stored& stored, std::uint64_t number) {
@@ -115,11 +131,12 @@ Result<void> SharedJournal::hold(const SharedLog::Stored& stored, std::uint64_t 
         return named("is damaged, or of another sea's log");
     if (number == 1 && (logged->change.start_us != 0 || logged->change.pace))
         return named("is not the sea that a log begins with");
-    logged->change.lapsed = number > 1 && stored.at_utc_us > logged->by_utc_us;
+    logged->change.lapsed = is_lapsed(*logged, stored);
     changes_.push_back(std::move(logged->change));
     // Once it is held: where there was no memory for it the next look takes it.
     sum_ = sum;
     last_at_utc_us_ = stored.at_utc_us;
+    last_by_utc_us_ = logged->by_utc_us;
     return {};
 }
 

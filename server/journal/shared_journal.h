@@ -78,6 +78,7 @@ class SharedJournal final : public Journal {
     Result<void> begin(const Beginning& beginning);
     /// Holds what the log has; its tail as of then.
     Result<SharedLog::Tail> catch_up();
+    bool is_held(const SharedLog::Stored& stored) const;
     Result<void> hold(const SharedLog::Stored& stored, std::uint64_t number);
     Result<void> write(const LoggedChange& logged);
     /// Whether that message was written under this id.
@@ -96,6 +97,7 @@ class SharedJournal final : public Journal {
     std::string identity_; ///< of the log, once it was read
     std::uint64_t sum_ = 0;
     std::int64_t last_at_utc_us_ = 0; ///< of the last one that is held
+    std::int64_t last_by_utc_us_ = 0; ///< and by when it had to be stored
     std::uint64_t writes_ = 0;
     std::int64_t epoch_utc_us_ = 0; ///< never changes once it is open
 

@@ -75,6 +75,26 @@ TEST_F(SharedFaults, a_log_whose_end_was_lost_and_written_anew_is_not_the_one_th
     EXPECT_EQ(third.journal->standing().last_epoch, 5u);
 }
 
+// As nodes of a cluster that were parted and joined again have been seen to give it.
+TEST_F(SharedFaults,
+       a_change_that_is_read_again_at_another_time_is_still_the_one_that_was_followed) {
+    open(first);
+    ASSERT_TRUE(append(first));
+    const std::int64_t stored_us = engine.messages.back().at_utc_us;
+    for (const std::int64_t off_us : {-300'000, 300'000}) {
+        engine.messages.back().at_utc_us = stored_us + off_us;
+        first.journal->poll();
+        EXPECT_TRUE(first.journal->standing().current) << first.journal->standing().trouble;
+    }
+    engine.messages.back().at_utc_us = stored_us;
+    ASSERT_TRUE(append(first)) << "read at one time, and then at another with one behind it";
+    engine.messages.back().at_utc_us += 5 * one_second_us; // for who reads it now it has lapsed
+    first.journal->poll();
+    EXPECT_NE(first.journal->standing().trouble.find("another change 3 than was followed"),
+              std::string::npos)
+        << first.journal->standing().trouble;
+}
+
 TEST_F(SharedFaults, who_leads_alone_does_not_know_whether_the_log_goes_on_elsewhere) {
     open(first);
     first.journal->poll();
