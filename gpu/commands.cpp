@@ -33,30 +33,30 @@ Scope scope(Stage stage) {
             VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT};
 }
 
-} // namespace
-
-VkBufferMemoryBarrier2 release_barrier(VkBuffer buffer, Stage written_by, std::uint32_t from_family,
-                                       std::uint32_t to_family) {
-    const Scope source = scope(written_by);
+/// Of a whole buffer that goes from one family of queues to another: a side that says nothing has no scope.
+VkBufferMemoryBarrier2 handover(VkBuffer buffer, const Scope& source, const Scope& target,
+                                std::uint32_t from_family, std::uint32_t to_family) {
     return {.sType = VK_STRUCTURE_TYPE_BUFFER_MEMORY_BARRIER_2,
             .srcStageMask = source.stage,
             .srcAccessMask = source.access,
-            .srcQueueFamilyIndex = from_family,
-            .dstQueueFamilyIndex = to_family,
-            .buffer = buffer,
-            .size = VK_WHOLE_SIZE};
-}
-
-VkBufferMemoryBarrier2 acquire_barrier(VkBuffer buffer, Stage read_by, std::uint32_t from_family,
-                                       std::uint32_t to_family) {
-    const Scope target = scope(read_by);
-    return {.sType = VK_STRUCTURE_TYPE_BUFFER_MEMORY_BARRIER_2,
             .dstStageMask = target.stage,
             .dstAccessMask = target.access,
             .srcQueueFamilyIndex = from_family,
             .dstQueueFamilyIndex = to_family,
             .buffer = buffer,
             .size = VK_WHOLE_SIZE};
+}
+
+} // namespace
+
+VkBufferMemoryBarrier2 release_barrier(VkBuffer buffer, Stage written_by, std::uint32_t from_family,
+                                       std::uint32_t to_family) {
+    return handover(buffer, scope(written_by), {}, from_family, to_family);
+}
+
+VkBufferMemoryBarrier2 acquire_barrier(VkBuffer buffer, Stage read_by, std::uint32_t from_family,
+                                       std::uint32_t to_family) {
+    return handover(buffer, {}, scope(read_by), from_family, to_family);
 }
 
 Result<Commands> Commands::create(Device& device, Queue queue) {

@@ -22,7 +22,7 @@ Result<std::string> difference_of(std::span<const sea::Answer> one,
             continue;
         const double off_m = std::abs(one[i].height_m - other[i].height_m);
         ++compared;
-        beyond += off_m > one[i].error_m + other[i].error_m;
+        beyond += !(off_m <= one[i].error_m + other[i].error_m); // also what is no number
         most_m = std::max(most_m, off_m);
         squares += off_m * off_m;
     }

@@ -22,6 +22,7 @@ Result<SeaChange> with_text(SeaChange change, std::string text);
 
 /// Of a change and of the sum of all before it.
 std::uint64_t sum_of(std::uint64_t before, const SeaChange& change);
+
 /// An error where what has passed since that instant, sea time 0, is no time of a sea.
 Result<void> check_epoch(std::int64_t epoch_utc_us);
 

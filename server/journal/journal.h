@@ -74,7 +74,7 @@ class Journal {
     virtual std::int64_t epoch_utc_us() const = 0;
 
     /// The changes after that of `epoch`, oldest first; of 0: all. There is always a first one. To follow a log is
-    /// to ask again.
+    /// to ask again. It does not wait for append().
     virtual Result<std::vector<SeaChange>> since(std::uint32_t epoch) const = 0;
 
     /// Takes the next change. Errors: its number is not the next one, it ends before it begins, or it could not be written

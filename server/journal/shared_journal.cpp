@@ -208,9 +208,8 @@ void SharedJournal::run() {
         lock.unlock();
         try {
             poll();
-        } catch (
-            const std::
-                bad_alloc&) { // the next look may find some; until then the log has not been heard of
+        } catch (const std::bad_alloc&) {
+            // The next look may find some; until then the log has not been heard of.
         }
         lock.lock();
         stop_.wait_for(lock, std::chrono::microseconds(poll_us), [this] { return stopping_; });

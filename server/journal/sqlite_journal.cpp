@@ -235,6 +235,13 @@ Result<void> SqliteJournal::open_file() {
     SEAWAY_TRY_LET(const bool row, mode.step());
     if (!row || mode.text(0) != "wal")
         return Error{"cannot be written with a log ahead: " + mode.text(0)};
+    sqlite3* reader = nullptr;
+    const int read = sqlite3_open_v2(path_.c_str(), &reader,
+                                     SQLITE_OPEN_READONLY | SQLITE_OPEN_FULLMUTEX, nullptr);
+    reader_.reset(reader);
+    if (read != SQLITE_OK)
+        return sql_error(reader);
+    sqlite3_busy_timeout(reader, busy_wait_ms);
     return {};
 }
 
@@ -284,10 +291,12 @@ void SqliteJournal::hold(const SeaChange& last) {
 }
 
 Result<std::vector<SeaChange>> SqliteJournal::since(std::uint32_t epoch) const {
-    const std::scoped_lock lock(mutex_);
+    const std::scoped_lock lock(reading_);
+    sqlite3* database =
+        (reader_ ? reader_ : database_).get(); // until it is found whole there is one
     SEAWAY_TRY_LET(Statement rows,
-                   Statement::prepare(database_.get(), "SELECT epoch, start_us, end_us, scene FROM "
-                                                       "changes WHERE epoch > ? ORDER BY epoch"));
+                   Statement::prepare(database, "SELECT epoch, start_us, end_us, scene FROM "
+                                                "changes WHERE epoch > ? ORDER BY epoch"));
     rows.bind(epoch);
     std::vector<SeaChange> changes;
     while (true) {

@@ -57,6 +57,8 @@ class SqliteJournal final : public Journal {
     std::string path_;
     mutable std::mutex mutex_;
     Database database_;
+    mutable std::mutex reading_;
+    Database reader_; ///< since() does not wait for append(), which waits for the disk
     std::int64_t epoch_utc_us_ = 0;
     SeaChange last_; ///< without its scene
     /// Its number, for whoever may not wait for a disk.

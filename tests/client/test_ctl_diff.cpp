@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // When two servers have the same sea, by their answers.
+#include <cmath>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -37,6 +38,8 @@ TEST(CtlDiff, one_beyond_it_is_of_another_sea) {
     ASSERT_FALSE(said);
     EXPECT_NE(said.error().message.find("different seas"), std::string::npos);
     EXPECT_EQ(exit_code("test", said.error()), exit_refused);
+    const std::vector<sea::Answer> none{answer(std::nan(""), 0.25)};
+    EXPECT_FALSE(difference_of(one, none, 0)) << "what is no number is no height of either";
 }
 
 // Whoever scripts `diff` takes 0 for "the same sea".

@@ -201,14 +201,17 @@ TEST(SqliteJournal, says_how_it_stands_while_a_change_waits_for_the_file) {
     });
     // It is asked again and again while the writer comes to the file and waits there, seconds if it must.
     const auto end = std::chrono::steady_clock::now() + std::chrono::milliseconds(300);
-    while (std::chrono::steady_clock::now() < end)
+    while (std::chrono::steady_clock::now() < end) {
         EXPECT_EQ(journal->standing().last_epoch, 1u);
+        EXPECT_EQ(journal->since(0)->size(), 1u) << "as an administrator's history asks";
+    }
     EXPECT_FALSE(written);
     ASSERT_EQ(sqlite3_exec(by_hand, "ROLLBACK", nullptr, nullptr, nullptr), SQLITE_OK);
     writer.join();
     sqlite3_close(by_hand);
     EXPECT_TRUE(append) << append.error().message;
     EXPECT_EQ(journal->standing().last_epoch, 2u);
+    EXPECT_EQ(journal->since(0)->size(), 2u);
 }
 
 // Killed anywhere between nothing and a journal that is there: the next start makes one, or takes that one.
