@@ -320,14 +320,20 @@ Result<FoamMapPtr> KeyframeSource::open_foam(int size, const FoamMap* from) {
 }
 
 Result<std::vector<NewKeyframePtr>>
-KeyframeSource::synthesize(std::span<const KeyframeRequest> requests) {
+KeyframeSource::synthesize_rounded(std::span<const KeyframeRequest> requests) {
     std::vector<KeyframeRequest> rounded(requests.begin(), requests.end());
     std::vector<std::vector<float>> bounds; // which the requests point to
     bounds.reserve(rounded.size());
     for (KeyframeRequest& request : rounded)
         request.rounding = bounds.emplace_back(rounding_bounds(
             course_->sea(request.epoch)->budget, request.fields, request.cascade, readback_));
-    Result<std::vector<NewKeyframePtr>> made = device_.synthesize(rounded);
+    return device_.synthesize(rounded);
+}
+
+Result<std::vector<NewKeyframePtr>>
+KeyframeSource::synthesize(std::span<const KeyframeRequest> requests) {
+    Result<std::vector<NewKeyframePtr>> made =
+        readback_ == Readback::exact ? device_.synthesize(requests) : synthesize_rounded(requests);
     const std::scoped_lock lock(mutex_);
     description_ = device_.device().description();
     device_rebuilds_ = device_.device().rebuilds();

@@ -158,6 +158,8 @@ class KeyframeSource : private KeyframeMaker {
     Result<void> add_turn(Together& together, const KeyframeJob& job, KeyframeRequest request);
     Result<std::vector<NewKeyframePtr>> make(const KeyframeJob& job, std::int64_t& budget,
                                              Together& together);
+    Result<std::vector<NewKeyframePtr>>
+    synthesize_rounded(std::span<const KeyframeRequest> requests);
     Result<void> synthesize_some(KeyframeJob& job, std::int64_t& budget);
     void keep(KeyframeJob& job, std::size_t place, sea::KeyframePtr keyframe);
     Result<bool> walk(FoamMaps& foam, int cascade, sea::TimeUs time_us, sea::TimeUs until_us,
