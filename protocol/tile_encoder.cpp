@@ -24,10 +24,11 @@ struct FreeContext {
     void operator()(ZSTD_CCtx* context) const { ZSTD_freeCCtx(context); }
 };
 
-/// Working memory of one thread, at most 1.2 MB: taken once, so that the steady state allocates
+/// Working memory of one thread, at most 1.5 MB: taken once, so that the steady state allocates
 /// only the bytes that it returns.
 struct Scratch {
     std::vector<std::uint32_t> residuals;
+    std::vector<std::int32_t> lattice; ///< what samples that are coded as differences come to
     std::vector<std::uint32_t> row;
     std::vector<std::uint32_t> row_above;
     std::vector<std::uint8_t> planes;
@@ -242,7 +243,7 @@ Result<std::vector<std::uint8_t>> compress(Mode mode, TileShape shape, int plane
                   std::span(memory.compressed).first(first.size() + written));
 }
 
-/// Differences of samples to what is expected, zigzag, into the residuals, and what they come to. Returns the OR of them,
+/// Differences of samples to what is expected, zigzag, into the residuals, and what they come to, into the lattice too. Returns the OR of them,
 /// or nothing where the bound cannot be kept or what is expected is of no use.
 std::optional<std::uint32_t> differ(std::span<const float> samples, TileShape shape,
                                     std::size_t row_stride, float fine, float error,
@@ -250,9 +251,12 @@ std::optional<std::uint32_t> differ(std::span<const float> samples, TileShape sh
     Scratch& memory = scratch();
     const auto fine_d = static_cast<double>(fine), error_d = static_cast<double>(error);
     const double step_d = fine_steps * fine_d, most = lattice_max * fine_d;
-    memory.residuals.resize(static_cast<std::size_t>(shape.width) *
-                            static_cast<std::size_t>(shape.height));
+    const std::size_t count =
+        static_cast<std::size_t>(shape.width) * static_cast<std::size_t>(shape.height);
+    memory.residuals.resize(count);
+    memory.lattice.resize(count);
     std::uint32_t* residual = memory.residuals.data();
+    std::int32_t* point = memory.lattice.data();
     std::uint32_t all = 0;
     for (int y = 0; y < shape.height; ++y)
         for (int x = 0; x < shape.width; ++x) {
@@ -264,7 +268,8 @@ std::optional<std::uint32_t> differ(std::span<const float> samples, TileShape sh
                 return std::nullopt;
             const std::int32_t guessed = nearest_step(guess, fine_d);
             const std::int32_t steps = nearest_step(value - guessed * fine_d, step_d);
-            decoded[at] = static_cast<float>((guessed + fine_steps * steps) * fine_d);
+            *point = guessed + fine_steps * steps;
+            decoded[at] = static_cast<float>(*point++ * fine_d);
             if (!(std::abs(static_cast<double>(decoded[at]) - value) <= error_d))
                 return std::nullopt;
             *residual = zigzag(static_cast<std::uint32_t>(steps));
@@ -273,14 +278,13 @@ std::optional<std::uint32_t> differ(std::span<const float> samples, TileShape sh
     return all;
 }
 
-/// Samples that lie on a lattice, exactly.
-Result<std::vector<std::uint8_t>> encode_exactly(std::span<const float> samples, TileShape shape,
-                                                 std::size_t row_stride, float step) {
+/// What differ() made, by its points of the lattice and not by their floats, of which one may stand for several.
+Result<std::vector<std::uint8_t>> encode_lattice(TileShape shape, float step) {
+    const auto width = static_cast<std::size_t>(shape.width);
     const auto all = residuals_of(shape, [&](std::size_t y, std::uint32_t* row) {
-        for (int x = 0; x < shape.width; ++x)
-            row[x] = static_cast<std::uint32_t>(nearest_step(
-                static_cast<double>(samples[y * row_stride + static_cast<std::size_t>(x)]),
-                static_cast<double>(step)));
+        const std::int32_t* points = scratch().lattice.data() + y * width;
+        for (std::size_t x = 0; x < width; ++x)
+            row[x] = static_cast<std::uint32_t>(points[x]);
         return true;
     });
     return compress(Mode::quantised, shape, planes_of(*all), step);
@@ -376,7 +380,7 @@ Result<TileForms> encode_tile_forms(std::span<const float> samples, TileShape sh
     SEAWAY_TRY_LET(forms.difference,
                    compress(Mode::difference, shape, *all <= half_max ? halves : planes_of(*all),
                             fine, check));
-    SEAWAY_TRY_LET(forms.whole, encode_exactly(decoded, shape, row_stride, fine));
+    SEAWAY_TRY_LET(forms.whole, encode_lattice(shape, fine));
     return forms;
 }
 
