@@ -59,6 +59,10 @@ std::uint64_t sum_of(std::uint64_t before, const SeaChange& change) {
                                  change.end_us, text_of(change)));
 }
 
+std::uint64_t sum_with_verdict(std::uint64_t sum, bool lapsed) {
+    return lapsed ? text_hash(fmt::format("{} lapsed", sum)) : sum;
+}
+
 // Half of the times: what has passed since then is one, too.
 Result<void> check_epoch(std::int64_t epoch_utc_us) {
     constexpr std::int64_t most_us = sea::time_us_max / 2;

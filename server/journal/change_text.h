@@ -22,6 +22,9 @@ Result<SeaChange> with_text(SeaChange change, std::string text);
 
 /// Of a change and of the sum of all before it.
 std::uint64_t sum_of(std::uint64_t before, const SeaChange& change);
+/// What the next change's sum is made of: also of whether the last one has lapsed. So who took another verdict on that cannot read on,
+/// instead of making another sea.
+std::uint64_t sum_with_verdict(std::uint64_t sum, bool lapsed);
 
 /// An error where what has passed since that instant, sea time 0, is no time of a sea.
 Result<void> check_epoch(std::int64_t epoch_utc_us);

@@ -12,6 +12,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -73,9 +74,12 @@ class Journal {
     /// The instant of sea time 0, microseconds since 1970-01-01T00:00:00Z.
     virtual std::int64_t epoch_utc_us() const = 0;
 
-    /// The changes after that of `epoch`, oldest first; of 0: all. There is always a first one. To follow a log is
-    /// to ask again. It does not wait for append().
-    virtual Result<std::vector<SeaChange>> since(std::uint32_t epoch) const = 0;
+    /// The changes after that of `epoch`, oldest first, `most` of them; of 0: from the first one on, which there always is. To follow a
+    /// log is to ask again. It does not wait for append().
+    virtual Result<std::vector<SeaChange>> since(std::uint32_t epoch, std::size_t most) const = 0;
+    Result<std::vector<SeaChange>> since(std::uint32_t epoch) const {
+        return since(epoch, std::numeric_limits<std::uint32_t>::max());
+    }
 
     /// Takes the next change. Errors: its number is not the next one, it ends before it begins, or it could not be written
     /// durably; then it has no effect, but where JournalError::unknown says that it may have.

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 #include <nats/nats.h>
+#include <resolv.h>
 
 #include "base/text_file.h"
 #include "server/journal/shared_log.h"
@@ -111,6 +112,15 @@ Error failed_to_connect(natsStatus status, const NatsPlace& place) {
     return Error{LogFailure::unreachable, "NATS cannot be reached: " + said(status)};
 }
 
+/// A name server that does not answer would keep a connection, and with it the stop of this server, for 10 s each (resolv.conf(5): timeout,
+/// attempts). The library looks names up on the thread that connects, and these settings are that thread's.
+void look_names_up_for_a_short_time() {
+    if ((_res.options & RES_INIT) == 0 && res_init() != 0)
+        return;
+    _res.retrans = 1;
+    _res.retry = 2;
+}
+
 } // namespace
 
 struct NatsConnection::Parts {
@@ -151,6 +161,7 @@ Result<natsConnection*> NatsConnection::get() {
         return Error{LogFailure::unreachable,
                      "NATS cannot be reached: a file that lets this server in is broken, SIGHUP "
                      "says which"};
+    look_names_up_for_a_short_time();
     Error last{LogFailure::unreachable, "NATS is connected to no more: this server stops"};
     for (std::size_t tried = 0; tried < place_.servers.size() && !parts_->no_more; ++tried) {
         natsOptions_SetURL(options->get(), place_.servers[parts_->host].c_str());

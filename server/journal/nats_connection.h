@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // One connection to NATS that is made when it is needed and let go when it fails: what was written to it is never sent a
 // second time behind anybody's back. Its files are read anew for each connection. Hosts are tried one after the other, from the one that was there
-// last, each for nats_patience_ms. For one thread at a time, but for connect_no_more().
+// last, each for nats_patience_ms and what it takes to look its name up: 2 s a name server that does not answer. For one thread at a time, but for connect_no_more().
 #pragma once
 
 #include <memory>

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdlib>
 #include <new>
+#include <span>
 #include <utility>
 
 #include <fmt/format.h>
@@ -65,6 +66,7 @@ Result<void> SharedJournal::begin(const Beginning& beginning) {
     SEAWAY_TRY_LET(tail, catch_up());
     if (tail.last == 0)
         return Error{"it does not keep what is written to it"};
+    known_us_ = asked_us; // until it listens, whoever leads has settled as well
     heard(asked_us, tail);
     return {};
 }
@@ -105,8 +107,8 @@ bool SharedJournal::is_held(const SharedLog::Stored& stored) const {
         return true;
     const Result<LoggedChange> logged = read_message(stored.message);
     const std::scoped_lock lock(mutex_);
-    return logged && logged->sum == sum_ && logged->by_utc_us == last_by_utc_us_ &&
-           is_lapsed(*logged, stored) == changes_.back().lapsed;
+    return logged && logged->by_utc_us == last_by_utc_us_ &&
+           sum_with_verdict(logged->sum, is_lapsed(*logged, stored)) == sum_;
 }
 
 Result<void> SharedJournal::hold(const SharedLog::Stored& stored, std::uint64_t number) {
@@ -128,13 +130,16 @@ Result<void> SharedJournal::hold(const SharedLog::Stored& stored, std::uint64_t 
     }
     const std::uint64_t sum = sum_of(sum_, logged->change);
     if (sum != logged->sum)
-        return named("is damaged, or of another sea's log");
+        return named(last.lapsed ? "is damaged, of another sea's log, or was made where the one "
+                                   "before has not lapsed as it has here"
+                                 : "is damaged, of another sea's log, or was made where the one "
+                                   "before has lapsed as it has not here");
     if (number == 1 && (logged->change.start_us != 0 || logged->change.pace))
         return named("is not the sea that a log begins with");
     logged->change.lapsed = is_lapsed(*logged, stored);
     changes_.push_back(std::move(logged->change));
     // Once it is held: where there was no memory for it the next look takes it.
-    sum_ = sum;
+    sum_ = sum_with_verdict(sum, changes_.back().lapsed);
     last_at_utc_us_ = stored.at_utc_us;
     last_by_utc_us_ = logged->by_utc_us;
     return {};
@@ -178,7 +183,14 @@ Result<void> SharedJournal::write(const LoggedChange& logged) {
 void SharedJournal::heard(std::int64_t asked_us, const Result<SharedLog::Tail>& tail) {
     const std::scoped_lock lock(mutex_);
     trouble_ = tail ? "" : tail.error().message;
-    if (tail)
+    const bool sure = tail && tail->unsure_us <= current_us;
+    if (sure && (!sure_us_ || asked_us - *sure_us_ > current_us))
+        sure_since_us_ = asked_us;
+    sure_us_ = sure ? std::optional(asked_us) : std::nullopt;
+    // Who leads and has been joined to the others a moment ago may still bring to the log what it was told before: after a silence
+    // one answer is not enough.
+    const bool was_current = asked_us - known_us_ <= current_us;
+    if (tail && (was_current || (sure && asked_us - sure_since_us_ >= settles_us)))
         known_us_ = asked_us - tail->unsure_us;
 }
 
@@ -216,11 +228,12 @@ void SharedJournal::run() {
     }
 }
 
-Result<std::vector<SeaChange>> SharedJournal::since(std::uint32_t epoch) const {
+Result<std::vector<SeaChange>> SharedJournal::since(std::uint32_t epoch, std::size_t most) const {
     const std::scoped_lock lock(mutex_);
-    if (epoch >= changes_.size())
-        return std::vector<SeaChange>{};
-    return std::vector<SeaChange>(changes_.begin() + epoch, changes_.end());
+    const std::span<const SeaChange> after =
+        std::span(changes_).subspan(std::min<std::size_t>(epoch, changes_.size()));
+    const std::span<const SeaChange> some = after.first(std::min(most, after.size()));
+    return std::vector<SeaChange>(some.begin(), some.end());
 }
 
 /// With the kind that a journal's user knows.

@@ -16,6 +16,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -35,6 +36,8 @@ class SharedJournal final : public Journal {
     static constexpr std::int64_t poll_us = 250'000;
     /// Four looks, each of which may have to be repeated over a new connection.
     static constexpr std::int64_t current_us = 2'000'000;
+    /// After a silence the log has to answer for so long before what it says is taken for all that there is.
+    static constexpr std::int64_t settles_us = 2 * poll_us;
     /// A change that is stored so much later than it was made has lapsed, wherever it was meanwhile. By the engine's clock: one that
     /// is ahead of the server's by more takes no change.
     static constexpr std::int64_t stored_within_us = 1'000'000;
@@ -64,7 +67,8 @@ class SharedJournal final : public Journal {
 
     const std::string& name() const override { return options_.name; }
     std::int64_t epoch_utc_us() const override { return epoch_utc_us_; }
-    Result<std::vector<SeaChange>> since(std::uint32_t epoch) const override;
+    using Journal::since;
+    Result<std::vector<SeaChange>> since(std::uint32_t epoch, std::size_t most) const override;
     Result<void> append(const SeaChange& change) override;
     JournalStanding standing() const override;
     std::int64_t spread_us() const override { return current_us + stored_within_us; }
@@ -94,8 +98,8 @@ class SharedJournal final : public Journal {
     const Options options_;
     std::mutex log_mutex_; ///< one asks it at a time
     const std::unique_ptr<SharedLog> log_;
-    std::string identity_; ///< of the log, once it was read
-    std::uint64_t sum_ = 0;
+    std::string identity_;            ///< of the log, once it was read
+    std::uint64_t sum_ = 0;           ///< of what is held, verdicts included
     std::int64_t last_at_utc_us_ = 0; ///< of the last one that is held
     std::int64_t last_by_utc_us_ = 0; ///< and by when it had to be stored
     std::uint64_t writes_ = 0;
@@ -103,7 +107,9 @@ class SharedJournal final : public Journal {
 
     mutable std::mutex mutex_; ///< of what follows
     std::vector<SeaChange> changes_;
-    std::int64_t known_us_ = 0; ///< when it was asked, and ended where it is held to
+    std::int64_t known_us_ = 0;           ///< when it was asked, and ended where it is held to
+    std::optional<std::int64_t> sure_us_; ///< of the last answer, if it was from who has a majority
+    std::int64_t sure_since_us_ = 0;      ///< and so were all since then
     std::string trouble_;
     std::mutex call_mutex_; ///< while it is called, too: who takes it back is called no more
     std::function<void()> call_;

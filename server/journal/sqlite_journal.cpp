@@ -290,14 +290,14 @@ void SqliteJournal::hold(const SeaChange& last) {
     last_epoch_ = last.epoch;
 }
 
-Result<std::vector<SeaChange>> SqliteJournal::since(std::uint32_t epoch) const {
+Result<std::vector<SeaChange>> SqliteJournal::since(std::uint32_t epoch, std::size_t most) const {
     const std::scoped_lock lock(reading_);
     sqlite3* database =
         (reader_ ? reader_ : database_).get(); // until it is found whole there is one
     SEAWAY_TRY_LET(Statement rows,
                    Statement::prepare(database, "SELECT epoch, start_us, end_us, scene FROM "
-                                                "changes WHERE epoch > ? ORDER BY epoch"));
-    rows.bind(epoch);
+                                                "changes WHERE epoch > ? ORDER BY epoch LIMIT ?"));
+    rows.bind(epoch).bind(static_cast<std::int64_t>(most));
     std::vector<SeaChange> changes;
     while (true) {
         SEAWAY_TRY_LET(const bool row, rows.step());

@@ -29,7 +29,8 @@ class SqliteJournal final : public Journal {
     /// DIR/journal.sqlite.
     const std::string& name() const override { return path_; }
     std::int64_t epoch_utc_us() const override { return epoch_utc_us_; }
-    Result<std::vector<SeaChange>> since(std::uint32_t epoch) const override;
+    using Journal::since;
+    Result<std::vector<SeaChange>> since(std::uint32_t epoch, std::size_t most) const override;
     Result<void> append(const SeaChange& change) override;
     JournalStanding standing() const override;
     std::int64_t spread_us() const override { return 0; }

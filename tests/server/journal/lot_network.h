@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <optional>
 #include <random>
 #include <string>
 #include <utility>
@@ -16,11 +17,22 @@
 
 namespace seaway::server::tests_of_journals {
 
+/// What a leader was told to write.
+struct LotProposal {
+    std::string message, id;
+    std::uint64_t expected_last = 0;
+    std::int64_t at_us = 0;
+};
+
 /// What is kept: acknowledged messages, and under which id each came.
 struct LotEngine {
     std::vector<SharedLog::Stored> messages;
     std::map<std::string, std::uint64_t> ids;
     bool down = false;
+    /// Who leads is cut off from the other nodes, since then. What it is told to write it keeps, and brings to the log by that time
+    /// when it is joined to them again; if they have chosen another leader meanwhile, never.
+    std::optional<std::int64_t> parted_us;
+    std::vector<LotProposal> kept;
     /// As in a cluster: a repeat of what was stored is refused for the number that it has taken itself.
     bool refuses_repeats = false;
     std::int64_t clock_off_us = 0;
@@ -34,6 +46,17 @@ struct LotEngine {
         messages.push_back({message, now_us + clock_off_us, id});
         ids[id] = messages.size();
         return messages.size();
+    }
+    void part(std::int64_t now_us) { parted_us = now_us; }
+    void join(bool others_have_chosen) {
+        parted_us.reset();
+        if (others_have_chosen)
+            kept.clear();
+    }
+    /// What was kept comes to the log in order.
+    void settle() {
+        for (const LotProposal& kept_one : std::exchange(kept, {}))
+            (void)write(kept_one.message, kept_one.id, kept_one.expected_last, kept_one.at_us);
     }
 };
 
@@ -53,15 +76,18 @@ class LotLine final : public SharedLog {
   public:
     struct State {
         bool cut = false;                    ///< nothing comes through
+        bool at_leader = true;               ///< its node is the one that leads
         double loss = 0;                     ///< of each way
         std::int64_t takes_us = 1000;        ///< up to
         std::uint64_t lags = 0;              ///< messages that who answers has not come to yet
         std::uint64_t lags_after_writes = 0; ///< it will, from the next one on
         int answers_lost = 0;                ///< of so many writes that come to the engine
         std::function<void()> comes_first;   ///< before the next write
-        int reads_behind = 0;       ///< of so many who answers has not come to what is asked for
-        std::int64_t hangs_us = 0;  ///< each time that it is asked where it ends
-        std::int64_t unsure_us = 0; ///< for how long it has not heard of a majority
+        int reads_behind = 0; ///< of so many who answers has not come to what is asked for
+        std::uint64_t other_copy_of = 0;    ///< who answers has this message at another time,
+        std::int64_t other_copy_off_us = 0; ///< later by so much
+        std::int64_t hangs_us = 0;          ///< each time that it is asked where it ends
+        std::int64_t unsure_us = 0;         ///< for how long it has not heard of a majority
         /// Writes that were sent over a connection which was given up, and come to the engine later or never.
         std::vector<std::pair<std::string, std::pair<std::string, std::uint64_t>>> late;
     };
@@ -73,10 +99,14 @@ class LotLine final : public SharedLog {
         now_us_ += state_.hangs_us;
         if (!passes())
             return Error{LogFailure::unreachable, "cut"};
+        if (engine_.parted_us && !state_.at_leader)
+            return Error{LogFailure::unanswered, "nobody leads here"};
+        const std::int64_t parted_us = engine_.parted_us ? now_us_ - *engine_.parted_us : 0;
         const std::size_t last =
             engine_.messages.size() - std::min<std::size_t>(state_.lags, engine_.messages.size());
-        const Tail tail{last, "one", last == 0 ? 0 : engine_.messages[last - 1].at_utc_us,
-                        state_.unsure_us};
+        const Tail tail{last, "one",
+                        last == 0 ? 0 : engine_.messages[last - 1].at_utc_us + off_us(last),
+                        std::max(state_.unsure_us, parted_us)};
         return passes() ? Result<Tail>(tail) : Error{LogFailure::unanswered, "cut"};
     }
     Result<std::vector<Stored>> read(std::uint64_t first, std::uint64_t last) override {
@@ -84,9 +114,12 @@ class LotLine final : public SharedLog {
             return Error{LogFailure::unanswered, "cut"};
         if (state_.reads_behind > 0 && state_.reads_behind-- > 0)
             return Error{LogFailure::unanswered, "a copy that is behind"};
-        return std::vector<Stored>(engine_.messages.begin() +
-                                       static_cast<std::ptrdiff_t>(first - 1),
-                                   engine_.messages.begin() + static_cast<std::ptrdiff_t>(last));
+        std::vector<Stored> messages(engine_.messages.begin() +
+                                         static_cast<std::ptrdiff_t>(first - 1),
+                                     engine_.messages.begin() + static_cast<std::ptrdiff_t>(last));
+        for (Stored& message : messages)
+            message.at_utc_us += off_us(first++);
+        return messages;
     }
     Result<std::uint64_t> write(const std::string& message, const std::string& id,
                                 std::uint64_t expected_last) override {
@@ -97,6 +130,12 @@ class LotLine final : public SharedLog {
                 state_.late.push_back({message, {id, expected_last}});
             return Error{LogFailure::unanswered, "cut"};
         }
+        if (engine_.parted_us) {
+            if (state_.at_leader)
+                engine_.kept.push_back({message, id, expected_last, now_us_});
+            return Error{LogFailure::unanswered, "no majority"};
+        }
+        engine_.settle(); // in order
         Result<std::uint64_t> written = engine_.write(message, id, expected_last, now_us_);
         state_.lags = std::max(state_.lags, state_.lags_after_writes);
         if (state_.answers_lost > 0)
@@ -110,7 +149,7 @@ class LotLine final : public SharedLog {
 
     /// What was under way comes, in any order.
     static void let_come(LotEngine& engine, State& state, Lots& lots, std::int64_t now_us) {
-        while (!state.late.empty() && !engine.down) {
+        while (!state.late.empty() && !engine.down && !engine.parted_us) {
             const auto at = static_cast<std::size_t>(
                 lots.between(0, static_cast<std::int64_t>(state.late.size()) - 1));
             const auto [message, what] = state.late[at];
@@ -120,6 +159,9 @@ class LotLine final : public SharedLog {
     }
 
   private:
+    std::int64_t off_us(std::uint64_t number) const {
+        return number == state_.other_copy_of ? state_.other_copy_off_us : 0;
+    }
     bool passes() {
         now_us_ += lots_.between(0, state_.takes_us);
         return !engine_.down && !state_.cut && !ended_ && !lots_.chance(state_.loss);

@@ -110,9 +110,60 @@ TEST_F(SharedFaults, who_leads_alone_does_not_know_whether_the_log_goes_on_elsew
               std::string::npos)
         << taken.error().message;
     EXPECT_EQ(engine.messages.size(), 1u);
+    // Joined to the others again it may bring what it was told before.
     first.line.unsure_us = 0;
     first.journal->poll();
+    EXPECT_FALSE(first.journal->standing().current);
+    now_us += SharedJournal::settles_us;
+    first.journal->poll();
     EXPECT_TRUE(first.journal->standing().current);
+}
+
+TEST_F(SharedFaults, after_a_silence_a_log_has_to_answer_for_a_while_without_a_gap) {
+    open(first);
+    now_us += SharedJournal::current_us + 1;
+    EXPECT_FALSE(first.journal->standing().current);
+    for (int i = 0; i < 3; ++i) { // a gap each time
+        first.journal->poll();
+        EXPECT_FALSE(first.journal->standing().current) << i;
+        now_us += SharedJournal::settles_us - 1;
+        first.line.cut = true;
+        first.journal->poll();
+        first.line.cut = false;
+        now_us += 1;
+    }
+    first.journal->poll();
+    now_us += SharedJournal::settles_us;
+    first.journal->poll();
+    EXPECT_TRUE(first.journal->standing().current);
+    EXPECT_EQ(first.journal->standing().unheard_us, 0);
+}
+
+// A message that nodes give at two times, before and behind the moment by which it had to be stored.
+TEST_F(SharedFaults, who_took_another_verdict_on_a_change_follows_no_other_sea_silently) {
+    open(first);
+    ASSERT_TRUE(append(first));
+    second.line.other_copy_of = 2;
+    second.line.other_copy_off_us = 5 * one_second_us;
+    open(second);
+    ASSERT_TRUE(second.journal->since(1)->front().lapsed);
+    ASSERT_FALSE(first.journal->since(1)->front().lapsed);
+    for (Server* writes : {&first, &second}) {
+        Server& reads = writes == &first ? second : first;
+        ASSERT_TRUE(append(*writes));
+        reads.journal->poll();
+        EXPECT_EQ(reads.journal->standing().last_epoch, 2u);
+        EXPECT_NE(reads.journal->standing().trouble.find(writes == &first
+                                                             ? "has not lapsed as it has here"
+                                                             : "has lapsed as it has not here"),
+                  std::string::npos)
+            << reads.journal->standing().trouble;
+        EXPECT_FALSE(append(reads));
+        engine.messages.pop_back(); // and the other way round
+        engine.ids.clear();
+        for (Server* server : {&first, &second})
+            open(*server);
+    }
 }
 
 TEST_F(SharedFaults, a_change_that_was_taken_and_does_not_show_yet_is_unknown_and_comes) {

@@ -31,7 +31,8 @@ struct Server {
     std::unique_ptr<SharedJournal> journal; ///< none while it is dead
     std::int64_t clock_off_us = 0;
     std::int64_t next_poll_us = 0;
-    std::uint32_t held = 0; ///< of which it was seen that they are the log's
+    std::int64_t listens_us = 0; ///< nobody asks it before
+    std::uint32_t held = 0;      ///< of which it was seen that they are the log's
 };
 
 class History {
@@ -55,6 +56,7 @@ class History {
     int refused() const { return refused_; }
     int lapsed() const { return lapsed_; }
     int stale() const { return stale_; }
+    int joins() const { return joins_; }
 
   private:
     void step() {
@@ -75,6 +77,7 @@ class History {
         }
         if (lots_.chance(engine_.down ? 0.03 : 0.002))
             engine_.down = !engine_.down;
+        trouble_of_nodes();
         agree();
     }
 
@@ -89,6 +92,26 @@ class History {
             server.journal.reset();
     }
 
+    /// Others choose a leader after 4 to 9 s without the one they had (nats-server: minElectionTimeout, maxElectionTimeout).
+    void trouble_of_nodes() {
+        if (!engine_.parted_us && lots_.chance(0.002)) {
+            engine_.settle();
+            engine_.part(now_us_);
+            for (Server& server : servers_)
+                server.line.at_leader = lots_.chance(0.5);
+        } else if (engine_.parted_us) {
+            const std::int64_t parted_us = now_us_ - *engine_.parted_us;
+            const bool chosen = parted_us > lots_.between(4 * second_us, 9 * second_us);
+            if (chosen || lots_.chance(0.01)) {
+                joins_ += !chosen && !engine_.kept.empty();
+                engine_.join(chosen);
+                settles_us_ = now_us_ + lots_.between(0, SharedJournal::settles_us / 2);
+            }
+        } else if (now_us_ >= settles_us_) {
+            engine_.settle();
+        }
+    }
+
     void start(Server& server, std::size_t number) {
         auto opened = SharedJournal::open(
             std::make_unique<LotLine>(engine_, server.line, lots_, now_us_),
@@ -101,6 +124,7 @@ class History {
                  !opened.error().is(JournalError::unknown))
             wrong_ = "a start fails: " + opened.error().message;
         server.held = 0;
+        server.listens_us = now_us_ + SharedJournal::settles_us;
     }
 
     void change(Server& server) {
@@ -149,7 +173,8 @@ class History {
         // As far ahead as keyframes are published.
         const std::int64_t at_us = now_us_ + lead_us / 2;
         for (const Server& server : servers_) {
-            if (!server.journal || !server.journal->standing().current)
+            if (!server.journal || !server.journal->standing().current ||
+                now_us_ < server.listens_us)
                 continue;
             const std::vector<SeaChange> held = server.journal->since(0).value();
             std::size_t here = 0;
@@ -166,6 +191,8 @@ class History {
     /// All is well again: every server has the same log, with all that was acknowledged and nothing that was refused.
     void heal() {
         engine_.down = false;
+        engine_.parted_us.reset();
+        engine_.settle();
         for (std::size_t i = 0; i < servers_.size() && wrong_.empty(); ++i) {
             LotLine::let_come(engine_, servers_[i].line, lots_, now_us_);
             servers_[i].line = {};
@@ -173,6 +200,8 @@ class History {
         for (std::size_t i = 0; i < servers_.size() && wrong_.empty(); ++i) {
             if (!servers_[i].journal)
                 start(servers_[i], i);
+            servers_[i].journal->poll();
+            now_us_ += SharedJournal::settles_us; // it may have been stale
             servers_[i].journal->poll();
             look_at(servers_[i]);
             const JournalStanding standing = servers_[i].journal->standing();
@@ -195,12 +224,12 @@ class History {
     }
 
     Lots lots_;
-    std::int64_t now_us_ = 0;
+    std::int64_t now_us_ = 0, settles_us_ = 0;
     LotEngine engine_;
     std::vector<Server> servers_;
     std::vector<SeaChange> acknowledged_;
     std::vector<std::string> refused_scenes_;
-    int lapsed_ = 0, writers_ = 0, changes_ = 0, unknown_ = 0, refused_ = 0, stale_ = 0;
+    int lapsed_ = 0, writers_ = 0, changes_ = 0, unknown_ = 0, refused_ = 0, stale_ = 0, joins_ = 0;
     std::string wrong_;
 };
 
@@ -211,7 +240,7 @@ TEST(SharedJournal, a_thousand_histories_keep_every_promise) {
     const std::uint64_t first = one ? std::strtoull(one, nullptr, 10) : 1;
     const std::uint64_t count = one ? 1 : 1000;
     std::size_t acknowledged = 0;
-    int unknown = 0, refused = 0, stale = 0;
+    int unknown = 0, refused = 0, stale = 0, joins = 0;
     for (std::uint64_t seed = first; seed < first + count; ++seed) {
         histories::History history(seed);
         const std::string wrong = history.live();
@@ -220,6 +249,7 @@ TEST(SharedJournal, a_thousand_histories_keep_every_promise) {
         unknown += history.unknown();
         refused += history.refused();
         stale += history.stale();
+        joins += history.joins();
     }
     // Of a thousand there is a good deal of each.
     if (!one) {
@@ -227,6 +257,7 @@ TEST(SharedJournal, a_thousand_histories_keep_every_promise) {
         EXPECT_GT(unknown, 500);
         EXPECT_GT(refused, 1'000);
         EXPECT_GT(stale, 10'000);
+        EXPECT_GT(joins, 30) << "leaders that came back with what they had kept";
     }
 }
 
