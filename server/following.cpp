@@ -100,6 +100,8 @@ namespace {
 /// Lines of a scene that another has not, some of them.
 std::vector<std::string> new_lines(const std::string& before, const std::string& after) {
     constexpr std::size_t lines_max = 4;
+    constexpr std::size_t line_bytes_max =
+        240; // of a table; all of an answer has administered_bytes_max
     std::set<std::string> held;
     std::istringstream old(before), now(after);
     for (std::string line; std::getline(old, line);)
@@ -107,7 +109,8 @@ std::vector<std::string> new_lines(const std::string& before, const std::string&
     std::vector<std::string> lines;
     for (std::string line; lines.size() < lines_max && std::getline(now, line);)
         if (!held.contains(line))
-            lines.push_back(line);
+            lines.push_back(line.size() > line_bytes_max ? line.substr(0, line_bytes_max) + "..."
+                                                         : line);
     return lines;
 }
 

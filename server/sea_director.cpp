@@ -71,7 +71,8 @@ SeaDirector::SeaDirector(std::shared_ptr<SeaCourse> course, Journal* journal, st
         [this](SeaWish wish, Host::Changed done) { change(std::move(wish), std::move(done)); });
     if (!journal_)
         return;
-    world_.read_by([this](std::uint32_t epoch) { return journal_->since(epoch); });
+    world_.read_by(
+        [this](std::uint32_t epoch, std::size_t most) { return journal_->since(epoch, most); });
     journal_->compare_clocks([this] { return clock_.moment().elapsed_us; });
     world_.follow_by([this] { return following(); });
     journal_->call_on_change([this] {

@@ -190,19 +190,22 @@ std::optional<GrantedSpectrum> World::held_spectrum(const SpectrumRequest& reque
     return seas.empty() ? GrantedSpectrum{} : spectra_.held(seas, request.wish);
 }
 
-void World::change(SeaWish wish, Changed done) {
+void World::change(Result<SeaWish> wish, Changed done) {
+    const Changed counted = [this, done = std::move(done)](Result<SeaPromise> promise) {
+        if (!promise)
+            refused_.count(promise.error());
+        done(std::move(promise));
+    };
+    if (!wish)
+        return counted(wish.error());
     Change change;
     {
         const std::scoped_lock lock(mutex_);
         change = change_;
     }
     if (!change)
-        return done(Error{Refusal::not_offered, "this sea cannot change"});
-    change(std::move(wish), [this, done = std::move(done)](Result<SeaPromise> promise) {
-        if (!promise)
-            refused_.count(promise.error());
-        done(std::move(promise));
-    });
+        return counted(Error{Refusal::not_offered, "this sea cannot change"});
+    change(*std::move(wish), counted);
 }
 
 KeyframeTiles World::tiles(sea::KeyframePtr keyframe, Quality quality) const {
@@ -331,7 +334,7 @@ void World::read_by(Since since) {
     since_ = std::move(since);
 }
 
-Result<std::vector<SeaChange>> World::changes_from(std::uint64_t number) const {
+Result<std::vector<SeaChange>> World::changes_from(std::uint64_t number, std::size_t most) const {
     Since since;
     {
         const std::scoped_lock lock(mutex_);
@@ -342,24 +345,29 @@ Result<std::vector<SeaChange>> World::changes_from(std::uint64_t number) const {
     if (number > changes_max)
         return Error{Refusal::bad_value,
                      fmt::format("change is {}; a journal holds {} at most", number, changes_max)};
-    return since(static_cast<std::uint32_t>(number > 0 ? number - 1 : 0));
+    return since(static_cast<std::uint32_t>(number > 0 ? number - 1 : 0), most);
 }
 
 Result<std::string> World::history(std::uint64_t from) const {
+    const std::uint64_t begin = std::max<std::uint64_t>(from, 1);
+    SEAWAY_TRY_LET(std::vector<SeaChange> changes, changes_from(begin, history_max));
     // With the last scene before that ran, which the first one differs from. What lies between are paces and what lapsed.
-    for (std::uint64_t first = std::max<std::uint64_t>(from, 1), step = 1;; step *= 2) {
-        first -= std::min(step, first - 1);
-        SEAWAY_TRY_LET(const std::vector<SeaChange> changes, changes_from(first));
-        const auto runs = [from](const SeaChange& change) {
-            return change.epoch < from && !change.pace && !change.lapsed;
-        };
-        if (first == 1 || std::ranges::any_of(changes, runs))
-            return history_json(changes, static_cast<std::uint32_t>(from));
+    const auto runs = [](const SeaChange& change) { return !change.pace && !change.lapsed; };
+    for (std::uint64_t first = begin, step = 1; first > 1; step = std::min(2 * step, history_max)) {
+        const std::uint64_t count = std::min(step, first - 1);
+        first -= count;
+        SEAWAY_TRY_LET(const std::vector<SeaChange> before, changes_from(first, count));
+        const auto last = std::find_if(before.rbegin(), before.rend(), runs);
+        if (last == before.rend())
+            continue;
+        changes.insert(changes.begin(), *last);
+        break;
     }
+    return history_json(changes, static_cast<std::uint32_t>(from));
 }
 
 Result<std::string> World::scene_of_change(std::uint64_t number) const {
-    SEAWAY_TRY_LET(const std::vector<SeaChange> changes, changes_from(number));
+    SEAWAY_TRY_LET(const std::vector<SeaChange> changes, changes_from(number, 1));
     if (number == 0 || changes.empty())
         return Error{Refusal::bad_value, fmt::format("change is {}; there is none", number)};
     const SeaChange& change = changes.front();

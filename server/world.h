@@ -59,8 +59,8 @@ class World final : public Host {
     void change_by(Change change);
     /// Who knows how it stands with the log, from now on; empty: there is none.
     void follow_by(std::function<Following()> follow);
-    /// Changes after that of a number, as Journal::since(), from now on; empty: there is no journal.
-    using Since = std::function<Result<std::vector<SeaChange>>(std::uint32_t)>;
+    /// Changes after that of a number, so many at most, as Journal::since(), from now on; empty: there is no journal.
+    using Since = std::function<Result<std::vector<SeaChange>>(std::uint32_t, std::size_t)>;
     void read_by(Since since);
     /// Who sends all sessions to other servers, from now on; and that it is to.
     void hand_over_by(std::function<void(const std::string&)> hand_over);
@@ -90,7 +90,7 @@ class World final : public Host {
     std::optional<GrantedSpectrum> held_spectrum(const SpectrumRequest& request) override;
     Result<std::uint64_t>
     map_bytes(const std::map<std::string, std::string>& parameters) const override;
-    void change(SeaWish wish, Changed done) override;
+    void change(Result<SeaWish> wish, Changed done) override;
     Result<std::string> history(std::uint64_t from) const override;
     Result<std::string> scene_of_change(std::uint64_t number) const override;
     std::string state_json() const override;
@@ -101,7 +101,7 @@ class World final : public Host {
     RefusedChanges::Counts changes_refused() const { return refused_.counts(); }
 
   private:
-    Result<std::vector<SeaChange>> changes_from(std::uint64_t number) const;
+    Result<std::vector<SeaChange>> changes_from(std::uint64_t number, std::size_t most) const;
     KeyframeTiles tiles(sea::KeyframePtr keyframe, Quality quality) const;
     /// The one that runs; made here only where the clock has leapt to a sea that nobody was told of.
     RunningSeaPtr sea_now() const { return course_->at(clock_.now_us()); }

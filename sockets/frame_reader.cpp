@@ -119,6 +119,7 @@ Result<std::optional<FrameReader::Frame>> FrameReader::next(std::span<const std:
 
 /// What the first two bytes of a frame say.
 Result<void> FrameReader::check_start() {
+    ++frames_begun_;
     last_ = (header_[0] & last_bit) != 0;
     opcode_ = header_[0] & opcode_bits;
     if ((header_[0] & reserved_bits) != 0)

@@ -42,6 +42,8 @@ class FrameReader {
     /// The next message or control frame that is whole. What it has read is taken from the front of `bytes`; none: all
     /// of them, and more are needed. After an error nothing is to be read.
     Result<std::optional<Frame>> next(std::span<const std::uint8_t>& bytes);
+    /// Of any kind, parts of messages included.
+    std::uint64_t frames_begun() const { return frames_begun_; }
 
   private:
     Result<void> check_start();
@@ -54,6 +56,7 @@ class FrameReader {
     std::size_t kept_bytes_;
     std::array<std::uint8_t, 14> header_{};
     std::size_t header_read_ = 0;
+    std::uint64_t frames_begun_ = 0;
     bool in_payload_ = false;
     std::size_t payload_left_ = 0;
     std::uint8_t opcode_ = 0;

@@ -20,16 +20,21 @@ namespace beast = boost::beast;
 namespace http = beast::http;
 namespace websocket = beast::websocket;
 
+/// A slow reader is looked at each time that it has taken so much.
+constexpr std::size_t piece_bytes = 64 * 1024;
+
 struct ServedWebSocket::Impl : std::enable_shared_from_this<Impl> {
     using Clock = std::chrono::steady_clock;
 
     Impl(Socket of, const WebSocketOptions& its_options)
         : options(its_options), socket(std::move(of)), timer(socket.get_executor()),
+          pause(socket.get_executor()),
           frames(options.message_bytes_max, options.kept_buffer_bytes) {}
 
     void watch_silence();
     void on_quiet();
     void receive(Read done);
+    void receive_now(Read done);
     void on_received(error_code error, std::span<const std::uint8_t> bytes, Read done);
     void read_frames(std::span<const std::uint8_t> bytes, Read done);
     void on_close(std::span<const std::uint8_t> payload, const Read& done);
@@ -41,6 +46,9 @@ struct ServedWebSocket::Impl : std::enable_shared_from_this<Impl> {
     const WebSocketOptions options;
     Socket socket;
     asio::steady_timer timer; ///< of silence, and of the end
+    asio::steady_timer pause; ///< of a peer that has said too much
+    std::size_t unpaid = 0;   ///< bytes received since it was charged
+    std::uint64_t frames_paid = 0;
     FrameReader frames;
     Read wanted;                    ///< by a read() within the callback of another
     bool calling = false;           ///< such a callback
@@ -123,6 +131,19 @@ void ServedWebSocket::read(Read done) {
 }
 
 void ServedWebSocket::Impl::receive(Read done) {
+    const std::uint64_t begun = frames.frames_begun();
+    unpaid += received_frame_bytes * (begun - std::exchange(frames_paid, begun));
+    const auto wait =
+        options.charge ? options.charge(std::exchange(unpaid, 0)) : std::chrono::milliseconds{};
+    if (wait.count() == 0)
+        return receive_now(std::move(done));
+    pause.expires_after(wait);
+    pause.async_wait([self = shared_from_this(), done = std::move(done)](error_code) mutable {
+        self->receive_now(std::move(done)); // one that was closed meanwhile says so
+    });
+}
+
+void ServedWebSocket::Impl::receive_now(Read done) {
     receiving = true;
     socket.receive([self = shared_from_this(), done = std::move(done)](
                        error_code error, std::span<std::uint8_t> bytes) mutable {
@@ -137,6 +158,7 @@ void ServedWebSocket::Impl::on_received(error_code error, std::span<const std::u
         return done(broken(error));
     heard = Clock::now();
     pinged = false;
+    unpaid += bytes.size();
     read_frames(bytes, std::move(done));
 }
 
@@ -265,12 +287,19 @@ bool ServedWebSocket::begin(std::span<const std::span<const std::uint8_t>> messa
     return rest.empty();
 }
 
-void ServedWebSocket::finish(Done done) {
+void ServedWebSocket::finish(Finished done) {
+    std::vector<asio::const_buffer>& rest = impl_->rest;
+    std::size_t bytes = 0, count = 0;
+    // A header and its message are two buffers, so that an odd number is left where one has begun.
+    while (count < rest.size() && (bytes < piece_bytes || (rest.size() - count) % 2 != 0))
+        bytes += rest[count++].size();
+    std::vector<asio::const_buffer> piece(rest.begin(), rest.begin() + static_cast<long>(count));
+    rest.erase(rest.begin(), rest.begin() + static_cast<long>(count));
     impl_->socket.write_all(
-        std::exchange(impl_->rest, {}),
-        Socket::Bytes([done = std::move(done)](error_code error, std::size_t) {
-            done(error ? Result<void>(Error{WebSocketEnd::broken, error.message()})
-                       : Result<void>());
+        std::move(piece),
+        Socket::Bytes([done = std::move(done), all = rest.empty()](error_code error, std::size_t) {
+            done(error ? Result<bool>(Error{WebSocketEnd::broken, error.message()})
+                       : Result<bool>(all));
         }));
 }
 

@@ -46,8 +46,10 @@ class ServedWebSocket {
     /// `same`, if not empty, has the same frames with their headers (frame_header.h), and is not copied.
     [[nodiscard]] bool begin(std::span<const std::span<const std::uint8_t>> messages,
                              const FileRange& same = {});
-    /// Sends the rest of what begin() began; the messages stay until `done`.
-    void finish(Done done);
+    /// Sends more of what begin() began, whole messages, some 64 KiB of them. `done` has true: that was the rest; until then the
+    /// messages stay, and finish() follows.
+    using Finished = std::function<void(Result<bool>)>;
+    void finish(Finished done);
     /// Sends the closing frame, behind what is being written. Whoever reads is told `closed` when the peer has answered it;
     /// messages may come before.
     void close(const CloseReason& why);

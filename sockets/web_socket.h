@@ -39,7 +39,13 @@ struct WebSocketOptions {
     std::size_t message_bytes_max = 0;
     /// The read buffer, where it has become larger, is given back before the next message.
     std::size_t kept_buffer_bytes = std::numeric_limits<std::size_t>::max();
+    /// Of a ServedWebSocket: called before more is received, with the bytes that came since and received_frame_bytes for each frame of
+    /// any kind; says how long nothing is received from this peer. Empty: what it says costs it nothing.
+    std::function<std::chrono::milliseconds(std::size_t)> charge = {};
 };
+
+/// What a frame costs beside its bytes: empty ones have to be looked at, too.
+inline constexpr std::size_t received_frame_bytes = 64;
 
 class WebSocket {
   public:

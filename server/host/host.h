@@ -135,10 +135,11 @@ class Host {
     /// The same of one epoch, of which keyframes have been handed out; null: everybody knows it.
     virtual SharedBytes sea_state_message(std::uint32_t /*epoch*/) const { return nullptr; }
 
-    /// Changes the sea that runs (server/host/sea_wish.h), once that is durable. Not every host's sea can change.
+    /// Changes the sea that runs (server/host/sea_wish.h), once that is durable. Not every host's sea can change. An error is of a
+    /// wish that was refused before it came here: `done` has it, and it is counted like others.
     using Changed = std::function<void(Result<SeaPromise>)>;
-    virtual void change(SeaWish, Changed done) {
-        done(Error{Refusal::not_offered, "this sea cannot change"});
+    virtual void change(Result<SeaWish> wish, Changed done) {
+        done(wish ? Error{Refusal::not_offered, "this sea cannot change"} : wish.error());
     }
 
     /// What of a wish can be had; empty if nothing that was asked for is offered, or if it is `busy`. Of the sea that

@@ -18,6 +18,9 @@ namespace {
 namespace asio = boost::asio;
 using sockets::error_code;
 
+/// Of who is being sent a map.
+constexpr std::size_t unasked_bytes_max = 64 * 1024;
+
 class MapConnection final : public MapReader, public std::enable_shared_from_this<MapConnection> {
   public:
     MapConnection(ConnectionSlot slot, sockets::Socket socket, Peer peer)
@@ -81,13 +84,14 @@ class MapConnection final : public MapReader, public std::enable_shared_from_thi
     }
 
     /// A pending read notices that the peer has left, also while nothing is written to it. What it
-    /// says meanwhile is not looked at: a map ends its connection.
+    /// says meanwhile is not looked at: a map ends its connection, and so does who says too much.
     void watch_peer() {
         socket_.async_read_some(asio::buffer(unasked_),
-                                [self = shared_from_this()](error_code error, std::size_t) {
+                                [self = shared_from_this()](error_code error, std::size_t bytes) {
                                     if (self->here_ == nullptr)
                                         return;
-                                    if (!error)
+                                    self->unasked_bytes_ += bytes;
+                                    if (!error && self->unasked_bytes_ <= unasked_bytes_max)
                                         return self->watch_peer();
                                     self->end_map();
                                 });
@@ -196,6 +200,7 @@ class MapConnection final : public MapReader, public std::enable_shared_from_thi
     std::shared_ptr<const void> here_ =
         std::make_shared<char>(); ///< until no map is wanted any more
     std::array<std::uint8_t, 512> unasked_{};
+    std::size_t unasked_bytes_ = 0; ///< in all
     std::unique_ptr<ByteSource> map_;
     std::vector<std::uint8_t> map_chunk_; ///< being written
     std::uint64_t map_sent_ = 0;

@@ -43,8 +43,14 @@ unsigned http_status(const Error& error) {
     return 500;
 }
 
+std::uint32_t retry_after_ms(const Error& error) {
+    constexpr std::uint32_t some_time_ms = 1000;
+    return error.retry_after_ms == 0 && error.is(Refusal::busy) ? some_time_ms
+                                                                : error.retry_after_ms;
+}
+
 int retry_after_s(const Error& error) {
-    return error.is(Refusal::busy) ? 1 : 0;
+    return static_cast<int>((std::uint64_t{retry_after_ms(error)} + 999) / 1000);
 }
 
 } // namespace seaway::server

@@ -3,6 +3,8 @@
 // Pure functions; thread-safe.
 #pragma once
 
+#include <cstdint>
+
 #include "base/result.h"
 #include "protocol/messages.h"
 
@@ -13,7 +15,10 @@ wire::ErrorCode wire_code(const Error& error);
 
 /// 400, 404; 503 for what is busy and may be asked again, 500 for what is broken.
 unsigned http_status(const Error& error);
-/// Seconds until the same may be asked again; 0: never, or nobody knows.
+/// When the same may be asked again; 0: never, or when another request of who asks is done. Of what the server as a whole is short of
+/// that is not known: some of it is there after a second.
+std::uint32_t retry_after_ms(const Error& error);
+/// The same in whole seconds, never too few.
 int retry_after_s(const Error& error);
 
 } // namespace seaway::server

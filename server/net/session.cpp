@@ -31,16 +31,6 @@ Session::~Session() {
     }
 }
 
-template <class Work>
-void Session::or_drop(Work work) {
-    try {
-        work();
-    } catch (const std::bad_alloc&) {
-        link_.drop();
-        end(protocol::name(ErrorCode::internal), "there is no memory for this session");
-    }
-}
-
 void Session::receive(std::span<const std::uint8_t> bytes) {
     if (closing_ || ended_ || core_.stopping) // which ends what is not taken
         return;
@@ -275,7 +265,7 @@ void Session::on_ping(const wire::Ping& ping) {
 }
 
 bool Session::wants_requests() const {
-    return outbox_.accepts_requests() && !core_.stopping;
+    return outbox_.accepts_requests();
 }
 
 protocol::SharedBytes Session::next_message() {
@@ -323,6 +313,8 @@ void Session::deliver(const Streamed& streamed) {
     or_drop([&] {
         if (streamed.sea_state != nullptr)
             announce(streamed.sea_state);
+        if (!subscription_) // it has not taken so many states that it was ended
+            return;
         if (core_.host.sea_time_us() >= subscription_->granted.until_us)
             renew_grant();
         outbox_.push_keyframe(streamed.keyframe, fields, streamed.file);
@@ -336,17 +328,19 @@ void Session::tell_of(std::uint32_t epoch) {
 }
 
 void Session::announce(protocol::SharedBytes sea_state) {
-    if (!greeted_ || closing_ || std::ranges::find(told_, sea_state) != told_.end())
+    if (!greeted_ || closing_ || ended_ || std::ranges::find(told_, sea_state) != told_.end())
         return;
-    told_.push_back(sea_state);
-    if (told_.size() > told_kept)
-        told_.pop_front();
-    if (!outbox_.push_durable(std::move(sea_state)))
-        return close(ErrorCode::too_slow, "sea states wait and cannot be sent");
-    renew_grant();
-    if (spectrum_wish_)
-        make_spectra({});
-    link_.send_more();
+    or_drop([&] { // others are told all the same
+        told_.push_back(sea_state);
+        if (told_.size() > told_kept)
+            told_.pop_front();
+        if (!outbox_.push_durable(std::move(sea_state)))
+            return close(ErrorCode::too_slow, "sea states wait and cannot be sent");
+        renew_grant();
+        if (spectrum_wish_)
+            make_spectra({});
+        link_.send_more();
+    });
 }
 
 void Session::reply(protocol::Bytes message) {
@@ -357,7 +351,7 @@ void Session::reply(protocol::Bytes message) {
 void Session::refuse(std::uint32_t request_id, const Error& why) {
     const ErrorCode code = wire_code(why);
     ++core_.counters.requests_refused[std::string(protocol::name(code))];
-    reply(protocol::refused(request_id, code, why.message, why.retry_after_ms));
+    reply(protocol::refused(request_id, code, why.message, retry_after_ms(why)));
 }
 
 bool Session::is_owed() const {
@@ -369,11 +363,13 @@ void Session::close(ErrorCode code, const std::string& why) {
     if (closing_ || ended_)
         return;
     closing_ = true;
-    end(protocol::name(code), why);
-    const auto retry_after_ms = code == ErrorCode::shutting_down ? core_.retry_after.count() : 0;
-    link_.close(std::make_shared<const protocol::Bytes>(
-                    protocol::go_away(code, why, static_cast<std::uint32_t>(retry_after_ms))),
-                code, why);
+    or_drop([&] {
+        end(protocol::name(code), why);
+        const auto stays_away_ms = code == ErrorCode::shutting_down ? core_.retry_after.count() : 0;
+        link_.close(std::make_shared<const protocol::Bytes>(
+                        protocol::go_away(code, why, static_cast<std::uint32_t>(stays_away_ms))),
+                    code, why);
+    });
 }
 
 void Session::give_up(const std::string& why) {

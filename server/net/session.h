@@ -9,6 +9,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <new>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -126,7 +127,14 @@ class Session {
                       const Result<GrantedSpectrum>& granted);
     /// Does it, or ends the session where there is no memory for it.
     template <class Work>
-    void or_drop(Work work);
+    void or_drop(Work work) {
+        try {
+            work();
+        } catch (const std::bad_alloc&) {
+            link_.drop();
+            end(protocol::name(wire::ErrorCode::internal), "there is no memory for this session");
+        }
+    }
     void dispatch(std::span<const std::uint8_t> bytes);
     /// The sea of keyframes that are about to be sent, where it was not told of.
     void tell_of(std::uint32_t epoch);

@@ -6,6 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "base/messages.h"
+#include "protocol/limits.h"
+#include "server/host/refusal.h"
 #include "server/net/refusals.h"
 #include "server/net/session.h"
 
@@ -23,7 +25,11 @@ Error administrators_alone() {
     return {ErrorCode::unauthorised, "this is for administrators: connect with their token"};
 }
 
-Result<SeaWish> wish_of(const wire::Change& change) {
+Result<SeaWish> wish_of(const wire::Change& change, int in_flight) {
+    if (const Result<void> fine = protocol::check(change); !fine)
+        return Error{Refusal::bad_value, fine.error().message};
+    if (in_flight >= changes_in_flight_max)
+        return Error{Refusal::busy, fmt::format("{} changes are not made yet", in_flight)};
     SeaWish wish;
     wish.over_us = change.over_us();
     wish.at_us = change.at_us();
@@ -35,7 +41,7 @@ Result<SeaWish> wish_of(const wire::Change& change) {
         for (const flatbuffers::String* text : *change.set()) {
             Result<TomlAssignment> value = parse_toml_assignment(text->string_view());
             if (!value)
-                return Error{ErrorCode::bad_value, value.error().message};
+                return Error{Refusal::bad_value, value.error().message};
             wish.set.push_back(*std::move(value));
         }
     return wish;
@@ -62,19 +68,13 @@ void Session::on_change(const wire::Change& change) {
     const std::uint32_t request_id = change.request_id();
     if (standing_ != Standing::administrator)
         return refuse(request_id, administrators_alone());
-    if (const Result<void> fine = protocol::check(change); !fine)
-        return refuse(request_id, fine.error());
-    if (changes_in_flight_ >= changes_in_flight_max)
-        return refuse(request_id, {ErrorCode::too_many_requests,
-                                   fmt::format("{} changes are not made yet", changes_in_flight_)});
-    Result<SeaWish> wish = wish_of(change);
-    if (!wish)
-        return refuse(request_id, wish.error());
+    Result<SeaWish> wish = wish_of(change, changes_in_flight_);
     ++changes_in_flight_;
-    core_.log(fmt::format("event=change_asked session={} over_s={} what=\"{}\"", id_,
-                          sea::seconds_from_us(wish->over_us), what_of(*wish)));
-    core_.host.change(*std::move(wish), [core = core_.weak_from_this(), session = id_,
-                                         request_id](Result<SeaPromise> promise) {
+    if (wish)
+        core_.log(fmt::format("event=change_asked session={} over_s={} what=\"{}\"", id_,
+                              sea::seconds_from_us(wish->over_us), what_of(*wish)));
+    core_.host.change(std::move(wish), [core = core_.weak_from_this(), session = id_,
+                                        request_id](Result<SeaPromise> promise) {
         const std::shared_ptr<Core> alive = core.lock();
         if (alive == nullptr)
             return;
@@ -84,7 +84,7 @@ void Session::on_change(const wire::Change& change) {
                 here->log(fmt::format("event=change_refused session={} why=\"{}\"", session,
                                       quoted(promise.error().message)));
             if (Session* found = here ? here->find(session) : nullptr)
-                found->changed(request_id, promise);
+                found->or_drop([&] { found->changed(request_id, promise); });
         });
     });
 }
@@ -125,6 +125,11 @@ void Session::on_administer(const wire::Administer& administer) {
 void Session::told(std::uint32_t request_id, const Result<std::string>& text) {
     if (!text)
         return refuse(request_id, text.error());
+    if (text->size() > protocol::limits::administered_bytes_max)
+        return refuse(request_id,
+                      {ErrorCode::too_large,
+                       fmt::format("the answer has {} bytes, at most {} are told", text->size(),
+                                   protocol::limits::administered_bytes_max)});
     reply(protocol::administered(request_id, *text));
 }
 

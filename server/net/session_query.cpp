@@ -73,7 +73,7 @@ void Session::on_query(const wire::Query& query) {
         alive->post([core, session, asked, answers = std::move(answers)] {
             const std::shared_ptr<Core> here = core.lock();
             if (Session* found = here ? here->find(session) : nullptr)
-                found->answered(asked, answers);
+                found->or_drop([&] { found->answered(asked, answers); });
         });
     });
 }

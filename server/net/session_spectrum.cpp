@@ -64,7 +64,7 @@ void Session::make_spectra(std::optional<std::uint32_t> request_id) {
         core->post([weak, session, request_id, granted = made_by(core->host, request)] {
             const std::shared_ptr<Core> here = weak.lock();
             if (Session* found = here ? here->find(session) : nullptr)
-                found->spectra_made(request_id, granted);
+                found->or_drop([&] { found->spectra_made(request_id, granted); });
         });
         return true;
     };

@@ -33,13 +33,24 @@ constexpr std::size_t gathered_messages_max = 32;
 /// For GoAway and the closing handshake, after which the socket is closed hard.
 constexpr std::chrono::milliseconds close_deadline{1000};
 
-sockets::WebSocketOptions web_socket_options(const NetOptions& options) {
+sockets::WebSocketOptions web_socket_options(const std::shared_ptr<Core>& core,
+                                             const AddressPtr& address) {
+    const NetOptions& options = core->options;
+    const auto charge = [weak = std::weak_ptr(core), address](std::size_t bytes) {
+        const auto now = Bucket::Clock::now();
+        address->request_bytes.take(static_cast<double>(bytes), now);
+        const std::chrono::milliseconds wait = address->request_bytes.wait_for(0, now);
+        if (const std::shared_ptr<Core> alive = weak.lock(); alive && wait.count() > 0)
+            ++alive->counters.reads_delayed;
+        return wait;
+    };
     return {.subprotocol = std::string(protocol::websocket_subprotocol),
             .program = "seaway/" SEAWAY_VERSION,
             .handshake_patience = options.http_deadline,
             .idle_patience = options.idle_timeout,
             .message_bytes_max = protocol::limits::client_message_bytes_max,
-            .kept_buffer_bytes = idle_buffer_bytes};
+            .kept_buffer_bytes = idle_buffer_bytes,
+            .charge = charge};
 }
 
 class StreamConnection final : public Link,
@@ -48,10 +59,9 @@ class StreamConnection final : public Link,
   public:
     StreamConnection(ConnectionSlot slot, sockets::Socket socket, Peer peer, Standing standing)
         : slot_(std::move(slot)), upgrade_(slot_.core()), without_hello_(peer.address),
-          ws_(std::move(socket), web_socket_options(core().options)), peer_(std::move(peer)),
-          standing_(standing), hello_timer_(ws_.socket().get_executor()),
-          delay_timer_(ws_.socket().get_executor()), write_timer_(ws_.socket().get_executor()),
-          close_timer_(ws_.socket().get_executor()) {}
+          ws_(std::move(socket), web_socket_options(slot_.core(), peer.address)),
+          peer_(std::move(peer)), standing_(standing), hello_timer_(ws_.socket().get_executor()),
+          write_timer_(ws_.socket().get_executor()), close_timer_(ws_.socket().get_executor()) {}
 
     void run(const sockets::Upgrade& upgrade) {
         if (standing_ == Standing::stranger)
@@ -166,15 +176,15 @@ class StreamConnection final : public Link,
         else if (closing_)
             shake_hands();
     }
-    /// The reader is slower than we are: the rest as it takes it.
+    /// The reader is slower than we are: the rest as it takes it, write_timeout for each piece.
     void finish() {
-        write_timer_.expires_after(write_patience());
+        write_timer_.expires_after(core().options.write_timeout);
         write_timer_.async_wait([self = shared_from_this()](error_code error) {
             if (!error)
                 self->write_overdue();
         });
-        ws_.finish([self = shared_from_this()](const Result<void>& done) {
-            self->or_drop([&] { self->on_written(done); });
+        ws_.finish([self = shared_from_this()](const Result<bool>& all) {
+            self->or_drop([&] { self->on_written(all); });
         });
     }
     /// With what else waits, after others have had their turn.
@@ -191,11 +201,6 @@ class StreamConnection final : public Link,
         read(); // may have been held back by replies that waited
         send_more();
     }
-    /// write_timeout for each message.
-    std::chrono::milliseconds write_patience() {
-        return core().options.write_timeout * static_cast<int>(writing_.size());
-    }
-
     void on_accepted(const Result<void>& accepted) {
         upgrade_.reset();
         if (lost_) // it has made room meanwhile
@@ -238,22 +243,6 @@ class StreamConnection final : public Link,
         if (reading_ || lost_ || (closing_ ? !shaking_ : !session_->wants_requests()))
             return;
         reading_ = true;
-        if (closing_)
-            return read_now(); // until the peer has said goodbye
-        const auto wait =
-            peer_.address->request_bytes.wait_for(0, std::chrono::steady_clock::now());
-        if (wait.count() == 0)
-            return read_now();
-        ++core().counters.reads_delayed;
-        delay_timer_.expires_after(wait);
-        delay_timer_.async_wait([self = shared_from_this()](error_code error) {
-            self->reading_ = false;
-            if (!error)
-                self->read();
-        });
-    }
-
-    void read_now() {
         ws_.read(
             [self = shared_from_this()](const Result<sockets::ServedWebSocket::Message>& message) {
                 self->or_drop([&] { self->on_read(message); });
@@ -283,8 +272,6 @@ class StreamConnection final : public Link,
         reading_ = false;
         if (!message)
             return on_lost(message.error());
-        peer_.address->request_bytes.take(static_cast<double>(message->bytes.size()),
-                                          std::chrono::steady_clock::now());
         if (message->binary)
             session_->receive(message->bytes);
         else
@@ -294,12 +281,14 @@ class StreamConnection final : public Link,
         read();
     }
 
-    void on_written(const Result<void>& written) {
+    void on_written(const Result<bool>& all) {
+        if (all && !*all && !lost_)
+            return finish();
         writing_.clear();
         session_->sent();
         write_timer_.cancel();
-        if (!written)
-            return on_lost(written.error());
+        if (!all)
+            return on_lost(all.error());
         on_sent();
     }
 
@@ -311,7 +300,7 @@ class StreamConnection final : public Link,
             bytes += message->size();
         session_->end(protocol::name(wire::ErrorCode::too_slow),
                       fmt::format("{} bytes could not be sent within {} ms", bytes,
-                                  write_patience().count()));
+                                  core().options.write_timeout.count()));
         drop();
     }
 
@@ -347,7 +336,6 @@ class StreamConnection final : public Link,
         lost_ = true;
         says_hello_no_more();
         hello_timer_.cancel();
-        delay_timer_.cancel();
         write_timer_.cancel();
         close_timer_.cancel();
     }
@@ -367,7 +355,6 @@ class StreamConnection final : public Link,
     const Standing standing_;
     WaitingLine::Place awaits_hello_; ///< strangers only
     asio::steady_timer hello_timer_;
-    asio::steady_timer delay_timer_;
     asio::steady_timer write_timer_;
     asio::steady_timer close_timer_;
     std::optional<Session> session_;

@@ -136,7 +136,8 @@ Result<EncodedKeyframePtr> Encoder::encode(const sea::Keyframe& keyframe,
         counters_.fields_predicted += encoded->base != 0 ? 2 : 0;
         keep(std::move(*step), sent(sea::Field::height), *encoded, *compact.law);
     }
-    if (!added && known)
+    // What was made for a fetch has no place: the stream needs one that has.
+    if (!added && known && (streamed == nullptr || known->place))
         return known;
     for (const EncodedField& map : encoded->maps) {
         encoded->fields.insert(map.field);

@@ -9,6 +9,7 @@
 #include <mutex>
 #include <new>
 #include <optional>
+#include <span>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -31,6 +32,14 @@ bool comes_true(const Condition& condition) {
     return condition();
 }
 
+std::vector<SeaChange> some(const std::vector<SeaChange>& changes, std::size_t epoch,
+                            std::size_t most) {
+    const std::span<const SeaChange> after =
+        std::span(changes).subspan(std::min(epoch, changes.size()));
+    const std::span<const SeaChange> those = after.first(std::min(most, after.size()));
+    return {those.begin(), those.end()};
+}
+
 /// Shared with nobody that there is; calls may find no memory so many times.
 class ForgetfulJournal final : public Journal {
   public:
@@ -42,13 +51,12 @@ class ForgetfulJournal final : public Journal {
 
     const std::string& name() const override { return name_; }
     std::int64_t epoch_utc_us() const override { return 0; }
-    Result<std::vector<SeaChange>> since(std::uint32_t epoch) const override {
+    using Journal::since;
+    Result<std::vector<SeaChange>> since(std::uint32_t epoch, std::size_t most) const override {
         if (reads_fail > 0 && reads_fail-- > 0)
             throw std::bad_alloc();
         const std::scoped_lock lock(mutex_);
-        if (epoch >= changes_.size())
-            return std::vector<SeaChange>{};
-        return std::vector<SeaChange>(changes_.begin() + epoch, changes_.end());
+        return some(changes_, epoch, most);
     }
     Result<void> append(const SeaChange& change) override {
         if (refuses)
@@ -106,15 +114,17 @@ class Director : public testing::Test {
         return wish;
     }
     /// What comes of it.
-    template <class Changes>
-    static Result<SeaPromise> asked_of(Changes& changes, SeaWish wish) {
+    template <class Changes, class Wish>
+    static Result<SeaPromise> asked_of(Changes& changes, Wish wish) {
         std::promise<Result<SeaPromise>> promise;
         changes.change(std::move(wish),
                        [&promise](Result<SeaPromise> made) { promise.set_value(std::move(made)); });
         return promise.get_future().get();
     }
     Result<SeaPromise> asked(SeaWish wish) { return asked_of(*director, std::move(wish)); }
-    Result<SeaPromise> through_world(SeaWish wish) { return asked_of(world, std::move(wish)); }
+    Result<SeaPromise> through_world(Result<SeaWish> wish) {
+        return asked_of(world, std::move(wish));
+    }
     Following following() const { return world.following().value(); }
 
     const std::shared_ptr<SeaCourse> course = SeaCourse::begin(calm()).value();
@@ -180,6 +190,10 @@ TEST_F(Director, what_it_refuses_is_counted_by_reason) {
     SeaWish wrong = wish();
     wrong.scene = "[sea]\nseed = \"x\"\n";
     EXPECT_FALSE(through_world(wrong));
+    const Result<SeaPromise> before_it_came =
+        through_world(Error{Refusal::bad_value, "over_us is 1, allowed are 10000000 to ..."});
+    ASSERT_FALSE(before_it_came);
+    EXPECT_EQ(before_it_came.error().message, "over_us is 1, allowed are 10000000 to ...");
     journal.refuses = JournalError::outrun;
     EXPECT_FALSE(through_world(wish()));
     EXPECT_FALSE(through_world(wish()));
@@ -188,9 +202,12 @@ TEST_F(Director, what_it_refuses_is_counted_by_reason) {
     EXPECT_EQ(
         counts(),
         (RefusedChanges::Counts{
-            {"bad_value", 1}, {"busy", 2}, {"gone", 0}, {"not_offered", 0}, {"unwritten", 1}}));
+            {"bad_value", 2}, {"busy", 2}, {"gone", 0}, {"not_offered", 0}, {"unwritten", 1}}));
+    world.change_by(nullptr);
+    EXPECT_FALSE(through_world(wish()));
+    EXPECT_EQ(counts().at("not_offered"), 1u);
     const std::string page = metrics_text(counts());
-    for (const char* row : {"bad_value\"} 1\n", "busy\"} 2\n", "unwritten\"} 1\n"})
+    for (const char* row : {"bad_value\"} 2\n", "busy\"} 2\n", "unwritten\"} 1\n"})
         EXPECT_NE(page.find(std::string("seaway_changes_refused_total{reason=\"") + row),
                   std::string::npos)
             << page;
@@ -201,10 +218,10 @@ TEST_F(Director, what_it_refuses_is_counted_by_reason) {
 class ReadJournal : public testing::Test {
   protected:
     ReadJournal() {
-        world.read_by([this](std::uint32_t epoch) -> Result<std::vector<SeaChange>> {
-            return std::vector<SeaChange>(changes.begin() +
-                                              std::min<std::ptrdiff_t>(epoch, std::ssize(changes)),
-                                          changes.end());
+        world.read_by([this](std::uint32_t epoch, std::size_t most) {
+            Result<std::vector<SeaChange>> those = some(changes, epoch, most);
+            read += those->size();
+            return those;
         });
     }
     static sea::Scene scene(const std::string& more = {}) {
@@ -226,6 +243,7 @@ class ReadJournal : public testing::Test {
     }
 
     std::vector<SeaChange> changes{{1, 0, 0, sea::to_toml(scene())}};
+    std::size_t read = 0; ///< changes that were handed over
     const std::shared_ptr<SeaCourse> course = SeaCourse::begin(scene()).value();
     SeaClock clock{0, [] { return std::int64_t{5'000'000'000}; }, [] { return std::int64_t{0}; }};
     World world{course, clock};
@@ -249,6 +267,36 @@ TEST_F(ReadJournal, each_change_differs_from_the_last_scene_that_ran_wherever_a_
     ASSERT_EQ(whole[12]["differs"].size(), 1u) << whole[12].dump();
     EXPECT_NE(whole[12]["differs"].dump().find("15"), std::string::npos);
     EXPECT_TRUE(nlohmann::json::parse(world.history(14).value())["changes"].empty());
+}
+
+// A scene may hold a table of 100 KB, a journal 10 000 of them, and who asks is the network's thread.
+TEST_F(ReadJournal, no_more_is_read_than_is_told_however_long_it_is) {
+    for (int i = 0; i < 3000; ++i)
+        add_pace();
+    add(with("systems.0.wind_speed_10m_mps", "14.0"));
+    (void)world.history(3002).value();
+    EXPECT_LE(read, 1u + 3001u) << "one that runs has to be looked for behind paces, once";
+    read = 0;
+    for (int i = 0; i < 500; ++i)
+        add(with("systems.0.wind_speed_10m_mps", fmt::format("{}.25", 10 + i % 10)));
+    EXPECT_EQ(nlohmann::json::parse(world.history(3002).value())["changes"].size(), 200u);
+    read = 0;
+    EXPECT_EQ(nlohmann::json::parse(world.history(3100).value())["changes"].size(), 200u);
+    EXPECT_EQ(read, 201u);
+    read = 0;
+    (void)world.scene_of_change(3100).value();
+    EXPECT_EQ(read, 1u);
+}
+
+// Four lines a change, two hundred changes: a table's line would fill the answer alone.
+TEST_F(ReadJournal, of_a_long_line_a_history_tells_the_beginning) {
+    changes.push_back({.epoch = 2, .scene = "table = \"" + std::string(110'000, '1') + "\"\n"});
+    const auto listed = nlohmann::json::parse(world.history(2).value())["changes"];
+    ASSERT_EQ(listed[0]["differs"].size(), 1u);
+    const std::string line = listed[0]["differs"][0];
+    EXPECT_LT(line.size(), 256u);
+    EXPECT_TRUE(line.starts_with("table = \"111")) << line;
+    EXPECT_TRUE(line.ends_with("1...")) << line;
 }
 
 TEST_F(ReadJournal, there_is_no_way_back_to_what_has_no_sea) {

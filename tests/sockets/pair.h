@@ -3,11 +3,14 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <memory>
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
+#include <gtest/gtest.h>
 
+#include "sockets/served_web_socket.h"
 #include "sockets/socket.h"
 
 namespace seaway::sockets {
@@ -30,5 +33,16 @@ struct Pair {
     boost::asio::io_context io;
     std::array<std::unique_ptr<Socket>, 2> ends;
 };
+
+/// What was begun, piece by piece to the end.
+inline void finish(ServedWebSocket& socket, const std::function<void()>& done) {
+    socket.finish([&socket, done](const Result<bool>& all) {
+        ASSERT_TRUE(all) << all.error().message;
+        if (*all)
+            done();
+        else
+            finish(socket, done);
+    });
+}
 
 } // namespace seaway::sockets

@@ -337,6 +337,26 @@ TEST_F(NetDoor, an_address_that_sends_too_much_is_read_later_and_answered_all_th
     EXPECT_GE(counted("seaway_net_reads_delayed_total"), 1);
 }
 
+// Frames of no message, and parts of one that never ends: what they hold is next to nothing, and each has to be looked at.
+TEST_F(NetDoor, an_address_that_sends_many_empty_frames_is_read_later_too) {
+    options.request_bytes_per_s_per_address = 64 * 1024; // twice that at once
+    start();
+    double delayed = 0;
+    for (const auto& [begin, again] :
+         {std::pair<std::uint8_t, std::uint8_t>{0x89, 0x89}, {0x8a, 0x8a}, {0x02, 0x00}}) {
+        RawPeer peer(port());
+        peer.upgrade();
+        peer.frame(protocol::hello("raw", ""));
+        std::string frames;
+        for (int i = 0; i < 3000; ++i) // 18 KB on the line
+            frames += std::string{static_cast<char>(i == 0 ? begin : again), '\x80', 0, 0, 0, 0};
+        peer.say(frames);
+        EXPECT_TRUE(eventually([&] { return counted("seaway_net_reads_delayed_total") > delayed; }))
+            << int{begin};
+        delayed = counted("seaway_net_reads_delayed_total");
+    }
+}
+
 TEST_F(NetDoor, health_is_told_at_its_own_address_however_full_the_other_is) {
     ask_for_tokens();
     options.health_listen = "127.0.0.1:0";

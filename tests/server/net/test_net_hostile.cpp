@@ -217,6 +217,8 @@ TEST_F(NetHostile, a_client_that_never_reads_is_cut_by_its_write_and_nobody_else
     EXPECT_EQ(healthy.gaps(), 0);
     net->stop();
     EXPECT_EQ(closed("too_slow"), 1u) << log.text();
+    EXPECT_EQ(log.lines_with("could not be sent within 300 ms").size(), 1u)
+        << "once, however many messages it was sent together: " << log.text();
 }
 
 TEST_F(NetHostile, a_client_that_is_dead_but_connected_is_cut_when_it_answers_no_ping) {

@@ -94,6 +94,28 @@ TEST_F(NetStop, whoever_comes_meanwhile_is_refused_by_name_with_a_time_and_healt
     EXPECT_EQ(gone->body_as_GoAway()->retry_after_ms(), 12'500u);
 }
 
+// Its Hello was long ago, and like any client it goes on talking meanwhile: what holds its connection is what is read from it.
+TEST_F(NetStop, who_is_owed_an_answer_gets_it_whatever_it_says_meanwhile) {
+    options.hello_deadline = std::chrono::milliseconds(50);
+    options.drain_s = 60;
+    start();
+    const auto waits = greeted();
+    std::this_thread::sleep_for(2 * options.hello_deadline);
+    ask(*waits, 1);
+    ASSERT_TRUE(eventually([this] { return metric(received) == 2; }));
+    begin_to_stop();
+    for (std::uint32_t i = 2; i < 10; ++i) {
+        ask(*waits, i);
+        std::this_thread::sleep_for(std::chrono::milliseconds(10)); // each read by itself
+    }
+    EXPECT_EQ(metric("seaway_net_sessions"), 1);
+    answer();
+    const wire::Message* reply = waits->receive();
+    ASSERT_TRUE(reply && reply->body_as_QueryReply());
+    const wire::Message* gone = waits->receive();
+    ASSERT_TRUE(gone && gone->body_as_GoAway());
+}
+
 TEST_F(NetStop, who_is_not_answered_in_time_goes_all_the_same) {
     options.drain_s = 0.05;
     start();

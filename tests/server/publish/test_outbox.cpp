@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Encoder and outbox, without sockets.
-#include <cmath>
-#include <map>
+// Outbox, without sockets.
 #include <random>
 #include <set>
 
 #include <gtest/gtest.h>
 
-#include "protocol/tile_codec.h"
-#include "server/publish/encoder.h"
 #include "server/publish/outbox.h"
+#include "tests/server/publish/made_keyframe.h"
 #include "tests/server/publish/tile_of.h"
 
 namespace seaway::server {
@@ -17,174 +14,6 @@ namespace {
 
 namespace limits = protocol::limits;
 using protocol::SharedBytes;
-
-sea::Keyframe keyframe(int size, sea::FieldSet fields, int cascade = 0, sea::TimeUs time_us = 0) {
-    sea::Keyframe made;
-    made.cascade = cascade;
-    made.time_us = time_us;
-    made.size = size;
-    made.length_m = 100;
-    made.fields = fields;
-    made.values.resize(made.plane_size() * static_cast<std::size_t>(fields.size()));
-    for (std::size_t i = 0; i < made.values.size(); ++i)
-        made.values[i] = static_cast<float>(
-            std::sin(0.01 * static_cast<double>(i) + static_cast<double>(time_us)));
-    return made;
-}
-
-// ---- encoder -------------------------------------------------------------------------------
-
-TEST(Encoder, parts_cover_the_map_exactly_once_and_decode_within_the_bound) {
-    Encoder encoder;
-    const sea::Keyframe original = keyframe(600, {sea::Field::height});
-    const float bounds[] = {1e-3f};
-    const auto encoded = encoder.encode(original, bounds, 0, {sea::Field::height});
-    ASSERT_TRUE(encoded.has_value());
-    ASSERT_EQ((*encoded)->maps.size(), 1u);
-    std::vector<float> back(original.plane_size(), std::nanf(""));
-    std::vector<int> covered(original.plane_size(), 0);
-    int part = 0;
-    for (const SharedBytes& bytes : (*encoded)->maps[0].parts) {
-        const wire::Tile& tile = tile_of(bytes);
-        ASSERT_TRUE(protocol::check(tile).has_value());
-        EXPECT_EQ(tile.part(), part++);
-        EXPECT_EQ(tile.parts(), 9);
-        EXPECT_EQ(tile.error(), 1e-3f);
-        const std::size_t at = tile.y0() * std::size_t{600} + tile.x0();
-        ASSERT_TRUE(protocol::decode_tile({tile.payload()->data(), tile.payload()->size()},
-                                          {tile.width(), tile.height()}, 600,
-                                          std::span(back).subspan(at))
-                        .has_value());
-        for (int y = 0; y < tile.height(); ++y)
-            for (int x = 0; x < tile.width(); ++x)
-                ++covered[at + static_cast<std::size_t>(y * 600 + x)];
-    }
-    for (std::size_t i = 0; i < back.size(); ++i) {
-        ASSERT_EQ(covered[i], 1);
-        ASSERT_LE(std::abs(back[i] - original.values[i]), 1e-3f);
-    }
-}
-
-TEST(Encoder, only_what_is_wanted_is_encoded_and_nothing_twice) {
-    Encoder encoder;
-    const sea::FieldSet three{sea::Field::height, sea::Field::slope_x, sea::Field::foam};
-    const sea::Keyframe original = keyframe(16, three);
-    const float bounds[] = {0.1f, 0.2f, 0.3f};
-    const auto first = encoder.encode(original, bounds, 0, {sea::Field::foam});
-    const auto again = encoder.encode(original, bounds, 0, {sea::Field::foam});
-    const auto more = encoder.encode(original, bounds, 0, {sea::Field::foam, sea::Field::height});
-    ASSERT_TRUE(first && again && more);
-    EXPECT_EQ((*first)->fields, (sea::FieldSet{sea::Field::foam}));
-    EXPECT_EQ((*first)->maps[0].error, 0.3f);
-    EXPECT_EQ(*first, *again);
-    EXPECT_EQ((*more)->number, (*first)->number);
-    EXPECT_EQ((*more)->maps[1].parts, (*first)->maps[0].parts) << "shared, not copied";
-    EXPECT_EQ(encoder.counters().fields_encoded, 2u);
-    EXPECT_EQ(encoder.counters().fields_reused, 2u);
-}
-
-TEST(Encoder, what_is_known_but_not_wanted_is_not_counted_as_reused) {
-    Encoder encoder;
-    const sea::Keyframe original =
-        keyframe(16, {sea::Field::height, sea::Field::slope_x, sea::Field::foam});
-    const float bounds[] = {0.1f, 0.2f, 0.3f};
-    ASSERT_TRUE(encoder.encode(original, bounds, 0, {sea::Field::height, sea::Field::foam}));
-    ASSERT_TRUE(encoder.encode(original, bounds, 0, {sea::Field::slope_x}));
-    EXPECT_EQ(encoder.counters().fields_encoded, 3u);
-    EXPECT_EQ(encoder.counters().fields_reused, 0u);
-    EXPECT_EQ(encoder.counters().samples, 3u * 16 * 16);
-}
-
-TEST(Encoder, qualities_epochs_times_and_cascades_are_different_keyframes) {
-    Encoder encoder;
-    const float fine[] = {0.001f};
-    const float coarse[] = {0.1f};
-    std::set<std::uint64_t> numbers;
-    sea::Keyframe one = keyframe(16, {sea::Field::height});
-    const auto encode = [&](std::span<const float> bounds, Quality quality) {
-        numbers.insert((*encoder.encode(one, bounds, quality, one.fields))->number);
-    };
-    encode(fine, 0);
-    encode(coarse, 1);
-    one.epoch = 1;
-    encode(fine, 0);
-    one.cascade = 1;
-    encode(fine, 0);
-    one.time_us = 1;
-    encode(fine, 0);
-    EXPECT_EQ(numbers, (std::set<std::uint64_t>{1, 2, 3, 4, 5}));
-}
-
-TEST(Encoder, the_memory_is_bounded_and_forgets_the_oldest) {
-    // One lossless noisy keyframe is about 4 KB: the memory holds two or three of a hundred.
-    Encoder encoder(server::Room::of(12'000));
-    const float lossless[] = {0.0f};
-    const auto encode = [&](sea::TimeUs time_us) {
-        return encoder.encode(keyframe(32, {sea::Field::height}, 0, time_us), lossless, 0,
-                              {sea::Field::height});
-    };
-    for (sea::TimeUs time_us = 0; time_us < 100; ++time_us)
-        ASSERT_TRUE(encode(time_us).has_value());
-    const std::uint64_t before = encoder.counters().fields_encoded;
-    ASSERT_TRUE(encode(99).has_value());
-    EXPECT_EQ(encoder.counters().fields_encoded, before) << "the newest is remembered";
-    ASSERT_TRUE(encode(0).has_value());
-    EXPECT_EQ(encoder.counters().fields_encoded, before + 1) << "the oldest is forgotten";
-}
-
-TEST(Encoder, any_mix_of_keyframes_leaves_the_count_equal_to_the_bytes_held_and_below_the_limit) {
-    // What the encoder alone keeps alive is what it remembers.
-    const sea::FieldSet all{sea::Field::height, sea::Field::slope_x, sea::Field::foam};
-    const sea::FieldSet wishes[] = {
-        {sea::Field::height}, {sea::Field::foam}, {sea::Field::height, sea::Field::slope_x}, all};
-    const float bounds[2][3] = {{0.0f, 0.0f, 0.0f}, {0.1f, 0.1f, 0.1f}};
-    std::mt19937_64 numbers(16);
-    for (const std::size_t bytes_max : {500u, 5'000u, 40'000u}) {
-        Encoder encoder(server::Room::of(bytes_max));
-        std::vector<std::weak_ptr<const EncodedKeyframe>> made;
-        for (int step = 0; step < 3000; ++step) {
-            const sea::Keyframe original =
-                keyframe(numbers() % 8 == 0 ? 32 : 8, all, static_cast<int>(numbers() % 2),
-                         static_cast<sea::TimeUs>(numbers() % 16));
-            const auto quality = static_cast<std::uint8_t>(numbers() % 2);
-            {
-                const auto encoded =
-                    encoder.encode(original, bounds[quality], quality, wishes[numbers() % 4]);
-                ASSERT_TRUE(encoded);
-                std::size_t bytes = 0;
-                for (const EncodedField& map : (*encoded)->maps)
-                    for (const SharedBytes& part : map.parts)
-                        bytes += part->size();
-                ASSERT_EQ((*encoded)->bytes, bytes);
-                made.push_back(*encoded);
-            }
-            std::set<EncodedKeyframePtr> held;
-            for (const auto& one : made)
-                if (const EncodedKeyframePtr alive = one.lock())
-                    held.insert(alive);
-            std::size_t bytes = 0;
-            for (const EncodedKeyframePtr& one : held)
-                bytes += one->bytes;
-            ASSERT_EQ(encoder.remembered_bytes(), bytes) << "step " << step;
-            ASSERT_LE(bytes, bytes_max);
-            made.assign(held.begin(), held.end());
-        }
-        EXPECT_GT(encoder.counters().fields_reused, 0u);
-    }
-}
-
-TEST(Encoder, a_map_that_is_not_finite_is_an_error_that_names_it) {
-    Encoder encoder;
-    sea::Keyframe broken = keyframe(16, {sea::Field::slope_y}, 2);
-    broken.values[5] = std::nanf("");
-    const float bounds[] = {0.1f};
-    const auto encoded = encoder.encode(broken, bounds, 0, broken.fields);
-    ASSERT_FALSE(encoded.has_value());
-    EXPECT_NE(encoded.error().message.find("cascade 2"), std::string::npos);
-    EXPECT_NE(encoded.error().message.find("slope_y"), std::string::npos);
-}
-
-// ---- outbox --------------------------------------------------------------------------------
 
 SharedBytes message(std::size_t bytes = 8) {
     return std::make_shared<const protocol::Bytes>(bytes);
