@@ -112,7 +112,11 @@ void Connection::on_message(std::span<const std::uint8_t> bytes) {
 
 Result<void> Connection::dispatch(const wire::Message& message) {
     using wire::Body;
-    switch (message.body_type()) { // no default: a new kind must be thought of
+    const Body kind = message.body_type();
+    // Of a sea whose time was not said nothing could be made.
+    if (!welcomed_ && kind != Body::Welcome && kind != Body::GoAway && kind <= Body::MAX)
+        return Error{fmt::format("{} before the welcome", wire::EnumNameBody(kind))};
+    switch (kind) { // no default: a new kind must be thought of
     case Body::Welcome:
         return take(*message.body_as_Welcome());
     case Body::SeaState:

@@ -31,6 +31,22 @@ TEST_F(ConnectionTest, a_server_without_a_sea_is_no_server) {
     EXPECT_NE(connection.error().message.find("no sea state"), std::string::npos);
 }
 
+// Naive: what follows a sea is made of it, and its time is unknown.
+TEST_F(ConnectionTest, whoever_says_anything_before_the_welcome_is_no_server) {
+    for (const protocol::Bytes& early :
+         {protocol::sea_state({.epoch = 1}), protocol::pong(1, 0, 0),
+          protocol::fetch_done(1, 0, {}), tile(1, sea::Field::height)}) {
+        server.open = true;
+        server.closed_because.clear();
+        server.on_message = [&](const wire::Message&) { server.send(early); };
+        const auto connection = open();
+        ASSERT_FALSE(connection);
+        EXPECT_NE(connection.error().message.find("before the welcome"), std::string::npos)
+            << connection.error().message;
+        EXPECT_EQ(failure_of(connection.error()), Failure::cannot_connect);
+    }
+}
+
 TEST_F(ConnectionTest, a_server_that_turns_us_away_says_why) {
     server.on_message = [this](const wire::Message&) {
         server.send(protocol::go_away(wire::ErrorCode::unauthorised, "token missing or wrong"));
