@@ -68,14 +68,16 @@ ConnectionEvents Client::connection_events(const JoiningPtr& joining) {
     };
     take_times(events, joining);
     events.on_closed = [this, joining](const Error& reason) {
+        bool adopted = false;
         {
             const std::scoped_lock lock(mutex_);
             joining->end = reason;
+            adopted = joining_ == joining; // else adopt() sees the end
             changed_.notify_all();
         }
         if (events_.on_closed)
             events_.on_closed(told(reason, Failure::lost));
-        if (options_.stays_lost)
+        if (adopted && options_.stays_lost)
             say_status();
     };
     return events;

@@ -75,10 +75,14 @@ Result<void> Client::open_link() {
 }
 
 Client::ConnectionPtr Client::adopt(ConnectionPtr opened, const JoiningPtr& joining) {
-    const std::scoped_lock lock(mutex_);
+    std::unique_lock lock(mutex_);
     connection_.swap(opened);
     joining_ = joining;
     ++status_.connections;
+    const bool ended = joining->end.has_value();
+    lock.unlock();
+    if (ended && options_.stays_lost) // before there was a status to tell of it
+        say_status();
     return opened;
 }
 

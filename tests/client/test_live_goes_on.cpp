@@ -194,6 +194,28 @@ TEST_F(LiveGoesOn, what_was_unsubscribed_from_stays_so) {
     EXPECT_LT(line->bytes_carried(FaultProxy::Way::to_client) - before, 2000u);
 }
 
+// The end may come before connect() has handed the client over: it is told once all the same.
+TEST_F(LiveGoesOn, a_line_that_breaks_behind_the_first_sea_is_told_once) {
+    for (int i = 0; i < 200; ++i) {
+        const bool early = i % 2 == 0;
+        std::atomic<int> told = 0;
+        const auto cut_early = [&](const SeaStatePtr&) {
+            if (early)
+                line->cut();
+        };
+        const auto client = Client::connect(
+            {.url = url, .stays_lost = true},
+            {.on_sea_state = cut_early, .on_status = [&](const ClientStatus&) { ++told; }});
+        if (!client && early)
+            continue;
+        ASSERT_TRUE(client) << client.error().message;
+        if (!early)
+            line->cut();
+        ASSERT_TRUE(eventually([&] { return told == 1; }));
+        EXPECT_EQ((*client)->status().state, LinkState::stopped);
+    }
+}
+
 SeaState stale_state() {
     SeaState state;
     state.cascades = {{.length_m = 10, .size = 16, .interval_us = 100'000},
