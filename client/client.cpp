@@ -62,10 +62,7 @@ ConnectionEvents Client::connection_events(const JoiningPtr& joining) {
     };
     events.on_keyframe = [this](const HeldKeyframePtr& keyframe) { take_keyframe(keyframe); };
     take_waves(events);
-    events.on_grant = [this](const Grant& grant) {
-        const std::scoped_lock lock(mutex_);
-        grant_ = grant;
-    };
+    events.on_grant = [this](const Grant& grant) { take_grant(grant); };
     take_times(events, joining);
     events.on_closed = [this, joining](const Error& reason) {
         bool adopted = false;
@@ -102,6 +99,18 @@ void Client::take_keyframe(const HeldKeyframePtr& keyframe) {
     }
     if (events_.on_keyframe)
         events_.on_keyframe(keyframe);
+}
+
+void Client::take_grant(const Grant& grant) {
+    const std::scoped_lock asking(asking_);
+    std::unique_lock lock(mutex_);
+    if (subscription_) {
+        grant_ = grant;
+        return;
+    }
+    lock.unlock();
+    if (const ConnectionPtr connection = link()) // it was asked for before nothing was wanted
+        connection->unsubscribe();
 }
 
 void Client::take_times(ConnectionEvents& events, const JoiningPtr& joining) {
@@ -203,17 +212,23 @@ void Client::note_offer(sea::FieldSet asked, sea::FieldSet granted) {
 }
 
 template <class Kind>
-auto Client::subscribe_and_keep(std::optional<Kind>& kept, const Kind& subscription)
-    -> decltype(subscribe_on(*link(), subscription)) {
-    std::unique_lock lock(mutex_);
-    // Kept from here on: the connection may end, and come back, behind the grant.
-    const std::optional<Kind> before = std::exchange(kept, subscription);
-    lock.unlock();
-    auto granted = subscribe_on(*link(), subscription);
-    lock.lock();
-    if (!granted)
+auto Client::subscribe_and_keep(std::optional<Kind>& kept, Kind subscription) {
+    Waiter waiter;
+    std::optional<Kind> before;
+    {
+        const std::scoped_lock asking(asking_);
+        std::unique_lock lock(mutex_);
+        subscription.serial = ++subscriptions_;
+        // Kept from here on: the connection may end, and come back, behind the grant.
+        before = std::exchange(kept, subscription);
+        lock.unlock();
+        ask_for(*link(), subscription, waiter);
+    }
+    auto had = granted(subscription, reply_of(waiter));
+    const std::scoped_lock lock(asking_, mutex_);
+    if (!had && kept && kept->serial == subscription.serial)
         kept = before;
-    return granted;
+    return had;
 }
 
 Result<Grant> Client::subscribe(const protocol::TileWish& wish, int credit, double timeout_s) {
@@ -221,10 +236,12 @@ Result<Grant> Client::subscribe(const protocol::TileWish& wish, int credit, doub
 }
 
 void Client::unsubscribe() {
+    const std::scoped_lock asking(asking_);
     link()->unsubscribe();
     wake();
     const std::scoped_lock lock(mutex_);
     subscription_.reset();
+    grant_.reset();
 }
 
 Result<protocol::SpectrumGrant> Client::subscribe_spectrum(const protocol::SpectrumWish& wish,
@@ -233,23 +250,11 @@ Result<protocol::SpectrumGrant> Client::subscribe_spectrum(const protocol::Spect
 }
 
 void Client::unsubscribe_spectrum() {
+    const std::scoped_lock asking(asking_);
     link()->unsubscribe_spectrum();
     wake();
     const std::scoped_lock lock(mutex_);
     spectrum_subscription_.reset();
-}
-
-Result<Grant> Client::subscribe_on(Connection& connection, const Subscription& subscription) {
-    Waiter waiter;
-    ask_for(connection, subscription, waiter);
-    return granted(subscription, reply_of(waiter));
-}
-
-Result<protocol::SpectrumGrant> Client::subscribe_on(Connection& connection,
-                                                     const SpectrumSubscription& subscription) {
-    Waiter waiter;
-    ask_for(connection, subscription, waiter);
-    return granted(subscription, reply_of(waiter));
 }
 
 void Client::ask_for(Connection& connection, const Subscription& subscription, Waiter& waiter) {

@@ -215,10 +215,12 @@ class Client {
         protocol::TileWish wish;
         int credit;
         double timeout_s;
+        std::uint64_t serial = 0; ///< tells it from those before and after
     };
     struct SpectrumSubscription {
         protocol::SpectrumWish wish;
         double timeout_s;
+        std::uint64_t serial = 0;
     };
 
     Client(ConnectOptions options, ClientEvents events, RingLimits limits);
@@ -227,6 +229,7 @@ class Client {
     ConnectionEvents connection_events(const JoiningPtr& joining);
     void take_times(ConnectionEvents& events, const JoiningPtr& joining);
     void take_keyframe(const HeldKeyframePtr& keyframe);
+    void take_grant(const Grant& grant);
 
     // client_goes_on.cpp: on the keeper's thread, but for what says otherwise.
     Result<void> open_link();
@@ -242,7 +245,8 @@ class Client {
     void come_back(std::unique_lock<std::mutex>& lock, Error why);
     /// Subscribes again; while that is refused, after waits, for as long as the connection stands.
     void subscribe_again(std::unique_lock<std::mutex>& lock);
-    Result<void> subscribe_as_before();
+    template <class Kind>
+    Result<void> subscribe_as_before(const std::optional<Kind>& kept);
     void say_status();
     /// mutex_ held, on the connection's thread: its first sea is known.
     void join(Joining& joining, const SeaState& state);
@@ -250,9 +254,10 @@ class Client {
     std::string why_another(const Joining& joining, const SeaState& state) const;
     void hear(const Joining::Look& look); ///< mutex_ held
     void forget_sea();                    ///< mutex_ held
-    Result<Grant> subscribe_on(Connection& connection, const Subscription& subscription);
-    Result<protocol::SpectrumGrant> subscribe_on(Connection& connection,
-                                                 const SpectrumSubscription& subscription);
+    /// Asks for what is kept now, if anything is (wanted.h).
+    template <class Kind>
+    std::optional<Kind> ask_as_before(const std::optional<Kind>& kept,
+                                      std::optional<Waiter>& waiter);
     static void ask_for(Connection& connection, const Subscription& subscription, Waiter& waiter);
     static void ask_for(Connection& connection, const SpectrumSubscription& subscription,
                         Waiter& waiter);
@@ -261,8 +266,7 @@ class Client {
                                             const Result<Reply>& reply);
     /// What is kept is subscribed to again by the keeper; of a failure that of before stays.
     template <class Kind>
-    auto subscribe_and_keep(std::optional<Kind>& kept, const Kind& subscription)
-        -> decltype(subscribe_on(*link(), subscription));
+    auto subscribe_and_keep(std::optional<Kind>& kept, Kind subscription);
     // client_threadless.cpp: of a client without threads, where the keeper's way back is taken step by step.
     struct Coming {
         ConnectionPtr connection;
@@ -390,6 +394,9 @@ class Client {
     std::stop_source leaving_;
     ConnectionPtr connection_;
     JoiningPtr joining_; ///< of connection_
+    /// Before mutex_. What is kept is what the server was asked for last: changed and said with this held.
+    std::mutex asking_;
+    std::uint64_t subscriptions_ = 0; ///< asked for so far
     std::optional<Subscription> subscription_;
     std::optional<SpectrumSubscription> spectrum_subscription_;
     ReconnectPauses pauses_;

@@ -151,11 +151,21 @@ void Client::come_back(std::unique_lock<std::mutex>& lock, Error why) {
     }
 }
 
+template <class Kind>
+Result<void> Client::subscribe_as_before(const std::optional<Kind>& kept) {
+    std::optional<Waiter> asked;
+    if (const std::optional<Kind> wanted = ask_as_before(kept, asked))
+        SEAWAY_TRY(granted(*wanted, reply_of(*asked)));
+    return {};
+}
+
 void Client::subscribe_again(std::unique_lock<std::mutex>& lock) {
     const auto over = [&] { return leaving_.stop_requested() || joining_->end; };
     while (!over()) {
         lock.unlock();
-        const Result<void> done = subscribe_as_before();
+        Result<void> done = subscribe_as_before(spectrum_subscription_);
+        if (done)
+            done = subscribe_as_before(subscription_);
         lock.lock();
         if (over())
             return;
@@ -167,22 +177,6 @@ void Client::subscribe_again(std::unique_lock<std::mutex>& lock) {
             return;
         changed_.wait_for(lock, pause, over);
     }
-}
-
-Result<void> Client::subscribe_as_before() {
-    std::optional<Subscription> tiles;
-    std::optional<SpectrumSubscription> waves;
-    {
-        const std::scoped_lock lock(mutex_);
-        tiles = subscription_;
-        waves = spectrum_subscription_;
-    }
-    const ConnectionPtr connection = link();
-    if (waves)
-        SEAWAY_TRY(subscribe_on(*connection, *waves));
-    if (tiles)
-        SEAWAY_TRY(subscribe_on(*connection, *tiles));
-    return {};
 }
 
 TimeUs Client::sea_time_held() const {

@@ -129,29 +129,30 @@ void Client::subscribe_turn(std::unique_lock<std::mutex>& lock) {
         return;
     turn_ = Turn::subscribing;
     if (!again_)
-        again_.reset(new Again{connection_, spectrum_subscription_, subscription_, {}});
+        again_ = std::make_unique<Again>();
     lock.unlock();
+    Again& again = *again_;
     std::optional<Result<void>> done;
-    if (again_->asked && again_->asked->ready()) {
-        const Result<Reply> reply = again_->asked->wait();
-        again_->asked.reset();
-        const auto take = [&](auto& subscription) {
-            if (const auto had = granted(*subscription, reply); !had)
+    if (again.asked && again.asked->ready()) {
+        const Result<Reply> reply = again.asked->wait();
+        again.asked.reset();
+        const auto take = [&](const auto& subscription) {
+            if (const auto had = granted(subscription, reply); !had)
                 done = had.error();
-            subscription.reset();
         };
-        if (again_->waves)
-            take(again_->waves);
+        if (again.rungs++ == 0)
+            take(*again.waves);
         else
-            take(again_->tiles);
+            take(*again.tiles);
     }
-    if (!done && !again_->asked) {
-        if (again_->waves)
-            ask_for(*again_->connection, *again_->waves, again_->asked.emplace());
-        else if (again_->tiles)
-            ask_for(*again_->connection, *again_->tiles, again_->asked.emplace());
+    while (!done && !again.asked) {
+        if (again.rungs == 0)
+            again.waves = ask_as_before(spectrum_subscription_, again.asked);
+        else if (again.rungs == 1)
+            again.tiles = ask_as_before(subscription_, again.asked);
         else
             done = Result<void>();
+        again.rungs += again.asked ? 0 : 1;
     }
     if (!done)
         return;

@@ -30,13 +30,25 @@ class Waiter {
     std::future<Result<Reply>> reply_ = promise_->get_future();
 };
 
-/// Of a client without threads: what is subscribed to again.
+/// Of a client without threads: what is subscribed to again, waves and then tiles.
 struct Client::Again {
-    ConnectionPtr connection;
-    std::optional<SpectrumSubscription> waves;
-    std::optional<Subscription> tiles;
-    std::optional<Waiter> asked; ///< for waves, and once they are there for tiles
+    std::optional<SpectrumSubscription> waves; ///< as they were asked for
+    std::optional<Subscription> tiles;         ///< likewise
+    std::optional<Waiter> asked;
+    int rungs = 0; ///< that are done
 };
+
+template <class Kind>
+std::optional<Kind> Client::ask_as_before(const std::optional<Kind>& kept,
+                                          std::optional<Waiter>& waiter) {
+    const std::scoped_lock asking(asking_);
+    std::unique_lock lock(mutex_);
+    const std::optional<Kind> wanted = kept;
+    lock.unlock();
+    if (wanted)
+        ask_for(*link(), *wanted, waiter.emplace());
+    return wanted;
+}
 
 /// Keyframes are offered to it as they come, those around its times stay. For as long as it lives;
 /// Client::mutex_ guards it until its fetches are done.

@@ -188,10 +188,81 @@ TEST_F(LiveGoesOn, what_was_unsubscribed_from_stays_so) {
     ASSERT_TRUE(eventually([&] { return (*client)->status().connections == 2; }));
     // A subscription begins with the keyframes around now.
     const std::uint64_t before = line->bytes_carried(FaultProxy::Way::to_client);
-    EXPECT_EQ((*client)->grant().has_value(), true) << "of the one that there was";
+    EXPECT_FALSE((*client)->grant()) << "nothing is subscribed to";
     const sea::QueryPoint point{0, 0, 0};
     ASSERT_TRUE((*client)->ask({&point, 1}, {}));
     EXPECT_LT(line->bytes_carried(FaultProxy::Way::to_client) - before, 2000u);
+}
+
+/// Waves come when the test lets them; until then nothing else does.
+class SlowWaves : public tests::WaveSea {
+  public:
+    std::atomic<bool> held_back = false;
+    std::atomic<int> asked = 0;
+
+    Result<server::GrantedSpectrum> spectrum(const server::SpectrumRequest& request) override {
+        ++asked;
+        while (held_back)
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        return WaveSea::spectrum(request);
+    }
+};
+
+/// Both rungs are subscribed to again, waves first, which are held back.
+struct OnTheWayBack {
+    SlowWaves sea;
+    std::unique_ptr<server::NetServer> net = tests::serve(sea);
+    FaultProxy line{net->port()};
+    std::unique_ptr<Client> client;
+
+    explicit OnTheWayBack(bool threadless) {
+        auto connected = Client::connect(
+            {.url = "ws://127.0.0.1:" + std::to_string(line.port()), .threadless = threadless});
+        EXPECT_TRUE(connected) << connected.error().message;
+        client = std::move(*connected);
+        EXPECT_TRUE(client->subscribe({.fields = sea::surface_fields, .error_m = 0.25f}, 2, 30));
+        EXPECT_TRUE(client->subscribe_spectrum({}, 30));
+        const int before = sea.asked;
+        sea.held_back = true;
+        line.cut();
+        EXPECT_TRUE(until([&] { return sea.asked > before; })) << client->status().reason;
+    }
+    template <class Condition>
+    bool until(const Condition& condition) {
+        return eventually([&] {
+            if (client->threadless())
+                client->work_until(std::chrono::steady_clock::now(), [] { return true; });
+            return condition();
+        });
+    }
+    bool is_back() {
+        return until([&] { return client->status().state == LinkState::connected; });
+    }
+};
+
+// Naive: what was subscribed to is noted when the line is back, and asked for one after the other whatever comes between.
+TEST(OnTheWayBack, what_is_unsubscribed_from_is_not_asked_for_again) {
+    for (const bool threadless : {false, true}) {
+        OnTheWayBack way(threadless);
+        const int fetches = way.sea.fetches;
+        way.client->unsubscribe();
+        way.sea.held_back = false;
+        ASSERT_TRUE(way.is_back()) << way.client->status().reason;
+        const sea::QueryPoint point{0, 0, 0};
+        ASSERT_TRUE(way.client->ask({&point, 1}, {})) << "what was sent before has come";
+        EXPECT_EQ(way.sea.fetches, fetches) << "a subscription begins with one";
+        EXPECT_FALSE(way.client->grant());
+    }
+}
+
+TEST(OnTheWayBack, what_was_subscribed_to_last_is_what_comes) {
+    for (const bool threadless : {false, true}) {
+        OnTheWayBack way(threadless);
+        EXPECT_TRUE(way.client->subscribe({.fields = sea::surface_fields, .error_m = 0.5f}, 2, 30));
+        way.sea.held_back = false;
+        ASSERT_TRUE(way.is_back()) << way.client->status().reason;
+        EXPECT_EQ(way.sea.wished_error_m, 0.5f);
+    }
 }
 
 // The end may come before connect() has handed the client over: it is told once all the same.
