@@ -29,6 +29,16 @@ void drop_overtaken(std::vector<SeaStatePtr>& states) {
         });
     });
 }
+
+/// Between a keyframe and the next of its cascade; 0: its sea is over.
+TimeUs interval_of(const sea::Keyframe& keyframe, std::span<const SeaStatePtr> states) {
+    const auto found = std::ranges::find(states, keyframe.epoch, &SeaState::epoch);
+    const auto cascade = static_cast<std::size_t>(keyframe.cascade);
+    return found != states.end() && cascade < (*found)->cascades.size()
+               ? (*found)->cascades[cascade].interval_us
+               : 0;
+}
+
 /// Who samples waits for no spline: those of so many keyframes after a sample are made as they come.
 constexpr int splines_ahead_max = 256;
 
@@ -81,16 +91,17 @@ ConnectionEvents Client::connection_events(const JoiningPtr& joining) {
 }
 
 void Client::take_keyframe(const HeldKeyframePtr& keyframe) {
-    TimeUs now_us = 0;
+    TimeUs now_us = 0, interval_us = 0;
     {
         const std::scoped_lock lock(mutex_);
         now_us = sea_time_held();
+        interval_us = interval_of(keyframe->keyframe(), sea_states_);
     }
     if (splines_ahead_ > 0 && keyframe->can_be_sampled()) {
         --splines_ahead_;
         keyframe->spline();
     }
-    ring_.insert_passing(keyframe, now_us);
+    ring_.insert_passing(keyframe, now_us, interval_us);
     surfaces_.follow(ring_);
     {
         const std::scoped_lock lock(mutex_);

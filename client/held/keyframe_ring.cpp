@@ -3,10 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "base/check.h"
 #include "protocol/limits.h"
 #include "sea/surface/budget/error_budget.h"
+#include "sea/surface/budget/spending.h"
 #include "sea/surface/maps/regrid.h"
 
 namespace seaway::client {
@@ -79,16 +81,22 @@ std::size_t RingLimits::room(std::size_t keyframe_bytes) const {
     return std::min(std::max(by_bytes, keyframes_per_cascade_min), keyframes_per_cascade);
 }
 
+std::size_t RingLimits::more_passing(sea::TimeUs interval_us) const {
+    constexpr TimeUs shortest_us = *std::ranges::min_element(sea::keyframe_intervals_us);
+    const TimeUs longer_us = std::max<TimeUs>(look_back_us - look_back_usual_us, 0);
+    return static_cast<std::size_t>(longer_us / std::max(interval_us, shortest_us));
+}
+
 void KeyframeRing::insert(HeldKeyframePtr keyframe) {
     if (limits_.as_splines)
         keyframe = HeldKeyframe::as_spline(keyframe);
     const std::scoped_lock lock(mutex_);
     ++changes_;
     if (Cascade* cascade = take({std::move(keyframe), false}))
-        make_room(*cascade);
+        make_room(*cascade, false);
 }
 
-void KeyframeRing::insert_passing(HeldKeyframePtr keyframe, TimeUs now_us) {
+void KeyframeRing::insert_passing(HeldKeyframePtr keyframe, TimeUs now_us, TimeUs interval_us) {
     if (limits_.as_splines)
         keyframe = HeldKeyframe::as_spline(keyframe);
     const std::scoped_lock lock(mutex_);
@@ -98,7 +106,8 @@ void KeyframeRing::insert_passing(HeldKeyframePtr keyframe, TimeUs now_us) {
         return;
     let_pass(*cascade, now_us);
     drop_maps_of_splines();
-    make_room(*cascade);
+    make_room(*cascade, false);
+    make_room(*cascade, true, limits_.more_passing(interval_us));
 }
 
 KeyframeRing::Cascade* KeyframeRing::take(Held fresh_held) {
@@ -131,12 +140,17 @@ KeyframeRing::Cascade* KeyframeRing::take(Held fresh_held) {
 
 void KeyframeRing::let_pass(Cascade& cascade, TimeUs now_us) {
     const TimeUs needed_from_us = now_us - limits_.look_back_us;
+    std::map<std::uint32_t, TimeUs> oldest_us; // that are needed, by epoch
+    for (const Held& held : cascade.by_arrival) {
+        const sea::Keyframe& keyframe = held.keyframe->keyframe();
+        if (keyframe.time_us > needed_from_us)
+            continue;
+        TimeUs& latest_us = oldest_us.try_emplace(keyframe.epoch, keyframe.time_us).first->second;
+        latest_us = std::max(latest_us, keyframe.time_us);
+    }
     const auto left_behind = [&](const sea::Keyframe& old) {
-        return std::ranges::any_of(cascade.by_arrival, [&](const Held& other) {
-            const sea::Keyframe& next = other.keyframe->keyframe();
-            return next.epoch == old.epoch && next.time_us > old.time_us &&
-                   next.time_us <= needed_from_us;
-        });
+        const auto oldest = oldest_us.find(old.epoch);
+        return oldest != oldest_us.end() && old.time_us < oldest->second;
     };
     for (auto at = cascade.by_arrival.begin();
          at != cascade.by_arrival.end() &&
@@ -163,15 +177,27 @@ void KeyframeRing::drop_maps_of_splines() {
         }
 }
 
-void KeyframeRing::make_room(Cascade& cascade) {
-    const auto drop = [&](std::deque<Held>::iterator at) {
-        cascade.bytes -= at->keyframe->bytes();
-        cascade.by_arrival.erase(at);
-    };
-    while (cascade.by_arrival.size() > limits_.keyframes_per_cascade ||
-           (cascade.bytes > limits_.bytes_per_cascade &&
-            cascade.by_arrival.size() > RingLimits::keyframes_per_cascade_min))
-        drop(cascade.by_arrival.begin());
+void KeyframeRing::make_room(Cascade& cascade, bool passing, std::size_t more) {
+    std::size_t count = 0, bytes = 0;
+    for (const Held& held : cascade.by_arrival)
+        if (held.passes == passing) {
+            ++count;
+            bytes += held.keyframe->bytes();
+        }
+    for (auto at = cascade.by_arrival.begin();
+         count > limits_.keyframes_per_cascade + more ||
+         (bytes > limits_.bytes_per_cascade &&
+          count > RingLimits::keyframes_per_cascade_min + more);) {
+        if (at->passes != passing) {
+            ++at;
+            continue;
+        }
+        const std::size_t gone = at->keyframe->bytes();
+        cascade.bytes -= gone;
+        bytes -= gone;
+        at = cascade.by_arrival.erase(at);
+        --count;
+    }
 }
 
 const KeyframeRing::Cascade* KeyframeRing::find(int cascade) const {

@@ -3,7 +3,8 @@
 // them around a time, which is what a sampler or a renderer works from.
 //
 // Of a stream it holds what is ahead and what the look-back needs; of what was asked for, as much as there is room for: the
-// one that came first is dropped first. A keyframe that has been sampled is held as its spline alone.
+// one that came first is dropped first, and neither makes room for the other. A keyframe that has been sampled is held as its
+// spline alone.
 //
 // Thread-safe. Readers get shared pointers to immutable keyframes: what they hold stays whole while the ring moves on.
 #pragma once
@@ -106,15 +107,17 @@ struct KeyframePair {
 };
 
 struct RingLimits {
-    /// Room for what a server sends ahead at the shortest intervals.
+    /// Of those that were asked for; and of those that pass by, where what a server sends ahead at the shortest intervals has
+    /// room, and the usual look-back.
     std::size_t keyframes_per_cascade = 48;
-    /// Splines included. At least `keyframes_per_cascade_min` are held all the same.
+    /// Likewise, splines included. At least `keyframes_per_cascade_min` are held all the same.
     std::size_t bytes_per_cascade = 192u * 1024 * 1024;
     /// Keyframes that can be sampled are held as splines (HeldKeyframe::as_spline), made as they come in: for who
     /// samples or draws every one of them and reads no raw map of it.
     bool as_splines = false;
     /// Of keyframes that pass by: those which no time needs that lies less than this before now are dropped.
-    sea::TimeUs look_back_us = 250'000;
+    sea::TimeUs look_back_us = look_back_usual_us;
+    static constexpr sea::TimeUs look_back_usual_us = 250'000;
     /// And those that lie further ahead than any server sends a stream: they came with somebody's fetch.
     static constexpr sea::TimeUs ahead_max_us = 10'000'000;
     static constexpr std::size_t keyframes_per_cascade_min = 4;
@@ -122,6 +125,8 @@ struct RingLimits {
 
     /// How many keyframes of so many bytes each are held of one cascade.
     std::size_t room(std::size_t keyframe_bytes) const;
+    /// So many more may pass by than is usual, whatever their bytes: what a longer look-back needs.
+    std::size_t more_passing(sea::TimeUs interval_us) const;
 };
 
 class KeyframeRing {
@@ -131,8 +136,9 @@ class KeyframeRing {
     /// Takes a keyframe. One of the same epoch, cascade and time is replaced, unless it holds more
     /// fields than the new one.
     void insert(HeldKeyframePtr keyframe);
-    /// The same of one that passes by: it goes once the present has left it behind. `now_us`: sea time.
-    void insert_passing(HeldKeyframePtr keyframe, sea::TimeUs now_us);
+    /// The same of one that passes by: it goes once the present has left it behind. `now_us`: sea time; `interval_us`: between
+    /// the keyframes of its cascade.
+    void insert_passing(HeldKeyframePtr keyframe, sea::TimeUs now_us, sea::TimeUs interval_us);
 
     /// The keyframes around a time, of one epoch and with at least `fields`. A time beyond those
     /// held gives the nearest keyframe twice, not covering. Nothing if none is held.
@@ -170,7 +176,8 @@ class KeyframeRing {
     const Cascade* find(int cascade) const;
     /// mutex_ held. The cascade that took it; null: a better one is held.
     Cascade* take(Held held);
-    void make_room(Cascade& cascade);
+    /// Of those that pass, or of those that were asked for.
+    void make_room(Cascade& cascade, bool passing, std::size_t more = 0);
     void let_pass(Cascade& cascade, sea::TimeUs now_us);
     void drop_maps_of_splines();
 

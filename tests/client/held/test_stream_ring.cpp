@@ -14,9 +14,9 @@ using sea::TimeUs;
 constexpr TimeUs step_us = 100'000;
 constexpr FieldSet streamed_fields{Field::height, Field::height_rate};
 
-HeldKeyframePtr streamed(TimeUs time_us, int cascade = 0) {
-    sea::Keyframe made{1, cascade, time_us, 16, 50, streamed_fields, {}};
-    made.values.assign(2 * made.plane_size(), 0.5f);
+HeldKeyframePtr streamed(TimeUs time_us, int cascade = 0, FieldSet fields = streamed_fields) {
+    sea::Keyframe made{1, cascade, time_us, 16, 50, fields, {}};
+    made.values.assign(static_cast<std::size_t>(fields.size()) * made.plane_size(), 0.5f);
     return std::make_shared<const HeldKeyframe>(std::move(made), HeldKeyframe::FieldErrors{});
 }
 
@@ -28,7 +28,7 @@ std::optional<KeyframePair> held_around(const KeyframeRing& ring, TimeUs time_us
 TEST(Ring, of_a_stream_keeps_what_is_ahead_and_what_the_look_back_needs) {
     KeyframeRing ring({.look_back_us = 5 * step_us});
     for (TimeUs n = 0; n < 40; ++n) {
-        ring.insert_passing(streamed((n + 2) * step_us), n * step_us + 1);
+        ring.insert_passing(streamed((n + 2) * step_us), n * step_us + 1, step_us);
         ASSERT_LE(ring.size(0), 8u) << n;
     }
     const TimeUs now_us = 39 * step_us + 1;
@@ -41,25 +41,60 @@ TEST(Ring, of_a_stream_keeps_what_is_ahead_and_what_the_look_back_needs) {
 TEST(Ring, what_was_asked_for_stays_when_the_present_has_gone_by) {
     KeyframeRing ring({.look_back_us = 0});
     ring.insert(streamed(3 * step_us));
-    ring.insert_passing(streamed(4 * step_us), 3 * step_us);
+    ring.insert_passing(streamed(4 * step_us), 3 * step_us, step_us);
     ring.insert(streamed(4 * step_us)); // it came by, and is asked for
     for (TimeUs n = 5; n < 50; ++n) {
-        ring.insert_passing(streamed(n * step_us), (n - 1) * step_us);
-        ring.insert_passing(streamed(4 * step_us), (n - 1) * step_us);
+        ring.insert_passing(streamed(n * step_us), (n - 1) * step_us, step_us);
+        ring.insert_passing(streamed(4 * step_us), (n - 1) * step_us, step_us);
     }
     EXPECT_TRUE(held_around(ring, 3 * step_us + 1)->covers);
     EXPECT_FALSE(held_around(ring, 7 * step_us)->covers);
     EXPECT_LE(ring.size(0), 5u);
 }
 
+// Naive: as many keyframes as a usual look-back needs, whatever was asked for, and the first to come makes room.
+TEST(Ring, a_long_look_back_has_room_and_takes_none_of_what_was_asked_for) {
+    constexpr TimeUs back_us = 60'000'000, apart_us = 400'000;
+    KeyframeRing ring({.look_back_us = back_us});
+    ring.insert(streamed(-2 * apart_us));
+    ring.insert(streamed(-apart_us));
+    const TimeUs end = 200;
+    for (TimeUs n = 0; n <= end; ++n)
+        ring.insert_passing(streamed((n + 2) * apart_us), n * apart_us, apart_us);
+    for (TimeUs ago_us = 0; ago_us <= back_us; ago_us += apart_us / 3)
+        ASSERT_TRUE(ring.around(0, 1, end * apart_us - ago_us, apart_us, streamed_fields)->covers)
+            << ago_us;
+    EXPECT_TRUE(ring.around(0, 1, -apart_us - 1, apart_us, streamed_fields)->covers);
+    EXPECT_LE(ring.size(0), 150u + 4u + 2u) << "and what is over has gone";
+}
+
+// A hostile stream is of any interval, and its keyframes of any time.
+TEST(Ring, what_passes_by_is_bounded_by_count_and_bytes) {
+    for (const TimeUs back_us : {RingLimits::look_back_usual_us, TimeUs{60'000'000}}) {
+        RingLimits limits{.look_back_us = back_us};
+        EXPECT_EQ(limits.more_passing(1), back_us > 1'000'000 ? 5975u : 0u) << "10 ms apart";
+        KeyframeRing many(limits);
+        limits.bytes_per_cascade = 1;
+        KeyframeRing large(limits);
+        const std::size_t more = limits.more_passing(1'000'000);
+        for (TimeUs n = 0; n < 300; ++n) {
+            many.insert_passing(streamed(n), 0, 1'000'000);
+            large.insert_passing(streamed(n), 0, 1'000'000);
+        }
+        EXPECT_EQ(many.size(0), limits.keyframes_per_cascade + more);
+        EXPECT_EQ(large.size(0), RingLimits::keyframes_per_cascade_min + more);
+    }
+}
+
 // They came with a fetch whose asker has them.
 TEST(Ring, keyframes_far_ahead_that_nobody_asked_for_do_not_stay) {
     KeyframeRing ring;
     for (TimeUs n = 0; n < 20; ++n)
-        ring.insert_passing(streamed(n * step_us), (n - 2) * step_us);
+        ring.insert_passing(streamed(n * step_us), (n - 2) * step_us, step_us);
     const std::size_t before = ring.size(0);
     for (TimeUs n = 0; n < 40; ++n)
-        ring.insert_passing(streamed(RingLimits::ahead_max_us + (20 + n) * step_us), 18 * step_us);
+        ring.insert_passing(streamed(RingLimits::ahead_max_us + (20 + n) * step_us), 18 * step_us,
+                            step_us);
     EXPECT_LE(ring.size(0), before);
     EXPECT_TRUE(held_around(ring, 18 * step_us)->covers);
 }
@@ -68,17 +103,17 @@ TEST(Ring, keyframes_far_ahead_that_nobody_asked_for_do_not_stay) {
 TEST(Ring, holds_two_whatever_their_times_are) {
     KeyframeRing ring({.look_back_us = 0});
     for (TimeUs n = 0; n < 10; ++n)
-        ring.insert_passing(streamed(n * step_us), 100 * step_us);
+        ring.insert_passing(streamed(n * step_us), 100 * step_us, step_us);
     EXPECT_EQ(ring.size(0), RingLimits::passing_per_cascade_min);
 }
 
 TEST(Ring, of_what_has_been_sampled_the_spline_alone_is_held) {
     KeyframeRing ring;
     const HeldKeyframePtr sampled = streamed(0, 1);
-    ring.insert_passing(sampled, 0);
+    ring.insert_passing(sampled, 0, step_us);
     const sea::SplineMapPtr spline = sampled->spline();
     const std::size_t before = ring.bytes(1);
-    ring.insert_passing(streamed(0, 0), 0); // of another cascade, too
+    ring.insert_passing(streamed(0, 0), 0, step_us); // of another cascade, too
     const HeldKeyframePtr held = ring.newest(1);
     EXPECT_EQ(held->spline(), spline);
     EXPECT_TRUE(held->keyframe().values.empty());
