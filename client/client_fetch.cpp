@@ -49,12 +49,13 @@ void Client::Wanted::offer(const HeldKeyframePtr& keyframe) {
         ring_.insert(keyframe);
 }
 
-void Client::Wanted::give_to(KeyframeRing& ring) const {
-    for (const auto& [epoch, cascade, time_us] : keys_) {
-        const std::optional<KeyframePair> held = ring_.around(cascade, epoch, time_us, 1, {});
-        if (held && held->before->keyframe().time_us == time_us)
-            ring.insert(held->before);
-    }
+void Client::Wanted::give_to(KeyframeRing& ring, sea::FieldSet fields) const {
+    for (const auto& [epoch, cascade, time_us] : keys_)
+        for (const sea::FieldSet with : {sea::FieldSet{}, fields}) {
+            const std::optional<KeyframePair> held = ring_.around(cascade, epoch, time_us, 1, with);
+            if (held && held->before->keyframe().time_us == time_us)
+                ring.insert(held->before);
+        }
 }
 
 namespace {
@@ -166,7 +167,7 @@ Result<bool> Client::try_hold(std::span<const TimeUs> times_us, double timeout_s
     }
     SEAWAY_TRY(fetch(missing, fields, timeout_s));
     // What only passed by stays from here on, and the oldest of the ring is put back where it made room.
-    wanted.give_to(ring_);
+    wanted.give_to(ring_, fields);
     return seas_are(expected);
 }
 

@@ -63,8 +63,8 @@ class Client::Wanted {
     /// `fields`. False: they have to be fetched.
     bool add(const SeaState& state, sea::TimeUs time_us, sea::FieldSet fields);
     void offer(const HeldKeyframePtr& keyframe);
-    /// What was held longest goes first from a ring: this makes all of it new.
-    void give_to(KeyframeRing& ring) const;
+    /// What was held longest goes first from a ring: this makes all of it new, with these fields where they came.
+    void give_to(KeyframeRing& ring, sea::FieldSet fields) const;
 
     /// The sea is another one: what was wanted is not. With Client::mutex_ held.
     void forget() {

@@ -119,19 +119,22 @@ KeyframeRing::Cascade* KeyframeRing::take(Held fresh_held) {
     if (cascades_.size() <= index)
         cascades_.resize(index + 1);
     Cascade& cascade = cascades_[index];
-    const auto same =
-        std::find_if(cascade.by_arrival.begin(), cascade.by_arrival.end(), [&](const Held& held) {
-            return held.keyframe->keyframe().time_us == fresh.time_us &&
-                   held.keyframe->keyframe().epoch == fresh.epoch;
-        });
-    if (same != cascade.by_arrival.end()) {
-        same->passes = same->passes && fresh_held.passes; // what was asked for stays so
-        const sea::FieldSet held = same->keyframe->fields();
-        if (held.contains(keyframe->fields()) && held != keyframe->fields())
+    const auto same = [&](const Held& held) {
+        return held.keyframe->keyframe().time_us == fresh.time_us &&
+               held.keyframe->keyframe().epoch == fresh.epoch;
+    };
+    for (auto at = cascade.by_arrival.begin(); at != cascade.by_arrival.end();) {
+        const sea::FieldSet held = at->keyframe->fields(), come = keyframe->fields();
+        if (!same(*at) || (!held.contains(come) && !come.contains(held))) {
+            ++at;
+            continue;
+        }
+        at->passes = at->passes && fresh_held.passes; // what was asked for stays so
+        if (held.contains(come) && held != come)
             return nullptr;
-        fresh_held.passes = same->passes;
-        cascade.bytes -= same->keyframe->bytes();
-        cascade.by_arrival.erase(same);
+        fresh_held.passes = at->passes;
+        cascade.bytes -= at->keyframe->bytes();
+        at = cascade.by_arrival.erase(at);
     }
     cascade.bytes += keyframe->bytes();
     cascade.by_arrival.push_back(std::move(fresh_held));

@@ -133,8 +133,8 @@ class KeyframeRing {
   public:
     explicit KeyframeRing(RingLimits limits = {}) : limits_(limits) {}
 
-    /// Takes a keyframe. One of the same epoch, cascade and time is replaced, unless it holds more
-    /// fields than the new one.
+    /// Takes a keyframe. Of the same epoch, cascade and time those are replaced that hold no field besides, and one that
+    /// holds more stays instead; where each holds what the other lacks, both are held.
     void insert(HeldKeyframePtr keyframe);
     /// The same of one that passes by: it goes once the present has left it behind. `now_us`: sea time; `interval_us`: between
     /// the keyframes of its cascade.

@@ -86,6 +86,24 @@ TEST(Ring, what_passes_by_is_bounded_by_count_and_bytes) {
     }
 }
 
+// Who has subscribed to less holds what he asked for of the surface besides.
+TEST(Ring, keyframes_of_which_each_has_what_the_other_lacks_are_both_held) {
+    const FieldSet less = streamed_fields | FieldSet{Field::foam};
+    for (const bool asked_first : {true, false}) {
+        KeyframeRing ring;
+        for (const bool asked : {asked_first, !asked_first}) {
+            if (asked)
+                ring.insert(streamed(0, 0, sea::surface_fields));
+            else
+                ring.insert_passing(streamed(0, 0, less), 0, step_us);
+        }
+        for (const FieldSet& fields : {sea::surface_fields, less})
+            EXPECT_TRUE(ring.around(0, 1, 0, step_us, fields)) << asked_first;
+        ring.insert(streamed(0, 0, sea::surface_fields | less));
+        EXPECT_EQ(ring.size(0), 1u) << "in place of both";
+    }
+}
+
 // They came with a fetch whose asker has them.
 TEST(Ring, keyframes_far_ahead_that_nobody_asked_for_do_not_stay) {
     KeyframeRing ring;
