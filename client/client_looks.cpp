@@ -180,7 +180,23 @@ void put_bounds(const sea::Surface& surface, CascadeMap& map) {
             std::sqrt(error.cascades.front().displacement.largest_variance_m2(interval_s));
 }
 
-void fill(const sea::Surface& surface, TimeUs time_us,
+/// What these channels need of the surface. Of displacements that did not come nothing is said.
+sea::FieldSet needed_surface(std::span<const std::optional<sea::Field>> channels) {
+    sea::FieldSet needed;
+    for (const std::optional<sea::Field>& field : channels) {
+        if (field == sea::Field::height || field == sea::Field::height_rate ||
+            field == sea::Field::slope_x || field == sea::Field::slope_y)
+            needed |= {sea::Field::height, sea::Field::height_rate};
+        else if (field && field != sea::Field::foam)
+            needed |= sea::surface_fields;
+    }
+    if (needed.empty() && std::ranges::find(channels, sea::Field::foam) == channels.end())
+        return {sea::Field::height, sea::Field::height_rate}; // nothing has a grid all the same
+    return needed;
+}
+
+/// Without a surface there is foam alone.
+void fill(const sea::Surface* surface, TimeUs time_us,
           std::span<const std::optional<sea::Field>> channels,
           const std::optional<KeyframePair>& foam, CascadeMap& map) {
     map.values.reserve(static_cast<std::size_t>(map.size) * static_cast<std::size_t>(map.size) *
@@ -188,11 +204,12 @@ void fill(const sea::Surface& surface, TimeUs time_us,
     for (int y = 0; y < map.size; ++y)
         for (int x = 0; x < map.size; ++x) {
             const Vec2 place{x * map.length_m / map.size, y * map.length_m / map.size};
-            const sea::LagrangianPoint point = surface.at(place.x, place.y, time_us);
+            const sea::LagrangianPoint point =
+                surface ? surface->at(place.x, place.y, time_us) : sea::LagrangianPoint{};
             for (const std::optional<sea::Field>& field : channels) {
                 double value = 0;
                 if (field == sea::Field::jacobian)
-                    value = sea::jacobian(point, surface.choppiness());
+                    value = sea::jacobian(point, surface->choppiness());
                 else if (field == sea::Field::foam)
                     value = foam_ratio(*foam, time_us, place);
                 else if (field)
@@ -214,40 +231,37 @@ Result<CascadeMap> Client::map(int cascade, TimeUs time_us,
             return failed(Failure::bad_argument,
                           fmt::format("cascade {}: the sea has {}, from 0 on", cascade,
                                       state->cascades.size()));
-        // Of displacements that did not come nothing is said.
-        sea::FieldSet needed{sea::Field::height, sea::Field::height_rate};
         std::optional<KeyframePair> foam;
-        for (const std::optional<sea::Field>& field : channels) {
-            if (!field)
-                continue;
-            const bool of_heights = *field == sea::Field::height ||
-                                    *field == sea::Field::height_rate ||
-                                    *field == sea::Field::slope_x || *field == sea::Field::slope_y;
-            if (*field == sea::Field::foam)
-                foam = ring_.around(cascade, state->epoch, time_us,
-                                    state->cascades[index].interval_us, {sea::Field::foam});
-            else if (!of_heights)
-                needed |= sea::surface_fields;
-            if (*field == sea::Field::foam && (!foam || !foam->covers))
+        if (std::ranges::find(channels, sea::Field::foam) != channels.end()) {
+            foam = ring_.around(cascade, state->epoch, time_us, state->cascades[index].interval_us,
+                                {sea::Field::foam});
+            if (!foam || !foam->covers)
                 return failed(
                     Failure::not_held,
                     fmt::format("no foam of cascade {} is held around that time", cascade));
         }
-        SEAWAY_TRY_LET(const LocalSurface held,
-                       local_surface(*state, ring_, time_us, needed, 1u << index));
-        const sea::Surface& surface = held.surface;
-        const sea::SplineMap& spline = *surface.pairs().front().before;
-        CascadeMap map{.epoch = state->epoch, .size = spline.size(), .length_m = spline.length_m()};
-        put_bounds(surface, map);
+        CascadeMap map{.epoch = state->epoch};
+        std::optional<LocalSurface> held;
+        const sea::FieldSet needed = needed_surface(channels);
+        if (!needed.empty()) {
+            SEAWAY_TRY_LET(held, local_surface(*state, ring_, time_us, needed, 1u << index));
+            const sea::SplineMap& spline = *held->surface.pairs().front().before;
+            map.size = spline.size();
+            map.length_m = spline.length_m();
+            put_bounds(held->surface, map);
+        } else {
+            map.size = foam->before->keyframe().size;
+            map.length_m = foam->before->keyframe().length_m;
+        }
         sea::Answer marks;
-        if (!held.covers)
+        if (held && !held->covers)
             marks.flags |= sea::answer_extrapolated;
         const sea::QueryPoint here{0, 0, time_us};
         if (!mark_stale({&here, 1}, {&marks, 1}))
             return failed(Failure::not_held, "the connection is lost, and the keyframes that are "
                                              "held end before that time");
         map.flags = marks.flags;
-        fill(surface, time_us, channels, foam, map);
+        fill(held ? &held->surface : nullptr, time_us, channels, foam, map);
         return map;
     });
 }

@@ -68,7 +68,7 @@ struct CascadeMap {
     std::uint32_t epoch = 0;
     int size = 0;
     double length_m = 0;
-    double error_m = 0;              ///< bound on each height
+    double error_m = 0;              ///< bound on each height; 0 where nothing but foam is told
     double displacement_error_m = 0; ///< and on each component of D
     std::uint32_t flags = 0;         ///< answer_extrapolated, answer_stale: they are none
     std::vector<float> values;       ///< [y][x][channel]

@@ -69,7 +69,8 @@ enum {
 typedef struct seaway_wish {
     uint32_t size;
     uint32_t
-        fields; /* sum of SEAWAY_BIT; 0: SEAWAY_SURFACE_FIELDS. With less of these there are maps, no samples */
+        fields; /* sum of SEAWAY_BIT; 0: SEAWAY_SURFACE_FIELDS. With less of these there are no samples, and maps of heights, their
+                 * rate and slopes where SEAWAY_HEIGHT and SEAWAY_HEIGHT_RATE are among them; foam has its maps alone, too */
     uint32_t
         cascades; /* bit c: cascade c, 0 the longest waves; 0: all. Of less, sample with seaway_looking.cascades */
     uint32_t
@@ -318,7 +319,7 @@ typedef struct seaway_map {
         grid; /* texels a side. Texel (x, y) is the point (x, y) * length_m / grid before it is displaced; row 0 is south */
     double length_m; /* the tile repeats at this length */
     int64_t time_us;
-    double error_m;              /* bound on each height, rounding to half floats included */
+    double error_m; /* bound on each height, rounding to half floats included; 0 of foam alone */
     double displacement_error_m; /* likewise on each displacement, at choppiness 1 */
     uint32_t epoch;
     uint32_t flags; /* SEAWAY_EXTRAPOLATED, SEAWAY_STALE: the bounds are none then */

@@ -116,6 +116,56 @@ TEST_F(Engine, the_state_says_what_is_held_and_what_may_be_asked) {
     EXPECT_EQ(seaway_get_cascade(client.handle(), asked_us, 2, &cascade), SEAWAY_BAD_ARGUMENT);
 }
 
+/// Foam and nothing else, of as many times the mean as cascades are counted from 1.
+class FoamAlone : public tests::WaveSea {
+  public:
+    FoamAlone() { offered = sea::FieldSet{sea::Field::foam}; }
+    void fetch(server::FetchRequest request, Fetched done) override {
+        request.demand.fields = {}; // those of its waves
+        WaveSea::fetch(std::move(request), [&](Result<server::FetchedPart> made) {
+            for (server::KeyframeTiles& tiles : made->tiles) {
+                auto own = std::make_shared<sea::Keyframe>(*tiles.keyframe);
+                own->fields = {sea::Field::foam};
+                own->values.assign(own->plane_size(), 1.0f + static_cast<float>(own->cascade));
+                tiles = {own, {tests::wave_codec_m}, tiles.quality};
+            }
+            done(std::move(made));
+        });
+    }
+};
+
+// Naive: maps are made of the surface, and where no heights were subscribed to there never is one.
+TEST(Foam, that_was_subscribed_to_alone_has_its_maps) {
+    FoamAlone sea;
+    const auto net = tests::serve(sea);
+    Sea client(net->url());
+    seaway_wish alone = SEAWAY_SIZED(seaway_wish);
+    alone.fields = SEAWAY_BIT(SEAWAY_FOAM);
+    const sea::TimeUs now_us = sea.sea_time_us();
+    ASSERT_EQ(seaway_subscribe_to(client.handle(), &alone, nullptr), SEAWAY_OK)
+        << seaway_last_error();
+    seaway_map_wish wish = SEAWAY_SIZED(seaway_map_wish);
+    seaway_map map = SEAWAY_SIZED(seaway_map);
+    wish.cascade = 1;
+    wish.time_us = now_us + 100'000;
+    wish.channels = 2;
+    wish.field[0] = SEAWAY_FOAM;
+    wish.field[1] = SEAWAY_NO_FIELD;
+    std::vector<float> texels(2 * tests::wave_map_size * tests::wave_map_size, 7.0f);
+    const auto get = [&] {
+        return seaway_get_map(client.handle(), &wish, texels.data(), texels.size() * sizeof(float),
+                              &map);
+    };
+    ASSERT_EQ(get(), SEAWAY_OK) << seaway_last_error();
+    EXPECT_EQ(map.grid, static_cast<std::uint32_t>(tests::wave_map_size));
+    EXPECT_EQ(map.length_m, 29);
+    EXPECT_EQ(map.error_m, 0);
+    for (std::size_t i = 0; i < texels.size(); ++i)
+        ASSERT_NEAR(texels[i], i % 2 == 0 ? 2.0f : 0.0f, tests::wave_codec_m) << i;
+    wish.field[1] = SEAWAY_HEIGHT;
+    EXPECT_EQ(get(), SEAWAY_NOT_HELD) << "of which nothing came";
+}
+
 TEST_F(Engine, says_what_a_time_would_be_answered_from_and_why) {
     Sea client(net->url());
     seaway_source source = SEAWAY_SIZED(seaway_source);
