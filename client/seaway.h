@@ -82,7 +82,9 @@ typedef struct seaway_connect_options {
     const char* name;    /* for the server's log */
     const char* token;   /* if the server asks for one */
     const char* ca_file; /* certificates (PEM) to trust besides the system's, for wss */
-    double timeout_s;    /* for connecting until the sea is known; 0: 5 */
+    /* For connecting until the sea is known, and a second more at most; 0: 5. But a host's name is looked up for as long as the
+     * system takes for it. */
+    double timeout_s;
     uint32_t stays_lost; /* 1: a connection that has ended does not come back */
     uint32_t threadless; /* 1: the library makes no thread, see below */
     /* How long before now streamed keyframes can still be sampled, 0 to 60; 0: 0.25. What seaway_hold fetches stays
@@ -106,7 +108,8 @@ typedef struct seaway_connect_options {
 seaway_code seaway_connect(const char* url, const seaway_connect_options* options,
                            seaway_client** client);
 
-/* Ends the connection and frees the client. NULL is allowed. Blocks a second at most. */
+/* Ends the connection and frees the client. NULL is allowed. Blocks a second at most; while an attempt to come back looks up the
+ * host's name, for as long as the system takes for it. */
 void seaway_disconnect(seaway_client* client);
 
 /* 1 while the connection stands, else 0; seaway_get_status says more. */
