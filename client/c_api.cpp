@@ -199,6 +199,9 @@ seaway_code seaway_subscribe(seaway_client* client, const seaway_subscription* s
         if (!(wanted.error_m >= 0 && wanted.error_m <= protocol::limits::error_m_max) ||
             !timeout_fits(wanted.timeout_s))
             return bad("seaway_subscribe: error_m must be 0 to 1e6, timeout_s 0 to 86400");
+        if (wanted.reserved != 0)
+            return bad(
+                fmt::format("seaway_subscription.reserved is {}: it must be 0", wanted.reserved));
         if (wanted.rung == SEAWAY_SPECTRUM) {
             const Result<protocol::SpectrumGrant> granted = client->client->subscribe_spectrum(
                 {.error_m = static_cast<float>(wanted.error_m)}, or_default(wanted.timeout_s));

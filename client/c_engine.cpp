@@ -119,6 +119,8 @@ seaway_code seaway_subscribe_to(seaway_client* client, const seaway_wish* wish,
         if (!timeout_fits(wanted.timeout_s))
             return bad(fmt::format("seaway_wish.timeout_s is {}: it must be 0 to 86400",
                                    wanted.timeout_s));
+        if (wanted.reserved != 0)
+            return bad(fmt::format("seaway_wish.reserved is {}: it must be 0", wanted.reserved));
         if (grant)
             SEAWAY_TRY(has_room(grant, given_least, "seaway_grant"));
         Client& inner = *client->client;

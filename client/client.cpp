@@ -318,7 +318,7 @@ Result<void> Client::sample_into(std::span<const QueryPoint> points, std::span<A
                                  const Sampling& how) const {
     SEAWAY_CHECK(points.size() == answers.size(), "one answer a point");
     for (const QueryPoint& point : points)
-        SEAWAY_TRY(check_time(point.time_us));
+        SEAWAY_TRY(check_point(point));
     return of_one_sea([&]() -> Result<void> {
         SEAWAY_TRY(sample_from(ring_, surfaces_, points, answers, how));
         return how.of_now ? add_clock(points, answers, how.terms) : Result<void>();

@@ -146,6 +146,8 @@ Result<void> Client::hold(std::span<const TimeUs> times_us, double timeout_s, se
 
 Result<bool> Client::try_hold(std::span<const TimeUs> times_us, double timeout_s,
                               sea::FieldSet also) {
+    for (const TimeUs time_us : times_us)
+        SEAWAY_TRY(check_time(time_us));
     const sea::FieldSet fields = offered(sea::surface_fields | also);
     std::set<std::pair<std::uint32_t, TimeCell>> cells;
     std::vector<TimeUs> missing;
@@ -195,6 +197,8 @@ std::size_t Client::batch_end(std::span<const QueryPoint> points,
 
 Result<std::vector<Answer>> Client::fetch_and_sample(std::span<const QueryPoint> points,
                                                      double timeout_s) {
+    for (const QueryPoint& point : points)
+        SEAWAY_TRY(check_point(point));
     std::vector<std::size_t> order(points.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {

@@ -345,6 +345,8 @@ void Client::mark(const Unheard& unheard, std::span<const sea::QueryPoint> point
         if (!unheard.contains(points[i].time_us))
             continue;
         answers[i].flags |= sea::answer_stale;
+        if (answers[i].flags & sea::answer_invalid)
+            continue;
         const double stale_m =
             stale_error_m(*sea_state(points[i].time_us), unheard.from_us, points[i].time_us);
         answers[i].error_m += stale_m;

@@ -109,7 +109,7 @@ Result<void> Client::look_at(std::span<const sea::QueryPoint> points, const Look
 Result<std::vector<Water>> Client::look(std::span<const sea::QueryPoint> points,
                                         const Looking& looking) const {
     for (const sea::QueryPoint& point : points)
-        SEAWAY_TRY(check_time(point.time_us));
+        SEAWAY_TRY(check_point(point));
     return of_one_sea([&]() -> Result<std::vector<Water>> {
         std::vector<Water> water(points.size());
         for (std::size_t first = 0; first < points.size();) {
@@ -136,7 +136,7 @@ Result<Below> Client::below(std::span<const sea::QueryPoint> points, std::span<c
                             const Looking& looking) const {
     SEAWAY_CHECK(points.size() == z_m.size(), "one depth a point");
     for (const sea::QueryPoint& point : points)
-        SEAWAY_TRY(check_time(point.time_us));
+        SEAWAY_TRY(check_point(point));
     return of_one_sea([&]() -> Result<Below> {
         Below found{std::vector<sea::Answer>(points.size()),
                     std::vector<sea::WaterBelow>(points.size())};

@@ -125,6 +125,15 @@ Result<void> check_time(sea::TimeUs time_us) {
                                                      -sea::time_us_max, sea::time_us_max));
 }
 
+Result<void> check_point(const sea::QueryPoint& point) {
+    for (const double place_m : {point.x_m, point.y_m})
+        if (std::isfinite(place_m) && std::abs(place_m) > sea::position_max_m)
+            return failed(Failure::bad_argument,
+                          fmt::format("a coordinate is {:g} m: it must be {:g} to {:g}", place_m,
+                                      -sea::position_max_m, sea::position_max_m));
+    return check_time(point.time_us);
+}
+
 Result<HeldPairs> held_pairs(const SeaState& state, const KeyframeRing& ring, sea::TimeUs time_us,
                              sea::FieldSet fields, std::uint32_t cascades) {
     HeldPairs held{.pairs = {}, .covers = true};

@@ -30,6 +30,8 @@ struct LocalSurface {
 /// names the cascade of which nothing is held. `cascades`: of these alone, a bit each.
 /// Failure::bad_argument for a time at which no sea is computed, here or by a server (sea::time_us_max).
 Result<void> check_time(sea::TimeUs time_us);
+/// The same, and for a place further out than a server answers (sea::position_max_m); one that is no number is answered as such.
+Result<void> check_point(const sea::QueryPoint& point);
 
 /// The keyframes of it, and no surface yet. Their splines are made.
 struct HeldPairs {

@@ -206,7 +206,7 @@ enum {
     SEAWAY_FOLDED = 1, /* folds here, or may within the error of the maps: the highest sheet */
     SEAWAY_NOT_CONVERGED = 2, /* error_m covers it */
     SEAWAY_EXTRAPOLATED = 4,  /* outside the keyframes held; error_m is no bound */
-    SEAWAY_INVALID = 8,       /* the point was not a number; the rest is NaN */
+    SEAWAY_INVALID = 8,       /* a coordinate was not a finite number; the rest is NaN */
     SEAWAY_EXACT = 16,        /* direct sum in double precision */
     SEAWAY_VERTICAL_VELOCITY =
         32, /* a sea offered without sideways motion: velocity's vertical part */
@@ -266,7 +266,7 @@ seaway_code seaway_hold(seaway_client* client, const int64_t* times_us, size_t c
                         double timeout_s);
 
 /* Answers from what is held; at once. Points of equal times should stand together. Times are 1e18 us either side of 0 at
- * most, beyond which there is no sea: SEAWAY_BAD_ARGUMENT. A time that the
+ * most, and coordinates 1e9 m, beyond which there is no sea: SEAWAY_BAD_ARGUMENT. A time that the
  * keyframes held do not cover is answered as well as can be, flagged SEAWAY_EXTRAPOLATED;
  * SEAWAY_NOT_HELD if there are none at all. */
 seaway_code seaway_sample(const seaway_client* client, const seaway_point* points, size_t count,

@@ -309,6 +309,11 @@ TEST_F(CInterface, limits_of_a_stream_are_taken_up_to_their_own_and_refused_by_n
         const std::string said = fine ? "" : "rate_hz_max must be 0 or 1 to 1000";
         EXPECT_NE(std::string(seaway_last_error()).find(said), std::string::npos);
     }
+    for (const uint32_t rung : {SEAWAY_TILES, SEAWAY_SPECTRUM}) {
+        const seaway_subscription wanted{0, 0, rung, 0, 0, 0, 7};
+        EXPECT_EQ(seaway_subscribe(sea.handle(), &wanted), SEAWAY_BAD_ARGUMENT);
+        EXPECT_NE(std::string(seaway_last_error()).find("reserved is 7"), std::string::npos);
+    }
 }
 
 TEST_F(CInterface, as_many_keyframes_are_under_way_as_credit_says) {

@@ -64,6 +64,7 @@ TEST_F(Engine, what_cannot_be_subscribed_to_is_named_with_its_value_and_range) {
     EXPECT_NE(refused([](auto& w) { w.rate_hz_max = 0.5; }).find("rate_hz_max is 0.5"),
               std::string::npos);
     EXPECT_NE(refused([](auto& w) { w.credit = 9; }).find("credit is 9"), std::string::npos);
+    EXPECT_NE(refused([](auto& w) { w.reserved = 1; }).find("reserved is 1"), std::string::npos);
     EXPECT_EQ(sea.fetches, 0) << "nothing was asked of the server";
 }
 
@@ -235,6 +236,8 @@ TEST_F(Engine, a_time_at_which_there_is_no_sea_is_refused_by_name_whatever_is_he
                                                   sizeof(seaway_water)))
                           .find(named),
                       std::string::npos);
+            EXPECT_NE(refusal(seaway_hold(client.handle(), &time_us, 1, 0)).find(named),
+                      std::string::npos);
             seaway_map_wish wish = map_wish();
             seaway_map map = SEAWAY_SIZED(seaway_map);
             wish.time_us = time_us;
@@ -246,6 +249,32 @@ TEST_F(Engine, a_time_at_which_there_is_no_sea_is_refused_by_name_whatever_is_he
             EXPECT_TRUE(std::isfinite(far.height_m));
             EXPECT_EQ((far.flags & SEAWAY_EXTRAPOLATED) != 0, tiles);
         }
+    }
+}
+
+// Naive: at 1e15 m a double has steps of 0.1 m, and no bound knows of them.
+TEST_F(Engine, a_place_beyond_those_that_a_server_answers_is_refused_by_name_whatever_is_held) {
+    seaway_state state = SEAWAY_SIZED(seaway_state);
+    for (const bool tiles : {true, false}) {
+        Sea client(net->url());
+        hold_sea(client, tiles);
+        ASSERT_EQ(seaway_get_state(client.handle(), &state), SEAWAY_OK);
+        for (const double beyond_m : {state.place_max_m + 1, -1e15})
+            for (const seaway_point& there :
+                 {seaway_point{beyond_m, 0, asked_us}, {0, beyond_m, asked_us}}) {
+                const seaway_point points[] = {{0, 0, asked_us}, there};
+                seaway_answer answers[2];
+                seaway_water water[2];
+                EXPECT_NE(refusal(seaway_sample(client.handle(), points, 2, answers))
+                              .find("must be -1e+09 to 1e+09"),
+                          std::string::npos);
+                EXPECT_NE(refusal(seaway_sample_water(client.handle(), nullptr, points, 2, water,
+                                                      sizeof(seaway_water)))
+                              .find("coordinate"),
+                          std::string::npos);
+            }
+        for (const double place_m : {state.place_max_m, -state.place_max_m})
+            EXPECT_EQ(client.sample({place_m, place_m, asked_us}).flags, 0u);
     }
 }
 

@@ -157,13 +157,17 @@ TEST_F(ErrorTerms, of_who_hears_nothing_say_what_may_have_changed) {
     net.reset();
     ASSERT_TRUE(tests::eventually([&] { return !client.is_connected(); }));
     const std::vector<seaway_point> points = {{3, 4, now_us + 8'000'000},
-                                              {3, 4, now_us - 8'000'000}};
+                                              {3, 4, now_us - 8'000'000},
+                                              {std::nan(""), 4, now_us + 8'000'000}};
     const std::vector<seaway_terms> terms = terms_of(client, nullptr, points);
     EXPECT_TRUE(terms[0].answer.flags & SEAWAY_STALE);
     EXPECT_GT(terms[0].stale_m, 0.1) << "a sea of 2.4 m may be another one by then";
     EXPECT_NEAR(sum_m(terms[0]), terms[0].answer.error_m, 1e-14);
     EXPECT_EQ(terms[1].answer.flags & SEAWAY_STALE, 0u) << "what was is known";
     EXPECT_EQ(terms[1].stale_m, 0);
+    EXPECT_EQ(terms[2].answer.flags, static_cast<std::uint32_t>(SEAWAY_INVALID) |
+                                         static_cast<std::uint32_t>(SEAWAY_STALE));
+    EXPECT_EQ(terms[2].stale_m, 0) << "no point, no error of it";
 }
 
 TEST_F(ErrorTerms, are_as_many_as_there_are_points_and_allocate_nothing) {
