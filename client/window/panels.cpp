@@ -241,7 +241,7 @@ void Panels::camera(const WindowModel& model, ViewChoice& choice, Asked& asked) 
 }
 
 void Panels::sea_itself() {
-    ImGui::TextWrapped("This server takes no changes yet.");
+    ImGui::TextWrapped("This window sends no changes yet: seaway-ctl set does.");
     ImGui::BeginDisabled();
     float wind_mps = 0, from_deg = 0, depth_m = 0;
     ImGui::SliderFloat("wind", &wind_mps, 0, 40, "- m/s");
