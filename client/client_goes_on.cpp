@@ -194,6 +194,7 @@ void Client::say_status() {
 
 ClientStatus Client::status() const {
     const LocalUs now_us = local_now_us();
+    const sea::FieldSet fields = sampled_fields();
     const std::scoped_lock lock(mutex_);
     ClientStatus status = status_;
     status.seas = seas_;
@@ -206,13 +207,17 @@ ClientStatus Client::status() const {
     }
     if (silent(now_us))
         status.stale_s = 1e-6 * static_cast<double>(now_us - heard_at_us_);
-    const SeaStatePtr state = sea_state_held(sea_time_held());
+    const TimeUs sea_time_us = sea_time_held();
+    const SeaStatePtr state = sea_state_held(sea_time_us);
     status.holds_waves = rebuilt_.contains(state->epoch) || received_.contains(state->epoch);
     status.holds_tiles = !state->cascades.empty();
     status.held_from_us = std::numeric_limits<TimeUs>::min();
     status.held_until_us = std::numeric_limits<TimeUs>::max();
     for (std::size_t c = 0; c < state->cascades.size(); ++c) {
-        const auto held = ring_.held(static_cast<int>(c), state->epoch).value_or(std::pair(0, 0));
+        const auto held = ring_
+                              .held(static_cast<int>(c), state->epoch, sea_time_us,
+                                    state->cascades[c].interval_us, fields)
+                              .value_or(std::pair(0, 0));
         status.held_from_us = std::max(status.held_from_us, held.first);
         status.held_until_us = std::min(status.held_until_us, held.second);
     }

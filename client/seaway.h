@@ -130,8 +130,9 @@ enum {
         3 /* lost for good: wrong token, another protocol, dropped by an administrator, stays_lost */
 };
 enum {
-    SEAWAY_HOLDS_TILES = 1, /* keyframes: from held_from_us to held_until_us */
-    SEAWAY_HOLDS_WAVES = 2  /* waves: any time can be sampled */
+    /* Keyframes to sample from: at every time from held_from_us to held_until_us, around now or else before it if they can be. */
+    SEAWAY_HOLDS_TILES = 1,
+    SEAWAY_HOLDS_WAVES = 2 /* waves: any time can be sampled */
 };
 
 typedef struct seaway_status {

@@ -30,7 +30,8 @@ struct ClientStatus {
     double stale_s = 0;
     /// Sampling answers about now, and about every time, from waves.
     bool holds_waves = false;
-    /// Keyframes of the sea of now are held: between these times of it.
+    /// Keyframes of the sea of now are held that it can be sampled from: at every time between these, which are around now or
+    /// else before it, if there are such.
     bool holds_tiles = false;
     sea::TimeUs held_from_us = 0;
     sea::TimeUs held_until_us = 0;

@@ -261,18 +261,24 @@ HeldKeyframePtr KeyframeRing::newest(int cascade) const {
     return newest;
 }
 
-std::optional<std::pair<TimeUs, TimeUs>> KeyframeRing::held(int cascade,
-                                                            std::uint32_t epoch) const {
+std::optional<std::pair<TimeUs, TimeUs>> KeyframeRing::held(int cascade, std::uint32_t epoch,
+                                                            TimeUs time_us, TimeUs interval_us,
+                                                            sea::FieldSet fields) const {
     const std::scoped_lock lock(mutex_);
-    std::optional<std::pair<TimeUs, TimeUs>> span;
+    std::map<TimeUs, TimeUs> apart_us; // that the next one may be, by time
     if (const Cascade* ring = find(cascade))
-        for (const auto& [held, passes] : ring->by_arrival) {
-            const TimeUs time_us = held->keyframe().time_us;
-            if (held->keyframe().epoch != epoch)
-                continue;
-            span = span ? std::pair(std::min(span->first, time_us), std::max(span->second, time_us))
-                        : std::pair(time_us, time_us);
-        }
+        for (const auto& [held, passes] : ring->by_arrival)
+            if (held->keyframe().epoch == epoch && held->fields().contains(fields))
+                apart_us[held->keyframe().time_us] =
+                    std::max(interval_us, held->coarser().interval_us);
+    std::optional<std::pair<TimeUs, TimeUs>> span;
+    for (const auto& [at_us, next_us] : apart_us) {
+        const bool follows =
+            span && at_us - span->second <= std::max(next_us, apart_us.at(span->second));
+        if (span && !follows && at_us > time_us)
+            break;
+        span = std::pair(follows ? span->first : at_us, at_us);
+    }
     return span;
 }
 

@@ -148,8 +148,12 @@ class KeyframeRing {
     /// The newest keyframe in sea time; null if none is held.
     HeldKeyframePtr newest(int cascade) const;
 
-    /// The first and the last time of a cascade's keyframes of an epoch; nothing if none is held.
-    std::optional<std::pair<sea::TimeUs, sea::TimeUs>> held(int cascade, std::uint32_t epoch) const;
+    /// From when to when keyframes of an epoch with these fields cover every time: the last such stretch that has begun by this
+    /// time, or the first there is. Nothing if none is held.
+    std::optional<std::pair<sea::TimeUs, sea::TimeUs>> held(int cascade, std::uint32_t epoch,
+                                                            sea::TimeUs time_us,
+                                                            sea::TimeUs interval_us,
+                                                            sea::FieldSet fields) const;
 
     void clear();
 

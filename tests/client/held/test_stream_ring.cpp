@@ -125,6 +125,29 @@ TEST(Ring, holds_two_whatever_their_times_are) {
     EXPECT_EQ(ring.size(0), RingLimits::passing_per_cascade_min);
 }
 
+// Naive: from the first to the last, whatever is missing between.
+TEST(Ring, says_from_when_to_when_every_time_is_covered) {
+    KeyframeRing ring;
+    const auto held = [&](TimeUs time_us) {
+        return ring.held(0, 1, time_us, step_us, streamed_fields);
+    };
+    EXPECT_FALSE(held(0));
+    for (const TimeUs n : {1, 2, 3, 6, 7, 8})
+        ring.insert(streamed(n * step_us));
+    for (const TimeUs n : {4, 5})
+        ring.insert(streamed(n * step_us, 0, {Field::foam}));
+    const std::pair<TimeUs, TimeUs> first{step_us, 3 * step_us}, second{6 * step_us, 8 * step_us};
+    EXPECT_EQ(held(2 * step_us + 1), first);
+    EXPECT_EQ(held(4 * step_us), first) << "what was held last";
+    EXPECT_EQ(held(0), first) << "what is held next";
+    EXPECT_EQ(held(6 * step_us), second);
+    EXPECT_EQ(held(20 * step_us), second);
+    EXPECT_FALSE(ring.held(0, 2, 0, step_us, streamed_fields)) << "of another epoch";
+    ring.insert(streamed(4 * step_us));
+    ring.insert(streamed(5 * step_us));
+    EXPECT_EQ(held(0), std::pair(first.first, second.second));
+}
+
 TEST(Ring, of_what_has_been_sampled_the_spline_alone_is_held) {
     KeyframeRing ring;
     const HeldKeyframePtr sampled = streamed(0, 1);
