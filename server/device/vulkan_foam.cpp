@@ -67,7 +67,7 @@ Result<void> VulkanFoam::grow() {
             commands.copy(*histories_, made, before * map_bytes_);
             commands.barrier(gpu::Stage::copy, gpu::Stage::compute);
         }));
-    histories_ = std::make_unique<gpu::Buffer>(std::move(made));
+    auto histories = std::make_unique<gpu::Buffer>(std::move(made));
     const std::scoped_lock lock(slots_->mutex);
     slots_->taken.resize(slots, false);
     return {};
@@ -79,6 +79,7 @@ Result<FoamMapPtr> VulkanFoam::open(const FoamMap* from) {
         return static_cast<std::size_t>(std::ranges::find(slots_->taken, false) -
                                         slots_->taken.begin());
     };
+    histories_ = std::move(histories);
     std::size_t slot = free_slot();
     if (slot == slots_->taken.size()) {
         SEAWAY_TRY(grow());
@@ -93,9 +94,10 @@ Result<FoamMapPtr> VulkanFoam::open(const FoamMap* from) {
                           slot * map_bytes_);
         commands.barrier(gpu::Stage::copy, gpu::Stage::compute);
     }));
+    FoamMapPtr map = std::make_shared<Map>(slots_, slot);
     const std::scoped_lock lock(slots_->mutex);
     slots_->taken[slot] = true;
-    return FoamMapPtr(std::make_shared<Map>(slots_, slot));
+    return map;
 }
 
 shaders::FoamStep foam_step(const sea::FoamTick& t) {

@@ -12,8 +12,6 @@
 
 namespace seaway::server {
 
-namespace {} // namespace
-
 Result<std::shared_ptr<VulkanMaps>> VulkanMaps::create(std::shared_ptr<gpu::Device> device,
                                                        int size, std::size_t bytes_max) {
     const auto points = static_cast<std::size_t>(size) * static_cast<std::size_t>(size);

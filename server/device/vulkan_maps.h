@@ -11,6 +11,7 @@
 #include <mutex>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "base/result.h"
@@ -53,6 +54,26 @@ class VulkanMaps : public std::enable_shared_from_this<VulkanMaps> {
     gpu::TexelView view_;
     mutable std::mutex mutex_; ///< of what follows
     std::vector<bool> taken_;
+};
+
+/// Maps that were taken, to be handed out one after the other; the rest is given back.
+class TakenMaps {
+  public:
+    TakenMaps(VulkanMaps& maps, std::size_t first, std::size_t count)
+        : maps_(maps), next_(first), end_(first + count) {}
+    TakenMaps(const TakenMaps&) = delete;
+    TakenMaps& operator=(const TakenMaps&) = delete;
+    ~TakenMaps() { maps_.give(next_, end_ - next_); }
+
+    /// As VulkanMaps::lend(), which gives them back itself where there is no memory for that.
+    sea::MapValues lend(std::size_t count) {
+        return maps_.lend(std::exchange(next_, next_ + count), count);
+    }
+    void give(std::size_t count) { maps_.give(std::exchange(next_, next_ + count), count); }
+
+  private:
+    VulkanMaps& maps_;
+    std::size_t next_, end_;
 };
 
 } // namespace seaway::server

@@ -7,13 +7,13 @@ namespace seaway::server {
 
 Result<void> VulkanReadbacks::collect() {
     const Pending& oldest = pending_.front();
-    counts_.beside += pending_.size() > 1;
+    counters_.readbacks_beside += pending_.size() > 1;
     SEAWAY_TRY(oldest.batch->finish(oldest.run));
-    counts_.bytes += oldest.batch->travelled_bytes(oldest.run);
+    counters_.readback_bytes += oldest.batch->travelled_bytes(oldest.run);
     for (const NewKeyframePtr& keyframe : oldest.keyframes) {
         keyframe->values = spare_->take(keyframe->plane_size() *
                                         static_cast<std::size_t>(keyframe->fields.size()));
-        counts_.copies += !keyframe->fields.empty();
+        counters_.copies += !keyframe->fields.empty();
     }
     if (oldest.rounded)
         SEAWAY_TRY(take_rounded(oldest));
@@ -30,7 +30,7 @@ sea::FieldSet VulkanReadbacks::take_steps(const Pending& pending, int job) {
         const int place = pending.packing.map_of(map.field);
         if (!pending.batch->fits(pending.run, job, place)) {
             too_large.insert(map.field);
-            ++counts_.too_large[static_cast<std::size_t>(map.field)];
+            ++counters_.maps_too_large[static_cast<std::size_t>(map.field)];
             continue;
         }
         const std::span<const std::int16_t> steps = pending.batch->steps(pending.run, job, place);
@@ -38,7 +38,7 @@ sea::FieldSet VulkanReadbacks::take_steps(const Pending& pending, int job) {
         std::ranges::transform(
             map.steps, keyframe.plane(map.field).begin(),
             [step = map.step](std::int16_t n) { return static_cast<float>(n) * step; });
-        ++counts_.rounded;
+        ++counters_.maps_rounded;
     }
     std::erase_if(keyframe.rounded, [&](const auto& map) { return too_large.contains(map.field); });
     return too_large;
@@ -55,7 +55,7 @@ Result<void> VulkanReadbacks::take_rounded(const Pending& pending) {
     if (again.empty())
         return {};
     SEAWAY_TRY(pending.batch->read_exactly(pending.run, again));
-    counts_.bytes += pending.batch->travelled_bytes(pending.run);
+    counters_.readback_bytes += pending.batch->travelled_bytes(pending.run);
     for (std::size_t i = 0; i < again.size(); ++i)
         pending.batch->read_map(pending.run, again[i].job, again[i].map, planes[i]);
     return {};

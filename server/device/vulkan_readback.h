@@ -3,8 +3,6 @@
 // the order in which their runs were started; some runs may be under way at a time. For one thread.
 #pragma once
 
-#include <array>
-#include <cstdint>
 #include <deque>
 #include <memory>
 #include <span>
@@ -14,6 +12,7 @@
 #include "base/thread_pool.h"
 #include "sea/surface/maps/keyframe.h"
 #include "server/device/spare_buffers.h"
+#include "server/device/synthesizer.h"
 #include "server/device/vulkan_batch.h"
 
 namespace seaway::server {
@@ -28,13 +27,6 @@ class VulkanReadbacks {
         std::vector<NewKeyframePtr> keyframes; ///< where maps are rounded, with rows of what to
         bool rounded = false;
     };
-    struct Counts {
-        std::uint64_t copies = 0;  ///< keyframes
-        std::uint64_t beside = 0;  ///< runs that were waited for when a later one had been started
-        std::uint64_t rounded = 0; ///< maps
-        std::array<std::uint64_t, sea::field_count> too_large = {}; ///< to be rounded, by field
-        std::uint64_t bytes = 0; ///< that travelled from memory which this side does not see
-    };
 
     explicit VulkanReadbacks(std::shared_ptr<SpareBuffers> spare) : spare_(std::move(spare)) {}
 
@@ -47,7 +39,8 @@ class VulkanReadbacks {
     /// What collect() waits for.
     VulkanBatch& oldest() const { return *pending_.front().batch; }
 
-    const Counts& counts() const { return counts_; }
+    /// Of copies, of what travelled, and of what was rounded; nothing else.
+    const SynthesisCounters& counters() const { return counters_; }
 
   private:
     /// Of fields that 16 bits are too few for there is nothing yet, and no row.
@@ -58,7 +51,7 @@ class VulkanReadbacks {
     const std::shared_ptr<SpareBuffers> spare_;
     std::deque<Pending> pending_; ///< oldest first
     ThreadPool copiers_{2};
-    Counts counts_;
+    SynthesisCounters counters_;
 };
 
 } // namespace seaway::server

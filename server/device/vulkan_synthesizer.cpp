@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <map>
+#include <new>
 #include <utility>
 
 #include "base/check.h"
 #include "gpu/device.h"
-#include "sea/surface/maps/sine_maps.h"
 #include "server/device/spare_buffers.h"
 #include "server/device/vulkan_batch.h"
 #include "server/device/vulkan_check.h"
@@ -26,7 +26,6 @@ constexpr int first_checked_size = 64;
 
 class Vulkan final : public VulkanSynthesizer {
   public:
-    static Result<std::unique_ptr<VulkanSynthesizer>> create(const VulkanOptions& options);
     static Result<std::unique_ptr<VulkanSynthesizer>> create(std::shared_ptr<gpu::Device> device,
                                                              const VulkanOptions& options);
 
@@ -38,7 +37,7 @@ class Vulkan final : public VulkanSynthesizer {
     Result<std::vector<StandingKeyframe>>
     synthesize_there(std::span<const KeyframeRequest> requests) override;
     Result<std::vector<SynthesisStage>> stages(const KeyframeRequest& request) override;
-    SynthesisCounters counters() const override;
+    SynthesisCounters counters() const override { return counters_ + readbacks_.counters(); }
     std::vector<std::string> validation_messages() const override {
         return device_->validation().validation_messages();
     }
@@ -70,6 +69,10 @@ class Vulkan final : public VulkanSynthesizer {
                             std::span<const KeyframeRequest> requests,
                             std::span<const NewKeyframePtr> keyframes);
     Result<void> collect();
+    /// After an error: nothing is under way any more.
+    void end_runs();
+    /// Of this side's memory; runs end.
+    Error no_memory();
     /// With the device's name.
     Error named(const Error& error) const {
         return {error.kind, device_->info().name + ": " + error.message};
@@ -110,14 +113,6 @@ class Vulkan final : public VulkanSynthesizer {
     VulkanReadbacks readbacks_{spare_};
     SynthesisCounters counters_;
 };
-
-Result<std::unique_ptr<VulkanSynthesizer>> Vulkan::create(const VulkanOptions& options) {
-    Result<std::unique_ptr<gpu::Device>> device = gpu::Device::create(
-        {.pick = options.device, .validation = options.validation, .staged = options.staged});
-    if (!device)
-        return device.error();
-    return create(std::shared_ptr<gpu::Device>(std::move(*device)), options);
-}
 
 Result<std::unique_ptr<VulkanSynthesizer>> Vulkan::create(std::shared_ptr<gpu::Device> device,
                                                           const VulkanOptions& options) {
@@ -177,7 +172,8 @@ VulkanBatch& Vulkan::batch_of(const KeyframeRequest& request) {
     return *groups_.at(sea_->cascades[static_cast<std::size_t>(request.cascade)].spec.size).batch;
 }
 
-Result<std::vector<NewKeyframePtr>> Vulkan::synthesize(std::span<const KeyframeRequest> requests) {
+Result<std::vector<NewKeyframePtr>>
+Vulkan::synthesize(std::span<const KeyframeRequest> requests) try {
     if (!sea_)
         return Error{"no sea on the device: the last one could not be uploaded"};
     std::vector<KeyframeRequest> parts;
@@ -204,10 +200,12 @@ Result<std::vector<NewKeyframePtr>> Vulkan::synthesize(std::span<const KeyframeR
         join(std::span(made).subspan(first, counts[i]), whole);
     }
     return out;
+} catch (const std::bad_alloc&) {
+    return no_memory();
 }
 
 Result<std::vector<StandingKeyframe>>
-Vulkan::synthesize_there(std::span<const KeyframeRequest> requests) {
+Vulkan::synthesize_there(std::span<const KeyframeRequest> requests) try {
     SEAWAY_CHECK(maps_stay_, "maps stay where VulkanOptions say that they may");
     if (!sea_)
         return Error{"no sea on the device: the last one could not be uploaded"};
@@ -223,6 +221,8 @@ Vulkan::synthesize_there(std::span<const KeyframeRequest> requests) {
     }));
     counters_.keyframes += requests.size();
     return out;
+} catch (const std::bad_alloc&) {
+    return no_memory();
 }
 
 template <class Jobs>
@@ -317,18 +317,10 @@ Result<void> Vulkan::make_parts(std::span<const KeyframeRequest> parts,
         if (const Result<void> collected = collect(); !collected)
             ran = named(collected.error());
     if (!ran) {
-        for (const auto& [size, group] : groups_)
-            group.batch->abandon();
-        readbacks_.forget();
+        end_runs();
         return ran;
     }
-    // Waves that no transform can carry are added point by point (scenes with stylised sines).
-    for (std::size_t i = 0; i < parts.size(); ++i)
-        for (const sea::SineField& field :
-             sea_->cascades[static_cast<std::size_t>(parts[i].cascade)].sines) {
-            made[i]->forget_steps(made[i]->fields);
-            sea::add_sines(field, sea_->phase_time(parts[i].time_us), *made[i]);
-        }
+    add_sines(parts, *sea_, made);
     return {};
 }
 
@@ -349,13 +341,13 @@ Result<void> Vulkan::run_jobs(const Run& run, std::span<const KeyframeRequest> r
         held != nullptr ? held->take(keyframes.size() * maps) : std::nullopt;
     if (!first)
         return run_copied(run, packing, requests, keyframes);
-    const Result<void> ran = run_on_device(run, packing, requests, first);
-    for (std::size_t job = 0; job < keyframes.size(); ++job) {
-        const std::size_t own = *first + job * maps;
-        keyframes[job]->values = held->lend(own, asked);
-        held->give(own + asked, maps - asked); // what they were made of
+    TakenMaps taken(*held, *first, keyframes.size() * maps);
+    SEAWAY_TRY(run_on_device(run, packing, requests, first));
+    for (const NewKeyframePtr& keyframe : keyframes) {
+        keyframe->values = taken.lend(asked);
+        taken.give(maps - asked); // what they were made of
     }
-    return ran;
+    return {};
 }
 
 Result<void> Vulkan::run_copied(const Run& run, const Packing& packing,
@@ -383,6 +375,17 @@ Result<void> Vulkan::collect() {
     return counted(readbacks_.oldest(), [&] { return readbacks_.collect(); });
 }
 
+void Vulkan::end_runs() {
+    for (const auto& [size, group] : groups_)
+        group.batch->abandon();
+    readbacks_.forget();
+}
+
+Error Vulkan::no_memory() {
+    end_runs();
+    return named({DeviceError::out_of_memory, "out of host memory"});
+}
+
 Result<StandingKeyframe> Vulkan::run_job_there(const Run& run,
                                                std::span<const KeyframeRequest> requests) {
     const RequestBatch& batch = *run.batch;
@@ -402,11 +405,13 @@ Result<StandingKeyframe> Vulkan::run_job_there(const Run& run,
     return StandingKeyframe{time_us, batch.size, batch.fields, &held.view(), texel, keeper};
 }
 
-Result<FoamMapPtr> Vulkan::open_foam(int size, const FoamMap* from) {
+Result<FoamMapPtr> Vulkan::open_foam(int size, const FoamMap* from) try {
     Result<FoamMapPtr> opened = foam_.try_emplace(size, *device_, size).first->second.open(from);
     if (!opened)
         return named(opened.error());
     return opened;
+} catch (const std::bad_alloc&) {
+    return no_memory();
 }
 
 NewKeyframePtr Vulkan::keyframe(const KeyframeRequest& request) const {
@@ -425,21 +430,14 @@ Result<std::vector<SynthesisStage>> Vulkan::stages(const KeyframeRequest& reques
                        pack(jacobian ? linear | strain_fields : linear));
 }
 
-SynthesisCounters Vulkan::counters() const {
-    SynthesisCounters all = counters_;
-    const VulkanReadbacks::Counts& read = readbacks_.counts();
-    all.copies = read.copies;
-    all.readback_bytes = read.bytes;
-    all.maps_rounded = read.rounded;
-    all.maps_too_large = read.too_large;
-    all.readbacks_beside = read.beside;
-    return all;
-}
-
 } // namespace
 
 Result<std::unique_ptr<VulkanSynthesizer>> make_vulkan_synthesizer(const VulkanOptions& options) {
-    return Vulkan::create(options);
+    Result<std::unique_ptr<gpu::Device>> device = gpu::Device::create(
+        {.pick = options.device, .validation = options.validation, .staged = options.staged});
+    if (!device)
+        return device.error();
+    return Vulkan::create(std::move(*device), options);
 }
 
 Result<std::unique_ptr<VulkanSynthesizer>>

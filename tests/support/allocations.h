@@ -9,9 +9,6 @@ namespace seaway::tests {
 
 std::size_t allocations_of_this_thread();
 
-/// From now on this thread is refused whatever is larger, as on a machine without memory. SIZE_MAX: nothing more.
-void refuse_larger_allocations(std::size_t bytes);
-
 /// While it lives, on its thread.
 class Allocations {
   public:
