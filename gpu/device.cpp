@@ -47,7 +47,9 @@ Result<void> Device::pick(const std::string& wish) {
     physical_ = (*physical)[static_cast<std::size_t>(*index)];
     info_ = infos[static_cast<std::size_t>(*index)];
     queue_family_ = static_cast<std::uint32_t>(pick_queue_family(physical_));
-    transfer_family_ = pick_transfer_family(queue_families(physical_)).value_or(queue_family_);
+    const std::vector<VkQueueFamilyProperties> families = queue_families(physical_);
+    transfer_family_ = pick_transfer_family(families).value_or(queue_family_);
+    time_stamp_bits_ = families[queue_family_].timestampValidBits;
 
     VkPhysicalDeviceVulkan13Properties v13{
         .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_PROPERTIES};

@@ -53,6 +53,8 @@ class Device {
     const VkPhysicalDeviceFeatures& features() const { return features_; }
     /// The largest buffer that may be asked for (maxBufferSize).
     std::uint64_t buffer_bytes_max() const { return buffer_bytes_max_; }
+    /// Of the time stamps of its queue (timestampValidBits); 0: it has none.
+    std::uint32_t time_stamp_bits() const { return time_stamp_bits_; }
 
     /// True where device memory can be read and written in place by the CPU at full speed
     /// (lavapipe, most integrated GPUs): device buffers are mapped and need no copies.
@@ -101,6 +103,7 @@ class Device {
     DeviceInfo info_;
     VkPhysicalDeviceLimits limits_{};
     std::uint64_t buffer_bytes_max_ = 0;
+    std::uint32_t time_stamp_bits_ = 0;
     VkPhysicalDeviceFeatures features_{};
     VkPhysicalDeviceMemoryProperties memory_{};
     bool unified_memory_ = false;

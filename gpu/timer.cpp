@@ -9,8 +9,9 @@ namespace seaway::gpu {
 Result<Timer> Timer::create(Device& device, std::uint32_t stamps) {
     Timer made;
     made.capacity_ = stamps;
-    if (!device.limits().timestampComputeAndGraphics)
+    if (device.time_stamp_bits() == 0)
         return made;
+    made.bits_ = device.time_stamp_bits();
     made.tick_s_ = static_cast<double>(device.limits().timestampPeriod) * 1e-9;
     const VkQueryPoolCreateInfo info{.sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO,
                                      .queryType = VK_QUERY_TYPE_TIMESTAMP,
@@ -46,7 +47,8 @@ Result<std::vector<double>> Timer::read(Device& device) const {
                         VkQueryResultFlags{VK_QUERY_RESULT_64_BIT}));
     std::vector<double> seconds;
     for (std::size_t i = 1; i < ticks.size(); ++i)
-        seconds.push_back(static_cast<double>(ticks[i] - ticks[i - 1]) * tick_s_);
+        seconds.push_back(static_cast<double>(ticks_between(ticks[i - 1], ticks[i], bits_)) *
+                          tick_s_);
     return seconds;
 }
 

@@ -11,6 +11,11 @@
 
 namespace seaway::gpu {
 
+/// From one stamp to a later one, of a clock that has so many bits, 1 .. 64, and goes round.
+constexpr std::uint64_t ticks_between(std::uint64_t from, std::uint64_t to, std::uint32_t bits) {
+    return (to - from) & (~std::uint64_t{0} >> (64 - bits));
+}
+
 class Timer {
   public:
     Timer() = default;
@@ -29,6 +34,7 @@ class Timer {
     OwnedQueryPool pool_;
     std::uint32_t capacity_ = 0;
     std::uint32_t used_ = 0;
+    std::uint32_t bits_ = 64;
     double tick_s_ = 0;
 };
 

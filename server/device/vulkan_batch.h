@@ -129,7 +129,7 @@ class VulkanBatch {
 
     VulkanBatch(gpu::Device& device, const SynthesisKernels& kernels)
         : device_(device), kernels_(kernels),
-          time_passes_(!device.info().is_cpu() && device.limits().timestampComputeAndGraphics) {}
+          time_passes_(!device.info().is_cpu() && device.time_stamp_bits() > 0) {}
     Result<void> allocate(int cascade_count);
     Result<void> bind();
     /// Floats that one job has in memory after a pass that is not the last.
