@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Self-check of a device: one small sea transformed there and summed here, every linear field and
-// the Jacobian. It is also the warm-up: drivers compile kernels at their first dispatch.
+// Self-check of a device: one small sea transformed there and summed here, every linear field, the
+// Jacobian, foam and, where memory is not read in place, rounding. It is also the warm-up: drivers compile kernels at their first dispatch.
 #pragma once
 
 #include "base/result.h"

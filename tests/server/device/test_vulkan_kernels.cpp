@@ -3,11 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <cmath>
 #include <cstdlib>
 #include <numeric>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "server/device/vulkan_batch.h"
@@ -67,6 +69,48 @@ TEST_F(VulkanKernels, a_device_that_computes_wrongly_is_refused_with_field_and_v
         EXPECT_TRUE(checked.error().is(DeviceError::cannot_do_this_sea));
         EXPECT_THAT(checked.error().message, testing::HasSubstr("size 128, height at"));
     }
+}
+
+/// The program that rounds, with another number in place of a constant.
+std::vector<std::uint32_t> rounding_with(std::uint32_t constant, std::uint32_t instead) {
+    constexpr std::size_t header_words = 5;
+    constexpr std::uint32_t op_constant = 43; // type, result, value
+    const auto honest = shaders::round().spirv;
+    std::vector<std::uint32_t> words(honest.begin(), honest.end());
+    int found = 0;
+    for (std::size_t i = header_words; i < words.size(); i += words[i] >> 16)
+        if ((words[i] & 0xffff) == op_constant && words[i + 3] == constant) {
+            words[i + 3] = instead;
+            ++found;
+        }
+    EXPECT_GT(found, 0);
+    return words;
+}
+
+TEST_F(VulkanKernels, a_device_that_rounds_wrongly_is_refused_where_maps_may_be_rounded) {
+    const auto staged = gpu::Device::create({.validation = true, .staged = true}).value();
+    const shaders::Transform& design = *fitting_transforms(staged->info(), 128, true).front();
+    const gpu::KernelExpectation expected{
+        .bindings = {{"maps", VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER},
+                     {"scales", VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER},
+                     {"Rounded", VK_DESCRIPTOR_TYPE_STORAGE_BUFFER}},
+        .push_constant_bytes = sizeof(shaders::RoundPush),
+        .local_size = {shaders::synthesis_workgroup, 1, 1}};
+    constexpr auto largest = static_cast<float>(shaders::rounded_steps_max);
+    const std::pair<std::vector<std::uint32_t>, const char*> wrong[] = {
+        {rounding_with(16, 0), "size 128, height rounded at"}, // both neighbours in the lower half
+        {rounding_with(std::bit_cast<std::uint32_t>(largest), std::bit_cast<std::uint32_t>(1e30f)),
+         "size 128, which rounded maps"}};
+    for (const auto& [program, message] : wrong) {
+        SynthesisKernels kernels = SynthesisKernels::create(*staged, design).value();
+        ASSERT_TRUE(check_device(*staged, kernels));
+        kernels.round = gpu::Kernel::create(*staged, "round", program, expected).value();
+        const Result<void> checked = check_device(*staged, kernels);
+        ASSERT_FALSE(checked) << message;
+        EXPECT_TRUE(checked.error().is(DeviceError::cannot_do_this_sea));
+        EXPECT_THAT(checked.error().message, testing::HasSubstr(message));
+    }
+    EXPECT_THAT(staged->validation().validation_messages(), testing::IsEmpty());
 }
 
 // 37 points of every field against the double sum of their modes: what a device is asked before it serves. Run with
