@@ -14,6 +14,7 @@ Result<std::unique_ptr<RebuiltSynthesizer>> RebuiltSynthesizer::start(Synthesize
     std::unique_ptr<RebuiltSynthesizer> made(
         new RebuiltSynthesizer(std::move(factory), std::move(warn)));
     SEAWAY_TRY(made->set_sea(std::move(sea), epoch));
+    SEAWAY_TRY(made->rebuild());
     return made;
 }
 
@@ -24,8 +25,8 @@ std::string RebuiltSynthesizer::description() const {
 Result<void> RebuiltSynthesizer::set_sea(sea::RealizationPtr sea, std::uint32_t epoch) {
     sea_ = std::move(sea);
     epoch_ = epoch;
-    if (!device_)
-        return rebuild();
+    if (!device_) // what is asked for next makes one, with this sea
+        return {};
     const Result<void> taken = device_->set_sea(sea_, epoch_);
     if (taken || taken.error().is(DeviceError::cannot_do_this_sea))
         return taken;
@@ -33,7 +34,7 @@ Result<void> RebuiltSynthesizer::set_sea(sea::RealizationPtr sea, std::uint32_t 
         warn_(fmt::format("device failed on a new sea, it will be rebuilt: {}",
                           taken.error().message));
     before_ = counters();
-    device_.reset(); // the next synthesize() makes it anew, with this sea
+    device_.reset(); // as above
     return {};
 }
 

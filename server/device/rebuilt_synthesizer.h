@@ -27,10 +27,11 @@ class RebuiltSynthesizer final : public Synthesizer {
     start(SynthesizerFactory factory, sea::RealizationPtr sea, std::uint32_t epoch, Warn warn);
 
     std::string description() const override;
+    /// Where there is no device, or it fails, what is asked for next makes one with this sea.
     Result<void> set_sea(sea::RealizationPtr sea, std::uint32_t epoch) override;
 
-    /// An error is that of the last of device_rebuilds_max + 1 attempts; or DeviceError::foam_lost, where there is a
-    /// device again.
+    /// An error is that of the last of device_rebuilds_max + 1 attempts; or DeviceError::foam_lost: there is a device
+    /// again, or what is asked for next makes one.
     Result<FoamMapPtr> open_foam(int size, const FoamMap* from) override;
     Result<std::vector<NewKeyframePtr>>
     synthesize(std::span<const KeyframeRequest> requests) override;

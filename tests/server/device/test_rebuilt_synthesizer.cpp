@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+// Devices that fail as they are told to: how often another one is made, and when.
+#include <memory>
+
+#include <gtest/gtest.h>
+
+#include "server/device/rebuilt_synthesizer.h"
+
+namespace seaway::server {
+namespace {
+
+/// What devices are told, and what became of them.
+struct Yard {
+    int fails = 0;            ///< so many of those that are made next
+    bool refuses_sea = false; ///< the one that is there
+    int made = 0;
+};
+
+struct MapOfOne final : FoamMap {
+    explicit MapOfOne(std::shared_ptr<bool> there) : device_there(std::move(there)) {}
+    bool lost() const override { return !*device_there; }
+    const std::shared_ptr<bool> device_there;
+};
+
+class OneDevice final : public Synthesizer {
+  public:
+    explicit OneDevice(Yard& yard) : yard_(yard) {}
+    ~OneDevice() override { *there_ = false; }
+    std::string description() const override { return "one"; }
+    Result<void> set_sea(sea::RealizationPtr, std::uint32_t) override {
+        return yard_.refuses_sea ? Result<void>(Error{"lost"}) : Result<void>();
+    }
+    Result<FoamMapPtr> open_foam(int, const FoamMap*) override {
+        return FoamMapPtr(std::make_shared<MapOfOne>(there_));
+    }
+    Result<std::vector<NewKeyframePtr>>
+    synthesize(std::span<const KeyframeRequest> requests) override {
+        return std::vector<NewKeyframePtr>(requests.size());
+    }
+    SynthesisCounters counters() const override { return {}; }
+
+  private:
+    Yard& yard_;
+    const std::shared_ptr<bool> there_ = std::make_shared<bool>(true);
+};
+
+std::unique_ptr<RebuiltSynthesizer> started(Yard& yard) {
+    return RebuiltSynthesizer::start(
+               [&](const sea::RealizationPtr&,
+                   std::uint32_t) -> Result<std::unique_ptr<Synthesizer>> {
+                   if (yard.fails > 0 && yard.fails-- > 0)
+                       return Error{"no device now"};
+                   ++yard.made;
+                   return std::unique_ptr<Synthesizer>(std::make_unique<OneDevice>(yard));
+               },
+               nullptr, 1, {})
+        .value();
+}
+
+// As in a glide: the sea is another at each moment.
+TEST(RebuiltSynthesizer, a_device_that_a_new_sea_has_cost_is_made_anew_as_often_as_any) {
+    Yard yard;
+    const std::unique_ptr<RebuiltSynthesizer> device = started(yard);
+    const FoamMapPtr map = device->open_foam(64, nullptr).value();
+    yard.refuses_sea = true;
+    ASSERT_TRUE(device->set_sea(nullptr, 1));
+    yard.refuses_sea = false;
+    const FoamTurn turn{map.get(), {}, {}};
+    const KeyframeRequest of_foam{0, 0, {sea::Field::foam}, 1, &turn},
+        of_height{0, 1, {sea::Field::height}};
+    const auto lost = device->synthesize({&of_foam, 1});
+    ASSERT_FALSE(lost);
+    EXPECT_TRUE(lost.error().is(DeviceError::foam_lost));
+    yard.fails = 2;
+    ASSERT_TRUE(device->set_sea(nullptr, 1)) << "nothing was tried yet";
+    EXPECT_EQ(device->rebuilds(), 0u);
+    const auto made = device->synthesize({&of_height, 1});
+    ASSERT_TRUE(made) << made.error().message;
+    EXPECT_EQ(device->rebuilds(), 3u);
+    EXPECT_EQ(yard.made, 2);
+}
+
+TEST(RebuiltSynthesizer, a_device_that_cannot_be_made_at_the_start_is_an_error_at_once) {
+    Yard yard{.fails = 1};
+    const auto device = RebuiltSynthesizer::start(
+        [&](const sea::RealizationPtr&, std::uint32_t) -> Result<std::unique_ptr<Synthesizer>> {
+            ++yard.made;
+            return Error{"none"};
+        },
+        nullptr, 1, {});
+    EXPECT_FALSE(device);
+    EXPECT_EQ(yard.made, 1);
+}
+
+} // namespace
+} // namespace seaway::server
