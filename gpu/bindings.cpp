@@ -21,10 +21,29 @@ Result<OwnedSetLayout> create_set_layout(Device& device, std::span<const ShaderB
     return OwnedSetLayout(device.get(), layout);
 }
 
+Result<void> check_ranges(std::span<const ShaderBinding> bindings,
+                          std::span<const Resource> resources,
+                          const VkPhysicalDeviceLimits& limits) {
+    for (std::size_t i = 0; i < bindings.size(); ++i) {
+        const bool storage = bindings[i].type == VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+        if (!storage && bindings[i].type != VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER)
+            continue;
+        const std::uint32_t most =
+            storage ? limits.maxStorageBufferRange : limits.maxUniformBufferRange;
+        if (resources[i].buffer.range > most)
+            return Error{"\"" + bindings[i].name + "\" of " +
+                         std::to_string(resources[i].buffer.range) + " bytes: a shader may see " +
+                         std::to_string(most)};
+    }
+    return {};
+}
+
 Result<Bindings> Bindings::create(Device& device, VkDescriptorSetLayout layout,
                                   std::span<const ShaderBinding> bindings,
                                   std::span<const Resource> resources) {
     SEAWAY_CHECK(bindings.size() == resources.size(), "one resource a binding");
+    if (const Result<void> fit = check_ranges(bindings, resources, device.limits()); !fit)
+        return Error{device.info().name + ": " + fit.error().message};
     Bindings made;
     std::vector<VkDescriptorPoolSize> sizes;
     for (const ShaderBinding& binding : bindings)

@@ -23,7 +23,7 @@ struct Resource {
 };
 
 inline Resource whole(const Buffer& buffer) {
-    return {.buffer = {buffer.get(), 0, VK_WHOLE_SIZE}};
+    return {.buffer = {buffer.get(), 0, buffer.size_bytes()}};
 }
 inline Resource part(const Buffer& buffer, std::size_t offset_bytes, std::size_t range_bytes) {
     return {.buffer = {buffer.get(), offset_bytes, range_bytes}};
@@ -39,10 +39,16 @@ inline Resource sampled(VkSampler sampler, VkImageView view, VkImageLayout layou
 Result<OwnedSetLayout> create_set_layout(Device& device, std::span<const ShaderBinding> bindings,
                                          VkShaderStageFlags stages);
 
+/// An error names the binding of a buffer that is longer than a shader may see of one.
+Result<void> check_ranges(std::span<const ShaderBinding> bindings,
+                          std::span<const Resource> resources,
+                          const VkPhysicalDeviceLimits& limits);
+
 class Bindings {
   public:
     Bindings() = default;
-    /// One resource a binding, in the order of `bindings`; each must have count 1.
+    /// One resource a binding, in the order of `bindings`; each must have count 1. An error names the device and its
+    /// limit.
     static Result<Bindings> create(Device& device, VkDescriptorSetLayout layout,
                                    std::span<const ShaderBinding> bindings,
                                    std::span<const Resource> resources);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gpu/buffer.h"
 
+#include <algorithm>
 #include <cstring>
 #include <string>
 
@@ -94,6 +95,13 @@ Result<Buffer> Buffer::create(Device& device, std::string_view name, std::size_t
         return failed(mapped.error());
     made.mapped_ = {static_cast<std::byte*>(address), bytes};
     return made;
+}
+
+std::size_t bound_bytes_max(const Device& device, std::size_t texel_bytes) {
+    const VkPhysicalDeviceLimits& limits = device.limits();
+    return std::min({std::size_t{limits.maxStorageBufferRange},
+                     std::size_t{limits.maxTexelBufferElements} * texel_bytes,
+                     std::size_t{device.buffer_bytes_max()}});
 }
 
 Result<void> upload(Device& device, Buffer& buffer, std::span<const std::byte> bytes) {

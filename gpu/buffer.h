@@ -44,6 +44,9 @@ class Buffer {
     std::span<std::byte> mapped_;
 };
 
+/// Bytes of one buffer that kernels of a device may see at once, as storage and as texels of so many bytes.
+std::size_t bound_bytes_max(const Device& device, std::size_t texel_bytes);
+
 /// Copies `bytes` to the start of `buffer`: in place if it is mapped, else through a staging buffer
 /// and a submission that is waited for. Nothing may be using the buffer.
 Result<void> upload(Device& device, Buffer& buffer, std::span<const std::byte> bytes);

@@ -37,11 +37,8 @@ Result<void> make(gpu::Device& device, Buffer& buffer, TexelView* view, VkFormat
 
 /// Maps whose memory between two passes can be bound at once.
 std::size_t maps_that_fit(const gpu::Device& device, const shaders::Transform& transform) {
-    const VkPhysicalDeviceLimits& limits = device.limits();
-    const std::size_t bytes = std::min({std::size_t{limits.maxStorageBufferRange},
-                                        std::size_t{limits.maxTexelBufferElements} * vec4_bytes,
-                                        std::size_t{device.buffer_bytes_max()}});
-    return bytes / (std::size_t{transform.scratch_complexes} * complex_bytes);
+    return gpu::bound_bytes_max(device, vec4_bytes) /
+           (std::size_t{transform.scratch_complexes} * complex_bytes);
 }
 
 template <class T>

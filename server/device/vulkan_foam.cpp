@@ -7,6 +7,8 @@
 #include <mutex>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "base/check.h"
 #include "gpu/commands.h"
 #include "server/device/vulkan_fields.h"
@@ -40,10 +42,13 @@ struct VulkanFoam::Map final : FoamMap {
     const std::size_t slot;
 };
 
-VulkanFoam::VulkanFoam(gpu::Device& device, int size)
+VulkanFoam::VulkanFoam(gpu::Device& device, int size, std::size_t bytes_max)
     : device_(device),
       map_bytes_(static_cast<std::size_t>(size) * static_cast<std::size_t>(size) * sizeof(float)),
-      slots_(std::make_shared<Slots>()) {}
+      slots_max_(bytes_max / map_bytes_), slots_(std::make_shared<Slots>()) {}
+
+VulkanFoam::VulkanFoam(gpu::Device& device, int size)
+    : VulkanFoam(device, size, gpu::bound_bytes_max(device, vec4_bytes)) {}
 
 VulkanFoam::~VulkanFoam() {
     const std::scoped_lock lock(slots_->mutex);
@@ -58,7 +63,11 @@ std::uint32_t VulkanFoam::place(const FoamMap& map) const {
 
 Result<void> VulkanFoam::grow() {
     const std::size_t before = slots_->taken.size();
-    const std::size_t slots = std::max(2 * before, first_slots);
+    const std::size_t slots = std::min(std::max(2 * before, first_slots), slots_max_);
+    if (slots == before)
+        return Error{DeviceError::out_of_memory,
+                     fmt::format("{} foam maps of {} bytes are all that is bound at once", before,
+                                 map_bytes_)};
     SEAWAY_TRY_LET(gpu::Buffer made,
                    gpu::Buffer::create(device_, "foam histories", slots * map_bytes_,
                                        gpu::BufferKind::device));
@@ -70,6 +79,7 @@ Result<void> VulkanFoam::grow() {
     auto histories = std::make_unique<gpu::Buffer>(std::move(made));
     const std::scoped_lock lock(slots_->mutex);
     slots_->taken.resize(slots, false);
+    histories_ = std::move(histories);
     return {};
 }
 
@@ -79,12 +89,12 @@ Result<FoamMapPtr> VulkanFoam::open(const FoamMap* from) {
         return static_cast<std::size_t>(std::ranges::find(slots_->taken, false) -
                                         slots_->taken.begin());
     };
-    histories_ = std::move(histories);
     std::size_t slot = free_slot();
     if (slot == slots_->taken.size()) {
         SEAWAY_TRY(grow());
         slot = free_slot();
     }
+    FoamMapPtr map = std::make_shared<Map>(slots_, slot);
     SEAWAY_TRY(gpu::run_once(device_, [&](gpu::Commands& commands) {
         if (from != nullptr)
             commands.copy(*histories_, *histories_, map_bytes_, place(*from) * vec4_bytes,
@@ -94,7 +104,6 @@ Result<FoamMapPtr> VulkanFoam::open(const FoamMap* from) {
                           slot * map_bytes_);
         commands.barrier(gpu::Stage::copy, gpu::Stage::compute);
     }));
-    FoamMapPtr map = std::make_shared<Map>(slots_, slot);
     const std::scoped_lock lock(slots_->mutex);
     slots_->taken[slot] = true;
     return map;

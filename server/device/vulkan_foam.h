@@ -21,12 +21,16 @@ namespace seaway::server {
 
 class VulkanFoam {
   public:
+    /// Maps of so many bytes together at most.
+    VulkanFoam(gpu::Device& device, int size, std::size_t bytes_max);
+    /// As many as the device binds at once.
     VulkanFoam(gpu::Device& device, int size);
     VulkanFoam(const VulkanFoam&) = delete;
     VulkanFoam& operator=(const VulkanFoam&) = delete;
     /// All maps are lost.
     ~VulkanFoam();
 
+    /// DeviceError::out_of_memory: no more can be bound at once.
     Result<FoamMapPtr> open(const FoamMap* from);
 
     /// Of all maps; another one, and larger, after some open().
@@ -41,6 +45,7 @@ class VulkanFoam {
 
     gpu::Device& device_;
     std::size_t map_bytes_;
+    std::size_t slots_max_;
     std::shared_ptr<Slots> slots_;
     std::unique_ptr<gpu::Buffer> histories_; ///< null until a map is opened
 };

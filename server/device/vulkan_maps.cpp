@@ -15,11 +15,8 @@ namespace seaway::server {
 Result<std::shared_ptr<VulkanMaps>> VulkanMaps::create(std::shared_ptr<gpu::Device> device,
                                                        int size, std::size_t bytes_max) {
     const auto points = static_cast<std::size_t>(size) * static_cast<std::size_t>(size);
-    const VkPhysicalDeviceLimits& limits = device->limits();
-    const std::size_t bytes = std::min({bytes_max, std::size_t{limits.maxStorageBufferRange},
-                                        std::size_t{limits.maxTexelBufferElements} * vec4_bytes,
-                                        std::size_t{device->buffer_bytes_max()}});
-    const std::size_t maps = bytes / (points * sizeof(float));
+    const std::size_t maps =
+        std::min(bytes_max, gpu::bound_bytes_max(*device, vec4_bytes)) / (points * sizeof(float));
     std::shared_ptr<VulkanMaps> made(new VulkanMaps(std::move(device), points));
     if (maps == 0)
         return made;

@@ -106,6 +106,28 @@ TEST_F(DeviceTest, a_kernel_computes_from_texels_into_storage) {
         ASSERT_EQ(back[i], 2 * values[i] + push.offset[i % 4]) << i;
 }
 
+// 128 MiB and 64 KiB are all that Vulkan 1.3 promises.
+TEST(Bindings, of_a_buffer_that_is_longer_than_a_shader_may_see_are_refused_by_name) {
+    VkPhysicalDeviceLimits limits{};
+    limits.maxStorageBufferRange = 1u << 27;
+    limits.maxUniformBufferRange = 1u << 16;
+    const ShaderBinding bindings[] = {
+        {.type = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, .name = "View"},
+        {.binding = 1, .type = VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, .name = "maps"},
+        {.binding = 2, .type = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, .name = "GradientMaps"}};
+    const auto checked = [&](VkDeviceSize uniform_bytes, VkDeviceSize storage_bytes) {
+        const Resource resources[] = {{.buffer = {VK_NULL_HANDLE, 0, uniform_bytes}},
+                                      {},
+                                      {.buffer = {VK_NULL_HANDLE, 0, storage_bytes}}};
+        const Result<void> fit = check_ranges(bindings, resources, limits);
+        return fit ? std::string("fine") : fit.error().message;
+    };
+    EXPECT_EQ(checked(1u << 16, 1u << 27), "fine");
+    EXPECT_EQ(checked(1u << 16, (1u << 27) + 16),
+              "\"GradientMaps\" of 134217744 bytes: a shader may see 134217728");
+    EXPECT_EQ(checked((1u << 16) + 4, 16), "\"View\" of 65540 bytes: a shader may see 65536");
+}
+
 TEST_F(DeviceTest, a_kernel_that_differs_from_its_program_is_refused_with_both_names) {
     KernelExpectation expected = scale_expectation();
     expected.bindings[1].name = "maps";

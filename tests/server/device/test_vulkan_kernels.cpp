@@ -15,6 +15,7 @@
 #include "server/device/vulkan_batch.h"
 #include "server/device/vulkan_check.h"
 #include "server/device/vulkan_fields.h"
+#include "server/device/vulkan_foam.h"
 #include "tests/server/device/random_sea.h"
 
 namespace seaway::server {
@@ -111,6 +112,20 @@ TEST_F(VulkanKernels, a_device_that_rounds_wrongly_is_refused_where_maps_may_be_
         EXPECT_THAT(checked.error().message, testing::HasSubstr(message));
     }
     EXPECT_THAT(staged->validation().validation_messages(), testing::IsEmpty());
+}
+
+TEST_F(VulkanKernels, foam_maps_are_no_more_than_are_bound_at_once) {
+    constexpr int size = 64, most = 5;
+    VulkanFoam foam(*device_, size, most * size * size * sizeof(float) + 1);
+    std::vector<FoamMapPtr> maps;
+    for (int i = 0; i < most; ++i)
+        maps.push_back(foam.open(nullptr).value());
+    EXPECT_LE(foam.histories().size_bytes(), most * size * size * sizeof(float));
+    const Result<FoamMapPtr> more = foam.open(maps[0].get());
+    ASSERT_FALSE(more);
+    EXPECT_TRUE(more.error().is(DeviceError::out_of_memory));
+    maps.pop_back();
+    EXPECT_TRUE(foam.open(maps[0].get())) << "there is a place again";
 }
 
 // 37 points of every field against the double sum of their modes: what a device is asked before it serves. Run with
