@@ -5,18 +5,60 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <filesystem>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "tests/support/folder.h"
 #include "tools/bench/accuracy/measure/batches.h"
 #include "tools/bench/accuracy/measure/measure.h"
 #include "tools/bench/accuracy/measure/metrics.h"
 #include "tools/bench/accuracy/seas/half.h"
 #include "tools/bench/accuracy/seas/sea_states.h"
+#include "tools/bench/accuracy/seas/waves.h"
+#include "tools/bench/accuracy/truth/truth.h"
 
 namespace seaway::bench {
 namespace {
+
+/// In place of the sea of a state, one that differs in this alone.
+Waves waves_with(const std::function<void(sea::Realization&)>& change) {
+    const sea::Scene scene = sea_state("calm_shallow", 5).value();
+    Waves waves = configured_waves(scene, balanced(scene)).value();
+    auto all = std::make_shared<sea::Realization>(*waves.all);
+    change(*all);
+    waves.all = all;
+    return waves;
+}
+
+TEST(KeptTruth, of_a_sea_that_differs_in_anything_is_not_taken_for_that_of_another) {
+    const std::string folder = tests::folder().file("truths");
+    const Sampling few{.points = 4, .times = 2, .film = false};
+    const auto answer = [&](const std::function<void(sea::Realization&)>& change) {
+        return reference_truth(waves_with(change), few, 5, folder).value().answers.back().height_m;
+    };
+    const auto kept = [&] {
+        return std::distance(std::filesystem::directory_iterator(folder), {});
+    };
+    const double given_m = answer([](sea::Realization&) {});
+    EXPECT_EQ(answer([](sea::Realization&) {}), given_m);
+    ASSERT_EQ(kept(), 1);
+    sea::SineField sine{.kind = sea::SineKind::sine, .length_m = 100};
+    sine.waves.push_back({0.5, 0.1, 0.2, 0.3, sea::rate_from_omega(2.0), 2.0});
+    const std::vector<std::function<void(sea::Realization&)>> changes{
+        [](sea::Realization& sea) { sea.choppiness.y -= 0.7; },
+        [](sea::Realization& sea) { sea.choppiness.x += 0.004; },
+        [](sea::Realization& sea) { sea.cascades[0].spec.length_m *= 1.01; },
+        [](sea::Realization& sea) { sea.cascades[0].depth_m /= 2; },
+        [](sea::Realization& sea) { sea.loop_period_us = 1; },
+        [&](sea::Realization& sea) { sea.cascades[0].sines = {sine}; }};
+    for (std::size_t i = 0; i < changes.size(); ++i) {
+        EXPECT_NE(answer(changes[i]), given_m) << "change " << i;
+        EXPECT_EQ(kept(), static_cast<std::ptrdiff_t>(2 + i)) << "change " << i;
+    }
+}
 
 /// Every finite half above zero, by its definition (IEEE 754): 10 bits of mantissa, 5 of exponent.
 std::vector<double> halves() {

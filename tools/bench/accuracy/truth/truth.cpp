@@ -22,7 +22,7 @@ namespace seaway::bench {
 namespace {
 
 /// To be counted up when points or sums are made in another way.
-constexpr std::uint32_t truth_version = 1;
+constexpr std::uint32_t truth_version = 2;
 constexpr int checked_points = 4;
 
 template <class T>
@@ -30,18 +30,39 @@ std::span<const std::uint8_t> bytes_of(const std::vector<T>& values) {
     return {reinterpret_cast<const std::uint8_t*>(values.data()), values.size() * sizeof(T)};
 }
 
-/// Of the waves themselves, the points and the version.
-std::string file_name(const Waves& waves, const Sampling& sampling, std::uint64_t seed) {
+/// Of all that the surface of a sea follows from, and the version.
+std::uint32_t checksum(const sea::Realization& sea) {
+    static_assert(sizeof(sea::SineField::Wave) == 6 * sizeof(double), "no byte that is nothing");
     std::uint32_t sum = truth_version;
-    for (const sea::CascadeModes& cascade : waves.all->cascades) {
-        sum = protocol::crc32(bytes_of(cascade.h0), sum);
-        sum = protocol::crc32(bytes_of(cascade.rate), sum);
+    const auto add = [&](const auto& values) { sum = protocol::crc32(bytes_of(values), sum); };
+    const auto add_each = [&](auto... numbers) { (add(std::vector{numbers}), ...); };
+    add_each(sea.choppiness.x, sea.choppiness.y, sea.loop_period_us);
+    for (const sea::CascadeModes& cascade : sea.cascades) {
+        add_each(cascade.spec.length_m, cascade.spec.size, cascade.depth_m);
+        add(cascade.h0);
+        add(cascade.rate);
+        add(cascade.phase_offset_turns);
+        for (const sea::SineField& field : cascade.sines) {
+            add_each(field.kind, field.length_m, field.sharpness, field.drag);
+            add(field.waves);
+            for (const sea::NoiseOctave& octave : field.octaves) {
+                add_each(octave.cells, octave.amplitude_m, octave.speed_x_mps, octave.speed_y_mps,
+                         octave.rate_x, octave.rate_y, octave.offset_x, octave.offset_y);
+                add(*octave.corners);
+            }
+        }
     }
+    return sum;
+}
+
+/// Of the sea, the points and the version.
+std::string file_name(const Waves& waves, const Sampling& sampling, std::uint64_t seed) {
     const std::string shared =
-        sampling.time_step == 1 ? std::string()
-                                : fmt::format("_{}of{}", sampling.first_time, sampling.time_step);
-    return fmt::format("truth_{:08x}_{}_{}_{:.2f}_{}{}{}.bin", sum, sampling.points, sampling.times,
-                       waves.all->choppiness.x, seed, shared, sampling.film ? "" : "_still");
+        sampling.first_time == 0 && sampling.time_step == 1
+            ? std::string()
+            : fmt::format("_{}of{}", sampling.first_time, sampling.time_step);
+    return fmt::format("truth_{:08x}_{}_{}_{}{}{}.bin", checksum(*waves.all), sampling.points,
+                       sampling.times, seed, shared, sampling.film ? "" : "_still");
 }
 
 struct Header {
