@@ -115,6 +115,15 @@ TEST(TotalError, of_nothing_left_out_is_the_order_statistic) {
     EXPECT_NEAR(percentile_with_normal(errors, 1e-12, 99), 0.99, 2e-3);
 }
 
+TEST(TotalError, of_what_is_no_number_is_infinite) {
+    for (const double nothing : {std::nan(""), HUGE_VAL}) {
+        const std::vector<double> errors{0.01, nothing, 0.02};
+        for (const double sigma : {0.005, 0.0})
+            EXPECT_EQ(percentile_with_normal(errors, sigma, 99), HUGE_VAL);
+        EXPECT_EQ(percentile_with_normal(std::vector{0.01}, nothing, 99), HUGE_VAL);
+    }
+}
+
 TEST(TotalError, adds_independent_parts_in_the_square) {
     std::mt19937_64 engine(1);
     std::normal_distribution<double> normal(0.0, 3.0);

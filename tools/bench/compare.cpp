@@ -1,17 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/bench/compare.h"
 
-#include <algorithm>
-#include <cmath>
 #include <memory>
 #include <optional>
-#include <string_view>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "server/device/device_choice.h"
 #include "server/simulation/running_sea.h"
+#include "tools/bench/map_difference.h"
 #include "tools/bench/timing.h"
 
 namespace seaway::bench {
@@ -29,29 +27,6 @@ std::vector<KeyframeRequest> all_cascades(const server::RunningSea& sea, sea::Ti
     for (int c = 0; c < static_cast<int>(sea.realization->cascades.size()); ++c)
         requests.push_back({c, time_us, linear});
     return requests;
-}
-
-struct Difference {
-    double share = 0; ///< of four times the rms
-    std::string_view field = "none";
-};
-
-/// The largest over all maps of two keyframes of the same cascade and time.
-Difference largest_difference(const sea::Keyframe& a, const sea::Keyframe& b) {
-    Difference largest;
-    for (const sea::Field field : a.fields) {
-        const auto p = a.plane(field), q = b.plane(field);
-        double squares = 0, worst = 0;
-        for (std::size_t i = 0; i < p.size(); ++i) {
-            squares += static_cast<double>(p[i]) * static_cast<double>(p[i]);
-            worst =
-                std::max(worst, std::abs(static_cast<double>(p[i]) - static_cast<double>(q[i])));
-        }
-        const double scale = 4 * std::sqrt(squares / static_cast<double>(p.size()));
-        if (scale > 0 && worst / scale > largest.share)
-            largest = {worst / scale, sea::info(field).name};
-    }
-    return largest;
 }
 
 } // namespace
@@ -85,9 +60,9 @@ Result<void> run_compare(const CompareOptions& options) {
     interleave(variants, options.rounds);
     if (failure)
         return *failure;
-    Difference largest;
+    MapDifference largest;
     for (std::size_t c = 0; c < made[0].size(); ++c) {
-        const Difference here = largest_difference(*made[0][c], *made[1][c]);
+        const MapDifference here = largest_difference(*made[0][c], *made[1][c]);
         if (here.share > largest.share)
             largest = here;
     }

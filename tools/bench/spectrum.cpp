@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "base/worse.h"
 #include "client/rebuilt/received_spectrum.h"
 #include "protocol/spectrum_codec.h"
 #include "sea/native/native_runner.h"
@@ -83,7 +84,7 @@ void compare_points(const server::RunningSea& sea, const client::RebuiltSea& own
     for (std::size_t i = 0; i < points.size(); ++i) {
         const sea::LagrangianPoint a = then.at(points[i].x_m, points[i].y_m);
         const sea::LagrangianPoint b = mine.at(points[i].x_m, points[i].y_m);
-        worst.height_m = std::max(worst.height_m, std::abs(a.height - b.height));
+        worst.height_m = worse(worst.height_m, std::abs(a.height - b.height));
         worst.slope = std::max(
             {worst.slope, std::abs(a.slope_x - b.slope_x), std::abs(a.slope_y - b.slope_y)});
         const sea::Answer exact = sea::surface_at(
@@ -91,7 +92,7 @@ void compare_points(const server::RunningSea& sea, const client::RebuiltSea& own
         if ((exact.flags | answers[i].flags) & sea::answer_folded)
             continue;
         const double off_m = std::abs(exact.height_m - answers[i].height_m);
-        worst.answer_m = std::max(worst.answer_m, off_m);
+        worst.answer_m = worse(worst.answer_m, off_m);
         worst.share_of_stated = std::max(worst.share_of_stated, off_m / answers[i].error_m);
     }
 }

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "base/worse.h"
 #include "tests/sea/native/double_sum.h"
 #include "tests/sea/native/every_transform.h"
 #include "tests/sea/native/random_modes.h"
@@ -37,10 +38,8 @@ double rms(std::span<const double> values) {
 double worst_error(std::span<const float> map, std::span<const double> truth, std::size_t n,
                    std::size_t stride) {
     double worst = 0;
-    for (std::size_t i = 0; i < truth.size(); ++i) {
-        const double error = std::abs(map[i / n * stride * n + i % n] - truth[i]);
-        worst = std::isnan(error) ? INFINITY : std::max(worst, error);
-    }
+    for (std::size_t i = 0; i < truth.size(); ++i)
+        worst = worse(worst, std::abs(map[i / n * stride * n + i % n] - truth[i]));
     return worst / (4 * rms(truth));
 }
 

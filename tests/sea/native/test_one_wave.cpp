@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include "base/worse.h"
 #include "tests/sea/native/every_transform.h"
 #include "tests/sea/native/random_modes.h"
 
@@ -86,11 +87,11 @@ TEST_P(OneWave, of_every_sign_at_every_edge_of_a_block_is_the_direct_sum) {
                 const std::size_t at =
                     static_cast<std::size_t>(y) * n + static_cast<std::size_t>(x);
                 const double angle = wave.angle_rad(modes, x, y);
-                worst = std::max(worst, std::abs(planes[at] - amplitude_m * std::cos(angle)));
+                worst = worse(worst, std::abs(planes[at] - amplitude_m * std::cos(angle)));
                 if (fields.contains(Field::slope_y))
-                    worst_slope = std::max(
-                        worst_slope, std::abs(planes[n * n + at] +
-                                              amplitude_m * wave.ny * step * std::sin(angle)));
+                    worst_slope = worse(worst_slope,
+                                        std::abs(planes[n * n + at] +
+                                                 amplitude_m * wave.ny * step * std::sin(angle)));
             }
             wave.take(modes);
             const double tolerance = 1e-6 * 4 * amplitude_m / std::sqrt(2.0);

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "base/instructions.h"
+#include "base/worse.h"
 #include "sea/native/kernels.h"
 
 namespace seaway::sea::native {
@@ -25,8 +26,8 @@ TEST(Vector, sine_and_cosine_are_right_to_2e7_in_every_quadrant) {
         sincos_turns<4>(turns, sine, cosine);
         for (int lane = 0; lane < 4; ++lane) {
             const double angle = turns[lane] * (2 * std::numbers::pi / 0x1p32);
-            worst = std::max(worst, std::abs(sine[lane] - std::sin(angle)));
-            worst = std::max(worst, std::abs(cosine[lane] - std::cos(angle)));
+            worst = worse(worst, std::abs(sine[lane] - std::sin(angle)));
+            worst = worse(worst, std::abs(cosine[lane] - std::cos(angle)));
         }
     }
     EXPECT_LT(worst, 2e-7);

@@ -8,6 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "base/worse.h"
 #include "gpu/call.h"
 #include "server/device/vulkan_synthesizer.h"
 #include "tests/server/device/random_sea.h"
@@ -76,7 +77,7 @@ TEST_F(RoundedReadback,
                 const auto read = static_cast<double>(rounded[i]->plane(field)[p]);
                 const auto step = static_cast<double>(map.step);
                 ASSERT_EQ(rounded[i]->plane(field)[p], static_cast<float>(map.steps[p] * step));
-                worst = std::max(worst, std::abs(read - value) / static_cast<double>(map.error));
+                worst = worse(worst, std::abs(read - value) / static_cast<double>(map.error));
                 const auto here = static_cast<int>(std::lround(value / step));
                 ASSERT_LE(std::abs(map.steps[p] - here), 1);
                 other += map.steps[p] != here;

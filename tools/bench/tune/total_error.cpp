@@ -3,8 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <vector>
+
+#include "base/worse.h"
 
 namespace seaway::bench {
 
@@ -24,7 +27,9 @@ double percentile_with_normal(std::span<const double> errors, double sigma, doub
     const double wanted = 0.01 * percent;
     double largest = 0;
     for (const double e : errors)
-        largest = std::max(largest, std::abs(e));
+        largest = worse(largest, std::abs(e));
+    if (!std::isfinite(largest) || !std::isfinite(sigma))
+        return std::numeric_limits<double>::infinity();
     // Narrower than this against the errors is none at all, and divides by nothing.
     if (!(sigma > 1e-9 * largest)) {
         std::vector<double> sizes;

@@ -11,7 +11,7 @@
 namespace seaway::bench {
 
 /// So that `percent` of |e + sigma z| stay below, over errors e as they were measured and normal z. To
-/// 1e-9 of itself. 0 for no errors and no sigma.
+/// 1e-9 of itself. 0 for no errors and no sigma; infinite where one of them is no finite number.
 double percentile_with_normal(std::span<const double> errors, double sigma, double percent);
 
 /// Of |z| itself: 2.576 for 99 %.

@@ -236,9 +236,9 @@ Result<std::string> Search::why_not(const sea::Scene& scene, const char* name, s
     SEAWAY_TRY_LET(sea::MeasuredError error,
                    measure_error(sea, name, target_.percentile, options_, devices_));
     measured.push_back(error);
-    if (error.total_m * margin > target_.height_error_m)
+    if (!(error.total_m * margin <= target_.height_error_m)) // nor a NaN
         return fmt::format("{:.4g} m {}", error.total_m, name);
-    if (target_.slope_error && error.slope_rms * margin > *target_.slope_error)
+    if (target_.slope_error && !(error.slope_rms * margin <= *target_.slope_error))
         return fmt::format("slope {:.4g} {}", error.slope_rms, name);
     return std::string();
 }
@@ -281,9 +281,9 @@ Result<void> Search::try_candidate(const Entry& entry, Outcome& outcome) {
     // The laws once more, by as much as they were off.
     const sea::MeasuredError& last = measured.back();
     Expected most = allowed();
-    if (last.total_m * margin > target_.height_error_m)
+    if (!(last.total_m * margin <= target_.height_error_m))
         most.error_m = target_.height_error_m / margin * entry.candidate.expected_m / last.total_m;
-    if (target_.slope_error && last.slope_rms * margin > *target_.slope_error)
+    if (target_.slope_error && !(last.slope_rms * margin <= *target_.slope_error))
         most.slope_rms =
             *target_.slope_error / margin * entry.candidate.expected_slope / last.slope_rms;
     const std::size_t budgets = std::min(*entry.budget, budgets_within(entry.layout, most));

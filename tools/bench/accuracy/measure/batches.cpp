@@ -10,6 +10,7 @@
 #include <span>
 
 #include "base/thread_pool.h"
+#include "base/worse.h"
 #include "client/client.h"
 #include "tools/bench/accuracy/truth/points.h"
 
@@ -43,7 +44,7 @@ std::vector<sea::QueryPoint> scattered(std::size_t count, sea::TimeUs time_us) {
 double largest_difference(const Answers& together, const Answers& alone) {
     double largest = 0;
     for (std::size_t i = 0; i < together.size(); ++i)
-        largest = std::max(largest, std::abs(together[i].height_m - alone[i].height_m));
+        largest = worse(largest, std::abs(together[i].height_m - alone[i].height_m));
     return largest;
 }
 

@@ -7,6 +7,8 @@
 #include <numbers>
 #include <random>
 
+#include "base/worse.h"
+
 namespace seaway::bench {
 
 namespace {
@@ -160,7 +162,7 @@ std::vector<Figure> figures(std::span<const Sample> all_samples, double hs_m) {
     std::vector<double> errors, angles;
     double worst = 0;
     for (const Sample& sample : samples) {
-        worst = std::max(worst, std::abs(height_error(sample)));
+        worst = worse(worst, std::abs(height_error(sample)));
         if (!anywhere(sample))
             continue;
         errors.push_back(std::abs(height_error(sample)));

@@ -6,6 +6,7 @@
 #include <ctime>
 #include <limits>
 
+#include "base/worse.h"
 #include "protocol/limits.h"
 #include "protocol/tile_codec.h"
 #include "sea/surface/surface_sheets.h"
@@ -84,9 +85,9 @@ Result<void> ConfiguredSea::code(sea::Keyframe& keyframe) {
             }
         for (std::size_t i = 0; i < plane.size(); ++i)
             cost.worst_over_bound =
-                std::max(cost.worst_over_bound, std::abs(static_cast<double>(plane[i]) -
-                                                         static_cast<double>(original[i])) /
-                                                    static_cast<double>(bounds[f]));
+                worse(cost.worst_over_bound,
+                      std::abs(static_cast<double>(plane[i]) - static_cast<double>(original[i])) /
+                          static_cast<double>(bounds[f]));
         ++f;
     }
     return {};

@@ -12,6 +12,7 @@
 
 #include <fmt/format.h>
 
+#include "base/worse.h"
 #include "protocol/checksum.h"
 #include "sea/surface/inverse.h"
 #include "sea/waves/reference.h"
@@ -160,7 +161,7 @@ double largest_difference(const sea::DirectSum& sum, const Truth& truth) {
     for (std::size_t i = 0; i < truth.points.size(); i += stride) {
         const sea::QueryPoint& at = truth.points[i].at;
         const double here = sum.at(at.x_m, at.y_m, at.time_us).height;
-        largest = std::max(
+        largest = worse(
             largest, std::abs(here - height_in_long_double(sum.sea(), at.x_m, at.y_m, at.time_us)));
     }
     return largest;
