@@ -64,6 +64,7 @@ Result<Commands> Commands::create(Device& device, Queue queue) {
     made.device_ = device.get();
     made.main_family_ = device.queue_family();
     made.transfer_family_ = device.transfer_family();
+    made.groups_max_ = std::to_array(device.limits().maxComputeWorkGroupCount);
     const VkCommandPoolCreateInfo pool_info{
         .sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
         .flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT,
@@ -150,6 +151,9 @@ void Commands::dispatch(const Kernel& kernel, const Bindings& bindings,
                         std::span<const std::byte> push, std::uint32_t groups_x,
                         std::uint32_t groups_y, std::uint32_t groups_z) {
     SEAWAY_CHECK(push.size() == kernel.push_constant_bytes(), "push constants of another kernel");
+    SEAWAY_CHECK(groups_x <= groups_max_[0] && groups_y <= groups_max_[1] &&
+                     groups_z <= groups_max_[2],
+                 "more groups than the device takes at once");
     vkCmdBindPipeline(buffer_, VK_PIPELINE_BIND_POINT_COMPUTE, kernel.get());
     const VkDescriptorSet set = bindings.get();
     vkCmdBindDescriptorSets(buffer_, VK_PIPELINE_BIND_POINT_COMPUTE, kernel.layout(), 0, 1, &set, 0,
@@ -169,9 +173,10 @@ FlatGroups flat_groups(std::size_t invocations, int group) {
 }
 
 void Commands::dispatch_all(const Kernel& kernel, const Bindings& bindings,
-                            std::span<const std::byte> push, std::size_t invocations, int group) {
+                            std::span<const std::byte> push, std::size_t invocations, int group,
+                            std::uint32_t layers) {
     const FlatGroups groups = flat_groups(invocations, group);
-    dispatch(kernel, bindings, push, groups.a_row, groups.rows);
+    dispatch(kernel, bindings, push, groups.a_row, groups.rows, layers);
 }
 
 Result<void> run_once(Device& device, const std::function<void(Commands&)>& record) {

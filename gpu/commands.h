@@ -3,6 +3,7 @@
 // again. Not thread-safe.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -58,14 +59,16 @@ class Commands {
     void fill(const Buffer& target, std::uint32_t word, std::size_t bytes, std::size_t offset = 0);
     /// Writes up to 64 KiB that travel in the recording itself; a multiple of 4 bytes.
     void update(const Buffer& target, std::span<const std::byte> bytes);
-    /// Groups, not invocations. `push` must be as long as the kernel's push constants.
+    /// Groups, not invocations, and no more a side than the device takes. `push` must be as long as the kernel's push
+    /// constants.
     void dispatch(const Kernel& kernel, const Bindings& bindings, std::span<const std::byte> push,
                   std::uint32_t groups_x, std::uint32_t groups_y = 1, std::uint32_t groups_z = 1);
 
-    /// At least so many invocations, of a kernel whose groups are one wide row, in as many rows of groups as devices
-    /// must take: shaders/view/flat.glsl numbers them.
+    /// At least so many invocations a layer, of a kernel whose groups are one wide row, in as many rows of groups as
+    /// devices must take: shaders/view/flat.glsl numbers them. Layers are along z.
     void dispatch_all(const Kernel& kernel, const Bindings& bindings,
-                      std::span<const std::byte> push, std::size_t invocations, int group);
+                      std::span<const std::byte> push, std::size_t invocations, int group,
+                      std::uint32_t layers = 1);
 
     /// Others record with it what this class does not do: drawing, image copies.
     VkCommandBuffer get() const { return buffer_; }
@@ -77,6 +80,7 @@ class Commands {
     VkDevice device_ = VK_NULL_HANDLE;
     VkCommandBuffer buffer_ = VK_NULL_HANDLE; // owned by the pool
     std::uint32_t main_family_ = 0, transfer_family_ = 0;
+    std::array<std::uint32_t, 3> groups_max_{};
     bool recording_ = false;
 };
 

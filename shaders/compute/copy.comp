@@ -11,5 +11,7 @@ layout(binding = 1, std430) writeonly buffer Target {
 };
 
 void main() {
-    target[gl_GlobalInvocationID.x] = texelFetch(source, int(gl_GlobalInvocationID.x));
+    const uint row = gl_NumWorkGroups.x * uint(synthesis_workgroup);
+    const uint n = gl_GlobalInvocationID.y * row + gl_GlobalInvocationID.x;
+    target[n] = texelFetch(source, int(n));
 }

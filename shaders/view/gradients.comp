@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Level 0 of the gradients' maps: derivatives of the spline at each node, and foam, linear in space.
 #extension GL_GOOGLE_include_directive : require
+#include "view/flat.glsl"
 #include "view/frame.glsl"
 #include "view/spline.glsl"
 #include "view/gradient_texel.glsl"
@@ -12,7 +13,7 @@ layout(std430, binding = 2) writeonly buffer GradientMaps { uvec4 gradients[]; }
 
 void main() {
     const ViewCascade tile = view.cascade[gl_WorkGroupID.z];
-    const int n = int(gl_GlobalInvocationID.x);
+    const int n = flat_invocation();
     if (n >= tile.nodes * tile.nodes)
         return;
     const int finer = tile.nodes / tile.points;

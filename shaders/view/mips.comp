@@ -3,6 +3,7 @@
 // One further level of the maps of every cascade, each texel the mean of four of the level above. Level 0 of the
 // displacements holds coefficients of splines: their values are averaged.
 #extension GL_GOOGLE_include_directive : require
+#include "view/flat.glsl"
 #include "view/frame.glsl"
 #include "view/gradient_texel.glsl"
 
@@ -68,7 +69,7 @@ void gradient_level(ViewCascade tile, int n) {
 
 void main() {
     const ViewCascade tile = view.cascade[gl_WorkGroupID.z];
-    const int n = int(gl_GlobalInvocationID.x);
+    const int n = flat_invocation();
     displacement_level(tile, n);
     gradient_level(tile, n);
 }

@@ -3,6 +3,7 @@
 // Two keyframes of every cascade become the sea of this moment: coefficients of its splines, mixed as the
 // cubic through values and rates at both ends says, and foam beside them, linear in time.
 #extension GL_GOOGLE_include_directive : require
+#include "view/flat.glsl"
 #include "view/frame.glsl"
 
 layout(local_size_x = view_group) in;
@@ -24,7 +25,7 @@ float foam_at(int first, int n) { return texelFetch(keyframes, first + n / 4)[n 
 
 void main() {
     const ViewCascade tile = view.cascade[cascade];
-    const int n = int(gl_GlobalInvocationID.x);
+    const int n = flat_invocation();
     if (n >= tile.points * tile.points)
         return;
     const int x = n % tile.points;

@@ -3,6 +3,7 @@
 // As mix.comp, from maps as a synthesizer leaves them: two keyframes of a cascade become the samples of this moment, values
 // at grid points that splines.comp makes coefficients of. Four points an invocation.
 #extension GL_GOOGLE_include_directive : require
+#include "view/flat.glsl"
 #include "view/frame.glsl"
 
 layout(local_size_x = view_group) in;
@@ -22,7 +23,7 @@ layout(push_constant) uniform Push {
 void main() {
     const ViewCascade tile = view.cascade[cascade];
     const int quads = tile.points * tile.points / 4;
-    const int n = int(gl_GlobalInvocationID.x);
+    const int n = flat_invocation();
     if (n >= quads)
         return;
     const int before = tile.before_first + n, after = tile.after_first + n;

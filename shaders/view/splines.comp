@@ -3,6 +3,7 @@
 // Samples become coefficients of cubic splines, along one axis: the periodic prefilter of sea/surface/maps/spline_map.h as
 // the convolution that it is, of sqrt(3) * pole^|j|. Foam, which is linear in space, stays.
 #extension GL_GOOGLE_include_directive : require
+#include "view/flat.glsl"
 #include "view/frame.glsl"
 
 layout(local_size_x = view_group) in;
@@ -18,7 +19,7 @@ const int memory = 13;             // 4e-8 is left
 
 void main() {
     const ViewCascade tile = view.cascade[gl_WorkGroupID.z];
-    const int n = int(gl_GlobalInvocationID.x);
+    const int n = flat_invocation();
     if (n >= tile.points * tile.points)
         return;
     const int mask = tile.points - 1; // a power of two

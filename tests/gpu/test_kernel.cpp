@@ -128,6 +128,30 @@ TEST(Bindings, of_a_buffer_that_is_longer_than_a_shader_may_see_are_refused_by_n
     EXPECT_EQ(checked((1u << 16) + 4, 16), "\"View\" of 65540 bytes: a shader may see 65536");
 }
 
+TEST_F(DeviceTest, more_groups_a_side_than_the_device_takes_are_a_mistake_of_ours) {
+    GTEST_FLAG_SET(death_test_style, "threadsafe"); // the driver has threads
+    const auto source = Buffer::create(*device_, "source", 16, BufferKind::device).value();
+    const auto result = Buffer::create(*device_, "result", 16, BufferKind::device).value();
+    const auto view =
+        TexelView::create(*device_, source, VK_FORMAT_R32G32B32A32_SFLOAT, 16, 0, 16).value();
+    const auto kernel = Kernel::create(*device_, "scale", scale_comp, scale_expectation()).value();
+    const auto bindings = kernel.bind(*device_, {texels(view), whole(result)}).value();
+    const Push push{{}, 0, 0}; // nothing is computed
+    Commands commands = Commands::create(*device_).value();
+    ASSERT_TRUE(commands.begin());
+    const auto& most = device_->limits().maxComputeWorkGroupCount;
+    for (int side = 0; side < 3; ++side) {
+        if (most[side] == ~std::uint32_t{0})
+            continue;
+        std::uint32_t groups[] = {1, 1, 1};
+        groups[side] = most[side] + 1;
+        EXPECT_DEATH(commands.dispatch(kernel, bindings, std::as_bytes(std::span(&push, 1)),
+                                       groups[0], groups[1], groups[2]),
+                     "more groups than the device takes");
+    }
+    EXPECT_TRUE(commands.end());
+}
+
 TEST_F(DeviceTest, a_kernel_that_differs_from_its_program_is_refused_with_both_names) {
     KernelExpectation expected = scale_expectation();
     expected.bindings[1].name = "maps";

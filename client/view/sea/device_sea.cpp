@@ -28,23 +28,17 @@ using gpu::storage;
 using gpu::texel_buffer;
 constexpr std::array<std::uint32_t, 3> group{shaders::view_group, 1, 1};
 
-std::size_t spline_floats(int points) {
-    const auto side = static_cast<std::size_t>(points + sea::SplineMap::border);
-    return side * side * sea::SplineMap::channels;
+std::size_t square(int side) {
+    return static_cast<std::size_t>(side) * static_cast<std::size_t>(side);
 }
 
-std::size_t foam_floats(int points) {
-    return static_cast<std::size_t>(points) * static_cast<std::size_t>(points);
+std::size_t spline_floats(int points) {
+    return square(points + sea::SplineMap::border) * sea::SplineMap::channels;
 }
 
 /// Texels of all levels of a map.
 int chain_texels(int side) {
     return (4 * side * side - 1) / 3;
-}
-
-std::uint32_t groups_of(int side) {
-    return (static_cast<std::uint32_t>(side * side) + shaders::view_group - 1) /
-           shaders::view_group;
 }
 
 using gpu::keep;
@@ -167,7 +161,7 @@ Result<void> DeviceSea::allocate(const SeaFrame& frame) {
 
 Result<void> DeviceSea::allocate_keyframes(Cascade& cascade) {
     const std::size_t bytes =
-        slots * (spline_floats(cascade.points) + foam_floats(cascade.points)) * sizeof(float);
+        slots * (spline_floats(cascade.points) + square(cascade.points)) * sizeof(float);
     SEAWAY_TRY(keep(cascade.keyframes, gpu::Buffer::create(*device_, "keyframes of a tile", bytes,
                                                            gpu::BufferKind::device)));
     SEAWAY_TRY(keep(cascade.texels, gpu::TexelView::create(*device_, cascade.keyframes, floats,
@@ -237,7 +231,7 @@ void DeviceSea::put(std::size_t cascade, const CascadeFrame& from) {
     take_both(to.splines, from.keyframes.before, from.keyframes.after, coefficients, 0, stride);
     if (from.foam_before && from.foam_after)
         take_both(to.foams, from.foam_before, from.foam_after, foam, slots * stride,
-                  foam_floats(to.points));
+                  square(to.points));
 }
 
 Result<void> DeviceSea::take(const SeaFrame& frame, const gpu::Buffer& values) {
@@ -275,7 +269,7 @@ void DeviceSea::describe_copied(const Cascade& kept, const CascadeFrame& from, s
     out.foam_share = -1;
     if (!from.foam_before || !from.foam_after)
         return;
-    const std::size_t foams = foam_floats(kept.points);
+    const std::size_t foams = square(kept.points);
     out.foam_before_first = place(kept.foams, from.foam_before, slots * stride, foams);
     out.foam_after_first = place(kept.foams, from.foam_after, slots * stride, foams);
     out.foam_share = share_of(from.foam_before->time_us, from.foam_after->time_us, time_us);
@@ -322,20 +316,22 @@ void DeviceSea::record(gpu::Commands& commands, const gpu::Buffer& values) {
     for (std::size_t c = 0; c < cascades_.size(); ++c) {
         const auto index = static_cast<std::int32_t>(c);
         if (!stands_)
-            commands.dispatch(mix_, cascades_[c].mix.at(values.get()),
-                              std::as_bytes(std::span(&index, 1)), groups_of(cascades_[c].points));
+            commands.dispatch_all(mix_, cascades_[c].mix.at(values.get()),
+                                  std::as_bytes(std::span(&index, 1)), square(cascades_[c].points),
+                                  shaders::view_group);
         points = std::max(points, cascades_[c].points);
         nodes = std::max(nodes, cascades_[c].nodes);
     }
     commands.barrier(Stage::compute, Stage::compute);
     const auto layers = static_cast<std::uint32_t>(cascades_.size());
     const Sets& sets = sets_.at(values.get());
-    commands.dispatch(level_0_, sets.gradients, {}, groups_of(nodes), 1, layers);
+    commands.dispatch_all(level_0_, sets.gradients, {}, square(nodes), shaders::view_group, layers);
     commands.barrier(Stage::compute, Stage::compute);
     for (std::int32_t level = 1;
          level < static_cast<int>(std::bit_width(static_cast<unsigned>(nodes))); ++level) {
-        commands.dispatch(mips_, sets.mips, std::as_bytes(std::span(&level, 1)),
-                          groups_of(std::max(nodes >> level, points >> level)), 1, layers);
+        commands.dispatch_all(mips_, sets.mips, std::as_bytes(std::span(&level, 1)),
+                              square(std::max(nodes >> level, points >> level)),
+                              shaders::view_group, layers);
         commands.barrier(Stage::compute, Stage::compute);
     }
 }

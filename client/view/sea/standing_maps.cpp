@@ -48,11 +48,6 @@ Planes planes_of(std::size_t cascade, sea::FieldSet fields) {
             map(Field::foam)};
 }
 
-std::uint32_t groups_of(int invocations) {
-    return (static_cast<std::uint32_t>(invocations) + shaders::view_group - 1) /
-           shaders::view_group;
-}
-
 } // namespace
 
 Result<StandingMaps> StandingMaps::create(gpu::Device& device) {
@@ -119,17 +114,19 @@ void StandingMaps::record(gpu::Commands& commands, const gpu::Buffer& values) {
     for (std::size_t c = 0; 2 * c < taken_.size(); ++c) {
         const StandingKeyframe& before = *taken_[2 * c];
         const Planes planes = planes_of(c, before.fields);
-        commands.dispatch(planes_, planes_sets_.at({values.get(), before.maps->get()}),
-                          std::as_bytes(std::span(&planes, 1)),
-                          groups_of(before.size * before.size / 4));
+        commands.dispatch_all(planes_, planes_sets_.at({values.get(), before.maps->get()}),
+                              std::as_bytes(std::span(&planes, 1)),
+                              static_cast<std::size_t>(before.size * before.size / 4),
+                              shaders::view_group);
         points = std::max(points, before.size);
     }
     const Splines& sets = splines_sets_.at(values.get());
     for (const std::int32_t axis : {0, 1}) {
         commands.barrier(Stage::compute, Stage::compute);
-        commands.dispatch(splines_, axis == 0 ? sets.along_x : sets.along_y,
-                          std::as_bytes(std::span(&axis, 1)), groups_of(points * points), 1,
-                          static_cast<std::uint32_t>(taken_.size() / 2));
+        commands.dispatch_all(splines_, axis == 0 ? sets.along_x : sets.along_y,
+                              std::as_bytes(std::span(&axis, 1)),
+                              static_cast<std::size_t>(points * points), shaders::view_group,
+                              static_cast<std::uint32_t>(taken_.size() / 2));
     }
 }
 

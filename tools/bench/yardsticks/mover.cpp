@@ -84,9 +84,7 @@ class Copies final : public Mover {
     std::string name() const override { return "a copy kernel"; }
     Result<double> seconds(std::size_t bytes) override {
         SEAWAY_TRY(commands_.begin());
-        commands_.dispatch(
-            kernel_, bindings_, {},
-            static_cast<std::uint32_t>(bytes / texel / shaders::synthesis_workgroup));
+        commands_.dispatch_all(kernel_, bindings_, {}, bytes / texel, shaders::synthesis_workgroup);
         commands_.barrier(gpu::Stage::compute, gpu::Stage::host);
         SEAWAY_TRY(commands_.end());
         const auto start = Clock::now();
