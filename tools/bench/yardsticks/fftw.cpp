@@ -2,8 +2,10 @@
 #include "tools/bench/yardsticks/fftw.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <map>
+#include <span>
 #include <vector>
 
 #include <dlfcn.h>
@@ -64,25 +66,29 @@ class Loaded final : public Fftw {
 
     Result<double> seconds(int size, int count) override {
         SEAWAY_TRY(make_plans(size));
+        std::array<double, threads> took_s{};
         struct Work {
             const Functions& functions;
             std::span<const Plan> plans;
             int count;
+            std::span<double, threads> took_s;
         };
-        const Work work{functions_, plans_[size], count};
+        const Work work{functions_, plans_[size], count, took_s};
         const Phase phase{[](const void* context, int thread, int) {
                               const Work& own = *static_cast<const Work*>(context);
                               const Plan& plan = own.plans[static_cast<std::size_t>(thread)];
                               for (int i = thread; i < own.count; i += threads) {
                                   std::copy_n(plan.kept.begin(), plan.kept.size(),
                                               reinterpret_cast<float*>(plan.spectrum));
+                                  const auto start = Clock::now();
                                   own.functions.execute(plan.handle, plan.spectrum, plan.map);
+                                  own.took_s[static_cast<std::size_t>(thread)] +=
+                                      std::chrono::duration<double>(Clock::now() - start).count();
                               }
                           },
                           &work, threads};
-        const auto start = Clock::now();
         pool_.run({&phase, 1});
-        return std::chrono::duration<double>(Clock::now() - start).count();
+        return *std::ranges::max_element(took_s);
     }
 
   private:

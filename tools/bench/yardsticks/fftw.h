@@ -16,7 +16,7 @@ class Fftw {
     virtual ~Fftw() = default;
     virtual std::string name() const = 0;
     /// Seconds of so many transforms of half spectra to real maps of size x size, by two threads, each with its own plan:
-    /// nothing before or after them. The first call of a size measures plans (FFTW_MEASURE), some tenths of a second.
+    /// of the thread that took longer, without the copies that spectra are filled by. The first call of a size measures plans (FFTW_MEASURE), some tenths of a second.
     virtual Result<double> seconds(int size, int count) = 0;
 };
 
