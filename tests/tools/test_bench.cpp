@@ -244,6 +244,8 @@ enum DeviceCell {
 std::string device_csv(const std::string& device) {
     const std::string scene = testing::folder().write("device.toml", scene_text);
     const std::string out = testing::folder().file("device_" + device);
+    // As in a fresh home: no driver has a cache there yet.
+    setenv("MESA_SHADER_CACHE_DIR", testing::folder().file("mesa_" + device).c_str(), 1);
     const Output ran =
         testing::run_program("seaway-bench", "device --rounds 2 --sizes 64,128 --device " + device +
                                                  " --scene " + scene + " --out " + out);
@@ -281,6 +283,10 @@ TEST_P(DeviceBench, measures_maps_of_each_size_beside_what_memory_gives) {
     expect_equal(cell(csv_, "maps,128,eight,", megabytes), 16 * 128 * 128 * 4e-6,
                  "eight maps a tile");
     EXPECT_GT(cell(csv_, "start,64,warm,", wall_ms), 0);
+    if (is_vulkan()) { // of 64 points lavapipe compiles for four times as long as all the rest takes
+        EXPECT_LT(cell(csv_, "start,64,warm,", wall_ms),
+                  0.7 * cell(csv_, "start,64,cold,", wall_ms));
+    }
     EXPECT_GT(cell(csv_, "encode,64,", wall_ms), 0);
     EXPECT_GT(cell(csv_, "bandwidth,", best_ms), 0);
     for (const char* row : {"copied,", ",cold,"})

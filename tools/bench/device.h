@@ -37,7 +37,8 @@ struct DeviceOptions {
 ///     gflop_per_s of the transforms, counted as 2.5 N log2 N each, of N points; of `arithmetic` what a kernel of nothing but
 ///                products and sums comes to
 ///     arithmetic_pct that, of the latter
-/// Cold is without a driver's cache of kernels on disk, where the driver is one of Mesa or NVIDIA.
+/// Cold is without a driver's cache of kernels on disk, where the driver is one of Mesa or NVIDIA; warm is with what an
+/// earlier start has left there. Which design of kernels is the fastest is known to both.
 Result<void> run_device(const DeviceOptions& options);
 
 } // namespace seaway::bench
