@@ -58,10 +58,14 @@ inline std::uint64_t phase_turns(Rate rate, TimeUs t_us) {
     return rate * static_cast<std::uint64_t>(t_us);
 }
 
+/// Turns, 0.64 fixed point, wrapped to [-pi, pi), rad.
+inline double rad_from_turns(std::uint64_t turns) {
+    return static_cast<double>(static_cast<std::int64_t>(turns)) * (std::numbers::pi / 0x1p63);
+}
+
 /// Phase wrapped to [-pi, pi), rad.
 inline double phase_rad(Rate rate, TimeUs t_us) {
-    return static_cast<double>(static_cast<std::int64_t>(phase_turns(rate, t_us))) *
-           (std::numbers::pi / 0x1p63);
+    return rad_from_turns(phase_turns(rate, t_us));
 }
 
 } // namespace seaway::sea

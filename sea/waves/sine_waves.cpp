@@ -180,7 +180,7 @@ SineField sine_field(const SineRamps& ramps, std::uint64_t seed, std::uint32_t s
     for (const SineWave& wave : sine_waves(ramps, seed, system, dispersion)) {
         const Rate rate = mode_rate(wave.omega_radps, loop_period_us);
         field.waves.push_back({step * wave.nx, step * wave.ny, height_scale * wave.amplitude_m,
-                               wave.phase_rad, rate, omega_from_rate(rate)});
+                               wave.phase_rad, rate, omega_from_rate(rate), 0});
     }
     return field;
 }
@@ -224,8 +224,8 @@ LagrangianPoint plain_sines_at(const SineField& field, double x_m, double y_m, T
     LagrangianPoint point;
     const double x = std::fmod(x_m, field.length_m), y = std::fmod(y_m, field.length_m);
     for (const SineField::Wave& wave : field.waves) {
-        const double phase = wave.kx_radpm * x + wave.ky_radpm * y -
-                             phase_rad(wave.rate, phase_time) + wave.phase_rad;
+        const double phase =
+            wave.kx_radpm * x + wave.ky_radpm * y - wave.turned_rad(phase_time) + wave.phase_rad;
         add_plane_wave(wave, wave.amplitude_m * std::cos(phase), wave.amplitude_m * std::sin(phase),
                        point);
     }
@@ -247,8 +247,8 @@ LagrangianPoint sines_at(const SineField& field, double x_m, double y_m, TimeUs 
     double x_x = 1.0, x_y = 0.0, y_x = 0.0, y_y = 1.0;
     double x_t = 0.0, y_t = 0.0;
     for (const SineField::Wave& wave : field.waves) {
-        const double phase = wave.kx_radpm * x + wave.ky_radpm * y -
-                             phase_rad(wave.rate, phase_time) + wave.phase_rad;
+        const double phase =
+            wave.kx_radpm * x + wave.ky_radpm * y - wave.turned_rad(phase_time) + wave.phase_rad;
         const double phase_x = wave.kx_radpm * x_x + wave.ky_radpm * y_x;
         const double phase_y = wave.kx_radpm * x_y + wave.ky_radpm * y_y;
         const double phase_t = wave.kx_radpm * x_t + wave.ky_radpm * y_t - wave.omega_radps;

@@ -96,6 +96,13 @@ struct SineField {
         double phase_rad;
         Rate rate;
         double omega_radps; ///< what `rate` stands for
+        /// That a change of frequency on the way has left, 0.64 fixed point (sea/waves/transition.h).
+        std::uint64_t phase_offset_turns = 0;
+
+        /// By how much it has turned since time 0, wrapped.
+        double turned_rad(TimeUs phase_time) const {
+            return rad_from_turns(phase_turns(rate, phase_time) + phase_offset_turns);
+        }
     };
     SineKind kind = SineKind::exponential; ///< not gerstner
     double length_m = 0.0;

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 #include <fmt/format.h>
@@ -14,8 +13,7 @@ namespace {
 
 /// exp(-i 2 pi turns), turns in 0.64 fixed point.
 std::complex<double> turned_back(std::uint64_t turns) {
-    const double angle =
-        static_cast<double>(static_cast<std::int64_t>(turns)) * (std::numbers::pi / 0x1p63);
+    const double angle = rad_from_turns(turns);
     return {std::cos(angle), -std::sin(angle)};
 }
 
@@ -51,26 +49,39 @@ void adopt_rates(const CascadeModes& from, CascadeModes& to) {
             to.rate[i] = from.rate[i];
 }
 
-/// An octave of noise stands, at the change, where the old one stood.
-void continue_octave(const NoiseOctave& from, TimeUs from_time, TimeUs to_time, NoiseOctave& to) {
-    const auto offset = [&](std::uint64_t old_offset, Rate old_rate, Rate rate) {
-        return old_offset - phase_turns(old_rate, from_time) + phase_turns(rate, to_time);
-    };
-    to.offset_x = offset(from.offset_x, from.rate_x, to.rate_x);
-    to.offset_y = offset(from.offset_y, from.rate_y, to.rate_y);
+/// How far a wave or a drift has turned at the change, on a clock that turns otherwise from then on.
+struct Clocks {
+    TimeUs from_time;
+    TimeUs to_time;
+
+    std::uint64_t since(Rate from, Rate to) const {
+        return phase_turns(from, from_time) - phase_turns(to, to_time);
+    }
+};
+
+/// The same noise stands, at the change, where it stood.
+void continue_octave(const NoiseOctave& from, const Clocks& clocks, NoiseOctave& to) {
+    if (*from.corners != *to.corners)
+        return;
+    to.offset_x = from.offset_x - clocks.since(from.rate_x, to.rate_x);
+    to.offset_y = from.offset_y - clocks.since(from.rate_y, to.rate_y);
 }
 
-/// Stylised waves keep their phase as the modes do.
-void continue_sines(const CascadeModes& from, CascadeModes& to, TimeUs from_time, TimeUs to_time) {
+/// A wave of the same vector keeps its phase as modes do; its own phase, as theirs, is the new sea's.
+void continue_wave(const SineField::Wave& from, const Clocks& clocks, SineField::Wave& to) {
+    if (from.kx_radpm != to.kx_radpm || from.ky_radpm != to.ky_radpm)
+        return;
+    to.phase_offset_turns = from.phase_offset_turns + clocks.since(from.rate, to.rate);
+}
+
+void continue_sines(const CascadeModes& from, CascadeModes& to, const Clocks& clocks) {
     for (std::size_t f = 0; f < std::min(from.sines.size(), to.sines.size()); ++f) {
         const SineField& before = from.sines[f];
         SineField& after = to.sines[f];
         for (std::size_t w = 0; w < std::min(before.waves.size(), after.waves.size()); ++w)
-            after.waves[w].phase_rad = before.waves[w].phase_rad +
-                                       phase_rad(after.waves[w].rate, to_time) -
-                                       phase_rad(before.waves[w].rate, from_time);
+            continue_wave(before.waves[w], clocks, after.waves[w]);
         for (std::size_t o = 0; o < std::min(before.octaves.size(), after.octaves.size()); ++o)
-            continue_octave(before.octaves[o], from_time, to_time, after.octaves[o]);
+            continue_octave(before.octaves[o], clocks, after.octaves[o]);
     }
 }
 
@@ -83,7 +94,7 @@ void continue_onto(const CascadeModes& source, TimeUs source_time, TimeUs time,
     onto.phase_offset_turns = offsets;
     onto.depth_m = source.depth_m;
     onto.sines = source.sines;
-    continue_sines(source, onto, source_time, time);
+    continue_sines(source, onto, {source_time, time});
 }
 
 void scale(SineField& field, double share) {
@@ -165,7 +176,7 @@ Result<RealizationPtr> continued(const Realization& from, const Realization& to,
         adopt_rates(old_modes, modes);
         modes.phase_offset_turns = continuous_offsets(old_modes, modes, from_time, to_time);
         modes.h0 = with_offsets(to.cascades[c], modes.phase_offset_turns);
-        continue_sines(old_modes, modes, from_time, to_time);
+        continue_sines(old_modes, modes, {from_time, to_time});
     }
     return RealizationPtr(std::move(after));
 }

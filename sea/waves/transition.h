@@ -11,9 +11,10 @@
 //     RealizationPtr sea = change->at(time_us);                    // about 1 ms a 256 x 256
 //     cascade
 //
-// A wave that only the new sea has grows with its own phases, so that a sea whose waves run as those before it is
-// that of its scene alone, whatever it glided from. A restarted server that replays the same changes gets the same
-// sea. Immutable; thread-safe.
+// What goes on is the clock of a wave; the phase that its scene gives it is its own. A wave that only the new sea has, or a
+// stylised one of another vector, grows with its own clock, so that a sea whose waves run as those before it is that of
+// its scene alone, whatever it glided from. A restarted server that replays the same changes gets the same sea.
+// Immutable; thread-safe.
 #pragma once
 
 #include "base/result.h"

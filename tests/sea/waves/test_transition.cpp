@@ -293,6 +293,51 @@ TEST(Transition, a_glide_that_takes_over_from_another_goes_on_without_a_jump) {
     EXPECT_NEAR(height(other->at(wraps - 1), wraps - 1), height(other->at(wraps), wraps), 2e-5);
 }
 
+// Naive: waves of a list stay where they stood, whatever phases it gives them; those of another seed or of a system that
+// has moved up have phases of waves that are not theirs.
+TEST(Transition, stylised_waves_that_run_as_those_before_have_the_phases_of_their_scene) {
+    const auto listed = [](double phase_rad) {
+        SineRamps list = one_of(SineKind::sine, 1.0);
+        list.by_hand = {{33.3, 1.0, 0.4, phase_rad, 0.0}};
+        return list;
+    };
+    const auto spread = [](SineKind kind, double wavelength_m) {
+        SineRamps ramps = one_of(kind, 1.0);
+        ramps.count = 5;
+        ramps.wavelength_m = wavelength_m;
+        ramps.direction_spread_rad = 1.0;
+        return ramps;
+    };
+    struct Change {
+        const char* what;
+        std::vector<WaveSystem> before, after;
+        std::uint64_t seed = 1; ///< of the new sea
+    };
+    const std::vector<Change> changes{
+        {"another phase", {listed(0.0)}, {listed(1.5)}},
+        {"another seed", {spread(SineKind::sine, 33.3)}, {spread(SineKind::sine, 33.3)}, 2},
+        {"noise of another seed",
+         {spread(SineKind::noise, 33.3)},
+         {spread(SineKind::noise, 33.3)},
+         2},
+        {"without the first",
+         {spread(SineKind::exponential, 50.0), spread(SineKind::exponential, 20.0)},
+         {spread(SineKind::exponential, 20.0)}}};
+    for (const Change& change : changes) {
+        SeaState before, after;
+        before.systems = change.before;
+        before.seed = 1;
+        after.systems = change.after;
+        after.seed = change.seed;
+        const auto new_sea = realized(after, {{100.0, 64}});
+        const auto glide =
+            SeaTransition::create(realized(before, {{100.0, 64}}), new_sea, 8'000'000, 20'000'000);
+        ASSERT_TRUE(glide);
+        for (const TimeUs t : {20'000'000, 777'000'000})
+            EXPECT_EQ(height(glide->at(t), t), height(new_sea, t)) << change.what;
+    }
+}
+
 TEST(Transition, a_cascade_that_is_wanted_alone_is_that_of_the_whole_and_the_others_are_not_there) {
     SeaState other = windy_sea();
     std::get<WindSea>(other.systems[0]).wind_speed_10m_mps = 20.0;

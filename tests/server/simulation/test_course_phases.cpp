@@ -61,8 +61,8 @@ void expect_same_waves(const sea::Realization& a, const sea::Realization& b) {
         ASSERT_EQ(a.cascades[c].sines.size(), b.cascades[c].sines.size());
         for (std::size_t f = 0; f < a.cascades[c].sines.size(); ++f)
             for (std::size_t w = 0; w < a.cascades[c].sines[f].waves.size(); ++w)
-                EXPECT_EQ(a.cascades[c].sines[f].waves[w].phase_rad,
-                          b.cascades[c].sines[f].waves[w].phase_rad);
+                EXPECT_EQ(a.cascades[c].sines[f].waves[w].phase_offset_turns,
+                          b.cascades[c].sines[f].waves[w].phase_offset_turns);
     }
 }
 
