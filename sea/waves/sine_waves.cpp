@@ -192,16 +192,17 @@ ExponentialSine exponential_sine(double sharpness) {
 
 std::vector<SineLine> sine_lines(const SineField& field) {
     std::vector<SineLine> lines;
-    const double share =
+    const double variance =
         field.kind == SineKind::exponential ? exponential_sine(field.sharpness).variance : 0.5;
+    const double all = field.share * field.share;
     for (const SineField::Wave& wave : field.waves)
-        lines.push_back({share * wave.amplitude_m * wave.amplitude_m, wave.kx_radpm, wave.ky_radpm,
-                         wave.omega_radps});
+        lines.push_back({all * variance * wave.amplitude_m * wave.amplitude_m, wave.kx_radpm,
+                         wave.ky_radpm, wave.omega_radps});
     for (const NoiseOctave& octave : field.octaves) {
         const double k = noise_slope_cells * octave.cells / field.length_m;
         const double speed = std::hypot(octave.speed_x_mps, octave.speed_y_mps);
         // The slope along the drift is the rms slope over sqrt(2).
-        lines.push_back({octave.variance * octave.amplitude_m * octave.amplitude_m,
+        lines.push_back({all * octave.variance * octave.amplitude_m * octave.amplitude_m,
                          speed > 0.0 ? k * octave.speed_x_mps / speed : k,
                          speed > 0.0 ? k * octave.speed_y_mps / speed : 0.0,
                          speed * k / std::numbers::sqrt2});
@@ -215,7 +216,7 @@ double sine_height_max_m(const SineField& field) {
         sum += wave.amplitude_m;
     for (const NoiseOctave& octave : field.octaves)
         sum += 2.0 * octave.amplitude_m; // corners in -1 .. 1, less their mean
-    return sum;
+    return std::abs(field.share) * sum;
 }
 
 namespace {
@@ -232,11 +233,9 @@ LagrangianPoint plain_sines_at(const SineField& field, double x_m, double y_m, T
     return point;
 }
 
-} // namespace
-
-LagrangianPoint sines_at(const SineField& field, double x_m, double y_m, TimeUs phase_time) {
-    if (field.kind == SineKind::sine)
-        return plain_sines_at(field, x_m, y_m, phase_time);
+/// Octaves of noise too, which stand in place of its waves.
+LagrangianPoint dragged_sines_at(const SineField& field, double x_m, double y_m,
+                                 TimeUs phase_time) {
     const double p = field.sharpness;
     const double mean = exponential_sine(p).mean;
     LagrangianPoint point;
@@ -275,6 +274,17 @@ LagrangianPoint sines_at(const SineField& field, double x_m, double y_m, TimeUs 
         x_t += east * second * phase_t;
         y_t += north * second * phase_t;
     }
+    return point;
+}
+
+} // namespace
+
+LagrangianPoint sines_at(const SineField& field, double x_m, double y_m, TimeUs phase_time) {
+    LagrangianPoint point = field.kind == SineKind::sine
+                                ? plain_sines_at(field, x_m, y_m, phase_time)
+                                : dragged_sines_at(field, x_m, y_m, phase_time);
+    for (double* part : {&point.height, &point.slope_x, &point.slope_y, &point.height_rate})
+        *part *= field.share;
     return point;
 }
 

@@ -108,6 +108,8 @@ struct SineField {
     double length_m = 0.0;
     double sharpness = 1.0;
     double drag = 0.0;
+    /// Of all it adds, in a glide: smaller waves would drag others less.
+    double share = 1.0;
     std::vector<Wave> waves;
     std::vector<NoiseOctave> octaves; ///< noise, in place of waves
 };

@@ -97,18 +97,11 @@ void continue_onto(const CascadeModes& source, TimeUs source_time, TimeUs time,
     continue_sines(source, onto, {source_time, time});
 }
 
-void scale(SineField& field, double share) {
-    for (SineField::Wave& wave : field.waves)
-        wave.amplitude_m *= share;
-    for (NoiseOctave& octave : field.octaves)
-        octave.amplitude_m *= share;
-}
-
 void blend_sines(const CascadeModes& before, double share, CascadeModes& modes) {
     for (SineField& field : modes.sines)
-        scale(field, share);
+        field.share *= share;
     for (SineField field : before.sines) {
-        scale(field, 1.0 - share);
+        field.share *= 1.0 - share;
         modes.sines.push_back(std::move(field));
     }
 }
@@ -248,7 +241,7 @@ RealizationPtr SeaTransition::growth(TimeUs time_us, std::uint32_t cascades) con
             modes.h0[i] -= old_modes.h0[i];
         modes.depth_m = mixed_depth_m(old_modes.depth_m, modes.depth_m, share);
         for (SineField field : old_modes.sines) {
-            scale(field, -1.0);
+            field.share *= -1.0;
             modes.sines.push_back(std::move(field));
         }
     }

@@ -34,7 +34,8 @@ void add_plane_waves(const SineField& field, TimeUs phase_time, Keyframe& keyfra
             const SineField::Wave& wave = field.waves[w];
             const std::complex<double> row =
                 factors[w].rows[iy] *
-                std::polar(wave.amplitude_m, wave.phase_rad - wave.turned_rad(phase_time));
+                (field.share *
+                 std::polar(wave.amplitude_m, wave.phase_rad - wave.turned_rad(phase_time)));
             for (std::size_t ix = 0; ix < size; ++ix) {
                 const std::complex<double> column = factors[w].columns[ix];
                 add_plane_wave(wave, row.real() * column.real() - row.imag() * column.imag(),

@@ -338,6 +338,37 @@ TEST(Transition, stylised_waves_that_run_as_those_before_have_the_phases_of_thei
     }
 }
 
+/// Waves that drag those behind them along by as much as they are high.
+SineRamps dragging(double amplitude_m) {
+    SineRamps ramps = one_of(SineKind::exponential, amplitude_m);
+    ramps.count = 4;
+    ramps.drag = 1.0;
+    return ramps;
+}
+
+// Naive: two halves of a field drag half as far, and less is no field with a minus before it.
+TEST(Transition, waves_that_drag_others_glide_as_sums_of_two_fields) {
+    SeaState high, low;
+    high.systems = {dragging(10.0)};
+    low.systems = {dragging(4.0)};
+    const std::vector<CascadeSpec> tile{{100.0, 64}};
+    const auto sea = realized(high, tile);
+    const auto nowhere = SeaTransition::create(sea, sea, 0, 10'000'000);
+    const auto down = SeaTransition::create(sea, realized(low, tile), 0, 10'000'000);
+    for (const TimeUs t : {1'000'000, 5'000'000, 9'000'000}) {
+        EXPECT_NEAR(height(nowhere->gliding(t), t), height(sea, t), 1e-12);
+        EXPECT_NEAR(height(nowhere->growth(t), t), 0.0, 1e-12);
+        const TimeUs step = 1000;
+        const double rise = (height(down->gliding(t + step), t + step) -
+                             height(down->gliding(t - step), t - step)) /
+                            (2e-6 * static_cast<double>(step));
+        const double waves = DirectSum(down->gliding(t)).at(3.0, 4.0, t).height_rate;
+        const double growth = glide_rate(t, 0, 10'000'000) * height(down->growth(t), t);
+        EXPECT_NEAR(rise, waves + growth, 1e-4) << t; // h^2 w^3 / 6 of the difference
+        EXPECT_GT(std::abs(growth), 1e-3) << "else this says nothing";
+    }
+}
+
 TEST(Transition, a_cascade_that_is_wanted_alone_is_that_of_the_whole_and_the_others_are_not_there) {
     SeaState other = windy_sea();
     std::get<WindSea>(other.systems[0]).wind_speed_10m_mps = 20.0;
