@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 #include <sstream>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -131,7 +132,7 @@ MeasuredSea read_measured(TomlTable& table, const std::string& base_dir) {
     } else {
         refuse_ndbc_keys(table);
     }
-    sea.csv = without_notes(sea.csv);
+    const std::string written = std::exchange(sea.csv, without_notes(sea.csv));
     if (sea.csv.size() > scene_text_bytes_max)
         table.fail(data_key(table),
                    fmt::format("{}: a table has at most {} bytes without its notes", name,
@@ -139,7 +140,7 @@ MeasuredSea read_measured(TomlTable& table, const std::string& base_dir) {
     CoefficientFrame frame = CoefficientFrame::from_clockwise_north;
     if (table.choice("coefficients", frame, frame_names))
         sea.coefficients = frame;
-    Result<MeasuredSpectrum> spectrum = parse_measured(sea.csv, name, frame);
+    Result<MeasuredSpectrum> spectrum = parse_measured(written, name, frame);
     if (!spectrum) {
         table.fail(data_key(table), spectrum.error().message);
         return sea;

@@ -81,6 +81,13 @@ TEST(Scene, phillips_spreads_as_cos2_and_the_others_as_hasselmann_if_nothing_is_
     }
 }
 
+// Naive: lines of the table that is left without its notes.
+TEST(Scene, an_error_in_a_measured_table_names_the_line_that_was_written) {
+    EXPECT_THAT(error_of("[sea]\n[[sea.system]]\ntype = \"measured\"\nfrom_deg = 0\ndata = "
+                         "\"\"\"\n# a note\n# another\nf_hz,df_hz,s_m2_hz\n0.1,0.02,-1\n\"\"\"\n"),
+                HasSubstr("data:4: s_m2_hz = -1"));
+}
+
 TEST(Scene, water_has_an_optical_type_and_a_sea_floor) {
     EXPECT_EQ(testing::scene_of("[sea]").water, Water{});
     for (const auto& [name, type] : water_types) {
