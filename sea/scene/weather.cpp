@@ -57,8 +57,12 @@ Result<Scene> changed(const Scene& scene, std::span<const TomlAssignment> values
     Scene still = scene;
     still.weather.clear();
     std::vector<TomlAssignment> whole(values.begin(), values.end());
-    for (TomlAssignment& value : whole)
+    for (TomlAssignment& value : whole) {
         value.path = whole_path(value.path);
+        if (value.path == "weather" || value.path.starts_with("weather."))
+            return Error{
+                fmt::format("{}: a change is of the sea, not of its timetable", value.path)};
+    }
     SEAWAY_TRY_LET(const std::string text, with_toml_values(to_toml(still), scene.source, whole));
     const std::string folder = std::filesystem::path(scene.source).parent_path().string();
     SEAWAY_TRY_LET(Scene next, parse_scene(text, scene.source + " as changed", folder));
