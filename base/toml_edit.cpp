@@ -75,6 +75,15 @@ Result<void> set(toml::table& root, const TomlAssignment& assignment) {
     return {};
 }
 
+void erase(toml::table& root, const std::string& path) {
+    const std::vector<std::string> segments = segments_of(path);
+    toml::node* node = &root;
+    for (std::size_t i = 0; node && i + 1 < segments.size(); ++i)
+        node = child_of(*node, segments[i]);
+    if (toml::table* table = node ? node->as_table() : nullptr)
+        table->erase(segments.back());
+}
+
 } // namespace
 
 Result<TomlAssignment> parse_toml_assignment(std::string_view text) {
@@ -90,9 +99,12 @@ Result<TomlAssignment> parse_toml_assignment(std::string_view text) {
 }
 
 Result<std::string> with_toml_values(std::string_view text, const std::string& name,
-                                     std::span<const TomlAssignment> values) {
+                                     std::span<const TomlAssignment> values,
+                                     std::span<const std::string> without) {
     SEAWAY_TRY_LET(const TomlDocument document, TomlDocument::parse(text, name));
     toml::table root = document.table();
+    for (const std::string& path : without)
+        erase(root, path);
     for (const TomlAssignment& assignment : values)
         SEAWAY_TRY(set(root, assignment));
     std::ostringstream out;

@@ -22,8 +22,9 @@ struct TomlAssignment {
 Result<TomlAssignment> parse_toml_assignment(std::string_view text);
 
 /// The text with these values, in order; comments are lost. The tables on the way to a key must be there, the key need
-/// not. Every number comes out as it went in, bit for bit.
+/// not. Every number comes out as it went in, bit for bit. First the keys of `without` go, where there are such.
 Result<std::string> with_toml_values(std::string_view text, const std::string& name,
-                                     std::span<const TomlAssignment> values);
+                                     std::span<const TomlAssignment> values,
+                                     std::span<const std::string> without = {});
 
 } // namespace seaway

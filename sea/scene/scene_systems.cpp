@@ -69,8 +69,10 @@ void read_phillips(TomlTable& table, WindSea& sea, double gravity_mps2) {
         table.number("phillips_constant", sea.phillips_constant, {0.0, 1.0});
         return;
     }
+    table.refuse("phillips_constant", "excludes significant_height_m: give one of the two");
     if (!table.number("significant_height_m", height_m, {0.0, 40.0}))
         return;
+    sea.significant_height_m = height_m;
     const double length = sea.wind_speed_10m_mps * sea.wind_speed_10m_mps / gravity_mps2;
     const double unit_variance = pi * length * length * (sea.phillips_upwind ? 0.5 : 0.25);
     sea.phillips_constant = height_m * height_m / 16.0 / unit_variance;

@@ -54,7 +54,10 @@ void write(Writer& out, const WindSea& sea) {
         out.value("gamma", sea.gamma);
     }
     if (sea.spectrum == SpectrumKind::phillips) {
-        out.value("phillips_constant", sea.phillips_constant);
+        if (sea.significant_height_m)
+            out.value("significant_height_m", *sea.significant_height_m);
+        else
+            out.value("phillips_constant", sea.phillips_constant);
         out.value("phillips_upwind", sea.phillips_upwind);
     }
     write(out, sea.spreading);

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sea/scene/weather.h"
 
+#include <algorithm>
 #include <filesystem>
+#include <iterator>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -13,6 +16,23 @@ namespace {
 std::string whole_path(const std::string& path) {
     constexpr std::string_view said = "systems.";
     return path.starts_with(said) ? "sea.system." + path.substr(said.size()) : path;
+}
+
+/// Of two keys of a system that exclude each other, the one that is set stands in place of the other.
+constexpr std::pair<std::string_view, std::string_view> exclusive_keys[] = {
+    {"wind_speed_10m_mps", "wind_speed_19m5_mps"}, {"phillips_constant", "significant_height_m"}};
+
+std::vector<std::string> keys_replaced_by(const std::string& path) {
+    constexpr std::string_view systems = "sea.system.";
+    const std::size_t at = path.rfind('.') + 1;
+    std::vector<std::string> replaced;
+    if (!path.starts_with(systems))
+        return replaced;
+    const std::string_view key = std::string_view(path).substr(at);
+    for (const auto& [a, b] : exclusive_keys)
+        if (key == a || key == b)
+            replaced.push_back(path.substr(0, at).append(key == a ? b : a));
+    return replaced;
 }
 
 bool same_cascades(const Scene& a, const Scene& b) {
@@ -57,13 +77,16 @@ Result<Scene> changed(const Scene& scene, std::span<const TomlAssignment> values
     Scene still = scene;
     still.weather.clear();
     std::vector<TomlAssignment> whole(values.begin(), values.end());
+    std::vector<std::string> replaced;
     for (TomlAssignment& value : whole) {
         value.path = whole_path(value.path);
         if (value.path == "weather" || value.path.starts_with("weather."))
             return Error{
                 fmt::format("{}: a change is of the sea, not of its timetable", value.path)};
+        std::ranges::move(keys_replaced_by(value.path), std::back_inserter(replaced));
     }
-    SEAWAY_TRY_LET(const std::string text, with_toml_values(to_toml(still), scene.source, whole));
+    SEAWAY_TRY_LET(const std::string text,
+                   with_toml_values(to_toml(still), scene.source, whole, replaced));
     const std::string folder = std::filesystem::path(scene.source).parent_path().string();
     SEAWAY_TRY_LET(Scene next, parse_scene(text, scene.source + " as changed", folder));
     next.source = scene.source;

@@ -33,6 +33,8 @@ struct WindSea {
     double fetch_m = std::numeric_limits<double>::infinity(); ///< jonswap, tma; infinite: grown
     double gamma = 3.3;                                       ///< peak enhancement, 1 .. 20
     double phillips_constant = 8.1e-3;                        ///< phillips: its A, 0 .. 1
+    /// phillips, where a scene gives it so; then the constant follows from it, the wind and gravity.
+    std::optional<double> significant_height_m;
     bool phillips_upwind = false; ///< phillips: cos^2 in both half planes, as Tessendorf 2001
     SpreadingModel spreading;
 };

@@ -81,6 +81,14 @@ TEST(Scene, phillips_spreads_as_cos2_and_the_others_as_hasselmann_if_nothing_is_
     }
 }
 
+TEST(Scene, phillips_takes_a_constant_or_a_height_and_says_so) {
+    const std::string phillips = "[sea]\n[[sea.system]]\ntype = \"wind\"\n"
+                                 "wind_speed_10m_mps = 9\nfrom_deg = 0\nspectrum = \"phillips\"\n";
+    EXPECT_THAT(error_of(phillips + "phillips_constant = 0.008\nsignificant_height_m = 1\n"),
+                HasSubstr("s.toml:7: sea.system[1].phillips_constant: excludes "
+                          "significant_height_m: give one of the two"));
+}
+
 // Naive: lines of the table that is left without its notes.
 TEST(Scene, an_error_in_a_measured_table_names_the_line_that_was_written) {
     EXPECT_THAT(error_of("[sea]\n[[sea.system]]\ntype = \"measured\"\nfrom_deg = 0\ndata = "

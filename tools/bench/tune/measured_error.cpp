@@ -107,6 +107,7 @@ sea::Scene grown(sea::Scene scene, double factor) {
     for (sea::WaveSystem& system : scene.sea.systems) {
         if (auto* wind = std::get_if<sea::WindSea>(&system)) {
             wind->wind_speed_10m_mps *= factor;
+            wind->significant_height_m.reset(); // it is its constant that stays
             if (wind->wind_speed_19m5_mps)
                 *wind->wind_speed_19m5_mps *= factor;
         } else if (auto* swell = std::get_if<sea::Swell>(&system)) {
