@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "base/normal_number.h"
+
 namespace seaway {
 
 namespace {
@@ -16,7 +18,7 @@ std::optional<double> finite_number(std::string_view field) {
     const auto [end, problem] = std::from_chars(field.data(), field.data() + field.size(), value);
     if (problem != std::errc() || end != field.data() + field.size() || !std::isfinite(value))
         return std::nullopt;
-    return value;
+    return normal_or_zero(value);
 }
 
 } // namespace

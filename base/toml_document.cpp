@@ -2,12 +2,12 @@
 #include "base/toml_document.h"
 
 #include <algorithm>
-#include <cmath>
 #include <sstream>
 
 #include <fmt/format.h>
 
 #include "base/nearest.h"
+#include "base/normal_number.h"
 #include "base/toml_header.h"
 
 namespace seaway {
@@ -31,7 +31,7 @@ std::optional<double> as_number(const toml::node& node) {
     if (const auto* value = node.as_integer())
         return static_cast<double>(value->get());
     if (const auto* value = node.as_floating_point())
-        return value->get();
+        return normal_or_zero(value->get());
     return std::nullopt;
 }
 
@@ -175,8 +175,7 @@ bool TomlTable::number(std::string_view key, double& out, Range range) {
         bad_value(key, shown(*node), fmt::format("a number {} .. {}", range.lo, range.hi));
         return false;
     }
-    // -0 and denormals are 0: nothing behind the reader meets them (hard case A21).
-    out = std::fpclassify(*value) == FP_SUBNORMAL || *value == 0.0 ? 0.0 : *value;
+    out = *value;
     return true;
 }
 

@@ -55,7 +55,7 @@ MeasuredDirections MeasuredDirections::from_table(double first_rad, std::vector<
     for (const double value : density)
         sum += value;
     for (double& value : density)
-        value *= count / (two_pi * sum);
+        value = value / sum * (count / two_pi);
     d.table_ = std::move(density);
     // The first moment of the straight lines between the entries: the entries' own, times sinc^2.
     const double step = two_pi / count;

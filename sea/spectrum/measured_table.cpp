@@ -18,6 +18,10 @@ using Complex = std::complex<double>;
 constexpr std::size_t bins_max = 4096;
 constexpr std::size_t table_rows_max = 72 * 1024;
 
+/// Waves of some hours and of a hand's breadth.
+constexpr double frequency_min_hz = 1e-4;
+constexpr double frequency_max_hz = 100.0;
+
 /// Of a bin, at least this share must be its own; what bins overlap by less is left to the first.
 constexpr double own_share_min = 0.4;
 /// Edges closer than this share of a width are the same edge, rounded.
@@ -114,10 +118,11 @@ class BuoyReader {
         const double f = row[columns_.f], s = row[columns_.s];
         const double lo = columns_.df ? f - 0.5 * row[*columns_.df] : row[*columns_.f_lo];
         const double hi = columns_.df ? f + 0.5 * row[*columns_.df] : row[*columns_.f_hi];
-        if (!(lo > 0.0 && lo < f && f < hi && f <= 100.0 && hi < 200.0))
+        if (!(lo > 0.0 && lo < f && f < hi && f >= frequency_min_hz && f <= frequency_max_hz &&
+              hi < 2.0 * frequency_max_hz))
             return table_.error(r, fmt::format("f_hz = {}, bin {:g} .. {:g} Hz: a bin holds its "
-                                               "frequency, and lies above 0 Hz and below 100 Hz",
-                                               f, lo, hi));
+                                               "frequency, {} .. {} Hz, and lies above 0 Hz",
+                                               f, lo, hi, frequency_min_hz, frequency_max_hz));
         if (!(s >= 0.0 && s <= 1e6))
             return table_.error(r, fmt::format("s_m2_hz = {}; allowed: 0 .. 1e6", s));
         MeasuredBin bin{two_pi * lo, two_pi * hi, two_pi * f, s / two_pi, std::nullopt};
@@ -227,8 +232,10 @@ Result<MeasuredSpectrum> from_directions(const CsvTable& table) {
         const double before =
             b > 0 ? table.rows[first - count][f] : here - (table.rows[first + count][f] - here);
         const double after = b + 1 < bins ? table.rows[first + count][f] : here + (here - before);
-        if (!(before < here && here < after && here > 0.0 && after < 100.0))
-            return table.error(first, "f_hz must ascend, above 0 Hz and below 100 Hz");
+        if (!(before < here && here < after && here >= frequency_min_hz &&
+              after < frequency_max_hz))
+            return table.error(first, fmt::format("f_hz must ascend, {} .. {} Hz", frequency_min_hz,
+                                                  frequency_max_hz));
         // The table turns clockwise in "from"; ours anticlockwise in "towards": last row first.
         std::vector<double> density(count);
         double sum = 0.0;

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -106,6 +107,14 @@ TEST(CsvTable, what_is_no_number_is_named_by_line_column_and_value) {
     EXPECT_EQ(table->column("b"), 1u);
     EXPECT_EQ(table->column("c"), 2u);
     EXPECT_EQ(table->column("d"), std::nullopt);
+}
+
+TEST(CsvTable, numbers_below_the_smallest_normal_are_zero) {
+    const Result<CsvTable> table = parse_csv("a,b,c\n1e-310,-0,1e-300\n", "t", 10);
+    ASSERT_TRUE(table);
+    EXPECT_EQ(table->rows[0][0], 0);
+    EXPECT_FALSE(std::signbit(table->rows[0][1]));
+    EXPECT_EQ(table->rows[0][2], 1e-300);
 }
 
 TEST_F(TextFile, a_path_through_a_file_leads_to_no_file) {

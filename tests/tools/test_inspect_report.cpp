@@ -320,6 +320,23 @@ TEST(InspectReport, the_sea_state_is_that_of_the_height_that_was_asked_for) {
     FAIL() << "no seed makes more of it";
 }
 
+// Naive: null for what is not finite.
+TEST(InspectReport, waves_of_hardly_any_energy_have_numbers_for_all_that_is_asked_of_them) {
+    for (const char* energy : {"1e-310", "3e-308", "1e-200"}) {
+        std::string table = "f_hz,dir_from_deg,e_m2_hz_deg\n";
+        for (const char* f_hz : {"0.1", "0.2"})
+            for (int from_deg = 0; from_deg < 360; from_deg += 5)
+                table += fmt::format("{},{},{}\n", f_hz, from_deg, from_deg == 90 ? energy : "0");
+        const json report = report_of(folder().write(
+            "faint.toml", "[sea]\n[[sea.system]]\ntype = \"measured\"\ndata = \"\"\"\n" + table +
+                              "\"\"\"\n[[cascade]]\nlength_m = 300\nsize = 64\n"));
+        for (const char* part : {"requested", "realised"})
+            for (const auto& [key, value] : report.at(part).items())
+                EXPECT_TRUE(value.is_number()) << energy << ' ' << part << '.' << key;
+        EXPECT_TRUE(report.at("longest_peak_wavelength_m").is_number()) << energy;
+    }
+}
+
 /// The numbers of a line, each with half a unit of its last digit.
 struct Printed {
     double value;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Scenes that are refused for how they are written, and by which key.
+#include <cmath>
 #include <string>
 #include <utility>
 #include <variant>
@@ -94,6 +95,18 @@ TEST(Scene, an_error_in_a_measured_table_names_the_line_that_was_written) {
     EXPECT_THAT(error_of("[sea]\n[[sea.system]]\ntype = \"measured\"\nfrom_deg = 0\ndata = "
                          "\"\"\"\n# a note\n# another\nf_hz,df_hz,s_m2_hz\n0.1,0.02,-1\n\"\"\"\n"),
                 HasSubstr("data:4: s_m2_hz = -1"));
+}
+
+// Naive: one row that a spectrum cannot be divided by.
+TEST(Scene, A21_numbers_below_the_smallest_normal_are_zero_in_lists_and_tables_too) {
+    const Scene scene = testing::scene_of(
+        "[sea]\nchoppiness = [1e-310, -0.0]\n[water]\nbottom_albedo = [1e-310, 0.5, 1]\n"
+        "[[sea.system]]\ntype = \"modes\"\nlength_m = 100\ndata = "
+        "\"nx,ny,amplitude_m,phase_rad\\n1,0,1e-310,0\\n\"\n");
+    EXPECT_EQ(scene.sea.choppiness.x, 0);
+    EXPECT_FALSE(std::signbit(scene.sea.choppiness.y));
+    EXPECT_EQ(scene.water.bottom_albedo[0], 0);
+    EXPECT_EQ(std::get<ExplicitModes>(scene.sea.systems[0]).modes[0].amplitude_m, 0);
 }
 
 TEST(Scene, water_has_an_optical_type_and_a_sea_floor) {

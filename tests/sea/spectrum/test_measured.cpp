@@ -201,6 +201,25 @@ TEST(Measured, energy_that_is_counted_twice_or_dropped_is_told) {
                 HasSubstr("t:3: f_hz = 0.102: frequencies must ascend and bins must not cover"));
 }
 
+// Naive: 1 Hz to the power of minus 160, whose wave is longer than a double says.
+TEST(Measured, frequencies_are_those_of_waves) {
+    for (const char* f_hz : {"1e-300", "9.9e-5", "101"}) {
+        const auto buoy = parse_measured(
+            fmt::format("f_hz,f_lo_hz,f_hi_hz,s_m2_hz\n{0},1e-301,150,1\n", f_hz), "t");
+        ASSERT_FALSE(buoy);
+        EXPECT_THAT(buoy.error().message, ::testing::HasSubstr("t:2: f_hz = "));
+        EXPECT_THAT(buoy.error().message, ::testing::HasSubstr("0.0001 .. 100 Hz"));
+    }
+    std::string directions = "f_hz,dir_from_deg,e_m2_hz_deg\n";
+    for (const char* f_hz : {"9.9e-5", "0.1"})
+        for (int from_deg = 0; from_deg < 360; from_deg += 90)
+            directions += fmt::format("{},{},1\n", f_hz, from_deg);
+    const auto table = parse_measured(directions, "t");
+    ASSERT_FALSE(table);
+    EXPECT_THAT(table.error().message, ::testing::HasSubstr("t:2: f_hz must ascend, 0.0001"));
+    EXPECT_TRUE(parse_measured("f_hz,df_hz,s_m2_hz\n1e-4,1e-5,1\n", "t"));
+}
+
 TEST(Measured, a_table_without_a_header_says_so) {
     EXPECT_THAT(scene_with("0.1,0.01,5\n0.11,0.01,4\n", "from_deg = 0\n").error().message,
                 HasSubstr("data:1: no header"));
