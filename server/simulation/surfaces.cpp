@@ -40,10 +40,7 @@ std::vector<KeyframeRequest> Surfaces::wanted(const SurfaceJob& job) const {
 bool Surfaces::work_on(SurfaceJob& job, Make make) {
     if (job.held_.empty() && (share(job) || !has_sea(job, make) || !look_up(job)))
         return job.surface_ != nullptr;
-    if (!make_splines(job, make))
-        return false;
-    finish(job);
-    return true;
+    return make_splines(job, make) && finish(job);
 }
 
 /// Left to the course, which keeps a few: who waits must not fill the memory with them.
@@ -141,9 +138,15 @@ std::shared_ptr<const void> Surfaces::spline_turn() {
     return {this, [this](const void*) { splining_ = false; }};
 }
 
-void Surfaces::finish(SurfaceJob& job) {
-    const RunningSeaPtr sea = course_->sea(job.held_.front()->epoch);
-    const EpochWindow window = course_->window(sea->epoch);
+bool Surfaces::finish(SurfaceJob& job) {
+    const EpochWindow window = course_->window(job.held_.front()->epoch);
+    if (window.end_us <= job.time_us_) { // another took over while this one was made
+        job.keyframes_.reset();
+        job.held_.clear();
+        job.splines_.clear();
+        return false;
+    }
+    const RunningSeaPtr sea = course_->sea(window.epoch);
     const sea::Choppiness choppiness = sea->choppiness_at(job.time_us_);
     TimeUs start_us = std::numeric_limits<TimeUs>::min();
     job.end_us_ = window.end_us;
@@ -167,6 +170,7 @@ void Surfaces::finish(SurfaceJob& job) {
     const std::scoped_lock lock(mutex_);
     std::erase_if(used_, [](const Used& used) { return used.surface.expired(); });
     used_.push_back({sea->epoch, job.cascades_, start_us, job.end_us_, job.surface_});
+    return true;
 }
 
 } // namespace seaway::server

@@ -104,7 +104,8 @@ class Surfaces {
     bool take_room(SurfaceJob& job, bool anyway);
     /// One at most; true: all are there.
     bool make_splines(SurfaceJob& job, Make make);
-    void finish(SurfaceJob& job);
+    /// False: the keyframes are of a sea that does not run then any more; to be looked for again.
+    bool finish(SurfaceJob& job);
     std::vector<KeyframeRequest> wanted(const SurfaceJob& job) const;
     Room& room_of(const SurfaceJob& job) const {
         return job.use_ == SurfaceUse::batch ? *batches_ : *prompt_;

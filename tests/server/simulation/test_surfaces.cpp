@@ -4,6 +4,7 @@
 
 #include "sea/scene/weather.h"
 #include "server/simulation/memory_needs.h"
+#include "server/simulation/point_question.h"
 #include "tests/server/simulation/simulation_bench.h"
 
 namespace seaway::server {
@@ -28,6 +29,13 @@ struct SurfaceBench {
                               .value(),
                           memory};
     Surfaces surfaces{course, source, memory};
+
+    void change(TimeUs start_us, TimeUs end_us) {
+        const TomlAssignment wind{"systems.0.wind_speed_10m_mps", "12.0"};
+        const Result<sea::Scene> stormier = sea::changed(course->first()->scene, {&wind, 1});
+        ASSERT_TRUE(stormier);
+        ASSERT_TRUE(course->add(*stormier, start_us, end_us));
+    }
 
     /// All slices.
     void finish(SurfaceJob& job) {
@@ -129,15 +137,40 @@ TEST(Surfaces, of_a_sea_that_another_took_over_from_is_not_shared_with_who_asks_
     const TimeUs time_us = 20 * second_us;
     SurfaceJob before(time_us);
     bench.finish(before);
-    const TomlAssignment wind{"systems.0.wind_speed_10m_mps", "12.0"};
-    const Result<sea::Scene> stormier = sea::changed(bench.course->first()->scene, {&wind, 1});
-    ASSERT_TRUE(stormier);
-    ASSERT_TRUE(bench.course->add(*stormier, 5 * second_us, 15 * second_us));
+    bench.change(5 * second_us, 15 * second_us);
     SurfaceJob after(time_us);
     bench.finish(after);
     EXPECT_NE(after.surface(), before.surface());
     EXPECT_NE(after.surface()->pairs()[0].before->epoch(),
               before.surface()->pairs()[0].before->epoch());
+}
+
+// Naive: a surface that ends before its own time, and a question that comes no nearer to its end.
+TEST(Surfaces, of_a_sea_that_another_takes_over_from_while_it_is_made_is_made_of_the_other) {
+    const std::vector<sea::QueryPoint> later{{3, 4, 20 * second_us}};
+    const auto answered = [&](SurfaceBench& bench, const std::function<void()>& meanwhile) {
+        PointQuestion question(later);
+        const auto slice = [&] {
+            if (question.hand() == Hand::simulation)
+                EXPECT_TRUE(question.make_keyframes(bench.surfaces));
+            else
+                question.sample(bench.surfaces, [] { return true; });
+        };
+        slice();
+        EXPECT_EQ(question.hand(), Hand::simulation);
+        slice();
+        meanwhile();
+        for (int slices = 0; slices < 100 && !question.complete(); ++slices)
+            slice();
+        EXPECT_TRUE(question.complete());
+        return question.take_answers().answers.front().height_m;
+    };
+    SurfaceBench cut, known;
+    known.change(5 * second_us, 15 * second_us);
+    const double height_m = answered(cut, [&] { cut.change(5 * second_us, 15 * second_us); });
+    EXPECT_EQ(height_m, answered(known, [] {}));
+    SurfaceBench steady;
+    EXPECT_NE(height_m, answered(steady, [] {}));
 }
 
 TEST(Surfaces, batches_wait_for_room_and_a_few_points_of_what_is_held_do_not) {
