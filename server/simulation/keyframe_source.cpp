@@ -132,7 +132,8 @@ void KeyframeSource::look_up(KeyframeJob& job, std::size_t begin) {
         sea::KeyframePtr held = store_.held(request);
         if (held && !held->fields.contains(sea::Field::foam))
             held = nullptr;
-        job.missing_.push_back({i - begin, with_held_fields(request), std::move(held)});
+        job.missing_.push_back(
+            {i - begin, with_held_fields(request), std::move(held), foam_time(request)});
     }
 }
 
@@ -169,13 +170,14 @@ bool KeyframeSource::fits(const Together& together, const KeyframeJob& job,
     const bool alone = together.with_turn.empty() ||
                        (request.epoch == together.foam_epoch &&
                         std::ranges::count(together.with_turn, request.cascade) == 0);
-    return alone && foam_maps(job, request.epoch).is_near(request.cascade, foam_time(request));
+    return alone && foam_maps(job, request.epoch).is_near(request.cascade, next.foam_us);
 }
 
 Result<void> KeyframeSource::add_turn(Together& together, const KeyframeJob& job,
-                                      KeyframeRequest request) {
+                                      const KeyframeJob::Missing& next) {
+    KeyframeRequest request = next.request;
     FoamMaps& foam = foam_maps(job, request.epoch);
-    const TimeUs time_us = foam_time(request);
+    const TimeUs time_us = next.foam_us;
     SEAWAY_TRY_LET(const FoamTurn turn, foam.turn(*this, request.cascade, time_us));
     together.with_turn.push_back(request.cascade);
     together.foam_epoch = request.epoch;
@@ -203,7 +205,7 @@ Result<std::vector<NewKeyframePtr>> KeyframeSource::make(const KeyframeJob& job,
         if (!together.requests.empty() && (budget <= 0 || !fits(together, job, next)))
             break;
         if (next.walks_foam()) {
-            SEAWAY_TRY(add_turn(together, job, request));
+            SEAWAY_TRY(add_turn(together, job, next));
         } else {
             together.places.push_back(together.requests.size());
             together.requests.push_back(request);
@@ -244,9 +246,8 @@ Result<bool> KeyframeSource::walk_to_next(const KeyframeJob& job, std::int64_t& 
     const KeyframeJob::Missing& next = job.missing_.front();
     if (!next.walks_foam())
         return true;
-    const TimeUs time_us = foam_time(next.request);
-    return walk(foam_maps(job, next.request.epoch), next.request.cascade, time_us, time_us - 1,
-                budget);
+    return walk(foam_maps(job, next.request.epoch), next.request.cascade, next.foam_us,
+                next.foam_us - 1, budget);
 }
 
 void KeyframeSource::keep(KeyframeJob& job, std::size_t place, sea::KeyframePtr keyframe) {

@@ -67,6 +67,7 @@ class KeyframeJob {
         std::size_t place;
         KeyframeRequest request;  ///< with the fields that are held, so that none is lost
         sea::KeyframePtr foam_of; ///< a keyframe whose map of foam is taken over, or null
+        sea::TimeUs foam_us; ///< foam_time() when it was looked up: a change may cut it meanwhile
         bool walks_foam() const {
             return request.fields.contains(sea::Field::foam) && foam_of == nullptr;
         }
@@ -155,7 +156,8 @@ class KeyframeSource : private KeyframeMaker {
     };
     /// One turn a history, and of one epoch: what follows it has to find it done.
     bool fits(const Together& together, const KeyframeJob& job, const KeyframeJob::Missing& next);
-    Result<void> add_turn(Together& together, const KeyframeJob& job, KeyframeRequest request);
+    Result<void> add_turn(Together& together, const KeyframeJob& job,
+                          const KeyframeJob::Missing& next);
     Result<std::vector<NewKeyframePtr>> make(const KeyframeJob& job, std::int64_t& budget,
                                              Together& together);
     Result<std::vector<NewKeyframePtr>>

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "sea/scene/weather.h"
+#include "server/simulation/memory_needs.h"
 #include "tests/server/simulation/simulation_bench.h"
 
 namespace seaway::server {
@@ -223,6 +224,64 @@ TEST(SimulationChanges, foam_at_a_boundary_between_keyframes_is_that_of_the_boun
     }
     ASSERT_FALSE(before.empty());
     EXPECT_EQ(before, after);
+}
+
+/// Somebody changes the sea while it walks through ticks of foam.
+class InterruptedSynthesizer final : public Synthesizer {
+  public:
+    explicit InterruptedSynthesizer(std::function<void()>& once) : once_(once) {}
+    std::string description() const override { return inner_.description(); }
+    Result<void> set_sea(sea::RealizationPtr sea, std::uint32_t epoch) override {
+        return inner_.set_sea(std::move(sea), epoch);
+    }
+    Result<FoamMapPtr> open_foam(int size, const FoamMap* from) override {
+        return inner_.open_foam(size, from);
+    }
+    Result<std::vector<NewKeyframePtr>>
+    synthesize(std::span<const KeyframeRequest> requests) override {
+        if (const auto once = std::exchange(once_, nullptr))
+            once();
+        return inner_.synthesize(requests);
+    }
+    SynthesisCounters counters() const override { return inner_.counters(); }
+
+  private:
+    std::function<void()>& once_;
+    NativeSynthesizer inner_{1};
+};
+
+// Naive: the foam of the keyframe is of an earlier time by then, which the history is past.
+TEST(SimulationChanges, a_change_in_the_middle_of_a_walk_of_foam_is_not_in_its_way) {
+    const RunningSeaPtr sea = running_sea("[foam]\nthreshold = 0.9\ndecay_s = 1\n");
+    const auto course = std::make_shared<SeaCourse>(sea);
+    std::function<void()> change = [&] {
+        const TomlAssignment wind{"systems.0.wind_speed_10m_mps", "13.0"};
+        ASSERT_TRUE(
+            course->add(*sea::changed(sea->scene, {&wind, 1}), 5 * second_us, 15 * second_us));
+    };
+    const Memory memory(Memory::bytes_default, needs_of(*sea));
+    KeyframeSource source(course,
+                          RebuiltSynthesizer::start(
+                              [&](const sea::RealizationPtr& waves,
+                                  std::uint32_t epoch) -> Result<std::unique_ptr<Synthesizer>> {
+                                  auto made = std::make_unique<InterruptedSynthesizer>(change);
+                                  SEAWAY_TRY(made->set_sea(waves, epoch));
+                                  return std::unique_ptr<Synthesizer>(std::move(made));
+                              },
+                              sea->realization, sea->epoch, nullptr)
+                              .value(),
+                          memory);
+    const TimeUs time_us = 20 * second_us;
+    KeyframeJob job(keyframes_around(*course, {&time_us, 1}, {1u, {Field::foam}}), Walk::questions);
+    std::size_t made = 0;
+    for (int slices = 0; slices < 100 && !job.complete(); ++slices) {
+        const Result<bool> part = source.work_on(job);
+        ASSERT_TRUE(part);
+        if (*part)
+            made += job.take().size();
+    }
+    EXPECT_EQ(made, 2u);
+    EXPECT_EQ(course->epochs(), 3u);
 }
 
 TEST(SimulationChanges, a_device_that_fails_in_a_glide_is_rebuilt_and_goes_on_with_it) {
