@@ -13,6 +13,11 @@
 
 namespace seaway::server {
 
+/// Which seas these are, each once, in order. Foam remembers no further back than it walks.
+std::vector<std::uint32_t> fetched_epochs(const SeaCourse& course,
+                                          std::span<const sea::TimeUs> times_us,
+                                          sea::FieldSet fields);
+
 class FetchedSeas {
   public:
     /// The course outlives it. Nothing is made yet.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "server/simulation/fetched_seas.h"
 #include "server/simulation/foam_maps.h"
 #include "server/simulation/schedule.h"
 
@@ -81,7 +82,7 @@ double Prices::surfaces_us(std::vector<TimeUs> times_us, const HoldingOf& held,
                            std::uint32_t cascades) const {
     Lookups look(held);
     const sea::FieldSet fields = course_->first()->sampler_fields();
-    double us = seas_us(times_us);
+    double us = seas_us(epochs_at(times_us));
     for (const KeyframeRequest& request : expected_around(times_us, {cascades, fields})) {
         const double one = samples(request.cascade) * fields.size();
         const Holding holding = look(request);
@@ -93,13 +94,17 @@ double Prices::surfaces_us(std::vector<TimeUs> times_us, const HoldingOf& held,
     return us;
 }
 
-double Prices::seas_us(std::span<const TimeUs> times_us) const {
-    double us = 0;
+std::vector<std::uint32_t> Prices::epochs_at(std::span<const TimeUs> times_us) const {
     std::vector<std::uint32_t> epochs;
     for (const TimeUs time_us : times_us)
         epochs.push_back(course_->window_at(time_us).epoch);
     std::ranges::sort(epochs);
     epochs.erase(std::unique(epochs.begin(), epochs.end()), epochs.end());
+    return epochs;
+}
+
+double Prices::seas_us(std::span<const std::uint32_t> epochs) const {
+    double us = 0;
     for (const std::uint32_t epoch : epochs)
         if (!course_->sea_if_held(epoch))
             us += all_samples_ * price_sea_wave_us * (SeaCourse::is_glide(epoch) ? 2 : 1);
@@ -120,7 +125,8 @@ std::vector<KeyframeRequest> Prices::expected_around(std::span<const TimeUs> tim
 double Prices::fetch_us(std::vector<TimeUs> times_us, const Demand& demand,
                         const HoldingOf& held) const {
     sort_once(times_us);
-    return seas_us(times_us) + keyframes_us(expected_around(times_us, demand), held);
+    return seas_us(fetched_epochs(*course_, times_us, demand.fields)) +
+           keyframes_us(expected_around(times_us, demand), held);
 }
 
 double Prices::folds_factor(std::span<const sea::QueryPoint> points) const {
@@ -144,7 +150,7 @@ double Prices::exact_us(std::span<const sea::QueryPoint> points, std::size_t dep
     const auto gliding = static_cast<double>(std::ranges::count_if(times_us, [this](TimeUs t_us) {
         return SeaCourse::is_glide(course_->window_at(t_us).epoch);
     }));
-    return seas_us(times_us) +
+    return seas_us(epochs_at(times_us)) +
            all_samples_ * (static_cast<double>(times_us.size()) * price_moment_wave_us +
                            gliding * price_glide_wave_us +
                            static_cast<double>(points.size()) * folds * price_exact_wave_us +

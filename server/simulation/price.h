@@ -67,8 +67,9 @@ class Prices {
     double folds_factor(std::span<const sea::QueryPoint> points) const;
     double surfaces_us(std::vector<sea::TimeUs> times_us, const HoldingOf& held,
                        std::uint32_t cascades) const;
-    /// Making the seas of these times, so far as nobody has; none is made to know that.
-    double seas_us(std::span<const sea::TimeUs> times_us) const;
+    /// Making these seas, so far as nobody has; none is made to know that.
+    double seas_us(std::span<const std::uint32_t> epochs) const;
+    std::vector<std::uint32_t> epochs_at(std::span<const sea::TimeUs> times_us) const;
     /// keyframes_around(), of seas that are not made with the intervals of the first.
     std::vector<KeyframeRequest> expected_around(std::span<const sea::TimeUs> times_us,
                                                  const Demand& demand) const;

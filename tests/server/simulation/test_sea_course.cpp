@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "sea/scene/weather.h"
+#include "server/simulation/fetched_seas.h"
 #include "server/simulation/sea_course.h"
 #include "tests/server/simulation/simulation_bench.h"
 #include "tests/support/allocations.h"
@@ -272,6 +273,32 @@ TEST(SeaCourse, seas_are_let_go_and_made_again) {
         (void)course->at((100 * i + 50) * second_us);
     EXPECT_TRUE(early.expired());
     EXPECT_EQ(course->at(130 * second_us)->realization->cascades[1].h0, was);
+}
+
+// Naive: ten decay times back, the seas of a whole log, which cost as little as those of the time itself.
+TEST(FetchedSeas, of_foam_are_those_that_it_remembers_and_are_paid_for) {
+    const sea::Scene scene = scene_of("[foam]\nthreshold = 0.8\ndecay_s = 1e5\n");
+    const auto course = *SeaCourse::begin(scene);
+    for (int i = 0; i < 60; ++i)
+        ASSERT_TRUE(course->add(scene, (100 * i + 50) * second_us, (100 * i + 70) * second_us));
+    const std::vector<TimeUs> end_us{6000 * second_us};
+    TimeUs tick_us = 0;
+    for (const sea::CascadeBudget& cascade : course->first()->budget.cascades)
+        tick_us = std::max(tick_us, sea::foam_tick_min_us + cascade.interval_us);
+    // A change each 100 s, of two seas; at either end the walk is in the middle of one.
+    const std::int64_t remembered = 2 * (sea::foam_ticks_max * tick_us / (100 * second_us) + 2);
+    ASSERT_LT(remembered, 40) << "of 121";
+    const double price_us = Prices(course).fetch_us(
+        end_us, {3u, {Field::foam}}, [](const KeyframeRequest&) { return Holding::spline; });
+    FetchedSeas seas(*course, end_us, {Field::foam});
+    int made = 0;
+    for (; !seas.are_there(); ++made)
+        (void)seas.make_some();
+    EXPECT_LE(made, remembered);
+    EXPECT_GT(made, 2);
+    EXPECT_GE(price_us, made * 2 * 64.0 * 64.0 * price_sea_wave_us);
+    FetchedSeas heights(*course, end_us, {Field::height});
+    EXPECT_TRUE(heights.are_there());
 }
 
 } // namespace
