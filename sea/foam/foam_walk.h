@@ -66,6 +66,8 @@ class FoamWalk {
     /// After the last step to that time.
     FoamView at(TimeUs time_us) const;
 
+    /// It has come further than this time.
+    bool is_past(TimeUs time_us) const { return started_ && tick_us_ > time_us; }
     /// The map is lost, or stands on no tick: what comes next is a start.
     void restart() { started_ = false; }
 

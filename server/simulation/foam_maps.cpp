@@ -2,10 +2,11 @@
 #include "server/simulation/foam_maps.h"
 
 #include <limits>
+#include <utility>
 
 namespace seaway::server {
 
-FoamMaps::FoamMaps(SeaCoursePtr course) : course_(std::move(course)) {
+FoamMaps::FoamMaps(SeaCoursePtr course) : course_(std::move(course)), epochs_(course_->epochs()) {
     const RunningSea& sea = *course_->first();
     if (!sea.foam_law)
         return;
@@ -18,6 +19,14 @@ FoamMaps::FoamMaps(SeaCoursePtr course) : course_(std::move(course)) {
             return followed->at(time_us)->foam_law_at(time_us);
         });
     }
+}
+
+void FoamMaps::follow_changes() {
+    const std::uint32_t known = std::exchange(epochs_, course_->epochs());
+    for (std::uint32_t epoch = known + 1; epoch <= epochs_; ++epoch)
+        for (History& history : histories_)
+            if (history.walk.is_past(course_->window(epoch).start_us))
+                history.walk.restart();
 }
 
 FoamMaps::History& FoamMaps::history(int cascade) {

@@ -57,6 +57,10 @@ class FoamMaps {
     Result<std::vector<NewKeyframePtr>> synthesize(KeyframeMaker& device,
                                                    std::vector<KeyframeRequest> requests);
 
+    /// Histories that are past the start of a change that was added since the last call walked through a sea that will
+    /// not be: they start anew.
+    void follow_changes();
+
     /// Goes on from where the other is.
     void take_over(int cascade, const FoamMaps& other) {
         history(cascade) = other.histories_[static_cast<std::size_t>(cascade)];
@@ -76,6 +80,7 @@ class FoamMaps {
 
     SeaCoursePtr course_;
     std::vector<History> histories_; ///< one a cascade
+    std::uint32_t epochs_;           ///< of the course, at the last follow_changes()
 };
 
 } // namespace seaway::server

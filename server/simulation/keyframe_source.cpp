@@ -115,6 +115,8 @@ bool KeyframeSource::open_part(KeyframeJob& job) {
         return false;
     if (job.room_ && !(job.place_ = job.room_->take(job.part_bytes_)))
         return false;
+    if (foam && job.walk_ != Walk::stream) // which no change begins before
+        foam_of(job.walk_).maps.follow_changes();
     job.open_ = true;
     job.end_ = end;
     look_up(job, begin);

@@ -226,6 +226,21 @@ TEST(SimulationChanges, foam_at_a_boundary_between_keyframes_is_that_of_the_boun
     EXPECT_EQ(before, after);
 }
 
+// Naive: a history that somebody has asked to a time beyond goes on from there, through a sea that never was.
+TEST(SimulationChanges, foam_of_a_sea_that_another_took_over_from_is_walked_for_anew) {
+    const std::string foamy = "[foam]\nthreshold = 0.9\ndecay_s = 2\n";
+    Bench asked(foamy), late(foamy);
+    const TimeUs time_us = 22 * second_us;
+    ASSERT_TRUE(asked.fetch({time_us - 2 * second_us}, {1u, {Field::foam}}));
+    const auto map = [&](Bench& bench) {
+        change(bench, "systems.0.from_deg", "70.0", 5 * second_us, 15 * second_us);
+        const auto made = *bench.fetch({time_us}, {1u, {Field::foam}});
+        const auto plane = std::as_const(*made.front()).plane(Field::foam);
+        return std::vector<float>(plane.begin(), plane.end());
+    };
+    EXPECT_EQ(map(asked), map(late));
+}
+
 /// Somebody changes the sea while it walks through ticks of foam.
 class InterruptedSynthesizer final : public Synthesizer {
   public:
