@@ -408,6 +408,7 @@ TEST(Inspect, every_mistake_is_one_line_on_stderr_and_exit_status_2) {
         {"end of time", gale + " --eval " + late, "late.csv:1: t_s"},
         {"another header", gale + " --eval " + header, "header.csv:1: x_m = 'x'"},
         {"two outputs", gale + " --eval - --spectrum 1", "--"},
+        {"points and pictures", gale + " --eval - --images " + folder().file("i"), "--images"},
         {"no place for the plot", gale + " --plot " + folder().file("no/where.png"), "where.png"},
     };
     for (const BadUse& use : uses) {

@@ -112,15 +112,17 @@ void declare(CommandLine& line, Options& options) {
     const CommandOption spectrum = line.option("--spectrum", options.spectrum,
                                                "Print S(w) at these rad/s as CSV omega_radps,s_m2s")
                                        .takes("W1,W2,...");
-    line.option("--eval", options.points,
-                "Print the exact surface at rows x_m,y_m,t_s of a CSV file ('-': stdin)")
-        .excludes(spectrum)
-        .takes("FILE.csv");
+    const CommandOption points =
+        line.option("--eval", options.points,
+                    "Print the exact surface at rows x_m,y_m,t_s of a CSV file ('-': stdin)")
+            .excludes(spectrum)
+            .takes("FILE.csv");
     line.option("--plot", options.plot, "Draw spectrum, directions and cascades").takes("FILE.png");
     const CommandOption images =
         line.option("--images", options.images.folder,
                     "Draw h0(k), h(k,t), every pass and every map of each cascade")
             .excludes(spectrum)
+            .excludes(points)
             .takes("DIR");
     line.option("--device", options.images.device,
                 "Of --images: native, auto (a GPU, else native), or index or part of a name of a "
