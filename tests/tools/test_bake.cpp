@@ -368,6 +368,10 @@ TEST(Bake, mistakes_are_one_helpful_line_and_a_code) {
         refuses(run_bake(out + "--frames 3 --size 64 --fps " + times), 2, "-1e+09 .. 1e+09");
     refuses(run_bake("--out /dev/null/maps --frames 1 --fps 24 --size 64"), 4, "/dev/null/maps");
     refuses(run_bake(out + "--frames 1 --fps 24 --device no-such-device"), 3, "no-such-device");
+    const std::string changing = testing::folder().write(
+        "changing.toml", scene_text + "[[weather]]\nat_s = 3600\nset = { sea.depth_m = 20 }\n");
+    refuses(testing::run_program("seaway-bake", changing + " " + out + "--frames 1 --fps 24"), 2,
+            "[[weather]]");
     const std::string missing = "missing.toml " + out + "--frames 1 --fps 24";
     refuses(testing::run_program("seaway-bake", missing), 2, "missing.toml");
     EXPECT_FALSE(std::filesystem::exists(testing::folder().file("none") + "/cascade0.00000.exr"));

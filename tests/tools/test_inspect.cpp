@@ -218,6 +218,16 @@ std::string swell_with(const std::string& line) {
                               "size = 256\n[[cascade]]\nlength_m = 101\nsize = 256\n");
 }
 
+const std::string one_change = "[[weather]]\nat_s = 3600\nset = { sea.depth_m = 20 }\n";
+
+TEST(Inspect, a_sea_that_changes_is_reported_as_it_begins_with_a_warning) {
+    const json warnings =
+        report_of(folder().write("changes.toml", "[sea]\n" + one_change)).at("warnings");
+    ASSERT_EQ(warnings.size(), 1u);
+    EXPECT_NE(warnings[0].get<std::string>().find("[[weather]]: from 3600 s on"),
+              std::string::npos);
+}
+
 TEST(Inspect, height_scale_multiplies_heights) {
     const json plain = report_of(swell_with(""));
     const json scaled = report_of(swell_with("height_scale = 1.5"));
@@ -384,6 +394,7 @@ TEST(Inspect, every_mistake_is_one_line_on_stderr_and_exit_status_2) {
     const std::string nan = folder().write("nan.csv", "0,nan,0\n");
     const std::string late = folder().write("late.csv", "0,0,1e300\n");
     const std::string header = folder().write("header.csv", "x,y,t\n0,0,0\n");
+    const std::string changing = folder().write("changing.toml", "[sea]\n" + one_change);
     const BadUse uses[] = {
         {"no scene", "", "scene"},
         {"missing scene", folder().file("none.toml"), "none.toml"},
@@ -409,6 +420,8 @@ TEST(Inspect, every_mistake_is_one_line_on_stderr_and_exit_status_2) {
         {"another header", gale + " --eval " + header, "header.csv:1: x_m = 'x'"},
         {"two outputs", gale + " --eval - --spectrum 1", "--"},
         {"points and pictures", gale + " --eval - --images " + folder().file("i"), "--images"},
+        {"a sea that changes at a point", changing + " --eval -", "[[weather]]"},
+        {"a sea that changes, drawn", changing + " --images " + folder().file("i"), "[[weather]]"},
         {"no place for the plot", gale + " --plot " + folder().file("no/where.png"), "where.png"},
     };
     for (const BadUse& use : uses) {

@@ -192,6 +192,11 @@ TimeUs frame_time(const BakeOptions& options, int frame) {
 Result<BakeReport> bake(const sea::Scene& scene, const BakeOptions& options,
                         server::Synthesizer& synthesizer) {
     SEAWAY_TRY(validate(options));
+    if (!scene.weather.empty())
+        return Error{BakeError::bad_options,
+                     fmt::format("{}: it has a timetable ([[weather]]): seas that change are a "
+                                 "server's",
+                                 scene.source)};
     Stopwatch watch;
     Result<sea::Realization> realized = sea::realize(scene);
     if (!realized)

@@ -81,11 +81,21 @@ Result<std::string> images(const inspect::Report& report, inspect::ImagesOptions
     return fmt::format("{} files in {}\n", *files, options.folder);
 }
 
+/// What is of a time is of one sea here.
+Result<void> check_steady(const sea::Scene& scene, const Options& options) {
+    if (scene.weather.empty() || (options.points.empty() && options.images.folder.empty()))
+        return {};
+    return Error{fmt::format("{}: it has a timetable ([[weather]]): which sea there is at a time "
+                             "is a server's to say",
+                             scene.source)};
+}
+
 /// What goes to stdout.
 Result<std::string> run(const Options& options) {
     const Result<sea::Scene> scene = sea::read_scene(options.scene);
     if (!scene)
         return scene.error();
+    SEAWAY_TRY(check_steady(*scene, options));
     if (!options.spectrum.empty() && options.plot.empty())
         return spectrum_csv(*scene, options.spectrum);
     const Result<inspect::Report> report = inspect::make_report(*scene);

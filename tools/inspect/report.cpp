@@ -206,6 +206,11 @@ Result<Report> make_report(const sea::Scene& scene) {
     report.summary = summarize(scene.sea, *report.sea);
     report.budget = plan_budget(*report.sea, scene.accuracy.height_error_m);
     report.warnings = scene_warnings(scene, *report.sea, report.summary, report.budget);
+    if (!scene.weather.empty())
+        report.warnings.push_back(
+            fmt::format("[[weather]]: from {} s on the sea is another; all of this is of the sea "
+                        "before",
+                        scene.weather.front().at_s));
     SEAWAY_TRY_LET(report.certificate, sea::load_certificate(scene));
     if (report.certificate)
         for (std::string& warning :
