@@ -18,8 +18,6 @@ namespace {
 
 /// Sea states that are kept: the running one, those announced, and some of times that were asked about.
 constexpr std::size_t sea_states_max = 32;
-/// Glides that begin before the one before them has ended.
-constexpr int glides_chained_max = 4;
 
 /// A later epoch takes over from those that were to begin when it does, or after.
 void drop_overtaken(std::vector<SeaStatePtr>& states) {
@@ -343,7 +341,7 @@ Result<void> Client::rebuild(TimeUs time_us) {
 
 OwnSeaPtr Client::own_sea(const SeaStatePtr& state) const {
     const std::scoped_lock lock(mutex_);
-    return own_sea_held(state, glides_chained_max);
+    return own_sea_held(state);
 }
 
 OwnSeaPtr Client::own_sea_held(const SeaStatePtr& state, int depth) const {
@@ -387,7 +385,7 @@ Client::SeaThen Client::sea_then(TimeUs time_us) const {
         }
         then.span.from_us = state->start_time_us;
     }
-    then.waves = own_sea_held(then.state, glides_chained_max);
+    then.waves = own_sea_held(then.state);
     return then;
 }
 

@@ -331,8 +331,10 @@ class Client {
     OwnSeaPtr own_sea(const SeaStatePtr& state) const;
     Result<void> look_at(std::span<const sea::QueryPoint> points, const Looking& looking,
                          std::span<Water> water) const; ///< all of one time
+    /// Glides that begin before the one before them has ended.
+    static constexpr int glides_chained_max = 4;
     /// The same with mutex_ held; `depth` more glides may lead there.
-    OwnSeaPtr own_sea_held(const SeaStatePtr& state, int depth) const;
+    OwnSeaPtr own_sea_held(const SeaStatePtr& state, int depth = glides_chained_max) const;
     /// mutex_ held. Of now, by the estimate alone.
     sea::TimeUs sea_time_held() const;
     SeaStatePtr sea_state_held(sea::TimeUs time_us) const;

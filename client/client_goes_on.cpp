@@ -209,7 +209,7 @@ ClientStatus Client::status() const {
         status.stale_s = 1e-6 * static_cast<double>(now_us - heard_at_us_);
     const TimeUs sea_time_us = sea_time_held();
     const SeaStatePtr state = sea_state_held(sea_time_us);
-    status.holds_waves = rebuilt_.contains(state->epoch) || received_.contains(state->epoch);
+    status.holds_waves = own_sea_held(state) != nullptr;
     status.holds_tiles = !state->cascades.empty();
     status.held_from_us = std::numeric_limits<TimeUs>::min();
     status.held_until_us = std::numeric_limits<TimeUs>::max();

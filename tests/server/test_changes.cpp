@@ -157,8 +157,10 @@ TEST(Changes, who_has_the_waves_glides_by_itself_and_so_does_who_joins_on_the_wa
     EXPECT_EQ(granted->spectra, 2u) << "of both ends, and no third for the sea behind";
     expect_right(*late, points);
     sleep_until(end_s + 3); // two pings later
-    for (const auto& one : {client.get(), late.get()})
+    for (const auto& one : {client.get(), late.get()}) {
         expect_right(*one, points);
+        EXPECT_TRUE(one->status().holds_waves) << "those that the glide led to";
+    }
     const auto afterwards = connect(url);
     ASSERT_TRUE(afterwards);
     ASSERT_TRUE(afterwards->subscribe_spectrum({}, 30)) << "and its probes agree";
