@@ -57,9 +57,9 @@ Result<SeaFrame> sea_frame_at(Client& client, sea::TimeUs time_us, double timeou
 Result<SeaFrame> held_sea_frame(const Client& client, sea::TimeUs time_us) {
     const int seas = client.seas();
     const SeaStatePtr state = client.sea_state(time_us);
-    if (state->cascades.size() > shaders::view_cascades_max)
+    if (state->cascades.empty() || state->cascades.size() > shaders::view_cascades_max)
         return failed(Failure::refused,
-                      fmt::format("this sea has {} cascades; up to {} can be drawn",
+                      fmt::format("this sea has {} cascades; 1 to {} can be drawn",
                                   state->cascades.size(), shaders::view_cascades_max));
     SeaFrame frame;
     frame.time_us = time_us;

@@ -331,5 +331,26 @@ TEST(SeaSource, a_frame_has_every_figure_of_its_sea_and_the_foam_of_both_keyfram
     }
 }
 
+class SeaWithoutCascades : public tests::WaveSea {
+  public:
+    std::vector<server::SharedBytes> sea_state_messages() const override {
+        protocol::SeaStateValues state;
+        state.epoch = epoch;
+        return {std::make_shared<const protocol::Bytes>(protocol::sea_state(state))};
+    }
+};
+
+TEST(SeaSource, of_a_sea_without_cascades_there_is_no_frame) {
+    SeaWithoutCascades sea;
+    const auto net = tests::serve(sea);
+    ASSERT_TRUE(net);
+    const auto client = Client::connect({.url = net->url()});
+    ASSERT_TRUE(client) << client.error().message;
+    const Result<SeaFrame> frame = sea_frame_at(**client, 3'130'000, 10);
+    ASSERT_FALSE(frame);
+    EXPECT_NE(frame.error().message.find("0 cascades; 1 to "), std::string::npos)
+        << frame.error().message;
+}
+
 } // namespace
 } // namespace seaway::client
