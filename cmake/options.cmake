@@ -13,6 +13,12 @@ if(PROJECT_IS_TOP_LEVEL)
   endif()
 endif()
 
+# Programs and tests are a hundred links, each a second with the linker that compilers take by themselves.
+find_program(SEAWAY_LLD ld.lld)
+if(PROJECT_IS_TOP_LEVEL AND SEAWAY_LLD)
+  add_link_options(-fuse-ld=lld)
+endif()
+
 # Each version of a compiler finds new things to warn of. g++ 12 judges, where Seaway itself is built.
 set(judged OFF)
 if(PROJECT_IS_TOP_LEVEL AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU"

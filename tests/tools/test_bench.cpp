@@ -283,10 +283,6 @@ TEST_P(DeviceBench, measures_maps_of_each_size_beside_what_memory_gives) {
     expect_equal(cell(csv_, "maps,128,eight,", megabytes), 16 * 128 * 128 * 4e-6,
                  "eight maps a tile");
     EXPECT_GT(cell(csv_, "start,64,warm,", wall_ms), 0);
-    if (is_vulkan()) { // of 64 points lavapipe compiles for four times as long as all the rest takes
-        EXPECT_LT(cell(csv_, "start,64,warm,", wall_ms),
-                  0.7 * cell(csv_, "start,64,cold,", wall_ms));
-    }
     EXPECT_GT(cell(csv_, "encode,64,", wall_ms), 0);
     EXPECT_GT(cell(csv_, "bandwidth,", best_ms), 0);
     for (const char* row : {"copied,", ",cold,"})

@@ -33,7 +33,7 @@ std::span<const std::uint8_t> bytes_of(const std::vector<T>& values) {
 
 /// Of all that the surface of a sea follows from, and the version.
 std::uint32_t checksum(const sea::Realization& sea) {
-    static_assert(sizeof(sea::SineField::Wave) == 6 * sizeof(double), "no byte that is nothing");
+    static_assert(sizeof(sea::SineField::Wave) == 7 * sizeof(double), "no byte that is nothing");
     std::uint32_t sum = truth_version;
     const auto add = [&](const auto& values) { sum = protocol::crc32(bytes_of(values), sum); };
     const auto add_each = [&](auto... numbers) { (add(std::vector{numbers}), ...); };
@@ -44,7 +44,7 @@ std::uint32_t checksum(const sea::Realization& sea) {
         add(cascade.rate);
         add(cascade.phase_offset_turns);
         for (const sea::SineField& field : cascade.sines) {
-            add_each(field.kind, field.length_m, field.sharpness, field.drag);
+            add_each(field.kind, field.length_m, field.sharpness, field.drag, field.share);
             add(field.waves);
             for (const sea::NoiseOctave& octave : field.octaves) {
                 add_each(octave.cells, octave.amplitude_m, octave.speed_x_mps, octave.speed_y_mps,
