@@ -38,7 +38,7 @@ TEST(NatsJournal, names_what_is_no_change_and_takes_nothing_behind_it) {
                           {"empty", "", "is no change of a sea"},
                           {"later", later, "by another version of Seaway (its layout is 2"},
                           {"torn", torn, "is damaged"},
-                          {"damaged", damaged, "is damaged, or of another sea's log"},
+                          {"damaged", damaged, "is damaged, of another sea's log"},
                           {"a gap", message_of(gap), "is out of turn"}};
     for (const Case& c : cases) {
         const std::string url = nats().url(fresh_world());
