@@ -20,6 +20,8 @@ struct Quality {
     double scale;        ///< pixels that are drawn over pixels that are shown, a side
     int bloom_pixels; ///< of the picture a texel of the finest bloom, a side: 4 or 2; 0: no bloom
     int spray_slots;  ///< plumes of spray a cell of its grid (client/view/sea/spray.h); 0: no spray
+
+    bool operator==(const Quality&) const = default;
 };
 
 inline constexpr std::array<Quality, 4> quality_table{{

@@ -41,6 +41,8 @@ struct RenderOptions {
     Quality quality = quality_table[quality_high];
     bool air = true;    ///< between the eye and the sea
     bool detail = true; ///< continue the waves beyond the finest cascade
+
+    bool operator==(const RenderOptions&) const = default;
 };
 
 /// What of a frame the CPU wants to see.

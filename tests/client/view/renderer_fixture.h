@@ -4,6 +4,8 @@
 #pragma once
 
 #include <cmath>
+#include <list>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -24,12 +26,21 @@ class RendererTest : public gpu::DeviceTest {
 
     Picture render(const SeaFrame& frame, const Sky& sky, DebugView view = DebugView::final,
                    const RenderOptions& options = {}) {
-        Result<Renderer> renderer =
-            Renderer::create(*device_, camera_.width, camera_.height, options);
-        EXPECT_TRUE(renderer) << renderer.error().message;
-        Result<Picture> picture = renderer->render(frame, camera_, sky, {view});
+        Result<Picture> picture = renderer_for(options).render(frame, camera_, sky, {view});
         EXPECT_TRUE(picture) << picture.error().message;
         return std::move(*picture);
+    }
+    /// One for all pictures of a test that are as large and made alike: no picture remembers the last (decision 0026), but
+    /// the light of a sky is, which takes longer to make than the picture.
+    Renderer& renderer_for(const RenderOptions& options) {
+        for (Kept& kept : renderers_)
+            if (kept.width == camera_.width && kept.height == camera_.height &&
+                kept.options == options)
+                return kept.renderer;
+        Result<Renderer> made = Renderer::create(*device_, camera_.width, camera_.height, options);
+        EXPECT_TRUE(made) << made.error().message;
+        renderers_.push_back({camera_.width, camera_.height, options, std::move(*made)});
+        return renderers_.back().renderer;
     }
     glm::dvec3 ray(int x, int y) const {
         return glm::normalize(
@@ -41,6 +52,13 @@ class RendererTest : public gpu::DeviceTest {
         EXPECT_TRUE(scene) << scene.error().message;
         return SyntheticSea(*sea::realize(*scene));
     }
+
+    struct Kept {
+        int width, height;
+        RenderOptions options;
+        Renderer renderer;
+    };
+    std::list<Kept> renderers_; ///< gone before the device
 };
 
 inline double luminance(const float* pixel) {

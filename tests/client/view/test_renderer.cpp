@@ -366,7 +366,11 @@ TEST_F(RendererTest, the_same_sea_is_the_same_bytes) {
     SyntheticSea sea = gale();
     const SeaFrame frame = sea.at(100'000'000);
     const Sky sky(sun_direction(15));
-    EXPECT_EQ(render(frame, sky).rgba, render(frame, sky).rgba);
+    const Picture first = render(frame, sky);
+    (void)render(frame, Sky(sun_direction(40)));
+    EXPECT_EQ(render(frame, sky).rgba, first.rgba) << "whatever was drawn between";
+    renderers_.clear();
+    EXPECT_EQ(render(frame, sky).rgba, first.rgba) << "and by another renderer";
 }
 
 } // namespace
