@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <list>
+#include <map>
 #include <utility>
 
 #include <gtest/gtest.h>
@@ -19,6 +20,12 @@
 namespace seaway::client {
 
 using sea::pi;
+
+/// The same one for all tests of a program: its tables take half a second.
+inline const Sky& sky_at_hour(double hour) {
+    static std::map<double, Sky> made;
+    return made.try_emplace(hour, sun_direction(hour)).first->second;
+}
 
 class RendererTest : public gpu::DeviceTest {
   protected:

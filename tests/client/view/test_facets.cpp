@@ -171,7 +171,7 @@ TEST_F(FacetsTest, the_sun_glitters_by_as_many_facets_as_mirror_it_to_the_eye) {
 // rad/m, every octave has as much.
 TEST_F(FacetsTest, waves_beyond_the_finest_cascade_glitter_too) {
     SyntheticSea sea(ripples());
-    const Sky sky(sun_direction(15));
+    const Sky& sky = sky_at_hour(15);
     look_towards_the_sun(sky, -4);
     Facets finest, all = facets_of_ripples();
     finest.add(0.05, 2 * pi / 4 * 1, 2 * pi / 4 * 2);
@@ -184,7 +184,7 @@ TEST_F(FacetsTest, waves_beyond_the_finest_cascade_glitter_too) {
 
 TEST_F(FacetsTest, what_is_mirrored_of_the_sky_is_the_mean_over_all_facets) {
     SyntheticSea sea(ripples());
-    const Sky sky(sun_direction(15));
+    const Sky& sky = sky_at_hour(15);
     const Facets facets = facets_of_ripples();
     look_towards_the_sun(sky, 75);
     const Picture picture =
@@ -208,7 +208,7 @@ TEST_F(FacetsTest, what_is_mirrored_of_the_sky_is_the_mean_over_all_facets) {
 // whatever bearing a pixel is seen.
 TEST_F(FacetsTest, rough_water_below_has_the_colour_of_its_facets_all_around) {
     SyntheticSea sea(ripples());
-    const Sky sky(sun_direction(15));
+    const Sky& sky = sky_at_hour(15);
     const Facets facets = facets_of_ripples();
     camera_ = {.z_m = 3000, .pitch_deg = -89, .view_deg = 30, .width = 64, .height = 64};
     const Picture picture =
@@ -230,7 +230,7 @@ TEST_F(FacetsTest, rough_water_below_has_the_colour_of_its_facets_all_around) {
 
 TEST_F(FacetsTest, roughness_is_the_root_of_the_variance_along_both_axes) {
     SyntheticSea sea(ripples());
-    const Picture picture = render(sea.at(0), Sky(sun_direction(12)), DebugView::roughness);
+    const Picture picture = render(sea.at(0), sky_at_hour(12), DebugView::roughness);
     const Facets facets = facets_of_ripples();
     for (int x = 3; x < picture.width; x += 20)
         EXPECT_NEAR(static_cast<double>(picture.pixel(x, 50)[0]), std::sqrt(facets.xx + facets.yy),
@@ -249,7 +249,7 @@ TEST_F(FacetsTest, a_face_towards_the_eye_is_seen_more_finely_than_level_water) 
     const SeaFrame frame = sea.at(0);
     const sea::Surface swell({frame.cascades[0].keyframes}, frame.choppiness, {}, {});
     camera_ = {.z_m = 8, .yaw_deg = 270, .pitch_deg = -12, .width = 240, .height = 136};
-    const Sky sky(sun_direction(12));
+    const Sky& sky = sky_at_hour(12);
     const Picture place = render(frame, sky, DebugView::place);
     const Picture rough = render(frame, sky, DebugView::roughness);
     double towards = 0;
@@ -285,7 +285,7 @@ TEST_F(FacetsTest, a_resolved_copy_of_the_finest_waves_is_turned_with_its_slopes
                .pitch_deg = -50,
                .width = 160,
                .height = 90};
-    const Sky sky(sun_direction(9)); // in the south-east; the copy is told by the blue of the sky
+    const Sky& sky = sky_at_hour(9); // in the south-east; the copy is told by the blue of the sky
     const SeaFrame frame = sea.at(0);
     const Picture place = render(frame, sky, DebugView::place);
     const Picture picture = render(frame, sky, DebugView::final, {.air = false});

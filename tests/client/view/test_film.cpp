@@ -180,7 +180,7 @@ TEST_F(FilmTest, what_is_shown_has_the_size_that_was_asked_for) {
         ASSERT_TRUE(renderer) << renderer.error().message;
         SyntheticSea sea(one_wave(0.5, 60, 2));
         const SeaFrame frame = sea.at(500'000);
-        const Sky sky(sun_direction(11));
+        const Sky& sky = sky_at_hour(11);
         const Result<ShownPicture> shown =
             renderer->show(frame, camera_, sky, {}, {DebugView::final, 0.05, 1});
         ASSERT_TRUE(shown) << shown.error().message;

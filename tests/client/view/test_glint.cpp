@@ -79,7 +79,7 @@ TEST_F(GlintTest, no_pixel_is_brighter_than_the_disc_mirrored) {
 TEST_F(GlintTest, a_pixel_glitters_as_the_mean_of_the_finer_pixels_in_it) {
     SyntheticSea sea = gale();
     const SeaFrame frame = sea.at(100'000'000);
-    const Sky sky(sun_direction(15.5));
+    const Sky& sky = sky_at_hour(15.5);
     look_at_the_mirrored_sun(sky);
     camera_.view_deg = 30;
     camera_.z_m = 8;

@@ -234,7 +234,7 @@ struct Glow {
 TEST_F(LightTest, crests_glow_where_the_sun_shines_through_them_and_troughs_do_not) {
     SyntheticSea sea(one_wave(2.0, 100, 4));
     const SeaFrame frame = sea.at(0);
-    const Sky sky(sun_direction(16.5));
+    const Sky& sky = sky_at_hour(16.5);
     camera_.z_m = 20;
     camera_.pitch_deg = -35;
     const auto green = [&](double yaw_deg) {
@@ -266,7 +266,7 @@ TEST_F(LightTest, crests_glow_where_the_sun_shines_through_them_and_troughs_do_n
 // Towards a low sun, at one height of one wave: the face that leans away from it has the sun behind it, the other has it in
 // front. Both lean by as much, so that what follows from the height and from how aslant they are seen is alike.
 TEST_F(LightTest, a_face_glows_the_more_the_squarer_the_sun_stands_behind_it) {
-    const Sky sky(sun_direction(17));
+    const Sky& sky = sky_at_hour(17);
     const double sun_deg = bearing_of_sun_deg(sky);
     const glm::dvec2 to_sun = glm::normalize(glm::dvec2(sky.sun_direction()));
     SyntheticSea sea(one_wave(2.0, 100, 4));
@@ -298,7 +298,7 @@ TEST_F(LightTest, a_face_glows_the_more_the_squarer_the_sun_stands_behind_it) {
 // The thinner a crest, the more light comes through. The same wave with and without choppiness: at its crest the Jacobian is
 // 1 - ka = 0.5 and 1.
 TEST_F(LightTest, sharp_crests_glow_more_than_round_ones) {
-    const Sky sky(sun_direction(16.5));
+    const Sky& sky = sky_at_hour(16.5);
     camera_.z_m = 20;
     camera_.pitch_deg = -35;
     camera_.yaw_deg = bearing_of_sun_deg(sky);
@@ -324,7 +324,7 @@ TEST_F(LightTest, sharp_crests_glow_more_than_round_ones) {
 }
 
 TEST_F(LightTest, deep_water_has_the_colour_of_its_body) {
-    const Sky sky(sun_direction(12));
+    const Sky& sky = sky_at_hour(12);
     camera_.pitch_deg = -75; // down: 2 % is mirrored, the rest is the water
     const Picture picture = render(flat_sea(), sky, DebugView::final, {.air = false});
     const float* pixel = picture.pixel(picture.width / 2, picture.height / 2);
@@ -338,7 +338,7 @@ TEST_F(LightTest, displacement_fades_where_the_mesh_cannot_carry_it) {
     const auto rms_beyond = [&](double camera_m, double pitch_deg, double nearest_m) {
         camera_.z_m = camera_m;
         camera_.pitch_deg = pitch_deg;
-        const Picture place = render(frame, Sky(sun_direction(15)), DebugView::place);
+        const Picture place = render(frame, sky_at_hour(15), DebugView::place);
         double squares = 0;
         int count = 0;
         for (std::size_t i = 0; i < place.rgba.size(); i += 4) {

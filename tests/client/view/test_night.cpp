@@ -197,7 +197,7 @@ TEST_F(NightTest, the_suns_disc_darkens_towards_its_rim_as_measured) {
         {0.30854, 1.36620, -1.83572, 2.33221, -1.63082, 0.45959}, // 610.975 nm
         {0.26444, 1.30551, -1.43072, 1.67102, -1.12351, 0.31326},
         {0.15248, 1.38517, -1.49615, 1.99886, -1.48155, 0.44119}}; // 445.125 nm
-    const Sky sky(sun_direction(12));
+    const Sky& sky = sky_at_hour(12);
     look_at(sky.sun_direction(), 0.6, 160);
     const Picture picture = render(flat_sea(), sky);
     const float* centre = picture.pixel(80, 80);
@@ -238,7 +238,7 @@ TEST_F(NightTest, the_sun_is_seen_through_thin_cloud) {
 
 // Shaders of pictures without discs know none: a sun whose rim alone is in the picture is still in it.
 TEST_F(NightTest, a_sun_in_the_corner_of_the_picture_is_drawn) {
-    const Sky sky(sun_direction(10));
+    const Sky& sky = sky_at_hour(10);
     look_at(sky.sun_direction(), 40, 100);
     // Half a turn of 40 degrees and a little: the sun's middle is outside.
     camera_.pitch_deg -= 20.1;

@@ -15,7 +15,7 @@ TEST_F(RendererTest, drawn_points_are_where_a_query_finds_the_sea) {
     camera_.y_m = -88110.5;
     const SeaFrame frame = sea.at(100'300'000);
     const sea::Surface surface = sea.surface(frame);
-    const Picture picture = render(frame, Sky(sun_direction(15)), DebugView::place);
+    const Picture picture = render(frame, sky_at_hour(15), DebugView::place);
     int compared = 0;
     for (int y = 0; y < picture.height; y += 3)
         for (int x = 0; x < picture.width; x += 5) {
@@ -42,7 +42,7 @@ TEST_F(RendererTest, drawn_points_are_where_a_query_finds_the_sea) {
 TEST_F(RendererTest, the_horizon_is_straight_and_where_geometry_says) {
     for (const double z_m : {14.0, 3000.0}) {
         camera_.z_m = z_m;
-        const Picture picture = render(flat_sea(), Sky(sun_direction(15)), DebugView::place);
+        const Picture picture = render(flat_sea(), sky_at_hour(15), DebugView::place);
         const double dip = horizon_dip_rad(z_m);
         for (int x = 0; x < picture.width; ++x)
             for (int y = 0; y < picture.height; ++y) {
@@ -65,8 +65,8 @@ TEST_F(RendererTest, a_pixel_is_a_strip_along_the_line_of_sight_and_resolves_wav
     const SeaFrame frame = sea.at(0);
     const sea::Surface surface = sea.surface(frame);
     camera_.yaw_deg = 0; // north; the waves run east
-    const Picture slope = render(frame, Sky(sun_direction(12)), DebugView::slope);
-    const Picture place = render(frame, Sky(sun_direction(12)), DebugView::place);
+    const Picture slope = render(frame, sky_at_hour(12), DebugView::slope);
+    const Picture place = render(frame, sky_at_hour(12), DebugView::place);
     double product = 0, squares = 0;
     for (std::size_t i = 0; i < place.rgba.size(); i += 4) {
         const auto x = static_cast<double>(place.rgba[i]),
@@ -102,7 +102,7 @@ TEST_F(RendererTest, the_sky_is_that_of_the_model) {
 TEST_F(RendererTest, sea_and_sky_of_one_sample_a_pixel_are_those_of_four) {
     SyntheticSea sea = gale();
     const SeaFrame frame = sea.at(100'000'000);
-    const Sky sky(sun_direction(15));
+    const Sky& sky = sky_at_hour(15);
     Quality one = quality_table[quality_high];
     one.samples = 1;
     const Picture many = render(frame, sky);
@@ -116,7 +116,7 @@ TEST_F(RendererTest, sea_and_sky_of_one_sample_a_pixel_are_those_of_four) {
 }
 
 TEST_F(RendererTest, a_flat_sea_mirrors_the_sky_by_fresnel) {
-    const Sky sky(sun_direction(12)); // in the south; the camera looks north-east: no glint
+    const Sky& sky = sky_at_hour(12); // in the south; the camera looks north-east: no glint
     const RenderOptions clear_air{.air = false};
     const Picture picture = render(flat_sea(), sky, DebugView::final, clear_air);
     const double sun_azimuth = std::atan2(sky.sun_direction().y, sky.sun_direction().x);
@@ -143,7 +143,7 @@ TEST_F(RendererTest, a_flat_sea_mirrors_the_sky_by_fresnel) {
 TEST_F(RendererTest, the_sea_glitters_below_the_sun_and_nowhere_else) {
     SyntheticSea sea = gale();
     const SeaFrame frame = sea.at(100'000'000);
-    const Sky sky(sun_direction(15.5)); // about 33 degrees high, in the west-south-west
+    const Sky& sky = sky_at_hour(15.5); // about 33 degrees high, in the west-south-west
     const double azimuth = std::atan2(sky.sun_direction().y, sky.sun_direction().x);
     const auto mean_of_sea = [&](double yaw_deg) {
         camera_.yaw_deg = yaw_deg;
@@ -166,7 +166,7 @@ TEST_F(RendererTest, the_sea_glitters_below_the_sun_and_nowhere_else) {
 TEST_F(RendererTest, every_pixel_is_a_number_and_none_is_dark_by_day) {
     SyntheticSea sea = gale();
     const SeaFrame frame = sea.at(100'000'000);
-    const Sky sky(sun_direction(15));
+    const Sky& sky = sky_at_hour(15);
     const double azimuth = std::atan2(sky.sun_direction().y, sky.sun_direction().x);
     // Straight up-sun, straight down-sun and down from within the waves.
     for (const double yaw_deg : {90 - azimuth * 180 / pi, 270 - azimuth * 180 / pi})
@@ -205,8 +205,8 @@ TEST_F(RendererTest, breaking_crests_are_white_and_troughs_never) {
     camera_.z_m = 30;
     camera_.pitch_deg = -30;
     const auto white = [&] {
-        const Picture foam = render(frame, Sky(sun_direction(12)), DebugView::foam);
-        const Picture place = render(frame, Sky(sun_direction(12)), DebugView::place);
+        const Picture foam = render(frame, sky_at_hour(12), DebugView::foam);
+        const Picture place = render(frame, sky_at_hour(12), DebugView::place);
         double crests = 0, troughs = 0;
         for (std::size_t i = 0; i < foam.rgba.size(); i += 4) {
             const float height = place.rgba[i + 2];
@@ -234,8 +234,8 @@ TEST_F(RendererTest, what_has_broken_covers_the_share_that_the_foam_maps_say) {
     camera_.pitch_deg = -40;
     for (const float share : {0.05f, 0.3f, 0.7f}) {
         set_foam(frame, 0.1, 0, 10 * share);
-        const Picture foam = render(frame, Sky(sun_direction(12)), DebugView::foam);
-        const Picture place = render(frame, Sky(sun_direction(12)), DebugView::place);
+        const Picture foam = render(frame, sky_at_hour(12), DebugView::foam);
+        const Picture place = render(frame, sky_at_hour(12), DebugView::place);
         double west = 0, east = 0, west_pixels = 0, east_pixels = 0;
         for (std::size_t i = 0; i < foam.rgba.size(); i += 4) {
             const double at = (camera_.x_m + static_cast<double>(place.rgba[i])) / 100;
@@ -262,7 +262,7 @@ TEST_F(RendererTest, the_distance_is_as_white_as_the_sea_is_on_average) {
     frame.foam_mean = 0.024;
     camera_.z_m = 3000;
     camera_.pitch_deg = -30;
-    const Picture foam = render(frame, Sky(sun_direction(12)), DebugView::foam);
+    const Picture foam = render(frame, sky_at_hour(12), DebugView::foam);
     double sum = 0;
     for (std::size_t i = 0; i < foam.rgba.size(); i += 4)
         sum += static_cast<double>(foam.rgba[i]);
@@ -277,8 +277,8 @@ TEST_F(RendererTest, normals_are_exact_on_a_choppy_wave) {
     const sea::Surface surface = sea.surface(frame);
     camera_.z_m = 20;
     camera_.pitch_deg = -35;
-    const Picture slope = render(frame, Sky(sun_direction(12)), DebugView::slope);
-    const Picture place = render(frame, Sky(sun_direction(12)), DebugView::place);
+    const Picture slope = render(frame, sky_at_hour(12), DebugView::slope);
+    const Picture place = render(frame, sky_at_hour(12), DebugView::place);
     int compared = 0;
     for (std::size_t i = 0; i < slope.rgba.size(); i += 4 * 37) {
         const sea::LagrangianPoint p = surface.at(static_cast<double>(place.rgba[i]),
@@ -305,8 +305,8 @@ TEST_F(RendererTest, normals_are_exact_where_choppiness_differs_by_direction) {
     const sea::Surface surface = sea.surface(frame);
     camera_.z_m = 10;
     camera_.pitch_deg = -50;
-    const Picture slope = render(frame, Sky(sun_direction(12)), DebugView::slope);
-    const Picture place = render(frame, Sky(sun_direction(12)), DebugView::place);
+    const Picture slope = render(frame, sky_at_hour(12), DebugView::slope);
+    const Picture place = render(frame, sky_at_hour(12), DebugView::place);
     const double lx = frame.choppiness.x, ly = frame.choppiness.y;
     for (std::size_t i = 0; i < slope.rgba.size(); i += 4 * 37) {
         const sea::LagrangianPoint p = surface.at(static_cast<double>(place.rgba[i]),
@@ -328,7 +328,7 @@ TEST_F(RendererTest, a_pixel_shows_the_moved_point_that_its_ray_meets) {
     const sea::Surface surface = sea.surface(frame);
     camera_.z_m = 10;
     camera_.pitch_deg = -50;
-    const Picture picture = render(frame, Sky(sun_direction(12)), DebugView::place);
+    const Picture picture = render(frame, sky_at_hour(12), DebugView::place);
     double moved_most_m = 0;
     for (int y = 0; y < picture.height; y += 7)
         for (int x = 0; x < picture.width; x += 5) {
@@ -353,7 +353,7 @@ TEST_F(RendererTest, a_sea_of_more_tiles_is_drawn_as_by_a_new_renderer) {
     two.cascades.push_back(one_wave(0.2, 31, -1, 4).cascades[0]);
     const SeaFrame one = SyntheticSea(one_wave(0.7, 90, 3)).at(0);
     const SeaFrame more = SyntheticSea(two).at(0);
-    const Sky sky(sun_direction(12));
+    const Sky& sky = sky_at_hour(12);
     Result<Renderer> renderer = Renderer::create(*device_, camera_.width, camera_.height);
     ASSERT_TRUE(renderer) << renderer.error().message;
     ASSERT_TRUE(renderer->render(one, camera_, sky, {DebugView::slope}));
@@ -365,9 +365,9 @@ TEST_F(RendererTest, a_sea_of_more_tiles_is_drawn_as_by_a_new_renderer) {
 TEST_F(RendererTest, the_same_sea_is_the_same_bytes) {
     SyntheticSea sea = gale();
     const SeaFrame frame = sea.at(100'000'000);
-    const Sky sky(sun_direction(15));
+    const Sky& sky = sky_at_hour(15);
     const Picture first = render(frame, sky);
-    (void)render(frame, Sky(sun_direction(40)));
+    (void)render(frame, sky_at_hour(40));
     EXPECT_EQ(render(frame, sky).rgba, first.rgba) << "whatever was drawn between";
     renderers_.clear();
     EXPECT_EQ(render(frame, sky).rgba, first.rgba) << "and by another renderer";

@@ -38,14 +38,14 @@ class ViewsTest : public RendererTest {
 TEST_F(ViewsTest, each_cascade_shows_its_own_slopes) {
     SyntheticSea sea(crossing());
     const SeaFrame frame = sea.at(0);
-    const Picture place = render(frame, Sky(sun_direction(12)), DebugView::place);
+    const Picture place = render(frame, sky_at_hour(12), DebugView::place);
     for (int cascade = 0; cascade < 2; ++cascade) {
         const auto index = static_cast<std::size_t>(cascade);
         const sea::Surface alone({frame.cascades[index].keyframes}, frame.choppiness, {}, {});
         Result<Renderer> renderer = Renderer::create(*device_, camera_.width, camera_.height);
         ASSERT_TRUE(renderer) << renderer.error().message;
         const Result<Picture> picture =
-            renderer->render(frame, camera_, Sky(sun_direction(12)), {DebugView::cascade, cascade});
+            renderer->render(frame, camera_, sky_at_hour(12), {DebugView::cascade, cascade});
         ASSERT_TRUE(picture) << picture.error().message;
         for (int y = 3; y < place.height; y += 11)
             for (int x = 3; x < place.width; x += 13) {
@@ -62,7 +62,7 @@ TEST_F(ViewsTest, normals_are_unit_vectors_square_to_both_tangents) {
     SyntheticSea sea(crossing());
     const SeaFrame frame = sea.at(0);
     const sea::Surface surface = sea.surface(frame);
-    const Sky sky(sun_direction(12));
+    const Sky& sky = sky_at_hour(12);
     const Picture place = render(frame, sky, DebugView::place);
     const Picture normal = render(frame, sky, DebugView::normal);
     const Picture jacobian = render(frame, sky, DebugView::jacobian);
@@ -87,7 +87,7 @@ TEST_F(ViewsTest, the_grid_is_every_sixteenth_row_and_column_of_the_mesh) {
     const SeaFrame frame = sea.at(0);
     for (const double pitch_deg : {-12.0, -45.0}) { // a fan, and a whole circle
         camera_.pitch_deg = pitch_deg;
-        const Sky sky(sun_direction(12));
+        const Sky& sky = sky_at_hour(12);
         const Picture place = render(frame, sky, DebugView::place);
         const Picture grid = render(frame, sky, DebugView::grid);
         const Mesh mesh = build_mesh(camera_, frame, 2.5);
@@ -127,7 +127,7 @@ TEST_F(ViewsTest, at_the_edges_of_crests_a_pixel_shows_what_lies_on_its_ray) {
     const SeaFrame frame = sea.at(100'000'000);
     camera_ = {.z_m = 6, .yaw_deg = 40, .pitch_deg = -2, .width = 240, .height = 136};
     const sea::Surface surface = sea.surface(frame);
-    const Picture picture = render(frame, Sky(sun_direction(15)), DebugView::place);
+    const Picture picture = render(frame, sky_at_hour(15), DebugView::place);
     int sea_pixels = 0, far_off = 0;
     for (int y = 0; y < picture.height; ++y)
         for (int x = 0; x < picture.width; ++x) {
@@ -163,7 +163,7 @@ SeaFrame white_sea() {
 // Wet foam reflects six tenths (Whitlock 1982) of what falls on it: of the sky and of the beam of the sun
 // by the sine of its height.
 TEST_F(ViewsTest, a_sea_that_is_all_foam_is_a_sheet_in_the_light_of_sky_and_sun) {
-    const Sky sky(sun_direction(16));
+    const Sky& sky = sky_at_hour(16);
     const Picture picture = render(white_sea(), sky, DebugView::final, {.air = false});
     const glm::dvec3 lit =
         0.6 / pi * (sky.sky_irradiance() + sky.sun_irradiance() * sky.sun_direction().z);
@@ -191,7 +191,7 @@ TEST_F(ViewsTest, a_sea_that_is_all_foam_is_a_sheet_in_the_light_of_sky_and_sun)
 // A white sea is brighter than the sky behind it; where the horizon runs through a pixel, each of its
 // four samples counts.
 TEST_F(ViewsTest, a_pixel_on_the_horizon_is_sky_and_sea_by_their_shares) {
-    const Sky sky(sun_direction(12));
+    const Sky& sky = sky_at_hour(12);
     camera_.z_m = 14;
     int mixed = 0;
     for (const double part : {0.2, 0.4, 0.6, 0.8}) {
@@ -210,7 +210,7 @@ TEST_F(ViewsTest, a_pixel_on_the_horizon_is_sky_and_sea_by_their_shares) {
 }
 
 TEST_F(ViewsTest, the_disk_of_the_sun_sends_all_of_its_light_and_no_more) {
-    const Sky sky(sun_direction(16));
+    const Sky& sky = sky_at_hour(16);
     const glm::dvec3 sun = sky.sun_direction();
     camera_ = {.z_m = 12,
                .yaw_deg = 90 - std::atan2(sun.y, sun.x) * 180 / pi,
@@ -250,7 +250,7 @@ TEST_F(ViewsTest, patches_of_foam_have_no_seams) {
                    .view_deg = 2,
                    .width = 120,
                    .height = 68};
-        const Picture foam = render(frame, Sky(sun_direction(12)), DebugView::foam);
+        const Picture foam = render(frame, sky_at_hour(12), DebugView::foam);
         for (int y = 1; y < foam.height; ++y)
             for (int x = 1; x < foam.width; ++x) {
                 const auto here = static_cast<double>(foam.pixel(x, y)[0]);
@@ -277,7 +277,7 @@ TEST_F(ViewsTest, foam_gathers_in_rows_along_the_wind_once_there_is_enough_of_it
     };
     const auto scatter = [&](double foam_mean) {
         frame.foam_mean = foam_mean;
-        const Picture foam = render(frame, Sky(sun_direction(12)), DebugView::foam);
+        const Picture foam = render(frame, sky_at_hour(12), DebugView::foam);
         std::vector<double> rows(160), columns(160);
         for (int y = 0; y < 160; ++y)
             for (int x = 0; x < 160; ++x) {
@@ -314,7 +314,7 @@ TEST_F(ViewsTest, lace_leaves_as_much_white_as_the_share_says) {
                        .view_deg = 20,
                        .width = 240,
                        .height = 136};
-            const Picture foam = render(frame, Sky(sun_direction(12)), DebugView::foam);
+            const Picture foam = render(frame, sky_at_hour(12), DebugView::foam);
             for (std::size_t i = 0; i < foam.rgba.size(); i += 4) {
                 sum += static_cast<double>(foam.rgba[i]);
                 white += foam.rgba[i] > 0.9f;
@@ -335,8 +335,8 @@ TEST_F(ViewsTest, foam_in_the_distance_is_its_share_where_a_pixel_is_longer_than
     frame.foam_mean = 0.3;
     frame.significant_height_m = 13; // cells of 8 m and less
     camera_ = {.z_m = 10, .pitch_deg = -2, .width = 240, .height = 136};
-    const Picture foam = render(frame, Sky(sun_direction(12)), DebugView::foam);
-    const Picture place = render(frame, Sky(sun_direction(12)), DebugView::place);
+    const Picture foam = render(frame, sky_at_hour(12), DebugView::foam);
+    const Picture place = render(frame, sky_at_hour(12), DebugView::place);
     int compared = 0;
     for (std::size_t i = 0; i < foam.rgba.size(); i += 4) {
         const double away =
@@ -362,7 +362,7 @@ TEST_F(ViewsTest, a_crest_breaks_by_what_the_pixel_does_not_resolve) {
     frame.foam_mean = 1e-7;            // what broke before is next to nothing
     frame.significant_height_m = 1e-3; // patches finer than pixels: the share itself is seen
     camera_.z_m = 40;
-    const Sky sky(sun_direction(12));
+    const Sky& sky = sky_at_hour(12);
     const Picture place = render(frame, sky, DebugView::place);
     const Picture foam = render(frame, sky, DebugView::foam);
     const double k = 2 * pi / 0.5 * 8, variance = 0.5 * std::pow(0.0014 * k, 2);
