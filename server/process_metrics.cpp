@@ -18,9 +18,13 @@ double seconds(const timeval& time) {
 
 } // namespace
 
-std::string process_metrics_text() {
+double process_cpu_s() {
     rusage usage{};
     getrusage(RUSAGE_SELF, &usage);
+    return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
+std::string process_metrics_text() {
     rlimit files{};
     getrlimit(RLIMIT_NOFILE, &files);
     double pages = 0, resident_pages = 0;
@@ -35,7 +39,7 @@ std::string process_metrics_text() {
                             name, type, help, value);
     };
     add("cpu_seconds_total", "counter", "Processor time, of users and of the system.",
-        seconds(usage.ru_utime) + seconds(usage.ru_stime));
+        process_cpu_s());
     add("resident_memory_bytes", "gauge", "Memory that is held.",
         resident_pages * static_cast<double>(sysconf(_SC_PAGESIZE)));
     add("open_fds", "gauge", "Open files and connections.", static_cast<double>(open_files));

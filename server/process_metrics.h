@@ -7,6 +7,8 @@
 
 namespace seaway::server {
 
+/// Processor time since it started, of users and of the system.
+double process_cpu_s();
 /// Prometheus text: processor time, resident memory, open files and how many there may be.
 std::string process_metrics_text();
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/world_reports.h"
+#include "server/process_metrics.h"
 
 #include <algorithm>
 #include <cmath>
@@ -237,6 +238,7 @@ std::string state_json(const RunningSea& sea, const std::vector<std::string>& wa
                       {"glides_until_s", glide_end_json(sea)},
                       {"certificate", certificate_json(sea)},
                       {"changes_refused", ordered_json(refused)},
+                      {"cpu_s", process_cpu_s()},
                       {"warnings", warnings}};
     if (following)
         json["journal"] = ordered_json::parse(following->json());

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/apps/ctl_ask.h"
 
+#include <chrono>
 #include <future>
 #include <random>
+#include <thread>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -16,6 +18,11 @@
 namespace seaway::client {
 namespace {
 
+using Clock = std::chrono::steady_clock;
+
+/// Some keyframes.
+constexpr std::chrono::milliseconds load_is_of{500};
+
 /// Asks and waits: the connection answers once, at the latest when its patience has ended.
 template <class Ask>
 Result<Reply> answer_to(const Ask& ask) {
@@ -27,11 +34,16 @@ Result<Reply> answer_to(const Ask& ask) {
 Result<StatusRow> row(const CtlOptions& options, const std::string& url) {
     SEAWAY_TRY_LET(const std::unique_ptr<Connection> connection,
                    connect_as_administrator(options, url));
-    SEAWAY_TRY_LET(const std::string state,
+    SEAWAY_TRY_LET(const std::string before,
                    administered(*connection, {wire::Act::state}, options.timeout_s));
+    const Clock::time_point begun = Clock::now();
     SEAWAY_TRY_LET(const std::string sessions,
                    administered(*connection, {wire::Act::sessions}, options.timeout_s));
-    return status_row(url, connection->welcome().server, state, sessions);
+    std::this_thread::sleep_for(load_is_of);
+    SEAWAY_TRY_LET(const std::string state,
+                   administered(*connection, {wire::Act::state}, options.timeout_s));
+    const std::chrono::duration<double> between = Clock::now() - begun;
+    return status_row(url, connection->welcome().server, before, state, between.count(), sessions);
 }
 
 Result<std::unique_ptr<Client>> reader_of(const CtlOptions& options, const std::string& url) {
@@ -84,10 +96,10 @@ Result<FleetStatus> fleet_status(const CtlOptions& options, const StatusWish& wi
     std::vector<std::string> urls{options.url};
     urls.insert(urls.end(), wish.others.begin(), wish.others.end());
     FleetStatus status;
-    status.table =
-        fmt::format("{:<30} {:<22} {:<6} {:>7} {:>6} {:>9} {:>9} {:>6} {:>5} {:>8} {:>9} why\n",
-                    "server", "version", "sea", "changes", "behind", "ahead_ms", "+-_ms", "unheard",
-                    "peers", "sessions", "waits_KB");
+    status.table = fmt::format(
+        "{:<30} {:<22} {:<6} {:>7} {:>6} {:>9} {:>9} {:>6} {:>5} {:>8} {:>6} {:>9} why\n", "server",
+        "version", "sea", "changes", "behind", "ahead_ms", "+-_ms", "unheard", "peers", "sessions",
+        "cores", "waits_KB");
     bool any = false;
     Error last{"no server"};
     for (const std::string& url : urls) {

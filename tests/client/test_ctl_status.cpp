@@ -9,8 +9,9 @@ namespace seaway::client {
 namespace {
 
 const std::string sessions = R"({"sessions": 3, "listed": [{"bytes_waiting": 4096}]})";
+const std::string before = R"({"cpu_s": 12.0})";
 const std::string state =
-    R"({"journal": {"shared": true, "changes": 5, "played": 4, "peers": 2, "clock_ahead_ms": 0.25,
+    R"({"cpu_s": 12.5, "journal": {"shared": true, "changes": 5, "played": 4, "peers": 2, "clock_ahead_ms": 0.25,
         "clock_error_ms": 0.5, "unheard_s": 0.1, "stale": false, "why": ""}})";
 
 std::string without(std::string text, const std::string& key) {
@@ -20,23 +21,25 @@ std::string without(std::string text, const std::string& key) {
 }
 
 TEST(CtlStatus, a_server_that_says_all_has_its_row) {
-    const StatusRow row = status_row("ws://a", "seaway 0.1.0", state, sessions);
+    const StatusRow row = status_row("ws://a", "seaway 0.1.0", before, state, 2.0, sessions);
     EXPECT_TRUE(row.certain);
     for (const char* word :
-         {"ws://a", "seaway 0.1.0", "ready", "      5      1     0.250     0.500"})
+         {"ws://a", "seaway 0.1.0", "ready", "      5      1     0.250     0.500",
+          "     2        2   0.25         4 "})
         EXPECT_NE(row.text.find(word), std::string::npos) << word << " in " << row.text;
 }
 
 // In an update of one server after the other.
 TEST(CtlStatus, a_server_of_another_version_has_a_row_that_says_so) {
     const auto expect_other = [](const std::string& its_state, const std::string& its_sessions) {
-        const StatusRow row = status_row("ws://a", "seaway 9", its_state, its_sessions);
+        const StatusRow row =
+            status_row("ws://a", "seaway 9", before, its_state, 1.0, its_sessions);
         EXPECT_FALSE(row.certain);
         EXPECT_NE(row.text.find("in other words"), std::string::npos)
             << its_state << its_sessions << row.text;
     };
-    for (const char* key : {"changes", "played", "peers", "clock_ahead_ms", "clock_error_ms",
-                            "unheard_s", "stale", "why"})
+    for (const char* key : {"cpu_s", "changes", "played", "peers", "clock_ahead_ms",
+                            "clock_error_ms", "unheard_s", "stale", "why"})
         expect_other(without(state, key), sessions);
     for (const char* key : {"sessions", "listed", "bytes_waiting"})
         expect_other(state, without(sessions, key));
