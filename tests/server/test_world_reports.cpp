@@ -6,6 +6,7 @@
 
 #include "sea/certificate/certificate.h"
 #include "sea/waves/probes.h"
+#include "server/process_metrics.h"
 #include "server/world_reports.h"
 #include "tests/server/simulation/simulation_bench.h"
 #include "tests/support/metrics_page.h"
@@ -197,6 +198,9 @@ TEST(StateJson, every_field_is_that_of_the_running_sea) {
                                         {{"busy", 3}}));
     EXPECT_FALSE(shown["certificate"]["says"].get<std::string>().empty());
     shown["certificate"].erase("says");
+    EXPECT_GT(shown["cpu_s"].get<double>(), 0);
+    EXPECT_LE(shown["cpu_s"].get<double>(), process_cpu_s());
+    shown.erase("cpu_s");
     expect_same(shown, {{"epoch", 6},
                         {"sea_time_s", 12.5},
                         {"pace", 2.5},
