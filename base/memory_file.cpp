@@ -18,14 +18,19 @@ std::shared_ptr<const MemoryFile> MemoryFile::of(std::span<const std::uint8_t> b
         --files_open;
         return nullptr;
     }
-    const int handle = ::memfd_create("seaway", MFD_CLOEXEC);
-    if (handle < 0) {
+    // Before there is a handle: for this there may be no memory.
+    std::shared_ptr<MemoryFile> file;
+    try {
+        file = std::make_shared<MemoryFile>();
+    } catch (...) {
         --files_open;
-        return nullptr;
+        throw;
     }
-    auto file = std::make_shared<const MemoryFile>(handle);
+    file->handle_ = ::memfd_create("seaway", MFD_CLOEXEC);
+    if (file->handle_ < 0)
+        return nullptr;
     while (!bytes.empty()) {
-        const ssize_t written = ::write(handle, bytes.data(), bytes.size());
+        const ssize_t written = ::write(file->handle_, bytes.data(), bytes.size());
         if (written <= 0)
             return nullptr;
         bytes = bytes.subspan(static_cast<std::size_t>(written));
@@ -34,7 +39,8 @@ std::shared_ptr<const MemoryFile> MemoryFile::of(std::span<const std::uint8_t> b
 }
 
 MemoryFile::~MemoryFile() {
-    ::close(handle_);
+    if (handle_ >= 0)
+        ::close(handle_);
     --files_open;
 }
 

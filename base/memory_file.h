@@ -18,7 +18,7 @@ class MemoryFile {
     /// thread.
     static std::shared_ptr<const MemoryFile> of(std::span<const std::uint8_t> bytes);
 
-    explicit MemoryFile(int handle) : handle_(handle) {}
+    MemoryFile() = default;
     ~MemoryFile();
     MemoryFile(const MemoryFile&) = delete;
     MemoryFile& operator=(const MemoryFile&) = delete;
@@ -26,7 +26,7 @@ class MemoryFile {
     int handle() const { return handle_; }
 
   private:
-    const int handle_;
+    int handle_ = -1;
 };
 
 } // namespace seaway

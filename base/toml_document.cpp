@@ -35,30 +35,57 @@ std::optional<double> as_number(const toml::node& node) {
     return std::nullopt;
 }
 
-/// Walks a TOML text as far as comments and strings go.
+/// What is written here is read by functions that call themselves a level, and ended so: a text of 24 KB could have
+/// more levels than a thread has stack. toml++ bounds brackets (256) and no dotted key.
+constexpr int brackets_max = 32;
+constexpr int key_dots_max = 7;
+
+/// Walks a TOML text as far as comments, strings, brackets and dots go.
 class Lexer {
   public:
     explicit Lexer(std::string_view text) : text_(text) {
         if (text_.substr(0, 3) == "\xEF\xBB\xBF")
             text_.remove_prefix(3);
     }
-    /// The line of the first strange byte outside of strings and comments, and the byte.
-    std::optional<std::pair<int, unsigned>> first_strange() {
+    /// The line of the first fault, and what it is.
+    std::optional<std::pair<int, std::string>> first_fault() {
         while (!text_.empty()) {
-            const auto c = static_cast<unsigned char>(text_.front());
-            if (c == '#')
+            const char c = text_.front();
+            if (c == '#') {
                 skip_to("\n", false);
-            else if (c == '"' || c == '\'')
+                dots_ = 0;
+            } else if (c == '"' || c == '\'') {
                 skip_string();
-            else if (c >= 0x7F || (c < 0x20 && c != '\t' && c != '\n' && c != '\r'))
-                return std::pair(line_, unsigned{c});
-            else
+            } else if (is_strange(c)) {
+                return std::pair(
+                    line_, fmt::format("byte 0x{:02x} is not allowed here; outside of strings and "
+                                       "comments there is printable ASCII alone",
+                                       static_cast<unsigned char>(c)));
+            } else if (const char* deep = too_deep(c)) {
+                return std::pair(line_, deep);
+            } else {
                 take(1);
+            }
         }
         return std::nullopt;
     }
 
   private:
+    /// toml++ 3.3 does not survive all bytes beyond ASCII outside of strings and comments.
+    static bool is_strange(char c) {
+        const auto byte = static_cast<unsigned char>(c);
+        return byte >= 0x7F || (byte < 0x20 && c != '\t' && c != '\n' && c != '\r');
+    }
+    /// A key ends where its value, the next one or the next line begins; numbers have a dot at most.
+    const char* too_deep(char c) {
+        brackets_ += c == '[' || c == '{' ? 1 : c == ']' || c == '}' ? -1 : 0;
+        dots_ = c == '.'                                                         ? dots_ + 1
+                : std::string_view("=,[]{}\n").find(c) != std::string_view::npos ? 0
+                                                                                 : dots_;
+        return brackets_ > brackets_max ? "more than 32 brackets within each other"
+               : dots_ > key_dots_max   ? "a key of more than 8 parts"
+                                        : nullptr;
+    }
     void take(std::size_t count) {
         count = std::min(count, text_.size());
         line_ += static_cast<int>(
@@ -90,22 +117,15 @@ class Lexer {
 
     std::string_view text_;
     int line_ = 1;
+    int brackets_ = 0;
+    int dots_ = 0;
 };
-
-/// toml++ 3.3 does not survive all bytes beyond ASCII outside of strings and comments.
-std::optional<Error> find_strange_byte(std::string_view text, const std::string& document) {
-    if (const auto found = Lexer(text).first_strange())
-        return Error{fmt::format("{}:{}: byte 0x{:02x} is not allowed here; outside of strings and "
-                                 "comments there is printable ASCII alone",
-                                 document, found->first, found->second)};
-    return std::nullopt;
-}
 
 } // namespace
 
 Result<TomlDocument> TomlDocument::parse(std::string_view text, const std::string& name) {
-    if (const std::optional<Error> strange = find_strange_byte(text, name))
-        return *strange;
+    if (const auto fault = Lexer(text).first_fault())
+        return Error{fmt::format("{}:{}: {}", name, fault->first, fault->second)};
     toml::parse_result parsed = toml::parse(text);
     if (!parsed)
         return Error{fmt::format("{}:{}: {}", name, parsed.error().source().begin.line,

@@ -20,7 +20,7 @@ Result<TomlDocument> value_document(const std::string& value) {
     return TomlDocument::parse(fmt::format("{} = {}\n", value_key, value), "the value");
 }
 
-std::string quoted(std::string_view text) {
+std::string as_string(std::string_view text) {
     std::string out = "\"";
     for (const char c : text)
         out += c == '"' || c == '\\' ? std::string{'\\', c} : std::string(1, c);
@@ -44,9 +44,8 @@ toml::node* child_of(toml::node& node, const std::string& segment) {
     toml::array* array = node.as_array();
     std::size_t index = 0;
     const char* end = segment.data() + segment.size();
-    if (!array || std::from_chars(segment.data(), end, index).ptr != end || segment.empty())
-        return nullptr;
-    return array->get(index);
+    const auto [read_to, fault] = std::from_chars(segment.data(), end, index);
+    return array && fault == std::errc{} && read_to == end ? array->get(index) : nullptr;
 }
 
 Result<void> set(toml::table& root, const TomlAssignment& assignment) {
@@ -94,7 +93,7 @@ Result<TomlAssignment> parse_toml_assignment(std::string_view text) {
                               std::string(text.substr(equals + 1))};
     const Result<TomlDocument> value = value_document(assignment.value);
     if (!value || value->table().size() != 1)
-        assignment.value = quoted(assignment.value);
+        assignment.value = as_string(assignment.value);
     return assignment;
 }
 

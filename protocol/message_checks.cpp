@@ -102,11 +102,12 @@ Result<void> check(const wire::Message& message) {
         return check(*message.body_as_Pace());
     case Body::GoAway:
         return check(*message.body_as_GoAway());
+    case Body::Pong:
+        return check(*message.body_as_Pong());
     case Body::NONE:
     case Body::Unsubscribe:
     case Body::Ping:
     case Body::FetchDone:
-    case Body::Pong:
     case Body::Refused:
     case Body::Administered:
         break;
@@ -217,8 +218,26 @@ Result<void> check(const wire::GoAway& go_away) {
                                    limits::retry_after_ms_max);
 }
 
+namespace {
+
+/// Of a Welcome or a Pong: clocks add such times to each other.
+template <class Told>
+Result<void> check_times(const Told& told) {
+    return all_of(
+        in_range("sea_time_us", told.sea_time_us(), -limits::time_us_max, limits::time_us_max),
+        in_range("elapsed_us", told.elapsed_us().value_or(0), -limits::time_us_max,
+                 limits::time_us_max));
+}
+
+} // namespace
+
 Result<void> check(const wire::Welcome& welcome) {
-    return in_range<int>("version", welcome.version(), version, version);
+    return all_of(in_range<int>("version", welcome.version(), version, version),
+                  check_times(welcome));
+}
+
+Result<void> check(const wire::Pong& pong) {
+    return check_times(pong);
 }
 
 namespace {

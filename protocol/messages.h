@@ -88,6 +88,7 @@ Result<void> check(const wire::Spectrum& spectrum);
 Result<void> check(const wire::SpectrumChunk& chunk);
 Result<void> check(const wire::Changed& changed);
 Result<void> check(const wire::Pace& pace);
+Result<void> check(const wire::Pong& pong);
 Result<void> check(const wire::GoAway& go_away);
 
 // ---- client to server ----------------------------------------------------------------------

@@ -5,11 +5,11 @@
 #include <bit>
 
 #include <fmt/format.h>
-#include <zstd.h>
 
 #include "protocol/checksum.h"
 #include "protocol/limits.h"
 #include "protocol/tile_layout.h"
+#include "protocol/zstd_memory.h"
 
 namespace seaway::protocol {
 namespace {
@@ -79,8 +79,8 @@ Bytes encode_spectrum(std::span<const sea::WaveBlock> blocks) {
                                                         (8 * plane)));
     Bytes bytes(header_bytes + ZSTD_compressBound(raw.size()));
     const std::size_t written =
-        ZSTD_compress(bytes.data() + header_bytes, bytes.size() - header_bytes, raw.data(),
-                      raw.size(), zstd_level);
+        unless_no_memory(ZSTD_compress(bytes.data() + header_bytes, bytes.size() - header_bytes,
+                                       raw.data(), raw.size(), zstd_level));
     SEAWAY_CHECK(!ZSTD_isError(written), "zstd has the room that it asked for");
     bytes.resize(header_bytes + written);
     bytes[0] = codec_version;
@@ -103,8 +103,8 @@ Result<std::vector<sea::WaveBlock>> decode_spectrum(std::span<const std::uint8_t
     if (planes < 1 || planes > 4 || count < 1 || count > limits::spectrum_blocks_max)
         return Error{fmt::format("spectrum of {} blocks with {} byte planes", count, planes)};
     Bytes raw(raw_bytes(count, planes));
-    const std::size_t read = ZSTD_decompress(raw.data(), raw.size(), bytes.data() + header_bytes,
-                                             bytes.size() - header_bytes);
+    const std::size_t read = unless_no_memory(ZSTD_decompress(
+        raw.data(), raw.size(), bytes.data() + header_bytes, bytes.size() - header_bytes));
     if (ZSTD_isError(read))
         return Error{fmt::format("spectrum does not decompress: {}", ZSTD_getErrorName(read))};
     if (read != raw.size())

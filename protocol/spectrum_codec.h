@@ -17,7 +17,7 @@ namespace seaway::protocol {
 Bytes encode_spectrum(std::span<const sea::WaveBlock> blocks);
 
 /// The inverse. An error says what is wrong with bytes that come from elsewhere; which cascades and lattices
-/// there are is for who knows the sea. Never more than 0.3 MB of memory.
+/// there are is for who knows the sea. Never more than 1 MB of memory, zstd's included.
 Result<std::vector<sea::WaveBlock>> decode_spectrum(std::span<const std::uint8_t> bytes);
 
 } // namespace seaway::protocol

@@ -2,14 +2,13 @@
 // Decoder of tile codec v1 (protocol/tile_codec.h), and the check that both sides make.
 #include <algorithm>
 #include <cmath>
-#include <memory>
 
 #include <fmt/format.h>
-#include <zstd.h>
 
 #include "protocol/checksum.h"
 #include "protocol/limits.h"
 #include "protocol/tile_layout.h"
+#include "protocol/zstd_memory.h"
 
 namespace seaway::protocol {
 
@@ -41,16 +40,12 @@ namespace {
 
 using namespace tile_layout;
 
-struct FreeContext {
-    void operator()(ZSTD_DCtx* context) const { ZSTD_freeDCtx(context); }
-};
-
 /// Working memory of one thread, at most 0.5 MB: taken once.
 struct Scratch {
     std::vector<std::uint8_t> planes;
     std::vector<std::uint32_t> column_sums; ///< vertical sums of residuals
     std::vector<std::uint32_t> row;
-    std::unique_ptr<ZSTD_DCtx, FreeContext> decoder;
+    ZstdDecoder decoder;
 };
 
 Scratch& scratch() {
@@ -98,11 +93,10 @@ Result<Header> read_header(std::span<const std::uint8_t> bytes, TileShape shape)
 
 Result<void> decompress(std::span<const std::uint8_t> body, std::size_t count) {
     Scratch& memory = scratch();
-    if (memory.decoder == nullptr)
-        memory.decoder.reset(ZSTD_createDCtx());
     memory.planes.resize(count);
-    const std::size_t read = ZSTD_decompressDCtx(memory.decoder.get(), memory.planes.data(),
-                                                 memory.planes.size(), body.data(), body.size());
+    const std::size_t read = unless_no_memory(
+        ZSTD_decompressDCtx(made(memory.decoder, ZSTD_createDCtx), memory.planes.data(),
+                            memory.planes.size(), body.data(), body.size()));
     if (ZSTD_isError(read))
         return Error{fmt::format("tile does not decompress: {}", ZSTD_getErrorName(read))};
     if (read != count)

@@ -4,14 +4,13 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <memory>
 #include <optional>
 
 #include <fmt/format.h>
-#include <zstd.h>
 
 #include "protocol/checksum.h"
 #include "protocol/tile_layout.h"
+#include "protocol/zstd_memory.h"
 
 namespace seaway::protocol {
 namespace {
@@ -19,10 +18,6 @@ namespace {
 using namespace tile_layout;
 
 constexpr int zstd_level = 3;
-
-struct FreeContext {
-    void operator()(ZSTD_CCtx* context) const { ZSTD_freeCCtx(context); }
-};
 
 /// Working memory of one thread, at most 1.5 MB: taken once, so that the steady state allocates
 /// only the bytes that it returns.
@@ -33,7 +28,7 @@ struct Scratch {
     std::vector<std::uint32_t> row_above;
     std::vector<std::uint8_t> planes;
     std::vector<std::uint8_t> compressed;
-    std::unique_ptr<ZSTD_CCtx, FreeContext> encoder;
+    ZstdEncoder encoder;
 };
 
 Scratch& scratch() {
@@ -229,14 +224,12 @@ Result<std::vector<std::uint8_t>> compress(Mode mode, TileShape shape, int plane
                                            std::span<const std::uint8_t> first = {}) {
     Scratch& memory = scratch();
     lay_out(planes);
-    if (memory.encoder == nullptr)
-        memory.encoder.reset(ZSTD_createCCtx());
     memory.compressed.resize(first.size() + ZSTD_compressBound(memory.planes.size()));
     std::copy(first.begin(), first.end(), memory.compressed.begin());
-    const std::size_t written =
-        ZSTD_compressCCtx(memory.encoder.get(), memory.compressed.data() + first.size(),
-                          memory.compressed.size() - first.size(), memory.planes.data(),
-                          memory.planes.size(), zstd_level);
+    const std::size_t written = unless_no_memory(ZSTD_compressCCtx(
+        made(memory.encoder, ZSTD_createCCtx), memory.compressed.data() + first.size(),
+        memory.compressed.size() - first.size(), memory.planes.data(), memory.planes.size(),
+        zstd_level));
     if (ZSTD_isError(written))
         return Error{fmt::format("zstd: {}", ZSTD_getErrorName(written))};
     return finish(mode, shape, planes, parameter,

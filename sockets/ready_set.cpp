@@ -6,6 +6,7 @@
 
 #include <boost/asio/error.hpp>
 #include <boost/asio/io_context.hpp>
+#include <boost/asio/post.hpp>
 #include <sys/epoll.h>
 #include <sys/socket.h>
 
@@ -24,7 +25,7 @@ constexpr int arrivals_a_turn = 16;
 
 ReadySet::ReadySet(asio::execution_context& context)
     : service(context), epoll_(::epoll_create1(EPOLL_CLOEXEC)),
-      ready_(static_cast<asio::io_context&>(context)) {
+      loop_(static_cast<asio::io_context&>(context)), ready_(loop_) {
     boost::system::error_code ignored; // without a handle every receive() says so
     ready_.assign(epoll_, ignored);
 }
@@ -36,6 +37,7 @@ void ReadySet::shutdown() {
     std::unordered_map<Id, Member> last;
     last.swap(members_);
     waiting_ = 0;
+    removed_ = 0;
     boost::system::error_code ignored;
     ready_.close(ignored);
 }
@@ -58,21 +60,48 @@ ReadySet::error_code ReadySet::receive(Id which, Handler handler) {
     return {};
 }
 
-ReadySet::Handler ReadySet::remove(Id which) noexcept {
+void ReadySet::remove(Id which) noexcept {
     const auto found = members_.find(which);
     if (found == members_.end())
-        return nullptr;
+        return;
     Member& member = found->second;
+    if (!member.handler) {
+        watch_no_more(member);
+        members_.erase(found);
+        return;
+    }
+    if (!member.watched)
+        return; // removed already
     watch_no_more(member);
-    Handler handler = std::move(member.handler);
-    if (handler)
-        --waiting_;
-    members_.erase(found);
+    --waiting_;
+    member.removed_before = std::exchange(removed_, which);
+    tell_later();
     if (waiting_ == 0 && armed()) {
         boost::system::error_code ignored;
         ready_.cancel(ignored); // an io_context with nothing else to do comes to its end
     }
-    return handler;
+}
+
+void ReadySet::tell_later() noexcept {
+    if (!telling_->in_use())
+        asio::post(loop_, with(telling_, [this] { tell_removed(); }));
+}
+
+void ReadySet::tell_removed() {
+    struct TellTheOthers { // also behind a handler that throws
+        ReadySet& set;
+        ~TellTheOthers() {
+            if (set.removed_ != 0)
+                set.tell_later();
+        }
+    } const others{*this};
+    while (removed_ != 0) {
+        const auto found = members_.find(removed_);
+        removed_ = found->second.removed_before;
+        const Handler handler = std::move(found->second.handler);
+        members_.erase(found);
+        handler(asio::error::operation_aborted, {});
+    }
 }
 
 bool ReadySet::watch(Id which, Member& member) {
@@ -114,7 +143,7 @@ void ReadySet::give(Id which) {
     if (found == members_.end())
         return; // removed by a handler of this turn
     Member& member = found->second;
-    if (!member.handler)
+    if (!member.handler || !member.watched)
         return watch_no_more(member);
     const ssize_t received = ::recv(member.handle, bytes_.data(), bytes_.size(), MSG_DONTWAIT);
     const bool nothing = received < 0 && (errno == EAGAIN || errno == EINTR);

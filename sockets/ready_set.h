@@ -14,6 +14,7 @@
 #include <unordered_map>
 
 #include <boost/asio/execution_context.hpp>
+#include <boost/asio/io_context.hpp>
 #include <boost/asio/posix/stream_descriptor.hpp>
 #include <boost/system/error_code.hpp>
 
@@ -38,29 +39,36 @@ class ReadySet : public boost::asio::execution_context::service {
     /// Calls once, never within this call. One at a time for each socket. An error: the system has no room for
     /// it, and nothing will be called.
     [[nodiscard]] error_code receive(Id member, Handler handler);
-    /// What is awaited is not called any more, and given back.
-    Handler remove(Id member) noexcept;
+    /// What is awaited is called with operation_aborted, not within this call. Takes no memory: so ends whom the system
+    /// gave none.
+    void remove(Id member) noexcept;
 
   private:
     struct Member {
         int handle = -1;
         Handler handler;
         bool watched = false;
+        Id removed_before = 0; ///< of one that is removed, and will be told
     };
     void shutdown() override;
     void arm() noexcept;
     bool armed() const { return memory_->in_use(); }
     void on_ready();
     void give(Id member);
+    void tell_later() noexcept;
+    void tell_removed();
     bool watch(Id id, Member& member);
     void watch_no_more(Member& member);
 
     std::unordered_map<Id, Member> members_;
     Id next_ = 1;
+    Id removed_ = 0; ///< the last one that will be told, which leads to the others
     int epoll_ = -1;
+    boost::asio::io_context& loop_;
     boost::asio::posix::stream_descriptor ready_;
     std::size_t waiting_ = 0; ///< handlers
     const HandlerMemoryPtr memory_ = std::make_shared<HandlerMemory>();
+    const HandlerMemoryPtr telling_ = std::make_shared<HandlerMemory>();
     std::array<std::uint8_t, 16 * 1024> bytes_{};
 };
 

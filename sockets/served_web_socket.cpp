@@ -58,6 +58,7 @@ struct ServedWebSocket::Impl : std::enable_shared_from_this<Impl> {
     bool receiving = false;
     bool silent = false;
     bool closing = false; ///< a closing frame has been sent
+    bool leaving = false;
     CloseReason peer_close;
     CloseReason last_word;                              ///< ours, of leave()
     std::optional<std::vector<std::uint8_t>> next_pong; ///< behind the one that is under way
@@ -102,6 +103,8 @@ void ServedWebSocket::Impl::watch_silence() {
 }
 
 void ServedWebSocket::Impl::on_quiet() {
+    if (leaving)
+        return; // the timer is leave()'s, and this call of it was on its way before
     if (!receiving)
         heard = Clock::now(); // nobody listens
     const auto quiet = Clock::now() - heard;
@@ -109,9 +112,10 @@ void ServedWebSocket::Impl::on_quiet() {
         silent = true;
         return socket.stop_receiving();
     }
-    if (quiet >= options.idle_patience / 2 && !std::exchange(pinged, true))
+    const bool ask = quiet >= options.idle_patience / 2 && !std::exchange(pinged, true);
+    watch_silence(); // first: for a ping there may be no memory
+    if (ask)
         send(control_frame(FrameReader::Kind::ping, {}));
-    watch_silence();
 }
 
 // ---- reading -------------------------------------------------------------------------------
@@ -215,6 +219,7 @@ void ServedWebSocket::Impl::on_close(std::span<const std::uint8_t> payload, cons
 
 void ServedWebSocket::leave(std::function<void()> done) {
     Impl& impl = *impl_;
+    impl.leaving = true;
     impl.timer.expires_after(impl.options.handshake_patience);
     impl.timer.async_wait([weak = impl.weak_from_this()](error_code error) {
         if (const std::shared_ptr<Impl> self = weak.lock(); self != nullptr && !error)

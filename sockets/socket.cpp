@@ -107,11 +107,8 @@ void Socket::Streams::stop_receiving() {
         tcp().socket().cancel(ignored);
         return;
     }
-    ReadySet* set = std::exchange(ready, nullptr);
-    if (set == nullptr)
-        return;
-    if (Received done = set->remove(member))
-        say_later(std::move(done), asio::error::operation_aborted);
+    if (ReadySet* set = std::exchange(ready, nullptr))
+        set->remove(member);
 }
 
 void Socket::Streams::say_later(Received done, error_code error) {

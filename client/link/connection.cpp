@@ -142,8 +142,7 @@ Result<void> Connection::dispatch(const wire::Message& message) {
     case Body::Pace:
         return take(*message.body_as_Pace());
     case Body::Pong:
-        take(*message.body_as_Pong());
-        break;
+        return take(*message.body_as_Pong());
     case Body::Refused:
         take(*message.body_as_Refused());
         break;
@@ -326,9 +325,14 @@ void Connection::one_spectrum_less() {
         requests_.finish(Lane::spectrum, spectrum_request_, Reply{.spectrum = spectrum_grant_});
 }
 
-void Connection::take(const wire::Pong& pong) {
+Result<void> Connection::take(const wire::Pong& pong) {
+    SEAWAY_TRY(protocol::check(pong));
+    const std::int64_t sent_us = pong.client_time_us(), now_us = local_now_us();
+    if (sent_us < hello_sent_us_ || sent_us > now_us)
+        return Error{fmt::format("a pong to a ping of {} us, when none was sent", sent_us)};
     if (events_.on_clock)
-        events_.on_clock(pong.client_time_us(), local_now_us(), protocol::sea_time(pong));
+        events_.on_clock(sent_us, now_us, protocol::sea_time(pong));
+    return {};
 }
 
 Result<void> Connection::take(const wire::Pace& pace) {

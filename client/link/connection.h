@@ -174,7 +174,7 @@ class Connection {
     Result<void> take(const wire::Changed& changed);
     Result<void> take(const wire::Administered& administered);
     Result<void> take(const wire::Pace& pace);
-    void take(const wire::Pong& pong);
+    Result<void> take(const wire::Pong& pong);
     void take(const wire::Refused& refused);
     Result<void> take(const wire::GoAway& go_away);
     bool send(protocol::Bytes message);

@@ -20,6 +20,9 @@
 
 namespace seaway::sea {
 
+/// Times a pace, which 64 bits do not hold.
+__extension__ using Wide = __int128;
+
 /// In thousandths, whole numbers: what passes is exact wherever it is computed.
 inline constexpr int pace_unit = 1000;
 /// A keyframe of a sea that runs so much faster has a tenth of the time.
@@ -30,11 +33,10 @@ struct Pace {
     TimeUs sea_us = 0;  ///< sea time at that moment
     int permille = pace_unit;
 
-    /// Of moments from from_us on; rounded down.
+    /// Of moments from from_us on; rounded down. A sea that has come to the end of all times stands.
     TimeUs sea_time(TimeUs elapsed_us) const {
-        const TimeUs passed_us = elapsed_us - from_us;
-        return sea_us + passed_us / pace_unit * permille +
-               passed_us % pace_unit * permille / pace_unit;
+        const Wide ran_us = (Wide{elapsed_us} - from_us) * permille / pace_unit;
+        return static_cast<TimeUs>(std::clamp<Wide>(sea_us + ran_us, -time_us_max, time_us_max));
     }
     bool operator==(const Pace&) const = default;
 };
@@ -99,19 +101,23 @@ class Paces {
 };
 
 inline std::optional<TimeUs> Paces::moment_of(TimeUs sea_us, TimeUs elapsed_us) const {
+    if (sea_us > time_us_max)
+        return std::nullopt;
     Pace pace = at(elapsed_us);
     for (std::size_t next = 0;; ++next) {
         while (next < paces_.size() && paces_[next].from_us <= elapsed_us)
             ++next;
-        const TimeUs missing_us = sea_us - pace.sea_time(elapsed_us);
+        const Wide missing_us = Wide{sea_us} - pace.sea_time(elapsed_us);
         if (missing_us <= 0)
             return elapsed_us;
         const bool last = next >= paces_.size();
-        if (pace.permille > 0) {
-            // About, and then to the microsecond: sea_time() rounds down.
-            TimeUs reached_us =
-                elapsed_us + missing_us / pace.permille * pace_unit +
-                (missing_us % pace.permille * pace_unit + pace.permille - 1) / pace.permille;
+        // About, and then to the microsecond: sea_time() rounds down.
+        const Wide about_us =
+            pace.permille > 0
+                ? elapsed_us + (missing_us * pace_unit + pace.permille - 1) / pace.permille
+                : Wide{time_us_max} + 1;
+        if (about_us <= time_us_max) {
+            auto reached_us = static_cast<TimeUs>(about_us);
             while (pace.sea_time(reached_us) < sea_us)
                 ++reached_us;
             while (reached_us > elapsed_us && pace.sea_time(reached_us - 1) >= sea_us)

@@ -312,13 +312,22 @@ Result<std::vector<SeaChange>> SqliteJournal::since(std::uint32_t epoch, std::si
     }
 }
 
+/// What was written whole before the disk failed to keep it stands in the log of the file, and would be found there by who
+/// opens it after this process was killed. So it is written over; where that fails, too, nobody knows.
+Error SqliteJournal::undone(Error why) {
+    if (sqlite3_extended_errcode(database_.get()) == SQLITE_IOERR_FSYNC &&
+        !run(database_.get(), "UPDATE sea SET epoch_utc_us = epoch_utc_us"))
+        why.kind = JournalError::unknown;
+    return why;
+}
+
 Result<void> SqliteJournal::append(const SeaChange& change) {
     const std::scoped_lock lock(mutex_);
     if (const Result<void> next = check_next(last_, change); !next)
         return wrong(next.error().message);
     const std::uint64_t sum = sum_of(sum_, change);
     if (const Result<void> written = insert(database_.get(), change, sum); !written)
-        return wrong(written.error().message);
+        return undone(wrong(written.error().message));
     sum_ = sum;
     hold(change);
     return {};

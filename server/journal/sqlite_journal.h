@@ -53,6 +53,7 @@ class SqliteJournal final : public Journal {
     Result<void> look_through();
     void hold(const SeaChange& last);
     Error wrong(const std::string& why) const;
+    Error undone(Error why);
 
     FolderLock lock_;
     std::string path_;

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "base/memory_file.h"
 
+#include <new>
 #include <numeric>
 #include <vector>
 
 #include <gtest/gtest.h>
 #include <unistd.h>
+
+#include "tests/support/allocations.h"
 
 namespace seaway {
 namespace {
@@ -31,6 +34,16 @@ TEST(MemoryFile, there_are_so_many_at_a_time_and_no_more) {
     EXPECT_FALSE(MemoryFile::of(bytes));
     files.pop_back();
     EXPECT_TRUE(MemoryFile::of(bytes)) << "one that has gone has left its place";
+}
+
+// Naive: what could not be made keeps its place, and after 32 of them nothing is sent from a file any more.
+TEST(MemoryFile, one_for_which_there_is_no_memory_leaves_no_place_taken) {
+    const std::vector<std::uint8_t> bytes(10, 7);
+    for (int i = 0; i <= MemoryFile::open_max; ++i) {
+        const tests::NoMemoryOnce none(0);
+        EXPECT_THROW((void)MemoryFile::of(bytes), std::bad_alloc);
+    }
+    EXPECT_TRUE(MemoryFile::of(bytes));
 }
 
 } // namespace

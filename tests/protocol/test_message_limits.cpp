@@ -286,5 +286,20 @@ TEST(
     EXPECT_EQ(heard(std::numeric_limits<std::int64_t>::max()), limits::unsure_us_max);
 }
 
+TEST(MessageLimits, a_server_says_times_of_a_sea_alone_since_clocks_add_them_to_each_other) {
+    for (const std::int64_t far_us :
+         {limits::time_us_max + 1, -limits::time_us_max - 1,
+          std::numeric_limits<std::int64_t>::max(), std::numeric_limits<std::int64_t>::min()})
+        for (const sea::SeaTime& time : {sea::SeaTime(far_us, 8), sea::SeaTime(7, far_us)}) {
+            MessageReader reader(Sender::server), again(Sender::server);
+            const Bytes in_pong = pong(1, 2, time), in_welcome = welcome(1, "any", time);
+            EXPECT_FALSE(check(*(*reader.read(in_pong))->body_as_Pong())) << far_us;
+            EXPECT_FALSE(check(*(*again.read(in_welcome))->body_as_Welcome())) << far_us;
+        }
+    MessageReader reader(Sender::server);
+    const Bytes last = pong(1, 2, sea::SeaTime(limits::time_us_max, -limits::time_us_max));
+    EXPECT_TRUE(check(*(*reader.read(last))->body_as_Pong()));
+}
+
 } // namespace
 } // namespace seaway::protocol

@@ -3,6 +3,7 @@
 
 #include <deque>
 #include <optional>
+#include <thread>
 
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/write.hpp>
@@ -11,6 +12,7 @@
 #include "sockets/upgrade.h"
 #include "tests/sockets/client_frames.h"
 #include "tests/sockets/pair.h"
+#include "tests/support/allocations.h"
 
 namespace seaway::sockets {
 namespace {
@@ -23,7 +25,8 @@ class ServedWebSocketTest : public ::testing::Test {
   protected:
     ServedWebSocketTest() { accept(); }
 
-    void accept(std::chrono::milliseconds patience = std::chrono::seconds(10)) {
+    void accept(std::chrono::milliseconds patience = std::chrono::seconds(10),
+                std::chrono::milliseconds handshake_patience = std::chrono::seconds(10)) {
         Upgrade upgrade{{http::verb::get, "/", 11}};
         upgrade.request.set(http::field::host, "here");
         upgrade.request.set(http::field::upgrade, "websocket");
@@ -35,7 +38,7 @@ class ServedWebSocketTest : public ::testing::Test {
         server.emplace(std::move(*pair->ends[0]),
                        WebSocketOptions{.subprotocol = "a.v1",
                                         .program = "test/1",
-                                        .handshake_patience = std::chrono::seconds(10),
+                                        .handshake_patience = handshake_patience,
                                         .idle_patience = patience,
                                         .message_bytes_max = 100'000,
                                         .kept_buffer_bytes = 16});
@@ -223,6 +226,38 @@ TEST_F(ServedWebSocketTest, who_is_not_listened_to_is_not_silent) {
     say(client_frame(FrameBytes{'h'}));
     run_until([&] { return end || !heard.empty(); });
     EXPECT_FALSE(end);
+}
+
+// Naive: a look at the silence that was on its way when the peer closed takes over the timer that ends the wait for it.
+TEST_F(ServedWebSocketTest,
+       who_closes_and_stays_is_left_in_time_also_when_silence_is_looked_at_just_then) {
+    accept(std::chrono::milliseconds(200), std::chrono::milliseconds(300));
+    bool left = false;
+    server->read([&](const Result<ServedWebSocket::Message>& message) {
+        EXPECT_FALSE(message);
+        server->leave([&] { left = true; });
+    });
+    say(client_frame(FrameBytes{0x03, 0xe8}, {.opcode = 8}));
+    // The frame is there and the timer, of half the patience, has run out before the loop looks at either.
+    std::this_thread::sleep_for(std::chrono::milliseconds(150));
+    run_until([&] { return left; });
+    EXPECT_TRUE(left);
+}
+
+// Naive: the handler that hears of the end is put into memory of its own, inside of a function that may not throw.
+TEST_F(ServedWebSocketTest, closing_takes_no_memory) {
+    read_all();
+    run_until([&] { return true; });
+    for (int i = 0; i < 16; ++i) // what Asio keeps of blocks that were given back is taken
+        asio::post(pair->io, [held = std::array<char, 64>{}] { (void)held; });
+    {
+        const tests::NoMemoryOnce none(0);
+        const tests::Allocations allocations;
+        server->socket().close();
+        EXPECT_EQ(allocations.count(), 0u);
+    }
+    EXPECT_FALSE(end) << "not within the call";
+    run_until([&] { return end.has_value(); });
 }
 
 TEST_F(ServedWebSocketTest, a_peer_that_is_gone_ends_what_is_read) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/support/allocations.h"
 
+#include <algorithm>
 #include <cstdlib>
 #include <limits>
 #include <new>
@@ -16,7 +17,20 @@ bool count_one() {
     return allocations++ != fails_at;
 }
 
+void* aligned(std::size_t alignment, std::size_t bytes) {
+    void* memory = nullptr;
+    return count_one() && ::posix_memalign(&memory, std::max(alignment, sizeof(void*)), bytes) == 0
+               ? memory
+               : nullptr;
+}
+
 } // namespace
+
+// Asio takes memory for handlers so.
+extern "C" __attribute__((visibility("default"))) void* aligned_alloc(std::size_t alignment,
+                                                                      std::size_t bytes) noexcept {
+    return aligned(alignment, bytes);
+}
 
 void* operator new(std::size_t bytes) {
     if (void* memory = count_one() ? std::malloc(bytes > 0 ? bytes : 1) : nullptr)
@@ -24,8 +38,7 @@ void* operator new(std::size_t bytes) {
     throw std::bad_alloc();
 }
 void* operator new(std::size_t bytes, std::align_val_t alignment) {
-    const auto a = static_cast<std::size_t>(alignment);
-    if (void* memory = count_one() ? std::aligned_alloc(a, (bytes + a - 1) / a * a) : nullptr)
+    if (void* memory = aligned(static_cast<std::size_t>(alignment), bytes))
         return memory;
     throw std::bad_alloc();
 }

@@ -123,6 +123,12 @@ TEST(OddScenes, a_pipe_and_an_endless_device_are_refused_at_once) {
     const std::string large =
         folder().write("large.toml", "# " + std::string(1 << 20, 'x') + "\n[sea]\n");
     expect_one_line(run_program("seaway-inspect", large), {"large", 2, "more than 1048576 bytes"});
+    std::string key = "a"; // a level each, of tables within each other
+    for (int i = 0; i < 250'000; ++i)
+        key += ".a";
+    const std::string deep =
+        folder().write("deep.toml", "[[weather]]\nset = { " + key + " = 1 }\n");
+    expect_one_line(run_program("seaway-inspect", deep), {"deep", 2, "a key of more than 8 parts"});
 }
 
 /// The status of a program whose standard output cannot be written.

@@ -36,6 +36,25 @@ TEST(Paces, a_pace_goes_on_from_where_the_sea_was) {
     EXPECT_EQ(paces.sea_time(13'000'000), 9'000'000);
 }
 
+// Naive: 64 bits do not hold a time times a pace.
+TEST(Paces, at_the_ends_of_all_times_the_sea_stands) {
+    Paces paces;
+    paces.add({-time_us_max, 0, pace_permille_max});
+    for (const TimeUs us : {0L, time_us_max / 2, time_us_max})
+        EXPECT_EQ(paces.sea_time(us), time_us_max);
+    paces.add({0, time_us_max, 900});
+    EXPECT_EQ(paces.sea_time(time_us_max), time_us_max);
+
+    Paces slow;
+    slow.add({0, 0, 1});
+    EXPECT_EQ(slow.sea_time(time_us_max), time_us_max / pace_unit);
+    EXPECT_EQ(slow.moment_of(time_us_max / pace_unit, 0), time_us_max);
+    EXPECT_EQ(slow.moment_of(time_us_max, 0), std::nullopt) << "later than all times";
+    EXPECT_EQ(slow.moment_of(time_us_max + 1, 0), std::nullopt);
+    slow.add({1'000'000, 1'000, pace_permille_max});
+    EXPECT_EQ(slow.moment_of(time_us_max, 0), 1'000'000 + (time_us_max - 1'000) / 10);
+}
+
 // Naive: a server that promises paces without end fills the memory of its clients.
 TEST(Paces, of_many_to_come_the_last_ones_are_held) {
     Paces paces;
