@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t file_bytes_max = 16u * 1024 * 1024;
 
 /// As a value of a log line, whole.
-std::string quoted(std::string_view text) {
+std::string in_quotes(std::string_view text) {
     std::string out(text);
     for (char& c : out)
         if (c < ' ' || c == '"' || c == '\x7f')
@@ -46,10 +46,10 @@ std::string_view name(ReadAgain outcome) {
 std::string FileReadAgain::line() const {
     std::string text = "event=file_read_again";
     if (!option.empty())
-        text += " option=" + quoted(option);
-    text += fmt::format(" file={} outcome={}", quoted(path), name(outcome));
+        text += " option=" + in_quotes(option);
+    text += fmt::format(" file={} outcome={}", in_quotes(path), name(outcome));
     if (!why.empty())
-        text += " why=" + quoted(why);
+        text += " why=" + in_quotes(why);
     return text;
 }
 

@@ -56,7 +56,7 @@ std::string what_of(const SeaWish& wish) {
 }
 
 /// Whole, for the log: who runs the server reads what an administrator elsewhere was told.
-std::string quoted(const std::string& why) {
+std::string in_quotes(const std::string& why) {
     std::string text = seaway::printable(why);
     std::ranges::replace(text, '"', '\'');
     return text;
@@ -82,7 +82,7 @@ void Session::on_change(const wire::Change& change) {
             const std::shared_ptr<Core> here = core.lock();
             if (here && !promise)
                 here->log(fmt::format("event=change_refused session={} why=\"{}\"", session,
-                                      quoted(promise.error().message)));
+                                      in_quotes(promise.error().message)));
             if (Session* found = here ? here->find(session) : nullptr)
                 found->or_drop([&] { found->changed(request_id, promise); });
         });

@@ -23,7 +23,7 @@ constexpr const char* journal_header =
 constexpr std::size_t columns = 11;
 
 /// Only names hold commas or quotes: of devices and machines.
-std::string quoted(const std::string& text) {
+std::string in_quotes(const std::string& text) {
     if (text.find_first_of(",\"") == std::string::npos)
         return text;
     std::string result = "\"";
@@ -160,8 +160,8 @@ Result<void> Journal::add(const TrialName& trial, const Place& place,
     std::ostringstream rows;
     const auto row = [&](const Figure& f) {
         rows << fmt::format("{},{},{},{},{:.6g},{:.6g},{:.6g},{},{},{},{}\n", trial.state,
-                            trial.knob, quoted(trial.value), f.metric, f.value, f.low, f.high,
-                            quoted(trial.device), quoted(place.driver), quoted(place.machine),
+                            trial.knob, in_quotes(trial.value), f.metric, f.value, f.low, f.high,
+                            in_quotes(trial.device), in_quotes(place.driver), in_quotes(place.machine),
                             place.commit);
     };
     for (const Figure& figure : figures)
