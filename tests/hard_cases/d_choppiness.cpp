@@ -178,14 +178,25 @@ TEST(HardCase, D2_a_million_points_of_a_folding_sea_are_numbers_and_solved_or_fl
            lost / 1e4, unsolved / 1e6);
 }
 
+// Asked for at and beside the crest, where J is 5e-13 and a step of Newton 2e6 m. No step of ours is longer than points move
+// sideways, which is 1 m here; the case allows a quarter of the wavelength, 1.6 m.
 TEST(HardCase, D4_at_a_cusp_no_step_leaves_the_wave) {
     const auto field = [](double X, double) { return trochoid(1.0, X); };
     const double leap = std::abs(naive::newton_step_m(field, 1e-6, 1e-6));
-    const Answer answer = sea::surface_at({1e-6, 0, 0}, {{1, 1}, 1e-6, {}}, field);
+    double farthest = 0, off = 0;
+    const auto watched = [&](double X, double Y) {
+        farthest = std::max(farthest, std::hypot(X, Y));
+        return field(X, Y);
+    };
+    for (const double x : {0.0, 1e-9, 1e-6, -1e-6, 1e-4, 1e-3}) {
+        const Answer answer = sea::surface_at({x, 0, 0}, {{1, 1}, 1e-6, {.reach_m = 1}}, watched);
+        const double X = std::cbrt(6 * x); // x = X - sin X = X^3 / 6 near the crest
+        off = std::max(off, std::abs(answer.height_m - std::cos(X)));
+    }
     EXPECT_GT(leap, 1e3);
-    EXPECT_NEAR(answer.height_m, 1.0, 0.01); // the case's centimetre
-    record("one wave with J = 0 at its crest", "step of Newton; error of the height, m", leap,
-           std::abs(answer.height_m - 1.0));
+    EXPECT_LT(farthest, 1.6);
+    EXPECT_LT(off, 0.01); // the case's centimetre
+    record("one wave with J = 0 at its crest", "step of Newton, m", leap, farthest);
 }
 
 TEST(HardCase, D6_the_sum_of_displacements_is_inverted) {

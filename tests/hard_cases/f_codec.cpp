@@ -49,23 +49,29 @@ TEST(HardCase, F1_F2_a_tile_of_zeros_and_a_constant_one_come_back_exactly) {
     record("tiles of 0, 1e-38 and 30 000", "share of values that are none", none / values, ours);
 }
 
+// The case asks for 1e9 values, which take a minute: 1e7 here, of which one tile is of ties, odd halves of the bound.
 TEST(HardCase, F6_the_bound_holds_for_the_floats_that_come_out) {
     std::mt19937 random(6);
     std::uniform_real_distribution<float> far(900, 1000);
     std::vector<float> samples(256 * 256);
-    for (float& sample : samples)
-        sample = far(random);
     const float bound = 1e-4f; // three steps of a float there
-    const std::vector<float> coded = through_codec(samples, 256, bound);
+    const double limit = static_cast<double>(bound);
     double ours = 0, beyond = 0;
-    for (std::size_t i = 0; i < samples.size(); ++i) {
-        const double sample = samples[i], limit = static_cast<double>(bound);
-        ours += std::abs(coded[i] - sample) > limit;
-        beyond += std::abs(naive::quantised(sample, limit) - sample) > limit;
+    constexpr int tiles = 153;
+    for (int tile = 0; tile < tiles; ++tile) {
+        for (std::size_t i = 0; i < samples.size(); ++i)
+            samples[i] =
+                tile > 0 ? far(random) : static_cast<float>(limit * (static_cast<double>(i) + 0.5));
+        const std::vector<float> coded = through_codec(samples, 256, bound);
+        for (std::size_t i = 0; i < samples.size(); ++i) {
+            const double sample = samples[i];
+            ours += std::abs(coded[i] - sample) > limit;
+            beyond += std::abs(naive::quantised(sample, limit) - sample) > limit;
+        }
     }
     EXPECT_EQ(ours, 0);
     EXPECT_GT(beyond, 0);
-    record("65 536 values of 900 to 1000, bound 1e-4", "values beyond it", beyond, ours);
+    record("1e7 values of 900 to 1000, bound 1e-4", "values beyond it", beyond, ours);
 }
 
 TEST(HardCase, F5_a_spike_takes_nothing_from_the_bound_of_its_neighbours) {
@@ -83,21 +89,39 @@ TEST(HardCase, F5_a_spike_takes_nothing_from_the_bound_of_its_neighbours) {
     record("a spike of 1e4 among values of 1e-3, bound 1e-3", "largest error", by_range, ours);
 }
 
-// Every tile is coded by itself: any frame can be read first, and the ten-thousandth is as good as it.
+// Ours as the stream has them: differences to what was decoded of the frame before, and whole frames of the same bits,
+// so that any can be read first. Both expect the frame before, as the naive one does.
 TEST(HardCase, F7_the_ten_thousandth_frame_is_within_the_bound) {
     constexpr int size = 16, frames = 10'000;
+    const protocol::TileShape shape{size, size};
     const float bound = 0.01f;
     naive::OpenLoopDeltas deltas(bound);
-    std::vector<float> frame(size * size);
+    std::vector<float> frame(size * size), expected(size * size), decoded(size * size),
+        followed(size * size), joined(size * size);
     double ours = 0, open_loop = 0;
+    int differences = 0;
     for (int n = 0; n < frames; ++n) {
         for (int i = 0; i < size * size; ++i)
             frame[static_cast<std::size_t>(i)] =
                 static_cast<float>(2 * std::sin(0.9 * n / 30.0 + 0.3 * (i % size)) +
                                    std::sin(2.3 * n / 30.0 + 0.2 * i));
-        ours = std::max(ours, worst_difference(frame, through_codec(frame, size, bound)));
+        const auto forms =
+            protocol::encode_tile_forms(frame, shape, size, bound, expected, decoded);
+        ASSERT_TRUE(forms);
+        ASSERT_TRUE(protocol::decode_tile(forms->whole, shape, size, joined));
+        if (forms->difference.empty()) {
+            followed = joined;
+        } else {
+            ++differences;
+            ASSERT_TRUE(protocol::decode_tile_difference(forms->difference, shape, size, followed,
+                                                         followed));
+        }
+        ASSERT_EQ(followed, joined) << n;
+        expected = decoded;
+        ours = std::max(ours, worst_difference(frame, followed));
         open_loop = std::max(open_loop, worst_difference(frame, deltas.next(frame)));
     }
+    EXPECT_GT(differences, frames * 9 / 10);
     EXPECT_LE(ours, bound);
     EXPECT_GT(open_loop, bound);
     record("10000 frames of waves, bound 0.01 m", "largest error, m", open_loop, ours);

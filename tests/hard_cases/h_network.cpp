@@ -2,10 +2,12 @@
 // Hard cases of networks: clocks, counters, a change of the sea that arrives late.
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <random>
 
 #include <gtest/gtest.h>
 
+#include "client/held/keyframe_ring.h"
 #include "client/link/clock.h"
 #include "protocol/messages.h"
 #include "sea/waves/transition.h"
@@ -49,21 +51,34 @@ TEST(HardCase, H1_clocks_50_ms_apart_show_the_same_sea) {
            rms_difference(by_local_clock), rms_difference(shown));
 }
 
+// A keyframe of another is told by its 64 bits of microseconds. 30 frames each around where numbers of 16 bits wrap, and
+// where microseconds of 31 and of 32 would.
 TEST(HardCase, H3_no_frame_is_taken_for_an_old_one_where_counters_wrap) {
-    std::uint16_t last_number = 65'529;
-    TimeUs last_time = 65'529LL * 100'000;
+    const TimeUs interval_us = 100'000;
     int ours = 0, by_number = 0;
-    for (int frame = 65'530; frame < 65'560; ++frame) {
-        const auto number = static_cast<std::uint16_t>(frame);
-        const TimeUs time = frame * 100'000LL;
-        ours += !(time > last_time);
-        by_number += !naive::newer(number, last_number);
-        last_number = std::max(last_number, number);
-        last_time = std::max(last_time, time);
+    for (const TimeUs wrap_us : {65'536 * interval_us, TimeUs{1} << 31, TimeUs{1} << 32}) {
+        const TimeUs first = wrap_us / interval_us - 6;
+        client::KeyframeRing ring;
+        auto last_number = static_cast<std::uint16_t>(first - 1);
+        for (TimeUs frame = first; frame < first + 30; ++frame) {
+            const auto number = static_cast<std::uint16_t>(frame);
+            by_number += !naive::newer(number, last_number);
+            last_number = std::max(last_number, number);
+            sea::Keyframe made;
+            made.time_us = frame * interval_us;
+            made.size = 4;
+            made.length_m = 50;
+            made.fields = {sea::Field::height};
+            made.values.resize(made.plane_size());
+            ring.insert(std::make_shared<const client::HeldKeyframe>(
+                std::move(made), client::HeldKeyframe::FieldErrors{}));
+            ours += ring.newest(0)->keyframe().time_us != frame * interval_us;
+        }
     }
     EXPECT_EQ(ours, 0);
     EXPECT_GT(by_number, 0);
-    record("30 frames from number 65 530 on", "new ones taken for old", by_number, ours);
+    record("30 frames from number 65 530 on, and around 2^31 and 2^32 us", "new ones taken for old",
+           by_number, ours);
 }
 
 /// When the change begins for a node that was told of it by these bytes.

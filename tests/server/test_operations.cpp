@@ -8,6 +8,7 @@
 #include <sstream>
 #include <thread>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 #include <sys/socket.h>
@@ -291,6 +292,22 @@ TEST(MemoryBudget, one_that_the_scene_does_not_fit_into_is_refused_with_the_leas
     ASSERT_TRUE(std::regex_search(log, says, least)) << log;
     EXPECT_EQ(checks(says[1]).first, 0);
     EXPECT_EQ(checks(std::to_string(std::stoi(says[1]) - 1)).first, 2);
+}
+
+// Of a sea without waves, which is made in a second.
+TEST(MemoryBudget, i10_eight_cascades_of_2048_are_refused_with_what_they_need) {
+    std::string text = "[sea]\n";
+    for (double length_m = 8000; length_m > 20; length_m /= 2.3)
+        text += fmt::format("[[cascade]]\nlength_m = {:.0f}\nsize = 2048\n", length_m);
+    tests::ServerProcess server(
+        {tests::folder().write("eight_of_2048.toml", text), "--check", "--memory-mb", "1024"});
+    EXPECT_EQ(exit_code_of(server), 2);
+    static const std::regex least("--memory-mb 1024: .*eight_of_2048.toml needs ([0-9]+) and more");
+    std::smatch says;
+    const std::string log = server.log();
+    ASSERT_TRUE(std::regex_search(log, says, least)) << log;
+    // Two keyframes of each are held at least, of heights and their rates: 2^22 points of 4 bytes.
+    EXPECT_GT(std::stoi(says[1]), 8 * 2 * 2 * 16);
 }
 
 // A name that the server does not have would be an empty panel for ever.

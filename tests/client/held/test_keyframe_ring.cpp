@@ -246,20 +246,30 @@ TEST(Ring, g10_readers_see_whole_keyframes_while_it_moves_on) {
     KeyframeRing ring({.keyframes_per_cascade = 4});
     ring.insert(keyframe(0));
     std::atomic<bool> stop = false;
-    std::atomic<int> torn = 0;
+    std::atomic<int> torn = 0, reads = 0, moved = 0;
     std::thread reader([&] {
-        while (!stop) {
+        for (TimeUs last_us = 0; !stop; ++reads) {
             const HeldKeyframePtr newest = ring.newest(0);
-            const auto expected = static_cast<float>(newest->keyframe().time_us);
+            const TimeUs time_us = newest->keyframe().time_us;
+            const auto expected = static_cast<float>(time_us);
             for (const float value : newest->keyframe().values)
                 torn += value != expected;
-            torn += newest->spline()->time_us() != newest->keyframe().time_us;
+            torn += newest->spline()->time_us() != time_us;
+            moved += time_us != last_us;
+            last_us = time_us;
         }
     });
-    for (TimeUs n = 1; n <= 500; ++n)
+    // Fifty reads after each: who takes the lock again at once would keep readers out.
+    constexpr int inserted = 200;
+    for (int n = 1; n <= inserted; ++n) {
         ring.insert(keyframe(n));
+        for (const int before = reads; reads <= before + 50;)
+            std::this_thread::yield();
+    }
     stop = true;
     reader.join();
+    EXPECT_GT(reads, 10'000);
+    EXPECT_EQ(moved, inserted);
     EXPECT_EQ(torn, 0);
 }
 

@@ -13,6 +13,7 @@
 #include "sea/waves/directional_spectrum.h"
 #include "sea/waves/statistics/moments.h"
 #include "sea/waves/transition.h"
+#include "tests/hard_cases/maps.h"
 #include "tests/sea/sea_fixture.h"
 #include "tests/sea/warnings_of.h"
 
@@ -99,7 +100,8 @@ TEST(HardCase, A14_A17_shape_parameters_out_of_range_are_refused_by_name) {
         EXPECT_TRUE(parse_scene(wind + good, "s", "")) << good;
 }
 
-// Naive: theta - theta0 is not wrapped and half the sea goes missing at +-180 degrees.
+// Naive: theta - theta0 is not wrapped and half the sea goes missing at +-180 degrees. Weighed alike in all directions down to
+// nothing at the edge of the lattice, which therefore has no corners.
 TEST(HardCase, A20_a_turn_of_the_wind_by_a_full_circle_changes_nothing) {
     for (const SpreadingKind kind :
          {SpreadingKind::cos2, SpreadingKind::hasselmann, SpreadingKind::donelan_banner}) {
@@ -109,53 +111,80 @@ TEST(HardCase, A20_a_turn_of_the_wind_by_a_full_circle_changes_nothing) {
             wind.towards_rad = degrees * pi / 180.0;
             wind.spreading.kind = kind;
             const DirectionalSpectrum spectrum(state.systems[0], state);
+            const double step = 0.01;
             double sum = 0.0;
-            for (int ny = -30; ny <= 30; ++ny)
-                for (int nx = -30; nx <= 30; ++nx)
-                    if (nx * nx + ny * ny <= 900)
-                        sum += spectrum.density(0.03 * nx, 0.03 * ny) * 9e-4;
-            return sum;
+            for (int ny = -40; ny <= 40; ++ny)
+                for (int nx = -40; nx <= 40; ++nx) {
+                    const double kx = step * nx, ky = step * ny;
+                    sum += spectrum.density(kx, ky) * std::exp(-(kx * kx + ky * ky) / 0.02);
+                }
+            return sum * step * step;
         };
-        EXPECT_NEAR(variance(179.9) / variance(-179.9), 1.0, 5e-3);
+        EXPECT_NEAR(variance(179.9) / variance(-179.9), 1.0, 1e-3);
         EXPECT_NEAR(variance(37.0) / variance(37.0 + 360.0), 1.0, 1e-12);
         double low = 1e30, high = 0.0;
-        for (int degrees = 0; degrees < 360; degrees += 10) {
+        for (int degrees = 0; degrees < 360; degrees += 15) {
             low = std::min(low, variance(degrees));
             high = std::max(high, variance(degrees));
         }
-        EXPECT_LT(high / low, 1.02); // 36 modes of the peak ring: 1 % each way
+        EXPECT_LT(high / low, 1.005); // the case's
     }
 }
 
-// Naive: one NaN poisons every mode. 3000 sets here; the fuzzer tries millions.
+// Naive: one NaN poisons every mode. The case asks for 1e5 sets, each of which is a scene to read and a sea to make: 5000
+// here, in two seconds; the fuzzer of scenes tries millions.
 TEST(HardCase, A21_any_parameters_give_an_error_or_a_finite_sea) {
     const char* const values[] = {"nan", "inf", "-inf", "-1", "-0.0", "1e-45", "1e38", "3.7"};
-    const char* const keys[] = {"wind_speed_10m_mps", "from_deg", "fetch_m", "gamma", "swell",
-                                "isotropic"};
+    struct Table {
+        const char* head;
+        std::vector<std::pair<const char*, const char*>> keys; // with a value that is good
+    };
+    const Table tables[] = {{"[sea]",
+                             {{"depth_m", "30"},
+                              {"choppiness", "0.8"},
+                              {"height_scale", "1.5"},
+                              {"loop_period_s", "100"}}},
+                            {"[[sea.system]]\ntype = \"wind\"\nspectrum = \"tma\"",
+                             {{"wind_speed_10m_mps", "9"},
+                              {"from_deg", "37"},
+                              {"fetch_m", "1e5"},
+                              {"gamma", "3.7"},
+                              {"swell", "0.7"},
+                              {"isotropic", "0.7"}}},
+                            {"[[sea.system]]\ntype = \"swell\"\nspreading = \"cos2s\"",
+                             {{"significant_height_m", "1.2"},
+                              {"peak_period_s", "9"},
+                              {"from_deg", "200"},
+                              {"gamma", "2"},
+                              {"spreading_exponent", "20"}}},
+                            {"[[cascade]]\nsize = 16", {{"length_m", "300"}}}};
     std::uint32_t dice = 12345;
     const auto roll = [&dice](std::uint32_t n) {
         dice = dice * 1664525u + 1013904223u;
         return (dice >> 16) % n;
     };
     int accepted = 0;
-    for (int set = 0; set < 3000; ++set) {
-        std::string text = std::string("[sea]\ndepth_m = ") + values[roll(8)] +
-                           "\n[[sea.system]]\ntype = \"wind\"\nspectrum = \"tma\"\n";
-        for (const char* key : keys) {
-            const bool share = std::string(key) == "swell" || std::string(key) == "isotropic";
-            text += std::string(key) + " = " +
-                    (roll(3) != 0 ? (share ? "0.7" : "3.7") : values[roll(8)]) + "\n";
+    for (int set = 0; set < 5000; ++set) {
+        std::string text;
+        for (const Table& table : tables) {
+            text += std::string(table.head) + "\n";
+            for (const auto& [key, good] : table.keys)
+                text += std::string(key) + " = " + (roll(6) != 0 ? good : values[roll(8)]) + "\n";
         }
-        const auto scene = parse_scene(text + "\n[[cascade]]\nlength_m = 50\nsize = 16\n", "s", "");
+        const auto scene = parse_scene(text, "s", "");
         if (!scene) {
-            ASSERT_THAT(scene.error().message, HasSubstr("not allowed"));
+            ASSERT_THAT(scene.error().message, HasSubstr("not allowed")) << text;
             continue;
         }
         ++accepted;
         const auto sea = realize(*scene);
         ASSERT_TRUE(std::isfinite(energy_of(sea->cascades[0]))) << text;
+        const auto tile = hard_cases::maps(sea->cascades[0], {Field::height, Field::jacobian},
+                                           3'000'000, sea->choppiness);
+        ASSERT_TRUE(std::all_of(tile.begin(), tile.end(), [](float v) { return std::isfinite(v); }))
+            << text;
     }
-    EXPECT_GT(accepted, 50);
+    EXPECT_GT(accepted, 500);
 }
 
 // Naive: division by dt = 0. Velocity is a field of its own here.
@@ -197,42 +226,53 @@ TEST(HardCase, B4_the_wrapped_phase_stays_within_half_a_turn) {
     }
 }
 
-// Naive: rotating by e^{i w dt} a million times drifts; dt that jumps blows up.
+// Naive: rotating by e^{i w dt} a million times drifts; dt that jumps blows up. Of foam: FoamOn.
 TEST(HardCase, B5_B6_the_way_to_a_time_does_not_matter) {
-    const DirectSum sum(realized(windy_sea(), {{200.0, 32}}));
+    const auto sea = realized(windy_sea(), {{200.0, 32}});
+    const auto cascade = NativeTransform::create(sea->cascades[0], {});
     const TimeUs end = us_from_seconds(100.0);
-    const double direct = sum.at(3, 4, end).height;
-    double stepped = 0.0;
-    for (TimeUs t = 0; t <= end; t += 1'000'000)
-        stepped = sum.at(3, 4, t).height;
-    EXPECT_EQ(direct, stepped);
-    Realization turned = sum.sea();
-    EXPECT_EQ(phase_turns(turned.cascades[0].rate[5], end),
-              phase_turns(turned.cascades[0].rate[5], end - 7) +
-                  phase_turns(turned.cascades[0].rate[5], 7)); // integers add exactly
+    const auto after = [&](int steps) {
+        NativeRunner runner(1);
+        std::vector<float> map(32 * 32);
+        for (int step = 1; step <= steps; ++step) {
+            const NativeTask task{&*cascade, end * step / steps, {Field::height}, map};
+            runner.run({&task, 1});
+        }
+        return map;
+    };
+    const std::vector<float> at_once = after(1);
+    EXPECT_EQ(at_once, after(100));
+    EXPECT_EQ(at_once, after(6000));
+    const DirectSum sum(sea); // 2e-6 of Hs: single precision
+    EXPECT_NEAR(at_once[5 * 32 + 3], sum.at(3 * 6.25, 5 * 6.25, end).height, 1e-5);
+    const Rate rate = sea->cascades[0].rate[5];
+    EXPECT_EQ(phase_turns(rate, end), phase_turns(rate, end - 7) + phase_turns(rate, 7));
 }
 
 // Naive: floor() freezes long swell; a common divisor brings everything back early.
 TEST(HardCase, B7_a_loop_returns_exactly_and_not_before) {
     SeaState state = swell_sea(3.0, 8.0);
-    state.loop_period_s = 400.0;
-    const DirectSum sum(realized(state, {{900.0, 64}}));
-    double same = 0.0, energy = 0.0;
+    state.loop_period_s = 1600.0; // 200 peak periods: the case's shortest
+    const auto sea = realized(state, {{900.0, 64}});
+    const DirectSum sum(sea);
     for (int i = 0; i < 20; ++i) {
         const TimeUs t = us_from_seconds(7.3 * i);
-        EXPECT_EQ(sum.at(5, 6, t).height, sum.at(5, 6, t + us_from_seconds(400.0)).height);
-        EXPECT_EQ(sum.at(5, 6, t).height, sum.at(5, 6, t - us_from_seconds(4000.0)).height);
+        EXPECT_EQ(sum.at(5, 6, t).height, sum.at(5, 6, t + us_from_seconds(1600.0)).height);
+        EXPECT_EQ(sum.at(5, 6, t).height, sum.at(5, 6, t - us_from_seconds(16'000.0)).height);
     }
-    const auto waves_at = [&](double t) { return sum.at_time(us_from_seconds(t)); };
-    for (double shift = 8.0; shift < 390.0; shift += 1.0) {
-        const auto a = waves_at(0.0), b = waves_at(shift);
-        same = energy = 0.0;
-        for (int i = 0; i < 40; ++i) {
-            const double x = 22.5 * i, y = 401.0 - 61.0 * i;
-            same += a.at(x, y).height * b.at(x, y).height;
-            energy += 0.5 * (std::pow(a.at(x, y).height, 2) + std::pow(b.at(x, y).height, 2));
-        }
-        ASSERT_LT(same / energy, 0.9) << shift; // 40 points of a narrow sea correlate by chance
+    // Correlation of whole maps.
+    const auto map_at = [&](double t) {
+        return hard_cases::maps(sea->cascades[0], {Field::height}, us_from_seconds(t));
+    };
+    const auto start = map_at(0.0);
+    for (double shift = 8.0; shift <= 1592.0; shift += 1.0) {
+        const auto then = map_at(shift);
+        double same = 0.0;
+        for (std::size_t i = 0; i < then.size(); ++i)
+            same += static_cast<double>(start[i]) * then[i];
+        same /= static_cast<double>(then.size()) * hard_cases::rms(start) * hard_cases::rms(then);
+        // The case's half; a swell is like itself one period on, in a loop or not.
+        ASSERT_LT(same, std::min(shift, 1600.0 - shift) < 16.0 ? 0.75 : 0.5) << shift;
     }
 }
 
@@ -247,36 +287,27 @@ TEST(HardCase, B8_all_cascades_share_the_loop) {
     EXPECT_NEAR(after.height_rate, before.height_rate, 0.1);
 }
 
-// Naive: seconds since 1970 in float stand still for two minutes.
+// Naive: seconds since 1970 in float stand still for two minutes. Where no wave meets one that comes against it, the mean
+// square of velocities over a tile is the same at all times.
 TEST(HardCase, B9_clock_time_moves_like_any_other) {
-    const DirectSum sum(realized(windy_sea(), {{200.0, 32}}));
-    double first = 0.0, later = 0.0;
-    for (int i = 0; i < 200; ++i) {
-        first += std::pow(sum.at(3.0 * i, 7.0 * i, us_from_seconds(i)).height_rate, 2);
-        later += std::pow(sum.at(3.0 * i, 7.0 * i, us_from_seconds(1.7e9 + i)).height_rate, 2);
-    }
-    EXPECT_NEAR(std::sqrt(later / first), 1.0, 0.2); // 200 points, 5 % each
-}
-
-// Naive: one tile repeats every few hundred metres.
-TEST(HardCase, I1_incommensurate_cascades_do_not_repeat) {
-    const std::vector<CascadeSpec> tiles{{211.0, 64}, {83.0, 64}, {31.0, 64}};
-    const auto sea = realized(swell_sea(2.0, 4.0), tiles);
-    const DirectSum sum(sea);
-    const auto moment = sum.at_time(0);
-    for (int lag = 1; lag <= 20; ++lag) {
-        double same = 0.0, energy = 0.0;
-        for (int i = 0; i < 300; ++i) {
-            const double x = 1.7 * i, y = 0.9 * i;
-            const double a = moment.at(x, y).height;
-            const double b = moment.at(x + 211.0 * lag, y).height;
-            same += a * b;
-            energy += 0.5 * (a * a + b * b);
-        }
-        EXPECT_LT(same / energy, 0.999) << lag; // the other tiles shift
-    }
-    // The common period of 211, 83 and 31 m is their product.
-    EXPECT_GT(211.0 * 83.0 * 31.0, 50e3);
+    constexpr int size = 32;
+    auto sea = *realized(windy_sea(), {{200.0, size}});
+    CascadeModes& modes = sea.cascades[0];
+    for (int i = 0; i < size * size; ++i)
+        if (signed_index(i % size, size) < 0 || (i % size == 0 && signed_index(i / size, size) < 0))
+            modes.h0[static_cast<std::size_t>(i)] = 0;
+    const auto map_at = [&](Field field, double t_s) {
+        return hard_cases::maps(modes, {field}, us_from_seconds(t_s));
+    };
+    const double first = hard_cases::rms(map_at(Field::height_rate, 3.25));
+    const double later = hard_cases::rms(map_at(Field::height_rate, 1.7e9 + 3.25));
+    EXPECT_NEAR(later / first, 1.0, 1e-5); // single precision of maps
+    // And heights move by that from frame to frame, but for (w dt)^2 / 24 at up to 3.5 rad/s.
+    auto moved = map_at(Field::height, 1.7e9 + 3.25 + 1.0 / 60);
+    const auto before = map_at(Field::height, 1.7e9 + 3.25);
+    for (std::size_t i = 0; i < moved.size(); ++i)
+        moved[i] = 60 * (moved[i] - before[i]);
+    EXPECT_NEAR(hard_cases::rms(moved) / first, 1.0, 1e-3);
 }
 
 // Naive: float sums of many cascades depend on their order.
@@ -327,7 +358,7 @@ TEST(HardCase, I8_a_correct_sea_fails_the_gate_of_3_standard_errors_in_under_1_p
     const double expected = 4.0 * std::sqrt(requested_variance(state, d.omega(band.k_lo_radpm),
                                                                d.omega(band.k_hi_radpm)));
     int failures = 0;
-    double sum = 0.0;
+    double sum = 0.0, squares = 0.0;
     for (std::uint64_t seed = 5000; seed < 5200; ++seed) {
         const auto sea = realized(windy_sea(seed), {tile});
         const CascadeModes& modes = sea->cascades[0];
@@ -337,12 +368,16 @@ TEST(HardCase, I8_a_correct_sea_fails_the_gate_of_3_standard_errors_in_under_1_p
             m0 += std::norm(modes.h0[static_cast<std::size_t>(i)] +
                             std::conj(modes.h0[static_cast<std::size_t>(mirror)]));
         }
-        const double height = 4.0 * std::sqrt(m0);
+        const double height = 4.0 * std::sqrt(m0) / expected;
         sum += height / 200.0;
-        failures += std::abs(height / expected - 1.0) > 3.0 * scatter;
+        squares += height * height / 200.0;
+        failures += std::abs(height - 1.0) > 3.0 * scatter;
     }
     EXPECT_LE(failures, 2);
-    EXPECT_NEAR(sum / expected, 1.0, 3.0 * scatter / std::sqrt(200.0) + 0.005); // lattice: I1
+    EXPECT_NEAR(sum, 1.0, 3.0 * scatter / std::sqrt(200.0) + 0.005); // lattice: I1
+    // A gate that is too wide would fail none: the scatter that is stated is that of these heights. Of 200 draws it is known
+    // to 1 / sqrt(2 * 199) = 5 %, and 15 % are three of these.
+    EXPECT_NEAR(std::sqrt(squares - sum * sum) / scatter, 1.0, 0.15);
 }
 
 // Naive: fetch in kilometres here, metres there. The laws scale: gravity times c and lengths alike.

@@ -217,6 +217,50 @@ TEST(Packing, every_field_has_a_map_and_fields_that_differ_by_kx_share_a_source)
     EXPECT_EQ(pack({}).fields, 0);
 }
 
+// Two rows of a real map are one complex line: N/2 of them lie between the passes, of which a pass may leave four numbers more
+// a row.
+TEST(Packing, two_rows_of_a_real_field_are_one_complex_line) {
+    for (const shaders::Transform& transform : shaders::synthesis_transforms()) {
+        const auto n = static_cast<std::uint32_t>(transform.size);
+        EXPECT_GE(transform.scratch_complexes, n * n / 2) << transform.design << " " << n;
+        EXPECT_LE(transform.scratch_complexes, n * n / 2 + 4 * n) << transform.design << " " << n;
+        for (const shaders::Pass& pass : transform.passes)
+            if (pass.row_texels > 0) {
+                EXPECT_LE(pass.row_texels * 2 * (n / 2), transform.scratch_complexes)
+                    << pass.shader.name;
+            }
+    }
+}
+
+/// Sinh, Cosh and Tanh of GLSL.std.450, which a device may make of exponentials that overflow.
+int hyperbolic_functions(const shaders::Shader& shader) {
+    int found = 0;
+    for (std::size_t at = 5; at < shader.spirv.size(); at += shader.spirv[at] >> 16) {
+        const std::uint32_t extended = 12, sinh = 19, tanh = 21;
+        if ((shader.spirv[at] & 0xffff) == extended)
+            found += shader.spirv[at + 4] >= sinh && shader.spirv[at + 4] <= tanh;
+    }
+    return found;
+}
+
+TEST(Kernels, a8_have_no_hyperbolic_function) {
+    int modules = 0;
+    const auto look = [&](const shaders::Shader& shader) {
+        EXPECT_EQ(hyperbolic_functions(shader), 0) << shader.name;
+        ++modules;
+    };
+    for (const shaders::Transform& transform : shaders::synthesis_transforms())
+        for (const shaders::Pass& pass : transform.passes)
+            look(pass.shader);
+    for (const shaders::Shader& shader :
+         {shaders::jacobian(), shaders::foam(), shaders::round(), shaders::copy(), shaders::peak()})
+        look(shader);
+    EXPECT_GT(modules, 50);
+    // OpExtInst of an instruction set 1: Tanh of 2.
+    const std::uint32_t words[] = {0x07230203, 0x10600, 0, 9, 0, 6u << 16 | 12, 3, 4, 1, 21, 2};
+    EXPECT_EQ(hyperbolic_functions({"some", words}), 1);
+}
+
 TEST(Packing, what_maps_are_made_of_stands_apart_where_it_is_told_to) {
     const sea::FieldSet strains{Field::strain_xx, Field::strain_yy, Field::strain_xy};
     const Packing next_to = pack(strains, {Field::jacobian}),
