@@ -6,6 +6,7 @@
 """
 import json
 import os
+import shutil
 import signal
 import struct
 import subprocess
@@ -148,6 +149,21 @@ class StatusPage(unittest.TestCase):
             self.assertEqual(page.value("window.most"), 1, "one look at a time")
             self.assertEqual(page.value("getComputedStyle(document.getElementById('door')).display"), "none")
             self.assertNotIn("sesame", page.value("location.href + document.documentElement.outerHTML"))
+            self.assertEqual(page.value("localStorage.length + sessionStorage.length"), 0)
+            self.assertEqual(page.value("document.cookie"), "")
+
+    def test_what_the_server_says_is_text_whatever_it_looks_like(self):
+        name = "<img src=x onerror=document.title='run'>.toml"
+        with tempfile.TemporaryDirectory() as folder:
+            scene = os.path.join(folder, name)
+            shutil.copy(os.path.join(ROOT, "scenes/calm.toml"), scene)
+            server = self.serve(scene)
+            page = self.browser.open(server.url + "/")
+            page.wait_for(LIVE)
+            self.assertIn(name, page.value("document.body.innerText"))
+            self.assertEqual(page.value("document.querySelectorAll('img').length"), 0)
+            self.assertNotEqual(page.value("document.title"), "run")
+            self.assertEqual(page.complaints(), [])
 
     def test_a_calm_sea_is_shown_and_a_server_that_goes_is_told_of(self):
         server = self.serve("scenes/calm.toml")

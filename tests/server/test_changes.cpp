@@ -5,6 +5,7 @@
 #include <cmath>
 #include <fstream>
 #include <random>
+#include <regex>
 #include <sstream>
 #include <thread>
 
@@ -282,19 +283,46 @@ TEST(Changes, that_take_over_from_one_another_are_refused_where_too_many_hang_to
     EXPECT_EQ(set(5000).code, 0) << "they have ended by then";
 }
 
+TEST(Changes, strangers_change_nothing_and_end_nobodys_session) {
+    tests::ServerProcess server(arguments(tests::folder().file("strangers")));
+    const std::string url = server.wait_until_ready();
+    ASSERT_FALSE(url.empty()) << server.log();
+    const auto client = connect(url);
+    ASSERT_TRUE(client);
+    const std::string number = std::to_string(client->welcome().session);
+    for (const std::vector<std::string>& words :
+         std::vector<std::vector<std::string>>{{"set", "sea.depth_m=20"},
+                                               {"load", SEAWAY_SOURCE_DIR "/scenes/calm.toml"},
+                                               {"pause"},
+                                               {"rate", "2"},
+                                               {"rewind", "1"},
+                                               {"history"},
+                                               {"sessions"},
+                                               {"drop", number}}) {
+        const Said said = ctl(url, words, "");
+        EXPECT_EQ(said.code, 6) << words[0];
+        EXPECT_NE(said.words.find("for administrators"), std::string::npos) << said.words;
+    }
+    const sea::QueryPoint somewhere{1, 2, 0};
+    EXPECT_TRUE(client->ask({&somewhere, 1}, {})) << "it goes on";
+    EXPECT_EQ(server.log().find("event=change_asked"), std::string::npos) << server.log();
+    EXPECT_EQ(ctl(url, {"rate", "2"}).code, 0);
+    EXPECT_NE(server.log().find("event=change_asked session="), std::string::npos) << server.log();
+}
+
 TEST(Changes, are_for_administrators_and_refused_with_what_is_wrong) {
     tests::ServerProcess server(arguments(tests::folder().file("admin")));
     const std::string url = server.wait_until_ready();
     ASSERT_FALSE(url.empty()) << server.log();
-    const auto refused = [&](std::vector<std::string> words, const std::string& why,
-                             const std::string& with_token = token_file()) {
-        const Said said = ctl(url, words, with_token);
+    const auto refused = [&](std::vector<std::string> words, const std::string& why) {
+        const Said said = ctl(url, words);
         EXPECT_EQ(said.code, 6) << said.words;
         EXPECT_NE(said.words.find(why), std::string::npos) << said.words;
     };
-    refused({"set", "sea.depth_m=20"}, "for administrators", "");
-    refused({"sessions"}, "for administrators", "");
     refused({"set", "sea.depth_m=-1"}, "sea.depth_m: -1");
+    EXPECT_TRUE(std::regex_search(
+        server.log(), std::regex("event=change_asked session=[0-9]+ .*what=\"sea.depth_m=-1\"")))
+        << server.log();
     refused({"set", "sea.dept_m=20"}, "depth_m");
     refused({"set", "systems.7.from_deg=20"}, "there is no sea.system.7");
     refused({"set", "accuracy.height_error_m=0.5"}, "accuracy cannot change");

@@ -49,10 +49,26 @@ std::set<std::string> tests_that_exist() {
 
 TEST(Docs, tests_that_are_named_exist) {
     const std::set<std::string> existing = tests_that_exist();
-    for (const char* page : {"physics.md", "features.md", "hard-cases.md", "effects.md"})
+    for (const char* page :
+         {"physics.md", "features.md", "hard-cases.md", "effects.md", "security.md"})
         for (const std::string& name :
              all_of(text_of(root / "docs" / page), R"(`([A-Z]\w+\.[A-Za-z0-9_]{6,})`)"))
             EXPECT_TRUE(existing.contains(name)) << page << " names " << name;
+}
+
+// `Suite.*` and `Suite.begins_so_*`, of any instantiation.
+TEST(Docs, tests_that_are_named_by_how_they_begin_exist) {
+    const std::set<std::string> existing = tests_that_exist();
+    std::size_t patterns = 0;
+    for (const char* page : {"security.md", "features.md"})
+        for (const std::string& begin :
+             all_of(text_of(root / "docs" / page), R"(`(?:\w+/)?([A-Z]\w+\.[A-Za-z0-9_]*)\*`)")) {
+            const auto found = existing.lower_bound(begin);
+            EXPECT_TRUE(found != existing.end() && found->starts_with(begin))
+                << page << " names " << begin << "*";
+            ++patterns;
+        }
+    EXPECT_GT(patterns, 50u); // or the pattern no longer fits the pages
 }
 
 /// The pages that speak of the code as it is. Decisions and the changelog speak of what it was.

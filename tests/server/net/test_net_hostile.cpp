@@ -167,6 +167,31 @@ std::vector<Attack> attacks() {
     };
 }
 
+// Naive: a name that closes its quotes and begins a line of its own is an entry of the log that nobody made.
+TEST_F(NetHostile, a_name_is_logged_as_120_characters_of_one_line_without_quotes) {
+    start();
+    std::string name = "x\" event=change_made\n\r\x1b[2J";
+    while (name.size() + 2 <= protocol::limits::hello_text_bytes_max)
+        name += "\xc3\xbc"; // u with two dots
+    {
+        Client client(port());
+        ASSERT_FALSE(client.connect());
+        ASSERT_FALSE(client.send(protocol::hello(name, "")));
+        ASSERT_TRUE(client.receive(Body::SeaState));
+    }
+    net.reset();
+    const std::vector<std::string> lines = log.lines_with("event=change_made");
+    ASSERT_EQ(lines.size(), 1u) << log.text();
+    const std::string& line = lines.front();
+    const std::size_t begin = line.find("client=\""), end = line.find("\" administrator=");
+    ASSERT_NE(begin, std::string::npos) << line;
+    ASSERT_NE(end, std::string::npos) << line;
+    const std::string logged = line.substr(begin + 8, end - begin - 8);
+    EXPECT_EQ(logged, "x? event=change_made???[2J" + std::string(120 - 26, '?'));
+    EXPECT_NE(line.find("event=session_open"), std::string::npos);
+    EXPECT_EQ(std::count(line.begin(), line.end(), '"'), 2) << line;
+}
+
 TEST_F(NetHostile, every_kind_of_bad_client_ends_with_one_line_and_nobody_else_notices) {
     options.hello_deadline = std::chrono::milliseconds(300);
     options.http_deadline = std::chrono::milliseconds(300);

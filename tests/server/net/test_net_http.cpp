@@ -87,6 +87,9 @@ TEST_F(NetHttp, the_page_for_people_is_a_shell_that_loads_its_own_script_and_not
     EXPECT_EQ(page.body.find("<script>"), std::string::npos) << "none stands in the page";
     EXPECT_EQ(page.fields.at("Content-Security-Policy").find("default-src 'none'; "), 0u);
     EXPECT_EQ(page.fields.at("Content-Security-Policy").find("unsafe"), std::string::npos);
+    EXPECT_NE(page.fields.at("Content-Security-Policy").find("; frame-ancestors 'none'"),
+              std::string::npos)
+        << "nor does it stand in a frame";
     EXPECT_EQ(get("/status.js").fields.at("Content-Type"), "text/javascript; charset=utf-8");
     EXPECT_EQ(get("/status.css").fields.at("Content-Type"), "text/css; charset=utf-8");
     EXPECT_EQ(host.maps_asked, 0) << "a page costs nothing of the sea";
