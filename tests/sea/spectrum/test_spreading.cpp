@@ -137,6 +137,33 @@ TEST(Spreading, A17_T10_swell_narrows_long_waves_and_acts_continuously) {
     }
 }
 
+// The sum of both exponents, not the larger one; where there is no exponent to add to, the swell's is a factor.
+TEST(Spreading, swell_is_added_to_the_exponent_of_every_model) {
+    for (const double x : {0.6, 1.0, 1.7})
+        for (const double swell : {0.2, 0.5, 1.0}) {
+            const SpreadingPlace place{x, 1.1};
+            const double more = swell_exponent(x, swell);
+            for (const auto& [kind, own] :
+                 {std::pair(SpreadingKind::cos2s, 10.0),
+                  {SpreadingKind::mitsuyasu, mitsuyasu_exponent(place)},
+                  {SpreadingKind::hasselmann, hasselmann_exponent(place)}}) {
+                const Spreading swollen({kind, 10.0, swell, 0.0}, place);
+                const Spreading sum = Spreading::power(own + more);
+                EXPECT_DOUBLE_EQ(swollen.exponent(), own + more);
+                for (double theta = -3.1; theta < 3.2; theta += 0.1)
+                    EXPECT_DOUBLE_EQ(swollen(theta), sum(theta));
+            }
+            for (const SpreadingKind kind : {SpreadingKind::cos2, SpreadingKind::donelan_banner}) {
+                const Spreading swollen({kind, 10.0, swell, 0.0}, place), plain({kind}, place);
+                const double ahead = swollen(0.0) / plain(0.0);
+                for (double theta = -1.5; theta < 1.6; theta += 0.1)
+                    EXPECT_NEAR(swollen(theta),
+                                ahead * plain(theta) * std::pow(std::cos(theta / 2), 2 * more),
+                                1e-12);
+            }
+        }
+}
+
 // Naive: s_p = 11.5 * 0^-2.5 = inf, and 0 * inf is NaN at omega = 0.
 TEST(Spreading, A18_mitsuyasu_survives_an_old_sea) {
     for (const double age : {0.0, 1e-300, 1e-6, 0.1})

@@ -190,6 +190,34 @@ TEST(ExplicitWaves, stylised_waves_are_lines_that_strain_nothing) {
 }
 
 // In a loop every wave turns a whole number of times, without one each has its own period.
+// By hand: the second wave stands where the first one has dragged the point to, back along the first one's way by drag times
+// its rise per radian. A drag that is not taken, or is taken along the second one's way, would show.
+TEST(ExplicitWaves, a_wave_drags_the_next_one_back_along_its_way_by_its_rise_per_radian) {
+    SineField field{.length_m = length_m, .sharpness = 1.7, .drag = 0.6};
+    const double step = two_pi / length_m, p = field.sharpness;
+    field.waves = {{4 * step, 3 * step, 1.5, 0.3, 0, 0}, {-7 * step, 5 * step, 0.8, -1.1, 0, 0}};
+    const SineField::Wave &one = field.waves[0], &two = field.waves[1];
+    const auto phase = [](const SineField::Wave& wave, double x, double y) {
+        return wave.kx_radpm * x + wave.ky_radpm * y + wave.phase_rad;
+    };
+    const auto raised = [p](const SineField::Wave& wave, double phase_rad) {
+        return wave.amplitude_m * std::exp(p * (std::sin(phase_rad) - 1));
+    };
+    double dragged_by = 0;
+    for (int i = 0; i < 40; ++i) {
+        const double x = 7.1 * i, y = 3.3 * i;
+        const double first = raised(one, phase(one, x, y));
+        const double per_radian = p * std::cos(phase(one, x, y)) * first;
+        // The way of (4, 3) is (0.8, 0.6).
+        const double second =
+            raised(two, phase(two, x - 0.6 * 0.8 * per_radian, y - 0.6 * 0.6 * per_radian));
+        const double level = exponential_sine(p).mean * (1.5 + 0.8);
+        EXPECT_NEAR(sines_at(field, x, y, 0).height, first + second - level, 1e-12) << i;
+        dragged_by = std::max(dragged_by, std::abs(second - raised(two, phase(two, x, y))));
+    }
+    EXPECT_GT(dragged_by, 0.01);
+}
+
 TEST(ExplicitWaves, close_the_loop_that_they_are_given) {
     const auto moved_m = [](double loop_s, double t_s) {
         SeaState sea = sea_of({{3, -5, 1.5, 0.3}, {-4, 2, -0.5, -2.0}});

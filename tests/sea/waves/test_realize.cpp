@@ -7,6 +7,7 @@
 
 #include "sea/basics/gaussian.h"
 #include "sea/scene/scene.h"
+#include "sea/surface/inverse.h"
 #include "sea/waves/directional_spectrum.h"
 #include "sea/waves/mode_variances.h"
 #include "sea/waves/statistics/moments.h"
@@ -352,6 +353,31 @@ TEST(Realize, waves_of_a_list_are_known_as_given_and_those_of_a_spectrum_are_not
             EXPECT_FALSE(realized->cascades[1].is_given(i));
         }
     EXPECT_EQ(given, 2);
+}
+
+// A half more high and as far sideways: the same points of the water lie above the same places.
+TEST(Realize, heights_and_sideways_motion_are_scaled_apart) {
+    const Choppiness choppiness{0.9, 0.6};
+    SeaState state = windy_sea();
+    state.choppiness = choppiness;
+    SeaState higher = windy_sea();
+    higher.height_scale = 1.5;
+    higher.choppiness = {choppiness.x / 1.5, choppiness.y / 1.5};
+    const auto sea = testing::realized(state, three_cascades);
+    const auto high_sea = testing::realized(higher, three_cascades);
+    const DirectSum plain(sea), scaled(high_sea);
+    for (int i = 0; i < 20; ++i) {
+        const QueryPoint point{13.7 * i, -7.1 * i, 12'000'000};
+        Vec2 from, from_scaled;
+        const Answer answer =
+            surface_at(point, {sea->choppiness, 1e-10, {}}, plain.at_time(point.time_us), &from);
+        const Answer high = surface_at(point, {high_sea->choppiness, 1e-10, {}},
+                                       scaled.at_time(point.time_us), &from_scaled);
+        EXPECT_GT(std::hypot(from.x - point.x_m, from.y - point.y_m), 1e-3);
+        EXPECT_NEAR(from_scaled.x, from.x, 1e-9);
+        EXPECT_NEAR(from_scaled.y, from.y, 1e-9);
+        EXPECT_NEAR(high.height_m, 1.5 * answer.height_m, 1e-9);
+    }
 }
 
 TEST(Realize, A16_hs_does_not_depend_on_how_a_narrow_beam_meets_the_lattice) {
