@@ -53,8 +53,10 @@ struct SineRamps {
     double direction_step_rad = 0.0;   ///< -pi .. pi
     double direction_spread_rad = 0.5; ///< 0 .. pi
     bool normalise = true;
-    double sharpness = 1.0;          ///< p of exp(p (sin - 1)), exponential only, 0.1 .. 10
-    double drag = 0.0;               ///< share of a wave's slope that moves the next ones, 0 .. 2
+    double sharpness = 1.0; ///< p of exp(p (sin - 1)), exponential only, 0.1 .. 10
+    /// Exponential only: the next waves are where a wave has dragged the point to, back along its way by this times what it rises
+    /// by a radian of its phase. 0 .. 2
+    double drag = 0.0;
     std::vector<SineByHand> by_hand; ///< sine, gerstner (without speeds), exponential
 };
 
