@@ -199,7 +199,7 @@ TEST_F(DeviceTest, copies_obey_offsets_and_the_timer_counts_forward) {
     EXPECT_LT((*seconds)[0], 60) << "of two copies of some bytes";
 }
 
-// No device copies 64 MiB within a tick of its clock.
+// No device copies 64 MiB within a tick of its clock, if it has one.
 TEST_F(DeviceTest, a_large_copy_takes_some_time) {
     constexpr std::size_t bytes = 64u << 20;
     Result<Buffer> from = Buffer::create(*device_, "from", bytes, BufferKind::device);
@@ -216,7 +216,7 @@ TEST_F(DeviceTest, a_large_copy_takes_some_time) {
     }));
     const Result<std::vector<double>> seconds = timer->read(*device_);
     ASSERT_TRUE(seconds);
-    EXPECT_GT((*seconds)[0], 0);
+    EXPECT_EQ((*seconds)[0] > 0, device_->time_stamp_bits() > 0);
 }
 
 // Of 36 bits, the fewest that a queue has, a clock of 1 ns goes round every 69 s.
