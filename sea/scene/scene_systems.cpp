@@ -18,7 +18,7 @@ namespace seaway::sea {
 
 namespace {
 
-constexpr double infinite = std::numeric_limits<double>::infinity();
+constexpr double endless = std::numeric_limits<double>::infinity();
 
 } // namespace
 
@@ -109,7 +109,7 @@ WindSea read_wind_sea(TomlTable& table, double gravity_mps2) {
     read_wind(table, sea);
     read_direction(table, sea.towards_rad);
     if (sea.spectrum == SpectrumKind::jonswap || sea.spectrum == SpectrumKind::tma) {
-        table.number("fetch_m", sea.fetch_m, {0.0, infinite});
+        table.number("fetch_m", sea.fetch_m, {0.0, endless});
         table.number("gamma", sea.gamma, {1.0, 20.0});
     } else {
         table.refuse("fetch_m", "only for spectrum = \"jonswap\" or \"tma\"");

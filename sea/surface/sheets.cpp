@@ -10,7 +10,7 @@ namespace seaway::sea {
 
 namespace {
 
-constexpr int newton_steps_max = 20;
+constexpr int sheet_steps_max = 20;
 /// Solutions this many tolerances apart are two.
 constexpr double apart_tolerances = 10;
 constexpr std::size_t edges_max = 16;
@@ -249,7 +249,7 @@ class Search {
     /// Leaves in `local` what there is at the solution.
     std::optional<Vec2> newton(Vec2 at, Local& local, double leash_m) {
         const Vec2 start = at;
-        for (int step = 0; step < newton_steps_max; ++step) {
+        for (int step = 0; step < sheet_steps_max; ++step) {
             const Vec2& r = local.residual;
             if (std::hypot(r.x, r.y) <= search_.solved_m)
                 return at;

@@ -12,7 +12,7 @@
 namespace seaway::server {
 namespace {
 
-constexpr const char* magic = "seaway-clock-1";
+constexpr const char* clock_magic = "seaway-clock-1";
 /// Of an older server, which answers as many as it hears, up to 64.
 constexpr std::size_t word_bytes_max = 16 * 1024;
 
@@ -58,7 +58,7 @@ std::string PeerClocks::word(LocalUs local_us, std::int64_t sea_us) {
     std::erase_if(peers_, [local_us](const auto& peer) {
         return local_us - peer.second.heard_us > heard_us;
     });
-    std::string text = fmt::format("{} {} {} {}\n", magic, name_, local_us, sea_us);
+    std::string text = fmt::format("{} {} {} {}\n", clock_magic, name_, local_us, sea_us);
     each_answered([&](const std::string& name, const Peer& peer) {
         text += fmt::format("{} {} {}\n", name, peer.sent_us, local_us - peer.heard_us);
     });
@@ -70,7 +70,7 @@ void PeerClocks::hear(const std::string& word, LocalUs local_us) {
     std::string first, name;
     std::int64_t sent_us = 0, sea_us = 0;
     if (word.size() > word_bytes_max || !(in >> first >> name >> sent_us >> sea_us) ||
-        first != magic || !is_name(name) || name == name_ || !is_time(sea_us))
+        first != clock_magic || !is_name(name) || name == name_ || !is_time(sea_us))
         return;
     const std::scoped_lock lock(mutex_);
     if (peers_.size() >= peers_max && !peers_.contains(name))

@@ -315,9 +315,17 @@ Result<std::vector<SeaChange>> SqliteJournal::since(std::uint32_t epoch, std::si
 /// What was written whole before the disk failed to keep it stands in the log of the file, and would be found there by who
 /// opens it after this process was killed. So it is written over; where that fails, too, nobody knows.
 Error SqliteJournal::undone(Error why) {
-    if (sqlite3_extended_errcode(database_.get()) == SQLITE_IOERR_FSYNC &&
-        !run(database_.get(), "UPDATE sea SET epoch_utc_us = epoch_utc_us"))
+    if (sqlite3_extended_errcode(database_.get()) != SQLITE_IOERR_FSYNC)
+        return why;
+    // Twice: a value that stays as it was is not written.
+    const Result<void> over =
+        run(database_.get(), "BEGIN IMMEDIATE; UPDATE sea SET epoch_utc_us = ~epoch_utc_us; "
+                             "UPDATE sea SET epoch_utc_us = ~epoch_utc_us; COMMIT");
+    if (!over) {
+        (void)run(database_.get(),
+                  "ROLLBACK"); // an error where it has been, which no one need hear
         why.kind = JournalError::unknown;
+    }
     return why;
 }
 

@@ -18,6 +18,7 @@
 #include "server/map_source.h"
 #include "server/world.h"
 #include "tests/server/simulation/simulation_bench.h"
+#include "tests/server/stopped_clock.h"
 
 namespace seaway::server {
 namespace {
@@ -27,11 +28,6 @@ bool comes(const std::atomic<bool>& condition) {
     for (int i = 0; i < 12'000 && !condition; ++i)
         std::this_thread::sleep_for(std::chrono::milliseconds(5));
     return condition;
-}
-
-SeaClock stopped_at(TimeUs now_us) {
-    return SeaClock(
-        0, [now_us] { return now_us; }, [] { return 0; });
 }
 
 // Naive: only the simulation knows who may go, and the world forgets to tell it. A fetch of foam walks

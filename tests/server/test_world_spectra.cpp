@@ -7,15 +7,11 @@
 #include "server/host/refusal.h"
 #include "server/world.h"
 #include "tests/server/simulation/simulation_bench.h"
+#include "tests/server/stopped_clock.h"
 #include "tests/support/metrics_page.h"
 
 namespace seaway::server {
 namespace {
-
-SeaClock stopped_at(TimeUs now_us) {
-    return SeaClock(
-        0, [now_us] { return now_us; }, [] { return 0; });
-}
 
 // Naive: each accuracy is made for whoever asks, and one session that asks for all of them again and again has the
 // thread that makes them for itself.

@@ -94,15 +94,16 @@ TEST(Chart, discs_and_circles_have_their_radius_and_their_place) {
     EXPECT_NEAR(darkness(round, round.frame()), 2 * 3.14159 * 40 * 2, 15);
 }
 
-struct Place {
+struct CornerPlace {
     Corner corner;
     bool right, bottom;
 };
 
 TEST(Chart, a_legend_stands_in_its_corner_and_names_series_in_their_order) {
-    for (const Place& place :
-         {Place{Corner::top_left, false, false}, Place{Corner::top_right, true, false},
-          Place{Corner::bottom_left, false, true}, Place{Corner::bottom_right, true, true}}) {
+    for (const CornerPlace& place :
+         {CornerPlace{Corner::top_left, false, false}, CornerPlace{Corner::top_right, true, false},
+          CornerPlace{Corner::bottom_left, false, true},
+          CornerPlace{Corner::bottom_right, true, true}}) {
         Canvas canvas(500, 400);
         const Rect area{60, 30, 460, 350};
         Chart chart(canvas, area, {"", 0, 1}, {"", 0, 1});

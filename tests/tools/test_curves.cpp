@@ -14,26 +14,27 @@
 namespace seaway::inspect {
 namespace {
 
-constexpr double length_m = 400;
-constexpr int size = 64;
+constexpr double tile_m = 400;
+constexpr int tile_size = 64;
 
 sea::CascadeModes empty_tile() {
     sea::CascadeModes modes;
-    modes.spec = {length_m, size};
+    modes.spec = {tile_m, tile_size};
     modes.band = {0, modes.spec.nyquist_radpm()};
-    modes.h0.resize(size * size);
-    modes.rate.resize(size * size);
+    modes.h0.resize(tile_size * tile_size);
+    modes.rate.resize(tile_size * tile_size);
     return modes;
 }
 std::size_t at(int nx, int ny) {
-    return static_cast<std::size_t>((ny + size) % size * size + (nx + size) % size);
+    return static_cast<std::size_t>((ny + tile_size) % tile_size * tile_size +
+                                    (nx + tile_size) % tile_size);
 }
 
 // A mode of h0 is a wave of amplitude 2 |h0|, half the square of which is its energy. Rings are a step
 // wide up to the tenth, then a tenth of their wavenumber.
 TEST(Curves, a_point_of_the_realised_spectrum_is_the_energy_of_its_ring_over_its_frequencies) {
     const sea::Dispersion water = sea::SeaState{.depth_m = 30}.dispersion();
-    const double step = 2 * sea::pi / length_m;
+    const double step = 2 * sea::pi / tile_m;
     const auto omega = [&](double steps) { return water.omega(steps * step); };
     struct Row {
         int nx, ny;

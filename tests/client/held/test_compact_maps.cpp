@@ -18,10 +18,10 @@ namespace {
 using sea::Field;
 using sea::FieldSet;
 
-constexpr double length_m = 100;
+constexpr double tile_m = 100;
 constexpr FieldSet three_fields{Field::height, Field::displacement_x, Field::height_rate};
 
-struct Part {
+struct CompactPart {
     protocol::TileHeader header;
     std::vector<std::uint8_t> payload;
 };
@@ -35,8 +35,8 @@ std::vector<float> wave_map(int size, double phase) {
     return map;
 }
 
-Part wave_part(Field field, int size, double phase) {
-    Part part;
+CompactPart wave_part(Field field, int size, double phase) {
+    CompactPart part;
     part.header.keyframe = 1;
     part.header.field = field;
     part.header.size = part.header.width = part.header.height = size;
@@ -49,12 +49,12 @@ Part wave_part(Field field, int size, double phase) {
 }
 
 TEST(TileAssembly, compact_maps_are_brought_to_the_cascades_own_grid) {
-    const protocol::CascadeInfo cascade{.length_m = length_m, .size = 64};
+    const protocol::CascadeInfo cascade{.length_m = tile_m, .size = 64};
     const FieldSet fields = three_fields | FieldSet{Field::foam};
     TileAssembly assembly;
     HeldKeyframePtr complete;
     for (const Field field : fields) {
-        const Part part =
+        const CompactPart part =
             wave_part(field, field == Field::foam ? 64 : 10, static_cast<double>(field));
         const auto added = assembly.add(part.header, part.payload, cascade, 0, fields, {});
         ASSERT_TRUE(added) << added.error().message;
@@ -84,7 +84,7 @@ TEST(TileAssembly, compact_maps_are_brought_to_the_cascades_own_grid) {
 // Nobody sends displacements that follow from heights: who waits for them has them made, with heights' errors, who
 // does not has none of them.
 TEST(TileAssembly, displacements_that_follow_from_heights_are_made_for_who_waits_for_them) {
-    const protocol::CascadeInfo cascade{.length_m = length_m, .size = 64};
+    const protocol::CascadeInfo cascade{.length_m = tile_m, .size = 64};
     const FieldSet sent{Field::height, Field::height_rate};
     constexpr double pi = 3.14159265358979;
     for (const FieldSet wanted : {sea::surface_fields, three_fields, sent})
@@ -92,7 +92,7 @@ TEST(TileAssembly, displacements_that_follow_from_heights_are_made_for_who_waits
             TileAssembly assembly;
             HeldKeyframePtr complete;
             for (const Field field : sent) {
-                Part part = wave_part(field, 10, static_cast<double>(field));
+                CompactPart part = wave_part(field, 10, static_cast<double>(field));
                 part.header.follows = sea::following(sea::surface_fields); // its own alone count
                 const FieldSet requested[] = {wanted};
                 const auto added = assembly.add(part.header, part.payload, cascade, 50.0,
@@ -108,7 +108,7 @@ TEST(TileAssembly, displacements_that_follow_from_heights_are_made_for_who_waits
             EXPECT_EQ(complete->fields(), wanted | sent);
             EXPECT_EQ(assembly.keyframes(), 0u);
             // cos(k.x + p) moves water by -k/|k| coth(k d) sin(k.x + p), k = (3, -2) 2 pi / 100 m.
-            const double index = std::sqrt(13.0), kd = 2.0 * pi * index / length_m * 50.0;
+            const double index = std::sqrt(13.0), kd = 2.0 * pi * index / tile_m * 50.0;
             for (const Field field : wanted) {
                 const bool rate = sea::info(field).time_rate, follows = !sent.contains(field);
                 const bool along_x =
@@ -117,7 +117,7 @@ TEST(TileAssembly, displacements_that_follow_from_heights_are_made_for_who_waits
                 EXPECT_EQ(complete->error(field), 1e-4f);
                 EXPECT_NEAR(complete->coded_rms(field),
                             complete->coded_rms(Field::height) *
-                                (follows ? std::sqrt(sea::Orbits(10, length_m, 50.0).gain()) : 1.0),
+                                (follows ? std::sqrt(sea::Orbits(10, tile_m, 50.0).gain()) : 1.0),
                             1e-12);
                 const double amplitude =
                     follows ? (along_x ? 3.0 : -2.0) / index / std::tanh(kd) : 1.0;
@@ -133,17 +133,17 @@ TEST(TileAssembly, displacements_that_follow_from_heights_are_made_for_who_waits
 
 // A request for displacements, made when heights of the stream were there already.
 TEST(TileAssembly, what_follows_is_made_for_a_request_that_comes_later) {
-    const protocol::CascadeInfo cascade{.length_m = length_m, .size = 64};
+    const protocol::CascadeInfo cascade{.length_m = tile_m, .size = 64};
     const FieldSet sent{Field::height, Field::height_rate};
     TileAssembly assembly;
     for (const Field field : sent) {
-        Part part = wave_part(field, 10, 0);
+        CompactPart part = wave_part(field, 10, 0);
         part.header.follows = sea::following(field);
         ASSERT_TRUE(
             assembly.add(part.header, part.payload, cascade, 0, sent | FieldSet{Field::foam}, {}));
     }
     const FieldSet more[] = {sea::surface_fields | FieldSet{Field::foam}};
-    const Part foam = wave_part(Field::foam, 64, 0);
+    const CompactPart foam = wave_part(Field::foam, 64, 0);
     const auto added = assembly.add(foam.header, foam.payload, cascade, 0, {}, more);
     ASSERT_TRUE(added && added->complete);
     EXPECT_EQ(added->complete->fields(), more[0]);
@@ -151,22 +151,21 @@ TEST(TileAssembly, what_follows_is_made_for_a_request_that_comes_later) {
 }
 
 TEST(TileAssembly, grids_that_no_compact_map_may_have_are_errors) {
-    const auto why_not = [](const std::vector<Part>& parts, int size) {
+    const auto why_not = [](const std::vector<CompactPart>& parts, int size) {
         TileAssembly assembly;
-        for (const Part& part : parts) {
-            const auto added =
-                assembly.add(part.header, part.payload, {.length_m = length_m, .size = size}, 0,
-                             three_fields, {});
+        for (const CompactPart& part : parts) {
+            const auto added = assembly.add(
+                part.header, part.payload, {.length_m = tile_m, .size = size}, 0, three_fields, {});
             if (!added)
                 return added.error().message;
         }
         return std::string("no error");
     };
-    Part own = wave_part(Field::height, 64, 0);
+    CompactPart own = wave_part(Field::height, 64, 0);
     own.header.follows = sea::following(Field::height);
     EXPECT_NE(why_not({own}, 64).find("not compact"), std::string::npos);
-    const Part height = wave_part(Field::height, 10, 0),
-               rate = wave_part(Field::height_rate, 12, 0);
+    const CompactPart height = wave_part(Field::height, 10, 0),
+                      rate = wave_part(Field::height_rate, 12, 0);
     EXPECT_EQ(why_not({height}, 64), "no error");
     EXPECT_NE(why_not({height}, 9).find("map of size 10, the cascade's is 9"), std::string::npos);
     EXPECT_NE(why_not({wave_part(Field::foam, 10, 0)}, 64).find("map of size 10"),
@@ -183,7 +182,7 @@ TEST(TileAssembly, grids_that_no_compact_map_may_have_are_errors) {
 TEST(LocalAnswer, a_compact_keyframes_codec_error_is_that_of_waves_of_the_smaller_grid) {
     SeaState state;
     state.epoch = 1;
-    state.cascades.push_back({.length_m = length_m, .size = 16, .interval_us = 100'000});
+    state.cascades.push_back({.length_m = tile_m, .size = 16, .interval_us = 100'000});
     state.losses = {{{0.1, 0.2, 0.3}, {0.4, 0.5, 0.6}}};
     state.single_precision_m = 0.01;
     state.single_precision_displacement_m = 0.02;
@@ -191,7 +190,7 @@ TEST(LocalAnswer, a_compact_keyframes_codec_error_is_that_of_waves_of_the_smalle
     for (const Field field : sea::surface_fields)
         errors[static_cast<std::size_t>(field)] = 0.003f;
     const auto held = [&](sea::TimeUs time_us, int compact_size) {
-        sea::Keyframe made{1, 0, time_us, 16, length_m, sea::surface_fields, {}};
+        sea::Keyframe made{1, 0, time_us, 16, tile_m, sea::surface_fields, {}};
         made.values.resize(made.plane_size() * 6);
         return std::make_shared<const HeldKeyframe>(std::move(made), errors,
                                                     HeldKeyframe::Compact{compact_size, {}, 0.5});
@@ -211,8 +210,8 @@ TEST(LocalAnswer, a_compact_keyframes_codec_error_is_that_of_waves_of_the_smalle
         // (pi / spacing)^2 / 4 of the variance, or that of a spline through the finer grid's own samples.
         const double largest = loss.displacement.largest_variance_m2(0.1) -
                                loss.displacement.interpolation_variance_m2();
-        const double gain = std::max(std::pow(3.14159265358979 * 10 / length_m, 2) / 4.0,
-                                     first == second ? 0.0 : 3.4217 / std::pow(length_m / 16, 2));
+        const double gain = std::max(std::pow(3.14159265358979 * 10 / tile_m, 2) / 4.0,
+                                     first == second ? 0.0 : 3.4217 / std::pow(tile_m / 16, 2));
         EXPECT_NEAR(error.codec_strain_bound,
                     std::max(state.choppiness_x, state.choppiness_y) *
                         sea::coded_strain_bound(largest * gain),

@@ -161,8 +161,8 @@ Result<void> Journal::add(const TrialName& trial, const Place& place,
     const auto row = [&](const Figure& f) {
         rows << fmt::format("{},{},{},{},{:.6g},{:.6g},{:.6g},{},{},{},{}\n", trial.state,
                             trial.knob, in_quotes(trial.value), f.metric, f.value, f.low, f.high,
-                            in_quotes(trial.device), in_quotes(place.driver), in_quotes(place.machine),
-                            place.commit);
+                            in_quotes(trial.device), in_quotes(place.driver),
+                            in_quotes(place.machine), place.commit);
     };
     for (const Figure& figure : figures)
         row(figure);
