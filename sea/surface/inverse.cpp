@@ -92,7 +92,7 @@ double capped_slope(double horizontal, double vertical) {
 }
 
 /// Sheets that solve the equation this far apart are two.
-constexpr double apart_m = 1e-3;
+constexpr double sheets_apart_m = 1e-3;
 
 /// The search works in single precision; Newton goes on from what it finds.
 constexpr double start_tolerance_m = 1e-4;
@@ -153,7 +153,7 @@ Highest highest_sheet(Solver& solver, const Sheet& found, Vec2 target,
         const bool best_solves = best.residual_m <= options.tolerance_m;
         const double distance_m = std::hypot(sheet.lagrangian.x - best.lagrangian.x,
                                              sheet.lagrangian.y - best.lagrangian.y);
-        folded |= best_solves && distance_m > apart_m;
+        folded |= best_solves && distance_m > sheets_apart_m;
         reached_m = std::max(reached_m, reaches_m(sheet));
         if (!best_solves || sheet.point.height > best.point.height)
             best = sheet;
