@@ -23,13 +23,17 @@ std::vector<glm::vec2> cloud_noise(int columns, int rows, ThreadPool& pool);
 
 /// Sides of a period of the noise, in sizes of clouds.
 inline const glm::dvec2 cloud_periods(12, 4);
+/// After so many periods all that is looked up in the noise repeats: pattern, detail and region, whose scales times it are
+/// whole. A place is kept modulo it. In floats it is exact to a hundredth of a texel.
+inline constexpr double cloud_wrap_periods = 100;
 
 /// A layer of clouds over an eye, and the light that it meets.
 struct CloudLayer {
     double height_m = 0;  ///< above the eye; below 0: below it
     double threshold = 2; ///< of the noise
     double optical_depth = 0;
-    glm::dvec2 origin{0.0}; ///< of the eye in the noise, periods of x and of y
+    glm::dvec2 origin{
+        0.0}; ///< of the eye in the noise, periods of x and of y, 0 .. cloud_wrap_periods
     glm::dvec2 period_m{1.0};
     double curvature_per_m = 0;
     glm::dvec3 to_light{0, 0, 1};

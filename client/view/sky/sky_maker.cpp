@@ -24,8 +24,9 @@ constexpr double moon_sky_share = 0.2;
 /// A blurred mirror does not show clouds that have drifted less.
 constexpr double cloud_step_m = 250;
 
-glm::dvec2 fraction(const glm::dvec2& value) {
-    return value - glm::floor(value);
+/// Where the noise of clouds is looked up.
+glm::dvec2 origin_of(const glm::dvec2& place_m, const glm::dvec2& period_m) {
+    return glm::mod(place_m / period_m, cloud_wrap_periods);
 }
 
 /// From where clouds drift.
@@ -129,7 +130,7 @@ CloudLayer SkyMaker::Kept::layer_over_sea(const Clouds& clouds, const Sky& out,
     layer.period_m = clouds.size_m * cloud_periods;
     layer.curvature_per_m = 0.5 / medium.planet_radius_m;
     layer.height_m = clouds.base_m;
-    layer.origin = fraction(place_m / layer.period_m);
+    layer.origin = origin_of(place_m, layer.period_m);
     const bool moonlit = out.to_light_ == to_moon;
     layer.to_light = out.to_light_;
     layer.light = beam_klx(*air, moonlit ? out.moon_strength_ : out.sun_strength_, out.to_light_,
@@ -282,7 +283,7 @@ Sky Sky::seen_from(const Look& look, const Eye& eye) const {
     Sky out = *this;
     out.eye_ = eye;
     out.clouds_.height_m = look.clouds.base_m - eye.height_m;
-    out.clouds_.origin = fraction(among_clouds(eye) / clouds_.period_m);
+    out.clouds_.origin = origin_of(among_clouds(eye), clouds_.period_m);
     return out;
 }
 
