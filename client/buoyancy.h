@@ -84,7 +84,8 @@ static inline void seaway_hull_load(const seaway_hull* hull, const seaway_body* 
                                     double later_s, seaway_load* load);
 
 /* Moves the body on by step_s, 0 to 1 s, which starts at the time of the points. SEAWAY_BAD_ARGUMENT: any number of water, hull or
- * body that is none, or from which none follows; the body stays where it was. */
+ * body that is none, or from which none follows, a normal of no length, a hull without parts; the body stays where it was. Whether
+ * corners of triangles are vertices, seaway_hull_fault alone looks at: ask it once for a hull from elsewhere. */
 #define SEAWAY_PARTS_MAX                                                                           \
     1000 /* of a step; a hull that needs more is lighter than a toy for its size */
 static inline seaway_code seaway_hull_step(const seaway_hull* hull, seaway_body* body,

@@ -166,15 +166,21 @@ static inline const char* seaway_hull_numbers_fault(const seaway_hull* hull) {
     return NULL;
 }
 
-static inline const char* seaway_hull_fault(const seaway_hull* hull) {
-    const char* fault = seaway_hull_numbers_fault(hull);
-    double open_m2[3] = {0, 0, 0}, surface_m2 = 0, area_m2[3];
-    if (fault)
-        return fault;
+static inline const char* seaway_hull_parts_fault(const seaway_hull* hull) {
     if (hull->triangle_count == 0 && (!hull->volumes_m3 || !(hull->column_m > 0)))
         return "it has neither triangles nor volumes and a height of columns";
     if (hull->triangle_count > 0 && !hull->triangles)
         return "it has no triangles";
+    return NULL;
+}
+
+static inline const char* seaway_hull_fault(const seaway_hull* hull) {
+    const char* fault = seaway_hull_numbers_fault(hull);
+    double open_m2[3] = {0, 0, 0}, surface_m2 = 0, area_m2[3];
+    if (!fault)
+        fault = seaway_hull_parts_fault(hull);
+    if (fault)
+        return fault;
     for (size_t i = 0; i < 3 * hull->triangle_count; ++i)
         if (hull->triangles[i] >= hull->vertex_count)
             return "a triangle has a corner that is no vertex";
@@ -232,7 +238,7 @@ static inline int seaway_is_known(const seaway_answer* water) {
     for (int i = 0; i < 3; ++i)
         sum += (water->normal[i] - water->normal[i]) +
                (water->velocity_mps[i] - water->velocity_mps[i]);
-    return sum == 0;
+    return sum == 0 && seaway_length(water->normal) > 0;
 }
 
 static inline int seaway_is_somewhere(const seaway_body* body) {
@@ -249,7 +255,8 @@ static inline seaway_code seaway_hull_step(const seaway_hull* hull, seaway_body*
                                            const seaway_point* points, const seaway_answer* answers,
                                            double step_s) {
     seaway_body moved = *body;
-    if (!(step_s >= 0 && step_s <= 1) || seaway_hull_numbers_fault(hull))
+    if (!(step_s >= 0 && step_s <= 1) || seaway_hull_numbers_fault(hull) ||
+        seaway_hull_parts_fault(hull))
         return SEAWAY_BAD_ARGUMENT;
     for (size_t v = 0; v < hull->vertex_count; ++v)
         if (!seaway_is_known(&answers[v]))

@@ -297,6 +297,30 @@ TEST(Buoyancy, what_cannot_be_moved_is_refused_and_left_as_it_is) {
     EXPECT_EQ(box.body.position_m[2], 0);
 }
 
+// An answer that nobody filled in: of water without a slope a mesh would fall as through air.
+TEST(Buoyancy, water_whose_normal_has_no_length_is_refused) {
+    Floating box;
+    const Water empty = [](const seaway_point&) { return seaway_answer{}; };
+    EXPECT_EQ(box.ride(empty, 0, step_s), SEAWAY_BAD_ARGUMENT);
+    EXPECT_EQ(box.body.velocity_mps[2], 0);
+}
+
+TEST(Buoyancy, a_hull_without_parts_takes_no_step) {
+    Floating box;
+    box.hull.triangle_count = 0;
+    box.hull.volumes_m3 = nullptr;
+    box.hull.column_m = 1;
+    EXPECT_EQ(box.ride(still_water, 0, step_s), SEAWAY_BAD_ARGUMENT);
+    const std::vector<double> volumes(box.hull.vertex_count, 1.0);
+    box.hull.volumes_m3 = volumes.data();
+    EXPECT_EQ(box.ride(still_water, 0, step_s), SEAWAY_OK);
+    box.hull.column_m = 0;
+    EXPECT_EQ(box.ride(still_water, 0, step_s), SEAWAY_BAD_ARGUMENT);
+    box.hull.triangle_count = 12;
+    box.hull.triangles = nullptr;
+    EXPECT_EQ(box.ride(still_water, 0, step_s), SEAWAY_BAD_ARGUMENT);
+}
+
 TEST(Buoyancy, a_hull_that_cannot_float_is_told_why) {
     const auto fault = [](const std::function<void(Floating&)>& spoil) {
         Floating box;
