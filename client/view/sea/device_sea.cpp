@@ -128,6 +128,7 @@ bool DeviceSea::fits(const SeaFrame& frame) const {
 Result<void> DeviceSea::allocate(const SeaFrame& frame) {
     cascades_.clear();
     sets_.clear();
+    pending_.clear(); // of staging buffers that are gone
     stands_ = frame.stands_there();
     int displacement_texels = 0, gradient_texels = 0;
     for (const CascadeFrame& from : frame.cascades) {
@@ -203,8 +204,11 @@ void DeviceSea::copy(std::size_t cascade, Slots& kept, const std::shared_ptr<con
     std::copy(floats.begin(), floats.end(),
               (staged ? to.staging : to.keyframes).mapped_as<float>().begin() +
                   static_cast<std::ptrdiff_t>(at));
-    if (staged)
+    if (staged) { // once a place: what nobody recorded is overwritten
+        std::erase_if(pending_,
+                      [&](const Copy& old) { return old.cascade == cascade && old.first == at; });
         pending_.push_back({cascade, at, floats.size()});
+    }
     ++copies_;
 }
 

@@ -49,6 +49,10 @@ class DeviceSea {
     DeviceSea() = default;
     static Result<DeviceSea> create(gpu::Device& device, const DeviceSeaOptions& options);
 
+    /// Maps of this frame have room. Where they have none, take() makes it of what frames under way read: they must be
+    /// waited for first.
+    bool fits(const SeaFrame& frame) const;
+
     /// Copies keyframes that are not there yet. frame: 1 .. shaders::view_cascades_max cascades. An error: the
     /// device lacks memory.
     Result<void> take(const SeaFrame& frame, const gpu::Buffer& values);
@@ -70,6 +74,8 @@ class DeviceSea {
     std::uint64_t generation() const { return generation_; }
     /// Maps of keyframes that were copied since the start: splines and foam. None of what stands there.
     std::uint64_t copies() const { return copies_; }
+    /// Copies that the next record() makes on the device. Frames that see no sea take it and do not record.
+    std::size_t waiting() const { return pending_.size(); }
 
   private:
     static constexpr int slots = 4; ///< two of this frame, two of the one that is under way
@@ -96,7 +102,6 @@ class DeviceSea {
         gpu::Bindings gradients, mips;
     };
 
-    bool fits(const SeaFrame& frame) const;
     Result<void> allocate(const SeaFrame& frame);
     Result<void> allocate_keyframes(Cascade& cascade);
     static void describe_standing(const CascadeFrame::Standing& from, sea::TimeUs time_us,

@@ -13,15 +13,14 @@ namespace seaway::client {
 /// amplitude cos(k.x - w t) in a tile of `length_m`, `steps` waves on it along east and `north_steps`
 /// along north.
 inline sea::Realization one_wave(double amplitude_m, double length_m, int steps,
-                                 int north_steps = 0) {
-    constexpr int size = 64;
+                                 int north_steps = 0, int size = 64) {
     sea::CascadeModes modes;
     modes.spec = {length_m, size};
     modes.band = {0, modes.spec.nyquist_radpm()};
-    modes.h0.resize(size * size);
+    modes.h0.resize(static_cast<std::size_t>(size * size));
     modes.rate.resize(modes.h0.size());
     const double k_radpm = std::hypot(steps, north_steps) * modes.spec.wavenumber_step_radpm();
-    const auto at = [](int nx, int ny) {
+    const auto at = [size](int nx, int ny) {
         return static_cast<std::size_t>((ny + size) % size * size + (nx + size) % size);
     };
     modes.h0[at(steps, north_steps)] = 0.5 * amplitude_m;

@@ -87,6 +87,17 @@ class DeviceSeaTest : public gpu::DeviceTest {
         ASSERT_TRUE(values) << values.error().message;
         values_ = std::move(*values);
     }
+    /// Copies go through staging buffers there.
+    void on_a_device_with_memory_of_its_own() {
+        sea_ = {};
+        values_ = {};
+        device_.reset();
+        Result<std::unique_ptr<gpu::Device>> staged =
+            gpu::Device::create({.validation = true, .staged = true});
+        ASSERT_TRUE(staged) << staged.error().message;
+        device_ = std::move(*staged);
+        make({});
+    }
     Maps maps_of(const SeaFrame& frame, const glm::dvec2& camera_m = {0, 0}) {
         Maps maps;
         const Result<void> taken = sea_.take(frame, values_);
@@ -362,22 +373,46 @@ TEST_F(DeviceSeaTest, a_keyframe_that_is_needed_makes_no_room_for_the_other_one)
     EXPECT_EQ(maps_of(across).displacements, expected.displacements);
 }
 
-// A GPU with memory of its own: copies go through a staging buffer.
 TEST_F(DeviceSeaTest, reads_the_same_where_the_cpu_cannot_see_the_devices_memory) {
     SyntheticSea sea(crossing_waves());
     const SeaFrame frame = sea.at(1'234'567), next = sea.at(2'000'000);
     const Maps here = maps_of(frame);
     const Maps later = maps_of(next);
-    sea_ = {};
-    values_ = {};
-    device_.reset();
-    Result<std::unique_ptr<gpu::Device>> staged =
-        gpu::Device::create({.validation = true, .staged = true});
-    ASSERT_TRUE(staged) << staged.error().message;
-    device_ = std::move(*staged);
-    make({});
+    on_a_device_with_memory_of_its_own();
     EXPECT_EQ(maps_of(frame).gradients, here.gradients);
     EXPECT_EQ(maps_of(next).displacements, later.displacements);
+}
+
+// A camera that looks at the sky: every frame takes the sea, none records it.
+TEST_F(DeviceSeaTest, copies_that_nobody_recorded_are_no_more_than_there_are_places) {
+    on_a_device_with_memory_of_its_own();
+    SyntheticSea sea(crossing_waves());
+    const SeaFrame last = sea.at(100 * 700'000);
+    const Maps expected = maps_of(last);
+    make({});
+    for (int i = 0; i < 100; ++i) {
+        ASSERT_TRUE(sea_.take(sea.at(i * 700'000), values_));
+        EXPECT_LE(sea_.waiting(), 2u * 4u) << "two cascades, four keyframes of each";
+    }
+    EXPECT_EQ(maps_of(last).displacements, expected.displacements);
+    EXPECT_EQ(sea_.waiting(), 0u);
+}
+
+// A server is started again with a smaller sea while the camera looks at the sky.
+TEST_F(DeviceSeaTest, what_nobody_recorded_of_a_larger_sea_is_forgotten_with_it) {
+    on_a_device_with_memory_of_its_own();
+    sea::Realization large = one_wave(0.5, 90, 3, -2, 256);
+    for (const double length_m : {31.0, 11.0})
+        large.cascades.push_back(one_wave(0.1, length_m, 2, 1, 256).cascades[0]);
+    SyntheticSea before(std::move(large)), after(one_wave(0.5, 40, 2));
+    const SeaFrame next = after.at(500'000);
+    const Maps expected = maps_of(next);
+    make({});
+    ASSERT_TRUE(sea_.take(before.at(500'000), values_));
+    EXPECT_EQ(sea_.waiting(), 3u * 2u);
+    ASSERT_TRUE(sea_.take(next, values_));
+    EXPECT_EQ(sea_.waiting(), 2u);
+    EXPECT_EQ(maps_of(next).displacements, expected.displacements);
 }
 
 // From one sea to another of more cascades and other sizes.
