@@ -312,6 +312,8 @@ Result<void> Renderer::draw(const SeaFrame& frame, const Camera& camera, const S
     drawn.width = static_cast<int>(target_.size().width);
     drawn.height = static_cast<int>(target_.size().height);
     SEAWAY_TRY(take_sky(sky));
+    if (!sea_.fits(frame))
+        SEAWAY_TRY(finish()); // of a frame that still reads what is made anew
     SEAWAY_TRY(sea_.take(frame, flight.values));
     Camera meshed = mesh_of ? *mesh_of : drawn;
     meshed.width = drawn.width;

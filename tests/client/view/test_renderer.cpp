@@ -362,6 +362,17 @@ TEST_F(RendererTest, a_sea_of_more_tiles_is_drawn_as_by_a_new_renderer) {
     EXPECT_EQ(picture->rgba, render(more, sky, DebugView::slope).rgba);
 }
 
+// draw() returns while the device works. What it reads of the sea before stays until it has.
+TEST_F(RendererTest, a_sea_of_larger_tiles_may_follow_while_a_frame_is_under_way) {
+    SyntheticSea coarse(one_wave(0.5, 90, 3)), fine(one_wave(0.5, 90, 3, 0, 128));
+    Renderer& renderer = renderer_for({});
+    for (SyntheticSea* sea : {&coarse, &fine, &coarse})
+        ASSERT_TRUE(
+            renderer.draw(sea->at(500'000), camera_, sky_at_hour(15), {}, {}, Wanted::nothing));
+    ASSERT_TRUE(renderer.finish());
+    EXPECT_EQ(device_->validation().validation_messages(), std::vector<std::string>{});
+}
+
 TEST_F(RendererTest, the_same_sea_is_the_same_bytes) {
     SyntheticSea sea = gale();
     const SeaFrame frame = sea.at(100'000'000);
