@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/full_disk.h"
 #include "tests/tools/program.h"
 #include "tools/exr/exr_map.h"
 
@@ -42,6 +43,28 @@ TEST(ExrMap, a_file_that_cannot_be_written_or_put_in_its_place_leaves_nothing) {
     map.half = false;
     EXPECT_TRUE(write_exr(folder + "/large.exr", map));
     EXPECT_EQ(count_of_files(folder), 2);
+}
+
+// The last bytes are written when the library closes the file, and it says nothing of them.
+TEST(ExrMap, what_does_not_fit_on_the_disk_is_an_error_to_the_last_byte) {
+    const std::string folder = testing::folder().file("full");
+    std::filesystem::create_directories(folder);
+    const std::vector<float> values(32 * 32, 0.5f);
+    ExrMap map;
+    map.width = map.height = 32;
+    map.channels = {{"height", values}};
+    const std::string path = folder + "/map.exr";
+    ASSERT_TRUE(write_exr(path, map));
+    const std::size_t whole = std::filesystem::file_size(path);
+    std::filesystem::remove(path);
+    for (const std::size_t missing : {std::size_t{1}, std::size_t{64}, whole}) {
+        const Result<void> written =
+            tests::on_full_disk(whole - missing, [&] { return write_exr(path, map); });
+        ASSERT_FALSE(written) << missing;
+        EXPECT_THAT(written.error().message, HasSubstr("map.exr"));
+        EXPECT_EQ(count_of_files(folder), 0) << missing;
+    }
+    EXPECT_TRUE(write_exr(path, map));
 }
 
 } // namespace

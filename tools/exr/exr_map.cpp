@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/exr/exr_map.h"
 
+#include <cerrno>
 #include <cmath>
 #include <cstdio>
+#include <cstring>
 #include <exception>
 #include <filesystem>
+#include <fstream>
 
 #include <fmt/format.h>
 
@@ -17,6 +20,7 @@
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
 #include <OpenEXR/ImfOutputFile.h>
+#include <OpenEXR/ImfStdIO.h>
 #include <OpenEXR/ImfStringAttribute.h>
 #pragma GCC diagnostic pop
 
@@ -99,9 +103,18 @@ Result<void> write_pixels(const std::string& path, const ExrMap& map) {
         auto* base = reinterpret_cast<char*>(rounded[c].data());
         pixels.insert(name, Imf::Slice(Imf::HALF, base, sizeof(half), sizeof(half) * width));
     }
-    Imf::OutputFile file(path.c_str(), header(map));
-    file.setFrameBuffer(pixels);
-    file.writePixels(map.height);
+    errno = 0;
+    std::ofstream file(path, std::ios::binary);
+    if (file) {
+        Imf::StdOFStream stream(file, path.c_str());
+        Imf::OutputFile out(stream, header(map));
+        out.setFrameBuffer(pixels);
+        out.writePixels(map.height);
+    }
+    // The library says nothing of what it writes last.
+    file.close();
+    if (!file)
+        return Error{fmt::format("{}: {}", path, std::strerror(errno))};
     return {};
 }
 

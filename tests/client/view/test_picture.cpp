@@ -2,16 +2,21 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <utility>
+
+#include <sys/stat.h>
 
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfInputFile.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <png.h>
 
 #include "client/view/picture.h"
 #include "client/view/view_options.h"
 #include "tests/support/folder.h"
+#include "tests/support/full_disk.h"
 
 namespace seaway::client {
 namespace {
@@ -65,6 +70,29 @@ TEST(Picture, exr_keeps_every_number) {
             EXPECT_EQ(channels[c][i], picture.rgba[4 * i + c]);
     EXPECT_GT(*std::max_element(picture.rgba.begin(), picture.rgba.end()), 1.0f)
         << "beyond the white of a display";
+}
+
+TEST(Picture, an_exr_that_does_not_fit_on_the_disk_is_an_error_to_the_last_byte) {
+    const std::string path = tests::folder().file("full.exr");
+    ASSERT_TRUE(write_exr(ramp(), path));
+    const std::size_t whole = std::filesystem::file_size(path);
+    for (const std::size_t missing : {std::size_t{1}, std::size_t{64}, whole}) {
+        const Result<void> written =
+            tests::on_full_disk(whole - missing, [&] { return write_exr(ramp(), path); });
+        ASSERT_FALSE(written) << missing;
+        EXPECT_THAT(written.error().message, testing::HasSubstr(path));
+        EXPECT_FALSE(std::filesystem::exists(path)) << missing;
+    }
+}
+
+// Naive: it is opened for writing, and waits for somebody who reads.
+TEST(Picture, a_pipe_is_no_file_for_an_exr) {
+    const std::string path = tests::folder().file("pipe.exr");
+    ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
+    const Result<void> written = write_exr(ramp(), path);
+    ASSERT_FALSE(written);
+    EXPECT_THAT(written.error().message, testing::HasSubstr("is a pipe"));
+    EXPECT_TRUE(std::filesystem::exists(path));
 }
 
 TEST(Picture, a_path_that_cannot_be_written_is_named) {
