@@ -117,7 +117,9 @@ Camera CameraPath::at(double t_s) const {
         };
         const double cubic = r * r * (1 + 2 * s) * value(a) + s * s * (1 + 2 * r) * value(b) +
                              s * r * span_s * (r * slope(before, b) - s * slope(a, later));
-        camera.*column.value = std::clamp(cubic, column.low, column.high);
+        // Yaw was unwrapped and has no ends: after a hundred turns it goes on.
+        const bool turns = column.value == &Camera::yaw_deg;
+        camera.*column.value = turns ? cubic : std::clamp(cubic, column.low, column.high);
     }
     camera.z_m = std::max(camera.z_m, std::min(a.camera.z_m, b.camera.z_m));
     return camera;

@@ -71,6 +71,15 @@ TEST(CameraPath, turns_the_shorter_way_and_never_dips_below_its_moments) {
         EXPECT_GE(path.at(t).z_m, 2 - 1e-9) << t;
 }
 
+TEST(CameraPath, turns_on_after_a_hundred_turns) {
+    std::string text = "t_s,x_m,y_m,z_m,yaw_deg,pitch_deg\n";
+    for (int row = 0; row < 500; ++row)
+        text += std::to_string(row) + ",0,0,10," + std::to_string(row * 90 % 360) + ",0\n";
+    const CameraPath path = path_of(text);
+    EXPECT_NEAR(std::remainder(path.at(50.5).yaw_deg - 45, 360.0), 180, 1e-6);
+    EXPECT_NEAR(std::remainder(path.at(450.5).yaw_deg - path.at(50.5).yaw_deg, 360.0), 0, 1e-6);
+}
+
 TEST(CameraPath, a_turntable_looks_at_one_point_from_all_sides) {
     const Camera base{.x_m = 40, .y_m = -10, .z_m = 30, .yaw_deg = 25, .pitch_deg = -45};
     const CameraPath path = CameraPath::turntable(base, 10);
