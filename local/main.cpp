@@ -42,16 +42,7 @@ int fail(ViewExit code, const Error& error) {
 }
 
 int fail(const Error& error) {
-    switch (failure_of(error)) {
-    case Failure::bad_argument:
-        return fail(ViewExit::usage, error);
-    case Failure::refused:
-    case Failure::not_held:
-    case Failure::not_understood:
-        return fail(ViewExit::refused, error);
-    default:
-        return fail(ViewExit::lost, error);
-    }
+    return fail(view_exit(error), error);
 }
 
 Result<std::string> read_token(const std::string& path) {
@@ -135,11 +126,6 @@ class Drawing {
     double exposure_ = 1;
 };
 
-/// What the user has got wrong, or what a server or a device did.
-int fail_of(const ViewOptions& options, const Error& error) {
-    return options.scene.empty() ? fail(error) : fail(ViewExit::no_device, error);
-}
-
 int draw(SeaSource& source, gpu::Device& device, Renderer& renderer, const ViewOptions& options,
          const CameraPath& path) {
     SkyMaker skies;
@@ -150,7 +136,7 @@ int draw(SeaSource& source, gpu::Device& device, Renderer& renderer, const ViewO
         const sea::TimeUs time_us = start_us + frame_offset_us(i);
         Result<SeaFrame> frame = source.at(time_us);
         if (!frame)
-            return fail_of(options, frame.error());
+            return fail(frame.error());
         set_water(*frame, options.look);
         const std::string scene = source.scene_at(time_us);
         if (i == 0) // frames are drawn slower than the sea moves
@@ -201,7 +187,7 @@ int draw_files(const ViewOptions& options, const WithSource& with_source) {
         if (options.bench_frames == 0)
             return draw(source, *device, *renderer, options, *path);
         const Result<void> done = bench(source, *renderer, options);
-        return done ? static_cast<int>(ViewExit::done) : fail_of(options, done.error());
+        return done ? static_cast<int>(ViewExit::done) : fail(done.error());
     });
 }
 

@@ -10,6 +10,8 @@
 #include <fmt/format.h>
 
 #include "base/text_file.h"
+#include "client/link/failure.h"
+#include "client/view/debug/debug_pictures.h"
 #include "client/view/look_file.h"
 #include "client/view/view_sky.h"
 
@@ -35,7 +37,10 @@ Result<void> bench(SeaSource& source, Renderer& renderer, const ViewOptions& opt
     const sea::TimeUs start_us =
         options.time_s ? sea::us_from_seconds(*options.time_s) : source.now_us();
     SkyMaker skies;
-    SEAWAY_TRY_LET(const Sky sky, sky_of_frame(skies, options.look, options.camera, start_us));
+    const Result<Sky> made = sky_of_frame(skies, options.look, options.camera, start_us);
+    if (!made)
+        return failed(Failure::bad_argument, made.error().message);
+    const Sky& sky = *made;
     std::vector<std::vector<double>> passes(Renderer::passes);
     double all_s = 0, all_cpu_s = 0;
     Display display;
@@ -43,6 +48,8 @@ Result<void> bench(SeaSource& source, Renderer& renderer, const ViewOptions& opt
         SEAWAY_TRY_LET(SeaFrame frame, source.at(start_us + frame_offset_us(i)));
         set_water(frame, options.look);
         if (i == 0) { // pipelines are made
+            if (const auto fits = check_debug(options.debug, frame, renderer.options()); !fits)
+                return failed(Failure::bad_argument, fits.error().message);
             source.leave_now();
             display =
                 display_by_light(options.look, sky, options.debug.view, frame.significant_height_m);

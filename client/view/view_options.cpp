@@ -13,6 +13,7 @@
 #include "base/command_line.h"
 #include "base/messages.h"
 #include "base/text_file.h"
+#include "client/link/failure.h"
 #include "client/link/url.h"
 #include "client/view/film_file.h"
 #include "client/view/look_options.h"
@@ -112,6 +113,11 @@ Result<void> check_files(const Words& words, const ViewOptions& options) {
                             options.out)));
     SEAWAY_TRY(require(!options.sheet || options.bench_frames == 0,
                        "--debug all and --bench: one of them"));
+    SEAWAY_TRY(
+        require(options.bench_frames == 0 || info(options.debug.view).source != DebugSource::table,
+                fmt::format("--debug {} and --bench: a table is computed, not drawn; one "
+                            "of them",
+                            debug_text(options.debug))));
     SEAWAY_TRY(require(options.bench_frames == 0 || options.out.empty(),
                        "--out and --bench: what is measured is not written; one of them"));
     SEAWAY_TRY(require(
@@ -214,6 +220,23 @@ void list_debug() {
 }
 
 } // namespace
+
+ViewExit view_exit(const Error& error) {
+    if (error.is(OutputError::lost))
+        return ViewExit::cannot_write;
+    switch (failure_of(error)) {
+    case Failure::none:
+        return ViewExit::no_device;
+    case Failure::bad_argument:
+        return ViewExit::usage;
+    case Failure::refused:
+    case Failure::not_held:
+    case Failure::not_understood:
+        return ViewExit::refused;
+    default:
+        return ViewExit::lost;
+    }
+}
 
 std::variant<ViewOptions, int> read_view_options(int argc, const char* const* argv) {
     ViewOptions options;

@@ -54,6 +54,9 @@ enum class ViewExit : int {
     refused = 6, ///< the server refused, or does not offer what a picture needs
 };
 
+/// Of an error on the way to a picture: the client's have kinds, those of the device have none of these.
+ViewExit view_exit(const Error& error);
+
 /// Options, or the code to exit with at once (--help, --version, --list-debug, a usage error that
 /// has been printed).
 std::variant<ViewOptions, int> read_view_options(int argc, const char* const* argv);

@@ -88,6 +88,7 @@ TEST(LocalProgram, measures_passes_and_shows_every_view) {
 TEST(LocalProgram, says_in_one_line_what_is_wrong) {
     const std::string scene = small_gale();
     const std::string files = " --offscreen 64x48 --out " + folder().file("x.png");
+    const std::string bench = " --offscreen 64x48 --bench 3";
     const std::pair<std::string, const char*> rows[] = {
         {files, "URL is required, or --scene FILE"},
         {"ws://127.0.0.1:1 --scene " + scene + files, "URL and --scene: one of them"},
@@ -96,6 +97,10 @@ TEST(LocalProgram, says_in_one_line_what_is_wrong) {
         {"--scene " + scene + files + " --timeout 3", "--timeout is of a server"},
         {"--scene " + scene + files + " --token-file " + scene, "--token-file is of a server"},
         {"--scene " + scene + files + " --ca-file " + scene, "--ca-file is of a server"},
+        {"--scene " + scene + bench + " --debug h0:cascade=0", "--debug h0:cascade=0 and --bench"},
+        {"--scene " + scene + bench + " --debug sky_sea", "--debug sky_sea and --bench"},
+        {"--scene " + scene + bench + " --debug map_slope:cascade=7", "cascade 7: this sea has"},
+        {"--scene " + scene + bench + " --debug map_slope:mip=10", "mip 10: this map"},
         {"--scene ''" + files, "--scene"},
         {"--scene /nonexistent.toml" + files, "/nonexistent.toml"},
         {"--scene " + folder().write("bad.toml", "[sea]\nsea = 1\n") + files, "bad.toml"},

@@ -11,9 +11,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "base/text_file.h"
+#include "client/link/failure.h"
 #include "client/view/look_file.h"
 #include "client/view/look_keys.h"
 #include "client/view/view_options.h"
+#include "gpu/call.h"
 #include "tests/support/folder.h"
 
 namespace seaway::client {
@@ -277,6 +280,21 @@ TEST(ViewOptions, of_the_look_are_taken_at_their_limits_and_refused_beyond_them)
          "--time-of-day 3 --place 1,2 --date 2026-06-21T18:30:01Z"},
     };
     expect_limits(limits);
+}
+
+// What a bench meets on the way: each is told by its own code, also on a server.
+TEST(ViewOptions, an_error_has_the_exit_code_of_who_it_is_of) {
+    const std::pair<Error, ViewExit> errors[] = {
+        {Error("vkQueueSubmit2: device lost"), ViewExit::no_device},
+        {Error(VK_ERROR_DEVICE_LOST, "vkQueueSubmit2: device lost"), ViewExit::no_device},
+        {failed(Failure::bad_argument, "mip 10"), ViewExit::usage},
+        {failed(Failure::lost, "the server is gone"), ViewExit::lost},
+        {failed(Failure::cannot_connect, "nobody there"), ViewExit::lost},
+        {failed(Failure::deadline, "no answer"), ViewExit::lost},
+        {failed(Failure::refused, "no foam"), ViewExit::refused},
+        {Error(OutputError::lost, "disk full"), ViewExit::cannot_write}};
+    for (const auto& [error, code] : errors)
+        EXPECT_EQ(view_exit(error), code) << error.message;
 }
 
 } // namespace
