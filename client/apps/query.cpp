@@ -19,6 +19,15 @@ using namespace seaway::client;
 
 std::atomic<bool> stop = false;
 
+/// For what asks `stop` from time to time. The second signal ends the program, wherever it waits.
+void stop_by_signals() {
+    for (const int number : {SIGINT, SIGTERM})
+        std::signal(number, [](int again) {
+            stop = true;
+            std::signal(again, SIG_DFL);
+        });
+}
+
 Result<void> run(const QueryOptions& options) {
     std::vector<Place> places = options.at;
     if (!options.points_file.empty()) {
@@ -30,6 +39,8 @@ Result<void> run(const QueryOptions& options) {
     const Result<std::string> token = read_token(options.token_file);
     if (!token)
         return token.error();
+    if (options.watch_hz > 0 || options.bench_points > 0)
+        stop_by_signals();
     const Connect connect = [&](ClientEvents events) {
         Result<std::unique_ptr<Client>> client =
             Client::connect({.url = options.url,
@@ -53,8 +64,6 @@ int main(int argc, char** argv) {
         const std::variant<QueryOptions, int> options = read_query_options(argc, argv);
         if (const int* done = std::get_if<int>(&options))
             return *done;
-        std::signal(SIGINT, [](int) { stop = true; });
-        std::signal(SIGTERM, [](int) { stop = true; });
         const Result<void> done = run(std::get<QueryOptions>(options));
         return done ? status_after_output("seaway-query", exit_done, exit_output)
                     : exit_code("seaway-query", done.error());

@@ -214,7 +214,7 @@ std::variant<QueryOptions, int> read_query_options(int argc, const char* const* 
     line.footer(query_footer);
     const Result<CommandLine::Next> next = line.read(with_negative_points_marked(argc, argv));
     if (next && *next == CommandLine::Next::leave)
-        return status_after_output("seaway-query", 0, exit_usage);
+        return status_after_output("seaway-query", exit_done, exit_output);
     const Result<void> fine = next ? take(words, options) : Result<void>(next.error());
     if (!fine)
         return complain("seaway-query", exit_usage, fine.error().message + " (--help shows how)");

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <sstream>
 #include <variant>
 
@@ -276,6 +277,29 @@ TEST(QueryPoints, a_line_is_counted_though_it_is_blank_or_the_header) {
     const auto places = read_places(in, "points.csv");
     ASSERT_FALSE(places);
     EXPECT_EQ(places.error().message.find("points.csv:6: "), 0u) << places.error().message;
+}
+
+TEST(Output, what_is_not_a_number_is_null_in_json) {
+    const sea::QueryPoint point{std::numeric_limits<double>::quiet_NaN(), 0, 0};
+    sea::Answer answer;
+    answer.height_m = std::numeric_limits<double>::quiet_NaN();
+    answer.error_m = std::numeric_limits<double>::infinity();
+    const auto json =
+        nlohmann::json::parse(output_rows(Format::json, {&point, 1}, {&answer, 1}, true));
+    EXPECT_TRUE(json[0]["x_m"].is_null());
+    EXPECT_TRUE(json[0]["height_m"].is_null());
+    EXPECT_TRUE(json[0]["error_m"].is_null());
+}
+
+TEST(Output, flags_have_names_for_people) {
+    EXPECT_EQ(flag_names(0), "-");
+    EXPECT_EQ(flag_names(sea::answer_vertical_velocity), "vertical_velocity");
+    EXPECT_EQ(flag_names(sea::answer_folded | sea::answer_exact), "folded exact");
+    EXPECT_EQ(
+        flag_names(sea::answer_not_converged | sea::answer_extrapolated | sea::answer_invalid),
+        "not_converged extrapolated invalid");
+    EXPECT_EQ(flag_names(sea::answer_folded | sea::answer_vertical_velocity | sea::answer_open),
+              "folded vertical_velocity open");
 }
 
 } // namespace

@@ -2,7 +2,7 @@
 // seaway-query: its points, its options, its output, and the program as a whole.
 #include <array>
 #include <cmath>
-#include <limits>
+#include <csignal>
 #include <sstream>
 
 #include <sys/wait.h>
@@ -14,6 +14,7 @@
 #include "client/apps/query_output.h"
 #include "tests/client/query_options_of.h"
 #include "tests/client/wave_server.h"
+#include "tests/support/folder.h"
 
 namespace seaway::client {
 namespace {
@@ -149,29 +150,6 @@ TEST(Output, columns_are_the_public_contract) {
     EXPECT_EQ(output_head(Format::csv),
               "x_m,y_m,t_s,height_m,normal_x,normal_y,normal_z,velocity_x_mps,velocity_y_mps,"
               "velocity_z_mps,error_m,flags\n");
-}
-
-TEST(Output, what_is_not_a_number_is_null_in_json) {
-    const sea::QueryPoint point{std::numeric_limits<double>::quiet_NaN(), 0, 0};
-    sea::Answer answer;
-    answer.height_m = std::numeric_limits<double>::quiet_NaN();
-    answer.error_m = std::numeric_limits<double>::infinity();
-    const auto json =
-        nlohmann::json::parse(output_rows(Format::json, {&point, 1}, {&answer, 1}, true));
-    EXPECT_TRUE(json[0]["x_m"].is_null());
-    EXPECT_TRUE(json[0]["height_m"].is_null());
-    EXPECT_TRUE(json[0]["error_m"].is_null());
-}
-
-TEST(Output, flags_have_names_for_people) {
-    EXPECT_EQ(flag_names(0), "-");
-    EXPECT_EQ(flag_names(sea::answer_vertical_velocity), "vertical_velocity");
-    EXPECT_EQ(flag_names(sea::answer_folded | sea::answer_exact), "folded exact");
-    EXPECT_EQ(
-        flag_names(sea::answer_not_converged | sea::answer_extrapolated | sea::answer_invalid),
-        "not_converged extrapolated invalid");
-    EXPECT_EQ(flag_names(sea::answer_folded | sea::answer_vertical_velocity | sea::answer_open),
-              "folded vertical_velocity open");
 }
 
 struct Outcome {
@@ -380,12 +358,20 @@ TEST_F(Program, a_full_disk_behind_standard_output_ends_it) {
     for (const char* way : {" --at 0,0", " --at 0,0 --watch 5", " --at 0,0 --watch 5 --local",
                             " --bench 4 --local", " --help"}) {
         const Outcome outcome = run_program(net->url() + way + " 2>&1 >/dev/full");
-        EXPECT_EQ(outcome.exit_code, std::string(way) == " --help" ? exit_usage : exit_output)
-            << way;
+        EXPECT_EQ(outcome.exit_code, exit_output) << way;
         EXPECT_EQ(outcome.out, "seaway-query: cannot write to standard output: what was printed is "
                                "lost\n")
             << way;
     }
+}
+
+// A pipe that stays open and says nothing: the points never end. Killed after 10 s, it would be 137.
+TEST_F(Program, a_signal_ends_it_while_it_reads_points) {
+    const Outcome outcome = run_program(
+        "--version >/dev/null; mkfifo " + tests::folder().file("points") +
+        "; timeout -k 10 100 " SEAWAY_BIN_DIR "/seaway-query " + net->url() + " --points - <>" +
+        tests::folder().file("points") + " & sleep 1; kill -TERM $!; wait $!");
+    EXPECT_EQ(outcome.exit_code, 128 + SIGTERM);
 }
 
 TEST_F(Program, its_help_names_each_source) {
