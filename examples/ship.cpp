@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -79,6 +80,13 @@ std::vector<Row> sail(seaway::Sea& sea, double seconds) {
     return rows;
 }
 
+/// Also what is still on its way to the disk.
+void finish(std::ofstream& file, const std::string& path) {
+    file.close();
+    if (!file)
+        throw std::runtime_error("cannot write " + path);
+}
+
 void write_table(const std::vector<Row>& rows, const std::string& path) {
     std::ofstream file(path);
     file << "time_s,heave_m,roll_deg,pitch_deg,water_m\n";
@@ -88,6 +96,7 @@ void write_table(const std::vector<Row>& rows, const std::string& path) {
                       row.roll_deg, row.pitch_deg, row.water_m);
         file << line;
     }
+    finish(file, path);
 }
 
 constexpr double width = 900;
@@ -128,6 +137,7 @@ void write_plot(const std::vector<Row>& rows, const std::string& path) {
              << "' text-anchor='middle'>" << std::lround(rows.back().time_s * i / 6) << "</text>\n";
     file << "<text x='" << (width + left) / 2 << "' y='" << 3 * panel + 34
          << "' text-anchor='middle'>seconds</text>\n</svg>\n";
+    finish(file, path);
 }
 
 } // namespace

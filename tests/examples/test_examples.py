@@ -76,6 +76,11 @@ class Examples(unittest.TestCase):
         plot = (self.work / "ship.svg").read_text()
         self.assertEqual(plot.count("<polyline"), 3)
 
+    def test_a_freighter_whose_log_does_not_fit_on_the_disk_says_so(self):
+        for files in (["/dev/full", "short.svg"], ["short.csv", "/dev/full"]):
+            said = self.run_example(BUILD / "bin/example_ship", self.url, *files, "2", code=1)
+            self.assertEqual(said, "ship: cannot write /dev/full\n")
+
     def test_a_fleet_asks_in_one_batch_and_stays_on_the_water(self):
         said = self.run_example(BUILD / "bin/example_fleet", self.url, "60")
         figures = re.fullmatch(r"1000 floats, 4000 points in one batch: a step takes (\d+) us for the water and (\d+) us "
