@@ -250,8 +250,9 @@ Viewer::Inputs Viewer::inputs() const {
     return {std::move(values), to_toml(choice_.look)};
 }
 
-/// What cannot be shown - a level that a map does not have, a scene that is not told - is said, and the picture stays.
-Result<void> Viewer::draw_view(const SeaFrame& frame, const Sky& sky) {
+/// What cannot be shown - a level that a map does not have, a scene that is not told - is said, and the picture stays: false,
+/// and before the first one there is none.
+Result<bool> Viewer::draw_view(const SeaFrame& frame, const Sky& sky) {
     DebugChoice debug = choice_.debug;
     debug.cascade = std::min(debug.cascade, static_cast<int>(frame.cascades.size()) - 1);
     const std::string untold;
@@ -260,12 +261,12 @@ Result<void> Viewer::draw_view(const SeaFrame& frame, const Sky& sky) {
     const Result<void> fits = check_debug(debug, frame, renderer_->options());
     debug_problem_ = fits ? "" : fits.error().message;
     if (!fits)
-        return {};
+        return false;
     if (is_table(debug)) {
         const Result<Picture> numbers = debug_.numbers(*renderer_, moment, seen_by(), debug);
         debug_problem_ = numbers ? "" : numbers.error().message;
         if (!numbers)
-            return {};
+            return false;
         SEAWAY_TRY(renderer_->develop_there(*numbers, debug_.display(moment, debug, exposure)));
     } else {
         SEAWAY_TRY(renderer_->draw(frame, seen_by(), sky, debug,
@@ -274,7 +275,7 @@ Result<void> Viewer::draw_view(const SeaFrame& frame, const Sky& sky) {
     }
     model_.legend = debug_.legend(moment, debug, drawn_pixels_.x, drawn_pixels_.y);
     model_.legend_pixels = drawn_pixels_;
-    return {};
+    return true;
 }
 
 Result<void> Viewer::draw_sea() {
@@ -287,7 +288,9 @@ Result<void> Viewer::draw_sea() {
     const Sky sky = sky_of_frame(skies_, look, camera(), frame_->time_us);
     SeaFrame frame = *frame_;
     set_water(frame, look);
-    SEAWAY_TRY(draw_view(frame, sky));
+    SEAWAY_TRY_LET(const bool drawn, draw_view(frame, sky));
+    if (!drawn)
+        return {};
     drawn_inputs_ = std::move(wanted);
     ++sea_frames_;
     if (!picture_is_set_) {

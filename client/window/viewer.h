@@ -80,7 +80,7 @@ class Viewer {
     /// The camera, of the size that is drawn.
     Camera seen_by() const;
     Result<void> draw_sea();
-    Result<void> draw_view(const SeaFrame& frame, const Sky& sky);
+    Result<bool> draw_view(const SeaFrame& frame, const Sky& sky);
     void measure();
     void fill_model();
     Result<void> show(const glm::ivec2& pixels);

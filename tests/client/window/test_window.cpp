@@ -99,6 +99,25 @@ TEST_F(WindowTest, where_dots_are_half_as_large_window_and_panels_are_twice_as_m
     ASSERT_TRUE(tests::set_dots_an_inch(display_->name(), 96));
 }
 
+// Naive: the picture that nobody drew is put behind the panels.
+TEST_F(WindowTest, a_level_that_no_map_has_is_said_and_nothing_is_shown) {
+    ViewOptions asked = options();
+    const Result<DebugChoice> level = parse_debug_view("map_slope:mip=10");
+    ASSERT_TRUE(level) << level.error().message;
+    asked.debug = *level;
+    Result<std::unique_ptr<Viewer>> made =
+        Viewer::open(asked, Viewer::streamed({.url = asked.url}, asked.limits), true);
+    ASSERT_TRUE(made) << made.error().message;
+    viewer_ = std::move(*made);
+    const auto is_said = [&] {
+        return viewer_->model().notice.find("mip 10: this map") != std::string::npos;
+    };
+    ASSERT_TRUE(step_until(is_said)) << text();
+    step();
+    EXPECT_TRUE(is_said());
+    EXPECT_EQ(viewer_->sea_frames(), 0u);
+}
+
 TEST_F(WindowTest, a_click_on_a_panel_is_no_click_on_the_sea) {
     open(options());
     const Panels::Box& at = viewer_->panels().places().at("exposure");
