@@ -203,6 +203,9 @@ TEST(Model, a_scene_without_a_spectrum_and_one_that_cannot_be_read_say_so) {
     const Curve broken = spectrum_curve("[sea]\nnonsense = 1\n");
     EXPECT_TRUE(broken.values.empty());
     EXPECT_THAT(broken.caption, HasSubstr("nonsense"));
+    const Curve names_a_file = // a server's scene opens no file of whoever looks at it
+        spectrum_curve("[sea]\n[[sea.system]]\ntype = \"measured\"\nfile = \"/etc/hostname\"\n");
+    EXPECT_THAT(names_a_file.caption, HasSubstr("may name no file"));
 }
 
 TEST(NoDisplay, the_message_names_the_variable_that_is_wrong) {
