@@ -19,7 +19,7 @@ using sea::Field;
 using sea::FieldSet;
 
 constexpr double tile_m = 100;
-constexpr FieldSet three_fields{Field::height, Field::displacement_x, Field::height_rate};
+constexpr FieldSet compact_fields{Field::height, Field::displacement_x, Field::height_rate};
 
 struct CompactPart {
     protocol::TileHeader header;
@@ -50,7 +50,7 @@ CompactPart wave_part(Field field, int size, double phase) {
 
 TEST(TileAssembly, compact_maps_are_brought_to_the_cascades_own_grid) {
     const protocol::CascadeInfo cascade{.length_m = tile_m, .size = 64};
-    const FieldSet fields = three_fields | FieldSet{Field::foam};
+    const FieldSet fields = compact_fields | FieldSet{Field::foam};
     TileAssembly assembly;
     HeldKeyframePtr complete;
     for (const Field field : fields) {
@@ -87,7 +87,7 @@ TEST(TileAssembly, displacements_that_follow_from_heights_are_made_for_who_waits
     const protocol::CascadeInfo cascade{.length_m = tile_m, .size = 64};
     const FieldSet sent{Field::height, Field::height_rate};
     constexpr double pi = 3.14159265358979;
-    for (const FieldSet wanted : {sea::surface_fields, three_fields, sent})
+    for (const FieldSet wanted : {sea::surface_fields, compact_fields, sent})
         for (const bool by_request : {false, true}) {
             TileAssembly assembly;
             HeldKeyframePtr complete;
@@ -155,7 +155,7 @@ TEST(TileAssembly, grids_that_no_compact_map_may_have_are_errors) {
         TileAssembly assembly;
         for (const CompactPart& part : parts) {
             const auto added = assembly.add(
-                part.header, part.payload, {.length_m = tile_m, .size = size}, 0, three_fields, {});
+                part.header, part.payload, {.length_m = tile_m, .size = size}, 0, compact_fields, {});
             if (!added)
                 return added.error().message;
         }

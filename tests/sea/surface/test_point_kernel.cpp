@@ -116,7 +116,7 @@ bool same_bits(const Answer& a, const Answer& b) {
     return all;
 }
 
-class PointKernelOf : public testing::TestWithParam<const char*> {};
+class PointKernelOf : public ::testing::TestWithParam<const char*> {};
 
 // Newton ends within the tolerance either way, so two answers differ by what two residuals may leave of a height, which
 // both say in error_m, and by single precision: sums of some ten terms of a few metres, 5e-6 m. A kernel that stops
@@ -379,7 +379,7 @@ TEST(MixedMaps, threads_with_times_of_their_own_answer_as_one_alone) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Seas, PointKernelOf,
-                         testing::Values("calm", "north_sea_gale", "hurricane", "young"),
+                         ::testing::Values("calm", "north_sea_gale", "hurricane", "young"),
                          [](const auto& sea) { return std::string(sea.param); });
 
 TEST(PointKernel, what_is_no_number_harms_no_neighbour) {
