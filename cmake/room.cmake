@@ -41,7 +41,7 @@ endfunction()
 # Tests read their data below SEAWAY_SOURCE_DIR and find programs in SEAWAY_BIN_DIR. DRIVER: a Vulkan
 # driver is loaded, here or in a program that is started. What is tested is optimised in its own
 # library; the tests around it compile a sixth faster at -O1 (docs/decisions/0023). The time limit ends what hangs; a busy machine stays far below it.
-# `dev` runs four at a time, since many wait for most of their time: BOTH_CORES says that this one computes throughout,
+# `dev` runs three at a time, since many wait for most of their time: BOTH_CORES says that this one computes throughout,
 # with threads of its own, and counts for two. LONG: it begins first, so that nothing waits for it alone at the end.
 function(seaway_test name)
   cmake_parse_arguments(T "DRIVER;BOTH_CORES;LONG" "TIMEOUT" "SOURCES;LINKS" ${ARGN})

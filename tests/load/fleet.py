@@ -220,6 +220,7 @@ class Comparison:
                                "--points", "-", "--format", "csv"],
                               input=text, capture_output=True, text=True, check=False)
         if said.returncode != 0:
+            self.why_not = f"exit code {said.returncode}: {said.stderr.strip()}"
             return None
         return list(csv.DictReader(io.StringIO(said.stdout)))
 
@@ -253,6 +254,8 @@ class Comparison:
             for first in range(0, len(watcher.rows), 500):
                 rows = watcher.rows[first:first + 500]
                 truth = self.ask("a", [(row["x_m"], row["y_m"], row["t_s"]) for row in rows])
+                if truth is None:
+                    sys.exit(f"server a does not say what was true of what was sampled: {self.why_not}")
                 for row, true in zip(rows, truth):
                     sampled += 1
                     if (int(row["flags"]) | int(true["flags"])) & 5:

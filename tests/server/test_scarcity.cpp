@@ -98,6 +98,9 @@ TEST_F(Scarcity, without_memory_requests_are_refused_and_the_process_goes_on) {
                 protocol::fetch(17, times, {.fields = sea::FieldSet::from_bits(0x1fff)}));
             (void)client->send(
                 protocol::subscribe(18, {.fields = sea::FieldSet::from_bits(0x1fff)}, 8));
+            // Each is encoded anew, for which zstd asks the system for some megabytes by itself.
+            (void)client->send(protocol::subscribe_spectrum(
+                19, {.error_m = 0.02f * static_cast<float>(i + 1), .slope_error = 0.05f}));
             crowd.push_back(std::move(client));
         }
         std::this_thread::sleep_for(std::chrono::milliseconds(500)); // of work under the limit

@@ -154,8 +154,9 @@ TEST(TileAssembly, grids_that_no_compact_map_may_have_are_errors) {
     const auto why_not = [](const std::vector<CompactPart>& parts, int size) {
         TileAssembly assembly;
         for (const CompactPart& part : parts) {
-            const auto added = assembly.add(
-                part.header, part.payload, {.length_m = tile_m, .size = size}, 0, compact_fields, {});
+            const auto added =
+                assembly.add(part.header, part.payload, {.length_m = tile_m, .size = size}, 0,
+                             compact_fields, {});
             if (!added)
                 return added.error().message;
         }

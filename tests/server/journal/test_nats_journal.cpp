@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "server/journal/sea_clock.h"
 #include "server/journal/shared_journal.h"
 #include "tests/server/journal/journals.h"
 #include "tests/support/fault_proxy.h"
