@@ -54,7 +54,7 @@ def requested(scene, frequencies_hz):
 
 
 def height_of(frequencies_hz, density):
-    return 4 * numpy.sqrt(numpy.trapz(density, frequencies_hz))
+    return 4 * numpy.sqrt(((density[1:] + density[:-1]) / 2 * numpy.diff(frequencies_hz)).sum())
 
 
 def draw(path, frequencies_hz, measured, wanted):

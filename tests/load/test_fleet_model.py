@@ -86,7 +86,7 @@ class AnEngine(unittest.TestCase):
 
     def test_knows_how_long_the_words_of_servers_are(self):
         code = (fleet_model.SOURCE / "server/journal/peer_clocks.cpp").read_text()
-        head, line = re.search(r'format\("(.*?)\\n", magic', code)[1], re.search(r'format\("(.*?)\\n", name, peer', code)[1]
+        head, line = re.search(r'format\("(.*?)\\n", clock_magic', code)[1], re.search(r'format\("(.*?)\\n", name, peer', code)[1]
         magic = re.search(r'magic = "(.*?)"', code)[1]
         name, time, held = "0123456789abcdef", "1" * 12, "1" * 6
         for servers in (1, 4, 9, 10, 255):

@@ -51,7 +51,8 @@ Watched watched(Client& client, double until_s) {
             const double dt_s = sea::seconds_from_us(point.time_us - seen.points.back().time_us);
             const double speed_mps =
                 std::abs(now.velocity_mps[2]) + std::abs(last.velocity_mps[2]) + 0.5;
-            if (dt_s < 0.1) {
+            // Without the keyframe that is due, which a busy machine may owe, it says so and may be off.
+            if (dt_s < 0.1 && !((now.flags | last.flags) & sea::answer_extrapolated)) {
                 EXPECT_LT(std::abs(now.height_m - last.height_m), 0.02 + speed_mps * dt_s)
                     << point.time_us;
             }
@@ -105,8 +106,9 @@ TEST(Changes, a_client_that_samples_sees_a_storm_come_without_a_jump_and_right_t
     const auto fetched = late->fetch_and_sample(past, 20);
     ASSERT_TRUE(fetched) << fetched.error().message;
     for (std::size_t i = 0; i < past.size(); ++i)
-        EXPECT_NEAR((*fetched)[i].height_m, sampled[i].height_m,
-                    (*fetched)[i].error_m + sampled[i].error_m);
+        if (!(sampled[i].flags & sea::answer_extrapolated))
+            EXPECT_NEAR((*fetched)[i].height_m, sampled[i].height_m,
+                        (*fetched)[i].error_m + sampled[i].error_m);
 }
 
 /// The client's own answers are the exact ones of the server, and never those of keyframes. All waves are there: of
