@@ -48,6 +48,10 @@ Result<std::unique_ptr<GlfwWindow>> GlfwWindow::open(const std::string& title, i
         return Error{no_display_message(std::getenv("DISPLAY"), std::getenv("WAYLAND_DISPLAY"),
                                         last_reason())};
     };
+#ifdef GLFW_PLATFORM_X11 // GLFW 3.4 looks for Wayland first, whose library complains by itself where there is none
+    if (std::getenv("WAYLAND_DISPLAY") == nullptr)
+        glfwInitHint(GLFW_PLATFORM, GLFW_PLATFORM_X11);
+#endif
     if (!glfwInit())
         return none();
     std::unique_ptr<GlfwWindow> made(new GlfwWindow); // from here on ends GLFW
