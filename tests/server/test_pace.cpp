@@ -60,13 +60,17 @@ TEST(
                   std::string::npos);
         std::vector<sea::QueryPoint> points;
         std::vector<sea::Answer> sampled;
-        for (int i = 0; i < 50; ++i, sleep_s(0.02)) {
-            points.push_back({3.0 + i, 4.0, client->now_us()});
-            const auto answer = client->sample(std::span(points).last(1));
+        // A second's; on a busy machine there are some between for which the keyframe has not come yet, and which say so.
+        for (int tries = 0; tries < 1500 && points.size() < 50; ++tries, sleep_s(0.02)) {
+            const sea::QueryPoint point{3.0 + tries, 4.0, client->now_us()};
+            const auto answer = client->sample({&point, 1});
             ASSERT_TRUE(answer) << answer.error().message;
+            if (answer->front().flags & sea::answer_extrapolated)
+                continue;
+            points.push_back(point);
             sampled.push_back(answer->front());
-            EXPECT_FALSE(answer->front().flags & sea::answer_extrapolated) << rate << ' ' << i;
         }
+        EXPECT_EQ(points.size(), 50u) << rate;
         const auto exact = client->ask(points, {.exact = true, .timeout_s = 60});
         ASSERT_TRUE(exact) << exact.error().message;
         for (std::size_t i = 0; i < points.size(); ++i)
