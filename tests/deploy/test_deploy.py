@@ -61,7 +61,7 @@ class Deploy(unittest.TestCase):
 
     def test_haproxy_has_room_for_the_sessions_of_the_servers_and_so_it_has_with_what_larger_ones_are_told(self):
         said = run(SERVER, "--help").stdout
-        shipped = [int(re.search(rf"--{name}-max COUNT:INT in \[.*?\]=(\d+)", said)[1]) for name in ("sessions", "connections")]
+        shipped = [int(re.search(rf"--{name}-max COUNT:INT in \[.*?\](?:=| \[)(\d+)", said)[1]) for name in ("sessions", "connections")]
         text = (FLEET / "fleet.toml").read_text()
         larger = [int(re.search(rf"\n# {name}-max = (\d+)\n", text)[1]) for name in ("sessions", "connections")]
         for name in ("haproxy.cfg", "haproxy-passthrough.cfg", "compose-haproxy.cfg"):
