@@ -121,13 +121,14 @@ TEST(MessageLimits, each_number_of_each_cascade_has_its_own_range) {
     range("k_lo_radpm", &CascadeInfo::k_lo_radpm, 0, 1e9);
     range("k_hi_radpm", &CascadeInfo::k_hi_radpm, 0, 1e9);
     for (const auto& [size, fine] : {std::pair(1, true), {2048, true}, {0, false}, {2049, false}}) {
-        const std::string why = with([&](SeaStateValues& state) { state.cascades[1].size = size; });
+        const std::string why =
+            with([size = size](SeaStateValues& state) { state.cascades[1].size = size; });
         expect_either(why, fine, "size");
     }
     for (const auto& [interval_us, fine] :
          {std::pair(1ll, true), {3'600'000'000, true}, {0, false}, {3'600'000'001, false}}) {
         const std::string why =
-            with([&](SeaStateValues& state) { state.cascades[1].interval_us = interval_us; });
+            with([us = interval_us](SeaStateValues& state) { state.cascades[1].interval_us = us; });
         expect_either(why, fine, "interval_us");
     }
     const auto loss = [&](const std::string& name, sea::MapLoss sea::CascadeLoss::*map,

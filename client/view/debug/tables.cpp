@@ -126,7 +126,8 @@ Result<FlatTable> DebugTables::spectrum(const DebugChoice& choice, const DebugMo
     if (choice.view == DebugView::h) // both ways of travel: colours stay as time goes on
         table.largest *= 2;
     table = without_rim(table);
-    const double edge_radpm = table.columns / 2 * modes.spec.wavenumber_step_radpm();
+    const int steps = table.columns / 2; // to the edge, whole ones
+    const double edge_radpm = steps * modes.spec.wavenumber_step_radpm();
     table.across = fmt::format("kx to {:.3g} rad/m east", edge_radpm);
     table.up = fmt::format("ky to {:.3g} rad/m north", edge_radpm);
     return table;

@@ -29,9 +29,10 @@ struct CompactPart {
 /// One wave, which 9 points a side hold.
 std::vector<float> wave_map(int size, double phase) {
     std::vector<float> map;
-    for (int i = 0; i < size * size; ++i)
-        map.push_back(static_cast<float>(
-            std::cos(2.0 * 3.14159265358979 * (3 * (i % size) - 2 * (i / size)) / size + phase)));
+    for (int y = 0; y < size; ++y)
+        for (int x = 0; x < size; ++x)
+            map.push_back(static_cast<float>(
+                std::cos(2.0 * 3.14159265358979 * (3 * x - 2 * y) / size + phase)));
     return map;
 }
 
