@@ -38,7 +38,7 @@ std::optional<double> as_number(const toml::node& node) {
 /// What is written here is read by functions that call themselves a level, and ended so: a text of 24 KB could have
 /// more levels than a thread has stack. toml++ bounds brackets (256) and no dotted key.
 constexpr int brackets_max = 32;
-constexpr int key_dots_max = 7;
+constexpr int key_parts_max = 8;
 
 /// Walks a TOML text as far as comments, strings, brackets and dots go.
 class Lexer {
@@ -61,11 +61,15 @@ class Lexer {
                     line_, fmt::format("byte 0x{:02x} is not allowed here; outside of strings and "
                                        "comments there is printable ASCII alone",
                                        static_cast<unsigned char>(c)));
-            } else if (const char* deep = too_deep(c)) {
-                return std::pair(line_, deep);
             } else {
+                note(c);
                 take(1);
             }
+            if (brackets_ > brackets_max)
+                return std::pair(
+                    line_, fmt::format("more than {} brackets within each other", brackets_max));
+            if (dots_ >= key_parts_max)
+                return std::pair(line_, fmt::format("a key of more than {} parts", key_parts_max));
         }
         return std::nullopt;
     }
@@ -77,14 +81,15 @@ class Lexer {
         return byte >= 0x7F || (byte < 0x20 && c != '\t' && c != '\n' && c != '\r');
     }
     /// A key ends where its value, the next one or the next line begins; numbers have a dot at most.
-    const char* too_deep(char c) {
-        brackets_ += c == '[' || c == '{' ? 1 : c == ']' || c == '}' ? -1 : 0;
-        dots_ = c == '.'                                                         ? dots_ + 1
-                : std::string_view("=,[]{}\n").find(c) != std::string_view::npos ? 0
-                                                                                 : dots_;
-        return brackets_ > brackets_max ? "more than 32 brackets within each other"
-               : dots_ > key_dots_max   ? "a key of more than 8 parts"
-                                        : nullptr;
+    void note(char c) {
+        if (c == '[' || c == '{')
+            ++brackets_;
+        else if (c == ']' || c == '}')
+            --brackets_;
+        if (c == '.')
+            ++dots_;
+        else if (std::string_view("=,[]{}\n").find(c) != std::string_view::npos)
+            dots_ = 0;
     }
     void take(std::size_t count) {
         count = std::min(count, text_.size());

@@ -6,10 +6,6 @@ set(CMAKE_CXX_EXTENSIONS OFF)
 # Line tables are enough for stack traces and build far faster than full debug information.
 set(CMAKE_CXX_FLAGS_RELWITHDEBINFO "-O2 -g1")
 set(CMAKE_CXX_FLAGS_RELEASE "-O2")
-# Instrumented code takes clang twice as long at -O2, and runs little faster.
-if(SEAWAY_FUZZ)
-  set(CMAKE_CXX_FLAGS_RELWITHDEBINFO "-O1 -g1")
-endif()
 if(PROJECT_IS_TOP_LEVEL)
   set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
   if(NOT CMAKE_BUILD_TYPE)

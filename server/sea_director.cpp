@@ -172,8 +172,7 @@ Result<sea::Scene> SeaDirector::wished(const SeaWish& wish, TimeUs from_us) cons
     const sea::Scene running = course_->scene_at(from_us);
     if (wish.scene.empty())
         return sea::changed(running, wish.set);
-    SEAWAY_TRY_LET(sea::Scene scene, sea::parse_scene(wish.scene, "the scene that was sent",
-                                                      std::string(sea::no_files)));
+    SEAWAY_TRY_LET(sea::Scene scene, sea::parse_scene(wish.scene, "the scene that was sent"));
     scene.source = running.source;
     return scene;
 }

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/world_reports.h"
-#include "server/process_metrics.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +10,7 @@
 
 #include "protocol/limits.h"
 #include "sea/waves/probes.h"
+#include "server/process_metrics.h"
 
 namespace seaway::server {
 

@@ -94,8 +94,7 @@ Result<void> agrees(const protocol::SeaStateValues& state, const RebuiltSea& sea
 Result<RebuiltSeaPtr> rebuild_from_scene(const protocol::SeaStateValues& state) {
     if (state.scene.empty())
         return failed(Failure::not_held, "the server sent no scene to rebuild its sea from");
-    const Result<sea::Scene> scene =
-        sea::parse_scene(state.scene, "the server's scene", std::string(sea::no_files));
+    const Result<sea::Scene> scene = sea::parse_scene(state.scene, "the server's scene");
     if (!scene)
         return failed(Failure::not_held, scene.error().message);
     Result<sea::Realization> waves = sea::realize(*scene);

@@ -14,8 +14,7 @@ namespace seaway::client {
 Curve spectrum_curve(const std::string& scene_toml) {
     constexpr int points = 200;
     Curve curve;
-    const Result<sea::Scene> scene =
-        sea::parse_scene(scene_toml, "the server's scene", std::string(sea::no_files));
+    const Result<sea::Scene> scene = sea::parse_scene(scene_toml, "the server's scene");
     if (!scene) {
         curve.caption = scene.error().message;
         return curve;

@@ -21,7 +21,7 @@
 namespace seaway::sea {
 
 /// Times a pace, which 64 bits do not hold.
-__extension__ using Wide = __int128;
+__extension__ using WideUs = __int128;
 
 /// In thousandths, whole numbers: what passes is exact wherever it is computed.
 inline constexpr int pace_unit = 1000;
@@ -35,8 +35,8 @@ struct Pace {
 
     /// Of moments from from_us on; rounded down. A sea that has come to the end of all times stands.
     TimeUs sea_time(TimeUs elapsed_us) const {
-        const Wide ran_us = (Wide{elapsed_us} - from_us) * permille / pace_unit;
-        return static_cast<TimeUs>(std::clamp<Wide>(sea_us + ran_us, -time_us_max, time_us_max));
+        const WideUs ran_us = (WideUs{elapsed_us} - from_us) * permille / pace_unit;
+        return static_cast<TimeUs>(std::clamp<WideUs>(sea_us + ran_us, -time_us_max, time_us_max));
     }
     bool operator==(const Pace&) const = default;
 };
@@ -107,15 +107,15 @@ inline std::optional<TimeUs> Paces::moment_of(TimeUs sea_us, TimeUs elapsed_us) 
     for (std::size_t next = 0;; ++next) {
         while (next < paces_.size() && paces_[next].from_us <= elapsed_us)
             ++next;
-        const Wide missing_us = Wide{sea_us} - pace.sea_time(elapsed_us);
+        const WideUs missing_us = WideUs{sea_us} - pace.sea_time(elapsed_us);
         if (missing_us <= 0)
             return elapsed_us;
         const bool last = next >= paces_.size();
         // About, and then to the microsecond: sea_time() rounds down.
-        const Wide about_us =
+        const WideUs about_us =
             pace.permille > 0
                 ? elapsed_us + (missing_us * pace_unit + pace.permille - 1) / pace.permille
-                : Wide{time_us_max} + 1;
+                : WideUs{time_us_max} + 1;
         if (about_us <= time_us_max) {
             auto reached_us = static_cast<TimeUs>(about_us);
             while (pace.sea_time(reached_us) < sea_us)

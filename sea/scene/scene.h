@@ -85,9 +85,10 @@ Result<Scene> read_scene(const std::string& path);
 /// The `base_dir` of a text that came from somebody else, as to_toml() wrote it: it may name no file of a system.
 inline constexpr std::string_view no_files = "/dev/null/";
 
-/// `name` is quoted in errors; `base_dir` is where files that the text names are looked for.
+/// `name` is quoted in errors; `base_dir` is where files that the text names are looked for. Who does not say where gets a text
+/// that may name none.
 Result<Scene> parse_scene(std::string_view text, const std::string& name,
-                          const std::string& base_dir);
+                          const std::string& base_dir = std::string(no_files));
 
 /// The effective scene as TOML, every value written out; parsing it gives the same sea, bit for
 /// bit.

@@ -156,9 +156,8 @@ struct SEAWAY_STD140_ELEMENT SkyValues {
     float unused_4;
     vec3 cloud_shaded; ///< source of that air's light elsewhere, kcd/m2
     float unused_5;
-    vec2
-        cloud_origin; ///< of the eye in the noise, periods, modulo what all of its scales repeat after
-    vec2 cloud_per_m; ///< periods a metre
+    vec2 cloud_origin; ///< of the eye in the noise, periods, modulo what all scales repeat after
+    vec2 cloud_per_m;  ///< periods a metre
 };
 
 /// Water by its optical type: client/view/water_optics.h.

@@ -114,7 +114,8 @@ Result<void> write_pixels(const std::string& path, const ExrMap& map) {
     // The library says nothing of what it writes last.
     file.close();
     if (!file)
-        return Error{fmt::format("{}: {}", path, std::strerror(errno))};
+        return Error{
+            fmt::format("{}: {}", path, errno != 0 ? std::strerror(errno) : "it does not fit")};
     return {};
 }
 

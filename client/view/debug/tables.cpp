@@ -99,8 +99,7 @@ Result<FlatTable> DebugTables::spectrum(const DebugChoice& choice, const DebugMo
         return Error{view +
                      "the server does not tell its scene, which amplitudes are realised from"};
     if (!sea_ || scene_ != moment.scene) {
-        const Result<sea::Scene> scene =
-            sea::parse_scene(moment.scene, "the server's scene", std::string(sea::no_files));
+        const Result<sea::Scene> scene = sea::parse_scene(moment.scene, "the server's scene");
         if (!scene)
             return Error{view + scene.error().message};
         Result<sea::Realization> sea = sea::realize(*scene);

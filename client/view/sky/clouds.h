@@ -32,8 +32,7 @@ struct CloudLayer {
     double height_m = 0;  ///< above the eye; below 0: below it
     double threshold = 2; ///< of the noise
     double optical_depth = 0;
-    glm::dvec2 origin{
-        0.0}; ///< of the eye in the noise, periods of x and of y, 0 .. cloud_wrap_periods
+    glm::dvec2 origin{0.0}; ///< of the eye in the noise, periods, 0 .. cloud_wrap_periods
     glm::dvec2 period_m{1.0};
     double curvature_per_m = 0;
     glm::dvec3 to_light{0, 0, 1};

@@ -2,6 +2,7 @@
 // What a connection makes of a server that is silent, wrong or going away: over a stream without
 // sockets, whose other end is the test.
 #include <deque>
+#include <limits>
 #include <mutex>
 #include <thread>
 
@@ -73,9 +74,11 @@ TEST_F(ConnectionTest, h6_bytes_that_are_no_message_end_it_and_fail_what_is_open
 }
 
 TEST_F(ConnectionTest, h6_values_out_of_range_and_unasked_answers_end_it) {
+    constexpr auto ever = std::numeric_limits<std::int64_t>::max();
     for (const protocol::Bytes& wrong :
          {protocol::query_reply(77, 1, {}), protocol::fetch_done(77, 0, {}),
-          tile(1, sea::Field::height, 9), protocol::welcome(2, "again", 0),
+          tile(1, sea::Field::height, 9), protocol::welcome(2, "again", 0), protocol::pong(1, 0, 7),
+          protocol::pong(1, -ever, 7), protocol::pong(1, ever, 7),
           protocol::tile({.keyframe = 1, .size = 16, .x0 = 8, .width = 16, .height = 16}, {})}) {
         server.open = true;
         server.closed_because.clear();
