@@ -99,7 +99,9 @@ void SeaDirector::look_for_doubt() {
         return;
     const std::string why = now->doubt();
     handed_over_for_doubt_ = handed_over_for_doubt_ && !why.empty();
-    const bool waits = !why.empty() && !handed_over_for_doubt_ && now->journal.peers.peers > 0;
+    // A log that comes back comes back to all, and its doubt goes within a second: nobody is sent from one to another for that.
+    const bool waits = !why.empty() && !handed_over_for_doubt_ && !now->journal.settles &&
+                       now->journal.peers.peers > 0;
     if (!why.empty() && doubt_.empty())
         spdlog::warn("event=sea_stale why=\"{}\"", why);
     if (why.empty() && !doubt_.empty())

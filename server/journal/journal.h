@@ -60,8 +60,9 @@ struct JournalStanding {
     std::int64_t unheard_us = 0;
     /// It holds whatever was made longer ago than spread_us().
     bool current = true;
-    PeersSeen peers;     ///< how far this server's clock is from those of others with the same log
-    std::string trouble; ///< what is wrong, one line; empty: nothing
+    bool settles = false; ///< not current yet, and about to be: who answers is sure again
+    PeersSeen peers;      ///< how far this server's clock is from those of others with the same log
+    std::string trouble;  ///< what is wrong, one line; empty: nothing
 };
 
 class Journal {

@@ -320,6 +320,7 @@ JournalStanding SharedJournal::standing() const {
                                  elapsed_us_ ? clocks_.seen(elapsed_us, elapsed_us) : PeersSeen{},
                              .trouble = trouble_};
     standing.current = standing.unheard_us <= current_us;
+    standing.settles = !standing.current && sure_us_.has_value();
     return standing;
 }
 

@@ -68,7 +68,9 @@ class ForgetfulJournal final : public Journal {
     }
     JournalStanding standing() const override {
         const std::scoped_lock lock(mutex_);
-        return {.last_epoch = static_cast<std::uint32_t>(changes_.size())};
+        JournalStanding standing = standing_;
+        standing.last_epoch = static_cast<std::uint32_t>(changes_.size());
+        return standing;
     }
     std::int64_t spread_us() const override { return 3'000'000; }
     void compare_clocks(std::function<std::int64_t()>) override {}
@@ -78,6 +80,10 @@ class ForgetfulJournal final : public Journal {
         call_ = std::move(call);
     }
 
+    void stand(const JournalStanding& standing) {
+        const std::scoped_lock lock(mutex_);
+        standing_ = standing;
+    }
     void by_another(const SeaChange& change, bool tells = true) {
         std::function<void()> call;
         {
@@ -93,6 +99,7 @@ class ForgetfulJournal final : public Journal {
     const std::string name_ = "nats://nowhere/forgetful";
     mutable std::mutex mutex_;
     std::vector<SeaChange> changes_;
+    JournalStanding standing_;
     std::function<void()> call_;
 };
 
@@ -176,6 +183,24 @@ TEST_F(Director, a_pace_that_held_already_when_it_came_hands_the_sessions_over) 
     EXPECT_EQ(handed_over, 0) << "this one is still to come";
     journal.by_another({.epoch = 3, .scene = {}, .pace = pace_from(-1'000'000, 2000)});
     EXPECT_TRUE(comes_true([&] { return handed_over == 1; }));
+}
+
+// Naive: a log that was away for three seconds sends the sessions of all its servers from one to another when it is back.
+TEST_F(Director,
+       a_doubt_that_is_about_to_pass_sends_nobody_to_others_and_one_that_stays_does_once) {
+    std::atomic<int> handed_over = 0;
+    world.hand_over_by([&handed_over](const std::string&) { ++handed_over; });
+    JournalStanding away{.unheard_us = 3'000'000, .current = false, .settles = true};
+    away.peers.peers = 2;
+    journal.stand(away);
+    ASSERT_TRUE(comes_true([&] { return !following().doubt().empty(); }));
+    std::this_thread::sleep_for(std::chrono::seconds(1)); // several looks of the director's
+    EXPECT_EQ(handed_over, 0);
+    away.settles = false;
+    journal.stand(away);
+    EXPECT_TRUE(comes_true([&] { return handed_over == 1; }));
+    std::this_thread::sleep_for(std::chrono::seconds(1));
+    EXPECT_EQ(handed_over, 1);
 }
 
 TEST_F(Director, what_it_refuses_is_counted_by_reason) {

@@ -103,6 +103,7 @@ TEST_F(SharedFaults, who_leads_alone_does_not_know_whether_the_log_goes_on_elsew
     first.journal->poll();
     EXPECT_FALSE(first.journal->standing().current);
     EXPECT_EQ(first.journal->standing().unheard_us, SharedJournal::current_us + 1);
+    EXPECT_FALSE(first.journal->standing().settles);
     const Result<void> taken = append(first);
     ASSERT_FALSE(taken);
     EXPECT_TRUE(taken.error().is(JournalError::unreachable)) << taken.error().message;
@@ -114,9 +115,11 @@ TEST_F(SharedFaults, who_leads_alone_does_not_know_whether_the_log_goes_on_elsew
     first.line.unsure_us = 0;
     first.journal->poll();
     EXPECT_FALSE(first.journal->standing().current);
+    EXPECT_TRUE(first.journal->standing().settles);
     now_us += SharedJournal::settles_us;
     first.journal->poll();
     EXPECT_TRUE(first.journal->standing().current);
+    EXPECT_FALSE(first.journal->standing().settles);
 }
 
 TEST_F(SharedFaults, after_a_silence_a_log_has_to_answer_for_a_while_without_a_gap) {
@@ -127,8 +130,10 @@ TEST_F(SharedFaults, after_a_silence_a_log_has_to_answer_for_a_while_without_a_g
         first.journal->poll();
         EXPECT_FALSE(first.journal->standing().current) << i;
         now_us += SharedJournal::settles_us - 1;
+        EXPECT_TRUE(first.journal->standing().settles) << i;
         first.line.cut = true;
         first.journal->poll();
+        EXPECT_FALSE(first.journal->standing().settles) << i;
         first.line.cut = false;
         now_us += 1;
     }
