@@ -12,17 +12,25 @@ function(seaway_source_options options)
 endfunction()
 
 # Eight files are compiled as one, in less than half the time: most of it goes to headers that all of them take.
-# So no two files of a room may give one name, outside functions, to different things.
+# So no two files of a room or program may give one name, outside functions, to different things.
 function(seaway_together target)
   if(SEAWAY_PRECOMPILE)
     set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
   endif()
 endfunction()
 
-# seaway_room(NAME SOURCES a.cpp ... LINKS lib ...): a room's static library, `seaway_NAME`.
+# seaway_room(NAME SOURCES a.cpp ... COLD b.cpp ... LINKS lib ...): a room's static library, `seaway_NAME`. COLD: templates
+# of libraries, mostly, that run once or wait for the system: optimising them wins nothing and takes half of their time.
 function(seaway_room name)
-  cmake_parse_arguments(R "" "" "SOURCES;LINKS" ${ARGN})
+  cmake_parse_arguments(R "" "" "SOURCES;COLD;LINKS" ${ARGN})
   add_library(seaway_${name} STATIC ${R_SOURCES})
+  if(R_COLD)
+    add_library(seaway_${name}_cold OBJECT ${R_COLD})
+    target_link_libraries(seaway_${name}_cold PRIVATE seaway_headers seaway_options ${R_LINKS})
+    target_compile_options(seaway_${name}_cold PRIVATE -O1 -g0)
+    seaway_together(seaway_${name}_cold)
+    target_sources(seaway_${name} PRIVATE $<TARGET_OBJECTS:seaway_${name}_cold>)
+  endif()
   target_link_libraries(seaway_${name} PUBLIC seaway_headers ${R_LINKS} PRIVATE seaway_options)
   seaway_precompiled(seaway_${name} seaway_common_headers)
   seaway_together(seaway_${name})
@@ -34,6 +42,7 @@ function(seaway_program name)
   add_executable(${name} ${P_SOURCES})
   target_link_libraries(${name} PRIVATE seaway_headers seaway_options ${P_LINKS})
   seaway_precompiled(${name} seaway_common_headers)
+  seaway_together(${name})
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
 endfunction()
 

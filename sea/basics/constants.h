@@ -8,6 +8,7 @@
 namespace seaway::sea {
 
 inline constexpr double pi = std::numbers::pi;
+inline constexpr double degrees_per_radian = 180.0 / pi;
 inline constexpr double two_pi = 2.0 * std::numbers::pi;
 
 inline constexpr double gravity_default_mps2 = 9.81;

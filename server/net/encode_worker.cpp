@@ -54,8 +54,7 @@ void EncodeWorker::stop() {
 }
 
 EncoderCounters EncodeWorker::counters() const {
-    const std::lock_guard lock(mutex_);
-    return counters_;
+    return encoder_.counters();
 }
 
 EncodeWorker::Line* EncodeWorker::next_line() {
@@ -85,7 +84,6 @@ void EncodeWorker::run() {
         if (done)
             next = {}; // what it holds is released outside the lock
         lock.lock();
-        counters_ = encoder_.counters();
         try {
             if (!done && !stopping_)
                 line->push_front(std::move(next));

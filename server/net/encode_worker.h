@@ -41,6 +41,7 @@ class EncodeWorker {
     /// Drops what waits and joins the thread. Idempotent; not from a job.
     void stop();
 
+    /// With all that its jobs have been told. Any thread.
     EncoderCounters counters() const;
 
   private:
@@ -63,8 +64,8 @@ class EncodeWorker {
     Line fetched_;
     Line starts_;
     bool starts_turn_ = true;
-    EncoderCounters counters_;
-    Encoder encoder_; ///< of the thread alone, and made before it, where what throws is heard
+    Encoder
+        encoder_; ///< of the thread alone but for its counters, and made before it, where what throws is heard
     std::thread thread_;
 };
 

@@ -13,6 +13,10 @@
 namespace seaway::server {
 namespace {
 
+double seconds_since(std::chrono::steady_clock::time_point start) {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
 const EncodedField* find_field(const EncodedKeyframe* keyframe, sea::Field field, float error) {
     if (keyframe == nullptr)
         return nullptr;
@@ -123,7 +127,7 @@ Result<EncodedKeyframePtr> Encoder::encode(const sea::Keyframe& keyframe,
         const float error = error_of(field);
         if (const EncodedField* map = find_field(known.get(), field, error)) {
             encoded->maps.push_back(*map);
-            counters_.fields_reused += wanted.contains(field) ? 1 : 0;
+            count({.fields_reused = wanted.contains(field) ? 1u : 0u});
         } else if (wanted.contains(field)) {
             SEAWAY_TRY_LET(EncodedField made, encode_field(sent(field), field, error, number,
                                                            compact, step ? &*step : nullptr));
@@ -133,7 +137,7 @@ Result<EncodedKeyframePtr> Encoder::encode(const sea::Keyframe& keyframe,
     }
     if (step) {
         keep_if_smaller(*encoded);
-        counters_.fields_predicted += encoded->base != 0 ? 2 : 0;
+        count({.fields_predicted = encoded->base != 0 ? 2u : 0u});
         keep(std::move(*step), sent(sea::Field::height), *encoded, *compact.law);
     }
     // What was made for a fetch has no place: the stream needs one that has.
@@ -166,8 +170,7 @@ sea::Keyframe Encoder::compacted(const sea::Keyframe& keyframe, sea::FieldSet fi
             : regrids_.emplace(std::pair(keyframe.size, size), sea::Regrid(keyframe.size, size))
                   .first->second;
     regrid.maps(keyframe, fields, compact);
-    counters_.seconds +=
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    count({.seconds = seconds_since(start)});
     return compact;
 }
 
@@ -191,8 +194,7 @@ std::optional<Encoder::Step> Encoder::step_to(const sea::Keyframe& sent, Quality
     const auto start = std::chrono::steady_clock::now();
     predictor_.maps(sent.size, sent.length_m, *compact.law, sent.time_us - base->time_us,
                     base->height, base->rate, step.height.expected, step.rate.expected);
-    counters_.seconds +=
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    count({.seconds = seconds_since(start)});
     return step;
 }
 
@@ -260,12 +262,26 @@ Result<EncodedField> Encoder::encode_field(const sea::Keyframe& keyframe, sea::F
                                       : std::make_shared<const protocol::Bytes>(
                                             protocol::tile(header, forms->difference)));
     }
-    counters_.fields_encoded += 1;
-    counters_.samples += keyframe.plane_size();
-    counters_.bytes += bytes_of(map) + difference_bytes(map);
-    counters_.seconds +=
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    count({.fields_encoded = 1,
+           .samples = keyframe.plane_size(),
+           .bytes = bytes_of(map) + difference_bytes(map),
+           .seconds = seconds_since(start)});
     return map;
+}
+
+void Encoder::count(const EncoderCounters& more) {
+    const std::lock_guard lock(counting_);
+    counters_.fields_encoded += more.fields_encoded;
+    counters_.fields_reused += more.fields_reused;
+    counters_.fields_predicted += more.fields_predicted;
+    counters_.samples += more.samples;
+    counters_.bytes += more.bytes;
+    counters_.seconds += more.seconds;
+}
+
+EncoderCounters Encoder::counters() const {
+    const std::lock_guard lock(counting_);
+    return counters_;
 }
 
 EncodedKeyframePtr Encoder::find(const sea::Keyframe& keyframe, Quality quality) const {

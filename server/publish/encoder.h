@@ -9,13 +9,14 @@
 // keyframe of the same sea, cascade and quality (docs/protocol.md, "Predicted maps"): for whoever was sent that one.
 //
 // Remembers the newest keyframes, as many as there is room for, so that a new subscriber costs no
-// encoding of what has just been streamed. For one thread; what it returns may go to any thread.
+// encoding of what has just been streamed. For one thread, but for counters(); what it returns may go to any thread.
 #pragma once
 
 #include <cstdint>
 #include <deque>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <span>
 #include <utility>
@@ -96,7 +97,8 @@ class Encoder {
                                       sea::FieldSet wanted, const CompactTiles& compact = {},
                                       Room* streamed = nullptr);
 
-    const EncoderCounters& counters() const { return counters_; }
+    /// With all that has been returned. Any thread.
+    EncoderCounters counters() const;
     /// Bytes of all remembered messages.
     std::size_t remembered_bytes() const { return room_->held_bytes(); }
 
@@ -145,6 +147,7 @@ class Encoder {
                                       std::uint64_t number, const CompactTiles& compact,
                                       Step* step);
     void forget_bases(sea::TimeUs before_us);
+    void count(const EncoderCounters& more);
     /// Of 8 cascades of two seas at four qualities.
     static constexpr std::size_t bases_max = 64;
     /// Nothing follows a keyframe that lies so far before what is streamed: its sea is over, or nobody reads it.
@@ -160,6 +163,7 @@ class Encoder {
     sea::Predictor predictor_;
     std::uint64_t next_number_ = 1;
     std::map<std::pair<int, int>, sea::Regrid> regrids_; ///< by sides, from and to
+    mutable std::mutex counting_;                        ///< of what follows
     EncoderCounters counters_;
 };
 

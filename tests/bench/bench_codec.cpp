@@ -26,7 +26,7 @@
 namespace seaway::bench {
 namespace {
 
-constexpr int size = 256;
+constexpr int map_side = 256;
 const sea::FieldSet three_fields{sea::Field::height, sea::Field::displacement_x,
                                  sea::Field::displacement_y};
 
@@ -69,15 +69,16 @@ std::vector<Tile> tiles() {
         const sea::Realization sea = sea_of(wind_mps);
         for (std::size_t c = 0; c < sea.cascades.size(); ++c) {
             auto cascade = *sea::NativeTransform::create(sea.cascades[c], sea.choppiness);
-            std::vector<float> planes(std::size_t{3} * size * size);
+            std::vector<float> planes(std::size_t{3} * map_side * map_side);
             const sea::NativeTask task{&cascade, 12'345'678, three_fields, planes};
             sea::NativeRunner(1).run({&task, 1});
             for (std::size_t f = 0; f < 3; ++f)
                 all.push_back(
                     {wind_mps,
                      c,
-                     {planes.begin() + static_cast<std::ptrdiff_t>(f * size * size),
-                      planes.begin() + static_cast<std::ptrdiff_t>((f + 1) * size * size)}});
+                     {planes.begin() + static_cast<std::ptrdiff_t>(f * map_side * map_side),
+                      planes.begin() +
+                          static_cast<std::ptrdiff_t>((f + 1) * map_side * map_side)}});
         }
     }
     return all;
@@ -95,15 +96,15 @@ struct Tally {
 
 void code(const Codec& codec, const Tile& tile, float error_m, bool first, Tally& tally) {
     const double start = cpu_milliseconds();
-    const std::vector<std::uint8_t> bytes = codec.encode(tile.map, size, error_m);
+    const std::vector<std::uint8_t> bytes = codec.encode(tile.map, map_side, error_m);
     const double between = cpu_milliseconds();
-    const std::vector<float> back = codec.decode(bytes, size, error_m);
+    const std::vector<float> back = codec.decode(bytes, map_side, error_m);
     tally.decode_ms.push_back(cpu_milliseconds() - between);
     tally.encode_ms.push_back(between - start);
     if (!first)
         return;
     tally.bits[{tile.wind_mps, tile.cascade}] +=
-        8.0 * static_cast<double>(bytes.size()) / (size * size) / 3;
+        8.0 * static_cast<double>(bytes.size()) / (map_side * map_side) / 3;
     for (std::size_t i = 0; i < back.size(); ++i)
         tally.largest_error_m =
             std::max(tally.largest_error_m, std::abs(static_cast<double>(back[i]) - tile.map[i]));
@@ -128,7 +129,7 @@ void print(const Codec& codec, const Tally& tally) {
     for (const auto& [key, bits] : tally.bits)
         line += fmt::format(",{:.2f}", bits);
     const auto mb_a_s = [](const std::vector<double>& ms) {
-        return size * size * sizeof(float) * 1e-3 / median(ms);
+        return map_side * map_side * sizeof(float) * 1e-3 / median(ms);
     };
     const Bits bits = bits_of(tally);
     fmt::print("{},{:.2f},{:.2f},{:.0f},{:.0f},{:.4f}\n", line, bits.mean, bits.worst,

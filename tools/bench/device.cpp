@@ -31,12 +31,8 @@ namespace {
 
 using sea::Field;
 using sea::FieldSet;
-using Clock = std::chrono::steady_clock;
 
 constexpr sea::TimeUs begin_us = 100'000'000;
-double seconds_since(Clock::time_point start) {
-    return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 struct Row {
     std::string what, fields;
@@ -106,7 +102,7 @@ struct Measured {
         }
         ++ticks;
         const server::SynthesisCounters before = device->counters();
-        const auto start = Clock::now();
+        const auto start = std::chrono::steady_clock::now();
         SEAWAY_TRY(foam.synthesize(*device, requests));
         if (counts) {
             const server::SynthesisCounters spent = device->counters() - before;
@@ -250,7 +246,7 @@ Result<Row> measure_encode(const DeviceOptions& options, server::Synthesizer& de
         sea::codec_bounds(sea->budget, fields, 0, sea->budget.codec_error_m);
     std::vector<double> seconds;
     for (int i = 0; i <= options.rounds; ++i) {
-        const auto start = Clock::now();
+        const auto start = std::chrono::steady_clock::now();
         std::size_t f = 0;
         for (const Field field : fields)
             SEAWAY_TRY(protocol::encode_tile(std::as_const(*made[0]).plane(field), {size, size},
@@ -275,7 +271,7 @@ Result<Row> measure_start(const DeviceOptions& options, int size, bool cold) {
         else
             unsetenv(variable);
     }
-    const auto start = Clock::now();
+    const auto start = std::chrono::steady_clock::now();
     SEAWAY_TRY_LET(const auto made, server::make_synthesizer(options.device));
     SEAWAY_TRY(made->set_sea(sea->realization, 1));
     return Row{"start", cold ? "cold" : "warm", size, 0, seconds_since(start), 0};

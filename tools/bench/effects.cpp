@@ -24,7 +24,7 @@ namespace {
 constexpr sea::TimeUs lap_us = 2'000'000;
 
 /// One row of the table: for one second of sea.
-struct Row {
+struct EffectCost {
     std::string what;
     std::string name;
     std::string cascade;
@@ -90,8 +90,8 @@ std::string name_of_cascade(const server::RunningSea& sea, std::size_t c) {
 }
 
 /// Everything that there is, and each effect of each cascade alone and left out.
-Result<std::vector<Row>> measure_everything(const RunningSeaPtr& sea, server::Synthesizer& device,
-                                            int rounds) {
+Result<std::vector<EffectCost>> measure_everything(const RunningSeaPtr& sea,
+                                                   server::Synthesizer& device, int rounds) {
     SEAWAY_TRY(device.set_sea(sea->realization, 1));
     SEAWAY_TRY_LET(server::FoamMaps foam, foam_at_start(sea, device));
     Laps laps(sea, device, std::move(foam));
@@ -112,7 +112,7 @@ Result<std::vector<Row>> measure_everything(const RunningSeaPtr& sea, server::Sy
         }
     }
     SEAWAY_TRY(laps.run(rounds));
-    std::vector<Row> rows{{"everything", "", "", laps.a_second(everything), {}}};
+    std::vector<EffectCost> rows{{"everything", "", "", laps.a_second(everything), {}}};
     rows[0].marginal = rows[0].alone;
     for (std::size_t c = 0; c < cascades; ++c) {
         const std::string cascade = name_of_cascade(*sea, c);
@@ -127,8 +127,8 @@ Result<std::vector<Row>> measure_everything(const RunningSeaPtr& sea, server::Sy
     return rows;
 }
 
-Result<Row> measure_asked(const RunningSeaPtr& sea, server::Synthesizer& device,
-                          const EffectsOptions& options) {
+Result<EffectCost> measure_asked(const RunningSeaPtr& sea, server::Synthesizer& device,
+                                 const EffectsOptions& options) {
     SEAWAY_TRY_LET(const sea::FieldSet fields, fields_asked(options.ask, sea->offered));
     SEAWAY_TRY(device.set_sea(sea->realization, 1));
     SEAWAY_TRY_LET(server::FoamMaps foam, foam_at_start(sea, device));
@@ -140,10 +140,10 @@ Result<Row> measure_asked(const RunningSeaPtr& sea, server::Synthesizer& device,
         if (!server::fields_of(effect, fields).empty())
             names.push_back(effect.name);
     const Spent spent = laps.a_second(0);
-    return Row{"asked", fmt::format("{}", fmt::join(names, " ")), "", spent, spent};
+    return EffectCost{"asked", fmt::format("{}", fmt::join(names, " ")), "", spent, spent};
 }
 
-std::string csv_row(const Row& row) {
+std::string csv_row(const EffectCost& row) {
     std::string text = fmt::format("{},{},{}", row.what, row.name, row.cascade);
     for (const Spent& s : {row.alone, row.marginal})
         text += fmt::format(",{:.4g},{:.4g},{:.4g},{:.4g},{:.4g}", s.keyframes, s.transforms,
@@ -152,7 +152,7 @@ std::string csv_row(const Row& row) {
 }
 
 Result<void> write_csv(const std::string& path, const EffectsOptions& options,
-                       const std::string& device, const std::vector<Row>& rows) {
+                       const std::string& device, const std::vector<EffectCost>& rows) {
     std::ofstream file(path);
     file << fmt::format("# seaway-bench effects --scene {} on {}; {}; commit {}\n"
                         "# of one second of sea: alone, and on top of the rest\n"
@@ -162,18 +162,18 @@ Result<void> write_csv(const std::string& path, const EffectsOptions& options,
         file << fmt::format(",{0}keyframes,{0}transforms,{0}maps_ms,{0}stream_ms,{0}kilobytes",
                             prefix);
     file << "\n";
-    for (const Row& row : rows)
+    for (const EffectCost& row : rows)
         file << csv_row(row);
     if (!file.flush())
         return Error{"cannot write " + path};
     return {};
 }
 
-void print_table(const std::string& device, const std::vector<Row>& rows) {
+void print_table(const std::string& device, const std::vector<EffectCost>& rows) {
     fmt::print("{}\nfor one second of sea, CPU time; on top of the rest:\n\n{:<10} {:<10} {:<14} "
                "{:>11} {:>9} {:>10} {:>10}\n",
                device, "", "", "", "transforms", "maps ms", "stream ms", "kB");
-    for (const Row& row : rows)
+    for (const EffectCost& row : rows)
         fmt::print("{:<10} {:<10} {:<14} {:>11.1f} {:>9.3f} {:>10.3f} {:>10.1f}\n", row.what,
                    row.what == "asked" ? "" : row.name, row.cascade, row.marginal.transforms,
                    1e3 * row.marginal.maps_s, 1e3 * row.marginal.stream_s,
@@ -211,8 +211,9 @@ Result<void> run_effects(const EffectsOptions& options) {
     all_effects.effects = {.choppy = true, .slopes = true, .foam = true};
     SEAWAY_TRY_LET(const RunningSeaPtr whole, server::make_running_sea(all_effects, 1));
     SEAWAY_TRY_LET(const auto device, server::make_synthesizer(options.device));
-    SEAWAY_TRY_LET(std::vector<Row> rows, measure_everything(whole, *device, options.rounds));
-    SEAWAY_TRY_LET(const Row asked, measure_asked(as_written, *device, options));
+    SEAWAY_TRY_LET(std::vector<EffectCost> rows,
+                   measure_everything(whole, *device, options.rounds));
+    SEAWAY_TRY_LET(const EffectCost asked, measure_asked(as_written, *device, options));
     rows.insert(rows.begin() + 1, asked);
     print_table(device->description(), rows);
     std::error_code failed;

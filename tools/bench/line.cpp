@@ -29,7 +29,7 @@ struct Sum {
     double take_s = 0; ///< a client's: to whole keyframes of the cascade's own grid
 };
 
-struct Row {
+struct FieldCost {
     Field field;
     int size = 0;
     float bound = 0;
@@ -49,7 +49,7 @@ Result<Sum> measure(const RunningSea& sea, server::Synthesizer& device, int casc
     const sea::TimeUs interval_us = maps.every * own.interval_us;
     const protocol::CascadeInfo info{.length_m = spec.length_m, .size = spec.size};
     client::TileAssembly assembly;
-    std::vector<Row> rows;
+    std::vector<FieldCost> rows;
     Sum sum;
     const std::optional<sea::WaveLaw> law = maps.predicted ? sea.wave_law() : std::nullopt;
     for (int n = law ? -1 : 0; n < keyframes; ++n) {
@@ -67,8 +67,8 @@ Result<Sum> measure(const RunningSea& sea, server::Synthesizer& device, int casc
         sum.joining_bits = 8.0 * static_cast<double>(message_bytes(*encoded, grant.fields));
         for (const server::EncodedField& map : encoded->maps) {
             const auto row = std::find_if(rows.begin(), rows.end(),
-                                          [&](const Row& r) { return r.field == map.field; });
-            Row& into = row != rows.end() ? *row : rows.emplace_back(Row{map.field});
+                                          [&](const FieldCost& r) { return r.field == map.field; });
+            FieldCost& into = row != rows.end() ? *row : rows.emplace_back(FieldCost{map.field});
             into.bound = map.error;
             for (const protocol::SharedBytes& part :
                  map.differences.empty() ? map.parts : map.differences) {
@@ -86,7 +86,7 @@ Result<Sum> measure(const RunningSea& sea, server::Synthesizer& device, int casc
         sum.take_s += begins ? 0.0 : cpu_seconds() - encoded_s;
     }
     const double rate = 1.0 / sea::seconds_from_us(interval_us);
-    for (const Row& row : rows) {
+    for (const FieldCost& row : rows) {
         fmt::print("  {:>5g} m  {:<20} {:>5} {:>8.3g} {:>10.3g} {:>8.2f} {:>9.1f}\n", spec.length_m,
                    sea::info(row.field).name, row.size, rate, row.bound, row.bits / row.samples,
                    1e-3 * row.bits / keyframes * rate);

@@ -14,18 +14,13 @@
 #include "sea/native/native_runner.h"
 #include "server/publish/spectrum_store.h"
 #include "server/simulation/running_sea.h"
+#include "tools/bench/timing.h"
 
 namespace seaway::bench {
 
 namespace {
 
 constexpr double day_s = 86'400;
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) {
-    return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 /// What a client has to know of the sea beside its waves.
 client::SeaStatePtr state_of(const server::RunningSea& sea) {
@@ -166,7 +161,7 @@ Result<void> run_spectrum(const SpectrumOptions& options) {
     SEAWAY_TRY_LET(const sea::Scene scene, sea::read_scene(options.scene));
     SEAWAY_TRY_LET(const server::RunningSeaPtr sea, server::make_running_sea(scene, 1));
     server::SpectrumStore store;
-    const auto start = Clock::now();
+    const auto start = std::chrono::steady_clock::now();
     SEAWAY_TRY_LET(const server::GrantedSpectrum grant,
                    store.grant({sea->epoch, sea->realization, scene.sea.dispersion(),
                                 sea->budget.height_error_m},

@@ -6,6 +6,10 @@
 
 namespace seaway::bench {
 
+double seconds_since(std::chrono::steady_clock::time_point start) {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
 double Variant::median_s() const {
     std::vector<double> sorted = seconds;
     const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
@@ -18,15 +22,14 @@ double Variant::least_s() const {
 }
 
 void interleave(std::vector<Variant>& variants, int rounds) {
-    using Clock = std::chrono::steady_clock;
     for (int round = -1; round < rounds; ++round)
         for (Variant& variant : variants) {
             variant.run(); // into this variant's own buffers and caches
-            const Clock::time_point start = Clock::now();
+            const auto start = std::chrono::steady_clock::now();
             variant.run();
-            const std::chrono::duration<double> spent = Clock::now() - start;
+            const double spent_s = seconds_since(start);
             if (round >= 0)
-                variant.seconds.push_back(spent.count());
+                variant.seconds.push_back(spent_s);
         }
 }
 

@@ -24,14 +24,13 @@ using plot::Point;
 using plot::Rect;
 using plot::Scale;
 
-constexpr double degrees_per_radian = 180.0 / sea::pi;
 constexpr plot::Color peak_color{200, 30, 60};
 constexpr double decades_most = 6.5;
 constexpr double decades_least = 3.5;
 
 /// Where waves that come from a bearing go, rad.
 double towards(double from_deg) {
-    return (270.0 - from_deg) / degrees_per_radian;
+    return (270.0 - from_deg) / sea::degrees_per_radian;
 }
 
 void draw_title(Canvas& canvas, const Report& report) {
@@ -45,7 +44,7 @@ void draw_title(Canvas& canvas, const Report& report) {
                           "   from {:.0f}°, spread {:.0f}°",
                           q.significant_height_m, q.peak_period_s, r.significant_height_m,
                           r.peak_period_s, sea::bearing_from_towards(r.mean_towards_rad),
-                          r.spread_rad * degrees_per_radian)
+                          r.spread_rad * sea::degrees_per_radian)
             : std::string("a flat sea");
     canvas.text({1176, 38}, facts, {ink, 9.5, Align::right});
 }
@@ -155,7 +154,7 @@ void draw_compass_frame(Canvas& canvas, double omega_end, const std::string& tit
         canvas.text({label.x + 3, label.y + 11}, tick.label, {plot::grey, 7.5});
     }
     for (int bearing = 0; bearing < 360; bearing += 30) {
-        const double angle = bearing / degrees_per_radian;
+        const double angle = bearing / sea::degrees_per_radian;
         canvas.line(compass_centre, on_compass(1.0, angle), {plot::grey.faded(0.35), 0.8});
         const bool main = bearing % 90 == 0;
         const std::string label =
@@ -176,7 +175,7 @@ void draw_compass(Canvas& canvas, const SeaSpectrum& spectrum) {
     const double omega_end = 3.0 * spectrum.highest_peak_radps();
     const auto energy = [&](double dx, double dy) {
         const double omega = omega_end * std::hypot(dx, dy) / compass_radius;
-        const double from_deg = degrees_per_radian * std::atan2(dx, -dy);
+        const double from_deg = sea::degrees_per_radian * std::atan2(dx, -dy);
         return omega > 0.0 && omega < omega_end
                    ? spectrum.density(omega) * spectrum.spreading(omega, towards(from_deg))
                    : 0.0;

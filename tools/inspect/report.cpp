@@ -19,8 +19,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double degrees_per_radian = 180.0 / sea::pi;
-
 bool flat(const sea::SeaStatistics& s) {
     return !(s.significant_height_m > 0.0);
 }
@@ -34,10 +32,11 @@ double variance(const sea::SeaStatistics& s) {
 }
 
 Json json_of(const sea::SeaStatistics& s) {
-    return {{"hs_m", s.significant_height_m},   {"tp_s", s.peak_period_s},
-            {"tz_s", s.zero_crossing_period_s}, {"tm01_s", s.mean_period_s},
-            {"mean_from_deg", from_deg(s)},     {"spread_deg", s.spread_rad * degrees_per_radian},
-            {"mss", s.mean_square_slope}};
+    return {
+        {"hs_m", s.significant_height_m},   {"tp_s", s.peak_period_s},
+        {"tz_s", s.zero_crossing_period_s}, {"tm01_s", s.mean_period_s},
+        {"mean_from_deg", from_deg(s)},     {"spread_deg", s.spread_rad * sea::degrees_per_radian},
+        {"mss", s.mean_square_slope}};
 }
 
 /// Of the height that was asked for.
@@ -113,7 +112,7 @@ Json json_of_lattice(const Report& report) {
     for (const sea::LatticeBias& bias : report.summary.lattice)
         rows.push_back({{"system", bias.system + 1},
                         {"m0_ratio", bias.energy},
-                        {"turned_deg", -bias.turned_rad * degrees_per_radian},
+                        {"turned_deg", -bias.turned_rad * sea::degrees_per_radian},
                         {"spread_ratio", bias.spread}});
     return rows;
 }
@@ -134,8 +133,8 @@ std::string text_of_statistics(const Report& report) {
         {"zero-crossing period Tz", "s", q.zero_crossing_period_s, r.zero_crossing_period_s},
         {"mean period Tm01", "s", q.mean_period_s, r.mean_period_s},
         {"mean direction, from", "deg", from_deg(q), from_deg(r)},
-        {"directional spread", "deg", q.spread_rad * degrees_per_radian,
-         r.spread_rad * degrees_per_radian},
+        {"directional spread", "deg", q.spread_rad * sea::degrees_per_radian,
+         r.spread_rad * sea::degrees_per_radian},
         {"mean square slope", "", q.mean_square_slope, r.mean_square_slope}};
     std::string out = fmt::format("{:28}{:>12}{:>12}\n", "", "requested", "realised");
     for (const Line& line : lines)
@@ -150,7 +149,7 @@ std::string text_of_statistics(const Report& report) {
         out += fmt::format("system {} on these tiles, on average over seeds: energy {:+.2f} %, "
                            "direction {:+.2f} degrees, spread {:+.2f} %\n",
                            bias.system + 1, 100.0 * (bias.energy - 1.0),
-                           -bias.turned_rad * degrees_per_radian, 100.0 * (bias.spread - 1.0));
+                           -bias.turned_rad * sea::degrees_per_radian, 100.0 * (bias.spread - 1.0));
     return out;
 }
 
