@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/resume.h"
 
-#include <filesystem>
 #include <sstream>
 #include <utility>
 
@@ -48,8 +47,7 @@ Result<void> play(const std::string& path, const SeaChange& change, SeaCourse& c
 
 Result<sea::Scene> scene_of(const SeaChange& change, const std::string& path,
                             const sea::Scene& given) {
-    const std::string folder = std::filesystem::path(given.source).parent_path().string();
-    Result<sea::Scene> read = sea::parse_scene(change.scene, path, folder);
+    Result<sea::Scene> read = sea::parse_scene(change.scene, path, given.folder);
     if (!read)
         return Error{fmt::format("the sea of change {} in {} cannot be read: {}", change.epoch,
                                  path, read.error().message)};

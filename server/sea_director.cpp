@@ -169,7 +169,8 @@ void SeaDirector::announce() {
 }
 
 Result<sea::Scene> SeaDirector::wished(const SeaWish& wish, TimeUs from_us) const {
-    const sea::Scene running = course_->scene_at(from_us);
+    sea::Scene running = course_->scene_at(from_us);
+    running.folder = sea::no_files; // who changes it is somewhere else
     if (wish.scene.empty())
         return sea::changed(running, wish.set);
     SEAWAY_TRY_LET(sea::Scene scene, sea::parse_scene(wish.scene, "the scene that was sent"));

@@ -3,6 +3,8 @@
 // and for servers and clients. Smootherstep (Perlin 2002): no jump in value, slope or curvature. Pure; thread-safe.
 #pragma once
 
+#include <algorithm>
+
 #include "sea/basics/time.h"
 
 namespace seaway::sea {
@@ -25,10 +27,12 @@ inline double passed_share(TimeUs time_us, TimeUs start_us, TimeUs end_us) {
 
 } // namespace detail
 
-/// x^3 (10 - 15 x + 6 x^2), x the share of the time that has passed: 0 before the start, 1 after the end.
+/// x^3 (10 - 15 x + 6 x^2), x the share of the time that has passed: 0 before the start, 1 after the end. Never more, where that
+/// polynomial rounds to 1 + 1e-15 in the last thousandth of the way: the inverse of a depth that glides to infinity would be
+/// less than nothing.
 inline double glide_share(TimeUs time_us, TimeUs start_us, TimeUs end_us) {
     const double x = detail::passed_share(time_us, start_us, end_us);
-    return x * x * x * (10.0 + x * (-15.0 + 6.0 * x));
+    return std::min(1.0, x * x * x * (10.0 + x * (-15.0 + 6.0 * x)));
 }
 
 /// Its rate, 1/s: 30 x^2 (1 - x)^2 over the duration.

@@ -152,7 +152,7 @@ class Reader {
 
 SeaPoint read_point(Reader reader) {
     SeaPoint p{};
-    p.hs_m = reader.number("hs_m", 0, 1e3);
+    p.hs_m = reader.number("hs_m", 0, 1e6);
     p.tp_s = reader.number("tp_s", 0, 1e6);
     p.depth_m = reader.number_or_infinity("depth_m", 0, 1e9);
     p.choppiness = reader.number("choppiness", 0, 10);

@@ -180,6 +180,7 @@ Result<Scene> parse_scene(std::string_view text, const std::string& name,
         return document.error();
     Scene scene;
     scene.source = name;
+    scene.folder = base_dir;
     TomlErrors errors(name);
     TomlTable root = document.value().root(errors);
     root.require("sea");

@@ -62,6 +62,9 @@ struct WeatherChange {
     std::vector<TomlAssignment> set;
 };
 
+/// The folder of a text that came from somebody else, as to_toml() wrote it: it may name no file of a system.
+inline constexpr std::string_view no_files = "/dev/null/";
+
 struct Scene {
     std::string source; ///< path or name that errors and logs quote
     SeaState sea;
@@ -71,6 +74,7 @@ struct Scene {
     Water water; ///< for those who draw it; waves do not hang on it
     Accuracy accuracy;
     std::vector<WeatherChange> weather = {}; ///< in order of time
+    std::string folder{no_files}; ///< where files that its timetable names are looked for
 };
 
 inline constexpr int scene_systems_max = 16;
@@ -81,9 +85,6 @@ inline constexpr std::size_t scene_text_bytes_max = 1u << 20;
 
 /// Reads a scene file; files that it names are relative to its folder.
 Result<Scene> read_scene(const std::string& path);
-
-/// The `base_dir` of a text that came from somebody else, as to_toml() wrote it: it may name no file of a system.
-inline constexpr std::string_view no_files = "/dev/null/";
 
 /// `name` is quoted in errors; `base_dir` is where files that the text names are looked for. Who does not say where gets a text
 /// that may name none.

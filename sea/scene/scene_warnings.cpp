@@ -128,6 +128,14 @@ void warn_of_accuracy(const Scene& scene, const ErrorBudget& budget,
             asked_m, budget.interpolation_m, level_m));
 }
 
+/// Of the longest tile of spectra. Those of waves given one by one may be longer, and scatter by nothing.
+double largest_scatter(const Realization& realization, const SeaSummary& summary) {
+    for (std::size_t c = 0; c < realization.cascades.size(); ++c)
+        if (realization.cascades[c].carries_spectra)
+            return summary.cascades[c].expected_scatter;
+    return 0.0;
+}
+
 } // namespace
 
 std::vector<std::string> scene_warnings(const Scene& scene, const Realization& realization,
@@ -149,7 +157,7 @@ std::vector<std::string> scene_warnings(const Scene& scene, const Realization& r
             "the largest cascade ({:g} m) holds {:.1f} peak wavelengths of {:.0f} m, fewer than "
             "{:g}: Hs of one seed scatters by {:.0f} %",
             tile, tile / peak, peak, tile_wavelengths_min,
-            100.0 * summary.cascades.front().expected_scatter));
+            100.0 * largest_scatter(realization, summary)));
     if (height > breaking_height_over_depth * scene.sea.depth_m)
         warnings.push_back(fmt::format(
             "Hs {:.2f} m is above {:g} of the depth, {:g} m: such waves break, outside the model",

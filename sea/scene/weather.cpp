@@ -2,7 +2,6 @@
 #include "sea/scene/weather.h"
 
 #include <algorithm>
-#include <filesystem>
 #include <iterator>
 #include <utility>
 
@@ -87,8 +86,7 @@ Result<Scene> changed(const Scene& scene, std::span<const TomlAssignment> values
     }
     SEAWAY_TRY_LET(const std::string text,
                    with_toml_values(to_toml(still), scene.source, whole, replaced));
-    const std::string folder = std::filesystem::path(scene.source).parent_path().string();
-    SEAWAY_TRY_LET(Scene next, parse_scene(text, scene.source + " as changed", folder));
+    SEAWAY_TRY_LET(Scene next, parse_scene(text, scene.source + " as changed", scene.folder));
     next.source = scene.source;
     SEAWAY_TRY(check_glide(scene, next));
     return next;

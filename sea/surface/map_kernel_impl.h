@@ -3,6 +3,7 @@
 // linkage, and nothing of the standard library is instantiated here.
 #pragma once
 
+#include <cstdint>
 #include <utility>
 
 #include "sea/surface/fold_suspicion.h"
@@ -57,15 +58,15 @@ SEAWAY_INLINE void add_tile(const MapTile& tile, double x_m, double y_m,
     constexpr auto lanes = std::make_integer_sequence<int, W>{};
     const double ux = x_m * tile.texels_per_m + tile.base_x;
     const double uy = y_m * tile.texels_per_m + tile.base_y;
-    const int ix = static_cast<int>(ux);
-    const int iy = static_cast<int>(uy);
+    // A map a million metres wide has more texels of a tile of centimetres than an int counts.
+    const auto ix = static_cast<std::int64_t>(ux), iy = static_cast<std::int64_t>(uy);
     F4 wx, dx, wy, dy;
-    spline_weights(static_cast<float>(ux - ix), wx, dx);
-    spline_weights(static_cast<float>(uy - iy), wy, dy);
+    spline_weights(static_cast<float>(ux - static_cast<double>(ix)), wx, dx);
+    spline_weights(static_cast<float>(uy - static_cast<double>(iy)), wy, dy);
     const auto per_m = static_cast<float>(tile.texels_per_m);
     dx *= per_m;
     dy *= per_m;
-    const int mask = tile.size - 1;
+    const std::int64_t mask = tile.size - 1;
     const std::size_t pitch = static_cast<std::size_t>(tile.pitch) * 4;
     const float* row = tile.texels + static_cast<std::size_t>(iy & mask) * pitch +
                        static_cast<std::size_t>(ix & mask) * 4;

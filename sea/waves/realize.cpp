@@ -109,9 +109,37 @@ PlacedModes placed(const SineRamps& system, const SeaState& sea, std::uint32_t i
     return result;
 }
 
+int largest_step(const PlacedModes& system) {
+    int steps = 0;
+    for (const ExplicitMode& mode : system.modes)
+        steps = std::max({steps, std::abs(mode.nx), std::abs(mode.ny)});
+    return steps;
+}
+
+/// The largest lattice index of one system's explicit or stylised waves.
+int steps_of(const WaveSystem& system, const SeaState& sea, std::uint32_t index) {
+    const auto* ramps = std::get_if<SineRamps>(&system);
+    if (ramps && ramps->kind != SineKind::gerstner)
+        return std::max(static_cast<int>(std::ceil(sine_steps(*ramps))), 1);
+    if (ramps)
+        return largest_step(placed(*ramps, sea, index));
+    const auto* modes = std::get_if<ExplicitModes>(&system);
+    return modes ? largest_step(placed(*modes, sea, index)) : 0;
+}
+
+/// What a new tile has to hold: the waves of all systems of its length, whatever their order.
+int steps_on_tile(const SeaState& sea, double length_m) {
+    int steps = 1;
+    for (std::size_t s = 0; s < sea.systems.size(); ++s)
+        if (same_tile_length(explicit_length_m(sea.systems[s]), length_m))
+            steps = std::max(steps, steps_of(sea.systems[s], sea, static_cast<std::uint32_t>(s)));
+    return std::min(steps, explicit_steps_max);
+}
+
 /// The cascade of this length; if there is none, a new one of fitting size, longest tile first. It
 /// owns no band of the spectra.
-Result<CascadeModes*> tile_for(Realization& realization, double length_m, int steps) {
+Result<CascadeModes*> tile_for(Realization& realization, const SeaState& sea, double length_m,
+                               int steps) {
     for (CascadeModes& cascade : realization.cascades)
         if (same_tile_length(cascade.spec.length_m, length_m)) {
             if (steps > cascade.spec.size / 2 - 1)
@@ -124,6 +152,7 @@ Result<CascadeModes*> tile_for(Realization& realization, double length_m, int st
     if (steps > explicit_steps_max)
         return Error{fmt::format("explicit waves reach lattice index {}; allowed: at most {}",
                                  steps, explicit_steps_max)};
+    steps = steps_on_tile(sea, length_m);
     const CascadeSpec spec{length_m, explicit_tile_size(steps)};
     const auto points = static_cast<std::size_t>(spec.size) * static_cast<std::size_t>(spec.size);
     const double step = spec.wavenumber_step_radpm();
@@ -158,12 +187,10 @@ void place(CascadeModes& tile, const ExplicitMode& mode, const SeaState& sea,
 }
 
 Result<void> add_placed(Realization& realization, const PlacedModes& system, const SeaState& sea) {
-    int steps = 0;
-    for (const ExplicitMode& mode : system.modes)
-        steps = std::max({steps, std::abs(mode.nx), std::abs(mode.ny)});
+    const int steps = largest_step(system);
     if (steps == 0)
         return {};
-    const Result<CascadeModes*> tile = tile_for(realization, system.length_m, steps);
+    const Result<CascadeModes*> tile = tile_for(realization, sea, system.length_m, steps);
     if (!tile)
         return tile.error();
     for (const ExplicitMode& mode : system.modes)
@@ -173,8 +200,8 @@ Result<void> add_placed(Realization& realization, const PlacedModes& system, con
 
 Result<void> add_sine_field(Realization& realization, const SineRamps& ramps, const SeaState& sea,
                             std::uint32_t index) {
-    const int steps = static_cast<int>(std::ceil(sine_steps(ramps)));
-    const Result<CascadeModes*> tile = tile_for(realization, ramps.length_m, std::max(steps, 1));
+    const Result<CascadeModes*> tile =
+        tile_for(realization, sea, ramps.length_m, steps_of(ramps, sea, index));
     if (!tile)
         return tile.error();
     (*tile)->sines.push_back(sine_field(ramps, sea.seed, index, sea.dispersion(), sea.height_scale,

@@ -73,6 +73,11 @@ TEST(Rebuilt, a_scene_from_a_server_names_no_files) {
     state.scene = "[sea]\nseed = 1\n[[sea.system]]\ntype = \"measured\"\nfile = \"/etc/hostname\"\n"
                   "[[cascade]]\nlength_m = 100\nsize = 64\n";
     EXPECT_NE(refusal_of(state).find("may name no file"), std::string::npos) << refusal_of(state);
+    state.scene = announced().scene +
+                  "[[weather]]\nat_s = 100\nover_s = 60\n"
+                  "set = { sea.system = [ { type = \"measured\", file = \"/etc/hostname\" } ] }\n";
+    EXPECT_NE(refusal_of(state).find("may name no file"), std::string::npos)
+        << "nor does its timetable: " << refusal_of(state);
 }
 
 // ---- the waves themselves, over a socket -------------------------------------------------------

@@ -97,6 +97,8 @@ CascadeWaves::CascadeWaves(const CascadeModes& modes)
     for (Motion* motion : {&height_, &displacement_})
         motion->single_m =
             single_precision_share * 4.0 * std::sqrt(motion->whole.variance_m2(bound_sigmas));
+    for (const SineField& field : modes.sines) // of those what is largest: they are no sum of many
+        height_.single_m += single_precision_share * sine_height_max_m(field);
     strain_.single_m = sampled_slope_error(displacement_.single_m, spacing_m_);
 }
 

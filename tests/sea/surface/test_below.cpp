@@ -148,7 +148,7 @@ TEST(Below, where_there_is_no_water_it_is_still_and_the_answer_says_so) {
 }
 
 TEST(Below, is_finite_in_the_deepest_and_the_shallowest_water_that_a_scene_may_have) {
-    for (const double depth : {0.1, 1.0, 1e4, deep_water_m}) {
+    for (const double depth : {0.01, 0.1, 1.0, 1e4, deep_water_m}) {
         SeaState state = windy_sea();
         state.depth_m = depth;
         const DirectSum sum(realized(state, three_cascades));

@@ -105,6 +105,20 @@ TEST(HeightMap, far_from_the_origin_and_coarse_or_fine_it_is_as_exact) {
     EXPECT_LE(worst(r, sea, all_values(r, sea)), map_difference_max_m);
 }
 
+// Naive: the number of a texel is an int, and is undefined where a map has more of them than two thousand million.
+TEST(HeightMap, of_the_largest_width_over_a_tile_of_centimetres_is_as_exact) {
+    const RealizationPtr waves =
+        tests::make_sea({tests::random_cascade(0.1, 256, 9, 40, 0.02, 3)}, {1.0, 1.0});
+    const auto map = [&](TimeUs t) {
+        return std::make_shared<const SplineMap>(*tests::exact_keyframe(waves, 0, t));
+    };
+    const Surface sea({{map(0), map(200'000)}}, {1.0, 1.0}, {.reach_m = 0.01},
+                      {.height_bound_m = 0.001, .displacement_bound_m = 0.001});
+    MapRequest r = request();
+    r.width_m = r.height_m = map_width_max_m; // 2560 texels a metre
+    EXPECT_LE(worst(r, sea, all_values(r, sea)), map_difference_max_m);
+}
+
 // Far steeper than any sea: every third point is close to folding, and a neighbour's solution leads to
 // another sheet at one place with several in eight.
 TEST(HeightMap, where_the_surface_folds_every_height_and_normal_is_a_querys) {

@@ -57,6 +57,23 @@ TEST(ExplicitWaves, height_scale_multiplies_what_is_requested_and_what_is_realis
     }
 }
 
+// Naive: the first system of a tile makes it for its own waves; longer indices have their waves at the end of what it carries,
+// or are refused, and with the systems the other way round they are not.
+TEST(ExplicitWaves, a_tile_that_systems_share_fits_all_of_them_in_any_order) {
+    const ExplicitModes few{150.0, {{3, 0, 0.4, 0.0}}}, many{150.0, {{0, 30, 0.1, 1.0}}};
+    SeaState sea = sea_of({});
+    sea.systems = {few, many};
+    const Realization one = *realize(sea, {&tile, 1});
+    sea.systems = {many, few};
+    const Realization other = *realize(sea, {&tile, 1});
+    ASSERT_EQ(one.cascades.size(), 2u);
+    EXPECT_EQ(one.cascades[1].spec.size, explicit_tile_size(30));
+    EXPECT_EQ(one.cascades[1].spec.size, other.cascades[1].spec.size);
+    EXPECT_EQ(one.cascades[1].band.k_hi_radpm, other.cascades[1].band.k_hi_radpm);
+    EXPECT_GT(one.cascades[1].band.k_hi_radpm, 30 * one.cascades[1].spec.wavenumber_step_radpm());
+    EXPECT_EQ(one.cascades[1].h0, other.cascades[1].h0);
+}
+
 double period_s(const SeaState& sea, double lattice_steps) {
     return two_pi / sea.dispersion().omega(two_pi / length_m * lattice_steps);
 }

@@ -71,6 +71,39 @@ TEST(Transition, amplitudes_glide_from_the_old_to_the_new) {
     EXPECT_NEAR(last / hs_of(new_sea), 1.0, 1e-12);
 }
 
+// Naive: the share of the glide rounds to more than one in the last seconds of a long one, the inverse of a depth that
+// glides to infinity is less than nothing, and what is 1e16 m deep the wrong way moves sideways twenty times as far.
+TEST(Transition, to_deep_water_the_depth_grows_and_sideways_motion_shrinks_to_the_last_moment) {
+    SeaState shallow = windy_sea(), deep = windy_sea();
+    shallow.depth_m = 20.0;
+    deep.depth_m = deep_water_m;
+    const auto from = realized(shallow, three_cascades), to = realized(deep, three_cascades);
+    for (const TimeUs glide_us :
+         {TimeUs{3600} * 1'000'000, TimeUs{86'400} * 1'000'000, glide_us_max}) {
+        const auto change = SeaTransition::create(from, to, 0, glide_us);
+        ASSERT_TRUE(change);
+        double last_m = 20.0;
+        for (TimeUs left_us = 15'000'000; left_us > 0;
+             left_us -= left_us > 2'000 ? 999 * left_us / 50'000 : 7) {
+            const double share = glide_share(glide_us - left_us, 0, glide_us);
+            ASSERT_LE(share, 1.0) << left_us;
+            // As a glide mixes it: at() would make 200 seas of it.
+            const double inverse = glided(1.0 / 20.0, 1.0 / deep_water_m, share);
+            ASSERT_GE(inverse, 0.0) << left_us;
+            // Below the last bits of the share.
+            ASSERT_GE(1.0 / inverse, std::min(last_m, 1e9) * (1 - 1e-6)) << left_us;
+            last_m = 1.0 / inverse;
+        }
+        const auto sideways = [&](const RealizationPtr& sea) {
+            return DirectSum(sea).at(3.0, 4.0, 0).displacement_x;
+        };
+        for (const TimeUs left_us : {50'000, 100'000, 200'000, 400'000, 12'000'000})
+            EXPECT_NEAR(sideways(change->at(glide_us - left_us)), sideways(change->at(glide_us)),
+                        1e-3)
+                << left_us;
+    }
+}
+
 // Naive: the water glides and the picture's points jump sideways.
 TEST(Transition, choppiness_glides_from_that_of_the_old_sea_to_that_of_the_new) {
     SeaState flatter = windy_sea(), steeper = windy_sea();

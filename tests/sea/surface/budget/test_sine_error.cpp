@@ -91,6 +91,36 @@ TEST(SineError, exponential_sines_keep_their_bound_with_and_without_drag_and_it_
         }
 }
 
+// Naive: at the points of a keyframe nothing is interpolated, so nothing is stated; maps are floats all the same.
+TEST(SineError, at_the_points_of_a_keyframe_what_single_precision_costs_is_stated) {
+    SineRamps ramps;
+    ramps.kind = SineKind::exponential;
+    ramps.length_m = 128.0;
+    CascadeModes modes = tests::calm_cascade(128.0, 128);
+    modes.sines.push_back(sine_field(ramps, 7, 0, Dispersion{}, 10.0, 0));
+    const RealizationPtr sea = tests::make_sea({modes});
+    const ErrorBudget budget = plan_budget(*sea, 0.01);
+    const SineField& field = sea->cascades[0].sines[0];
+    Keyframe keyframe;
+    keyframe.size = 128;
+    keyframe.length_m = 128.0;
+    keyframe.fields = {Field::height, Field::height_rate};
+    keyframe.values.assign(2 * keyframe.plane_size(), 0.0f);
+    add_sines(field, 0, keyframe);
+    const auto map = std::make_shared<const SplineMap>(keyframe);
+    const Surface surface({{map, map}}, {0, 0}, {}, map_error(budget, 0));
+    double worst_share = 0;
+    for (int y = 0; y < 128; ++y)
+        for (int x = 0; x < 128; ++x) {
+            const Answer answer = surface.answer({1.0 * x, 1.0 * y, 0});
+            const double error_m = std::abs(answer.height_m - sines_at(field, x, y, 0).height);
+            ASSERT_GT(answer.error_m, 0);
+            worst_share = std::max(worst_share, error_m / answer.error_m);
+        }
+    EXPECT_LE(worst_share, 1.0);
+    EXPECT_GT(worst_share, 1e-3) << "it is not stated as if it were large";
+}
+
 // Naive: the largest error that was met, and a quarter more. With drag one of 60 000 places is missed by half as much again as
 // any of 4096.
 TEST(SineError, the_largest_error_between_keyframes_is_found_where_none_of_its_places_lies) {
