@@ -2,6 +2,7 @@
 #include "server/simulation/foam_maps.h"
 
 #include <limits>
+#include <new>
 #include <utility>
 
 namespace seaway::server {
@@ -76,20 +77,25 @@ Result<bool> FoamMaps::walk(KeyframeMaker& device, int cascade, sea::TimeUs time
     if (!waits())
         return true;
     SEAWAY_TRY(own(own_history, device));
-    std::vector<FoamTurn> turns;
-    std::vector<sea::TimeUs> times_us;
-    for (; static_cast<int>(turns.size()) < ticks_max && waits();) {
-        const sea::FoamStep step = *own_history.walk.next(time_us);
-        turns.push_back({own_history.map.get(), step.tick, {}});
-        times_us.push_back(step.time_us);
-    }
-    std::vector<KeyframeRequest> requests;
-    for (std::size_t i = 0; i < turns.size(); ++i)
-        requests.push_back(
-            {cascade, times_us[i], {}, course_->window_at(times_us[i]).epoch, &turns[i]});
-    if (const auto made = device.synthesize(requests); !made) {
+    try {
+        std::vector<FoamTurn> turns;
+        std::vector<sea::TimeUs> times_us;
+        for (; static_cast<int>(turns.size()) < ticks_max && waits();) {
+            const sea::FoamStep step = *own_history.walk.next(time_us);
+            turns.push_back({own_history.map.get(), step.tick, {}});
+            times_us.push_back(step.time_us);
+        }
+        std::vector<KeyframeRequest> requests;
+        for (std::size_t i = 0; i < turns.size(); ++i)
+            requests.push_back(
+                {cascade, times_us[i], {}, course_->window_at(times_us[i]).epoch, &turns[i]});
+        if (const auto made = device.synthesize(requests); !made) {
+            own_history.walk.restart();
+            return made.error();
+        }
+    } catch (const std::bad_alloc&) { // the steps that it counts were not taken
         own_history.walk.restart();
-        return made.error();
+        throw;
     }
     return !waits();
 }
@@ -112,7 +118,12 @@ Result<FoamTurn> FoamMaps::turn(KeyframeMaker& device, int cascade, sea::TimeUs 
 Result<std::vector<NewKeyframePtr>> FoamMaps::synthesize(KeyframeMaker& device,
                                                          std::vector<KeyframeRequest> requests) {
     std::vector<FoamTurn> turns(requests.size());
-    const auto made = [&]() -> Result<std::vector<NewKeyframePtr>> {
+    const auto take_turns_back = [&] {
+        for (const KeyframeRequest& request : requests)
+            if (request.fields.contains(sea::Field::foam))
+                restart(request.cascade);
+    };
+    const auto make = [&]() -> Result<std::vector<NewKeyframePtr>> {
         for (std::size_t i = 0; i < requests.size(); ++i) {
             const int cascade = requests[i].cascade;
             const sea::TimeUs time_us = requests[i].time_us;
@@ -124,12 +135,16 @@ Result<std::vector<NewKeyframePtr>> FoamMaps::synthesize(KeyframeMaker& device,
             requests[i].foam = &turns[i];
         }
         return device.synthesize(requests);
-    }();
-    if (!made)
-        for (const KeyframeRequest& request : requests)
-            if (request.foam != nullptr)
-                restart(request.cascade);
-    return made;
+    };
+    try {
+        Result<std::vector<NewKeyframePtr>> made = make();
+        if (!made)
+            take_turns_back();
+        return made;
+    } catch (const std::bad_alloc&) {
+        take_turns_back();
+        throw;
+    }
 }
 
 } // namespace seaway::server

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <new>
 #include <utility>
 
 #include <fmt/format.h>
@@ -156,8 +157,8 @@ bool KeyframeSource::takes_its_turn(KeyframeJob& job) {
     if (job.walk_ == Walk::stream || job.turn_ != nullptr)
         return true;
     std::weak_ptr<const void>& turn = foam_of(job.walk_).turn;
-    job.awaited_turn_ = turn.expired() ? nullptr : &turn;
-    if (job.awaited_turn_)
+    job.awaited_turn_ = turn; // a copy: it is looked at on other threads
+    if (!job.awaited_turn_.expired())
         return false;
     job.turn_ = std::make_shared<char>();
     turn = job.turn_;
@@ -180,9 +181,9 @@ Result<void> KeyframeSource::add_turn(Together& together, const KeyframeJob& job
     KeyframeRequest request = next.request;
     FoamMaps& foam = foam_maps(job, request.epoch);
     const TimeUs time_us = next.foam_us;
-    SEAWAY_TRY_LET(const FoamTurn turn, foam.turn(*this, request.cascade, time_us));
-    together.with_turn.push_back(request.cascade);
+    together.with_turn.push_back(request.cascade); // before its step is taken
     together.foam_epoch = request.epoch;
+    SEAWAY_TRY_LET(const FoamTurn turn, foam.turn(*this, request.cascade, time_us));
     const FoamTurn* kept = &together.turns.emplace_back(turn);
     const std::size_t place = together.requests.size();
     if (time_us == request.time_us)
@@ -220,10 +221,21 @@ Result<std::vector<NewKeyframePtr>> KeyframeSource::make(const KeyframeJob& job,
 
 Result<void> KeyframeSource::synthesize_some(KeyframeJob& job, std::int64_t& budget) {
     Together together;
-    const Result<std::vector<NewKeyframePtr>> made = make(job, budget, together);
-    if (!made) {
+    // Steps that foam has taken and whose maps were not made are none.
+    const auto take_turns_back = [&] {
         for (const int cascade : together.with_turn)
             foam_maps(job, together.foam_epoch).restart(cascade);
+    };
+    const Result<std::vector<NewKeyframePtr>> made = [&] {
+        try {
+            return make(job, budget, together);
+        } catch (const std::bad_alloc&) {
+            take_turns_back();
+            throw;
+        }
+    }();
+    if (!made) {
+        take_turns_back();
         if (!made.error().is(DeviceError::foam_lost))
             return made.error();
         budget = 0; // the next slice starts anew

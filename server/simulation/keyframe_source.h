@@ -57,8 +57,7 @@ class KeyframeJob {
     bool complete() const { return !open_ && end_ == wanted_.size(); }
     /// A slice would come to nothing: there is no room for the next part, or another job walks foam.
     bool waits() const {
-        return !open_ && ((awaited_turn_ && !awaited_turn_->expired()) ||
-                          (room_ && !room_->fits(part_bytes_)));
+        return !open_ && (!awaited_turn_.expired() || (room_ && !room_->fits(part_bytes_)));
     }
 
   private:
@@ -83,8 +82,8 @@ class KeyframeJob {
     Room::Place place_;
     std::vector<sea::KeyframePtr> found_; ///< the part
     std::deque<Missing> missing_;
-    std::shared_ptr<const void> turn_; ///< held by the one job whose foam is walked for
-    const std::weak_ptr<const void>* awaited_turn_ = nullptr; ///< of the source
+    std::shared_ptr<const void> turn_;       ///< held by the one job whose foam is walked for
+    std::weak_ptr<const void> awaited_turn_; ///< of another, which had it at the last slice
 };
 
 /// What a keyframe is one of.

@@ -47,19 +47,21 @@ void KeyframeStore::insert(sea::KeyframePtr keyframe, bool streamed) {
     Entry entry{.keyframe = std::move(keyframe), .spline = nullptr, .recency = {}};
     entry.streamed = streamed;
     entry.used = trims_;
-    std::list<Key>& recency = recency_of(entry);
-    recency.push_front(key);
-    entry.recency = recency.begin();
-    entry.place = add(entry, bytes(entry));
-    entries_.emplace(key, std::move(entry));
+    // All that may find no memory, and then what is a part of each other.
+    const std::size_t more = bytes(entry);
+    entry.place = room_->take_anyway(more);
+    std::list<Key> newest{key};
+    Entry& added = entries_.emplace(key, std::move(entry)).first->second;
+    std::list<Key>& recency = recency_of(added);
+    recency.splice(recency.begin(), newest);
+    added.recency = recency.begin();
+    count(added, more);
     shrink();
 }
 
-Room::Place KeyframeStore::add(const Entry& entry, std::size_t more) {
-    Room::Place place = room_->take_anyway(more);
+void KeyframeStore::count(const Entry& entry, std::size_t more) {
     counters_.bytes += more;
     streamed_bytes_ += entry.streamed ? more : 0;
-    return place;
 }
 
 void KeyframeStore::drop(std::map<Key, Entry>::iterator entry) {
@@ -96,8 +98,9 @@ sea::SplineMapPtr KeyframeStore::spline(const sea::KeyframePtr& keyframe) {
     const std::scoped_lock lock(mutex_);
     const auto found = entries_.find(key);
     if (found != entries_.end() && found->second.keyframe == keyframe && !found->second.spline) {
+        found->second.spline_place = room_->take_anyway(spline->bytes());
         found->second.spline = spline;
-        found->second.spline_place = add(found->second, spline->bytes());
+        count(found->second, spline->bytes());
         touch(found->second);
         shrink();
     }

@@ -66,7 +66,7 @@ class KeyframeStore {
     };
 
     void touch(Entry& entry);
-    Room::Place add(const Entry& entry, std::size_t more);
+    void count(const Entry& entry, std::size_t more);
     void drop(std::map<Key, Entry>::iterator entry);
     void shrink();
     std::list<Key>& recency_of(const Entry& entry) {

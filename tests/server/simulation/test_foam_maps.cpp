@@ -2,13 +2,19 @@
 // Foam of whole scenes, as a server makes it: its share of the sea beside what is observed.
 #include "server/simulation/foam_maps.h"
 
+#include <algorithm>
 #include <cmath>
+#include <new>
 #include <random>
+#include <span>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "server/device/native_synthesizer.h"
+#include "tests/server/simulation/simulation_bench.h"
+#include "tests/support/allocations.h"
 
 namespace seaway::server {
 namespace {
@@ -81,6 +87,39 @@ TEST(FoamMaps, scenes_without_a_wind_that_whitens_have_no_foam) {
         ASSERT_TRUE(scene) << scene.error().message;
         EXPECT_TRUE((*make_running_sea(*scene, 1))->foam_law->calm()) << name;
     }
+}
+
+// Naive: steps that were counted and not taken are missing from the history from then on.
+TEST(FoamMaps, go_on_as_if_nothing_had_been_after_there_was_no_memory) {
+    const RunningSeaPtr sea = running_sea();
+    ASSERT_FALSE(sea->foam_law->calm());
+    NativeSynthesizer device{1}; // all of it on this thread
+    ASSERT_TRUE(device.set_sea(sea->realization, 1));
+    const std::vector<KeyframeRequest> requests{{1, 100'000'000, {sea::Field::foam}}};
+    const auto ratios_of = [&](FoamMaps& foam) {
+        const auto made = foam.synthesize(device, requests);
+        EXPECT_TRUE(made);
+        const std::span<const float> plane = made->front()->plane(sea::Field::foam);
+        return std::vector<float>(plane.begin(), plane.end());
+    };
+    FoamMaps untroubled(steady_course(sea));
+    const std::vector<float> expected = ratios_of(untroubled);
+    EXPECT_GT(*std::ranges::max_element(expected), 1.5f);
+    int failed = 0;
+    for (std::size_t after = 0, step = 1;; after += step, step += failed / 16) {
+        FoamMaps foam(steady_course(sea));
+        bool made = false;
+        try {
+            const tests::NoMemoryOnce no_memory(after);
+            made = static_cast<bool>(foam.synthesize(device, requests));
+        } catch (const std::bad_alloc&) {
+        }
+        if (made)
+            break;
+        ++failed;
+        ASSERT_EQ(ratios_of(foam), expected) << "after " << after;
+    }
+    EXPECT_GT(failed, 10);
 }
 
 } // namespace

@@ -2,11 +2,13 @@
 // The keyframe store against a plain model of what it holds.
 #include <algorithm>
 #include <list>
+#include <new>
 #include <random>
 
 #include <gtest/gtest.h>
 
 #include "server/simulation/keyframe_store.h"
+#include "tests/support/allocations.h"
 
 namespace seaway::server {
 namespace {
@@ -62,6 +64,35 @@ TEST(KeyframeStore, what_is_streamed_stays_however_much_is_asked_for_elsewhere) 
     EXPECT_TRUE(store.find({0, 99, height}));
     EXPECT_FALSE(store.find({0, 4, height}));
     EXPECT_EQ(store.counters().bytes, 8 * one);
+}
+
+// Naive: what was half added is counted when it is dropped, or is dropped where nothing stands.
+TEST(KeyframeStore, one_for_which_there_is_no_memory_is_not_there_and_the_others_are) {
+    const FieldSet height{Field::height, Field::height_rate};
+    const std::size_t one = 2 * 64 * 64 * sizeof(float);
+    int failed = 0;
+    for (std::size_t after = 0; after < 40; ++after) {
+        KeyframeStore store(Room::of(4 * one));
+        store.insert(keyframe(0, 1, height, 64), true);
+        const sea::KeyframePtr next = keyframe(0, 2, height, 64);
+        const std::size_t before = store.counters().bytes;
+        try {
+            const tests::NoMemoryOnce none(after);
+            store.insert(next);
+            store.spline(next);
+        } catch (const std::bad_alloc&) {
+            ++failed;
+            const bool held = store.find({0, 2, height}) != nullptr;
+            EXPECT_EQ(store.counters().keyframes, held ? 2u : 1u) << after;
+            EXPECT_EQ(store.counters().bytes, before + (held ? one : 0)) << after;
+        }
+        EXPECT_TRUE(store.find({0, 1, height})) << after;
+        for (TimeUs t = 10; t < 20; ++t) { // all of the others have to make room
+            store.insert(keyframe(0, t, height, 64));
+            EXPECT_LE(store.counters().bytes, 4 * one) << after;
+        }
+    }
+    EXPECT_GT(failed, 4);
 }
 
 TEST(KeyframeStore, what_nobody_uses_for_two_trims_is_let_go_with_its_spline) {
