@@ -110,8 +110,13 @@ int seaway_is_connected(const seaway_client* client) {
 }
 
 double seaway_retry_after_s(const seaway_client* client) {
-    const std::optional<Error> end = client ? client->client->end() : std::nullopt;
-    return end ? end->retry_after_ms / 1000.0 : 0;
+    double after_s = 0;
+    (void)guarded([&]() -> Result<void> {
+        const std::optional<Error> end = client ? client->client->end() : std::nullopt;
+        after_s = end ? end->retry_after_ms / 1000.0 : 0;
+        return {};
+    });
+    return after_s;
 }
 
 seaway_code seaway_get_status(const seaway_client* client, seaway_status* status) {

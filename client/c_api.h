@@ -48,6 +48,16 @@ inline seaway_code fail(seaway_code code, std::string why) {
     return code;
 }
 
+/// Of what may be thrown at any moment, too.
+inline seaway_code fail(seaway_code code, const char* why) noexcept {
+    try {
+        last_error = why;
+    } catch (const std::bad_alloc&) {
+        last_error.clear();
+    }
+    return code;
+}
+
 inline seaway_code fail(const Error& error) {
     const int code = static_cast<int>(failure_of(error));
     static_assert(static_cast<int>(Failure::not_understood) == SEAWAY_NOT_UNDERSTOOD);

@@ -212,14 +212,19 @@ seaway_code seaway_ask(seaway_client* client, const seaway_point* points, size_t
             return failed(
                 Failure::refused,
                 fmt::format("{} questions are open: take or cancel some", Questions::open_max));
-        client->client->ask_async(
-            as_points(points, count), {exact != 0, or_default(timeout_s)},
-            [questions = client->questions, number = *opened](const Result<Reply>& reply) {
-                if (reply)
-                    questions->answer(number, reply->answers);
-                else
-                    questions->answer(number, reply.error());
-            });
+        try {
+            client->client->ask_async(
+                as_points(points, count), {exact != 0, or_default(timeout_s)},
+                [questions = client->questions, number = *opened](const Result<Reply>& reply) {
+                    if (reply)
+                        questions->answer(number, reply->answers);
+                    else
+                        questions->answer(number, reply.error());
+                });
+        } catch (...) { // nobody will know its number
+            client->questions->cancel(*opened);
+            throw;
+        }
         *question = *opened;
         return {};
     });
@@ -234,13 +239,13 @@ seaway_code seaway_take_answers(seaway_client* client, uint64_t question, seaway
         const std::optional<Questions::Answers> taken = client->questions->take(question, count);
         pending = !taken;
         if (pending)
-            return {};
+            return Error{fmt::format("question {} is under way", question)};
         if (!*taken)
             return taken->error();
         put(**taken, answers);
         return {};
     });
-    return pending ? fail(SEAWAY_PENDING, fmt::format("question {} is under way", question)) : code;
+    return pending ? SEAWAY_PENDING : code;
 }
 
 seaway_code seaway_cancel(seaway_client* client, uint64_t question) {

@@ -20,11 +20,9 @@ namespace {
 constexpr std::size_t sea_states_max = 32;
 
 /// A later epoch takes over from those that were to begin when it does, or after.
-void drop_overtaken(std::vector<SeaStatePtr>& states) {
-    std::erase_if(states, [all = states](const SeaStatePtr& state) {
-        return std::ranges::any_of(all, [&state](const SeaStatePtr& other) {
-            return other->epoch > state->epoch && other->start_time_us <= state->start_time_us;
-        });
+bool is_overtaken(const SeaState& state, std::span<const SeaStatePtr> by) {
+    return std::ranges::any_of(by, [&state](const SeaStatePtr& other) {
+        return other->epoch > state.epoch && other->start_time_us <= state.start_time_us;
     });
 }
 
@@ -55,7 +53,12 @@ ConnectionEvents Client::connection_events(const JoiningPtr& joining) {
                 return held->epoch == state->epoch;
             });
             sea_states_.push_back(state);
-            drop_overtaken(sea_states_);
+            std::erase_if(sea_states_, [&, all = sea_states_](const SeaStatePtr& held) {
+                const bool goes = is_overtaken(*held, all);
+                if (goes)
+                    forget_waves(held->epoch);
+                return goes;
+            });
             std::stable_sort(sea_states_.begin(), sea_states_.end(),
                              [](const SeaStatePtr& a, const SeaStatePtr& b) {
                                  return a->start_time_us < b->start_time_us;

@@ -2,6 +2,7 @@
 // Client: how it connects, loses its connection and comes back (decision 0045).
 #include <algorithm>
 #include <cmath>
+#include <new>
 
 #include <fmt/format.h>
 
@@ -41,7 +42,9 @@ Client::~Client() {
     if (keeper_.joinable())
         keeper_.join();
     coming_ = {};
-    connection_.reset(); // first to go: its events use everything else
+    if (connection_)
+        connection_->end(); // an event may hold it for the moment, and would be the last to
+    connection_.reset();    // first to go: its events use everything else
 }
 
 Result<std::unique_ptr<Client>> Client::connect(const ConnectOptions& options, ClientEvents events,
@@ -143,7 +146,13 @@ void Client::come_back(std::unique_lock<std::mutex>& lock, Error why) {
         note_attempt();
         say();
         lock.unlock();
-        const Result<void> opened = open_link();
+        const Result<void> opened = [this]() -> Result<void> {
+            try {
+                return open_link();
+            } catch (const std::bad_alloc&) { // this thread is ours alone: who would be told?
+                return failed(Failure::cannot_connect, "no memory");
+            }
+        }();
         lock.lock();
         if (opened)
             return;

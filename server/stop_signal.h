@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // StopSignal: the signals of a server as something main can wait for: SIGTERM and SIGINT stop it, SIGHUP
-// is handed on, SIGUSR1, SIGUSR2 and SIGPIPE do nothing. Make it before any thread starts, so that
-// every thread inherits the blocked signals.
+// is handed on, SIGUSR1, SIGUSR2 and SIGPIPE do nothing. Make it before most threads start, so that
+// they inherit the blocked signals; others hand them on.
 #pragma once
 
 #include <algorithm>
@@ -30,7 +30,12 @@ class StopSignal {
         block({SIGHUP});
     }
 
-    StopSignal() : set_(block({SIGTERM, SIGINT, SIGHUP})) {}
+    /// Threads that have begun before it hand on what they are sent: whose signals are blocked is who waits.
+    StopSignal() : set_(block({SIGTERM, SIGINT, SIGHUP})) {
+        waits_ = pthread_self();
+        for (const int signal : {SIGTERM, SIGINT})
+            std::signal(signal, [](int sent) { pthread_kill(waits_, sent); });
+    }
 
     /// Waits, calling `hung_up` at each SIGHUP and `beat` whenever `every` has passed; true if somebody asked to
     /// stop, false after fail().
@@ -79,6 +84,7 @@ class StopSignal {
 
     static inline volatile std::sig_atomic_t early_exit_code_ = 0;
     static inline std::atomic<bool> failed_ = false;
+    static inline pthread_t waits_ = {};
     sigset_t set_;
 };
 

@@ -278,7 +278,7 @@ std::string plan_json(const RunningSea& sea, const EffectPlan& plan,
                             {"idle", plan.idle()},
                             {"cascades", cascades},
                             {"done", counters_json(counters)}};
-    return json.dump(2) + "\n";
+    return json.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
 }
 
 std::string metrics_text(const EffectPlan& plan, const SimulationCounters& counters,

@@ -98,6 +98,8 @@ void Connection::subscribe_spectrum(const protocol::SpectrumWish& wish, double t
 
 void Connection::unsubscribe_spectrum() {
     send(protocol::unsubscribe(true));
+    // What was to come of waves comes no more, and nobody says so: its place would be taken for ever.
+    requests_.abandon(Lane::spectrum, failed(Failure::refused, "unsubscribed meanwhile"));
 }
 
 // ---- the connection's thread -----------------------------------------------------------------

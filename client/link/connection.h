@@ -109,6 +109,8 @@ class Connection {
     bool is_open() const { return open_; }
     /// Ends it: on_closed gets the reason, and with it everything that waits. Does not block.
     void close() { stream_->close("closed by this client"); }
+    /// Likewise, and waits for its thread: none of its events comes, or is under way, any more. Not from one of them.
+    void end() { stream_->end(); }
 
     // Each hands its handler the reply, a refusal, a passed deadline or the end of the connection:
     // exactly once, on the connection's thread or at once. `timeout_s` is from now on.

@@ -31,8 +31,11 @@ struct MessageStreamEvents {
 
 class MessageStream {
   public:
-    /// Closes it and waits for its thread, a second at most for the peer. Not from a callback.
+    /// As end().
     virtual ~MessageStream() = default;
+
+    /// Closes it and waits for its thread, a second at most for the peer. Idempotent; not from a callback.
+    virtual void end() = 0;
 
     /// Messages are read from here on; once.
     virtual void start(MessageStreamEvents events) = 0;

@@ -138,6 +138,23 @@ void Requests::expire(TimeUs now_us) {
         handler(late());
 }
 
+void Requests::abandon(Lane lane, const Error& error) {
+    std::vector<ReplyHandler> failed_handlers;
+    {
+        const std::scoped_lock lock(mutex_);
+        for (auto& [request_id, request] : open_)
+            if (request.lane == lane && request.handler)
+                failed_handlers.push_back(std::move(request.handler));
+        std::erase_if(open_, [lane](const auto& open) { return open.second.lane == lane; });
+        for (Waiting& waiting : state(lane).waiting)
+            failed_handlers.push_back(std::move(waiting.handler));
+        state(lane).waiting.clear();
+        state(lane).in_flight = 0;
+    }
+    for (const ReplyHandler& handler : failed_handlers)
+        handler(error);
+}
+
 void Requests::fail_all(const Error& error) {
     std::vector<ReplyHandler> failed_handlers;
     {

@@ -91,6 +91,9 @@ class Requests {
     /// The fields that each open request of the bulk lane waits for.
     std::vector<sea::FieldSet> bulk_fields() const;
 
+    /// Nobody will answer those of this lane, which fail with this, open ones and waiting ones; it takes new ones.
+    void abandon(Lane lane, const Error& error);
+
     void expire(TimeUs now_us);
 
     /// Everything open fails with this, and everything that is started from now on.

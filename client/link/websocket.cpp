@@ -55,7 +55,9 @@ class SocketStream final : public MessageStream {
         : url_(url), options_(options), tls_context_(std::move(tls_context)),
           ws_(make_socket(), web_socket_options(options)), ticker_(io_) {}
 
-    ~SocketStream() override {
+    ~SocketStream() override { SocketStream::end(); }
+
+    void end() override {
         close("closed by this client");
         if (options_.threadless) {
             const auto patience = std::chrono::steady_clock::now() + close_patience;

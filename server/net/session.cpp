@@ -131,10 +131,8 @@ void Session::on_subscribe(const wire::Subscribe& subscribe) {
                       .size_max = subscribe.size_max()};
     core_.host.subscriptions().erase(id_); // as if nothing had been granted before
     const Demand grant = core_.host.grant(wish);
-    if (grant.empty() && grant.busy && subscription_)
+    if (grant.empty() && subscription_)
         core_.host.subscriptions().set(id_, subscription_->granted); // that goes on
-    else if (grant.empty())
-        on_unsubscribe();
     if (grant.empty())
         return refuse(request_id,
                       {grant.busy ? Refusal::busy : Refusal::not_offered,

@@ -293,7 +293,9 @@ class StreamConnection final : public Link,
     }
 
     void write_overdue() {
-        if (writing_.empty() || lost_)
+        // Behind a stop of the whole process the handler waits already when the socket takes more, and can no longer be called off.
+        const bool of_another = write_timer_.expiry() > std::chrono::steady_clock::now();
+        if (writing_.empty() || lost_ || of_another)
             return;
         std::size_t bytes = 0;
         for (const SharedBytes& message : writing_)

@@ -254,10 +254,15 @@ TEST(Changes, more_than_a_few_that_have_not_begun_are_refused_until_one_has) {
     };
     Said said{0, ""};
     int taken = 0;
+    const auto start = std::chrono::steady_clock::now();
     while (said.code == 0 && taken < 40)
         taken += (said = set(10 * taken)).code == 0;
+    const auto each = (std::chrono::steady_clock::now() - start) / std::max(1, taken);
     EXPECT_EQ(said.code, 6) << said.words;
-    EXPECT_NE(said.words.find("have not begun"), std::string::npos) << said.words;
+    // Where a machine takes a fifth of a second for each, they begin meanwhile, and are one too many that take over.
+    if (each < std::chrono::milliseconds(200)) {
+        EXPECT_NE(said.words.find("have not begun"), std::string::npos) << said.words;
+    }
     EXPECT_GE(taken, 2);
     for (int i = 0; i < 100 && said.code != 0; ++i) {
         std::this_thread::sleep_for(std::chrono::milliseconds(200));

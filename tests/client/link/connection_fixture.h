@@ -63,6 +63,7 @@ class FakeStream final : public MessageStream {
         return true;
     }
     void close(std::string reason) override { server_.end(reason); }
+    void end() override { server_.end("destroyed"); }
 
   private:
     void take(const wire::Ack& ack) {

@@ -98,6 +98,25 @@ TEST_F(RequestsTest, all_fail_when_the_connection_ends_and_later_ones_too) {
         EXPECT_EQ(outcome, "gone");
 }
 
+// Naive: the place of what the server has dropped without a word is taken for ever.
+TEST_F(RequestsTest, of_a_lane_that_is_abandoned_fail_and_the_next_one_is_sent) {
+    start(Lane::spectrum);
+    start(Lane::spectrum);
+    start(Lane::query);
+    requests.expire(1000); // its place stays taken until the server is done
+    start(Lane::spectrum, 5000);
+    ASSERT_EQ(sent.size(), 2u);
+    requests.abandon(Lane::spectrum, failed(Failure::refused, "nobody wants it"));
+    EXPECT_EQ(outcomes[3], "nobody wants it");
+    EXPECT_FALSE(requests.finish(Lane::spectrum, sent[0], Reply()))
+        << "what comes late is nobody's";
+    start(Lane::spectrum);
+    ASSERT_EQ(sent.size(), 3u);
+    EXPECT_TRUE(requests.finish(Lane::spectrum, sent[2], Reply()));
+    EXPECT_EQ(outcomes[4], "done");
+    EXPECT_TRUE(requests.finish(Lane::query, sent[1], Reply())) << "others go on";
+}
+
 TEST_F(RequestsTest, fail_when_they_are_given_up) {
     std::string outcome;
     {

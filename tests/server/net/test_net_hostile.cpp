@@ -193,8 +193,9 @@ TEST_F(NetHostile, a_name_is_logged_as_120_characters_of_one_line_without_quotes
 }
 
 TEST_F(NetHostile, every_kind_of_bad_client_ends_with_one_line_and_nobody_else_notices) {
-    options.hello_deadline = std::chrono::milliseconds(300);
-    options.http_deadline = std::chrono::milliseconds(300);
+    // They hold for the healthy one, too, and for attacks that are to end otherwise.
+    options.hello_deadline = std::chrono::milliseconds(1500);
+    options.http_deadline = std::chrono::milliseconds(1500);
     start();
     HealthySubscriber healthy(port());
     std::int64_t n = 10;
@@ -260,12 +261,13 @@ TEST_F(NetHostile, a_client_that_is_dead_but_connected_is_cut_when_it_answers_no
 }
 
 TEST_F(NetHostile, a_client_that_answers_pings_is_not_cut) {
-    options.idle_timeout = std::chrono::milliseconds(200);
+    options.idle_timeout =
+        std::chrono::seconds(1); // a busy machine lets its client wait for a part of that
     start();
     Client quiet(port());
     ASSERT_FALSE(quiet.connect());
     ASSERT_TRUE(quiet.greet());
-    EXPECT_TRUE(quiet.stays_quiet_for(std::chrono::milliseconds(1000)));
+    EXPECT_TRUE(quiet.stays_quiet_for(std::chrono::milliseconds(3000)));
     EXPECT_EQ(metric("seaway_net_sessions"), 1);
 }
 
@@ -297,11 +299,13 @@ TEST_F(NetHostile, a_flood_of_requests_without_reading_is_not_read_beyond_the_li
     const auto bound = static_cast<double>(protocol::limits::replies_bytes_max +
                                            (1 + protocol::limits::queries_in_flight_max) * 170'000);
     double most = 0;
-    for (int look = 0; look < 50; ++look) {
-        most = std::max(most, metric("seaway_net_outbox_bytes"));
+    const auto look = [&] { return most = std::max(most, metric("seaway_net_outbox_bytes")); };
+    EXPECT_TRUE(eventually(
+        [&] { return look() > 0.5 * static_cast<double>(protocol::limits::replies_bytes_max); }));
+    for (int i = 0; i < 50; ++i) {
+        look();
         std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
-    EXPECT_GT(most, 0.5 * static_cast<double>(protocol::limits::replies_bytes_max));
     EXPECT_LE(most, bound);
     net->stop();
     sender.join();

@@ -181,14 +181,19 @@ TEST_F(NetMaps, a_place_comes_back_once_its_map_has_ended_and_nobody_waits_for_t
     options.map_patience = std::chrono::milliseconds(0);
     start();
     const SlowReaders slow(port());
+    std::unique_ptr<RawPeer> third;
+    std::future<void> one_ends = ends.get_future();
+    const auto asked_until_one_ends = [&] { // refused as long as nobody is behind
+        third = std::make_unique<RawPeer>(port());
+        third->say(ask_for_a_map);
+        return one_ends.wait_for(std::chrono::seconds(3)) == std::future_status::ready;
+    };
     std::this_thread::sleep_for(std::chrono::milliseconds(300)); // until they are behind
-    RawPeer third(port());
-    third.say(ask_for_a_map);
-    ends.get_future().wait();
+    ASSERT_TRUE(eventually(asked_until_one_ends));
     EXPECT_EQ(get("/healthz").status, 200);
     EXPECT_EQ(host.maps_asked, 2) << "the third waits for the place";
     may_end.set_value();
-    EXPECT_TRUE(third.header().starts_with("HTTP/1.1 200"));
+    EXPECT_TRUE(third->header().starts_with("HTTP/1.1 200"));
     EXPECT_EQ(host.maps_asked, 3);
     net.reset(); // before what its maps call when they end
 }
