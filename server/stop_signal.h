@@ -12,6 +12,7 @@
 #include <ctime>
 #include <functional>
 #include <initializer_list>
+#include <ucontext.h>
 #include <unistd.h>
 
 namespace seaway::server {
@@ -30,11 +31,13 @@ class StopSignal {
         block({SIGHUP});
     }
 
-    /// Threads that have begun before it hand on what they are sent: whose signals are blocked is who waits.
+    /// Threads that have begun before it hand on what they are sent, to whoever waits for it.
     StopSignal() : set_(block({SIGTERM, SIGINT, SIGHUP})) {
-        waits_ = pthread_self();
+        struct sigaction hands_on = {};
+        hands_on.sa_sigaction = &hand_on;
+        hands_on.sa_flags = SA_SIGINFO | SA_RESTART;
         for (const int signal : {SIGTERM, SIGINT})
-            std::signal(signal, [](int sent) { pthread_kill(waits_, sent); });
+            sigaction(signal, &hands_on, nullptr);
     }
 
     /// Waits, calling `hung_up` at each SIGHUP and `beat` whenever `every` has passed; true if somebody asked to
@@ -73,6 +76,14 @@ class StopSignal {
         return sigtimedwait(&set_, nullptr, &wait);
     }
 
+    /// From here on this thread blocks them, too: sent once more, it is for the next one, or waits for the process.
+    static void hand_on(int signal, siginfo_t*, void* context) {
+        sigset_t& blocked_behind = static_cast<ucontext_t*>(context)->uc_sigmask;
+        for (const int each : {SIGTERM, SIGINT})
+            sigaddset(&blocked_behind, each);
+        kill(getpid(), signal);
+    }
+
     static sigset_t block(std::initializer_list<int> signals) {
         sigset_t set;
         sigemptyset(&set);
@@ -84,7 +95,6 @@ class StopSignal {
 
     static inline volatile std::sig_atomic_t early_exit_code_ = 0;
     static inline std::atomic<bool> failed_ = false;
-    static inline pthread_t waits_ = {};
     sigset_t set_;
 };
 

@@ -61,6 +61,10 @@ void Outbox::push_spectrum(EncodedSpectrumPtr spectrum) {
     std::erase_if(spectra_, [&](const SpectrumParcel& waiting) {
         return waiting.spectrum->epoch == spectrum->epoch;
     });
+    for (SpectrumParcel& before : spectra_) { // who could wait would let this one wait
+        before.bytes_per_s = 0;
+        before.allowed_bytes = std::numeric_limits<std::size_t>::max();
+    }
     spectra_.push_back({std::move(spectrum)});
     if (spectra_.size() > limits::spectra_max)
         spectra_.pop_front();

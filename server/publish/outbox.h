@@ -14,6 +14,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -59,7 +60,7 @@ class Outbox {
     /// oldest is given up: its sea is over.
     void push_spectrum(EncodedSpectrumPtr spectrum);
     /// The same for one that is needed whole only later: its head now, and the rest as allow_spectra() says, evenly until
-    /// then, or by spectrum_bytes_per_s where that is sooner.
+    /// then, or by spectrum_bytes_per_s where that is sooner. Until another is pushed: then all of it goes at once.
     void push_paced_spectrum(EncodedSpectrumPtr spectrum, sea::TimeUs now_us);
     /// What has come due of those by this sea time may be handed out.
     void allow_spectra(sea::TimeUs now_us);

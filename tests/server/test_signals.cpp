@@ -17,6 +17,7 @@
 #include <sys/wait.h>
 
 #include "client/client.h"
+#include "server/stop_signal.h"
 #include "tests/server/net/clients.h"
 #include "tests/support/folder.h"
 #include "tests/support/server_process.h"
@@ -35,6 +36,30 @@ bool comes(const std::function<bool()>& condition) {
 
 bool comes_in(const std::string& url, const std::string& token) {
     return client::Client::connect({.url = url, .name = "knocks", .token = token}).has_value();
+}
+
+// Naive: threads of a library that has begun before the signals are blocked take them, and what waits for them hears nothing.
+TEST(StopSignalDeathTest, is_heard_by_who_waits_however_many_threads_began_before_it) {
+    GTEST_FLAG_SET(death_test_style, "threadsafe");
+    for (const bool fails : {false, true})
+        EXPECT_EXIT(
+            {
+                server::StopSignal::end_at_once(3);
+                std::vector<std::thread> before;
+                for (int i = 0; i < 4; ++i)
+                    before.emplace_back([] {
+                        for (;;)
+                            std::this_thread::sleep_for(std::chrono::hours(1));
+                    });
+                const server::StopSignal stop;
+                for (std::thread& thread : before)
+                    pthread_kill(thread.native_handle(), SIGTERM);
+                if (fails)
+                    server::StopSignal::fail();
+                const bool asked = stop.wait([] {}, std::chrono::hours(1), [] {});
+                std::_Exit(asked ? 42 : 43);
+            },
+            testing::ExitedWithCode(fails ? 43 : 42), "");
 }
 
 TEST(Signals, a_hang_up_reads_the_tokens_again_and_others_change_nothing) {

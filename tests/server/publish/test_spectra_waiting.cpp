@@ -88,6 +88,15 @@ TEST(Outbox, waves_of_a_sea_to_come_go_out_by_and_by_and_are_whole_when_they_are
         }
         EXPECT_EQ(bytes, 20'000u);
     }
+    // Naive: the waves of a change that begins in nine seconds wait behind those of one that takes its time.
+    Outbox both;
+    both.push_paced_spectrum(paced(start_us + 600 * second_us), start_us);
+    EXPECT_EQ(take_all(both), 50u);
+    auto next = std::make_shared<EncodedSpectrum>(*spectrum_of(3, 2));
+    next->bytes = 100;
+    next->whole_by_us = start_us + 600 * second_us;
+    both.push_paced_spectrum(next, start_us);
+    EXPECT_EQ(take_all(both), 20'000u) << "the rest of the first, and the head of the next";
     // What should be there already goes at once, and waits for no time.
     Outbox outbox;
     outbox.push_paced_spectrum(paced(start_us), start_us);
