@@ -12,7 +12,6 @@
 #include <ctime>
 #include <functional>
 #include <initializer_list>
-#include <ucontext.h>
 #include <unistd.h>
 
 namespace seaway::server {
