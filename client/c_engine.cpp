@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "base/undo.h"
 #include "client/c_api.h"
 #include "protocol/limits.h"
 
@@ -212,19 +213,17 @@ seaway_code seaway_ask(seaway_client* client, const seaway_point* points, size_t
             return failed(
                 Failure::refused,
                 fmt::format("{} questions are open: take or cancel some", Questions::open_max));
-        try {
-            client->client->ask_async(
-                as_points(points, count), {exact != 0, or_default(timeout_s)},
-                [questions = client->questions, number = *opened](const Result<Reply>& reply) {
-                    if (reply)
-                        questions->answer(number, reply->answers);
-                    else
-                        questions->answer(number, reply.error());
-                });
-        } catch (...) { // nobody will know its number
-            client->questions->cancel(*opened);
-            throw;
-        }
+        // Nobody would know its number.
+        Undo question_open([&] { client->questions->cancel(*opened); });
+        client->client->ask_async(
+            as_points(points, count), {exact != 0, or_default(timeout_s)},
+            [questions = client->questions, number = *opened](const Result<Reply>& reply) {
+                if (reply)
+                    questions->answer(number, reply->answers);
+                else
+                    questions->answer(number, reply.error());
+            });
+        question_open.keep();
         *question = *opened;
         return {};
     });

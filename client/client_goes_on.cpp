@@ -17,8 +17,6 @@ namespace {
 
 /// A server answers pings each second; whose third is missing is silent.
 constexpr LocalUs silent_us = 3'000'000;
-/// How soon an ended connection is looked at again that somebody still holds.
-constexpr std::chrono::milliseconds let_go_looks{1};
 
 bool same_tiles(const SeaState& a, const SeaState& b) {
     return std::ranges::equal(a.cascades, b.cascades, [](const auto& one, const auto& other) {
@@ -43,7 +41,7 @@ Client::~Client() {
         keeper_.join();
     coming_ = {};
     if (connection_)
-        connection_->end(); // an event may hold it for the moment, and would be the last to
+        connection_->end(); // as in open_link()
     connection_.reset();    // first to go: its events use everything else
 }
 
@@ -71,9 +69,9 @@ Result<void> Client::open_link() {
     options.stop = leaving_.get_token();
     SEAWAY_TRY_LET(ConnectionPtr opened, Connection::open(options, connection_events(joining)));
     const ConnectionPtr before = adopt(std::move(opened), joining);
-    // Not to end on the thread of its own events, one of which may be the last to hold it.
-    while (before && before.use_count() > 1)
-        std::this_thread::sleep_for(let_go_looks);
+    // Not on the thread of its own events, one of which may be the last to hold it.
+    if (before)
+        before->end();
     return {};
 }
 

@@ -156,23 +156,12 @@ void Requests::abandon(Lane lane, const Error& error) {
 }
 
 void Requests::fail_all(const Error& error) {
-    std::vector<ReplyHandler> failed_handlers;
     {
         const std::scoped_lock lock(mutex_);
         end_ = error;
-        for (auto& [request_id, request] : open_)
-            if (request.handler)
-                failed_handlers.push_back(std::move(request.handler));
-        for (LaneState& lane : lanes_) {
-            for (Waiting& waiting : lane.waiting)
-                failed_handlers.push_back(std::move(waiting.handler));
-            lane.waiting.clear();
-            lane.in_flight = 0;
-        }
-        open_.clear();
     }
-    for (const ReplyHandler& handler : failed_handlers)
-        handler(error);
+    for (const Lane lane : {Lane::query, Lane::bulk, Lane::spectrum})
+        abandon(lane, error);
 }
 
 } // namespace seaway::client

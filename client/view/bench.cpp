@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "base/elapsed.h"
 #include "base/text_file.h"
 #include "client/link/failure.h"
 #include "client/view/debug/debug_pictures.h"
@@ -60,7 +61,7 @@ Result<void> bench(SeaSource& source, Renderer& renderer, const ViewOptions& opt
         SEAWAY_TRY(
             renderer.draw(frame, options.camera, sky, options.debug, display, Wanted::nothing));
         SEAWAY_TRY(renderer.finish());
-        all_s += std::chrono::duration<double>(Clock::now() - start).count();
+        all_s += seconds_since(start);
         all_cpu_s += cpu_s() - cpu_start_s;
         const std::vector<double>& times = renderer.pass_times();
         for (std::size_t pass = 0; pass < times.size(); ++pass)

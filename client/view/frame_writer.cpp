@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "base/elapsed.h"
 #include "base/messages.h"
 
 namespace seaway::client {
@@ -61,8 +62,7 @@ Result<void> FrameWriter::close() {
 void FrameWriter::tell(int done) {
     if (!terminal_)
         return;
-    const double spent_s =
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    const double spent_s = seconds_since(start_);
     const double left_s = spent_s / done * (frames_ - done);
     fmt::print(stderr, "\r{}/{} frames, {:.0f} s left\x1b[K{}", done, frames_, left_s,
                done == frames_ ? "\n" : "");

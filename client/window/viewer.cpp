@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "base/elapsed.h"
 #include "base/text_file.h"
 #include "client/view/look_file.h"
 #include "client/window/spectrum_curve.h"
@@ -20,10 +21,6 @@ constexpr double stale_s = 0.25; ///< what is older is not of now
 constexpr double stale_brightness = 0.45;
 constexpr double longest_step_s = 0.25; ///< after a pause nothing jumps
 constexpr double crest_heights = 2;     ///< no crest is higher than so many significant heights
-
-double seconds_since(std::chrono::steady_clock::time_point then) {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - then).count();
-}
 
 } // namespace
 

@@ -7,15 +7,12 @@
 
 #include <fmt/format.h>
 
+#include "base/elapsed.h"
 #include "protocol/limits.h"
 #include "protocol/tile_codec.h"
 
 namespace seaway::server {
 namespace {
-
-double seconds_since(std::chrono::steady_clock::time_point start) {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 const EncodedField* find_field(const EncodedKeyframe* keyframe, sea::Field field, float error) {
     if (keyframe == nullptr)

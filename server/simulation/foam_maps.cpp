@@ -2,8 +2,9 @@
 #include "server/simulation/foam_maps.h"
 
 #include <limits>
-#include <new>
 #include <utility>
+
+#include "base/undo.h"
 
 namespace seaway::server {
 
@@ -77,26 +78,20 @@ Result<bool> FoamMaps::walk(KeyframeMaker& device, int cascade, sea::TimeUs time
     if (!waits())
         return true;
     SEAWAY_TRY(own(own_history, device));
-    try {
-        std::vector<FoamTurn> turns;
-        std::vector<sea::TimeUs> times_us;
-        for (; static_cast<int>(turns.size()) < ticks_max && waits();) {
-            const sea::FoamStep step = *own_history.walk.next(time_us);
-            turns.push_back({own_history.map.get(), step.tick, {}});
-            times_us.push_back(step.time_us);
-        }
-        std::vector<KeyframeRequest> requests;
-        for (std::size_t i = 0; i < turns.size(); ++i)
-            requests.push_back(
-                {cascade, times_us[i], {}, course_->window_at(times_us[i]).epoch, &turns[i]});
-        if (const auto made = device.synthesize(requests); !made) {
-            own_history.walk.restart();
-            return made.error();
-        }
-    } catch (const std::bad_alloc&) { // the steps that it counts were not taken
-        own_history.walk.restart();
-        throw;
+    Undo steps([&own_history] { own_history.walk.restart(); }); // what it counts is not taken yet
+    std::vector<FoamTurn> turns;
+    std::vector<sea::TimeUs> times_us;
+    for (; static_cast<int>(turns.size()) < ticks_max && waits();) {
+        const sea::FoamStep step = *own_history.walk.next(time_us);
+        turns.push_back({own_history.map.get(), step.tick, {}});
+        times_us.push_back(step.time_us);
     }
+    std::vector<KeyframeRequest> requests;
+    for (std::size_t i = 0; i < turns.size(); ++i)
+        requests.push_back(
+            {cascade, times_us[i], {}, course_->window_at(times_us[i]).epoch, &turns[i]});
+    SEAWAY_TRY(device.synthesize(requests));
+    steps.keep();
     return !waits();
 }
 
@@ -118,33 +113,24 @@ Result<FoamTurn> FoamMaps::turn(KeyframeMaker& device, int cascade, sea::TimeUs 
 Result<std::vector<NewKeyframePtr>> FoamMaps::synthesize(KeyframeMaker& device,
                                                          std::vector<KeyframeRequest> requests) {
     std::vector<FoamTurn> turns(requests.size());
-    const auto take_turns_back = [&] {
+    Undo steps([&] {
         for (const KeyframeRequest& request : requests)
             if (request.fields.contains(sea::Field::foam))
                 restart(request.cascade);
-    };
-    const auto make = [&]() -> Result<std::vector<NewKeyframePtr>> {
-        for (std::size_t i = 0; i < requests.size(); ++i) {
-            const int cascade = requests[i].cascade;
-            const sea::TimeUs time_us = requests[i].time_us;
-            if (!requests[i].fields.contains(sea::Field::foam))
-                continue;
-            constexpr int all = std::numeric_limits<int>::max();
-            SEAWAY_TRY(walk_near(device, cascade, time_us, all));
-            SEAWAY_TRY_LET(turns[i], turn(device, cascade, time_us));
-            requests[i].foam = &turns[i];
-        }
-        return device.synthesize(requests);
-    };
-    try {
-        Result<std::vector<NewKeyframePtr>> made = make();
-        if (!made)
-            take_turns_back();
-        return made;
-    } catch (const std::bad_alloc&) {
-        take_turns_back();
-        throw;
+    });
+    for (std::size_t i = 0; i < requests.size(); ++i) {
+        const int cascade = requests[i].cascade;
+        const sea::TimeUs time_us = requests[i].time_us;
+        if (!requests[i].fields.contains(sea::Field::foam))
+            continue;
+        constexpr int all = std::numeric_limits<int>::max();
+        SEAWAY_TRY(walk_near(device, cascade, time_us, all));
+        SEAWAY_TRY_LET(turns[i], turn(device, cascade, time_us));
+        requests[i].foam = &turns[i];
     }
+    SEAWAY_TRY_LET(std::vector<NewKeyframePtr> made, device.synthesize(requests));
+    steps.keep();
+    return made;
 }
 
 } // namespace seaway::server

@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <chrono>
-#include <new>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "base/undo.h"
 #include "server/host/refusal.h"
 
 namespace seaway::server {
@@ -221,26 +221,18 @@ Result<std::vector<NewKeyframePtr>> KeyframeSource::make(const KeyframeJob& job,
 
 Result<void> KeyframeSource::synthesize_some(KeyframeJob& job, std::int64_t& budget) {
     Together together;
-    // Steps that foam has taken and whose maps were not made are none.
-    const auto take_turns_back = [&] {
+    Undo steps([&] { // those of foam whose maps are not made are none
         for (const int cascade : together.with_turn)
             foam_maps(job, together.foam_epoch).restart(cascade);
-    };
-    const Result<std::vector<NewKeyframePtr>> made = [&] {
-        try {
-            return make(job, budget, together);
-        } catch (const std::bad_alloc&) {
-            take_turns_back();
-            throw;
-        }
-    }();
+    });
+    const Result<std::vector<NewKeyframePtr>> made = make(job, budget, together);
     if (!made) {
-        take_turns_back();
         if (!made.error().is(DeviceError::foam_lost))
             return made.error();
         budget = 0; // the next slice starts anew
         return {};
     }
+    steps.keep();
     const auto foam_to = [&](std::size_t keyframe, const sea::Keyframe& from) {
         sea::copy_map(from, sea::Field::foam, *(*made)[keyframe]);
     };

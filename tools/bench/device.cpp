@@ -12,6 +12,7 @@
 
 #include <fmt/format.h>
 
+#include "base/elapsed.h"
 #include "protocol/limits.h"
 #include "protocol/tile_codec.h"
 #include "server/device/device_choice.h"

@@ -8,13 +8,13 @@
 
 #include <fmt/format.h>
 
+#include "base/elapsed.h"
 #include "base/worse.h"
 #include "client/rebuilt/received_spectrum.h"
 #include "protocol/spectrum_codec.h"
 #include "sea/native/native_runner.h"
 #include "server/publish/spectrum_store.h"
 #include "server/simulation/running_sea.h"
-#include "tools/bench/timing.h"
 
 namespace seaway::bench {
 

@@ -4,11 +4,9 @@
 #include <algorithm>
 #include <chrono>
 
-namespace seaway::bench {
+#include "base/elapsed.h"
 
-double seconds_since(std::chrono::steady_clock::time_point start) {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
+namespace seaway::bench {
 
 double Variant::median_s() const {
     std::vector<double> sorted = seconds;

@@ -3,14 +3,11 @@
 // while slows all variants alike, so ratios within one run can be trusted.
 #pragma once
 
-#include <chrono>
 #include <functional>
 #include <string>
 #include <vector>
 
 namespace seaway::bench {
-
-double seconds_since(std::chrono::steady_clock::time_point start);
 
 struct Variant {
     std::string name;

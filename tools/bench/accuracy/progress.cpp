@@ -7,16 +7,14 @@
 
 #include <fmt/format.h>
 
+#include "base/elapsed.h"
+
 namespace seaway::bench {
 
 namespace {
 
 using Clock = std::chrono::steady_clock;
 constexpr std::chrono::seconds between_lines{10};
-
-double seconds_since(Clock::time_point start) {
-    return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 bool stderr_is_terminal() {
     std::error_code failed;

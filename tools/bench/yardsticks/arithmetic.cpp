@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "base/elapsed.h"
 #include "base/instructions.h"
 #include "base/thread_pool.h"
 #include "gpu/commands.h"
@@ -31,7 +32,7 @@ Result<double> rate_of(std::uint32_t& rounds, double operations_a_round, const R
     while (true) {
         const auto start = Clock::now();
         SEAWAY_TRY(run(rounds));
-        const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
+        const double seconds = seconds_since(start);
         if (seconds >= enough_s || rounds >= rounds_max)
             return operations_a_round * rounds / seconds;
         rounds *= 2;

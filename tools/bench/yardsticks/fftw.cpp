@@ -12,6 +12,7 @@
 
 #include <fmt/format.h>
 
+#include "base/elapsed.h"
 #include "base/thread_pool.h"
 
 namespace seaway::bench {
@@ -83,7 +84,7 @@ class Loaded final : public Fftw {
                                   const auto start = Clock::now();
                                   own.functions.execute(plan.handle, plan.spectrum, plan.map);
                                   own.took_s[static_cast<std::size_t>(thread)] +=
-                                      std::chrono::duration<double>(Clock::now() - start).count();
+                                      seconds_since(start);
                               }
                           },
                           &work, threads};

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "base/elapsed.h"
 #include "base/thread_pool.h"
 #include "gpu/commands.h"
 #include "gpu/device.h"
@@ -19,10 +20,6 @@ namespace seaway::bench {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) {
-    return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 /// All threads, each its part.
 class Stores final : public Mover {
