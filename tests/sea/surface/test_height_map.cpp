@@ -198,25 +198,24 @@ TEST(HeightMap, a_reader_that_leaves_stops_the_work) {
 }
 
 // Naive: only between chunks do the workers look whether anybody still wants them. A chunk that is
-// under way when the reader leaves is not finished, so it is never said to be ready. It may just have
-// been, and on a busy machine often is: of fifty times once is enough.
+// under way when the reader leaves is not finished, so it is never said to be ready. Where every
+// point is looked at with care a chunk takes a quarter of a second; where the reader has to wait so
+// long it may be ready all the same: of a few times once is enough.
 TEST(HeightMap, a_reader_that_leaves_stops_the_work_in_the_middle_of_a_chunk) {
-    const Surface sea = surface(0.02);
+    const Surface sea = surface(0.02, {1.0, 1.0}, true);
     MapRequest r = request();
     r.columns = r.rows = 4096;
     bool stopped = false;
-    for (int i = 0; i < 50 && !stopped; ++i) {
+    for (int i = 0; i < 10 && !stopped; ++i) {
         std::atomic<int> told = 0;
         MapOptions options;
         options.on_ready = [&] { ++told; };
         Result<std::unique_ptr<MapStream>> stream = MapStream::start(r, sea, options);
         ASSERT_TRUE(stream);
-        do
-            ASSERT_TRUE((*stream)->next_chunk());
-        while ((*stream)->ready());
-        const int before = told;
+        std::this_thread::sleep_for(
+            std::chrono::milliseconds(50)); // the maps are mixed, it is at work
         stream->reset();
-        stopped = told == before;
+        stopped = told == 0;
     }
     EXPECT_TRUE(stopped);
 }
