@@ -96,8 +96,10 @@ Result<EncodedKeyframePtr> Encoder::encode(const sea::Keyframe& keyframe,
                                            Room* streamed) {
     SEAWAY_CHECK(codec_error.size() == static_cast<std::size_t>(keyframe.fields.size()),
                  "one codec bound for each field of a keyframe");
-    if (streamed != nullptr)
+    if (streamed != nullptr) {
         forget_bases(keyframe.time_us - base_age_us_max);
+        forget_unused(keyframe.cascade, quality);
+    }
     const EncodedKeyframePtr known = find(keyframe, quality);
     const std::uint64_t number = known ? known->number : next_number_++;
     const auto encoded = std::make_shared<EncodedKeyframe>(
@@ -281,25 +283,37 @@ EncoderCounters Encoder::counters() const {
     return counters_;
 }
 
-EncodedKeyframePtr Encoder::find(const sea::Keyframe& keyframe, Quality quality) const {
+EncodedKeyframePtr Encoder::find(const sea::Keyframe& keyframe, Quality quality) {
     const auto same = [&](const Remembered& held) {
         const EncodedKeyframe& it = *held.keyframe;
         return it.epoch == keyframe.epoch && it.cascade == keyframe.cascade &&
                it.time_us == keyframe.time_us && it.quality == quality;
     };
     const auto found = std::find_if(cache_.rbegin(), cache_.rend(), same);
-    return found == cache_.rend() ? nullptr : found->keyframe;
+    if (found == cache_.rend())
+        return nullptr;
+    found->used = streamed_[{keyframe.cascade, quality}];
+    return found->keyframe;
 }
 
 void Encoder::remember(EncodedKeyframePtr encoded) {
     const std::uint64_t number = encoded->number;
     std::erase_if(cache_, [&](const auto& held) { return held.keyframe->number == number; });
+    const std::uint64_t used = streamed_[{encoded->cascade, encoded->quality}];
     Room::Place place = room_->take_anyway(encoded->bytes);
-    cache_.push_back({std::move(encoded), std::move(place)});
+    cache_.push_back({std::move(encoded), std::move(place), used});
     while (room_->overfull() && !cache_.empty())
         cache_.pop_front();
     while (room_->overfull() && !bases_.empty()) // what comes next is sent whole
         bases_.pop_front();
+}
+
+void Encoder::forget_unused(int cascade, Quality quality) {
+    const std::uint64_t now = ++streamed_[{cascade, quality}];
+    std::erase_if(cache_, [&](const Remembered& held) {
+        return held.keyframe->cascade == cascade && held.keyframe->quality == quality &&
+               held.used + unused_max < now;
+    });
 }
 
 } // namespace seaway::server

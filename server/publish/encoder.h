@@ -8,8 +8,9 @@
 // Where a law of waves is given, heights and their rates have a second form, the difference to what follows from the newest
 // keyframe of the same sea, cascade and quality (docs/protocol.md, "Predicted maps"): for whoever was sent that one.
 //
-// Remembers the newest keyframes, as many as there is room for, so that a new subscriber costs no
-// encoding of what has just been streamed. For one thread, but for counters(); what it returns may go to any thread.
+// Remembers what was used lately, as far as there is room, so that a new subscriber costs no encoding of what has just
+// been streamed: a keyframe goes when its stream has gone on by `unused_max` since anybody wanted it.
+// For one thread, but for counters(); what it returns may go to any thread.
 #pragma once
 
 #include <cstdint>
@@ -83,7 +84,11 @@ struct CompactTiles {
 
 class Encoder {
   public:
-    /// Remembers what `room` has bytes for.
+    /// Keyframes of one cascade and quality that a new subscriber of a fast stream begins with, and one more: those between
+    /// which now lies, and those of the lead (schedule.h) at 20 a second.
+    static constexpr std::uint64_t unused_max = 8;
+
+    /// Remembers what `room` has bytes for at most.
     explicit Encoder(std::shared_ptr<Room> room = Memory().room(MemoryUse::encoded))
         : room_(std::move(room)) {}
 
@@ -103,8 +108,11 @@ class Encoder {
     std::size_t remembered_bytes() const { return room_->held_bytes(); }
 
   private:
-    EncodedKeyframePtr find(const sea::Keyframe& keyframe, Quality quality) const;
+    /// What is remembered of it, which is used now.
+    EncodedKeyframePtr find(const sea::Keyframe& keyframe, Quality quality);
     void remember(EncodedKeyframePtr encoded);
+    /// One more is streamed: what was not used since `unused_max` before is forgotten.
+    void forget_unused(int cascade, Quality quality);
     /// The linear maps of these fields on the smaller grid.
     sea::Keyframe compacted(const sea::Keyframe& keyframe, sea::FieldSet fields, int size);
 
@@ -156,10 +164,12 @@ class Encoder {
     struct Remembered {
         EncodedKeyframePtr keyframe;
         Room::Place place;
+        std::uint64_t used = 0; ///< when so many of its cascade and quality had been streamed
     };
     const std::shared_ptr<Room> room_;
-    std::deque<Remembered> cache_; ///< newest last
-    std::deque<Base> bases_;       ///< touched last: at the back
+    std::deque<Remembered> cache_;                              ///< newest last
+    std::map<std::pair<int, Quality>, std::uint64_t> streamed_; ///< so many, by cascade and quality
+    std::deque<Base> bases_;                                    ///< touched last: at the back
     sea::Predictor predictor_;
     std::uint64_t next_number_ = 1;
     std::map<std::pair<int, int>, sea::Regrid> regrids_; ///< by sides, from and to

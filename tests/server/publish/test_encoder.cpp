@@ -134,6 +134,39 @@ TEST(Encoder, the_memory_is_bounded_and_forgets_the_oldest) {
     EXPECT_EQ(encoder.counters().fields_encoded, before + 1) << "the oldest is forgotten";
 }
 
+// Naive: what is remembered grows until its share is full, 20 MB, for minutes and for nobody.
+TEST(Encoder, what_nobody_wants_is_forgotten_when_its_stream_has_gone_on) {
+    Encoder encoder;
+    const auto room = server::Room::of(1'000'000'000);
+    const float bound[] = {0.001f};
+    const auto encode = [&](int cascade, sea::TimeUs time_us, server::Room* streamed) {
+        const std::uint64_t before = encoder.counters().fields_encoded;
+        EXPECT_TRUE(encoder.encode(keyframe(16, {sea::Field::height}, cascade, time_us), bound, 0,
+                                   {sea::Field::height}, {}, streamed));
+        return encoder.counters().fields_encoded > before;
+    };
+    const auto stream = [&](int cascade, sea::TimeUs time_us) {
+        EXPECT_TRUE(encode(cascade, time_us, room.get()));
+    };
+    const auto knows = [&](int cascade, sea::TimeUs time_us) {
+        return !encode(cascade, time_us, nullptr);
+    };
+    EXPECT_FALSE(knows(0, -1000)) << "fetched once, and remembered";
+    stream(1, 0); // of a slow cascade
+    std::size_t early = 0;
+    for (sea::TimeUs time_us = 0; time_us < 100; ++time_us) {
+        stream(0, time_us);
+        EXPECT_TRUE(knows(0, -1000)) << "who is asked for stays";
+        if (time_us == 20)
+            early = encoder.remembered_bytes();
+    }
+    EXPECT_LT(encoder.remembered_bytes(), early + early / 10) << "no more after 100 than after 20";
+    EXPECT_TRUE(knows(1, 0)) << "nothing of its own stream has come since";
+    for (sea::TimeUs time_us = 99; time_us > 99 - static_cast<int>(Encoder::unused_max); --time_us)
+        EXPECT_TRUE(knows(0, time_us)) << time_us;
+    EXPECT_FALSE(knows(0, 99 - static_cast<int>(Encoder::unused_max) - 1));
+}
+
 TEST(Encoder, any_mix_of_keyframes_leaves_the_count_equal_to_the_bytes_held_and_below_the_limit) {
     // What the encoder alone keeps alive is what it remembers.
     const sea::FieldSet all{sea::Field::height, sea::Field::slope_x, sea::Field::foam};
