@@ -201,7 +201,7 @@ std::variant<Options, int> read_options(int argc, char** argv) {
         return complain("seaway-server", exit_usage, why + " (--help shows how)");
     }
     if (!data_dir.empty())
-        options.journal = {.option = "--data-dir", .where = data_dir};
+        options.journal.option = "--data-dir", options.journal.where = data_dir;
     return options;
 }
 

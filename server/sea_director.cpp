@@ -9,6 +9,8 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include "base/undo.h"
+#include "protocol/limits.h"
 #include "sea/scene/weather.h"
 #include "server/simulation/schedule.h"
 
@@ -44,11 +46,12 @@ Error refused(Error why) {
     return why.kind == ErrorKind{} ? Error{Refusal::bad_value, std::move(why.message)} : why;
 }
 
-/// Until then.
+/// For so long, by the machine's clock.
 Error busy(TimeUs wait_us, const std::string& why) {
     Error error{Refusal::busy,
                 fmt::format("{}: ask again in {:.1f} s", why, sea::seconds_from_us(wait_us))};
-    error.retry_after_ms = static_cast<std::uint32_t>(std::max<TimeUs>(wait_us, 0) / 1000 + 1);
+    error.retry_after_ms = static_cast<std::uint32_t>(
+        std::clamp<TimeUs>(wait_us / 1000 + 1, 1, protocol::limits::retry_after_ms_max));
     return error;
 }
 
@@ -66,11 +69,17 @@ std::vector<TimeUs> intervals_of(const RunningSea& a, const RunningSea& b) {
 SeaDirector::SeaDirector(std::shared_ptr<SeaCourse> course, Journal* journal, std::uint32_t changes,
                          World& world, SeaClock& clock)
     : course_(std::move(course)), journal_(journal), changes_(changes), world_(world),
-      clock_(clock), thread_([this] { run(); }) {
+      clock_(clock) {
+    Undo leave([this] { let_go(); });
     world_.change_by(
         [this](SeaWish wish, Host::Changed done) { change(std::move(wish), std::move(done)); });
-    if (!journal_)
-        return;
+    if (journal_)
+        follow_journal();
+    thread_ = std::thread([this] { run(); });
+    leave.keep();
+}
+
+void SeaDirector::follow_journal() {
     world_.read_by(
         [this](std::uint32_t epoch, std::size_t most) { return journal_->since(epoch, most); });
     journal_->compare_clocks([this] { return clock_.moment().elapsed_us; });
@@ -83,7 +92,7 @@ SeaDirector::SeaDirector(std::shared_ptr<SeaCourse> course, Journal* journal, st
     });
 }
 
-SeaDirector::~SeaDirector() {
+void SeaDirector::let_go() {
     world_.change_by(nullptr);
     world_.follow_by(nullptr);
     world_.read_by(nullptr);
@@ -92,6 +101,10 @@ SeaDirector::~SeaDirector() {
         journal_->call_on_change(nullptr);
         journal_->compare_clocks(nullptr);
     }
+}
+
+SeaDirector::~SeaDirector() {
+    let_go();
     std::deque<Asked> left;
     {
         const std::scoped_lock lock(mutex_);
@@ -123,10 +136,10 @@ void SeaDirector::run() {
         lock.unlock();
         follow_if_there_is_memory();
         lock.lock();
+        lock.unlock();
+        announce(); // also while wishes keep coming
+        lock.lock();
         if (asked_.empty()) {
-            lock.unlock();
-            announce();
-            lock.lock();
             wake_.wait_for(lock, journal_ && journal_->spread_us() > 0 ? nap_beside_others : nap,
                            [this] { return stopping_ || journal_grew_ || !asked_.empty(); });
             continue;
@@ -235,8 +248,8 @@ Result<void> SeaDirector::check_promised(const SeaWish& wish) {
                          [soon_us](TimeUs start_us) { return start_us < soon_us; });
     if (soon.size() < changes_promised_max || wish.at_us >= soon_us)
         return {};
-    return busy(std::ranges::min(soon) - now_us,
-                fmt::format("{} changes are promised and have not begun", soon.size()));
+    return busy_until(std::ranges::min(soon),
+                      fmt::format("{} changes are promised and have not begun", soon.size()));
 }
 
 Result<void> SeaDirector::check_takeovers(TimeUs start_us) const {
@@ -244,10 +257,16 @@ Result<void> SeaDirector::check_takeovers(TimeUs start_us) const {
     if (glides <= takeovers_max)
         return {};
     const TimeUs end_us = course_->window_at(start_us).end_us;
-    return busy(end_us - clock_.now_us(),
-                fmt::format("{} changes in a row have taken over from one that had not ended, the "
-                            "last ends at {:.1f} s",
-                            glides - 1, sea::seconds_from_us(end_us)));
+    return busy_until(end_us,
+                      fmt::format("{} changes in a row have taken over from one that had not "
+                                  "ended, the last ends at {:.1f} s",
+                                  glides - 1, sea::seconds_from_us(end_us)));
+}
+
+Error SeaDirector::busy_until(TimeUs sea_us, const std::string& why) const {
+    const std::optional<TimeUs> wait_us = clock_.wait_us(sea_us);
+    return wait_us ? busy(std::max<TimeUs>(*wait_us, 0), why)
+                   : Error{Refusal::busy, why + ": ask again when the sea runs"};
 }
 
 Result<std::uint32_t> SeaDirector::log(SeaChange change, const std::function<void()>& effect) {

@@ -48,6 +48,9 @@ class SeaDirector {
         SeaWish wish;
         Host::Changed done;
     };
+    void follow_journal();
+    /// Nobody calls it any more.
+    void let_go();
     void run();
     /// Plays what others have appended.
     void follow();
@@ -68,6 +71,8 @@ class SeaDirector {
     Result<void> check_promised(const SeaWish& wish);
     /// An error, busy: too many before it have taken over from changes that had not ended.
     Result<void> check_takeovers(sea::TimeUs start_us) const;
+    /// Ask again at that time of the sea.
+    Error busy_until(sea::TimeUs sea_us, const std::string& why) const;
     Result<SeaPromise> make(const SeaWish& wish);
     /// Written durably, where there is a journal, and then played: `effect`. Where there is no memory for either, follow()
     /// plays what was written once there is: the error says so. Its number in the journal; 0: there is none.

@@ -45,20 +45,24 @@ void SeaDirector::follow() {
     if (!journal_)
         return;
     const Result<std::vector<SeaChange>> more = journal_->since(changes_);
-    std::string stuck = more ? "" : more.error().message;
+    // Anybody is told that it is stuck. Why it is names hosts and files, which are for the log.
+    std::string stuck = more ? "" : "the journal cannot be read", why = stuck;
+    if (!more)
+        why += ": " + more.error().message;
     for (std::size_t i = 0; more && i < more->size() && stuck.empty(); ++i) {
         const SeaChange& next = (*more)[i];
-        if (const Result<void> played = play(next); !played)
-            stuck = fmt::format("change {} of another server cannot be played: {}", next.epoch,
-                                played.error().message);
-        else
+        if (const Result<void> played = play(next); !played) {
+            stuck = fmt::format("change {} of another server cannot be played", next.epoch);
+            why = fmt::format("{}: {}", stuck, played.error().message);
+        } else {
             changes_ = next.epoch;
+        }
     }
     if (stuck.empty())
         behind_since_us_ = 0;
     const std::scoped_lock lock(mutex_);
     if (!stuck.empty() && stuck != stuck_)
-        spdlog::error("event=sea_follows_no_more why=\"{}\"", stuck);
+        spdlog::error("event=sea_follows_no_more why=\"{}\"", why);
     stuck_ = std::move(stuck);
 }
 

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "base/undo.h"
 #include "protocol/limits.h"
 #include "sea/scene/weather.h"
 #include "server/host/grant.h"
@@ -72,12 +73,12 @@ sea::TimeUs World::announce_due() {
     const sea::TimeUs now_us = clock_.now_us();
     const sea::TimeUs until_us = now_us + announced_ahead();
     std::vector<RunningSeaPtr> told;
-    std::vector<SharedBytes> untold;
+    std::vector<SeaState> untold;
     for (const EpochWindow& window : course_->windows(now_us, until_us)) {
         told.push_back(course_->sea(window.epoch));
-        const SharedBytes message = sea_state_message(window.epoch);
+        SharedBytes message = sea_state_message(window.epoch);
         if (!is_told(window.epoch))
-            untold.push_back(message);
+            untold.push_back({window.epoch, std::move(message)});
     }
     std::vector<RunningSeaPtr> origins = origins_of(told.front());
     Announce announce;
@@ -87,10 +88,18 @@ sea::TimeUs World::announce_due() {
         origins_.swap(origins);
         announce = announce_;
     }
-    // Who comes now is told of them already: of the two a session takes one.
-    for (SharedBytes& message : untold)
+    // Who comes now is told of them already: of the two a session takes one. Those that could not be told, for want of
+    // memory, are told next time.
+    Undo again([&] {
+        const std::scoped_lock lock(mutex_);
+        std::erase_if(told_, [&](const RunningSeaPtr& sea) {
+            return std::ranges::find(untold, sea->epoch, &SeaState::epoch) != untold.end();
+        });
+    });
+    for (const SeaState& sea : untold)
         if (announce)
-            announce(std::move(message));
+            announce(sea.message);
+    again.keep();
     constexpr sea::TimeUs ever_us = std::numeric_limits<sea::TimeUs>::max();
     const auto later = course_->windows(until_us, ever_us);
     const auto next = std::ranges::find_if(
@@ -121,8 +130,12 @@ SharedBytes World::sea_state_message(std::uint32_t epoch) const {
         protocol::sea_state(announcement(*sea, course_->window(epoch), warnings_of(*sea))));
     const std::scoped_lock lock(mutex_);
     sea_states_.push_back({epoch, message});
-    if (sea_states_.size() > sea_states_kept)
-        sea_states_.pop_front();
+    // Those that all are told of stay: the network's thread asks for them.
+    const auto other = std::ranges::find_if(sea_states_, [&](const SeaState& one) {
+        return std::ranges::find(told_, one.epoch, &RunningSea::epoch) == told_.end();
+    });
+    if (sea_states_.size() > sea_states_kept && other != sea_states_.end())
+        sea_states_.erase(other);
     return message;
 }
 
@@ -342,9 +355,10 @@ Result<std::vector<SeaChange>> World::changes_from(std::uint64_t number, std::si
     }
     if (!since)
         return Error{Refusal::not_offered, "this sea has no journal"};
-    if (number > changes_max)
+    constexpr std::uint64_t number_max = std::numeric_limits<std::uint32_t>::max();
+    if (number > number_max)
         return Error{Refusal::bad_value,
-                     fmt::format("change is {}; a journal holds {} at most", number, changes_max)};
+                     fmt::format("change is {}; their numbers are 1 .. {}", number, number_max)};
     return since(static_cast<std::uint32_t>(number > 0 ? number - 1 : 0), most);
 }
 

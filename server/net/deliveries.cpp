@@ -31,8 +31,8 @@ void close_who_is_furthest_behind(Core& core) {
 
 } // namespace
 
-void Deliveries::add(EncodedKeyframePtr keyframe, KeyframeFilePtr file) {
-    waiting_.push_back({std::move(keyframe), std::move(file)});
+void Deliveries::add(Delivery keyframe) {
+    waiting_.push_back(std::move(keyframe));
     if (!goes_on_)
         turn();
 }
@@ -49,9 +49,7 @@ void Deliveries::turn() {
     goes_on_ = false;
     if (waiting_.empty())
         return;
-    const EncodedKeyframePtr keyframe = waiting_.front().keyframe;
-    const Session::Streamed streamed{keyframe, waiting_.front().file,
-                                     core_.host.sea_state_message(keyframe->epoch)};
+    const Delivery streamed = waiting_.front();
     const int of_this_turn = sessions_a_turn * core_.senders.threads();
     bool all = false;
     core_.senders.together([&] {

@@ -13,6 +13,13 @@ namespace seaway::server {
 
 class Core;
 
+/// A keyframe of the stream, where it lies, and what says of which sea it is.
+struct Delivery {
+    EncodedKeyframePtr keyframe;
+    KeyframeFilePtr file = {}; ///< none: its messages are all there is
+    protocol::SharedBytes sea_state = {};
+};
+
 class Deliveries {
   public:
     /// Of a turn, for each thread that sends: sending to so many takes 0.2 ms.
@@ -21,17 +28,13 @@ class Deliveries {
     explicit Deliveries(Core& core) : core_(core) {}
 
     /// To the sessions that are there when its turn comes. Those of an older keyframe come first.
-    void add(EncodedKeyframePtr keyframe, KeyframeFilePtr file = nullptr);
+    void add(Delivery keyframe);
 
   private:
     void go_on();
     void turn();
 
     Core& core_;
-    struct Delivery {
-        EncodedKeyframePtr keyframe;
-        KeyframeFilePtr file;
-    };
     std::deque<Delivery> waiting_;
     SessionId last_ = 0; ///< that has been sent the first of them
     bool goes_on_ = false;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/net/fetch_job.h"
 
+#include <algorithm>
 #include <new>
 #include <utility>
 
@@ -119,7 +120,17 @@ Result<void> FetchJob::take(const EncodedKeyframePtr& one, sea::FieldSet follows
 Result<void> FetchJob::keep(const EncodedKeyframePtr& one, sea::FieldSet follows) {
     encoded_.fields = encoded_.fields & (one->fields | (follows & sea::following(one->fields)));
     encoded_.keyframes.push_back(one);
+    keep_sea_state(one->epoch);
     return {};
+}
+
+void FetchJob::keep_sea_state(std::uint32_t epoch) {
+    const std::vector<EncodedKeyframePtr>& all = encoded_.keyframes;
+    const std::shared_ptr<Core> alive = core_.lock();
+    if (!alive || std::ranges::count(all, epoch, &EncodedKeyframe::epoch) > 1)
+        return;
+    if (protocol::SharedBytes sea_state = alive->host.sea_state_message(epoch))
+        encoded_.sea_states.push_back(std::move(sea_state));
 }
 
 /// Only the first end counts.

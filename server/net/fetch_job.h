@@ -19,6 +19,7 @@ namespace seaway::server {
 struct FetchedTiles {
     std::vector<EncodedKeyframePtr> keyframes;
     sea::FieldSet fields;
+    std::vector<protocol::SharedBytes> sea_states = {}; ///< of their epochs
 };
 
 /// Refusals: more than one session may be sent; what nobody has read yet fills its share of the memory.
@@ -54,6 +55,8 @@ class FetchJob : public std::enable_shared_from_this<FetchJob> {
     Room* streamed_room() const;
     Result<void> take(const EncodedKeyframePtr& one, sea::FieldSet follows);
     Result<void> keep(const EncodedKeyframePtr& one, sea::FieldSet follows);
+    /// Here, because a sea that nobody has kept is made anew for it, which the network's thread would wait for.
+    void keep_sea_state(std::uint32_t epoch);
     void end(Result<FetchedTiles> encoded);
 
     const std::weak_ptr<Core> core_;

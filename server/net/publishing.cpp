@@ -37,7 +37,9 @@ void publish_keyframe(const std::shared_ptr<Core>& core, KeyframeTiles tiles) {
             alive->host.subscriptions().size() >= subscribers_for_a_file)
             file = keyframe_file(**encoded, append_frame_header,
                                  *alive->memory->room(MemoryUse::streamed));
-        alive->post([weak, encoded = std::move(encoded), file = std::move(file)] {
+        auto sea_state = alive->host.sea_state_message(tiles.keyframe->epoch);
+        alive->post([weak, encoded = std::move(encoded), file = std::move(file),
+                     sea_state = std::move(sea_state)] {
             const std::shared_ptr<Core> here = weak.lock();
             if (here == nullptr)
                 return;
@@ -47,7 +49,7 @@ void publish_keyframe(const std::shared_ptr<Core>& core, KeyframeTiles tiles) {
                     fmt::format("event=keyframe_refused why=\"{}\"", encoded.error().message));
             }
             ++here->counters.keyframes_published;
-            here->deliveries.add(*encoded, file);
+            here->deliveries.add({*encoded, file, sea_state});
         });
         return true;
     };

@@ -248,9 +248,9 @@ void Session::fetched(std::uint32_t request_id, const Result<FetchedTiles>& enco
     --fetches_in_flight_;
     if (!encoded)
         return refuse(request_id, encoded.error());
-    const auto& [keyframes, fields] = *encoded;
-    for (const EncodedKeyframePtr& keyframe : keyframes)
-        tell_of(keyframe->epoch);
+    const auto& [keyframes, fields, sea_states] = *encoded;
+    for (const protocol::SharedBytes& sea_state : sea_states)
+        announce(sea_state);
     auto done = std::make_shared<const protocol::Bytes>(
         protocol::fetch_done(request_id, static_cast<std::uint32_t>(keyframes.size()), fields));
     if (!outbox_.push_fetched(keyframes, fields, std::move(done)))
@@ -299,7 +299,7 @@ bool Session::takes(const EncodedKeyframe& keyframe) {
                        (subscription_->former_cascades & cascade) != 0);
 }
 
-void Session::deliver(const Streamed& streamed) {
+void Session::deliver(const Delivery& streamed) {
     const EncodedKeyframe& keyframe = *streamed.keyframe;
     if (!subscription_ || closing_ || !takes(keyframe))
         return;

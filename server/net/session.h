@@ -63,14 +63,8 @@ class Session {
 
     // ---- from the server -------------------------------------------------------------------
 
-    /// A keyframe of the stream, where it lies, and what says of which sea it is.
-    struct Streamed {
-        EncodedKeyframePtr keyframe;
-        KeyframeFilePtr file;
-        protocol::SharedBytes sea_state;
-    };
     /// Sends it if it is of this session's quality and holds all that was granted.
-    void deliver(const Streamed& streamed);
+    void deliver(const Delivery& streamed);
     /// Sends a SeaState that it has not been sent.
     void announce(protocol::SharedBytes sea_state);
     /// Something that it asked for is not answered, or not sent.

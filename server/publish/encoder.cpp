@@ -96,11 +96,11 @@ Result<EncodedKeyframePtr> Encoder::encode(const sea::Keyframe& keyframe,
                                            Room* streamed) {
     SEAWAY_CHECK(codec_error.size() == static_cast<std::size_t>(keyframe.fields.size()),
                  "one codec bound for each field of a keyframe");
-    if (streamed != nullptr) {
+    if (streamed != nullptr)
         forget_bases(keyframe.time_us - base_age_us_max);
-        forget_unused(keyframe.cascade, quality);
-    }
     const EncodedKeyframePtr known = find(keyframe, quality);
+    if (streamed != nullptr && !known)
+        forget_unused(keyframe.cascade, quality);
     const std::uint64_t number = known ? known->number : next_number_++;
     const auto encoded = std::make_shared<EncodedKeyframe>(
         EncodedKeyframe{number, keyframe.epoch, keyframe.cascade, keyframe.time_us, quality});

@@ -88,6 +88,20 @@ TEST(ServerOptions, each_goes_where_it_says_and_has_its_default) {
     EXPECT_EQ(options_of({"--device", "list"}).index(), 0u) << "a list needs no scene";
 }
 
+// Naive: the older name of the option forgets what belongs to the journal beside it, and NATS is spoken to in the clear.
+TEST(ServerOptions, a_journal_by_its_older_name_keeps_what_else_is_said_of_it) {
+    const auto read =
+        options_of({"a.toml", "--data-dir", "nats://h/w", "--journal-tls-ca", "ca.pem",
+                    "--journal-credentials", "who", "--journal-replicas", "3"});
+    ASSERT_TRUE(std::holds_alternative<Options>(read));
+    const JournalPlace& journal = std::get<Options>(read).journal;
+    EXPECT_EQ(journal.option, "--data-dir");
+    EXPECT_EQ(journal.where, "nats://h/w");
+    EXPECT_EQ(journal.tls_ca_file, "ca.pem");
+    EXPECT_EQ(journal.credentials_file, "who");
+    EXPECT_EQ(journal.replicas, 3);
+}
+
 TEST(ServerOptions, limits_of_addresses_and_pages_that_may_come_each_have_a_flag) {
     const auto read = options_of(
         {"--health-listen", "127.0.0.1:2", "--connections-max", "11", "--sessions-max", "12",

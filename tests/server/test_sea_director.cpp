@@ -203,6 +203,64 @@ TEST_F(Director,
     EXPECT_EQ(handed_over, 1);
 }
 
+// Naive: announcements wait for a moment in which nobody wishes anything.
+TEST_F(Director, seas_are_told_of_however_many_wishes_are_refused_meanwhile) {
+    std::atomic<int> told = 0, refused = 0, asking = 0;
+    std::atomic<bool> goes_on = true;
+    world.announce_to([&told](const SharedBytes&) { ++told; });
+    SeaWish wrong = wish();
+    wrong.scene = "[sea]\nseed = \"x\"\n";
+    std::function<void()> again = [&] {
+        ++asking;
+        director->change(wrong, [&](const Result<SeaPromise>& made) {
+            refused += !made;
+            if (goes_on)
+                again();
+            --asking;
+        });
+    };
+    for (int i = 0; i < 4; ++i)
+        again();
+    EXPECT_TRUE(comes_true([&] { return refused > 8; }));
+    const int before = told;
+    const TimeUs start_us = clock.now_us() + 5'000'000;
+    journal.by_another({2, start_us, start_us + 20'000'000, windy()});
+    EXPECT_TRUE(comes_true([&] { return told > before; }));
+    goes_on = false;
+    EXPECT_TRUE(comes_true([&] { return asking == 0; }));
+}
+
+// Naive: so long as the sea takes, which at half its pace is half of what it will be.
+TEST_F(Director, when_to_ask_again_is_told_by_the_clock_of_who_asks) {
+    clock.follow(clock.next_pace(clock.moment().elapsed_us, 500));
+    TimeUs first_us = 0;
+    for (std::size_t i = 0; i < changes_promised_max; ++i) {
+        const Result<SeaPromise> made = asked(wish());
+        ASSERT_TRUE(made) << made.error().message;
+        first_us = i == 0 ? made->start_us : first_us;
+    }
+    const TimeUs before_us = clock.now_us();
+    const Result<SeaPromise> busy = asked(wish());
+    const TimeUs after_us = clock.now_us();
+    ASSERT_FALSE(busy);
+    ASSERT_TRUE(busy.error().is(Refusal::busy)) << busy.error().message;
+    const double wait_us = 1000.0 * busy.error().retry_after_ms;
+    EXPECT_GE(wait_us, 2.0 * static_cast<double>(first_us - after_us) - 2000);
+    EXPECT_LE(wait_us, 2.0 * static_cast<double>(first_us - before_us) + 2000);
+    clock.follow(clock.next_pace(clock.moment().elapsed_us, 0));
+    const Result<SeaPromise> never = asked(wish());
+    ASSERT_FALSE(never);
+    EXPECT_NE(never.error().message.find("ask again when the sea runs"), std::string::npos)
+        << never.error().message;
+}
+
+// Naive: anybody who asks whether a server is ready reads where its NATS is, or where a scene lies.
+TEST_F(Director, says_that_it_is_stuck_and_no_place_of_anything) {
+    journal.by_another({2, clock.now_us() + 5'000'000, clock.now_us() + 25'000'000, "[sea]\nx"});
+    ASSERT_TRUE(comes_true([&] { return !following().stuck.empty(); }));
+    EXPECT_EQ(following().doubt(), "change 2 of another server cannot be played");
+}
+
 TEST_F(Director, what_it_refuses_is_counted_by_reason) {
     const auto counts = [this] { return world.changes_refused(); };
     EXPECT_EQ(
@@ -338,6 +396,10 @@ TEST_F(ReadJournal, there_is_no_way_back_to_what_has_no_sea) {
         << why(2);
     EXPECT_NE(why(3).find("change is 3, which is one of pace"), std::string::npos) << why(3);
     EXPECT_NE(why(4).find("change is 4; there is none"), std::string::npos) << why(4);
+    EXPECT_NE(why(1ull << 32).find("numbers are 1 .. 4294967295"), std::string::npos);
+    for (int i = 0; i < 10'000; ++i) // one a minute for a week
+        add_pace();
+    EXPECT_NE(why(10'002).find("which is one of pace"), std::string::npos) << why(10'002);
     EXPECT_NE(why(0).find("there is none"), std::string::npos) << why(0);
     EXPECT_EQ(world.scene_of_change(1).value(), changes[0].scene) << "to the letter";
 }

@@ -103,6 +103,26 @@ TEST(World, everybody_is_told_once_of_a_sea_that_somebody_has_asked_about_alread
     EXPECT_EQ(told.front(), glide);
 }
 
+// Naive: it counts as told before it is, and is never told again.
+TEST(World, of_a_sea_that_could_not_be_told_for_want_of_memory_all_are_told_next_time) {
+    TimeUs now_us = 0;
+    SeaClock clock(
+        0, [&now_us] { return now_us; }, [&now_us] { return now_us; });
+    World world(changing_course(1), clock);
+    now_us = 95'000'000;
+    int tries = 0;
+    world.announce_to([&tries](const SharedBytes&) {
+        if (++tries == 1)
+            throw std::bad_alloc();
+    });
+    EXPECT_THROW((void)world.announce_due(), std::bad_alloc);
+    (void)world.announce_due();
+    const int told = tries;
+    EXPECT_GT(told, 1);
+    (void)world.announce_due();
+    EXPECT_EQ(tries, told) << "and once";
+}
+
 // Naive: the choice as it came, of waves that this sea may not have.
 TEST(World, an_answer_about_some_waves_says_which_of_this_sea_they_were) {
     Bench bench;

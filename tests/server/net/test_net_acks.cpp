@@ -48,9 +48,9 @@ class NetAcks : public ::testing::Test {
     }
     void publish(int keyframes = 1) {
         for (; keyframes > 0; --keyframes)
-            core->deliveries.add(*encoder.encode(*sea.keyframe(0, ++newest, sea.offered).keyframe,
-                                                 std::vector<float>(sea.offered.size(), 0.1f), 0,
-                                                 sea.offered));
+            core->deliveries.add(
+                {*encoder.encode(*sea.keyframe(0, ++newest, sea.offered).keyframe,
+                                 std::vector<float>(sea.offered.size(), 0.1f), 0, sea.offered)});
     }
     /// How many of so many keyframes are sent, the newest of those that wait among them.
     std::size_t sent_of(int keyframes) {
@@ -143,7 +143,7 @@ TEST_F(NetAcks, that_have_not_come_make_nobody_a_slow_reader_who_has_taken_all) 
         streamed->place =
             core->memory->room(server::MemoryUse::streamed)->take_anyway(keyframe->bytes);
         sent.push_back(streamed);
-        core->deliveries.add(std::move(streamed));
+        core->deliveries.add({std::move(streamed)});
     }
     ASSERT_EQ(line.streamed.size(), 7u);
     EXPECT_EQ(session.outbox().oldest_streamed().number, 0u);

@@ -44,7 +44,7 @@ class NetTurns : public ::testing::Test {
         auto keyframe = std::make_shared<sea::Keyframe>(*sea.keyframe(0, 1, sea.offered).keyframe);
         keyframe->time_us = time_us;
         const std::vector<float> lossless(sea.offered.size(), 0.0f);
-        core->deliveries.add(*encoder.encode(*keyframe, lossless, 0, sea.offered));
+        core->deliveries.add({*encoder.encode(*keyframe, lossless, 0, sea.offered)});
     }
     /// Works that were posted; false: there was none.
     bool one_turn() {

@@ -94,8 +94,15 @@ class SmallSea : public server::Host {
     // ---- Host ------------------------------------------------------------------------------
 
     sea::TimeUs sea_time_us() const override { return newest * interval_us; }
-    std::vector<protocol::SharedBytes> sea_state_messages() const override { return states; }
+    std::vector<protocol::SharedBytes> sea_state_messages() const override {
+        network = std::this_thread::get_id();
+        return states;
+    }
+    mutable std::atomic<std::thread::id> network{}; ///< where sessions are greeted
+    mutable std::atomic<int> looked_up = 0, looked_up_by_network = 0; ///< states of one epoch
     protocol::SharedBytes sea_state_message(std::uint32_t epoch) const override {
+        ++looked_up;
+        looked_up_by_network += std::this_thread::get_id() == network.load();
         const auto told = told_later.find(epoch);
         return told == told_later.end() ? nullptr : told->second;
     }
