@@ -86,4 +86,8 @@ void Core::log(const std::string& line) {
     spdlog::info("{}", line);
 }
 
+void Core::log_act(const std::string& line) {
+    spdlog::info("{}", line);
+}
+
 } // namespace seaway::server

@@ -98,6 +98,8 @@ class Core : public std::enable_shared_from_this<Core> {
     /// One log line, at most `log_lines_per_second_max` of them: a flood of bad clients must not
     /// become a flood of log. What was left out is counted in the next line.
     void log(const std::string& line);
+    /// An act of an administrator: nobody can flood it out of the log.
+    void log_act(const std::string& line);
     static constexpr int log_lines_per_second_max = 200;
 
   private:

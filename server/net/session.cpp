@@ -353,7 +353,9 @@ void Session::refuse(std::uint32_t request_id, const Error& why) {
 }
 
 bool Session::is_owed() const {
-    return queries_in_flight_ + fetches_in_flight_ + spectra_in_making_ + changes_in_flight_ > 0 ||
+    return queries_in_flight_ + fetches_in_flight_ + spectra_in_making_ + changes_in_flight_ +
+                   journal_reads_ >
+               0 ||
            outbox_.fetches_waiting() > 0 || outbox_.reply_bytes_waiting() > 0;
 }
 

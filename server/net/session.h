@@ -90,6 +90,8 @@ class Session {
     void on_change(const wire::Change& change);
     void on_administer(const wire::Administer& administer);
     void changed(std::uint32_t request_id, const Result<SeaPromise>& promise);
+    using JournalText = Result<std::string> (Host::*)(std::uint64_t) const;
+    void read_journal(std::uint32_t request_id, JournalText text, std::uint64_t number);
     void told(std::uint32_t request_id, const Result<std::string>& text);
     std::string sessions_json() const;
     Result<void> drop(SessionId session);
@@ -164,6 +166,7 @@ class Session {
     std::vector<std::uint32_t> spectra_sent_; ///< epochs, since the wish; the newest few
     std::optional<std::chrono::steady_clock::time_point> spectra_owed_; ///< not before then
     int changes_in_flight_ = 0;
+    int journal_reads_ = 0;                      ///< asked for and not told
     std::string client_;                         ///< its name, printable
     static constexpr std::size_t told_kept = 64; ///< of older ones it is told again
     std::deque<protocol::SharedBytes> told_;     ///< sea states

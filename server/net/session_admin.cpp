@@ -8,6 +8,7 @@
 #include "base/messages.h"
 #include "protocol/limits.h"
 #include "server/host/refusal.h"
+#include "server/net/fetch_job.h"
 #include "server/net/refusals.h"
 #include "server/net/session.h"
 
@@ -20,6 +21,7 @@ namespace {
 
 constexpr std::size_t sessions_listed_max = 256;
 constexpr int changes_in_flight_max = 4;
+constexpr int journal_reads_max = 4;
 
 Error administrators_alone() {
     return {ErrorCode::unauthorised, "this is for administrators: connect with their token"};
@@ -71,8 +73,9 @@ void Session::on_change(const wire::Change& change) {
     Result<SeaWish> wish = wish_of(change, changes_in_flight_);
     ++changes_in_flight_;
     if (wish)
-        core_.log(fmt::format("event=change_asked session={} over_s={} what=\"{}\"", id_,
-                              sea::seconds_from_us(wish->over_us), what_of(*wish)));
+        core_.log_act(fmt::format("event=change_asked session={} peer={} over_s={} what=\"{}\"",
+                                  id_, peer_.name, sea::seconds_from_us(wish->over_us),
+                                  what_of(*wish)));
     core_.host.change(std::move(wish), [core = core_.weak_from_this(), session = id_,
                                         request_id](Result<SeaPromise> promise) {
         const std::shared_ptr<Core> alive = core.lock();
@@ -81,8 +84,8 @@ void Session::on_change(const wire::Change& change) {
         alive->post([core, session, request_id, promise = std::move(promise)] {
             const std::shared_ptr<Core> here = core.lock();
             if (here && !promise)
-                here->log(fmt::format("event=change_refused session={} why=\"{}\"", session,
-                                      in_quotes(promise.error().message)));
+                here->log_act(fmt::format("event=change_refused session={} why=\"{}\"", session,
+                                          in_quotes(promise.error().message)));
             if (Session* found = here ? here->find(session) : nullptr)
                 found->or_drop([&] { found->changed(request_id, promise); });
         });
@@ -111,9 +114,9 @@ void Session::on_administer(const wire::Administer& administer) {
     case wire::Act::sessions:
         return reply(protocol::administered(request_id, sessions_json()));
     case wire::Act::history:
-        return told(request_id, core_.host.history(administer.session()));
+        return read_journal(request_id, &Host::history, administer.session());
     case wire::Act::change:
-        return told(request_id, core_.host.scene_of_change(administer.session()));
+        return read_journal(request_id, &Host::scene_of_change, administer.session());
     case wire::Act::drop:
         if (const Result<void> gone = drop(administer.session()); !gone)
             return refuse(request_id, gone.error());
@@ -122,7 +125,36 @@ void Session::on_administer(const wire::Administer& administer) {
     }
 }
 
+/// It stands on a disk, which may hang: all others would wait with the network's thread.
+void Session::read_journal(std::uint32_t request_id, JournalText text, std::uint64_t number) {
+    if (journal_reads_ >= journal_reads_max)
+        return refuse(request_id, {ErrorCode::too_many_requests,
+                                   fmt::format("{} readings of the journal are not answered yet",
+                                               journal_reads_)});
+    const auto read = [weak = core_.weak_from_this(), session = id_, request_id, text,
+                       number](Encoder&) {
+        const std::shared_ptr<Core> core = weak.lock();
+        if (core == nullptr)
+            return true;
+        Result<std::string> said = no_memory();
+        try {
+            said = (core->host.*text)(number);
+        } catch (const std::bad_alloc&) { // who asks waits for an answer
+        }
+        core->post([weak, session, request_id, said = std::move(said)] {
+            const std::shared_ptr<Core> here = weak.lock();
+            if (Session* found = here ? here->find(session) : nullptr)
+                found->or_drop([&] { found->told(request_id, said); });
+        });
+        return true;
+    };
+    ++journal_reads_;
+    if (!core_.spectra.submit_start(read))
+        told(request_id, Error{Refusal::busy, "too much waits to be read or made already"});
+}
+
 void Session::told(std::uint32_t request_id, const Result<std::string>& text) {
+    --journal_reads_;
     if (!text)
         return refuse(request_id, text.error());
     if (text->size() > protocol::limits::administered_bytes_max)
@@ -163,6 +195,8 @@ Result<void> Session::drop(SessionId session) {
     Session* found = core_.find(session);
     if (found == nullptr)
         return Error{ErrorCode::bad_value, fmt::format("session is {}; there is none", session)};
+    core_.log_act(
+        fmt::format("event=session_dropped session={} by={} peer={}", session, id_, peer_.name));
     found->close(ErrorCode::dropped, "an administrator has ended this session");
     return {};
 }

@@ -259,6 +259,25 @@ TEST_F(NetSession, seas_of_fetched_and_streamed_keyframes_are_looked_up_behind_t
     EXPECT_EQ(host.looked_up_by_network, 0);
 }
 
+// Naive: who asks for the history waits for a disk, and with him everybody.
+TEST_F(NetSession, a_journal_whose_disk_hangs_keeps_nobody_else_waiting) {
+    options.admin_token_file = folder().write("journal_admin", "master\n");
+    start();
+    const auto admin = greeted("master"), other = greeted();
+    host.disk_hangs = true;
+    for (std::uint32_t id = 1; id <= 5; ++id)
+        ASSERT_FALSE(admin->send(protocol::administer(id, wire::Act::history, 1)));
+    expect_refused(*admin, 5, wire::ErrorCode::too_many_requests, "4 readings of the journal");
+    ASSERT_FALSE(other->send(protocol::ping(6, 0)));
+    EXPECT_TRUE(other->receive(Body::Pong));
+    host.disk_hangs = false;
+    for (std::uint32_t id = 1; id <= 4; ++id) {
+        const wire::Message* told = admin->receive(Body::Administered);
+        ASSERT_TRUE(told);
+        EXPECT_EQ(told->body_as_Administered()->request_id(), id);
+    }
+}
+
 TEST_F(NetSession, a_query_is_answered_in_order_and_limits_are_refusals) {
     start();
     Client client(port());
